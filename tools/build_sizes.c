@@ -17,7 +17,8 @@ static uint64_t size_of(const char* path)
                : 0;
 }
 
-/// Of the files that an array of a glTF names, in the folder of the model. Names with escapes count nothing.
+/// Of the files that an array of a glTF names, in the folder of the model. Names with escapes count
+/// nothing.
 static uint64_t sum_named(const json_t* root, const char* key, const char* model)
 {
     const char* slash = strrchr(model, '/');

@@ -9,7 +9,8 @@
 /// Strength of eye-dome lighting for clouds, as --eye-dome takes it.
 #define CLOUD_EYE_DOME 1.0f
 
-/// Size of original points that are drawn because splats lack an attribute: by themselves they have none.
+/// Size of original points that are drawn because splats lack an attribute: by themselves they have
+/// none.
 #define CLOUD_ORIGINAL_SIZE "3px"
 #define CLOUD_ORIGINAL_PIXELS 3.0f
 

@@ -55,7 +55,7 @@ static int print_report(const stp_store_check_report* report, const char* fault)
 static int run(int argc, char** argv)
 {
     if (argc != 1) {
-        return tool_usage_error("check needs one file, and got %d", argc);
+        return tool_usage_error("check needs one file, but got %d", argc);
     }
     fault_text fault = {{0}};
     stp_context_desc desc = {.log = keep_fault, .log_user = &fault, .thread_count = 1};

@@ -124,7 +124,7 @@ static int check_outputs(char** pictures)
 static int run(int argc, char** argv)
 {
     if (argc != 2) {
-        return tool_usage_error("compare needs two pictures, and got %d", argc);
+        return tool_usage_error("compare needs two pictures, but got %d", argc);
     }
     if (is_stream(argv[0]) + is_stream(argv[1]) + is_stream(args.mask) > 1) {
         return tool_usage_error("only one picture can come from standard input");

@@ -320,7 +320,7 @@ static stp_result compare(comparison* c)
 static int run(int argc, char** argv)
 {
     if (argc != 2) {
-        return tool_usage_error("compare-splats needs splats and a model, and got %d files", argc);
+        return tool_usage_error("compare-splats needs splats and a model, but got %d files", argc);
     }
     comparison c = {.path = argv[0],
                     .model = argv[1],

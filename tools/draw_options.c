@@ -322,12 +322,13 @@ static int check_eyes(const draw_options* o)
 {
     stp_fovea fovea;
     if (!parse_fovea(o, &fovea)) {
-        return tool_usage_error("--fovea is R:S,R:S, at most %d zones with ascending radii from 0 "
-                                "to 2 and factors from 0.125 to 64, not %s",
-                                STP_FOVEA_ZONES, o->fovea);
+        return tool_usage_error(
+            "--fovea must be R:S,R:S, with at most %d zones with ascending radii from 0 "
+            "to 2 and factors from 0.125 to 64, not %s",
+            STP_FOVEA_ZONES, o->fovea);
     }
     if (!parse_fovea_center(o, &fovea)) {
-        return tool_usage_error("--fovea-center is X,Y, both from -1 to 1, not %s",
+        return tool_usage_error("--fovea-center must be X,Y, both from -1 to 1, not %s",
                                 o->fovea_center);
     }
     if (o->fovea_center != NULL && o->fovea == NULL) {

@@ -51,7 +51,8 @@ typedef struct draw_options {
 
 enum { DRAW_OPTION_ROOM = 104 }; ///< entries of a table
 
-/// Fills a table of DRAW_OPTION_ROOM entries: the command's own (ends with a NULL name), and after them the shared ones.
+/// Fills a table of DRAW_OPTION_ROOM entries: the command's own (ends with a NULL name), and after
+/// them the shared ones.
 /// @return the table
 const option* draw_options_table(option* table, const option* own, draw_options* options);
 

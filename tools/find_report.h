@@ -8,5 +8,6 @@
 
 enum { FIND_MOST = 1000 }; ///< objects told
 
-/// Prints objects whose name or id contains the text. @return the exit code, with the message printed
+/// Prints objects whose name or id contains the text. @return the exit code, with the message
+/// printed
 int find_print(stp_context* context, stp_store* store, const char* text, bool as_json);

@@ -2,7 +2,8 @@
 //
 // GNU command lines from tables: --name VALUE, --name=VALUE, -n VALUE, -nVALUE, flags together
 // (-qv), options and arguments in any order, everything after -- an argument, the last of repeated
-// options counts. An option that can do without a value takes what follows only where that is a number.
+// options counts. An option that can do without a value takes what follows only where that is a
+// number.
 #pragma once
 
 #include "command.h"

@@ -25,7 +25,8 @@ bool video_is_folder(const char* path)
            (stat(path, &status) == 0 && S_ISDIR(status.st_mode));
 }
 
-// Starts ffmpeg with the pipe's end as its standard input; what it prints goes to stderr. @return 0 or an errno
+// Starts ffmpeg with the pipe's end as its standard input; what it prints goes to stderr. @return 0
+// or an errno
 static int spawn_ffmpeg(char* const arguments[], int input, pid_t* child)
 {
     posix_spawn_file_actions_t actions;

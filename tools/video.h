@@ -29,7 +29,8 @@ bool video_is_folder(const char* path);
 bool video_open(stp_context* context, const char* path, uint32_t width, uint32_t height, double fps,
                 video* v);
 
-/// A flight_sink; the video is `user`. Transparency is composited on black in a film, and kept in PNG files.
+/// A flight_sink; the video is `user`. Transparency is composited on black in a film, and kept in
+/// PNG files.
 stp_result video_add(void* user, const stp_image* image, uint32_t frame);
 
 /// Finishes. @return false with the message printed; removes a film that is not `whole`, and

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The child's side: assimp's scene as a stream. Runs after fork() in a process with this one thread; what goes
-// wrong here ends the child, not the caller.
+// The child's side: assimp's scene as a stream. Runs after fork() in a process with this one
+// thread; what goes wrong here ends the child, not the caller.
 #include "import/assimp_files.h"
 #include "import/assimp_stream.h"
 #include "import/surface.h"
@@ -170,8 +170,8 @@ static void decode(float* rgb)
     }
 }
 
-// Colours of formats without physical materials are sRGB, as their authors saw them; base colours are linear.
-// A picture takes the place of a diffuse colour.
+// Colours of formats without physical materials are sRGB, as their authors saw them; base colours
+// are linear. A picture takes the place of a diffuse colour.
 static void put_material(writer* w, const struct aiMaterial* material)
 {
     stp_assimp_material out = {.base_color = {1, 1, 1, 1}, .roughness = 1};

@@ -130,7 +130,8 @@ static void allow_time(stp_assimp_files* files, const struct stat* status)
     }
 }
 
-// A regular file, which is opened without waiting for whoever may be at the other end of something else.
+// A regular file, which is opened without waiting for whoever may be at the other end of something
+// else.
 static struct aiFile* open_regular(stp_assimp_files* files, const char* path)
 {
     int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);

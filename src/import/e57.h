@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Inside the E57 reader (ASTM E2807): pages (e57_pages.c), the tree of its XML section (e57_xml.c), what a scan
-// says of its records (e57_scan.c), the packets they lie in (e57_packets.c), and the records (e57_records.c).
+// Inside the E57 reader (ASTM E2807): pages (e57_pages.c), the tree of its XML section (e57_xml.c),
+// what a scan says of its records (e57_scan.c), the packets they lie in (e57_packets.c), and the
+// records (e57_records.c).
 //
 // "Logical" places count the bytes of the file without the checksums of its pages.
 #pragma once
@@ -44,12 +45,14 @@ typedef struct stp_e57 {
 STP_MUST_USE stp_result stp_e57_open_pages(stp_e57* e57);
 /// Copies logical bytes; false where the file has no such bytes. Any thread.
 bool stp_e57_copy(const stp_e57* e57, uint64_t logical, void* bytes, size_t size);
-/// The bytes at a logical place up to the end of their page. @return how many; 0 at the end of the file
+/// The bytes at a logical place up to the end of their page. @return how many; 0 at the end of the
+/// file
 size_t stp_e57_peek(const stp_e57* e57, uint64_t logical, const unsigned char** bytes);
 /// From a physical place; UINT64_MAX where that is in no page, or within a checksum.
 uint64_t stp_e57_logical(const stp_e57* e57, uint64_t physical);
 
-/// Reads the XML section. @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_LIMIT, STP_ERROR_OUT_OF_MEMORY (logged)
+/// Reads the XML section. @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_LIMIT,
+/// STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_e57_read_tree(stp_e57* e57);
 /// The first child of a name; NULL where there is none, or no node.
 const stp_e57_node* stp_e57_child(const stp_e57_node* node, const char* name);
@@ -107,8 +110,8 @@ typedef struct stp_e57_scan {
     uint64_t* before; ///< per used field and packet, and one more: its bytes in packets before
 } stp_e57_scan;
 
-/// Reads the description of a scan. @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_OUT_OF_MEMORY (logged);
-/// has_places may be false
+/// Reads the description of a scan. @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_OUT_OF_MEMORY
+/// (logged); has_places may be false
 STP_MUST_USE stp_result stp_e57_describe_scan(stp_e57* e57, const stp_e57_node* node,
                                               uint32_t number, stp_e57_scan* scan);
 
@@ -118,7 +121,8 @@ bool stp_e57_keeps(const char* name, bool spherical);
 /// What is known of all scans without reading a record. @return as stp_e57_describe_scan
 STP_MUST_USE stp_result stp_e57_describe(stp_e57* e57, stp_scan_info* info);
 
-/// Finds all packets of a scan and checks that they hold its records. stp_e57_forget_packets in any case.
+/// Finds all packets of a scan and checks that they hold its records. stp_e57_forget_packets in any
+/// case.
 STP_MUST_USE stp_result stp_e57_find_packets(const stp_e57* e57, uint32_t number,
                                              stp_e57_scan* scan);
 void stp_e57_forget_packets(const stp_e57* e57, stp_e57_scan* scan);

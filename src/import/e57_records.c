@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Records of a scan to points. A stream is one row of bits across all packets, so the bits of any run of records
-// can be found and read alone: runs are read on all threads.
+// Records of a scan to points. A stream is one row of bits across all packets, so the bits of any
+// run of records can be found and read alone: runs are read on all threads.
 #include "base/angle.h"
 #include "base/bytes.h"
 #include "import/e57.h"

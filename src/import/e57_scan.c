@@ -50,7 +50,8 @@ bool stp_e57_keeps(const char* name, bool spherical)
     return find_slot(&scan, name) != STP_E57_SLOTS;
 }
 
-// The number in an element; an empty one is zero. @return false where it is not there, or holds no number
+// The number in an element; an empty one is zero. @return false where it is not there, or holds no
+// number
 static bool read_element(const stp_e57_node* node, double* value)
 {
     if (node != NULL && node->text.length == 0) {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
-// Everything else that assimp reads (FBX, DAE, 3DS, IFC, X3D, BLEND, ...), in a child process with limits on
-// memory and time: a crash, a hang or a flood in there is one sentence here. The scene comes back through a
-// pipe (assimp_stream.h).
+// Everything else that assimp reads (FBX, DAE, 3DS, IFC, X3D, BLEND, ...), in a child process with
+// limits on memory and time: a crash, a hang or a flood in there is one sentence here. The scene
+// comes back through a pipe (assimp_stream.h).
 //
-// The child is forked, not executed anew: a library does not know of an executable that could do its work. In
-// a process with several threads only the forking one lives on in the child, so locks that others held stay
-// locked for good. None of ours can be: no parallel loop runs while a file is imported, and the child uses no
-// context. The C library makes its allocator usable after fork. Should a lock of the host's be in the way
-// nevertheless, the time limit ends the child.
+// The child is forked, not executed anew: a library does not know of an executable that could do
+// its work. In a process with several threads only the forking one lives on in the child, so locks
+// that others held stay locked for good. None of ours can be: no parallel loop runs while a file is
+// imported, and the child uses no context. The C library makes its allocator usable after fork.
+// Should a lock of the host's be in the way nevertheless, the time limit ends the child.
 #include "import/assimp_files.h"
 #include "import/assimp_stream.h"
 #include "import/sandbox.h"

@@ -102,8 +102,9 @@ static stp_result open_glb(stp_gltf_scope* scope, stp_gltf* gltf, json_text* tex
     return STP_OK;
 }
 
-// What the parser makes of a text, nearly: each brace, colon, comma or quote stands for an object, a member, a value
-// or a text of its own (an empty object is 224 bytes, a member 112, a number 32; measured with jansson 2.14).
+// What the parser makes of a text, nearly: each brace, colon, comma or quote stands for an object,
+// a member, a value or a text of its own (an empty object is 224 bytes, a member 112, a number 32;
+// measured with jansson 2.14).
 static uint64_t parsed_bytes(json_text text)
 {
     static const uint16_t costs[256] = {

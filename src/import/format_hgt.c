@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
-// Heights of the Shuttle Radar Topography Mission: a square of 1201 or 3601 heights in metres, big-endian,
-// northernmost row first, over one degree whose south-western corner the file's name tells: N48E010. It
-// becomes a mesh in metres, x to the east, y to the north, z up, around the tile's middle, with a degree of
-// longitude as long as it is at the tile's middle latitude. Voids leave holes.
+// Heights of the Shuttle Radar Topography Mission: a square of 1201 or 3601 heights in metres,
+// big-endian, northernmost row first, over one degree whose south-western corner the file's name
+// tells: N48E010. It becomes a mesh in metres, x to the east, y to the north, z up, around the
+// tile's middle, with a degree of longitude as long as it is at the tile's middle latitude. Voids
+// leave holes.
 #include "import/surface.h"
 
 #include <math.h>
@@ -86,7 +87,8 @@ static void place_rows(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// The corners of a cell that are no voids, one bit each: upper left, upper right, lower left, lower right.
+// The corners of a cell that are no voids, one bit each: upper left, upper right, lower left, lower
+// right.
 static unsigned corners_of(const tile* t, uint32_t row, uint32_t column)
 {
     unsigned held = 0;
@@ -114,7 +116,8 @@ static void count_rows(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// A cell with three heights is the triangle of these, one with four is two, counterclockwise from above.
+// A cell with three heights is the triangle of these, one with four is two, counterclockwise from
+// above.
 static uint32_t* write_cell(const tile* t, uint32_t row, uint32_t column, uint32_t* out)
 {
     static const uint8_t three[4][3] = {{2, 3, 1}, {0, 2, 3}, {0, 3, 1}, {0, 2, 1}};

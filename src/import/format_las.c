@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// LAS 1.0 to 1.4, its compressed form LAZ, and COPC, which is LAZ in the order of an octree. Up is z. Flags of points
-// (synthetic, key point, withheld, overlap) are not kept: all points are read.
+// LAS 1.0 to 1.4, its compressed form LAZ, and COPC, which is LAZ in the order of an octree. Up is
+// z. Flags of points (synthetic, key point, withheld, overlap) are not kept: all points are read.
 #include "base/bytes.h"
 #include "import/las.h"
 

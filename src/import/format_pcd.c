@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// PCD, the format of the Point Cloud Library: ascii, binary and compressed. Organised clouds have cells
-// without a point, which are left out. VIEWPOINT turns nothing: points stay in the frame they are written in.
-// Up is z where nothing else is asked for, as in maps; frames of cameras have -y up.
+// PCD, the format of the Point Cloud Library: ascii, binary and compressed. Organised clouds have
+// cells without a point, which are left out. VIEWPOINT turns nothing: points stay in the frame they
+// are written in. Up is z where nothing else is asked for, as in maps; frames of cameras have -y
+// up.
 #include "base/bytes.h"
 #include "import/cloud.h"
 #include "import/intensity.h"

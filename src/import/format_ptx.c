@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// PTX: scans one after the other, each a grid of columns and rows with the place of its scanner and a
-// line a cell. A cell at the scanner itself, 0 0 0, holds no point. Normals come from neighbouring cells. Up
-// is z where nothing else is asked for.
+// PTX: scans one after the other, each a grid of columns and rows with the place of its scanner and
+// a line a cell. A cell at the scanner itself, 0 0 0, holds no point. Normals come from
+// neighbouring cells. Up is z where nothing else is asked for.
 #include "import/grid_normals.h"
 #include "import/surface.h"
 #include "import/text_points.h"

@@ -188,11 +188,12 @@ STP_MUST_USE stp_result stp_gltf_decompress_views(stp_gltf_scope* scope, stp_glt
 
 // gltf_limit.c
 
-/// What reading one primitive of a variant's mesh costs: indices, or vertices, of it and its morph targets.
+/// What reading one primitive of a variant's mesh costs: indices, or vertices, of it and its morph
+/// targets.
 uint64_t stp_gltf_primitive_elements(const stp_gltf* gltf, const stp_gltf_variant* variant,
                                      size_t index);
-/// How many elements of so many bytes are read before the scene takes them, and may move them out of memory: `most`,
-/// or fewer where it keeps little. May be 0: one piece at a time.
+/// How many elements of so many bytes are read before the scene takes them, and may move them out
+/// of memory: `most`, or fewer where it keeps little. May be 0: one piece at a time.
 uint64_t stp_gltf_batch(const stp_gltf* gltf, uint64_t most, uint64_t bytes_each);
 /// Refuses meshes that claim absurdly more than the file holds.
 STP_MUST_USE stp_result stp_gltf_check_meshes(stp_gltf_scope* scope, const stp_gltf* gltf);

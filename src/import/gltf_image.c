@@ -350,7 +350,8 @@ static stp_result add_texture(stp_gltf_scope* scope, stp_gltf_textures* textures
         scope, stp_scene_add_texture(gltf->import->scene, &texture, &request->scene_texture));
 }
 
-// The end of the requests that are decoded at once: at least one, and no more than a batch of pixels.
+// The end of the requests that are decoded at once: at least one, and no more than a batch of
+// pixels.
 static size_t end_batch(const stp_gltf* gltf, const stp_gltf_textures* textures, size_t begin)
 {
     size_t end = begin;

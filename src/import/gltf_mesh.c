@@ -117,7 +117,8 @@ static stp_result add_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
     return STP_OK;
 }
 
-// The end of the primitives that are read at once: at least one, and no more than a batch of elements.
+// The end of the primitives that are read at once: at least one, and no more than a batch of
+// elements.
 static size_t end_batch(const stp_gltf* gltf, const stp_gltf_primitive* primitives, size_t begin,
                         size_t count)
 {
@@ -131,8 +132,8 @@ static size_t end_batch(const stp_gltf* gltf, const stp_gltf_primitive* primitiv
     return end;
 }
 
-// Batch by batch: what the scene was given it may move out of memory before the next one is read, and what was read
-// of the file need not stay there beside it.
+// Batch by batch: what the scene was given it may move out of memory before the next one is read,
+// and what was read of the file need not stay there beside it.
 static stp_result read_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
                                   stp_gltf_primitive* primitives, size_t count)
 {

@@ -44,7 +44,8 @@ static stp_vec3 step_to(const work* w, stp_vec3 p, uint32_t neighbour)
     return stp_length(step) <= STEEP * reach ? step : (stp_vec3){0};
 }
 
-// The difference along one direction of the grid: from neighbour to neighbour, or to the nearer one alone.
+// The difference along one direction of the grid: from neighbour to neighbour, or to the nearer one
+// alone.
 static stp_vec3 difference(const work* w, stp_vec3 p, uint32_t before, uint32_t after)
 {
     stp_vec3 back = step_to(w, p, before), on = step_to(w, p, after);

@@ -13,7 +13,8 @@ typedef struct stp_scan_grid {
     stp_vec3 scanner; ///< where it stood, relative to the cloud's origin
 } stp_scan_grid;
 
-/// Fills the normals of the cloud (a column that it has). A normal is the cross product of the differences
-/// to the neighbours in the column and in the row, towards the scanner; across a jump in depth only the
-/// nearer neighbour counts. Points without such neighbours, and those of no cell, face the scanner.
+/// Fills the normals of the cloud (a column that it has). A normal is the cross product of the
+/// differences to the neighbours in the column and in the row, towards the scanner; across a jump
+/// in depth only the nearer neighbour counts. Points without such neighbours, and those of no cell,
+/// face the scanner.
 void stp_grid_normals(stp_cloud* cloud, const stp_scan_grid* grid);

@@ -55,8 +55,9 @@ typedef struct stp_importer {
 } stp_importer;
 
 /// Reads one file into the scene (which stp_scene_finish must not have seen yet). The format is
-/// found by content, then by extension. Several files make one scene: its unit is the first known one, the
-/// others are scaled to it, and a file that does not say its unit is taken to be in it, with a warning.
+/// found by content, then by extension. Several files make one scene: its unit is the first known
+/// one, the others are scaled to it, and a file that does not say its unit is taken to be in it,
+/// with a warning.
 /// @return STP_OK; STP_ERROR_IO, STP_ERROR_TRUNCATED, STP_ERROR_FORMAT, STP_ERROR_UNSUPPORTED,
 /// STP_ERROR_LIMIT, STP_ERROR_OUT_OF_MEMORY, each with one logged sentence that names file and
 /// place
@@ -68,8 +69,9 @@ STP_MUST_USE stp_result stp_import_file(stp_scene* scene, const char* path,
 STP_MUST_USE stp_result stp_import_memory(stp_scene* scene, const char* name, const void* bytes,
                                           size_t size, const stp_import_desc* desc);
 
-/// For a first picture: reads about `most` points of a file that has at least four times as many, from all over it, much sooner
-/// than the file. The scene stays empty where the format cannot do so, or the file has no more.
+/// For a first picture: reads about `most` points of a file that has at least four times as many,
+/// from all over it, much sooner than the file. The scene stays empty where the format cannot do
+/// so, or the file has no more.
 /// @return as stp_import_file
 STP_MUST_USE stp_result stp_import_sample(stp_scene* scene, const char* path,
                                           const stp_import_desc* desc, uint64_t most);
@@ -79,10 +81,10 @@ const stp_importer* const* stp_importers(void);
 
 // For importers:
 
-/// Says which axis is up in the file (as stp_import_desc.up) and how long its unit is (0: the file does not
-/// say, and desc.unit_metres holds), before objects are added. A format that does not say its axis
-/// passes desc.up where that is set, else what its users expect. Without a call: desc.up or 'y',
-/// desc.unit_metres.
+/// Says which axis is up in the file (as stp_import_desc.up) and how long its unit is (0: the file
+/// does not say, and desc.unit_metres holds), before objects are added. A format that does not say
+/// its axis passes desc.up where that is set, else what its users expect. Without a call: desc.up
+/// or 'y', desc.unit_metres.
 void stp_import_set_axes(stp_import* import, char up, double unit_metres);
 
 /// The path of a file that `reference` (a relative URI or path, percent-decoded already) names,

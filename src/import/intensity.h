@@ -8,9 +8,9 @@ typedef struct stp_intensity_range {
     double low, high;
 } stp_intensity_range;
 
-/// Judges by the least and the greatest value of a file that does not say its range: up to 1, to 255 or to 65535,
-/// whichever suits; from -2048 to 2047 where one is negative; all others are stretched from the least to the
-/// greatest. Of no value (low above high): up to 1.
+/// Judges by the least and the greatest value of a file that does not say its range: up to 1, to
+/// 255 or to 65535, whichever suits; from -2048 to 2047 where one is negative; all others are
+/// stretched from the least to the greatest. Of no value (low above high): up to 1.
 static inline stp_intensity_range stp_intensity_judge(double low, double high)
 {
     if (low >= -2048.0 && low < 0.0 && high <= 2047.0) {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// Inside the LAS reader. A file is a header, variable length records (VLRs), points, and extended records
-// (EVLRs). Points come in chunks: runs of records, or compressed (laz.h). Each chunk is decoded alone, in blocks
-// of STP_LAS_BLOCK points, and a block is stored in the columns of a point set.
+// Inside the LAS reader. A file is a header, variable length records (VLRs), points, and extended
+// records (EVLRs). Points come in chunks: runs of records, or compressed (laz.h). Each chunk is
+// decoded alone, in blocks of STP_LAS_BLOCK points, and a block is stored in the columns of a point
+// set.
 //
 // Facts of the format: ASPRS, LAS Specification 1.4, revision 15.
 #pragma once
@@ -58,7 +59,8 @@ typedef struct stp_las_record {
     uint64_t size;
 } stp_las_record;
 
-/// Reads and judges the header. @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_UNSUPPORTED, STP_ERROR_TRUNCATED
+/// Reads and judges the header. @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_UNSUPPORTED,
+/// STP_ERROR_TRUNCATED
 STP_MUST_USE stp_result stp_las_read_header(stp_las* las);
 
 /// Runs through VLRs, then EVLRs; begins with all zero.
@@ -70,8 +72,9 @@ bool stp_las_next_record(const stp_las* las, stp_las_records* records, stp_las_r
 /// The first record of a user and id. @return whether there is one
 bool stp_las_find_record(const stp_las* las, const char* user, unsigned id, stp_las_record* record);
 
-/// Tells the scene what the file says of its coordinates, and sets unit and axes. Scales z where it is in another
-/// unit. Geographic systems are refused. @return STP_OK, STP_ERROR_UNSUPPORTED, STP_ERROR_OUT_OF_MEMORY (logged)
+/// Tells the scene what the file says of its coordinates, and sets unit and axes. Scales z where it
+/// is in another unit. Geographic systems are refused. @return STP_OK, STP_ERROR_UNSUPPORTED,
+/// STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_las_read_system(stp_las* las);
 
 /// What a text of WKT says of units. Zero: nothing.
@@ -120,16 +123,20 @@ stp_point_columns_desc stp_las_columns(const stp_las* las, uint32_t point_count)
 
 /// Lists uncompressed records as chunks. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_las_list_records(stp_las* las);
-/// Of a file with at least 4 times `most` points, leaves about so many in the list of chunks: coarse nodes of COPC, else the
-/// first points of each compressed chunk, else short runs of records. Of a smaller file, leaves none. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+/// Of a file with at least 4 times `most` points, leaves about so many in the list of chunks:
+/// coarse nodes of COPC, else the first points of each compressed chunk, else short runs of
+/// records. Of a smaller file, leaves none. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_las_sample(stp_las* las, uint64_t most);
-/// Marks the chunks that are nodes of COPC's levels 0 to those that have `most` points together; others read nothing.
+/// Marks the chunks that are nodes of COPC's levels 0 to those that have `most` points together;
+/// others read nothing.
 /// @return false where the file is no COPC, or its hierarchy is damaged: nothing was changed
 bool stp_las_sample_copc(stp_las* las, uint64_t most);
-/// How many chunks from `first` on make a set of at most `points_in_set` points, at least one, and how many they have.
+/// How many chunks from `first` on make a set of at most `points_in_set` points, at least one, and
+/// how many they have.
 size_t stp_las_chunks_of_set(const stp_las* las, size_t first, uint64_t points_in_set,
                              uint64_t* point_count);
-/// Reads all points, in sets of whole chunks of at most `points_in_set` points, unless a chunk alone has more.
+/// Reads all points, in sets of whole chunks of at most `points_in_set` points, unless a chunk
+/// alone has more.
 STP_MUST_USE stp_result stp_las_read_points(stp_las* las, uint64_t points_in_set);
 /// The whole reader; see stp_las_read_points.
 STP_MUST_USE stp_result stp_las_import(stp_import* import, uint64_t points_in_set);
@@ -137,10 +144,12 @@ STP_MUST_USE stp_result stp_las_import(stp_import* import, uint64_t points_in_se
 /// Counts what is not kept, and names extra bytes in one notice.
 void stp_las_report_losses(stp_las* las);
 
-/// Sees to it that COPC's hierarchy is sound; warns where it is not. The points are read without it.
+/// Sees to it that COPC's hierarchy is sound; warns where it is not. The points are read without
+/// it.
 void stp_las_check_copc(const stp_las* las);
 /// Tells whether the file is COPC, and how many nodes and levels its hierarchy has.
 void stp_las_describe_copc(const stp_las* las, stp_scan_info* info);
 
-/// What is known without reading a point. @return STP_OK, or a failure of the table of chunks (logged)
+/// What is known without reading a point. @return STP_OK, or a failure of the table of chunks
+/// (logged)
 STP_MUST_USE stp_result stp_las_describe(stp_las* las, stp_scan_info* info);

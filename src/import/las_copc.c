@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// COPC: the chunks of a LAZ file are the nodes of an octree, and pages of a hierarchy say which lies where. All points
-// are read by the table of chunks, so a damaged hierarchy costs nothing but a warning.
+// COPC: the chunks of a LAZ file are the nodes of an octree, and pages of a hierarchy say which
+// lies where. All points are read by the table of chunks, so a damaged hierarchy costs nothing but
+// a warning.
 //
 // Facts of the format: COPC Specification 1.0.
 #include "base/bytes.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Reads the chunks of a LAS file into point sets, on all threads.
 //
-// Colours have 16 bits, but many writers put values up to 255 there. A look at some points decides; where colours of
-// 8 bits were expected and a larger one turns up, all is read once more.
+// Colours have 16 bits, but many writers put values up to 255 there. A look at some points decides;
+// where colours of 8 bits were expected and a larger one turns up, all is read once more.
 #include "base/bytes.h"
 #include "import/laz.h"
 
@@ -132,7 +132,8 @@ static void drop_column(const stp_las* las, const stp_point_set* set, void** col
     *column = NULL;
 }
 
-// Values that are zero everywhere are not recorded: the specification says so of intensities and the like.
+// Values that are zero everywhere are not recorded: the specification says so of intensities and
+// the like.
 static void drop_unseen(reading* r)
 {
     unsigned seen = atomic_load(&r->seen);
@@ -262,7 +263,8 @@ static stp_result probe_colors(reading* r)
     return STP_OK;
 }
 
-// The middle of the header's box, or the first point where that is not within it. In steps of the scale.
+// The middle of the header's box, or the first point where that is not within it. In steps of the
+// scale.
 static void choose_origin(stp_las* las)
 {
     const unsigned char* first = las->import->file.bytes + las->chunks[0].offset;

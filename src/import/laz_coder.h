@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// The arithmetic decoder of LAZ: adaptive models of symbols and bits, and differences of integers made of them. All
-// of it is inlined into the loops over points: a decoder that is a local variable stays in registers.
+// The arithmetic decoder of LAZ: adaptive models of symbols and bits, and differences of integers
+// made of them. All of it is inlined into the loops over points: a decoder that is a local variable
+// stays in registers.
 //
-// Method: A. Said, Introduction to Arithmetic Coding, Theory and Practice, HPL-2004-76 (periodic updates, decoding by
-// table). The constants, the order of updates and the integer differences are those of LASzip files.
+// Method: A. Said, Introduction to Arithmetic Coding, Theory and Practice, HPL-2004-76 (periodic
+// updates, decoding by table). The constants, the order of updates and the integer differences are
+// those of LASzip files.
 //
-// An interval of `length` holds `value` below it. A symbol takes the part of the interval that its share of 32768ths
-// gives it, the last symbol what remains. Whatever the bytes are, value < length holds after each step, and no symbol
-// takes more than three bytes; so bounds are checked once for many symbols (stp_laz_ensure).
+// An interval of `length` holds `value` below it. A symbol takes the part of the interval that its
+// share of 32768ths gives it, the last symbol what remains. Whatever the bytes are, value < length
+// holds after each step, and no symbol takes more than three bytes; so bounds are checked once for
+// many symbols (stp_laz_ensure).
 #pragma once
 
 #include <stdbool.h>
@@ -51,7 +54,8 @@ typedef struct stp_laz_bit {
 
 enum { STP_LAZ_HIGH_BITS = 8, STP_LAZ_MOST_BITS = 32, STP_LAZ_MOST_CONTEXTS = 22 };
 
-/// Differences of integers of 16 or 32 bits from what is predicted. Their size k comes first, by context.
+/// Differences of integers of 16 or 32 bits from what is predicted. Their size k comes first, by
+/// context.
 typedef struct stp_laz_integer {
     stp_laz_model sizes[STP_LAZ_MOST_CONTEXTS];
     stp_laz_model corrections[STP_LAZ_MOST_BITS]; ///< by k, from 1 on
@@ -90,7 +94,8 @@ static inline bool stp_laz_is_good(const stp_laz_decoder* d)
     return !d->failed && d->at <= d->last;
 }
 
-/// Makes sure that `bytes` may be taken without another look, each symbol taking three, and four more.
+/// Makes sure that `bytes` may be taken without another look, each symbol taking three, and four
+/// more.
 STP_LAZ_INLINE void stp_laz_ensure(stp_laz_decoder* d, size_t bytes)
 {
     if ((size_t)(d->end - d->at) < bytes) {
@@ -192,7 +197,8 @@ STP_LAZ_INLINE uint32_t stp_laz_difference(stp_laz_decoder* d, stp_laz_integer* 
     return c >> (k - 1) != 0 ? c + 1 : c - ((uint32_t)1 << k) + 1;
 }
 
-/// The median of five, most of the last, in which each new value takes the place of the largest or of the smallest.
+/// The median of five, most of the last, in which each new value takes the place of the largest or
+/// of the smallest.
 typedef struct stp_laz_median {
     int32_t values[5];  ///< in order
     uint32_t drops_low; ///< 1: the next value takes the place of the smallest

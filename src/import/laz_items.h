@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What both kinds of LAZ chunks have: GPS times, colours, and how the returns of a pulse choose models.
+// What both kinds of LAZ chunks have: GPS times, colours, and how the returns of a pulse choose
+// models.
 #pragma once
 
 #include "import/laz_coder.h"

@@ -1,15 +1,16 @@
-// SPDX-License-Identifier: MIT
-// LAZ chunks of formats 6 to 10: each attribute is a layer with a stream of its own, and layers that are not kept
-// (flags, user data, wave packets, extra bytes) are not touched. A block goes through one layer after the other: the
-// first says which values change, and on which models the others depend.
+// SPDX-License-Identifier: MIT LAZ chunks of formats 6 to 10: each attribute is a layer with a
+// stream of its own, and layers that are not kept (flags, user data, wave packets, extra bytes) are
+// not touched. A block goes through one layer after the other: the first says which values change,
+// and on which models the others depend.
 //
-// Each of the four channels of a scanner has models and last values of its own. They begin where the channel is first
-// met, with the values of the point before.
+// Each of the four channels of a scanner has models and last values of its own. They begin where
+// the channel is first met, with the values of the point before.
 //
 // The rules by which layers change channels were compared with the text of LASzip (commit 1ff9f097,
-// lasreaditemcompressed_v3.cpp and _v4.cpp), layer by layer: the point's layers switch to the values of the new channel,
-// and a channel that was not met yet takes over all values of the point before, without a change of time. Colours and
-// near infrared differ between the versions; see enter_color.
+// lasreaditemcompressed_v3.cpp and _v4.cpp), layer by layer: the point's layers switch to the
+// values of the new channel, and a channel that was not met yet takes over all values of the point
+// before, without a change of time. Colours and near infrared differ between the versions; see
+// enter_color.
 #include "base/bytes.h"
 #include "import/laz.h"
 #include "import/laz_items.h"
@@ -422,8 +423,8 @@ static void next_time(stp_laz_layered* l, size_t first, size_t count, stp_las_bl
     at->decoder = d;
 }
 
-// Where a point's last colour lies. Writers of version 3 go on from the last point's colour where its channel is
-// another one that was met before, and keep the new colour there.
+// Where a point's last colour lies. Writers of version 3 go on from the last point's colour where
+// its channel is another one that was met before, and keep the new colour there.
 static channel_models* enter_color(stp_laz_layered* l, layer* at, unsigned channel, bool* first)
 {
     channel_models *before = &l->channels[at->channel], *now = &l->channels[channel];

@@ -1,6 +1,5 @@
-// SPDX-License-Identifier: MIT
-// The VLR of LAZ says how points are coded; the table of chunks says where each chunk lies and, where chunks have
-// different sizes, how many points it has.
+// SPDX-License-Identifier: MIT The VLR of LAZ says how points are coded; the table of chunks says
+// where each chunk lies and, where chunks have different sizes, how many points it has.
 #include "base/bytes.h"
 #include "import/laz.h"
 

@@ -122,12 +122,15 @@ void* stp_obj_grow(stp_context* context, stp_obj_array* array, size_t count, siz
 
 /// Makes `scratch` where the file is large beside what the scene may keep in memory.
 STP_MUST_USE stp_result stp_obj_open_scratch(stp_obj* obj);
-/// Moves what a parsed chunk holds there. @return STP_OK or what went wrong (logged; nothing changed)
+/// Moves what a parsed chunk holds there. @return STP_OK or what went wrong (logged; nothing
+/// changed)
 STP_MUST_USE stp_result stp_obj_move_chunk(stp_obj* obj, stp_obj_chunk* chunk);
 void stp_obj_free_chunk(const stp_obj* obj, stp_obj_chunk* chunk);
-/// An array in the scratch file, or in memory; NULL: stp_obj_no_room tells. For one thread at a time.
+/// An array in the scratch file, or in memory; NULL: stp_obj_no_room tells. For one thread at a
+/// time.
 void* stp_obj_alloc(stp_obj* obj, size_t count, size_t size);
-/// What an array that could not be had comes to. @return STP_ERROR_IO or STP_ERROR_OUT_OF_MEMORY (logged)
+/// What an array that could not be had comes to. @return STP_ERROR_IO or STP_ERROR_OUT_OF_MEMORY
+/// (logged)
 STP_MUST_USE stp_result stp_obj_no_room(const stp_obj* obj);
 void stp_obj_free(const stp_obj* obj, void* memory);
 
@@ -135,8 +138,8 @@ void stp_obj_free(const stp_obj* obj, void* memory);
 STP_MUST_USE stp_result stp_obj_parse(stp_obj* obj, size_t chunk_size);
 /// Joins the chunks and sorts the faces by mesh. Material libraries were read before.
 STP_MUST_USE stp_result stp_obj_stitch(stp_obj* obj);
-/// Builds one mesh. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (not logged) or STP_ERROR_IO (logged); then
-/// nothing is left in `out`
+/// Builds one mesh. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (not logged) or STP_ERROR_IO (logged);
+/// then nothing is left in `out`
 STP_MUST_USE stp_result stp_obj_build_mesh(stp_obj* obj, const stp_obj_mesh* in, stp_mesh* out);
 void stp_obj_free_mesh(stp_context* context, const stp_mesh* mesh);
 /// Adds meshes, point sets and objects to the scene.

@@ -36,6 +36,7 @@ typedef struct stp_pcd {
 /// STP_ERROR_UNSUPPORTED (logged)
 STP_MUST_USE stp_result stp_pcd_read_header(stp_import* import, stp_pcd* pcd);
 
-/// What the header says of the points. Fields that are padding are left out; those whose slot is `unused` are not kept.
+/// What the header says of the points. Fields that are padding are left out; those whose slot is
+/// `unused` are not kept.
 void stp_pcd_describe(const stp_import* import, const stp_pcd* pcd, const uint8_t* slots,
                       uint8_t unused, stp_scan_info* info);

@@ -108,8 +108,8 @@ typedef struct stp_ply_room {
     stp_spill* scratch; ///< to be destroyed; may be NULL
 } stp_ply_room;
 
-/// Makes room for columns by their sizes; the first is always made. What was made is to be freed, also
-/// after a failure. @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)
+/// Makes room for columns by their sizes; the first is always made. What was made is to be freed,
+/// also after a failure. @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_ply_alloc_columns(const stp_ply* ply, stp_ply_room* room,
                                               stp_bulk_array columns[STP_PLY_COLUMNS]);
 /// Whether the header announces faces: vertices are those of a mesh.
@@ -118,8 +118,9 @@ void stp_ply_free_column(const stp_ply* ply, const stp_ply_room* room, void* col
 /// Lets the system drop what was read, and what was spilled, from memory. Any thread.
 void stp_ply_release_columns(const stp_ply* ply, const stp_ply_room* room);
 
-/// Attributes of points (scene/attributes.h) while they are read. Angles are degrees in the file. Strengths are brought to 65535
-/// from bytes, and from floats none of which is above 1; other numbers are kept.
+/// Attributes of points (scene/attributes.h) while they are read. Angles are degrees in the file.
+/// Strengths are brought to 65535 from bytes, and from floats none of which is above 1; other
+/// numbers are kept.
 typedef struct stp_ply_attributes {
     const stp_ply_property* properties[STP_ATTRIBUTES]; ///< NULL: the file has none
     void* columns[STP_ATTRIBUTES];
@@ -129,8 +130,9 @@ typedef struct stp_ply_attributes {
 
 /// Finds the properties that are attributes. `a` is zero.
 void stp_ply_find_attributes(const stp_ply_element* element, stp_ply_attributes* a);
-/// Makes room for columns, in the scene's spill where the room is spilled; each is to be freed as other columns are, also after
-/// a failure. @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)
+/// Makes room for columns, in the scene's spill where the room is spilled; each is to be freed as
+/// other columns are, also after a failure. @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY
+/// (logged)
 STP_MUST_USE stp_result stp_ply_alloc_attributes(const stp_ply* ply, const stp_ply_room* room,
                                                  size_t count, stp_ply_attributes* a);
 /// Takes a value as the file has it. Rows in any order, from any thread.

@@ -14,7 +14,8 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-// Access rights that the first version of Landlock knows: with later ones, older kernels refuse the rules.
+// Access rights that the first version of Landlock knows: with later ones, older kernels refuse the
+// rules.
 #define ALL_RIGHTS ((UINT64_C(1) << 13) - 1)
 
 static void allow_folder(int rules, const char* folder)
@@ -43,7 +44,8 @@ static void restrict_files(const char* folder)
     close(rules);
 }
 
-// Memory, time, the files that are open, files that are opened for reading, and the end of the process.
+// Memory, time, the files that are open, files that are opened for reading, and the end of the
+// process.
 static const int allowed_calls[] = {
     SCMP_SYS(read),
     SCMP_SYS(readv),

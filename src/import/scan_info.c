@@ -75,8 +75,9 @@ typedef struct wkt_scan {
     int depth, best;                                 ///< best: of the code that was found
 } wkt_scan;
 
-// A system's own code counts, and of a compound system without one that of its first part. Codes of what it is made
-// of (datums, units, the geographic system that is projected) lie deeper, or below words that are no systems.
+// A system's own code counts, and of a compound system without one that of its first part. Codes of
+// what it is made of (datums, units, the geographic system that is projected) lie deeper, or below
+// words that are no systems.
 static void open_word(wkt_scan* s, stp_text word, stp_text end, const char* bracket,
                       stp_system_identity* found)
 {

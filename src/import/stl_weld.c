@@ -16,7 +16,8 @@ stp_vec3 stp_stl_corner(const unsigned char* facets, size_t corner)
                       stp_read_f32(bytes + 8) + 0.0f};
 }
 
-// Where the search for a place begins. Seeded with an address, which no file can know: none can aim at one slot.
+// Where the search for a place begins. Seeded with an address, which no file can know: none can aim
+// at one slot.
 static size_t first_slot(const stp_weld* weld, stp_vec3 place)
 {
     stp_hash seed = {.low = (uint64_t)(uintptr_t)weld};

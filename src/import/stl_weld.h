@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Corners at the same place become one vertex. A file of n triangles has about n / 2 vertices, so the table is kept
-// small: four bytes a slot, and the places of a binary file are read in it again instead of being kept meanwhile.
+// Corners at the same place become one vertex. A file of n triangles has about n / 2 vertices, so
+// the table is kept small: four bytes a slot, and the places of a binary file are read in it again
+// instead of being kept meanwhile.
 #pragma once
 
 #include "base/context.h"
@@ -25,7 +26,8 @@ typedef struct stp_weld {
 /// The place of a corner of a binary file; -0 is 0: the same place.
 stp_vec3 stp_stl_corner(const unsigned char* facets, size_t corner);
 
-/// Begins a binary file of so many facets, fewer than 2^32 / 3. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+/// Begins a binary file of so many facets, fewer than 2^32 / 3. @return STP_OK or
+/// STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_weld_begin(stp_weld* weld, const unsigned char* facets, size_t count);
 /// The next corner; of a binary file stp_stl_corner's. At most 2^32 - 2 are added.
 STP_MUST_USE stp_result stp_weld_add(stp_weld* weld, stp_vec3 place);

@@ -40,14 +40,15 @@ void stp_pictures_destroy(stp_pictures* pictures);
 STP_MUST_USE stp_result stp_pictures_read(stp_pictures* pictures, const char* place,
                                           const char* reference, stp_wrap wrap, uint32_t* texture);
 
-/// Decodes what stp_image_measure accepted, and keeps the bytes as they came. Fills width, height, texels and the
-/// encoded picture of `texture`. Logs nothing, so jobs may call it.
+/// Decodes what stp_image_measure accepted, and keeps the bytes as they came. Fills width, height,
+/// texels and the encoded picture of `texture`. Logs nothing, so jobs may call it.
 /// @return STP_OK, STP_ERROR_FORMAT (`info` has the reason), STP_ERROR_OUT_OF_MEMORY
 STP_MUST_USE stp_result stp_picture_decode_kept(stp_context* context, const unsigned char* bytes,
                                                 size_t size, stp_image_info* info,
                                                 stp_texture* texture);
 
-/// Decodes a picture into `texture`; what cannot be read becomes a warning about `place`, with *read false.
+/// Decodes a picture into `texture`; what cannot be read becomes a warning about `place`, with
+/// *read false.
 /// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_picture_decode(stp_import* import, const char* place,
                                            const unsigned char* bytes, size_t size,

@@ -66,8 +66,8 @@ typedef struct stp_columns_found {
     stp_column_ranges ranges; ///< of some lines
 } stp_columns_found;
 
-/// Looks at the first lines and at some of the others. import->desc.columns decides where it is set.
-/// `intensity_first`: of four columns that might be colours the first is an intensity.
+/// Looks at the first lines and at some of the others. import->desc.columns decides where it is
+/// set. `intensity_first`: of four columns that might be colours the first is an intensity.
 /// @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_columns_find(stp_import* import, const stp_text_blocks* blocks,
                                          bool intensity_first, stp_columns_found* found);

@@ -27,8 +27,8 @@ static inline uint64_t stp_join_digits(uint64_t values, unsigned count)
     return (low + high) >> 32;
 }
 
-/// As stp_read_number, with the same value to the last bit, for text with STP_SCAN_MARGIN readable bytes
-/// behind it.
+/// As stp_read_number, with the same value to the last bit, for text with STP_SCAN_MARGIN readable
+/// bytes behind it.
 static inline stp_text stp_scan_number(stp_text start, double* value)
 {
     static const double tens[] = {1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,

@@ -89,7 +89,7 @@ for name, memory in ("frame", None), ("streamed", 64 << 20):
         assert flights[0]["figures"]["splat_size"]["max"] == 2
 END
 
-refused 2 "no benchmark is named nothing" bench nothing
+refused 2 "there is no benchmark nothing" bench nothing
 refused 2 "--size" bench positions --size 0x48
 refused 2 "--count" bench positions --count 0
 refused 2 "--first" bench positions --first -1

@@ -95,7 +95,7 @@ both ball.stip sized.png --point-size 5
 draw ball.stip adaptive.png --backend cpu --point-size adaptive
 cmp -s adaptive.png usual.png || fail "adaptive is not the default"
 for size in 0 65px 3cm -1m big; do
-    refused 2 "--point-size is" render ball.stip -o a.png "--point-size=$size"
+    refused 2 "--point-size must be" render ball.stip -o a.png "--point-size=$size"
 done
 
 # points and triangles in one scene: attributes and sizes are of points alone

@@ -118,7 +118,7 @@ refused 1 'single point' compare-splats above.ply one.ply
 refused 1 'not finite' compare-splats bad.ply square.ply
 refused 1 'a property is missing' compare-splats short.ply square.ply
 refused 1 'shorter' compare-splats cut.ply square.ply
-refused 1 'of a .stip' compare-splats above.ply square.ply --splats 1
+refused 1 'only to a .stip' compare-splats above.ply square.ply --splats 1
 
 # known distances
 "$stipple" compare-splats above.ply square.ply --size 99x99 --json > above.json 2> err || fail "above: $(cat err)"

@@ -107,13 +107,13 @@ for command in render fly; do
     arguments=(ball.stip -o a.png)
     [ $command = fly ] && arguments=(ball.stip --path flight.json)
     for zones in "" 1 1:2, 1:2,1:3 0.5:2,0.2:3 -1:2 1:0 1:99 3:2 0.5:2:3 nan:1 1:nan 0:1,.1:1,.2:1,.3:1,.4:1,.5:1,.6:1,.7:1,.8:1; do
-        refused 2 "--fovea is R:S" $command "${arguments[@]}" --fovea "$zones"
+        refused 2 "--fovea must be R:S" $command "${arguments[@]}" --fovea "$zones"
     done
     for center in "" 1 1,2 1,1,1 a,b; do
-        refused 2 "--fovea-center is X,Y" $command "${arguments[@]}" --fovea 1:2 --fovea-center "$center"
+        refused 2 "--fovea-center must be X,Y" $command "${arguments[@]}" --fovea 1:2 --fovea-center "$center"
     done
-    refused 2 "with --fovea only" $command "${arguments[@]}" --fovea-center 0,0
-    refused 2 "with --stereo only" $command "${arguments[@]}" --ipd 0.06
+    refused 2 "requires --fovea" $command "${arguments[@]}" --fovea-center 0,0
+    refused 2 "requires --stereo" $command "${arguments[@]}" --ipd 0.06
     refused 2 "ipd" $command "${arguments[@]}" --stereo --ipd 0
     refused 2 "even width" $command "${arguments[@]}" --stereo --size 127x96
     refused 2 "--fovea and --splats exclude" $command "${arguments[@]}" --fovea 1:2 --splats 9

@@ -141,7 +141,7 @@ programs=$PWD/bin:$PATH refused 1 "pipe.mp4: is not a regular file" fly ball.sti
 programs=$PWD/bin:$PATH refused 1 "no/film.mp4: cannot be written" fly ball.stip --path flight.json --size 64x48 -o no/film.mp4
 [ ! -e started ] || fail "a film that cannot be written is begun"
 rm bin/ffmpeg
-programs=$PWD/bin refused 1 "ffmpeg, which cannot be started" fly ball.stip --path flight.json --size 64x48 -o film.mp4
+programs=$PWD/bin refused 1 "ffmpeg, which writes films, cannot be started" fly ball.stip --path flight.json --size 64x48 -o film.mp4
 
 "$stipple" fly ball.stip --path flight.json --size 64x48 --budget-ms 5 --plot plot.svg > /dev/null || fail "plot"
 python3 - << 'END' || fail "the plot"
@@ -179,8 +179,8 @@ rm bin/ffmpeg
 refused 2 "needs one file" fly --path flight.json
 refused 2 "needs --path" fly ball.stip
 refused 2 "film OUT.mp4 or a folder" fly ball.stip --path flight.json -o film.avi
-refused 2 "written over" fly ball.stip --path flight.json --plot flight.json
-refused 2 "written over" fly ball.stip --path flight.json --plot ball.stip
+refused 2 "would be overwritten" fly ball.stip --path flight.json --plot flight.json
+refused 2 "would be overwritten" fly ball.stip --path flight.json --plot ball.stip
 refused 2 "exclude" fly ball.stip --path flight.json --budget-ms 5 --splat-size 2
 refused 2 "exclude" fly ball.stip --path flight.json --budget-ms 5 --reference
 refused 2 "frames" fly ball.stip --path flight.json --frames 0
@@ -196,7 +196,7 @@ refused 1 "no/plot.svg" fly ball.stip --path flight.json --size 8x8 --plot no/pl
 [ ! -e never ] || fail "what cannot be plotted is flown"
 refused 2 "standard output" fly ball.stip --path flight.json --plot -
 for plot in both.mp4 plot.png plot; do # a plot in place of the film that was just written would be a loss
-    refused 2 "--plot is a drawing OUT.svg, not $plot" fly ball.stip --path flight.json --size 8x8 -o both.mp4 --plot "$plot"
+    refused 2 "--plot needs a name OUT.svg, not $plot" fly ball.stip --path flight.json --size 8x8 -o both.mp4 --plot "$plot"
 done
 touch file
 refused 1 "file/pictures/" fly ball.stip --path flight.json --size 8x8 --frames 1 -o file/pictures/

@@ -74,7 +74,7 @@ python3 -c 'import json; assert json.load(open("compare.json"))["ssim"] > 0.99' 
 draw both.stip alone_spt --method spt --hybrid off --eye 0,0.5,2 --target 0,0,0
 [ "$(value alone_spt.json triangles)" = 0 ] || fail "--hybrid off draws triangles"
 refused 2 'hybrid' render both.stip -o a.png --method spt --hybrid maybe
-refused 2 'option of spt' bench frame --quick --backend gl
+refused 2 'only spt has --backend' bench frame --quick --backend gl
 draw both.stip all_sides --method spt --normal-clusters off
 "$stipple" compare first_spt.png all_sides.png --json > compare.json
 python3 -c 'import json; assert json.load(open("compare.json"))["ssim"] > 0.97' || fail "sides that face away are seen: $(cat compare.json)"

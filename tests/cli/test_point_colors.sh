@@ -132,11 +132,11 @@ refused 1 "no intensity" render plain.stip -o out.png --color intensity
 refused 1 "no class" render plain.stip -o out.png --classes 2
 refused 1 "no source (they have intensity, class, return, time)" render hill.stip -o out.png --color source
 refused 1 "by psp have no intensity" render merged.stip -o out.png --color intensity --method psp
-refused 2 "--range is LO,HI" render hill.stip -o out.png --color intensity --range 5
-refused 2 "--range is LO,HI" render hill.stip -o out.png --color intensity --range 5,1
-refused 2 "--range is of use" render hill.stip -o out.png --color class --range 1,5
-refused 2 "--classes is N,N" render hill.stip -o out.png --classes 2,256
-refused 2 "--classes is N,N" render hill.stip -o out.png --classes ground
+refused 2 "--range must be LO,HI" render hill.stip -o out.png --color intensity --range 5
+refused 2 "--range must be LO,HI" render hill.stip -o out.png --color intensity --range 5,1
+refused 2 "--range requires" render hill.stip -o out.png --color class --range 1,5
+refused 2 "--classes must be N,N" render hill.stip -o out.png --classes 2,256
+refused 2 "--classes must be N,N" render hill.stip -o out.png --classes ground
 refused 2 "exclude each other" render hill.stip -o out.png --color elevation --filter ewa
 refused 2 "color" render hill.stip -o out.png --color reflectance
 [ $failures -eq 0 ]

@@ -153,7 +153,7 @@ for how in "" --reference; do
         fail "a far object makes the picture blank $how"
 done
 "$stipple" render far.stip -o far.png --size 40x30 --eye 0,0,9 --target 0,0,99 2> err || fail "$(cat err)"
-grep -q "far.stip: the picture is empty: nothing of the scene lies in the view" err ||
+grep -q "far.stip: the picture is empty: no part of the scene is in view" err ||
     fail "an empty picture is not explained: $(cat err)"
 
 refused 1 "text.xyzzy" render text.xyzzy -o a.png
@@ -168,12 +168,12 @@ refused 2 "--filter" render "$file" -o a.png --filter box
 refused 2 "--ambient-occlusion" render "$file" -o a.png --ambient-occlusion 99
 "$stipple" render -o eye.png --size 48x48 --eye-dome "$file" || fail "an option without its value before the file"
 refused 2 "--backend" render "$file" -o a.png --backend vulkan
-refused 2 "no colour" render "$file" -o a.png --background greenish
-refused 2 "names* a file" render "$file" -o - --json
+refused 2 "not a colour" render "$file" -o a.png --background greenish
+refused 2 "file name" render "$file" -o - --json
 refused 1 "nothing.stip" render nothing.stip -o a.png
 cp "$file" same.stip
 ln -s same.stip link.stip
-refused 2 "written over" render same.stip -o link.stip
+refused 2 "would be overwritten" render same.stip -o link.stip
 cmp -s "$file" same.stip || fail "render wrote over its scene"
 refused 2 "ortho" render "$file" -o a.png --ortho -5
 refused 2 "ortho" render "$file" -o a.png --ortho 0

@@ -15,7 +15,7 @@ refused 2 'needs one scene' scan -o a.las
 refused 2 'needs -o' scan scene:boxes
 refused 2 'a.xyz' scan scene:boxes -o a.xyz
 refused 2 'needs a .ply' scan scene:boxes -o a.las --truth
-refused 2 'not both' scan scene:boxes -o a.las --stations 2 --station 0,0,1
+refused 2 'exclude each other' scan scene:boxes -o a.las --stations 2 --station 0,0,1
 refused 2 'X,Y,Z' scan scene:boxes -o a.las --station 1,2
 refused 2 'stations' scan scene:boxes -o a.las --stations 0
 refused 2 'stations' scan scene:boxes -o a.las --stations 257
@@ -48,7 +48,7 @@ for ending in las ptx ply e57; do
     "$stipple" -q scan scene:boxes --airborne --stations 2 --resolution 1 -o air.$ending --json > air.json || fail "--airborne $ending"
 done
 python3 "$readers" air air.json air || fail "formats from the air"
-refused 2 'no --station' scan scene:boxes -o a.las --airborne --station 0,0,9
+refused 2 'excludes --station' scan scene:boxes -o a.las --airborne --station 0,0,9
 refused 1 'resolution' scan scene:boxes -o a.las --airborne --resolution 0.01 --height 0.001
 
 # the same bytes with any number of threads; others with another seed
@@ -102,7 +102,7 @@ deviation = math.sqrt(sum(p["range_error"] ** 2 for p in points) / len(points))
 assert abs(mean) < 0.0006 and 0.0095 < deviation < 0.0105, (mean, deviation)
 END
 "$stipple" scan room.stip --station 0.5,-1,1.5 --range 0.5 -o none.las --json > none.json 2> none.err || fail "nothing near"
-grep -q 'no ray met' none.err || fail "an empty scan is not named: $(cat none.err)"
+grep -q 'no ray hit' none.err || fail "an empty scan is not named: $(cat none.err)"
 python3 -c 'import json; d = json.load(open("none.json")); assert d["points"] == 0 and d["bounds"] is None, d' || fail "$(cat none.json)"
 
 # what is built of a scan shows the scene

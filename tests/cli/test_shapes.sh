@@ -84,7 +84,7 @@ END
 refused 2 "splat-shape" render both.stip -o a.png --splat-shape cube
 refused 2 "exclude" render both.stip -o a.png --splat-shape square --filter ewa
 refused 2 "exclude" fly both.stip --path path.json --splat-shape square --filter textured
-refused 2 "textured only" render both.stip -o a.png --splat-texture white.png
+refused 2 "requires --filter textured" render both.stip -o a.png --splat-texture white.png
 refused 1 "nothing.png" render both.stip -o a.png --filter textured --splat-texture nothing.png
 refused 1 "path.json" render both.stip -o a.png --filter textured --splat-texture path.json
 [ ! -e a.png ] || fail "a refused picture was written"

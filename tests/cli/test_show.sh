@@ -190,9 +190,9 @@ show street.stip -o f.png --accumulate 1 --size 60x40 --eye 0,0,9 --target 0,0,0
 cmp -s f.png "$(find frames -name '*.png' | sort | head -n 1)" || fail "fly shows something else than render"
 
 refused 2 "no object named" render street.stip -o r.png --size 32x32 --hide attic
-refused 2 "--section is" render street.stip -o r.png --size 32x32 --section x
-refused 2 "--section is" render street.stip -o r.png --size 32x32 --section 0,0,0,1
-refused 2 "--section is" render street.stip -o r.png --size 32x32 --section x:1 --section x:a
-refused 2 "--section-box is" render street.stip -o r.png --size 32x32 --section-box 1,2,3
-refused 2 "--pick is" render street.stip -o r.png --size 32x32 --pick 7
+refused 2 "--section must be" render street.stip -o r.png --size 32x32 --section x
+refused 2 "--section must be" render street.stip -o r.png --size 32x32 --section 0,0,0,1
+refused 2 "--section must be" render street.stip -o r.png --size 32x32 --section x:1 --section x:a
+refused 2 "--section-box must be" render street.stip -o r.png --size 32x32 --section-box 1,2,3
+refused 2 "--pick needs" render street.stip -o r.png --size 32x32 --pick 7
 exit $((failures > 0))

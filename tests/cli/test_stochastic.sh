@@ -37,11 +37,11 @@ with open("cloud.ply", "wb") as file:
     file.write(b"property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n")
     file.write(b"".join(struct.pack("<3f3B", *point) for point in points))
 END
-refused 2 'leaf-points is of use with --method stochastic' build cloud.ply -o a.stip --leaf-points 100
-refused 2 'leaf-flatness is of use with --method stochastic' build cloud.ply -o a.stip --leaf-flatness 0.001
+refused 2 'leaf-points requires --method stochastic' build cloud.ply -o a.stip --leaf-points 100
+refused 2 'leaf-flatness requires --method stochastic' build cloud.ply -o a.stip --leaf-flatness 0.001
 for option in "leaf-sample 100" "leaf-neighbors 6" "normal-neighbors 30"; do
     # shellcheck disable=SC2086
-    refused 2 "${option% *} is of use with --method stochastic" build cloud.ply -o a.stip --$option
+    refused 2 "${option% *} requires --method stochastic" build cloud.ply -o a.stip --$option
 done
 "$stipple" -q build cloud.ply -o cloud.stip --method stochastic || fail "no build"
 "$stipple" -q build cloud.ply -o other.stip --method stochastic --threads 1 --fresh || fail "no build by one thread"

@@ -14,7 +14,7 @@ refused 2 'needs -o' thumbnail scene:boxes
 refused 2 'splats' thumbnail scene:boxes -o a.png --splats 0
 refused 2 'size' thumbnail scene:boxes -o a.png --size 5000x1
 refused 2 'not above' thumbnail scene:boxes -o a.png --view above
-refused 2 'name a file' thumbnail scene:boxes -o - --json
+refused 2 'file name' thumbnail scene:boxes -o - --json
 refused 2 'a.tga' thumbnail scene:boxes -o a.tga
 refused 1 'missing.obj' thumbnail missing.obj -o a.png
 refused 1 'nowhere' thumbnail scene:boxes -o nowhere/a.png

@@ -45,12 +45,12 @@ expect 2 '' "^stipple: --threads: '-1' is not a whole number$" compare --threads
 expect 2 '' "^stipple: --threads: '9999999' is not within 0 and 1024$" compare --threads=9999999
 expect 2 '' "^stipple: --threads: '99999999999999999999999' is not a whole number$" \
     compare --threads=99999999999999999999999
-expect 2 '' "^stipple: --completion: 'tcsh' is none of bash\|zsh\|fish$" help --completion tcsh
+expect 2 '' "^stipple: --completion: 'tcsh' is not one of bash\|zsh\|fish$" help --completion tcsh
 expect 2 '' '^stipple: compare needs two pictures' compare
-expect 2 '' '^stipple: compare needs two pictures, and got 3' compare a.png b.png c.png
+expect 2 '' '^stipple: compare needs two pictures, but got 3' compare a.png b.png c.png
 # after -- an option is an argument, and so is a single dash
-expect 2 '' '^stipple: compare needs two pictures, and got 1' compare -- --json
-expect 2 '' '^stipple: compare needs two pictures, and got 1' compare -
+expect 2 '' '^stipple: compare needs two pictures, but got 1' compare -- --json
+expect 2 '' '^stipple: compare needs two pictures, but got 1' compare -
 expect 2 '' '^stipple: only one picture can come from standard input' compare - -
 # what cannot be done is 1, with one sentence
 expect 1 '' '^stipple: missing.png: No such file or directory$' compare missing.png missing.png

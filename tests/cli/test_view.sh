@@ -111,7 +111,7 @@ xdotool key Home 1
 wait_until 'r["rests"] and near(camera["eye"][0], 0) and tools["chosen"] == ""'
 # what is said comes before what was said, and hides nothing
 xdotool key v
-wait_until '"last until" in r["message"]'
+wait_until '"kept until" in r["message"]'
 # a window of another size
 xdotool windowsize "$window" 520 360
 wait_until 'r["rests"] and picture["width"] == 520 and picture["height"] == 360'

@@ -151,7 +151,7 @@ for file in bytes long; do
     xdotool mousemove 320 200 click 1
     wait_until 'r["rests"] and tools["chosen"] != ""'
     xdotool key x v
-    wait_until 'r["rests"] and tools["marks"] == 1 and tools["views"] == 1 and "too long or not UTF-8: 1 parts" in r["message"]'
+    wait_until 'r["rests"] and tools["marks"] == 1 and tools["views"] == 1 and "1 parts saved as visible" in r["message"]'
     close_viewer
     grep -q '"View 1"' $file.views.json || fail "the viewpoint of $file.obj is not kept"
 done
@@ -159,7 +159,7 @@ done
 printf 'solid none\nendsolid none\n' > none.stl
 open_viewer none.stl --backend cpu
 wait_until 'r["loading"] == "done" and r["rests"]'
-check "nothing is said to be in it" '"nothing" in r["message"]'
+check "nothing is said to be in it" '"no visible content" in r["message"]'
 xdotool key f x k v m F12 1 5
 wait_until 'r["rests"]'
 close_viewer

@@ -67,7 +67,7 @@ wait_until 'r["start"]["shown"] and len(r["start"]["recent"]) == 2 and r["rests"
 shot recent.png
 rm models/other.obj
 xdotool key ctrl+1
-wait_until '"no such file" in r["message"] and len(r["start"]["recent"]) == 1'
+wait_until '"no longer exists" in r["message"] and len(r["start"]["recent"]) == 1'
 xdotool key ctrl+1
 wait_until 'r["file"].endswith("corner.obj") and r["loading"] == "done" and r["rests"]'
 close_viewer

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Writes small E57 files: streams of bits cut into packets at odd places, an XML section, pages with checksums.
+// Writes small E57 files: streams of bits cut into packets at odd places, an XML section, pages
+// with checksums.
 #pragma once
 
 #include "base/bytes.h"
@@ -43,7 +44,8 @@ static inline size_t e57_pack(const e57_stream* s, size_t count, unsigned char* 
     return (count * s->bits + 7) / 8;
 }
 
-/// Appends a section of points in packets that hold about `most` bytes of each stream, after an index packet.
+/// Appends a section of points in packets that hold about `most` bytes of each stream, after an
+/// index packet.
 /// @return its physical place
 static inline uint64_t e57_add_points(e57_file* f, const e57_stream* streams, size_t stream_count,
                                       size_t count, size_t most)

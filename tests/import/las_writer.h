@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Writes LAS and LAZ files for tests: any point format, uncompressed or compressed, with extra bytes. It takes points one by
-// one, as LASzip does, where the reader takes blocks and layers.
+// Writes LAS and LAZ files for tests: any point format, uncompressed or compressed, with extra
+// bytes. It takes points one by one, as LASzip does, where the reader takes blocks and layers.
 #pragma once
 
 #include <stdbool.h>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The arithmetic encoder of LAZ, for tests. Models are the decoder's; what is done with them is written anew.
+// The arithmetic encoder of LAZ, for tests. Models are the decoder's; what is done with them is
+// written anew.
 #pragma once
 
 #include "import/las_writer.h"

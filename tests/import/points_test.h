@@ -18,7 +18,8 @@ static inline stp_hash digest_points(const stp_scene* scene)
     return hash;
 }
 
-/// Imports under `threads` threads, in memory or with everything in a spill. @return the digest; zero on failure
+/// Imports under `threads` threads, in memory or with everything in a spill. @return the digest;
+/// zero on failure
 static inline stp_hash digest_imported(const char* name, const void* bytes, size_t size,
                                        uint32_t threads, int spills)
 {
@@ -57,7 +58,8 @@ static inline int is_the_same_everywhere(const char* name, const void* bytes, si
     return good;
 }
 
-/// What an import says that fails. @return whether it ends with `wanted` and one sentence that has `says`
+/// What an import says that fails. @return whether it ends with `wanted` and one sentence that has
+/// `says`
 static inline int is_refused(const char* name, const void* bytes, size_t size, stp_result wanted,
                              const char* says)
 {
@@ -75,7 +77,8 @@ static inline int is_refused(const char* name, const void* bytes, size_t size, s
     return good;
 }
 
-/// Where a point is in the file's own axes (z up or y up, as imported), its object's transform applied.
+/// Where a point is in the file's own axes (z up or y up, as imported), its object's transform
+/// applied.
 static inline stp_vec3d place_of(const stp_scene* scene, size_t object, size_t set, size_t point)
 {
     const float* p = scene->point_sets[set].positions + 3 * point;

@@ -61,7 +61,8 @@ static void meet(channel* c, const las_point* last)
     stp_laz_time_begin(&c->time, last->time);
 }
 
-// Contexts by number of returns and return number; checked against the decoder's table by another program.
+// Contexts by number of returns and return number; checked against the decoder's table by another
+// program.
 static unsigned return_context(unsigned n, unsigned r)
 {
     static const char rows[16][17] = {

@@ -6,7 +6,8 @@
 #include <dirent.h>
 #include <math.h>
 
-// A COLLADA file: a mesh with uvs and colours, used twice below a named parent, in centimetres, z up.
+// A COLLADA file: a mesh with uvs and colours, used twice below a named parent, in centimetres, z
+// up.
 static const char collada[] =
     "<?xml version=\"1.0\"?><COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" "
     "version=\"1.4.1\"><asset><unit name=\"cm\" meter=\"0.01\"/><up_axis>Z_UP</up_axis></asset>"

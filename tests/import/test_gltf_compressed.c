@@ -135,8 +135,8 @@ void test_gltf_refuses_damaged_meshopt_data(test_state* test)
     }
 }
 
-// A square with colours at its corners (red, green, blue, white), as libdraco's two methods encode it;
-// positions have id 0, colours id 1.
+// A square with colours at its corners (red, green, blue, white), as libdraco's two methods encode
+// it; positions have id 0, colours id 1.
 static const unsigned char draco_sequential[100] = {
     0x44, 0x52, 0x41, 0x43, 0x4f, 0x02, 0x02, 0x01, 0x00, 0x00, 0x00, 0x02, 0x04, 0x01, 0x00,
     0x01, 0x02, 0x00, 0x02, 0x03, 0x01, 0x02, 0x00, 0x09, 0x03, 0x00, 0x00, 0x02, 0x02, 0x04,

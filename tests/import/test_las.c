@@ -113,7 +113,8 @@ static stp_scene* import_desc(stp_context* context, const las_desc* desc, stp_re
     return scene;
 }
 
-// 8 bits in fields of 16; a file whose first points look so; a file that has no colours, and says nothing else either.
+// 8 bits in fields of 16; a file whose first points look so; a file that has no colours, and says
+// nothing else either.
 void test_las_judges_colors(test_state* test)
 {
     for (int kind = 0; kind < 3; ++kind) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What is known of LAS files without their points, and the points that are read for a first picture.
+// What is known of LAS files without their points, and the points that are read for a first
+// picture.
 #include "import/las.h"
 #include "import/las_points.h"
 #include "import/laz.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What LAS files say beside their points: coordinate systems, units, extra bytes, the hierarchy of COPC.
+// What LAS files say beside their points: coordinate systems, units, extra bytes, the hierarchy of
+// COPC.
 #include "import/las.h"
 #include "import/las_points.h"
 
@@ -190,7 +191,8 @@ void test_las_names_what_it_does_not_keep(test_state* test)
     free(file.bytes);
 }
 
-// A hierarchy of a page and a page below it, after COPC's information. Its faults cost a warning, no points.
+// A hierarchy of a page and a page below it, after COPC's information. Its faults cost a warning,
+// no points.
 void test_las_checks_the_hierarchy_of_copc(test_state* test)
 {
     static const char* const sentences[] = {NULL, "its points are not as many",

@@ -163,7 +163,8 @@ void test_obj_vertices_are_unique_triples(test_state* test)
 
 void test_obj_large_mesh_with_threads(test_state* test)
 {
-    // large enough for all threads to work on one mesh; quads with seams in their texture coordinates
+    // large enough for all threads to work on one mesh; quads with seams in their texture
+    // coordinates
     enum { SIDE = 160 };
     size_t size = (size_t)SIDE * SIDE * 90, length = 0;
     char* text = malloc(size);

@@ -196,7 +196,8 @@ void test_ply_points(test_state* test)
     stp_context_destroy(context);
 }
 
-// CloudCompare writes floats, PDAL the types of LAS: both become the scene's. A point that is left out takes its values along.
+// CloudCompare writes floats, PDAL the types of LAS: both become the scene's. A point that is left
+// out takes its values along.
 void test_ply_attributes(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
@@ -249,7 +250,8 @@ void test_ply_attributes(test_state* test)
     stp_context_destroy(context);
 }
 
-// Made unit from their floats in double: gcc 12 left the rounding to floats out of x and y where it made vectors.
+// Made unit from their floats in double: gcc 12 left the rounding to floats out of x and y where it
+// made vectors.
 void test_ply_normals_are_the_same_from_every_compiler(test_state* test)
 {
     static const char text[] =

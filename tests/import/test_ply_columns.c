@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Points of PLY files that are large beside the limit of memory: they go to the scene's spill as they are read, and nothing
-// else changes.
+// Points of PLY files that are large beside the limit of memory: they go to the scene's spill as
+// they are read, and nothing else changes.
 #include "import/spilled_import.h"
 
 enum { POINTS = 40000, ROW = 33, HEAD = 512, STRIDE = 4096 };

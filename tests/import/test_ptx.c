@@ -54,7 +54,8 @@ void test_ptx_pose(test_state* test)
 
 enum { SIDE = 40 };
 
-// A scan of a wall at x = 4, with a pillar at x = 2 before it; `placed`: the points, not the pose, are placed.
+// A scan of a wall at x = 4, with a pillar at x = 2 before it; `placed`: the points, not the pose,
+// are placed.
 static char* write_wall(size_t* size, int placed)
 {
     char* text = malloc(SIDE * SIDE * 64 + 1024);

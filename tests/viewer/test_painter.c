@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: MIT
-// The thread that draws for the window: what makes another picture, and what happens when OpenGL is lost.
+// SPDX-License-Identifier: MIT The thread that draws for the window: what makes another picture,
+// and what happens when OpenGL is lost.
 #include "tests.h"
 
 #include "base/clock.h"
@@ -253,7 +253,8 @@ static void sleep_ms(double ms)
     }
 }
 
-/// A hand that rests while its picture becomes fine goes on with the size that the budget had found.
+/// A hand that rests while its picture becomes fine goes on with the size that the budget had
+/// found.
 void test_viewer_painter_keeps_the_budget_while_it_refines(test_state* test)
 {
     char path[64];
@@ -285,7 +286,8 @@ void test_viewer_painter_keeps_the_budget_while_it_refines(test_state* test)
     unlink(path);
 }
 
-/// Whenever a hand moves again after a rest, its picture does not wait for the one that is being refined.
+/// Whenever a hand moves again after a rest, its picture does not wait for the one that is being
+/// refined.
 void test_viewer_painter_answers_while_it_refines(test_state* test)
 {
     char path[64];
