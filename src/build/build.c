@@ -15,26 +15,25 @@
 #include <stdio.h>
 #include <string.h>
 
-#define DEFAULT_THRESHOLD 1000u // triangles (Brandt 5.2)
-#define RESERVE_BYTES                                                                              \
-    (UINT64_C(64) << 20) // for the directory and its texts, when the file is written
-#define LEAST_BUDGET (UINT64_C(64) << 20) // one node at a time is made whatever the limit
-#define FILE_MEMORY_SHARE 4u // of the limit, for meshes before they go to the spill file
+#define DEFAULT_THRESHOLD 1000u            // triangles (Brandt 5.2)
+#define RESERVE_BYTES (UINT64_C(64) << 20) // for the directory and its texts while writing the file
+#define LEAST_BUDGET (UINT64_C(64) << 20)  // one node at a time is processed whatever the limit
+#define FILE_MEMORY_SHARE 4u // share of the limit for meshes in memory; more go to the spill file
 
 #define SAMPLE_POINTS 1000000u // of a scan that is shown before it is read
 
 enum { STAGES = 6 };
 
-// Everything a build makes on its way, in the order it is made.
+// Everything that a build creates, in order of creation.
 typedef struct build {
     stp_context* context;
     const stp_build_desc* desc;
     stp_build_report* report;
     char* work_folder;
     stp_work* work;
-    stp_previous_output* former; ///< NULL: none
+    stp_previous_output* previous; ///< NULL: none
     stp_spill* spill;
-    stp_build_draft* draft; ///< NULL: none is wanted
+    stp_build_draft* draft; ///< NULL: not wanted
     stp_scene* scene;
     stp_shading_set shadings;
     stp_store_census census;
@@ -46,7 +45,7 @@ typedef struct build {
     stp_stage stages[STAGES];
 } build;
 
-// An output that cannot be written should be known before the work, not after it.
+// Detects an unwritable output before the work starts.
 static stp_result try_output(stp_context* context, const char* path)
 {
     stp_file_writer* writer = NULL;
@@ -57,13 +56,13 @@ static stp_result try_output(stp_context* context, const char* path)
     return result;
 }
 
-// The limit asked for, or the context's; 0: none.
+// The requested limit, or the context's; 0: none.
 static uint64_t limit_bytes(const build* b)
 {
     return b->desc->memory_bytes != 0 ? b->desc->memory_bytes : stp_memory_limit(b->context);
 }
 
-// What the build may use: the limit, or most of the machine.
+// Memory that the build may use: the limit, or most of the machine's.
 static uint64_t usable_bytes(const build* b)
 {
     return stp_usable_memory(limit_bytes(b));
@@ -82,7 +81,7 @@ static stp_result open_work(build* b)
     if (result == STP_OK && b->desc->draft != NULL) {
         stp_file_remove_stale(b->context, b->desc->draft);
     }
-    b->former =
+    b->previous =
         result == STP_OK && !b->desc->fresh ? stp_previous_output_open(b->desc->output) : NULL;
     return result != STP_OK ? result : stp_spill_create(b->context, b->work_folder, &b->spill);
 }
@@ -96,7 +95,7 @@ static bool is_generated(const build* b, const char* input)
 static stp_import_desc import_desc_of(const build* b)
 {
     stp_import_desc import = b->desc->import;
-    if (import.helper_memory_bytes == 0) { // a process of its own has as much again
+    if (import.helper_memory_bytes == 0) { // a helper process needs as much again
         import.helper_memory_bytes = limit_bytes(b);
     }
     return import;
@@ -145,7 +144,7 @@ static stp_result import_inputs(build* b)
     for (size_t i = 0; result == STP_OK && i < b->desc->input_count; ++i) {
         result = import_input(b, b->desc->inputs[i]);
     }
-    stp_trim_heap(); // parsers leave many small holes
+    stp_trim_heap(); // parsing leaves many small holes
     double imported = stp_clock_ms();
     b->report->import_s = (imported - start) * 1e-3;
     result = result != STP_OK ? result : stp_progress(b->context, "partition", 0.0);
@@ -165,7 +164,7 @@ static stp_result import_inputs(build* b)
     return result;
 }
 
-// Splits the time that surfels took by what the threads did in it.
+// Splits the wall time of surfels in proportion to the threads' time per phase.
 static void report_surfels(build* b, double seconds)
 {
     const stp_build_nodes* nodes = &b->nodes;
@@ -220,7 +219,7 @@ static stp_result plan_surfels(build* b)
     return result;
 }
 
-// The only method, where it can do without samples; NULL: it cannot, or there are several.
+// The only method, if it needs no samples; else NULL.
 static const stp_method* method_alone(const stp_build_desc* desc)
 {
     const stp_method* only = desc->method_count == 1 ? desc->methods[0] : NULL;
@@ -242,7 +241,7 @@ static stp_result make_surfels(build* b)
         .from_triangles = desc->from_triangles,
         .memory_bytes = usable > used + LEAST_BUDGET ? usable - used : LEAST_BUDGET,
         .work = b->work,
-        .former = b->former,
+        .previous = b->previous,
         .draft = b->draft,
     };
     stp_context_expect_bytes(b->context,
@@ -272,7 +271,7 @@ static stp_result make_methods(build* b)
         .shading_count = b->shadings.count,
         .memory_bytes = usable > used + LEAST_BUDGET ? usable - used : LEAST_BUDGET,
         .work = b->work,
-        .former = b->former,
+        .previous = b->previous,
     };
     stp_result result = stp_build_methods_make(b->scene, &methods, &b->methods);
     stp_work_release_pages(b->work);
@@ -285,7 +284,7 @@ static stp_result make_methods(build* b)
 static stp_result code_meshes(build* b)
 {
     double start = stp_clock_ms();
-    stp_result result = stp_build_meshes_make(b->scene, b->work, b->former, b->draft, &b->meshes);
+    stp_result result = stp_build_meshes_make(b->scene, b->work, b->previous, b->draft, &b->meshes);
     stp_work_release_pages(b->work);
     b->report->clusters_s = (stp_clock_ms() - start) * 1e-3;
     b->report->meshes_made = b->meshes.made;
@@ -337,8 +336,8 @@ static stp_result write_file(build* b)
     return result;
 }
 
-// Removes the work directory once the output is written, when it is empty, or when a result has changed: other results
-// may derive from it. @return whether a result has changed
+// Removes the work directory if the output is written, if it is empty, or if a result has changed,
+// because other results may derive from it. @return whether a result has changed
 static bool close_build(build* b, bool written)
 {
     stp_work_report kept = {0};
@@ -357,13 +356,13 @@ static bool close_build(build* b, bool written)
     stp_free(b->context, b->shadings.of_material);
     stp_scene_destroy(b->scene);
     stp_spill_destroy(b->spill);
-    stp_previous_output_close(b->former);
+    stp_previous_output_close(b->previous);
     stp_work_close(b->work, written || changed || kept.stored + kept.found == 0);
     stp_free(b->context, b->work_folder);
     return changed;
 }
 
-// Triangles come first where somebody looks on: they are soon there, and all of the scene.
+// With drafts, triangles come first: they are quick to make and show the whole scene.
 static stp_result make_parts(build* b)
 {
     stp_result result = plan_surfels(b);
@@ -380,7 +379,7 @@ static stp_result make_parts(build* b)
     return result != STP_OK ? result : make_methods(b);
 }
 
-// Whether sets are made of the samples, for methods other than `blue`.
+// Whether sets of methods other than `blue` are derived from its samples.
 static bool derives_sets(const stp_build_desc* desc)
 {
     bool derives = false;
@@ -414,7 +413,7 @@ static void plan_stages(build* b)
     stp_progress_plan(b->context, stages, count);
 }
 
-// @param changed  receives whether a result was changed by somebody else after it was stored
+// @param changed  whether another process changed a stored result
 static stp_result build_once(stp_context* context, const stp_build_desc* desc,
                              stp_build_report* report, bool* changed)
 {
@@ -441,13 +440,13 @@ stp_result stp_build(stp_context* context, const stp_build_desc* desc, stp_build
     bool changed = false;
     stp_result result = build_once(context, desc, report, &changed);
     if (changed && result != STP_ERROR_CANCELLED) {
-        stp_warn(context, "%s.work: somebody changed results of the build: all are made again",
+        stp_warn(context, "%s.work: another process changed results of the build; starting again",
                  desc->output);
         result = build_once(context, desc, report, &changed);
         if (changed) {
-            result =
-                stp_fail(context, STP_ERROR_IO,
-                         "%s.work: somebody keeps changing results of the build", desc->output);
+            result = stp_fail(context, STP_ERROR_IO,
+                              "%s.work: another process keeps changing results of the build",
+                              desc->output);
         }
     }
     report->total_s = (stp_clock_ms() - start) * 1e-3;

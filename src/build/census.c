@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "build/census.h"
 
+#include "base/saturate.h"
+
 #include <string.h>
 
-// What an object shows: its own parts and what it uses, once for each of its instances, and its children.
+// What an object shows: its own parts and those of the object it uses, per instance, and its
+// children.
 typedef struct shown {
     uint64_t objects, instances;
     bool known;
@@ -11,11 +14,11 @@ typedef struct shown {
 
 typedef struct census_work {
     const stp_scene* scene;
-    uint32_t *first_child, *next_sibling; ///< of each object that is seen where it stands
-    uint32_t*
-        cursor; ///< the next child whose sum may be missing; then: the last walk that met the object
-    uint32_t* shapes;     ///< of each object: which distinct list of parts it has; STP_NONE: none
-    uint32_t* shapes_met; ///< of each shape: the last walk that met it
+    uint32_t *first_child, *next_sibling; ///< of each object that is not a prototype
+    /// Next child whose sum may be missing; later: the last walk that visited the object.
+    uint32_t* cursor;
+    uint32_t* shapes;     ///< for each object: index of its distinct list of parts; STP_NONE: none
+    uint32_t* shapes_met; ///< for each shape: the last walk that visited it
     uint32_t shape_count, walk;
     shown* sums;
     uint32_t* stack;
@@ -23,16 +26,6 @@ typedef struct census_work {
     stp_store_census_candidate* candidates;
     size_t candidate_count, candidate_capacity;
 } census_work;
-
-static uint64_t add(uint64_t a, uint64_t b)
-{
-    return a > UINT64_MAX - b ? UINT64_MAX : a + b;
-}
-
-static uint64_t multiply(uint64_t a, uint64_t b)
-{
-    return b != 0 && a > UINT64_MAX / b ? UINT64_MAX : a * b;
-}
 
 static bool is_prototype(const stp_object* object)
 {
@@ -70,7 +63,8 @@ static void link_children(census_work* w)
 {
     const stp_scene* scene = w->scene;
     memset(w->first_child, 0xff, scene->object_count * sizeof(uint32_t));
-    for (size_t i = scene->object_count; i-- > 0;) { // so that children come in their order
+    for (size_t i = scene->object_count;
+         i-- > 0;) { // in reverse, so that children keep their order
         const stp_object* object = &scene->objects[i];
         w->next_sibling[i] = STP_NONE;
         if (object->parent != STP_NONE && !is_prototype(object)) {
@@ -81,7 +75,7 @@ static void link_children(census_work* w)
     memcpy(w->cursor, w->first_child, scene->object_count * sizeof(uint32_t));
 }
 
-// The sum of an object whose children and whose used object have theirs.
+// Computes the sum of an object. Its children and the object it uses must have theirs.
 static void sum_object(census_work* w, uint32_t index)
 {
     const stp_object* object = &w->scene->objects[index];
@@ -89,19 +83,19 @@ static void sum_object(census_work* w, uint32_t index)
     uint64_t times = object->instance_count > 0 ? object->instance_count : 1;
     shown sum = {.objects = parts != 0, .instances = parts, .known = true};
     if (object->use != STP_NONE) {
-        sum.objects = add(sum.objects, w->sums[object->use].objects);
-        sum.instances = add(sum.instances, w->sums[object->use].instances);
+        sum.objects = stp_add_saturated(sum.objects, w->sums[object->use].objects);
+        sum.instances = stp_add_saturated(sum.instances, w->sums[object->use].instances);
     }
-    sum.objects = multiply(sum.objects, times);
-    sum.instances = multiply(sum.instances, times);
+    sum.objects = stp_multiply_saturated(sum.objects, times);
+    sum.instances = stp_multiply_saturated(sum.instances, times);
     for (uint32_t c = w->first_child[index]; c != STP_NONE; c = w->next_sibling[c]) {
-        sum.objects = add(sum.objects, w->sums[c].objects);
-        sum.instances = add(sum.instances, w->sums[c].instances);
+        sum.objects = stp_add_saturated(sum.objects, w->sums[c].objects);
+        sum.instances = stp_add_saturated(sum.instances, w->sums[c].instances);
     }
     w->sums[index] = sum;
 }
 
-// A child, or what the object uses, that has no sum yet. Finished scenes have no cycles.
+// A child, or the used object, that has no sum yet. Finished scenes have no cycles.
 static uint32_t find_missing(census_work* w, uint32_t index)
 {
     uint32_t* next = &w->cursor[index];
@@ -143,10 +137,10 @@ static stp_hash hash_parts(const stp_scene* scene, const stp_object* object)
 
 typedef struct shape_slot {
     stp_hash hash;
-    uint32_t shape; ///< STP_NONE: free
+    uint32_t shape; ///< STP_NONE: free slot
 } shape_slot;
 
-// Numbers the distinct lists of parts. Identical meshes are one already.
+// Numbers the distinct lists of parts. Identical meshes are already merged.
 static bool number_shapes(census_work* w)
 {
     const stp_scene* scene = w->scene;
@@ -187,7 +181,7 @@ static bool meet(census_work* w, uint32_t object)
     return push(w, object);
 }
 
-// Distinct shapes below what lies on the stack.
+// Counts distinct shapes below the objects on the stack.
 static bool count_shapes(census_work* w, uint64_t* count)
 {
     bool made = true;
@@ -227,13 +221,14 @@ static bool add_candidate(census_work* w, uint32_t index)
     return true;
 }
 
-// The children of an object and of what it uses become the candidates, unless it is something itself.
+// Makes the children of an object, and of what it uses, candidates, unless the object has content
+// itself.
 static bool open_object(census_work* w, uint32_t index, bool* opened)
 {
     const stp_scene* scene = w->scene;
     *opened = false;
     for (uint32_t i = index; i != STP_NONE;
-         i = scene->objects[i].use) { // what is used comes before
+         i = scene->objects[i].use) { // a used object comes before its users
         const stp_object* object = &scene->objects[i];
         if (w->shapes[i] != STP_NONE || (object->use != STP_NONE && object->instance_count > 1)) {
             return true;
@@ -272,8 +267,8 @@ static bool fill_part(census_work* w, stp_store_census_part* part)
     w->walk += 1;
     for (uint32_t i = 0; made && i < part->member_count; ++i) {
         uint32_t member = part->members[i];
-        part->objects = add(part->objects, w->sums[member].objects);
-        part->instances = add(part->instances, w->sums[member].instances);
+        part->objects = stp_add_saturated(part->objects, w->sums[member].objects);
+        part->instances = stp_add_saturated(part->instances, w->sums[member].instances);
         made = meet(w, member);
     }
     return made && count_shapes(w, &part->unique_objects);
@@ -287,8 +282,8 @@ static bool fill_whole(census_work* w, stp_store_census* census)
     for (size_t i = 0; made && i < scene->object_count; ++i) {
         const stp_object* object = &scene->objects[i];
         if (object->parent == STP_NONE && !is_prototype(object)) {
-            census->objects = add(census->objects, w->sums[i].objects);
-            census->instances = add(census->instances, w->sums[i].instances);
+            census->objects = stp_add_saturated(census->objects, w->sums[i].objects);
+            census->instances = stp_add_saturated(census->instances, w->sums[i].instances);
             made = meet(w, (uint32_t)i);
         }
     }

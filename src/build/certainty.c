@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
-// Normals of point sets that have none are estimated, and either side of an estimate may be outside. Normals that the input has
-// are known: files give them, or importers turn those of a scanner's grid to the scanner. `stochastic` finds the signs of its
-// own estimates. Sets with triangles below them are captured from outside, so their normals face outwards.
+// Normals of point sets that have none are estimated, and their sign is unknown. Normals of the
+// input are known: they come from files, or importers turn normals of a scanner's grid towards the
+// scanner. `stochastic` finds the signs of its own estimates. Sets with triangles below them are
+// captured from outside, so their normals face outwards.
 #include "build/certainty.h"
 
 typedef struct node_certainty {
-    double scale; ///< the largest at which the node is shown; 0: it is not
-    bool unknown; ///< points without normals are below it
+    double scale; ///< largest scale at which the node is shown; 0: never
+    bool unknown; ///< there are points without normals below it
 } node_certainty;
 
 // Children come before their parents.
@@ -46,7 +47,7 @@ static void note_signs(const stp_scene* scene, const stp_store_directory* d,
         bool finds_signs = method != NULL && method->finds_signs;
         for (uint32_t i = 0; i < d->node_count; ++i) {
             uint32_t set = stp_store_set_of(d, m, i);
-            if (set != STP_STORE_NONE) { // what a former output said of a set is said anew
+            if (set != STP_STORE_NONE) { // replaces what a previous output stored
                 sets[set].position_error = 0.0f;
                 sets[set].unknown_signs =
                     !finds_signs && nodes[i].unknown && scene->nodes[i].triangle_count == 0;

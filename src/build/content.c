@@ -9,7 +9,7 @@
 
 #define BLOCK_SIZE ((size_t)64 << 10)
 #define GRAIN 8192
-#define FINE_STEP 0x1p-5 ///< of the distance of points: how finely a set must tell where they are
+#define FINE_STEP 0x1p-5 ///< maximum grid step of a set that holds points, in spacings
 
 typedef struct normal_work {
     const float* from;
@@ -23,7 +23,7 @@ static void encode_normals(size_t begin, size_t end, uint32_t worker, void* user
     stp_octahedral_encode16_many(work->from + 3 * begin, end - begin, work->to + 2 * begin);
 }
 
-// Normals as the file holds them: NULL where there are none; `made` false where memory runs out.
+// Normals in the file's format; NULL if there are none. `made` is false if memory runs out.
 static const int16_t* convert_normals(stp_build_content* c, const float* normals, uint32_t count,
                                       bool* made)
 {
@@ -39,7 +39,7 @@ static const int16_t* convert_normals(stp_build_content* c, const float* normals
     return out;
 }
 
-// Their triangles are written as clusters (build/meshes.h), which have normals of their own.
+// Triangles of these meshes are written as clusters (build/meshes.h), with their own normals.
 static bool convert_meshes(stp_build_content* c, const stp_scene* scene)
 {
     stp_store_mesh* meshes = STP_ARENA_ARRAY(&c->arena, stp_store_mesh, scene->mesh_count);
@@ -62,20 +62,21 @@ static bool convert_meshes(stp_build_content* c, const stp_scene* scene)
     return meshes != NULL;
 }
 
-// How far apart the points of a set are, about: its first ones lie evenly.
+// Approximate distance between points of a set: the first ones are evenly spread.
 static double spacing_of(const stp_splats* set)
 {
     return (double)set->paper_radius * sqrt((double)set->paper_count / (double)set->count);
 }
 
-// Whether a set has all points of a node, each to a small part of their distance.
+// Whether a set contains all points of a node, at a precision well below their distance.
 static bool holds_all(const stp_splats* set, const stp_point_set* points)
 {
     return set->columns == 0 && set->count != 0 && set->count == points->point_count &&
            (double)set->step <= FINE_STEP * spacing_of(set);
 }
 
-// Points that a node's set has need no copy: those that are all the node has and no other has.
+// Finds points that need no copy because a set holds them: its node has no other content, and no
+// other node has them.
 static bool find_held_points(stp_build_content* c, const stp_scene* scene,
                              stp_store_point_set* sets)
 {
@@ -179,7 +180,7 @@ static bool convert_textures(stp_build_content* c, const stp_scene* scene)
     return textures != NULL;
 }
 
-// A set without surfels (nothing can be seen from outside) is none.
+// A node's set; none if it is empty because nothing is visible from outside.
 static uint32_t find_set(const stp_build_content* c, const uint32_t* set_of_node, size_t node)
 {
     uint32_t set = set_of_node != NULL ? set_of_node[node] : STP_STORE_NONE;
@@ -258,7 +259,7 @@ static bool convert_names(stp_build_content* c, const stp_scene* scene)
                                         .parent = object->parent,
                                         .node = object->node,
                                         .transform = object->transform};
-        if ((object->flags & STP_OBJECT_PROTOTYPE) != 0) { // it stands nowhere by itself
+        if ((object->flags & STP_OBJECT_PROTOTYPE) != 0) { // prototypes have no place of their own
             objects[i].parent = STP_STORE_NONE;
             objects[i].transform = (stp_affine){{{0}}};
         }

@@ -10,33 +10,34 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WORTH_TRIANGLES = 100000 }; ///< what has fewer is done within a second
+enum { WORTH_TRIANGLES = 100000 }; ///< smaller scenes take less than a second
 static const double pause_ms = 1000.0, pause_of_time = 10.0;
-// Of the finished file, for each triangle and point without instances: 25 to 43 in the paper's scene. A draft takes no more, but for
-// points of its own.
+// Size of the finished file per triangle and point, without instances: 25 to 43 in the paper's
+// scene. A draft takes at most this much plus its own points.
 enum { BYTES_EACH = 48, BYTES_A_TEXEL = 4, BYTES_OF_POINTS = 32 << 20 };
 
 struct stp_build_draft {
-    stp_context* context; ///< its own, which is quiet: nobody misses a draft
+    stp_context* context; ///< separate and silent: drafts are optional
     const char* path;
     void (*drafted)(void* user);
     void* user;
     double pause_ms;
-    const stp_scene* scene; ///< NULL: not begun
+    const stp_scene* scene; ///< NULL: not started
     const stp_build_plan* plan;
     const stp_shading_set* shadings;
     const stp_store_census* census;
     pthread_mutex_t mutex;
-    // under the mutex: what there is. Arrays are from malloc, as long as those of scene and plan
+    // Guarded by the mutex: results so far. Arrays use malloc and have the lengths of the scene's
+    // and the plan's
     stp_coded_mesh* coded;
-    stp_splats* sets; ///< one a step; count 0: not there, or nothing is seen of it
-    uint32_t news;    ///< so many things since the last draft
-    bool writes;      ///< some thread does
-    bool gives_up;    ///< one could not be written
+    stp_splats* sets; ///< one per step; count 0: not there, or nothing is visible
+    uint32_t news;    ///< number of results since the last draft
+    bool writes;      ///< a thread is writing
+    bool gives_up;    ///< a draft could not be written
     double due_ms;
 };
 
-// What there was at one time, for a thread that writes.
+// A copy of the state for the writing thread.
 typedef struct snapshot {
     stp_coded_mesh* coded;
     stp_splats* sets;
@@ -76,7 +77,7 @@ void stp_build_draft_destroy(stp_build_draft* draft)
     }
 }
 
-// Triangles and points, without their instances.
+// Number of triangles and points, without instances.
 static uint64_t count_parts(const stp_scene* scene)
 {
     uint64_t amount = 0;
@@ -94,7 +95,8 @@ static bool is_worth_it(const stp_build_draft* d, const stp_scene* scene)
     return count_parts(scene) > WORTH_TRIANGLES || d->pause_ms == 0.0;
 }
 
-// Whether the disk holds the draft and all that the build may still write: its results, and the finished file.
+// Whether the disk has room for the draft and for everything the build may still write: results and
+// the finished file.
 static bool has_room(const stp_build_draft* d, const stp_scene* scene)
 {
     uint64_t bytes = BYTES_EACH * count_parts(scene);
@@ -104,8 +106,8 @@ static bool has_room(const stp_build_draft* d, const stp_scene* scene)
     return stp_file_room(d->path) / 3 >= bytes + BYTES_OF_POINTS;
 }
 
-// Writes a scene, and tells. A failure is nobody's concern, but what is full or missing is left alone from then on.
-// @return whether another may be tried later
+// Writes a scene and calls `drafted`. Failures are silent, but after one of disk space or path
+// nothing more is tried. @return whether a later draft may be tried
 static bool write_state(stp_build_draft* d, const stp_draft_state* state)
 {
     static const char parameters[] = "{\"draft\":true}";
@@ -154,7 +156,7 @@ void stp_build_draft_begin(stp_build_draft* draft, const stp_scene* scene,
     }
 }
 
-// With the mutex held. @return false where memory runs out
+// Requires the mutex. @return false if memory runs out
 static bool take_snapshot(const stp_build_draft* d, snapshot* s)
 {
     size_t meshes = d->scene->mesh_count, nodes = d->scene->node_count;
@@ -177,7 +179,7 @@ static bool take_snapshot(const stp_build_draft* d, snapshot* s)
     return true;
 }
 
-// With the mutex held, which it lets go while it writes.
+// Requires the mutex; releases it while writing.
 static void write_now(stp_build_draft* d)
 {
     snapshot s;
@@ -203,7 +205,7 @@ static void write_now(stp_build_draft* d)
     d->gives_up = !goes_on;
 }
 
-// With the mutex held: something came.
+// Requires the mutex. Registers a result.
 static void advance(stp_build_draft* d)
 {
     d->news += 1;

@@ -7,26 +7,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-// What a picture of a draft may take: visits to nodes, triangles and points with all instances.
+// Limits that keep a draft quick to draw: visited nodes, triangles and points with all instances.
 static const double visits_most = 4e6, triangles_most = 2.4e7, points_most = 1e6,
                     own_points_most = 1.6e7;
 
-// Of a mesh or point set: what a picture meets of it, outside of what surfels stand for.
+// How a mesh or point set is exposed: its uses outside the subtrees that surfels represent.
 typedef struct exposure {
-    double uses;    ///< how often
-    double weight;  ///< by how much its area counts in all
-    uint32_t place; ///< among the draft's meshes, or its point sets; STP_NONE: not there
+    double uses;    ///< number of uses
+    double weight;  ///< total factor on its area
+    uint32_t place; ///< index among the draft's meshes or point sets; STP_NONE: not there
     bool as_points;
 } exposure;
 
-// No sum of these reaches beyond all numbers: things may be stretched where they have no width.
+// Limits the weights: things can be stretched without bound along an axis in which they have no
+// extent.
 static const double area_most = 1e60;
 
 typedef struct draft_work {
     stp_context* context;
     const stp_draft_state* state;
-    stp_scene seen;        ///< the scene, as far as it is taken over whole
-    double *paths, *areas; ///< of each node
+    stp_scene seen;        ///< the scene, where it is copied unchanged
+    double *paths, *areas; ///< by node
     exposure *meshes, *point_sets;
     double visits;
 } draft_work;
@@ -42,7 +43,7 @@ static bool has_set(const stp_draft_state* s, size_t node)
     return set != STP_NONE && s->sets[set].count != 0;
 }
 
-// How often each node is met from the root on, and what that makes of its areas; not below surfels.
+// Counts the paths from the root to each node, and the factors on its areas; not below surfels.
 static void count_paths(draft_work* w)
 {
     const stp_scene* scene = w->state->scene;
@@ -69,16 +70,16 @@ static void count_paths(draft_work* w)
     }
 }
 
-// Of a mesh with all its uses.
+// Area of a mesh in all its uses.
 static double area_of(const draft_work* w, size_t mesh)
 {
     double area = w->meshes[mesh].weight * w->state->scene->meshes[mesh].area;
     return area > 0.0 ? fmin(area, area_most) : 0.0;
 }
 
-// A mesh, and what its triangles show.
+// A mesh and the area that its triangles show.
 typedef struct candidate {
-    double area; ///< of one triangle, about
+    double area; ///< average area of one triangle
     uint32_t mesh;
 } candidate;
 
@@ -88,8 +89,8 @@ static int larger_first(const void* a, const void* b)
     return p->area != q->area ? (p->area > q->area ? -1 : 1) : (p->mesh < q->mesh ? -1 : 1);
 }
 
-// Meshes whose triangles are not there, or would be too many, get points: large triangles come first.
-// @return false where memory runs out
+// Meshes that are not coded, or whose triangles would be too many, become points. Meshes with large
+// triangles are kept first. @return false if memory runs out
 static bool choose_meshes(draft_work* w)
 {
     const stp_scene* scene = w->state->scene;
@@ -120,7 +121,7 @@ static bool choose_meshes(draft_work* w)
     return true;
 }
 
-// As many points as its share of all area says; where that is less than one, one or none, by chance.
+// Number of points by share of the total area. Shares below one round up or down at random.
 static uint32_t share_of(double points, size_t index)
 {
     uint32_t whole = points < 1e9 ? (uint32_t)points : 1000000000u;
@@ -128,7 +129,7 @@ static uint32_t share_of(double points, size_t index)
     return whole + (rest < points - (double)whole ? 1 : 0);
 }
 
-static stp_result sketch_meshes(draft_work* w, stp_arena* arena, stp_store_point_set* sets,
+static stp_result sample_meshes(draft_work* w, stp_arena* arena, stp_store_point_set* sets,
                                 uint32_t* set_count)
 {
     const stp_scene* scene = &w->seen;
@@ -156,7 +157,7 @@ static stp_result sketch_meshes(draft_work* w, stp_arena* arena, stp_store_point
     return STP_OK;
 }
 
-static stp_result sketch_points(draft_work* w, stp_arena* arena, stp_store_point_set* sets,
+static stp_result sample_points(draft_work* w, stp_arena* arena, stp_store_point_set* sets,
                                 uint32_t* set_count)
 {
     const stp_scene* scene = w->state->scene;
@@ -181,7 +182,8 @@ static uint64_t add_saturated(uint64_t a, uint64_t b)
     return a + b < a ? UINT64_MAX : a + b;
 }
 
-// Parts as the draft has them, and what lies below each node then. @return false where memory runs out
+// Maps parts to the draft's, and updates the counts below each node. @return false if memory runs
+// out
 static bool convert_parts(draft_work* w, stp_build_content* c)
 {
     const stp_scene* scene = w->state->scene;
@@ -224,7 +226,7 @@ static bool convert_parts(draft_work* w, stp_build_content* c)
     return true;
 }
 
-// Only the meshes whose triangles are shown.
+// Keeps only meshes whose triangles are shown.
 static bool convert_meshes(draft_work* w, stp_build_content* c)
 {
     size_t all = w->state->scene->mesh_count;
@@ -246,7 +248,7 @@ static bool convert_meshes(draft_work* w, stp_build_content* c)
     return true;
 }
 
-// Points have their texels' colours, so without triangles no texture is needed.
+// Points have the texels' colours, so textures are only needed with triangles.
 static bool drop_textures(stp_build_content* c)
 {
     stp_store_directory* d = &c->content.directory;
@@ -275,8 +277,8 @@ static stp_result fill_content(draft_work* w, stp_build_content* c)
     if (sets == NULL) {
         return stp_fail_memory(w->context);
     }
-    stp_result result = sketch_meshes(w, &c->arena, sets, &set_count);
-    result = result == STP_OK ? sketch_points(w, &c->arena, sets, &set_count) : result;
+    stp_result result = sample_meshes(w, &c->arena, sets, &set_count);
+    result = result == STP_OK ? sample_points(w, &c->arena, sets, &set_count) : result;
     if (result != STP_OK) {
         return result;
     }
@@ -318,7 +320,7 @@ stp_result stp_draft_content_create(stp_context* context, const stp_draft_state*
         return STP_ERROR_LIMIT;
     }
     w.seen.context = context;   // its memory is not the build's
-    w.seen.point_set_count = 0; // converted here, thinned
+    w.seen.point_set_count = 0; // converted here, thinned out
     w.paths = STP_NEW_ZEROED(context, double, scene->node_count);
     w.areas = STP_NEW_ZEROED(context, double, scene->node_count);
     w.meshes = STP_NEW_ZEROED(context, exposure, scene->mesh_count + 1);

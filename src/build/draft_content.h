@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: MIT
-// A scene that is still being built, as the writer wants it: what is there of it, and points for the rest.
+// Converts an unfinished scene to the input of the writer: the available results, and points for
+// the rest.
 #pragma once
 
 #include "build/content.h"
 
-/// What there is of a scene.
+/// The available results of a scene.
 typedef struct stp_draft_state {
-    const stp_scene* scene;      ///< finished; partitioned or not
-    const stp_coded_mesh* coded; ///< one a mesh; without bytes: not there yet. NULL: none is
+    const stp_scene* scene;      ///< finished, partitioned or not
+    const stp_coded_mesh* coded; ///< one per mesh; without bytes: not coded yet. NULL: none is
     const stp_splats* sets;
     uint32_t set_count;
-    const uint32_t* set_of_node; ///< STP_NONE: that node's set is not there. NULL: none is
+    const uint32_t* set_of_node; ///< STP_NONE: the node has no set yet. NULL: no node has
 } stp_draft_state;
 
-/// Makes a scene of what is there, with the same nodes and objects. A mesh that is not coded yet is a few of its points
-/// instead, and so are large ones where drawing all of them would take long; what is below a set of surfels counts
-/// nothing there, as it is drawn from near only. Shadings and parameters are the caller's to add.
-/// @return STP_OK; STP_ERROR_LIMIT where there is more to look at than a picture has time for, not logged;
-/// STP_ERROR_OUT_OF_MEMORY (nothing is left to destroy)
+/// Makes a scene of the available results, with the same nodes and objects. Meshes that are not
+/// coded yet become a few points, and so do large meshes if drawing all of them would take long.
+/// Content below a surfel set does not count for this, because it is drawn only from near. The
+/// caller adds shadings and parameters. @return STP_OK; STP_ERROR_LIMIT if the scene has too many
+/// visible nodes to draw quickly, not logged; STP_ERROR_OUT_OF_MEMORY (nothing to destroy)
 STP_MUST_USE stp_result stp_draft_content_create(stp_context* context, const stp_draft_state* state,
                                                  stp_build_content* content);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// What a build found and what it made. Things of one content have one result in the work directory: what the first of
-// them has made is found by the others, and with several threads chance tells which. Only what was there before the
-// build began counts as found.
+// Counts the results that a build found and made. Items with equal content share one result in the
+// work directory: the first one makes it and the others find it, and with several threads it varies
+// which is first. Only results from before the build count as found.
 #pragma once
 
 #include "base/hash.h"
@@ -12,8 +12,8 @@
 
 typedef struct stp_build_result {
     stp_hash key;
-    bool made; ///< by this build; else it was there when it was looked for
+    bool made; ///< made by this build; else it existed when looked up
 } stp_build_result;
 
-/// How many have a key that none made. Sorts them.
+/// Number of keys that no entry made. Sorts the entries.
 size_t stp_build_count_found(stp_build_result* origins, size_t count);

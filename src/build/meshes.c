@@ -9,19 +9,19 @@
 #include <pthread.h>
 #include <string.h>
 
-// Part of every key: to be raised when the same mesh gives other bytes.
+// Part of every key: increase when the same mesh gives other bytes.
 static const char* const code_version = "stipple-clusters-4";
 
 typedef struct run {
     const stp_scene* scene;
     stp_work* work;
-    stp_previous_output* former;
+    stp_previous_output* previous;
     stp_build_draft* draft;
     stp_build_meshes* meshes;
-    stp_build_result* origins;    ///< one a mesh
-    pthread_mutex_t mutex;        ///< of the result
-    pthread_mutex_t former_mutex; ///< a store is asked by one thread at a time
-    stp_result result;            ///< the first failure
+    stp_build_result* origins;      ///< one per mesh
+    pthread_mutex_t mutex;          ///< guards the result
+    pthread_mutex_t previous_mutex; ///< a store allows one thread at a time
+    stp_result result;              ///< the first failure
 } run;
 
 uint32_t stp_material_texcoords(const stp_material* material)
@@ -83,9 +83,10 @@ static bool find_mesh(run* r, stp_hash key, stp_coded_mesh* coded)
     if (stp_work_find_mesh(r->work, key, coded)) {
         return true;
     }
-    pthread_mutex_lock(&r->former_mutex);
-    bool found = r->former != NULL && stp_previous_output_take_mesh(r->former, key, r->work, coded);
-    pthread_mutex_unlock(&r->former_mutex);
+    pthread_mutex_lock(&r->previous_mutex);
+    bool found =
+        r->previous != NULL && stp_previous_output_take_mesh(r->previous, key, r->work, coded);
+    pthread_mutex_unlock(&r->previous_mutex);
     return found;
 }
 
@@ -127,14 +128,14 @@ static void code_some(size_t begin, size_t end, uint32_t worker, void* user)
 }
 
 stp_result stp_build_meshes_make(const stp_scene* scene, stp_work* work,
-                                 stp_previous_output* former, stp_build_draft* draft,
+                                 stp_previous_output* previous, stp_build_draft* draft,
                                  stp_build_meshes* meshes)
 {
     stp_context* context = scene->context;
     *meshes = (stp_build_meshes){0};
     meshes->coded = STP_NEW_ZEROED(context, stp_coded_mesh, scene->mesh_count);
     meshes->keys = STP_NEW_ZEROED(context, stp_hash, scene->mesh_count);
-    run r = {.scene = scene, .work = work, .former = former, .draft = draft, .meshes = meshes};
+    run r = {.scene = scene, .work = work, .previous = previous, .draft = draft, .meshes = meshes};
     r.origins = STP_NEW_ZEROED(context, stp_build_result, scene->mesh_count);
     if (meshes->coded == NULL || meshes->keys == NULL || r.origins == NULL) {
         stp_free(context, r.origins);
@@ -146,10 +147,10 @@ stp_result stp_build_meshes_make(const stp_scene* scene, stp_work* work,
         report.total += scene->meshes[i].triangle_count;
     }
     pthread_mutex_init(&r.mutex, NULL);
-    pthread_mutex_init(&r.former_mutex, NULL);
+    pthread_mutex_init(&r.previous_mutex, NULL);
     stp_result result =
         stp_parallel_for_reported(context, scene->mesh_count, 1, code_some, &r, &report);
-    pthread_mutex_destroy(&r.former_mutex);
+    pthread_mutex_destroy(&r.previous_mutex);
     pthread_mutex_destroy(&r.mutex);
     result = r.result != STP_OK ? r.result : result;
     if (result == STP_OK) {

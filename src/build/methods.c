@@ -9,7 +9,7 @@
 
 #include <pthread.h>
 
-// What the sets in the making share.
+// State shared by the sets in progress.
 typedef struct run {
     const stp_scene* scene;
     const stp_build_methods_desc* desc;
@@ -17,7 +17,7 @@ typedef struct run {
     stp_build_result* origins; ///< by set
     stp_gate* gate;
     pthread_mutex_t mutex;
-    pthread_mutex_t former_mutex;
+    pthread_mutex_t previous_mutex;
     stp_result result; ///< the first failure
 } run;
 
@@ -26,13 +26,13 @@ static const stp_method* method_of(const run* r, size_t set)
     return r->desc->methods[set / r->desc->plan->step_count];
 }
 
-/// Whether a method's sets are still to be made, of the samples.
+/// Whether a method's sets must be derived from the samples.
 static bool is_derived(const run* r, const stp_method* method)
 {
     return method->make != NULL && method != r->desc->alone;
 }
 
-// What the work directory or the former output has.
+// Looks a set up in the work directory, then in the previous output.
 static bool find_set(run* r, stp_hash key, stp_splats* set)
 {
     const stp_build_methods_desc* desc = r->desc;
@@ -40,15 +40,15 @@ static bool find_set(run* r, stp_hash key, stp_splats* set)
     if (stp_work_find_surfels(desc->work, key, desc->shading_count, set, &unused)) {
         return true;
     }
-    pthread_mutex_lock(&r->former_mutex);
+    pthread_mutex_lock(&r->previous_mutex);
     bool found =
-        desc->former != NULL &&
-        stp_previous_output_take_surfels(desc->former, key, desc->shading_count, desc->work, set);
-    pthread_mutex_unlock(&r->former_mutex);
+        desc->previous != NULL &&
+        stp_previous_output_take_surfels(desc->previous, key, desc->shading_count, desc->work, set);
+    pthread_mutex_unlock(&r->previous_mutex);
     return found;
 }
 
-/// Whether a node is a cloud in a scene of clouds without normals.
+/// Whether a node is a point cloud in a scene of clouds without normals.
 static bool is_two_sided(const stp_scene* scene, uint32_t node)
 {
     bool any = false;
@@ -138,7 +138,7 @@ static void make_some(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// The directory's methods, and the sets of nodes of all but the first.
+// Fills the directory's methods, and the nodes' sets for all but the first.
 static void list_methods(const run* r)
 {
     const stp_build_plan* plan = r->desc->plan;
@@ -194,7 +194,7 @@ static stp_result make_all(run* r)
     return result;
 }
 
-// How many sets were found: sets of samples have no origin.
+// Counts the sets that were found; samples are counted elsewhere.
 static void count_found(run* r)
 {
     size_t derived = 0;
@@ -215,9 +215,9 @@ stp_result stp_build_methods_make(const stp_scene* scene, const stp_build_method
                                 .set_count = desc->method_count * desc->plan->step_count};
     run r = {.scene = scene, .desc = desc, .made = made};
     pthread_mutex_init(&r.mutex, NULL);
-    pthread_mutex_init(&r.former_mutex, NULL);
+    pthread_mutex_init(&r.previous_mutex, NULL);
     stp_result result = make_all(&r);
-    pthread_mutex_destroy(&r.former_mutex);
+    pthread_mutex_destroy(&r.previous_mutex);
     pthread_mutex_destroy(&r.mutex);
     stp_gate_destroy(r.gate);
     if (result == STP_OK) {

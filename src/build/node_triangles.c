@@ -9,10 +9,10 @@
 
 typedef struct walk {
     const stp_scene* scene;
-    double level;   ///< theirs is above it
+    double level;   ///< only triangles above this level
     uint64_t count; ///< triangles so far
-    float* corners; ///< NULL: they are only counted
-    uint32_t left;  ///< parts and nodes that may still be looked at
+    float* corners; ///< NULL: only count
+    uint32_t left;  ///< parts and nodes that may still be visited
 } walk;
 
 static void look_at_mesh(walk* w, const stp_mesh* mesh, const stp_affine* below)

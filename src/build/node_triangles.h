@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The large triangles of a node, for methods that draw them beside splats (Dachsbacher et al. 2003, 3.8).
+// The large triangles of a node, for methods that draw them beside splats (Dachsbacher et al. 2003,
+// 3.8).
 #pragma once
 
 #include "scene/scene.h"
@@ -9,12 +10,14 @@ typedef struct stp_node_triangles {
     float* corners; ///< 9 floats each, in the node's space
 } stp_node_triangles;
 
-/// Counts the opaque triangles whose level (base/triangle_level.h) is above `level`: of the node's own meshes and of all below
-/// it that does not move. None where more than STP_LARGE_USES parts and nodes are below it.
+/// Counts the opaque triangles whose level (base/triangle_level.h) is above `level`, in the node
+/// and everything below it that does not move. Returns 0 if more than STP_LARGE_USES parts and
+/// nodes are below it.
 uint32_t stp_count_node_triangles(const stp_scene* scene, uint32_t node, double level);
 
-/// Lists them.
-/// @param count as stp_count_node_triangles says. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_node_triangles_destroy
+/// Lists these triangles.
+/// @param count from stp_count_node_triangles. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged).
+/// Free with stp_node_triangles_destroy
 STP_MUST_USE stp_result stp_take_node_triangles(const stp_scene* scene, uint32_t node, double level,
                                                 uint32_t count, stp_node_triangles* triangles);
 void stp_node_triangles_destroy(stp_context* context, stp_node_triangles* triangles);

@@ -9,34 +9,34 @@
 
 #include <pthread.h>
 
-#define RELEASE_SPLATS (UINT64_C(4) << 20) // made since the system was last told what it may drop
+#define RELEASE_SPLATS (UINT64_C(4) << 20) // splats between releases of file pages
 
-// What the steps of a run share.
+// State shared by the steps of a run.
 typedef struct run {
     const stp_scene* scene;
     const stp_build_nodes_desc* desc;
     stp_build_nodes* nodes;
     stp_capture_textures* textures;
-    const stp_splats** sets; ///< by node, what is there already
+    const stp_splats** sets; ///< by node, sets made so far
     stp_gate* gate;
     pthread_mutex_t mutex;
     pthread_cond_t advanced;
-    pthread_mutex_t former_mutex; ///< a store is asked by one thread at a time
-    bool* done;                   ///< by step
-    stp_build_result* origins;    ///< by step
-    uint32_t done_count;          ///< so many steps, the first ones, are done
-    uint32_t first;               ///< step of the loop's first element
-    uint64_t unreleased;          ///< splats made since pages of files were released
-    stp_result result;            ///< the first failure
+    pthread_mutex_t previous_mutex; ///< a store allows one thread at a time
+    bool* done;                     ///< by step
+    stp_build_result* origins;      ///< by step
+    uint32_t done_count;            ///< number of leading steps that are done
+    uint32_t first;                 ///< step of the loop's first element
+    uint64_t unreleased;            ///< splats made since file pages were released
+    stp_result result;              ///< the first failure
 } run;
 
-// A set that is made without samples is another than one that is made of them.
+// Sets made without samples have different keys.
 static stp_hash key_of(const run* r, const stp_build_step* step)
 {
     return stp_build_set_key(r->desc->method, r->desc->options, step->key);
 }
 
-// Waits until what a step may need is there. @return false where the run has failed meanwhile
+// Waits until the required steps are done. @return false if the run has failed meanwhile
 static bool wait_for_lower(run* r, uint32_t needs)
 {
     pthread_mutex_lock(&r->mutex);
@@ -89,7 +89,7 @@ static void end_step(run* r, uint32_t index, stp_result result, const stp_blue_r
     }
 }
 
-// What the work directory or the former output has.
+// Looks a set up in the work directory, then in the previous output.
 static bool find_step(run* r, const stp_build_step* step, stp_splats* set, stp_blue_report* report)
 {
     const stp_build_nodes_desc* desc = r->desc;
@@ -97,11 +97,11 @@ static bool find_step(run* r, const stp_build_step* step, stp_splats* set, stp_b
                               &report->candidate_count)) {
         return true;
     }
-    pthread_mutex_lock(&r->former_mutex);
-    bool found = desc->former != NULL &&
-                 stp_previous_output_take_surfels(desc->former, key_of(r, step),
+    pthread_mutex_lock(&r->previous_mutex);
+    bool found = desc->previous != NULL &&
+                 stp_previous_output_take_surfels(desc->previous, key_of(r, step),
                                                   desc->shading_count, desc->work, set);
-    pthread_mutex_unlock(&r->former_mutex);
+    pthread_mutex_unlock(&r->previous_mutex);
     return found;
 }
 
@@ -175,7 +175,7 @@ static stp_result open_run(run* r)
     return result != STP_OK ? result : stp_capture_textures_create(scene, &r->textures);
 }
 
-// One step a thread while there are many; then, one after the other, those that all threads work on.
+// Runs one step per thread while there are enough; then single steps on all threads.
 static void run_all(run* r)
 {
     stp_context* context = r->scene->context;
@@ -201,7 +201,7 @@ stp_result stp_build_nodes_make(const stp_scene* scene, const stp_build_nodes_de
     run r = {.scene = scene, .desc = desc, .nodes = nodes};
     pthread_mutex_init(&r.mutex, NULL);
     stp_condition_init(&r.advanced);
-    pthread_mutex_init(&r.former_mutex, NULL);
+    pthread_mutex_init(&r.previous_mutex, NULL);
     r.result = open_run(&r);
     if (r.result == STP_OK) {
         run_all(&r);
@@ -215,7 +215,7 @@ stp_result stp_build_nodes_make(const stp_scene* scene, const stp_build_nodes_de
     stp_free(context, r.origins);
     stp_free(context, r.done);
     stp_free(context, r.sets);
-    pthread_mutex_destroy(&r.former_mutex);
+    pthread_mutex_destroy(&r.previous_mutex);
     pthread_cond_destroy(&r.advanced);
     pthread_mutex_destroy(&r.mutex);
     if (r.result != STP_OK) {

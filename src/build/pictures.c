@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-/// What encoding one texture gave.
+/// Result of encoding one texture.
 typedef struct encoded_texture {
     unsigned char* bytes; ///< NULL: its texels are smaller
     size_t size;
@@ -43,13 +43,13 @@ static void encode_job(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// Hands a picture to its texture: the bytes lie where its texels lie.
+/// Attaches an image file to its texture. The bytes replace the texels.
 static stp_result take_picture(stp_scene* scene, stp_texture* texture, encoded_texture* encoded)
 {
     if (texture->spilled) {
         unsigned char* piece = stp_spill_alloc(scene->spill, encoded->size);
         if (piece == NULL) {
-            return STP_ERROR_IO; // logged there
+            return STP_ERROR_IO; // already logged
         }
         memcpy(piece, encoded->bytes, encoded->size);
         stp_free(scene->context, encoded->bytes);

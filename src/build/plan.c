@@ -1,24 +1,26 @@
 // SPDX-License-Identifier: MIT
 #include "build/plan.h"
 
+#include "base/saturate.h"
 #include "scene/measure.h"
 
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
-// A spacing so much smaller than the next set's above is worth a set; so many times fewer triangles are, too.
+// A node gets a set if its spacing is at most this fraction of that of the nearest set above, or if
+// it has this many times fewer triangles.
 #define FINER 0.5
 #define SMALLER 256.0
-// A set that stands for others is worth it where each of them would be drawn with fewer surfels than this, or where
-// it has so many times fewer than they have (what is hidden is left out).
+// A set above others pays if they would each be drawn with fewer surfels than this, or if it has
+// this many times fewer surfels than they have (hidden surfaces are left out).
 #define ITEM_SURFELS 250.0
 #define THINNER 16.0
-#define COVERED 0.9       // of the triangles below a node, for the sets below to stand for it
+#define COVERED 0.9       // share of a node's triangles that the sets below must represent
 #define FIXED_COST 1000.0 // of a step, in surfels
-// What making a step takes at its peak, measured with one thread and two (scripts/check_memory.py shows the sum): the
-// pictures of a capture, however few candidates come out; then columns, order and tables of each candidate. A
-// point cloud has its points as candidates, and their hierarchy.
+// Peak memory of a step, measured with one thread and two (scripts/check_memory.py prints the sum).
+// Fixed: the pictures of a capture. Per candidate: columns, order and tables. A point cloud's
+// candidates are its points, with their hierarchy.
 #define FIXED_BYTES (UINT64_C(40) << 20)
 #define CANDIDATE_BYTES 120.0
 #define POINT_BYTES 320.0
@@ -26,26 +28,26 @@
 #define LEAST_CANDIDATES 20000.0
 #define MOST_CANDIDATES 1750000.0
 
-// Part of every key: to be raised when the same node and options give other surfels.
+// Part of every key: increase when the same node and options give other surfels.
 static const char* const result_version = "stipple-surfels-12";
 
-// The nearest set above a node, over all ways to it, as seen in the node's own space.
+// The nearest sets above a node, over all paths to it, in the node's own space.
 typedef struct above {
-    double spacing;   ///< the coarsest
-    double triangles; ///< the largest
+    double spacing;   ///< the coarsest one's
+    double triangles; ///< the largest one's
 } above;
 
-// What a node's set would show: of all that is below it, what does not move by itself.
+// The content of a node's set: everything below it that does not move on its own.
 typedef struct resting {
     uint64_t triangles, points;
     double area; ///< of the triangles
 } resting;
 
-// What the sets below a node amount to.
+// Sums over the sets below a node.
 typedef struct sets_below {
-    double items;     ///< how many, each use counted
+    double items;     ///< number of sets, each use counted
     double surfels;   ///< of all of them
-    double triangles; ///< that they stand for
+    double triangles; ///< that they represent
 } sets_below;
 
 typedef struct planning {
@@ -54,20 +56,14 @@ typedef struct planning {
     resting* resting;  ///< by node
     above* above;      ///< by node
     bool* wanted;      ///< by node
-    bool* reached;     ///< by node: from the root
-    uint32_t* heights; ///< by node: height of the highest step in or below it, plus 1
-    sets_below* below; ///< by node: of the sets that are kept
-    stp_hash* keys;    ///< by node: of its result, or of the results below it
-    stp_hash* looks;   ///< by node: of the shadings its materials have
+    bool* reached;     ///< by node: reachable from the root
+    uint32_t* heights; ///< by node: height of the highest step at or below it, plus 1
+    sets_below* below; ///< by node: sums over the remaining sets
+    stp_hash* keys;    ///< by node: key of its result, or of the results below it
+    stp_hash* looks;   ///< by node: hash of its materials' shadings
 } planning;
 
-// Sums stop at the largest number: nested uses reach it.
-static uint64_t add(uint64_t a, uint64_t b)
-{
-    return a > UINT64_MAX - b ? UINT64_MAX : a + b;
-}
-
-// What a set of the node would hold. Zero leaves it to the method: all points of a point cloud.
+// Maximum surfels of a node's set. Zero leaves it to the method: all points of a point cloud.
 static uint32_t count_surfels(const planning* p, uint32_t index)
 {
     const resting* r = &p->resting[index];
@@ -91,7 +87,7 @@ static double expected_surfels(const planning* p, uint32_t index)
     return count != 0 ? (double)count : (double)p->resting[index].points;
 }
 
-// The distance between neighbouring surfels, about.
+// Approximate distance between neighbouring surfels.
 static double estimate_spacing(const planning* p, uint32_t index)
 {
     const stp_node* node = &p->scene->nodes[index];
@@ -108,7 +104,7 @@ static bool moves(const stp_scene* scene, uint32_t index)
     return (scene->nodes[index].flags & STP_OBJECT_MOVING) != 0;
 }
 
-// What rests in each node. Where nothing moves, that is all there is (stp_node_measure).
+// Sums up the resting content of each node. If nothing moves, this is all of it (stp_node_measure).
 static void measure_resting(planning* p)
 {
     const stp_scene* scene = p->scene;
@@ -118,16 +114,18 @@ static void measure_resting(planning* p)
         for (uint32_t k = 0; k < node->part_count; ++k) {
             stp_part part = scene->node_parts[node->first_part + k];
             bool mesh = part.kind == STP_PART_MESH;
-            r.triangles = add(r.triangles, mesh ? scene->meshes[part.index].triangle_count : 0);
-            r.points = add(r.points, mesh ? 0 : scene->point_sets[part.index].point_count);
+            r.triangles =
+                stp_add_saturated(r.triangles, mesh ? scene->meshes[part.index].triangle_count : 0);
+            r.points =
+                stp_add_saturated(r.points, mesh ? 0 : scene->point_sets[part.index].point_count);
             r.area += mesh ? scene->meshes[part.index].area : 0.0;
         }
         for (uint32_t k = 0; k < node->edge_count; ++k) {
             const stp_edge* edge = &scene->edges[node->first_edge + k];
             const resting* below = &p->resting[edge->node];
             if (!moves(scene, edge->node)) {
-                r.triangles = add(r.triangles, below->triangles);
-                r.points = add(r.points, below->points);
+                r.triangles = stp_add_saturated(r.triangles, below->triangles);
+                r.points = stp_add_saturated(r.points, below->points);
                 r.area += below->area * stp_affine_area_scale(&edge->transform);
             }
         }
@@ -146,7 +144,7 @@ static bool has_points(const planning* p, const stp_node* node)
     return false;
 }
 
-// Whether a node of points alone is just a place for another: that one's set shows all of it.
+// Whether a node of points only places another node: that node's set shows all of it.
 static bool passes_through(const planning* p, const stp_node* node, uint32_t index)
 {
     if (node->part_count != 0 || node->edge_count != 1 || p->resting[index].triangles != 0) {
@@ -162,7 +160,7 @@ static bool is_worth_a_set(const planning* p, uint32_t index)
         return false;
     }
     if (has_points(p, node)) {
-        return true; // only as surfels do points have a size
+        return true; // only surfels give points a size
     }
     if (passes_through(p, node, index)) {
         return false;
@@ -176,7 +174,7 @@ static bool is_worth_a_set(const planning* p, uint32_t index)
            count_shapes(p, index) * SMALLER <= a->triangles;
 }
 
-// The length that a unit vector has on average after the transform.
+// The root mean square scale of a transform over directions.
 static double mean_scale(const stp_affine* a)
 {
     double sum = 0.0;
@@ -239,9 +237,9 @@ static sets_below sum_below(const planning* p, const stp_node* node)
     return sum;
 }
 
-// Prefixes of the sets below draw a node as well as its own set does, with as many splats: its own pays where they
-// are too many to be looked at one by one, or hold much that cannot be seen from outside. Those of uppermost sets always
-// do.
+// Prefixes of the sets below draw a node as well as its own set does, with as many splats. Its own
+// set pays only if they are too many to examine one by one, or contain many hidden surfaces.
+// Topmost sets always stay.
 static void drop_needless(planning* p)
 {
     const stp_scene* scene = p->scene;
@@ -294,7 +292,7 @@ static stp_hash hash_look(const planning* p, const stp_node* node)
     return hash;
 }
 
-// Keys and heights; children come before their parents.
+// Computes keys and heights; children come before their parents.
 static void address_results(planning* p)
 {
     const stp_scene* scene = p->scene;
@@ -308,7 +306,7 @@ static void address_results(planning* p)
         stp_hash below = {0};
         for (uint32_t k = 0; k < node->edge_count; ++k) {
             uint32_t child = scene->edges[node->first_edge + k].node;
-            if (moves(scene, child)) { // its result is of no use to those above
+            if (moves(scene, child)) { // its result is not used above
                 continue;
             }
             height = p->heights[child] > height ? p->heights[child] : height;
@@ -339,7 +337,8 @@ static int compare_steps(const void* left, const void* right)
     return a->node < b->node ? -1 : a->node > b->node ? 1 : 0;
 }
 
-// From the end, heights of fewer steps than half the threads: all threads work on each of those.
+// Finds the trailing heights with few steps (at most half the threads): all threads work on each of
+// those.
 static uint32_t count_shared(const stp_build_plan* plan, uint32_t threads)
 {
     uint32_t end = plan->step_count;
@@ -371,8 +370,8 @@ static uint64_t estimate_bytes(const planning* p, uint32_t index)
     return FIXED_BYTES + (uint64_t)bytes;
 }
 
-// Which steps' results each step uses: those of the sets below its node. Steps are begun in their order, so it is told
-// by the last of these.
+// Finds the last step that each step needs: those of the sets below its node. Steps start in order,
+// so the last one suffices.
 static stp_result find_needs(const planning* p, stp_build_plan* plan)
 {
     const stp_scene* scene = p->scene;

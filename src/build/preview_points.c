@@ -7,15 +7,15 @@
 
 #include <string.h>
 
-enum { TRIED = 4 }; ///< triangles looked at for each point
+enum { TRIED = 4 }; ///< triangles examined per point
 
-// A triangle that may get points, with all areas before it.
+// A candidate triangle with the total area before it.
 typedef struct drawn_triangle {
     uint32_t index;
-    double before; ///< areas of those before it
+    double before; ///< total area of the triangles before it
 } drawn_triangle;
 
-// Where a point lies in a triangle: weights of its corners.
+// A point on a triangle, as weights of its corners.
 typedef struct place {
     uint32_t corners[3];
     float weights[3];
@@ -27,7 +27,7 @@ static stp_vec3 corner(const stp_mesh* mesh, uint32_t vertex)
     return (stp_vec3){p[0], p[1], p[2]};
 }
 
-// Twice the area, along the normal.
+// Normal scaled to twice the area.
 static stp_vec3 face(const stp_mesh* mesh, uint32_t triangle)
 {
     const uint32_t* v = mesh->indices + 3 * (size_t)triangle;
@@ -35,7 +35,7 @@ static stp_vec3 face(const stp_mesh* mesh, uint32_t triangle)
     return stp_cross(stp_sub(corner(mesh, v[1]), a), stp_sub(corner(mesh, v[2]), a));
 }
 
-// Some triangles, one of each run of equal length, with sums of their areas. @return the sum of all
+// Chooses one triangle from each of several equal runs, with sums of their areas. @return the total
 static double choose_triangles(const stp_mesh* mesh, uint32_t count, drawn_triangle* chosen)
 {
     double sum = 0.0;
@@ -79,7 +79,7 @@ static uint32_t wrap(float at, uint32_t size, stp_wrap how)
     return texel < (float)size ? (uint32_t)texel : size - 1;
 }
 
-// The texel at a place; NULL where there is no texture.
+// The texel at texture coordinates; NULL without a texture.
 static const uint8_t* texel_at(const stp_scene* scene, const stp_mesh* mesh, const place* p)
 {
     const stp_texture_use* use = &scene->materials[mesh->material].base_color_texture;
@@ -102,7 +102,7 @@ static const uint8_t* texel_at(const stp_scene* scene, const stp_mesh* mesh, con
     return t->texels != NULL ? t->texels + 4 * (y * t->width + x) : NULL;
 }
 
-// The colour of a place, without the material's own. @return false where there is nothing
+// The colour at a point, without the material's base colour. @return false if the point is cut out
 static bool color_at(const stp_scene* scene, const stp_mesh* mesh, const place* p, uint8_t out[4])
 {
     float color[4] = {1.0f, 1.0f, 1.0f, 1.0f};

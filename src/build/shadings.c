@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// The mean of a texture's channels, as stored and as light.
+// The mean of a texture's channels, as stored and linear.
 typedef struct texture_mean {
     float raw[3], linear[3];
 } texture_mean;
@@ -17,7 +17,7 @@ typedef struct reduction {
     texture_mean* means;
     stp_shading* exact; ///< of each scene material
     bool* used;
-    float* distance; ///< of each material's shading to the chosen ones
+    float* distance; ///< from each material's shading to the nearest chosen one
 } reduction;
 
 static void measure_textures(size_t begin, size_t end, uint32_t worker, void* user)
@@ -79,7 +79,7 @@ static void mark_used(reduction* r)
     }
 }
 
-// Flags change what is seen more than any number does.
+// Flags weigh more than any number, because they change the look most.
 static float shading_distance(const stp_shading* a, const stp_shading* b)
 {
     float sum = 0.0f;
@@ -97,14 +97,14 @@ static float shading_distance(const stp_shading* a, const stp_shading* b)
     return sum + ((flags & STP_SHADING_DOUBLE_SIDED) != 0 ? 4.0f : 0.0f);
 }
 
-// A shading by its content, on its way to a place in the table.
+// A shading to be placed in the table.
 typedef struct shading_place {
     stp_hash hash;
-    uint32_t material; ///< the first that has it
+    uint32_t material; ///< the first material that has it
     uint32_t place;
 } shading_place;
 
-// By hash; of equal ones, the first comes first.
+// By hash; ties by material.
 static int compare_places(const void* left, const void* right)
 {
     const shading_place *a = left, *b = right;
@@ -117,7 +117,7 @@ static int compare_places(const void* left, const void* right)
     return a->material < b->material ? -1 : a->material > b->material ? 1 : 0;
 }
 
-// What stands in places that nobody has.
+// Content of unused indices.
 static stp_shading make_unused(void)
 {
     stp_shading shading;
@@ -126,9 +126,9 @@ static stp_shading make_unused(void)
     return shading;
 }
 
-// Where every shading gets a place of its own: the one its hash names, or the next free one, for one after the
-// other in the order of their hashes. Surfels of a former build keep their meaning when other materials come and
-// go, but for the few whose places collide. @return false where there are too many
+// Gives every shading its own index: the one its hash names, or the next free one, in the order of
+// their hashes. So surfels of a previous build stay valid when other materials are added or
+// removed, except for the few whose indices collide. @return false if there are too many
 static bool place_shadings(const reduction* r, shading_place* places, stp_shading_set* set)
 {
     size_t used = 0;
@@ -169,8 +169,8 @@ static bool place_shadings(const reduction* r, shading_place* places, stp_shadin
     return true;
 }
 
-// Farthest first: each next shading is the one farthest from those taken (the first of several), until all
-// are met or there is no room.
+// Farthest-point selection: repeatedly takes the shading farthest from those taken (the first of
+// several), until all are covered or the table is full.
 static void choose_shadings(reduction* r, stp_shading_set* set)
 {
     size_t count = r->scene->material_count, next = 0;

@@ -8,7 +8,7 @@
 #include "store/validate.h"
 
 enum {
-    SURFELS_KIND = 1, ///< what a result is: first in its head
+    SURFELS_KIND = 1, ///< type of result, at the start of its header
     MESH_KIND = 2,
     SURFELS_HEAD = 704,
     OCTAVES_AT = 48,
@@ -16,7 +16,7 @@ enum {
     RADII_AT = COUNTS_AT + 4 * STP_PREFIX_TABLE_SIZE,
     MESH_HEAD = 64,
     COLUMNS_AT = RADII_AT + 4 * STP_PREFIX_TABLE_SIZE, ///< STP_SPLATS_*
-    ATTRIBUTES_AT = COLUMNS_AT + 4,                    ///< a bit for each attribute
+    ATTRIBUTES_AT = COLUMNS_AT + 4,                    ///< bit mask of attributes
     LEAVES_AT = ATTRIBUTES_AT + 4,
     ATTRIBUTE_COLUMN = 7,
     LEAF_COLUMN = ATTRIBUTE_COLUMN + STP_ATTRIBUTES,
@@ -24,7 +24,7 @@ enum {
 };
 _Static_assert(LEAVES_AT + 4 <= SURFELS_HEAD, "the head holds the table");
 
-// Writes numbers in a row, or reads them.
+// Writes or reads consecutive numbers.
 typedef struct cursor {
     unsigned char* write;
     const unsigned char* read;
@@ -83,7 +83,7 @@ static void write_surfels_head(const stp_splats* s, uint32_t candidates,
     }
 }
 
-// False where a count is beyond its limit; other values are not judged.
+// False if a count exceeds its limit; other values are not checked.
 static bool read_surfels_head(const unsigned char* head, stp_splats* s, uint32_t* candidates)
 {
     *s = (stp_splats){0};
@@ -126,7 +126,7 @@ static size_t pad(size_t size)
     return (size + 63) & ~(size_t)63;
 }
 
-// Bytes of each column: at most 24 octaves of 2^32 surfels, so the sums fit.
+// Size of each column: at most 24 octaves of 2^32 surfels, so sums cannot overflow.
 static void size_columns(const stp_splats* s, uint32_t attributes, size_t sizes[COLUMNS])
 {
     size_t entries = (size_t)stp_store_pyramid_begin(s, s->octave_count);
@@ -144,7 +144,7 @@ static void size_columns(const stp_splats* s, uint32_t attributes, size_t sizes[
     }
 }
 
-/// Whether a set's columns make sense where a renderer relies on it.
+/// Whether a set's columns are valid where a renderer relies on it.
 static bool is_sound(const stp_splats* s, uint32_t shading_count)
 {
     uint8_t highest = 0;
@@ -167,7 +167,7 @@ static bool is_sound(const stp_splats* s, uint32_t shading_count)
     return s->count == 0 || highest < shading_count;
 }
 
-// Points the columns into the bytes of a result. False where it cannot be a set.
+// Points the columns into a result's bytes. False if it cannot be a set.
 static bool read_surfels(const void* result, size_t size, stp_splats* s, uint32_t* candidates)
 {
     if (size < SURFELS_HEAD || !read_surfels_head(result, s, candidates) ||
@@ -184,7 +184,7 @@ static bool read_surfels(const void* result, size_t size, stp_splats* s, uint32_
     if (end != size || attributes >> STP_ATTRIBUTES != 0) {
         return false;
     }
-    uintptr_t bytes = (uintptr_t)result; // read-only memory behind the type that heap sets have too
+    uintptr_t bytes = (uintptr_t)result; // read-only memory, with the type of heap sets
     s->positions = (uint16_t*)(bytes + offsets[0]);
     s->normals = (int8_t*)(bytes + offsets[1]);
     s->materials = (uint8_t*)(bytes + offsets[2]);
@@ -209,7 +209,7 @@ bool stp_work_find_surfels(stp_work* work, stp_hash key, uint32_t shading_count,
         return false;
     }
     if (!read_surfels(result, size, surfels, candidates) || !is_sound(surfels, shading_count)) {
-        stp_work_forget(work, key); // its checksum is no proof of sense
+        stp_work_forget(work, key); // a checksum does not prove validity
         return false;
     }
     return true;
@@ -246,7 +246,7 @@ stp_result stp_work_store_surfels(stp_work* work, stp_hash key, const stp_splats
         return stp_fail(stp_work_get_context(work), STP_ERROR_FORMAT, "a set of surfels: %s",
                         fault);
     }
-    // what stands under the key may make no sense, and is forgotten then: the second time goes well
+    // an invalid entry under the key is dropped the first time; the second attempt succeeds
     stp_result result = STP_OK;
     for (int attempt = 0; result == STP_OK && attempt < 2; ++attempt) {
         uint32_t unused;

@@ -14,7 +14,7 @@
 #define SEGMENT_BYTES ((size_t)256 << 20)
 #define LEAST_SEGMENT_BYTES ((size_t)1024)
 #define NO_SEGMENT UINT32_MAX
-enum { LARGE_PART = 4 }; ///< a result above this part of a segment gets one of its own
+enum { LARGE_PART = 4 }; ///< results larger than 1/LARGE_PART of a segment get one of their own
 
 #define RELEASE_BYTES (UINT64_C(128) << 20) // read before the system is told that it may drop them
 
@@ -23,15 +23,15 @@ struct stp_work {
     char* path;
     stp_work_folder folder;
     size_t segment_bytes;
-    pthread_mutex_t mutex;   ///< guards what follows, the figures apart
-    pthread_cond_t finished; ///< a pending result is good or absent now
+    pthread_mutex_t mutex;   ///< guards the members below, except statistics
+    pthread_cond_t finished; ///< a pending result became good or absent
     stp_work_index index;
     stp_work_segment* segments;
     size_t segment_capacity;
     uint32_t segment_count;
-    uint32_t current; ///< the segment that small results go to
+    uint32_t current; ///< segment for small results
     uint32_t next_number;
-    bool failed; ///< the disk is full, or the like: said once
+    bool failed; ///< e.g. the disk is full; reported once
     atomic_uint_fast64_t found, found_bytes, stored, stored_bytes, damaged;
 };
 
@@ -46,7 +46,7 @@ static stp_result grow_segments(stp_work* work)
     return STP_OK;
 }
 
-// A result is written anew only where the former one is damaged: the later one counts.
+// A key is stored again only if the earlier result is damaged, so the later one counts.
 static stp_result add_found(const stp_work_head* head, size_t offset, void* user)
 {
     stp_work* work = user;
@@ -75,8 +75,7 @@ static stp_result take_up_segment(stp_work* work, uint32_t number, bool fresh)
     char name[STP_WORK_NAME_SIZE];
     stp_work_segment_name(number, name);
     if (kind == STP_WORK_FOREIGN) {
-        stp_warn(place->context, "%s/%s: is no segment of a build, and is left alone", place->path,
-                 name);
+        stp_warn(place->context, "%s/%s: is not a segment of a build; ignored", place->path, name);
     } else if (kind == STP_WORK_USELESS || fresh) {
         stp_work_segment_close(&segment);
         (void)unlinkat(place->folder, name, 0);
@@ -179,8 +178,8 @@ static const unsigned char* bytes_of(const stp_work* work, const stp_work_entry*
     return work->segments[entry->segment].bytes + entry->offset;
 }
 
-// The result under a key as far as it may be used, after a look at its checksum where none was taken yet; a pending
-// one is left as it is. Called and left with the mutex held, which is free in between. NULL: there never was one.
+// Finds a key's usable result; verifies its checksum if that was not done yet. Leaves a pending one
+// as it is. The mutex is held on entry and return, and released in between. NULL: there is none.
 static stp_work_entry* find_verified(stp_work* work, stp_hash key)
 {
     stp_work_entry* entry = stp_work_index_find(&work->index, key);
@@ -235,7 +234,8 @@ bool stp_work_is_intact(stp_work* work)
     return intact;
 }
 
-// Begins a file with room for one result at least; it becomes the current one unless made for that one alone.
+// Creates a file with room for at least one result. It becomes the current one unless created for
+// that result alone.
 static stp_result add_segment(stp_work* work, size_t capacity, bool alone, uint32_t* segment)
 {
     stp_result result = grow_segments(work);
@@ -258,7 +258,7 @@ static stp_result add_segment(stp_work* work, size_t capacity, bool alone, uint3
     return STP_OK;
 }
 
-// Finds room for a result and writes its head. The mutex is held.
+// Reserves room for a result and writes its header. The mutex must be held.
 static stp_result reserve(stp_work* work, const stp_work_head* head, uint32_t* segment,
                           size_t* offset)
 {
@@ -277,7 +277,7 @@ static stp_result reserve(stp_work* work, const stp_work_head* head, uint32_t* s
                                                        &work->segments[*segment], head, offset);
 }
 
-// Writes a result's bytes to its place; the mutex is free meanwhile.
+// Writes a result's bytes into the reserved room; releases the mutex meanwhile.
 static stp_result write_bytes(stp_work* work, const stp_work_head* head, uint32_t segment,
                               size_t offset, const stp_work_piece* pieces, size_t piece_count)
 {
@@ -302,7 +302,8 @@ static stp_result write_bytes(stp_work* work, const stp_work_head* head, uint32_
     return result;
 }
 
-// Writes a result that this thread has claimed: its entry is pending. The mutex is held before and after.
+// Writes a result claimed by this thread (its entry is pending). The mutex is held on entry and
+// return.
 static stp_result write_result(stp_work* work, const stp_work_head* head,
                                const stp_work_piece* pieces, size_t piece_count)
 {
@@ -326,7 +327,7 @@ static stp_result write_result(stp_work* work, const stp_work_head* head,
     return result;
 }
 
-// The good result of a key, or one that this thread is to write: pending. The mutex is held.
+// The good result of a key, or a pending entry that this thread must write. The mutex must be held.
 static stp_work_entry* claim(stp_work* work, stp_hash key, bool* write)
 {
     for (;;) {

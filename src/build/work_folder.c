@@ -12,7 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
-// What a killed build had forked to read a file lives on for a moment, and holds the lock with it.
+// A killed build's helper process, forked to read a file, lives on for a moment and keeps the lock.
 enum { LOCK_ATTEMPTS = 20, LOCK_WAIT_MS = 25 };
 
 static const char lock_name[] = "lock";
@@ -25,15 +25,14 @@ static stp_result fail_folder(const stp_work_place* place, const char* what)
 static stp_result open_folder(stp_work_place* place)
 {
     if (mkdir(place->path, 0777) != 0 && errno != EEXIST) {
-        return fail_folder(place, "the folder for the build's results cannot be made");
+        return fail_folder(place, "cannot create the folder for the build's results");
     }
     place->folder = open(place->path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (place->folder < 0 && errno == ENOTDIR) {
         return stp_fail(place->context, STP_ERROR_IO,
-                        "%s: is no folder, but stands where the build keeps its results",
-                        place->path);
+                        "%s: is not a folder, but the build needs it for its results", place->path);
     }
-    return place->folder >= 0 ? STP_OK : fail_folder(place, "cannot be opened");
+    return place->folder >= 0 ? STP_OK : fail_folder(place, "cannot open the folder");
 }
 
 static bool try_lock(int file)
@@ -52,7 +51,7 @@ static bool try_lock(int file)
     return false;
 }
 
-// Whether the locked file is still the one that others find: the former holder may have removed it.
+// Whether the locked file is still at its path: the previous owner may have removed it.
 static bool is_current(const stp_work_folder* folder)
 {
     struct stat locked, named;
@@ -68,16 +67,16 @@ static stp_result lock_folder(stp_work_folder* folder, bool* again)
     folder->lock = openat(place->folder, lock_name,
                           O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
     if (folder->lock < 0) {
-        if (errno == ENOENT) { // the folder was removed by the build that ended just now
+        if (errno == ENOENT) { // another build removed the folder just now
             *again = true;
             return STP_OK;
         }
-        return fail_folder(place, "the file 'lock' cannot be made there");
+        return fail_folder(place, "cannot create the file 'lock' in it");
     }
     if (!try_lock(folder->lock)) {
         return errno == EWOULDBLOCK ? stp_fail(place->context, STP_ERROR_BUSY,
-                                               "%s: another build is at work there", place->path)
-                                    : fail_folder(place, "cannot be locked");
+                                               "%s: another build is using it", place->path)
+                                    : fail_folder(place, "cannot lock it");
     }
     *again = !is_current(folder);
     return STP_OK;
@@ -113,7 +112,7 @@ stp_result stp_work_folder_open(stp_context* context, const char* path, stp_work
         }
     }
     return !again ? STP_OK
-                  : stp_fail(context, STP_ERROR_BUSY, "%s: another build is at work there", path);
+                  : stp_fail(context, STP_ERROR_BUSY, "%s: another build is using it", path);
 }
 
 void stp_work_folder_close(stp_work_folder* folder, bool remove)
@@ -124,7 +123,8 @@ void stp_work_folder_close(stp_work_folder* folder, bool remove)
         (void)unlinkat(folder->place.folder, lock_name, 0);
     }
     if (remove && rmdir(folder->place.path) != 0) {
-        stp_notice(folder->place.context, "%s: stays: %s", folder->place.path, strerror(errno));
+        stp_notice(folder->place.context, "%s: not removed: %s", folder->place.path,
+                   strerror(errno));
     }
     close_descriptors(folder);
 }
@@ -143,7 +143,7 @@ stp_result stp_work_folder_list(const stp_work_folder* folder, uint32_t** number
     int copy = openat(place->folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     DIR* entries = copy >= 0 ? fdopendir(copy) : NULL;
     if (entries == NULL) {
-        stp_result result = fail_folder(place, "cannot be read");
+        stp_result result = fail_folder(place, "cannot list the folder");
         if (copy >= 0) {
             close(copy);
         }

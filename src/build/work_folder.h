@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: MIT
-// The work directory's folder: made, locked for one build, listed, removed.
+// The folder of the work directory: creates, locks, lists and removes it.
 #pragma once
 
 #include "build/work_segment.h"
 
-/// The place made and locked. `place.path` is the caller's text.
+/// The created and locked folder. The caller owns the text `place.path`.
 typedef struct stp_work_folder {
     stp_work_place place;
-    int lock; ///< the lock file's descriptor: locked as long as it is open
+    int lock; ///< descriptor of the lock file; locked while open
 } stp_work_folder;
 
-/// @return STP_OK; STP_ERROR_IO, or STP_ERROR_BUSY where another build is at work in the folder (logged)
+/// @return STP_OK; STP_ERROR_IO, or STP_ERROR_BUSY if another build uses the folder (logged)
 STP_MUST_USE stp_result stp_work_folder_open(stp_context* context, const char* path,
                                              stp_work_folder* folder);
-/// Unlocks. `remove` takes the lock file away, and the folder where nothing else is in it.
+/// Unlocks. `remove` deletes the lock file, and the folder if it is otherwise empty.
 void stp_work_folder_close(stp_work_folder* folder, bool remove);
 
-/// Numbers of the files with a segment's name, ascending (stp_free). @return STP_OK, IO, OUT_OF_MEMORY (logged)
+/// Numbers of the segment files, ascending (stp_free). @return STP_OK, IO, OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_work_folder_list(const stp_work_folder* folder, uint32_t** numbers,
                                              size_t* count);

@@ -10,7 +10,7 @@ void stp_work_index_destroy(stp_context* context, stp_work_index* index)
     *index = (stp_work_index){0};
 }
 
-// The slot that holds the key, or the free one where it belongs.
+// The slot of the key, or the free slot where it belongs.
 static size_t slot_of(const stp_work_index* index, stp_hash key)
 {
     size_t mask = index->slot_count - 1;
@@ -31,7 +31,7 @@ stp_work_entry* stp_work_index_find(const stp_work_index* index, stp_hash key)
     return found != 0 ? &index->entries[found - 1] : NULL;
 }
 
-// Twice the slots, so that at least half are free.
+// Doubles the slots, so that at least half are free.
 static bool grow_slots(stp_context* context, stp_work_index* index)
 {
     size_t count = index->slot_count != 0 ? 2 * index->slot_count : FIRST_SLOTS;

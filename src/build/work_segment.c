@@ -84,7 +84,7 @@ static bool write_at(int file, const void* bytes, size_t size, size_t offset)
     return true;
 }
 
-// Fewer bytes than `size` where the file ends; -1 where it cannot be read.
+// Fewer bytes than `size` at the end of the file; -1 on failure.
 static ssize_t read_at(int file, void* bytes, size_t size, size_t offset)
 {
     size_t got = 0;
@@ -197,7 +197,7 @@ static bool parse_head(const unsigned char* bytes, stp_work_head* head)
            stp_work_record_bytes(head->size) != 0;
 }
 
-// Visits the results up to the first that does not lie whole within the file's `size` bytes.
+// Visits the results up to the first one that is not complete within `size` bytes of the file.
 static stp_result visit_heads(const stp_work_place* place, size_t size, stp_work_segment* segment,
                               stp_work_visit visit, void* user)
 {
@@ -215,7 +215,7 @@ static stp_result visit_heads(const stp_work_place* place, size_t size, stp_work
         if (result != STP_OK) {
             return result;
         }
-        // the last one may end before its padding does
+        // the last one may end before its padding
         segment->used += stp_work_record_bytes(head.size);
         if (segment->used >= size) {
             return STP_OK;
@@ -286,7 +286,7 @@ void stp_work_segment_take_back(stp_work_segment* segment, size_t offset, uint64
     size_t begin = offset - HEAD;
     if (segment->used == begin + stp_work_record_bytes(size)) {
         segment->used = begin;
-        (void)!ftruncate(segment->file, (off_t)begin); // if it fails, the checksum tells
+        (void)!ftruncate(segment->file, (off_t)begin); // if this fails, the checksum detects it
     }
 }
 

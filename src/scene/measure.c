@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "scene/measure.h"
 
+#include "base/saturate.h"
+
 static stp_vec3d vertex_of(const stp_mesh* mesh, size_t corner)
 {
     const float* p = mesh->positions + 3 * (size_t)mesh->indices[corner];
@@ -27,12 +29,6 @@ void stp_mesh_measure(stp_mesh* mesh)
     }
 }
 
-// Saturating sum: nested uses can overflow.
-static uint64_t add(uint64_t a, uint64_t b)
-{
-    return a > UINT64_MAX - b ? UINT64_MAX : a + b;
-}
-
 void stp_node_measure(const stp_scene* scene, stp_node* node)
 {
     node->bounds = stp_boxd_empty();
@@ -44,8 +40,9 @@ void stp_node_measure(const stp_scene* scene, stp_node* node)
         const stp_mesh* mesh = part.kind == STP_PART_MESH ? &scene->meshes[part.index] : NULL;
         stp_box box = mesh != NULL ? mesh->bounds : scene->point_sets[part.index].bounds;
         uint64_t points = mesh != NULL ? 0 : scene->point_sets[part.index].point_count;
-        node->triangle_count = add(node->triangle_count, mesh != NULL ? mesh->triangle_count : 0);
-        node->point_count = add(node->point_count, points);
+        node->triangle_count =
+            stp_add_saturated(node->triangle_count, mesh != NULL ? mesh->triangle_count : 0);
+        node->point_count = stp_add_saturated(node->point_count, points);
         node->area += mesh != NULL ? mesh->area : 0.0;
         stp_boxd_add(&node->bounds, stp_to_double(box.min));
         stp_boxd_add(&node->bounds, stp_to_double(box.max));
@@ -54,8 +51,8 @@ void stp_node_measure(const stp_scene* scene, stp_node* node)
         const stp_edge* edge = &scene->edges[node->first_edge + i];
         const stp_node* child = &scene->nodes[edge->node];
         stp_boxd box = stp_affine_box(&edge->transform, child->bounds);
-        node->triangle_count = add(node->triangle_count, child->triangle_count);
-        node->point_count = add(node->point_count, child->point_count);
+        node->triangle_count = stp_add_saturated(node->triangle_count, child->triangle_count);
+        node->point_count = stp_add_saturated(node->point_count, child->point_count);
         node->area += child->area * stp_affine_area_scale(&edge->transform);
         stp_boxd_add(&node->bounds, box.min);
         stp_boxd_add(&node->bounds, box.max);

@@ -18,11 +18,11 @@ static stp_result judge_figures(const stp_store* store)
     for (uint32_t i = 0; i < store->counts[STP_SECTION_ATTRIBUTES]; ++i) {
         const stp_store_attribute* f = &figures[i];
         if (f->attribute >= STP_ATTRIBUTES || (i > 0 && f->attribute <= figures[i - 1].attribute)) {
-            return fail(store, "attribute", i, "is not known, or not in order");
+            return fail(store, "attribute", i, "is unknown or out of order");
         }
         if (f->count == 0 || f->low > f->low_percentile || f->high < f->high_percentile ||
             f->low_percentile > f->high_percentile) {
-            return fail(store, "attribute", i, "has figures that do not ascend");
+            return fail(store, "attribute", i, "has statistics that do not ascend");
         }
     }
     const stp_store_attribute_value* values = store->tables[STP_SECTION_ATTRIBUTE_VALUES];
@@ -31,7 +31,7 @@ static stp_result judge_figures(const stp_store* store)
                        (values[i].attribute == values[i - 1].attribute &&
                         values[i].value > values[i - 1].value);
         if (values[i].attribute >= STP_ATTRIBUTES || !ascends) {
-            return fail(store, "value of an attribute", i, "is not in order");
+            return fail(store, "value of an attribute", i, "is out of order");
         }
     }
     return STP_OK;
@@ -49,7 +49,7 @@ stp_result stp_store_read_figures(stp_store* store, stp_store_text* text)
     uint32_t coordinates = store->counts[STP_SECTION_COORDINATES];
     if (result == STP_OK && coordinates != 0 && coordinates != store->counts[STP_SECTION_SOURCES]) {
         result = stp_fail(store->context, STP_ERROR_FORMAT,
-                          "%s: has %u coordinate systems of %u sources", store->path, coordinates,
+                          "%s: has %u coordinate systems for %u sources", store->path, coordinates,
                           store->counts[STP_SECTION_SOURCES]);
     }
     if (result != STP_OK) {
@@ -72,7 +72,7 @@ static bool is_attribute_block(const stp_store_block* block)
     return block->kind == STP_BLOCK_ATTRIBUTES || block->kind == STP_BLOCK_POINT_ATTRIBUTES;
 }
 
-// The place of an octave among all, or, after these, of a point set. STP_STORE_NONE: there is no such owner.
+// Index of an octave among all octaves; point sets follow. STP_STORE_NONE: no such owner.
 static uint32_t place_of(const stp_store* store, const stp_store_block* block)
 {
     const stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
@@ -85,7 +85,7 @@ static uint32_t place_of(const stp_store* store, const stp_store_block* block)
     return there ? store->counts[STP_SECTION_OCTAVES] + block->owner : STP_STORE_NONE;
 }
 
-// Values of each attribute of a block.
+// Number of values per attribute in a block.
 static uint64_t count_of(const stp_store* store, const stp_store_block* block)
 {
     if (block->kind == STP_BLOCK_POINT_ATTRIBUTES) {
@@ -102,23 +102,22 @@ static stp_result link_block(stp_store* store, uint32_t index)
     const char* name = "block of attributes";
     if (record->block >= store->counts[STP_SECTION_BLOCKS] ||
         (index > 0 && record->block <= records[index - 1].block)) {
-        return fail(store, name, index, "does not exist, or is not in order");
+        return fail(store, name, index, "does not exist or is out of order");
     }
     const stp_store_block* block = stp_store_block_at(store, record->block);
     uint32_t place = is_attribute_block(block) ? place_of(store, block) : STP_STORE_NONE;
     if (place == STP_STORE_NONE || store->attribute_blocks[place] != STP_STORE_NONE) {
-        return fail(store, name, index, "belongs to nothing, or to what has another");
+        return fail(store, name, index, "has no owner, or its owner has another one");
     }
     if (block->encoding != STP_STORE_VALUES_ENCODING) {
-        return stp_fail(store->context, STP_ERROR_UNSUPPORTED,
-                        "%s: %s %u: encoding %u is not known", store->path, name, index,
-                        block->encoding);
+        return stp_fail(store->context, STP_ERROR_UNSUPPORTED, "%s: %s %u: unknown encoding %u",
+                        store->path, name, index, block->encoding);
     }
     if (record->attributes == 0 || record->attributes >> STP_ATTRIBUTES != 0) {
-        return fail(store, name, index, "holds attributes that are not of this version");
+        return fail(store, name, index, "holds attributes that this version does not define");
     }
     if (!stp_store_can_hold_values(record->attributes, count_of(store, block), block->size)) {
-        return fail(store, name, index, "is not of the size that its counts need");
+        return fail(store, name, index, "has the wrong size for its counts");
     }
     store->attribute_blocks[place] = index;
     return STP_OK;
@@ -134,8 +133,8 @@ stp_result stp_store_link_attributes(stp_store* store)
     }
     if (blocks != count) {
         return stp_fail(store->context, STP_ERROR_FORMAT,
-                        "%s: says what %u blocks of attributes hold, and has %u", store->path,
-                        count, blocks);
+                        "%s: describes %u blocks of attributes but has %u", store->path, count,
+                        blocks);
     }
     if (count == 0) {
         return STP_OK;
@@ -152,7 +151,7 @@ stp_result stp_store_link_attributes(stp_store* store)
     return result;
 }
 
-// The record of an owner's block; NULL where it has none.
+// The record of an owner's block, or NULL.
 static const stp_store_attribute_block* record_of(const stp_store* store,
                                                   const stp_store_block* owner)
 {
@@ -230,10 +229,10 @@ const char* stp_store_coordinate_system(const stp_store* store)
     return found;
 }
 
-// Where values go.
+// Destination of decoded values.
 typedef struct value_target {
     unsigned char* out;
-    uint64_t first; ///< value of `out`
+    uint64_t first; ///< index of the value at `out`
     size_t size;
 } value_target;
 
@@ -243,7 +242,7 @@ static void take_values(void* user, uint64_t first, const void* values, size_t c
     memcpy(t->out + (first - t->first) * t->size, values, count * t->size);
 }
 
-// Values [first, end) of a block; 0 where it has none.
+// Reads values [first, end) of a block; all 0 if the block lacks the attribute.
 static stp_result get_values(stp_store* store, const stp_store_values* values,
                              stp_attribute attribute, uint64_t first, uint64_t end, void* out)
 {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// Attributes of scanned points in a file (docs/format.md, Attributes): a block for each octave of a set whose splats are points,
-// and for each original point set. Blocks hold columns in chunks, so that one column is read without the others, and readers that
-// ask for none skip them.
+// Attributes of scanned points in a file (docs/format.md, Attributes). Each octave of a set whose
+// splats are points has a block, and so has each original point set. A block stores each attribute
+// as a column in chunks, so one attribute is read without the others. Readers that ask for none
+// skip the blocks.
 #pragma once
 
 #include "store/deflate.h"
@@ -10,42 +11,44 @@
 
 #include <stipple/attributes.h>
 
-/// What is known of a file's attribute without reading values. The directory lists them by attribute.
+/// Statistics of one attribute, known without reading its values. The directory sorts them by
+/// attribute.
 typedef struct stp_store_attribute {
     uint32_t attribute; ///< stp_attribute
-    uint64_t count;     ///< values of all original points, each once
+    uint64_t count;     ///< values over all original points, each point counted once
     double low, high;
-    double low_percentile, high_percentile; ///< 2 and 98 of 100 lie below
+    double low_percentile, high_percentile; ///< the 2nd and 98th percentile
 } stp_store_attribute;
 
-/// How many points have a value: of classes.
+/// Number of points with one value of a categorical attribute such as the class.
 typedef struct stp_store_attribute_value {
     uint32_t attribute, value;
     uint64_t count;
 } stp_store_attribute_value;
 
-/// Whether a file has an attribute. @return NULL: it does not
+/// Statistics of an attribute. @return NULL if the file does not have it
 const stp_store_attribute* stp_store_find_attribute(const stp_store* store,
                                                     stp_attribute attribute);
 
-/// The attributes that the values of a set's octave, or of a point set, are there of: a bit each.
+/// Bit mask of the attributes that are stored for an octave of a set, or for a point set.
 uint32_t stp_store_octave_attributes(const stp_store* store, uint32_t set, uint32_t octave);
 uint32_t stp_store_point_attributes(const stp_store* store, uint32_t point_set);
 
-/// Values of splats [first, first + count) of a set, as they are in memory (stipple/attributes.h), 0 where an octave has none.
-/// @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_TRUNCATED, STP_ERROR_ARGUMENT (there are fewer splats); logged
+/// Values of splats [first, first + count) of a set, in their memory format (stipple/attributes.h).
+/// Octaves without the attribute give 0. @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_TRUNCATED,
+/// STP_ERROR_ARGUMENT (too few splats); logged
 STP_MUST_USE stp_result stp_store_get_values(stp_store* store, uint32_t set,
                                              stp_attribute attribute, uint32_t first,
                                              uint32_t count, void* values);
-/// The same of a point set.
+/// The same for a point set.
 STP_MUST_USE stp_result stp_store_get_point_values(stp_store* store, uint32_t point_set,
                                                    stp_attribute attribute, uint32_t first,
                                                    uint32_t count, void* values);
 
-/// The coordinate system of a file: what its sources that tell one agree on. NULL: they do not, or none tells.
+/// The file's coordinate system, if all sources that name one agree; else NULL.
 const char* stp_store_coordinate_system(const stp_store* store);
 
-/// A value as a number.
+/// Converts a value to a number.
 static inline double stp_attribute_number(stp_attribute attribute, const void* values, size_t index)
 {
     switch (attribute) {

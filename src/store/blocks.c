@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Meshes and point sets (textures: pictures.c): checked when first asked for, then straight from the file.
+// Meshes and point sets (textures: pictures.c). Data is checked on first use, then read in place.
 #include "store/internal.h"
 
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
@@ -35,7 +35,7 @@ stp_result stp_store_fail_index(const stp_store* store, const char* what, uint32
                     what, index);
 }
 
-// The first byte of a column; NULL where the file does not have it.
+// The first byte of a column; NULL if the file lacks it.
 static const void* column_at(const unsigned char* bytes, const stp_store_column* column,
                              bool present)
 {
@@ -128,7 +128,7 @@ const char* stp_store_find_clusters(const stp_store* store, uint32_t index,
                           clusters->triangle_count != record->mesh.triangle_count ||
                           clusters->vertex_count != record->mesh.vertex_count ||
                           clusters->present != record->present)) {
-        fault = "has clusters of other counts or columns than it says";
+        fault = "has clusters whose counts or columns differ from its record";
     }
     return fault;
 }
@@ -173,7 +173,7 @@ stp_result stp_store_get_clusters(stp_store* store, uint32_t index, stp_clusters
     return STP_OK;
 }
 
-// Colours that are not the file's, in memory of their own.
+// Replacement colours for the file's own, in separate memory.
 static stp_result color_points(stp_store* store, uint32_t index, stp_store_point_record* record,
                                stp_store_point_set* made)
 {

@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-// The most triangles first; where equal, the earlier one.
+// By triangle count, largest first; ties by position.
 static int compare_candidates(const void* left, const void* right)
 {
     const stp_store_census_candidate* a = *(const stp_store_census_candidate* const*)left;
@@ -14,7 +14,7 @@ static int compare_candidates(const void* left, const void* right)
     return a < b ? -1 : a > b ? 1 : 0;
 }
 
-// Which of the candidates are parts of their own.
+// Marks the candidates that become parts of their own.
 static bool choose(stp_context* context, const stp_store_census_candidate* candidates, size_t count,
                    bool* chosen)
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How certain sets are of what they have of points: the signs of their normals, and their places.
+// Accuracy of the points in sets: whether normal signs are known, and the position error.
 #include "store/internal.h"
 
 stp_result stp_store_judge_certainty(const stp_store* store)
@@ -9,9 +9,7 @@ stp_result stp_store_judge_certainty(const stp_store* store)
         if (records[i].flags > STP_CERTAINTY_UNKNOWN_SIGNS ||
             !(records[i].position_error >= 0.0f)) {
             return stp_fail(store->context, STP_ERROR_FORMAT,
-                            "%s: surfel set %u: says how certain it is in another way than this "
-                            "version",
-                            store->path, i);
+                            "%s: surfel set %u: its certainty record is invalid", store->path, i);
         }
     }
     return STP_OK;
@@ -25,8 +23,8 @@ stp_result stp_store_link_certainty(stp_store* store)
     if (store->known[STP_SECTION_CERTAINTY] != NULL &&
         count != store->counts[STP_SECTION_SURFELS]) {
         return stp_fail(store->context, STP_ERROR_FORMAT,
-                        "%s: says of %u surfel sets how certain they are, and has %u", store->path,
-                        count, store->counts[STP_SECTION_SURFELS]);
+                        "%s: lists the certainty of %u surfel sets but has %u", store->path, count,
+                        store->counts[STP_SECTION_SURFELS]);
     }
     stp_result result = stp_store_judge_certainty(store);
     for (uint32_t i = 0; i < count && result == STP_OK; ++i) {

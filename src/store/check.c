@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Goes through a whole file: every checksum, every padding byte, every invariant.
+// Checks a whole file: every checksum, every padding byte, every invariant.
 #include "base/progressive.h"
 #include "store/chunks.h"
 #include "store/internal.h"
 
-#define SMALL_DIRECTORY ((uint64_t)512 << 10) // so much a quick check reads whole
+#define SMALL_DIRECTORY ((uint64_t)512 << 10) // a quick check reads smaller ones whole
 
-// Of what is compressed, only what is judged is kept.
+// Of compressed data, keeps only the columns that are checked.
 static stp_result check_surfels(stp_store* store, const stp_store_block* block)
 {
     stp_store_octave_span span = stp_store_span_of(stp_store_describe_surfels(store, block->owner),
@@ -41,7 +41,7 @@ static stp_result check_surfels(stp_store* store, const stp_store_block* block)
     return result;
 }
 
-// A set of operators is decoded whole when its first octave comes: each octave needs those before it.
+// Operators are decoded for the whole set at its first octave: each octave needs the ones before.
 static stp_result check_operators(stp_store* store, uint32_t index)
 {
     stp_splats set = *stp_store_describe_surfels(store, index);
@@ -114,7 +114,7 @@ static stp_result check_points(stp_store* store, const stp_store_block* block)
     return check_gaps(store, block, columns);
 }
 
-// Texels can be anything; a picture must decode.
+// Any texel value is valid; picture files must decode.
 static stp_result check_texture(stp_store* store, const stp_store_block* block)
 {
     stp_store_texture texture;
@@ -150,7 +150,7 @@ static stp_result check_block(stp_store* store, const stp_store_block* block)
     case STP_BLOCK_ATTRIBUTES:
     case STP_BLOCK_POINT_ATTRIBUTES:
         return stp_store_check_values(store, block);
-    default: // what a newer version adds is unknown
+    default: // block kinds of newer versions
         return stp_store_verify_block(store, block, &bytes);
     }
 }
@@ -173,7 +173,7 @@ static stp_result check_blocks(stp_store* store, stp_store_check_report* report)
     return STP_OK;
 }
 
-// Header, section table and summary were checked when the file was opened.
+// Opening the file has checked the header, section table and summary.
 static stp_result check_partial(stp_store* store, stp_store_check_report* report)
 {
     stp_result result = stp_store_check_head(store);

@@ -8,9 +8,9 @@
 #include <string.h>
 
 enum {
-    COLOR_BYTES = 4,  ///< of a surfel's colour and coverage
-    PLACE_BYTES = 9,  ///< of its position, normal and material
-    OPTION_BYTES = 4, ///< of its shape, and of its range
+    COLOR_BYTES = 4,  ///< a surfel's colour and coverage
+    PLACE_BYTES = 9,  ///< a surfel's position, normal and material
+    OPTION_BYTES = 4, ///< a surfel's shape, or its range
     COLORS_MOST = STP_STORE_PIECE_BYTES / COLOR_BYTES,
 };
 
@@ -37,19 +37,20 @@ static uint32_t range_bytes(const stp_store_octave_span* span)
     return (span->columns & STP_SPLATS_RANGES) != 0 ? OPTION_BYTES : 0;
 }
 
-/// Of all that comes with a surfel.
+/// Bytes of a surfel in all columns of an octave.
 static uint32_t surfel_bytes(const stp_store_octave_span* span)
 {
     return COLOR_BYTES + PLACE_BYTES + shape_bytes(span) + range_bytes(span);
 }
 
-/// Chunks that hold nothing but colours of surfels of former octaves.
+/// Chunks that hold only colours, of surfels of earlier octaves.
 static uint32_t color_chunks(const stp_store_octave_span* span)
 {
     return (span->first - span->begin) / COLORS_MOST;
 }
 
-/// The end of the chunk after those, before it is cut to the octave: what is left of those colours, and surfels.
+/// End of the next chunk: the remaining colours of earlier octaves, then surfels. Not yet limited
+/// to the octave.
 static uint64_t mixed_end(const stp_store_octave_span* span)
 {
     uint32_t colors = (span->first - span->begin) % COLORS_MOST;
@@ -86,7 +87,7 @@ static uint32_t chunk_begin(const stp_store_octave_span* span, uint32_t chunk)
     return chunk == 0 ? span->begin : stp_store_chunk_end(span, chunk - 1);
 }
 
-/// The sizes of the columns of some surfels. @return their sum
+/// Sizes of the columns for a run of surfels. @return their sum
 static uint64_t measure(const stp_store_octave_span* span, uint32_t begin, uint32_t end,
                         uint64_t sizes[STP_SURFEL_COLUMNS])
 {
@@ -139,11 +140,11 @@ bool stp_store_can_hold(const stp_store_octave_span* span, uint64_t size)
 
 const char* const stp_store_unreadable = "bytes";
 
-/// Where a reader stands in a block.
+/// Read state of a block.
 typedef struct block_reader {
     const stp_store_block_source* source;
     uint64_t read_bytes;
-    stp_store_unpacker* unpacker; ///< made when first needed
+    stp_store_unpacker* unpacker; ///< created on first use
     stp_operator_reader operators;
 } block_reader;
 
@@ -155,7 +156,7 @@ static bool read_part(block_reader* at, uint64_t offset, void* bytes, size_t siz
     return source->read(source->user, source->block->offset + offset, bytes, size);
 }
 
-/// Copies bytes [begin, begin + size) of columns that follow each other to where each belongs.
+/// Copies bytes [begin, begin + size) of consecutive columns to their targets.
 static void scatter(const stp_store_column* columns, unsigned char* const* targets,
                     const unsigned char* bytes, uint64_t begin, uint64_t size)
 {
@@ -170,7 +171,7 @@ static void scatter(const stp_store_column* columns, unsigned char* const* targe
     }
 }
 
-/// A block of encoding 0: its columns as they are.
+/// Reads a block of encoding 0: plain columns.
 static const char* read_plain(block_reader* at, const stp_store_octave_span* span,
                               unsigned char* const* targets)
 {
@@ -192,7 +193,7 @@ static const char* read_plain(block_reader* at, const stp_store_octave_span* spa
     return crc == block->crc ? NULL : "checksum";
 }
 
-/// Checks the chunk table, and finds where in the block a chunk begins.
+/// Checks the chunk table and finds the offset of a chunk in the block.
 static const char* find_chunk(block_reader* at, const stp_store_octave_span* span, uint32_t chunk,
                               uint64_t* offset)
 {
@@ -219,7 +220,7 @@ static const char* find_chunk(block_reader* at, const stp_store_octave_span* spa
     return table == 0 || end == block->size ? NULL : "size";
 }
 
-/// Puts what is stored of a chunk where its columns belong. @return what is wrong, or NULL
+/// Decodes the stored bytes of a chunk into its columns. @return what is wrong, or NULL
 static const char* decode_chunk(block_reader* at, const stp_store_octave_span* span, uint32_t chunk,
                                 const unsigned char* stored, size_t stored_size,
                                 unsigned char* const* targets)
@@ -249,7 +250,7 @@ static const char* decode_chunk(block_reader* at, const stp_store_octave_span* s
     return NULL;
 }
 
-/// Reads and decodes one chunk, at `offset` of the block. @return what is wrong, or NULL
+/// Reads and decodes one chunk at `offset` in the block. @return what is wrong, or NULL
 static const char* read_chunk(block_reader* at, const stp_store_octave_span* span, uint32_t chunk,
                               uint64_t* offset, unsigned char* const* targets)
 {
@@ -263,7 +264,7 @@ static const char* read_chunk(block_reader* at, const stp_store_octave_span* spa
         if (!read_part(at, (uint64_t)chunk * STP_STORE_PIECE_ENTRY, entry, sizeof(entry))) {
             return stp_store_unreadable;
         }
-        at->read_bytes -= sizeof(entry); // read before
+        at->read_bytes -= sizeof(entry); // already counted
         stored_size = stp_read_u32(entry);
         crc = stp_read_u32(entry + 4);
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Coded meshes read: checked once as a whole, then any cluster at any time.
+// Reads coded meshes: checked once as a whole, then any cluster at any time.
 #include "store/clusters.h"
 
 #include "base/context.h"
@@ -23,7 +23,8 @@ static int read_exponent(const unsigned char* p)
     return (int16_t)stp_read_u16(p);
 }
 
-/// Bytes of a cluster of these counts and widths, of its table's too; the table must be there.
+/// Bytes of a cluster with these counts and widths, including its table. The table must be
+/// readable.
 static uint64_t measure(uint32_t present, const clusters_entry* entry, const unsigned char* table,
                         uint32_t table_bytes)
 {
@@ -65,7 +66,7 @@ static bool are_indices(const clusters_entry* entry, const uint8_t* indices)
     return good;
 }
 
-/// Whether a cluster may have the parts that it says.
+/// Whether the parts that a cluster declares are valid.
 static bool are_parts(const clusters_entry* entry)
 {
     uint32_t vertices = entry->last_vertex + 1u;
@@ -86,7 +87,7 @@ static bool is_channel(const clusters_channel* channel, uint32_t group)
            (channel->layout == STP_CLUSTER_PLAIN ? channel->own_width == 0 : group != 0);
 }
 
-/// @return where the cluster ends, 0 where it is wrong
+/// @return the end of the cluster, or 0 if it is invalid
 static uint64_t check_cluster(const stp_clusters* c, const clusters_entry* entry, uint64_t begin)
 {
     uint64_t end = c->size - CLUSTERS_PADDING_BYTES;
@@ -125,21 +126,21 @@ static const char* check_clusters(const stp_clusters* c)
         const unsigned char* bytes = entry_at(c, i);
         clusters_entry entry = clusters_read_entry(bytes);
         if (entry.first_triangle != triangles || bytes[29] >> 7 != 0) {
-            return "has clusters whose triangles do not follow each other";
+            return "has clusters whose triangle ranges have gaps or overlaps";
         }
         begin = check_cluster(c, &entry, begin);
         if (begin == 0) {
-            return "has a cluster whose counts, sizes or indices are not possible";
+            return "has a cluster with invalid counts, sizes or indices";
         }
         triangles += entry.triangle_count;
         vertices += entry.last_vertex + 1u;
     }
     if (triangles != c->triangle_count || vertices != c->vertex_count) {
-        return "has clusters of other counts than it says";
+        return "has clusters whose counts differ from its header";
     }
     if (begin + CLUSTERS_PADDING_BYTES != c->size ||
-        stp_read_u64(c->bytes + begin) != 0) { // 8 bytes: the padding
-        return "does not end behind its last cluster";
+        stp_read_u64(c->bytes + begin) != 0) { // the 8 padding bytes
+        return "does not end after its last cluster";
     }
     return NULL;
 }
@@ -170,7 +171,7 @@ const char* stp_clusters_open(const void* bytes, size_t size, stp_clusters* clus
         good = good && exponent >= CLUSTERS_EXPONENT_LEAST && exponent <= CLUSTERS_EXPONENT_MOST;
     }
     if (!good) {
-        return "has clusters of which the counts, columns or steps are not possible";
+        return "has invalid counts, columns or steps of clusters";
     }
     made.step = clusters_power_of_two(read_exponent(p + 14));
     made.texcoord_steps[0] = clusters_power_of_two(read_exponent(p + 16));
@@ -182,7 +183,8 @@ const char* stp_clusters_open(const void* bytes, size_t size, stp_clusters* clus
     return fault;
 }
 
-/// The run of a channel that has `count` values from `next` on. @return where they end
+/// Builds the run of a channel with `count` values that start at `next`. @return the end of its
+/// values
 static const unsigned char* get_run(stp_cluster_run* run, const clusters_channel* channel,
                                     uint32_t count, uint32_t group, const unsigned char* next)
 {
@@ -209,7 +211,7 @@ static void get_nothing(stp_cluster* cluster)
     }
 }
 
-/// Whether counts, widths and the place of a cluster are possible, but for its further channels.
+/// Whether a cluster's counts, widths and offset are valid. Extra channels are checked elsewhere.
 static bool is_entry(const stp_clusters* c, const clusters_entry* entry)
 {
     uint64_t least = CLUSTERS_HEADER_BYTES + (uint64_t)c->cluster_count * CLUSTERS_ENTRY_BYTES;
@@ -228,7 +230,7 @@ static bool is_entry(const stp_clusters* c, const clusters_entry* entry)
     return good;
 }
 
-/// The further channels of a cluster, copied from its table.
+/// Copies the descriptions of a cluster's extra channels from its table.
 static void read_channels(const unsigned char* table, uint32_t count, clusters_channel* channels)
 {
     for (uint32_t i = 0; i < count; ++i) {
@@ -237,7 +239,8 @@ static void read_channels(const unsigned char* table, uint32_t count, clusters_c
     atomic_signal_fence(memory_order_seq_cst); // use the checked copy, never reload
 }
 
-/// The runs of all channels, from `next` on. @return where they end; NULL where a channel is not possible
+/// Builds the runs of all channels, from `next` on. @return their end, or NULL if a channel is
+/// invalid
 static const unsigned char* get_runs(uint32_t present, const clusters_entry* entry,
                                      const clusters_channel* further, const unsigned char* next,
                                      stp_cluster_run runs[STP_CLUSTER_CHANNELS])
@@ -308,7 +311,7 @@ uint32_t stp_clusters_first_triangle(const stp_clusters* clusters, uint32_t inde
 
 uint32_t stp_clusters_find(const stp_clusters* clusters, uint32_t triangle)
 {
-    // Clusters hold about equally many triangles: it lies near where it would if they did.
+    // Clusters hold about equally many triangles, so this guess is close.
     uint32_t count = clusters->cluster_count, step = 1;
     uint32_t guess = (uint32_t)((uint64_t)triangle * count / clusters->triangle_count);
     uint32_t low = guess, high = guess;
@@ -356,7 +359,7 @@ stp_box stp_clusters_bounds(const stp_clusters* clusters, uint32_t index)
     float low[3], high[3];
     for (int k = 0; k < 3; ++k) {
         low[k] = (float)entry.origin[k] * clusters->step;
-        // Values of a forged or overwritten file wrap at 32 bits: only the box is wrong then.
+        // Values of a forged or overwritten file may wrap at 32 bits. Then only the box is wrong.
         int64_t range = ((int64_t)1 << (entry.width[k] < 32 ? entry.width[k] : 32)) - 1;
         int64_t last = (int64_t)entry.origin[k] + range * ((int64_t)1 << (entry.shift & 31));
         high[k] = (float)last * clusters->step;
@@ -364,7 +367,7 @@ stp_box stp_clusters_bounds(const stp_clusters* clusters, uint32_t index)
     return (stp_box){{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
 }
 
-/// One axis of parts.
+/// Unpacks one axis of grouped positions.
 static void get_grouped(const stp_cluster_run* run, uint32_t count, float step, float* out)
 {
     for (uint32_t i = 0, part = 0; i < count; ++part) {
@@ -404,7 +407,7 @@ void stp_cluster_positions(const stp_clusters* clusters, const stp_cluster* clus
     }
 }
 
-/// Not of unit length.
+/// Decodes a vertex normal; not of unit length.
 static stp_vec3 decode_normal(const stp_cluster* cluster, uint32_t vertex)
 {
     const float scale = 1.0f / (float)STP_CLUSTER_NORMAL_LIMIT;

@@ -1,19 +1,23 @@
 // SPDX-License-Identifier: MIT
 //
-// Original triangles as clusters: up to 128 triangles and 256 vertices that lie near each other, quantised on
-// the mesh's power-of-two grid with an origin per cluster, so that vertices shared by neighbouring clusters (and
-// by pieces of one mesh that was cut: same step) round to the same place and nothing cracks. docs/format.md is
-// the authority on the bytes.
+// Original triangles as clusters: up to 128 neighbouring triangles with up to 256 vertices.
+// Positions are quantised on the mesh's power-of-two grid, with an origin per cluster. Vertices
+// that neighbouring clusters share round to the same position, so no cracks appear. Pieces of a cut
+// mesh use the same step, so this holds between them too. docs/format.md is the authority on the
+// bytes.
 //
-// Triangles of a cluster stand in three groups, by how they are lit:
+// The triangles of a cluster form three groups, by the normals that light them:
 //
-//   smooth: each corner has its vertex's normal | face: all have the first corner's | plain: their own plane's
+// smooth: each corner has its vertex's normal
+// face: all corners have the first corner's normal
+// plain: the normal of the triangle's plane
 //
-// so hard edges need no vertices of their own, and flat parts hardly any normals.
+// So hard edges need no extra vertices, and flat parts hardly any normals.
 //
-// Clusters of loose parts (leaves, needles, twigs: nothing else meets them, and each has the same number of vertices)
-// have numbers in two layers, of the part and of its vertices, and their parts' triangles only once where they are
-// alike. Positions there may be multiples of several steps.
+// Loose parts (leaves, needles, twigs) share no vertex with anything else. A cluster of loose parts
+// has the same number of vertices in each part and stores its numbers in two layers: one per part,
+// one per vertex. If all parts have the same triangles, it stores them once. Positions there may be
+// multiples of several steps.
 #pragma once
 
 #include "store/store.h"
@@ -23,13 +27,13 @@
 enum {
     STP_CLUSTER_TRIANGLES = 128,
     STP_CLUSTER_VERTICES = 256,
-    STP_CLUSTER_NORMAL_LIMIT = 511, ///< octahedral codes: this is 1
-    STP_CLUSTER_COLOR_LIMIT =
-        255, ///< code of a full red, green, blue: the root of the linear value
+    STP_CLUSTER_NORMAL_LIMIT = 511, ///< octahedral code of 1
+    /// Code of full intensity; codes are the square root of the linear value.
+    STP_CLUSTER_COLOR_LIMIT = 255,
     STP_CLUSTER_ALPHA_LIMIT = 255,
 };
 
-/// A mesh coded: what the writer stores as one block. `bytes` may lie in a mapped file.
+/// A coded mesh: what the writer stores as one block. `bytes` may lie in a mapped file.
 typedef struct stp_coded_mesh {
     const void* bytes;
     size_t size;
@@ -37,31 +41,31 @@ typedef struct stp_coded_mesh {
     stp_box bounds;                                       ///< of the quantised positions
 } stp_coded_mesh;
 
-/// Codes a mesh on the grid of `step` (base/position_grid.h; pieces of one mesh are given the step of the
-/// whole; float arrays as in stp_store_mesh; normals octahedral 16 bit) into memory of the context
-/// (stp_free of `bytes`). Deterministic; may run inside jobs. Triangles are reordered.
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT
+/// Codes a mesh on the grid of `step` (base/position_grid.h) into memory of the context (stp_free
+/// of `bytes`). Pieces of a cut mesh get the step of the whole. Arrays are as in stp_store_mesh:
+/// floats, with normals as 16-bit octahedral codes. Deterministic; may run inside jobs. Reorders
+/// triangles. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT
 STP_MUST_USE stp_result stp_clusters_encode(stp_context* context, const stp_store_mesh* mesh,
                                             double step, stp_coded_mesh* coded);
 
-/// Frees what stp_clusters_encode made.
+/// Frees the result of stp_clusters_encode.
 void stp_coded_mesh_destroy(stp_context* context, stp_coded_mesh* coded);
 
 /// A coded mesh opened for reading: pointers into its bytes.
 typedef struct stp_clusters {
-    const unsigned char* bytes; ///< NULL: none
+    const unsigned char* bytes; ///< NULL: no mesh
     size_t size;
     uint32_t cluster_count, triangle_count, vertex_count;
     uint32_t present; ///< STP_COLUMN_*
     float step, texcoord_steps[2];
-    bool unpacks_many; ///< on this processor
+    bool unpacks_many; ///< this CPU can unpack positions with AVX2
 } stp_clusters;
 
-/// Checks every count, size and index of a coded mesh, so that all below may be asked of it.
-/// @return what is wrong with it, NULL where nothing is
+/// Checks every count, size and index of a coded mesh. The functions below require it. @return what
+/// is wrong, or NULL
 const char* stp_clusters_open(const void* bytes, size_t size, stp_clusters* clusters);
 
-/// What stp_clusters_encode had given for these bytes (opened).
+/// Restores the result of stp_clusters_encode from an opened mesh.
 stp_coded_mesh stp_clusters_describe(const stp_clusters* clusters);
 
 typedef enum stp_cluster_channel {
@@ -77,15 +81,15 @@ typedef enum stp_cluster_channel {
 
 typedef enum stp_cluster_layout {
     STP_CLUSTER_PLAIN,
-    STP_CLUSTER_GROUPED,  ///< each value is its part's, and something of its own
-    STP_CLUSTER_REPEATED, ///< the same, and what is their own is the same in all parts
+    STP_CLUSTER_GROUPED,  ///< each value: one of its part plus one of its own
+    STP_CLUSTER_REPEATED, ///< the same; own values repeat in all parts
 } stp_cluster_layout;
 
-/// Whole numbers of equal width, the lowest bit first: with b(i) = bits [i width, (i + 1) width), value i is
-/// origin + b(i) 2^shift; or, in parts of `group`, origin + (b(i / group) + own(i)) 2^shift, where own is of
-/// own_width bits, at i or (repeated) at i mod group.
+/// A run of integers of equal width, lowest bit first. With b(i) = bits [i width, (i + 1) width),
+/// value i is origin + b(i) 2^shift. In parts of `group` values it is origin + (b(i / group) +
+/// own(i)) 2^shift, where own(i) has own_width bits, at index i or (repeated) at i mod group.
 typedef struct stp_cluster_run {
-    const unsigned char* bits; ///< 8 bytes can be read from wherever a value begins
+    const unsigned char* bits; ///< 8 bytes are readable from the first byte of any value
     const unsigned char* own;
     int32_t origin;
     uint32_t width; ///< at most 32
@@ -94,30 +98,31 @@ typedef struct stp_cluster_run {
 } stp_cluster_run;
 
 typedef struct stp_cluster {
-    uint32_t first_triangle; ///< of the mesh
+    uint32_t first_triangle; ///< index in the mesh
     uint32_t triangle_count, vertex_count;
-    uint32_t smooth_count,
-        face_count;         ///< the first triangles, and those after them; the others are plain
-    uint32_t normal_count;  ///< the first vertices: the others have none
+    /// Number of smooth triangles, which come first, and of face triangles after them. The rest are
+    /// plain.
+    uint32_t smooth_count, face_count;
+    uint32_t normal_count;  ///< the first vertices have normals, the others none
     const uint8_t* indices; ///< 3 a triangle of the first `period`: see stp_cluster_corners
-    uint32_t period;        ///< triangles after which the same follow, of `stride` vertices later
+    uint32_t period; ///< triangles after which the pattern repeats, with indices raised by `stride`
     uint32_t stride;
-    stp_cluster_run runs[STP_CLUSTER_CHANNELS]; ///< absent ones have no bits and are all 0
+    stp_cluster_run runs[STP_CLUSTER_CHANNELS]; ///< absent channels have no bits and read as 0
 } stp_cluster;
 
-/// `index` must be below cluster_count. Validates everything but indices again, because a mapped file
-/// can be overwritten at any time. An invalid cluster becomes one vertex and no triangles. All functions
-/// below stay within the mapped bytes and the STP_CLUSTER_* limits.
+/// Opens a cluster; `index` must be below cluster_count. Validates everything but indices again,
+/// because a mapped file can be overwritten at any time. An invalid cluster becomes one vertex and
+/// no triangles. All functions below stay within the mapped bytes and the STP_CLUSTER_* limits.
 void stp_clusters_get(const stp_clusters* clusters, uint32_t index, stp_cluster* cluster);
-/// A box around the cluster, without opening it; up to twice as large as it need be.
+/// A box around the cluster, computed without opening it; at most twice as large as the tight box.
 stp_box stp_clusters_bounds(const stp_clusters* clusters, uint32_t index);
 uint32_t stp_clusters_first_triangle(const stp_clusters* clusters, uint32_t index);
-/// The cluster that triangle `triangle` (below triangle_count) belongs to.
+/// The cluster that contains triangle `triangle` (below triangle_count).
 uint32_t stp_clusters_find(const stp_clusters* clusters, uint32_t triangle);
-/// Asks for a cluster's bytes, which are read soon.
+/// Prefetches a cluster's bytes.
 void stp_clusters_prefetch(const stp_clusters* clusters, uint32_t index);
 
-/// Number `i` of those of `width` bits.
+/// Number `i` of an array of numbers of `width` bits.
 static inline uint32_t stp_cluster_bits(const unsigned char* bytes, uint32_t width, uint32_t i)
 {
     uint64_t bits;
@@ -153,7 +158,7 @@ static inline void stp_cluster_corners(const stp_cluster* cluster, uint32_t tria
     }
 }
 
-/// The corners of all triangles, each `first` more than it is.
+/// The corners of all triangles, each raised by `first`.
 void stp_cluster_indices(const stp_cluster* cluster, uint32_t first, uint32_t* indices);
 
 static inline stp_vec3 stp_cluster_position(const stp_clusters* clusters,
@@ -169,8 +174,8 @@ static inline stp_vec3 stp_cluster_position(const stp_clusters* clusters,
 void stp_cluster_positions(const stp_clusters* clusters, const stp_cluster* cluster,
                            float positions[3 * STP_CLUSTER_VERTICES]);
 
-/// The normals of a triangle's corners (`triangle` counts within the cluster), not of unit length; @return
-/// false where it has its plane's
+/// The normals of a triangle's corners (`triangle` counts within the cluster), not of unit length.
+/// @return false if the triangle uses its plane's normal
 bool stp_cluster_normals(const stp_cluster* cluster, uint32_t triangle, stp_vec3 normals[3]);
 
 static inline stp_vec2 stp_cluster_texcoord(const stp_clusters* clusters,
@@ -182,19 +187,20 @@ static inline stp_vec2 stp_cluster_texcoord(const stp_clusters* clusters,
                       (float)stp_cluster_value(&runs[1], vertex) * clusters->texcoord_steps[set]};
 }
 
-/// Linear red, green, blue, alpha: 1 is full.
+/// Linear red, green, blue, alpha; 1 is full intensity.
 void stp_cluster_color(const stp_cluster* cluster, uint32_t vertex, float color[4]);
 
-/// The clusters of a mesh that is stored so; checked on first use, pointers into the file. One thread at a time.
-/// @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_TRUNCATED, STP_ERROR_ARGUMENT (a mesh of columns); logged
+/// The clusters of a coded mesh: pointers into the file, checked on first use. One thread at a
+/// time. @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_TRUNCATED, STP_ERROR_ARGUMENT (the mesh is
+/// stored as columns); logged
 STP_MUST_USE stp_result stp_store_get_clusters(stp_store* store, uint32_t index,
                                                stp_clusters* clusters);
 
-/// A whole mesh decoded: triangles in the order of the clusters, three vertices each. For tools and tests.
+/// A fully decoded mesh: triangles in cluster order, three vertices each. For tools and tests.
 typedef struct stp_decoded_mesh {
     uint32_t triangle_count;
     float* positions;    ///< 9 a triangle
-    float* normals;      ///< 9 a triangle, unit; zero for those of degenerate triangles' planes
+    float* normals;      ///< 9 a triangle, unit length; zero for the planes of degenerate triangles
     float* texcoords[2]; ///< NULL, or 6 a triangle
     float* colors;       ///< NULL, or 12 a triangle
 } stp_decoded_mesh;

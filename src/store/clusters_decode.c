@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A coded mesh as plain arrays, for tools and tests.
+// Decodes a coded mesh into plain arrays, for tools and tests.
 #include "base/context.h"
 #include "store/clusters.h"
 #include "store/format.h"
@@ -36,7 +36,7 @@ static void decode_triangle(const stp_clusters* clusters, const stp_cluster* clu
 stp_result stp_clusters_decode(stp_context* context, const stp_clusters* clusters,
                                stp_decoded_mesh* mesh)
 {
-    size_t count = (size_t)clusters->triangle_count + 1; // never nothing
+    size_t count = (size_t)clusters->triangle_count + 1; // at least one element
     *mesh = (stp_decoded_mesh){.triangle_count = clusters->triangle_count};
     mesh->positions = stp_alloc_array(context, count, 9 * sizeof(float));
     mesh->normals = stp_alloc_array(context, count, 9 * sizeof(float));

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
-// A mesh becomes clusters: sorted along a curve, cut where 128 triangles or 256 vertices are full, packed.
+// Codes a mesh as clusters: sorts triangles along a curve, cuts at 128 triangles or 256 vertices,
+// packs.
 #include "store/clusters_encode.h"
 
 #include "base/context.h"
 
 enum {
-    TEXCOORD_EXPONENT = -16, // a sixteenth of a texel of an 8k texture at most
+    TEXCOORD_EXPONENT = -16, // at most a sixteenth of a texel of an 8k texture
     FLOAT_DIGITS = 23,
-    PREFETCH = 8, // triangles ahead
+    PREFETCH = 8, // distance in triangles
 };
 
 typedef struct encoding {
@@ -21,7 +22,7 @@ typedef struct encoding {
     uint64_t vertex_count;
 } encoding;
 
-/// @return false where memory runs out
+/// @return false if memory runs out
 static bool append_cluster(encoding* e, uint32_t first_triangle)
 {
     if (e->data_capacity - e->data_size < CLUSTER_MOST_BYTES) {
@@ -57,7 +58,8 @@ static bool append_cluster(encoding* e, uint32_t first_triangle)
     return true;
 }
 
-/// Parts of one class from `at` on, as many as fit. @return where the next cluster begins
+/// Gathers loose parts of one class from `at` on, as many as fit. @return the start of the next
+/// cluster
 static uint32_t gather_parts(encoding* e, const uint64_t* order, uint32_t at, uint32_t end)
 {
     uint32_t part_class = (uint32_t)(order[at] >> 32);
@@ -77,7 +79,7 @@ static uint32_t gather_parts(encoding* e, const uint64_t* order, uint32_t at, ui
     return at;
 }
 
-/// Has the memory fetch what a few triangles further along the curve will read.
+/// Prefetches the vertices of a triangle further along the curve.
 static void prefetch(const cluster_maker* m, const uint64_t* order, uint32_t at, uint32_t end)
 {
     if (end - at > 2 * PREFETCH) {
@@ -89,12 +91,12 @@ static void prefetch(const cluster_maker* m, const uint64_t* order, uint32_t at,
     }
 }
 
-/// Triangles one by one. @return where the next cluster begins
+/// Gathers triangles one by one. @return the start of the next cluster
 static uint32_t gather_triangles(encoding* e, const uint64_t* order, uint32_t at, uint32_t end)
 {
     uint32_t first = at, left = end - at, most = STP_CLUSTER_TRIANGLES;
     if (left > most && left < 2 * most) {
-        most = (left + 1) / 2; // no cluster of a few left-over triangles
+        most = (left + 1) / 2; // avoids a last cluster of few triangles
     }
     cluster_maker_begin(e->maker);
     for (; at < end && at - first < most; ++at) {
@@ -113,7 +115,7 @@ static stp_result cut_clusters(encoding* e, const uint64_t* order, uint32_t tria
     uint32_t end = order == NULL ? triangle_count : 0;
     for (uint32_t at = 0; at < triangle_count;) {
         while (at == end || (end < triangle_count && order[end] >> 32 == order[at] >> 32)) {
-            end += 1; // of the class
+            end += 1; // the end of the class
         }
         bool loose = order != NULL && order[at] >> 32 != 0;
         uint32_t first = at;
@@ -129,7 +131,7 @@ static stp_result cut_clusters(encoding* e, const uint64_t* order, uint32_t tria
     return STP_OK;
 }
 
-/// Header, entries and clusters in one piece of memory.
+/// Joins header, entries and clusters in one allocation.
 static stp_result join(const encoding* e, uint32_t triangle_count, stp_coded_mesh* coded)
 {
     size_t entry_bytes = e->entry_count * CLUSTERS_ENTRY_BYTES;
@@ -188,7 +190,8 @@ static float find_largest(const float* numbers, size_t count)
     return largest;
 }
 
-/// Steps and what tells vertices apart. @return false where the mesh is too large for its step
+/// Fills the steps and the channels that distinguish vertices. @return false if the mesh is too
+/// large for its step
 static bool prepare(encoding* e, const stp_store_mesh* mesh, double step)
 {
     cluster_maker* m = e->maker;
@@ -229,7 +232,7 @@ static bool prepare(encoding* e, const stp_store_mesh* mesh, double step)
     return true;
 }
 
-/// The order in which triangles are gathered, with the classes of loose parts.
+/// Orders the triangles and finds the classes of loose parts.
 static stp_result sort_triangles(encoding* e, const stp_store_mesh* mesh, uint64_t** order)
 {
     const cluster_place* places = e->maker->places;
@@ -267,8 +270,9 @@ static stp_result encode(encoding* e, const stp_store_mesh* mesh, stp_coded_mesh
     stp_free(e->context, order);
     stp_free(e->context, places);
     if (result == STP_OK && e->vertex_count > UINT32_MAX) {
-        result = stp_fail(e->context, STP_ERROR_LIMIT,
-                          "a mesh of %u triangles needs more vertices than can be numbered", count);
+        result =
+            stp_fail(e->context, STP_ERROR_LIMIT,
+                     "a mesh of %u triangles needs more vertices than 32 bits can number", count);
     }
     return result == STP_OK ? join(e, count, coded) : result;
 }
@@ -284,7 +288,7 @@ stp_result stp_clusters_encode(stp_context* context, const stp_store_mesh* mesh,
     stp_result result = STP_OK;
     if (!prepare(&e, mesh, step)) {
         result = stp_fail(context, STP_ERROR_LIMIT,
-                          "mesh %s: its numbers are too large to be rounded to steps of %g",
+                          "mesh %s: its coordinates are too large for a grid step of %g",
                           mesh->name != NULL ? mesh->name : "without a name", step);
     } else {
         result = encode(&e, mesh, coded);

@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: MIT
-// One cluster filled triangle by triangle: vertices rounded, welded, and given normals only where the plane of the
-// rounded triangle would not do.
+// Fills one cluster, triangle by triangle. Rounds and welds vertices; gives them normals only if
+// the plane of the rounded triangle is not good enough.
 #include "base/octahedral.h"
 #include "store/clusters_encode.h"
 
-// Squared cosine of a third of a degree: directions that differ by less shade alike in 8 bits.
+// Squared cosine of a third of a degree: closer directions shade alike in 8 bits.
 #define ALIKE 0.999964
 
 enum {
-    PART_BITS = 5,    // a loose part's short edges are at least 2^PART_BITS steps long,
-    SHORT_PARTS = 16, // but for one part of so many
+    PART_BITS = 5,    // short edges of loose parts keep at least 2^PART_BITS steps,
+    SHORT_PARTS = 16, // except in one part of this many
 };
 
-/// A triangle's corners before they are vertices.
+/// A triangle's corner before it becomes a vertex.
 typedef struct corner {
-    cluster_place place; ///< the normal as the mesh has it
+    cluster_place place; ///< normal as in the mesh
     uint32_t slot;
-    int32_t extra[STP_CLUSTER_CHANNELS]; ///< as many as the maker says
+    int32_t extra[STP_CLUSTER_CHANNELS]; ///< channels in use only
 } corner;
 
 typedef struct direction {
@@ -29,7 +29,7 @@ static int32_t round_normal(int32_t code)
     return (scaled + (scaled < 0 ? -32767 : 32767)) / (2 * 32767);
 }
 
-/// From 16 bits to what clusters store.
+/// From 16 bits to the precision of clusters.
 static uint32_t store_normal(uint32_t normal)
 {
     return clusters_join_normal(round_normal(clusters_normal_u(normal)),
@@ -41,7 +41,7 @@ static int32_t round_color(uint16_t linear)
     return (int32_t)(sqrtf((float)linear * (1.0f / 65535.0f)) * STP_CLUSTER_COLOR_LIMIT + 0.5f);
 }
 
-/// What a vertex has beside its place and its normal.
+/// The channels of a vertex beside position and normal.
 static int32_t read_extra(const cluster_maker* m, uint32_t vertex, uint32_t channel)
 {
     const stp_store_mesh* mesh = m->mesh;
@@ -89,10 +89,10 @@ static bool are_alike(direction a, direction b)
 {
     double agreement = dot(a, b);
     bool near = agreement * agreement >= ALIKE * (dot(a, a) * dot(b, b));
-    return (agreement > 0.0) & near; // no branch: nobody could foretell it
+    return (agreement > 0.0) & near; // branch-free: the outcome is unpredictable
 }
 
-/// 16-bit octahedral, not of unit length.
+/// Decodes a 16-bit octahedral normal; not of unit length.
 static direction unfold_normal(uint32_t normal)
 {
     double x = clusters_normal_u(normal), y = clusters_normal_v(normal);
@@ -103,12 +103,12 @@ static direction unfold_normal(uint32_t normal)
     return (direction){x, y, z};
 }
 
-/// Of the rounded triangle; not of unit length.
+/// Normal of the rounded triangle; not of unit length.
 static direction rounded_plane(const corner c[3])
 {
     direction edge[2];
     for (int k = 0; k < 2; ++k) {
-        const int32_t *a = c[0].place.at, *b = c[k + 1].place.at; // less than 2^30
+        const int32_t *a = c[0].place.at, *b = c[k + 1].place.at; // below 2^30
         edge[k] = (direction){b[0] - a[0], b[1] - a[1], b[2] - a[2]};
     }
     return cross(edge[0], edge[1]);
@@ -126,12 +126,12 @@ static direction true_plane(const stp_store_mesh* mesh, const uint32_t* vertex)
     return cross(edge[0], edge[1]);
 }
 
-/// How a triangle is to be lit, and, where nothing else says it, the normal of its first corner.
+/// Chooses a triangle's group, and sets the normal of its first corner if the mesh has none.
 static cluster_group choose_group(const cluster_maker* m, const uint32_t* vertex, corner c[3])
 {
     direction rounded = rounded_plane(c);
     if (!(dot(rounded, rounded) > 0.0)) {
-        return GROUP_PLAIN; // nobody will see it
+        return GROUP_PLAIN; // degenerate: invisible
     }
     if (m->mesh->normals == NULL) {
         direction plane = true_plane(m->mesh, vertex);
@@ -172,7 +172,8 @@ static bool is_same(const cluster_maker* m, uint32_t vertex, const corner* c)
 
 typedef enum wanted { WANT_ANY, WANT_NORMAL, WANT_NONE } wanted;
 
-/// A vertex at the corner's place, with the given normal, with none, or any; STP_CLUSTER_VERTICES: there is none.
+/// Finds or adds a vertex at the corner's position with the given normal, without one, or with any.
+/// @return STP_CLUSTER_VERTICES if there is none
 static uint32_t find_vertex(const cluster_maker* m, const corner* c, wanted want, uint32_t normal)
 {
     for (uint32_t link = m->slots[c->slot]; link != 0; link = m->next[link - 1]) {
@@ -223,8 +224,8 @@ static uint32_t smooth_vertex(cluster_maker* m, const corner* c)
     return give_normal(m, v < STP_CLUSTER_VERTICES ? v : add_vertex(m, c), normal);
 }
 
-/// Turns the triangle so that its first corner is a vertex with its normal: one that has it, one that has none
-/// yet, or a new one.
+/// Rotates the triangle so that its first corner is a vertex with the triangle's normal: one that
+/// has it, one without a normal, or a new one.
 static void face_vertices(cluster_maker* m, const corner c[3], uint8_t out[3])
 {
     uint32_t normal = store_normal(c[0].place.normal);
@@ -277,7 +278,8 @@ bool cluster_maker_add(cluster_maker* m, uint32_t triangle)
     return true;
 }
 
-/// The octave of the shortest edge of one part, of its square; INT32_MAX: it has none. In steps.
+/// Exponent of the squared length, in steps, of the shortest edge of one part; INT32_MAX: it has
+/// none.
 static int32_t shortest_octave(const cluster_maker* m, const uint64_t* triangles, uint32_t count)
 {
     double least = DBL_MAX;
@@ -298,8 +300,8 @@ static int32_t shortest_octave(const cluster_maker* m, const uint64_t* triangles
     return least < DBL_MAX ? (int32_t)(bits >> 52) - 1023 : INT32_MAX;
 }
 
-/// How many bits of the positions loose parts can do without: their short edges stay PART_STEPS steps long. Nothing
-/// meets them, so nothing cracks.
+/// Number of low bits that positions of loose parts can drop: short edges keep 2^PART_BITS steps.
+/// Loose parts touch nothing else, so no cracks appear.
 static uint32_t choose_shift(const cluster_maker* m, const uint64_t* triangles, uint32_t count,
                              uint32_t part)
 {
@@ -319,7 +321,7 @@ static uint32_t choose_shift(const cluster_maker* m, const uint64_t* triangles, 
     return shift > 0 ? (uint32_t)shift : 0;
 }
 
-/// The number of a source's vertex within its part, which has `known` so far.
+/// Index of a source vertex within its part, which has `known` vertices so far.
 static uint32_t find_in_part(const uint32_t* sources, uint32_t known, uint32_t vertex)
 {
     uint32_t i = 0;
@@ -329,7 +331,8 @@ static uint32_t find_in_part(const uint32_t* sources, uint32_t known, uint32_t v
     return i;
 }
 
-/// How many vertices the triangles of a part have, as the input numbers them; at most STP_CLUSTER_VERTICES + 1.
+/// Vertices used by the triangles of a part, by their input indices; at most STP_CLUSTER_VERTICES +
+/// 1.
 static uint32_t count_sources(const cluster_maker* m, const uint64_t* triangles, uint32_t count)
 {
     uint32_t sources[STP_CLUSTER_VERTICES], known = 0;
@@ -345,7 +348,7 @@ static uint32_t count_sources(const cluster_maker* m, const uint64_t* triangles,
     return known;
 }
 
-/// @return whether its own plane lights it
+/// @return whether the triangle's own plane lights it
 static bool add_part_triangle(cluster_maker* m, uint32_t triangle, uint32_t first,
                               uint32_t* sources)
 {
@@ -374,13 +377,13 @@ bool cluster_maker_take_parts(cluster_maker* m, const uint64_t* triangles, uint3
     uint32_t part = clusters_part_triangles(part_class);
     cluster_maker_begin(m);
     m->group = clusters_part_vertices(part_class);
-    // without normals, planes must not turn: they are all there is to light faces by
+    // without normals, planes alone light the faces, so they must not turn
     bool coarse = m->mesh->normals != NULL && !m->mesh->cut;
     m->shift = coarse ? choose_shift(m, triangles, count, part) : 0;
     bool plain = true;
     for (uint32_t i = 0; i < count;) {
         uint32_t sources[STP_CLUSTER_VERTICES], first = m->vertex_count, end = i + part;
-        // two parts in one place may lie mixed along the curve
+        // two parts in one place may be interleaved along the curve
         if (count_sources(m, triangles + i, part) != m->group) {
             return false;
         }
@@ -397,7 +400,8 @@ bool cluster_maker_take_parts(cluster_maker* m, const uint64_t* triangles, uint3
     return plain || m->mesh->normals != NULL;
 }
 
-/// Those with normals first; and from vertices to channels. @return how many have normals
+/// Moves vertices with normals to the front and splits vertices into channels. @return how many
+/// have normals
 static uint32_t order_vertices(cluster_maker* m)
 {
     uint8_t place[STP_CLUSTER_VERTICES];
@@ -416,7 +420,7 @@ static uint32_t order_vertices(cluster_maker* m)
         m->values[STP_CLUSTER_NORMAL_V][at] = clusters_normal_v(vertex->normal);
     }
     if (normals == 0 || normals == count) {
-        return normals; // nothing has moved
+        return normals; // order unchanged
     }
     for (uint32_t i = 0; i < m->extra_count; ++i) {
         int32_t* values = m->values[m->extra_channels[i]];

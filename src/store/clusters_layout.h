@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The bytes of a coded mesh (docs/format.md, Clusters), for what writes and what reads them.
+// The byte layout of a coded mesh (docs/format.md, Clusters), shared by encoder and decoder.
 #pragma once
 
 #include "base/bytes.h"
@@ -9,12 +9,12 @@
 enum {
     CLUSTERS_HEADER_BYTES = 24,
     CLUSTERS_ENTRY_BYTES = 32,
-    CLUSTERS_PADDING_BYTES =
-        8, ///< after the last cluster: a value is read with seven bytes more than it has
+    /// After the last cluster: reading a value touches up to 7 bytes beyond it.
+    CLUSTERS_PADDING_BYTES = 8,
     CLUSTERS_EXPONENT_LEAST = -149,
-    CLUSTERS_EXPONENT_MOST = 96, ///< any 32-bit number of such steps is finite
+    CLUSTERS_EXPONENT_MOST = 96, ///< any 32-bit multiple of such a step is finite
     CLUSTERS_NUMBER_LIMIT = (1 << 30) - 1,
-    CLUSTERS_CHANNEL_BYTES = 8, ///< of the table, of a channel beside the positions
+    CLUSTERS_CHANNEL_BYTES = 8, ///< of the table entry of an extra channel
     CLUSTERS_MOST_SHIFT = 24,
     CLUSTERS_MOST_OWN = 32,
 };
@@ -33,10 +33,10 @@ typedef struct clusters_entry {
     uint8_t triangle_count;
     uint8_t last_vertex;
     uint8_t smooth_count, face_count;
-    uint8_t group; ///< vertices of a part; 0: the cluster has no parts
+    uint8_t group; ///< vertices per part; 0: no parts
     uint8_t shift; ///< of x, y, z
-    bool repeats;  ///< the first part's triangles stand for all
-    bool grouped;  ///< x, y, z
+    bool repeats;  ///< all parts repeat the first one's triangles
+    bool grouped;  ///< x, y, z have a layer of parts
     uint8_t own_width[3];
     uint16_t normal_count;
 } clusters_entry;
@@ -82,7 +82,7 @@ static inline void clusters_write_entry(unsigned char* p, const clusters_entry* 
                                      entry->own_width[2] << 10 | (entry->grouped ? 1 : 0) << 15));
 }
 
-/// How many values a channel has; 0 where the mesh or cluster does not have it.
+/// Number of values of a channel; 0 if the mesh or cluster lacks it.
 static inline uint32_t clusters_values(uint32_t present, uint32_t channel, uint32_t vertex_count,
                                        uint32_t normal_count)
 {
@@ -105,7 +105,7 @@ static inline uint32_t clusters_values(uint32_t present, uint32_t channel, uint3
     }
 }
 
-/// How the numbers of a channel lie.
+/// Layout of a channel's values.
 typedef struct clusters_channel {
     int32_t origin;
     uint8_t width, own_width;
@@ -135,7 +135,7 @@ static inline clusters_channel clusters_position_channel(const clusters_entry* e
                               entry->shift};
 }
 
-/// Bytes of the values of parts, or of all values where there are none; `group` is not 0 where parts are.
+/// Bytes of the layer of parts, or of all values if `group` is 0.
 static inline uint32_t clusters_base_bytes(const clusters_channel* channel, uint32_t count,
                                            uint32_t group)
 {
@@ -143,7 +143,7 @@ static inline uint32_t clusters_base_bytes(const clusters_channel* channel, uint
     return (values * channel->width + 7) / 8;
 }
 
-/// Bytes of what values are beyond their part's.
+/// Bytes of the values within parts.
 static inline uint32_t clusters_own_bytes(const clusters_channel* channel, uint32_t count,
                                           uint32_t group)
 {
@@ -153,7 +153,7 @@ static inline uint32_t clusters_own_bytes(const clusters_channel* channel, uint3
     return (values * channel->own_width + 7) / 8;
 }
 
-/// Triangles whose corners are stored.
+/// Number of triangles whose corners are stored.
 static inline uint32_t clusters_index_triangles(const clusters_entry* entry)
 {
     return entry->repeats ? entry->triangle_count * entry->group / (entry->last_vertex + 1u)
@@ -165,5 +165,5 @@ static inline float clusters_power_of_two(int exponent)
     uint64_t bits = (uint64_t)(exponent + 1023) << 52;
     double value;
     memcpy(&value, &bits, sizeof(value));
-    return (float)value; // exact down to the least float
+    return (float)value; // exact down to the smallest float
 }

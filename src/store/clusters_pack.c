@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// A gathered cluster's numbers as bits: each channel in whatever layout is smallest.
+// Packs a gathered cluster into bits. Each channel uses its smallest layout.
 #include "store/clusters_encode.h"
 
-/// Little-endian, the lowest bit first. @return the end
+/// Little-endian, lowest bit first. @return the end
 static unsigned char* pack_values(const uint32_t* values, uint32_t count, uint32_t width,
                                   unsigned char* out)
 {
@@ -30,7 +30,7 @@ static uint8_t width_of(uint32_t range)
     return (uint8_t)(range != 0 ? 32 - __builtin_clz(range) : 0);
 }
 
-/// A channel's numbers less their origin, and of its parts.
+/// A channel's values minus their origin, and the values of its parts.
 typedef struct packing {
     clusters_channel channel;
     uint32_t count, group;
@@ -38,7 +38,7 @@ typedef struct packing {
     uint32_t bases[STP_CLUSTER_VERTICES];
 } packing;
 
-/// Origin, width and the bits that all values share the lowest of.
+/// Finds the origin, the width, and the low bits that all values share.
 static void measure_values(packing* p, const int32_t* values)
 {
     int32_t least = values[0];
@@ -67,7 +67,8 @@ static void drop_bits(packing* p, uint32_t shift)
     }
 }
 
-/// The least of each part, and the width of what is above it. @return whether that is the same in all parts
+/// Finds the minimum of each part and the width of the rest. @return whether the rest is equal in
+/// all parts
 static bool split_values(packing* p)
 {
     uint32_t most = 0;
@@ -97,7 +98,7 @@ static uint32_t count_bytes(const packing* p, stp_cluster_layout layout)
            clusters_own_bytes(&channel, p->count, p->group);
 }
 
-/// In the layout of the channel, for which its numbers were split unless it is plain.
+/// Writes a channel in its layout. Other layouts than plain need its values split.
 static unsigned char* write_values(packing* p, unsigned char* out)
 {
     if (p->channel.layout == STP_CLUSTER_PLAIN) {
@@ -116,7 +117,7 @@ static unsigned char* write_values(packing* p, unsigned char* out)
     return p->channel.own_width != 0 ? pack_values(p->values, own, p->channel.own_width, out) : out;
 }
 
-/// All axes in the same layout and with the same shift, as the entry has but one of each.
+/// Axes share one layout and one shift, because the entry has only one of each.
 static unsigned char* pack_positions(const cluster_maker* m, clusters_entry* entry,
                                      unsigned char* out)
 {
@@ -164,7 +165,7 @@ static unsigned char* pack_channel(const int32_t* values, uint32_t count, uint32
     return out;
 }
 
-/// Whether the first part's triangles, moved on by its vertices, are those of all other parts.
+/// Whether all parts repeat the first one's triangles, with shifted vertex indices.
 static bool are_parts_alike(const cluster_maker* m, uint32_t parts)
 {
     if (m->group == 0 || parts * m->group != m->vertex_count || m->triangle_count % parts != 0) {

@@ -1,31 +1,32 @@
 // SPDX-License-Identifier: MIT
-// Loose parts: leaves, needles, twigs, cards. Where a mesh consists of many of them, triangles of one part stay
-// together, and parts of like counts come one after the other, so that a cluster can hold one pattern many times.
+// Loose parts: leaves, needles, twigs, cards. If a mesh has many, the triangles of a part stay
+// together, and parts with equal counts follow each other, so that one cluster can store a pattern
+// many times.
 //
-// A part is what is joined by vertices, or by positions that round alike: what only seems loose, because its
-// input repeats vertices at each edge, is welded within clusters as ever, and must keep to the mesh's grid.
+// Vertices join a part if they share triangles or round to the same position. Meshes that repeat
+// vertices at each edge only seem loose: clusters weld them as usual, on the mesh's grid.
 #include "base/context.h"
 #include "store/clusters_encode.h"
 
 enum {
-    MOST_TRIANGLES = 32, // of a part
+    MOST_TRIANGLES = 32, // per part
     MOST_VERTICES = 32,
     CLASSES = MOST_TRIANGLES * MOST_VERTICES,
-    LEAST_OF_CLASS = 64, // triangles: fewer are not worth clusters of their own
-    WINDOW = 32,         // triangles along the curve that are looked at together,
-    WINDOW_EVERY = 2048, // in so many
-    LEAST_SHARE = 16,    // a mesh with less than one loose triangle in so many is left as it is
+    LEAST_OF_CLASS = 64, // smaller classes get no clusters of their own
+    WINDOW = 32,         // consecutive triangles along the curve that a sample examines,
+    WINDOW_EVERY = 2048, // one sample per this many triangles
+    LEAST_SHARE = 16,    // meshes with fewer loose triangles than one in this many stay unsorted
 };
 
 typedef struct part_finder {
     const stp_store_mesh* mesh;
     const cluster_place* places;
-    uint32_t* parents;   ///< a forest of vertices, in which parents come before children
-    uint32_t* triangles; ///< of a root
-    uint32_t* vertices;  ///< of a root; more than MOST_VERTICES: it meets itself or others
-    uint32_t* slots;     ///< vertices by position, plus 1; 0: none
+    uint32_t* parents;   ///< union-find forest of vertices; parents have lower indices
+    uint32_t* triangles; ///< per root
+    uint32_t* vertices;  ///< per root; more than MOST_VERTICES: not loose
+    uint32_t* slots;     ///< vertices by position: index + 1; 0: none
     uint32_t slot_bits;
-    uint32_t* next; ///< the triangle of the same part that follows, plus 1
+    uint32_t* next; ///< the next triangle of the same part, index + 1
     uint32_t* first;
 } part_finder;
 
@@ -52,7 +53,7 @@ static void join(uint32_t* parents, uint32_t a, uint32_t b)
     parents[b] = least;
 }
 
-/// Every vertex's parent becomes its root.
+/// Points every vertex at its root.
 static void flatten(uint32_t* parents, uint32_t count)
 {
     for (uint32_t v = 0; v < count; ++v) {
@@ -60,7 +61,7 @@ static void flatten(uint32_t* parents, uint32_t count)
     }
 }
 
-/// Triangles of each root; flattens. @return how many belong to small ones
+/// Counts the triangles of each root; needs a flat forest. @return triangles in small parts
 static uint32_t count_small(const part_finder* f)
 {
     const stp_store_mesh* mesh = f->mesh;
@@ -86,7 +87,7 @@ static void join_triangles(const part_finder* f)
     for (size_t t = 0; t < mesh->triangle_count; ++t) {
         const uint32_t* corner = mesh->indices + 3 * t;
         uint32_t a = parents[corner[0]], b = parents[corner[1]], c = parents[corner[2]];
-        if (a != b || b != c) { // else they are joined already
+        if (a != b || b != c) { // else already joined
             a = find_root(parents, a);
             b = find_root(parents, b);
             c = find_root(parents, c);
@@ -102,7 +103,8 @@ static bool is_same_place(const cluster_place* a, const cluster_place* b)
     return a->at[0] == b->at[0] && a->at[1] == b->at[1] && a->at[2] == b->at[2];
 }
 
-/// How many of some neighbouring triangles' corners lie where another part's corner lies.
+/// In a run of neighbouring triangles, counts the corners that coincide with a corner of another
+/// part.
 static uint32_t count_shared(const part_finder* f, const uint64_t* order)
 {
     cluster_place places[3 * WINDOW];
@@ -122,7 +124,8 @@ static uint32_t count_shared(const part_finder* f, const uint64_t* order)
     return shared;
 }
 
-/// Whether what is loose by vertices is not by positions, as samples tell: soup, of which no part would stay loose.
+/// Samples whether parts that are loose by vertices coincide in position: then the mesh is triangle
+/// soup and no part would stay loose.
 static bool is_soup(const part_finder* f, const uint64_t* order)
 {
     uint32_t windows = f->mesh->triangle_count / WINDOW_EVERY + 1, shared = 0;
@@ -133,7 +136,7 @@ static bool is_soup(const part_finder* f, const uint64_t* order)
     return shared > 3 * WINDOW / 2 * windows;
 }
 
-/// Whether another vertex rounds to the same place: then they are joined.
+/// Whether another vertex rounds to the same position: then the two are joined.
 static bool meet(const part_finder* f, uint32_t vertex)
 {
     const cluster_place* place = &f->places[vertex];
@@ -154,16 +157,17 @@ static bool meet(const part_finder* f, uint32_t vertex)
     }
 }
 
-/// Joins what meets, and counts the vertices of each part.
+/// Joins coinciding vertices and counts the vertices of each part.
 static void join_vertices(const part_finder* f)
 {
     uint32_t count = f->mesh->vertex_count;
-    // first of all which vertices are used, and then which of them meet; both are sums of the root in the end
+    // first mark used vertices, then those that coincide; both end up as sums of the root
     for (uint32_t v = 0; v < count; ++v) {
         bool used = f->triangles[find_root(f->parents, v)] != 0;
         f->vertices[v] = used ? (meet(f, v) ? MOST_VERTICES + 1 : 1) : 0;
     }
-    for (uint32_t v = count; v-- > 0;) { // roots are the least of their trees: children come first
+    for (uint32_t v = count;
+         v-- > 0;) { // roots have the lowest indices of their trees, so children come first
         uint32_t parent = f->parents[v];
         if (parent != v) {
             uint32_t sum = f->vertices[parent] + f->vertices[v];
@@ -172,7 +176,7 @@ static void join_vertices(const part_finder* f)
     }
 }
 
-/// The class of a triangle's part; 0: not loose, else its counts (clusters_part_class).
+/// The class of a triangle's part, from its counts (clusters_part_class); 0: not loose.
 static uint32_t classify(const part_finder* f, uint32_t triangle, uint32_t* root)
 {
     *root = find_root(f->parents, f->mesh->indices[3 * (size_t)triangle]);
@@ -214,7 +218,7 @@ static void sort_parts(const part_finder* f, const uint64_t* order, uint64_t* ou
         for (uint32_t link = f->first[root]; link != 0; link = f->next[link - 1]) {
             out[places[bucket]++] = (uint64_t) class << 32 | (link - 1);
         }
-        f->first[root] = 0; // the others are out already
+        f->first[root] = 0; // the part's other triangles are done
     }
 }
 

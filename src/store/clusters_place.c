@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Vertices on the mesh's grid.
+// Rounds vertices to the mesh's grid.
 #include "store/clusters_encode.h"
 
 typedef float lanes_float __attribute__((vector_size(16)));
@@ -14,8 +14,8 @@ int32_t clusters_round(double value)
     return whole + (rest >= 0.5) - (rest < -0.5);
 }
 
-/// clusters_round of three floats by a power of two, in floats: the product is exact, but for what rounds to 0, and
-/// so are its whole part and the rest.
+/// clusters_round of three floats times a power of two, in single precision. Product, integer part
+/// and fraction are exact, except for values that round to 0.
 static void round_place(lanes_float position, float scale, uint32_t normal, cluster_place* place)
 {
     const lanes_float half = {0.5f, 0.5f, 0.5f, 0.5f};
@@ -35,7 +35,7 @@ static uint32_t read_normal(const stp_store_mesh* mesh, size_t vertex)
 
 void clusters_place_vertices(const stp_store_mesh* mesh, double inverse_step, cluster_place* places)
 {
-    const bool narrow = inverse_step < 0x1p-126 || inverse_step > 0x1p127; // no float of its own
+    const bool narrow = inverse_step < 0x1p-126 || inverse_step > 0x1p127; // no normal float
     const float scale = narrow ? 0.0f : (float)inverse_step;
     const size_t count = mesh->vertex_count;
     for (size_t v = 0; v < count; ++v) {
@@ -50,7 +50,7 @@ void clusters_place_vertices(const stp_store_mesh* mesh, double inverse_step, cl
         }
         lanes_float position = {0};
         memcpy(&position, p, v + 1 < count ? sizeof(position) : 3 * sizeof(float));
-        position[3] = 0.0f; // the next vertex's
+        position[3] = 0.0f; // belongs to the next vertex
         round_place(position, scale, normal, &places[v]);
     }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Triangles along a Hilbert curve.
+// Sorts triangles along a Hilbert curve.
 // Skilling. Programming the Hilbert Curve. 2004 (without its branches).
 #include "base/sort.h"
 #include "store/clusters_encode.h"
@@ -7,7 +7,7 @@
 enum {
     CURVE_BITS = 10,
     INDEX_BITS = 32,
-    SUM_BITS = 20, // of a corner's place, so that three of them are exact as a float
+    SUM_BITS = 20, // of a corner's coordinate, so that the sum of three is exact as a float
     LANES = 4,
 };
 
@@ -15,14 +15,14 @@ typedef int32_t lanes_int __attribute__((vector_size(16)));
 typedef uint32_t lanes_uint __attribute__((vector_size(16)));
 typedef float lanes_float __attribute__((vector_size(16)));
 
-/// From places to cells of the curve.
+/// Maps positions to cells of the curve.
 typedef struct curve {
     lanes_uint least;
-    lanes_float scale; ///< of the sum of three corners; 0 in the last lane
+    lanes_float scale; ///< for the sum of three corners; 0 in the last lane
     uint32_t shift;
 } curve;
 
-/// Zeros between the bits of a number of ten.
+/// Inserts two zeros between the bits of a 10-bit number.
 static lanes_uint spread(lanes_uint x)
 {
     x = (x | x << 16) & 0x030000ffu;
@@ -62,7 +62,7 @@ static lanes_int load(const cluster_place* place)
     return lanes;
 }
 
-/// Cells that fill the longest side of the vertices' box.
+/// Cells that span the longest side of the vertices' box.
 static curve choose_cells(const cluster_place* places, uint32_t count)
 {
     lanes_int least = load(&places[0]), most = least;

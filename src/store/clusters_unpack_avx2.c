@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Positions of a cluster, eight vertices at a time: eight values of w bits are w bytes, of which a shuffle brings to each
-// lane the three that hold its value.
+// Unpacks a cluster's positions, eight vertices at a time. Eight values of w bits are w bytes; a
+// shuffle brings to each lane the three bytes that hold its value.
 #if defined(__x86_64__)
 
 #include "store/clusters_layout.h"
@@ -10,7 +10,7 @@
 
 enum { GROUP = 8, GROUP_BYTES = 16 };
 
-/// Where the values of a group lie.
+/// Byte positions of the values of a group.
 typedef struct unpacking {
     __m256i bytes, shift, mask, origin;
     int left;
@@ -20,7 +20,8 @@ static unpacking make_unpacking(const stp_cluster_run* run)
 {
     __m256i bit = _mm256_mullo_epi32(_mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7),
                                      _mm256_set1_epi32((int)run->width));
-    // in each lane the numbers of its first four bytes; those past the end wrap around, and are masked off
+    // each lane gets four bytes from its first one on; bytes past the end wrap around and are
+    // masked off
     __m256i first = _mm256_mullo_epi32(_mm256_srli_epi32(bit, 3), _mm256_set1_epi32(0x01010101));
     __m256i bytes = _mm256_add_epi32(first, _mm256_set1_epi32(0x03020100));
     return (unpacking){
@@ -41,7 +42,7 @@ static inline __m256 unpack(const unpacking* u, const uint8_t* group, __m256 ste
     return _mm256_mul_ps(_mm256_cvtepi32_ps(value), step);
 }
 
-/// Three numbers of each vertex, one vertex after the other.
+/// Interleaves three numbers per vertex.
 static inline void store_vertices(const __m256 axis[3], float* out)
 {
     // place i of vector k is number 8 k + i: axis (8 k + i) mod 3 of vertex (8 k + i) / 3
@@ -79,7 +80,7 @@ uint32_t clusters_unpack_avx2(const stp_cluster_run runs[3], uint32_t count, flo
             return 0;
         }
         bits[k] = width == 0 ? nothing : runs[k].bits;
-        // all sixteen bytes of a group are read: no more than the padding may follow the run's
+        // a load reads all 16 bytes of a group: padding follows the run
         uint32_t bytes = (count * width + 7) / 8 + CLUSTERS_PADDING_BYTES;
         if (width != 0) {
             uint32_t groups = bytes < GROUP_BYTES ? 0 : (bytes - GROUP_BYTES) / width + 1;

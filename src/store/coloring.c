@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-enum { LEAST_COVERAGE = 1 }; ///< code of the smallest share that is drawn where others are hidden
+enum { LEAST_COVERAGE = 1 }; ///< smallest code that is drawn where 0 hides a splat
 
 bool stp_attribute_is_distinct(stp_attribute attribute)
 {
@@ -48,17 +48,17 @@ stp_result stp_store_set_coloring(stp_store* store, const stp_store_coloring* co
     for (uint32_t i = 0; i < store->directory.surfels_count; ++i) {
         stp_store_release_surfels(store, i);
     }
-    stp_store_release_points(store); // the file's own colours are found again
+    stp_store_release_points(store); // the file's own colours are restored on the next use
     return STP_OK;
 }
 
-// What values are turned into.
+// Targets of the conversion.
 typedef struct paint {
     const stp_store_coloring* coloring;
     uint8_t* colors;
-    size_t stride; ///< of colours
+    size_t stride; ///< bytes from one colour to the next
     uint8_t* marks;
-    size_t mark_stride; ///< of coverages, or of alphas
+    size_t mark_stride; ///< bytes from one coverage, or alpha, to the next
 } paint;
 
 static void take_colors(void* user, uint64_t first, const void* values, size_t count)
@@ -81,7 +81,7 @@ static void take_classes(void* user, uint64_t first, const void* values, size_t 
     }
 }
 
-// Colours and marks `values->count` things; visible things are marked already.
+// Colours and marks `values->count` items. Visible items are already marked.
 static const char* paint_values(const stp_store_values* values, paint* p, uint64_t* read_bytes)
 {
     const stp_store_coloring* c = p->coloring;
@@ -100,7 +100,7 @@ static const char* paint_values(const stp_store_values* values, paint* p, uint64
     return fault;
 }
 
-// Splats of earlier octaves look as they did there.
+// Splats of earlier octaves keep their look from there.
 static void copy_earlier(const stp_store_coloring* c, const stp_splats* s, uint32_t octave,
                          size_t entry, bool colored)
 {

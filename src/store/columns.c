@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "store/columns.h"
 
-// Lays columns out one after the other, each at the next multiple of `alignment`.
+// Lays out columns one after the other, each at the next multiple of `alignment`.
 static uint64_t place(stp_store_column* columns, const uint64_t* sizes, size_t count,
                       uint64_t alignment)
 {

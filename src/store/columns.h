@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the columns of a block lie within it (docs/format.md, Blocks).
+// The layout of columns within a block (docs/format.md, Blocks).
 #pragma once
 
 #include "store/format.h"
@@ -8,7 +8,7 @@
 
 enum { STP_STORE_COLUMN_LIMIT = 7 };
 
-/// A column: a run of bytes within a block. Absent ones have size 0.
+/// A column: a byte range of a block. Absent ones have size 0.
 typedef struct stp_store_column {
     uint64_t offset, size;
 } stp_store_column;
@@ -41,26 +41,27 @@ typedef enum stp_store_surfel_column {
     STP_SURFEL_COLUMNS
 } stp_store_surfel_column;
 
-// Each fills `columns` and returns the size of the block.
+// Each function fills `columns` and returns the size of the block.
 uint64_t stp_store_mesh_columns(uint32_t vertex_count, uint32_t triangle_count, uint32_t present,
                                 stp_store_column columns[STP_STORE_COLUMN_LIMIT]);
 uint64_t stp_store_point_columns(uint32_t point_count, uint32_t present,
                                  stp_store_column columns[STP_STORE_COLUMN_LIMIT]);
-/// Of octave `octave`: what comes in with it, and its colours and coverages: of the whole prefix, unless they are flat.
+/// Of octave `octave`: the surfels it adds, with their colours and coverages. Colours cover the
+/// whole prefix unless they are flat.
 uint64_t stp_store_surfel_columns(const stp_splats* surfels, uint32_t octave,
                                   stp_store_column columns[STP_STORE_COLUMN_LIMIT]);
 
-/// Surfels before octave `octave`.
+/// Number of surfels before octave `octave`.
 static inline uint32_t stp_store_octave_begin(const stp_splats* surfels, uint32_t octave)
 {
     return octave == 0 ? 0 : surfels->octave_ends[octave - 1];
 }
 
-/// Entries of colours before those of octave `octave`; all of them where it is the octave count. Flat colours have one
-/// a surfel.
+/// Number of colour entries before octave `octave`, or of all octaves if it is the octave count.
+/// Flat colours have one entry per surfel.
 uint64_t stp_store_pyramid_begin(const stp_splats* surfels, uint32_t octave);
 
-/// The entry of surfel 0 among the colours with which octave `octave` draws a prefix.
+/// Index of surfel 0 among the colours with which octave `octave` draws a prefix.
 static inline uint64_t stp_store_colors_begin(const stp_splats* surfels, uint32_t octave)
 {
     bool flat = (surfels->columns & STP_SPLATS_FLAT_COLORS) != 0;

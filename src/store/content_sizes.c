@@ -117,19 +117,19 @@ stp_result stp_store_sizes_of_plan(stp_context* context, const stp_store_content
     return STP_OK;
 }
 
-// The only object below another (the last one seen), and how many there are.
+// The only object below another (the last one seen), and the number of such objects.
 typedef struct below {
     uint32_t count, last;
 } below;
 
-// Whether an object is a place for others and nothing itself.
+// Whether an object only places others and has no content of its own.
 static bool is_place(const stp_store_directory* directory, uint32_t object, const below* children)
 {
     return directory->nodes[directory->objects[object].node].part_count == 0 &&
            children[object].count != 0;
 }
 
-// The object whose children are the parts; STP_STORE_NONE: those without a parent are.
+// The object whose children are the parts; STP_STORE_NONE: the top-level objects are.
 static uint32_t find_place(const stp_store_directory* directory, below* children)
 {
     below roots = {0, STP_STORE_NONE};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a scene consists of, alike for a file and for what becomes one: its graph, and how much each thing is.
+// The graph of a scene and the sizes of its content, in one form for open files and for content to
+// be written.
 #pragma once
 
 #include "store/internal.h"
@@ -8,9 +9,9 @@
 
 /// A mesh, point set, texture or surfel set.
 typedef struct stp_store_amount {
-    uint64_t count, bytes; ///< triangles, points, texels, surfels; bytes of its blocks
+    uint64_t count, bytes; ///< triangles, points, texels or surfels; bytes of its blocks
     uint32_t material;     ///< of a mesh or point set
-    uint32_t owner;        ///< of a texture: the first that shares its block
+    uint32_t owner;        ///< of a texture: the first one that shares its block
 } stp_store_amount;
 
 typedef struct stp_store_sizes {
@@ -18,7 +19,7 @@ typedef struct stp_store_sizes {
     stp_store_amount *meshes, *point_sets, *textures, *sets;
 } stp_store_sizes;
 
-/// Of an open file. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged; nothing is left to destroy)
+/// Of an open file. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged; nothing to destroy)
 STP_MUST_USE stp_result stp_store_sizes_of_file(const stp_store* store, stp_store_sizes* sizes);
 /// Of content whose blocks are planned.
 STP_MUST_USE stp_result stp_store_sizes_of_plan(stp_context* context,
@@ -26,7 +27,7 @@ STP_MUST_USE stp_result stp_store_sizes_of_plan(stp_context* context,
                                                 const stp_store_plan* plan, stp_store_sizes* sizes);
 void stp_store_sizes_destroy(stp_context* context, stp_store_sizes* sizes);
 
-/// As stp_store_summarise_content, of content whose blocks are planned.
+/// As stp_store_summarise_content, for content whose blocks are planned.
 STP_MUST_USE stp_result stp_store_summarise_planned(stp_context* context,
                                                     const stp_store_content* content,
                                                     const stp_store_plan* plan,
@@ -37,8 +38,8 @@ STP_MUST_USE stp_result stp_store_guess_census(stp_context* context,
                                                const stp_store_directory* directory,
                                                stp_store_census* census);
 
-/// All figures of the whole and of the census's parts; objects and instances are the census's, or those of the
-/// graph where `counted` is false.
+/// Computes all statistics of the whole scene and of the census's parts. Objects and instances come
+/// from the census, or from the graph if `counted` is false.
 STP_MUST_USE stp_result stp_store_count_figures(stp_context* context, const stp_store_sizes* sizes,
                                                 const stp_store_census* census, bool counted,
                                                 stp_store_summary* summary);

@@ -4,7 +4,7 @@
 #include <libdeflate.h>
 #include <string.h>
 
-enum { LEVEL = 6 }; ///< of compression: docs/notes/2026-11-compression.md
+enum { LEVEL = 6 }; ///< compression level: docs/notes/2026-11-compression.md
 
 stp_store_packer* stp_store_packer_create(void)
 {
@@ -28,8 +28,7 @@ size_t stp_store_pack(stp_store_packer* packer, const void* bytes, size_t size, 
         memcpy(out, bytes, size);
         return size;
     }
-    if (made <
-        least) { // zero bytes follow: no reader needs much more memory than the file has bytes
+    if (made < least) { // zero padding: bounds a reader's memory by the file size
         memset((unsigned char*)out + made, 0, least - made);
         made = least;
     }

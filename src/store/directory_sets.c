@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Fits the tables of a directory together: sets with their octaves and breakpoints, everything with
-// blocks.
+// Links the tables of a directory: sets to their octaves and breakpoints, owners to their blocks.
 #include "store/chunks.h"
 #include "store/internal.h"
 #include "store/operators.h"
@@ -19,8 +18,7 @@ const stp_store_block* stp_store_block_at(const stp_store* store, uint32_t index
     return &blocks[index];
 }
 
-// Blocks follow each other without room for anything else, coarse surfels first, up to the file's
-// end.
+// Blocks follow each other without gaps up to the end of the file, coarse surfels first.
 static stp_result judge_blocks(const stp_store* store)
 {
     uint64_t end = store->data_offset;
@@ -29,22 +27,22 @@ static stp_result judge_blocks(const stp_store* store)
         const stp_store_block* block = stp_store_block_at(store, i);
         if (block->offset != stp_store_align(end, STP_STORE_ALIGNMENT) ||
             block->offset > store->file_bytes || block->size > store->file_bytes - block->offset) {
-            return fail_format(store, "block", i, "does not lie right behind the block before it");
+            return fail_format(store, "block", i, "does not start right after the previous block");
         }
         if (!(block->radius >= 0.0f) || (before != NULL && block->radius > before->radius)) {
-            return fail_format(store, "block", i, "reaches a larger radius than the one before it");
+            return fail_format(store, "block", i, "has a larger radius than the block before it");
         }
         end = block->offset + block->size;
         before = block;
     }
     if (end != store->file_bytes) {
-        return stp_fail(store->context, STP_ERROR_FORMAT, "%s: bytes after the last block",
+        return stp_fail(store->context, STP_ERROR_FORMAT, "%s: has bytes after the last block",
                         store->path);
     }
     return STP_OK;
 }
 
-// A block as its owner needs it. Of an octave, `wanted.size` is not looked at.
+// The block that an owner requires. For an octave, `wanted.size` is ignored.
 static stp_result judge_block(const stp_store* store, uint32_t index, stp_store_block wanted)
 {
     static const char* const names[STP_BLOCK_END] = {
@@ -58,7 +56,8 @@ static stp_result judge_block(const stp_store* store, uint32_t index, stp_store_
     const stp_store_block* block = stp_store_block_at(store, index);
     if (block->kind != wanted.kind || block->owner != wanted.owner ||
         block->octave != wanted.octave) {
-        return fail_format(store, names[wanted.kind], wanted.owner, "its block is another's");
+        return fail_format(store, names[wanted.kind], wanted.owner,
+                           "its block belongs to another owner");
     }
     const stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
     uint32_t known = STP_STORE_ENCODING_PLAIN;
@@ -69,7 +68,7 @@ static stp_result judge_block(const stp_store* store, uint32_t index, stp_store_
     }
     if (block->encoding > known) {
         return stp_fail(store->context, STP_ERROR_UNSUPPORTED,
-                        "%s: %s %u: encoding %u of its block is not known", store->path,
+                        "%s: %s %u: its block has the unknown encoding %u", store->path,
                         names[wanted.kind], wanted.owner, block->encoding);
     }
     bool fits = block->size == wanted.size;
@@ -80,7 +79,7 @@ static stp_result judge_block(const stp_store* store, uint32_t index, stp_store_
     }
     if (!fits) {
         return fail_format(store, names[wanted.kind], wanted.owner,
-                           "its block is not of the size that its counts need");
+                           "its block has the wrong size for its counts");
     }
     return STP_OK;
 }
@@ -90,7 +89,7 @@ bool stp_store_is_block_here(const stp_store* store, const stp_store_block* bloc
     return block->offset + block->size <= store->file.size;
 }
 
-// Gathers a set's breakpoints and octaves, which lie in the order of the sets.
+// Finds a set's breakpoints and octaves, which are stored in the order of the sets.
 static stp_result gather_set(stp_store* store, uint32_t index, uint64_t* octave_end,
                              uint64_t* breakpoint_end)
 {
@@ -104,13 +103,13 @@ static stp_result gather_set(stp_store* store, uint32_t index, uint64_t* octave_
     }
     if (set->first_octave != *octave_end || set->first_breakpoint != *breakpoint_end) {
         return fail_format(store, "surfel set", index,
-                           "its octaves or breakpoints do not follow those of the set before");
+                           "its octaves or breakpoints do not follow those of the previous set");
     }
     *octave_end += surfels->octave_count;
     *breakpoint_end += surfels->table.size;
     if (*octave_end > store->counts[STP_SECTION_OCTAVES] ||
         *breakpoint_end > store->counts[STP_SECTION_BREAKPOINTS]) {
-        return fail_format(store, "surfel set", index, "its octaves or breakpoints are not there");
+        return fail_format(store, "surfel set", index, "its octaves or breakpoints are missing");
     }
     surfels->plain_coverages = store->minor < STP_STORE_MINOR_COVERAGES;
     for (uint32_t i = 0; i < surfels->octave_count; ++i) {
@@ -123,7 +122,7 @@ static stp_result gather_set(stp_store* store, uint32_t index, uint64_t* octave_
     return STP_OK;
 }
 
-// Each octave's block, in the order of the octaves, and how many a file cut short holds whole.
+// Links each octave to its block, in order. Counts the octaves that a truncated file holds whole.
 static stp_result link_octaves(stp_store* store, uint32_t index)
 {
     stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
@@ -138,7 +137,7 @@ static stp_result link_octaves(stp_store* store, uint32_t index)
             return result;
         }
         if (k > 0 && number <= octaves[sets[index].first_octave + k - 1].block) {
-            return fail_format(store, "surfel set", index, "its octaves are not in order");
+            return fail_format(store, "surfel set", index, "its octaves are out of order");
         }
         sets[index].whole += stp_store_is_block_here(store, stp_store_block_at(store, number));
     }
@@ -189,9 +188,9 @@ static stp_result link_mesh(const stp_store* store, uint32_t index)
     };
     if (record->present > (STP_COLUMN_NORMALS | STP_COLUMN_COLORS | STP_COLUMN_TEXCOORDS_0 |
                            STP_COLUMN_TEXCOORDS_1)) {
-        return fail_format(store, "mesh", index, "has columns that are not of this version");
+        return fail_format(store, "mesh", index, "has columns that this version does not define");
     }
-    if (is_coded(store, index)) { // how large it is, its block alone says
+    if (is_coded(store, index)) { // the coded block gives the size
         wanted.kind = STP_BLOCK_CLUSTERS;
         wanted.size = record->block < store->counts[STP_SECTION_BLOCKS]
                           ? stp_store_block_at(store, record->block)->size
@@ -200,7 +199,7 @@ static stp_result link_mesh(const stp_store* store, uint32_t index)
     return judge_block(store, record->block, wanted);
 }
 
-// Points that a set of splats holds have no block.
+// Points held by a set of splats have no block.
 static stp_result link_held_points(const stp_store* store, uint32_t index)
 {
     const stp_store_point_record* sets = store->tables[STP_SECTION_POINT_SETS];
@@ -210,7 +209,7 @@ static stp_result link_held_points(const stp_store* store, uint32_t index)
     if (record->block != STP_STORE_NONE ||
         record->present != (STP_COLUMN_NORMALS | STP_COLUMN_COLORS) ||
         set >= store->counts[STP_SECTION_SURFELS]) {
-        return fail_format(store, "point set", index, "names no surfel set that could hold it");
+        return fail_format(store, "point set", index, "names no surfel set that can hold it");
     }
     stp_store_judge judge = stp_store_own_judge(store);
     return stp_store_judge_held_points(&judge, index, &record->points, &splats[set].surfels);
@@ -227,7 +226,8 @@ static stp_result link_points(const stp_store* store, uint32_t index)
         .size = stp_store_point_columns(record->points.point_count, record->present, columns),
     };
     if (record->present > (STP_COLUMN_NORMALS | STP_COLUMN_COLORS)) {
-        return fail_format(store, "point set", index, "has columns that are not of this version");
+        return fail_format(store, "point set", index,
+                           "has columns that this version does not define");
     }
     if (record->points.held_by != 0) {
         return link_held_points(store, index);
@@ -235,7 +235,7 @@ static stp_result link_points(const stp_store* store, uint32_t index)
     return judge_block(store, record->block, wanted);
 }
 
-// Each set's leaves. @param owned  receives how many have some
+// Links each set to its leaves. @param owned  number of sets with leaves
 static stp_result link_leaves(const stp_store* store, uint64_t* owned)
 {
     const stp_store_leaves_record* records = store->tables[STP_SECTION_LEAVES];
@@ -244,12 +244,11 @@ static stp_result link_leaves(const stp_store* store, uint64_t* owned)
     *owned = 0;
     if (store->known[STP_SECTION_LEAVES] != NULL && count != sets) {
         return stp_fail(store->context, STP_ERROR_FORMAT,
-                        "%s: says of %u surfel sets which leaves they have, and has %u",
-                        store->path, count, sets);
+                        "%s: lists leaves for %u surfel sets but has %u", store->path, count, sets);
     }
     for (uint32_t i = 0; i < count && result == STP_OK; ++i) {
         if (records[i].leaf_count == 0 && records[i].block != STP_STORE_NONE) {
-            return fail_format(store, "surfel set", i, "has a block of leaves, and no leaves");
+            return fail_format(store, "surfel set", i, "has a block of leaves but no leaves");
         }
         stp_store_block wanted = {.kind = STP_BLOCK_LEAVES,
                                   .owner = i,
@@ -267,10 +266,9 @@ stp_result stp_store_link_blocks(stp_store* store)
     stp_result result = judge_blocks(store);
     if (result == STP_OK && store->known[STP_SECTION_CLUSTERS] != NULL &&
         store->counts[STP_SECTION_CLUSTERS] != store->counts[STP_SECTION_MESHES]) {
-        result =
-            stp_fail(store->context, STP_ERROR_FORMAT,
-                     "%s: says of %u meshes whether they are clusters, and has %u", store->path,
-                     store->counts[STP_SECTION_CLUSTERS], store->counts[STP_SECTION_MESHES]);
+        result = stp_fail(store->context, STP_ERROR_FORMAT,
+                          "%s: lists clusters for %u meshes but has %u", store->path,
+                          store->counts[STP_SECTION_CLUSTERS], store->counts[STP_SECTION_MESHES]);
     }
     if (result == STP_OK) {
         result = link_sets(store);
@@ -288,7 +286,8 @@ stp_result stp_store_link_blocks(stp_store* store)
     if (result != STP_OK) {
         return result;
     }
-    // every owner has its own blocks (textures that share one: the first of them), so equal numbers mean that no block is nobody's
+    // every owner has its own block (shared textures: the first one), so equal counts mean that
+    // every block has an owner
     const stp_store_point_record* points = store->tables[STP_SECTION_POINT_SETS];
     uint64_t owned = (uint64_t)store->counts[STP_SECTION_OCTAVES] +
                      store->counts[STP_SECTION_MESHES] + stp_store_count_texture_blocks(store) +
@@ -302,8 +301,7 @@ stp_result stp_store_link_blocks(stp_store* store)
         known += stp_store_knows_block(kind) ? 1 : 0;
     }
     if (known != owned) {
-        return stp_fail(store->context, STP_ERROR_FORMAT, "%s: a block belongs to nothing",
-                        store->path);
+        return stp_fail(store->context, STP_ERROR_FORMAT, "%s: a block has no owner", store->path);
     }
     return stp_store_link_attributes(store);
 }

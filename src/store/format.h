@@ -1,35 +1,34 @@
 // SPDX-License-Identifier: MIT
 //
-// The numbers of the `.stip` format; docs/format.md says what they mean.
+// Constants of the `.stip` format; docs/format.md defines them.
 #pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-/// Detects files that are something else, lost their eighth bit, or had their line ends changed (as
-/// PNG's).
+/// Detects other files, files stripped to 7 bits, and files with converted line ends (as PNG does).
 #define STP_STORE_MAGIC "\x89STP\r\n\x1a\n"
 
 enum {
     STP_STORE_MAJOR = 1,
     STP_STORE_MINOR = 2,
-    STP_STORE_MINOR_COVERAGES = 2, ///< from which on coverages are codes (base/coverage.h)
+    STP_STORE_MINOR_COVERAGES = 2, ///< since then, coverages are codes (base/coverage.h)
     STP_STORE_MAGIC_BYTES = 8,
     STP_STORE_HEADER_BYTES = 128,
     STP_STORE_SECTION_BYTES = 40,
-    STP_STORE_SECTION_LIMIT = 256, ///< the root directory fits the first 16 KiB
+    STP_STORE_SECTION_LIMIT = 256, ///< the root directory fits in the first 16 KiB
     STP_STORE_ALIGNMENT = 64,      ///< of sections and blocks
     STP_STORE_COLUMN_ALIGNMENT = 16,
-    STP_STORE_RECORD_LIMIT = 256, ///< no record of version 1 is longer
-    STP_STORE_PAGE_BYTES = 16384, ///< of a section, with a checksum of its own
+    STP_STORE_RECORD_LIMIT = 256, ///< version 1 has no longer record
+    STP_STORE_PAGE_BYTES = 16384, ///< of a section, with its own checksum
     STP_STORE_TEXT_LIMIT = 4095,  ///< bytes of a text that a record refers to
     STP_STORE_TEXTURE_LIMIT = 65536,
     STP_STORE_SHADING_LIMIT = 256,
     STP_STORE_LEAF_BYTES = 16,
 };
 
-/// Section types. 33 is reserved for bone weights; from 0x80000000 on they are free for private use.
+/// Section types. 33 is reserved for bone weights; types from 0x80000000 on are private.
 typedef enum stp_store_section_type {
     STP_SECTION_NODES = 1,
     STP_SECTION_EDGES,
@@ -54,19 +53,19 @@ typedef enum stp_store_section_type {
     STP_SECTION_PAGES,
     STP_SECTION_KEYS,
     STP_SECTION_CLUSTERS = 32,    ///< which meshes are coded; critical
-    STP_SECTION_ATTRIBUTES = 34,  ///< attributes of points, in figures
+    STP_SECTION_ATTRIBUTES = 34,  ///< statistics of point attributes
     STP_SECTION_METHODS = 35,     ///< methods of the file's sets; critical
     STP_SECTION_METHOD_NODES,     ///< nodes of the sets of all methods but the first; critical
-    STP_SECTION_ATTRIBUTE_VALUES, ///< how many points have which class
-    STP_SECTION_ATTRIBUTE_BLOCKS, ///< what blocks of attributes hold
+    STP_SECTION_ATTRIBUTE_VALUES, ///< number of points in each class
+    STP_SECTION_ATTRIBUTE_BLOCKS, ///< contents of attribute blocks
     STP_SECTION_COORDINATES,      ///< coordinate systems of sources
     STP_SECTION_LEAVES,           ///< leaves of sets
-    STP_SECTION_CERTAINTY,        ///< how certain sets' normals and places are
+    STP_SECTION_CERTAINTY,        ///< accuracy of the points in sets
     STP_SECTION_END               ///< one more than the last known type
 } stp_store_section_type;
 
 enum {
-    STP_SECTION_CRITICAL = 1, /**< a reader that does not know the section must refuse the file */
+    STP_SECTION_CRITICAL = 1, /**< readers that do not know the section must refuse the file */
     STP_SECTION_PACKED = 2,   /**< stored in compressed pages: store/packed.h */
 };
 
@@ -82,13 +81,14 @@ typedef enum stp_store_block_kind {
     STP_BLOCK_END
 } stp_store_block_kind;
 
-/// Whether blocks of a kind each belong to a record that names them. 6 is reserved; those of attributes are listed (section 38).
+/// Whether each block of a kind belongs to a record that names it. Kind 6 is reserved; section 38
+/// lists attribute blocks.
 static inline bool stp_store_knows_block(uint32_t kind)
 {
     return (kind >= STP_BLOCK_MESH && kind <= STP_BLOCK_CLUSTERS) || kind == STP_BLOCK_LEAVES;
 }
 
-/// Which optional columns a mesh or point set has.
+/// Optional columns of a mesh or point set.
 enum {
     STP_COLUMN_NORMALS = 1,
     STP_COLUMN_COLORS = 2,
@@ -107,7 +107,8 @@ typedef struct stp_store_section {
 typedef struct stp_store_block {
     uint32_t kind, owner, octave, crc;
     uint64_t offset, size;
-    float radius; ///< surfels: to what they cover once this block is there, in scene space; else 0
+    /// surfels: radius that the prefix up to this block covers, in scene space; else 0
+    float radius;
     uint32_t encoding;
 } stp_store_block;
 

@@ -45,7 +45,7 @@ static void add_cone(const stp_splats* s, uint32_t begin, uint32_t end, stp_spla
         const int8_t* code = s->normals + 2 * (size_t)i;
         float cosine = stp_dot(stp_octahedral_decode(code[0], code[1]), rounded);
         float spread = s->shapes != NULL ? stp_shape_spread(s->shapes[i], tells) : 1.0f;
-        // the cosine of both angles together
+        // cosine of the sum of both angles
         float both = cosine * sqrtf(1.0f - spread * spread) -
                      spread * sqrtf(fmaxf(1.0f - cosine * cosine, 0.0f));
         least = both < least ? both : least;

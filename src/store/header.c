@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The first bytes of a file: header and section table, trusting nothing.
+// Reads the first bytes of a file: header and section table. Trusts nothing.
 #include "base/bytes.h"
 #include "store/internal.h"
 
@@ -38,7 +38,7 @@ static stp_result check_sizes(const stp_store* store)
 {
     if (store->file_bytes > INT64_MAX || store->data_offset > store->file_bytes ||
         store->data_offset % STP_STORE_ALIGNMENT != 0) {
-        return fail_format(store, "the header's offset of the data is not a place in the file");
+        return fail_format(store, "the data offset in the header lies outside of the file");
     }
     if (store->file.size > store->file_bytes) {
         return stp_fail(store->context, STP_ERROR_FORMAT,
@@ -66,14 +66,14 @@ static stp_result read_fields(stp_store* store)
     const unsigned char* p = store->file.bytes;
     if (stp_read_u16(p + 8) > STP_STORE_MAJOR) {
         return stp_fail(store->context, STP_ERROR_VERSION,
-                        "%s: is of format version %u, this reader knows up to %d", store->path,
-                        stp_read_u16(p + 8), STP_STORE_MAJOR);
+                        "%s: has format version %u; this reader supports versions up to %d",
+                        store->path, stp_read_u16(p + 8), STP_STORE_MAJOR);
     }
     if (stp_read_u32(p + 124) != stp_store_crc(0, p, 124)) {
         return fail_format(store, "the checksum of the header is wrong");
     }
     if (stp_read_u16(p + 8) != STP_STORE_MAJOR || stp_read_u32(p + 12) != STP_STORE_HEADER_BYTES) {
-        return fail_format(store, "the version or size of the header is not possible");
+        return fail_format(store, "the version or size of the header is invalid");
     }
     store->minor = stp_read_u16(p + 10);
     store->file_bytes = stp_read_u64(p + 16);
@@ -102,8 +102,8 @@ static bool are_zero(const unsigned char* bytes, uint64_t begin, uint64_t end)
     return true;
 }
 
-// A section must lie right behind the one before, in records of at least the size this version
-// knows.
+// A section must start right after the one before. Its records must be at least as large as this
+// version requires.
 static const char* find_section_fault(const stp_store* store, const stp_store_section* section,
                                       uint64_t end)
 {
@@ -111,29 +111,29 @@ static const char* find_section_fault(const stp_store* store, const stp_store_se
     if (section->offset != stp_store_align(end, STP_STORE_ALIGNMENT) ||
         section->offset > store->data_offset ||
         section->size > store->data_offset - section->offset) {
-        return "does not lie right behind the section before it";
+        return "does not start right after the previous section";
     }
     if (!are_zero(store->file.bytes, end, section->offset)) {
-        return "has bytes before it that are not zero";
+        return "has padding before it that is not zero";
     }
     if ((section->flags & ~(uint32_t)(STP_SECTION_CRITICAL | STP_SECTION_PACKED)) != 0) {
-        return "has flags that are not of this version";
+        return "has flags that this version does not define";
     }
     if (section->record_size == 0 ||
         !(stp_store_is_packed(section)
               ? stp_store_can_pack(section)
               : section->size % section->record_size == 0 &&
                     section->size / section->record_size == section->count)) {
-        return "is not of the size that its records need";
+        return "has the wrong size for its records";
     }
     if (table->record_size > section->record_size || section->count >= STP_STORE_NONE) {
         return "has records that are too short, or too many";
     }
     if (section->type == STP_SECTION_PAGES && stp_store_is_packed(section)) {
-        return "is packed, where checksums of pages cannot be";
+        return "is packed, but the table of page checksums cannot be";
     }
     if (section->type < STP_SECTION_END && store->known[section->type] != NULL) {
-        return "is there twice";
+        return "occurs twice";
     }
     return NULL;
 }
@@ -171,7 +171,7 @@ static stp_result read_sections(stp_store* store)
     }
     if (store->data_offset != stp_store_align(end, STP_STORE_ALIGNMENT) ||
         !are_zero(p, end, store->data_offset)) {
-        return fail_format(store, "the data do not begin right behind the sections");
+        return fail_format(store, "the data does not start right after the sections");
     }
     return STP_OK;
 }

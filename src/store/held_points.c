@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Points that a set of splats holds: the set contains each point once, so the file stores no other
-// copy. Columns of points are made from the set on request.
+// Point sets held by a set of splats. The set contains each point once, so the file stores no
+// second copy. Point columns are made from the set on request.
 #include "base/octahedral.h"
 #include "base/splat_place.h"
 #include "store/internal.h"
@@ -9,7 +9,7 @@
 
 enum { OPAQUE = 255, GRAIN = 16384 };
 
-/// Columns made of a set, in one piece of memory.
+/// Columns made from a set, in one allocation.
 typedef struct columns {
     float* positions;
     int16_t* normals;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "store/instances.h"
 
-#define SAME_PART 1e-6   // of the thing's diagonal
-#define SAME_ROUND 1e-11 // of its coordinates
+#define SAME_PART 1e-6   // relative to the object's diagonal
+#define SAME_ROUND 1e-11 // relative to its coordinates
 
 static stp_vec3d middle_of(const stp_boxd* box)
 {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Content keys of surfel sets and meshes: what a former build made is found again in its output.
+// Content keys of surfel sets and meshes. A build finds the results of a previous build by them.
 #include "store/internal.h"
 
 #include <string.h>
 
-// Open addressing over the records of the section: sets first, then meshes. A slot holds a record's index + 1.
+// Hash table with open addressing: sets first, then meshes. A slot holds record index + 1.
 typedef struct stp_store_key_table {
     const stp_store_key* keys;
     uint32_t set_count, mesh_count;
@@ -17,7 +17,7 @@ static bool is_none(stp_hash key)
     return key.low == 0 && key.high == 0;
 }
 
-// @return the slots, NULL where memory runs out
+// @return the slots, or NULL if memory runs out
 static uint32_t* make_slots(stp_context* context, const stp_store_key* keys, uint32_t count,
                             size_t* mask)
 {

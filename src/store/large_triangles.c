@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-// A list of a mesh. Shorter ones that callers may still hold hang on behind.
+// A mesh's list. Shorter lists that callers may still use are chained behind it.
 struct stp_store_large {
     stp_store_large* older;
     float least;
@@ -18,12 +18,12 @@ struct stp_store_large {
 };
 
 typedef struct found_triangles {
-    uint64_t* keys; ///< band, falling, then triangle
+    uint64_t* keys; ///< band (inverted), then triangle
     float* levels;  ///< of the mesh's triangles
     size_t count;
 } found_triangles;
 
-/// Two bands an octave: 0 for the largest numbers.
+/// Two bands per octave; 0 for the largest values.
 static uint32_t find_band(float level)
 {
     uint32_t bits;
@@ -47,7 +47,7 @@ static void look_at_cluster(const stp_clusters* clusters, uint32_t index, float 
         }
         float level = stp_triangle_level(corners[0], corners[1], corners[2]);
         uint32_t triangle = cluster.first_triangle + i;
-        // a file that changes while it is open may name more triangles than the mesh has
+        // a file that changes while open may have more triangles
         if (level >= least && level < HUGE_VALF && triangle < clusters->triangle_count &&
             found->count < clusters->triangle_count) {
             found->keys[found->count++] = (uint64_t)find_band(level) << 32 | triangle;
@@ -84,7 +84,7 @@ static void forget(stp_context* context, stp_store_large* large)
     }
 }
 
-// A power of four that is not above it, so that few lists are made of a mesh whose uses have many sizes.
+// The largest power of four not above the value, so that a mesh used at many scales gets few lists.
 static float round_least(float least)
 {
     int power;

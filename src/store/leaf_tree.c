@@ -7,10 +7,10 @@
 
 enum {
     STACK = 8 * (STP_LEAF_DEPTH_MOST + 1),
-    RESERVED = 128, ///< bit of a leaf's place
+    RESERVED = 128, ///< flag bit of a leaf's position
 };
 
-/// Leaves [begin, end) still to be put into the tree; the places of their splats begin at `first`.
+/// Leaves [begin, end) to be added to the tree; their splats begin at `first`.
 typedef struct leaf_range {
     uint32_t begin, end;
 } leaf_range;
@@ -28,14 +28,14 @@ static stp_leaf_node node_of_leaf(const stp_splat_leaf* leaf)
                            .spread = leaf->spread};
 }
 
-/// The depth of the smallest cube that holds both places, which differ.
+/// Depth of the smallest cube that contains two different positions.
 static uint32_t common_depth(uint64_t a, uint64_t b)
 {
     uint32_t bit = 63u - (uint32_t)__builtin_clzll(a ^ b);
     return STP_LEAF_DEPTH_MOST - 1 - bit / 3;
 }
 
-/// Pushes the leaves of each eighth of a cube of this depth, the last one first.
+/// Pushes the leaves of each octant of a cube of this depth, last one first.
 static uint32_t push_parts(const stp_splat_leaf* leaves, leaf_range range, uint32_t depth,
                            leaf_range* stack, uint32_t height)
 {
@@ -43,7 +43,7 @@ static uint32_t push_parts(const stp_splat_leaf* leaves, leaf_range range, uint3
     uint32_t end = range.end;
     while (end > range.begin) {
         uint64_t part = stp_leaf_morton(leaves[end - 1].corner) >> shift;
-        uint32_t low = range.begin, high = end - 1; // the first leaf of the part is in [low, high]
+        uint32_t low = range.begin, high = end - 1; // the octant's first leaf is in [low, high]
         while (low < high) {
             uint32_t middle = low + (high - low) / 2;
             if (stp_leaf_morton(leaves[middle].corner) >> shift < part) {
@@ -68,7 +68,7 @@ static stp_leaf_node node_of_cube(const stp_splat_leaf* leaves, leaf_range range
     return node;
 }
 
-/// How far normals of a part may lie from another normal: the sum of both sines is enough.
+/// Bounds the angle between a part's normals and another normal by the sum of both sines.
 static float spread_to(const stp_leaf_node* part, stp_vec3 normal)
 {
     stp_vec3 n = stp_octahedral_decode(part->normal[0], part->normal[1]);
@@ -77,7 +77,7 @@ static float spread_to(const stp_leaf_node* part, stp_vec3 normal)
     return sine + (float)part->spread / 255.0f;
 }
 
-/// Sums up the parts of a cube, which are there.
+/// Sums up the children of a cube. They must be there.
 static void sum_up(stp_leaf_node* nodes, uint32_t index)
 {
     stp_leaf_node* node = &nodes[index];
@@ -155,21 +155,21 @@ const char* stp_store_leaves_fault(const stp_splats* set, const stp_splat_leaf* 
     uint64_t sum = 0, end = 0;
     for (uint32_t i = 0; i < leaf_count; ++i) {
         if (!is_leaf_sound(&leaves[i])) {
-            return "a leaf is no cube of the grid, or has no splats";
+            return "a leaf is not a cube of the grid or has no splats";
         }
         uint64_t code = stp_leaf_morton(leaves[i].corner);
         if (code < end) {
-            return "leaves overlap, or are not along the curve";
+            return "its leaves overlap or are out of order";
         }
         end = code + (UINT64_C(1) << 3 * (STP_LEAF_DEPTH_MOST - stp_leaf_depth(&leaves[i])));
         sum += leaves[i].count;
     }
     if (leaf_count == 0 || sum != set->count) {
-        return "its leaves do not have as many splats as it has";
+        return "its leaves have a different number of splats in total";
     }
     bool fits = set->octave_count == stp_leaf_octaves(set->count);
     for (uint32_t k = 0; k < set->octave_count && fits; ++k) {
         fits = set->octave_ends[k] == stp_leaf_until(set->count, k, set->octave_count);
     }
-    return fits ? NULL : "its octaves are not those of leaves";
+    return fits ? NULL : "its octaves do not match its leaves";
 }

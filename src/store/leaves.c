@@ -5,7 +5,8 @@
 
 #include <string.h>
 
-_Static_assert(sizeof(stp_splat_leaf) == STP_STORE_LEAF_BYTES, "leaves lie in files as in memory");
+_Static_assert(sizeof(stp_splat_leaf) == STP_STORE_LEAF_BYTES,
+               "leaves have the same layout in files and in memory");
 
 static stp_store_leaves_record* record_of(const stp_store* store, uint32_t set)
 {

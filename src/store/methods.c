@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Which methods the sets of a file are of, and which set of a method belongs to which node (docs/format.md, Methods).
+// The methods of the file's sets, and the set of each node for each method (docs/format.md,
+// Methods).
 #include "store/internal.h"
 #include "store/writing.h"
 
@@ -28,23 +29,23 @@ bool stp_store_tells_methods(const stp_store_directory* directory)
            (directory->method_count == 1 && directory->methods[0].id != STP_METHOD_BLUE);
 }
 
-// What is wrong with a method whose sets should begin with `first_set`; NULL: nothing.
+// What is wrong with a method whose sets must begin at `first_set`, or NULL.
 static const char* find_fault(const stp_store_directory* d, uint32_t index, uint32_t first_set)
 {
     const stp_store_method* method = &d->methods[index];
     for (uint32_t i = 0; i < index; ++i) {
         if (d->methods[i].id == method->id) {
-            return "is there twice";
+            return "occurs twice";
         }
     }
     if (method->name == NULL || method->name[0] == '\0' || method->id == 0) {
-        return "has no name or number";
+        return "has no name or id";
     }
     if (method->first_set != first_set || method->set_count > d->surfels_count - first_set) {
-        return "has sets that do not follow those of the method before";
+        return "has sets that do not follow those of the previous method";
     }
     if ((method->columns & ~(uint32_t)STP_SPLATS_COLUMNS) != 0) {
-        return "has columns that are not of this version";
+        return "has columns that this version does not define";
     }
     return NULL;
 }
@@ -61,13 +62,14 @@ static stp_result judge_table(const stp_store_judge* judge, const stp_store_dire
         end += d->methods[i].set_count;
     }
     if (end != d->surfels_count) {
-        return stp_fail(judge->context, judge->failure, "%s: has %u sets, %u of them of no method",
-                        judge->path, d->surfels_count, d->surfels_count - end);
+        return stp_fail(judge->context, judge->failure,
+                        "%s: has %u sets, %u of them without a method", judge->path,
+                        d->surfels_count, d->surfels_count - end);
     }
     return STP_OK;
 }
 
-// The first method's sets are those of the nodes.
+// The first method's sets are the nodes' own.
 static stp_result judge_first(const stp_store_judge* judge, const stp_store_directory* d)
 {
     for (uint32_t i = 0; i < d->node_count; ++i) {
@@ -80,7 +82,7 @@ static stp_result judge_first(const stp_store_judge* judge, const stp_store_dire
     return STP_OK;
 }
 
-// Each set of the other methods is one node's.
+// Each set of the other methods belongs to exactly one node.
 static bool are_bijective(const stp_store_directory* d, uint32_t method)
 {
     const stp_store_method* m = &d->methods[method];
@@ -106,7 +108,8 @@ stp_result stp_store_judge_methods(const stp_store_judge* judge, const stp_store
     for (uint32_t m = 1; m < d->method_count && result == STP_OK; ++m) {
         if (!are_bijective(d, m)) {
             result = stp_fail(judge->context, judge->failure,
-                              "%s: method %u: each of its sets must be one node's", judge->path, m);
+                              "%s: method %u: each of its sets must belong to exactly one node",
+                              judge->path, m);
         }
     }
     for (uint32_t m = 0; m < d->method_count && result == STP_OK; ++m) {
@@ -118,8 +121,8 @@ stp_result stp_store_judge_methods(const stp_store_judge* judge, const stp_store
                          ((set->shapes != NULL || !shapes) && (set->ranges != NULL || !ranges));
             if (set->columns != d->methods[m].columns || !there) {
                 return stp_fail(judge->context, judge->failure,
-                                "%s: surfel set %u: has other columns than its method", judge->path,
-                                d->methods[m].first_set + i);
+                                "%s: surfel set %u: its columns differ from its method's",
+                                judge->path, d->methods[m].first_set + i);
             }
         }
     }
@@ -133,9 +136,8 @@ static stp_result gather_sets(stp_store* store)
     const uint32_t* nodes = store->tables[STP_SECTION_METHOD_NODES];
     uint32_t first = store->methods[0].set_count, count = store->counts[STP_SECTION_METHOD_NODES];
     if (count != d->surfels_count - first) {
-        return stp_fail(store->context, STP_ERROR_FORMAT,
-                        "%s: says of %u sets whose they are, and has %u", store->path, count,
-                        d->surfels_count - first);
+        return stp_fail(store->context, STP_ERROR_FORMAT, "%s: lists nodes for %u sets but has %u",
+                        store->path, count, d->surfels_count - first);
     }
     size_t each = d->node_count;
     if (d->method_count <= 1) {
@@ -156,7 +158,7 @@ static stp_result gather_sets(stp_store* store)
             uint32_t set = store->methods[m].first_set + i, node = nodes[set - first];
             if (node >= d->node_count || sets[node] != STP_STORE_NONE) {
                 return stp_fail(store->context, STP_ERROR_FORMAT,
-                                "%s: surfel set %u: its node does not exist or has another",
+                                "%s: surfel set %u: its node does not exist or has another set",
                                 store->path, set);
             }
             sets[node] = set;
@@ -176,7 +178,7 @@ static void spread_columns(stp_store* store)
     }
 }
 
-// Methods that no reader of this version draws are left out; the first of the others takes the nodes.
+// Drops methods that this version does not know; the first remaining one becomes the nodes' own.
 static stp_result drop_unknown(stp_store* store)
 {
     stp_store_directory* d = &store->directory;
@@ -198,7 +200,7 @@ static stp_result drop_unknown(stp_store* store)
     }
     if (kept == 0 && d->method_count != 0) {
         return stp_fail(store->context, STP_ERROR_UNSUPPORTED,
-                        "%s: has splats of the method %s alone, which this version does not know",
+                        "%s: has splats of only the method %s, which this version does not support",
                         store->path, unknown);
     }
     d->method_count = kept;
@@ -216,9 +218,8 @@ stp_result stp_store_read_method_names(stp_store* store, stp_store_text* text)
     uint32_t count = told ? store->counts[STP_SECTION_METHODS] : 1;
     const stp_store_method_record* records = store->tables[STP_SECTION_METHODS];
     if (count == 0 || count > METHODS_MOST) {
-        return stp_fail(store->context, STP_ERROR_FORMAT,
-                        "%s: names %u methods, where 1 to %d were expected", store->path, count,
-                        METHODS_MOST);
+        return stp_fail(store->context, STP_ERROR_FORMAT, "%s: has %u methods, expected 1 to %d",
+                        store->path, count, METHODS_MOST);
     }
     store->methods = STP_NEW_ARRAY(store->context, stp_store_method, count);
     if (store->methods == NULL) {

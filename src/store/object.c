@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Objects read one by one where they lie in the file, page after page as they are asked for.
+// Reads single objects from the file; pages are verified and decoded as needed.
 #include "store/internal.h"
 
 static stp_result read_record(stp_store* store, uint32_t index, stp_store_object* object)
@@ -9,7 +9,7 @@ static stp_result read_record(stp_store* store, uint32_t index, stp_store_object
     const stp_store_table* table = stp_store_table_of(STP_SECTION_OBJECTS);
     if (store->partial || section == NULL || index >= section->count) {
         return store->partial ? stp_fail(store->context, STP_ERROR_ARGUMENT,
-                                         "%s: was opened for its summary alone", store->path)
+                                         "%s: was opened only for its summary", store->path)
                               : stp_store_fail_index(store, "object", index);
     }
     uint64_t offset = (uint64_t)index * section->record_size;
@@ -32,7 +32,7 @@ static stp_result read_record(stp_store* store, uint32_t index, stp_store_object
     table->code(&codec, object);
     const char* fault = codec.fault;
     if (fault == NULL && object->parent != STP_STORE_NONE && object->parent >= index) {
-        fault = "has a parent that is not a lower one";
+        fault = "has a parent with a higher index";
     }
     if (fault == NULL && object->node != STP_STORE_NONE &&
         object->node >= store->directory.node_count) {

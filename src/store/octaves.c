@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Surfels: columns joined from the blocks of their octaves, as many as are asked for.
+// Surfels: joins the columns of the requested octaves from their blocks.
 #include "store/chunks.h"
 #include "store/internal.h"
 
 #include <string.h>
 
-// The head of a set's memory. Shorter columns that callers may still hold hang on behind.
+// Header of a set's memory. Shorter columns that callers may still use are chained behind it.
 struct stp_store_joined {
     struct stp_store_joined* older;
 };
@@ -21,7 +21,7 @@ void stp_store_cut_surfels(stp_splats* surfels, uint32_t octave_count)
     while (table->size > 0 && table->count[table->size - 1] > surfels->count) {
         table->size -= 1;
     }
-    if (surfels->paper_count > surfels->count) { // the estimate needs its prefix
+    if (surfels->paper_count > surfels->count) { // the estimate needs its whole prefix
         surfels->paper_count = 0;
         surfels->paper_radius = 0.0f;
     }
@@ -76,10 +76,10 @@ void stp_store_release_surfels(stp_store* store, uint32_t index)
     }
 }
 
-// What lies in a set's memory: its columns, and what is made of them.
+// A set's memory: its columns, and data derived from them.
 enum { JOINED_GROUPS = STP_SURFEL_COLUMNS, JOINED_COLUMNS };
 
-// The bytes of each column of so many octaves.
+// Bytes of each column for this many octaves.
 static void measure_columns(const stp_splats* surfels, uint32_t octave_count,
                             uint64_t sizes[JOINED_COLUMNS])
 {
@@ -96,7 +96,8 @@ static void measure_columns(const stp_splats* surfels, uint32_t octave_count,
     sizes[JOINED_GROUPS] = ranges ? stp_store_group_count(n) * sizeof(stp_splat_group) : 0;
 }
 
-// Where the columns of `octave_count` octaves lie in a set's memory, each 64-byte aligned; @return where they end.
+// Lays out the columns of `octave_count` octaves in a set's memory, 64-byte aligned. @return the
+// end
 static uint64_t place_columns(const stp_splats* surfels, uint32_t octave_count,
                               uint64_t offsets[JOINED_COLUMNS])
 {
@@ -231,7 +232,7 @@ stp_result stp_store_add_octave(stp_store* store, uint32_t index, uint32_t octav
     return stp_store_judge_surfel_data(&judge, index, &data, store->directory.shading_count);
 }
 
-// Joins the first `octave_count` octaves, more than there are ready, in new memory.
+// Joins the first `octave_count` octaves, more than are ready, in new memory.
 static stp_result join_octaves(stp_store* store, uint32_t index, uint32_t octave_count)
 {
     stp_store_surfels_record* records = store->tables[STP_SECTION_SURFELS];
@@ -269,7 +270,7 @@ stp_result stp_store_get_surfels_prefix(stp_store* store, uint32_t index, uint32
         octave_count = record->whole;
     }
     if (store->residency != NULL && octave_count > record->ready) {
-        octave_count = record->ready; // what is here: nobody waits for more
+        octave_count = record->ready; // never waits for data that is not loaded
     }
     if (octave_count > record->ready) {
         stp_result result = join_octaves(store, index, octave_count);

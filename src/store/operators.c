@@ -7,7 +7,7 @@
 #include <float.h>
 #include <math.h>
 
-/// What a splat is predicted from, which also chooses its models.
+/// What predicts a splat; also selects its models.
 typedef enum kind {
     KIND_BASE,   ///< the splat before it
     KIND_FIRST,  ///< its parent
@@ -16,19 +16,19 @@ typedef enum kind {
 } kind;
 
 enum {
-    CLASSES = 17, ///< of numbers: the bits of their magnitudes, 0 to 16
+    CLASSES = 17, ///< of numbers: bits of the magnitude, 0 to 16
     CLASS_BITS = 5,
-    LEARNT = 2,     ///< bits after the leading one that have models
-    LEAVES = KINDS, ///< models of leaves come after those of other splats
-    CHANGES =
-        KIND_SECOND + 9, ///< kinds; second children by how much the first differs: 0 to 8 bits
+    LEARNT = 2,     ///< modelled bits after the leading one
+    LEAVES = KINDS, ///< offset of the models of leaves
+    /// Contexts: kinds; second children by how much the first one differs, 0 to 8 bits.
+    CHANGES = KIND_SECOND + 9,
     SHARE_MOST = 16,
     COLOR_WHOLE = 255,
 };
 
-/// Models of a number with a sign.
+/// Models of a signed number.
 typedef struct number_model {
-    stp_bit_model tree[1 << CLASS_BITS]; ///< of the class, its highest bit first
+    stp_bit_model tree[1 << CLASS_BITS]; ///< of the class, highest bit first
     stp_bit_model negative[CLASSES];
     stp_bit_model upper[CLASSES][1 << LEARNT];
 } number_model;
@@ -38,7 +38,7 @@ typedef struct models {
     stp_bit_model coverage[2][256];
     number_model larger[2 * KINDS], stretch[2 * KINDS], direction[2 * KINDS];
     number_model material[KINDS], lowest[KINDS], highest[KINDS];
-    number_model along[KINDS], across[KINDS]; ///< of positions: in the parent's plane, out of it
+    number_model along[KINDS], across[KINDS]; ///< positions in the parent's plane and out of it
     number_model normal[CHANGES], green[CHANGES], other_colors[CHANGES];
 } models;
 
@@ -50,16 +50,16 @@ typedef struct splat {
 typedef struct codec {
     stp_range_coder coder;
     const stp_splats* set;
-    uint32_t leaf_shape; ///< of the last leaf
-    bool failed;         ///< decoding: what was read cannot be
+    uint32_t leaf_shape; ///< of the previous leaf
+    bool failed;         ///< decoding: the input is invalid
     models models;
 } codec;
 
-/// What a splat is predicted from.
+/// The prediction context of a splat.
 typedef struct context {
     kind kind;
-    splat parent; ///< of a base splat the one before it
-    splat first;  ///< of a second child the first one
+    splat parent; ///< of a base splat: the previous one
+    splat first;  ///< of a second child: the first one
 } context;
 
 static splat load(const stp_splats* s, uint32_t index)
@@ -97,7 +97,7 @@ static uint32_t magnitude_of(int32_t value)
     return (uint32_t)(value < 0 ? -value : value);
 }
 
-/// Bits of a magnitude.
+/// Number of bits of a magnitude.
 static uint32_t class_of(uint32_t magnitude)
 {
     uint32_t bits = 0;
@@ -112,7 +112,7 @@ static bool code_flag(codec* c, stp_bit_model* model, bool value)
     return stp_range_code_bit(&c->coder, model, value ? 1 : 0) != 0;
 }
 
-/// Codes a number of `count` bits as a path through a tree of models; the root is model[1].
+/// Codes a number of `count` bits as a path in a binary tree of models; the root is model[1].
 static uint32_t code_tree(codec* c, stp_bit_model* model, uint32_t count, uint32_t value)
 {
     uint32_t node = 1;
@@ -122,7 +122,7 @@ static uint32_t code_tree(codec* c, stp_bit_model* model, uint32_t count, uint32
     return node - (1u << count);
 }
 
-/// Codes a number from -65535 to 65535: bits of the magnitude, sign, bits after the leading one.
+/// Codes a number from -65535 to 65535: class of the magnitude, sign, bits after the leading one.
 static int32_t code_number(codec* c, number_model* m, int32_t value)
 {
     uint32_t magnitude = magnitude_of(value);
@@ -141,7 +141,7 @@ static int32_t code_number(codec* c, number_model* m, int32_t value)
     return negative ? -(int32_t)made : (int32_t)made;
 }
 
-/// Codes a number of `width` bits as its difference from another, modulo 2^width.
+/// Codes a number of `width` bits as its difference from another one, modulo 2^width.
 static uint32_t code_difference(codec* c, number_model* m, uint32_t width, uint32_t from,
                                 uint32_t value)
 {
@@ -162,7 +162,7 @@ static int32_t round_within(double value, int32_t low, int32_t high)
     return value <= (double)low ? low : value >= (double)high ? high : (int32_t)floor(value + 0.5);
 }
 
-/// The value that puts the parent's between those of its children, as their areas weigh.
+/// The second child's value for which the area-weighted mean of both children is the parent's.
 static double find_opposite(int32_t parent, int32_t first, double share)
 {
     return (double)parent + (double)(parent - first) * share;
@@ -188,7 +188,7 @@ static void code_shape(codec* c, const context* x, bool leaf, splat* s)
     c->leaf_shape = leaf ? s->shape : c->leaf_shape;
 }
 
-/// The code to which a child is drawn, if levels rise as steeply as they may.
+/// Predicts the code of the highest level: levels rise from the parent's at the maximum slope.
 static uint32_t predict_highest(const codec* c, const splat* parent, const splat* s)
 {
     double sum = 0.0;
@@ -217,7 +217,7 @@ static void code_range(codec* c, const context* x, bool leaf, splat* s)
                 (x->kind != KIND_BASE && !stp_progressive_fits(x->parent.range, s->range));
 }
 
-/// The normal that an octahedral code stands for, in whole numbers.
+/// Decodes an octahedral normal, in integers.
 static void unfold(const int32_t code[2], int32_t normal[3])
 {
     int32_t u = code[0], v = code[1];
@@ -227,7 +227,7 @@ static void unfold(const int32_t code[2], int32_t normal[3])
     normal[2] = z;
 }
 
-/// Two coordinates, then the one in which the parent's plane is flattest.
+/// Codes two coordinates, then the one along the largest component of the parent's normal.
 static void code_position(codec* c, const context* x, double share, splat* s)
 {
     const int32_t* from = x->parent.position;
@@ -242,7 +242,7 @@ static void code_position(codec* c, const context* x, double share, splat* s)
         double near = (double)from[k];
         if (x->kind == KIND_SECOND) {
             near = find_opposite(from[k], x->first.position[k], share);
-        } else if (x->kind == KIND_FIRST && n == 2) { // in the parent's plane
+        } else if (x->kind == KIND_FIRST && n == 2) { // predict a point in the parent's plane
             near -= ((double)normal[a] * (double)(s->position[a] - from[a]) +
                      (double)normal[b] * (double)(s->position[b] - from[b])) /
                     (double)normal[k];
@@ -253,7 +253,7 @@ static void code_position(codec* c, const context* x, double share, splat* s)
     }
 }
 
-/// Which models code what is like `parent`, of `count` numbers.
+/// Model index: the kind, and for second children how much the first child differs from `parent`.
 static uint32_t find_change(const context* x, const int32_t* parent, const int32_t* first,
                             int count)
 {
@@ -281,7 +281,7 @@ static void code_normal(codec* c, const context* x, double share, splat* s)
 
 static void code_color(codec* c, const context* x, double share, splat* s)
 {
-    static const int order[3] = {1, 0, 2}; // green first: the others mostly change as it does
+    static const int order[3] = {1, 0, 2}; // green first: the others usually change like it
     const int32_t *parent = x->parent.color, *first = x->first.color;
     uint32_t at = find_change(x, parent, first, 3);
     int32_t change = 0;
@@ -327,7 +327,7 @@ static void begin(codec* c, const stp_splats* set)
     c->leaf_shape = 0;
 }
 
-/// What splat `index` is predicted from. @param parent UINT32_MAX: it is of the base set
+/// Sets up the prediction of splat `index`. @param parent UINT32_MAX: it is in the base set
 static void find_context(const stp_splats* set, uint32_t base, uint32_t index, uint32_t parent,
                          context* x)
 {

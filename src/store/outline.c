@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How the outline is made: a counting sort of objects by their parents, in pieces.
+// Builds the outline: a counting sort of objects by their parents, in slices.
 #include "store/outline_internal.h"
 
 #include <stdlib.h>
@@ -42,7 +42,7 @@ static bool is_prototype(const stp_store_object* object)
     return true;
 }
 
-/// Of objects without a parent 0, of others one more than the parent's number.
+/// Sort key: 0 for objects without a parent, else parent index + 1.
 static uint32_t key_of(const stp_store_object* object)
 {
     return object->parent == STP_STORE_NONE ? 0 : object->parent + 1;
@@ -86,7 +86,7 @@ static stp_result begin(stp_outline* outline)
     return STP_OK;
 }
 
-/// Which nodes have some prototype's node below them.
+/// Marks the nodes at or above some prototype's node.
 static stp_result mark_users(stp_outline* outline)
 {
     const stp_store_directory* d = outline->directory;
@@ -112,7 +112,7 @@ static stp_result mark_users(stp_outline* outline)
     return STP_OK;
 }
 
-/// One step of the phase, for outline->next. @return as stp_outline_prepare
+/// Runs one step of the current phase, for outline->next. @return as stp_outline_prepare
 static stp_result step(stp_outline* outline)
 {
     stp_store_object object;
@@ -172,7 +172,7 @@ stp_result stp_outline_prepare(stp_outline* outline, uint64_t records, bool* rea
     return result;
 }
 
-/// The first place in the order whose object's key is not below `key`.
+/// The first position in the order whose object's key is at least `key`.
 static stp_result find_key(stp_outline* outline, uint64_t key, uint32_t* found)
 {
     uint32_t low = 0, high = outline->ordered_count;

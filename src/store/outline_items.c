@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Items: what is below them, where they stand, and which of them a part belongs to.
+// Items: their children, their transforms, and the item that a part belongs to.
 #include "store/instances.h"
 #include "store/outline_internal.h"
 
 #include <string.h>
 
 static const uint64_t visit_limit = UINT64_C(1) << 25;
-enum { PLACES_MOST = 1 << 20 }; ///< of prototypes below one item
+enum { PLACES_MOST = 1 << 20 }; ///< placed prototypes per item
 
 stp_outline_item stp_outline_root(const stp_outline* outline)
 {
@@ -26,7 +26,7 @@ bool stp_outline_descend(const stp_outline_item* item, uint32_t object, uint32_t
     return true;
 }
 
-/// The object whose records are an item's children: its own, or those of the prototype that it looks like.
+/// The object whose children are an item's children: its own object, or the prototype that it uses.
 static stp_result find_children(stp_outline* outline, const stp_outline_item* item, uint32_t* first,
                                 uint32_t* end)
 {
@@ -39,7 +39,7 @@ static stp_result find_children(stp_outline* outline, const stp_outline_item* it
     if (prototype == STP_STORE_NONE) {
         return STP_OK;
     }
-    for (uint32_t at = object; at != STP_STORE_NONE;) { // not one that the object is a part of
+    for (uint32_t at = object; at != STP_STORE_NONE;) { // skips prototypes that contain the object
         stp_store_object record;
         result =
             at == prototype ? STP_OK : stp_store_read_object_place(outline->store, at, &record);
@@ -51,7 +51,7 @@ static stp_result find_children(stp_outline* outline, const stp_outline_item* it
     return stp_outline_range(outline, prototype, first, end);
 }
 
-/// A walk over the prototypes that stand below an item.
+/// A walk over the prototypes placed below an item.
 typedef struct place_walk {
     stp_outline* outline;
     const stp_outline_item* item;
@@ -87,7 +87,7 @@ static void walk_places(place_walk* w, uint32_t node, const stp_affine* transfor
     }
 }
 
-/// Prototypes below an item without children of its own. @return how many there are
+/// Lists the prototypes below an item without children of its own. @return their number
 static uint64_t find_places(stp_outline* outline, const stp_outline_item* item, uint64_t first,
                             uint32_t room, stp_outline_item* items, uint32_t* given)
 {
@@ -154,7 +154,7 @@ stp_result stp_outline_describe(stp_outline* outline, const stp_outline_item* it
     return result;
 }
 
-/// Objects from one to the uppermost above it.
+/// The number of objects from one up to its topmost ancestor.
 static stp_result list_above(stp_outline* outline, uint32_t object, uint32_t* above, size_t room,
                              size_t* count)
 {
@@ -173,7 +173,7 @@ static stp_result list_above(stp_outline* outline, uint32_t object, uint32_t* ab
     return STP_OK;
 }
 
-/// Goes down from the whole scene; of more objects than an item has room for, the lowest stay.
+/// Descends from the root along the path. If it is too deep for an item, the lowest objects remain.
 static stp_result go_down(stp_outline* outline, const uint32_t* above, size_t depth,
                           stp_outline_item* item)
 {
@@ -215,7 +215,7 @@ stp_result stp_outline_item_of(stp_outline* outline, uint32_t object, stp_outlin
     return result;
 }
 
-/// Marks the nodes that have a part somewhere below them.
+/// Marks the nodes that have the part at or below them.
 static uint8_t* mark_part(const stp_outline* outline, stp_store_part part)
 {
     const stp_store_directory* d = outline->directory;
@@ -233,7 +233,7 @@ static uint8_t* mark_part(const stp_outline* outline, stp_store_part part)
     return marks;
 }
 
-/// The first of an item's children that has the thing; `found` false: none has.
+/// Finds the first child of an item that contains the occurrence; `found` is false if none does.
 static stp_result find_holder(stp_outline* outline, const stp_outline_item* item,
                               const stp_instance* thing, stp_instance_search* search,
                               stp_outline_item* holder, bool* found)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Names: paths, and what a text finds.
+// Names: paths and text search.
 #include "base/printable.h"
 #include "store/outline_internal.h"
 
@@ -36,7 +36,8 @@ stp_result stp_outline_path(stp_outline* outline, const stp_outline_item* item, 
     return STP_OK;
 }
 
-/// The next character of UTF-8 in lower case: of Latin, Greek and Cyrillic letters. What is not UTF-8 is bytes.
+/// The next UTF-8 character, in lower case for Latin, Greek and Cyrillic. Invalid UTF-8 counts as
+/// bytes.
 static uint32_t next_folded(const char** text)
 {
     const unsigned char* p = (const unsigned char*)*text;
@@ -56,7 +57,7 @@ static uint32_t next_folded(const char** text)
     if (c >= 0x400 && c <= 0x40F) {
         return c + 80;
     }
-    return c >= 0x100 && c <= 0x137 ? c | 1 : c; // pairs of Latin letters
+    return c >= 0x100 && c <= 0x137 ? c | 1 : c; // adjacent upper and lower case pairs
 }
 
 static bool contains(const char* name, const char* text)
@@ -106,7 +107,8 @@ stp_result stp_outline_search_on(stp_outline* outline, stp_outline_search* searc
     return STP_OK;
 }
 
-/// Whether the first `length` bytes of a text end with what the object is called; *rest: the bytes before that.
+/// Whether the first `length` bytes of a path end with the object's label; *rest: the bytes before
+/// it.
 static bool ends_with(const char* text, size_t length, const char* name, size_t* rest)
 {
     size_t own = strlen(name);
@@ -152,12 +154,12 @@ typedef struct path_search {
     stp_outline* outline;
     const stp_vec3d* near;
     stp_outline_item* best;
-    double distance; ///< of the best, squared
+    double distance; ///< squared distance of the best match
     bool found;
-    uint64_t visits; ///< left
+    uint64_t visits; ///< visits left
 } path_search;
 
-/// Takes an item that has the path, where it is nearer than those before.
+/// Keeps an item that has the path if it is nearer than earlier ones.
 static void consider(path_search* s, const stp_outline_item* item)
 {
     double distance = 0.0;
@@ -175,7 +177,7 @@ static void consider(path_search* s, const stp_outline_item* item)
     }
 }
 
-/// Looks for the rest of a path below an item.
+/// Matches the rest of a path below an item.
 static stp_result find_rest(path_search* s, const stp_outline_item* item, const char* rest)
 {
     enum { ROOM = 8 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reads packed sections: page after page, each once.
+// Reads packed sections page by page, each page once.
 #include "store/packed.h"
 
 #include "base/bytes.h"
@@ -42,7 +42,7 @@ stp_result stp_store_open_packed(stp_store* store, const stp_store_section* sect
     uint64_t end = section->offset + table;
     for (uint64_t i = 0; i < pages; ++i, entry += STP_STORE_PIECE_ENTRY) {
         offsets[i] = end;
-        end += stp_read_u32(entry); // fewer than 2^32 pages of less than 2^32 bytes
+        end += stp_read_u32(entry); // fewer than 2^32 pages, each smaller than 2^32 bytes
     }
     offsets[pages] = end;
     if (end != section->offset + section->size) {

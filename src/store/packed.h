@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Sections in pages that are compressed and checked alone (docs/format.md, Packed sections): version 1.2. A page holds
-// as many whole records as fit 64 KiB. A table of sizes and checksums precedes the pages.
+// Sections stored as separately compressed and checksummed pages (docs/format.md, Packed sections).
+// Since version 1.2. A page holds as many whole records as fit in 64 KiB. A table of sizes and
+// checksums precedes the pages.
 #pragma once
 
 #include "store/deflate.h"
@@ -12,13 +13,13 @@ static inline bool stp_store_is_packed(const stp_store_section* section)
     return (section->flags & STP_SECTION_PACKED) != 0;
 }
 
-/// Bytes of all records, decoded.
+/// Decoded size of all records.
 static inline uint64_t stp_store_content_bytes(const stp_store_section* section)
 {
     return section->count * section->record_size;
 }
 
-/// Bytes of every page but the last one, decoded.
+/// Decoded size of every page but the last one.
 static inline uint32_t stp_store_packed_page_bytes(const stp_store_section* section)
 {
     return STP_STORE_PIECE_BYTES / section->record_size * section->record_size;

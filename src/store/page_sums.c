@@ -6,7 +6,7 @@
 void stp_store_page_sums_begin(stp_store_page_sums* sums, uint32_t type, bool packed)
 {
     sums->first_pages[type] = sums->count;
-    sums->filled = STP_STORE_PAGE_BYTES; // the first byte opens a page
+    sums->filled = STP_STORE_PAGE_BYTES; // so that the first byte opens a page
     sums->open = type != STP_SECTION_PAGES && !packed;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Checksums of the pages of sections, gathered while they are written.
+// Collects the page checksums of sections during writing.
 #pragma once
 
 #include "base/context.h"
@@ -7,18 +7,20 @@
 
 typedef struct stp_store_page_sums {
     stp_context* context;
-    uint32_t* crcs; ///< of all pages so far; the last one's may be growing (stp_free)
+    uint32_t* crcs; ///< of all pages so far; the last one may be incomplete (stp_free)
     size_t count, capacity;
     size_t filled;                       ///< bytes in the last page
     bool open;                           ///< a section is being written
-    size_t first_pages[STP_SECTION_END]; ///< of each section written
+    size_t first_pages[STP_SECTION_END]; ///< first page of each section written
 } stp_store_page_sums;
 
-/// A section begins. Its bytes follow; the section of checksums itself has none, nor have packed ones.
+/// Begins a section; its bytes follow. The section of checksums itself and packed sections get
+/// none.
 void stp_store_page_sums_begin(stp_store_page_sums* sums, uint32_t type, bool packed);
-/// Bytes of the section that is open; of others nothing is kept. @return STP_OK, OUT_OF_MEMORY (logged)
+/// Adds bytes of the open section; ignored for sections without checksums. @return STP_OK,
+/// OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_store_page_sums_add(stp_store_page_sums* sums, const void* bytes,
                                                 size_t size);
-/// All bytes of a section anew, as many as before.
+/// Replaces all bytes of a section by the same number of new ones.
 void stp_store_page_sums_replace(stp_store_page_sums* sums, uint32_t type, const void* bytes,
                                  size_t size);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Checksums of the directory: of whole sections, and of their pages, so that a few bytes of a large section can
-// be trusted without reading all of it.
+// Checksums of the directory: of whole sections and of their pages. Page checksums allow reading a
+// few bytes of a large section without verifying all of it.
 #include "base/bytes.h"
 #include "store/internal.h"
 
@@ -11,7 +11,7 @@ static uint64_t page_count_of(const stp_store_section* section)
                : (section->size + STP_STORE_PAGE_BYTES - 1) / STP_STORE_PAGE_BYTES;
 }
 
-// Pages of the sections before this one; of all sections for NULL.
+// Number of pages of the sections before this one, or of all sections for NULL.
 static uint64_t first_page_of(const stp_store* store, const stp_store_section* section)
 {
     uint64_t pages = 0;
@@ -21,7 +21,7 @@ static uint64_t first_page_of(const stp_store* store, const stp_store_section* s
     return pages;
 }
 
-// A bit for each page, and one for each section after them.
+// One bit per page, then one per section.
 static stp_result make_marks(stp_store* store)
 {
     if (store->pages_checked != NULL) {
@@ -66,7 +66,7 @@ stp_result stp_store_verify_page_table(stp_store* store)
     stp_result result = stp_store_verify_section(store, table);
     if (result == STP_OK && table->count != first_page_of(store, NULL)) {
         result = stp_fail(store->context, STP_ERROR_FORMAT,
-                          "%s: has checksums of %llu pages where its sections have %llu",
+                          "%s: has checksums for %llu pages but its sections have %llu",
                           store->path, (unsigned long long)table->count,
                           (unsigned long long)first_page_of(store, NULL));
     }
@@ -74,7 +74,7 @@ stp_result stp_store_verify_page_table(stp_store* store)
     return result;
 }
 
-// Without checksums of pages.
+// For files without page checksums.
 static stp_result verify_once(stp_store* store, const stp_store_section* section)
 {
     uint64_t bit = first_page_of(store, NULL) + (uint64_t)(section - store->sections);

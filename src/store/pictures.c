@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// All pictures of a file together: at least this many texels, and more where the file is large.
+// Limit for the texels of all pictures in a file: at least this many, and more for larger files.
 #define TEXELS_ALWAYS_BELIEVED ((uint64_t)1 << 28)
 #define TEXELS_PER_BYTE 4096
 
@@ -33,7 +33,8 @@ stp_result stp_store_measure_picture(const stp_store_texture* texture, const uns
         return result;
     }
     if ((uint32_t)info->kind != texture->encoding) {
-        snprintf(info->reason, sizeof(info->reason), "the picture is of another kind than it says");
+        snprintf(info->reason, sizeof(info->reason),
+                 "the picture's format differs from its record");
         return STP_ERROR_FORMAT;
     }
     if (info->width != texture->width || info->height != texture->height) {
@@ -49,7 +50,7 @@ bool stp_store_believes_texels(uint64_t texels, uint64_t file_bytes)
     return texels <= TEXELS_ALWAYS_BELIEVED || texels / TEXELS_PER_BYTE <= file_bytes;
 }
 
-/// A picture file among the content's, to be sorted by what it holds.
+/// An image file of the content; sorted to find equal ones.
 typedef struct picture_key {
     stp_hash hash;
     uint32_t texture;
@@ -128,7 +129,7 @@ static stp_result fail_texture(const stp_store* store, uint32_t index, const cha
                     fault);
 }
 
-/// A texture's block is its own, or that of an earlier one with the same picture.
+/// A texture has its own block, or shares that of an earlier one with the same picture.
 static stp_result link_texture(const stp_store* store, uint32_t index)
 {
     stp_store_texture_record* record = record_of(store, index);
@@ -138,11 +139,11 @@ static stp_result link_texture(const stp_store* store, uint32_t index)
     }
     const stp_store_block* block = stp_store_block_at(store, record->block);
     if (block->kind != STP_BLOCK_TEXTURE || block->octave != 0 || block->owner > index) {
-        return fail_texture(store, index, "its block is another's");
+        return fail_texture(store, index, "its block belongs to another owner");
     }
     if (block->encoding > STP_IMAGE_WEBP) {
         return stp_fail(store->context, STP_ERROR_UNSUPPORTED,
-                        "%s: texture %u: encoding %u of its block is not known", store->path, index,
+                        "%s: texture %u: its block has the unknown encoding %u", store->path, index,
                         block->encoding);
     }
     const stp_store_texture_record* owner = record_of(store, block->owner);
@@ -150,10 +151,10 @@ static stp_result link_texture(const stp_store* store, uint32_t index)
     if (shares &&
         (owner->block != record->block || block->encoding == 0 ||
          owner->texture.width != texture->width || owner->texture.height != texture->height)) {
-        return fail_texture(store, index, "its block is another's");
+        return fail_texture(store, index, "its block belongs to another owner");
     }
     if (block->encoding == 0 && block->size != 4 * count_texels(texture)) {
-        return fail_texture(store, index, "its block is not of the size that its counts need");
+        return fail_texture(store, index, "its block has the wrong size for its counts");
     }
     texture->encoding = block->encoding;
     return STP_OK;
@@ -186,7 +187,7 @@ uint32_t stp_store_count_texture_blocks(const stp_store* store)
     return count;
 }
 
-/// Decodes a picture whose block was verified into memory of the caller's.
+/// Decodes a picture from a verified block into the caller's memory.
 static stp_result decode(const stp_store* store, uint32_t index, const unsigned char* bytes,
                          uint8_t** texels)
 {
@@ -235,7 +236,7 @@ stp_result stp_store_load_texture(stp_store* store, uint32_t index, stp_store_te
     return result;
 }
 
-/// Makes what was decoded (NULL: nothing) the store's own, for all textures that share the block.
+/// Hands decoded texels (NULL: none) to the store, for all textures that share the block.
 static void keep_texels(const stp_store* store, uint32_t index, uint8_t* decoded)
 {
     if (decoded != NULL) {
@@ -258,8 +259,8 @@ stp_result stp_store_get_texture(stp_store* store, uint32_t index, stp_store_tex
 
 typedef struct decode_loop {
     const stp_store* store;
-    const uint32_t* textures; ///< each of another block
-    uint8_t** decoded;        ///< NULL: it failed
+    const uint32_t* textures; ///< each has a different block
+    uint8_t** decoded;        ///< NULL: decoding failed
 } decode_loop;
 
 static void decode_job(size_t begin, size_t end, uint32_t worker, void* user)
@@ -298,7 +299,7 @@ void stp_store_decode_textures(stp_store* store, const uint32_t* textures, size_
             wanted[left++] = textures[i];
         }
     }
-    if (left > 1) { // one alone is decoded where it is asked for
+    if (left > 1) { // a single one is decoded on request
         decode_loop loop = {store, wanted, decoded};
         stp_parallel_for(context, left, 1, decode_job, &loop);
         for (size_t i = 0; i < left; ++i) {

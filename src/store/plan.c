@@ -46,7 +46,8 @@ uint32_t stp_store_planned_attributes(const stp_store_content* content,
                : points_attributes(&content->point_sets[block->owner]);
 }
 
-// How much longer a transform can make a length: exact for rotations with scales along the axes.
+// Largest factor by which a transform scales a length: exact for rotations with scales along the
+// axes.
 static double largest_scale(const stp_affine* transform)
 {
     double largest = 0.0;
@@ -58,10 +59,10 @@ static double largest_scale(const stp_affine* transform)
     return sqrt(largest);
 }
 
-// How the scene shows what it is made of.
+// How the scene uses its content.
 typedef struct shown {
-    double* set_scales; ///< of each set the largest scale at which it is shown; 0: it is not shown
-    double* mesh_areas; ///< of each mesh the area of all its copies, square units of the scene
+    double* set_scales; ///< per set: largest scale at which it appears; 0: never
+    double* mesh_areas; ///< per mesh: area of all its copies, in square units of the scene
 } shown;
 
 static void destroy_shown(stp_context* context, shown* s)
@@ -71,7 +72,8 @@ static void destroy_shown(stp_context* context, shown* s)
     *s = (shown){0};
 }
 
-// Of a node: the largest scale at which the scene shows it, and by what all its copies together enlarge areas.
+// Per node: the largest scale at which the scene shows it, and the factor on areas of all its
+// copies together.
 typedef struct shown_node {
     double scale, areas;
 } shown_node;
@@ -116,14 +118,15 @@ static stp_result measure_shown(stp_context* context, const stp_store_content* c
     if (made && directory->root != STP_STORE_NONE) {
         nodes[directory->root] = (shown_node){1.0, 1.0};
     }
-    for (uint32_t i = directory->node_count; made && i-- > 0;) { // parents before their children
+    for (uint32_t i = directory->node_count; made && i-- > 0;) { // parents before children
         add_node(content, i, nodes, s);
     }
     stp_free(context, nodes);
     return made ? STP_OK : stp_fail_memory(context);
 }
 
-// To what the first `count` surfels cover: the last breakpoint at or before; 0 where there is no
+// The radius that the first `count` surfels cover: from the last breakpoint at or before; 0 without
+// a table.
 // table.
 static float radius_reached(const stp_prefix_table* table, uint32_t count)
 {
@@ -140,13 +143,13 @@ static float scale_radius(float radius, double scale)
     return scaled < (double)FLT_MAX ? (float)scaled : FLT_MAX;
 }
 
-// A block on its way to its place: the larger the value, the earlier among its kind.
+// A block to be placed. Within its kind, larger values come first.
 typedef struct valued_block {
     stp_store_block block;
     double value;
 } valued_block;
 
-// Surfels: the radius they cover to, so that what is coarse comes first.
+// Surfels: the radius that they cover, so that coarse octaves come first.
 static valued_block value_octave(const stp_store_content* content, uint32_t set, uint32_t octave,
                                  double scale)
 {
@@ -163,7 +166,8 @@ static valued_block value_octave(const stp_store_content* content, uint32_t set,
     return (valued_block){block, (double)block.radius};
 }
 
-// Leaves come with the first octave that has as many splats as there are leaves: with fewer, few leaves have any.
+// Leaves follow the first octave with as many splats as leaves: before that, few leaves have any
+// splat.
 static valued_block value_leaves(const stp_store_content* content, uint32_t set, double scale)
 {
     const stp_splats* surfels = &content->surfels[set];
@@ -179,7 +183,7 @@ static valued_block value_leaves(const stp_store_content* content, uint32_t set,
     return with;
 }
 
-// Meshes: the area that a byte of them shows. Walls, floors and large beams come before screws.
+// Meshes: area shown per byte. Walls, floors and large beams precede screws.
 static valued_block value_mesh(const stp_store_content* content, uint32_t index, double area)
 {
     stp_store_column columns[STP_STORE_COLUMN_LIMIT];
@@ -222,7 +226,7 @@ static valued_block value_texture(const stp_store_content* content, uint32_t ind
     return (valued_block){block, 0.0};
 }
 
-// Attributes of an octave: its radius orders them, and is not told.
+// Attributes of an octave: sorted by its radius, which is not stored.
 static valued_block value_octave_attributes(const stp_store_content* content, uint32_t set,
                                             uint32_t octave, double scale)
 {
@@ -231,7 +235,7 @@ static valued_block value_octave_attributes(const stp_store_content* content, ui
     return made;
 }
 
-// How many blocks of attributes there are.
+// Number of attribute blocks.
 static uint64_t count_attribute_blocks(const stp_store_content* content)
 {
     uint64_t count = 0;
@@ -255,7 +259,7 @@ static uint64_t count_point_blocks(const stp_store_content* content)
     return count;
 }
 
-// Adds the blocks of all owners, in no order yet. @return how many
+// Collects the blocks of all owners, unsorted. @return their number
 static uint32_t add_blocks(const stp_store_content* content, const shown* s,
                            const uint32_t* texture_owners, valued_block* blocks)
 {
@@ -291,7 +295,7 @@ static uint32_t add_blocks(const stp_store_content* content, const shown* s,
     return (uint32_t)(next - blocks);
 }
 
-// Surfels first, then their attributes, textures, meshes, point sets, and theirs.
+// Surfels first, then their attributes, textures, meshes, point sets and their attributes.
 static int rank_of(uint32_t kind)
 {
     switch (kind) {
@@ -312,7 +316,7 @@ static int rank_of(uint32_t kind)
     }
 }
 
-// A total order: kinds, then the value, leaves after octaves, then octave and owner.
+// A total order: kind, then value, leaves after octaves, then octave and owner.
 static int compare_blocks(const void* left, const void* right)
 {
     const valued_block* a = left;
@@ -332,7 +336,7 @@ static int compare_blocks(const void* left, const void* right)
     return a->block.owner < b->block.owner ? -1 : a->block.owner > b->block.owner ? 1 : 0;
 }
 
-// Puts the blocks of all owners into the plan, in the order of the file.
+// Puts the blocks of all owners into the plan, in file order.
 static stp_result order_blocks(stp_context* context, const stp_store_content* content,
                                const shown* s, const uint32_t* texture_owners, stp_store_plan* plan)
 {
@@ -349,7 +353,7 @@ static stp_result order_blocks(stp_context* context, const stp_store_content* co
     return STP_OK;
 }
 
-// Gives blocks their offsets, and owners their blocks.
+// Assigns offsets to blocks, and blocks to owners.
 static void place_blocks(uint64_t data_offset, const uint32_t* first_octaves, stp_store_plan* plan)
 {
     uint64_t end = data_offset;
@@ -416,7 +420,7 @@ static stp_result plan_blocks(stp_context* context, const stp_store_content* con
         plan->leaf_blocks[i] = STP_STORE_NONE;
     }
     for (uint32_t i = 0; i < directory->point_set_count; ++i) {
-        plan->point_blocks[i] = STP_STORE_NONE; // where a set of splats holds the points
+        plan->point_blocks[i] = STP_STORE_NONE; // if a set of splats holds the points
     }
     stp_result result = stp_store_find_texture_owners(context, content, texture_owners);
     shown s = {0};

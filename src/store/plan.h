@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: MIT
-// In which order the blocks of a file lie: coarse first, across the whole scene.
+// The order of the blocks in a file: coarse to fine, across the whole scene.
 #pragma once
 
 #include "store/format.h"
 #include "store/writer.h"
 
 typedef struct stp_store_plan {
-    stp_store_block* blocks; ///< in file order; checksums still 0
+    stp_store_block* blocks; ///< in file order; checksums are 0 until written
     uint32_t block_count;
-    // the block of each mesh, point set and texture, and of each octave of each set in turn
+    // the block of each mesh, point set and texture, and of each octave of each set in order
     uint32_t* mesh_blocks;
     uint32_t* point_blocks;
-    uint32_t* texture_blocks; ///< the same for textures that share a picture
+    uint32_t* texture_blocks; ///< equal for textures that share a picture
     uint32_t* octave_blocks;
-    uint32_t* leaf_blocks;    ///< of each set; STP_STORE_NONE: it has no leaves
-    uint32_t attribute_count; ///< blocks of attributes
+    uint32_t* leaf_blocks;    ///< per set; STP_STORE_NONE: no leaves
+    uint32_t attribute_count; ///< number of attribute blocks
     uint64_t file_bytes;
 } stp_store_plan;
 
@@ -24,12 +24,12 @@ STP_MUST_USE stp_result stp_store_plan_make(stp_context* context, const stp_stor
                                             uint64_t data_offset, stp_store_plan* plan);
 void stp_store_plan_destroy(stp_context* context, stp_store_plan* plan);
 
-/// NULL: the mesh is written as floats.
+/// The coded mesh; NULL if the mesh is written as floats.
 const stp_coded_mesh* stp_store_coded_mesh(const stp_store_content* content, uint32_t index);
 
-/// Which optional columns there are.
+/// Bit mask of the optional columns.
 uint32_t stp_store_mesh_present(const stp_store_mesh* mesh);
 uint32_t stp_store_points_present(const stp_store_point_set* points);
-/// The attributes that a block of attributes holds: a bit each.
+/// Bit mask of the attributes in an attribute block.
 uint32_t stp_store_planned_attributes(const stp_store_content* content,
                                       const stp_store_block* block);

@@ -39,7 +39,7 @@ void stp_range_encode_begin(stp_range_coder* coder, unsigned char* output, size_
 
 size_t stp_range_encode_end(stp_range_coder* c)
 {
-    for (int i = 0; i < CODE_BYTES + 1; ++i) { // the last call emits what is held
+    for (int i = 0; i < CODE_BYTES + 1; ++i) { // the last call emits the held bytes
         stp_range_put_byte(c);
     }
     return c->failed ? 0 : c->at;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Opens a file: decodes the directory's tables and fits them together.
+// Opens a file: decodes and links the directory's tables.
 #include "store/internal.h"
 #include "store/leaves_internal.h"
 #include "store/pictures.h"
@@ -43,7 +43,7 @@ stp_result stp_store_read_text(stp_store* store, uint32_t type, stp_store_text* 
     return STP_OK;
 }
 
-// Decodes records [first, first + count) from their bytes.
+// Decodes records [first, first + count).
 static stp_result decode_records(stp_store* store, const stp_store_section* section,
                                  stp_store_text* text, const unsigned char* bytes, uint32_t first,
                                  uint32_t count)
@@ -61,7 +61,7 @@ static stp_result decode_records(stp_store* store, const stp_store_section* sect
     return STP_OK;
 }
 
-// Page after page.
+// Decodes page by page.
 static stp_result decode_packed(stp_store* store, const stp_store_section* section,
                                 stp_store_text* text)
 {
@@ -146,7 +146,8 @@ static void fill_directory(stp_store* store)
     directory->sources = store->tables[STP_SECTION_SOURCES];
 }
 
-// What meshes, point sets and textures claim; surfel sets are judged when their octaves are linked.
+// Validates the records of meshes, point sets and textures; surfel sets are checked when octaves
+// are linked.
 static stp_result judge_records(const stp_store* store)
 {
     stp_store_judge judge = stp_store_own_judge(store);
@@ -220,10 +221,10 @@ stp_result stp_store_load_objects(stp_store* store)
         return STP_OK;
     }
     if (store->partial) {
-        return stp_fail(store->context, STP_ERROR_ARGUMENT, "%s: was opened for its summary alone",
+        return stp_fail(store->context, STP_ERROR_ARGUMENT, "%s: was opened only for its summary",
                         store->path);
     }
-    // a second try after a failed one begins anew
+    // a retry after a failure starts again
     stp_free(store->context, store->tables[STP_SECTION_OBJECTS]);
     store->tables[STP_SECTION_OBJECTS] = NULL;
     stp_store_text text;
@@ -245,7 +246,7 @@ stp_result stp_store_load_objects(stp_store* store)
     return result;
 }
 
-// NULL where memory runs out, logged.
+// NULL if memory runs out, logged.
 static stp_store* create_store(stp_context* context, const char* path,
                                const stp_store_open_desc* desc)
 {
@@ -266,7 +267,7 @@ static stp_store* create_store(stp_context* context, const char* path,
     return store;
 }
 
-// Reads the store's bytes; the store is closed where they are wrong.
+// Reads the store's directory. Closes the store on failure.
 static stp_result finish_open(stp_store* made, stp_store** store)
 {
     uint64_t prefix = made->desc.prefix_bytes;
@@ -285,7 +286,7 @@ static stp_result finish_open(stp_store* made, stp_store** store)
         return result;
     }
     if (stp_store_is_truncated(made)) {
-        stp_warn(made->context, "%s: ends after %zu of %llu bytes: shown as far as it goes",
+        stp_warn(made->context, "%s: ends after %zu of %llu bytes; showing the part that is there",
                  made->path, made->file.size, (unsigned long long)made->file_bytes);
     }
     *store = made;
@@ -396,6 +397,6 @@ uint32_t stp_store_format_minor(const stp_store* store)
 
 uint32_t stp_store_format_version(const stp_store* store)
 {
-    (void)store; // others are refused
+    (void)store; // all supported files have version 1
     return STP_STORE_MAJOR;
 }

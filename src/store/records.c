@@ -101,14 +101,14 @@ static void code_text(stp_store_codec* codec, const char** text)
         *text = NULL;
         if (offset < codec->text->size) {
             *text = codec->text->stored + offset;
-            // else whoever uses it checks it (stp_store_verify_text)
+            // else the caller checks it (stp_store_verify_text)
             const char* fault =
                 codec->text->checked ? stp_store_use_text(codec->text, *text) : NULL;
             if (fault != NULL) {
                 note_fault(codec, fault);
             }
         } else if (offset != STP_STORE_NONE) {
-            note_fault(codec, "has a text that lies outside of the section of texts");
+            note_fault(codec, "has a text that lies outside the section of texts");
         }
     }
 }

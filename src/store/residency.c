@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A residency from beginning to end, and what is asked of it.
+// Life cycle of a residency, and queries.
 #include "store/chunks.h"
 #include "store/leaves_internal.h"
 #include "store/pictures.h"
@@ -7,11 +7,11 @@
 
 #include <string.h>
 
-enum { ALLOCATION_BYTES = 64 }; ///< that the context counts of each allocation besides
+enum { ALLOCATION_BYTES = 64 }; ///< context overhead per allocation
 
 static const uint64_t batch_bytes = 16 << 20, most_pinned = 1 << 20;
 
-/// The block of a thing, or of an octave of it.
+/// The block of a thing, or of one octave.
 static const stp_store_block* block_of(const stp_store* store, stp_resident_kind kind,
                                        uint32_t index, uint32_t octave)
 {
@@ -39,8 +39,8 @@ static const stp_store_block* block_of(const stp_store* store, stp_resident_kind
     return stp_store_block_at(store, block);
 }
 
-// Whether the file has the block of a mesh, point set, texture or table of leaves. Points that a set
-// holds, and sets without leaves, have no block.
+// Whether the file has the block of a mesh, point set, texture or leaf table. Points held by a set
+// and sets without leaves have no block.
 static bool is_in_file(const stp_store* store, stp_resident_kind kind, uint32_t index)
 {
     bool held =
@@ -149,7 +149,7 @@ static stp_result create_tables(stp_residency* r)
     return STP_OK;
 }
 
-/// Marks the sets of a method above which nothing coarser is drawn.
+/// Marks the sets of a method that have no coarser set above them.
 static stp_result find_uppermost(stp_residency* r, uint32_t method)
 {
     enum { UPPERMOST = 1, BELOW = 2 };
@@ -177,7 +177,7 @@ static stp_result find_uppermost(stp_residency* r, uint32_t method)
         }
         for (uint32_t k = 0; k < node->edge_count; ++k) {
             uint32_t child = directory->edges[node->first_edge + k].node;
-            bool moves = (directory->nodes[child].flags & 1u) != 0; // no ancestor shows it
+            bool moves = (directory->nodes[child].flags & 1u) != 0; // no ancestor's set shows it
             reached[child] |= moves ? UPPERMOST : below;
         }
     }
@@ -185,7 +185,8 @@ static stp_result find_uppermost(stp_residency* r, uint32_t method)
     return STP_OK;
 }
 
-/// Pins octave after octave of the first method's uppermost sets (the others' keep the first), as far as a small part of the memory reaches.
+/// Pins octaves of the first method's topmost sets, one by one, within a small part of the memory.
+/// Other methods keep only the first octave.
 static void choose_pins(stp_residency* r)
 {
     uint64_t whole = stp_memory_limit(r->context), limit = r->desc.limit_bytes;
@@ -257,7 +258,7 @@ stp_result stp_residency_create(stp_store* store, const stp_residency_desc* desc
     *residency = NULL;
     if (store->partial || store->residency != NULL) {
         return stp_fail(store->context, STP_ERROR_ARGUMENT,
-                        "%s: bulk data cannot be loaded for this store", store->path);
+                        "%s: cannot load bulk data for this store", store->path);
     }
     stp_residency* r = STP_NEW_ZEROED(store->context, stp_residency, 1);
     if (r == NULL) {
@@ -309,7 +310,7 @@ void stp_residency_destroy(stp_residency* r)
     }
     stp_residency_end_threads(r);
     take_arrived(r);
-    for (stp_load* load = r->queue; load != NULL; load = load->next) { // never begun
+    for (stp_load* load = r->queue; load != NULL; load = load->next) { // never started
         stp_residency_end_load(r, load);
         stp_free(r->context, load->memory);
     }

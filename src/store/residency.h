@@ -1,36 +1,37 @@
 // SPDX-License-Identifier: MIT
 //
-// Bulk data under a limit of memory (design.md, section 5): octaves of surfel sets, meshes, point sets and textures are
-// read by threads of their own, most needed first, and give way again to what is needed more. While a residency is
-// attached to a store, what the store gives of bulk data is what is *resident*: it never waits for the disk.
+// Bulk data under a memory limit (design.md, section 5). Worker threads read octaves of surfel
+// sets, meshes, point sets and textures, most needed first, and less needed data is dropped. With a
+// residency attached, a store gives only *resident* data and never waits for the disk.
 //
-// Everything but reading happens in stp_residency_update, which the thread that selects and draws calls between its
-// frames. From one call to the next what is resident does not change, and pointers that the store gave stay valid: a
-// selection is a pure function of its view and this state, and which threads read when cannot be seen in it.
+// Everything but reading happens in stp_residency_update. The thread that selects and draws calls
+// it between frames. Between two calls the resident data does not change, and pointers from the
+// store stay valid. So a selection is a pure function of its view and this state, independent of
+// thread timing.
 #pragma once
 
 #include "store/store.h"
 
 typedef enum stp_resident_kind {
-    STP_RESIDENT_SURFELS, ///< comes octave by octave
+    STP_RESIDENT_SURFELS, ///< loaded octave by octave
     STP_RESIDENT_MESH,    ///< with the textures of its material
     STP_RESIDENT_POINTS,
     STP_RESIDENT_TEXTURE, ///< by itself
-    STP_RESIDENT_LEAVES,  ///< of a set, with the tree over them
+    STP_RESIDENT_LEAVES,  ///< of a set, with their tree
     STP_RESIDENT_KINDS
 } stp_resident_kind;
 
-/// What a view would draw, whether it is resident or not.
+/// What a view would draw, resident or not.
 ///
-/// Needs are numbers that compare: how large, in splats of the size wanted, what is drawn instead looks.
+/// Needs are relative: the apparent size of the coarser stand-in, in splats of the wanted size.
 typedef struct stp_want {
     stp_resident_kind kind;
     uint32_t index;
-    uint32_t octaves; ///< of surfels
+    uint32_t octaves; ///< number of octaves, for surfels
     float need;       ///< without any of it
-    float
-        octave_need; ///< surfels: times the radius that is covered without an octave, the need of that octave
-    uint32_t thing; ///< for those who make lists of wants: stp_store_thing; not looked at
+    /// Surfels: the need of an octave is this times the radius covered without it.
+    float octave_need;
+    uint32_t thing; ///< stp_store_thing, for callers that keep lists of wants; ignored here
 } stp_want;
 
 #define STP_NEED_MOST 1e30f
@@ -38,62 +39,67 @@ typedef struct stp_want {
 typedef struct stp_residency stp_residency;
 
 typedef struct stp_residency_desc {
-    /// Most bytes of bulk data; 0: only the context's own limit holds. Of that, an eighth (at least 1 MiB) is left to others.
+    /// Maximum bytes of bulk data; 0: only the context's own limit. An eighth of the latter (at
+    /// least 1 MiB) is reserved for other uses.
     uint64_t limit_bytes;
-    uint32_t thread_count; ///< that read; default 2
-    uint64_t batch_bytes; ///< most that is under way at once, beyond a single thing; default 16 MiB
-    /// Reads a part of the file, from several threads at once; false where it cannot. NULL: the store's own file.
+    uint32_t thread_count; ///< reader threads; default 2
+    uint64_t batch_bytes;  ///< maximum bytes in flight, apart from one single thing; default 16 MiB
+    /// Reads a part of the file; called by several threads at once. Returns false on failure. NULL:
+    /// the store's own file.
     bool (*read)(void* user, uint64_t offset, void* bytes, size_t size);
     void* read_user;
 } stp_residency_desc;
 
 typedef struct stp_residency_stats {
     uint64_t limit_bytes;    ///< of the last update
-    uint64_t resident_bytes; ///< now, with what is under way
+    uint64_t resident_bytes; ///< now, including loads in flight
     uint64_t peak_bytes;
-    uint64_t read_bytes;      ///< from the file, since the beginning
+    uint64_t read_bytes;      ///< from the file, since creation
     uint64_t loaded, dropped; ///< octaves and other things
-    uint64_t damaged;         ///< blocks that will never come
-    uint32_t
-        missing; ///< things that the last update's view wants and that are not, or not wholly, here
-    uint32_t loading; ///< of them, those under way
+    uint64_t damaged;         ///< blocks that can never be loaded
+    uint32_t missing; ///< things of the last update's wants that are not, or not fully, resident
+    uint32_t loading; ///< the part of `missing` in flight
 } stp_residency_stats;
 
-/// Attaches a residency to a store without one: its bulk data leaves memory, and the threads begin with the coarsest
-/// octaves of what has nothing coarser above it, 1 MiB at most beyond the very first, which stay. Not for a store opened for
-/// its summary. The store must outlive it.
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (no threads), STP_ERROR_ARGUMENT; logged
+/// Attaches a residency to a store without one. The store's bulk data leaves memory. The threads
+/// first load the coarsest octaves of the topmost sets, which stay: at most 1 MiB beyond the very
+/// first. Not for a store opened for its summary. The store must outlive it.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (no threads), STP_ERROR_ARGUMENT;
+/// logged
 STP_MUST_USE stp_result stp_residency_create(stp_store* store, const stp_residency_desc* desc,
                                              stp_residency** residency);
-/// Ends the threads, after the reads they are in, and drops everything; the store reads from its mapped file again.
+/// Stops the threads after their current reads and drops everything; the store uses its mapped file
+/// again.
 void stp_residency_destroy(stp_residency* residency);
 
-/// Between frames: what was read is resident from now on, what is needed less gives way where memory runs out, and what
-/// is missing of `wants` (each thing at most once) begins to be read, most needed first. Returns at once; never fails:
-/// without memory, less is resident. A damaged block is said once, as a warning, and never comes.
+/// Call between frames. Publishes finished loads, drops less needed data if memory runs out, and
+/// starts loading what is missing of `wants` (each thing at most once), most needed first. Never
+/// waits and never fails: without memory, less is resident. A damaged block causes one warning and
+/// is never loaded.
 void stp_residency_update(stp_residency* residency, const stp_want* wants, size_t count);
 
-/// Between frames, where others ran out of the context's memory: leaves them more of it from now on, and drops what is
-/// needed least until they have it. @return false where there was nothing to drop
+/// Call between frames if other code ran out of the context's memory. Reserves more of it from now
+/// on, and drops the least needed data to free it. @return false if there was nothing to drop
 bool stp_residency_yield(stp_residency* residency);
 
-/// Waits until all that is under way was read, for the next update to take in. @return false where nothing was
+/// Waits for all loads in flight; the next update publishes them. @return false if there were none
 bool stp_residency_wait(stp_residency* residency);
 
 void stp_residency_get_stats(const stp_residency* residency, stp_residency_stats* stats);
 
-// What is resident; all that the file holds where the store has no residency. `index` must be below the directory's count.
-/// Whether some of what the directory lists may not be here: it has a residency, or its file ends early.
+// Queries of resident data; without a residency, of all data in the file. `index` must be below the
+// directory's count.
+/// Whether directory entries may lack data: the store has a residency, or its file is truncated.
 bool stp_store_streams(const stp_store* store);
-/// How many of a set's first surfels are here.
+/// Number of a set's first surfels that are resident.
 uint32_t stp_store_resident_surfels(const stp_store* store, uint32_t index);
-/// A mesh counts with the textures of its material.
+/// A mesh is resident together with the textures of its material.
 bool stp_store_is_mesh_resident(const stp_store* store, uint32_t index);
 bool stp_store_are_points_resident(const stp_store* store, uint32_t index);
-/// A number that no other arrival of a texture has; what was made of its texels ends with it. 0: not resident, or the
-/// store has no residency.
+/// A unique number for each load of a texture. Data derived from its texels becomes invalid when it
+/// changes. 0: not resident, or no residency.
 uint64_t stp_store_texture_arrival(const stp_store* store, uint32_t index);
 
-/// All things of a store in one row, for tables beside it.
+/// Numbers all things of a store consecutively, for tables indexed by thing.
 uint32_t stp_store_thing_count(const stp_store* store);
 uint32_t stp_store_thing(const stp_store* store, stp_resident_kind kind, uint32_t index);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The threads that read: a load is taken from the queue, filled, checked, and handed back.
+// Reader threads: take a load from the queue, fill it, check it, hand it back.
 #include "store/chunks.h"
 #include "store/leaves_internal.h"
 #include "store/pictures.h"
@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-/// Where a thread stands in a block.
+/// Read state of a block.
 typedef struct block_reader {
     stp_residency* r;
     const stp_store_block* block;
@@ -23,7 +23,7 @@ static bool read_next(block_reader* at, void* bytes, size_t size)
     }
     if (!r->desc.read(r->desc.read_user, at->block->offset + at->done, bytes, size)) {
         if (!atomic_load(&r->ending)) {
-            stp_warn(r->context, "%s: the block at %llu cannot be read: it stays away",
+            stp_warn(r->context, "%s: the block at %llu cannot be read and is left out",
                      r->store->path, (unsigned long long)at->block->offset);
         }
         return false;
@@ -38,12 +38,12 @@ static bool is_right(const block_reader* at)
     if (at->crc == at->block->crc) {
         return true;
     }
-    stp_warn(at->r->context, "%s: the checksum of the block at %llu is wrong: it stays away",
+    stp_warn(at->r->context, "%s: the checksum of the block at %llu is wrong: it is left out",
              at->r->store->path, (unsigned long long)at->block->offset);
     return false;
 }
 
-/// Reads a block as it is.
+/// Reads a whole block.
 static bool read_block(stp_residency* r, const stp_store_block* block, unsigned char* bytes)
 {
     block_reader at = {.r = r, .block = block};
@@ -57,7 +57,7 @@ static bool read_block(stp_residency* r, const stp_store_block* block, unsigned 
     return is_right(&at);
 }
 
-/// Reads for stp_store_read_chunks, until the threads are to end.
+/// Read callback of stp_store_read_chunks. Fails once the threads must stop.
 static bool read_part(void* user, uint64_t offset, void* bytes, size_t size)
 {
     stp_residency* r = user;
@@ -86,8 +86,8 @@ static bool read_octave(stp_residency* r, stp_load* load, uint32_t octave)
     if (fault != NULL && !atomic_load(&r->ending)) {
         stp_warn(r->context,
                  fault == stp_store_unreadable
-                     ? "%s: the %s of the block at %llu cannot be read: it stays away"
-                     : "%s: the %s of the block at %llu is wrong: it stays away",
+                     ? "%s: the %s of the block at %llu cannot be read and is left out"
+                     : "%s: the %s of the block at %llu is wrong: it is left out",
                  r->store->path, fault, (unsigned long long)block->offset);
     }
     stp_store_judge judge = stp_store_own_judge(r->store);
@@ -141,7 +141,7 @@ static bool open_leaves(stp_residency* r, stp_load* load)
     return fault == NULL;
 }
 
-/// Colours that are not the file's lie behind the block's columns.
+/// Replacement colours follow the block's columns.
 static bool color_points(stp_residency* r, stp_load* load)
 {
     const stp_store_point_record* records = r->store->tables[STP_SECTION_POINT_SETS];
@@ -156,7 +156,7 @@ static bool color_points(stp_residency* r, stp_load* load)
     const char* fault =
         stp_store_color_points(r->store, index, points.colors, &source, colored, &load->read_bytes);
     if (fault != NULL && !atomic_load(&r->ending)) {
-        stp_warn(r->context, "%s: attributes of point set %u: the %s is wrong: it stays away",
+        stp_warn(r->context, "%s: attributes of point set %u: the %s is wrong: they are left out",
                  r->store->path, index, fault);
     }
     return fault == NULL;
@@ -173,7 +173,7 @@ static bool decode_picture(const stp_residency* r, const stp_load* load,
         result = stp_image_decode_into(load->picture, size, &info, load->memory);
     }
     if (result != STP_OK) {
-        stp_warn(r->context, "%s: texture %u: %s: it stays away", r->store->path,
+        stp_warn(r->context, "%s: texture %u: %s: it is left out", r->store->path,
                  load->thing - r->firsts[STP_RESIDENT_TEXTURE],
                  result == STP_ERROR_OUT_OF_MEMORY ? "out of memory" : info.reason);
     }
@@ -239,7 +239,7 @@ stp_result stp_residency_start_threads(stp_residency* r)
     }
     while (r->thread_count < wanted) {
         if (pthread_create(&r->threads[r->thread_count], NULL, run_reader, r) != 0) {
-            return stp_fail(r->context, STP_ERROR_LIMIT, "%s: threads that read cannot be started",
+            return stp_fail(r->context, STP_ERROR_LIMIT, "%s: cannot start reader threads",
                             r->store->path);
         }
         r->thread_count += 1;

@@ -1,21 +1,24 @@
 // SPDX-License-Identifier: MIT
-// What to load and what to drop for it. Loads and drops are steps: an octave of a set, or a whole other thing. The step
-// that is needed most comes first, wherever it belongs; what gives way is what no view wanted for longest, then octaves
-// finer than wanted, then what is needed much less than what it makes room for.
+// Decides what to load and what to drop for it. Loads and drops are steps: one octave of a set, or
+// one whole other thing. The most needed step comes first, in whichever thing it is. Data is
+// dropped in this order: not wanted for longest, finer than wanted, much less needed than the new
+// data.
 #include "base/prefix_table.h"
 #include "store/residency_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-// How much more a step must be needed than what is wanted too, to take its place: else they would take turns. What is
-// wanted depends on what is here, so they might even so: each update that drops what is wanted raises the factor.
+// Factor by which a step's need must exceed that of wanted data it replaces; otherwise they would
+// replace each other in turns. What is wanted depends on what is resident, so that can still
+// happen: each update that drops wanted data raises the factor.
 static const float least_worth = 2.0f, most_worth = 1e6f, worth_rises = 1.25f, worth_falls = 0.99f;
-static const uint64_t smallest_batch = 1 << 16; ///< octaves below this are read together
+static const uint64_t smallest_batch = 1 << 16; ///< smaller octaves are read together
 
 enum {
-    SKIPS = 64,    ///< steps that do not fit, before an update gives up
-    SHORTENS = 16, ///< one part of so many is left free, for sets to be shortened in
+    SKIPS = 64, ///< steps that do not fit before an update gives up
+    /// 1/SHORTENS of the limit stays free, for the copies made when sets are shortened
+    SHORTENS = 16,
 };
 
 static uint64_t bits_of(float need)
@@ -23,7 +26,7 @@ static uint64_t bits_of(float need)
     float bounded = need > 0.0f ? (need < STP_NEED_MOST ? need : STP_NEED_MOST) : 0.0f;
     uint32_t bits;
     memcpy(&bits, &bounded, sizeof(bits));
-    return bits; // in the order of the numbers
+    return bits; // compares like the floats
 }
 
 float stp_residency_need(const stp_residency* r, uint32_t thing, uint32_t level)
@@ -40,7 +43,7 @@ float stp_residency_need(const stp_residency* r, uint32_t thing, uint32_t level)
            stp_prefix_table_radius(&surfels->table, surfels->octave_ends[level - 1]);
 }
 
-/// How much of a thing this update's view, or its pin, asks for.
+/// Level of a thing that this update's view, or its pin, needs.
 static uint32_t find_target(const stp_residency* r, const stp_resident* t)
 {
     uint32_t wanted = t->used == r->updates ? t->wanted : 0;
@@ -96,7 +99,7 @@ static void note_wants(stp_residency* r, const stp_want* wants, size_t count)
     }
 }
 
-/// Leaves in `steps` what is missing and not under way, most needed first.
+/// Collects missing things without a load in flight in `steps`, most needed first.
 static void sort_steps(stp_residency* r)
 {
     size_t kept = 0;
@@ -144,7 +147,7 @@ static void find_victims(stp_residency* r)
     r->victims_found = true;
 }
 
-/// Drops a step of the least needed thing, or more where it is not wanted at all.
+/// Drops one step of the least needed thing, or several if it is not wanted at all.
 static void drop_victim(stp_residency* r)
 {
     uint32_t thing = r->victims[0].thing;
@@ -163,7 +166,7 @@ static void drop_victim(stp_residency* r)
     }
 }
 
-/// Makes room for so many bytes of a step. @return false where nothing less needed is left to drop
+/// Makes room for `bytes` bytes of a step. @return false if nothing less needed is left to drop
 static bool make_room(stp_residency* r, uint64_t bytes, float need, uint64_t limit)
 {
     uint64_t most_given = UINT64_C(1) << 63 | bits_of(need / r->worth);
@@ -177,7 +180,7 @@ static bool make_room(stp_residency* r, uint64_t bytes, float need, uint64_t lim
         if (r->victim_count == 0 || r->victims[0].order >= most_given) {
             return false;
         }
-        if (r->things[r->victims[0].thing].load != NULL) { // planned since victims were found
+        if (r->things[r->victims[0].thing].load != NULL) { // planned after the victims were found
             r->victim_count = stp_ranks_pop(r->victims, r->victim_count);
         } else {
             drop_victim(r);
@@ -186,7 +189,7 @@ static bool make_room(stp_residency* r, uint64_t bytes, float need, uint64_t lim
     return true;
 }
 
-/// What of the limit is left to bulk data: the context's, without what others use and some room for them to grow.
+/// The limit for bulk data: the context's limit minus other uses and a reserve.
 static uint64_t find_limit(const stp_residency* r)
 {
     uint64_t limit = r->desc.limit_bytes != 0 ? r->desc.limit_bytes : UINT64_MAX;
@@ -201,7 +204,7 @@ static uint64_t find_limit(const stp_residency* r)
     return limit;
 }
 
-/// The level that a load should reach which begins at the thing's own: small octaves come together.
+/// Target level of a load that begins at the thing's own level: small octaves are loaded together.
 static uint32_t find_next(const stp_residency* r, uint32_t thing, uint32_t from, uint32_t target)
 {
     uint32_t to = from + 1;
@@ -231,7 +234,7 @@ static stp_load* new_load(stp_residency* r, uint32_t thing)
     return load;
 }
 
-/// Plans the first step of the heap. @return false where no further step should be tried
+/// Plans the first step of the heap. @return false if no further step is worth trying
 static bool plan_step(stp_residency* r, uint32_t* skips)
 {
     uint32_t thing = r->steps[0].thing;
@@ -250,7 +253,7 @@ static bool plan_step(stp_residency* r, uint32_t* skips)
         return false;
     }
     float need = stp_residency_need(r, thing, from);
-    // what is to be loaded may not make room for itself
+    // a load must not drop its own thing
     load = load != NULL ? load : new_load(r, thing);
     bool fits = make_room(r, bytes, need, r->limit - r->limit / SHORTENS);
     if (fits) {
@@ -269,7 +272,7 @@ static bool plan_step(stp_residency* r, uint32_t* skips)
     return *skips < SKIPS;
 }
 
-/// Takes memory for what was planned. What gets none is given up for this update.
+/// Allocates memory for the planned loads. Loads without memory are cancelled for this update.
 static void prepare_loads(stp_residency* r)
 {
     stp_load* load = r->first_load;
@@ -305,7 +308,7 @@ void stp_residency_plan(stp_residency* r, const stp_want* wants, size_t count)
     r->step_count = 0;
     note_wants(r, wants, count);
     sort_steps(r);
-    stp_residency_make_way(r); // others may have grown
+    stp_residency_make_way(r); // other uses may have grown
     r->dropped_wanted = false;
     while (r->step_count > 0 && plan_step(r, &skips)) {
     }

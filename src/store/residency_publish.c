@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What comes and goes in the store's tables. Between frames only, on the thread that updates.
+// Publishes loads and drops in the store's tables. Between frames only, on the updating thread.
 #include "store/chunks.h"
 #include "store/leaves_internal.h"
 #include "store/residency_internal.h"
@@ -10,7 +10,7 @@ static stp_store_surfels_record* surfels_record(const stp_residency* r, uint32_t
     return &records[thing - r->firsts[STP_RESIDENT_SURFELS]];
 }
 
-/// Memory for the texels, and where they are decoded from a picture also for that and its decoder.
+/// Memory for the texels and, for a picture, its file and decoder.
 static bool prepare_texture(stp_residency* r, stp_load* load)
 {
     const stp_store_texture* texture = stp_residency_texture(r, load->thing);
@@ -32,7 +32,7 @@ static bool prepare_texture(stp_residency* r, stp_load* load)
     return false;
 }
 
-/// Memory for the columns, and where operators are decoded also for the parents that wait.
+/// Memory for the columns and, for operators, the queue of parents.
 static bool prepare_surfels(stp_residency* r, stp_load* load)
 {
     const stp_splats* surfels = &surfels_record(r, load->thing)->surfels;
@@ -124,7 +124,7 @@ static void publish_points(const stp_residency* r, uint32_t index, void* memory)
     }
 }
 
-/// NULL: the thing is gone.
+/// NULL: the thing is dropped.
 static void publish(const stp_residency* r, uint32_t thing, void* memory, const stp_load* load)
 {
     stp_resident_kind kind = stp_residency_kind(r, thing);
@@ -185,7 +185,7 @@ void stp_residency_take(stp_residency* r, stp_load* load)
     r->spare = load;
 }
 
-/// Copies the first octaves of a set, which are some, to memory of their own.
+/// Copies the first octaves of a set (at least one) to separate memory.
 static bool shorten(stp_residency* r, uint32_t thing, uint32_t level)
 {
     stp_resident* t = &r->things[thing];
@@ -216,7 +216,7 @@ void stp_residency_drop(stp_residency* r, uint32_t thing, uint32_t level)
         publish(r, thing, NULL, NULL);
         free_thing(r, t);
     } else {
-        while (level > 0 && !shorten(r, thing, level)) { // no room for the copy
+        while (level > 0 && !shorten(r, thing, level)) { // no memory for the copy
             level -= 1;
         }
         if (level == 0) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Binary heaps of ranks, the least first.
+// Binary min-heaps of ranks.
 #include "store/residency_internal.h"
 
 static bool is_before(const stp_rank* a, const stp_rank* b)

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Sums over the graph: with all instances by adding up children before parents, without by walking with marks.
+// Sums over the graph. With instances: adds up children before parents. Without: walks with marks.
+#include "base/saturate.h"
 #include "store/content_sizes.h"
 
-// Figures that count instances: each node's is its own and its children's.
+// Counts including instances: a node's own plus its children's.
 typedef enum instanced {
     INSTANCED_OBJECTS,
     INSTANCED_PARTS,
@@ -18,18 +19,13 @@ typedef struct accumulator {
     stp_context* context;
     const stp_store_sizes* sizes;
     const stp_store_directory* directory;
-    uint64_t* sums; ///< of one kind, of each node
-    // the number of the last walk that met each thing; walks are numbered from 1 on
+    uint64_t* sums; ///< of one kind, by node
+    // number of the last walk that visited each item; walks are numbered from 1
     uint32_t *nodes_met, *meshes_met, *point_sets_met, *textures_met, *sets_met;
     uint32_t walk;
-    uint32_t* stack; ///< nodes met whose children were not looked at
+    uint32_t* stack; ///< visited nodes whose children are still to be visited
     size_t stacked;
 } accumulator;
-
-static uint64_t add(uint64_t a, uint64_t b)
-{
-    return a > UINT64_MAX - b ? UINT64_MAX : a + b;
-}
 
 static uint64_t* figure_of(stp_store_figures* figures, instanced kind)
 {
@@ -64,7 +60,7 @@ static uint64_t count_parts(const accumulator* t, const stp_store_node* node,
     return sum;
 }
 
-// What a node has itself.
+// A node's own counts.
 static uint64_t count_own(const accumulator* t, const stp_store_node* node, instanced kind)
 {
     uint64_t surfels = node->surfels != STP_STORE_NONE ? t->sizes->sets[node->surfels].count : 0;
@@ -99,7 +95,8 @@ static void sum_instances(accumulator* t, instanced kind, const stp_store_census
         const stp_store_node* node = &d->nodes[i];
         t->sums[i] = count_own(t, node, kind);
         for (uint32_t k = 0; k < node->edge_count; ++k) {
-            t->sums[i] = add(t->sums[i], t->sums[d->edges[node->first_edge + k].node]);
+            t->sums[i] =
+                stp_add_saturated(t->sums[i], t->sums[d->edges[node->first_edge + k].node]);
         }
     }
     *figure_of(&summary->figures, kind) = d->root != STP_STORE_NONE ? t->sums[d->root] : 0;
@@ -107,12 +104,12 @@ static void sum_instances(accumulator* t, instanced kind, const stp_store_census
         uint64_t* figure = figure_of(&summary->parts[i].figures, kind);
         for (uint32_t k = 0; k < census->parts[i].member_count; ++k) {
             uint32_t node = node_of(t, census->parts[i].members[k]);
-            *figure = add(*figure, node != STP_STORE_NONE ? t->sums[node] : 0);
+            *figure = stp_add_saturated(*figure, node != STP_STORE_NONE ? t->sums[node] : 0);
         }
     }
 }
 
-// Whether a thing is met for the first time in this walk.
+// Whether this walk visits an item for the first time.
 static bool meet(const accumulator* t, uint32_t* met, uint32_t index)
 {
     bool first = met[index] != t->walk;
@@ -157,7 +154,7 @@ static void meet_part(const accumulator* t, stp_store_part part, stp_store_figur
     }
 }
 
-// Everything below the nodes on the stack, each once.
+// Visits everything below the nodes on the stack once.
 static void walk(accumulator* t, stp_store_figures* figures)
 {
     const stp_store_directory* d = t->directory;
@@ -175,7 +172,7 @@ static void walk(accumulator* t, stp_store_figures* figures)
             figures->unique_surfels += sets[node->surfels].count;
             figures->splat_bytes += sets[node->surfels].bytes;
         }
-        for (uint32_t m = 1; m < d->method_count; ++m) { // of other methods, only bytes count
+        for (uint32_t m = 1; m < d->method_count; ++m) { // other methods only count for bytes
             uint32_t set = stp_store_set_of(d, m, (uint32_t)(node - d->nodes));
             bool new_one = set != STP_STORE_NONE && meet(t, t->sets_met, set);
             figures->splat_bytes += new_one ? sets[set].bytes : 0;
@@ -200,8 +197,8 @@ static void sum_unique(accumulator* t, const stp_store_census* census, stp_store
     }
 }
 
-// Figures of the whole scene count all stored content, drawn or not. Nodes are the exception: an object whose content its
-// parent has taken apart keeps a node that is never drawn.
+// Totals of the whole scene count all stored content, drawn or not. Nodes are the exception: an
+// object whose content was moved to its parent keeps a node that is never drawn.
 static void sum_stored(const accumulator* t, stp_store_figures* figures)
 {
     const stp_store_directory* d = t->directory;

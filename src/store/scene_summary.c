@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a file says of itself in its first pages: summary, scene parts, views, sources, parameters.
+// Reads a file's description from its first pages: summary, scene parts, views, sources,
+// parameters.
 #include "store/internal.h"
 
 stp_result stp_store_judge_summary(stp_store* store)
@@ -10,7 +11,7 @@ stp_result stp_store_judge_summary(stp_store* store)
     uint32_t parts = store->counts[STP_SECTION_SCENE_PARTS];
     if (summaries > 1 || parts > STP_STORE_SCENE_PARTS + 1 || (summaries == 0 && parts != 0)) {
         return stp_fail(store->context, STP_ERROR_FORMAT,
-                        "%s: has %u summaries and %u scene parts, where one and at most %d can be",
+                        "%s: has %u summaries and %u scene parts, expected one and at most %d",
                         store->path, summaries, parts, STP_STORE_SCENE_PARTS + 1);
     }
     if (summaries == 0) {
@@ -68,11 +69,11 @@ stp_result stp_store_read_head(stp_store* store)
     stp_store_text text = {.context = store->context};
     if (texts != NULL && texts->record_size != 1) {
         return stp_fail(store->context, STP_ERROR_FORMAT,
-                        "%s: texts have records of %u bytes where 1 was expected", store->path,
+                        "%s: texts have records of %u bytes, expected 1", store->path,
                         texts->record_size);
     }
     stp_result result = STP_OK;
-    if (texts != NULL) { // checked where used
+    if (texts != NULL) { // verified on use
         const unsigned char* content = NULL;
         result = stp_store_find_content(store, texts, &content);
         text.stored = (const char*)content;
@@ -95,7 +96,7 @@ stp_result stp_store_read_head(stp_store* store)
     directory->view_count = store->counts[STP_SECTION_VIEWS];
     directory->sources = store->tables[STP_SECTION_SOURCES];
     directory->source_count = store->counts[STP_SECTION_SOURCES];
-    directory->root = STP_STORE_NONE; // the graph was not read
+    directory->root = STP_STORE_NONE; // the graph is not read
     stp_store_judge judge = stp_store_own_judge(store);
     result = stp_store_judge_graph(&judge, directory);
     return result != STP_OK ? result : verify_texts(store);

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
-// A `.stip` file opened for reading: the whole scene as checked tables and columns, straight out of
+// A `.stip` file opened for reading: the whole scene as verified tables and columns, directly in
 // the mapped file. docs/format.md is the authority on the bytes.
 //
 // `stp_store_open` reads the directory (a few KB) and checks every count and offset in it. The data
-// of a mesh, texture or surfel set is checked (checksum, ranges of indices) when it is first asked
-// for.
+// of a mesh, texture or surfel set is verified (checksum, index ranges) on first use.
 #pragma once
 
 #include "base/hash.h"
@@ -38,10 +37,10 @@ typedef struct stp_store_texture {
     uint32_t wrap_u, wrap_v; ///< 0 repeat, 1 clamp, 2 mirror
     uint32_t nearest;
     const uint8_t* texels; ///< RGBA, sRGB
-    /// How its block holds it: 0 texels, else a picture file: 1 PNG, 2 JPEG, 3 WebP (stp_image_kind).
+    /// Encoding of its block: 0 texels, else an image file: 1 PNG, 2 JPEG, 3 WebP (stp_image_kind).
     uint32_t encoding;
-    /// For the writer alone: the picture file that decodes to the texels, which then may be NULL. NULL: the texels are
-    /// written.
+    /// Only for the writer: the image file that decodes to the texels, which may then be NULL.
+    /// NULL: texels are written.
     const uint8_t* encoded;
     size_t encoded_size;
 } stp_store_texture;
@@ -55,12 +54,12 @@ typedef struct stp_store_mesh {
     const float* texcoords[2]; ///< NULL, or 2 a vertex
     const uint16_t* colors;    ///< NULL, or 4 a vertex, linear, 65535 is 1
     const uint32_t* indices;   ///< 3 a triangle, each below vertex_count
-    double area; ///< of its triangles, square units of its space; orders blocks; not stored
-    bool cut;    ///< a piece of a larger mesh: its borders are rounded as the whole's; not stored
+    double area; ///< of its triangles, in square units of its space; sorts blocks; not stored
+    bool cut;    ///< a piece of a larger mesh: its borders round like the whole's; not stored
 } stp_store_mesh;
 
-/// Vertex index of a corner (3 per triangle). Always below vertex_count: a mapped file can be
-/// overwritten after its check.
+/// Vertex index of a corner (3 per triangle). Always below vertex_count, because a mapped file can
+/// be overwritten after its check.
 static inline uint32_t stp_store_mesh_corner(const stp_store_mesh* mesh, size_t corner)
 {
     uint32_t vertex = *(const volatile uint32_t*)(mesh->indices + corner); // read once
@@ -70,12 +69,12 @@ static inline uint32_t stp_store_mesh_corner(const stp_store_mesh* mesh, size_t 
 typedef struct stp_store_point_set {
     const char* name;
     uint32_t point_count, material;
-    uint32_t held_by; ///< 1 + the set of splats that has all its points and keeps them; 0: none
+    uint32_t held_by; ///< 1 + the set of splats that stores all its points; 0: none
     stp_box bounds;
     const float* positions;
     const int16_t* normals; ///< NULL, or octahedral
     const uint8_t* colors;  ///< NULL, or RGBA, sRGB
-    /// For the writer alone: each NULL, or a value a point (stipple/attributes.h).
+    /// Only for the writer: each NULL, or one value per point (stipple/attributes.h).
     const void* attributes[STP_ATTRIBUTES];
 } stp_store_point_set;
 
@@ -95,9 +94,9 @@ typedef struct stp_store_edge {
 typedef struct stp_store_node {
     uint32_t first_edge, edge_count;
     uint32_t first_part, part_count;
-    uint32_t surfels; ///< its surfel set: what it looks like from outside; STP_STORE_NONE: none
+    uint32_t surfels; ///< its surfel set, the view from outside; STP_STORE_NONE: none
     uint32_t flags;   ///< bit 0: moving
-    uint64_t triangle_count, point_count; ///< below it, instances counted each
+    uint64_t triangle_count, point_count; ///< below it, each instance counted
     stp_boxd bounds;
 } stp_store_node;
 
@@ -114,13 +113,13 @@ typedef struct stp_store_view {
     double fov_degrees;
 } stp_store_view;
 
-/// A method, whose sets lie together in the table of sets.
+/// A method. Its sets are consecutive in the table of sets.
 typedef struct stp_store_method {
     const char* name;
     uint32_t id;      ///< STP_METHOD_*
     uint32_t columns; ///< STP_SPLATS_*, of all its sets
     uint32_t first_set, set_count;
-    const uint32_t* sets; ///< by node, STP_STORE_NONE: none. NULL: those of the nodes themselves
+    const uint32_t* sets; ///< by node, STP_STORE_NONE: none. NULL: the nodes' own sets
 } stp_store_method;
 
 typedef struct stp_store_source {
@@ -133,7 +132,7 @@ typedef struct stp_store_source {
 typedef struct stp_store_attribute stp_store_attribute;             // store/attributes.h
 typedef struct stp_store_attribute_value stp_store_attribute_value; // store/attributes.h
 
-/// Everything but the bulk data. Arrays belong to the store. Also what the writer is given.
+/// Everything but the bulk data; also the input of the writer. The store owns the arrays.
 typedef struct stp_store_directory {
     uint32_t node_count, edge_count, part_count, object_count, material_count, shading_count,
         texture_count, mesh_count, point_set_count, surfels_count, view_count, source_count,
@@ -146,8 +145,8 @@ typedef struct stp_store_directory {
     const stp_shading* shadings;
     const stp_store_view* views;
     const stp_store_source* sources;
-    const stp_store_method* methods;       ///< the first one's sets are those of the nodes
-    const stp_store_attribute* attributes; ///< of points; the writer makes them itself
+    const stp_store_method* methods;       ///< the first method's sets are the nodes' own
+    const stp_store_attribute* attributes; ///< of points; made by the writer itself
     const stp_store_attribute_value* attribute_values; ///< likewise
     uint32_t root;                                     ///< STP_STORE_NONE in an empty scene
     double unit_metres;                                ///< 0: unknown
@@ -155,7 +154,7 @@ typedef struct stp_store_directory {
     const char* build_json; ///< the parameters of the build, one JSON object
 } stp_store_directory;
 
-/// The set of a node by a method, given by its place in the directory's table.
+/// The set of a node for a method, given by its index in the directory.
 static inline uint32_t stp_store_set_of(const stp_store_directory* directory, uint32_t method,
                                         uint32_t node)
 {
@@ -163,30 +162,30 @@ static inline uint32_t stp_store_set_of(const stp_store_directory* directory, ui
     return sets != NULL ? sets[node] : directory->nodes[node].surfels;
 }
 
-/// The place of a method in the table; the first one's where the file has none of that id, or `id` is 0.
+/// Index of a method in the directory; the first method if `id` is 0 or not in the file.
 uint32_t stp_store_find_method(const stp_store_directory* directory, uint32_t id);
 
 /// Opens and checks the directory. @return STP_OK, or IO, TRUNCATED, FORMAT, VERSION, UNSUPPORTED
-/// (a critical section this reader does not know), OUT_OF_MEMORY (logged)
+/// (an unknown critical section), OUT_OF_MEMORY (logged)
 ///
-/// The file stays mapped: cutting it short while it is open ends the process (SIGBUS) at the next
-/// access beyond its new end. Replacing it by renaming, as stp_store_write does, is safe.
+/// The file stays mapped. Truncating it while open ends the process (SIGBUS) at the next access
+/// beyond its new end. Replacing it by renaming, as stp_store_write does, is safe.
 STP_MUST_USE stp_result stp_store_open(stp_context* context, const char* path, stp_store** store);
 
-/// How to open. Zero means what stp_store_open does.
+/// Options for opening. Zero means the behaviour of stp_store_open.
 typedef struct stp_store_open_desc {
-    /// Accepts a file that ends early but holds its whole directory: surfel sets are given with the
-    /// octaves that are whole (perhaps none, count 0); other data beyond the end is
-    /// STP_ERROR_TRUNCATED. What describes things describes the whole file's; what is here is asked
-    /// of stp_store_resident_surfels and its kin (store/residency.h).
+    /// Accepts a truncated file that holds its whole directory. Surfel sets then have their
+    /// complete octaves (perhaps none, count 0); other data beyond the end is STP_ERROR_TRUNCATED.
+    /// Descriptions cover the whole file; ask stp_store_resident_surfels and related functions
+    /// (store/residency.h) what is available.
     bool accept_prefix;
-    /// Acts as if the file ended after so many bytes; 0: where it does.
+    /// Treats the file as truncated after this many bytes; 0: no.
     uint64_t prefix_bytes;
-    /// Leaves `objects` NULL (their count is known) until stp_store_load_objects.
+    /// Leaves `objects` NULL (with their count) until stp_store_load_objects.
     bool defer_objects;
-    /// Reads no more than what says what the file is: summary, views, sources and parameters of the build, a few
-    /// KB of a file of any size. The directory's other tables are empty and its root none. Files without a
-    /// summary (of version 1.0) are opened whole.
+    /// Reads only the file's description: summary, views, sources and build parameters, a few KB
+    /// for a file of any size. Other tables are empty, and there is no root. Files without a
+    /// summary (version 1.0) are opened in full.
     bool summary_only;
 } stp_store_open_desc;
 
@@ -195,108 +194,112 @@ STP_MUST_USE stp_result stp_store_open_with(stp_context* context, const char* pa
 /// stp_store_open_with `accept_prefix`.
 STP_MUST_USE stp_result stp_store_open_prefix(stp_context* context, const char* path,
                                               stp_store** store);
-/// The same from bytes in memory, 64-byte aligned, which must outlive the store. `name` stands for
-/// the path.
+/// Opens a file in memory: 64-byte aligned, must outlive the store. `name` stands for the path.
 STP_MUST_USE stp_result stp_store_open_memory(stp_context* context, const char* name,
                                               const void* bytes, size_t size,
                                               const stp_store_open_desc* desc, stp_store** store);
 STP_MUST_USE stp_result stp_store_load_objects(stp_store* store);
-/// One object, read and checked where it lies in the file: also where objects are deferred, and without any memory. Its
-/// texts live as long as the store. `index` must be below the count. @return STP_OK, STP_ERROR_FORMAT,
+/// Reads and checks one object in place, without allocating; works with deferred objects. The store
+/// owns its texts. `index` must be below the count. @return STP_OK, STP_ERROR_FORMAT,
 /// STP_ERROR_ARGUMENT (a store opened for its summary), STP_ERROR_OUT_OF_MEMORY; logged
 STP_MUST_USE stp_result stp_store_read_object(stp_store* store, uint32_t index,
                                               stp_store_object* object);
-/// The same of its parent and node alone; texts are not looked at.
+/// Reads only an object's parent and node; ignores texts.
 STP_MUST_USE stp_result stp_store_read_object_place(stp_store* store, uint32_t index,
                                                     stp_store_object* object);
 void stp_store_close(stp_store* store);
 const stp_store_directory* stp_store_get_directory(const stp_store* store);
 uint64_t stp_store_file_bytes(const stp_store* store);
-/// Bytes of the whole file, as its header says: more than stp_store_file_bytes where it was cut short.
+/// Size of the whole file according to its header; above stp_store_file_bytes if truncated.
 uint64_t stp_store_whole_bytes(const stp_store* store);
 bool stp_store_is_truncated(const stp_store* store);
-/// How far points that sets hold may lie from where the input has them, on each axis, in scene units: half a step of the
-/// coarsest grid. 0: not known, or no set holds points. Also of a store opened for its summary.
+/// Maximum error of points that sets hold, on each axis, in scene units: half the coarsest grid
+/// step. 0: unknown, or no set holds points. Works for a store opened for its summary.
 double stp_store_position_error(const stp_store* store);
-/// What the file says it holds; NULL where it has no summary (see stp_store_summarise).
+/// The stored summary; NULL if the file has none (see stp_store_summarise).
 const stp_store_summary* stp_store_get_summary(const stp_store* store);
-/// The major version of the format.
+/// Major version of the format.
 uint32_t stp_store_format_version(const stp_store* store);
 uint32_t stp_store_format_minor(const stp_store* store);
 
-// What is known without touching bulk data: counts, bounds, octaves, prefix tables, materials.
-// Columns may be NULL. `index` must be below the directory's count.
+// Descriptions that need no bulk data: counts, bounds, octaves, prefix tables, materials. Columns
+// may be NULL. `index` must be below the directory's count.
 const stp_store_mesh* stp_store_describe_mesh(const stp_store* store, uint32_t index);
 const stp_store_point_set* stp_store_describe_point_set(const stp_store* store, uint32_t index);
 const stp_store_texture* stp_store_describe_texture(const stp_store* store, uint32_t index);
 const stp_splats* stp_store_describe_surfels(const stp_store* store, uint32_t index);
-/// Whether a mesh is stored as clusters (store/clusters.h): then stp_store_get_mesh does not give it.
+/// Whether a mesh is stored as clusters (store/clusters.h); then stp_store_get_mesh fails.
 bool stp_store_is_clustered(const stp_store* store, uint32_t index);
-/// 0 for a mesh of columns.
+/// 0 for a mesh stored as columns.
 uint32_t stp_store_cluster_count(const stp_store* store, uint32_t index);
-/// Bytes of a mesh in the file, without the directory's.
+/// Size of a mesh's data in the file, without directory entries.
 uint64_t stp_store_mesh_bytes(const stp_store* store, uint32_t index);
 
-// Each checks the data on first use and gives pointers into the file, or to decoded texels, that live as long as the
-// store. One thread at a time. On a bad checksum or index: STP_ERROR_FORMAT, logged.
+// Each function verifies the data on first use and returns pointers into the file, or to decoded
+// texels. They are valid as long as the store. One thread at a time. Wrong checksum or index:
+// STP_ERROR_FORMAT, logged.
 STP_MUST_USE stp_result stp_store_get_mesh(stp_store* store, uint32_t index, stp_store_mesh* mesh);
 STP_MUST_USE stp_result stp_store_get_point_set(stp_store* store, uint32_t index,
                                                 stp_store_point_set* points);
 STP_MUST_USE stp_result stp_store_get_texture(stp_store* store, uint32_t index,
                                               stp_store_texture* texture);
-/// As stp_store_get_texture, which keeps the texels of a picture for as long as the store lives; here they are the
-/// caller's, where the store has none: `*owned` is to be freed (stp_free), or NULL.
+/// Like stp_store_get_texture, but a picture that the store has not decoded yet is decoded for the
+/// caller: free `*owned` (stp_free) unless NULL. stp_store_get_texture keeps such texels until the
+/// store is closed.
 STP_MUST_USE stp_result stp_store_load_texture(stp_store* store, uint32_t index,
                                                stp_store_texture* texture, uint8_t** owned);
-/// Decodes the pictures of many textures on all threads, for stp_store_get_texture to give; each index below the
-/// directory's count. What cannot be decoded is left for that call to report.
+/// Decodes the pictures of many textures on all threads, for stp_store_get_texture. Each index must
+/// be below the directory's count. That call reports failures.
 void stp_store_decode_textures(stp_store* store, const uint32_t* textures, size_t count);
-/// The set's columns: its arrays must not be written to nor freed.
+/// The set's columns. Do not write to or free its arrays.
 STP_MUST_USE stp_result stp_store_get_surfels(stp_store* store, uint32_t index,
                                               stp_splats* surfels);
 
-/// The first `octave_count` octaves alone: only their blocks are read, and memory is taken for them only. Gives
-/// fewer where the set, or what is whole of a file cut short, has fewer. Asking for more octaves later leaves
-/// earlier answers valid, and keeps their memory: a third more where octaves grow fourfold.
+/// Only the first `octave_count` octaves: reads only their blocks and allocates only their memory.
+/// Returns fewer if the set, or the complete part of a truncated file, has fewer. Requesting more
+/// octaves later keeps earlier results valid, with their memory: a third more if octaves grow
+/// fourfold.
 STP_MUST_USE stp_result stp_store_get_surfels_prefix(stp_store* store, uint32_t index,
                                                      uint32_t octave_count, stp_splats* surfels);
-/// The octaves needed to draw the first `count` surfels of a set.
+/// Octaves needed to draw the first `count` surfels of a set.
 uint32_t stp_store_octaves_for(const stp_splats* surfels, uint32_t count);
-/// Gives back the memory that a set's columns take; what was got of them ends. They can be got again.
+/// Frees the memory of a set's columns and invalidates pointers to them. They can be requested
+/// again.
 void stp_store_release_surfels(stp_store* store, uint32_t index);
 
-/// What a check went through, also where it fails.
+/// Coverage of a check, also on failure.
 typedef struct stp_store_check_report {
     uint64_t file_bytes, bytes_checked;
     uint64_t blocks; ///< in the file
 } stp_store_check_report;
 
-/// Every checksum and invariant of the file. `quick`: of the directory alone, and of a directory above 512 KiB only
-/// what a reader needs first: header, section table, summary, scene parts, views, sources and parameters with
-/// their texts, the checksums of all pages, and the first page of each section. Logs the first fault.
+/// Checks every checksum and invariant of the file. `quick`: only the directory. Of a directory
+/// above 512 KiB, only the part that readers need first: header, section table, summary, scene
+/// parts, views, sources and parameters with their texts, all page checksums, and the first page of
+/// each section. Logs the first fault.
 STP_MUST_USE stp_result stp_store_check_with_report(stp_context* context, const char* path,
                                                     bool quick, stp_store_check_report* report);
-/// The same of an open store (not of one opened as a prefix); one opened for its summary is checked quickly.
+/// Checks an open store, not opened as a prefix. One opened for its summary gets the quick check.
 STP_MUST_USE stp_result stp_store_check_open(stp_store* store, bool quick,
                                              stp_store_check_report* report);
 STP_MUST_USE stp_result stp_store_check(stp_context* context, const char* path, bool quick);
 
-/// A surfel set or mesh as it lies in the file, checksums verified. Pointers live as long as the store.
+/// A surfel set or mesh as stored, checksums verified. Pointers are valid as long as the store.
 typedef struct stp_store_stored_surfels {
-    uint32_t index;            ///< STP_STORE_NONE: the file has none of that key
+    uint32_t index;            ///< STP_STORE_NONE: no such key in the file
     const stp_splats* surfels; ///< without columns (stp_store_get_surfels)
 } stp_store_stored_surfels;
 
 typedef struct stp_store_stored_mesh {
-    uint32_t index;             ///< STP_STORE_NONE: the file has none of that key
+    uint32_t index;             ///< STP_STORE_NONE: no such key in the file
     const stp_store_mesh* mesh; ///< without columns
     uint32_t present;           ///< its optional columns (STP_COLUMN_*)
-    const void* block; ///< columns; of a clustered mesh (stp_store_is_clustered) its clusters
+    const void* block; ///< columns, or the clusters of a coded mesh (stp_store_is_clustered)
     size_t size;
 } stp_store_stored_mesh;
 
-// What was made under a content key (of several, the first). A table is made at the first call. One thread at a
-// time. @return STP_OK, also where there is none; STP_ERROR_FORMAT, STP_ERROR_OUT_OF_MEMORY (logged)
+// Finds the first result with a content key. The first call builds a table. One thread at a time.
+// @return STP_OK, also if not found; STP_ERROR_FORMAT, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_store_find_surfels_by_key(stp_store* store, stp_hash key,
                                                       stp_store_stored_surfels* found);
 STP_MUST_USE stp_result stp_store_find_mesh_by_key(stp_store* store, stp_hash key,

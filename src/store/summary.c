@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-// Tallies with the census there is, or a guessed one.
+// Computes the statistics with the given census, or with a guessed one.
 static stp_result count_figures(stp_context* context, const stp_store_sizes* sizes,
                                 const stp_store_census* census, stp_store_summary* summary)
 {
@@ -68,7 +68,8 @@ void stp_store_summary_destroy(stp_context* context, stp_store_summary* summary)
     *summary = (stp_store_summary){0};
 }
 
-// Whether the figures that the graph tells are those stored: what the input called objects is not in it.
+// Whether the statistics derived from the graph match the stored ones. The input's own object
+// counts are not in the graph.
 static bool are_figures_right(const stp_store_figures* stored, const stp_store_figures* found)
 {
     stp_store_figures known = *found;
@@ -86,7 +87,7 @@ static bool is_box_equal(const stp_boxd* a, const stp_boxd* b)
            a->max.y >= b->max.y && a->max.z <= b->max.z && a->max.z >= b->max.z;
 }
 
-// Files were written that count all nodes that are stored, not those below the root alone.
+// Some files count all stored nodes instead of those below the root.
 static bool is_whole_right(const stp_store_summary* stored, const stp_store_summary* found,
                            uint32_t node_count)
 {
@@ -139,8 +140,8 @@ stp_result stp_store_check_summary(stp_store* store)
         }
     }
     stp_store_summary_destroy(context, &found);
-    return wrong == NULL
-               ? STP_OK
-               : stp_fail(context, STP_ERROR_FORMAT,
-                          "%s: the summary of a %s is not what the file holds", store->path, wrong);
+    return wrong == NULL ? STP_OK
+                         : stp_fail(context, STP_ERROR_FORMAT,
+                                    "%s: the summary of a %s does not match the file's content",
+                                    store->path, wrong);
 }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Texts that records refer to: where they lie, how long they are, how often they are used.
+// Texts of records: position, length, and limits on their use.
 #include "store/internal.h"
 
 #include <string.h>
 
-#define USES_ALWAYS (UINT64_C(1) << 24) // bytes of all texts together that any file may use
-#define USES_OF_EACH 16 // and times that each byte of the section is used on the average
-#define EACH_USE 256    // and bytes of each use
+#define USES_ALWAYS (UINT64_C(1) << 24) // total bytes of texts that any file may use
+#define USES_OF_EACH 16                 // plus this many times the section's size
+#define EACH_USE 256                    // plus this many bytes per use
 
 const char* stp_store_use_text(stp_store_text* text, const char* at)
 {
@@ -19,7 +19,7 @@ const char* stp_store_use_text(stp_store_text* text, const char* at)
     text->used += length;
     text->uses += 1;
     if (text->used > USES_ALWAYS + USES_OF_EACH * (uint64_t)text->size + EACH_USE * text->uses) {
-        return "uses texts that others use, of too many bytes in all";
+        return "shares texts of too many bytes in total";
     }
     return NULL;
 }

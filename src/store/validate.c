@@ -21,26 +21,26 @@ static stp_result judge_nodes(const stp_store_judge* judge, const stp_store_dire
     uint64_t edges = 0, parts = 0;
     for (uint32_t i = 0; i < directory->node_count; ++i) {
         const stp_store_node* node = &directory->nodes[i];
-        // ranges that overlap would let a small file claim quadratic work
+        // overlapping ranges would let a small file cause quadratic work
         edges += node->edge_count;
         parts += node->part_count;
         if (!is_range(node->first_edge, node->edge_count, directory->edge_count) ||
             edges > directory->edge_count) {
             return stp_fail(judge->context, judge->failure,
-                            "%s: node %u: its edges exceed the %u there are", judge->path, i,
+                            "%s: node %u: its edges exceed the count of %u", judge->path, i,
                             directory->edge_count);
         }
         if (!is_range(node->first_part, node->part_count, directory->part_count) ||
             parts > directory->part_count) {
             return stp_fail(judge->context, judge->failure,
-                            "%s: node %u: its parts exceed the %u there are", judge->path, i,
+                            "%s: node %u: its parts exceed the count of %u", judge->path, i,
                             directory->part_count);
         }
         for (uint32_t k = 0; k < node->edge_count; ++k) {
             uint32_t child = directory->edges[node->first_edge + k].node;
             if (child >= i) {
                 return stp_fail(judge->context, judge->failure,
-                                "%s: node %u: its edge to node %u does not lead to a lower one",
+                                "%s: node %u: its edge to node %u does not lead to a lower index",
                                 judge->path, i, child);
             }
         }
@@ -51,8 +51,8 @@ static stp_result judge_nodes(const stp_store_judge* judge, const stp_store_dire
         }
         if (node->flags > 1) {
             return stp_fail(judge->context, judge->failure,
-                            "%s: node %u: flags %#x are not of this version", judge->path, i,
-                            node->flags);
+                            "%s: node %u: flags %#x are not defined in this version", judge->path,
+                            i, node->flags);
         }
     }
     return STP_OK;
@@ -98,9 +98,10 @@ static stp_result judge_materials(const stp_store_judge* judge,
             }
         }
         if (material->flags > 3 || (uint32_t)material->alpha > STP_STORE_BLEND) {
-            return stp_fail(judge->context, judge->failure,
-                            "%s: material %u: flags %#x, alpha mode %u are not of this version",
-                            judge->path, i, material->flags, (unsigned)material->alpha);
+            return stp_fail(
+                judge->context, judge->failure,
+                "%s: material %u: flags %#x, alpha mode %u are not defined in this version",
+                judge->path, i, material->flags, (unsigned)material->alpha);
         }
     }
     if (directory->shading_count > STP_STORE_SHADING_LIMIT) {
@@ -110,8 +111,8 @@ static stp_result judge_materials(const stp_store_judge* judge,
     for (uint32_t i = 0; i < directory->shading_count; ++i) {
         if (directory->shadings[i].flags > 7) {
             return stp_fail(judge->context, judge->failure,
-                            "%s: shading %u: flags %#x are not of this version", judge->path, i,
-                            directory->shadings[i].flags);
+                            "%s: shading %u: flags %#x are not defined in this version",
+                            judge->path, i, directory->shadings[i].flags);
         }
     }
     return STP_OK;
@@ -132,7 +133,7 @@ stp_result stp_store_judge_graph(const stp_store_judge* judge, const stp_store_d
                           directory->root, directory->node_count);
     }
     if (result == STP_OK && !(directory->unit_metres >= 0.0 && isfinite(directory->unit_metres))) {
-        result = stp_fail(judge->context, judge->failure, "%s: a unit of %g metres is not possible",
+        result = stp_fail(judge->context, judge->failure, "%s: a unit of %g metres is invalid",
                           judge->path, directory->unit_metres);
     }
     if (result == STP_OK && (directory->up < 'x' || directory->up > 'z')) {
@@ -149,7 +150,7 @@ stp_result stp_store_judge_objects(const stp_store_judge* judge,
         const stp_store_object* object = &directory->objects[i];
         if (!is_reference(object->parent, i)) {
             return stp_fail(judge->context, judge->failure,
-                            "%s: object %u: parent %u is not a lower one", judge->path, i,
+                            "%s: object %u: parent %u does not have a lower index", judge->path, i,
                             object->parent);
         }
         if (!is_reference(object->node, directory->node_count)) {
@@ -182,9 +183,10 @@ stp_result stp_store_judge_texture(const stp_store_judge* judge, uint32_t index,
                         index, texture->width, texture->height, STP_STORE_TEXTURE_LIMIT);
     }
     if (texture->wrap_u > 2 || texture->wrap_v > 2 || texture->nearest > 1) {
-        return stp_fail(judge->context, judge->failure,
-                        "%s: texture %u: wrap modes %u, %u or filter %u are not of this version",
-                        judge->path, index, texture->wrap_u, texture->wrap_v, texture->nearest);
+        return stp_fail(
+            judge->context, judge->failure,
+            "%s: texture %u: wrap modes %u, %u or filter %u are not defined in this version",
+            judge->path, index, texture->wrap_u, texture->wrap_v, texture->nearest);
     }
     return STP_OK;
 }
@@ -195,7 +197,7 @@ static bool is_power_of_two(float step)
     return step > 0.0f && frexpf(step, &exponent) == 0.5f;
 }
 
-// The prefix table: counts ascend up to the set's, radii do not.
+// The prefix table: counts ascend up to the set's count, radii do not ascend.
 static bool is_table(const stp_prefix_table* table, uint32_t count)
 {
     bool good = table->size <= STP_PREFIX_TABLE_SIZE;
@@ -263,7 +265,7 @@ stp_result stp_store_judge_leaves(const stp_store_judge* judge, uint32_t index,
 {
     const char* fault = surfels->leaf_count == 0 ? NULL
                         : surfels->leaves == NULL
-                            ? "its leaves are not there"
+                            ? "its leaves are missing"
                             : stp_store_leaves_fault(surfels, surfels->leaves, surfels->leaf_count);
     if (fault != NULL) {
         return stp_fail(judge->context, judge->failure, "%s: surfel set %u: %s", judge->path, index,
@@ -272,7 +274,7 @@ stp_result stp_store_judge_leaves(const stp_store_judge* judge, uint32_t index,
     return STP_OK;
 }
 
-// The first number that is not finite; `count` where all are.
+// Index of the first number that is not finite; `count` if all are finite.
 static uint64_t find_not_finite(const float* numbers, uint64_t count)
 {
     if (numbers == NULL) {
@@ -347,8 +349,7 @@ stp_result stp_store_judge_held_points(const stp_store_judge* judge, uint32_t in
                                        const stp_store_point_set* points, const stp_splats* set)
 {
     if (set->columns != 0 || set->count != points->point_count) {
-        return complain(judge,
-                        "%s: point set %u has %u points, the surfel set that holds it %u surfels",
+        return complain(judge, "%s: point set %u has %u points, but its surfel set has %u surfels",
                         judge->path, index, points->point_count, set->count);
     }
     return STP_OK;
@@ -374,7 +375,7 @@ stp_result stp_store_judge_surfel_data(const stp_store_judge* judge, uint32_t in
     }
     for (uint64_t i = 0; data->ranges != NULL && i < data->count; ++i) {
         if (!stp_range_is_valid(data->ranges[i])) {
-            return complain(judge, "%s: surfel set %u: a lowest level lies above the highest",
+            return complain(judge, "%s: surfel set %u: a lowest level exceeds the highest",
                             judge->path, index);
         }
     }

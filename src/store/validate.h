@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// The invariants of a scene in a file. The reader asks them of what it decoded, the writer of what
-// it is given: nothing is written that could not be read.
+// The invariants of a scene in a file. The reader checks decoded data, the writer its input: it
+// never writes what cannot be read.
 #pragma once
 
 #include "store/records.h"
 
-/// Who asks: whose file, and which failure to return.
+/// The caller: whose file it is, and the code for failures.
 typedef struct stp_store_judge {
     stp_context* context;
     const char* path;
     stp_result failure;
-    bool warns; ///< bulk data: what is wrong is a warning, for no call fails of it
+    bool warns; ///< bulk data: report faults as warnings, because no call fails
 } stp_store_judge;
 
 /// The graph, its parts, materials and shadings; not the objects.
@@ -20,7 +20,7 @@ STP_MUST_USE stp_result stp_store_judge_graph(const stp_store_judge* judge,
 STP_MUST_USE stp_result stp_store_judge_objects(const stp_store_judge* judge,
                                                 const stp_store_directory* directory);
 
-// What is known of the bulk data without touching it.
+// Descriptions of bulk data, without its values.
 /// The material of a mesh or point set (`what`).
 STP_MUST_USE stp_result stp_store_judge_material(const stp_store_judge* judge, const char* what,
                                                  uint32_t index, uint32_t material,
@@ -29,10 +29,10 @@ STP_MUST_USE stp_result stp_store_judge_texture(const stp_store_judge* judge, ui
                                                 const stp_store_texture* texture);
 STP_MUST_USE stp_result stp_store_judge_surfels(const stp_store_judge* judge, uint32_t index,
                                                 const stp_splats* surfels);
-/// What is wrong with a set, its columns apart; NULL: nothing.
+/// What is wrong with a set, apart from its columns, or NULL.
 const char* stp_store_surfels_fault(const stp_splats* surfels);
 
-/// The leaves that a set comes with, if any.
+/// The leaves of a set, if it has any.
 STP_MUST_USE stp_result stp_store_judge_leaves(const stp_store_judge* judge, uint32_t index,
                                                const stp_splats* surfels);
 
@@ -45,7 +45,7 @@ STP_MUST_USE stp_result stp_store_judge_point_data(const stp_store_judge* judge,
 STP_MUST_USE stp_result stp_store_judge_held_points(const stp_store_judge* judge, uint32_t index,
                                                     const stp_store_point_set* points,
                                                     const stp_splats* set);
-/// What is judged of some surfels of a set.
+/// The columns to be checked for some surfels of a set.
 typedef struct stp_store_surfel_data {
     uint64_t count;
     const uint8_t* materials;

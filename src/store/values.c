@@ -43,7 +43,7 @@ bool stp_store_can_hold_values(uint32_t attributes, uint64_t count, uint64_t siz
            size - table + chunks >= content / STP_STORE_PIECE_RATIO;
 }
 
-// A value as a whole number of its bytes.
+// A value as an integer of its size.
 static uint64_t read_value(const unsigned char* bytes, size_t size)
 {
     uint64_t value = 0;
@@ -83,11 +83,11 @@ static void join_values(const unsigned char* split, size_t count, size_t size, b
     }
 }
 
-// Reading one attribute's chunks.
+// Reads the chunks of one attribute.
 typedef struct chunk_reader {
     const stp_store_values* values;
     stp_attribute attribute;
-    uint64_t first, end; ///< values wanted
+    uint64_t first, end; ///< the requested values
     stp_store_take_values take;
     void* user;
     stp_store_unpacker* unpacker;
@@ -109,7 +109,7 @@ static bool are_finite(const void* values, size_t count)
     return finite;
 }
 
-// Decodes chunk `chunk` of the attribute and hands over what is wanted of it.
+// Decodes chunk `chunk` of the attribute and passes on its requested values.
 static const char* take_chunk(chunk_reader* at, uint64_t chunk, uint64_t offset,
                               const unsigned char entry[STP_STORE_PIECE_ENTRY])
 {
@@ -143,8 +143,8 @@ static const char* take_chunk(chunk_reader* at, uint64_t chunk, uint64_t offset,
     return NULL;
 }
 
-// Goes through the table: sums up where chunks lie, and takes those of [begin, end). With `take` false, only what the table
-// says is checked.
+// Walks the table: adds up the positions of chunks, and reads those of [begin, end). With `take`
+// false, only checks the table.
 static const char* walk_table(chunk_reader* at, uint64_t begin, uint64_t end, bool take)
 {
     unsigned char bytes[ENTRIES * STP_STORE_PIECE_ENTRY], crc_bytes[TABLE_CRC];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Streams a file: a place for header and section table, the directory's sections, the blocks; then
-// the header, section table, block table and summary, which need sizes, offsets and checksums of
-// blocks, are patched in.
+// Streams a file: reserves header and section table, then writes the directory's sections and the
+// blocks. Finally patches the header, section table, block table and summary, which need the sizes,
+// offsets and checksums of blocks.
 #include "store/writer.h"
 
 #include "base/bytes.h"
@@ -23,7 +23,7 @@ stp_result stp_store_emit(stp_store_writing* w, const void* bytes, size_t size)
     return result == STP_OK ? stp_file_writer_append(w->file, bytes, size) : result;
 }
 
-// Zero bytes up to the next multiple; not part of any checksum.
+// Zero padding up to the next multiple; not part of any checksum.
 stp_result stp_store_pad(stp_store_writing* w)
 {
     static const unsigned char zeros[STP_STORE_ALIGNMENT] = {0};
@@ -32,7 +32,7 @@ stp_result stp_store_pad(stp_store_writing* w)
                                   (size_t)(stp_store_align(size, STP_STORE_ALIGNMENT) - size));
 }
 
-// The pages' checksums, now that those of the block table are known.
+// Writes the page checksums, once those of the block table are known.
 static stp_result patch_pages(stp_store_writing* w)
 {
     stp_store_section* section = &w->sections[STP_SECTION_PAGES];
@@ -50,7 +50,7 @@ static stp_result patch_pages(stp_store_writing* w)
     return result;
 }
 
-// Offsets of the fields are those of docs/format.md, Header.
+// Offsets of the fields: see docs/format.md, Header.
 static stp_result patch_header(stp_store_writing* w, uint64_t data_offset)
 {
     const stp_store_directory* directory = &w->content->directory;
@@ -76,7 +76,7 @@ static stp_result patch_header(stp_store_writing* w, uint64_t data_offset)
     return stp_file_writer_patch(w->file, 0, bytes, size);
 }
 
-// Whatever the reader would refuse is refused here.
+// Rejects everything that the reader would reject.
 static stp_result judge_content(const stp_store_writing* w)
 {
     const stp_store_directory* d = &w->content->directory;
@@ -125,12 +125,12 @@ static stp_result judge_content(const stp_store_writing* w)
     return result;
 }
 
-// The summary once more, now that the sizes of compressed blocks are known.
+// Writes the summary again, with the final sizes of compressed blocks.
 static stp_result patch_summary(stp_store_writing* w)
 {
     stp_store_text whole = w->text;
     w->text = (stp_store_text){
-        .context = w->context}; // they come first, so texts get the same places again
+        .context = w->context}; // first in the section, so texts get the same offsets again
     stp_store_summary_destroy(w->context, &w->summary);
     stp_result result = stp_store_summarise_planned(w->context, w->content, &w->plan, &w->summary);
     if (result == STP_OK) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Attributes on their way into a file: their figures, and their blocks.
+// Writes attributes: their statistics and blocks.
 #include "base/bytes.h"
 #include "store/internal.h"
 #include "store/values.h"
@@ -9,13 +9,13 @@
 #include <string.h>
 
 enum {
-    BATCH = 32,        ///< chunks that are compressed at once
+    BATCH = 32,        ///< chunks compressed at once
     BINS = 1 << 16,    ///< of a histogram
-    PERCENT = 2,       ///< of the values lie below the lower percentile, and above the higher one
-    CLASS_COUNT = 256, ///< values that are counted one by one
+    PERCENT = 2,       ///< share of values below the lower percentile, and above the higher one
+    CLASS_COUNT = 256, ///< distinct values that are counted
 };
 
-// The values of an attribute, of all point sets.
+// The values of an attribute over all point sets.
 typedef struct histogram {
     stp_store_attribute figures;
     uint64_t* bins;
@@ -119,16 +119,16 @@ stp_result stp_store_measure_attributes(stp_store_writing* w)
     return STP_OK;
 }
 
-// Chunks that are compressed together, of one attribute of one block.
+// Chunks of one attribute of one block that are compressed together.
 typedef struct value_batch {
     stp_store_writing* w;
     const stp_store_block* block;
     stp_attribute attribute;
     const unsigned char* values;
-    uint64_t count;        ///< of them
-    uint64_t first;        ///< chunk
+    uint64_t count;        ///< number of values
+    uint64_t first;        ///< index of the first chunk
     unsigned char* stored; ///< room for BATCH chunks
-    uint32_t sizes[BATCH]; ///< 0: there was no memory
+    uint32_t sizes[BATCH]; ///< 0: out of memory
     stp_store_packer** packers;
 } value_batch;
 
@@ -154,7 +154,7 @@ static void pack_values(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Writes the chunks of one attribute, and notes them in the table.
+// Writes the chunks of one attribute and fills in their table.
 static stp_result write_attribute(value_batch* b, unsigned char** table)
 {
     stp_store_writing* w = b->w;

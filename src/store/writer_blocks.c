@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The blocks: columns of meshes and point sets, clusters, texels; octaves are for writer_chunks.c. And what is known of
-// the directory only when they are written.
+// Writes blocks: columns of meshes and point sets, clusters, texels (octaves: writer_chunks.c).
+// Then the directory entries that depend on them.
 #include "store/content_sizes.h"
 #include "store/internal.h"
 #include "store/writing.h"
@@ -11,10 +11,10 @@
 #define RELEASE_BYTES ((uint64_t)32 << 20)
 
 typedef struct source_column {
-    const void* bytes; ///< where the column's run begins in the content
+    const void* bytes; ///< start of the column in the content
 } source_column;
 
-// Writes a block's columns, zero bytes between them.
+// Writes a block's columns with zero padding between them.
 static stp_result write_columns(stp_store_writing* w, const source_column* sources,
                                 const stp_store_column columns[STP_STORE_COLUMN_LIMIT],
                                 size_t count)
@@ -62,7 +62,7 @@ static stp_result write_points(stp_store_writing* w, uint32_t index)
     return write_columns(w, sources, columns, STP_POINT_COLUMNS);
 }
 
-// Coded meshes may be more than memory holds: each is checked when its turn comes to be written.
+// Coded meshes may exceed memory, so each is checked just before it is written.
 static stp_result write_clusters(stp_store_writing* w, uint32_t index)
 {
     const stp_coded_mesh* coded = stp_store_coded_mesh(w->content, index);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Octaves on their way into a file: gathered chunk by chunk, compressed on all threads, written in order. Progressive sets
-// are coded as operators, others by DEFLATE.
+// Writes octaves: gathers them chunk by chunk, compresses on all threads, writes in order.
+// Progressive sets are coded as operators, others with DEFLATE.
 #include "base/bytes.h"
 #include "store/chunks.h"
 #include "store/internal.h"
@@ -10,15 +10,15 @@
 #include <string.h>
 
 enum {
-    BATCH = 32,                                   ///< chunks that are compressed at once
-    SPLITS_MOST = STP_STORE_PIECE_BYTES / 42 + 2, ///< of the splats of a chunk: two take 42 bytes
+    BATCH = 32,                                   ///< chunks compressed at once
+    SPLITS_MOST = STP_STORE_PIECE_BYTES / 42 + 2, ///< splits in a chunk: two splats take 42 bytes
 };
 
 typedef struct packed_chunk {
     uint32_t block, chunk;
-    uint32_t size, crc; ///< as stored; size 0: there was no memory
+    uint32_t size, crc; ///< as stored; size 0: out of memory
     uint32_t encoding;
-    uint32_t base; ///< of operators: splats of the base set before the chunk
+    uint32_t base; ///< operators: number of base splats before the chunk
 } packed_chunk;
 
 struct stp_store_batch {
@@ -26,10 +26,10 @@ struct stp_store_batch {
     packed_chunk chunks[BATCH];
     size_t count;
     unsigned char* bytes; ///< room for BATCH chunks
-    uint32_t* parents;    ///< SPLITS_MOST a chunk, of operators
+    uint32_t* parents;    ///< operators: SPLITS_MOST per chunk
     unsigned char* table; ///< of the block being written
     size_t table_capacity;
-    stp_store_packer** packers; ///< one a thread, made when first needed
+    stp_store_packer** packers; ///< one per thread, created on first use
     uint32_t thread_count;
 };
 
@@ -69,7 +69,7 @@ void stp_store_batch_destroy(stp_store_batch* b)
     stp_free(context, b);
 }
 
-/// Puts the columns of a chunk one after the other. @return their bytes
+/// Concatenates the columns of a chunk. @return their size
 static size_t gather(const stp_splats* surfels, const stp_store_block* block,
                      const stp_store_octave_span* span, uint32_t chunk, unsigned char* out)
 {
@@ -95,7 +95,7 @@ static size_t gather(const stp_splats* surfels, const stp_store_block* block,
     return size;
 }
 
-/// Codes a chunk as operators. Where that takes no less than `size` bytes, its columns are kept.
+/// Codes a chunk as operators. Keeps plain columns if operators take `size` bytes or more.
 static size_t pack_operators(const stp_store_batch* b, size_t index, const unsigned char* columns,
                              size_t size, unsigned char* out)
 {
@@ -205,7 +205,8 @@ stp_result stp_store_batch_flush(stp_store_batch* b)
     return result;
 }
 
-/// Finds the order in which the parents of a set are split; `*order` stays NULL where it is no progressive set.
+/// Finds the order in which the parents of a set are split; `*order` stays NULL if it is not a
+/// progressive set.
 static stp_result find_order(stp_store_batch* b, const stp_splats* set, uint32_t** order)
 {
     stp_context* context = b->w->context;
@@ -231,7 +232,7 @@ static stp_result find_order(stp_store_batch* b, const stp_splats* set, uint32_t
     return made ? STP_OK : stp_fail_memory(context);
 }
 
-/// Keeps the parents of the splits that a chunk begins or goes on with.
+/// Collects the parents of the splits that begin or continue in a chunk.
 static void take_parents(stp_store_batch* b, uint32_t base, uint32_t begin, uint32_t end,
                          const uint32_t* order)
 {

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Packed sections on their way into a file: gathered page by page, compressed on all threads, written in order.
+// Writes packed sections: gathers them page by page, compresses on all threads, writes in order.
 #include "base/bytes.h"
 #include "store/internal.h"
 #include "store/writing.h"
 
 #include <string.h>
 
-enum { PAGES_AT_ONCE = 16 }; ///< that are compressed together
+enum { PAGES_AT_ONCE = 16 }; ///< pages compressed at once
 
 typedef struct packed_page {
     size_t size;        ///< of its content
-    size_t stored_size; ///< 0: there was no memory
+    size_t stored_size; ///< 0: out of memory
     uint32_t crc;
 } packed_page;
 
@@ -19,13 +19,13 @@ struct stp_store_packing {
     stp_store_section* section;
     size_t page_bytes; ///< of every page but the last one
     unsigned char *content, *stored;
-    size_t room; ///< pages that `content` and `stored` hold
+    size_t room; ///< capacity of `content` and `stored` in pages
     packed_page pages[PAGES_AT_ONCE];
-    size_t count;  ///< of them, the last of which may be growing
+    size_t count;  ///< pages gathered; the last one may be incomplete
     size_t filled; ///< bytes of the last one
     unsigned char* table;
     uint64_t table_bytes, written; ///< entries of `table`
-    stp_store_packer** packers;    ///< one a thread, made when first needed
+    stp_store_packer** packers;    ///< one per thread, created on first use
     uint32_t thread_count;
 };
 
@@ -85,7 +85,7 @@ static void pack_pages(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// Compresses and writes the pages that wait.
+/// Compresses and writes the gathered pages.
 static stp_result flush(stp_store_packing* p)
 {
     stp_result result = STP_OK;

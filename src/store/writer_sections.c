@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The sections of the directory, in the order of the file.
+// Writes the sections of the directory, in file order.
 #include "store/clusters_layout.h"
 #include "store/content_sizes.h"
 #include "store/internal.h"
@@ -8,7 +8,7 @@
 #include <assert.h>
 #include <string.h>
 
-// In the order of the file: first what says what the file is, last what a picture does not need.
+// In file order: the file's description first, sections that drawing does not need last.
 static const uint8_t section_order[] = {
     STP_SECTION_SUMMARY,
     STP_SECTION_SCENE_PARTS,
@@ -45,13 +45,13 @@ static const uint8_t section_order[] = {
 
 enum {
     SECTION_LIMIT = sizeof(section_order),
-    LEAST_PACKED = 256, ///< bytes of a section that is packed
+    LEAST_PACKED = 256, ///< minimum size of a packed section
 };
 
 _Static_assert(sizeof(section_order) <= STP_SECTION_END, "each type of section is written once");
 
-// Packed are sections that are not patched, large enough, and compress: keys are hashes. A file that is soon read once
-// and forgotten is left as it is.
+// Packs sections that are not patched, are large enough, and compress well: keys are hashes and do
+// not. Temporary files are not packed.
 static bool is_to_be_packed(const stp_store_writing* w, uint32_t type, uint64_t bytes)
 {
     bool patched = type == STP_SECTION_SUMMARY || type == STP_SECTION_SCENE_PARTS ||
@@ -59,15 +59,15 @@ static bool is_to_be_packed(const stp_store_writing* w, uint32_t type, uint64_t 
     return !patched && type != STP_SECTION_KEYS && bytes >= LEAST_PACKED && !w->content->passing;
 }
 
-// What a reader must know to make sense of the other sections.
+// Sections needed to interpret the others.
 static bool is_critical(uint32_t type)
 {
     return type == STP_SECTION_CLUSTERS || type == STP_SECTION_METHODS ||
            type == STP_SECTION_METHOD_NODES;
 }
 
-// Where the section will lie, and its size, are known beforehand; texts' are not, and come last of
-// theirs.
+// A section's size is known in advance. Exception: the texts of a kind follow the sections that use
+// them.
 static stp_result begin_section(stp_store_writing* w, uint32_t type, uint64_t count)
 {
     stp_result result = stp_store_pad(w);
@@ -133,7 +133,7 @@ static stp_result emit_element(stp_store_writing* w, uint32_t type, uint32_t ind
                             : result;
 }
 
-// A table whose elements are the content's own.
+// A table whose elements are in the content.
 static stp_result write_table(stp_store_writing* w, uint32_t type, const void* elements,
                               uint32_t count)
 {
@@ -164,8 +164,7 @@ static stp_store_mesh_record make_mesh(const stp_store_writing* w, uint32_t inde
     return record;
 }
 
-// The records of meshes, point sets, textures and sets: the content's, with the blocks they refer
-// to.
+// Records of meshes, point sets, textures and sets: those of the content, with their block numbers.
 static stp_store_element make_record(const stp_store_writing* w, uint32_t type, uint32_t index)
 {
     const stp_store_content* content = w->content;
@@ -213,8 +212,7 @@ static stp_result write_records(stp_store_writing* w, uint32_t type, uint32_t co
     return end_section(w, type, result);
 }
 
-// One section of the sets: their records, octaves or breakpoints, which lie in the order of the
-// sets.
+// A section of the sets: their records, octaves or breakpoints, in the order of the sets.
 static stp_result write_sets(stp_store_writing* w, uint32_t type)
 {
     uint32_t set_count = w->content->directory.surfels_count;
@@ -268,7 +266,7 @@ static stp_result write_bytes(stp_store_writing* w, uint32_t type, const void* b
     return end_section(w, type, result);
 }
 
-// One for each surfel set, then one for each mesh; none at all where nobody has one.
+// One key per surfel set, then one per mesh; no section if there are no keys.
 static stp_result write_keys(stp_store_writing* w)
 {
     const stp_store_content* content = w->content;
@@ -320,7 +318,7 @@ static stp_result write_method_nodes(stp_store_writing* w)
     return result;
 }
 
-// What each block of attributes holds, in the order of the blocks.
+// The content of each attribute block, in block order.
 static stp_result write_attribute_blocks(stp_store_writing* w)
 {
     const uint32_t type = STP_SECTION_ATTRIBUTE_BLOCKS;
@@ -337,7 +335,7 @@ static stp_result write_attribute_blocks(stp_store_writing* w)
     return end_section(w, type, result);
 }
 
-// One for each source.
+// One per source.
 static stp_result write_coordinates(stp_store_writing* w)
 {
     const stp_store_directory* d = &w->content->directory;
@@ -406,14 +404,14 @@ static stp_result write_section(stp_store_writing* w, uint32_t type)
         return write_attribute_blocks(w);
     case STP_SECTION_COORDINATES:
         return write_coordinates(w);
-    case STP_SECTION_PAGES: // what is written now is patched at the end
+    case STP_SECTION_PAGES: // placeholder, patched at the end
         return write_table(w, type, w->sums.crcs, (uint32_t)w->sums.count);
     default:
         return write_sets(w, type);
     }
 }
 
-// Sections that only some files have.
+// Optional sections.
 static bool is_wanted(const stp_store_writing* w, uint32_t type)
 {
     const stp_store_directory* d = &w->content->directory;

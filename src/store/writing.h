@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A file while it is written, for the files that do it: writer.c (the whole), writer_sections.c (the directory),
+// A file being written, shared by writer.c (the whole), writer_sections.c (the directory) and
 // writer_blocks.c (the data).
 #pragma once
 
@@ -9,7 +9,7 @@
 #include "store/records.h"
 #include "store/writer.h"
 
-/// A packed section while it is written.
+/// A packed section being written.
 typedef struct stp_store_packing stp_store_packing;
 
 typedef struct stp_store_writing {
@@ -18,7 +18,7 @@ typedef struct stp_store_writing {
     const char* path;
     stp_file_writer* file;
     stp_store_plan plan;
-    uint32_t types[STP_SECTION_END]; ///< of the sections, as they lie in the file
+    uint32_t types[STP_SECTION_END]; ///< of the sections, in file order
     uint32_t section_count;
     stp_store_section sections[STP_SECTION_END]; ///< by type
     stp_store_text text, object_text;
@@ -28,40 +28,40 @@ typedef struct stp_store_writing {
     uint32_t attribute_count, attribute_value_count;
     uint32_t crc; ///< of the section or block being written
     stp_store_page_sums sums;
-    stp_store_packing* packing; ///< of the section being written; NULL: it is not packed
+    stp_store_packing* packing; ///< of the section being written; NULL: not packed
 } stp_store_writing;
 
-/// The methods of content, and the columns of their sets.
+/// The methods of the content, and the columns of their sets.
 STP_MUST_USE stp_result stp_store_judge_methods(const stp_store_judge* judge,
                                                 const stp_store_content* content);
 
-/// Chunks of octaves that wait to be compressed together.
+/// Octave chunks waiting to be compressed together.
 typedef struct stp_store_batch stp_store_batch;
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). In any case `*batch` is to be destroyed
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Destroy `*batch` in either case
 STP_MUST_USE stp_result stp_store_batch_create(stp_store_writing* w, stp_store_batch** batch);
 void stp_store_batch_destroy(stp_store_batch* batch);
-/// Adds an octave, by the index of its block; when enough wait, they are compressed and written. Offset, size, checksum
-/// and encoding of its block are noted in the plan.
+/// Adds an octave by its block index. Once enough chunks wait, compresses and writes them. Sets
+/// offset, size, checksum and encoding of the block in the plan.
 STP_MUST_USE stp_result stp_store_batch_add(stp_store_batch* batch, uint32_t block);
-/// Writes what waits.
+/// Writes the remaining chunks.
 STP_MUST_USE stp_result stp_store_batch_flush(stp_store_batch* batch);
 
-/// Fills the figures of attributes.
+/// Computes the attribute statistics.
 STP_MUST_USE stp_result stp_store_measure_attributes(stp_store_writing* w);
-/// Writes a block of attributes; its offset, size and checksum are noted in it.
+/// Writes an attribute block and sets its offset, size and checksum.
 STP_MUST_USE stp_result stp_store_write_values(stp_store_writing* w, stp_store_block* block);
 
-/// Begins a packed section at the end of the file, whose type and records are known: `w->packing`.
+/// Begins a packed section of known type and record count at the end of the file: `w->packing`.
 STP_MUST_USE stp_result stp_store_packing_begin(stp_store_writing* w, stp_store_section* section);
 STP_MUST_USE stp_result stp_store_packing_add(stp_store_packing* packing, const void* bytes,
                                               size_t size);
-/// Writes what is left, and the table of pages; size and checksum of the section are set.
+/// Writes the remaining pages and their table; sets size and checksum of the section.
 STP_MUST_USE stp_result stp_store_packing_end(stp_store_packing* packing);
 void stp_store_packing_destroy(stp_store_writing* w);
 
-/// Appends bytes of the section or block being written: `crc` and the pages' checksums take them in.
+/// Appends bytes to the section or block being written; updates `crc` and the page checksums.
 STP_MUST_USE stp_result stp_store_emit(stp_store_writing* w, const void* bytes, size_t size);
-/// Zero bytes up to the next multiple; not part of any checksum.
+/// Zero padding up to the next multiple; not part of any checksum.
 STP_MUST_USE stp_result stp_store_pad(stp_store_writing* w);
 /// Codes one element into `bytes`, which has room for a record.
 STP_MUST_USE stp_result stp_store_code_element(stp_store_writing* w, uint32_t type, uint32_t index,
@@ -69,9 +69,9 @@ STP_MUST_USE stp_result stp_store_code_element(stp_store_writing* w, uint32_t ty
 
 /// Reserves header and section table, and writes every section.
 STP_MUST_USE stp_result stp_store_write_directory(stp_store_writing* w);
-/// Writes every block, and notes in the plan where it is, its size and checksum.
+/// Writes every block and sets its offset, size and checksum in the plan.
 STP_MUST_USE stp_result stp_store_write_blocks(stp_store_writing* w);
-/// Writes a section's records over those that the directory has: blocks, summary and scene parts are known when all
-/// data is written.
+/// Rewrites a section's records: blocks, summary and scene parts are known once all data is
+/// written.
 STP_MUST_USE stp_result stp_store_patch_section(stp_store_writing* w, uint32_t type,
                                                 const void* elements, uint32_t count);

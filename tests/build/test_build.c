@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The whole way from a model to a file, on models written here.
+// The whole path from a model to a file, on models written here.
 #include "tests.h"
 
 #include "build/build.h"
@@ -62,7 +62,7 @@ static void close_workshop(const workshop* w)
     unlink(w->points);
     unlink(w->output);
     unlink(w->other);
-    rmdir(w->folder); // fails where something was left behind, which a test sees
+    rmdir(w->folder); // fails if something was left behind; tests check this
 }
 
 static bool folder_is_gone(const workshop* w)
@@ -119,7 +119,7 @@ void test_builds_can_be_opened_and_checked(test_state* test)
     stp_splats s;
     CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 0, &s));
     CHECK_EQUAL(225, s.count);               // one for eight triangles
-    for (uint32_t i = 0; i < s.count; ++i) { // within the model's box, but for rounding
+    for (uint32_t i = 0; i < s.count; ++i) { // within the model's box, up to rounding
         double x = (double)s.origin.x + (double)s.step * s.positions[3 * (size_t)i];
         CHECK(x > -0.01 && x < 30.01);
         CHECK(s.materials[i] < d->shading_count);
@@ -159,8 +159,8 @@ static stp_result build_methods(stp_context* context, const workshop* w, const c
     return stp_build(context, &desc, report);
 }
 
-// Sets of several methods: the first one's are those of a file of it alone, all are checked, taken over by the next build,
-// and the same for any number of threads.
+// Sets of several methods: the first one's equal those of a file with it alone. All are checked,
+// reused by the next build, and independent of the number of threads.
 void test_builds_of_several_methods(test_state* test)
 {
     const stp_method* const both[] = {stp_method_by_name("blue"), stp_method_by_name("spt")};
@@ -175,7 +175,7 @@ void test_builds_of_several_methods(test_state* test)
     CHECK_EQUAL(STP_OK, build_methods(many, &w, w.other, both, 2, &report));
     CHECK(same_files(one, w.output, w.other));
     CHECK_EQUAL(STP_OK, stp_store_check(one, w.output, false));
-    CHECK_EQUAL(STP_OK, build_methods(one, &w, w.output, both, 2, &report)); // once more
+    CHECK_EQUAL(STP_OK, build_methods(one, &w, w.output, both, 2, &report)); // again
     CHECK(report.sets_found == 2 && report.sets_made == 0);
     CHECK(same_files(one, w.output, w.other));
     stp_store* store = NULL;
@@ -188,7 +188,7 @@ void test_builds_of_several_methods(test_state* test)
     CHECK(blue.count == 225 && blue.columns == 0 && blue.ranges == NULL);
     CHECK(spt.count > 225 && spt.columns == STP_SPLATS_COLUMNS && spt.ranges != NULL);
     stp_store_close(store);
-    // one of them alone, and in another order: what is there is taken over
+    // one of them alone, and in another order: existing results are reused
     CHECK_EQUAL(STP_OK, build_methods(one, &w, w.output, turned, 1, &report));
     CHECK(report.sets_found == 2 && report.sets_made == 0);
     CHECK_EQUAL(STP_OK, stp_store_open(one, w.output, &store));
@@ -196,7 +196,7 @@ void test_builds_of_several_methods(test_state* test)
     CHECK(d->method_count == 1 && d->methods[0].id == STP_METHOD_SPT);
     CHECK_EQUAL(0, d->nodes[d->root].surfels);
     stp_store_close(store);
-    CHECK_EQUAL(STP_OK, build_methods(one, &w, w.output, both, 1, NULL)); // as of blue alone
+    CHECK_EQUAL(STP_OK, build_methods(one, &w, w.output, both, 1, NULL)); // as for blue alone
     unlink(w.other);
     CHECK_EQUAL(STP_OK, build_methods(one, &w, w.other, NULL, 0, NULL));
     CHECK(same_files(one, w.output, w.other));
@@ -222,7 +222,7 @@ void test_failed_builds_leave_the_former_file(test_state* test)
     CHECK_EQUAL(STP_ERROR_IO, build_to(context, &w, w.output, 0, NULL));
     CHECK_EQUAL(2, log.errors);
     CHECK(same_files(context, w.output, w.other));
-    // an output that cannot be written fails before any input is read
+    // an unwritable output fails before any input is read
     CHECK_EQUAL(STP_ERROR_IO, build_to(context, &w, w.folder, 0, NULL));
     CHECK(strstr(log.text, "regular file") != NULL);
     stp_context_destroy(context);
@@ -258,7 +258,7 @@ void test_builds_can_be_stopped_at_every_stage(test_state* test)
         CHECK(same_files(context, w.output, w.other));
         stp_context_destroy(context);
     }
-    // what was made until then is kept, and goes when a build is done
+    // results so far are kept, and removed when a build finishes
     stp_context* context = test_context(NULL, 2, NULL);
     stp_build_report report;
     CHECK_EQUAL(STP_OK, build_to(context, &w, w.output, 0, &report));
@@ -273,11 +273,11 @@ void test_builds_can_be_stopped_at_every_stage(test_state* test)
 typedef struct vandal {
     char segment[160];
     const char* stage;
-    int times; ///< left
+    int times; ///< remaining
     int done;
 } vandal;
 
-// Turns the last byte of a result, which the padding follows.
+// Flips the last byte of a result, before its padding.
 static int damage_results(const stp_progress_report* report, void* user)
 {
     vandal* v = user;
@@ -314,7 +314,8 @@ void test_builds_notice_results_that_somebody_changed(test_state* test)
     CHECK(open_workshop(&w, 60));
     stp_context* plain = test_context(NULL, 2, NULL);
     CHECK_EQUAL(STP_OK, build_to(plain, &w, w.other, 0, NULL));
-    for (int i = 0; i < 4; ++i) { // once: all is made again; for ever: a sentence, and no file
+    for (int i = 0; i < 4;
+         ++i) { // changed once: everything is made again; always: one message, and no file
         test_log log = {0};
         vandal v = {.stage = stages[i % 2], .times = i < 2 ? 1 : 1000000};
         snprintf(v.segment, sizeof(v.segment), "%s.work/segment-000000", w.output);
@@ -326,7 +327,7 @@ void test_builds_notice_results_that_somebody_changed(test_state* test)
         stp_context* context = NULL;
         CHECK_EQUAL(STP_OK, stp_context_create(&context, &desc));
         stp_result result = build_to(context, &w, w.output, 0, NULL);
-        CHECK(v.done >= 1 && strstr(log.warning, "made again") != NULL);
+        CHECK(v.done >= 1 && strstr(log.warning, "starting again") != NULL);
         CHECK_EQUAL(i < 2 ? STP_OK : STP_ERROR_IO, result);
         CHECK(same_files(plain, w.output, w.other) == (i < 2));
         CHECK(i < 2 || strstr(log.text, "keeps changing") != NULL);
@@ -338,8 +339,9 @@ void test_builds_notice_results_that_somebody_changed(test_state* test)
     CHECK(folder_is_gone(&w)); // nor are results left
 }
 
-// Allocations are many; the n-th fails for n along a geometric row, and for each of the first.
-// Whichever allocation fails, nothing is left over. Methods as for build_methods; 200 surfels where there are none.
+// The n-th allocation fails, for n along a geometric series and for each of the first ones.
+// Whichever fails, nothing is left over. `methods` as for build_methods; 200 surfels if there are
+// none.
 static void check_failing_allocations(test_state* test, const stp_method* const* methods,
                                       uint32_t count)
 {
@@ -355,7 +357,7 @@ static void check_failing_allocations(test_state* test, const stp_method* const*
             stp_result result = count > 0
                                     ? build_methods(context, &w, w.output, methods, count, NULL)
                                     : build_to(context, &w, w.output, 200, NULL);
-            built = heap.count <= n; // the failing allocation was not asked for
+            built = heap.count <= n; // the failing allocation was not reached
             CHECK(built ? result == STP_OK : log.errors <= 1);
             failures += result != STP_OK;
             stp_context_destroy(context);
@@ -386,7 +388,7 @@ void test_small_scenes_get_no_surfels(test_state* test)
     const char* inputs[] = {w.model};
     stp_build_desc desc = {.inputs = inputs, .input_count = 1, .output = w.output};
     for (int i = 0; i < 3; ++i) {
-        desc.threshold = i == 0 ? 0 : i == 1 ? 32 : 31; // above so many triangles
+        desc.threshold = i == 0 ? 0 : i == 1 ? 32 : 31; // above this many triangles
         CHECK_EQUAL(STP_OK, stp_build(context, &desc, NULL));
         stp_store* store = NULL;
         CHECK_EQUAL(STP_OK, stp_store_open(context, w.output, &store));
@@ -426,13 +428,13 @@ void test_point_clouds_keep_every_point(test_state* test)
     CHECK_EQUAL(STP_OK, stp_store_open(context, w.output, &store));
     CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 0, &s));
     CHECK_EQUAL(COUNT, s.count);
-    CHECK(s.candidate_radius > 0.3f && s.candidate_radius < 1.5f); // points lie about 1 apart
+    CHECK(s.candidate_radius > 0.3f && s.candidate_radius < 1.5f); // points are about 1 apart
     stp_store_close(store);
     stp_context_destroy(context);
     close_workshop(&w);
 }
 
-// Clouds side by side, one of them close beside a sheet: what is near is drawn from all the points there are.
+// Neighbouring clouds, one of them close to a sheet: nearby content is drawn from all points.
 void test_point_clouds_keep_every_point_among_others(test_state* test)
 {
     enum { COUNT = 1500 };
@@ -466,13 +468,13 @@ void test_point_clouds_keep_every_point_among_others(test_state* test)
             }
         }
     }
-    CHECK_EQUAL(1, clouds); // the same twice
+    CHECK_EQUAL(1, clouds); // the same one twice
     stp_store_close(store);
     stp_context_destroy(context);
     close_workshop(&w);
 }
 
-// Scans hold points again and again, a hair apart: work must not grow with how near they are.
+// Scans contain near-duplicate points: the work must not grow as they get closer.
 void test_near_duplicates_cost_no_more(test_state* test)
 {
     workshop w;
@@ -530,7 +532,7 @@ void test_built_files_are_not_built_again(test_state* test)
     stp_context* context = test_context(NULL, 1, &log);
     CHECK(context != NULL && open_workshop(&w, 4));
     CHECK_EQUAL(STP_OK, build_to(context, &w, w.output, 0, NULL));
-    CHECK(rename(w.output, w.model) == 0); // its content tells
+    CHECK(rename(w.output, w.model) == 0); // the content determines the format
     CHECK_EQUAL(STP_ERROR_UNSUPPORTED, build_to(context, &w, w.output, 0, NULL));
     CHECK_EQUAL(1, log.errors);
     CHECK(strstr(log.text, w.model) != NULL && strstr(log.text, "is built already") != NULL);
@@ -570,7 +572,7 @@ void test_shadings_are_exact_up_to_256(test_state* test)
     stp_context_destroy(context);
 }
 
-// The shadings of `count` materials, without every `without`-th; their indices by the number of the material.
+// The shadings of `count` materials without every `without`-th; indices by material number.
 static bool place_materials(stp_context* context, int count, int without, bool reversed,
                             int places[], stp_shading_set* set)
 {
@@ -621,7 +623,7 @@ void test_shadings_keep_their_indices_when_others_come_and_go(test_state* test)
             CHECK(set.shadings[all[i]].roughness == (float)i / 256.0f);
         }
         CHECK(taken[set.count - 1]);
-        CHECK(place_materials(context, count, 3, false, fewer, &other)); // a third has gone
+        CHECK(place_materials(context, count, 3, false, fewer, &other)); // a third is gone
         for (int i = 0; i < count; ++i) {
             left += fewer[i] >= 0;
             moved += fewer[i] >= 0 && fewer[i] != all[i];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What decides a result is in its key, and a former output is used only where it is whole.
+// Keys contain everything that determines a result; a previous output is used only if it is intact.
 #include "tests.h"
 
 #include "build/build.h"
@@ -40,7 +40,7 @@ static bool close_place(const place* p)
 {
     unlink(p->model);
     unlink(p->output);
-    return rmdir(p->folder) == 0; // fails where something was left behind
+    return rmdir(p->folder) == 0; // fails if something was left behind
 }
 
 static stp_build_desc describe(const place* p, const char* const* inputs)
@@ -81,7 +81,7 @@ void test_builds_never_take_over_what_other_options_gave(test_state* test)
         CHECK_EQUAL(STP_OK, stp_build(context, &plain, &report));
         CHECK(report.sets_found == 1 && report.sets_made == 0 && report.meshes_found == 1);
         CHECK_EQUAL(STP_OK, stp_build(context, &others[i], &report));
-        CHECK(report.sets_found == 0 && report.sets_made == 1); // the triangles stay as they are
+        CHECK(report.sets_found == 0 && report.sets_made == 1); // the triangles are unchanged
         CHECK(report.meshes_found == 1 && report.meshes_made == 0);
     }
     stp_build_desc fresh = plain;
@@ -111,7 +111,7 @@ static bool holds(stp_context* context, const char* path, const unsigned char* b
     return same;
 }
 
-// Whatever has happened to the former output: the new one is as if it had not been there.
+// However the previous output is damaged, the new one does not depend on it.
 void test_damaged_former_outputs_do_no_harm(test_state* test)
 {
     place p;
@@ -132,9 +132,9 @@ void test_damaged_former_outputs_do_no_harm(test_state* test)
     uint32_t used = 0, unused = 0;
     for (size_t at = 0; at < size; at += 1 + (at >= 64 ? size / 61 : 0)) {
         memcpy(damaged, good, size);
-        damaged[at] ^= 0x21; // in the first bytes: of another kind, or another version
+        damaged[at] ^= 0x21; // in the first bytes: another format or version
         stp_build_report report;
-        CHECK(write_bytes(p.output, damaged, at % 5 == 4 ? at : size)); // some end there
+        CHECK(write_bytes(p.output, damaged, at % 5 == 4 ? at : size)); // some are truncated there
         CHECK_EQUAL(STP_OK, stp_build(context, &desc, &report));
         CHECK_EQUAL(0, log.errors);
         CHECK(holds(context, p.output, good, size));

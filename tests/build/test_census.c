@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Objects counted as the input has them, against a walk over every use.
+// Compares the object counts of the input with a walk over every use.
 #include "tests.h"
 
 #include "base/rng.h"
@@ -20,7 +20,8 @@ static uint32_t below(dice* d, uint32_t bound)
     return stp_rng_below(d->seed, d->next++, bound);
 }
 
-// Objects with up to three parts (one mesh is empty), instances, uses of earlier objects, and prototypes.
+// Objects with up to three parts (one mesh is empty), instances, uses of earlier objects, and
+// prototypes.
 static bool make_scene(stp_context* context, uint64_t seed, stp_scene** scene)
 {
     dice d = {seed, 0};
@@ -42,7 +43,7 @@ static bool make_scene(stp_context* context, uint64_t seed, stp_scene** scene)
             made = stp_scene_add_instance(*scene, &at) == STP_OK;
         }
         uint32_t used = i > 0 ? below(&d, i) : 0;
-        // its own ancestors cannot be used
+        // an object cannot use its own ancestors
         for (uint32_t up = parent; up != STP_NONE; up = (*scene)->objects[up].parent) {
             used = used <= up ? i : used;
         }
@@ -144,7 +145,8 @@ void test_census_counts_every_use(test_state* test)
     stp_context_destroy(context);
 }
 
-// A plant: a root, a site below it, and there a hall of 500 uses of a motor of two objects, and a wall.
+// A plant: a root, a site below it, and there a hall of 500 uses of a motor of two objects, and a
+// wall.
 void test_census_finds_the_parts(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
@@ -158,7 +160,7 @@ void test_census_finds_the_parts(test_state* test)
     CHECK_EQUAL(STP_OK, stp_scene_add_part(scene, (stp_part){STP_PART_MESH, mesh}));
     CHECK(add_object(scene, STP_NONE, stp_affine_identity(), 0, &root));
     CHECK(add_object(scene, root, stp_affine_identity(), 0, &site));
-    CHECK(add_object(scene, root, stp_affine_identity(), 0, NULL)); // a lamp, say
+    CHECK(add_object(scene, root, stp_affine_identity(), 0, NULL)); // e.g. a lamp
     stp_object named = {.name = "hall", .parent = site, .transform = stp_affine_identity()};
     CHECK_EQUAL(STP_OK, stp_scene_add_object(scene, &named, &hall));
     for (int i = 0; i < 500; ++i) {
@@ -184,7 +186,7 @@ void test_census_finds_the_parts(test_state* test)
     stp_context_destroy(context);
 }
 
-// 40 objects, each with the one before twice below it: as many uses as no walk can visit.
+// 40 objects, each with two uses of the previous one below it: more uses than a walk can visit.
 void test_census_counts_what_cannot_be_walked(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);

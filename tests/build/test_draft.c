@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is to be seen of a scene while it is built.
+// Drafts: what is visible of a scene during its build.
 #define _GNU_SOURCE // unshare
 #include "tests.h"
 
@@ -23,7 +23,7 @@
 enum { SAMPLE = 640 }; // points of a scan
 enum { DRAFTS = 64, WIDTH = 128, HEIGHT = 96, PIXELS = WIDTH * HEIGHT };
 
-// A draft as somebody who looks on finds it.
+// A draft as a viewer sees it.
 typedef struct seen_draft {
     bool whole; ///< it can be opened, checked and drawn
     uint32_t meshes, point_sets, sets, objects;
@@ -34,9 +34,9 @@ typedef struct seen_draft {
 
 typedef struct onlooker {
     const char* path;
-    seen_draft* drafts; ///< DRAFTS of them
+    seen_draft* drafts; ///< DRAFTS entries
     uint32_t count;
-    bool only_counts; ///< pictures take long
+    bool only_counts; ///< no pictures, which are slow
 } onlooker;
 
 static bool draw(stp_context* context, stp_store* store, uint8_t* pixels)
@@ -115,7 +115,7 @@ static stp_result build_scene(const char* input, const char* output, onlooker* o
     return build_with(1, input, output, o);
 }
 
-// Some bumpy sheets beside each other, an object each.
+// Some bumpy sheets beside each other, one object each.
 static bool write_sheets(const char* path)
 {
     enum { SHEETS = 6, SIZE = 20, CORNERS = (SIZE + 1) * (SIZE + 1) };
@@ -172,7 +172,7 @@ void test_drafts_grow_to_the_finished_scene(test_state* test)
     CHECK(o.drafts != NULL);
     CHECK_EQUAL(STP_OK, build_scene(model, output, &o));
     CHECK_EQUAL(STP_OK, build_scene(model, plain, NULL));
-    CHECK(same_files(output, plain)); // looking on changes nothing
+    CHECK(same_files(output, plain)); // drafts do not change the result
     seen_draft* last = &o.drafts[DRAFTS];
     look_at(output, true, last);
     CHECK(last->whole && last->triangles > 1000);
@@ -187,10 +187,10 @@ void test_drafts_grow_to_the_finished_scene(test_state* test)
         CHECK(i == 0 || d->triangles >= o.drafts[i - 1].triangles);
         CHECK(i == 0 || d->sets >= o.drafts[i - 1].sets);
     }
-    // of what there is at first the scene can be told, and it comes nearer
+    // the first draft is recognisable, and later ones come closer
     uint8_t* nothing = calloc(4, PIXELS);
     double empty = distance(nothing, last->pixels), sketch = distance(first->pixels, last->pixels);
-    uint32_t triangles = 0; // the draft that has all of them
+    uint32_t triangles = 0; // index of the first draft with all triangles
     while (triangles + 1 < known && o.drafts[triangles].triangles < last->triangles) {
         triangles += 1;
     }
@@ -299,7 +299,8 @@ void test_drafts_of_many_threads_change_nothing(test_state* test)
     CHECK(rmdir(folder) == 0);
 }
 
-// What a killed build was writing: a name that the writer gives, of a process that is no more.
+// A temporary file of a killed build: a name that the writer uses, with the id of a process that
+// has ended.
 void test_drafts_leave_nothing_of_those_before(test_state* test)
 {
     char folder[] = "/tmp/stp_draft_XXXXXX", draft[64], output[64], stale[96];
@@ -325,7 +326,7 @@ void test_drafts_leave_nothing_of_those_before(test_state* test)
     CHECK(rmdir(folder) == 0);
 }
 
-// Flat things that are stretched, beyond all numbers, where they have no width.
+// Flat objects, stretched without bound along the axis in which they have no extent.
 static stp_result make_stretched(stp_scene* scene, const char* name, void* user)
 {
     (void)name;
@@ -369,7 +370,8 @@ void test_drafts_of_endless_areas_have_few_points(test_state* test)
 
 enum { NOT_ALLOWED = 77 };
 
-// On a disk of its own, as small as will do for a build: whether drafts leave it the room. In a process of its own.
+// On a small separate disk that just suffices for a build: whether drafts leave it the room. In a
+// separate process.
 static int fill_disk(const char* folder, const char* model)
 {
     char options[64], output[80], draft[80];

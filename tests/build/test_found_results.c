@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a build says it found is what was there before it began, whatever the number of threads.
+// Only results from before a build count as found, for any number of threads.
 #include "tests.h"
 
 #include "build/build.h"
@@ -18,7 +18,7 @@ void test_origins_count_keys_that_none_made(test_state* test)
     CHECK_EQUAL(0, stp_build_count_found(NULL, 0));
 }
 
-// One sheet in six colours: six meshes that are coded the same.
+// One sheet in six colours: six meshes with equal codes.
 static bool write_colored(const char* model, const char* library)
 {
     FILE* obj = fopen(model, "w");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Clouds are stored once: the set of splats that has all points of a node holds them.
+// Clouds are stored once: the set of splats with all points of a node holds them.
 #include "tests.h"
 
 #include "build/build.h"
@@ -10,14 +10,14 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { COUNT = 3000, TWICE = 10 }; ///< every tenth point lies where the one before it does
+enum { COUNT = 3000, TWICE = 10 }; ///< every tenth point repeats the previous one
 
 typedef struct cloud {
     char points[64], output[64];
     float positions[3 * COUNT];
 } cloud;
 
-// Points of a bumpy sheet; their colours tell their numbers.
+// Points of a bumpy sheet; colours encode their indices.
 static bool write_cloud(cloud* c)
 {
     snprintf(c->points, sizeof(c->points), "/tmp/stp_held_%d.ply", (int)getpid());
@@ -116,7 +116,7 @@ void test_held_points_are_picked(test_state* test)
             CHECK_EQUAL(streamed == 0, pick.hit);
             CHECK_EQUAL(streamed == 1, pick.incomplete);
             double high = pick.position.y - (double)c.positions[3 * i + 1];
-            CHECK(streamed == 1 || high >= -0.01); // it, or one above it
+            CHECK(streamed == 1 || high >= -0.01); // the lower level, or one above it
         }
         stp_residency_destroy(residency);
         stp_store_close(store);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Which nodes get surfels, and how they are called.
+// The plan: which nodes get surfels, in which order, and how many.
 #include "tests.h"
 
 #include "build/plan.h"
 
 #include <string.h>
 
-// A flat sheet of so many squares along a side, of one unit each.
+// A flat sheet of `size` unit squares along each side.
 static uint32_t add_sheet(stp_scene* scene, uint32_t size)
 {
     stp_context* context = scene->context;
@@ -59,11 +59,11 @@ static uint64_t triangles_of(const stp_scene* scene, const stp_build_plan* plan,
     return scene->nodes[plan->steps[step].node].triangle_count;
 }
 
-// Whether each step waits for all whose results it may use, and for none that comes later.
+// Whether each step waits for all steps whose results it may use, and for no later one.
 static bool waits_for_what_it_uses(const stp_scene* scene, const stp_build_plan* plan)
 {
     uint32_t* last =
-        calloc(scene->node_count, sizeof(*last)); // by node: the end of the steps in or below it
+        calloc(scene->node_count, sizeof(*last)); // by node: the end of the steps at or below it
     bool good = last != NULL;
     for (uint32_t i = 0; good && i < scene->node_count; ++i) {
         const stp_node* node = &scene->nodes[i];
@@ -92,7 +92,7 @@ void test_plans_make_shared_nodes_once(test_state* test)
     CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
     stp_build_plan plan;
     CHECK(make_plan(scene, 1000, 0, &plan));
-    CHECK_EQUAL(2, plan.step_count); // the sheet, and all of them
+    CHECK_EQUAL(2, plan.step_count); // the sheet, and the whole
     CHECK_EQUAL(1800, triangles_of(scene, &plan, 0));
     CHECK_EQUAL(225, plan.steps[0].surfel_count); // one for eight triangles
     CHECK_EQUAL(900000, triangles_of(scene, &plan, 1));
@@ -106,7 +106,7 @@ void test_plans_make_shared_nodes_once(test_state* test)
     stp_context_destroy(context);
 }
 
-// A cloud that is placed once is one set: what places it needs none of its own.
+// A cloud that is placed once is one set: the node that places it needs none.
 void test_plans_make_placed_clouds_once(test_state* test)
 {
     for (uint32_t uses = 1; uses <= 2; ++uses) {
@@ -130,7 +130,8 @@ void test_plans_make_placed_clouds_once(test_state* test)
         CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
         stp_build_plan plan;
         CHECK(make_plan(scene, 1000, 0, &plan));
-        CHECK_EQUAL(uses, plan.step_count); // two places: one set for both, and one of the whole
+        CHECK_EQUAL(uses,
+                    plan.step_count); // two placements: one set for both, and one for the whole
         CHECK_EQUAL(0, plan.steps[0].surfel_count); // all points
         CHECK(uses == 2 || plan.step_of[scene->root] == STP_NONE || scene->node_count == 1);
         CHECK(waits_for_what_it_uses(scene, &plan));
@@ -167,7 +168,7 @@ static bool has_step(const stp_scene* scene, const stp_build_plan* plan, uint32_
     return plan->step_of[scene->objects[object].node] != STP_NONE;
 }
 
-// A set holds what rests in its node: it is sized by that, and where that is nothing there is none.
+// A set holds the resting content of its node and is sized by it; without any there is none.
 void test_plans_make_no_sets_of_what_only_moves(test_state* test)
 {
     for (uint32_t with_hall = 0; with_hall < 2; ++with_hall) {
@@ -187,7 +188,7 @@ void test_plans_make_no_sets_of_what_only_moves(test_state* test)
         CHECK(has_step(scene, &plan, arm) && has_step(scene, &plan, other));
         CHECK(has_step(scene, &plan, lamp));
         CHECK(!has_step(scene, &plan, line)); // nothing rests in it
-        CHECK(!has_step(scene, &plan, hall)); // the root's set holds all that does
+        CHECK(!has_step(scene, &plan, hall)); // the root's set holds all resting content
         CHECK_EQUAL(3 + with_hall, plan.step_count);
         CHECK(waits_for_what_it_uses(scene, &plan));
         uint32_t root = plan.step_of[scene->root];
@@ -197,7 +198,7 @@ void test_plans_make_no_sets_of_what_only_moves(test_state* test)
             CHECK_EQUAL(plan.steps[0].height, plan.steps[root].height); // needs no other set
         }
         stp_build_plan_destroy(context, &plan);
-        CHECK(make_plan(scene, 2000, 0, &plan)); // there are more triangles, but not at rest
+        CHECK(make_plan(scene, 2000, 0, &plan)); // there are more triangles, but they move
         CHECK(plan.step_of[scene->root] == STP_NONE);
         CHECK_EQUAL(3, plan.step_count);
         stp_build_plan_destroy(context, &plan);
@@ -206,7 +207,7 @@ void test_plans_make_no_sets_of_what_only_moves(test_state* test)
     }
 }
 
-// An object within an object within an object shows the same thing: one set, and not one each. What moves has its own.
+// Nested objects that show the same content get one set, not one each. Moving ones have their own.
 void test_plans_leave_out_redundant_sets(test_state* test)
 {
     for (uint32_t moving = 0; moving < 2; ++moving) {

@@ -93,7 +93,7 @@ void test_pieces_are_found_as_they_were_stored(test_state* test)
         CHECK(stp_work_find_surfels(work, work_key(1), 5, &found, &candidates));
         CHECK(is_sample(&found, &s));
         CHECK_EQUAL(1234, candidates);
-        // what cannot be seen has no surfels, and that is a result too
+        // a set without visible surfels is a result too
         CHECK_EQUAL(STP_OK, stp_work_store_surfels(work, work_key(2), &nothing, 0, NULL));
         CHECK(stp_work_find_surfels(work, work_key(2), 1, &found, &candidates));
         CHECK_EQUAL(0, found.count);
@@ -130,8 +130,8 @@ void test_pieces_that_make_no_sense_are_made_anew(test_state* test)
     CHECK(whole != NULL && size < 2048);
     stp_splats found;
     uint32_t unused;
-    CHECK(!stp_work_find_surfels(work, work_key(0), 4, &found, &unused)); // there is a shading 4
-    // any head at all, with a right checksum: what is found can be read to its end
+    CHECK(!stp_work_find_surfels(work, work_key(0), 4, &found, &unused)); // shading 4 is used
+    // any header with a valid checksum: whatever is found is readable to its end
     uint64_t sum = 0, refused = 0;
     for (uint32_t round = 1; round < 1500; ++round) {
         unsigned char bytes[2048];
@@ -149,7 +149,7 @@ void test_pieces_that_make_no_sense_are_made_anew(test_state* test)
         } else {
             refused += 1;
             CHECK_EQUAL(STP_OK, stp_work_store_surfels(work, key, &s.surfels, 7, &found));
-            CHECK(is_sample(&found, &s)); // and not what stood there
+            CHECK(is_sample(&found, &s)); // not the invalid one stored before
         }
         CHECK(!stp_work_find_mesh(work, key, &mesh) || value == 2);
     }

@@ -16,7 +16,7 @@ void test_work_keeps_results_for_the_next_build(test_state* test)
         for (uint32_t i = 0; i < COUNT; ++i) {
             CHECK_EQUAL(round == 0 ? WORK_NONE : WORK_RIGHT, find_work(work, i));
             const void* stored = NULL;
-            CHECK_EQUAL(STP_OK, store_work(work, i, &stored)); // what is there is given back
+            CHECK_EQUAL(STP_OK, store_work(work, i, &stored)); // an existing result is returned
             CHECK(is_work(stored, work_size(i), i));
             CHECK_EQUAL(WORK_RIGHT, find_work(work, i));
             bytes += round == 0 ? work_size(i) : 0;
@@ -109,7 +109,7 @@ void test_work_is_for_one_build_at_a_time(test_state* test)
     stp_work_close(first, false);
     second = open_work(context, &place);
     CHECK(second != NULL);
-    CHECK_EQUAL(WORK_RIGHT, find_work(second, 3)); // the refused one emptied nothing
+    CHECK_EQUAL(WORK_RIGHT, find_work(second, 3)); // the rejected one emptied nothing
     stp_work_close(second, true);
     CHECK(remove_work_place(&place));
     stp_context_destroy(context);
@@ -126,7 +126,7 @@ void test_work_refuses_places_it_cannot_use(test_state* test)
     CHECK(file != NULL && fclose(file) == 0);
     CHECK_EQUAL(STP_ERROR_IO, stp_work_open(context, place.folder, true, &work));
     CHECK_EQUAL(1, log.errors);
-    CHECK(strstr(log.text, place.folder) == log.text && strstr(log.text, "no folder") != NULL);
+    CHECK(strstr(log.text, place.folder) == log.text && strstr(log.text, "not a folder") != NULL);
     CHECK_EQUAL(0, unlink(place.folder));
     static const char* const bad[] = {"/proc/a.work", "/tmp/stp_no_such_folder/a.work", ""};
     for (int i = 0; i < 3; ++i) {
@@ -134,14 +134,14 @@ void test_work_refuses_places_it_cannot_use(test_state* test)
         CHECK_EQUAL(2 + i, log.errors);
         CHECK(strstr(log.text, bad[i]) == log.text);
     }
-    // a folder where the lock should be
+    // a folder in place of the lock file
     char lock[128];
     snprintf(lock, sizeof(lock), "%s/lock", place.folder);
     CHECK(mkdir(place.folder, 0777) == 0 && mkdir(lock, 0777) == 0);
     CHECK_EQUAL(STP_ERROR_IO, stp_work_open(context, place.folder, false, &work));
     CHECK_EQUAL(5, log.errors);
     CHECK(work == NULL && rmdir(lock) == 0);
-    if (geteuid() != 0) { // nothing is forbidden to root
+    if (geteuid() != 0) { // root may do everything
         CHECK_EQUAL(0, chmod(place.folder, 0555));
         CHECK_EQUAL(STP_ERROR_IO, stp_work_open(context, place.folder, false, &work));
         CHECK_EQUAL(6, log.errors);
@@ -159,7 +159,7 @@ typedef struct crowd {
 
 enum { CROWD_RESULTS = 300, CROWD_LOOKS = 1500 };
 
-// Each result is asked for by several jobs at once, and stored by whoever misses it.
+// Several jobs request each result at once; each stores it if it is missing.
 static void store_and_find(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;

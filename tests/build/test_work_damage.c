@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The work directory after what may happen to it: kills, full disks, flipped bits, other versions.
+// The work directory after damage: kills, full disks, flipped bits, other versions.
 #include "work_helpers.h"
 
 #include "base/bytes.h"
@@ -12,7 +12,7 @@
 
 enum { FEW = 7, MOST_BYTES = 4096 };
 
-// The one segment that results 0..FEW-1 make, and where each ends in it.
+// The single segment of results 0..FEW-1, and where each result ends in it.
 static size_t make_segment(stp_context* context, const work_place* place,
                            unsigned char bytes[MOST_BYTES], size_t ends[FEW])
 {
@@ -28,7 +28,7 @@ static size_t make_segment(stp_context* context, const work_place* place,
     return stored ? read_segment(place, 0, bytes, MOST_BYTES) : 0;
 }
 
-// Stores what is missing; 0: all are right now, and were right or missing before.
+// Stores what is missing. @return 0 if all results are right now and were right or missing before
 static int mend(stp_context* context, const work_place* place, unsigned* missing,
                 stp_work_report* report)
 {
@@ -179,7 +179,7 @@ static void write_some(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Stores without end, from two jobs, until it is killed.
+// Two jobs store results endlessly, until the process is killed.
 static void store_for_ever(const work_place* place, int ready)
 {
     stp_context* context = test_context(NULL, 2, NULL);
@@ -221,7 +221,7 @@ void test_work_survives_kills(test_state* test)
             CHECK(found != WORK_WRONG);
             there += found == WORK_RIGHT;
         }
-        CHECK(there >= least); // nothing that was there once is lost
+        CHECK(there >= least); // nothing once present is lost
         least = there;
         stp_work_close(work, round == 7);
     }
@@ -230,7 +230,8 @@ void test_work_survives_kills(test_state* test)
     stp_context_destroy(context);
 }
 
-// In a child whose files may not grow beyond a limit: as on a full disk. 0: as promised.
+// Runs in a child process with limited file sizes, as on a full disk. @return 0 if it behaved as
+// specified
 static int fill_disk(const work_place* place)
 {
     signal(SIGXFSZ, SIG_IGN);
@@ -244,7 +245,7 @@ static int fill_disk(const work_place* place)
     writers w = {.work = work};
     stp_parallel_for(context, 100, 1, write_some, &w);
     if (log.errors != 1 || strstr(log.text, place->folder) != log.text) {
-        return 3; // said once, by whichever job noticed first
+        return 3; // reported once, by whichever job noticed first
     }
     uint32_t there = 0;
     for (uint32_t i = 0; i < 100; ++i) {
@@ -308,7 +309,7 @@ void test_work_survives_failing_allocator(test_state* test)
         stp_work_close(work, false);
         stp_context_destroy(context);
         CHECK_EQUAL(0, heap.live_bytes);
-        // what was stored is there, and its directory opens under the same conditions
+        // stored results are present, and the directory opens under the same conditions
         test_heap again = TEST_HEAP(n);
         context = test_context(&again, 1, NULL);
         stp_work_close(context != NULL ? open_work(context, &place) : NULL, false);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A work directory of its own for each test, and results that can be told from any others.
+// A separate work directory for each test, and results that are distinguishable.
 #pragma once
 
 #include "tests.h"
@@ -17,7 +17,7 @@ enum { WORK_SEGMENT = 8192, WORK_LARGEST = 5000 };
 
 typedef struct work_place {
     char outer[64];  ///< a folder that the test made
-    char folder[80]; ///< the work directory, in it
+    char folder[80]; ///< the work directory inside it
 } work_place;
 
 static inline bool make_work_place(work_place* place)
@@ -33,7 +33,7 @@ static inline stp_hash work_key(uint32_t number)
     return stp_hash_bytes((stp_hash){0}, &number, sizeof(number));
 }
 
-/// The size of result `number`: 0, small, or more than a segment's quarter.
+/// The size of result `number`: 0, small, or more than a quarter of a segment.
 static inline size_t work_size(uint32_t number)
 {
     static const size_t sizes[] = {0, 1, 63, 64, 65, 200, 129, WORK_LARGEST, 7, 128};
@@ -97,7 +97,7 @@ static inline size_t read_segment(const work_place* place, uint32_t number, unsi
     return size;
 }
 
-/// Makes the folder where there is none. @return whether the file was written
+/// Creates the folder if there is none. @return whether the file was written
 static inline bool write_segment(const work_place* place, uint32_t number,
                                  const unsigned char* bytes, size_t size)
 {
@@ -112,7 +112,7 @@ static inline bool write_segment(const work_place* place, uint32_t number,
     return written;
 }
 
-/// Whether nothing is left of the directory and its outer folder could be removed.
+/// Whether nothing is left of the directory, and its outer folder could be removed.
 static inline bool remove_work_place(const work_place* place)
 {
     return access(place->folder, F_OK) != 0 && rmdir(place->outer) == 0;

@@ -32,10 +32,10 @@ for name, start, at in (("a.png", b"\x89PNG", 0), ("a.PNG", b"\x89PNG", 0), ("a.
 END
 cmp -s a.jpg b.jpeg || fail "the same picture gives other JPEG bytes"
 for name in a.bmp a.tiff a.exr a.stip a.glb; do
-    refused 2 "written as .png, .jpg, .jpeg or .webp" render box.stip -o $name
+    refused 2 "must end in .png, .jpg, .jpeg or .webp" render box.stip -o $name
     [ ! -e $name ] || fail "$name was written"
 done
-refused 2 "written as .png" compare a.png a.PNG --map map.gif
+refused 2 "must end in .png" compare a.png a.PNG --map map.gif
 
 # build writes .stip
 for name in x.glb x.GLTF x.obj x.png x.jpg x.step; do

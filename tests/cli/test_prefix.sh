@@ -58,7 +58,7 @@ def check_growth(name):
             if "within its directory" not in done.stderr or before > 0.0:
                 fail(f"{name} {percent}%: {done.stderr}")
             continue
-        if percent < 100 and "shown as far as it goes" not in done.stderr:
+        if percent < 100 and "showing the part that is there" not in done.stderr:
             fail(f"{name} {percent}%: no notice: {done.stderr}")
         ssim = json.loads(good("compare", "part.png", "whole.png", "--json").stdout)["ssim"]
         line.append(f"{ssim:.3f}")
@@ -102,7 +102,7 @@ flight = {"fov": 50, "fps": 2, "keys": [{"t": 0, "eye": [0, 0, 4], "target": [0,
 with open("flight.json", "w") as file:
     json.dump(flight, file)
 done = run("fly", "cut.stip", "--path", "flight.json", "--json", "--size", "64x48")
-if done.returncode != 0 or "shown as far as it goes" not in done.stderr or not json.loads(done.stdout)["truncated"]:
+if done.returncode != 0 or "showing the part that is there" not in done.stderr or not json.loads(done.stdout)["truncated"]:
     fail(f"fly of a cut file: {done.stderr}")
 
 # the same picture of the same bytes, whether the file ends there or is said to, and under a limit of memory

@@ -14,15 +14,15 @@ printf '#!/bin/sh\nexit 0\n' | tee scripts/setup > bin/cmake
 printf '#!/bin/sh\ncd "$2" || exit 1\nshift 2\n[ ! -e dies ] || kill -KILL $$\nexec "$CTEST" "$@"\n' > bin/ctest
 chmod +x scripts/setup bin/cmake bin/ctest
 
-# counts LINE CODE: scripts/test ends so, with one test that passes in each build but what `change` makes of it
+# counts LINE CODE: scripts/test ends so, with one test that passes in each build, one that the other build runs, and
+# what `change` makes of them
 counts()
 {
     local line=$1 code=$2 got
-    for build in release asan; do
-        rm -rf $build
-        mkdir $build
-        echo 'add_test(unit.fine "/bin/true")' > $build/CTestTestfile.cmake
-    done
+    rm -rf release asan
+    mkdir release asan
+    printf 'add_test(cli.fine "/bin/true")\nadd_test(unit.elsewhere "/bin/false")\n' > release/CTestTestfile.cmake
+    printf 'add_test(unit.fine "/bin/true")\nadd_test(cli.elsewhere "/bin/false")\n' > asan/CTestTestfile.cmake
     change
     PATH=$PWD/bin:$PATH scripts/test > out 2> err
     got=$?
@@ -31,11 +31,11 @@ counts()
 
 change() { :; }
 counts "2 passed, 0 failed" 0
-change() { printf 'add_test(unit.skips "/bin/sh" "-c" "exit 77")\nset_tests_properties(unit.skips PROPERTIES SKIP_RETURN_CODE 77)\n' >> release/CTestTestfile.cmake; }
+change() { printf 'add_test(cli.skips "/bin/sh" "-c" "exit 77")\nset_tests_properties(cli.skips PROPERTIES SKIP_RETURN_CODE 77)\n' >> release/CTestTestfile.cmake; }
 counts "2 passed, 0 failed, 1 skipped" 0
 change() { echo 'add_test(unit.crashes "/bin/sh" "-c" "kill -SEGV $$")' >> asan/CTestTestfile.cmake; }
 counts "2 passed, 1 failed" 1
-change() { echo 'add_test(unit.lost "/nowhere/tests")' >> release/CTestTestfile.cmake; }
+change() { echo 'add_test(cli.lost "/nowhere/tests")' >> release/CTestTestfile.cmake; }
 counts "2 passed, 1 failed, 1 skipped" 1
 change() { : > asan/CTestTestfile.cmake; }
 counts "1 passed, 1 failed" 1

@@ -47,7 +47,7 @@ python3 -c "import png; png.write('white.png', 200, 100, (255, 255, 255, 255))"
 refused 2 "needs 1 to" sheet -o x.png
 refused 2 "needs -o" sheet red.png
 refused 2 "would be overwritten" sheet red.png -o red.png
-refused 2 "written as .png" sheet red.png -o x.gif
+refused 2 "must end in .png" sheet red.png -o x.gif
 refused 1 "missing.png" sheet missing.png -o x.png
 echo '{}' > empty.json
 refused 1 "expected the output of stipple fly --json" sheet empty.json -o x.png

@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# Files of the library, and the golden ones, through the reader that knows docs/format.md only.
-# Arguments: the executable of the tests, a scratch folder, the source folder.
+# Reads files of the library and golden files with an independent reader written from docs/format.md.
+# Arguments: the test executable, a scratch folder, the source folder.
 set -eu
 tests=$1 folder=$2 source=$3
 rm -rf "$folder"
@@ -45,7 +45,7 @@ assert len(picture) == len(b"P6 64 48 255\n") + 3 * 64 * 48 and len(set(picture[
 END
 done
 test "$count" -ge 17
-# it must be able to fail: one byte wrong in the middle of the last file
+# the check can fail: a wrong byte in the middle of the last file
 size=$(stat -c %s "$file")
 byte=$(od -An -tu1 -j $((size / 2)) -N 1 "$file")
 printf "\\x$(printf %02x $((byte ^ 1)))" | dd of="$file" bs=1 seek=$((size / 2)) conv=notrunc status=none

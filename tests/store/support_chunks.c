@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-/// Bytes of which most are alike, so that they compress, but some not at all.
+/// Mostly equal bytes, so that they compress; some bytes are incompressible.
 static void fill(uint64_t seed, void* bytes, size_t size, uint32_t levels)
 {
     unsigned char* out = bytes;

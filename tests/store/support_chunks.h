@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Content with surfel sets of several chunks an octave.
+// Content with surfel sets that have several chunks per octave.
 #pragma once
 
 #include "base/arena.h"
@@ -14,9 +14,9 @@ typedef struct chunk_sample {
     stp_store_method method;
 } chunk_sample;
 
-/// Three sets of up to 60,000 surfels, whose content is drawn from `seed`; seed 0: all bytes are alike. Of odd seeds, sets have all
-/// optional columns. `made` must not be
-/// moved. Memory is the arena's. @return false where that runs out
+/// Three sets of up to 60,000 surfels, random from `seed`; seed 0: all bytes are equal. For odd
+/// seeds, sets have all optional columns. Do not move `made`. The arena owns the memory. @return
+/// false if it runs out
 bool chunk_sample_make(stp_arena* arena, uint64_t seed, chunk_sample* made);
 
 /// Whether two sets have the same surfels and colours.

@@ -219,7 +219,7 @@ unsigned char* sample_read_file(const char* path, size_t* size)
     long end = ftell(file);
     rewind(file);
     void* bytes = NULL;
-    // exactly as large as the file, so that sanitizers see a read beyond it
+    // exactly the file's size, so that sanitizers detect reads beyond it
     if (end >= 0 && posix_memalign(&bytes, 64, (size_t)end) == 0 &&
         fread(bytes, 1, (size_t)end, file) != (size_t)end) {
         free(bytes);
@@ -228,4 +228,17 @@ unsigned char* sample_read_file(const char* path, size_t* size)
     fclose(file);
     *size = end >= 0 ? (size_t)end : 0;
     return bytes;
+}
+
+stp_result sample_check(stp_context* context, const unsigned char* bytes, size_t size)
+{
+    stp_store* store = NULL;
+    stp_store_check_report report;
+    const stp_store_open_desc desc = {0};
+    stp_result result = stp_store_open_memory(context, "memory", bytes, size, &desc, &store);
+    if (result == STP_OK) {
+        result = stp_store_check_open(store, false, &report);
+        stp_store_close(store);
+    }
+    return result;
 }

@@ -101,7 +101,7 @@ static json_int_t add_values(json_int_t sum, const stp_cluster* cluster, int cha
     return sum;
 }
 
-// Checksums of the numbers of all triangles' corners.
+// Checksums over the numbers of all triangle corners.
 static corner_sums sum_corners(const stp_clusters* clusters)
 {
     corner_sums sums = {0};

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// What another reader must find in a file, told from the content that was written into it.
+// The expected output of an independent reader, derived from the content that was written.
 #pragma once
 
 #include "store/writer.h"
 
 #include <jansson.h>
 
-/// The caller's to free (json_decref); NULL where memory runs out.
+/// Free with json_decref; NULL if memory runs out.
 json_t* sample_expected_json(const stp_store_content* content, const stp_store_summary* summary);

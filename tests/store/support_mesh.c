@@ -41,7 +41,7 @@ static void set_vertex(made_mesh* m, uint32_t v, stp_vec3 p, stp_vec3 n)
         stp_octahedral_encode16(n, m->normals + 2 * (size_t)v);
     }
     for (int set = 0; set < 2 && m->texcoords[set] != NULL; ++set) {
-        float scale = set == 0 ? 1.0f : -37.0f; // the second set wraps round many times
+        float scale = set == 0 ? 1.0f : -37.0f; // the second set repeats many times
         m->texcoords[set][2 * (size_t)v] = scale * (0.3f + 0.2f * p.x);
         m->texcoords[set][2 * (size_t)v + 1] = scale * (0.1f + 0.2f * p.z);
     }
@@ -63,7 +63,7 @@ static void sheet_vertex(made_mesh* m, uint32_t v, uint32_t column, uint32_t row
     stp_vec3 p = {x, height(x, z), z};
     if (shape == MADE_SLIVERS) {
         p.x *= 1000.0f;
-        p.z = row % 5 == 4 ? (float)(row - 1) / (float)side : p.z; // rows that coincide
+        p.z = row % 5 == 4 ? (float)(row - 1) / (float)side : p.z; // some rows coincide
     } else if (shape == MADE_UNEVEN) {
         p = stp_scale(p, 1e-3f);
     } else if (shape == MADE_FAR) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Meshes that are unpleasant to code as clusters.
+// Difficult meshes for the cluster coder.
 #pragma once
 
 #include "store/clusters.h"
 
 #include <stdbool.h>
 
-/// Arrays are the made mesh's; as stp_store_mesh, but they may be changed.
+/// Like stp_store_mesh, but writable. The made mesh owns the arrays.
 typedef struct made_mesh {
     uint32_t vertex_count, triangle_count;
     float* positions;
@@ -17,10 +17,10 @@ typedef struct made_mesh {
 } made_mesh;
 
 typedef enum made_shape {
-    MADE_WAVE,      ///< a smooth sheet, vertices shared
-    MADE_SOUP,      ///< the same, each triangle with vertices of its own
-    MADE_SCATTERED, ///< unconnected triangles all over the place
-    MADE_BOXES,     ///< hard edges: four vertices a face
+    MADE_WAVE,      ///< a smooth sheet with shared vertices
+    MADE_SOUP,      ///< the same, without shared vertices
+    MADE_SCATTERED, ///< unconnected triangles in random places
+    MADE_BOXES,     ///< hard edges: four vertices per face
     MADE_SLIVERS,   ///< the sheet, a thousand times longer than wide, with degenerate triangles
     MADE_UNEVEN,    ///< one huge triangle over a sheet of tiny ones
     MADE_FAR,       ///< the sheet far from the origin
@@ -29,9 +29,9 @@ typedef enum made_shape {
 
 enum { MADE_NORMALS = 1, MADE_COLORS = 2, MADE_TEXCOORDS = 4 };
 
-/// About 2 side^2 triangles with the wanted attributes. False where memory runs out.
+/// About 2 side^2 triangles with the requested attributes. False if memory runs out.
 bool made_mesh_create(made_shape shape, uint32_t side, unsigned attributes, made_mesh* mesh);
 void made_mesh_destroy(made_mesh* mesh);
-/// In another order, each triangle turned.
+/// Shuffles the triangles and rotates each one's corners.
 void made_mesh_shuffle(made_mesh* mesh, uint64_t seed);
 stp_store_mesh made_mesh_view(const made_mesh* mesh);

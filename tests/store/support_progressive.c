@@ -74,7 +74,7 @@ void progressive_sample_octaves(stp_splats* set, uint32_t first)
     }
 }
 
-/// The columns of a splat that a reader takes as they are.
+/// The columns of a splat that a reader copies unchecked.
 static void fill_splat(const stp_splats* set, const progressive_desc* d, uint32_t at)
 {
     size_t i = at;
@@ -117,7 +117,7 @@ bool progressive_sample_make(stp_arena* arena, const progressive_desc* d, stp_sp
             top = set->ranges[room[count]] & 0xFFFFu;
         }
         highest = i < d->base ? STP_RANGE_INFINITE : top + (uint32_t)(h >> 40) % 4;
-        // enough parents for the splits that are left, and no more of them
+        // enough parents for the remaining splits, and no more
         uint32_t needed = d->splits - split - (i >= d->base ? 1 : 0), left = count - i;
         bool must = queue.count == 0 && inner < d->splits && i + 1 >= d->base &&
                     (i < d->base || (i - d->base) % 2 == 1) && needed > 0;
@@ -140,7 +140,7 @@ static float bumps(float x, float z)
     return 0.2f * sinf(7.0f * x) * cosf(5.0f * z) + 0.03f * sinf(31.0f * (x + z));
 }
 
-/// Points of the surface, with the normals and colours that it has there.
+/// Points of the surface with its normals and colours.
 static void make_points(uint32_t count, float* positions, float* normals, uint8_t* colors)
 {
     uint32_t side = (uint32_t)ceil(sqrt((double)count));
@@ -166,7 +166,7 @@ static uint16_t to_grid(float x, float step)
     return value > 0.0f ? (value < 65535.0f ? (uint16_t)value : 65535) : 0;
 }
 
-/// The code of a direction in the plane across a normal.
+/// The code of a direction in the plane perpendicular to a normal.
 static uint32_t direction_of(const int8_t* normal, stp_vec3 major)
 {
     stp_disk_axes axes = stp_disk_axes_of((float)normal[0], (float)normal[1]);
@@ -192,7 +192,7 @@ static void fill_of_ellipse(const stp_splats* set, uint32_t i, const stp_psp_for
     set->ranges[i] = range;
 }
 
-/// Codes of the levels of merges: errors as lengths, and no child above its parent.
+/// Codes of the merge levels: errors are lengths, and no child's level exceeds its parent's.
 static void find_levels(const stp_psp_forest* f, uint32_t* codes)
 {
     for (uint32_t m = 0; m < f->merge_count; ++m) {
@@ -206,7 +206,7 @@ static void find_levels(const stp_psp_forest* f, uint32_t* codes)
     }
 }
 
-/// Places the splats that remain, then the two of each merge, that of the highest level first.
+/// Places the remaining splats, then the two of each merge, highest level first.
 static void place_forest(const stp_psp_forest* f, const uint32_t* codes, uint32_t* splats,
                          uint32_t* room, stp_splats* set)
 {

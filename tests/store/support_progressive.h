@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Progressive sets for tests: random ones, and ones made of a merge forest over a bumpy surface.
+// Progressive sets for tests: random ones, and ones from a merge forest over a bumpy surface.
 #pragma once
 
 #include "base/arena.h"
@@ -9,21 +9,21 @@
 typedef struct progressive_desc {
     uint64_t seed;
     uint32_t base, splits;
-    bool coarse; ///< few different levels
+    bool coarse; ///< few distinct levels
     bool wild;   ///< columns other than ranges are random bytes
 } progressive_desc;
 
-/// Makes a valid set. @return false where memory runs out
+/// Makes a valid set. @return false if memory runs out
 bool progressive_sample_make(stp_arena* arena, const progressive_desc* desc, stp_splats* set);
 
-/// Makes a set of the merge forest over `count` points of a bumpy surface with colours: a whole
-/// set, base and operators.
+/// Makes a set from the merge forest over `count` coloured points of a bumpy surface: a complete
+/// set with base and operators.
 bool progressive_sample_of_forest(stp_arena* arena, stp_context* context, uint32_t count,
                                   uint32_t base, stp_splats* set);
 
-/// Octaves of a set: the first has `first` splats, and each more has four times as many.
+/// Octaves of a set: the first has `first` splats, each further one four times as many.
 void progressive_sample_octaves(stp_splats* set, uint32_t first);
 
-/// A set of the same size whose columns are zero.
+/// A set of the same size with zero columns.
 bool progressive_sample_empty(stp_arena* arena, const stp_splats* like, stp_splats* set);
 bool progressive_sample_is_same(const stp_splats* a, const stp_splats* b, uint32_t count);

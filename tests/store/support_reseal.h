@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Makes the checksums of a damaged file right again, so that what lies behind them is reached.
+// Recomputes the checksums of a damaged file, so that the checks behind them are reached.
 #pragma once
 
 #include "base/bytes.h"
@@ -17,8 +17,20 @@ static inline uint32_t reseal_crc(const unsigned char* bytes, size_t size, uint6
     return (uint32_t)crc32_z(0, bytes + offset, (size_t)length);
 }
 
-// The checksums of an octave's chunks, in its chunk table. How many they are, the first size tells: chunks follow the
-// table. @return the table's bytes; 0: one chunk, or no table that could be right
+// Entry of a section in the section table; NULL if the file has none of the type.
+static inline unsigned char* find_section(unsigned char* bytes, uint32_t type)
+{
+    for (uint32_t i = 0; i < stp_read_u32(bytes + 32); ++i) {
+        unsigned char* entry = bytes + STP_STORE_HEADER_BYTES + i * STP_STORE_SECTION_BYTES;
+        if (stp_read_u32(entry) == type) {
+            return entry;
+        }
+    }
+    return NULL;
+}
+
+// Reseals the chunks of an octave, in its chunk table. The first size gives the number of chunks,
+// because chunks follow the table. @return the table's size; 0: one chunk, or an impossible table
 static inline uint64_t reseal_chunks(unsigned char* bytes, size_t size, uint64_t offset,
                                      uint64_t length)
 {
@@ -45,8 +57,8 @@ static inline uint64_t reseal_chunks(unsigned char* bytes, size_t size, uint64_t
     return 0;
 }
 
-// The checksums of a block of attributes: of its chunks, in the table behind them, and of that. How many chunks there are, the
-// sizes tell: they come to what is before the table.
+// Reseals an attribute block: its chunks, in the table behind them, and the table. The sizes give
+// the number of chunks: they add up to the table's offset.
 static inline void reseal_values(unsigned char* bytes, size_t size, uint64_t offset,
                                  uint64_t length)
 {
@@ -73,7 +85,7 @@ static inline void reseal_values(unsigned char* bytes, size_t size, uint64_t off
     }
 }
 
-// The checksums of blocks, in the table of blocks at `offset`.
+// Reseals the blocks, in the block table at `offset`.
 static inline void reseal_blocks(unsigned char* bytes, size_t size, uint64_t offset,
                                  uint64_t length, uint32_t record_size)
 {
@@ -106,7 +118,7 @@ static inline stp_store_section reseal_section(const unsigned char* entry)
     };
 }
 
-// The checksums of a packed section's pages. @return that of their table
+// Reseals the pages of a packed section. @return the checksum of their table
 static inline uint32_t reseal_packed(unsigned char* bytes, size_t size,
                                      const stp_store_section* section)
 {
@@ -124,7 +136,7 @@ static inline uint32_t reseal_packed(unsigned char* bytes, size_t size,
     return reseal_crc(bytes, size, section->offset, table);
 }
 
-// The checksums of the pages of all sections that are not packed, in the section at `offset`.
+// Reseals the pages of all unpacked sections, in the section at `offset`.
 static inline void reseal_pages(unsigned char* bytes, size_t size, uint64_t table, uint64_t offset,
                                 uint64_t length, uint32_t record_size)
 {
@@ -166,7 +178,7 @@ static inline void reseal(unsigned char* bytes, size_t size)
             reseal_blocks(bytes, size, offset, length, stp_read_u32(entry + 32));
         }
     }
-    for (int pass = 0; pass < 2; ++pass) { // the section of checksums has one itself
+    for (int pass = 0; pass < 2; ++pass) { // the section of checksums has a checksum itself
         for (uint64_t at = 0; at < table && STP_STORE_HEADER_BYTES + at + 40 <= size; at += 40) {
             unsigned char* entry = bytes + STP_STORE_HEADER_BYTES + at;
             uint64_t offset = stp_read_u64(entry + 8), length = stp_read_u64(entry + 16);

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-// Each draw is a statement of its own: compilers may evaluate the fields of an initialiser in any order.
+// Each draw is its own statement, because compilers may evaluate initialisers in any order.
 typedef struct dice {
     stp_arena* arena;
     uint64_t seed, next;
@@ -36,7 +36,7 @@ static void* take(dice* d, size_t count, size_t size)
     return memory;
 }
 
-// Random bytes; NULL, one time in three, where the column is optional.
+// Random bytes; for optional columns NULL one time in three.
 static void* column(dice* d, size_t size, bool optional)
 {
     if (optional && below(d, 3) == 0) {
@@ -350,7 +350,7 @@ static void add_objects(dice* d, stp_store_content* content, uint32_t count)
     directory->sources = sources;
 }
 
-// Sets of a second and third method for some of the nodes, with columns that the first has not.
+// Sets of a second and third method for some nodes, with columns that the first does not have.
 static void add_methods(dice* d, stp_store_content* content)
 {
     stp_store_directory* directory = &content->directory;
@@ -388,21 +388,21 @@ static void add_methods(dice* d, stp_store_content* content)
     directory->method_count = 3;
 }
 
-// Keys of most sets and meshes, in most samples.
+// Keys for most sets and meshes, in most samples.
 static void add_keys(dice* d, stp_store_content* content)
 {
     const stp_store_directory* directory = &content->directory;
     uint32_t count = directory->surfels_count + directory->mesh_count;
     stp_hash* keys = take(d, count, sizeof(*keys));
     for (uint32_t i = 0; d->complete && i < count; ++i) {
-        keys[i].low = below(d, 4) == 0 ? 0 : below(d, 3); // small: slots collide
+        keys[i].low = below(d, 4) == 0 ? 0 : below(d, 3); // small, so that slots collide
         keys[i].high = keys[i].low == 0 ? 0 : stp_rng_hash(d->seed, d->next++);
     }
     content->surfel_keys = below(d, 4) == 0 ? NULL : keys;
     content->mesh_keys = below(d, 4) == 0 ? NULL : keys + directory->surfels_count;
 }
 
-// Without one, it is guessed.
+// Without a census, the writer guesses one.
 static void add_census(dice* d, stp_store_content* content)
 {
     uint32_t count = 1 + below(d, 2), objects = content->directory.object_count;

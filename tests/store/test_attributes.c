@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Attributes of points in files: what is written comes back, columns alone and in parts; damage is found; colours and hidden classes
-// take the places of the file's own.
+// Attributes of points in files: round trip of whole and partial columns; damage is detected;
+// colours and hidden classes replace the file's own.
 #include "support_chunks.h"
 #include "support_sample.h"
 #include "tests.h"
@@ -16,7 +16,7 @@
 
 enum { POINTS = 40, OCTAVES = 3, ENTRIES = 3 + 12 + POINTS };
 
-// A cloud of a few points, as its set and as points, with all attributes.
+// A small cloud, as a set and as points, with all attributes.
 typedef struct cloud {
     uint16_t places[3 * POINTS];
     int8_t normals[2 * POINTS];
@@ -73,7 +73,7 @@ static void make_cloud(cloud* c)
     c->material.emissive_texture.texture = STP_STORE_NONE;
     memset(c->colors, 77, sizeof(c->colors));
     memset(c->coverages, 255, sizeof(c->coverages));
-    c->coverages[ENTRIES - 1] = 0; // the smallest share
+    c->coverages[ENTRIES - 1] = 0; // the smallest coverage
     c->set.positions = c->places;
     c->set.normals = c->normals;
     c->set.materials = c->materials;
@@ -98,7 +98,7 @@ static void make_cloud(cloud* c)
                                      .surfels = &c->set};
 }
 
-// Writes content. @return its bytes, NULL where that fails
+// Writes content. @return its bytes, or NULL
 static unsigned char* write_content(stp_context* context, const stp_store_content* content,
                                     size_t* size)
 {
@@ -120,7 +120,7 @@ static stp_store* open_bytes(stp_context* context, const unsigned char* bytes, s
                                                                                           : NULL;
 }
 
-// Whether values [first, first + count) of the set and of the points are those that were written.
+// Whether values [first, first + count) of the set and of the points are those written.
 static bool are_values(stp_store* store, const cloud* c, uint32_t first, uint32_t count)
 {
     bool same = true;
@@ -179,7 +179,7 @@ void test_store_attributes_come_back(test_state* test)
 
 #define GOLDEN STP_TEST_SOURCE_DIR "/tests/golden/store/v1/attributes-1.2.stip"
 
-// STP_WRITE_GOLDEN writes it anew: only while the format is not released.
+// STP_WRITE_GOLDEN rewrites the file; only before the format is released.
 void test_store_opens_attributes_of_version_1_2_for_ever(test_state* test)
 {
     static cloud c;
@@ -198,7 +198,7 @@ void test_store_opens_attributes_of_version_1_2_for_ever(test_state* test)
     stp_context_destroy(context);
 }
 
-// Columns of many chunks; a set without attributes beside one with two.
+// Columns of many chunks; one set without attributes, one with two.
 void test_store_attributes_of_many_chunks_come_back(test_state* test)
 {
     static chunk_sample made;
@@ -235,20 +235,6 @@ void test_store_attributes_of_many_chunks_come_back(test_state* test)
     stp_context_destroy(context);
 }
 
-// The verdict on a file in memory: STP_OK only where nothing is wrong.
-static stp_result verdict(stp_context* context, const unsigned char* bytes, size_t size)
-{
-    stp_store* store = NULL;
-    stp_store_check_report report;
-    stp_store_open_desc desc = {0};
-    stp_result result = stp_store_open_memory(context, "memory", bytes, size, &desc, &store);
-    if (result == STP_OK) {
-        result = stp_store_check_open(store, false, &report);
-        stp_store_close(store);
-    }
-    return result;
-}
-
 void test_store_attributes_refuse_every_truncation_and_changed_byte(test_state* test)
 {
     static cloud c;
@@ -258,20 +244,20 @@ void test_store_attributes_refuse_every_truncation_and_changed_byte(test_state* 
     make_cloud(&c);
     unsigned char* bytes = write_content(context, &c.content, &size);
     CHECK(bytes != NULL);
-    CHECK_EQUAL(STP_OK, verdict(context, bytes, size));
+    CHECK_EQUAL(STP_OK, sample_check(context, bytes, size));
     for (size_t length = 0; length < size; ++length) {
         void* copy = NULL;
-        CHECK(posix_memalign(&copy, 64, length) == 0); // exactly as large
+        CHECK(posix_memalign(&copy, 64, length) == 0); // exactly the file's size
         memcpy(copy, bytes, length);
         log.errors = 0;
-        CHECK_EQUAL(STP_ERROR_TRUNCATED, verdict(context, copy, length));
+        CHECK_EQUAL(STP_ERROR_TRUNCATED, sample_check(context, copy, length));
         CHECK_EQUAL(1, log.errors);
         free(copy);
     }
     for (size_t at = 0; at < size; ++at) {
         bytes[at] ^= 0x55;
         log.errors = 0;
-        CHECK(verdict(context, bytes, size) != STP_OK);
+        CHECK(sample_check(context, bytes, size) != STP_OK);
         CHECK_EQUAL(1, log.errors);
         bytes[at] ^= 0x55;
     }
@@ -284,7 +270,7 @@ void test_store_attributes_survive_failing_allocator(test_state* test)
     static cloud c;
     make_cloud(&c);
     int failures = 0;
-    for (int n = 0;; ++n) { // fail the n-th allocation, until one run gets through
+    for (int n = 0;; ++n) { // fail the n-th allocation, until a run succeeds
         CHECK(n < 2000);
         test_heap heap = TEST_HEAP(n);
         test_log log = {.errors = 0};
@@ -320,7 +306,8 @@ static bool is_color(const uint8_t* color, double value, double low, double high
     return memcmp(color, stp_color_map[stp_color_map_place(value, low, high)], 3) == 0;
 }
 
-// Colours of the set at its finest octave, and of the points, are those of the intensities; houses are not there.
+// Colours of the set's finest octave and of the points are the intensities; the class of houses is
+// hidden.
 static const char* find_color_fault(const cloud* c, const stp_splats* set,
                                     const stp_store_point_set* points)
 {
@@ -364,7 +351,7 @@ void test_store_coloring_replaces_colors_and_hides_classes(test_state* test)
     const char* fault = find_color_fault(&c, &set, &points);
     CHECK(fault == NULL);
 
-    // the same where data is loaded by threads
+    // the same with data loaded by threads
     stp_residency* residency = NULL;
     const stp_want wants[] = {{.kind = STP_RESIDENT_SURFELS, .octaves = OCTAVES, .need = 1.0f},
                               {.kind = STP_RESIDENT_POINTS, .need = 1.0f}};
@@ -381,7 +368,7 @@ void test_store_coloring_replaces_colors_and_hides_classes(test_state* test)
     CHECK(find_color_fault(&c, &set, &points) == NULL);
     stp_residency_destroy(residency);
 
-    CHECK_EQUAL(STP_OK, stp_store_set_coloring(store, NULL)); // and back
+    CHECK_EQUAL(STP_OK, stp_store_set_coloring(store, NULL)); // back to the file's colours
     CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 0, &set));
     CHECK_EQUAL(STP_OK, stp_store_get_point_set(store, 0, &points));
     CHECK(memcmp(set.colors, c.colors, sizeof(c.colors)) == 0 && points.colors == NULL);

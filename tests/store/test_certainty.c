@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How certain sets are: written where it is to be said, read back, and refused where it makes no sense.
+// Accuracy of sets: written if there is something to store, read back, and rejected if invalid.
 #include "tests.h"
 
 #include "draw/support_store.h"
@@ -42,13 +42,13 @@ void test_certainty_comes_back(test_state* test)
     CHECK(!first->unknown_signs && first->position_error == 0.25f);
     CHECK(second->unknown_signs && second->position_error == 0.0f);
     CHECK(stp_store_position_error(store) == 0.25);
-    stp_splats got; // what is drawn has it, too
+    stp_splats got; // the drawn set has it, too
     CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 1, &got));
     CHECK(got.unknown_signs);
     stp_store_close(store);
     scene.surfels[1].unknown_signs = false;
     scene.surfels[0].position_error = 0.0f;
-    store = made_open(context, &scene); // nothing to say: no section
+    store = made_open(context, &scene); // nothing to store: no section
     CHECK(store != NULL && store->known[STP_SECTION_CERTAINTY] == NULL);
     CHECK(stp_store_position_error(store) == 0.0);
     stp_store_close(store);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Octaves in chunks: how they are cut, that each decodes alone, and what becomes of forged ones.
+// Octaves in chunks: where they are cut, that each decodes alone, and that forged ones are
+// rejected.
 #include "support_chunks.h"
 #include "support_reseal.h"
 #include "support_sample.h"
@@ -109,7 +110,7 @@ void test_chunks_are_the_same_bytes_for_any_number_of_threads(test_state* test)
     free(bytes[1]);
 }
 
-/// Reads each chunk of an octave alone, into columns of its own, and puts them together.
+/// Reads each chunk of an octave alone, into separate columns, and joins them.
 static bool read_one_by_one(stp_store* store, const stp_splats* wanted, uint32_t octave)
 {
     const stp_store_block* block = stp_store_octave_block(store, 0, octave);
@@ -157,8 +158,8 @@ void test_chunks_decode_alone(test_state* test)
     stp_context_destroy(context);
 }
 
-// Content that is all alike would compress a thousandfold; what is stored of it is a 32nd at least, so that a small file
-// cannot ask for much memory.
+// Uniform content could compress a thousandfold. It is stored in at least 1/32 of its size, so that
+// a small file cannot demand much memory.
 void test_chunks_never_stand_for_much_more_than_they_take(test_state* test)
 {
     static unsigned char zeros[STP_STORE_PIECE_BYTES], stored[STP_STORE_PIECE_BYTES];
@@ -174,7 +175,7 @@ void test_chunks_never_stand_for_much_more_than_they_take(test_state* test)
     CHECK(context != NULL);
     stp_arena arena = stp_arena_create(context, 1 << 20);
     chunk_sample made;
-    CHECK(chunk_sample_make(&arena, 0, &made)); // all alike
+    CHECK(chunk_sample_make(&arena, 0, &made)); // uniform
     unsigned char* bytes = NULL;
     size_t size = 0;
     stp_store* store = NULL;
@@ -191,8 +192,8 @@ void test_chunks_never_stand_for_much_more_than_they_take(test_state* test)
     stp_context_destroy(context);
 }
 
-// Bytes of blocks are changed and checksums made right again: whatever the verdict, nothing is read or written beyond
-// the ends, and no content of another size is taken.
+// Changes bytes of blocks and reseals the checksums. Whatever the result, nothing is accessed out
+// of bounds, and no content of another size is accepted.
 void test_chunks_that_are_forged_are_refused(test_state* test)
 {
     test_log log = {.errors = 0};

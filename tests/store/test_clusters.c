@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Meshes as clusters: nothing is lost, nothing cracks, errors stay within what the format says.
+// Meshes as clusters: nothing is lost, no cracks appear, errors stay within the format's bounds.
 #include "support_mesh.h"
 #include "tests.h"
 
@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-/// A triangle by its rounded corners, turned to its least form.
+/// A triangle as rounded corners, rotated to its smallest form.
 typedef struct rounded {
     int64_t corner[3][3];
     uint32_t triangle, turn;
@@ -56,7 +56,7 @@ static rounded make_rounded(const float* const corners[3], double step, uint32_t
     return least;
 }
 
-/// Both meshes' triangles, in one order. The caller frees.
+/// The triangles of both meshes, sorted. The caller frees them.
 static rounded* round_source(const made_mesh* m, double step)
 {
     rounded* list = calloc(m->triangle_count + 1, sizeof(*list));
@@ -88,8 +88,18 @@ static bool is_whole(float position, double step)
     return floor(x) >= x;
 }
 
-/// Every triangle of the source is there once, in its winding; each position is the grid's point nearest to the
-/// source's, whatever cluster it is in: so nothing cracks.
+/// Codes a mesh, opens the result and decodes it. The caller destroys `coded` and `decoded`.
+static bool code_and_decode(stp_context* context, const stp_store_mesh* view, double step,
+                            stp_coded_mesh* coded, stp_clusters* clusters,
+                            stp_decoded_mesh* decoded)
+{
+    return stp_clusters_encode(context, view, step, coded) == STP_OK &&
+           stp_clusters_open(coded->bytes, coded->size, clusters) == NULL &&
+           stp_clusters_decode(context, clusters, decoded) == STP_OK;
+}
+
+/// Every source triangle occurs once, with its winding. Each position is the grid point nearest to
+/// the source's, in whatever cluster, so no cracks appear.
 static const char* find_position_fault(const made_mesh* m, const stp_decoded_mesh* decoded,
                                        double step)
 {
@@ -129,9 +139,7 @@ void test_clusters_keep_every_triangle_of_every_shape(test_state* test)
             stp_coded_mesh coded;
             stp_clusters clusters;
             stp_decoded_mesh decoded;
-            CHECK_EQUAL(STP_OK, stp_clusters_encode(context, &view, step, &coded));
-            CHECK(stp_clusters_open(coded.bytes, coded.size, &clusters) == NULL);
-            CHECK_EQUAL(STP_OK, stp_clusters_decode(context, &clusters, &decoded));
+            CHECK(code_and_decode(context, &view, step, &coded, &clusters, &decoded));
             const char* fault = find_position_fault(&m, &decoded, step);
             if (fault != NULL) {
                 fprintf(stderr, "shape %d, side %u: %s\n", shape, sides[i / 2], fault);
@@ -161,7 +169,8 @@ static int compare_doubles(const void* left, const void* right)
     return (a > b) - (a < b);
 }
 
-/// The largest error of a position in units of its cluster's median edge (edges of length 0 left out).
+/// The largest position error relative to the median edge of its cluster (without edges of length
+/// 0).
 static double worst_error(const stp_clusters* clusters, const stp_decoded_mesh* decoded)
 {
     double worst = 0.0;
@@ -204,9 +213,7 @@ void test_clusters_err_by_an_eighth_of_their_edges_at_most(test_state* test)
             stp_coded_mesh coded;
             stp_clusters clusters;
             stp_decoded_mesh decoded;
-            CHECK_EQUAL(STP_OK, stp_clusters_encode(context, &view, step, &coded));
-            CHECK(stp_clusters_open(coded.bytes, coded.size, &clusters) == NULL);
-            CHECK_EQUAL(STP_OK, stp_clusters_decode(context, &clusters, &decoded));
+            CHECK(code_and_decode(context, &view, step, &coded, &clusters, &decoded));
             double worst = worst_error(&clusters, &decoded);
             CHECK(worst <= 0.125);
             stp_decoded_mesh_destroy(context, &decoded);
@@ -221,10 +228,10 @@ static double degrees_between(const float* a, stp_vec3 b)
 {
     double x = (double)a[0] - (double)b.x, y = (double)a[1] - (double)b.y,
            z = (double)a[2] - (double)b.z;
-    return sqrt(x * x + y * y + z * z) * 57.3; // small angles
+    return sqrt(x * x + y * y + z * z) * 57.3; // for small angles
 }
 
-/// Whether attributes of a decoded triangle are those of the source's corner `from`.
+/// Whether a decoded triangle has the attributes of the source's corner `from`.
 static const char* find_attribute_fault(const made_mesh* m, const stp_decoded_mesh* d, uint32_t v,
                                         size_t corner, double largest)
 {
@@ -236,7 +243,7 @@ static const char* find_attribute_fault(const made_mesh* m, const stp_decoded_me
         for (size_t k = 0; k < 2; ++k) {
             double error = fabs((double)d->texcoords[set][2 * corner + k] -
                                 (double)m->texcoords[set][2 * (size_t)v + k]);
-            // a sixteenth of a texel of 8192, or what floats of the largest of them hold
+            // a sixteenth of a texel of 8192, or the float precision of the largest coordinate
             if (error > fmax(1.0 / 131072.0, largest * 0x1p-24) * 1.01) {
                 return "texture coordinates";
             }
@@ -268,9 +275,7 @@ void test_clusters_keep_attributes_of_corners(test_state* test)
         stp_coded_mesh coded;
         stp_clusters clusters;
         stp_decoded_mesh decoded;
-        CHECK_EQUAL(STP_OK, stp_clusters_encode(context, &view, step, &coded));
-        CHECK(stp_clusters_open(coded.bytes, coded.size, &clusters) == NULL);
-        CHECK_EQUAL(STP_OK, stp_clusters_decode(context, &clusters, &decoded));
+        CHECK(code_and_decode(context, &view, step, &coded, &clusters, &decoded));
         rounded* a = round_source(&m, step);
         rounded* b = round_decoded(&decoded, step);
         CHECK(a != NULL && b != NULL);
@@ -303,7 +308,7 @@ void test_clusters_of_cut_pieces_meet(test_state* test)
     made_mesh m;
     CHECK(context != NULL && made_mesh_create(MADE_WAVE, 30, 0, &m));
     double step = stp_choose_grid_step(m.positions, m.indices, m.triangle_count);
-    // whole, and as two pieces whose vertices keep their numbers: each piece rounds as the whole does
+    // whole, and as two pieces with the same vertices: each piece rounds as the whole does
     for (uint32_t piece = 0; piece < 3; ++piece) {
         stp_store_mesh view = made_mesh_view(&m);
         uint32_t half = m.triangle_count / 2;
@@ -315,9 +320,7 @@ void test_clusters_of_cut_pieces_meet(test_state* test)
         stp_coded_mesh coded;
         stp_clusters clusters;
         stp_decoded_mesh decoded;
-        CHECK_EQUAL(STP_OK, stp_clusters_encode(context, &view, step, &coded));
-        CHECK(stp_clusters_open(coded.bytes, coded.size, &clusters) == NULL);
-        CHECK_EQUAL(STP_OK, stp_clusters_decode(context, &clusters, &decoded));
+        CHECK(code_and_decode(context, &view, step, &coded, &clusters, &decoded));
         CHECK(find_position_fault(&part, &decoded, step) == NULL);
         stp_decoded_mesh_destroy(context, &decoded);
         stp_coded_mesh_destroy(context, &coded);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Clusters that are not what they say, meshes that cannot be clusters, and memory that runs out.
+// Forged clusters, meshes that cannot become clusters, and out-of-memory.
 #include "support_mesh.h"
 #include "tests.h"
 
 #include "base/position_grid.h"
 
-/// Uses everything that may be asked of clusters.
+/// Calls every function on clusters.
 static float use_clusters(const stp_clusters* clusters)
 {
     float sum = 0.0f;
@@ -42,7 +42,7 @@ static bool make_coded(stp_context* context, uint32_t side, stp_coded_mesh* code
     return result == STP_OK;
 }
 
-/// In memory of exactly that size, so that sanitizers see what is read beyond it.
+/// In memory of exactly that size, so that sanitizers detect reads beyond it.
 static const char* open_copy(const unsigned char* bytes, size_t size, size_t at, unsigned change)
 {
     static volatile float sink;
@@ -89,7 +89,7 @@ void test_clusters_survive_every_changed_byte(test_state* test)
             refused += at < head && fault != NULL ? 1 : 0;
         }
     }
-    CHECK(refused > 2 * head); // origins and steps may be anything
+    CHECK(refused > 2 * head); // any origins and steps are valid
     stp_coded_mesh_destroy(context, &coded);
     stp_context_destroy(context);
 }
@@ -134,7 +134,7 @@ void test_clusters_take_the_largest_and_smallest_numbers(test_state* test)
         stp_clusters_get(&clusters, 0, &c);
         float error = stp_cluster_position(&clusters, &c, c.indices[0]).x - positions[0];
         float other = stp_cluster_position(&clusters, &c, c.indices[0]).x;
-        CHECK(fabsf(error) <= 0.5f * (float)step || other <= 0.0f); // or turned to begin elsewhere
+        CHECK(fabsf(error) <= 0.5f * (float)step || other <= 0.0f); // or rotated to begin elsewhere
         stp_coded_mesh_destroy(context, &coded);
     }
     CHECK_EQUAL(0, log.errors);

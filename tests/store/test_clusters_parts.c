@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Meshes of leaves and twigs as clusters: small, and each part where it was.
+// Meshes of leaves and twigs as clusters: small, and every part in its place.
 #include "tests.h"
 
 #include "base/octahedral.h"
@@ -17,7 +17,7 @@ enum {
     TRIANGLES = 2 * LEAVES + TWIG_TRIANGLES * TWIGS,
 };
 
-/// Corners have texture coordinates of their own, and can be told by them.
+/// Each corner has unique texture coordinates, which identify it.
 typedef struct plant {
     float positions[3 * VERTICES], texcoords[2 * VERTICES];
     int16_t normals[2 * VERTICES];
@@ -113,8 +113,8 @@ static stp_store_mesh view_plant(const plant* p)
                             .indices = p->indices};
 }
 
-/// Looks at every corner of every cluster: it has a vertex of the plant, in a triangle of the plant, with that vertex'
-/// numbers, and lies within half a step of its cluster on each axis.
+/// Every corner of every cluster is a vertex of the plant, in a triangle of the plant, with that
+/// vertex's attributes, and lies within half a step of its cluster on each axis.
 static const char* find_fault(const plant* p, const stp_clusters* clusters, uint32_t* coarse)
 {
     uint32_t seen[VERTICES] = {0};
@@ -183,7 +183,7 @@ void test_clusters_keep_leaves_and_twigs(test_state* test)
         }
         CHECK(fault == NULL);
         CHECK(cut == 1 ? coarse == 0
-                       : coarse >= LEAVES); // steps chosen for twigs are too small for leaves
+                       : coarse >= LEAVES); // steps for twigs are too small for leaves
         stp_coded_mesh_destroy(context, &coded);
     }
     free(p);
@@ -211,7 +211,7 @@ void test_clusters_move_no_leaf_that_another_meets(test_state* test)
     stp_context* context = test_context(NULL, 1, NULL);
     plant* p = make_plant();
     CHECK(context != NULL && p != NULL);
-    // half of the leaves' tips are the next one's stalk, with vertices of their own
+    // half of the leaves' tips coincide with the next one's stalk, as separate vertices
     uint32_t leaf[LEAVES], count = 0;
     for (uint32_t t = 0; t < p->triangle_count; t += 2) {
         const uint32_t* index = p->indices + 3 * (size_t)t;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Positions unpacked many at a time against one by one, for every width and count.
+// Compares vectorised and scalar unpacking of positions, for every width and count.
 #include "tests.h"
 
 #include "base/processor.h"
@@ -17,7 +17,7 @@ static bool is_same(uint32_t count, const uint32_t widths[3], uint64_t seed, uin
     stp_cluster_run runs[3];
     bool same = true;
     for (uint32_t k = 0; k < 3; ++k) {
-        size_t size = (count * widths[k] + 7) / 8 + CLUSTERS_PADDING_BYTES; // and not a byte more
+        size_t size = (count * widths[k] + 7) / 8 + CLUSTERS_PADDING_BYTES; // exact size
         bytes[k] = malloc(size);
         for (size_t i = 0; bytes[k] != NULL && i < size; ++i) {
             bytes[k][i] = (uint8_t)stp_rng_hash(seed + k, i);

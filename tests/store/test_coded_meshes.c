@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Files with meshes as clusters: written, read, damaged.
+// Files with meshes as clusters: write, read, damage.
 #include "support_reseal.h"
 #include "support_sample.h"
 #include "tests.h"
@@ -17,7 +17,7 @@ static const char* scratch_path(char path[256], const char* name)
     return path;
 }
 
-/// The bytes of a written sample with coded meshes; the caller frees. NULL on failure.
+/// Writes a sample with coded meshes. @return its bytes, which the caller frees, or NULL
 static unsigned char* write_sample(stp_context* context, uint64_t seed, size_t* size)
 {
     char path[256];
@@ -90,18 +90,6 @@ void test_coded_meshes_are_not_columns(test_state* test)
     stp_context_destroy(context);
 }
 
-/// The entry of a section in the file's table.
-static unsigned char* find_section(unsigned char* bytes, uint32_t type)
-{
-    for (uint32_t i = 0; i < stp_read_u32(bytes + 32); ++i) {
-        unsigned char* entry = bytes + STP_STORE_HEADER_BYTES + i * STP_STORE_SECTION_BYTES;
-        if (stp_read_u32(entry) == type) {
-            return entry;
-        }
-    }
-    return NULL;
-}
-
 void test_coded_meshes_are_refused_by_readers_that_do_not_know_them(test_state* test)
 {
     test_log log = {.errors = 0};
@@ -113,7 +101,7 @@ void test_coded_meshes_are_refused_by_readers_that_do_not_know_them(test_state* 
     unsigned char* entry = find_section(bytes, STP_SECTION_CLUSTERS);
     CHECK(entry != NULL);
     CHECK_EQUAL(STP_SECTION_CRITICAL, stp_read_u32(entry + 4));
-    stp_write_u32(entry, 4000); // as a reader sees it that knows no type 32
+    stp_write_u32(entry, 4000); // as for a reader that does not know type 32
     reseal(bytes, size);
     stp_store* store = NULL;
     CHECK_EQUAL(STP_ERROR_UNSUPPORTED, stp_store_open_memory(context, "coded", bytes, size,
@@ -160,7 +148,7 @@ void test_coded_meshes_survive_every_damage(test_state* test)
     void* copy = NULL;
     CHECK_EQUAL(0, posix_memalign(&copy, 64, size));
     unsigned opened = 0, refused = 0;
-    for (size_t at = 0; at < size; ++at) { // the records of clusters, and all blocks
+    for (size_t at = 0; at < size; ++at) { // the cluster records and all blocks
         bool record = at >= records && at < records + record_bytes;
         if (!record && at < stp_read_u64(bytes + 24)) {
             continue;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Files that were cut, changed, forged, or written by a later version.
+// Files that are truncated, changed, forged, or from a later version.
 #include "support_reseal.h"
 #include "support_sample.h"
 #include "tests.h"
@@ -15,20 +15,6 @@
 
 static const stp_store_open_desc whole = {0};
 
-// Opens and checks all of a file in memory. The file's own verdict: STP_OK only where nothing is
-// wrong.
-static stp_result verdict(stp_context* context, const unsigned char* bytes, size_t size)
-{
-    stp_store* store = NULL;
-    stp_store_check_report report;
-    stp_result result = stp_store_open_memory(context, "memory", bytes, size, &whole, &store);
-    if (result == STP_OK) {
-        result = stp_store_check_open(store, false, &report);
-        stp_store_close(store);
-    }
-    return result;
-}
-
 static void check_truncations(test_state* test, const char* path)
 {
     size_t size = 0;
@@ -39,15 +25,15 @@ static void check_truncations(test_state* test, const char* path)
     for (size_t length = 0; length < size; ++length) {
         void* copy = NULL;
         CHECK(posix_memalign(&copy, 64, length) ==
-              0); // exactly as large: sanitizers see a read beyond
+              0); // exactly the file's size, so that sanitizers detect reads beyond it
         memcpy(copy, bytes, length);
         log.errors = 0;
-        stp_result result = verdict(context, copy, length);
+        stp_result result = sample_check(context, copy, length);
         free(copy);
         CHECK_EQUAL(STP_ERROR_TRUNCATED, result);
         CHECK_EQUAL(1, log.errors);
     }
-    CHECK_EQUAL(STP_OK, verdict(context, bytes, size));
+    CHECK_EQUAL(STP_OK, sample_check(context, bytes, size));
     free(bytes);
     stp_context_destroy(context);
 }
@@ -70,7 +56,7 @@ static void check_changed_bytes(test_state* test, const char* path)
             unsigned char old = bytes[at];
             bytes[at] = (unsigned char)(old ^ (bit < 8 ? 1u << bit : 0xFFu));
             log.errors = 0;
-            stp_result result = verdict(context, bytes, size);
+            stp_result result = sample_check(context, bytes, size);
             bytes[at] = old;
             if (result == STP_OK || log.errors != 1) {
                 fprintf(stderr, "byte %zu, bit %u: %s\n", at, bit, stp_result_string(result));
@@ -96,30 +82,18 @@ void test_store_says_what_is_wrong(test_state* test)
     test_log log = {.errors = 0};
     stp_context* context = test_context(NULL, 1, &log);
     CHECK(bytes != NULL && context != NULL);
-    bytes[5] = '\r'; // \r\n -> \r\r: line ends changed on the way
-    CHECK_EQUAL(STP_ERROR_FORMAT, verdict(context, bytes, size));
+    bytes[5] = '\r'; // \r\n -> \r\r: a transfer that converted line ends
+    CHECK_EQUAL(STP_ERROR_FORMAT, sample_check(context, bytes, size));
     CHECK(strstr(log.text, "line ends") != NULL);
     memcpy(bytes, "ply\n", 4);
-    CHECK_EQUAL(STP_ERROR_FORMAT, verdict(context, bytes, size));
+    CHECK_EQUAL(STP_ERROR_FORMAT, sample_check(context, bytes, size));
     CHECK(strstr(log.text, "not a .stip file") != NULL);
     memcpy(bytes, STP_STORE_MAGIC, 8);
     bytes[size - 1] ^= 1;
-    CHECK_EQUAL(STP_ERROR_FORMAT, verdict(context, bytes, size));
+    CHECK_EQUAL(STP_ERROR_FORMAT, sample_check(context, bytes, size));
     CHECK(strstr(log.text, "checksum of the block") != NULL);
     free(bytes);
     stp_context_destroy(context);
-}
-
-// The entry of a section in the table; NULL where the file has none of the type.
-static unsigned char* section_entry(unsigned char* bytes, uint32_t type)
-{
-    for (uint32_t i = 0; i < stp_read_u32(bytes + 32); ++i) {
-        unsigned char* entry = bytes + STP_STORE_HEADER_BYTES + i * STP_STORE_SECTION_BYTES;
-        if (stp_read_u32(entry) == type) {
-            return entry;
-        }
-    }
-    return NULL;
 }
 
 void test_store_opens_newer_minor_versions(test_state* test)
@@ -135,42 +109,41 @@ void test_store_opens_newer_minor_versions(test_state* test)
     stp_store_close(store);
     CHECK(objects > 1 && views > 0);
 
-    // a newer minor version, and a section that this reader does not know in place of the views
+    // a newer minor version, with an unknown section type in place of the views
     stp_write_u16(bytes + 10, 7);
-    stp_write_u32(section_entry(bytes, STP_SECTION_VIEWS), 99);
+    stp_write_u32(find_section(bytes, STP_SECTION_VIEWS), 99);
     reseal(bytes, size);
-    CHECK_EQUAL(STP_OK, verdict(context, bytes, size));
+    CHECK_EQUAL(STP_OK, sample_check(context, bytes, size));
     CHECK_EQUAL(STP_OK, stp_store_open_memory(context, "m", bytes, size, &whole, &store));
     CHECK_EQUAL(0, stp_store_get_directory(store)->view_count);
     stp_store_close(store);
 
     // the same, critical
-    stp_write_u32(section_entry(bytes, 99) + 4, STP_SECTION_CRITICAL);
+    stp_write_u32(find_section(bytes, 99) + 4, STP_SECTION_CRITICAL);
     reseal(bytes, size);
-    CHECK_EQUAL(STP_ERROR_UNSUPPORTED, verdict(context, bytes, size));
-    stp_write_u32(section_entry(bytes, 99) + 4, 0);
+    CHECK_EQUAL(STP_ERROR_UNSUPPORTED, sample_check(context, bytes, size));
+    stp_write_u32(find_section(bytes, 99) + 4, 0);
 
-    // records with fields added at their ends: the first object of one that is as long as all
-    unsigned char* entry = section_entry(bytes, STP_SECTION_OBJECTS);
+    // records with fields appended: one object that is as long as all
+    unsigned char* entry = find_section(bytes, STP_SECTION_OBJECTS);
     stp_write_u64(entry + 24, 1);
     stp_write_u32(entry + 32, 112 * objects);
     reseal(bytes, size);
-    CHECK_EQUAL(STP_OK, verdict(context, bytes, size));
+    CHECK_EQUAL(STP_OK, sample_check(context, bytes, size));
     CHECK_EQUAL(STP_OK, stp_store_open_memory(context, "m", bytes, size, &whole, &store));
     CHECK_EQUAL(1, stp_store_get_directory(store)->object_count);
     stp_store_close(store);
 
-    // a newer major version is refused as such, whatever its header holds
+    // a newer major version is rejected as such, whatever its header contains
     stp_write_u16(bytes + 8, STP_STORE_MAJOR + 1);
     memset(bytes + 60, 0xAB, 64);
-    CHECK_EQUAL(STP_ERROR_VERSION, verdict(context, bytes, size));
+    CHECK_EQUAL(STP_ERROR_VERSION, sample_check(context, bytes, size));
     free(bytes);
     stp_context_destroy(context);
 }
 
-// Every 32-bit word of header, section table and tables, replaced by numbers that lead astray, with
-// all checksums made right: whatever the verdict, nothing is read beyond the end and memory stays
-// bounded.
+// Replaces every 32-bit word of header, section table and tables by misleading numbers and reseals
+// the checksums. Whatever the result, nothing is read out of bounds and memory stays bounded.
 static void check_forged_numbers(test_state* test, const char* path)
 {
     static const uint32_t forged[] = {0,          1,       0x7FFFFFFF, 0xFFFFFFFE,
@@ -189,7 +162,7 @@ static void check_forged_numbers(test_state* test, const char* path)
             memcpy(copy, bytes, size);
             stp_write_u32((unsigned char*)copy + at, forged[i]);
             reseal(copy, size);
-            refused += verdict(context, copy, size) != STP_OK;
+            refused += sample_check(context, copy, size) != STP_OK;
         }
     }
     CHECK(refused > 1000);
@@ -264,7 +237,7 @@ void test_store_reads_every_prefix_that_holds_the_directory(test_state* test)
     check_prefixes(test, GOLDEN_PACKED);
 }
 
-// A scene of one mesh whose block has a gap: positions 0 to 11, nothing, indices 16 to 27.
+// A scene of one mesh whose block has a gap: positions at 0 to 11, gap, indices at 16 to 27.
 static unsigned char* make_gap(stp_context* context, size_t* size)
 {
     char path[256];
@@ -304,11 +277,11 @@ void test_store_checks_bytes_between_columns(test_state* test)
     size_t size = 0;
     unsigned char* bytes = make_gap(context, &size);
     CHECK(bytes != NULL);
-    CHECK_EQUAL(STP_OK, verdict(context, bytes, size));
+    CHECK_EQUAL(STP_OK, sample_check(context, bytes, size));
     CHECK_EQUAL(28, size - stp_read_u64(bytes + 24));
     bytes[size - 28 + 13] = 1;
     reseal(bytes, size);
-    CHECK_EQUAL(STP_ERROR_FORMAT, verdict(context, bytes, size));
+    CHECK_EQUAL(STP_ERROR_FORMAT, sample_check(context, bytes, size));
     CHECK(strstr(log.text, "between blocks or columns") != NULL);
     free(bytes);
     stp_context_destroy(context);
@@ -325,7 +298,7 @@ void test_store_keeps_damaged_data_away_from_callers(test_state* test)
     for (int sealed = 0; sealed < 2; ++sealed) {
         stp_store* store = NULL;
         stp_store_mesh mesh;
-        bytes[size - 1] = 7; // an index of 7 << 24, with a wrong checksum, then with a right one
+        bytes[size - 1] = 7; // an index of 7 << 24, first with a wrong checksum, then resealed
         if (sealed == 1) {
             reseal(bytes, size);
         }

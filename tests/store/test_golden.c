@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Files of old versions, which must open for ever, and files for the reader in
-// scripts/read_store.py.
+// Files of old versions, which must open forever, and files for scripts/read_store.py.
 #include "support_chunks.h"
 #include "support_expected.h"
 #include "support_pictures.h"
@@ -11,7 +10,7 @@
 
 enum { GOLDEN_SEED = 175, METHODS_SEED = 181 };
 
-// STP_STORE_SAMPLE=NAME writes NAME-SEED.stip, and what is in them as NAME-SEED.json.
+// STP_STORE_SAMPLE=NAME writes NAME-SEED.stip and its content as NAME-SEED.json.
 void test_store_writes_samples_for_another_reader(test_state* test)
 {
     const char* name = getenv("STP_STORE_SAMPLE");
@@ -28,7 +27,7 @@ void test_store_writes_samples_for_another_reader(test_state* test)
         CHECK(seed % 4 != 2 || pictures_add(&arena, &made, 1));
         snprintf(path, sizeof(path), "%s-%llu.stip", name, (unsigned long long)seed);
         CHECK_EQUAL(STP_OK, stp_store_write(context, &made.content, path));
-        stp_store* store = NULL; // tells how many bytes compressed data take
+        stp_store* store = NULL; // gives the sizes of compressed data
         CHECK_EQUAL(STP_OK, stp_store_open(context, path, &store));
         json_t* expected = sample_expected_json(&made.content, stp_store_get_summary(store));
         stp_store_close(store);
@@ -79,7 +78,7 @@ void test_store_opens_version_1_for_ever(test_state* test)
         uint32_t minor = i < 2 ? i : 2;
         stp_arena arena = stp_arena_create(context, 1 << 16);
         sample made = sample_make(&arena, GOLDEN_SEED);
-        if (minor == 0) { // had neither keys nor a summary
+        if (minor == 0) { // version 1.0 had neither keys nor a summary
             made.content.surfel_keys = made.content.mesh_keys = NULL;
             made.content.census = NULL;
         }
@@ -103,9 +102,9 @@ void test_store_opens_clusters_of_version_1_for_ever(test_state* test)
     const char* path = STP_TEST_SOURCE_DIR "/tests/golden/store/v1/clusters-1.1.stip";
     stp_arena arena = stp_arena_create(context, 1 << 16);
     sample made = sample_make(&arena, GOLDEN_SEED);
-    const double steps[] = {0.25, 1.0}; // as were chosen then
+    const double steps[] = {0.25, 1.0}; // the steps of that time
     CHECK_EQUAL(4, (made.content.directory.mesh_count + 1) & ~1u);
-    CHECK(sample_code_meshes(&arena, &made, steps)); // the coding, too, stays what it is
+    CHECK(sample_code_meshes(&arena, &made, steps)); // the coding must not change either
     stp_store* store = NULL;
     CHECK_EQUAL(STP_OK, stp_store_open(context, path, &store));
     const char* difference = sample_difference(&made.content, store);
@@ -154,8 +153,8 @@ void test_store_opens_pictures_of_version_1_2_for_ever(test_state* test)
     stp_context_destroy(context);
 }
 
-// Holds as long as the writer writes version 1.2. Where it no longer should: a new golden beside
-// the old one. STP_WRITE_GOLDEN writes it.
+// Valid while the writer writes version 1.2. After that, add a new golden beside the old one.
+// STP_WRITE_GOLDEN writes it.
 void test_store_writes_the_same_bytes_as_ever(test_state* test)
 {
     char path[256];

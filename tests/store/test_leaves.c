@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Leaves of sets in a file (src/store/leaves.c): they come back, by themselves or with a residency, and what makes no sense is
-// refused.
+// Leaves of sets in a file (src/store/leaves.c): round trip with and without a residency; invalid
+// ones are rejected.
 #include "support_reader.h"
 #include "support_sample.h"
 #include "tests.h"
@@ -109,7 +109,7 @@ static void tear_down(fixture* f)
     stp_context_destroy(f->context);
 }
 
-/// Of the file's block of leaves.
+/// Block of the file's leaves.
 static stp_store_block* find_block(const stp_store* store)
 {
     stp_store_block* blocks = store->tables[STP_SECTION_BLOCKS];
@@ -142,7 +142,7 @@ void test_leaves_come_back(test_state* test)
     CHECK(store != NULL);
     CHECK_EQUAL(STP_OK, stp_store_get_leaves(store, 0, &leaves));
     CHECK_EQUAL(0, leaves.leaf_count);
-    CHECK(stp_store_resident_surfels(store, 0) > 0); // and holds some splats all the same
+    CHECK(stp_store_resident_surfels(store, 0) > 0); // but it has some splats
     stp_store_close(store);
     tear_down(&f);
 }
@@ -174,7 +174,7 @@ void test_leaves_come_with_a_residency(test_state* test)
     tear_down(&f);
 }
 
-/// Each makes the leaves another kind of nonsense.
+/// Each way makes the leaves invalid differently.
 static bool break_leaves(stp_splats* set, int way)
 {
     stp_splat_leaf* leaf = &set->leaves[set->leaf_count / 2];
@@ -230,7 +230,7 @@ void test_leaves_that_make_no_sense_are_refused(test_state* test)
         stp_store_block* block = find_block(store);
         memcpy(f.bytes + block->offset, f.set.leaves, (size_t)block->size);
         stp_store_leaves leaves;
-        if (way != 8) { // the checksum is wrong; and when it is right, the leaves are
+        if (way != 8) { // wrong checksum first; then resealed, so the leaves are checked
             CHECK_EQUAL(STP_ERROR_FORMAT, stp_store_get_leaves(store, 0, &leaves));
             block->crc = stp_store_crc(0, f.bytes + block->offset, (size_t)block->size);
             CHECK_EQUAL(STP_ERROR_FORMAT, stp_store_get_leaves(store, 0, &leaves));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Sets of several methods in one file: what is written comes back, and what no reader could draw is refused.
+// Sets of several methods in one file: round trip; sets that no reader could draw are rejected.
 #include "support_chunks.h"
 #include "support_sample.h"
 #include "tests.h"
@@ -21,7 +21,7 @@ typedef struct fixture {
     uint32_t sets[NODES];
 } fixture;
 
-// Four nodes; the first set is node 0's by the first method, the two others are nodes 1's and 3's by the second.
+// Four nodes. The first method has set 0 for node 0; the second has sets 1 and 2 for nodes 1 and 3.
 static bool set_up(fixture* f, stp_context* context)
 {
     f->arena = stp_arena_create(context, 1 << 20);
@@ -44,7 +44,7 @@ static bool set_up(fixture* f, stp_context* context)
     return true;
 }
 
-// Writes the content and opens it. @return what either returned
+// Writes the content and opens it. @return the first failure
 static stp_result write_and_open(stp_context* context, const stp_store_content* content,
                                  unsigned char** bytes, stp_store** store)
 {
@@ -79,7 +79,7 @@ void test_methods_of_a_file(test_state* test)
     CHECK(strcmp(d->methods[1].name, "spt") == 0);
     uint32_t spt = stp_store_find_method(d, STP_METHOD_SPT);
     CHECK_EQUAL(1, spt);
-    CHECK_EQUAL(0, stp_store_find_method(d, STP_METHOD_PSP)); // not there: the first
+    CHECK_EQUAL(0, stp_store_find_method(d, STP_METHOD_PSP)); // not in the file: the first one
     for (uint32_t i = 0; i < NODES; ++i) {
         CHECK_EQUAL(f.nodes[i].surfels, stp_store_set_of(d, 0, i));
         CHECK_EQUAL(f.sets[i], stp_store_set_of(d, spt, i));
@@ -103,7 +103,7 @@ void test_methods_that_are_not_known(test_state* test)
     f.methods[0].id = 99;
     CHECK_EQUAL(STP_OK, write_and_open(context, &f.made.content, &bytes, &store));
     const stp_store_directory* d = stp_store_get_directory(store);
-    CHECK_EQUAL(1, d->method_count); // the other takes the nodes
+    CHECK_EQUAL(1, d->method_count); // the other one takes the nodes
     CHECK_EQUAL(STP_METHOD_SPT, d->methods[0].id);
     for (uint32_t i = 0; i < NODES; ++i) {
         CHECK_EQUAL(f.sets[i], d->nodes[i].surfels);
@@ -119,33 +119,33 @@ void test_methods_that_are_not_known(test_state* test)
     stp_context_destroy(context);
 }
 
-// Each breaks one thing of a file that is right.
+// Each breaks one property of a valid file.
 static void break_thing(fixture* f, int thing)
 {
     stp_splats* set = &f->made.sets[1];
     switch (thing) {
-    case 0: // two methods of one number
+    case 0: // two methods with one id
         f->methods[1].id = STP_METHOD_BLUE;
         break;
-    case 1: // a set that is nobody's
+    case 1: // a set without a node
         f->sets[3] = STP_STORE_NONE;
         break;
-    case 2: // a set of two nodes
+    case 2: // a set with two nodes
         f->sets[2] = 1;
         break;
-    case 3: // a set of no method
+    case 3: // a set without a method
         f->methods[1].set_count = 1;
         break;
-    case 4: // a node whose set is another method's
+    case 4: // a node with a set of another method
         f->nodes[2].surfels = 2;
         break;
-    case 5: // columns that the method has not
+    case 5: // columns that the method does not have
         set->columns = STP_SPLATS_RANGES;
         break;
-    case 6: // columns that no version knows
+    case 6: // undefined columns
         f->methods[1].columns = 8;
         break;
-    case 7: // a column that is not there
+    case 7: // a missing column
         set->columns = f->methods[1].columns = f->made.sets[2].columns = STP_SPLATS_SHAPES;
         break;
     default: // no name
@@ -189,10 +189,10 @@ void test_splat_codes_never_shrink(test_state* test)
     CHECK(!stp_range_is_valid(0x00010002u)); // lowest above highest
     CHECK(!stp_range_is_valid(0xFF010000u)); // not a number
     CHECK(!stp_shape_is_valid(0x00FFFu));    // not finite
-    CHECK(!stp_shape_is_valid(0x00002001u)); // the smaller one larger
+    CHECK(!stp_shape_is_valid(0x00002001u)); // smaller radius above the larger
 }
 
-// Shapes and ranges that are wrong are refused where they are written, and by a reader whose file was changed.
+// Invalid shapes and ranges are rejected by the writer, and by a reader of a changed file.
 void test_splat_columns_are_judged(test_state* test)
 {
     test_log log = {.errors = 0};

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
-// What opening costs, and what is left for later.
+// The cost of opening, and what is deferred.
 #include "support_sample.h"
 #include "tests.h"
 
 #include <string.h>
 #include <unistd.h>
 
-// KB of a mapped file that are resident in this process, from /proc/self/smaps; -1 where that is
-// not there.
+// KB of a mapped file that are resident in this process, from /proc/self/smaps; -1 without it.
 static long resident_kb(const char* path)
 {
     FILE* maps = fopen("/proc/self/smaps", "r");
@@ -62,7 +61,7 @@ void test_store_open_leaves_bulk_data_alone(test_state* test)
         SKIP("/proc/self/smaps is not there");
     }
     CHECK(opened < 1024);
-    CHECK(used >= 4 * 2048 * 2048 / 1024); // the measure sees what is read
+    CHECK(used >= 4 * 2048 * 2048 / 1024); // checks the measurement itself
 }
 
 void test_store_objects_can_wait(test_state* test)
@@ -125,7 +124,7 @@ void test_store_surfels_come_octave_by_octave(test_state* test)
             CHECK_EQUAL(octaves, got[k].octave_count);
             CHECK_EQUAL(octaves == 0 ? 0 : known->octave_ends[octaves - 1], got[k].count);
             CHECK_EQUAL(octaves, stp_store_octaves_for(known, got[k].count));
-            for (uint32_t j = 0; j <= k; ++j) { // earlier answers stay valid
+            for (uint32_t j = 0; j <= k; ++j) { // earlier results stay valid
                 CHECK(begins_with(&at_once, &got[j]));
             }
             tried += 1;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Progressive sets coded as operators: nothing is lost, any prefix decodes, and forged bytes do no
-// harm.
+// Progressive sets coded as operators: lossless, any prefix decodes, forged bytes are harmless.
 #include "support_expected.h"
 #include "support_progressive.h"
 #include "support_reader.h"
@@ -38,7 +37,7 @@ void test_range_coder_brings_back_bits(test_state* test)
             models[m] = again[m] = (stp_bit_model){.zero = STP_BIT_EVEN};
         }
         stp_range_encode_begin(&coder, bytes, sizeof(bytes));
-        for (uint64_t i = 0; i < 20000; ++i) { // some hardly ever 1, some hardly ever 0
+        for (uint64_t i = 0; i < 20000; ++i) { // some bits are rarely 1, some rarely 0
             uint64_t h = stp_rng_hash(seed, i);
             uint32_t bit = (h >> 8) % 1000 < (seed < 4 ? 1 : seed < 8 ? 999 : (h & 3) * 300);
             stp_range_code_bit(&coder, &models[h & 3], bit);
@@ -63,7 +62,7 @@ void test_range_coder_brings_back_bits(test_state* test)
     }
 }
 
-/// A set, and what of it was decoded.
+/// A set and its decoded part.
 typedef struct fixture {
     stp_context* context;
     stp_arena arena;
@@ -104,7 +103,7 @@ static size_t encode(const fixture* f, uint32_t begin, uint32_t end, size_t room
     return stp_operators_encode(&run, f->order + (begin - base) / 2, f->bytes, room);
 }
 
-// In runs of any lengths, read one after the other, or after splats that are known.
+// In runs of any length, consecutively or after known splats.
 void test_operators_lose_nothing(test_state* test)
 {
     for (size_t n = 0; n <= SAMPLES; ++n) {
@@ -127,7 +126,7 @@ void test_operators_lose_nothing(test_state* test)
                 stp_operator_run run = {.set = &f.found, .begin = begin, .end = end};
                 if ((h >> 62 & 1) != 0) {
                     CHECK(stp_operators_decode(&run, &reader, f.bytes, size));
-                } else { // the columns as they are
+                } else { // plain columns
                     memcpy(f.found.ranges + begin, f.set.ranges + begin, 4 * (size_t)(end - begin));
                     stp_operators_skip(&reader, begin, end);
                     stp_splats kept = f.found;
@@ -149,8 +148,8 @@ void test_operators_lose_nothing(test_state* test)
     }
 }
 
-// Shorter, longer, or with a bit turned over: no read or write beyond the ends, and what is
-// accepted is a valid prefix.
+// Truncated, extended, or with a flipped bit: no access out of bounds, and whatever is accepted is
+// a valid prefix.
 void test_operators_that_are_damaged_do_no_harm(test_state* test)
 {
     fixture f;
@@ -159,7 +158,8 @@ void test_operators_that_are_damaged_do_no_harm(test_state* test)
     uint32_t refused = 0, tried = 0, same = 0;
     for (size_t at = 0; at < 9 * size; ++at) {
         size_t length = at < 8 * size ? size : at - 8 * size;
-        unsigned char* copy = malloc(length + 1); // of its own, so that reads beyond are found
+        unsigned char* copy =
+            malloc(length + 1); // separate memory, so that sanitizers detect reads beyond it
         CHECK(copy != NULL);
         memcpy(copy, f.bytes, length);
         copy[length] = 0;
@@ -185,7 +185,7 @@ void test_operators_that_are_damaged_do_no_harm(test_state* test)
         free(copy);
     }
     CHECK(refused > tried - tried / 50 && same < 16);
-    // zero bytes may follow, others may not
+    // zero bytes may follow, others must not
     CHECK_EQUAL(size, encode(&f, 0, f.set.count, RUN_BYTES));
     memset(f.bytes + size, 0, 8);
     for (int last = 0; last < 2; ++last) {
@@ -199,8 +199,8 @@ void test_operators_that_are_damaged_do_no_harm(test_state* test)
     tear_down(&f);
 }
 
-// The paper's operators take 48 bytes (5). Of few splats the models have learned less: those of 6,000
-// points take 16.3 bytes each, of 12,000 points 15.7.
+// The paper's operators take 48 bytes (5). With few splats the models have learned less: 16.3 bytes
+// each for 6,000 points, 15.7 for 12,000.
 void test_operators_take_less_than_a_third_of_the_papers(test_state* test)
 {
     fixture f;
@@ -221,7 +221,7 @@ void test_operators_take_less_than_a_third_of_the_papers(test_state* test)
 
 enum { SETS = 3 };
 
-/// A file of progressive sets, and the bytes of it.
+/// A file of progressive sets and its bytes.
 typedef struct file_fixture {
     stp_context* context;
     stp_arena arena;
@@ -309,7 +309,8 @@ void test_operators_come_back_from_files(test_state* test)
         CHECK_EQUAL(STP_OK, open_bytes(&f, f.bytes, f.size, false, &store));
         for (uint32_t i = 0; i < SETS; ++i) {
             stp_splats got;
-            for (uint32_t k = 1; k <= f.sets[i].octave_count; k += 2) { // octaves after octaves
+            for (uint32_t k = 1; k <= f.sets[i].octave_count;
+                 k += 2) { // additional octaves step by step
                 CHECK_EQUAL(STP_OK, stp_store_get_surfels_prefix(store, i, k, &got));
                 CHECK_EQUAL(f.sets[i].octave_ends[k - 1], got.count);
                 CHECK(progressive_sample_is_same(&f.sets[i], &got, got.count));
@@ -362,7 +363,7 @@ void test_store_writes_operators_for_another_reader(test_state* test)
     file_tear_down(&f);
 }
 
-// A file of version 1.2 with operators opens for ever. STP_WRITE_GOLDEN writes it, and what is in it.
+// A version 1.2 file with operators must open forever. STP_WRITE_GOLDEN writes it and its content.
 void test_operators_of_version_1_2_open_for_ever(test_state* test)
 {
     static const char golden[] = STP_TEST_SOURCE_DIR "/tests/golden/store/v1/operators-1.2";
@@ -396,7 +397,7 @@ void test_operators_of_version_1_2_open_for_ever(test_state* test)
     file_tear_down(&f);
 }
 
-// A file that ends early has the first octaves of each set.
+// A truncated file has the first octaves of each set.
 void test_operators_of_short_files_are_prefixes(test_state* test)
 {
     file_fixture f;
@@ -421,7 +422,7 @@ void test_operators_of_short_files_are_prefixes(test_state* test)
     file_tear_down(&f);
 }
 
-// Columns that are no progressive set are written as those of other methods.
+// Columns that are not a progressive set are written without operators.
 void test_operators_are_for_progressive_sets_alone(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
@@ -479,7 +480,7 @@ void test_operators_are_streamed(test_state* test)
     file_tear_down(&f);
 }
 
-// Bytes are changed and checksums made right again. Whatever is read afterwards are splats.
+// Changes bytes and reseals the checksums. Whatever is read afterwards are valid splats.
 void test_operators_that_are_forged_are_refused(test_state* test)
 {
     test_log log = {.errors = 0};

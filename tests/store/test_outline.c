@@ -15,12 +15,12 @@ enum { MANY = 20000 };
 typedef struct forest {
     stp_context* context;
     stp_store* store;
-    stp_store_object* objects; ///< what was written
+    stp_store_object* objects; ///< as written
     char (*names)[24];
     char path[64];
 } forest;
 
-/// A file of objects without anything to see, each below a random one before it, or below the one before it (no seed).
+/// Invisible objects, each below a random earlier one, or below the previous one (seed 0).
 static bool plant(forest* f, uint32_t count, uint64_t seed)
 {
     snprintf(f->path, sizeof(f->path), "/tmp/stp_outline_XXXXXX");
@@ -73,7 +73,7 @@ void test_outline_lists_children_in_order(test_state* test)
     bool ready = false;
     CHECK_EQUAL(STP_OK, stp_outline_create(f.context, f.store, &outline));
     uint32_t slices = 0;
-    while (!ready) { // a slice a frame
+    while (!ready) { // a slice per frame
         CHECK_EQUAL(STP_OK, stp_outline_prepare(outline, 1000, &ready));
         slices += 1;
     }
@@ -118,7 +118,7 @@ void test_outline_search_finds_parts_of_names_in_any_case(test_state* test)
 {
     static const struct {
         const char* text;
-        const char* sure; ///< what a name must have, as it is written
+        const char* sure; ///< text that names must contain, in their spelling
     } searches[] = {{"t\xC3\xBCr 9", "T\xC3\x9CR 9"}, {"PIPE 77", "Pipe 77"}, {"guid", NULL}};
     forest f;
     CHECK(plant(&f, MANY, 6));
@@ -169,7 +169,7 @@ void test_outline_paths_lead_back(test_state* test)
         CHECK_EQUAL(STP_OK, stp_outline_item_of(outline, i, &item));
         CHECK_EQUAL(STP_OK, stp_outline_path(outline, &item, path, sizeof(path)));
         CHECK_EQUAL(STP_OK, stp_outline_by_path(outline, path, NULL, &back, &found));
-        CHECK(found); // names repeat: perhaps another of this path
+        CHECK(found); // names repeat, so it may be another with this path
         char again[512];
         CHECK_EQUAL(STP_OK, stp_outline_path(outline, &back, again, sizeof(again)));
         CHECK(strcmp(path, again) == 0);
@@ -212,7 +212,7 @@ void test_outline_cuts_paths_between_characters(test_state* test)
     fell(&f);
 }
 
-/// Walks the outline down and counts its rows.
+/// Walks the whole outline and counts its rows.
 static bool walk(stp_outline* outline, const stp_store* store, const stp_outline_item* item,
                  uint32_t depth, uint32_t* rows)
 {
@@ -302,7 +302,7 @@ void test_outline_refuses_damaged_records_and_survives_lack_of_memory(test_state
     CHECK(bytes != NULL && fread(bytes, 1, size, file) == size && fclose(file) == 0);
     stp_store_open_desc desc = {.defer_objects = true};
     uint32_t refused = 0;
-    for (uint32_t i = 0; i < 60; ++i) { // one byte of the second half, where objects are
+    for (uint32_t i = 0; i < 60; ++i) { // one byte of the second half, where the objects are
         test_log log = {0};
         stp_context* context = test_context(NULL, 1, &log);
         size_t at = size / 2 + stp_rng_below(3, i, (uint32_t)(size / 2));
@@ -340,7 +340,7 @@ void test_outline_refuses_damaged_records_and_survives_lack_of_memory(test_state
         result = result == STP_OK ? stp_outline_prepare(outline, 0, &ready) : result;
         failed = result != STP_OK;
         CHECK(!failed || result == STP_ERROR_OUT_OF_MEMORY);
-        if (failed && outline != NULL) { // a second try begins anew
+        if (failed && outline != NULL) { // a retry starts again
             heap.fail_at = -1;
             CHECK_EQUAL(STP_OK, stp_outline_prepare(outline, 0, &ready));
             CHECK(ready);

@@ -18,7 +18,7 @@ static void temporary_path(char path[256], const char* name)
              (long)getpid());
 }
 
-// A scene of one node and many objects with names: several pages of records and of texts.
+// A scene of one node and many named objects: several pages of records and of texts.
 static unsigned char* write_objects(stp_context* context, bool packed, size_t* size)
 {
     char path[256];
@@ -80,7 +80,7 @@ void test_store_packs_what_it_reads_back(test_state* test)
         stp_store* some = open_bytes(context, bytes, sizes[packed], true);
         CHECK(all != NULL && some != NULL);
         for (uint32_t i = 0; i < OBJECTS; ++i) {
-            uint32_t other = (i * 977) % OBJECTS; // in no order, one by one
+            uint32_t other = (i * 977) % OBJECTS; // out of order, one by one
             stp_store_object object;
             CHECK(is_object(&stp_store_get_directory(all)->objects[i], i));
             CHECK_EQUAL(STP_OK, stp_store_read_object(some, other, &object));
@@ -96,7 +96,7 @@ void test_store_packs_what_it_reads_back(test_state* test)
     stp_context_destroy(context);
 }
 
-// One object needs its own page, and those of its name.
+// One object needs only its own page and those of its name.
 void test_store_reads_one_object_from_a_few_pages(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
@@ -121,7 +121,7 @@ void test_store_reads_one_object_from_a_few_pages(test_state* test)
     stp_context_destroy(context);
 }
 
-// Right checksums, wrong content: what is refused, and how it is said.
+// Valid checksums, wrong content: the offset, the value, and the expected message.
 void test_store_refuses_forged_pages(test_state* test)
 {
     test_log log = {.errors = 0};
@@ -150,9 +150,9 @@ void test_store_refuses_forged_pages(test_state* test)
         {(size_t)section.offset + 48, UINT32_MAX, "compression of page 0"}, // its stream
         {entry + 24, OBJECTS + 1, "of the section of type 17"},             // one object more
         {entry + 24, OBJECTS / 2, "do not fill it"},                        // half of the objects
-        {entry + 24, 100 * OBJECTS, "size that its records need"},
-        {entry + 32, 1 << 17, "size that its records need"}, // records longer than a page
-        {entry + 4, 0, "size that its records need"},        // not packed
+        {entry + 24, 100 * OBJECTS, "wrong size for its records"},
+        {entry + 32, 1 << 17, "wrong size for its records"}, // records longer than a page
+        {entry + 4, 0, "wrong size for its records"},        // not packed
         {entry + 4, 4, "flags"},
     };
     for (size_t i = 0; i < sizeof(forgeries) / sizeof(forgeries[0]); ++i) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Textures whose blocks are picture files: stored as they came, shared, decoded when asked for, never trusted.
+// Textures whose blocks are image files: stored unchanged, shared, decoded on request, never
+// trusted.
 #include "support_pictures.h"
 #include "support_reseal.h"
 #include "tests.h"
@@ -120,7 +121,7 @@ void test_store_decodes_pictures_once(test_state* test)
     stp_context_destroy(context);
 }
 
-/// Opens the bytes anew and asks for a texture. @return the verdict of opening, else that of the texture
+/// Opens the bytes again and gets a texture. @return the first failure
 static stp_result verdict(fixture* f, uint32_t index)
 {
     stp_store_texture texture;
@@ -142,19 +143,19 @@ void test_store_refuses_damaged_pictures(test_state* test)
         unsigned char* copy = malloc((size_t)size);
         CHECK(copy != NULL);
         memcpy(copy, f.bytes + offset, (size_t)size);
-        f.bytes[offset + size / 2] ^= 0x55; // a checksum tells
+        f.bytes[offset + size / 2] ^= 0x55; // detected by the checksum
         log.errors = 0;
         CHECK_EQUAL(STP_ERROR_FORMAT, verdict(&f, i));
         CHECK_EQUAL(1, log.errors);
         CHECK(strstr(log.text, "checksum") != NULL);
-        // the second half is gone, and the checksums are right
+        // the second half is zero, with valid checksums
         memset(f.bytes + offset + size / 2, 0, (size_t)(size - size / 2));
         reseal(f.bytes, f.size);
         log.errors = 0;
         stp_result result = verdict(&f, i);
-        CHECK(result == STP_ERROR_FORMAT || i == PICTURE_WEBP); // zeros are values there
+        CHECK(result == STP_ERROR_FORMAT || i == PICTURE_WEBP); // WebP may decode zeros
         CHECK_EQUAL(result == STP_OK ? 0 : 1, log.errors);
-        // no picture at all
+        // no image at all
         memset(f.bytes + offset, 0, (size_t)size);
         reseal(f.bytes, f.size);
         log.errors = 0;
@@ -175,16 +176,11 @@ void test_store_refuses_damaged_pictures(test_state* test)
 /// The bytes of a section.
 static unsigned char* section_bytes(unsigned char* bytes, uint32_t type)
 {
-    for (uint32_t i = 0; i < stp_read_u32(bytes + 32); ++i) {
-        unsigned char* entry = bytes + STP_STORE_HEADER_BYTES + i * STP_STORE_SECTION_BYTES;
-        if (stp_read_u32(entry) == type) {
-            return bytes + stp_read_u64(entry + 8);
-        }
-    }
-    return NULL;
+    unsigned char* entry = find_section(bytes, type);
+    return entry != NULL ? bytes + stp_read_u64(entry + 8) : NULL;
 }
 
-// Records that lie about their pictures are refused before anything is allocated.
+// Records that do not match their pictures are rejected before anything is allocated.
 void test_store_refuses_lies_about_pictures(test_state* test)
 {
     test_log log = {.errors = 0};
@@ -202,12 +198,13 @@ void test_store_refuses_lies_about_pictures(test_state* test)
     } lies[] = {
         {records + 24 * PICTURE_JPEG, 17, PICTURE_JPEG, STP_ERROR_FORMAT},        // its width
         {records + 24 * PICTURE_JPEG + 4, 65536, PICTURE_JPEG, STP_ERROR_FORMAT}, // its height
-        {records + 24 * PICTURE_AGAIN, 32, PICTURE_AGAIN, STP_ERROR_FORMAT}, // not what it shares
+        {records + 24 * PICTURE_AGAIN, 32, PICTURE_AGAIN,
+         STP_ERROR_FORMAT}, // differs from the one it shares
         {records + 24 * PICTURE_PNG + 20, known[PICTURE_JPEG].block, PICTURE_PNG, STP_ERROR_FORMAT},
         {records + 24 * PICTURE_TEXELS + 20, known[PICTURE_JPEG].block, PICTURE_TEXELS,
          STP_ERROR_FORMAT},
-        {block + 36, 1, PICTURE_WEBP, STP_ERROR_FORMAT}, // called a PNG
-        {block + 36, 0, PICTURE_WEBP, STP_ERROR_FORMAT}, // called texels
+        {block + 36, 1, PICTURE_WEBP, STP_ERROR_FORMAT}, // declared as PNG
+        {block + 36, 0, PICTURE_WEBP, STP_ERROR_FORMAT}, // declared as texels
         {block + 36, 4, PICTURE_WEBP, STP_ERROR_UNSUPPORTED},
     };
     for (size_t i = 0; i < sizeof(lies) / sizeof(lies[0]); ++i) {
@@ -220,7 +217,7 @@ void test_store_refuses_lies_about_pictures(test_state* test)
         stp_write_u32(lies[i].at, old);
         reseal(f.bytes, f.size);
     }
-    // together more texels than the file is believed to hold
+    // more texels in total than the file may hold
     for (uint32_t i = PICTURE_JPEG; i <= PICTURE_WEBP; ++i) {
         stp_write_u32(records + 24 * i, 65536);
         stp_write_u32(records + 24 * i + 4, 8192);
@@ -249,8 +246,8 @@ void test_store_refuses_to_write_what_is_no_picture(test_state* test)
     stp_context_destroy(context);
 }
 
-// Under a limit, pictures are decoded by the threads that read, into memory that counts; one that cannot be decoded
-// stays away.
+// Under a limit, reader threads decode pictures into counted memory. A picture that cannot be
+// decoded is left out.
 void test_store_loads_pictures_within_a_limit(test_state* test)
 {
     test_log log = {.errors = 0};
@@ -309,7 +306,7 @@ void test_store_decodes_pictures_without_memory(test_state* test)
         stp_context* context = test_context(NULL, 2, NULL);
         fixture f;
         CHECK(context != NULL && set_up(&f, context, 1));
-        test_heap heap = TEST_HEAP(fail_at + 3); // what a context itself takes
+        test_heap heap = TEST_HEAP(fail_at + 3); // the context's own allocations
         stp_context* poor = test_context(&heap, 2, NULL);
         if (poor != NULL) {
             stp_store* store = NULL;

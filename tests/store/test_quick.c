@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What describing and quickly checking a file of any size reads, and what it notices.
+// What describing and quickly checking a file of any size reads, and what it detects.
 #define _DEFAULT_SOURCE // mincore
 #include "support_reseal.h"
 #include "support_sample.h"
@@ -19,8 +19,8 @@ static void temporary_path(char path[256], const char* name)
              (long)getpid());
 }
 
-// A scene of many nodes, objects, materials with long names, two views, a source, and one texture. With `packed` its
-// directory is, as far as that helps.
+// A scene of many nodes and objects, materials with long names, two views, a source, and one
+// texture. `packed`: with a packed directory where that is smaller.
 static bool write_large(stp_context* context, const char* path, bool packed)
 {
     stp_arena arena = stp_arena_create(context, 1 << 20);
@@ -80,18 +80,7 @@ static bool write_large(stp_context* context, const char* path, bool packed)
     return written;
 }
 
-static unsigned char* find_section(unsigned char* bytes, uint32_t type)
-{
-    for (uint32_t i = 0; i < stp_read_u32(bytes + 32); ++i) {
-        unsigned char* entry = bytes + STP_STORE_HEADER_BYTES + i * STP_STORE_SECTION_BYTES;
-        if (stp_read_u32(entry) == type) {
-            return entry;
-        }
-    }
-    return NULL;
-}
-
-// Makes the texture, and with it the file, one of 10 GiB: all but the directory is a hole.
+// Enlarges the texture, and so the file, to 10 GiB: everything but the directory is a hole.
 static uint64_t grow_file(const char* path)
 {
     size_t size = 0;
@@ -116,8 +105,8 @@ static uint64_t grow_file(const char* path)
                : 0;
 }
 
-// Takes a file out of the system's memory, so that what is in it afterwards was read since. @return whether
-// that worked
+// Evicts a file from the page cache, so that cached pages show later reads. @return whether that
+// worked
 static uint64_t cached_bytes(const char* path, uint64_t size, bool drop)
 {
     int file = open(path, O_RDONLY);
@@ -208,7 +197,7 @@ static stp_result check_quickly(stp_context* context, const unsigned char* bytes
     return result;
 }
 
-// Every byte that a quick check promises to look at, changed: one in `stride`, and the ends.
+// Changes each byte that a quick check covers: one in `stride`, and the ends.
 static int count_missed(stp_context* context, unsigned char* bytes, size_t size, uint64_t begin,
                         uint64_t length, uint64_t stride)
 {
@@ -242,7 +231,7 @@ static void check_promise(test_state* test, bool pack)
     unlink(path);
     CHECK(bytes != NULL);
     CHECK_EQUAL(STP_OK, check_quickly(context, bytes, size));
-    // header and table of sections, all of it
+    // header and section table: all bytes
     uint64_t table = STP_STORE_HEADER_BYTES + 40 * (uint64_t)stp_read_u32(bytes + 32);
     CHECK_EQUAL(0, count_missed(context, bytes, size, 0, table, 3));
     static const uint32_t whole[] = {STP_SECTION_SUMMARY, STP_SECTION_SCENE_PARTS,
@@ -255,7 +244,7 @@ static void check_promise(test_state* test, bool pack)
         CHECK_EQUAL(0, count_missed(context, bytes, size, stp_read_u64(entry + 8), length,
                                     1 + length / 40));
     }
-    // of the others the first page, and the bytes before them
+    // other sections: the first page and the padding before it
     int large = 0, packed = 0;
     for (uint32_t i = 0; i < stp_read_u32(bytes + 32); ++i) {
         const unsigned char* entry = bytes + STP_STORE_HEADER_BYTES + 40 * (size_t)i;
@@ -267,7 +256,7 @@ static void check_promise(test_state* test, bool pack)
         }
         CHECK_EQUAL(0, count_missed(context, bytes, size, offset, page, 1 + page / 40));
         if (length > page && stp_read_u32(entry) != STP_SECTION_PAGES) {
-            bytes[offset + length - 1] ^= 1; // beyond the promise, not beyond a check of all
+            bytes[offset + length - 1] ^= 1; // covered by a full check, but not by a quick one
             large += check_quickly(context, bytes, size) == STP_OK;
             stp_store* store = NULL;
             stp_store_open_desc desc = {.defer_objects = true};
@@ -282,9 +271,9 @@ static void check_promise(test_state* test, bool pack)
         }
     }
     CHECK(large >= 5 && (pack ? packed >= 5 : packed == 0));
-    // a file that ends early
+    // a truncated file
     CHECK_EQUAL(STP_ERROR_TRUNCATED, check_quickly(context, bytes, size - 1));
-    // texts that views and sources use, on their pages
+    // texts of views and sources, on their pages
     const unsigned char* text = find_section(bytes, STP_SECTION_TEXT);
     uint64_t texts =
         stp_read_u64(text + 8) + (pack ? STP_STORE_PIECE_ENTRY * packed_pages(text) : 0);
@@ -303,7 +292,7 @@ void test_store_quick_check_keeps_its_promise(test_state* test)
     check_promise(test, true);
 }
 
-// A summary that tells other figures than the file holds, with right checksums.
+// A summary that contradicts the file, with valid checksums.
 void test_store_check_finds_wrong_summaries(test_state* test)
 {
     size_t size = 0;
@@ -324,7 +313,7 @@ void test_store_check_finds_wrong_summaries(test_state* test)
         stp_store_check_report report;
         result = stp_store_check_open(store, false, &report);
         stp_store_close(store);
-        // the first three figures are told, not found
+        // the first three numbers are stored only, not computed
         bool told = i < 6;
         if (told != (result == STP_OK)) {
             fprintf(stderr, "word %u: %s\n", i, stp_result_string(result));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What of a file is in memory: it comes in the order of need, gives way, and never takes more than its limit.
+// Residency: data arrives in order of need, is dropped again, and never exceeds its limit.
 #include "support_reader.h"
 #include "support_sample.h"
 #include "tests.h"
@@ -13,7 +13,7 @@
 
 enum { OCTAVES = 5, LEAST = 40, WANTS = 64 };
 
-/// A random sample whose sets are long, written, read into memory and opened from there.
+/// A random sample with long sets, written, read into memory and opened.
 typedef struct fixture {
     stp_context* context;
     stp_arena arena;
@@ -176,7 +176,7 @@ void test_residency_never_waits_for_the_disk(test_state* test)
     fixture f;
     CHECK(set_up(&f, context, rich_seed(context, 5), false));
     CHECK_EQUAL(STP_OK, stream(&f, 0, 2));
-    for (int i = 0; i < 3; ++i) { // returns, though nothing was read
+    for (int i = 0; i < 3; ++i) { // returns though nothing was read
         stp_residency_update(f.residency, f.wants, f.want_count);
     }
     const stp_store_directory* d = stp_store_get_directory(f.store);
@@ -188,7 +188,7 @@ void test_residency_never_waits_for_the_disk(test_state* test)
     stp_residency_stats stats;
     stp_residency_get_stats(f.residency, &stats);
     CHECK(stats.missing >= d->surfels_count && stats.loading > 0);
-    // what comes is seen from the next update on, and not before
+    // loaded data becomes visible at the next update, not before
     slow_reader_let_go(&f.reader, UINT32_MAX);
     CHECK(stp_residency_wait(f.residency));
     CHECK_EQUAL(0, stp_store_resident_surfels(f.store, 0));
@@ -212,9 +212,9 @@ void test_residency_coarse_comes_first(test_state* test)
                                .read_user = &f.reader,
                                .thread_count = 1};
     CHECK_EQUAL(STP_OK, stp_residency_create(f.store, &desc, &f.residency));
-    residency_settle(f.residency, NULL, 0); // what is pinned
+    residency_settle(f.residency, NULL, 0); // the pinned data
     const stp_store_directory* d = stp_store_get_directory(f.store);
-    // one at a time: the coarsest octaves of all come before the finest of any
+    // one at a time: the coarsest octaves of all sets come before the finest of any
     bool finest = false;
     for (int i = 0; i < 1000; ++i) {
         stp_residency_update(f.residency, f.wants, f.want_count);
@@ -236,7 +236,7 @@ void test_residency_coarse_comes_first(test_state* test)
     stp_context_destroy(context);
 }
 
-/// A hash of what is here.
+/// A hash of the resident data.
 static uint64_t fingerprint(const fixture* f)
 {
     const stp_store_directory* d = stp_store_get_directory(f->store);
@@ -269,7 +269,7 @@ static size_t choose_wants(const fixture* f, uint64_t round, stp_want* wants)
     return count;
 }
 
-/// NULL where what a set has here is what the file has.
+/// NULL if a set's resident part equals the file's.
 static const char* compare_prefixes(const fixture* f, stp_store* other)
 {
     const stp_store_directory* d = stp_store_get_directory(f->store);
@@ -318,7 +318,7 @@ void test_residency_keeps_to_its_limit(test_state* test)
             residency_settle(f.residency, wants, count);
             stp_residency_get_stats(f.residency, &stats);
             prints[round] = threads == 1 ? fingerprint(&f) : prints[round];
-            CHECK_EQUAL(prints[round], fingerprint(&f)); // whoever read it
+            CHECK_EQUAL(prints[round], fingerprint(&f)); // whichever thread read it
             CHECK(compare_prefixes(&f, other) == NULL);
             dropped = dropped || stats.dropped > 0;
             full = full || stats.missing > 0;
@@ -348,7 +348,7 @@ void test_residency_needed_most_stays(test_state* test)
     residency_settle(f.residency, &a, 1);
     uint32_t all = stp_store_describe_surfels(f.store, 0)->count;
     CHECK_EQUAL(all, stp_store_resident_surfels(f.store, 0));
-    // both do not fit: what is needed more stays whole, and they do not take turns
+    // both do not fit: the more needed one stays whole, and they do not replace each other in turns
     stp_want both[] = {b, a};
     residency_settle(f.residency, both, 2);
     CHECK_EQUAL(all, stp_store_resident_surfels(f.store, 0));
@@ -357,7 +357,7 @@ void test_residency_needed_most_stays(test_state* test)
     uint32_t updates = residency_settle(f.residency, both, 2);
     CHECK_EQUAL(1, updates);
     CHECK_EQUAL(rest, stp_store_resident_surfels(f.store, 1));
-    // needs change: now the other one is there, and the first has what is left
+    // needs change: now the other one is resident, and the first has the rest
     both[0].need = both[0].octave_need = 1000.0f;
     residency_settle(f.residency, both, 2);
     CHECK_EQUAL(all, stp_store_resident_surfels(f.store, 1));
@@ -389,7 +389,7 @@ void test_residency_damaged_block_is_said_once(test_state* test)
     CHECK_EQUAL(0, log.errors);
     CHECK(strstr(log.warning, "checksum") != NULL);
     CHECK_EQUAL(1, stats.damaged);
-    CHECK_EQUAL(0, stats.missing); // what never comes is not missed
+    CHECK_EQUAL(0, stats.missing); // data that cannot be loaded does not count as missing
     CHECK_EQUAL(stp_store_describe_surfels(f.store, 0)->octave_ends[2],
                 stp_store_resident_surfels(f.store, 0));
     CHECK_EQUAL(stp_store_describe_surfels(f.store, 1)->count,
@@ -450,7 +450,7 @@ void test_residency_without_memory_is_coarser(test_state* test)
         }
         complete = heap.count <= fail_at;
         heap.fail_at = -1;
-        if (result == STP_OK) { // and when there is memory again, all is well
+        if (result == STP_OK) { // with memory available again, everything works
             stp_residency_destroy(f.residency);
             CHECK_EQUAL(STP_OK, stream(&f, 0, 2));
             residency_settle(f.residency, f.wants, f.want_count);
@@ -483,7 +483,7 @@ void test_residency_ends_while_it_loads(test_state* test)
         CHECK_EQUAL(STP_OK, stream(&f, 0, 2));
         stp_residency_update(f.residency, f.wants, f.want_count);
         slow_reader_await(&f.reader, 2);
-        slow_reader_let_go(&f.reader, round); // in the middle of something
+        slow_reader_let_go(&f.reader, round); // during a read
         CHECK_EQUAL(0, pthread_create(&helper, NULL, let_go_later, &f.reader));
         stp_residency_destroy(f.residency);
         f.residency = NULL;
@@ -505,7 +505,7 @@ void test_residency_pins_what_is_uppermost(test_state* test)
     residency_settle(f.residency, NULL, 0);
     CHECK(stp_store_resident_surfels(f.store, d->nodes[d->root].surfels) > 0);
     stp_residency_destroy(f.residency);
-    // one at a time, but for attaching where one is
+    // one residency at a time
     stp_residency* second = NULL;
     CHECK_EQUAL(STP_OK, stream(&f, 0, 1));
     CHECK_EQUAL(STP_ERROR_ARGUMENT,
@@ -529,7 +529,7 @@ void test_residency_yields_to_others(test_state* test)
     uint64_t limit = stats.limit_bytes, loaded = stats.resident_bytes;
     CHECK(stats.missing == 0 && limit < desc.memory_limit_bytes);
     uint64_t others = desc.memory_limit_bytes - stp_context_live_bytes(context) - (3 << 20);
-    void* block = stp_alloc(context, (size_t)others); // somebody takes nearly all of the rest
+    void* block = stp_alloc(context, (size_t)others); // another user takes nearly all of the rest
     CHECK(block != NULL && stp_alloc(context, 3 << 20) == NULL);
     bool yielded = false;
     for (int i = 0; i < 4; ++i) {
@@ -537,7 +537,7 @@ void test_residency_yields_to_others(test_state* test)
     }
     stp_residency_get_stats(f.residency, &stats);
     CHECK(yielded && stats.resident_bytes < loaded && stats.limit_bytes < limit);
-    CHECK(stats.resident_bytes <= stats.limit_bytes + (1 << 20)); // what is pinned stays
+    CHECK(stats.resident_bytes <= stats.limit_bytes + (1 << 20)); // pinned data stays
     stp_free(context, block);
     residency_settle(f.residency, f.wants, f.want_count);
     CHECK(sample_difference(&f.made.content, f.store) == NULL); // there is room again

@@ -7,7 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
-// A path of this process's own in the folder for temporary files.
+// A path of this process in the temporary folder.
 static const char* scratch_path(char path[256], const char* name)
 {
     const char* folder = getenv("TMPDIR");

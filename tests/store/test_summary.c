@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Summaries, scene parts and keys: against what was written, and against brute force.
+// Summaries, scene parts and keys: against the written content and brute force.
 #include "support_reseal.h"
 #include "support_sample.h"
 #include "tests.h"
@@ -36,8 +36,8 @@ static bool same_summary(const stp_store_summary* a, const stp_store_summary* b)
     return same;
 }
 
-// Content does not say how many bytes its splats take once they are compressed: never more than planned, which the file's
-// own check compares with its blocks. @return false where that is not so
+// Content does not give the compressed size of its splats: it is at most the planned one, and the
+// file's own check compares it with the blocks. @return false if it is larger
 static bool take_splat_bytes(stp_store_summary* planned, const stp_store_summary* stored)
 {
     bool good = stored != NULL && stored->part_count == planned->part_count &&
@@ -83,7 +83,7 @@ void test_store_summary_is_read_alone_or_with_all(test_state* test)
             CHECK(same_text(a->sources[i].path, b->sources[i].path));
             CHECK(same_text(a->sources[i].format, b->sources[i].format));
         }
-        // nothing else can be asked of it
+        // nothing else is available
         stp_splats surfels;
         CHECK(b->root == STP_STORE_NONE && b->node_count == 0 && b->object_count == 0);
         CHECK_EQUAL(STP_ERROR_ARGUMENT, stp_store_load_objects(head));
@@ -162,7 +162,7 @@ void test_store_summary_sums_all_instances(test_state* test)
     stp_context_destroy(context);
 }
 
-// Whether a check of the file passes once its summary says so many unique nodes.
+// Whether a file check passes with a summary of this many unique nodes.
 static bool passes_with(stp_context* context, const char* path, uint64_t unique_nodes)
 {
     stp_mapped_file file;
@@ -187,7 +187,7 @@ static bool passes_with(stp_context* context, const char* path, uint64_t unique_
     return passes;
 }
 
-// Nodes that the root does not reach are not counted; files that count them are valid, too.
+// Nodes that the root does not reach are not counted. Files that count them are valid, too.
 void test_store_summary_counts_nodes_that_the_root_reaches(test_state* test)
 {
     char path[256];
@@ -218,7 +218,7 @@ void test_store_summary_counts_nodes_that_the_root_reaches(test_state* test)
     stp_context_destroy(context);
 }
 
-// Sixty nodes, each with the one before it twice: 2^60 uses of one mesh of 100 triangles.
+// Sixty nodes, each containing the previous one twice: 2^60 uses of one mesh of 100 triangles.
 void test_store_summary_stops_at_the_largest_number(test_state* test)
 {
     enum { NODES = 61 };

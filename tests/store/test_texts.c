@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Texts that are too long, or shared by too many records.
+// Texts that are too long or shared by too many records.
 #include "support_reseal.h"
 #include "support_sample.h"
 #include "tests.h"
@@ -15,7 +15,7 @@
 
 enum { LONGEST = STP_STORE_TEXT_LIMIT };
 
-// A text that does not compress, so that it lies in the file as it is.
+// A text that does not compress, so that it is stored unchanged.
 static void fill(char* text, size_t length, uint64_t seed)
 {
     for (size_t i = 0; i < length; ++i) {
@@ -81,7 +81,7 @@ void test_store_refuses_texts_that_are_too_long(test_state* test)
         at += 1;
     }
     CHECK(at + LONGEST < size && bytes[at + LONGEST] == 0);
-    bytes[at + LONGEST] = 'x'; // one text of both
+    bytes[at + LONGEST] = 'x'; // joins both texts
     reseal(bytes, size);
     for (int deferred = 0; deferred < 2; ++deferred) {
         CHECK_EQUAL(STP_ERROR_FORMAT, read_first(context, bytes, size, deferred != 0, &length));
@@ -92,7 +92,7 @@ void test_store_refuses_texts_that_are_too_long(test_state* test)
     stp_context_destroy(context);
 }
 
-// How often a text of a length can be used, up to a limit, where it is all of its section.
+// How often a text of a length can be used, up to a limit, if it is the whole section.
 static uint64_t count_uses(size_t length, uint64_t most)
 {
     static char bytes[LONGEST + 1];
@@ -113,7 +113,7 @@ void test_store_bounds_the_use_of_texts(test_state* test)
     CHECK(uses * LONGEST >= UINT64_C(1) << 24 && uses * LONGEST < UINT64_C(1) << 25);
 }
 
-/// Names in packed pages that are read one by one: what lies in their memory before is not looked at.
+/// Names in packed pages, read one by one: earlier content of the memory does not matter.
 void test_store_reads_packed_texts_one_by_one(test_state* test)
 {
     enum { OBJECTS = 9000 };
@@ -136,7 +136,7 @@ void test_store_reads_packed_texts_one_by_one(test_state* test)
                                                .up = 'y',
                                                .build_json = "{}"}};
     CHECK_EQUAL(STP_OK, stp_store_write(context, &content, path));
-    (void)mallopt(M_PERTURB, 0xA5); // memory is full of something, not of zeros
+    (void)mallopt(M_PERTURB, 0xA5); // fills memory with non-zero bytes
     stp_store_open_desc desc = {.defer_objects = true};
     stp_store* store = NULL;
     CHECK_EQUAL(STP_OK, stp_store_open_with(context, path, &desc, &store));

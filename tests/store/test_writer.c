@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The writer: order of blocks, sizes, refusals, failures half way.
+// The writer: order of blocks, sizes, rejected content, failures during writing.
 #include "support_sample.h"
 #include "tests.h"
 
@@ -14,7 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-// A new empty folder, and the path of a file within it.
+// A new empty folder, and the path of a file in it.
 static bool make_folder(char folder[256], char path[300])
 {
     const char* parent = getenv("TMPDIR");
@@ -60,7 +60,7 @@ void test_store_orders_meshes_by_shown_area(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
-    // a screw, a wall, a bolt that is shown at twice its size and once more at its own, and one not shown at all
+    // a screw; a wall; a bolt used at twice its size and once at its own; a mesh that is not used
     stp_store_mesh meshes[] = {
         {.vertex_count = 300, .triangle_count = 100, .area = 1.0},
         {.vertex_count = 300, .triangle_count = 100, .area = 90.0},
@@ -116,7 +116,7 @@ void test_store_survives_failing_allocator(test_state* test)
     sample made = sample_make(&arena, 8);
     CHECK_EQUAL(STP_OK, stp_store_write(plain, &made.content, path));
     int failures = 0;
-    for (int n = 0;; ++n) { // fail the n-th allocation, until one run gets through
+    for (int n = 0;; ++n) { // fail the n-th allocation, until a run succeeds
         test_heap heap = TEST_HEAP(n);
         test_log log = {.errors = 0};
         stp_context* context = test_context(&heap, 1, &log);
@@ -136,14 +136,14 @@ void test_store_survives_failing_allocator(test_state* test)
         }
         stp_context_destroy(context);
         CHECK_EQUAL(0, heap.live_bytes);
-        CHECK_EQUAL(1, count_files(folder)); // the old file or the new one, and nothing temporary
+        CHECK_EQUAL(1, count_files(folder)); // the old file or the new one, and no temporary file
         CHECK_EQUAL(STP_OK, stp_store_check(plain, path, false));
         if (result == STP_OK && difference == NULL) {
             CHECK_EQUAL(0, log.errors);
             if (heap.count <= n) {
                 break;
             }
-            continue; // only the folder was not synced
+            continue; // only syncing the folder failed
         }
         CHECK(result == STP_OK || result == STP_ERROR_OUT_OF_MEMORY);
         CHECK_EQUAL(1, log.errors);
@@ -170,7 +170,7 @@ void test_store_write_failures_leave_the_old_file(test_state* test)
     CHECK_EQUAL(STP_ERROR_IO, stp_store_write(context, &made.content, elsewhere));
     CHECK_EQUAL(1, log.errors);
 
-    // no more than 4 KB a file, as on a full disk
+    // at most 4 KB per file, as on a full disk
     struct rlimit limit;
     CHECK_EQUAL(0, getrlimit(RLIMIT_FSIZE, &limit));
     struct rlimit low = {.rlim_cur = 4096, .rlim_max = limit.rlim_max};
@@ -194,7 +194,7 @@ void test_store_write_failures_leave_the_old_file(test_state* test)
     stp_context_destroy(context);
 }
 
-// Nothing is written that a reader would refuse: each of these spoils one thing of a good scene.
+// The writer rejects what a reader would reject: each case breaks one property of a valid scene.
 static void spoil(stp_store_content* content, int what, stp_store_mesh* mesh, stp_splats* surfels,
                   stp_store_node* node, float* positions, uint32_t* indices)
 {
@@ -298,14 +298,14 @@ void test_store_refuses_to_write_what_it_could_not_read(test_state* test)
         }
         CHECK_EQUAL(what < 0 ? STP_OK : STP_ERROR_ARGUMENT, result);
         CHECK_EQUAL(what < 0 ? 0 : 1, log.errors);
-        CHECK_EQUAL(1, count_files(folder)); // that of the first, good one
+        CHECK_EQUAL(1, count_files(folder)); // the first, valid one
     }
     unlink(path);
     CHECK_EQUAL(0, rmdir(folder));
     stp_context_destroy(context);
 }
 
-// A set of octaves that grow fourfold, as on a surface, with a radius that halves with each.
+// A set of octaves that grow fourfold, as on a surface; the radius halves with each.
 static stp_splats make_octaves(stp_arena* arena, uint32_t first, uint32_t octaves, float radius)
 {
     stp_splats s = {.step = 0.5f, .octave_count = octaves};
@@ -377,8 +377,8 @@ void test_store_sorts_blocks_coarse_first_across_the_scene(test_state* test)
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
     stp_arena arena = stp_arena_create(context, 1 << 16);
-    // set 0 reaches 1, 1/2, 1/4 in its own space and is shown at scale 6 and at scale 1; set 1
-    // reaches 4, 2, 1
+    // in their own space: set 0 reaches 1, 1/2, 1/4 and is used at scales 6 and 1; set 1 reaches 4,
+    // 2, 1
     stp_splats sets[2] = {make_octaves(&arena, 2, 3, 1.0f), make_octaves(&arena, 2, 3, 4.0f)};
     stp_affine scaled = {{{0, 6, 0, 1}, {-6, 0, 0, 0}, {0, 0, 6, 0}}};
     stp_store_edge edges[2] = {{0, stp_affine_identity()}, {0, scaled}};
@@ -397,8 +397,7 @@ void test_store_sorts_blocks_coarse_first_across_the_scene(test_state* test)
         .surfels = sets,
     };
     CHECK_EQUAL(STP_OK, stp_store_write(context, &content, path));
-    // in scene space: set 0 reaches 6, 3, 1.5; set 1 4, 2, 1. So every further block adds one
-    // octave, in turn
+    // in scene space: set 0 reaches 6, 3, 1.5; set 1 reaches 4, 2, 1. So blocks of both alternate
     stp_mapped_file file;
     CHECK_EQUAL(STP_OK, stp_file_map(context, path, &file));
     uint32_t order[6][2];
