@@ -56,30 +56,28 @@ typedef struct stp_assimp_mesh {
     uint32_t material, flags, vertex_count, triangle_count;
 } stp_assimp_mesh;
 
-/// What the scene holds that is not kept.
+/// Content of the scene that is not kept.
 typedef struct stp_assimp_losses {
     uint32_t animations, skins, morphs, lines, lights;
 } stp_assimp_losses;
 
-/// Adds what a stream holds to the scene. @return STP_OK; STP_ERROR_FORMAT where assimp failed, or
-/// where the stream is not sound; STP_ERROR_OUT_OF_MEMORY, also where assimp had too little (each
-/// logged)
+/// Adds the content of a stream to the scene. @return STP_OK; STP_ERROR_FORMAT if assimp failed or
+/// the stream is invalid; STP_ERROR_OUT_OF_MEMORY, also if assimp ran out of memory (each logged)
 STP_MUST_USE stp_result stp_assimp_read_stream(stp_import* import, const unsigned char* bytes,
                                                size_t size);
 
-/// The address space that the child may use beyond what it inherits.
+/// Address space that the child may use in addition to what it inherits.
 static inline uint64_t stp_assimp_memory_limit(const stp_import* import)
 {
     uint64_t asked = import->desc.helper_memory_bytes;
     return asked != 0 ? asked : (uint64_t)4 << 30;
 }
 
-/// Says that this does not suffice. @return STP_ERROR_OUT_OF_MEMORY (logged)
+/// Reports that this is not enough. @return STP_ERROR_OUT_OF_MEMORY (logged)
 stp_result stp_assimp_fail_memory(const stp_import* import);
 
-/// What the child does: imports a model, whose bytes are here, and writes the stream to
-/// `descriptor`. Reads other files that the model may name (path_rules.h), none where it is
-/// `alone`. Uses no context: locks of other threads may be held for good in a forked process.
-/// @return the child's exit code
+/// The child's work: imports a model from memory and writes the stream to `descriptor`. Reads other
+/// files only as path_rules.h allows, and none if `alone`. Uses no context, because in a forked
+/// process locks of other threads may be held forever. @return the child's exit code
 int stp_assimp_run_child(const char* path, const unsigned char* bytes, size_t size, bool alone,
                          int descriptor);

@@ -18,7 +18,7 @@ enum {
     TEXT_SIZE = 512
 };
 
-// The names of extra bytes, as far as there is room. @return how many there are
+// Lists the names of extra bytes, as far as they fit. @return their number
 static uint64_t name_extra_bytes(const stp_las* las, char text[TEXT_SIZE])
 {
     stp_las_record record;

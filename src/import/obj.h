@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
 //
-// Inside the OBJ reader. The text is cut into chunks of whole lines that are parsed at the same
-// time (obj_parse.c); what they hold is put in order (obj_stitch.c); corners that name the same
-// position, texture coordinate and normal become one vertex (obj_mesh.c). What is large beside the
-// limit of memory goes to a file of its own meanwhile (obj_scratch.c).
+// Inside the OBJ reader. The text is split into chunks of whole lines that are parsed in parallel
+// (obj_parse.c); their content is put in order (obj_stitch.c); corners with the same position,
+// texture coordinate and normal become one vertex (obj_mesh.c). Data that is large compared to the
+// memory limit goes to a temporary file (obj_scratch.c).
 #pragma once
 
 #include "import/import.h"
 #include "import/lookup.h"
 #include "import/text.h"
 
-// How a corner names an element. A chunk does not know how many elements come before it, so what
-// the file counts backwards ("-1") is kept relative to the start of the chunk until the chunks are
-// put in order.
+// How a corner refers to an element. A chunk does not know how many elements precede it, so
+// backward indices ("-1") are kept relative to the start of the chunk until the chunks are put in
+// order.
 #define STP_OBJ_ABSENT UINT32_MAX
 #define STP_OBJ_RELATIVE UINT32_C(0x80000000)      ///< set: relative to the start of the chunk
 #define STP_OBJ_RELATIVE_ZERO UINT32_C(0xc0000000) ///< the chunk's first element
