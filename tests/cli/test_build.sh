@@ -83,7 +83,7 @@ run 0 info ball.obj --json
 run 0 info one.stip
 grep -q '^  total .* 4,512 .* 564 ' out || fail "info: $(cat out)"
 
-# failures: one sentence, nothing left behind, former files untouched
+# failures: one sentence, no files left behind, existing files unchanged
 cp one.stip kept.stip
 printf 'glTF\002\000\000\000' > broken.glb
 run 1 build broken.glb -o kept.stip

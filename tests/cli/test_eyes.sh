@@ -31,12 +31,12 @@ with open("ball.obj", "w") as out:
 END
 "$stipple" build ball.obj -o ball.stip -q || exit 1
 
-# each half is what an eye beside the middle sees
+# each half is the view of an eye beside the centre
 near=(--target 0,0,0 --fov 40)
 draw both ball.stip --eye 0,0,5 "${near[@]}" --size 128x48 --stereo --ipd 0.5 --reference
 draw left ball.stip --eye -0.25,0,5 --target -0.25,0,0 --fov 40 --size 64x48 --reference
 draw right ball.stip --eye 0.25,0,5 --target 0.25,0,0 --fov 40 --size 64x48 --reference
-# so it is of the mean of frames
+# the same for averaged frames
 for eye in both left right; do
     case $eye in both) place=(--eye 0,0,5 --target 0,0,0 --size 128x48 --stereo --ipd 0.5) ;;
         left) place=(--eye -0.25,0,5 --target -0.25,0,0 --size 64x48) ;;
@@ -44,7 +44,8 @@ for eye in both left right; do
     esac
     draw resting_$eye ball.stip "${place[@]}" --fov 40 --reference --accumulate 4
 done
-# the ball is left of the middle: the fovea of a flat picture, of both eyes, and of eyes that look there
+# the ball is left of the centre: the fovea of a flat picture, of both eyes, and with a gaze towards
+# the ball
 far=(--eye 4,0,9 --target 4,0,0 --fov 60 --size 128x96 --splat-size 1.5)
 draw plain ball.stip "${far[@]}"
 draw one ball.stip "${far[@]}" --fovea 0.25:1,1:1

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# stipple fly: figures, pictures, films, plots and refusals. Arguments: executable, scratch folder, source folder.
+# stipple fly: figures, pictures, films, plots and errors. Arguments: executable, scratch folder,
+# source folder.
 set -u
 stipple=$1
 scratch=$2
@@ -18,7 +19,7 @@ fly()
     "$stipple" fly "$@" --json -q > "$name.json" 2> err || fail "$name: $(cat err)"
 }
 
-# a ball, which is drawn as splats from afar
+# a ball, drawn as splats from a distance
 python3 - << 'END' || exit 1
 with open("ball.obj", "w") as out:
     from math import sin, cos, pi
@@ -99,7 +100,7 @@ assert load("policy")["splat_size"]["p50"] == 6 and load("policy")["extra_splats
 assert load("one")["frames"] == 1
 END
 
-# pictures are those of render, whatever else is measured
+# pictures equal those of render, whatever else is measured
 "$stipple" fly ball.stip --path flight.json --size 64x48 --splat-size 3 -o pictures/ --reference-every 5 --popping > text ||
     fail "pictures"
 [ "$(ls pictures)" = "$(seq -f 'frame-%06.0f.png' 0 10)" ] || fail "pictures are $(ls pictures)"
@@ -112,7 +113,7 @@ mkdir -p again
 "$stipple" fly ball.stip --path flight.json --size 64x48 --splat-size 3 -o again --frames 11 -q > text || fail "again"
 cmp -s pictures/frame-000007.png again/frame-000007.png || fail "the same flight has other pictures"
 
-# a film is what ffmpeg makes of raw frames: here it only counts them
+# ffmpeg makes a film from raw frames: this one only counts them
 mkdir -p bin
 cat > bin/ffmpeg << 'END'
 #!/usr/bin/env bash
@@ -164,7 +165,7 @@ height = float(root.get("height"))
 assert all(0 < float(d.get("cy")) < height for d in dots)
 END
 
-# what a killed run left of its film goes with the next
+# the next run removes what a killed run left of its film
 sleep 0 &
 gone=$!
 wait $gone

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Which outputs are written, which are refused, and that none replaces an input; colours and axes. Arguments: executable,
+# Valid and invalid outputs; none replaces an input; colours and axes. Arguments: executable,
 # scratch folder.
 set -u
 stipple=$1
@@ -17,7 +17,7 @@ draw()
     "$stipple" render box.stip --size 64x48 --backend cpu -q "$@" || fail "render $*"
 }
 
-# pictures are what their name says
+# the name determines the picture format
 draw -o a.png
 draw -o a.PNG
 draw -o a.jpg
@@ -44,7 +44,7 @@ for name in x.glb x.GLTF x.obj x.png x.jpg x.step; do
 done
 "$stipple" build box.obj -o other.name -q || fail "a suffix of one's own"
 
-# nothing that is read is written over
+# no input is overwritten
 mkdir -p model && cp a.png model/skin.png
 printf 'newmtl m\nmap_Kd skin.png\n' > model/box.mtl
 { printf 'mtllib box.mtl\n'; cat box.obj; } > model/box.obj
@@ -71,7 +71,7 @@ cmp -s white.png named.png || fail "#fff is not white"
 refused 2 "is not a colour" render box.stip -o x.png --background '#12345'
 refused 2 "is not a colour" render box.stip -o x.png --background steel
 
-# --up of build: the bounds turn; of render: the picture does
+# --up of build turns the bounds, that of render the picture
 bounds()
 {
     "$stipple" build box.obj -o up.stip -q --fresh --up "$1" || fail "--up $1"

@@ -59,7 +59,7 @@ for method in blue spt; do
     cmp -s disks.png squares.png && fail "$method: squares are disks"
 done
 
-# opacities are divided by their sum: of one texel, whichever, all weights are the same
+# opacities are normalised by their sum: with a single texel, all weights are equal
 draw gauss --filter textured
 draw white --filter textured --splat-texture white.png
 draw black --filter textured --splat-texture black.png

@@ -99,7 +99,7 @@ void test_gltf_converts_every_component_type(test_state* test)
 {
     const struct {
         int type, normalized;
-        unsigned char bytes[36]; // three vertices, interleaved 12 bytes apart of the second
+        unsigned char bytes[36]; // three vertices, interleaved 12 bytes apart
         float x, y, z;           // of the second
     } cases[] = {
         {5120, 0, {[12] = 0x80, 0x7F, 0xFF}, -128, 127, -1},

@@ -101,7 +101,7 @@ void test_las_headers_tell_without_points(test_state* test)
         CHECK(header_is_right(&desc));
     }
     unsigned char documented[2 * 192] = {0};
-    documented[2] = 4;        // a signed 16-bit number three floats
+    documented[2] = 4;        // a signed 16-bit number
     documented[192 + 2] = 29; // three floats
     memcpy(documented + 4, "Amplitude", 9);
     memcpy(documented + 192 + 4, "A name that takes all 32 bytes!!", 32);
