@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# stipple check: verdicts, JSON and exit codes. Arguments: executable, scratch folder, source folder.
+# stipple check: results, JSON and exit codes. Arguments: executable, scratch folder, source folder.
 set -u
 stipple=$1
 scratch=$2

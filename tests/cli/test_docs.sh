@@ -68,8 +68,7 @@ for document in README.md docs/hello.md; do
     [ -z "$twins" ] || fail "$document: these pictures are one: $twins"
 done
 
-# the tutorial shows splats: few, many and dots draw only splats, and differ increasingly from the
-# triangles
+# few, many and dots draw only splats, and differ from the triangles by the expected amounts
 cd "$scratch/hello" || exit 1
 for options in "--splats 1000" "--splats 20000" "--splats 2000 --splat-scale 0.3"; do
     # shellcheck disable=SC2086

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Two eyes and zones of larger splats, in render and fly. Arguments: executable, scratch folder, source folder.
+# Two eyes and zones of larger splats, in render and fly. Arguments: executable, scratch folder,
+# source folder.
 set -u
 stipple=$1
 scratch=$2

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# stipple info: the table of parts, JSON, and files of any size. Arguments: executable, scratch folder, source folder.
+# stipple info: the table of parts, JSON, and files of any size. Arguments: executable, scratch
+# folder, source folder.
 set -u
 stipple=$1
 scratch=$2

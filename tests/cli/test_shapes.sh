@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Shapes of splats: squares and textures of opacity, by both methods, both backends and any number of threads.
-# Arguments: executable, scratch folder.
+# Shapes of splats: squares and opacity textures, with both methods, both backends and any number of
+# threads. Arguments: executable, scratch folder.
 set -u
 stipple=$1
 # shellcheck source=/dev/null
