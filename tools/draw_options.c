@@ -153,8 +153,8 @@ static size_t add_effect_options(option* table, size_t used, draw_options* o)
          .argument = "[STRENGTH]",
          .words = "off|0..100",
          .fallback = "1",
-         .help = "strength of eye-dome lighting, which darkens edges in front of more distant "
-                 "surfaces; 0 or off: none; default 1 if the scene has only points, else off",
+         .help = "strength of eye-dome lighting, which darkens surfaces behind nearer edges; 0 "
+                 "or off: none; default 1 if the scene has only points, else off",
          .value = &o->eye_dome,
          .given = &o->has_eye_dome},
         {.name = "ambient-occlusion",

@@ -69,7 +69,7 @@ static void print_option(FILE* stream, const option* o)
     char text[1024];
     bool lists_words =
         o->type == OPTION_CHOICE && o->argument != NULL && strchr(o->argument, '|') == NULL;
-    snprintf(text, sizeof(text), "%s%s%s", o->help, lists_words ? ": " : "",
+    snprintf(text, sizeof(text), "%s%s%s", o->help, lists_words ? "; one of " : "",
              lists_words ? o->words : "");
     print_wrapped(stream, text, TEXT_COLUMN, TEXT_COLUMN);
 }

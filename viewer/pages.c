@@ -132,8 +132,9 @@ static void show_look(viewer* v)
     show_effect("Ambient occlusion", "Reach", &s->ambient_occlusion, 4.0f, 0.5f, 12.0f, "%.1f %%",
                 "Darkens corners and crevices; the reach is a percentage of the picture's height");
     float eye_dome = cloud_page_eye_dome(v), before = eye_dome;
-    show_effect("Eye-dome lighting", "Strength", &eye_dome, CLOUD_EYE_DOME, 0.05f, 4.0f, "%.2f",
-                "Darkens edges in front of more distant surfaces; usual for point clouds");
+    show_effect(
+        "Eye-dome lighting", "Strength", &eye_dome, CLOUD_EYE_DOME, 0.05f, 4.0f, "%.2f",
+        "Darkens surfaces behind nearer edges, so that depth is visible; usual for point clouds");
     s->eye_dome = eye_dome != before ? eye_dome : s->eye_dome;
     cloud_page_show(v);
     gui_color("Background", s->background, "Colour behind the model");
