@@ -290,7 +290,7 @@ static const char* read_pair(const char* text, char between, float pair[2])
     return text;
 }
 
-/// @return false where the text is no list of zones
+/// @return false if the text is not a list of zones
 static bool parse_fovea(const draw_options* o, stp_fovea* fovea)
 {
     *fovea = (stp_fovea){0};

@@ -20,7 +20,7 @@ static const char* base_name(const char* path)
     return slash != NULL ? slash + 1 : path;
 }
 
-// The folder that a path lies in, "." where it names none. @return false where it is too long
+// The folder of a path, "." if it has none. @return false if it is too long
 static bool folder_of(const char* path, char folder[PATH_MAX])
 {
     size_t length = (size_t)(base_name(path) - path);

@@ -55,7 +55,7 @@ static json_t* describe_object(scene_show* show, const stp_pick* pick)
                      "max", pack_vector(row.bounds.max));
 }
 
-/// The attributes of a point, by name; NULL where they cannot be read (logged), or memory runs out.
+/// The attributes of a point, by name; NULL if they cannot be read (logged) or memory runs out.
 static json_t* describe_attributes(stp_store* store, const stp_pick* pick)
 {
     uint32_t mask = stp_store_point_attributes(store, pick->part.index);

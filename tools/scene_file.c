@@ -187,7 +187,7 @@ static void tell_drafted(void* user)
     w->watcher->grown(w->draft, w->watcher->user);
 }
 
-/// Where drafts of a cached build are. @return false where the name is too long
+/// Path of the drafts of a cached build. @return false if the name is too long
 static bool name_draft(const char* cached, char* draft)
 {
     static const char ending[] = "-draft.stip";

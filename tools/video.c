@@ -160,7 +160,7 @@ static bool write_whole(int file, const uint8_t* bytes, size_t size)
     return true;
 }
 
-// The picture of a frame in the folder. @return false where the name is too long
+// Path of a frame's picture in the folder. @return false if the name is too long
 static bool name_frame(const video* v, uint32_t frame, char* path, size_t size)
 {
     size_t length = strlen(v->path);

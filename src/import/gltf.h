@@ -134,12 +134,12 @@ STP_MUST_USE stp_result stp_gltf_find_lists(stp_gltf_scope* scope, stp_gltf* glt
 /// The object at an index of a top-level list.
 STP_MUST_USE stp_result stp_gltf_item(stp_gltf_scope* scope, stp_gltf_list list, size_t index,
                                       const json_t** item);
-/// Member objects and arrays; NULL where missing.
+/// Member objects and arrays; NULL if missing.
 STP_MUST_USE stp_result stp_gltf_object(stp_gltf_scope* scope, const json_t* object,
                                         const char* key, const json_t** member);
 STP_MUST_USE stp_result stp_gltf_array(stp_gltf_scope* scope, const json_t* object, const char* key,
                                        const json_t** member);
-/// The object of an extension; NULL where missing.
+/// The object of an extension; NULL if missing.
 STP_MUST_USE stp_result stp_gltf_extension(stp_gltf_scope* scope, const json_t* object,
                                            const char* name, const json_t** member);
 /// An index into a top-level list; STP_NONE if missing.
