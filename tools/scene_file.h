@@ -21,10 +21,10 @@ STP_MUST_USE stp_result tool_open_scene(stp_context* context, const char* path, 
 
 /// Purpose of opening a scene.
 typedef enum scene_use {
-    SCENE_FOR_METHODS, ///< it needs the splats of all methods
-    SCENE_FOR_SPLATS,  ///< it needs those of the first method
-    SCENE_FOR_A_PICTURE, ///< of a size at which triangles do as well, where surfels would take longer than them
-    SCENE_FOR_ORIGINALS, ///< it needs triangles and points only
+    SCENE_FOR_METHODS,   ///< needs the splats of all methods
+    SCENE_FOR_SPLATS,    ///< needs the splats of the first method
+    SCENE_FOR_A_PICTURE, ///< triangles suffice if they are quicker than making surfels
+    SCENE_FOR_ORIGINALS, ///< needs only triangles and points
 } scene_use;
 
 /// For splats of the method with this id; 0: the file's first method.

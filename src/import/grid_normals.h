@@ -7,9 +7,9 @@
 
 typedef struct stp_scan_grid {
     uint32_t columns, rows;
-    const uint32_t*
-        cells; ///< column by column: the point of each cell, or STP_NONE; NULL: point r of column c is
-               ///< c * rows + r
+    /// Column by column: the point of each cell, or STP_NONE. NULL: point r of column c is
+    /// c * rows + r.
+    const uint32_t* cells;
     stp_vec3 scanner; ///< position of the scanner, relative to the cloud's origin
 } stp_scan_grid;
 

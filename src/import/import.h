@@ -15,14 +15,16 @@ typedef struct stp_import_desc {
     const char*
         columns; ///< of texts of points: "x,y,z,r,g,b,intensity,nx,ny,nz,class,-" in any order;
                  ///< NULL: found by their header, number and values
-    struct stp_scan_info*
-        scan; ///< not NULL: of formats of points with a header, read that alone, to here
-    uint64_t
-        sample_points; ///< not 0: about so many points, from all over the file, without warnings; see stp_import_sample
-    uint64_t helper_memory_bytes; ///< most memory of the child process that reads foreign formats;
-                                  ///< default 4 GiB
-    uint32_t
-        helper_seconds; ///< most time it may take. 0: 600 by the clock, and of processor time 30, and 1 for each 10,000 bytes that are read
+    /// Not NULL: for point formats with a header, reads only the header, into this.
+    struct stp_scan_info* scan;
+    /// Not 0: reads about this many points from all over the file, without warnings; see
+    /// stp_import_sample.
+    uint64_t sample_points;
+    /// Memory limit of the child process that reads foreign formats; default 4 GiB.
+    uint64_t helper_memory_bytes;
+    /// Its time limit. 0: 600 s of wall-clock time, and 30 s of CPU time plus 1 s for each 10,000
+    /// bytes that are read.
+    uint32_t helper_seconds;
 } stp_import_desc;
 
 /// One file being read, into `scene`. All objects of the file belong below `root`, which is named
