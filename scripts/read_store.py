@@ -644,7 +644,7 @@ def read_blocks(data, header, t):
     for points in held:
         need(points["held_by"] <= len(t["surfels"]) and points["block"] == NONE and points["present"] == 3, "held points")
         surfels = t["surfels"][points["held_by"] - 1]
-        need(surfels["count"] == points["point_count"] and surfels["method_columns"] == 0, "count of held points")
+        need(surfels["count"] == points["point_count"] and surfels["method_columns"] in (0, 5), "count of held points")
         told = t["certainty"][points["held_by"] - 1]["position_error"] if t["certainty"] else 0
         need(told == 0 or surfels["step"] > 0, "exactness of held points")
     wanted = len(t["meshes"]) + len(t["point_sets"]) - len(held) + owners + len(t["octaves"])

@@ -62,16 +62,20 @@ static bool convert_meshes(stp_build_content* c, const stp_scene* scene)
     return meshes != NULL;
 }
 
-// Approximate distance between points of a set: the first ones are evenly spread.
+// Approximate distance between points of a set. The first ones of `blue` are evenly spread; all of a set made leaf by leaf reach as far.
 static double spacing_of(const stp_splats* set)
 {
+    if (set->leaf_count > 0) {
+        return (double)set->table.radius[set->table.size - 1];
+    }
     return (double)set->paper_radius * sqrt((double)set->paper_count / (double)set->count);
 }
 
 // Whether a set contains all points of a node, at a precision well below their distance.
 static bool holds_all(const stp_splats* set, const stp_point_set* points)
 {
-    return set->columns == 0 && set->count != 0 && set->count == points->point_count &&
+    bool is_of_points = set->columns == 0 || set->leaf_count > 0;
+    return is_of_points && set->count != 0 && set->count == points->point_count &&
            (double)set->step <= FINE_STEP * spacing_of(set);
 }
 

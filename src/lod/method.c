@@ -14,7 +14,7 @@ enum {
     SPT_TRIANGLE_BYTES = 100, ///< of a large triangle: in boxes, and their order
     PSP_VERSION = 2,
     PSP_BYTES = 1000, ///< of a sample
-    STOCHASTIC_VERSION = 3,
+    STOCHASTIC_VERSION = 4,
     STOCHASTIC_BYTES = 120, ///< of a sample
     SPT_COLORS =
         48, ///< of 255: where colours differ by more, nodes are as coarse as their diameter

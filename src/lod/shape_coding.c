@@ -12,18 +12,27 @@ void stp_shape_directions_make(stp_shape_directions* directions)
     }
 }
 
-/// The direction whose smaller radius is most nearly across the larger axis.
-static uint32_t find_direction(const stp_shape_directions* directions, float along_x, float along_y)
+static float off_axis(const stp_shape_directions* directions, uint32_t code, stp_shape_axis along)
 {
-    uint32_t best = 0;
-    float least = HUGE_VALF;
-    for (uint32_t code = 0; code < STP_SHAPE_TURN; ++code) {
-        const stp_shape_axis* a = &directions->smaller[code];
-        float off = fabsf(a->along_x * along_x + a->along_y * along_y);
-        best = off < least ? code : best;
-        least = off < least ? off : least;
+    const stp_shape_axis* a = &directions->smaller[code];
+    return a->along_x * along.along_x + a->along_y * along.along_y;
+}
+
+uint32_t stp_shape_direction(const stp_shape_directions* directions, stp_shape_axis along)
+{
+    // over half a turn the sign changes at most once: between the two codes that may be best
+    bool negative = off_axis(directions, 0, along) < 0.0f;
+    uint32_t low = 0, high = STP_SHAPE_TURN; // the change lies behind `low`, at most at `high`
+    while (high - low > 1) {
+        uint32_t middle = low + (high - low) / 2;
+        bool changed = (off_axis(directions, middle, along) < 0.0f) != negative;
+        high = changed ? middle : high;
+        low = changed ? low : middle;
     }
-    return best;
+    uint32_t other = high < STP_SHAPE_TURN ? high : 0; // half a turn on is the first code again
+    float off = fabsf(off_axis(directions, low, along));
+    float other_off = fabsf(off_axis(directions, other, along));
+    return other_off < off || (other_off == off && other < low) ? other : low;
 }
 
 uint32_t stp_shape_of_ellipse(const stp_shape_directions* directions, float larger, float smaller,
@@ -34,6 +43,7 @@ uint32_t stp_shape_of_ellipse(const stp_shape_directions* directions, float larg
         return most | most << 12 | ANY_NORMALS;
     }
     stp_disk_axes axes = stp_disk_axes_of((float)normal[0], (float)normal[1]);
-    uint32_t direction = find_direction(directions, stp_dot(major, axes.x), stp_dot(major, axes.y));
+    stp_shape_axis along = {stp_dot(major, axes.x), stp_dot(major, axes.y)};
+    uint32_t direction = stp_shape_direction(directions, along);
     return most | least << 12 | direction << 24;
 }

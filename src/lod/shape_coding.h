@@ -11,6 +11,9 @@ typedef struct stp_shape_directions {
 
 void stp_shape_directions_make(stp_shape_directions* directions);
 
+/// The code whose smaller radius is most nearly across an axis; of two alike the lower one.
+uint32_t stp_shape_direction(const stp_shape_directions* directions, stp_shape_axis along);
+
 /// The code of an ellipse in a set that does not tell which splats large triangles replace. A disk
 /// may stand for any normals.
 /// @param larger, smaller radii in steps of the set

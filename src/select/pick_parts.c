@@ -319,7 +319,7 @@ static stp_result open_points(stp_pick_work* work, uint32_t index, point_source*
     source->points.colors = NULL;
     source->count = set->count;
     if (result == STP_OK && hides && set->count > 0) {
-        source->coverages = set->coverages + stp_store_pyramid_begin(set, set->octave_count - 1);
+        source->coverages = set->coverages + stp_store_colors_begin(set, set->octave_count - 1);
     }
     return result;
 }

@@ -108,18 +108,34 @@ static double round_leaf(const stp_leaf_node* node, double samples, double* carr
     return whole;
 }
 
-/// Looks at the cubes that are seen, and opens them where they are worth many splats.
+/// One splat of a cube, where the octaves that are loaded have one.
+static stp_cue_cell least_cell(const stp_splats* set, const stp_leaf_node* node, uint32_t here)
+{
+    stp_cue_cell cell = {.first = node->first, .last = node->first + node->count};
+    uint32_t most = stp_cue_count(set, cell.first, cell.last, stp_cue_octaves(set, 1.0, here));
+    cell.count = most > 0 ? 1 : 0;
+    return cell;
+}
+
+/// Looks at the cubes that are seen, and opens them where they are worth many splats. A set of which anything is seen draws
+/// at least one splat, also where all its points lie in one place.
 static stp_result choose_cells(stp_selection* s, const stp_cue_view* view, uint32_t here,
                                size_t* count)
 {
     const stp_leaf_node* nodes = view->leaves->nodes;
     stp_result result = STP_OK;
     double carried = 0.0;
+    stp_cue_cell least = {.count = 0};
+    bool is_one = view->leaves->node_count == 1;
     for (uint32_t i = 0; i < view->leaves->node_count && result == STP_OK;) {
         const stp_leaf_node* node = &nodes[i];
         stp_boxd box = stp_cue_box(view, node);
         stp_sight sight;
-        if (!stp_select_see(s, &box, &sight)) {
+        bool seen = stp_select_see(s, &box, &sight);
+        if (!seen &&
+            is_one) { // as its node is: a cube without extent may count as hidden by itself
+            sight = *view->sight;
+        } else if (!seen) {
             i = node->next;
             continue;
         }
@@ -129,10 +145,11 @@ static stp_result choose_cells(stp_selection* s, const stp_cue_view* view, uint3
             double samples = stp_cue_samples(view, node, &sight);
             samples = node->leaf_count == 1 ? round_leaf(node, samples, &carried) : samples;
             result = add_cell(s, count, cell_of(view->set, node, samples, here));
+            least = least.count == 0 ? least_cell(view->set, node, here) : least;
         }
         i = opens ? i + 1 : node->next;
     }
-    return result;
+    return result == STP_OK && *count == 0 ? add_cell(s, count, least) : result;
 }
 
 /// What a splat count is shared by: cues that do not depend on the eye. By STP_CUE_ERROR_BIT it is the area alone.

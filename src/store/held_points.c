@@ -41,7 +41,7 @@ static void fill_points(size_t begin, size_t end, uint32_t worker, void* user)
 
 static void fill(const stp_store* store, const stp_splats* set, const columns* to)
 {
-    uint64_t finest = stp_store_pyramid_begin(set, set->octave_count - 1);
+    uint64_t finest = stp_store_colors_begin(set, set->octave_count - 1);
     filling f = {.set = set,
                  .colors = set->colors + 3 * finest,
                  .coverages = set->coverages + finest,

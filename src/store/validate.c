@@ -345,10 +345,13 @@ stp_result stp_store_judge_point_data(const stp_store_judge* judge, uint32_t ind
     return STP_OK;
 }
 
+/// Of the methods whose sets may be points as they are: `blue` has none, `stochastic` both.
+enum { HOLDING_COLUMNS = STP_SPLATS_SHAPES | STP_SPLATS_FLAT_COLORS };
+
 stp_result stp_store_judge_held_points(const stp_store_judge* judge, uint32_t index,
                                        const stp_store_point_set* points, const stp_splats* set)
 {
-    if (set->columns != 0 || set->count != points->point_count) {
+    if ((set->columns & ~(uint32_t)HOLDING_COLUMNS) != 0 || set->count != points->point_count) {
         return complain(judge, "%s: point set %u has %u points, but its surfel set has %u surfels",
                         judge->path, index, points->point_count, set->count);
     }

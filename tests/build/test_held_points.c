@@ -43,11 +43,25 @@ static bool write_cloud(cloud* c)
     return fclose(file) == 0;
 }
 
-static bool build_cloud(stp_context* context, const cloud* c)
+static const char* const holding_methods[] = {"blue", "stochastic"};
+enum { HOLDING_METHODS = 2 };
+
+static bool build_cloud_by(stp_context* context, const cloud* c, const char* name)
 {
     const char* inputs[] = {c->points};
-    stp_build_desc desc = {.inputs = inputs, .input_count = 1, .output = c->output};
+    const stp_method* method = stp_method_by_name(name);
+    stp_build_desc desc = {.inputs = inputs,
+                           .input_count = 1,
+                           .output = c->output,
+                           .methods = &method,
+                           .method_count = 1,
+                           .method_options = {.leaves = stp_leaf_desc_default()}};
     return stp_build(context, &desc, NULL) == STP_OK;
+}
+
+static bool build_cloud(stp_context* context, const cloud* c)
+{
+    return build_cloud_by(context, c, "blue");
 }
 
 static void remove_cloud(const cloud* c)
@@ -56,7 +70,7 @@ static void remove_cloud(const cloud* c)
     unlink(c->output);
 }
 
-void test_held_points_are_all_there_once(test_state* test)
+static void check_all_there_once(test_state* test, const char* method)
 {
     static cloud c;
     static bool met[COUNT];
@@ -64,7 +78,7 @@ void test_held_points_are_all_there_once(test_state* test)
     stp_context* context = test_context(NULL, 2, NULL);
     stp_store* store = NULL;
     stp_store_point_set points;
-    CHECK(context != NULL && write_cloud(&c) && build_cloud(context, &c));
+    CHECK(context != NULL && write_cloud(&c) && build_cloud_by(context, &c, method));
     CHECK_EQUAL(STP_OK, stp_store_open(context, c.output, &store));
     CHECK_EQUAL(1, stp_store_get_directory(store)->point_set_count);
     CHECK_EQUAL(0, stp_store_get_summary(store)->figures.point_bytes);
@@ -88,6 +102,13 @@ void test_held_points_are_all_there_once(test_state* test)
     stp_context_destroy(context);
 }
 
+void test_held_points_are_all_there_once(test_state* test)
+{
+    for (int m = 0; m < HOLDING_METHODS; ++m) {
+        check_all_there_once(test, holding_methods[m]);
+    }
+}
+
 static bool pick_from_above(stp_context* context, stp_store* store, const float* at, stp_pick* pick)
 {
     stp_pick_desc desc = {.ray = {.origin = {(double)at[0], 100.0, (double)at[2]},
@@ -97,11 +118,11 @@ static bool pick_from_above(stp_context* context, stp_store* store, const float*
     return stp_pick_ray(context, store, &desc, pick) == STP_OK;
 }
 
-void test_held_points_are_picked(test_state* test)
+static void check_picked(test_state* test, const char* method)
 {
     static cloud c;
     stp_context* context = test_context(NULL, 1, NULL);
-    CHECK(context != NULL && write_cloud(&c) && build_cloud(context, &c));
+    CHECK(context != NULL && write_cloud(&c) && build_cloud_by(context, &c, method));
     for (int streamed = 0; streamed < 2; ++streamed) {
         stp_store* store = NULL;
         stp_residency* residency = NULL;
@@ -123,6 +144,13 @@ void test_held_points_are_picked(test_state* test)
     }
     remove_cloud(&c);
     stp_context_destroy(context);
+}
+
+void test_held_points_are_picked(test_state* test)
+{
+    for (int m = 0; m < HOLDING_METHODS; ++m) {
+        check_picked(test, holding_methods[m]);
+    }
 }
 
 void test_held_points_of_cut_files_are_refused(test_state* test)

@@ -73,7 +73,7 @@ for name in one two same line apart nan endless; do
 done
 
 # every method keeps all points at one position
-for method in blue spt psp; do
+for method in blue spt psp stochastic; do
     for name in one pair same; do
         "$stipple" -q build $name.ply --method $method -o $name.stip > /dev/null 2> err || fail "build $name by $method: $(cat err)"
         "$stipple" -q render $name.stip -o $name.png --size 64x64 --json > $name.json 2> err ||

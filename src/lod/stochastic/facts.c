@@ -10,7 +10,7 @@ enum {
     GRAIN = 64,         ///< leaves
     PLANE_SAMPLE = 256, ///< points that the plane is of; the first ones, which are in random order
     EDGE_POINTS = 8,    ///< points tested for lying on an edge
-    EDGE_AMONG = 128,   ///< points that neighbours are looked for among
+    EDGE_AMONG = 128,   ///< points that neighbours are looked for among: a power of 2
     EDGE_NEIGHBOURS = 16,
     BEND_SAMPLE = 48,
     OUTLYING =
@@ -55,29 +55,46 @@ static stp_vec3d place_of(const fact_loop* l, size_t leaf, uint32_t point)
                        (double)p[2] - (double)c[2]};
 }
 
-/// Whether the points nearest to one lie as at an edge. `among` are its leaf's first ones.
-static bool is_edge_point(const stp_vec3d* among, uint32_t count, uint32_t point)
+/// A leaf's first points, relative to its corner.
+typedef struct edge_points {
+    float at[3][EDGE_AMONG];
+    uint32_t count;
+} edge_points;
+
+/// The points nearest to one: their numbers in the low bits of keys that grow with the distance, to within one part of 2^16.
+static uint32_t find_nearest(const edge_points* among, uint32_t point,
+                             uint32_t nearest[EDGE_NEIGHBOURS])
 {
-    double far[EDGE_NEIGHBOURS];
-    uint32_t nearest[EDGE_NEIGHBOURS], found = 0;
-    for (uint32_t i = 0; i < count; ++i) {
-        stp_vec3d d = stp_subd(among[i], among[point]);
-        double distance = stp_dotd(d, d);
-        if (found == EDGE_NEIGHBOURS && distance >= far[found - 1]) {
+    float x = among->at[0][point], y = among->at[1][point], z = among->at[2][point];
+    uint32_t keys[EDGE_AMONG], found = 0;
+    for (uint32_t i = 0; i < among->count; ++i) {
+        float dx = among->at[0][i] - x, dy = among->at[1][i] - y, dz = among->at[2][i] - z;
+        uint32_t bits = stp_bits_of_float(dx * dx + dy * dy + dz * dz);
+        keys[i] = (bits & ~(uint32_t)(EDGE_AMONG - 1)) | i;
+    }
+    for (uint32_t i = 0; i < among->count; ++i) {
+        if (found == EDGE_NEIGHBOURS && keys[i] >= nearest[found - 1]) {
             continue;
         }
         uint32_t at = found < EDGE_NEIGHBOURS ? found++ : found - 1;
-        for (; at > 0 && far[at - 1] > distance; --at) {
-            far[at] = far[at - 1];
+        for (; at > 0 && nearest[at - 1] > keys[i]; --at) {
             nearest[at] = nearest[at - 1];
         }
-        far[at] = distance;
-        nearest[at] = i;
+        nearest[at] = keys[i];
     }
+    return found;
+}
+
+/// Whether the points nearest to one lie as at an edge.
+static bool is_edge_point(const edge_points* among, uint32_t point)
+{
+    uint32_t nearest[EDGE_NEIGHBOURS], found = find_nearest(among, point, nearest);
     stp_scatter scatter = {0};
     for (uint32_t i = 0; i < found; ++i) {
-        stp_vec3d d = stp_subd(among[nearest[i]], among[point]);
-        stp_scatter_add(&scatter, d.x, d.y, d.z);
+        uint32_t other = nearest[i] & (uint32_t)(EDGE_AMONG - 1);
+        stp_scatter_add(&scatter, (double)(among->at[0][other] - among->at[0][point]),
+                        (double)(among->at[1][other] - among->at[1][point]),
+                        (double)(among->at[2][other] - among->at[2][point]));
     }
     double matrix[6], eigenvalues[3];
     stp_scatter_matrix(&scatter, matrix);
@@ -88,15 +105,18 @@ static bool is_edge_point(const stp_vec3d* among, uint32_t count, uint32_t point
 /// If none of the points chosen lies at an edge, there is none (2, Edge Containment).
 static bool has_edge(const fact_loop* l, size_t leaf)
 {
-    uint32_t count;
-    const uint32_t* order = points_of(l, leaf, EDGE_AMONG, &count);
-    stp_vec3d among[EDGE_AMONG];
-    for (uint32_t i = 0; i < count; ++i) {
-        among[i] = place_of(l, leaf, order[i]);
+    edge_points among;
+    const uint32_t* order = points_of(l, leaf, EDGE_AMONG, &among.count);
+    const uint16_t* corner = l->octree->leaves[leaf].corner;
+    for (uint32_t i = 0; i < among.count; ++i) {
+        const uint16_t* p = l->points->positions + 3 * (size_t)order[i];
+        for (int k = 0; k < 3; ++k) {
+            among.at[k][i] = (float)(p[k] - corner[k]);
+        }
     }
     bool edge = false;
-    for (uint32_t i = 0; i < EDGE_POINTS && count >= EDGE_NEIGHBOURS && !edge; ++i) {
-        edge = is_edge_point(among, count, i);
+    for (uint32_t i = 0; i < EDGE_POINTS && among.count >= EDGE_NEIGHBOURS && !edge; ++i) {
+        edge = is_edge_point(&among, i);
     }
     return edge;
 }
