@@ -210,7 +210,8 @@ static void print_end(FILE* stream, const char* files, const char* examples)
           ".It 0\nSuccess.\n"
           ".It 1\nThe command failed; one sentence on standard error gives the reason.\n"
           ".It 2\nThe command line is invalid.\n"
-          "The command was interrupted.\n",
+          ".It 130\nThe command was interrupted.\n"
+          ".El\n",
           stream);
     print_examples(stream, examples);
 }
