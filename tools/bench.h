@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // A benchmark is one file, bench_NAME.c, that defines `const benchmark benchmark_NAME`; CMake
-// writes the list. It measures all sides of a comparison interleaved, in one run, and reports
-// medians.
+// writes the list. It measures all alternatives interleaved, in one run, and reports medians.
 #pragma once
 
 #include "command.h"
@@ -48,5 +47,5 @@ void bench_set_count(json_t* object, const char* key, uint64_t value);
 void bench_set_number(json_t* object, const char* key, double value);
 void bench_set_text(json_t* object, const char* key, const char* value);
 
-/// Sorts the values and returns the middle one (the lower of two); 0 where there are none.
+/// Sorts the values and returns the middle one (the lower of two); 0 if there are none.
 double bench_median(double* values, size_t count);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// Benchmark `backends`: how alike the pictures are that the processor and OpenGL draw of a scene's views, at three sizes
-// of splats and with all that changes pictures, splats as points and by compute shaders; and how alike both are to the
-// original triangles. --markdown writes a row of a table for each view.
+// Benchmark `backends`: similarity of the CPU and OpenGL pictures of a scene's views, at three
+// splat sizes and with every option that changes pictures, with point splats and with compute
+// shaders; and similarity of both to the original triangles. --markdown writes a table row per
+// view.
 #include "bench.h"
 #include "frame.h"
 #include "scene_file.h"
@@ -62,7 +63,7 @@ typedef struct backends_bench {
     double least; ///< SSIM of both pictures, so far
 } backends_bench;
 
-/// What is below the root becomes ghosts: every second thing, or all.
+/// Makes ghosts of the root's children: every second thing, or all.
 static stp_result make_ghosts(backends_bench* b)
 {
     const stp_store_directory* d = stp_store_get_directory(b->store);
@@ -81,7 +82,7 @@ static stp_result make_ghosts(backends_bench* b)
     return result;
 }
 
-/// What a case asks for. The section goes through the target, and takes what lies to the left of it.
+/// The options of a case. The section passes through the target and removes what lies to the left.
 static void ask(const backends_bench* b, const picture_case* c, stp_view* view,
                 stp_quality* quality)
 {
@@ -105,7 +106,7 @@ static stp_result draw(frame_maker* maker, const picture_case* c, const stp_view
     if (!c->accumulate) {
         return frame_draw(maker, view, quality, image, figures);
     }
-    stp_view other = *view; // after which it begins anew
+    stp_view other = *view; // then the pattern repeats
     other.fov_degrees *= 0.9;
     stp_result result = frame_accumulate(maker, &other, quality, ACCUMULATED, image);
     *figures = (frame_figures){.splat_size = c->splat_size};
@@ -124,7 +125,7 @@ static stp_result alike(backends_bench* b, const stp_image* one, const stp_image
     return result;
 }
 
-/// Differences of a channel by more than six levels, in ten thousand pixels.
+/// Channels that differ by more than six levels, per ten thousand pixels.
 static double count_different(const stp_image* one, const stp_image* other)
 {
     size_t count = (size_t)one->width * one->height, different = 0;
@@ -191,12 +192,13 @@ static stp_result compare_case(backends_bench* b, const picture_case* c, const c
         fprintf(b->table, " |");
     }
     for (int way = 0; way < WAYS && result == STP_OK; ++way) {
-        if (way == 0 || c->style.filter != STP_FILTER_BLEND) { // which is points always
+        if (way == 0 || c->style.filter != STP_FILTER_BLEND) { // always point splats
             result = compare_way(b, c, name, view, way, own);
         }
     }
-    if (result == STP_ERROR_OUT_OF_MEMORY) { // what OpenGL has no room for is said, and left out
-        fprintf(stderr, "bench backends: %s, %s is left out\n", name, c->name);
+    if (result == STP_ERROR_OUT_OF_MEMORY) { // cases that exceed OpenGL's limits are reported and
+                                             // skipped
+        fprintf(stderr, "bench backends: %s, %s is skipped\n", name, c->name);
         if (b->table != NULL) {
             fprintf(b->table, " -");
         }
@@ -312,7 +314,7 @@ static int run_backends(const bench_options* options, json_t* results)
                         .results = results,
                         .least = 1.0};
     if (b.context == NULL) {
-        return tool_error("bench backends: there is no memory");
+        return tool_error("bench backends: out of memory");
     }
     const char* fault = stp_headless_create(&(stp_headless_desc){0}, &there);
     if (fault != NULL) { // others can be measured
@@ -336,6 +338,6 @@ static int run_backends(const bench_options* options, json_t* results)
 
 const benchmark benchmark_backends = {
     .name = "backends",
-    .summary = "how alike the pictures of the processor and of OpenGL are, view by view",
+    .summary = "similarity of CPU and OpenGL pictures, view by view",
     .run = run_backends,
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Whole builds of growing scenes: is the time in proportion to the triangles, what does it take, and how many bytes
-// come out of it.
+// Benchmark of complete builds of growing scenes: whether the time is proportional to the
+// triangles, how much memory a build takes, and the size of the file.
 #include "bench.h"
 
 #include "build/build.h"
@@ -25,7 +25,7 @@ typedef struct built {
     uint32_t threads;
 } built;
 
-/// Where builds go: a folder of its own, for the time of the run.
+/// A temporary folder for builds, removed after the run.
 typedef struct bench_folder {
     char path[512], file[560];
 } bench_folder;
@@ -46,7 +46,7 @@ static bool make_folder(bench_folder* folder)
 static void remove_folder(const bench_folder* folder)
 {
     (void)unlink(folder->file);
-    (void)rmdir(folder->path); // holds nothing else: a build that failed has removed the rest
+    (void)rmdir(folder->path); // contains nothing else: a failed build has removed the rest
 }
 
 static stp_result read_file(stp_context* context, const char* path, built* out)
@@ -68,7 +68,7 @@ static stp_result read_file(stp_context* context, const char* path, built* out)
     return STP_OK;
 }
 
-/// Builds an input from nothing. `threads` 0: all.
+/// Builds an input from scratch. `threads` 0: all.
 static bool build_once(const char* input, uint32_t threads, const bench_folder* folder, built* out)
 {
     stp_context* context = tool_context_create(threads, 0, "none");
@@ -138,7 +138,7 @@ static bool measure_case(const build_case* c, const bench_folder* folder, json_t
     return true;
 }
 
-/// What a second thread brings, from builds with one and two in turn.
+/// Speedup by a second thread, from alternating builds with one and two.
 static bool measure_threads(const build_case* c, size_t repeats, const bench_folder* folder,
                             json_t* results)
 {
@@ -208,6 +208,6 @@ static int run_build(const bench_options* options, json_t* results)
 
 const benchmark benchmark_build = {
     .name = "build",
-    .summary = "whole builds from 1 M to 86 M unique triangles; takes minutes",
+    .summary = "complete builds from 1 M to 86 M unique triangles; takes minutes",
     .run = run_build,
 };

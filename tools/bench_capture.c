@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Capture, and with it Table 2 of Brandt et al. 2019: rendering a model from eight sides, making candidates of
-// what is seen, and ordering 10k, 50k and 100k of them.
+// Benchmark of capture, and Table 2 of Brandt et al. 2019: renders a model from eight sides, makes
+// candidates of the visible surface, and orders 10k, 50k and 100k of them.
 #include "bench.h"
 #include "measured_model.h"
 
@@ -103,8 +103,8 @@ static void report(const lap* rounds, uint32_t threads, json_t* results)
     }
 }
 
-/// Eight views at the resolution at which the paper's 1.75 million candidates come out (found by the first round,
-/// which is not counted).
+/// Eight views at the resolution that gives the paper's 1.75 million candidates (found by the first
+/// round, which is not counted).
 static stp_result measure(stp_scene* scene, const bench_options* options, json_t* results)
 {
     stp_placed_part* parts = NULL;
@@ -155,6 +155,6 @@ static int run_capture(const bench_options* options, json_t* results)
 
 const benchmark benchmark_capture = {
     .name = "capture",
-    .summary = "triangles seen a second from all sides; candidates made of them (Brandt, Table 2)",
+    .summary = "captured triangles per second, and candidates made from them (Brandt, Table 2)",
     .run = run_capture,
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Triangles to clusters and back, on one thread: how fast, and how many bytes a triangle takes.
+// Benchmark of encoding triangles as clusters and decoding them, on one thread: speed, and bytes
+// per triangle.
 #include "bench.h"
 
 #include "base/clock.h"
@@ -17,7 +18,7 @@ typedef struct coding {
     double encode_ms, decode_ms;
 } coding;
 
-/// Everything drawing needs of a mesh: positions and indices of each cluster.
+/// The data of a mesh that drawing needs: positions and indices of each cluster.
 static float decode_mesh(const stp_coded_mesh* coded)
 {
     static float positions[3 * STP_CLUSTER_VERTICES];
@@ -66,7 +67,7 @@ static stp_result code_mesh(stp_context* context, const stp_scene* scene, const 
     return STP_OK;
 }
 
-/// Rows of boxes and turned parts with hard edges, as CAD programs write them.
+/// Rows of boxes and lathed parts with hard edges, as written by CAD programs.
 static stp_result add_parts(stp_scene* scene, uint32_t count)
 {
     static const lathe_ring profile[] = {{0.0, 0.0},  {0.4, 0.0}, {0.4, 0.6}, {0.25, 0.7},
@@ -171,6 +172,6 @@ static int run_clusters(const bench_options* options, json_t* results)
 
 const benchmark benchmark_clusters = {
     .name = "clusters",
-    .summary = "triangles a second coded to clusters and back, and their bytes",
+    .summary = "speed of encoding and decoding clusters of triangles, and their size",
     .run = run_clusters,
 };

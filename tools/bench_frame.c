@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Benchmark `frame`: what the views of a scene and a flight through them take, at one size of splats and within a budget,
-// which both controllers hold on the same flight; with --memory what is drawn is loaded meanwhile.
+// Benchmark `frame`: frame times of a scene's views and of a flight, at one splat size and within a
+// budget, with both controllers on the same flight; with --memory data is loaded during drawing.
 #include "bench.h"
 #include "draw_options.h"
 #include "flight_report.h"
@@ -67,7 +67,7 @@ static bench_entry begin_result(const frame_bench* b, const way* w)
     return entry;
 }
 
-// As `render --json` and `fly --json` have them.
+// The same keys as `render --json` and `fly --json`.
 static void set_figures(const frame_bench* b, const bench_entry* entry, json_t* figures)
 {
     json_t* drawn = frame_maker_describe(&b->maker, b->image.width, b->image.height);
@@ -93,7 +93,7 @@ static stp_result measure_view(frame_bench* b, uint32_t view, const way* w)
     stp_result result = w->controller != NULL
                             ? frame_settle(&b->maker, &b->views[view], &budget, &quality, &b->image)
                             : STP_OK;
-    if (result == STP_OK) { // finds nothing in caches
+    if (result == STP_OK) { // cold caches
         result = frame_draw_loaded(&b->maker, &b->views[view], &quality, &b->image, &frames[0]);
     }
     for (int i = 0; i < repeats && result == STP_OK; ++i) {
@@ -140,7 +140,7 @@ static stp_result measure_flight(frame_bench* b, const way* w)
     return result;
 }
 
-// The views of the file, as its author placed them; where there is at most one, some that everybody expects.
+// The views of the file; if it has at most one, standard views.
 static void list_views(frame_bench* b)
 {
     static const char* const usual[] = {"front", "iso", "right"};
@@ -166,7 +166,7 @@ static void list_views(frame_bench* b)
     }
 }
 
-// Under a limit of memory each flight finds loaded what all of them begin with.
+// With a memory limit, the data for the first view is loaded before each flight.
 static stp_result renew_maker(frame_bench* b)
 {
     stp_draw_style style = {.transparency = STP_TRANSPARENCY_PATTERN};
@@ -201,7 +201,7 @@ static stp_result measure(frame_bench* b)
     return result;
 }
 
-// A small part of the benchmark scene, in a file that lives as long as the benchmark.
+// A small part of the benchmark scene, in a temporary file.
 static stp_result build_default(frame_bench* b, const char* path)
 {
     b->model = b->quick ? "scene:paper,scale=0.001" : "scene:paper,scale=0.02";
@@ -222,7 +222,7 @@ static int run_frame(const bench_options* options, json_t* results)
 {
     char folder[] = "/tmp/stipple-frame-XXXXXX", path[64];
     if (mkdtemp(folder) == NULL) {
-        return tool_error("bench frame: a temporary folder cannot be made");
+        return tool_error("bench frame: cannot make a temporary folder");
     }
     snprintf(path, sizeof(path), "%s/scene.stip", folder);
     frame_bench b = {.context = tool_context_create(options->threads, options->memory, "none"),
@@ -259,6 +259,6 @@ static int run_frame(const bench_options* options, json_t* results)
 
 const benchmark benchmark_frame = {
     .name = "frame",
-    .summary = "views of a scene and a flight through them, at a size of splats and within 33 ms",
+    .summary = "frame times of a scene's views and of a flight, at a splat size and within 33 ms",
     .run = run_frame,
 };

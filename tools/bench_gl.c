@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Benchmark `gl`: the views of a scene drawn by OpenGL in each way there is, at the sizes of usual displays and for two
-// eyes; times are the graphics processor's own. With --markdown they are written as a table too.
+// Benchmark `gl`: the views of a scene drawn by each OpenGL path, at common display sizes and for
+// two eyes; times come from the GPU's own timers. --markdown also writes them as a table.
 #include "bench.h"
 #include "frame.h"
 #include "gl_measure.h"
@@ -155,7 +155,7 @@ static void report(gl_bench* b, const picture_size* size, const char* view, cons
     write_row(b, size, view, w, t, rate);
 }
 
-/// A way that cannot draw something (full geometry may be too much) does not end the others.
+/// A path that fails (full geometry may be too much) does not stop the others.
 static void report_failure(gl_bench* b, const picture_size* size, const char* view,
                            const draw_way* w, const char* why)
 {
@@ -188,7 +188,7 @@ static stp_result measure_size(gl_bench* b, const picture_size* size)
         for (int w = 0; w < WAYS; ++w) {
             frame_times times;
             if (ways[w].reference && b->geometry_ms > geometry_most_ms) {
-                report_failure(b, size, b->names[v], &ways[w], "left out: it takes too long");
+                report_failure(b, size, b->names[v], &ways[w], "skipped: it takes too long");
                 continue;
             }
             double start = stp_clock_ms();
@@ -272,7 +272,7 @@ static stp_result measure(gl_bench* b)
     return result;
 }
 
-/// A part of the benchmark scene, in a file that lives as long as the benchmark.
+/// A part of the benchmark scene, in a temporary file.
 static stp_result open_scene(gl_bench* b, const char* path)
 {
     if (b->options->model != NULL) {
@@ -331,7 +331,7 @@ static int run_gl(const bench_options* options, json_t* results)
         return 0;
     }
     if (b.context == NULL || mkdtemp(folder) == NULL) {
-        return tool_error("bench gl: a temporary folder cannot be made");
+        return tool_error("bench gl: cannot make a temporary folder");
     }
     snprintf(path, sizeof(path), "%s/scene.stip", folder);
     stp_result result = open_all(&b, path);
@@ -354,6 +354,6 @@ static int run_gl(const bench_options* options, json_t* results)
 
 const benchmark benchmark_gl = {
     .name = "gl",
-    .summary = "views of a scene by OpenGL: points, compute, full geometry; times of the device",
+    .summary = "OpenGL drawing paths (points, compute, full geometry), timed by the device",
     .run = run_gl,
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Benchmark `import`: processor time from a file of points to a scene, and a checksum of what was read. With --model,
-// that file; else a text of points that is made in memory.
+// Benchmark `import`: CPU time from a point file to a scene, and a checksum of the result, with
+// --model for that file, else for a text of points made in memory.
 #include "bench.h"
 
 #include "base/clock.h"
@@ -19,7 +19,7 @@ enum {
     MOST_RUNS = 64,
     POINTS = 2000000,
     QUICK_POINTS = 20000,
-    LINE = 64 // bytes that a line of the text takes at most
+    LINE = 64 // maximum bytes of a line of the text
 };
 
 typedef struct import_bench {
@@ -36,7 +36,7 @@ typedef struct import_figures {
     char format[16];
 } import_figures;
 
-// Of all threads, in the kernel too.
+// CPU time of all threads, including the kernel.
 static double processor_seconds(void)
 {
     struct rusage used;
@@ -45,7 +45,7 @@ static double processor_seconds(void)
            1e-6 * (double)(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
 }
 
-// Lines of a place in a map and a colour, as programs write them.
+// Lines with map coordinates and a colour, as programs write them.
 static bool make_text(import_bench* b)
 {
     uint32_t count = b->options->quick ? QUICK_POINTS : POINTS;
@@ -175,6 +175,6 @@ static int run_import(const bench_options* options, json_t* results)
 
 const benchmark benchmark_import = {
     .name = "import",
-    .summary = "processor time from a file (--model) to a scene, one thread unless --threads says",
+    .summary = "CPU time of importing a file (--model), on one thread unless --threads is given",
     .run = run_import,
 };

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// Orders of 1.75 million candidates of a real model: the exact one with both metrics against the paper's two
-// schedules and a random one, interleaved, each choosing 10k, 50k and 100k; and the experiment of Brandt et al.
-// 2019, 3.3: how long the exact order of 10k takes when each choice looks at every candidate.
+// Orders 1.75 million candidates of a real model: the exact order with both metrics, the paper's
+// two schedules and a random order, interleaved, each choosing 10k, 50k and 100k. It also repeats
+// the experiment of Brandt et al. 2019, 3.3: the time of an exact order of 10k when each choice
+// scans every candidate.
 #include "bench.h"
 #include "scene_file.h"
 
@@ -46,7 +47,7 @@ typedef struct bench_case {
     json_t* results;
 } bench_case;
 
-// Captures the model's candidates, or fewer for a quick run. @return false with the message printed
+// Captures the model's candidates, fewer for a quick run. @return false with the message printed
 static bool capture(stp_context* context, const bench_options* options, stp_candidates* candidates)
 {
     const char* path = options->model != NULL ? options->model : default_model;
@@ -73,7 +74,7 @@ static bool capture(stp_context* context, const bench_options* options, stp_cand
     return result == STP_OK;
 }
 
-// Orders once. @return milliseconds; negative where it fails
+// Orders once. @return milliseconds; negative on failure
 static double time_order(const bench_case* c, int kind, uint32_t wanted, float* radii,
                          float* final_radius, uint64_t* lookups)
 {
@@ -91,7 +92,7 @@ static double time_order(const bench_case* c, int kind, uint32_t wanted, float* 
     return result == STP_OK ? stp_clock_ms() - start : -1.0;
 }
 
-// What the prefix is like: how far it leaves any candidate, and its median spacing.
+// Quality of the prefix: its largest distance to a candidate, and its median spacing.
 static bool measure_quality(bench_case* c, int kind, json_t* figures, float* coverage)
 {
     uint64_t lookups;
@@ -115,7 +116,7 @@ static bool measure_quality(bench_case* c, int kind, json_t* figures, float* cov
     return true;
 }
 
-// The shortest exact prefix that covers as well as the paper's fast schedule does in full.
+// The shortest exact prefix that covers as well as the full result of the paper's fast schedule.
 static uint32_t prefix_as_good(const bench_case* c, float coverage)
 {
     uint32_t prefix = 1;
@@ -133,7 +134,7 @@ static bool run_case(bench_case* c)
     bench_set_count(entry.params, "threads", c->threads);
     bench_set_text(entry.params, "metric", "euclidean");
     float coverage[KINDS];
-    for (int k = KINDS - 1; k >= EXACT; --k) { // the exact one last: its radii are needed
+    for (int k = KINDS - 1; k >= EXACT; --k) { // the exact order last, because its radii are needed
         if (!measure_quality(c, k, entry.figures, &coverage[k])) {
             return false;
         }
@@ -174,7 +175,7 @@ static bool run_case(bench_case* c)
     return true;
 }
 
-// Gonzalez' traversal without any search structure: what the paper's 15 s for 10k surfels were spent on.
+// Gonzalez' traversal without a search structure, which took the paper 15 s for 10k surfels.
 static double time_naive(const stp_candidates* candidates, uint32_t wanted, float* gaps)
 {
     double start = stp_clock_ms();
@@ -279,6 +280,6 @@ static int run_order(const bench_options* options, json_t* results)
 const benchmark benchmark_order = {
     .name = "order",
     .summary =
-        "exact orders against the paper's schedules, on captured candidates (Brandt, 3.2 and 3.3)",
+        "exact orders and the paper's schedules, on captured candidates (Brandt, 3.2 and 3.3)",
     .run = run_order,
 };

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Benchmark `positions`: how long frames take all over scene `paper`, as in the last column of Table 3 of Brandt et al.
-// 2019 (section 5.3): at random positions 200 m above the ground of the whole, looking slightly down, and 2 m above it
-// in each part, to the four cardinal directions.
+// Benchmark `positions`: frame times all over scene `paper`, as in the last column of Table 3 of
+// Brandt et al. 2019 (section 5.3): at random positions 200 m above the whole scene, looking
+// slightly down, and 2 m above the ground of each part, in the four cardinal directions.
 #include "bench.h"
 #include "frame.h"
 #include "scene_file.h"
@@ -36,7 +36,7 @@ typedef struct position_bench {
 
 enum { PLACES = 1 + SITE_COUNT };
 
-// The sites' margins are left out: there the ground begins to be the terrain's.
+// Excludes the sites' margins, where the ground changes to terrain.
 static void list_places(place places[PLACES])
 {
     static const char* const names[SITE_COUNT] = {[SITE_CITY] = "Pompeii",
@@ -61,7 +61,7 @@ static stp_view look(const position_bench* b, const place* p, uint64_t seed, uin
     double v = (double)(stp_rng_hash(seed, 2 * i + 1) >> 11) * 0x1p-52 - 1.0;
     double x = p->x + u * p->half_width, z = p->z + v * p->half_depth;
     double y = terrain_height(&b->map, x, z) + p->above;
-    const double reach = 100.0; // the target's distance: any
+    const double reach = 100.0; // distance of the target: arbitrary
     return (stp_view){
         .width = b->image.width,
         .height = b->image.height,
@@ -93,7 +93,7 @@ static void set_ranks(const bench_entry* entry, double* values, uint32_t count)
     }
 }
 
-/// What the pictures of a place took, as arrays of one value a picture.
+/// Figures of the pictures at a position, as arrays with one value per picture.
 typedef struct place_times {
     double *second, *first, *splats, *triangles; ///< of one block
 } place_times;
@@ -123,7 +123,7 @@ static void report_place(position_bench* b, const place* p, uint32_t first, uint
     bench_set_count(entry.params, "height", b->image.height);
     bench_set_count(entry.params, "threads", stp_context_thread_count(b->context));
     bench_set_number(entry.params, "splat_size", (double)b->quality.splat_size);
-    set_list(&entry, "frame_ms", t->second, pictures); // before they are sorted
+    set_list(&entry, "frame_ms", t->second, pictures); // before sorting
     set_list(&entry, "jump_ms", t->first, pictures);
     set_list(&entry, "splats", t->splats, pictures);
     set_list(&entry, "triangles", t->triangles, pictures);
@@ -133,8 +133,8 @@ static void report_place(position_bench* b, const place* p, uint32_t first, uint
     bench_set_number(entry.figures, "triangles_p50", bench_median(t->triangles, pictures));
 }
 
-// Each picture is drawn twice: the first frame knows nothing of what hides what here, nor is it in caches; it is the
-// second that counts, as in a flight.
+// Draws each picture twice and counts the second frame, as in a flight: the first has cold caches
+// and no occlusion data.
 static stp_result measure_place(position_bench* b, const place* p, uint64_t seed, uint32_t begin,
                                 uint32_t positions)
 {

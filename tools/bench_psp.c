@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Progressive Splatting (Wu, Zhang, Kobbelt 2005): how fast points of a ball with bumps are merged
-// to a hundredth of them, by the paper's metric of normals ("L2,1") and by that of the method's
-// sets, and how many bytes a file takes for each operator that splits a splat again.
+// Progressive Splatting (Wu, Zhang, Kobbelt 2005): speed of merging the points of a bumpy ball to a
+// hundredth, with the paper's normal metric ("L2,1") and with the metric of the method's sets; and
+// the stored bytes per operator that splits a splat.
 #include "bench.h"
 
 #include "base/clock.h"
@@ -20,7 +20,7 @@ enum { POINTS = 1000000, QUICK_POINTS = 100000, SHARE = 100, REPEATS = 3 };
 #define CELL 1.2  // area of a sample, in squares of the radius that samples cover to
 #define AREA 12.6 // of the ball, about
 
-/// Points that lie evenly on the ball, and the same as a set of samples.
+/// Points spread evenly on the ball, and the same as a set of samples.
 typedef struct ball {
     stp_context* context;
     float *positions, *normals, *areas;
@@ -90,7 +90,7 @@ static void destroy_ball(ball* b)
     *b = (ball){.context = b->context};
 }
 
-/// The bytes that a file has for the operators of a set, each of which splits a splat into two.
+/// Stored bytes of the operators of a set, each of which splits a splat into two.
 static stp_result count_bytes(stp_context* context, const stp_splats* set, double* each)
 {
     char path[4096];
@@ -193,6 +193,6 @@ static int run_psp(const bench_options* options, json_t* results)
 const benchmark benchmark_psp = {
     .name = "psp",
     .summary =
-        "points that Progressive Splatting merges a second, and bytes of an operator (Wu et al.)",
+        "Progressive Splatting: points merged per second, and bytes per operator (Wu et al.)",
     .run = run_psp,
 };

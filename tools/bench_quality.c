@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Benchmark `quality`: the picture, at splat sizes 1 to 24 or at a given one, against the original triangles: SSIM,
-// holes, wrong depths, and how much larger the covered area is. Three series: the object framed to fill the
-// picture (where the surfels do not suffice, triangles are drawn) from 26 directions that keep away from the
-// capture's, and from the named views; and from as near as the surfels alone suffice.
+// Benchmark `quality`: compares pictures at splat sizes 1 to 24, or at a given size, with the
+// original triangles: SSIM, holes, wrong depths, and growth of the covered area. Three series: the
+// object framed to fill the picture (triangles are drawn where the surfels are too coarse) from 26
+// directions away from the capture's, and from the named views; and from the nearest distance at
+// which surfels alone suffice.
 #include "bench.h"
 #include "draw_options.h"
 
@@ -75,7 +76,7 @@ static stp_result draw_view(quality_run* run, const stp_view* view, float splat_
                : stp_renderer_draw(run->renderer, view, &run->list, &style, image, stats);
 }
 
-// The picture that the others are compared with.
+// The reference picture.
 static stp_result draw_reference(quality_run* run, const stp_view* view)
 {
     stp_draw_stats stats;
@@ -109,7 +110,7 @@ static void add_errors(quality_sums* sums, const stp_surface_errors* errors, uin
     sums->least_area = sums->least_area > 0.0 ? fmin(sums->least_area, area) : area;
 }
 
-// Draws a view and adds its differences from the reference, which is drawn, to the sums.
+// Draws a view and adds its differences from the reference, which is already drawn, to the sums.
 static stp_result compare_view(quality_run* run, const stp_view* view, uint32_t direction,
                                quality_sums* sums)
 {
@@ -196,7 +197,7 @@ static void report_series(json_t* results, const char* model, const char* series
     bench_set_count(entry.figures, "triangles", sums->triangles / pictures);
 }
 
-// The view `index` of a series. @return false where there are no more
+// View `index` of a series. @return false if there are no more
 static bool make_view(const quality_run* run, const quality_series* series, uint32_t index,
                       stp_view* view)
 {
@@ -299,7 +300,7 @@ static stp_result measure_file(quality_run* run, const char* path, const char* m
         quality_series near = series;
         near.name = "limit";
         near.limit = true;
-        near.size_count = 1; // the place of the eye depends on it
+        near.size_count = 1; // the position of the eye depends on it
         result = run_series(run, model, &near, results);
     }
     return result;
@@ -343,7 +344,7 @@ static int run_quality(const bench_options* options, json_t* results)
     const char* model = options->model != NULL ? options->model : DEFAULT_MODEL;
     char folder[] = "/tmp/stipple-quality-XXXXXX", path[64];
     if (mkdtemp(folder) == NULL) {
-        return tool_error("bench quality: a temporary folder cannot be made");
+        return tool_error("bench quality: cannot make a temporary folder");
     }
     snprintf(path, sizeof(path), "%s/model.stip", folder);
     stp_context* context = tool_context_create(0, 0, "none");

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
-// Splats a second into a picture of 1920 x 1080, from an order that is random in space: single pixels, and disks
-// with the normals of a ball. Beside it the same points through OpenGL, where that runs in software here, with as
-// many threads, in the same run. Clearing (or, here, emptying and merging the threads' buffers) counts on both sides.
-// How fast memory is copied, and how many pixels at random it takes, is measured in between.
+// Splats per second drawn into a picture of 1920 x 1080, from an order that is random in space:
+// single pixels, and disks with the normals of a ball. The same points are drawn with software
+// OpenGL, if available, with as many threads, in the same run. Both sides include clearing (here:
+// emptying and merging the threads' buffers). Memory copy speed and random pixel updates are
+// measured in between.
 #include "bench.h"
 #include "memory_speed.h"
 #include "software_gl.h"
@@ -24,7 +25,7 @@ enum {
     PIECE = 16384,
     MOST_THREADS = 2
 };
-static const double repeat_ms = 4000.0; // a size that has taken so long has enough repeats
+static const double repeat_ms = 4000.0; // a size that has taken this long has enough repeats
 
 typedef struct splat_bench {
     stp_context* context;
@@ -51,7 +52,7 @@ static void destroy(splat_bench* b)
     stp_context_destroy(b->context);
 }
 
-/// A ball that fills the picture's height, seen in parallel projection: every splat is of one size.
+/// A ball as high as the picture, in parallel projection, so that all splats have the same size.
 static bool create(splat_bench* b, uint32_t count, uint32_t threads)
 {
     *b = (splat_bench){
@@ -128,7 +129,8 @@ static void merge_rows(size_t begin, size_t end, uint32_t worker, void* user)
             sum += row[x];
         }
     }
-    b->buffers[(size_t)worker * WIDTH * HEIGHT] |= sum == 1; // so that the work is not left out
+    b->buffers[(size_t)worker * WIDTH * HEIGHT] |= sum == 1; // prevents the compiler from removing
+                                                             // the work
 }
 
 typedef struct lap {
@@ -137,8 +139,8 @@ typedef struct lap {
     uint64_t fragments;
 } lap;
 
-// We draw twice and the second frame counts: in a flight, too, the frame before was its own. To OpenGL, which takes seconds,
-// it makes no difference.
+// Draws twice and counts the second frame, because in a flight the previous frame is similar. It
+// makes no difference to OpenGL, which takes seconds.
 static lap run_lap(splat_bench* b, software_gl* gl, float size)
 {
     lap out = {0};
@@ -163,8 +165,9 @@ static lap run_lap(splat_bench* b, software_gl* gl, float size)
     return out;
 }
 
-/// What a splat moves at least: its own bytes, its fragments read and written, its share of the threads' pictures that are
-/// merged and emptied; and how much of what memory gives that is.
+/// The minimum memory traffic of a splat: its own bytes, its fragments read and written, and its
+/// share of emptying and merging the threads' pictures; and that traffic as a share of the memory
+/// bandwidth.
 static void set_memory(const splat_bench* b, const bench_entry* entry, double rate, double copy,
                        double update, uint64_t fragments)
 {
@@ -248,6 +251,6 @@ static int run(const bench_options* options, json_t* results)
 
 const benchmark benchmark_splats = {
     .name = "splats",
-    .summary = "splats a second on the processor, and through OpenGL in software",
+    .summary = "splats per second on the CPU and with software OpenGL",
     .run = run,
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Sequential Point Trees (Dachsbacher et al. 2003): how many points a view takes by distance and kind of error, how many of
-// those that are looked at the test of each rejects (the paper: 10 to 40 %), how long the recursive traversal and the
-// sequence take to select them, and how fast both are built.
+// Sequential Point Trees (Dachsbacher et al. 2003): number of points per view by distance and kind
+// of error, the share of processed points that each test rejects (the paper: 10 to 40 %), the time
+// to select points by recursive traversal and by sequence, and the build time of both.
 #include "bench.h"
 #include "measured_model.h"
 #include "spt_drawing.h"
@@ -48,7 +48,7 @@ typedef struct spt_bench {
     spt_gl_drawing* gl_drawing;
 } spt_bench;
 
-/// What views from one distance take, summed over directions.
+/// Figures of the views from one distance, summed over directions.
 typedef struct spt_row {
     uint64_t unified, split, qsplat; ///< points that the traversal selects
     uint64_t looked_at, coarse,
@@ -57,7 +57,7 @@ typedef struct spt_row {
     spt_times times; ///< of drawing
 } spt_row;
 
-/// The leading surfels of the exact order, which are spread evenly.
+/// The first surfels of the exact order, which are spread evenly.
 static stp_result make_points(spt_bench* b, const stp_scene* scene, const bench_options* options)
 {
     uint8_t* shadings = STP_NEW_ZEROED(b->context, uint8_t, scene->material_count + 1);
@@ -152,7 +152,7 @@ static stp_result draw_view(spt_bench* b, const stp_tree_view* from, spt_times* 
     return STP_OK;
 }
 
-/// A view by all ways. Distances of the prefix are those of the bounding sphere.
+/// Draws a view by all paths. Distances of the prefix are those of the bounding sphere.
 static stp_result add_view(spt_bench* b, stp_vec3d eye, double distance, spt_row* row)
 {
     stp_tree_view view = {.eye = eye, .allowed = PIXEL_ANGLE};
@@ -269,13 +269,14 @@ static int run_spt(const bench_options* options, json_t* results)
     stp_method_samples_destroy(b.context, &b.samples);
     stp_context_destroy(b.context);
     if (scene != NULL && result == STP_OK && !any) {
-        return tool_error("bench spt: nothing can be seen of the model");
+        return tool_error("bench spt: no part of the model is visible");
     }
     return result == STP_OK ? 0 : 1;
 }
 
 const benchmark benchmark_spt = {
     .name = "spt",
-    .summary = "points that views take of a point tree, and of its sequence (Dachsbacher et al.)",
+    .summary = "points that views draw from a point tree and from its sequence (Dachsbacher et "
+               "al.)",
     .run = run_spt,
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Small triangles into a visibility buffer: a jittered grid that fills a picture, in perspective.
+// Small triangles in a visibility buffer: a jittered grid that fills the picture, in perspective.
 #include "bench.h"
 
 #include "base/clock.h"
@@ -90,7 +90,7 @@ static void draw_band(size_t begin, size_t end, uint32_t worker, void* user)
     job->failed[worker] = job->failed[worker] || result != STP_OK;
 }
 
-/// @return median milliseconds of drawing the grid; below 0 where memory runs out
+/// @return median time of drawing the grid in milliseconds; below 0 if memory runs out
 static double time_grid(stp_context* context, const grid* g)
 {
     uint32_t threads = stp_context_thread_count(context);
@@ -111,7 +111,7 @@ static double time_grid(stp_context* context, const grid* g)
             job.scratch[i] = stp_arena_create(context, 4096);
         }
         double started = stp_clock_ms();
-        // one thread draws the picture as one band: no quad twice
+        // one thread draws the picture as a single band, so no quad is drawn twice
         stp_parallel_for(context, HEIGHT, threads > 1 ? BAND_ROWS : HEIGHT, draw_band, &job);
         times[repeat < 0 ? 0 : repeat] = stp_clock_ms() - started;
         for (uint32_t i = 0; i < threads; ++i) {
@@ -166,6 +166,6 @@ static int run_triangles(const bench_options* options, json_t* results)
 
 const benchmark benchmark_triangles = {
     .name = "triangles",
-    .summary = "small triangles a second into a visibility buffer",
+    .summary = "small triangles per second in a visibility buffer",
     .run = run_triangles,
 };

@@ -17,7 +17,8 @@ static uint64_t size_of(const char* path)
                : 0;
 }
 
-/// Of the files that an array of a glTF names, in the folder of the model. Names with escapes count nothing.
+/// Of the files that an array of a glTF names, in the folder of the model. Names with escapes count
+/// nothing.
 static uint64_t sum_named(const json_t* root, const char* key, const char* model)
 {
     const char* slash = strrchr(model, '/');
@@ -80,10 +81,9 @@ void build_sizes_print(uint64_t input_bytes, const scene_figures* figures)
     char in[32], out[32], splats[32], triangles[32], textures[32], count[32];
     const char* reason = build_sizes_reason(input_bytes, figures);
     if (build_sizes_needs_no_splats(figures)) {
-        printf(
-            "  %-12s the model is so small that its %s triangles alone would do: --threshold %llu "
-            "leaves out the splats\n",
-            "notice", describe_count(f->triangles, count), (unsigned long long)f->triangles);
+        printf("  %-12s the model is so small that its %s triangles suffice: --threshold %llu "
+               "leaves out the splats\n",
+               "notice", describe_count(f->triangles, count), (unsigned long long)f->triangles);
     }
     if (reason != NULL) {
         printf("  %-12s more than %.0f times the input: most of the file is %s\n", "notice",

@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: MIT
 //
-// The bytes that went into a build and those that it wrote: the last lines of `stipple build`.
+// Input and output sizes of a build: the last lines of `stipple build`.
 #pragma once
 
 #include "describe.h"
 
-/// Bytes of the inputs: of each file, and of the buffers and pictures that a .gltf names beside it. Scenes by name and what
-/// cannot be read count nothing.
+/// Size of the inputs in bytes: each file, and the buffers and pictures that a .gltf names. Named
+/// scenes and unreadable files count as 0.
 uint64_t build_sizes_input(const char* const* inputs, size_t count);
 
-/// Why a file is more than three times as large as its inputs, as an English sentence without a full stop; NULL where it is
-/// not, or the inputs have no size.
+/// Explains why a file is more than three times as large as its inputs, as an English sentence
+/// without a full stop; NULL if it is not, or if the inputs have no size.
 const char* build_sizes_reason(uint64_t input_bytes, const scene_figures* figures);
 
-/// Whether the scene has so few triangles, each use counted, and no points, that a frame of all of them is quick without
-/// splats.
+/// Whether the scene has no points and so few triangles (counting all uses) that drawing all of
+/// them is quick.
 bool build_sizes_needs_no_splats(const scene_figures* figures);
 
-/// Prints input, output, and its splats, triangles and textures; the reason; and a notice where splats are needless. On stdout.
+/// Prints input and output sizes, with splats, triangles and textures; the reason; and a notice if
+/// splats are not needed. On stdout.
 void build_sizes_print(uint64_t input_bytes, const scene_figures* figures);

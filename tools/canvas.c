@@ -127,7 +127,7 @@ void canvas_put(canvas* c, int x, int y, const stp_image* picture)
     }
 }
 
-// The next code point of UTF-8; what is no UTF-8 gives a question mark.
+// The next code point of UTF-8; invalid UTF-8 gives a question mark.
 static int next_point(const char** text)
 {
     const unsigned char* at = (const unsigned char*)*text;
@@ -165,7 +165,7 @@ static void put_letter(canvas* c, double x, int y, float scale, canvas_color col
     }
 }
 
-// Draws where `c` is not NULL. @return the width
+// Measures only if `c` is NULL, else draws too. @return the width
 static double walk_text(const struct canvas_font* font, canvas* c, int x, int y, double size,
                         canvas_color color, const char* text)
 {
@@ -198,7 +198,8 @@ int canvas_text_width(const canvas* c, double size, const char* text)
                : 0;
 }
 
-// The mean of the pixels that a pixel of the smaller picture stands for, by area; colours weigh by their alpha.
+// Averages the source pixels of each pixel of the smaller picture by area; colours are weighted by
+// alpha.
 static void average(const stp_image* from, const double low[2], const double high[2],
                     uint8_t out[4])
 {

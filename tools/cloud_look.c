@@ -31,8 +31,8 @@ bool cloud_look_read_size(const char* text, cloud_point_size* size)
 
 int cloud_look_refuse_size(const char* text)
 {
-    return tool_usage_error("--point-size is a number of pixels from 1 to %d (3 or 3px), of metres "
-                            "(0.05m), or adaptive, not %s",
+    return tool_usage_error("--point-size must be 1 to %d pixels (3 or 3px), metres (0.05m) or "
+                            "adaptive, not %s",
                             CLOUD_POINT_PIXELS, text);
 }
 

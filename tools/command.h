@@ -43,29 +43,30 @@ typedef struct option {
     /// Choices separated by |. Of a number, size or picture size: words that stand for 0, and the
     /// range allowed, as in "auto|1..1024"; NULL: any (a picture: 1..32768).
     const char* words;
-    const char* help;     ///< one line
-    const char* fallback; ///< the value where the option is given without one; NULL: it needs one
+    const char* help; ///< one line
+    const char*
+        fallback; ///< default if the option is given without a value; NULL: a value is required
     void* value;
-    bool* given; ///< set where the option was given; may be NULL
+    bool* given; ///< set if the option is given; may be NULL
 } option;
 
-// Options that several commands have, for their tables; `where` is the value's place.
+// Options shared by several commands; `where` points to the value.
 #define OPTION_THREADS(where)                                                                      \
     {                                                                                              \
         .name = "threads", .type = OPTION_COUNT, .argument = "N", .words = "auto|0..1024",         \
-        .help = "threads that work; default all processors", .value = (where)                      \
+        .help = "number of threads; default all processors", .value = (where)                      \
     }
 #define OPTION_MEMORY(where)                                                                       \
     {                                                                                              \
         .name = "memory", .type = OPTION_SIZE, .argument = "SIZE", .words = "auto",                \
-        .help = "most memory to use, as 8G or 512M; default no limit", .value = (where)            \
+        .help = "memory limit, such as 8G or 512M; default no limit", .value = (where)             \
     }
 /// The value is an int, an stp_gl_splats.
 #define OPTION_GL_SPLATS(where)                                                                    \
     {                                                                                              \
         .name = "gl-splats", .type = OPTION_CHOICE, .argument = "WAY",                             \
         .words = "auto|points|compute",                                                            \
-        .help = "how OpenGL draws splats: as points or by a compute shader; default auto, which "  \
+        .help = "OpenGL splat renderer: points, or a compute shader; default auto, which "         \
                 "measures both first",                                                             \
         .value = (where)                                                                           \
     }
@@ -73,15 +74,15 @@ typedef struct option {
 #define OPTION_PROGRESS(where)                                                                     \
     {                                                                                              \
         .name = "progress", .type = OPTION_CHOICE, .words = "auto|bar|json|none",                  \
-        .help = "progress on stderr; default a bar where that is a terminal", .value = (where)     \
+        .help = "progress on stderr; default a bar if that is a terminal", .value = (where)        \
     }
-/// The columns of texts of points; tool_take_columns judges them.
+/// The columns of text files of points; checked by tool_take_columns.
 #define OPTION_COLUMNS(place)                                                                      \
     {                                                                                              \
         .name = "columns", .type = OPTION_TEXT, .argument = "NAME,...",                            \
-        .help = "what the columns of a text of points (XYZ, TXT, CSV, ASC, PTS) are: x, y, z, r, " \
-                "g, b, intensity, nx, ny, nz, class, or - for one that is not read; default by "   \
-                "their header, number and values",                                                 \
+        .help = "meaning of the columns of a text file of points (XYZ, TXT, CSV, ASC, PTS): x, "   \
+                "y, z, r, g, b, intensity, nx, ny, nz, class, or - to skip one; by default "       \
+                "detected from the header, number and values of the columns",                      \
         .value = (place)                                                                           \
     }
 #define OPTION_JSON(where)                                                                         \
@@ -98,12 +99,12 @@ typedef struct command {
     const char* examples;  ///< "$ command" lines, each after a line that says what it does
     const char* files;     ///< "PATH<tab>what it is" lines: what the command reads and writes
     const char*
-        interrupted; ///< what an interrupted run says of its results; NULL: nothing was written
+        interrupted; ///< message about results after an interrupt; NULL: nothing was written
     /// Fills the table of options (ends with a NULL name); each value points into the command's own
     /// storage.
     const option* (*options)(void);
-    /// Runs with what is left of the arguments, in their order (argv[0] is the first; "-" is a file
-    /// name); returns the exit code: 0, 1 (message printed) or 2.
+    /// Runs with the remaining arguments in order (argv[0] is the first; "-" is a file name);
+    /// returns the exit code: 0, 1 (message printed) or 2.
     int (*run)(int argc, char** argv);
 } command;
 
@@ -111,21 +112,20 @@ typedef struct command {
 const command* const* commands(void);
 
 /// A context that prints messages on stderr ("stipple: ...", notices only with --verbose) and
-/// progress as asked: "auto" (also NULL: a bar where stderr is a terminal), "bar", "json" (one
-/// object a line) or "none". The first interrupt makes the next report of progress stop the work,
-/// a second one kills.
-/// NULL: message printed.
+/// progress as requested: "auto" (also NULL: a bar if stderr is a terminal), "bar", "json" (one
+/// object per line) or "none". The first interrupt stops the work at the next progress report, a
+/// second one kills the process. NULL on failure: message printed.
 stp_context* tool_context_create(uint32_t thread_count, uint64_t memory_limit_bytes,
                                  const char* progress);
 /// Prints one sentence on stderr and returns 2, or 1.
 int tool_usage_error(const char* format, ...) __attribute__((format(printf, 1, 2)));
 int tool_error(const char* format, ...) __attribute__((format(printf, 1, 2)));
-/// Whether an interrupt (Ctrl+C) asked the work to stop: loops that report no progress look here.
+/// Whether an interrupt (Ctrl+C) was received: for loops that report no progress.
 bool tool_is_interrupted(void);
-// Around what is tried again where it fails: errors that the library logs are kept, and the last of them is printed
-// at the end or dropped. One thread.
+// Around work that may be retried: holds back errors that the library logs; at the end the last one
+// is printed or dropped. One thread.
 void tool_hold_errors(void);
 void tool_release_errors(bool print);
-/// Prints the object and a newline on stdout and frees it; returns the exit code (1 where writing
+/// Prints the object and a newline on stdout and frees it; returns the exit code (1 if writing
 /// fails).
 int tool_print_json(json_t* object);

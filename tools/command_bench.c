@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `stipple bench`: runs benchmarks and prints what they measured, as a table or as one JSON object.
+// `stipple bench`: runs benchmarks and prints their results as a table or as one JSON object.
 #include "bench.h"
 #include "draw_options.h"
 
@@ -42,79 +42,81 @@ static const option* bench_options_table(void)
 {
     static const option options[] = {
         {.name = "list", .help = "list the benchmarks", .value = &given.list},
-        {.name = "quick", .help = "small cases, within seconds", .value = &given.quick},
+        {.name = "quick", .help = "small cases that finish within seconds", .value = &given.quick},
         {.name = "model",
          .type = OPTION_TEXT,
          .argument = "PATH",
-         .help = "measure on this model",
+         .help = "model to measure",
          .value = &given.model},
         {.name = "count",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "1..1000000",
-         .help = "positions: so many above the whole scene, and a quarter as many in each part; "
-                 "default 20",
+         .help = "positions: number of positions above the whole scene; each part gets a quarter "
+                 "as many; default 20",
          .value = &given.count},
         {.name = "splat-size",
          .type = OPTION_NUMBER,
          .argument = "PX",
          .words = "1..64",
          .help =
-             "frame, positions, quality: size of splats; default 1; quality: 1, 2, 4, 8, 16 and 24",
+             "frame, positions, quality: splat size; default 1; for quality 1, 2, 4, 8, 16 and 24",
          .value = &given.splat_size},
         {.name = "method",
          .type = OPTION_CHOICE,
          .argument = "NAME",
          .words = TOOL_METHOD_WORDS,
-         .help = "frame, quality: whose splats are drawn; default the file's first",
+         .help = "frame, quality: method to draw; default the first in the file",
          .value = &given.method,
          .given = &given.has_method},
         {.name = "backend",
          .type = OPTION_CHOICE,
          .argument = "NAME",
          .words = "cpu|gl",
-         .help = "spt: what draws; gl is OpenGL 4.5; default cpu",
+         .help = "spt: renderer; gl is OpenGL 4.5; default cpu",
          .value = &given.backend},
         {.name = "eye",
          .type = OPTION_VECTOR,
          .argument = "X,Y,Z",
-         .help = "quality: only the view from here",
+         .help = "quality: use only the view from this position",
          .value = given.eye,
          .given = &given.has_eye},
         {.name = "target",
          .type = OPTION_VECTOR,
          .argument = "X,Y,Z",
-         .help = "quality: what the eye looks at; default 0,0,0",
+         .help = "quality: point that the camera looks at; default 0,0,0",
          .value = given.target},
         {.name = "first",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "0..1000000",
-         .help = "positions: leave out so many, which were measured before; default 0",
+         .help = "positions: skip the first N, for example because they are already measured; "
+                 "default 0",
          .value = &given.first},
         {.name = "size",
          .type = OPTION_PIXELS,
          .argument = "WxH",
-         .help = "frame, positions, quality: pixels; default 1920x1080, with --quick 320x180",
+         .help = "frame, positions, quality: size of pictures; default 1920x1080, with --quick "
+                 "320x180",
          .value = given.size},
         {.name = "memory",
          .type = OPTION_SIZE,
          .argument = "SIZE",
          .words = "auto",
-         .help =
-             "frame, positions: load what is drawn while it is drawn, under this limit, such as "
-             "1G; default: the file is mapped",
+         .help = "frame, positions: load data while drawing, within this limit, such as 1G; by "
+                 "default the file is mapped",
          .value = &given.memory},
         {.name = "threads",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "auto|0..1024",
-         .help = "frame, positions: threads that draw; spt: that build; default all processors",
+         .help = "frame, positions: drawing threads; spt: building threads; default all "
+                 "processors",
          .value = &given.threads},
         {.name = "markdown",
          .type = OPTION_TEXT,
          .argument = "FILE.md",
-         .help = "gl: write a table too",
+         .help = "gl: also write a table",
          .value = &given.markdown},
         OPTION_JSON(&given.json),
         {0},
@@ -163,7 +165,7 @@ double bench_median(double* values, size_t count)
     return values[(count - 1) / 2];
 }
 
-// The processor's own name, where the system tells it.
+// The name of the CPU, if the system provides it.
 static void read_processor_name(char* name, size_t size)
 {
     snprintf(name, size, "unknown");
@@ -208,7 +210,7 @@ static void print_value(const char* indent, const char* key, const json_t* value
     }
 }
 
-// Lists are for --json alone.
+// Lists are only for --json.
 static void print_values(const json_t* object, const char* indent)
 {
     const char *key, *inner_key;
@@ -263,13 +265,12 @@ static int run_bench(int argc, char** argv)
     }
     for (int i = 0; i < argc; ++i) {
         if (find_benchmark(argv[i]) == NULL) {
-            return tool_usage_error("bench: no benchmark is named %s (stipple bench --list)",
+            return tool_usage_error("bench: there is no benchmark %s; see stipple bench --list",
                                     argv[i]);
         }
     }
     if (given.backend != 0 && (argc != 1 || strcmp(argv[0], "spt") != 0)) {
-        return tool_usage_error(
-            "bench: --backend is an option of spt: stipple bench spt --backend gl");
+        return tool_usage_error("bench: only spt has --backend: stipple bench spt --backend gl");
     }
     bench_options options = {.quick = given.quick,
                              .model = given.model,
@@ -319,18 +320,15 @@ static int run_bench(int argc, char** argv)
 const command command_bench = {
     .name = "bench",
     .arguments = "[NAME...]",
-    .summary = "measure, and compare with what others do",
-    .text = "Runs the named benchmarks, or all of them, and prints what they measured. Whatever is "
-            "compared "
-            "is measured interleaved in one run; times are medians. Data goes to standard output; "
-            "--json "
-            "prints one object: machine, and results with name, params and figures.",
-    .examples = "Which benchmarks there are:\n"
+    .summary = "measure Stipple and compare it with other programs",
+    .text = "Runs the named benchmarks, or all of them, and prints the results. Alternatives are "
+            "measured interleaved in one run; times are medians. Data goes to standard output; "
+            "--json prints one object: machine, and results with name, params and figures.",
+    .examples = "List the benchmarks:\n"
                 "$ stipple bench --list\n"
-                "One of them, smaller, as JSON:\n"
+                "Run a small case and print JSON:\n"
                 "$ stipple bench splats --quick --json\n",
-    .files = "$TMPDIR\t"
-             "scratch files of benchmarks that build; /tmp where the variable is not set\n",
+    .files = "$TMPDIR\tscratch files of benchmarks that build; /tmp if the variable is not set\n",
     .options = bench_options_table,
     .run = run_bench,
 };

@@ -56,144 +56,144 @@ static const option* options(void)
         {.name = "method",
          .type = OPTION_TEXT,
          .argument = "NAME,...",
-         .help = "how the scene becomes splats: blue (Progressive Blue Surfels), spt (Sequential "
-                 "Point Trees), psp (Progressive Splatting), stochastic (View-Dependent Stochastic "
-                 "Sampling), or several for the same nodes; default blue",
+         .help = "method that turns the scene into splats: blue (Progressive Blue Surfels), spt "
+                 "(Sequential Point Trees), psp (Progressive Splatting) or stochastic "
+                 "(View-Dependent Stochastic Sampling); a list stores several methods for the "
+                 "same nodes; default blue",
          .value = &args.method},
         {.name = "error",
          .type = OPTION_CHOICE,
          .argument = "NAME",
          .words = "unified|qsplat",
-         .help = "the error of a node of spt: its geometric error, or its diameter as in QSplat; "
-                 "default unified",
+         .help = "error of an spt node: unified (its geometric error) or qsplat (its diameter, "
+                 "as in QSplat); default unified",
          .value = &args.error,
          .given = &args.error_given},
         {.name = "color-threshold",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "0..255",
-         .help =
-             "a node of spt whose colours differ by more, of 255, is as coarse as its diameter; "
-             "default 48",
+         .help = "use the diameter as the error of an spt node whose colours differ by more than N "
+                 "of 255; default 48",
          .value = &args.color_threshold,
          .given = &args.color_threshold_given},
         {.name = "leaf-points",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "16..1000000",
-         .help = "most points of a leaf of stochastic; default 1024",
+         .help = "maximum points per leaf (stochastic); default 1024",
          .value = &args.leaf_points,
          .given = &args.leaf_points_given},
         {.name = "leaf-flatness",
          .type = OPTION_NUMBER,
          .argument = "F",
          .words = "0..0.1",
-         .help = "a leaf of stochastic with more than a few points is divided until its points lie "
-                 "flatter: their least variance is at most so much of all; default 0.005",
+         .help = "split a leaf until the smallest variance of its points is at most this share "
+                 "of the total (stochastic); default 0.005",
          .value = &args.leaf_flatness,
          .given = &args.leaf_flatness_given},
         {.name = "leaf-sample",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "16..1000000",
-         .help = "points, chosen at random, that tell whether a larger region is flat; default 256",
+         .help = "number of random points that decide whether a larger region is flat "
+                 "(stochastic); default 256",
          .value = &args.leaf_sample,
          .given = &args.leaf_sample_given},
         {.name = "leaf-neighbors",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "1..32",
-         .help = "leaves around each that its side of the surface is handed on to (stochastic, of "
-                 "points without normals); default 12",
+         .help = "number of neighbouring leaves that each leaf passes its orientation on to "
+                 "(stochastic, points without normals); default 12",
          .value = &args.leaf_neighbors,
          .given = &args.leaf_neighbors_given},
         {.name = "normal-neighbors",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "4..1000",
-         .help = "points around each, about, that its normal is found from (stochastic, of points "
-                 "without normals); default 20",
+         .help = "approximate number of neighbours used to estimate each normal (stochastic, "
+                 "points without normals); default 20",
          .value = &args.normal_neighbors,
          .given = &args.normal_neighbors_given},
         {.name = "order",
          .type = OPTION_CHOICE,
          .words = "exact|paper-fast|paper-text|random",
-         .help = "how surfels are ordered; default exact",
+         .help = "order of the surfels; default exact",
          .value = &args.order},
         {.name = "metric",
          .type = OPTION_CHOICE,
          .words = "side|euclidean",
          .help =
-             "distance between candidates; default side, which tells the two sides of a wall apart",
+             "distance between candidates; side (the default) separates the two sides of a wall",
          .value = &args.metric},
         {.name = "samples",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "auto|1..1000000",
-         .help = "random samples a round of the paper's orders; default 200",
+         .help = "random samples per round of the paper's orders; default 200",
          .value = &args.samples},
         {.name = "interval",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "auto|1..1000000000",
-         .help = "rounds until the paper's schedules change; default 500",
+         .help = "rounds before the paper's schedules change; default 500",
          .value = &args.interval},
         {.name = "surfels",
          .type = OPTION_COUNT,
          .argument = "N|auto",
          .words = "auto|1..1000000000",
-         .help = "most surfels of a node; default one for 8 triangles, at most 50000; all of a "
-                 "point cloud",
+         .help = "maximum surfels per node; default one per 8 triangles, at most 50000; for a "
+                 "point cloud, all points",
          .value = &args.surfels},
         {.name = "threshold",
          .type = OPTION_COUNT,
          .argument = "N",
-         .help = "a node gets surfels above so many triangles; default 1000",
+         .help = "give a node surfels if it has more than N triangles; default 1000",
          .value = &args.threshold,
          .given = &args.threshold_given},
         {.name = "capture",
          .type = OPTION_CHOICE,
          .words = "splats|triangles",
-         .help = "what upper nodes capture: their children's surfels where dense enough (the "
-                 "default), or always triangles",
+         .help = "what upper nodes capture: their children's surfels where these are dense "
+                 "enough (default), or always the triangles",
          .value = &args.capture},
         {.name = "resolution",
          .type = OPTION_COUNT,
          .argument = "PX|auto",
          .words = "auto|1..32768",
-         .help = "pixels along the longer side of a capture; default by the number of surfels",
+         .help = "pixels along the longer side of a capture; by default chosen from the number "
+                 "of surfels",
          .value = &args.resolution},
         {.name = "directions",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "auto|1..1024",
-         .help = "directions of capture; default 8",
+         .help = "number of capture directions; default 8",
          .value = &args.directions},
         OPTION_THREADS(&args.threads),
         OPTION_MEMORY(&args.memory),
         {.name = "resume",
-         .help = "take up a build that was killed, and what has not changed of a former one; the "
-                 "default",
+         .help = "continue an interrupted build and reuse unchanged parts of an earlier one "
+                 "(default)",
          .value = &args.resume},
-        {.name = "fresh",
-         .help = "start anew; nothing is taken from a former build",
-         .value = &args.fresh},
+        {.name = "fresh", .help = "start from scratch and reuse nothing", .value = &args.fresh},
         {.name = "seed",
          .type = OPTION_COUNT,
          .argument = "N",
-         .help = "of random orders; default 0",
+         .help = "random seed of the orders; default 0",
          .value = &args.seed},
         {.name = "up",
          .type = OPTION_CHOICE,
          .argument = "AXIS",
          .words = "x|-x|y|-y|z|-z",
-         .help = "the axis that points up, where the input does not say",
+         .help = "up axis, if the input does not specify it",
          .value = &args.up,
          .given = &args.up_given},
         {.name = "unit",
          .type = OPTION_CHOICE,
          .words = "m|mm|cm|in|ft|us-ft",
-         .help = "the unit of length, where the input does not say",
+         .help = "unit of length, if the input does not specify it",
          .value = &args.unit,
          .given = &args.unit_given},
         OPTION_COLUMNS(&args.columns),
@@ -228,8 +228,8 @@ static uint32_t choose_methods(const stp_method* chosen[STP_METHOD_COUNT])
     return 0;
 }
 
-// What the user asked for, as the file records it. Threads and memory do not change the file, and so do not
-// stand in it. NULL where memory runs out.
+// The options as the file records them. Threads and memory do not affect the file, so they are left
+// out. NULL if memory runs out.
 static char* parameters_json(void)
 {
     json_t* json = json_pack(
@@ -295,7 +295,7 @@ static void print_seconds(const stp_build_report* r)
     }
 }
 
-// Says what was written, from the file itself.
+// Prints what was written, read back from the file itself.
 static int print_result(stp_context* context, const stp_build_report* report, uint64_t input_bytes)
 {
     uint64_t peak_bytes = stp_context_peak_bytes(context);
@@ -393,7 +393,7 @@ static int build(stp_context* context, int argc, char** argv)
                : 1;
 }
 
-// Suffixes of models and pictures that no .stip file should have. Others, and none, are the user's choice.
+// Suffixes of models and pictures that a .stip file should not have. Any other suffix is allowed.
 static bool output_is_stip(const char* path)
 {
     static const char* const others[] = {
@@ -436,10 +436,10 @@ static int run(int argc, char** argv)
                            : args.normal_neighbors_given ? "normal-neighbors"
                                                          : NULL;
     if (!leaves && needless != NULL) {
-        return tool_usage_error("--%s is of use with --method stochastic only", needless);
+        return tool_usage_error("--%s requires --method stochastic", needless);
     }
     if (!point_trees && (args.error_given || args.color_threshold_given)) {
-        return tool_usage_error("--%s is of use with --method spt only",
+        return tool_usage_error("--%s requires --method spt",
                                 args.error_given ? "error" : "color-threshold");
     }
     if (args.resume && args.fresh) {
@@ -479,42 +479,36 @@ const command command_build = {
     .arguments = "INPUT... -o FILE.stip",
     .summary = "import models, order them into splats, write a .stip file",
     .text =
-        "Several inputs make one scene; of views of one name, all but the first get a number: "
-        "front, front-2. An input may also be scene:NAME, a named procedural scene "
-        "(`stipple scene --list`), with settings after commas: scene:paper,scale=0.1,seed=3. What "
-        "can be seen from outside is captured from all around, "
-        "and "
-        "surfels are chosen from it in such an order that every prefix covers the whole evenly "
-        "(Brandt et al. 2019). The original triangles are kept for close views.\n"
-        "\n"
-        "These are read: glTF 2.0 (.gltf, .glb; with Draco, meshopt and quantization, PNG, JPEG "
-        "and "
-        "WebP), OBJ, PLY, STL, point clouds (LAS 1.0 to 1.4, LAZ, COPC, E57, PTX, PTS, PCD, and "
-        "texts: XYZ, TXT, CSV, ASC) and heights (.hgt) directly; FBX, Collada (.dae), 3DS, 3MF, "
-        "IFC, X3D, Blender, DXF, "
-        "LWO, OFF and whatever else assimp reads through it. What a model holds that is not kept "
-        "(animations, skins, lines, extensions) is named in one warning. STEP and IGES are not "
-        "read: they hold exact surfaces and no triangles.\n"
-        "\n"
-        "Every node of the scene above the threshold gets surfels of its own, from the bottom up. "
-        "Each result is kept in FILE.stip.work until the file is written: a build that was killed "
-        "goes on where it was when it is run again, and gives the same bytes. Where FILE.stip is "
-        "there already, what has not changed since is taken from it.\n"
-        "\n"
-        "The same inputs and options give the same file, byte for byte, on any machine and for any "
-        "number of threads and any limit of memory. The file is written aside and renamed: a build "
-        "that fails or is "
-        "interrupted leaves a former file as it was.",
+        "Imports one or more models into one scene and writes it as splats and triangles. An "
+        "input may also be a procedural scene, scene:NAME (see `stipple scene --list`), with "
+        "settings after commas: scene:paper,scale=0.1,seed=3. If several inputs have a view of "
+        "the same name, the later ones get a number: front, front-2.\n\n"
+        "The build captures the visible surface from all around and orders surfels from it so "
+        "that every prefix covers the whole surface evenly (Brandt et al. 2019). It keeps the "
+        "original triangles for close views.\n\n"
+        "Reads directly: glTF 2.0 (.gltf, .glb; with Draco, meshopt, quantization, PNG, JPEG and "
+        "WebP), OBJ, PLY, STL, point clouds (LAS 1.0 to 1.4, LAZ, COPC, E57, PTX, PTS, PCD and "
+        "the text formats XYZ, TXT, CSV, ASC) and height tiles (.hgt). Reads through assimp: "
+        "FBX, Collada (.dae), 3DS, 3MF, IFC, X3D, Blender, DXF, LWO, OFF and other formats that "
+        "assimp supports. One warning lists what was skipped (animations, skins, lines, "
+        "extensions). STEP and IGES are not supported: they store exact surfaces, not "
+        "triangles.\n\n"
+        "Each node with more triangles than --threshold gets its own surfels, from the leaves "
+        "up. Intermediate results are kept in FILE.stip.work until the file is complete: run the "
+        "same command again to resume an interrupted build, with the same result. If FILE.stip "
+        "exists, unchanged parts are reused.\n\n"
+        "The same inputs and options always produce the same bytes, on any machine, with any "
+        "number of threads and any memory limit. The file is written under a temporary name and "
+        "then renamed: if a build fails or is interrupted, an existing file stays unchanged.",
     .examples = "Build a model:\n"
                 "$ stipple build plant.glb -o plant.stip\n"
                 "Several models in one scene, z up, in millimetres:\n"
                 "$ stipple build hall.obj pipes.stl -o plant.stip --up z --unit mm\n"
                 "A named scene, within 8 GB of memory:\n"
                 "$ stipple build scene:paper -o paper.stip --memory 8G\n",
-    .files = "FILE.stip\t"
-             "the result\n"
-             "FILE.stip.work\t"
-             "finished parts of a build that has not ended: the same command resumes from them\n",
+    .files = "FILE.stip\tthe result\n"
+             "FILE.stip.work\tfinished parts of an incomplete build; the same command resumes "
+             "from them\n",
     .interrupted = "the same command resumes where it stopped",
     .options = options,
     .run = run,

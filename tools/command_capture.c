@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple capture: the candidates of a model, as points; and the pictures they were read from.
+// stipple capture: writes the surfel candidates of a model as points, and the captured pictures.
 #include "command.h"
 #include "overwrite.h"
 #include "picture.h"
@@ -29,18 +29,18 @@ static const option* options(void)
          .letter = 'o',
          .type = OPTION_TEXT,
          .argument = "OUT.ply",
-         .help = "where to write the candidates",
+         .help = "file to write the candidates to",
          .value = &args.output},
         {.name = "pictures",
          .type = OPTION_TEXT,
          .argument = "FOLDER",
-         .help = "write position, normal and colour of each direction as pictures",
+         .help = "folder for pictures of position, normal and colour of each direction",
          .value = &args.pictures},
         {.name = "directions",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "1..4096",
-         .help = "directions; default 8, the corners of a cube",
+         .help = "number of directions; default 8, the corners of a cube",
          .value = &args.directions},
         {.name = "resolution",
          .type = OPTION_COUNT,
@@ -52,10 +52,11 @@ static const option* options(void)
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "1..1000000000",
-         .help = "about how many, where the resolution is automatic; default 1750000",
+         .help = "approximate number of candidates if the resolution is automatic; default "
+                 "1750000",
          .value = &args.candidates},
         {.name = "no-fill",
-         .help = "leave out surface that only further directions see",
+         .help = "leave out surfaces that only additional directions see",
          .value = &args.no_fill},
         OPTION_THREADS(&args.threads),
         {0},
@@ -87,7 +88,7 @@ static void paint(const stp_candidates* c, uint32_t i, double reach, uint8_t* pi
     }
 }
 
-// Projects the candidates of one direction back to where they were seen.
+// Projects the candidates of one direction back to the pixels they come from.
 static stp_result write_view(stp_context* context, const stp_candidates* c, uint32_t view,
                              stp_vec3d toward, double reach)
 {
@@ -236,20 +237,18 @@ static int run(int argc, char** argv)
 const command command_capture = {
     .name = "capture",
     .arguments = "MODEL [-o OUT.ply] [--pictures FOLDER]",
-    .summary = "see a model from all around: the points that surfels are chosen from",
-    .text = "Draws the model by parallel projection from the corners of a cube around it, and "
-            "writes what it sees as points with normals and colours: the candidates from which "
-            "`stipple build` chooses surfels, and a point set to try `stipple order` on.\n"
-            "\n"
+    .summary = "sample the surface of a model: the candidates for surfels",
+    .text = "Renders the model in parallel projection from the corners of a cube around it and "
+            "writes the visible surface as points with normals and colours. `stipple build` "
+            "chooses surfels from these candidates; they are also a useful input for `stipple "
+            "order`.\n\n"
             "--pictures writes positionN.png, normalN.png and colorN.png for each direction N.",
-    .examples = "The points that surfels are chosen from:\n"
+    .examples = "Write the candidates:\n"
                 "$ stipple capture plant.glb -o points.ply\n"
-                "Pictures of them, eight directions, three each:\n"
+                "Write the captured pictures (three for each of eight directions):\n"
                 "$ stipple capture plant.glb --pictures views\n",
-    .files = "OUT.ply\t"
-             "points with normals and colours, binary PLY\n"
-             "FOLDER/position0.png\t"
-             "and so on: places, normals and colours for each direction\n",
+    .files = "OUT.ply\tbinary PLY: points with normals and colours\n"
+             "FOLDER/position0.png\tand so on: positions, normals and colours of each direction\n",
     .options = options,
     .run = run,
 };

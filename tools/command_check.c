@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple check: whether a .stip file is whole and right.
+// stipple check: verifies a .stip file.
 #include "command.h"
 
 #include "store/store.h"
@@ -16,7 +16,7 @@ static const option* options(void)
 {
     static const option table[] = {
         {.name = "quick",
-         .help = "check what a reader needs first, and read no bulk data",
+         .help = "check only what a reader needs first; skip the bulk data",
          .value = &args.quick},
         OPTION_JSON(&args.json),
         {0},
@@ -55,7 +55,7 @@ static int print_report(const stp_store_check_report* report, const char* fault)
 static int run(int argc, char** argv)
 {
     if (argc != 1) {
-        return tool_usage_error("check needs one file, and got %d", argc);
+        return tool_usage_error("check needs one file, but got %d", argc);
     }
     fault_text fault = {{0}};
     stp_context_desc desc = {.log = keep_fault, .log_user = &fault, .thread_count = 1};
@@ -74,29 +74,22 @@ static int run(int argc, char** argv)
 const command command_check = {
     .name = "check",
     .arguments = "FILE.stip",
-    .summary = "check every checksum and invariant of a file",
+    .summary = "verify every checksum and invariant of a file",
     .text =
-        "Goes through the whole file: header, directory, every block of data, and the bytes "
-        "between "
-        "them. Any changed, missing or added byte is found. The first fault is printed on standard "
-        "error; with --json it is also the value of \"fault\".\n"
-        "\n"
-        "With --quick no bulk data are read. A directory of up to 512 KiB is checked whole; of a "
-        "larger "
-        "one the header, the table of sections, the summary, scene parts, views, sources and "
-        "parameters of the build with their texts, the checksums of all pages, and the first page "
-        "of "
-        "each section: less than 1 MB of a file of 10 GB. Files of version 1.0 have no checksums "
-        "of "
-        "pages; their whole directory is checked.\n"
-        "\n"
-        "Exit status is 0 where the file is right and 1 where it is not.",
-    .examples = "Check everything:\n"
+        "Verifies the whole file: header, directory, every data block, and the bytes between "
+        "them. Any changed, missing or added byte is detected. The first error is printed on "
+        "standard error; with --json it is also the value of \"fault\".\n\n"
+        "--quick skips the bulk data. It verifies a directory of up to 512 KiB completely. Of a "
+        "larger one it verifies the header, the section table, the summary, scene parts, views, "
+        "sources, build parameters and their texts, the checksums of all pages, and the first "
+        "page of each section: less than 1 MB for a 10 GB file. Files of version 1.0 have no "
+        "page checksums, so their whole directory is verified.\n\n"
+        "The exit status is 0 if the file is valid and 1 if it is not.",
+    .examples = "Verify everything:\n"
                 "$ stipple check plant.stip\n"
-                "Check only the directory, of a large file:\n"
+                "Verify only the directory of a large file:\n"
                 "$ stipple check plant.stip --quick\n",
-    .files = "FILE.stip\t"
-             "the file that is checked; it is never changed\n",
+    .files = "FILE.stip\tthe file to verify; it is never changed\n",
     .options = options,
     .run = run,
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple compare: how alike two pictures are.
+// stipple compare: similarity of two pictures.
 #include "command.h"
 #include "overwrite.h"
 #include "picture.h"
@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DIFFERENCE_GAIN = 8 }; // small differences should be seen
+enum { DIFFERENCE_GAIN = 8 }; // makes small differences visible
 
 static struct {
     const char* mask;
@@ -27,12 +27,12 @@ static const option* options(void)
         {.name = "mask",
          .type = OPTION_TEXT,
          .argument = "M.png",
-         .help = "count only covered pixels where this picture is light (ssim_covered)",
+         .help = "count only covered pixels where this mask is light (ssim_covered)",
          .value = &args.mask},
         {.name = "map",
          .type = OPTION_TEXT,
          .argument = "OUT.png",
-         .help = "write the SSIM of each pixel, as grey",
+         .help = "write the SSIM of each pixel as a grey picture",
          .value = &args.map},
         {.name = "difference",
          .type = OPTION_TEXT,
@@ -46,7 +46,7 @@ static const option* options(void)
     return table;
 }
 
-// Leaves the difference in `a`.
+// Stores the difference in `a`.
 static void subtract(stp_image* a, const stp_image* b)
 {
     for (size_t i = 0; i < (size_t)a->width * a->height; ++i) {
@@ -124,13 +124,13 @@ static int check_outputs(char** pictures)
 static int run(int argc, char** argv)
 {
     if (argc != 2) {
-        return tool_usage_error("compare needs two pictures, and got %d", argc);
+        return tool_usage_error("compare needs two pictures, but got %d", argc);
     }
     if (is_stream(argv[0]) + is_stream(argv[1]) + is_stream(args.mask) > 1) {
         return tool_usage_error("only one picture can come from standard input");
     }
     if (is_stream(args.map) || is_stream(args.difference)) {
-        return tool_usage_error("standard output is for the figures; name a file");
+        return tool_usage_error("standard output receives the figures; give a file name");
     }
     int refused = check_outputs(argv);
     if (refused != 0) {
@@ -154,30 +154,24 @@ static int run(int argc, char** argv)
 const command command_compare = {
     .name = "compare",
     .arguments = "A.png B.png",
-    .summary = "measure how alike two pictures are: SSIM, MS-SSIM, PSNR",
+    .summary = "measure the similarity of two pictures: SSIM, MS-SSIM, PSNR",
     .text =
-        "Both pictures are put on black first. ssim is the structural similarity of Wang et al. "
-        "2004: of "
-        "the luminance, with an 11 x 11 Gaussian window of sigma 1.5, as the mean over the pixels "
-        "whose "
-        "window lies within the picture. ssim_covered is the mean over the pixels that either "
-        "picture "
-        "covers (alpha above 0). ms_ssim takes five scales (Wang et al. 2003). psnr is over red, "
-        "green and "
-        "blue; for equal pictures it is infinite, which JSON shows as 200.\n"
-        "\n"
-        "Either picture, or the mask, may be - for standard input.\n"
-        "\n"
-        "Exit status is 0 however different the pictures are, and 1 where they cannot be compared.",
+        "Composites both pictures on black, then compares them. ssim is the structural "
+        "similarity of the luminance (Wang et al. 2004) with an 11 x 11 Gaussian window of sigma "
+        "1.5, averaged over the pixels whose window lies within the picture. ssim_covered "
+        "averages only over pixels that either picture covers (alpha above 0). ms_ssim uses five "
+        "scales (Wang et al. 2003). psnr covers red, green and blue; for equal pictures it is "
+        "infinite, which JSON shows as 200.\n\n"
+        "Either picture, or the mask, may be - for standard input.\n\n"
+        "The exit status is 0 whenever the pictures can be compared, however different they are, "
+        "and 1 otherwise.",
     .examples =
-        "How alike two pictures are:\n"
+        "Compare two pictures:\n"
         "$ stipple compare plant.png reference.png\n"
-        "Where they differ:\n"
+        "Show where they differ:\n"
         "$ stipple compare plant.png reference.png --map ssim.png --difference difference.png\n",
-    .files = "A.png, B.png\t"
-             "PNG files of one size\n"
-             "M.png\t"
-             "a mask; pixels that are black in it do not count\n",
+    .files = "A.png, B.png\tPNG files of the same size\n"
+             "M.png\ta mask; its black pixels are ignored\n",
     .options = options,
     .run = run,
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple compare-splats: how well few splats, or few triangles, stand for a model.
+// stipple compare-splats: measures how well a few splats, or triangles, approximate a model.
 #include "command.h"
 #include "draw_options.h"
 #include "point_file.h"
@@ -30,12 +30,12 @@ static const option* options(void)
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "1..4294967294",
-         .help = "of a .stip: how many splats, as render --splats N draws; default all",
+         .help = "number of splats to use from a .stip, as for render --splats; default all",
          .value = &args.splats},
         {.name = "method",
          .type = OPTION_CHOICE,
          .words = TOOL_METHOD_WORDS,
-         .help = "of a .stip: whose splats; default the file's first method",
+         .help = "method whose splats to use from a .stip; default the first in the file",
          .value = &args.method,
          .given = &args.has_method},
         {.name = "samples",
@@ -48,7 +48,7 @@ static const option* options(void)
         {.name = "size",
          .type = OPTION_PIXELS,
          .argument = "WxH",
-         .help = "of the pictures; default 512x512",
+         .help = "size of the pictures; default 512x512",
          .value = args.size},
         {.name = "no-pictures",
          .help = "measure distances and areas only, without pictures",
@@ -62,7 +62,7 @@ static const option* options(void)
 
 typedef enum input_kind { INPUT_STORE, INPUT_SPLATS, INPUT_MODEL } input_kind;
 
-/// What is compared.
+/// The state of one comparison.
 typedef struct comparison {
     stp_context* context;
     const char *path, *model;
@@ -70,7 +70,7 @@ typedef struct comparison {
     char up; ///< of the model
     tool_shape_list drawn, original;
     tool_splat_set splats;          ///< of a PLY
-    stp_store *store, *model_store; ///< those that are .stip
+    stp_store *store, *model_store; ///< open if the input is a .stip
     stp_hausdorff found;
     stp_quality quality; ///< of the splats
     double diagonal, drawn_area;
@@ -309,7 +309,7 @@ static stp_result compare(comparison* c)
     c->model_kind = find_kind(c->model);
     if ((args.splats > 0 || args.has_method) && c->kind != INPUT_STORE) {
         return stp_fail(c->context, STP_ERROR_ARGUMENT,
-                        "%s: --splats and --method choose among the splats of a .stip", c->path);
+                        "%s: --splats and --method apply only to a .stip", c->path);
     }
     stp_result result = read_model(c);
     result = result == STP_OK ? read_drawn(c) : result;
@@ -320,7 +320,7 @@ static stp_result compare(comparison* c)
 static int run(int argc, char** argv)
 {
     if (argc != 2) {
-        return tool_usage_error("compare-splats needs splats and a model, and got %d files", argc);
+        return tool_usage_error("compare-splats needs splats and a model, but got %d files", argc);
     }
     comparison c = {.path = argv[0],
                     .model = argv[1],
@@ -345,39 +345,33 @@ static int run(int argc, char** argv)
 const command command_compare_splats = {
     .name = "compare-splats",
     .arguments = "FILE MODEL",
-    .summary = "measure how well splats stand for a model: distances, area, pictures",
+    .summary = "measure how well splats approximate a model: distances, area, pictures",
     .text =
-        "Measures from the surface of MODEL to the nearest splat of FILE: the largest and the mean "
-        "distance (one-sided Hausdorff distances), in percent of the diagonal of MODEL's bounding "
-        "box. "
-        "FILE is a .stip, whose splats are those that render --splats N draws; a PLY of splats as "
-        "decimate writes it; or a mesh, which is measured by its triangles. Splats are measured as "
-        "whole ellipses at their drawn size, without cuts, holes and opacity. What a "
-        ".stip draws as triangles or points, because it is so small, counts as such.\n"
-        "\n"
-        "The surface of MODEL is every vertex of a triangle, and samples that are spread evenly "
-        "over its area; only the samples count for the mean. Surface that nobody sees from outside "
-        "counts as well. "
-        "Each point of a cloud counts once. "
-        "Where the largest distance may lie between samples, more places are measured; no place "
-        "is farther than hausdorff_bound_percent. That is about a thousandth above it, and may be "
-        "more with few --samples; of a cloud both are equal. "
-        "The figures are the same on every machine and for any number of threads.\n"
-        "\n"
-        "The area is the sum over all ellipses, divided by that of MODEL's triangles: how often "
-        "splats "
-        "overlap. For a MODEL without triangles the ratio is null in JSON.\n"
-        "\n"
-        "ssim and ssim_covered are means over seven standard views of pictures "
-        "of FILE and of MODEL's triangles and points (render --reference), as stipple compare has "
-        "them. Colours count. Points of a cloud are single pixels there, so compare such figures "
-        "with each other only.\n"
-        "\n"
-        "Files may be in different formats: places are compared along the files' own axes.",
-    .examples = "How well 2,000 splats stand for a statue:\n"
+        "Measures the largest and the mean distance from the surface of MODEL to the nearest "
+        "splat of FILE (one-sided Hausdorff distances), in percent of the diagonal of MODEL's "
+        "bounding box. FILE is a .stip (the splats that render --splats N draws), a PLY of "
+        "splats written by decimate, or a mesh, measured by its triangles. Splats count as whole "
+        "ellipses at their drawn size, without cuts, holes or opacity. Parts of a .stip that are "
+        "too small for splats count as triangles or points.\n\n"
+        "The surface of MODEL is represented by every triangle vertex and by samples spread "
+        "evenly over its area; the mean uses the samples only. Surfaces that are invisible from "
+        "outside also count. Each point of a cloud counts once. Where the largest distance may "
+        "lie between samples, more positions are measured; no position is farther away than "
+        "hausdorff_bound_percent. That bound is about a thousandth above the largest measured "
+        "distance, or more with few --samples; for a cloud both are equal. The figures are the "
+        "same on every machine and for any number of threads.\n\n"
+        "The area is the total area of all ellipses divided by that of MODEL's triangles; it "
+        "shows how much splats overlap. For a MODEL without triangles the ratio is null in "
+        "JSON.\n\n"
+        "ssim and ssim_covered are means over seven standard views: FILE is compared with "
+        "MODEL's triangles and points (render --reference), as in stipple compare. Colours "
+        "count. Points of a cloud are drawn as single pixels, so compare such figures only with "
+        "each other.\n\n"
+        "The files may have different formats: positions are compared along each file's own axes.",
+    .examples = "Compare a statue with 2,000 splats of it:\n"
                 "$ stipple decimate statue.ply -o splats.ply --splats 2000\n"
                 "$ stipple compare-splats splats.ply statue.ply\n"
-                "The same of the first 2,000 splats of a built scene:\n"
+                "Compare it with the first 2,000 splats of a built scene:\n"
                 "$ stipple compare-splats statue.stip statue.ply --splats 2000\n",
     .files = "FILE\t"
              "a .stip, splats or triangles\n"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple decimate: few elliptical splats that stand for many points.
+// stipple decimate: approximates many points by a few elliptical splats.
 #include "command.h"
 #include "decimators.h"
 #include "point_file.h"
@@ -34,50 +34,50 @@ static const option* options(void)
          .letter = 'o',
          .type = OPTION_TEXT,
          .argument = "SPLATS.ply|SPLATS.stip",
-         .help = "where to write the splats: a PLY, or a .stip, which render and view draw",
+         .help = "file to write: a PLY of splats, or a .stip, which render and view draw",
          .value = &args.output},
         {.name = "by",
          .type = OPTION_CHOICE,
          .words = DECIMATOR_WORDS,
-         .help = "the method; default psp, Progressive Splatting. The others are for comparison",
+         .help = "decimation method; default psp (Progressive Splatting); the others are for "
+                 "comparison",
          .value = &args.by},
         {.name = "splats",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "1..4294967295",
-         .help = "how many splats; default 2000. There are more where points lie apart",
+         .help = "number of splats; default 2000; more remain if the points lie too far apart to "
+                 "merge",
          .value = &args.splats},
         {.name = "metric",
          .type = OPTION_CHOICE,
          .words = "normals|distances",
          .help =
-             "the error of a merge: how much normals change, or how far points lie from the splat; "
+             "error of a merge: change of the normals, or distance of the points from the splat; "
              "default normals",
          .value = &args.metric},
         {.name = "neighbours",
          .type = OPTION_COUNT,
          .argument = "K",
          .words = "1..32",
-         .help = "how many of the nearest points are beside a point; default 8",
+         .help = "number of nearest points that count as neighbours; default 8",
          .value = &args.neighbours},
         {.name = "merge-angle",
          .type = OPTION_NUMBER,
          .argument = "DEGREES",
          .words = "0..180",
-         .help = "splats whose normals lie farther apart are not merged; default 90",
+         .help = "maximum angle between the normals of merged splats; default 90",
          .value = &args.merge_angle,
          .given = &args.has_angle},
         {.name = "connect",
-         .help = "merge also splats that lie or face apart, where no others are left, so that "
-                 "there are "
-                 "no more than asked for",
+         .help = "also merge splats that lie apart or face apart, if no others remain, "
+                 "until there are at most N",
          .value = &args.connect},
         {.name = "queue",
          .type = OPTION_CHOICE,
          .words = "eager|lazy",
-         .help =
-             "splats whose best merge became worse move back in the queue at once, or when they "
-             "come up; the result is the same; default eager",
+         .help = "when to update the queue after the best merge of a splat gets worse: at once "
+                 "(eager) or when the splat is next; the result is the same; default eager",
          .value = &args.queue},
         {.name = "piece-size",
          .type = OPTION_COUNT,
@@ -91,9 +91,8 @@ static const option* options(void)
          .type = OPTION_SIZE,
          .argument = "SIZE",
          .words = "auto",
-         .help = "most memory to use, as 8G or 512M; what psp needs beyond it lies in temporary "
-                 "files in "
-                 "the folder of the output; default no limit",
+         .help = "memory limit, such as 8G or 512M; psp stores more data in temporary files in the "
+                 "folder of the output; default no limit",
          .value = &args.memory},
         OPTION_JSON(&args.json),
         {0},
@@ -163,7 +162,7 @@ static int decimate_by_other(stp_context* context, const tool_points* from)
     return code;
 }
 
-/// Where memory does not hold what merging takes, it lies in a file in the folder of the output.
+/// If the merge does not fit in memory, it uses a file in the folder of the output.
 static stp_result choose_spill(stp_context* context, tool_points* from, stp_psp_desc* desc)
 {
     uint64_t needed = stp_context_live_bytes(context) + stp_psp_decimate_bytes(from->count, desc);
@@ -217,7 +216,7 @@ static int decimate(stp_context* context, const char* path, tool_points* from)
     return code;
 }
 
-/// Whether a name has an extension that says another format than those that are written.
+/// Whether a name has the extension of a format that decimate does not write.
 static bool names_another_format(const char* path)
 {
     const char* slash = strrchr(path, '/');
@@ -249,61 +248,45 @@ static int run(int argc, char** argv)
 const command command_decimate = {
     .name = "decimate",
     .arguments = "MODEL -o SPLATS.ply",
-    .summary = "replace points by few elliptical splats",
+    .summary = "approximate points by a few elliptical splats",
     .text =
-        "Reads the points of a file (of any format that can be imported; of meshes, the vertices) "
-        "and replaces them by so many elliptical splats as are asked for.\n"
-        "\n"
-        "psp is Progressive Splatting (Wu, Zhang, Kobbelt 2005): each point becomes a disk as wide "
-        "as "
-        "the farthest of its nearest neighbours; then pairs of "
-        "neighbouring splats are merged, the pair with the least error first. Points need not have "
-        "normals.\n"
-        "\n"
-        "The other methods are what it is compared with:\n"
-        "\n"
-        "octree: one ellipse for each cell of an octree (Pajarola 2003). The largest cell is "
-        "opened first, as long as no more than N splats come of it: up to six fewer.\n"
-        "\n"
-        "octree-level: the same for all cells of one level, that whose number of cells is nearest "
-        "to N.\n"
-        "\n"
+        "Reads points from any file that can be imported (for meshes, the vertices) and replaces "
+        "them by the requested number of elliptical splats.\n\n"
+        "psp is Progressive Splatting (Wu, Zhang, Kobbelt 2005). Each point becomes a disk that "
+        "reaches the farthest of its nearest neighbours. Then pairs of neighbouring splats are "
+        "merged, the pair with the smallest error first. The points do not need normals.\n\n"
+        "The other methods are for comparison:\n\n"
+        "octree: one ellipse per cell of an octree (Pajarola 2003). The largest cell is split "
+        "first, as long as there are at most N splats; the result has up to six fewer.\n\n"
+        "octree-level: one ellipse per cell of the octree level whose number of cells is closest "
+        "to N.\n\n"
         "quadric: pairs of neighbouring points are contracted by quadric error (Pauly, Gross, "
-        "Kobbelt 2002), then each point becomes a disk as wide as the farthest of its nearest "
-        "neighbours.\n"
-        "\n"
+        "Kobbelt 2002), then each point becomes a disk that reaches the farthest of its nearest "
+        "neighbours.\n\n"
         "mesh: edges of the triangles are collapsed by quadric error (Garland, Heckbert 1997, by "
-        "libmeshoptimizer) until N vertices are left; the PLY holds triangles.\n"
-        "\n"
+        "libmeshoptimizer) until N vertices remain; the PLY holds triangles.\n\n"
         "blue: the first N points of `stipple order`, with the smallest disks that cover the "
-        "points nearest to each.\n"
-        "\n"
-        "subsample: the splats that cover most points are chosen until all points are covered, "
-        "then "
-        "they are moved so that fewer suffice (Wu, Kobbelt 2004). The tolerance is searched so "
-        "that at "
-        "most N are left."
-        "\n\n"
-        "Written to a .stip, the splats are one set, which render, view and compare-splats draw: "
-        "all of them, or with --splats "
-        "the first N. --splat-scale 0.3 shows how they are spread.",
-    .examples = "A statue in 5,000 splats:\n"
+        "points nearest to each.\n\n"
+        "subsample: splats that cover the most points are chosen until all points are covered, "
+        "then moved so that fewer suffice (Wu, Kobbelt 2004). The tolerance is searched so that "
+        "at most N remain.\n\n"
+        "A .stip stores the splats as one set. render, view and compare-splats draw all of them, "
+        "or the first N with --splats N. --splat-scale 0.3 shows how they are distributed.",
+    .examples = "Turn a statue into 5,000 splats:\n"
                 "$ stipple decimate statue.ply -o splats.ply --splats 5000\n"
-                "A picture of how they are spread:\n"
+                "Draw a picture of their distribution:\n"
                 "$ stipple decimate statue.ply -o splats.stip --splats 5000\n"
                 "$ stipple render splats.stip -o splats.png --splat-scale 0.3\n"
-                "The vertices of a mesh are few where it is flat; candidates are spread evenly:\n"
+                "Sample a mesh evenly first, because its vertices are sparse on flat parts:\n"
                 "$ stipple capture plant.glb -o points.ply\n"
                 "$ stipple decimate points.ply -o splats.ply\n"
-                "The same number of splats by an octree, to compare:\n"
+                "Use an octree, for comparison:\n"
                 "$ stipple decimate statue.ply -o octree.ply --splats 5000 --by octree\n",
-    .files = "MODEL\t"
-             "any model that can be imported\n"
-             "SPLATS.ply\t"
-             "binary PLY: centre, normal, major axis, length of the minor axis, colour; of mesh, "
-             "vertices with colours, and triangles\n"
-             "SPLATS.stip\t"
-             "the same splats as a scene: positions in 16 bits, radii up to 0.8 % too large\n",
+    .files = "MODEL\tany model that can be imported\n"
+             "SPLATS.ply\tbinary PLY: centre, normal, major axis, length of the minor axis, "
+             "colour; for mesh: vertices with colours, and triangles\n"
+             "SPLATS.stip\tthe same splats as a scene: 16-bit positions, radii up to 0.8 % too "
+             "large\n",
     .options = options,
     .run = run,
 };

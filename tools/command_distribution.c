@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple distribution: how evenly the prefixes of ordered points are spread, and how well they cover.
+// stipple distribution: measures how evenly prefixes of ordered points are spread and how well they
+// cover.
 #include "command.h"
 #include "distribution_plot.h"
 #include "overwrite.h"
@@ -30,12 +31,12 @@ static const option* options(void)
         {.name = "of",
          .type = OPTION_TEXT,
          .argument = "POINTS.ply",
-         .help = "the points that the prefixes should cover; default the ordered ones",
+         .help = "points that the prefixes should cover; default the ordered points themselves",
          .value = &args.of},
         {.name = "prefix",
          .type = OPTION_TEXT,
          .argument = "N,N,...",
-         .help = "how many of the first points; default 1000,5000,10000, as far as there are",
+         .help = "prefix lengths; default 1000,5000,10000, up to the number of points",
          .value = &args.prefixes},
         {.name = "plot",
          .type = OPTION_TEXT,
@@ -127,7 +128,7 @@ static stp_result measure_file(study* s, size_t file)
     return result;
 }
 
-// A number, or null where there is none (the spacing of a single point).
+// Formats a number, or null if there is none (the spacing of a single point).
 static json_t* number(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();
@@ -242,26 +243,21 @@ static int run(int argc, char** argv)
 const command command_distribution = {
     .name = "distribution",
     .arguments = "ORDERED.ply...",
-    .summary = "how evenly the prefixes of ordered points are spread, and how they cover",
-    .text = "Prints, for prefixes of the points as they stand in the file: the distance of each "
-            "point to its nearest "
-            "neighbour within the prefix (its spacing: least and median), and how far the points "
-            "of --of lie from "
-            "the prefix (coverage: median, 99th percentile and farthest). The relative spacing is "
-            "the least spacing "
-            "over that of a hexagonal lattice of as many points on as large a surface, the largest "
-            "there can be; "
-            "uncovered is the part of the points that lie farther from the prefix than its median "
-            "spacing.\n"
-            "\n"
-            "--plot draws the spacings of each prefix as violins with boxes (least, quartiles, "
-            "median, largest), "
-            "relative to that lattice, like Figure 3 of Brandt et al. 2019; several files stand "
-            "side by side.",
+    .summary = "measure how evenly prefixes of ordered points are spread and how well they cover",
+    .text = "Prints figures for prefixes of the points, in file order. The spacing is the "
+            "distance from each point to its nearest neighbour within the prefix (minimum and "
+            "median). The coverage is the distance from each point of --of to the prefix "
+            "(median, 99th percentile and maximum). The relative spacing is the minimum spacing "
+            "divided by that of a hexagonal lattice with as many points on the same area, which "
+            "is the largest possible. uncovered is the share of points that lie farther from the "
+            "prefix than its median spacing.\n\n"
+            "--plot draws the spacings of each prefix, relative to that lattice, as violins with "
+            "boxes (minimum, quartiles, median, maximum), like Figure 3 of Brandt et al. 2019; "
+            "several files are shown side by side.",
     .examples =
-        "How evenly prefixes are spread, and how well they cover:\n"
+        "Measure the spacing and coverage of prefixes:\n"
         "$ stipple distribution ordered.ply --of points.ply --prefix 1000,10000\n"
-        "Compare two orders in a plot:\n"
+        "Plot two orders side by side:\n"
         "$ stipple distribution ordered.ply paper.ply --prefix 1000,10000 --plot spacing.svg\n",
     .files = "ORDERED.ply\t"
              "points in order, as stipple order writes them\n"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple fly: a flight through a scene, without a window.
+// stipple fly: draws a camera flight through a scene, without a window.
 #include "command.h"
 #include "drawing.h"
 #include "flight_report.h"
@@ -23,33 +23,34 @@ static const option* options(void)
         {.name = "path",
          .type = OPTION_TEXT,
          .argument = "FLIGHT.json",
-         .help = "the flight: keys of the camera over time",
+         .help = "flight: camera keyframes over time",
          .value = &args.path},
         {.name = "output",
          .letter = 'o',
          .type = OPTION_TEXT,
          .argument = "OUT.mp4|DIR/",
-         .help = "write a film (by ffmpeg), or PNG files into a folder",
+         .help = "write a film (with ffmpeg), or PNG files into a folder",
          .value = &args.output},
         {.name = "frames",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "1..1000000",
-         .help = "so many frames, evenly over the flight; default as many as its fps makes",
+         .help = "number of frames, spread evenly over the flight; default from its fps",
          .value = &args.frames},
         {.name = "reference-every",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "1..1000000",
-         .help = "compare every N-th frame, from the first on, with the original geometry",
+         .help = "compare every N-th frame, starting with the first, with the original geometry",
          .value = &args.reference_every},
         {.name = "popping",
-         .help = "measure how much changes from frame to frame that does not in the original",
+         .help = "measure popping: changes between frames that the original geometry does not "
+                 "show",
          .value = &args.popping},
         {.name = "plot",
          .type = OPTION_TEXT,
          .argument = "OUT.svg",
-         .help = "plot frame time, size of splats, splats and triangles over the flight",
+         .help = "plot frame time, splat size, splats and triangles over the flight",
          .value = &args.plot},
         {0},
     };
@@ -163,7 +164,7 @@ static int fly(session* s, const char* file)
     if (code != 0) {
         return code;
     }
-    // what cannot be written is known before a model is built, and flown through, for long
+    // checks the outputs before the long build and flight
     if (args.plot != NULL && svg_check(s->drawing.context, args.plot) != STP_OK) {
         return 1;
     }
@@ -186,7 +187,7 @@ static bool ends_with(const char* name, const char* ending)
 static int check_arguments(int argc, const char* file)
 {
     if (argc != 1) {
-        return tool_usage_error("fly needs one file, and got %d", argc);
+        return tool_usage_error("fly needs one file, but got %d", argc);
     }
     if (args.path == NULL) {
         return tool_usage_error("fly needs --path FLIGHT.json");
@@ -195,17 +196,17 @@ static int check_arguments(int argc, const char* file)
     for (int i = 0; i < 2; ++i) {
         if (outputs[i] != NULL &&
             (tool_is_same_file(file, outputs[i]) || tool_is_same_file(args.path, outputs[i]))) {
-            return tool_usage_error("%s is read, and would be written over", outputs[i]);
+            return tool_usage_error("%s is an input and would be overwritten", outputs[i]);
         }
     }
     if (args.plot != NULL && strcmp(args.plot, "-") == 0) {
-        return tool_usage_error("--plot writes a file, and standard output is none");
+        return tool_usage_error("--plot needs a file name: standard output is not supported");
     }
     if (args.plot != NULL && !ends_with(args.plot, ".svg")) {
-        return tool_usage_error("--plot is a drawing OUT.svg, not %s", args.plot);
+        return tool_usage_error("--plot needs a name OUT.svg, not %s", args.plot);
     }
     if (args.output != NULL && !video_is_folder(args.output) && !ends_with(args.output, ".mp4")) {
-        return tool_usage_error("-o is a film OUT.mp4 or a folder DIR/, not %s", args.output);
+        return tool_usage_error("-o needs a film OUT.mp4 or a folder DIR/, not %s", args.output);
     }
     return draw_options_check(&args.draw);
 }
@@ -231,44 +232,35 @@ static int run(int argc, char** argv)
 const command command_fly = {
     .name = "fly",
     .arguments = "FILE --path FLIGHT.json",
-    .summary = "draw a flight through a scene: figures, plots, a film",
-    .text = "Draws a flight of the camera and reports how long its frames took and what was drawn. "
-            "The first view is drawn "
-            "beforehand, until it is warm, or --budget-ms has found its size of splats. Writing "
-            "pictures (-o), comparing "
-            "(--reference-every) and measuring popping (--popping) take a second flight at the "
-            "same sizes of splats, so "
-            "that they take no time of the frames.\n"
-            "\n"
-            "Under --memory, data is loaded while the flight goes on, and no frame waits for it: "
-            "what is not there yet is "
-            "drawn coarser. The second flight waits for what there is room for.\n"
-            "\n"
-            "A flight is JSON: { \"fov\": 60, \"fps\": 60, \"keys\": [ { \"t\": 0, \"eye\": [0, 2, "
-            "30], \"target\": [0, 2, 0], "
-            "\"up\": [0, 1, 0] }, ... ] }, with Catmull-Rom curves between the keys. "
-            "scenes/flights has one for each named "
-            "scene.\n"
-            "\n"
-            "Popping is of blocks of 8 x 8 pixels: how much they change from a frame to the next "
-            "(the mean over pixels and "
-            "channels, 0 to 255) beyond what they change in pictures of the original geometry. "
-            "--reference-every and "
-            "--popping draw that geometry, which takes its time in large scenes; --plot shows "
-            "them, too.",
-    .examples = "Fly at 33 ms a frame, and plot the times:\n"
+    .summary = "draw a camera flight through a scene: figures, plots, a film",
+    .text = "Draws a camera flight and reports frame times and what was drawn. Before the "
+            "flight, the first view is drawn until caches are warm or --budget-ms has found its "
+            "splat size. Writing pictures (-o), comparing (--reference-every) and measuring "
+            "popping (--popping) happen in a second pass with the same splat sizes, so they do "
+            "not affect the frame times.\n\n"
+            "With --memory, data is loaded during the flight and no frame waits for it: missing "
+            "data is drawn coarser. The second pass waits until everything that fits is "
+            "loaded.\n\n"
+            "A flight is JSON: { \"fov\": 60, \"fps\": 60, \"keys\": [ { \"t\": 0, \"eye\": [0, "
+            "2, 30], \"target\": [0, 2, 0], \"up\": [0, 1, 0] }, ... ] }. The camera follows "
+            "Catmull-Rom curves between the keys. scenes/flights has a flight for each named "
+            "scene.\n\n"
+            "Popping is measured on blocks of 8 x 8 pixels: how much more they change between "
+            "frames (mean over pixels and channels, 0 to 255) than in pictures of the original "
+            "geometry. --reference-every and --popping draw that geometry, which takes long in "
+            "large scenes; --plot shows their results.",
+    .examples = "Fly at 33 ms per frame and plot the times:\n"
                 "$ stipple fly plant.stip --path flight.json --budget-ms 33 --plot flight.svg\n"
                 "Write a film:\n"
                 "$ stipple fly plant.stip --path flight.json -o flight.mp4\n"
-                "How like the original every tenth frame is:\n"
+                "Compare every tenth frame with the original:\n"
                 "$ stipple fly plant.stip --path flight.json --reference-every 10 --json\n",
-    .files = "FLIGHT.json\t"
-             "keys of the camera over time; stipple view records them, scenes/flights has one for "
-             "each named scene\n"
-             "DIR/frame-000000.png\t"
-             "pictures, with -o DIR/; removed where an interrupt stops the flight\n"
-             "$XDG_CACHE_HOME/stipple\t"
-             "models that were built to be drawn; ~/.cache/stipple where the variable is not set\n",
+    .files = "FLIGHT.json\tcamera keys over time; stipple view records them, scenes/flights has "
+             "one for each named scene\n"
+             "DIR/frame-000000.png\tpictures, with -o DIR/; removed if the flight is "
+             "interrupted\n"
+             "$XDG_CACHE_HOME/stipple\tcache of built models; ~/.cache/stipple if the variable "
+             "is not set\n",
     .options = options,
     .run = run,
 };

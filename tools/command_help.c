@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple help: all that the tables of the commands say, as text, man page or shell completion.
+// stipple help: prints the command tables as text, man page or shell completion.
 #include "tool.h"
 
 static struct {
@@ -13,7 +13,7 @@ static const option* options(void)
 {
     static const option table[] = {
         {.name = "man",
-         .help = "print the man page, in mdoc(7), of the command or of the whole tool",
+         .help = "print the mdoc(7) man page of the command, or of the whole tool",
          .value = &args.man},
         {.name = "completion",
          .type = OPTION_CHOICE,
@@ -53,15 +53,14 @@ static int run(int argc, char** argv)
 const command command_help = {
     .name = "help",
     .arguments = "[COMMAND]",
-    .summary = "explain a command, or list all",
-    .text = "Without a command, lists all commands. Man pages and completions for shells are made "
-            "here, too:\n"
-            "\n"
+    .summary = "explain a command, or list all commands",
+    .text = "Without a command, lists all commands. It also prints man pages and shell "
+            "completions:\n\n"
             "  stipple help --man render | man -l -\n"
             "  source <(stipple help --completion bash)",
     .examples = "Read a man page:\n"
                 "$ stipple help --man render | man -l -\n"
-                "Completions for this shell:\n"
+                "Enable completions in this shell:\n"
                 "$ source <(stipple help --completion bash)\n",
     .files = "~/.local/share/bash-completion/completions/stipple\t"
              "where bash looks for completions\n",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple info: what a .stip file, or a model, holds.
+// stipple info: describes the content of a .stip file or a model.
 #include "command.h"
 #include "describe.h"
 #include "find_report.h"
@@ -26,7 +26,7 @@ static const option* options(void)
         {.name = "find",
          .type = OPTION_TEXT,
          .argument = "TEXT",
-         .help = "list the objects of a .stip whose name or id contains a text, whatever the case",
+         .help = "list the objects of a .stip whose name or id contains TEXT, ignoring case",
          .value = &args.find},
         OPTION_COLUMNS(&args.columns),
         OPTION_MEMORY(&args.memory),
@@ -36,7 +36,7 @@ static const option* options(void)
     return table;
 }
 
-// What the header of a file of points said, beside its figures.
+// The content of the header of a point file.
 typedef struct header {
     const stp_scene* scene;
     const stp_scan_info* scan;
@@ -124,7 +124,7 @@ static int print_model(stp_context* context, const char* path)
     return code;
 }
 
-// Whether the file begins as a .stip does; a file that cannot be read is left to the importer's message.
+// Whether the file starts like a .stip; an unreadable file is left to the importer to report.
 static bool is_store(const char* path)
 {
     static const unsigned char magic[8] = {0x89, 'S', 'T', 'P', '\r', '\n', 0x1a, '\n'};
@@ -137,7 +137,7 @@ static bool is_store(const char* path)
 static int run(int argc, char** argv)
 {
     if (argc != 1) {
-        return tool_usage_error("info needs one file, and got %d", argc);
+        return tool_usage_error("info needs one file, but got %d", argc);
     }
     int usage = tool_take_columns(args.columns);
     if (usage != 0) {
@@ -145,7 +145,7 @@ static int run(int argc, char** argv)
     }
     bool stored = is_store(argv[0]);
     if (args.find != NULL && !stored) {
-        return tool_usage_error("--find looks into .stip files; %s is to be built first", argv[0]);
+        return tool_usage_error("--find needs a .stip file; build %s first", argv[0]);
     }
     stp_context* context = tool_context_create(0, args.memory, "none");
     if (context == NULL) {
@@ -161,30 +161,29 @@ static int run(int argc, char** argv)
 const command command_info = {
     .name = "info",
     .arguments = "FILE",
-    .summary = "say what a .stip file or a model holds",
+    .summary = "describe the content of a .stip file or a model",
     .text =
         "Prints a table of the scene's parts: objects, levels of detail (nodes with surfels), "
-        "triangles, points and surfels, each with all instances and, in parentheses, without; "
-        "and the bytes they take. Then nodes, instances, bytes a surfel and a triangle, size, "
-        "unit and up axis, sources and named views. --json has all figures of every part.\n"
-        "\n"
-        "A part is an object below the uppermost one, or below what that holds alone, and so "
-        "on; beyond 64, the smallest are one part, \"others\". An object is what the input calls "
-        "one thing with a shape.\n"
-        "\n"
-        "--find prints a line for each object that the text finds, up to 1,000: its number (for "
-        "--hide and the like of render), what is below it, and its path; with --json one object, "
-        "\"found\".\n"
-        "\n"
-        "Of a .stip file only its first pages are read, however large it is (files of version "
-        "1.0: the directory); a model is imported, but not built. Of LAS, LAZ and COPC files the "
-        "header is read, and no points. Of these, E57 and PCD it lists the values that each point "
-        "has, with their types; those that are not kept are marked. --json has them as \"scan\".",
-    .examples = "A table of the parts:\n"
+        "triangles, points and surfels, and their size in bytes. Counts include all instances; "
+        "counts without instances are in parentheses. Below the table: nodes, instances, bytes "
+        "per surfel and triangle, dimensions, unit and up axis, sources and named views. --json "
+        "has the figures of every part.\n\n"
+        "A part is a child of the root object; while an object has only one child, that child's "
+        "children are used instead. Beyond 64 parts, the smallest are combined as \"others\". An "
+        "object is anything with a shape that the input names as one thing.\n\n"
+        "--find prints one line for each matching object, up to 1,000: its number (for --hide "
+        "and similar options of render), its content and its path; with --json, one object "
+        "\"found\".\n\n"
+        "Only the first pages of a .stip file are read, however large it is (in version 1.0, the "
+        "directory). A model is imported but not built. For LAS, LAZ and COPC files only the "
+        "header is read, not the points. For these, E57 and PCD files the output lists the "
+        "values that each point has, with their types, and marks the values that Stipple does "
+        "not keep. --json has them as \"scan\".",
+    .examples = "Print a table of the parts:\n"
                 "$ stipple info plant.stip\n"
-                "The same as JSON:\n"
+                "Print it as JSON:\n"
                 "$ stipple info plant.stip --json\n"
-                "Find objects by their names:\n"
+                "Find objects by name:\n"
                 "$ stipple info plant.stip --find pump\n",
     .files = "FILE\t"
              "a .stip file, or a model that is imported but not built\n",

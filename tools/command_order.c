@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple order: the points of a file in such an order that every prefix covers them all evenly.
+// stipple order: orders the points of a file so that every prefix covers them all evenly.
 #include "command.h"
 #include "point_file.h"
 #include "tool.h"
@@ -28,50 +28,52 @@ static const option* options(void)
          .letter = 'o',
          .type = OPTION_TEXT,
          .argument = "ORDERED.ply",
-         .help = "where to write the ordered points",
+         .help = "file to write the ordered points to",
          .value = &args.output},
         {.name = "order",
          .type = OPTION_CHOICE,
          .argument = "NAME",
          .words = order_names,
-         .help = "how to order; default exact",
+         .help = "ordering method; default exact",
          .value = &args.order},
         {.name = "metric",
          .type = OPTION_CHOICE,
          .argument = "NAME",
          .words = metric_names,
          .help =
-             "side: points that face apart count as far apart; default, where there are normals",
+             "distance between points; side: points that face apart count as far apart (default "
+             "if there are normals)",
          .value = &args.metric,
          .given = &args.metric_given},
         {.name = "count",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "all|0..4294967295",
-         .help = "how many to write; default all",
+         .help = "number of points to write; default all",
          .value = &args.count},
         {.name = "samples",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "0..1000000",
-         .help = "random samples a round, of the paper's orders; default 200",
+         .help = "random samples per round of the paper's orders; default 200",
          .value = &args.samples},
         {.name = "interval",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "0..1000000000",
-         .help = "rounds until the paper's schedules change; default 500",
+         .help = "rounds before the paper's schedules change; default 500",
          .value = &args.interval},
         {.name = "drop",
          .type = OPTION_NUMBER,
          .argument = "F",
          .words = "0..1",
-         .help = "drop samples nearer than F times the round's pick; default 0: none",
+         .help = "drop samples closer than F times the distance of the round's pick; default 0: "
+                 "none",
          .value = &args.drop},
         {.name = "seed",
          .type = OPTION_COUNT,
          .argument = "N",
-         .help = "of the random orders; default 0",
+         .help = "random seed of the orders; default 0",
          .value = &args.seed},
         OPTION_THREADS(&args.threads),
         OPTION_JSON(&args.json),
@@ -116,7 +118,7 @@ static int print_report(const stp_order_desc* desc, const stp_order_report* repo
 static int order_points(stp_context* context, const char* path, tool_points* points)
 {
     if (args.metric_given && args.metric == 0 && points->normals == NULL) {
-        stp_warn(context, "%s: there are no normals: the metric is euclidean", path);
+        stp_warn(context, "%s: there are no normals, so the metric is euclidean", path);
     }
     static const stp_order_kind kinds[] = {STP_ORDER_EXACT, STP_ORDER_PAPER_FAST,
                                            STP_ORDER_PAPER_TEXT, STP_ORDER_RANDOM,
@@ -162,26 +164,20 @@ const command command_order = {
     .name = "order",
     .arguments = "POINTS.ply -o ORDERED.ply",
     .summary = "order points so that every prefix covers them evenly",
-    .text = "Reads the points of a file (of any format that can be imported; of meshes, the "
-            "vertices) and writes "
-            "them, with their normals and colours, as a binary PLY in the order asked for.\n"
-            "\n"
-            "The exact order is the greedy permutation: each point is the farthest from all before "
-            "it. Its first n "
-            "points leave no point of the file farther away than the distance at which point n + 1 "
-            "came in. Points "
-            "that coincide with an earlier one are left out. paper-fast and paper-text are the two "
-            "schedules of "
-            "Brandt et al. 2019, random is uniformly random, best-of-k takes the best of --samples "
-            "random "
-            "candidates each time.\n"
-            "\n"
-            "With the metric side, two points whose normals face apart count as farther from each "
-            "other than any "
-            "two that do not, so that both sides of a thin wall are covered.",
-    .examples = "The first 20,000 points of the exact order:\n"
+    .text = "Reads points from any file that can be imported (for meshes, the vertices) and "
+            "writes them in the requested order, with normals and colours, as a binary PLY.\n\n"
+            "The exact order is the greedy permutation: each point is the farthest from all "
+            "points before it. No point of the file is farther from the first n points than "
+            "point n + 1 was when it was chosen. Points that coincide with an earlier one are "
+            "dropped. paper-fast and paper-text are the two schedules of Brandt et al. 2019, "
+            "random is uniformly random, and best-of-k takes the best of --samples random "
+            "candidates each time.\n\n"
+            "With the metric side, two points whose normals face apart count as farther from "
+            "each other than any two whose normals do not, so that both sides of a thin wall are "
+            "covered.",
+    .examples = "Write the first 20,000 points of the exact order:\n"
                 "$ stipple order points.ply -o ordered.ply --count 20000\n"
-                "The paper's schedule, for comparison:\n"
+                "Use the paper's schedule, for comparison:\n"
                 "$ stipple order points.ply -o paper.ply --order paper-fast\n",
     .files = "POINTS.ply\t"
              "any model that can be imported\n"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple render: one picture of a scene.
+// stipple render: draws one picture of a scene.
 #include "command.h"
 #include "drawing.h"
 #include "overwrite.h"
@@ -18,13 +18,13 @@
 
 enum {
     REPEATS = 9,
-    STILL_SAMPLES = 16, ///< frames of a picture where no option asks for a quality
+    STILL_SAMPLES = 16, ///< frames per picture if no option sets the quality
     SUM_BYTES = 16,     ///< of a pixel, while frames are accumulated
     SUMS_IN_MEMORY = 16,
 };
-static const double repeat_ms = 3000.0; // no more repeats once they have taken this long
+static const double repeat_ms = 3000.0; // total time after which frames are no longer repeated
 static const double slow_ms =
-    2000.0; // what takes so long is repeated once, if that can be any faster
+    2000.0; // a frame this slow is repeated only once, if a repeat can be faster at all
 
 static struct {
     const char* output;
@@ -45,32 +45,32 @@ static const option* options(void)
          .letter = 'o',
          .type = OPTION_TEXT,
          .argument = "OUT.png",
-         .help = "the picture to write: PNG, JPEG (.jpg, .jpeg; white where nothing is drawn) or "
-                 "WebP (lossless); - is standard output, as PNG",
+         .help = "file to write: PNG, JPEG (.jpg, .jpeg; transparent areas become white) or WebP "
+                 "(lossless); - writes a PNG to standard output",
          .value = &args.output},
         {.name = "view",
          .type = OPTION_TEXT,
          .argument = "NAME",
-         .help = "a view of the file, or front, back, left, right, top, bottom, iso, d0 to d25; "
+         .help = "view of the file, or front, back, left, right, top, bottom, iso, d0 to d25; "
                  "default iso",
          .value = &args.view},
         {.name = "eye",
          .type = OPTION_VECTOR,
          .argument = "X,Y,Z",
-         .help = "where the eye is",
+         .help = "position of the camera",
          .value = args.eye,
          .given = &args.has_eye},
         {.name = "target",
          .type = OPTION_VECTOR,
          .argument = "X,Y,Z",
-         .help = "what it looks at; default the middle of the scene",
+         .help = "point that the camera looks at; default the centre of the scene",
          .value = args.target,
          .given = &args.has_target},
         {.name = "up",
          .type = OPTION_VECTOR,
          .argument = "X,Y,Z|AXIS",
          .words = "x|-x|y|-y|z|-z",
-         .help = "what is up in the picture: a direction, or x, -x, y, -y, z or -z; default 0,1,0",
+         .help = "up direction of the camera: a vector, or x, -x, y, -y, z or -z; default 0,1,0",
          .value = args.up,
          .given = &args.has_up},
         OPTION_COLUMNS(&args.columns),
@@ -79,26 +79,26 @@ static const option* options(void)
          .argument = "HEIGHT",
          .words = "1e-9..1e12",
          .help =
-             "parallel projection, of so many units from top to bottom; standard views choose it",
+             "parallel projection showing HEIGHT units from top to bottom; standard views set it "
+             "themselves",
          .value = &args.ortho},
         {.name = "accumulate",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "1..4096",
-         .help = "the mean of N frames, each shifted by a part of a pixel, as a viewer shows when "
-                 "it rests; of n x n they are --supersample n; default 16 where no option asks for "
-                 "a quality, else 1",
+         .help = "average N frames with sub-pixel shifts, as the viewer does at rest; n x n "
+                 "frames equal --supersample n; default 16 if no option sets the quality, else 1",
          .value = &args.accumulate},
         {.name = "once",
-         .help = "time a single frame after the first, which does not know yet what is hidden",
+         .help = "time a single frame after the first (the first does not yet know what is "
+                 "occluded)",
          .value = &args.once},
         {.name = "pick",
          .type = OPTION_TEXT,
          .argument = "X,Y",
-         .help =
-             "tell as JSON what is at a column and row of the picture (from the upper left): "
-             "place, object, triangle; with --json as its \"pick\"; a picture is drawn only with "
-             "-o",
+         .help = "print as JSON what is at a column and row of the picture (from the upper left): "
+                 "position, object, triangle; with --json this is its \"pick\"; a picture is drawn "
+                 "only with -o",
          .value = &args.pick},
         {0},
     };
@@ -118,11 +118,11 @@ typedef struct session {
     json_t* picked; ///< NULL: was not asked for
     stp_quality quality;
     frame_figures figures;
-    double picture_ms; ///< of all frames that the picture is the mean of
+    double picture_ms; ///< of all averaged frames
 } session;
 
-/// How many frames the picture is the mean of; 1: it is a single frame. Where memory is limited to a few times what sums
-/// of frames take, scene data needs it more.
+/// Number of frames to average; 1: a single frame. Under a tight memory limit the memory goes to
+/// scene data instead of the sums of frames.
 static uint32_t frames_of_picture(const session* s)
 {
     bool still = draw_options_leave_quality(&args.draw) && !args.once;
@@ -138,7 +138,8 @@ static uint32_t samples_of_picture(const session* s)
     return side > 1 ? side * side : frames_of_picture(s);
 }
 
-/// A view of the scene, or one kept beside it, with what is hidden there. @return the exit code, with the message printed
+/// Finds a view of the scene, or a saved viewpoint with what it hides. @return the exit code, with
+/// the message printed
 static int find_view(session* s, const char* path, const char* name)
 {
     stp_view* view = &s->view;
@@ -165,7 +166,7 @@ static int find_view(session* s, const char* path, const char* name)
     return code;
 }
 
-/// Applies the camera's own options to a view; a standard one fits what is shown, as --up turns it.
+/// Applies the camera options to a view. Standard views fit the visible objects, oriented by --up.
 static void place_eye(session* s, bool is_standard)
 {
     stp_view* view = &s->view;
@@ -217,7 +218,7 @@ static int compare_figures(const void* a, const void* b)
     return (x > y) - (x < y);
 }
 
-/// Draws the frame, again and again where figures are wanted: the first finds nothing in caches.
+/// Draws the frame, repeatedly if figures are wanted: the first frame runs with cold caches.
 static stp_result draw_frames(session* s)
 {
     frame_figures frames[REPEATS];
@@ -232,7 +233,7 @@ static stp_result draw_frames(session* s)
         result = frame_draw_loaded(&s->drawing.maker, &s->view, &s->quality, &s->image, &frames[0]);
     }
     size_t count = 0;
-    // what is hidden is known from the second frame on; all that a reference draws is drawn again
+    // occlusion is known from the second frame on; a reference does not use it
     size_t most = result != STP_OK || !args.draw.json ? 0
                   : frames[0].frame_ms >= slow_ms     ? !args.draw.reference
                   : args.once                         ? 1
@@ -256,7 +257,8 @@ static stp_result draw_frames(session* s)
     return result;
 }
 
-/// What a picture was drawn with. Triangles alone: they are cheaper there than splats, or the scene has no splats.
+/// What the picture was drawn with. Triangles alone if they are cheaper than splats, or if the
+/// scene has no splats.
 static const char* name_drawn(const frame_figures* figures)
 {
     bool splats = figures->splats > 0, triangles = figures->triangles > 0;
@@ -266,7 +268,7 @@ static const char* name_drawn(const frame_figures* figures)
                                : "nothing";
 }
 
-/// Takes `picked` over, which may be NULL. @return NULL where memory runs out
+/// Takes ownership of `picked`, which may be NULL. @return NULL if memory runs out
 static json_t* describe(const session* s, json_t* picked)
 {
     const drawing* d = &s->drawing;
@@ -307,20 +309,19 @@ static json_t* describe(const session* s, json_t* picked)
     return object;
 }
 
-/// An empty picture is rarely what was wanted: it should not look like a scene without content.
+/// An empty picture is rarely intended, so a message says why it is empty.
 static void explain_empty(const session* s, const char* path)
 {
     if (s->figures.covered_pixels == 0) {
         bool any = stp_store_get_directory(s->drawing.store)->root != STP_STORE_NONE;
         stp_warn(s->drawing.context, "%s: the picture is empty: %s", path,
-                 !any ? "so is the scene"
-                 : s->drawing.maker.list.count == 0
-                     ? "nothing of the scene lies in the view"
-                     : "what lies in the view covers the middle of no pixel");
+                 !any                               ? "the scene is empty"
+                 : s->drawing.maker.list.count == 0 ? "no part of the scene is in view"
+                                                    : "the objects in view cover no pixel centre");
     }
 }
 
-/// What is at a place of the picture. @return false where that failed (message printed)
+/// Reports what is at a position of the picture. @return false on failure (message printed)
 static bool pick(session* s)
 {
     double place[2];
@@ -329,7 +330,8 @@ static bool pick(session* s)
     return s->picked != NULL;
 }
 
-/// Writes the picture, to which all that made it gives its memory, and prints what is to be said. @return the exit code
+/// Writes the picture after freeing the memory used to draw it, and prints the figures. @return the
+/// exit code
 static int finish(session* s)
 {
     json_t *picked = s->picked, *said = args.draw.json ? describe(s, picked) : picked;
@@ -373,14 +375,14 @@ static int render(session* s, const char* path)
     if (result != STP_OK) {
         return 1;
     }
-    if (tool_is_interrupted()) { // no picture that was not wanted any more
+    if (tool_is_interrupted()) { // no picture, because it was not requested
         return 1;
     }
     explain_empty(s, path);
     return finish(s);
 }
 
-/// What could not be written is refused before the work, and no input is written over.
+/// Rejects outputs that cannot be written before the work starts, and never overwrites an input.
 static int check_output(const char* path)
 {
     int code = overwrite_check(path, args.output);
@@ -390,11 +392,11 @@ static int check_output(const char* path)
 static int check_arguments(int argc, const char* path)
 {
     if (argc != 1) {
-        return tool_usage_error("render needs one file, and got %d", argc);
+        return tool_usage_error("render needs one file, but got %d", argc);
     }
     double place[2];
     if (args.pick != NULL && !pick_read_place(args.pick, place)) {
-        return tool_usage_error("--pick is a column and a row, X,Y, not %s", args.pick);
+        return tool_usage_error("--pick needs a column and a row, X,Y, not %s", args.pick);
     }
     if (args.output == NULL && args.pick == NULL) {
         return tool_usage_error("render needs -o OUT.png");
@@ -410,7 +412,7 @@ static int check_arguments(int argc, const char* path)
         return tool_usage_error("--stereo and --ortho exclude each other");
     }
     if ((args.draw.json || args.pick != NULL) && strcmp(args.output, "-") == 0) {
-        return tool_usage_error("standard output is for the figures; name a file");
+        return tool_usage_error("standard output receives the figures; give a file name");
     }
     if (args.accumulate > 0 && args.draw.supersample > 0) {
         return tool_usage_error("--accumulate and --supersample exclude each other");
@@ -441,65 +443,50 @@ const command command_render = {
     .arguments = "FILE -o OUT.png",
     .summary = "draw one picture of a scene",
     .text =
-        "Draws the scene as splats where they are good enough, and as its own triangles elsewhere. "
-        "--splat-size says what is good enough: 1 is a splat a pixel, larger is faster.\n"
-        "\n"
-        "A model is built into a cache first ($XDG_CACHE_HOME/stipple, or ~/.cache/stipple). Where "
-        "nothing is asked of splats and the model has more than 100,000 triangles, it is built "
-        "without surfels, which takes a tenth of the time, and drawn as triangles; so it is for "
-        "--reference. More than 134 million triangles, all instances counted, always get surfels.\n"
-        "\n"
-        "Where no option asks for a quality (--splat-size, --splats, --splat-scale, --budget-ms, "
-        "--policy, --fovea, --reference, --supersample, --accumulate, --once), the picture is the "
-        "mean of 16 frames, each shifted by a part of a pixel: edges are smooth (unless --memory "
-        "leaves "
-        "little room). To compare two "
-        "pictures, ask for the same number of samples in both.\n"
-        "\n"
-        "--budget-ms draws the view until the size of splats has settled that lets a frame take so "
-        "long, and keeps "
-        "the last picture.\n"
-        "\n"
-        "--stereo draws what two eyes see, the left one's half on the left; both look the same "
-        "way. What "
-        "is drawn is chosen once for both, and figures are those of the whole picture.\n"
-        "\n"
-        "Under --memory, data is loaded as the view needs it, coarse first, as much as there is "
-        "room "
-        "for: with less, the picture is coarser, and has no holes.\n"
-        "\n"
-        "A .stip file that ends early is drawn as far as it goes, with a warning: every prefix "
-        "that "
-        "holds the directory is the whole scene, coarser. --prefix draws a part of a whole file. "
-        "--reference needs the whole file.\n"
-        "\n"
-        "--section and --section-box cut the scene open; --hide, --isolate and --ghost say what is "
-        "shown of it, by names, paths, ids or numbers of objects, and may be given several times, "
-        "as may sections. What stands in several places is hidden in all that have the name. "
-        "--view also finds the viewpoints that were saved beside the model (NAME.views.json), with "
-        "what they hide and cut.\n"
-        "\n"
-        "--pick looks at original triangles and points, however coarse the picture is.\n"
-        "\n"
-        "The picture is transparent where nothing was drawn. --json prints what was drawn and how "
-        "long it took: frame_ms is the median of repeated single frames, without opening the file, "
-        "and so are the counts; samples (a pixel), accumulated_frames and picture_ms (the time all "
-        "of them took) are of the picture that was written; where "
-        "that takes two seconds or more, and with --once, it is the second frame's, and that of "
-        "--reference the first's.",
+        "Draws splats where they are detailed enough, and the original triangles elsewhere. "
+        "--splat-size sets the level of detail: 1 is one splat per pixel; larger values are "
+        "faster.\n\n"
+        "A model is first built into a cache ($XDG_CACHE_HOME/stipple, or ~/.cache/stipple). "
+        "Models of more than 100,000 triangles are built without surfels, in a tenth of the "
+        "time, and drawn as triangles if no option refers to splats, or with --reference. Models "
+        "of more than 134 million triangles (counting all instances) always get surfels.\n\n"
+        "If no option sets the quality (--splat-size, --splats, --splat-scale, --budget-ms, "
+        "--policy, --fovea, --reference, --supersample, --accumulate, --once), the picture is "
+        "antialiased: it is the average of 16 frames with sub-pixel shifts, or of fewer if "
+        "--memory leaves little room. To compare two pictures, use the same number of samples in "
+        "both.\n\n"
+        "--budget-ms draws the view repeatedly until the splat size that meets the frame time "
+        "has settled, and writes the last picture.\n\n"
+        "--stereo draws the views of two eyes with parallel gaze, the left eye on the left. Both "
+        "share one level-of-detail selection, and the figures are for the whole picture.\n\n"
+        "With --memory, data is loaded as the view needs it, coarse data first, up to the limit. "
+        "A smaller limit gives a coarser picture without holes.\n\n"
+        "A truncated .stip file is drawn as far as it goes, with a warning: every prefix that "
+        "contains the directory shows the whole scene at a coarser level. --prefix uses only the "
+        "first part of a complete file. --reference needs the complete file.\n\n"
+        "--section and --section-box cut the scene open. --hide, --isolate and --ghost select "
+        "objects by name, path, id or number. All of these can be repeated. If several objects "
+        "have the name, all of them are affected. --view also finds the viewpoints saved beside "
+        "the model (NAME.views.json), including what they hide and cut.\n\n"
+        "--pick uses the original triangles and points, even if the picture is coarse.\n\n"
+        "The background is transparent. --json prints what was drawn and the times. frame_ms and "
+        "the counts are medians of repeated single frames, without opening the file; if drawing "
+        "takes two seconds or more, or with --once, they are those of the second frame, or of "
+        "the first with --reference. samples (per pixel), accumulated_frames and picture_ms (the "
+        "time of all averaged frames) describe the written picture.",
     .examples =
-        "Draw a picture, as finely as its size asks for:\n"
+        "Draw a picture at full quality for its size:\n"
         "$ stipple render plant.stip -o plant.png\n"
-        "From the front, on white, with 2 x 2 samples a pixel, as JPEG:\n"
-        "$ stipple render plant.stip -o plant.jpg --view front --background white --supersample 2\n"
-        "As fine as a frame of 33 ms allows, with its figures:\n"
+        "Draw the front on white, with 2 x 2 samples per pixel, as JPEG:\n"
+        "$ stipple render plant.stip -o plant.jpg --view front --background white --supersample "
+        "2\n"
+        "Use the finest splats that fit into 33 ms, and print figures:\n"
         "$ stipple render plant.stip -o plant.png --budget-ms 33 --json\n"
-        "Only the original triangles, to compare with:\n"
+        "Draw only the original triangles, for comparison:\n"
         "$ stipple render plant.stip -o reference.png --reference\n",
-    .files = "FILE.views.json\t"
-             "viewpoints saved beside the model, for --view\n"
-             "$XDG_CACHE_HOME/stipple\t"
-             "models that were built to be drawn; ~/.cache/stipple where the variable is not set\n",
+    .files = "FILE.views.json\tviewpoints saved beside the model, for --view\n"
+             "$XDG_CACHE_HOME/stipple\tcache of built models; ~/.cache/stipple if the variable "
+             "is not set\n",
     .options = options,
     .run = run,
 };

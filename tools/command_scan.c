@@ -21,7 +21,7 @@ enum { BATCH_POINTS = 1 << 16 };
 #define DEFAULT_NOISE 0.002
 #define DEFAULT_RANGE 350.0
 #define AIRBORNE_RANGE 1e6
-#define HALF_STRENGTH 40.0 ///< metres at which half of the light comes back
+#define HALF_STRENGTH 40.0 ///< metres at which half of the light returns
 
 static struct {
     const char* output;
@@ -38,41 +38,42 @@ static const option* options(void)
          .letter = 'o',
          .type = OPTION_TEXT,
          .argument = "OUT.las|OUT.ptx|OUT.e57|OUT.ply",
-         .help = "where to write the points",
+         .help = "file to write the points to",
          .value = &args.output},
         {.name = "stations",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "1..256",
-         .help = "how many stations are placed, or lines flown; default 1",
+         .help = "number of stations to place, or of flight lines; default 1",
          .value = &args.count},
         {.name = "station",
          .type = OPTION_TEXTS,
          .argument = "X,Y,Z",
-         .help = "a station, in metres with z up; repeatable",
+         .help = "position of a station, in metres with z up; repeatable",
          .value = &args.stations},
         {.name = "airborne",
-         .help = "fly over the scene in parallel lines, and look down",
+         .help = "fly over the scene in parallel lines and scan downwards",
          .value = &args.airborne},
         {.name = "resolution",
          .type = OPTION_NUMBER,
          .argument = "DEG|N",
          .words = "0.0055..65535",
-         .help = "up to 30: degrees between rays; above: rays a turn; default 0.25",
+         .help = "angular resolution: up to 30, degrees between rays; above 30, rays per turn; "
+                 "default 0.25",
          .value = &args.resolution,
          .given = &args.has_resolution},
         {.name = "noise",
          .type = OPTION_NUMBER,
          .argument = "M",
          .words = "0..1000",
-         .help = "standard deviation of ranges in metres; default 0.002",
+         .help = "standard deviation of the range noise in metres; default 0.002",
          .value = &args.noise,
          .given = &args.has_noise},
         {.name = "range",
          .type = OPTION_NUMBER,
          .argument = "M",
          .words = "0.001..1000000",
-         .help = "metres beyond which nothing is met; default 350, in flight 1000000",
+         .help = "maximum range in metres; default 350, with --airborne 1000000",
          .value = &args.range,
          .given = &args.has_range},
         {.name = "height",
@@ -80,21 +81,22 @@ static const option* options(void)
          .argument = "M",
          .words = "auto|0.001..1000",
          .help =
-             "of placed stations above the floor, metres; default 1.8, less in small models; of a "
-             "flight above the highest place; default so that lines overlap",
+             "height in metres: of stations above the floor, default 1.8, less in small models; "
+             "of a flight above the highest point, by default chosen so that lines overlap",
          .value = &args.height},
         {.name = "shift",
          .type = OPTION_VECTOR,
          .argument = "X,Y,Z",
-         .help = "added to all coordinates of the file, metres, such as those of a map",
+         .help = "offset added to all coordinates in the file, in metres, for example to get map "
+                 "coordinates",
          .value = args.shift},
         {.name = "truth",
-         .help = "of .ply: columns of the true normal, the object, and the error of the range",
+         .help = "add columns to a .ply: true normal, object and range error",
          .value = &args.truth},
         {.name = "seed",
          .type = OPTION_COUNT,
          .argument = "N",
-         .help = "of noise and of places; default 0",
+         .help = "random seed of noise and placement; default 0",
          .value = &args.seed},
         OPTION_THREADS(&args.threads),
         OPTION_MEMORY(&args.memory),
@@ -281,7 +283,7 @@ static int make(scan* s)
     result = result == STP_OK ? place_stations(s) : result;
     result = result == STP_OK ? sweep_all(s) : result;
     if (result == STP_OK && s->points == 0) {
-        stp_warn(s->context, "%s: no ray met anything within %.6g m", s->path, s->settings.range);
+        stp_warn(s->context, "%s: no ray hit anything within %.6g m", s->path, s->settings.range);
     }
     return result == STP_OK ? print_report(s, 1e-3 * (stp_clock_ms() - start)) : 1;
 }
@@ -289,10 +291,12 @@ static int make(scan* s)
 static int check_stations(void)
 {
     if (args.stations.count > 0 && args.count > 0) {
-        return tool_usage_error("--stations places them, --station says where: not both");
+        return tool_usage_error("--stations (automatic placement) and --station (given "
+                                "positions) exclude each other");
     }
     if (args.stations.count > 0 && args.airborne) {
-        return tool_usage_error("--airborne has lines of flight (--stations N), and no --station");
+        return tool_usage_error("--airborne uses flight lines (--stations N) and excludes "
+                                "--station");
     }
     for (uint32_t i = 0; i < args.stations.count; ++i) {
         double v[3];
@@ -306,7 +310,7 @@ static int check_stations(void)
 static int check_arguments(int argc, const char* path)
 {
     if (argc != 1) {
-        return tool_usage_error("scan needs one scene or model, and got %d", argc);
+        return tool_usage_error("scan needs one scene or model, but got %d", argc);
     }
     if (args.output == NULL) {
         return tool_usage_error("scan needs -o OUT.las, .ptx, .e57 or .ply");
@@ -349,49 +353,40 @@ static int run(int argc, char** argv)
 const command command_scan = {
     .name = "scan",
     .arguments = "scene:NAME|FILE.stip|MODEL -o OUT.las|ptx|e57|ply",
-    .summary = "a simulated laser scan: test data with known truth",
+    .summary = "simulate a laser scan: test data with known truth",
     .text =
-        "Stands a laser scanner in a scene and writes what it measures: from each station a sweep "
-        "of 360 degrees, from 60 degrees below the horizon to the zenith, with the first surface "
-        "that each ray meets. Points are dense near the station and sparse far from it, and lie "
-        "where something is seen; surfaces behind others are missing, as in a real scan. The "
-        "original triangles are met, with cut-out and transparent textures; points of a cloud "
-        "are not.\n"
-        "\n"
-        "--stations places them: on floors with free space around, each where it sees much that "
-        "the others do not; around a model that stands alone. --station says where.\n"
-        "\n"
-        "--airborne flies over the scene, along its longer side and back, in as many lines as "
-        "--stations says, and looks down from 30 degrees on the left to 30 on the right.\n"
-        "\n"
-        "Coordinates are metres with z up, whatever the scene's unit and axes are; a scene that "
-        "does not say its unit is in metres. A point has its colour, an intensity (of the "
-        "albedo, the angle and the distance), the number of its station (from 1), and as its time "
-        "the number of its ray. The range has normal noise of the deviation --noise, and never "
-        "more than six times that.\n"
-        "\n"
-        "The truth is the scene itself. A .ply can have it in columns (--truth): the normal of the "
-        "surface, facing the scanner; the object, which is a use of a mesh; and how much too far "
-        "the point lies.\n"
-        "\n"
+        "Simulates a laser scanner in a scene and writes its measurements. From each station it "
+        "sweeps 360 degrees, from 60 degrees below the horizon to the zenith, and records the "
+        "first surface that each ray hits. As in a real scan, points are dense near a station "
+        "and sparse far from it, and hidden surfaces are missing. Rays hit the original "
+        "triangles and respect cut-out and transparent textures; they do not hit points of a "
+        "cloud.\n\n"
+        "--stations places stations automatically: on floors with free space around them, so "
+        "that each sees much that the others do not, or around a free-standing model. --station "
+        "gives a position.\n\n"
+        "--airborne flies over the scene along its longer side, back and forth, in --stations "
+        "lines, and scans downwards from 30 degrees left to 30 degrees right.\n\n"
+        "Coordinates are in metres with z up, whatever the scene's unit and axes; a scene "
+        "without a unit is taken to be in metres. Each point has a colour, an intensity (from "
+        "albedo, angle and distance), its station number (from 1), and its ray number as the "
+        "time. Range noise is normal with deviation --noise, and at most six times that.\n\n"
+        "The scene itself is the truth. --truth adds it to a .ply as columns: the surface "
+        "normal, facing the scanner; the object (one use of a mesh); and the range error, "
+        "positive if the point is too far away.\n\n"
         "The same input, options and seed give the same bytes with any number of threads.",
-    .examples = "A city from five places, as LAS:\n"
+    .examples = "Scan a city from five stations, as LAS:\n"
                 "$ stipple scan scene:city-small --stations 5 -o city.las\n"
-                "Finer, with more noise, and coordinates of a map:\n"
+                "Scan more finely, with more noise and map coordinates:\n"
                 "$ stipple scan hall.glb --stations 3 --resolution 0.05 --noise 0.005 --shift "
                 "389000,5820000,34 -o hall.e57\n"
-                "Terrain from the air:\n"
+                "Scan terrain from the air:\n"
                 "$ stipple scan scene:terrain --airborne --stations 6 -o terrain.las\n"
-                "With the truth, from a given place:\n"
+                "Write the truth too, from a given position:\n"
                 "$ stipple scan scene:forest --station 0,0,2 --truth -o forest.ply\n",
-    .files = "OUT.las\t"
-             "LAS 1.4, point format 7, millimetres\n"
-             "OUT.ptx\t"
-             "text: the grid of each station, misses as zeros, with its pose\n"
-             "OUT.e57\t"
-             "E57: a scan a station, with its pose, rows and columns\n"
-             "OUT.ply\t"
-             "binary PLY, doubles\n",
+    .files = "OUT.las\tLAS 1.4, point format 7, in millimetres\n"
+             "OUT.ptx\ttext: the grid and pose of each station, misses as zeros\n"
+             "OUT.e57\tE57: one scan per station, with pose, rows and columns\n"
+             "OUT.ply\tbinary PLY, doubles\n",
     .options = options,
     .run = run,
 };

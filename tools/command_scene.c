@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple scene: named procedural scenes as glTF files.
+// stipple scene: writes named procedural scenes as glTF files.
 #include "command.h"
 #include "tool.h"
 
@@ -25,19 +25,19 @@ static const option* options(void)
          .letter = 'o',
          .type = OPTION_TEXT,
          .argument = "FILE",
-         .help = "the file to write: .glb, or .gltf with .bin files beside it",
+         .help = "file to write: .glb, or .gltf with .bin files beside it",
          .value = &args.output},
-        {.name = "list", .help = "name all scenes", .value = &args.list},
+        {.name = "list", .help = "list all scenes", .value = &args.list},
         {.name = "scale",
          .type = OPTION_NUMBER,
          .argument = "S",
-         .help = "how much of its content is made; default 1, the whole",
+         .help = "share of the content to generate; default 1 (everything)",
          .value = &args.scale,
          .given = &args.scale_given},
         {.name = "seed",
          .type = OPTION_COUNT,
          .argument = "N",
-         .help = "of everything random; default 0",
+         .help = "random seed; default 0",
          .value = &args.seed},
         OPTION_MEMORY(&args.memory),
         OPTION_PROGRESS(&args.progress),
@@ -95,12 +95,11 @@ static int run(int argc, char** argv)
         return argc == 0 ? print_list() : tool_usage_error("--list takes no scene");
     }
     if (argc != 1) {
-        return tool_usage_error("scene needs one name (`stipple scene --list`), and got %d", argc);
+        return tool_usage_error("scene needs one name (`stipple scene --list`), but got %d", argc);
     }
     const char* name = scene_is_input(argv[0]) ? argv[0] + strlen(SCENE_PREFIX) : argv[0];
     if (scene_find(name) == NULL) {
-        return tool_usage_error("there is no scene \"%s\" (`stipple scene --list` names them)",
-                                name);
+        return tool_usage_error("there is no scene \"%s\"; see `stipple scene --list`", name);
     }
     args.scale = args.scale_given ? args.scale : 1.0;
     if (!(args.scale > 0.0) || args.scale > 1000.0) {
@@ -131,15 +130,14 @@ const command command_scene = {
     .name = "scene",
     .arguments = "NAME -o FILE.glb|FILE.gltf",
     .summary = "write a named procedural scene as glTF",
-    .text = "Scenes are made from their name, scale and seed, and are the same on every machine. "
-            "Meshes are written once, objects with their names as nodes, named views as cameras; "
-            "many instances of one mesh as EXT_mesh_gpu_instancing. What a scene uses several "
-            "times is written out, for glTF cannot share nodes: a scene of more than three million "
-            "nodes is refused. `stipple build scene:NAME,scale=S,seed=N` makes any scene directly, "
-            "as do info and render.\n"
-            "\n"
+    .text = "Generates a scene from its name, scale and seed, with the same result on every "
+            "machine. Each mesh is written once; objects become named nodes, views become "
+            "cameras, and many instances of a mesh use EXT_mesh_gpu_instancing. glTF cannot "
+            "share nodes, so repeated groups are written out; a scene of more than three million "
+            "nodes is rejected. build, info and render accept scenes directly: `stipple build "
+            "scene:NAME,scale=S,seed=N`.\n\n"
             "A .glb holds at most 4 GiB; a .gltf has as many .bin files beside it as it needs.",
-    .examples = "Which scenes there are:\n"
+    .examples = "List the scenes:\n"
                 "$ stipple scene --list\n"
                 "Write one at a tenth of its size:\n"
                 "$ stipple scene paper -o paper.glb --scale 0.1\n",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple sheet: pictures and plots of flights with captions on one contact sheet.
+// stipple sheet: arranges captioned pictures and flight plots on one contact sheet.
 #include "overwrite.h"
 #include "picture.h"
 #include "sheet_plot.h"
@@ -35,25 +35,25 @@ static const option* options(void)
          .letter = 'o',
          .type = OPTION_TEXT,
          .argument = "SHEET.png",
-         .help = "the sheet to write: PNG, JPEG or WebP, as its suffix says",
+         .help = "file to write: PNG, JPEG or WebP, by its suffix",
          .value = &args.output},
         {.name = "title",
          .type = OPTION_TEXT,
          .argument = "TEXT",
-         .help = "a line above all",
+         .help = "title above the sheet",
          .value = &args.title},
         {.name = "columns",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "1..64",
-         .help = "pictures in a row, at most; default 4",
+         .help = "maximum number of pictures per row; default 4",
          .value = &args.columns},
         {.name = "width",
          .type = OPTION_COUNT,
          .argument = "PX",
          .words = "16..8192",
-         .help = "width of a picture on the sheet; larger ones become smaller, much smaller ones "
-                 "are enlarged by whole factors; default 400",
+         .help = "width of a picture on the sheet; larger pictures are reduced, much smaller "
+                 "ones are enlarged by whole factors; default 400",
          .value = &args.width},
         {0},
     };
@@ -243,7 +243,7 @@ static stp_result make(sheet* s, int argc, char** argv)
 static int check_arguments(int argc, char** argv)
 {
     if (argc < 1 || argc > CELLS_MOST) {
-        return tool_usage_error("sheet needs 1 to %d pictures, and got %d", CELLS_MOST, argc);
+        return tool_usage_error("sheet needs 1 to %d pictures, but got %d", CELLS_MOST, argc);
     }
     if (args.output == NULL) {
         return tool_usage_error("sheet needs -o SHEET.png");
@@ -286,20 +286,18 @@ const command command_sheet = {
     .name = "sheet",
     .arguments = "PICTURE[=CAPTION]... -o SHEET.png",
     .summary = "put pictures and plots of flights on one contact sheet",
-    .text =
-        "Pictures (PNG) stand side by side, --columns in a row, each above its caption, in which "
-        "a line may end. An argument / ends a row.\n"
-        "\n"
-        "A name that ends in .json is of what `stipple fly --json` printed: the frame times of "
-        "such files that follow each other are plotted together, over the width of the sheet, "
-        "with their budget as a dashed line.",
-    .examples = "Splats beside the original:\n"
+    .text = "Arranges pictures (PNG) in rows of --columns, each above its caption. Captions may "
+            "contain line breaks. An argument / starts a new row.\n\n"
+            "An argument that ends in .json is the output of `stipple fly --json`. The frame times "
+            "of consecutive .json arguments are plotted together across the sheet, with the budget "
+            "as a dashed line.",
+    .examples = "Show splats beside the original:\n"
                 "$ stipple sheet plant.png=splats reference.png=triangles -o sheet.png\n"
-                "Two rows, and the times of two flights:\n"
+                "Show two rows, and the times of two flights:\n"
                 "$ stipple sheet a.png b.png / c.png splats.json=splats all.json=triangles -o "
                 "sheet.png\n",
     .files = "PICTURE\tPNG files\n"
-             "FLIGHT.json\twhat stipple fly --json printed\n"
+             "FLIGHT.json\toutput of stipple fly --json\n"
              "SHEET.png\tthe sheet, opaque\n",
     .options = options,
     .run = run,

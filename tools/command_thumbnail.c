@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple thumbnail: a small picture of a model, drawn with few splats.
+// stipple thumbnail: draws a small picture of a model with few splats.
 #include "cloud_look.h"
 #include "command.h"
 #include "draw_options.h"
@@ -20,7 +20,7 @@
 
 enum { DEFAULT_SPLATS = 2000, DEFAULT_SIZE = 256, SAMPLES = 16 };
 
-/// More triangles than these, all instances counted, are not looked at one by one.
+/// Triangles are not processed one by one if there are more than this, counting all instances.
 static const uint64_t most_triangles = UINT64_C(1) << 32;
 
 static struct {
@@ -38,30 +38,31 @@ static const option* options(void)
          .letter = 'o',
          .type = OPTION_TEXT,
          .argument = "OUT.png",
-         .help = "the picture to write: PNG, JPEG or WebP; - is standard output, as PNG",
+         .help = "file to write: PNG, JPEG or WebP; - writes a PNG to standard output",
          .value = &args.output},
         {.name = "splats",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "1..1000000",
-         .help = "how many splats; default 2000",
+         .help = "number of splats; default 2000",
          .value = &args.splats},
         {.name = "size",
          .type = OPTION_PIXELS,
          .argument = "WxH",
          .words = "1..4096",
-         .help = "of the picture; default 256x256",
+         .help = "size of the picture; default 256x256",
          .value = args.size},
         {.name = "view",
          .type = OPTION_TEXT,
          .argument = "NAME",
-         .help = "front, back, left, right, top, bottom, iso, d0 to d25; default iso",
+         .help = "view direction: front, back, left, right, top, bottom, iso, d0 to d25; default "
+                 "iso",
          .value = &args.view},
         {.name = "background",
          .type = OPTION_COLOR,
          .argument = "COLOR",
-         .help = "colour behind the model: a CSS name such as white, or hexadecimal such as "
-                 "#dfe3e8; default none (transparent)",
+         .help = "background colour: a CSS name such as white, or hexadecimal such as #dfe3e8; "
+                 "default none (transparent)",
          .value = args.background,
          .given = &args.has_background},
         OPTION_THREADS(&args.threads),
@@ -78,7 +79,7 @@ typedef enum drawn_way {
     WAY_BUILT,    ///< as render draws it
 } drawn_way;
 
-/// A picture in the making.
+/// State while a picture is made.
 typedef struct thumbnail {
     stp_context* context;
     const char* path;
@@ -96,7 +97,7 @@ typedef struct thumbnail {
 
 static void frame_box(thumbnail* t, const stp_boxd* box)
 {
-    t->view.ortho_height = 1.0; // what fits is chosen
+    t->view.ortho_height = 1.0; // chooses what fits
     (void)stp_camera_frame(args.view != NULL ? args.view : "iso", box, &t->view);
 }
 
@@ -105,7 +106,7 @@ static uint64_t splats_wanted(void)
     return args.splats > 0 ? args.splats : DEFAULT_SPLATS;
 }
 
-/// The picture of a file's own splats: of method psp where it has them.
+/// Draws the splats stored in the file, of method psp if it has them.
 static stp_result open_stored(thumbnail* t)
 {
     stp_result result = stp_store_open(t->context, t->path, &t->store);
@@ -130,7 +131,7 @@ static stp_result open_built(thumbnail* t)
     return tool_open_scene_for(t->context, t->path, SCENE_FOR_A_PICTURE, &t->store);
 }
 
-/// Makes splats of a model for the view, unless it is too large for that.
+/// Makes splats of a model for the view, unless the model is too large.
 static stp_result open_model(thumbnail* t)
 {
     stp_scene* scene = NULL;
@@ -171,7 +172,7 @@ static stp_result open_any(thumbnail* t)
     return result;
 }
 
-/// The mean of frames that are each shifted by a part of a pixel.
+/// Averages frames with sub-pixel shifts.
 static stp_result draw(thumbnail* t)
 {
     stp_draw_style style = {.transparency = STP_TRANSPARENCY_LAYERS,
@@ -203,7 +204,7 @@ static stp_result draw(thumbnail* t)
     return result;
 }
 
-/// Blends the picture over its background, as light.
+/// Blends the picture over its background in linear light.
 static void fill_background(stp_image* image)
 {
     for (size_t i = 0; i < (size_t)image->width * image->height; ++i) {
@@ -249,8 +250,7 @@ static int make(thumbnail* t)
         fill_background(&t->image);
     }
     if (result == STP_OK && t->way == WAY_CAPTURED && t->store == NULL) {
-        stp_warn(t->context, "%s: the picture is empty: nothing covers the middle of a pixel",
-                 t->path);
+        stp_warn(t->context, "%s: the picture is empty: nothing covers a pixel centre", t->path);
     }
     result = result == STP_OK ? tool_write_picture(t->context, &t->image, args.output) : result;
     return result == STP_OK ? print_report(t, 1e-3 * (stp_clock_ms() - start)) : 1;
@@ -259,17 +259,17 @@ static int make(thumbnail* t)
 static int check_arguments(int argc, const char* path)
 {
     if (argc != 1) {
-        return tool_usage_error("thumbnail needs one model, and got %d", argc);
+        return tool_usage_error("thumbnail needs one model, but got %d", argc);
     }
     if (args.output == NULL) {
         return tool_usage_error("thumbnail needs -o OUT.png");
     }
     if (args.json && strcmp(args.output, "-") == 0) {
-        return tool_usage_error("standard output is for the figures; name a file");
+        return tool_usage_error("standard output receives the figures; give a file name");
     }
     if (args.view != NULL && !stp_camera_is_standard(args.view)) {
-        return tool_usage_error("--view is front, back, left, right, top, bottom, iso or d0 to "
-                                "d25, not %s",
+        return tool_usage_error("--view must be front, back, left, right, top, bottom, iso or d0 "
+                                "to d25, not %s",
                                 args.view);
     }
     int code = overwrite_check(path, args.output);
@@ -302,30 +302,25 @@ static int run(int argc, char** argv)
 const command command_thumbnail = {
     .name = "thumbnail",
     .arguments = "MODEL -o OUT.png",
-    .summary = "a small picture of a model, drawn with few splats",
+    .summary = "draw a small picture of a model with few splats",
     .text =
-        "Draws a model in parallel projection with so many elliptical splats as are asked for. "
-        "Nothing is built and nothing is cached: what the view sees of the surface is captured "
-        "about twice as finely as the picture, and Progressive Splatting (method psp) merges it "
-        "into splats, all of which lie where the picture shows something, small ones where the "
-        "surface or its colours change. The outline is that of the capture; the few pixels within "
-        "it that no splat covers get the colours beside them.\n"
-        "\n"
-        "Points of a cloud are as wide as the eighth nearest of them is far, and drawn with "
-        "eye-dome lighting.\n"
-        "\n"
-        "Of a .stip the first N splats of its method psp are drawn, or of its first method where "
-        "it has none of psp. What has no splats there, because it is small, is drawn as "
-        "triangles.\n"
-        "\n"
-        "Models of more than 4 billion triangles or 4 million uses of parts are drawn as render "
-        "draws them, and built into the same cache.\n"
-        "\n"
-        "The picture is transparent where nothing was drawn. The same input gives the same bytes "
-        "with any number of threads.",
-    .examples = "For a file browser:\n"
+        "Draws a model in parallel projection with the requested number of elliptical splats. "
+        "Nothing is built or cached. The visible surface is captured at about twice the "
+        "resolution of the picture, and Progressive Splatting (method psp) merges it into "
+        "splats. All splats are visible in the picture; they are smaller where the surface or "
+        "its colours change. The outline is taken from the capture; the few pixels inside it "
+        "that no splat covers take the colours of their neighbours.\n\n"
+        "A point of a cloud is as wide as the distance to its eighth-nearest neighbour. Clouds "
+        "are drawn with eye-dome lighting.\n\n"
+        "For a .stip, the first N splats of its psp sets are drawn, or of its first method if it "
+        "has none. Parts that are too small for splats are drawn as triangles.\n\n"
+        "Models of more than 4 billion triangles or 4 million uses of parts are drawn as by "
+        "render, using the same cache.\n\n"
+        "The background is transparent. The same input gives the same bytes with any number of "
+        "threads.",
+    .examples = "Draw a thumbnail for a file browser:\n"
                 "$ stipple thumbnail statue.glb -o statue.png\n"
-                "Larger, with more splats, on white:\n"
+                "Draw a larger one with more splats, on white:\n"
                 "$ stipple thumbnail statue.glb -o statue.png --size 512x512 --splats 8000 "
                 "--background white\n",
     .files = "MODEL\t"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple view: a window to fly through a scene.
+// stipple view: opens a window to fly through a scene.
 #include "cloud_look.h"
 #include "command.h"
 #include "cue_names.h"
@@ -28,42 +28,41 @@ static const option* options(void)
         {.name = "view",
          .type = OPTION_TEXT,
          .argument = "NAME",
-         .help = "begin with a view of the file or a saved one, or front, back, left, right, top, "
-                 "bottom, iso; "
-                 "default iso",
+         .help = "first view: one of the file, a saved one, or front, back, left, right, top, "
+                 "bottom, iso; default iso",
          .value = &args.view},
         {.name = "size",
          .type = OPTION_PIXELS,
          .argument = "WxH",
          .words = "200..16384",
-         .help = "of the window; default 1280x720",
+         .help = "size of the window; default 1280x720",
          .value = args.size},
         {.name = "backend",
          .type = OPTION_CHOICE,
          .argument = "NAME",
          .words = "auto|cpu|gl",
-         .help = "what draws; default what drew last time",
+         .help = "renderer; default as in the last session",
          .value = &args.backend},
         OPTION_GL_SPLATS(&args.gl_splats),
         {.name = "budget-ms",
          .type = OPTION_NUMBER,
          .argument = "MS",
          .words = "4..500",
-         .help = "what a frame may take while the camera moves; default what it was last time",
+         .help = "maximum frame time while the camera moves; default as in the last session",
          .value = &args.budget_ms},
         {.name = "splats",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "2..4294967294",
-         .help = "draw N splats, or all where there are fewer; default what it was last time",
+         .help = "draw N splats, or all if there are fewer; default as in the last session",
          .value = &args.splats,
          .given = &args.has_splats},
         {.name = "method",
          .type = OPTION_CHOICE,
          .argument = "NAME",
          .words = TOOL_METHOD_WORDS,
-         .help = "whose splats are drawn, of a file that holds several methods'; default what it "
-                 "was last time, or the file's first",
+         .help = "method to draw if the file has several; default as in the last session, or the "
+                 "first in the file",
          .value = &args.method,
          .given = &args.has_method},
         OPTION_CUES(&args.cues),
@@ -72,15 +71,15 @@ static const option* options(void)
          .type = OPTION_NUMBER,
          .argument = "F",
          .words = "0.5..4",
-         .help = "size of text and panels; default the display's",
+         .help = "scale of text and panels; default that of the display",
          .value = &args.scale},
         {.name = "software-window",
-         .help = "put the picture on the screen without OpenGL",
+         .help = "show the picture without OpenGL",
          .value = &args.software},
         {.name = "report",
          .type = OPTION_TEXT,
          .argument = "FILE.json",
-         .help = "write what is shown into a file, at every change",
+         .help = "write the state of the viewer to a file at every change",
          .value = &args.report},
         OPTION_THREADS(&args.threads),
         OPTION_MEMORY(&args.memory),
@@ -95,7 +94,7 @@ static const option* options(void)
 static int run(int argc, char** argv)
 {
     if (argc > 1) {
-        return tool_usage_error("view shows one file, and got %d", argc);
+        return tool_usage_error("view shows one file, but got %d", argc);
     }
     if (args.has_splats && args.budget_ms > 0.0) {
         return tool_usage_error("--budget-ms and --splats exclude each other");
@@ -136,30 +135,25 @@ static int run(int argc, char** argv)
 const command command_view = {
     .name = "view",
     .arguments = "[FILE]",
-    .summary = "look at a scene in a window",
+    .summary = "explore a scene in a window",
     .text =
-        "Opens a window on a .stip file or a model, or an empty one onto which files can be "
-        "dropped. A model is built into the cache first, as stipple render does, in the "
-        "background: its triangles are shown as soon as they are there, splats once they are "
-        "made.\n"
-        "\n"
-        "While the camera moves, splats are as large as the time of a frame asks; when it rests, "
-        "the picture becomes as fine as can be. Press H for keys and mouse; docs/viewer.md "
-        "explains all panels.\n"
-        "\n"
-        "Settings are kept in $XDG_CONFIG_HOME/stipple/viewer.json (or ~/.config/stipple).\n"
-        "\n"
-        "Where there is no display, use stipple render for pictures and stipple fly for films.",
-    .examples = "Look at a file, or at a model that is built meanwhile:\n"
+        "Opens a window with a .stip file or a model; without FILE, an empty window onto which "
+        "files can be dropped. A model is built into the cache in the background, as by render: "
+        "its triangles appear as soon as they are read, its splats as soon as they are made.\n\n"
+        "While the camera moves, the splat size follows the frame-time limit; at rest, the "
+        "picture is refined to full quality. Press H for keys and mouse; docs/viewer.md explains "
+        "all panels.\n\n"
+        "Settings are kept in $XDG_CONFIG_HOME/stipple/viewer.json (or ~/.config/stipple).\n\n"
+        "Without a display, use stipple render for pictures and stipple fly for films.",
+    .examples = "Open a file or a model:\n"
                 "$ stipple view plant.stip\n"
-                "Without a graphics processor's OpenGL:\n"
-                "$ stipple view plant.stip --software\n",
-    .files = "$XDG_CONFIG_HOME/stipple/viewer.json\t"
-             "settings; ~/.config/stipple where the variable is not set\n"
-             "FILE.views.json\t"
-             "viewpoints saved beside the model\n"
-             "$XDG_CACHE_HOME/stipple\t"
-             "models that were built to be drawn; ~/.cache/stipple where the variable is not set\n",
+                "Show the window without OpenGL:\n"
+                "$ stipple view plant.stip --software-window\n",
+    .files = "$XDG_CONFIG_HOME/stipple/viewer.json\tsettings; ~/.config/stipple if the variable "
+             "is not set\n"
+             "FILE.views.json\tviewpoints saved beside the model\n"
+             "$XDG_CACHE_HOME/stipple\tcache of built models; ~/.cache/stipple if the variable "
+             "is not set\n",
     .options = options,
     .run = run,
 };

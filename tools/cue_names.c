@@ -53,7 +53,7 @@ bool cue_names_parse(const char* text, uint32_t* cues_off)
 
 int cue_names_refuse(const char* text)
 {
-    return tool_usage_error("--cues is a list of flatness, edge, coverage, silhouette, "
+    return tool_usage_error("--cues must be a list of flatness, edge, coverage, silhouette, "
                             "occlusion, error and specular, each at most once, or paper, or "
                             "none, not %s",
                             text);

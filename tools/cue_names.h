@@ -7,13 +7,14 @@
 #define OPTION_CUES(text)                                                                          \
     {                                                                                              \
         .name = "cues", .type = OPTION_TEXT, .argument = "NAME,...",                               \
-        .help = "stochastic: what the number of splats of a region is by, any of flatness, edge, " \
-                "coverage, silhouette, occlusion, error (samples that cover, instead of the "      \
-                "paper's numbers) and specular; paper: the first five; or none; default all",      \
+        .help = "stochastic: cues that set the number of splats per region: flatness, edge, "      \
+                "coverage, silhouette, occlusion, error (enough samples to cover, instead of "     \
+                "the paper's counts) and specular; paper: the first five; none; default all",      \
         .value = (text)                                                                            \
     }
 
-/// Those that are not in a list. NULL: none; all of the list "none". @return false where a word is no cue, or is there twice
+/// The cues that are not in a list. NULL: none are excluded; the list "none": all are. @return
+/// false if a word is not a cue or is repeated
 bool cue_names_parse(const char* text, uint32_t* cues_off);
-/// Says that a list is none. @return 2
+/// Reports an invalid list. @return 2
 int cue_names_refuse(const char* text);

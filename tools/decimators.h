@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The methods of `stipple decimate` that Progressive Splatting is compared with.
+// The methods of `stipple decimate` to compare Progressive Splatting with.
 #pragma once
 
 #include "point_file.h"
@@ -7,7 +7,7 @@
 /// Values of --by. The first one is psp, which has options and a report of its own.
 #define DECIMATOR_WORDS "psp|octree|octree-level|quadric|mesh|blue|subsample"
 
-/// What a decimator is run on.
+/// The input of a decimator.
 typedef struct tool_decimation {
     int by; ///< index of a word, 1 or more
     const tool_points* points;
@@ -17,5 +17,5 @@ typedef struct tool_decimation {
     bool json;
 } tool_decimation;
 
-/// Decimates, writes the file, and prints figures. @return the exit status; what is wrong is logged
+/// Decimates, writes the file, and prints figures. @return the exit status; errors are logged
 int tool_decimate_by(stp_context* context, const tool_decimation* task);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What a scene holds, in figures: of a .stip file, or of a model that was imported but not built.
+// Figures about the content of a scene: of a .stip file, or of an imported model that was not
+// built.
 #pragma once
 
 #include "store/writer.h"
@@ -17,30 +18,30 @@ typedef struct scene_figures {
     double position_error; ///< of a .stip's points, scene units; 0: not known, or there are none
 } scene_figures;
 
-/// Of an open store: what it says of itself, or what its tables say where it does not. No bulk data is read.
+/// Of an open store: its summary, or computed from its tables if it has none. No bulk data is read.
 STP_MUST_USE stp_result describe_store(stp_context* context, stp_store* store,
                                        scene_figures* figures);
-/// Of what a writer would be given.
+/// Of a scene that a writer would receive.
 STP_MUST_USE stp_result describe_content(stp_context* context, const stp_store_content* content,
                                          scene_figures* figures);
 void describe_destroy(scene_figures* figures);
 
-/// As `info --json` prints it; NULL where memory runs out.
+/// JSON as printed by `info --json`; NULL if memory runs out.
 json_t* describe_json(const scene_figures* figures);
-/// As `info` prints it, on stdout.
+/// Prints text as `info` does, on stdout.
 void describe_print(const char* path, const scene_figures* figures);
 
 /// The table of parts, and their sum: the layout of the paper's Table 1, on stdout.
 void describe_print_table(const stp_store_summary* summary);
-/// A count as people read it: 12,345 or 2.35 G.
+/// Formats a count for people: 12,345 or 2.35 G.
 const char* describe_count(uint64_t count, char out[32]);
 /// 554 MB, in powers of 1000.
 const char* describe_bytes(uint64_t bytes, char out[32]);
-/// A text from a file, which may hold any bytes, as JSON (in which text is UTF-8): null where it is NULL. NULL where memory
-/// runs out.
+/// Converts a text from a file, which may hold any bytes, to JSON (UTF-8); null if it is NULL.
+/// Returns NULL if memory runs out.
 json_t* describe_json_text(const char* text);
-/// Prints a text from a file, without bytes that could steer a terminal.
+/// Prints a text from a file, without bytes that could control a terminal.
 void describe_text(const char* text);
 
-/// The name of a unit of length, "mm"; NULL where there is none of that length.
+/// Name of a unit of length, such as "mm"; NULL if no unit has that length.
 const char* describe_unit(double metres);

@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: MIT
-// Figure 3 of Brandt et al. 2019: violin and box plots of the spacings of prefixes, orders side by side.
+// SPDX-License-Identifier: MIT Figure 3 of Brandt et al. 2019: violin and box plots of the spacings
+// of prefixes, orders side by side.
 #pragma once
 
 #include "command.h"
@@ -12,6 +12,6 @@ typedef struct plot_violin {
     uint32_t value_count;
 } plot_violin;
 
-/// Writes an SVG: violins of the same count stand together, in the order given. Failures are logged.
+/// Writes an SVG: violins of the same count are grouped, in the given order. Failures are logged.
 STP_MUST_USE stp_result plot_violins(stp_context* context, const char* path,
                                      const plot_violin* violins, size_t violin_count);

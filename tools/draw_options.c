@@ -34,80 +34,81 @@ static size_t add_quality_options(option* table, size_t used, draw_options* o)
          .type = OPTION_NUMBER,
          .argument = "PX",
          .words = "1..64",
-         .help = "size of splats in pixels; default 1",
+         .help = "splat size in pixels; default 1",
          .value = &o->splat_size,
          .given = &o->has_splat_size},
         {.name = "epsilon",
          .type = OPTION_NUMBER,
          .argument = "PX",
          .words = "1..64",
-         .help = "the error that point trees (spt) may have: another name for --splat-size",
+         .help = "same as --splat-size: the allowed error of point trees (spt)",
          .value = &o->splat_size,
          .given = &o->has_splat_size},
         {.name = "splats",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "1..4294967294",
-         .help = "draw exactly N splats, or all there are (of spt at most N); only what no splats "
-                 "stand "
-                 "for, as with --hide, is drawn by its triangles",
+         .help = "draw exactly N splats, or all if there are fewer (spt: at most N); triangles "
+                 "are used only for objects that no splats represent, for example with --hide",
          .value = &o->splats,
          .given = &o->has_splats},
         {.name = "budget-ms",
          .type = OPTION_NUMBER,
          .argument = "MS",
          .words = "0.1..1e6",
-         .help = "choose the size of splats so that a frame takes so long: from 1 pixel on, to 8 "
-                 "(--controller paper) or, where that is not enough, 24",
+         .help = "choose the splat size so that a frame takes MS milliseconds: from 1 pixel up "
+                 "to 8 (--controller paper), or up to 24 if 8 is not enough",
          .value = &o->budget_ms,
          .given = &o->has_budget},
         {.name = "controller",
          .type = OPTION_CHOICE,
          .argument = "NAME",
          .words = "predict|paper",
-         .help = "how --budget-ms is held: by a model of what costs time, or as in Brandt 4.3; "
-                 "default predict",
+         .help = "control of --budget-ms: predict (a cost model) or paper (Brandt 4.3); default "
+                 "predict",
          .value = &o->controller},
         {.name = "splat-scale",
          .type = OPTION_NUMBER,
          .argument = "F",
          .words = "0.01..100",
-         .help = "shrink or grow splats: 0.3 shows how they are distributed",
+         .help = "scale factor of the drawn splats: 0.3 shows how they are distributed",
          .value = &o->splat_scale},
         {.name = "method",
          .type = OPTION_CHOICE,
          .argument = "NAME",
          .words = TOOL_METHOD_WORDS,
-         .help = "whose splats are drawn, of a file that holds several methods'; default the "
-                 "file's first and, beside blue, psp where few splats suffice",
+         .help = "method to draw if the file has several; default the first, combined with psp "
+                 "where few splats suffice if the first is blue",
          .value = &o->method,
          .given = &o->has_method},
         {.name = "hybrid",
          .type = OPTION_CHOICE,
          .words = "on|nodes|off",
-         .help = "triangles where splats do not suffice, and large ones beside small splats (spt); "
-                 "nodes: "
-                 "a node is drawn by the one or the other; off: splats alone, however near",
+         .help = "on: draw triangles where splats are too coarse, and large triangles beside "
+                 "small splats (spt); nodes: draw each node by triangles or by splats; off: draw "
+                 "only splats, however near",
          .value = &o->hybrid},
         {.name = "normal-clusters",
          .type = OPTION_CHOICE,
          .words = "on|off",
-         .help = "spt: leave out groups of splats that face away; default on",
+         .help = "spt: skip groups of splats that face away; default on",
          .value = &o->normal_clusters},
         OPTION_CUES(&o->cues),
         {.name = "policy",
          .type = OPTION_CHOICE,
          .argument = "NAME",
          .words = "insertion|paper|switch",
-         .help = "how many splats of a node are drawn: by insertion radius, by the estimate of "
-                 "Brandt 4.1, or without blending between levels; default insertion",
+         .help = "number of splats per node: insertion (insertion radius), paper (the estimate "
+                 "of Brandt 4.1) or switch (no blending between levels); default insertion",
          .value = &o->policy},
-        {.name = "reference", .help = "original triangles and points only", .value = &o->reference},
+        {.name = "reference",
+         .help = "draw only original triangles and points",
+         .value = &o->reference},
         {.name = "prefix",
          .type = OPTION_PREFIX,
          .argument = "SIZE|P%",
-         .help = "draw as if the .stip file ended after so many bytes (as 64K), or that part of "
-                 "it (as 5%)",
+         .help = "draw as if the .stip file ended after this many bytes (64K) or this share of "
+                 "it (5%)",
          .value = &o->prefix},
         {0},
     };
@@ -121,22 +122,22 @@ static size_t add_effect_options(option* table, size_t used, draw_options* o)
          .type = OPTION_CHOICE,
          .argument = "NAME",
          .words = "none|ewa|blend|textured",
-         .help = "blend splats that overlap, weighted by how close their centres are (as EWA "
-                 "filters do), or show the nearest; blend: in one pass, less exactly, where OpenGL "
-                 "draws; textured: as blend, weighted by --splat-texture; default none",
+         .help = "none: show the nearest splat; ewa: blend overlapping splats, weighted by "
+                 "distance from their centres; blend: faster and less exact, in one pass (OpenGL "
+                 "only); textured: weighted by --splat-texture; default none",
          .value = &o->filter},
         {.name = "splat-texture",
          .type = OPTION_TEXT,
          .argument = "FILE.png",
-         .help = "opacities for --filter textured, mapped to each splat's ellipse: the alpha of a "
-                 "picture, or its brightness if it is opaque; default a Gaussian",
+         .help = "opacity map for --filter textured, mapped to each splat's ellipse: the alpha "
+                 "of a picture, or its brightness if it is opaque; default a Gaussian",
          .value = &o->splat_texture},
         {.name = "splat-shape",
          .type = OPTION_CHOICE,
          .argument = "SHAPE",
          .words = "disk|square",
-         .help = "shape of splats without a filter: disks and ellipses in the surface, or squares "
-                 "on the screen, like hardware points; default disk",
+         .help = "shape of unfiltered splats: disk (disks and ellipses in the surface) or square "
+                 "(on the screen, like hardware points); default disk",
          .value = &o->splat_shape},
         OPTION_POINT_SIZE(&o->point_size),
         {.name = "transparency",
@@ -144,17 +145,16 @@ static size_t add_effect_options(option* table, size_t used, draw_options* o)
          .argument = "NAME",
          .words = "auto|layers|pattern",
          .help =
-             "draw transparent surfaces in layers, sorted and without noise, or as a pattern of "
-             "pixels, in one pass; default auto: layers, but a pattern with --budget-ms and in "
-             "flights",
+             "transparent surfaces: layers (sorted, without noise) or pattern (dithered, in one "
+             "pass); default auto: pattern with --budget-ms and in flights, else layers",
          .value = &o->transparency},
         {.name = "eye-dome",
          .type = OPTION_NUMBER,
          .argument = "[STRENGTH]",
          .words = "off|0..100",
          .fallback = "1",
-         .help = "darken what lies behind its neighbours (eye-dome lighting), with a strength of "
-                 "1, or none with 0 or off; default 1 for scenes of points alone, else off",
+         .help = "strength of eye-dome lighting, which darkens surfaces behind nearer edges; 0 "
+                 "or off: none; default 1 if the scene has only points, else off",
          .value = &o->eye_dome,
          .given = &o->has_eye_dome},
         {.name = "ambient-occlusion",
@@ -162,15 +162,14 @@ static size_t add_effect_options(option* table, size_t used, draw_options* o)
          .argument = "[RADIUS]",
          .words = "0.1..12",
          .fallback = "4",
-         .help = "darken what its surroundings enclose, within so many hundredths of the picture's "
-                 "height; default 4",
+         .help = "ambient occlusion: darken enclosed surfaces within a radius in percent of the "
+                 "picture's height; default 4",
          .value = &o->ambient_occlusion},
         {.name = "caps",
          .type = OPTION_CHOICE,
          .argument = "on|off",
          .words = "on|off",
-         .help = "fill solids where sections cut them; surfaces that are not closed stay open; "
-                 "default on",
+         .help = "fill solids where sections cut them; open surfaces stay open; default on",
          .value = &o->caps},
         {0},
     };
@@ -183,24 +182,24 @@ static size_t add_eye_options(option* table, size_t used, draw_options* o)
         {.name = "fovea",
          .type = OPTION_TEXT,
          .argument = "R:S,R:S",
-         .help = "size of splats away from the middle: times S at R of the half diagonal, linearly "
-                 "between 0:1 and these and as at the last beyond it; with --stereo in each eye",
+         .help = "foveated splat size: factor S at radius R (in half diagonals from the centre), "
+                 "linear between these and 0:1, constant beyond the last; with --stereo in each "
+                 "eye",
          .value = &o->fovea},
         {.name = "fovea-center",
          .type = OPTION_TEXT,
          .argument = "X,Y",
-         .help = "where eyes look instead of the middle: right and down, in half diagonals",
+         .help = "gaze position for --fovea: right and down from the centre, in half diagonals",
          .value = &o->fovea_center},
         {.name = "stereo",
-         .help = "two eyes side by side; the width of --size is that of both",
+         .help = "draw the views of two eyes side by side; --size is the size of both together",
          .value = &o->stereo},
         {.name = "ipd",
          .type = OPTION_NUMBER,
          .argument = "M",
          .words = "0.0001..1000",
-         .help =
-             "metres between the eyes (units of the scene where it does not say what they are); "
-             "default 0.064",
+         .help = "distance between the eyes in metres (in scene units if the unit is not known); "
+                 "default 0.064",
          .value = &o->ipd,
          .given = &o->has_ipd},
         {0},
@@ -214,20 +213,20 @@ static size_t add_picture_options(option* table, size_t used, draw_options* o)
         {.name = "size",
          .type = OPTION_PIXELS,
          .argument = "WxH",
-         .help = "pixels; default 1920x1080",
+         .help = "size of the picture in pixels; default 1920x1080",
          .value = o->size},
         {.name = "fov",
          .type = OPTION_NUMBER,
          .argument = "DEG",
          .words = "1..179",
-         .help = "vertical field of view; default the view's own, or 60",
+         .help = "vertical field of view; default that of the view, or 60",
          .value = &o->fov,
          .given = &o->has_fov},
         {.name = "backend",
          .type = OPTION_CHOICE,
          .argument = "NAME",
          .words = "auto|cpu|gl",
-         .help = "what draws: gl is OpenGL 4.5, auto that on a graphics processor, else cpu; "
+         .help = "renderer: cpu, gl (OpenGL 4.5) or auto (gl if there is a GPU, else cpu); "
                  "default auto",
          .value = &o->backend},
         OPTION_GL_SPLATS(&o->gl_splats),
@@ -235,19 +234,20 @@ static size_t add_picture_options(option* table, size_t used, draw_options* o)
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "1..16",
-         .help = "N x N samples a pixel; default 1",
+         .help = "N x N samples per pixel; default 1",
          .value = &o->supersample},
         {.name = "light",
          .type = OPTION_CHOICE,
          .argument = "NAME",
          .words = "sun|head",
-         .help = "light from above the viewer's left shoulder, or from the eye; default sun",
+         .help = "light from above the viewer's left shoulder (sun), or from the viewer (head); "
+                 "default sun",
          .value = &o->light},
         {.name = "background",
          .type = OPTION_COLOR,
          .argument = "COLOR",
-         .help = "colour behind the scene: a CSS name such as white, or hexadecimal such as "
-                 "#dfe3e8; default none (transparent)",
+         .help = "background colour: a CSS name such as white, or hexadecimal such as #dfe3e8; "
+                 "default none (transparent)",
          .value = o->background,
          .given = &o->has_background},
         OPTION_THREADS(&o->threads),
@@ -272,8 +272,8 @@ const option* draw_options_table(option* table, const option* own, draw_options*
     return table;
 }
 
-/// Six hexadecimal digits, perhaps after a #.
-/// Two numbers with a character between them. @return what comes after, NULL where they are none
+/// Splits two numbers at a separator. @return the text after the separator, or NULL on a syntax
+/// error
 static const char* read_pair(const char* text, char between, float pair[2])
 {
     for (int i = 0; i < 2; ++i) {
@@ -290,7 +290,7 @@ static const char* read_pair(const char* text, char between, float pair[2])
     return text;
 }
 
-/// @return false where the text is no list of zones
+/// @return false if the text is not a list of zones
 static bool parse_fovea(const draw_options* o, stp_fovea* fovea)
 {
     *fovea = (stp_fovea){0};
@@ -322,23 +322,24 @@ static int check_eyes(const draw_options* o)
 {
     stp_fovea fovea;
     if (!parse_fovea(o, &fovea)) {
-        return tool_usage_error("--fovea is R:S,R:S, at most %d zones with ascending radii from 0 "
-                                "to 2 and factors from 0.125 to 64, not %s",
-                                STP_FOVEA_ZONES, o->fovea);
+        return tool_usage_error(
+            "--fovea must be R:S,R:S, with at most %d zones with ascending radii from 0 "
+            "to 2 and factors from 0.125 to 64, not %s",
+            STP_FOVEA_ZONES, o->fovea);
     }
     if (!parse_fovea_center(o, &fovea)) {
-        return tool_usage_error("--fovea-center is X,Y, both from -1 to 1, not %s",
+        return tool_usage_error("--fovea-center must be X,Y, both from -1 to 1, not %s",
                                 o->fovea_center);
     }
     if (o->fovea_center != NULL && o->fovea == NULL) {
-        return tool_usage_error("--fovea-center is of use with --fovea only");
+        return tool_usage_error("--fovea-center requires --fovea");
     }
     if (o->fovea != NULL && (o->has_splats || o->reference)) {
         return tool_usage_error("--fovea and %s exclude each other",
                                 o->has_splats ? "--splats" : "--reference");
     }
     if (o->has_ipd && !o->stereo) {
-        return tool_usage_error("--ipd is of use with --stereo only");
+        return tool_usage_error("--ipd requires --stereo");
     }
     if (o->stereo && o->size[0] % 2 != 0) {
         return tool_usage_error("--stereo needs an even width, not %u", o->size[0]);
@@ -361,7 +362,7 @@ int draw_options_check(const draw_options* o)
         return tool_usage_error("--splat-shape square and --filter exclude each other");
     }
     if (o->splat_texture != NULL && o->filter != STP_FILTER_TEXTURED) {
-        return tool_usage_error("--splat-texture is of use with --filter textured only");
+        return tool_usage_error("--splat-texture requires --filter textured");
     }
     cloud_point_size size;
     if (o->point_size != NULL && !cloud_look_read_size(o->point_size, &size)) {
@@ -389,8 +390,8 @@ static bool fixes_points(const draw_options* o)
 
 stp_quality draw_options_quality(const draw_options* o)
 {
-    // points have attributes and sizes in sets of blue and stochastic; others would be drawn beside those of blue where few
-    // splats suffice. A file without blue draws its first method
+    // only sets of blue and stochastic have point attributes and sizes; psp would be drawn beside
+    // blue where few splats suffice. A file without blue draws its first method
     bool points = point_colors_need_points(&o->colors) || fixes_points(o);
     uint32_t by_default = points ? STP_METHOD_BLUE : 0;
     stp_quality quality = {.method = o->has_method ? stp_methods[o->method].id : by_default,
@@ -488,7 +489,7 @@ bool draw_options_leave_quality(const draw_options* o)
     return !asks_for_splats(o) && !o->reference && o->supersample == 0;
 }
 
-/// Who asks for nothing of splats gets a picture soon.
+/// If no option refers to splats, a picture should be ready soon.
 scene_use draw_options_use(const draw_options* o)
 {
     scene_use use = scene_use_of_method(o->has_method ? stp_methods[o->method].id : 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The options that all commands share that draw: how large, with what, how finely.
+// The options shared by all commands that draw: size, renderer, quality.
 #pragma once
 
 #include "command.h"
@@ -51,35 +51,36 @@ typedef struct draw_options {
 
 enum { DRAW_OPTION_ROOM = 104 }; ///< entries of a table
 
-/// Fills a table of DRAW_OPTION_ROOM entries: the command's own (ends with a NULL name), and after them the shared ones.
+/// Fills a table of DRAW_OPTION_ROOM entries: the command's own (ends with a NULL name), and after
+/// them the shared ones.
 /// @return the table
 const option* draw_options_table(option* table, const option* own, draw_options* options);
 
-/// Options that exclude each other, and values that make no sense. @return 0, or 2 (message printed)
+/// Rejects options that exclude each other and invalid values. @return 0, or 2 (message printed)
 int draw_options_check(const draw_options* options);
 
-/// Whether a store has splats by a method (STP_METHOD_*; 0: any will do). @return 0, or 1 (message printed)
+/// Whether a store has splats by a method (STP_METHOD_*; 0: any). @return 0, or 1 (message printed)
 int tool_check_method(uint32_t id, const stp_store* store, const char* path);
-/// The same of the method asked for.
+/// Same for the requested method.
 int draw_options_check_method(const draw_options* options, const stp_store* store,
                               const char* path);
-/// The name of the method that is drawn; NULL: there are no splats. It lives as long as the store.
+/// Name of the method that is drawn; NULL if there are no splats. Valid as long as the store.
 const char* draw_options_method(const draw_options* options, const stp_store* store);
-/// The same of the method that is drawn beside it where few splats suffice; NULL: none is.
+/// Same for the method drawn beside it where few splats suffice; NULL if none.
 const char* draw_options_coarse_method(const draw_options* options, const stp_store* store);
 
-/// What was asked for. Options must have been checked.
+/// Quality from the options, which must have been checked.
 stp_quality draw_options_quality(const draw_options* options);
 stp_draw_style draw_options_style(const draw_options* options);
 
-/// A view of the size asked for, and the angle (0: not asked for).
+/// A view of the requested size and angle (0: not given).
 stp_view draw_options_view(const draw_options* options);
 
-/// The distance between the eyes in the units of a scene; 0: one eye.
+/// Distance between the eyes in scene units; 0: one eye.
 double draw_options_eye_distance(const draw_options* options, const stp_store* store);
 
-/// Whether no option says how finely to draw: neither how splats are chosen nor how many samples a pixel has.
+/// Whether no option sets the quality, neither the choice of splats nor the samples per pixel.
 bool draw_options_leave_quality(const draw_options* options);
 
-/// What a scene must hold for these options.
+/// The content that a scene needs for these options.
 scene_use draw_options_use(const draw_options* options);

@@ -13,7 +13,8 @@ bool drawing_begin(drawing* d, const draw_options* options)
     return d->context != NULL;
 }
 
-/// Chooses whose splats are drawn, where nobody did and the usual ones lack what colours are made of.
+/// Chooses a method whose splats have what the colours need, if none was requested and the default
+/// lacks it.
 static void choose_method(drawing* d, draw_options* o, const char* path)
 {
     const stp_store_directory* directory = stp_store_get_directory(d->store);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a command has open that draws a scene: the context, the file, what of it is shown, and what draws.
+// State of a command that draws a scene: context, file, visibility and renderer.
 #pragma once
 
 #include "draw_options.h"
@@ -15,19 +15,21 @@ typedef struct drawing {
     frame_maker maker;
 } drawing;
 
-/// Makes the context. @return whether that went well, with the message printed
+/// Creates the context. @return whether it succeeded; the message is printed
 bool drawing_begin(drawing* d, const draw_options* options);
 
-/// Opens a file, or builds it first. Where no method was asked for and the usual one's splats lack what --color or --classes
-/// ask for, `options` name one whose splats have it, or original points, with a warning. Failures are logged.
+/// Opens a file, or builds it first. If no method was requested and the default method's splats
+/// lack what --color or --classes need, `options` switches to a suitable method or to original
+/// points, with a warning. Failures are logged.
 STP_MUST_USE stp_result drawing_open(drawing* d, draw_options* options, const char* path);
 
-/// Makes what draws the open scene; under a limit of memory, it loads what it needs. Failures are logged.
+/// Creates the renderer of the open scene; with a memory limit, it loads on demand. Failures are
+/// logged.
 STP_MUST_USE stp_result drawing_make(drawing* d, const draw_options* options);
 
-/// What draws, pictures of what size, and of how much of the file: "backend", "device", "width", "height", "truncated",
-/// "file_bytes" (there, or drawn of), "whole_bytes". NULL where memory runs out.
+/// Describes renderer, picture size and the used part of the file: "backend", "device", "width",
+/// "height", "truncated", "file_bytes" (existing or used), "whole_bytes". NULL if memory runs out.
 json_t* drawing_describe(const drawing* d, const stp_view* view);
 
-/// Closes whatever is open, the context last.
+/// Closes everything that is open, the context last.
 void drawing_end(drawing* d);

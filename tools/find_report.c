@@ -74,7 +74,7 @@ int find_print(stp_context* context, stp_store* store, const char* text, bool as
         return json != NULL ? tool_print_json(json) : tool_error("out of memory");
     }
     if (more) {
-        stp_warn(context, "more than %d objects are found; the others are not told", FIND_MOST);
+        stp_warn(context, "more than %d objects match; the others are not listed", FIND_MOST);
     }
     return tool_finish_output(0);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The objects of a scene that a text finds, one a line or as JSON.
+// Lists the objects of a scene that match a text, one per line or as JSON.
 #pragma once
 
 #include "command.h"
@@ -8,5 +8,6 @@
 
 enum { FIND_MOST = 1000 }; ///< objects told
 
-/// Prints objects whose name or id contains the text. @return the exit code, with the message printed
+/// Prints objects whose name or id contains the text. @return the exit code, with the message
+/// printed
 int find_print(stp_context* context, stp_store* store, const char* text, bool as_json);

@@ -49,7 +49,7 @@ static double x_of(const plot* p, double t)
     return LEFT + (p->length > 0.0 ? (t - p->first) / p->length : 0.0) * COLUMNS;
 }
 
-// A number of at least that, which a power of ten and one of the steps make.
+// The smallest number at or above the value that is a step times a power of ten.
 static double round_up(double value, const double* steps, int count)
 {
     double power = 1e-3;
@@ -63,7 +63,7 @@ static double round_up(double value, const double* steps, int count)
     return 10.0 * power;
 }
 
-// Round numbers, a quarter of which is short, too.
+// Round numbers whose quarter is short, too.
 static double round_axis(double value)
 {
     static const double steps[] = {1.0, 1.2, 1.6, 2.0, 2.4, 3.2, 4.0, 6.0, 8.0};
@@ -76,7 +76,7 @@ static double round_step(double value)
     return round_up(value, steps, sizeof(steps) / sizeof(steps[0]));
 }
 
-// `high` is the largest on its axis: all of an axis have one unit.
+// `high` is the maximum of the axis: all series of an axis have the same unit.
 static void put_number(svg* s, double value, double high)
 {
     double unit = high >= 1e6 ? 1e6 : high >= 1e4 ? 1e3 : 1.0;
@@ -103,7 +103,7 @@ static void put_axes(const plot* p, const panel* shown, double top, double high)
     }
 }
 
-// A line through all frames. Where several fall on one pixel, from the least to the greatest of them.
+// A line through all frames. Where several fall on one pixel, it spans their minimum to maximum.
 static void put_line(const plot* p, const panel* shown, double top, double high)
 {
     const flight_record* record = p->record;
@@ -123,7 +123,7 @@ static void put_line(const plot* p, const panel* shown, double top, double high)
     svg_put(p->s, "h0.01\"/>\n"); // a single frame is seen, too
 }
 
-// The frames that were compared, each a dot on a line.
+// The compared frames, each as a dot on a line.
 static void put_pictures(const plot* p, const panel* shown, double top)
 {
     const flight_record* record = p->record;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A flight through a scene: first drawn in one go and timed, then, as far as asked for, once more for pictures and for
-// comparison with references, at the same sizes of splats: what is done with pictures takes no time of the flight.
+// A flight through a scene. The first pass draws and times it; an optional second pass draws the
+// same splat sizes for pictures and for comparison with references, so that these do not affect the
+// times.
 #pragma once
 
 #include "frame.h"
@@ -10,7 +11,7 @@
 
 #define FLIGHT_FRAMES_MOST 1000000
 
-/// Takes a frame's picture. Failures must be logged or printed.
+/// Receives the picture of a frame. Failures must be logged or printed.
 typedef stp_result (*flight_sink)(void* user, const stp_image* image, uint32_t frame);
 
 typedef struct flight_plan {
@@ -32,7 +33,7 @@ typedef struct flight_quality {
     stp_image_quality quality;
 } flight_quality;
 
-/// From smallest to largest: ranks of what frames had.
+/// Quantiles of a value over the frames, from smallest to largest.
 typedef struct flight_ranks {
     double p50, p95, p99, max;
 } flight_ranks;
@@ -49,12 +50,12 @@ typedef struct flight_record {
     double* poppings; ///< of each frame, the mean over its blocks, from the one before
 } flight_record;
 
-/// Flies. The record is the caller's, also where that fails (flight_record_destroy). Failures are logged.
+/// Flies. The caller owns the record, also on failure (flight_record_destroy). Failures are logged.
 STP_MUST_USE stp_result flight_run(frame_maker* maker, const flight_plan* plan,
                                    flight_record* record);
 void flight_record_destroy(stp_context* context, flight_record* record);
 
-/// How many frames a plan has, at least 1.
+/// Number of frames of a plan, at least 1.
 uint32_t flight_count_frames(const flight_plan* plan);
 
 typedef double (*flight_value)(const frame_figures* figures);
@@ -65,5 +66,6 @@ double flight_splat_size(const frame_figures* figures);
 double flight_draw_calls(const frame_figures* figures);
 double flight_extra_splats(const frame_figures* figures);
 
-/// The ranks of one value: the least that is not exceeded by so large a part of the frames. All 0 where memory runs out.
+/// The quantiles of one value: the smallest value that so large a share of the frames does not
+/// exceed. All 0 if memory runs out.
 flight_ranks flight_rank(const flight_record* record, flight_value value);

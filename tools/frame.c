@@ -189,8 +189,7 @@ stp_result frame_draw_loaded(frame_maker* maker, const stp_view* view, const stp
                              stp_image* image, frame_figures* figures)
 {
     stp_result result = frame_draw(maker, view, quality, image, figures);
-    // what comes may let nodes be opened, whose content is then wanted; what is needed twice as much takes places, so
-    // this ends, but nobody should wait for ever where it does not
+    // loading may reveal more nodes to load; capped, in case data is evicted and reloaded forever
     for (int i = 0; i < LOADED_FRAMES && result == STP_OK && maker->residency != NULL; ++i) {
         if (!stp_residency_wait(maker->residency)) {
             break;

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// What a graphics processor is measured with beside pictures: copying memory.
+// GPU memory copy speed, for comparison with drawing.
 #pragma once
 
 #include "present/headless.h"
 
 #include <stdint.h>
 
-/// Bytes a second that the device copies, from memory to memory: each is read and written. 0: it cannot be told.
+/// Bytes per second that the device copies within its memory, counting reads and writes. 0: not
+/// measurable.
 double gl_measure_copy(const stp_headless* headless, uint64_t size);

@@ -69,7 +69,7 @@ static void print_option(FILE* stream, const option* o)
     char text[1024];
     bool lists_words =
         o->type == OPTION_CHOICE && o->argument != NULL && strchr(o->argument, '|') == NULL;
-    snprintf(text, sizeof(text), "%s%s%s", o->help, lists_words ? ": " : "",
+    snprintf(text, sizeof(text), "%s%s%s", o->help, lists_words ? "; one of " : "",
              lists_words ? o->words : "");
     print_wrapped(stream, text, TEXT_COLUMN, TEXT_COLUMN);
 }
@@ -124,13 +124,15 @@ void help_print_overview(FILE* stream)
 {
     fprintf(stream,
             "Usage: stipple COMMAND [OPTION]... [ARGUMENT]...\n"
-            "3D scenes of any size as splats in such an order that every prefix is a picture.\n");
+            "Stores 3D scenes of any size as splats, ordered so that every prefix is a picture, "
+            "and draws them.\n");
     print_heading(stream, "Commands");
     for (const command* const* c = commands(); *c != NULL; ++c) {
         fprintf(stream, "  %-16s%s\n", (*c)->name, (*c)->summary);
     }
     print_options(stream, "Options of every command", options_common());
-    fprintf(stream, "\n'stipple help COMMAND' tells more.\n");
+    fprintf(stream, "\n"
+                    "See 'stipple help COMMAND' for details.\n");
 }
 
 void help_print_command(FILE* stream, const command* c)

@@ -87,7 +87,7 @@ static int run_command(const command* c, int argc, char** argv)
     return tool_finish_interrupted(code, c->interrupted);
 }
 
-/// Files are read in place: one that others cut short meanwhile has pages that are no more.
+/// Files are memory-mapped: if another program shortens one, its pages disappear.
 static void end_without_file(int number)
 {
     static const char message[] =
@@ -99,7 +99,8 @@ static void end_without_file(int number)
 
 int main(int argc, char** argv)
 {
-    (void)signal(SIGPIPE, SIG_IGN); // a reader that goes away is a failed write, with a message
+    (void)signal(SIGPIPE, SIG_IGN); // a closed pipe is a failed write, with a message; so is a file
+                                    // that must not grow
     (void)signal(SIGXFSZ, SIG_IGN); // and so is a file that may not grow further
     (void)signal(SIGBUS, end_without_file);
     int first = 1;

@@ -7,7 +7,7 @@
 #include <ctype.h>
 #include <string.h>
 
-// Prints characters so that roff takes none as a request.
+// Prints characters so that roff does not treat any as a request.
 static void print_escaped(FILE* stream, const char* text, size_t length)
 {
     for (size_t i = 0; i < length; ++i) {
@@ -36,7 +36,7 @@ static void print_escaped(FILE* stream, const char* text, size_t length)
     }
 }
 
-// A line that begins with a dot would be a request, too.
+// A line that begins with a dot would also be a request.
 static void print_line(FILE* stream, const char* text, size_t length)
 {
     if (length > 0 && text[0] == '.') {
@@ -46,7 +46,7 @@ static void print_line(FILE* stream, const char* text, size_t length)
     putc('\n', stream);
 }
 
-// roff wants each sentence on a line of its own.
+// Each sentence goes on its own line, as roff expects.
 static void print_sentences(FILE* stream, const char* text, size_t length)
 {
     size_t begin = 0;
@@ -60,7 +60,7 @@ static void print_sentences(FILE* stream, const char* text, size_t length)
     print_line(stream, text + begin, length - begin);
 }
 
-// Paragraphs are apart by an empty line; a line that begins with a space is an example.
+// Paragraphs are separated by empty lines; a line that begins with a space is an example.
 static void print_paragraphs(FILE* stream, const char* text)
 {
     bool in_example = false, wants_paragraph = false;
@@ -207,10 +207,10 @@ static void print_end(FILE* stream, const char* files, const char* examples)
           stream);
     print_files(stream, files);
     fputs(".Sh EXIT STATUS\n.Bl -tag -width Ds\n"
-          ".It 0\nAll went well.\n"
-          ".It 1\nThe work failed; one sentence on standard error says why.\n"
-          ".It 2\nThe command line cannot be understood.\n"
-          ".It 130\nAn interrupt stopped the work.\n"
+          ".It 0\nSuccess.\n"
+          ".It 1\nThe command failed; one sentence on standard error gives the reason.\n"
+          ".It 2\nThe command line is invalid.\n"
+          ".It 130\nThe command was interrupted.\n"
           ".El\n",
           stream);
     print_examples(stream, examples);
@@ -221,15 +221,15 @@ static void print_overview(FILE* stream)
     print_header(stream, "", "3D scenes of any size as ordered splats");
     fputs(".Sh SYNOPSIS\n.Nm\n.Ar command\n.Op Ar option ...\n.Op Ar argument ...\n"
           ".Sh DESCRIPTION\n"
-          ".Nm\nturns 3D scenes into splats in such an order that every prefix is a picture, keeps "
+          ".Nm\nturns 3D scenes into splats, ordered so that every prefix is a picture, stores "
           "them\n"
-          "in a file of which every prefix is the whole scene, and draws it at the frame rate "
-          "asked for.\n"
+          "in a file whose prefixes each show the whole scene, and draws it at the frame rate "
+          "you ask for.\n"
           "Data goes to standard output, messages and progress go to standard error.\n"
           ".Pp\n"
           "An option takes its value as\n.Fl \\-name Ns = Ns Ar value\nor\n.Fl \\-name Ar value .\n"
-          "The last of repeated options counts.\n"
-          "After\n.Fl \\-\nall is arguments.\n"
+          "If an option is repeated, the last one counts.\n"
+          "After\n.Fl \\-\neverything is an argument.\n"
           "Sizes such as 512M and 8G are bytes, in powers of 1024.\n"
           ".Pp\nThe commands, each with a page of its own:\n"
           ".Bl -tag -width Ds\n",
@@ -239,12 +239,12 @@ static void print_overview(FILE* stream)
         print_line(stream, (*c)->name, strlen((*c)->name));
         print_line(stream, (*c)->summary, strlen((*c)->summary));
     }
-    fputs(".El\n.Sh OPTIONS\nOf every command:\n", stream);
+    fputs(".El\n.Sh OPTIONS\nCommon to all commands:\n", stream);
     print_options(stream, NULL);
     print_end(stream,
-              "$XDG_CACHE_HOME/stipple\tmodels that were built to be drawn; ~/.cache/stipple where "
+              "$XDG_CACHE_HOME/stipple\tcache of built models; ~/.cache/stipple if "
               "the variable is not set\n"
-              "$XDG_CONFIG_HOME/stipple\tsettings of the viewer; ~/.config/stipple where the "
+              "$XDG_CONFIG_HOME/stipple\tsettings of the viewer; ~/.config/stipple if the "
               "variable is not set\n",
               "Build a model, look at it, draw it:\n"
               "$ stipple build plant.glb -o plant.stip\n"

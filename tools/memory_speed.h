@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How fast memory is here, to hold other rates against: copying, and updates of pixels at random.
+// Memory speed of this machine, for comparison with other rates: copies, and random pixel updates.
 #pragma once
 
 #include "command.h"
@@ -14,11 +14,13 @@ typedef struct memory_speed {
     uint32_t pixel_count, threads;
 } memory_speed;
 
-/// Buffers that fit no cache, and pictures of `pixel_count` pixels. @return false where memory runs out
+/// Allocates buffers larger than all caches, and pictures of `pixel_count` pixels. @return false if
+/// memory runs out
 bool memory_speed_create(stp_context* context, uint32_t pixel_count, memory_speed* memory);
 void memory_speed_destroy(memory_speed* memory);
 
-/// Bytes a second, read and written both counted, that all threads together copy.
+/// Bytes per second that all threads together copy, counting reads and writes.
 double memory_speed_copy(memory_speed* memory);
-/// Pixels a second of 8 bytes each that all threads together compare and replace, each at random in its own picture.
+/// Pixels (8 bytes each) per second that all threads together compare and replace at random
+/// positions of their own pictures.
 double memory_speed_update(memory_speed* memory);

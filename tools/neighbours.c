@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Names are sorted. At each place of the text, the last name that does not come after what stands there is looked for: all
-// names that stand there begin it, or are it. A table of the names' first bytes rules out most places.
+// Names are sorted. At each position of the text, a search finds the last name that does not sort
+// after the text there: every name that starts there is that name or a prefix of it. A table of the
+// names' first bytes rules out most positions.
 #include "neighbours.h"
 
 #include <dirent.h>
@@ -64,7 +65,8 @@ static size_t start_of(const unsigned char* text)
     return (size_t)text[0] << 8 | text[1];
 }
 
-// Sorts the names, and links each to the longest other that begins it: the one before, or one that begins that.
+// Sorts the names and links each to the longest other name that is its prefix: the previous name,
+// or a prefix of that.
 static void link_names(folder* f)
 {
     if (f->count != 0) {
@@ -82,7 +84,7 @@ static void link_names(folder* f)
     }
 }
 
-// Marks the names that stand at the beginning of a text.
+// Marks the names at the beginning of a text.
 static void mark_names(folder* f, const unsigned char* text, size_t size)
 {
     size_t low = 0, high = f->count; // names from `high` on come after the text

@@ -11,7 +11,7 @@
 
 #define PIXEL_LIMIT 32768.0
 
-/// What the `words` of a number allow.
+/// The allowed `words` of a number.
 typedef struct number_rule {
     bool is_zero_word;
     double low, high;
@@ -115,7 +115,7 @@ static bool set_number(const option* o, const char* text, char* problem, size_t 
     return true;
 }
 
-// The power of two that a unit stands for: "", B, K, M, G, T, each letter also as in KB and KiB.
+// The power of two of a unit: "", B, K, M, G, T, each letter also as KB and KiB.
 static bool read_unit(const char* text, unsigned* shift)
 {
     static const char letters[] = "KMGT";
@@ -164,11 +164,13 @@ static bool set_prefix(const option* o, const char* text, char* problem, size_t 
     if (strchr(text, '%') == NULL) {
         option bytes = {.words = "1..9e18", .value = &prefix.bytes};
         if (!set_size(&bytes, text, problem, size)) {
-            return fail(problem, size, "is not a size such as 65536 or 64K, nor a part such as 5%");
+            return fail(problem, size,
+                        "is neither a size such as 65536 or 64K nor a percentage "
+                        "such as 5%");
         }
     } else if (!read_number(text, &prefix.percent, &end) || strcmp(end, "%") != 0 ||
                !(prefix.percent > 0.0 && prefix.percent <= 100.0)) {
-        return fail(problem, size, "is not a part such as 5%, above 0 and at most 100%");
+        return fail(problem, size, "is not a percentage such as 5%, above 0 and at most 100%");
     }
     *(option_prefix*)o->value = prefix;
     return true;
@@ -185,7 +187,7 @@ static bool set_choice(const option* o, const char* text, char* problem, size_t 
             return true;
         }
         if (word[word_length] == 0) {
-            snprintf(problem, size, "is none of %s", o->words);
+            snprintf(problem, size, "is not one of %s", o->words);
             return false;
         }
         word += word_length + 1;
@@ -216,7 +218,7 @@ static bool set_pixels(const option* o, const char* text, char* problem, size_t 
     return true;
 }
 
-// "x" is 1, "-z" is -3; 0 where the text is no axis.
+// "x" is 1, "-z" is -3; 0 if the text is not an axis.
 static int read_axis(const char* text)
 {
     int sign = *text == '-' ? -1 : 1;
@@ -227,7 +229,7 @@ static int read_axis(const char* text)
 static bool set_color(const option* o, const char* text, char* problem, size_t size)
 {
     return color_parse(text, o->value) ||
-           fail(problem, size, "is no colour such as white, steelblue, #fff or #dfe3e8");
+           fail(problem, size, "is not a colour such as white, steelblue, #fff or #dfe3e8");
 }
 
 static bool set_vector(const option* o, const char* text, char* problem, size_t size)
@@ -258,7 +260,7 @@ static bool add_text(const option* o, const char* text, char* problem, size_t si
 {
     option_texts* texts = o->value;
     if (texts->count == OPTION_TEXTS_MOST) {
-        return fail(problem, size, "is one too many");
+        return fail(problem, size, "exceeds the number of repetitions");
     }
     texts->texts[texts->count++] = text;
     return true;

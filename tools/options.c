@@ -7,7 +7,7 @@
 #include <assert.h>
 #include <string.h>
 
-enum { WORD_LIMIT = 63 }; // longer words are not compared for suggestions
+enum { WORD_LIMIT = 63 }; // longer words get no suggestions
 
 const option* options_common(void)
 {
@@ -18,10 +18,10 @@ const option* options_common(void)
     table[1] = (option){.name = "version", .help = "show the version", .value = &settings->version};
     table[2] = (option){.name = "quiet",
                         .letter = 'q',
-                        .help = "only errors, no progress",
+                        .help = "print only errors, and no progress",
                         .value = &settings->quiet};
     table[3] = (option){
-        .name = "verbose", .letter = 'v', .help = "notices too", .value = &settings->verbose};
+        .name = "verbose", .letter = 'v', .help = "print notices too", .value = &settings->verbose};
     return table;
 }
 
@@ -85,7 +85,7 @@ static const option* find_letter(const option* table, char letter)
     return NULL;
 }
 
-// A command's table must not use a name or letter twice, nor those of the common options.
+// A command's table must not repeat a name or letter, including those of the common options.
 static bool table_is_sound(const option* table)
 {
     for (const option* o = table; o != NULL && o->name != NULL; ++o) {
@@ -143,13 +143,14 @@ static int apply(const option* o, const char* value)
     return 0;
 }
 
-// What an option takes as its value where it can do without: "2" and "0.5", but no file's name.
+// Whether an argument can be the value of an option with an optional value: a number such as "2" or
+// "0.5", but not a file name.
 static bool is_plain_number(const char* text)
 {
     return text != NULL && *text != 0 && strspn(text, "0123456789.") == strlen(text);
 }
 
-// A word that stands for 0 where an option can do without its value.
+// A word that stands for 0, for an option with an optional value.
 static bool is_zero_word(const option* o, const char* text)
 {
     size_t length = strcspn(o->words, "|");

@@ -2,7 +2,8 @@
 //
 // GNU command lines from tables: --name VALUE, --name=VALUE, -n VALUE, -nVALUE, flags together
 // (-qv), options and arguments in any order, everything after -- an argument, the last of repeated
-// options counts. An option that can do without a value takes what follows only where that is a number.
+// options counts. An option that can do without a value takes what follows only where that is a
+// number.
 #pragma once
 
 #include "command.h"
@@ -10,11 +11,11 @@
 /// The options every command has; ends with a NULL name.
 const option* options_common(void);
 
-/// Reads the options of `table` (may be NULL) and the common ones out of argv[0..*argc); what is
-/// left moves to the front. @return 0, or 2 (message printed)
+/// Reads the options of `table` (may be NULL) and the common ones from argv[0..*argc) and moves the
+/// remaining arguments to the front. @return 0, or 2 (message printed)
 int options_parse(const option* table, int* argc, char** argv);
 
-/// Of two words with a letter missing, too many, exchanged or wrong: how many such mistakes.
+/// Edit distance between two words: letters missing, added, swapped or wrong.
 unsigned options_word_distance(const char* a, const char* b);
 
 /// How help shows an option's value, such as "PX" or "blue|spt"; "" for flags.

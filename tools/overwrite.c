@@ -20,7 +20,7 @@ static const char* base_name(const char* path)
     return slash != NULL ? slash + 1 : path;
 }
 
-// The folder that a path lies in, "." where it names none. @return false where it is too long
+// The folder of a path, "." if it has none. @return false if it is too long
 static bool folder_of(const char* path, char folder[PATH_MAX])
 {
     size_t length = (size_t)(base_name(path) - path);
@@ -89,9 +89,9 @@ int overwrite_check(const char* input, const char* output)
         return 0;
     }
     if (tool_is_same_file(input, output)) {
-        return tool_usage_error("%s is an input, and would be written over", output);
+        return tool_usage_error("%s is an input and would be overwritten", output);
     }
     return names_file(input, output)
-               ? tool_usage_error("%s is a part of %s, and would be written over", output, input)
+               ? tool_usage_error("%s is a part of %s and would be overwritten", output, input)
                : 0;
 }

@@ -55,7 +55,7 @@ static json_t* describe_object(scene_show* show, const stp_pick* pick)
                      "max", pack_vector(row.bounds.max));
 }
 
-/// The attributes of a point, by name; NULL where they cannot be read (logged), or memory runs out.
+/// The attributes of a point, by name; NULL if they cannot be read (logged) or memory runs out.
 static json_t* describe_attributes(stp_store* store, const stp_pick* pick)
 {
     uint32_t mask = stp_store_point_attributes(store, pick->part.index);
@@ -126,7 +126,7 @@ json_t* pick_describe(scene_show* show, const stp_view* view, const double place
     desc.point_base = point_pixels * base;
     desc.point_slope = point_pixels * slope;
     if (!stp_ray_of_pixel(view, place[0], place[1], &desc.ray)) {
-        (void)tool_error("the view makes no picture");
+        (void)tool_error("the view is invalid");
         return NULL;
     }
     if (stp_pick_ray(show->context, show->store, &desc, &pick) != STP_OK) {

@@ -27,7 +27,7 @@ static stp_result read_stdin(stp_context* context, unsigned char** bytes, size_t
                        : stp_fail(context, STP_ERROR_IO, "standard input: cannot be read");
         }
         if (*size > STDIN_LIMIT) {
-            return stp_fail(context, STP_ERROR_LIMIT, "standard input: is longer than %zu bytes",
+            return stp_fail(context, STP_ERROR_LIMIT, "standard input: longer than %zu bytes",
                             STDIN_LIMIT);
         }
     }

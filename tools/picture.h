@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
-// Pictures from and to the command line: files, and "-" for stdin and stdout. Read are PNG files, written what the name
-// says (present/picture_file.h).
+// Pictures from and to the command line: files, and "-" for stdin and stdout. Reads PNG; writes the
+// format that the name asks for (present/picture_file.h).
 #pragma once
 
 #include "command.h"
 
 #include <stipple/image.h>
 
-/// Refuses an output whose suffix is no picture's that can be written. NULL and "-" pass. @return 0, or 2 (message printed)
+/// Rejects an output suffix that is not a writable picture format. NULL and "-" pass. @return 0, or
+/// 2 (message printed)
 int tool_check_picture(const char* path);
 
 /// The pixels come from stp_alloc. Failures are logged by the context.

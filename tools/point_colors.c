@@ -44,21 +44,20 @@ const option* point_color_options_table(option* table, point_color_options* o)
          .type = OPTION_CHOICE,
          .argument = "NAME",
          .words = POINT_COLOR_WORDS,
-         .help = "colours of points by an attribute: an even scale from violet to yellow, or "
-                 "colours that are told apart (class, return, returns, source); of everything by "
-                 "elevation or normal; default rgb, their own",
+         .help = "colour points by an attribute: a continuous scale from violet to yellow, or "
+                 "distinct colours (class, return, returns, source); elevation and normal also "
+                 "apply to meshes; default rgb, their own colours",
          .value = &o->color},
         {.name = "range",
          .type = OPTION_TEXT,
          .argument = "LO,HI",
-         .help = "values at the ends of the scale; default those that 2 and 98 of 100 points lie "
-                 "below; elevations in units of the scene",
+         .help = "values at the ends of the colour scale; default the 2nd and 98th percentile; "
+                 "elevations are in scene units",
          .value = &o->range},
         {.name = "classes",
          .type = OPTION_TEXT,
          .argument = "N,N",
-         .help = "draw points of these classes only, by their numbers (ASPRS: 2 ground, 6 "
-                 "building)",
+         .help = "draw only points of these classes, by number (ASPRS: 2 ground, 6 building)",
          .value = &o->classes},
         {0},
     };
@@ -66,7 +65,7 @@ const option* point_color_options_table(option* table, point_color_options* o)
     return table;
 }
 
-/// Whether a colour is on the even scale, which has a range.
+/// Whether a colour uses the continuous scale, which has a range.
 static bool has_range(int color)
 {
     stp_attribute attribute = attributes[color];
@@ -132,14 +131,16 @@ int point_colors_check(const point_color_options* o)
     double range[2];
     uint8_t shown[CLASSES];
     if (o->range != NULL && !has_range(o->color)) {
-        return tool_usage_error("--range is of use with --color intensity, elevation, time, "
-                                "scan-angle or near-infrared only");
+        return tool_usage_error("--range requires --color intensity, elevation, time, scan-angle "
+                                "or near-infrared");
     }
     if (o->range != NULL && !read_range(o->range, range)) {
-        return tool_usage_error("--range is LO,HI, the lower number first, not %s", o->range);
+        return tool_usage_error("--range must be LO,HI with the lower number first, not %s",
+                                o->range);
     }
     if (o->classes != NULL && !read_classes(o->classes, shown)) {
-        return tool_usage_error("--classes is N,N, numbers from 0 to 255, not %s", o->classes);
+        return tool_usage_error("--classes must be N,N with numbers from 0 to 255, not %s",
+                                o->classes);
     }
     return 0;
 }
@@ -173,7 +174,7 @@ static bool is_drawn(const stp_store* store, uint32_t method, bool reference, st
     return false;
 }
 
-/// Whether all that is asked for is drawn.
+/// Whether all points have the requested attributes.
 static bool draws_all(const point_color_options* o, const stp_store* store, uint32_t method,
                       bool reference)
 {
@@ -200,7 +201,7 @@ bool point_colors_has_originals(const point_color_options* o, const stp_store* s
     return draws_all(o, store, 0, true);
 }
 
-/// Says which attributes there are, where one is not.
+/// Reports a missing attribute and lists the available ones.
 static stp_result refuse(stp_context* context, const stp_store* store, const char* path,
                          stp_attribute attribute)
 {
@@ -225,8 +226,8 @@ static stp_result check_attribute(stp_context* context, const stp_store* store, 
     }
     if (!is_drawn(store, method, reference, attribute)) {
         return stp_fail(context, STP_ERROR_ARGUMENT,
-                        "%s: splats by %s have no %s: they stand for several points (draw it by "
-                        "blue or stochastic, or with --reference)",
+                        "%s: splats by %s have no %s, because each represents several points "
+                        "(use --method blue or stochastic, or --reference)",
                         path, d->method_count > 0 ? d->methods[method].name : "no method",
                         stp_attribute_name(attribute));
     }

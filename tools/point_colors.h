@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// --color, --range and --classes: what colours points and pixels have.
+// --color, --range and --classes: colours of points and pixels.
 #pragma once
 
 #include "command.h"
@@ -26,21 +26,21 @@ typedef enum point_color {
     POINT_COLORS
 } point_color;
 
-/// As given: a field left zero was not.
+/// Options as given; zero fields were not given.
 typedef struct point_color_options {
     int color;           ///< point_color
     const char* range;   ///< LO,HI
     const char* classes; ///< N,N
 } point_color_options;
 
-/// What was asked for, worked out for a file.
+/// The options, resolved for a file.
 typedef struct point_coloring {
     stp_store_coloring points;
     stp_draw_coloring pixels;
     double elevation[2];
 } point_coloring;
 
-/// The attribute that a colour is of; STP_ATTRIBUTES: of none.
+/// The attribute that a colour shows; STP_ATTRIBUTES if none.
 stp_attribute point_color_attribute(int color);
 
 /// The word of a colour: "near-infrared".
@@ -51,34 +51,38 @@ enum { POINT_COLOR_OPTION_ROOM = 4 }; ///< entries of a table
 /// Fills a table of POINT_COLOR_OPTION_ROOM entries. @return the table
 const option* point_color_options_table(option* table, point_color_options* options);
 
-/// Options that make no sense. @return 0, or 2 (message printed)
+/// Rejects options that make no sense. @return 0, or 2 (message printed)
 int point_colors_check(const point_color_options* options);
 
-/// Reads LO,HI. @return false if the text is not such a pair
+/// Reads LO,HI. @return false on a syntax error
 bool point_colors_read_range(const char* text, double* low, double* high);
-/// Reads N,N and marks these classes only. @return false if the text is not such a list
+/// Reads N,N and marks only these classes. @return false on a syntax error
 bool point_colors_read_classes(const char* text, uint8_t shown[256]);
 
-/// Whether options ask for what points alone have.
+/// Whether the options ask for attributes that only points have.
 bool point_colors_need_points(const point_color_options* options);
 
-/// The method whose splats have what options ask for: `preferred` (a place in the file's table), else the first that does.
+/// The method whose splats have what options ask for: `preferred` (a place in the file's table),
+/// else the first that does.
 /// @return its place; STP_STORE_NONE: none has it
 uint32_t point_colors_find_method(const point_color_options* options, const stp_store* store,
                                   uint32_t preferred);
-/// Whether original points have what options ask for.
+/// Whether original points have the requested attributes.
 bool point_colors_has_originals(const point_color_options* options, const stp_store* store);
 
-/// Works out what was asked for, ranges that were not given included. `method` is the place of the one whose splats are drawn.
-/// @return STP_OK, STP_ERROR_ARGUMENT (the file lacks the attribute), or why it cannot be read; logged
+/// Works out what was asked for, ranges that were not given included. `method` is the place of the
+/// one whose splats are drawn.
+/// @return STP_OK, STP_ERROR_ARGUMENT (the file lacks the attribute), or why it cannot be read;
+/// logged
 STP_MUST_USE stp_result point_colors_find(const point_color_options* options, stp_context* context,
                                           stp_store* store, const char* path, uint32_t method,
                                           bool reference, point_coloring* coloring);
 
-/// Heights between which nearly all of a scene lies: 2 and 98 of 100 splats of its root, else all of it.
+/// The elevations that contain most of a scene: 2nd and 98th percentile of its root's splats, or
+/// all of it.
 STP_MUST_USE stp_result point_colors_elevations(stp_context* context, stp_store* store,
                                                 uint32_t method, double range[2]);
 
-/// Adds "color" and "range" to what describes a picture. @return whether there was memory
+/// Adds "color" and "range" to the description of a picture. @return false if memory runs out
 bool point_colors_describe(const point_color_options* options, const point_coloring* coloring,
                            json_t* object);

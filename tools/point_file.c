@@ -15,12 +15,12 @@
 #include <sys/stat.h>
 
 enum {
-    STRIPE = 1 << 20, ///< after so many points, pages of files are released
+    STRIPE = 1 << 20, ///< pages of mapped files are released after this many points
     MEMORY_SHARE = 4, ///< of what may be used: points that take more lie in a file
     SMALL_SHARE = 16, ///< of it: of smaller files nothing is spilled
 };
 
-// What one part of the scene holds.
+// One part of the scene.
 typedef struct part_points {
     uint32_t count;
     const float* positions;
@@ -98,7 +98,7 @@ static void copy_part(const stp_scene* scene, const stp_placed_part* placed, too
     }
 }
 
-/// Makes room for the points: in memory where they are a small share of what may be used.
+/// Allocates room for the points: in memory if they are a small share of the limit, else in a file.
 static stp_result make_arrays(stp_context* context, bool normals, bool colors, tool_points* points)
 {
     size_t count = points->count, floats = 3 * sizeof(float) * count;
@@ -160,7 +160,7 @@ static stp_result copy_parts(const stp_scene* scene, const char* path, const stp
     return STP_OK;
 }
 
-// Of mirrored parts the corners are swapped, so that triangles face outside as before.
+// Mirrored parts get swapped corners, so that triangles still face outwards.
 static uint32_t copy_part_triangles(const stp_mesh* mesh, const stp_affine* transform,
                                     uint32_t first, uint32_t* to)
 {
@@ -233,7 +233,7 @@ static bool may_be_large(const stp_context* context, const char* path)
            (uint64_t)status.st_size > stp_usable_memory(limit) / SMALL_SHARE;
 }
 
-/// @param beside a file in the folder where what memory does not hold may lie; NULL: nowhere
+/// @param beside a path in the folder for spill files; NULL: no spilling
 static stp_result read_file(stp_context* context, const char* path, const double* origin,
                             bool triangles, const char* beside, tool_points* points)
 {
@@ -285,7 +285,7 @@ int tool_run_on_points(const tool_points_command* task, int argc, char** argv, c
         return tool_usage_error("%s: expected -o %s", task->name, task->output);
     }
     if (strcmp(path, "-") == 0) {
-        return tool_usage_error("%s cannot write to standard output; name a file", task->name);
+        return tool_usage_error("%s cannot write to standard output; give a file name", task->name);
     }
     int refused = overwrite_check(argv[0], path);
     if (refused != 0) {

@@ -8,7 +8,7 @@
 
 #include <stipple/types.h>
 
-/// The points of a file: of its point sets, and the vertices of its meshes.
+/// The points of a file: point sets and vertices of meshes.
 typedef struct tool_points {
     uint32_t count;
     double origin
@@ -23,17 +23,17 @@ typedef struct tool_points {
     bool spilled;     ///< the arrays lie in it
 } tool_points;
 
-/// A place of a scene along the axes of the file that it was imported from, as far as these are known: a scene's y is up. `up`:
-/// the file's up axis.
+/// Converts a position of a scene to the axes of its source file, as far as known: a scene's y is
+/// up. `up`: the file's up axis.
 stp_vec3d tool_own_axes(char up, stp_vec3d place);
-/// The way back.
+/// The inverse conversion.
 stp_vec3d tool_scene_axes(char up, stp_vec3d place);
 
-/// Reads a file of any importable format. `origin` (may be NULL: the file's own choice) replaces the origin, so
-/// that two files can be compared. Failures are logged by the context.
+/// Reads a file of any importable format. `origin` (may be NULL: chosen from the file) replaces the
+/// origin, so that two files can be compared. Failures are logged by the context.
 STP_MUST_USE stp_result tool_read_points(stp_context* context, const char* path,
                                          const double* origin, tool_points* points);
-/// What a command does with the points of a file. @return the exit status
+/// Processes the points of a file. @return the exit status
 typedef int (*tool_points_worker)(stp_context* context, const char* path, tool_points* points);
 
 /// A command that reads one file of points and writes another file.
@@ -45,18 +45,18 @@ typedef struct tool_points_command {
     bool spills;    ///< what memory does not hold may lie in a file in the folder of the output
 } tool_points_command;
 
-/// Runs it. @param path of the output; NULL: none was given. @param memory the most bytes to use; 0: no limit
-/// @return the exit status; what is wrong is printed
+/// Runs it. @param path of the output; NULL if not given. @param memory limit in bytes; 0: no limit
+/// @return the exit status; errors are printed
 int tool_run_on_points(const tool_points_command* task, int argc, char** argv, const char* path,
                        uint64_t threads, uint64_t memory);
-/// Makes `points->spill` unless it is there. @param output a file in the folder. @return STP_OK, STP_ERROR_IO,
-/// STP_ERROR_OUT_OF_MEMORY (logged)
+/// Creates `points->spill` if it does not exist. @param output a file in the folder. @return
+/// STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result tool_points_open_spill(stp_context* context, const char* output,
                                                tool_points* points);
 void tool_points_destroy(stp_context* context, tool_points* points);
 
-/// Puts a position of a PLY as three floats or, with the origin added, as three doubles.
-/// @return bytes put
+/// Writes a PLY position as three floats or, with the origin added, as three doubles. @return bytes
+/// written
 size_t tool_put_position(unsigned char* bytes, const float* position, const double* origin,
                          bool doubles);
 

@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #define INTERVAL_MS 100.0
-#define SAMPLE_MS 50.0           // closer reports say little of speed
+#define SAMPLE_MS 50.0           // closer reports say little about speed
 #define ESTIMATE_AFTER_MS 1000.0 // an earlier guess of the time left would jump
 #define LEAST_MEMORY_MS 500.0
 #define MEMORY 0.3 // the part of the time gone by that counts for what is to come
@@ -30,7 +30,7 @@ bool progress_choose(progress_state* state, const char* name, FILE* stream)
     return true;
 }
 
-// An average that forgets, the slower the longer it has been going on.
+// A moving average that forgets more slowly as it gets older.
 static void update_speed(progress_speed* speed, double now, double value)
 {
     if (!speed->begun || value < speed->last_value) {
@@ -67,7 +67,7 @@ double progress_remaining_s(const progress_state* state)
     return is_settled(&state->way) && way > 0.01 ? (1.0 - way) / state->way.per_ms * 1e-3 : -1.0;
 }
 
-// What is counted in a second; negative: not known.
+// Counted items per second; negative: not known.
 static double rate_of(const progress_state* state)
 {
     return state->report.unit != NULL && is_settled(&state->rate) ? 1e3 * state->rate.per_ms : -1.0;
@@ -160,7 +160,7 @@ void progress_report_at(progress_state* state, const stp_progress_report* report
     if (state->style == PROGRESS_JSON) {
         print_line(state, now_ms);
     } else if (now_ms - state->shown_ms >= INTERVAL_MS) {
-        draw_bar(state); // for eyes: a quick succession of stages is not shown
+        draw_bar(state); // quick successions of stages are not shown
     } else {
         return;
     }

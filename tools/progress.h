@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Progress for people and programs: a bar that is redrawn, or one JSON object a line. At most ten times a second,
-// besides each stage's begin and end.
+// Progress for people and programs: a redrawn bar, or one JSON object per line. At most ten updates
+// per second, plus the beginning and end of each stage.
 #pragma once
 
 #include <stipple/base.h>
@@ -11,7 +11,7 @@
 
 typedef enum progress_style { PROGRESS_NONE, PROGRESS_BAR, PROGRESS_JSON } progress_style;
 
-/// How fast a value grows, mostly of late.
+/// Growth rate of a value, weighted towards recent values.
 typedef struct progress_speed {
     bool begun;
     double start_ms, last_ms;
@@ -29,13 +29,14 @@ typedef struct progress_state {
     double stage_start_ms, shown_ms;
 } progress_state;
 
-/// `name`: auto|bar|json|none; NULL: auto, a bar where the stream is a terminal. @return false where it is none of them
+/// `name`: auto|bar|json|none; NULL: auto, a bar if the stream is a terminal. @return false if it
+/// is none of these
 bool progress_choose(progress_state* state, const char* name, FILE* stream);
 void progress_report(progress_state* state, const stp_progress_report* report);
-/// The same at a given time.
+/// Same, at a given time.
 void progress_report_at(progress_state* state, const stp_progress_report* report, double now_ms);
-/// Takes the bar away.
+/// Removes the bar.
 void progress_clear(progress_state* state);
 
-/// What is left of the whole, or of the stage where the whole is not known; negative: not known yet.
+/// Remaining time of the whole, or of the stage if the whole is not known; negative: not known yet.
 double progress_remaining_s(const progress_state* state);

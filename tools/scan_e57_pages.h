@@ -7,7 +7,7 @@
 
 enum { E57_PAGE = 1024, E57_PAYLOAD = 1020 };
 
-/// Pages being written: what fills the last one waits here.
+/// Pages being written; the last, incomplete page is buffered here.
 typedef struct e57_pages {
     stp_file_writer* writer;
     uint64_t whole; ///< pages written
@@ -15,13 +15,13 @@ typedef struct e57_pages {
     unsigned char payload[E57_PAYLOAD];
 } e57_pages;
 
-/// Where the next byte comes to lie.
+/// Offset of the next byte.
 uint64_t e57_physical(const e57_pages* pages);
 uint64_t e57_logical(const e57_pages* pages);
 
 STP_MUST_USE stp_result e57_put(e57_pages* pages, const void* bytes, size_t size);
 /// Fills the page with zeros and writes it, unless it is empty.
 STP_MUST_USE stp_result e57_end_page(e57_pages* pages);
-/// Writes a whole page again. @param payload E57_PAYLOAD bytes
+/// Rewrites a whole page. @param payload E57_PAYLOAD bytes
 STP_MUST_USE stp_result e57_replace_page(e57_pages* pages, uint64_t page,
                                          const unsigned char* payload);

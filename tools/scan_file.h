@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Files of simulated scans: one writer a format, all of them streams with bounded memory. Written
-// aside and renamed.
+// Files of simulated scans: one streaming writer per format, with bounded memory. Written under a
+// temporary name and renamed.
 #pragma once
 
 #include "scan_sweep.h"
@@ -10,7 +10,7 @@
 typedef struct scan_file scan_file;
 
 /// A format. Functions are called in this order: begin, then for each station begin_station, add
-/// (several times) and end_station, then end. NULL: nothing is to be done.
+/// (several times) and end_station, then end. NULL functions are skipped.
 typedef struct scan_format {
     const char* ending; ///< of the file's name, ".las"
     bool has_truth;     ///< it has columns for the truth
@@ -25,10 +25,10 @@ typedef struct scan_format {
 
 extern const scan_format scan_format_las, scan_format_ptx, scan_format_ply, scan_format_e57;
 
-/// The format that a file's name asks for; NULL: none.
+/// The format for a file name; NULL: none.
 const scan_format* scan_format_of(const char* path);
 
-/// What a file is to be.
+/// Parameters of the file.
 typedef struct scan_file_desc {
     const char* path;
     double shift[3];   ///< added to all places
@@ -51,15 +51,15 @@ struct scan_file {
     struct scan_e57_state* state; ///< E57
 };
 
-/// @return STP_OK, or a failure that was logged; then nothing is to be closed
+/// @return STP_OK, or a failure that was logged; then there is nothing to close
 STP_MUST_USE stp_result scan_file_open(stp_context* context, const scan_file_desc* desc,
                                        scan_file* file);
 STP_MUST_USE stp_result scan_file_begin_station(scan_file* file, const scan_station* station);
 STP_MUST_USE stp_result scan_file_add(scan_file* file, const scan_station* station,
                                       const scan_point* points, size_t count);
 STP_MUST_USE stp_result scan_file_end_station(scan_file* file, const scan_station* station);
-/// Ends the file, which takes its name. @return STP_OK, or a failure that was logged; then nothing
+/// Completes and renames the file. @return STP_OK, or a failure that was logged; then nothing
 /// is left
 STP_MUST_USE stp_result scan_file_close(scan_file* file);
-/// Ends it and leaves nothing.
+/// Aborts and leaves no file.
 void scan_file_abort(scan_file* file);

@@ -7,7 +7,7 @@
 
 enum { HEADER = 375, VLR_HEADER = 54, RECORD = 36 };
 
-/// Axes of no map, in metres: formats above 5 ask for a coordinate system.
+/// A local coordinate system in metres: point formats above 5 require one.
 static const char system_text[] =
     "LOCAL_CS[\"simulated scan\",LOCAL_DATUM[\"scene\",0],UNIT[\"metre\",1],"
     "AXIS[\"X\",EAST],AXIS[\"Y\",NORTH],AXIS[\"Z\",UP]]";
@@ -30,7 +30,7 @@ static void put_header(const scan_file* f, unsigned char h[HEAD])
     h[25] = 4;
     memcpy(h + 26, "SIMULATION", 10);
     memcpy(h + 58, "Stipple " STP_VERSION, sizeof("Stipple " STP_VERSION) - 1);
-    stp_write_u16(h + 90, 1); // a day is asked for; the same bytes on any
+    stp_write_u16(h + 90, 1); // the format requires a date; a constant keeps the bytes the same
     stp_write_u16(h + 92, 2000);
     stp_write_u16(h + 94, HEADER);
     stp_write_u32(h + 96, HEAD);

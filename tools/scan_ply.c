@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Binary PLY: places as doubles, colour, intensity, station and time; and the truth, where it is
-// asked for. Misses are not stored.
+// Binary PLY: double coordinates, colour, intensity, station and time; optionally the truth. Misses
+// are not stored.
 #include "scan_file.h"
 
 #include "base/bytes.h"
@@ -9,7 +9,7 @@
 
 enum { HEADER = 1024 };
 
-/// The header, as long as it will be at the end: a comment fills it up.
+/// The header, with the length it will have at the end: a comment pads it.
 static size_t put_header(const scan_file* f, char text[HEADER])
 {
     char body[HEADER];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// PTX, Leica's text of scans: for each station its grid and pose, then all cells, those without a
-// point as zeros. Places are relative to the station.
+// PTX, Leica's text format for scans: for each station its grid and pose, then all cells; those
+// without a point as zeros. Coordinates are relative to the station.
 #include "scan_file.h"
 
 #include <stdio.h>
@@ -15,7 +15,8 @@ static stp_result begin_station(scan_file* f, const scan_station* s)
     char text[512];
     const double* shift = f->desc.shift;
     double x = s->place.x + shift[0], y = s->place.y + shift[1], z = s->place.z + shift[2];
-    // columns, rows, the scanner's place and axes, and the matrix that is multiplied from the right
+    // columns, rows, the scanner's position and axes, and the matrix, which is multiplied from the
+    // right
     int size = snprintf(text, sizeof(text),
                         "%u\n%u\n%.6f %.6f %.6f\n1 0 0\n0 1 0\n0 0 1\n"
                         "1 0 0 0\n0 1 0 0\n0 0 1 0\n%.6f %.6f %.6f 1\n",

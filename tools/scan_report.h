@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What `stipple info` prints of a file of points.
+// The output of `stipple info` for a point file.
 #pragma once
 
 #include "import/scan_info.h"
@@ -8,12 +8,12 @@
 
 #include <jansson.h>
 
-/// Prints what a header said that was read alone, as text or as one JSON object, on stdout. `scene` holds the source.
-/// @return exit code
+/// Prints a header that was read without its points, as text or as one JSON object, on stdout.
+/// `scene` holds the source. @return exit code
 int scan_report_print(const char* path, const stp_scene* scene, const stp_scan_info* info,
                       bool json);
 
 /// The value of "scan" in the JSON object.
 json_t* scan_report_json(const stp_scene* scene, const stp_scan_info* info);
-/// Lines that say which values the points have, on stdout.
+/// Prints lines that list the values of the points, on stdout.
 void scan_report_print_fields(const stp_scan_info* info);

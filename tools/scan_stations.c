@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// Candidates stand on floors: places spread over the plan, each on the lowest surface that faces up
-// with room above and around it. Each looks around with a few hundred rays, and remembers in which
-// cells of the model's box it met something. Then that candidate is taken again and again that adds
-// most cells; one nearer to those taken before than evenly spread stations are counts for less.
+// Candidates stand on floors: positions spread over the plan, each on the lowest surface that faces
+// up and has room above and around it. Each casts a few hundred rays and records which cells of the
+// model's box they hit. Then the candidate that adds the most cells is chosen repeatedly; its
+// weight is reduced if it is closer to chosen stations than evenly spread stations would be.
 #include "scan_stations.h"
 
 #include "base/rng.h"
@@ -53,8 +53,8 @@ static double fraction_of(double value)
     return value - floor(value);
 }
 
-/// Where there is a floor with room above it, the lowest; a roof over ground is none. @return false
-/// where there is none
+/// Finds the lowest floor with room above it; a roof above ground does not count. @return false if
+/// there is none
 static bool find_floor(const chooser* c, double x, double y, double* z)
 {
     const stp_vec3d down = {0.0, 0.0, -1.0};
@@ -97,7 +97,7 @@ static uint32_t cell_of(double value, double low, double high)
     return cell > 0.0 ? cell < (double)(CELLS - 1) ? (uint32_t)cell : CELLS - 1 : 0;
 }
 
-/// Marks what it sees. @return how much of its rays meet something
+/// Marks the visible cells. @return the share of rays that hit something
 static double look_around(const chooser* c, candidate* at)
 {
     uint32_t met = 0;
@@ -139,7 +139,7 @@ static void look_from_floors(size_t begin, size_t end, uint32_t worker, void* us
     }
 }
 
-// Around the model, at a distance at which all of it is seen, at two heights.
+// Positions around the model, at a distance that shows all of it, at two heights.
 static void look_from_ring(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
@@ -166,7 +166,7 @@ static uint32_t count_new(const candidate* at, const uint64_t* seen)
     return count;
 }
 
-/// The best candidate that was not taken; there are always enough.
+/// The best candidate not yet chosen; there are always enough.
 static candidate* find_best(const chooser* c, uint32_t count, const uint64_t* seen)
 {
     candidate* best = NULL;
@@ -198,7 +198,7 @@ static void take(const chooser* c, uint32_t count, candidate* best, uint64_t* se
     }
 }
 
-/// How many cells candidates [begin, end) see together.
+/// Number of cells that candidates [begin, end) see together.
 static uint32_t count_seen(const chooser* c, uint32_t begin, uint32_t end)
 {
     uint32_t count = 0;
@@ -212,8 +212,8 @@ static uint32_t count_seen(const chooser* c, uint32_t begin, uint32_t end)
     return count;
 }
 
-// Floors are left where more is seen from around, as of a thing that stands alone; else what is
-// around, where floors are enough.
+// Drops the floors if positions around the model see more, as for a free-standing object; else
+// drops the positions around it, if there are enough floors.
 static void prefer_ring(const chooser* c)
 {
     uint32_t good = 0, all = c->spots + RING;

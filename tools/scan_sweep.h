@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The sweep of a simulated scanner. One that stands turns around the vertical, and at each column
-// looks from 60 degrees below the horizon to the zenith, upwards, with equal angles. One that flies
-// looks down at each column, from 30 degrees on its left to 30 on its right.
+// The sweep of a simulated scanner. A standing scanner turns around the vertical; each column goes
+// upwards from 60 degrees below the horizon to the zenith, with equal angles. A flying scanner
+// looks down; each column goes from 30 degrees left to 30 degrees right.
 #pragma once
 
 #include "scan_target.h"
 
-/// What the scanner is told.
+/// Settings of the scanner.
 typedef struct scan_settings {
     bool airborne;
     uint32_t columns; ///< of a sweep
@@ -25,8 +25,8 @@ typedef struct scan_station {
     stp_vec3d along; ///< of a line of flight: from there to its end, level; else 0
 } scan_station;
 
-/// Sets the rows, and the columns of one that stands. @param resolution  up to 30: degrees between
-/// rays; above: rays a turn. @return degrees between rays
+/// Sets the rows, and the columns of a standing scanner. @param resolution  up to 30: degrees
+/// between rays; above: rays per turn. @return degrees between rays
 double scan_settings_set_resolution(scan_settings* settings, double resolution);
 
 /// Result of one ray.
@@ -53,7 +53,7 @@ typedef struct scan_ray {
 scan_ray scan_ray_of(const scan_settings* settings, const scan_station* station, uint32_t column,
                      uint32_t row);
 
-/// Sweeps `count` columns from `first` on. Column after column, each `rows` points. The same for
-/// any number of threads.
+/// Sweeps `count` columns starting at `first`, column by column, each with `rows` points. The
+/// result does not depend on the number of threads.
 void scan_sweep(const scan_target* target, const scan_settings* settings,
                 const scan_station* station, uint32_t first, uint32_t count, scan_point* points);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a simulated scanner looks at: the triangles of a scene or a .stip, and their colours.
+// The target of a simulated scanner: the triangles of a scene or a .stip, and their colours.
 #pragma once
 
 #include "command.h"
@@ -9,7 +9,7 @@
 #include "scene/scene.h"
 #include "store/store.h"
 
-/// How a surface is coloured, and where it is not there.
+/// Colour and cut-outs of a surface.
 typedef struct scan_material {
     float base_color[4]; ///< linear
     float uv_transform[2][3];
@@ -20,7 +20,7 @@ typedef struct scan_material {
     stp_texture_pyramid texture; ///< of one level
 } scan_material;
 
-/// What colours need of a mesh, by the vertices that its triangles have.
+/// Data of a mesh that colours need, by the vertices of its triangles.
 typedef struct scan_columns {
     const float* texcoords;   ///< 2 a vertex, of the set that the material asks for; NULL: none
     const uint16_t* colors;   ///< 4 a vertex, linear, 65535 is 1; NULL: see `wide_colors`
@@ -42,15 +42,15 @@ typedef struct scan_target {
 
 /// The target of a finished scene, which must outlive it. @return STP_OK, STP_ERROR_FORMAT (no
 /// triangles), STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (more than 16 million uses of parts);
-/// logged. On failure nothing is to be destroyed
+/// logged. After a failure there is nothing to destroy
 STP_MUST_USE stp_result scan_target_of_scene(const stp_scene* scene, const char* name,
                                              scan_target* target);
-/// The same of an open .stip: its original triangles.
+/// Same, for the original triangles of an open .stip.
 STP_MUST_USE stp_result scan_target_of_store(stp_context* context, stp_store* store,
                                              const char* name, scan_target* target);
 void scan_target_destroy(scan_target* target);
 
-/// What a ray met.
+/// The surface that a ray hit.
 typedef struct scan_surface {
     stp_vec3d place, normal; ///< of the triangle, facing the origin of the ray
     bool from_behind;        ///< the triangle's winding shows its back
@@ -59,6 +59,6 @@ typedef struct scan_surface {
     uint32_t object;
 } scan_surface;
 
-/// Casts a ray. @param direction of unit length @return whether anything is met up to `farthest`
+/// Casts a ray. @param direction of unit length @return whether it hits anything up to `farthest`
 bool scan_target_meet(const scan_target* target, stp_vec3d origin, stp_vec3d direction,
                       double nearest, double farthest, scan_surface* surface);

@@ -21,13 +21,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-// Part of the name of what is cached: to be raised when builds of the same input become different.
+// Part of cached file names: raise it when builds of the same input change.
 static const char* const cache_version = "stipple-" STP_VERSION "-7";
 static const char* const parameters =
     "{\"method\":\"blue\",\"metric\":\"side\",\"order\":\"exact\",\"threshold\":1000}";
 
-// Of a picture that may be drawn without surfels: more unique triangles than these take a second or more to make surfels of,
-// and no more in all than these are drawn in a few.
+// Limits for drawing without surfels: above this many unique triangles, making surfels takes a
+// second or more; below this many instanced triangles, drawing takes only a few seconds.
 static const uint64_t quick_surfels = UINT64_C(100000), quick_triangles = UINT64_C(1) << 27;
 
 enum {
@@ -35,7 +35,7 @@ enum {
     MEMORY_SHARE = 4, ///< of the limit, for meshes and points before they go to the spill file
 };
 
-/// What a scene is wanted for, and by whom.
+/// Purpose of opening a scene, and its watcher.
 typedef struct wish {
     scene_use use;
     const scene_watcher* watcher; ///< NULL: nobody looks on
@@ -51,7 +51,7 @@ bool tool_is_store_file(const char* path)
     return stp_file_peek(path, magic, 4) == 4 ? memcmp(magic, "\x89STP", 4) == 0 : named;
 }
 
-/// Makes a folder and those above it.
+/// Creates a folder and its parents.
 static bool make_folders(char* path)
 {
     for (char* slash = strchr(path + 1, '/'); slash != NULL; slash = strchr(slash + 1, '/')) {
@@ -65,7 +65,7 @@ static bool make_folders(char* path)
     return mkdir(path, 0777) == 0 || errno == EEXIST;
 }
 
-/// What a model is, for the cache: its bytes, and those of files that it names.
+/// Identity of a model for the cache: its bytes and those of the files that it names.
 static void hash_model(const char* path, const stp_mapped_file* file, stp_hash* hash)
 {
     const char* name = strrchr(path, '/') != NULL ? strrchr(path, '/') + 1 : path;
@@ -79,7 +79,7 @@ static void hash_model(const char* path, const stp_mapped_file* file, stp_hash* 
     }
 }
 
-/// Whether a folder where anybody may have made it is this user's alone.
+/// Whether only this user can write to a folder that anybody could have created.
 static bool is_own_folder(const char* path)
 {
     struct stat status;
@@ -103,22 +103,22 @@ static bool cache_folder(stp_context* context, char* folder, size_t size)
         is_shared = true;
     }
     if (length < 0 || (size_t)length >= size || !make_folders(folder)) {
-        (void)stp_fail(context, STP_ERROR_IO, "%s: the folder for built models cannot be made: %s",
+        (void)stp_fail(context, STP_ERROR_IO, "%s: cannot create the folder for built models: %s",
                        folder, strerror(errno));
         return false;
     }
     if (is_shared && !is_own_folder(folder)) {
         (void)stp_fail(context, STP_ERROR_IO,
-                       "%s: the folder for built models belongs to somebody else, or others may "
-                       "write there; set HOME or XDG_CACHE_HOME",
+                       "%s: the folder for built models belongs to another user or is writable "
+                       "by others; set HOME or XDG_CACHE_HOME",
                        folder);
         return false;
     }
     return true;
 }
 
-/// Where the cached builds of a model are, or would be, by scene_use. `file` is NULL for a named scene, which is what
-/// its name and settings say. @return false, with the message logged
+/// Paths of a model's cached builds, by scene_use. `file` is NULL for a named scene, which is
+/// identified by name and settings. @return false, with the message logged
 static bool cache_paths(stp_context* context, const char* path, const stp_mapped_file* file,
                         char out[SCENE_USES][PATH_MAX])
 {
@@ -146,7 +146,8 @@ static bool cache_paths(stp_context* context, const char* path, const stp_mapped
     return true;
 }
 
-/// Whether the cache holds it, and whole. Its own context keeps quiet about damage: the file is then built anew.
+/// Whether the cache holds a complete file. A separate context hides messages about damage: a
+/// damaged file is rebuilt.
 static bool is_cached(const char* path)
 {
     struct stat status;
@@ -186,7 +187,7 @@ static void tell_drafted(void* user)
     w->watcher->grown(w->draft, w->watcher->user);
 }
 
-/// Where drafts of a cached build are. @return false where the name is too long
+/// Path of the drafts of a cached build. @return false if the name is too long
 static bool name_draft(const char* cached, char* draft)
 {
     static const char ending[] = "-draft.stip";
@@ -199,7 +200,7 @@ static bool name_draft(const char* cached, char* draft)
     return true;
 }
 
-/// Shows the watcher what there is, or has drafts made for it.
+/// Shows the watcher an earlier build, or has drafts made for it.
 static void prepare_watching(wish* w, char cached[SCENE_USES][PATH_MAX], stp_build_desc* desc)
 {
     for (int i = (int)w->use + 1; w->watcher != NULL && i < SCENE_USES; ++i) {
@@ -215,7 +216,7 @@ static void prepare_watching(wish* w, char cached[SCENE_USES][PATH_MAX], stp_bui
     }
 }
 
-/// Builds into the cache. @return its place in `located`
+/// Builds into the cache. @return its path in `located`
 static stp_result build_cached(stp_context* context, const char* path, wish* w,
                                char cached[SCENE_USES][PATH_MAX], char* located)
 {
@@ -242,7 +243,7 @@ static stp_result build_cached(stp_context* context, const char* path, wish* w,
     if (result != STP_OK) {
         return result;
     }
-    // where renaming fails it is only built again, once somebody needs surfels
+    // if renaming fails, the file is rebuilt when somebody needs surfels
     bool renamed = d.with_surfels && use > SCENE_FOR_SPLATS &&
                    rename(cached[use], cached[SCENE_FOR_SPLATS]) == 0;
     memcpy(located, cached[renamed ? SCENE_FOR_SPLATS : use], PATH_MAX);
@@ -275,7 +276,7 @@ static stp_result locate(stp_context* context, const char* path, wish* w, char* 
         snprintf(located, PATH_MAX, "%s", path);
         return built ? STP_OK : STP_ERROR_IO;
     }
-    for (int i = 0; i <= (int)w->use; ++i) { // what has more serves as well
+    for (int i = 0; i <= (int)w->use; ++i) { // a more complete build serves as well
         if (is_cached(cached[i])) {
             stp_notice(context, "%s: taken from the cache, %s", path, cached[i]);
             if (w->watcher != NULL && name_draft(cached[i], w->draft)) {

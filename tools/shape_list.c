@@ -12,7 +12,7 @@
 
 #include <string.h>
 
-/// Where things of a file come to lie: along its own axes, less the origin.
+/// Transform from a file to its own axes, relative to the origin.
 typedef struct placing {
     stp_context* context;
     tool_shape_list* list;
@@ -200,7 +200,7 @@ static stp_disk_shape make_disk(const item_splats* s, uint32_t i)
                             stp_to_float(tool_own_axes(up, stp_scaled(along, smaller * s->scale)))};
 }
 
-// The levels of lists of a number of splats are the same everywhere. As
+// All levels hold everywhere in a list made for a number of splats. As
 // raster/splats_levels_kernel.h compares them.
 static bool is_drawn(const stp_splats* set, const stp_draw_item* item, uint32_t i)
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Splats, triangles and points of a file to the command line, for measuring distances.
+// Splats, triangles and points of a file, for measuring distances.
 #pragma once
 
 #include "command.h"
@@ -10,7 +10,8 @@
 #include "scene/scene.h"
 #include "select/select.h"
 
-/// What a file shows, along its own axes (tool_own_axes). All zero at first, but for the origin.
+/// The visible content of a file, along its own axes (tool_own_axes). All zero at first, except the
+/// origin.
 typedef struct tool_shape_list {
     double origin[3]; ///< to be added to all places
     stp_disk_shape* disks;
@@ -25,15 +26,15 @@ typedef struct tool_shape_list {
 /// Adds the triangles and points of a scene. @return STP_OK, or a failure that was logged
 STP_MUST_USE stp_result tool_shapes_add_scene(tool_shape_list* list, const stp_scene* scene);
 
-/// Adds what a list of items draws: splats as ellipses with the sizes that they are drawn with,
-/// triangles, and points. Coverage (cuts, holes, opacity) is ignored: an ellipse counts as a whole.
-/// Ranges of levels hold for an error that is the same everywhere, as in lists of a number of
+/// Adds the drawn content of a list of items: splats as ellipses at their drawn size, triangles,
+/// and points. Coverage (cuts, holes, opacity) is ignored: an ellipse counts as a whole. Ranges of
+/// levels hold for an error that is the same everywhere, as in lists of a number of
 /// splats.
 STP_MUST_USE stp_result tool_shapes_add_items(stp_context* context, tool_shape_list* list,
                                               stp_store* store, const stp_draw_list* items);
 
-/// Adds all that a file shows from any place: `splats` of a method (0: as many as there are), or
-/// its triangles and points.
+/// Adds everything that a file shows, independent of a view: `splats` of a method (0: all), or its
+/// triangles and points.
 STP_MUST_USE stp_result tool_shapes_add_store(stp_context* context, tool_shape_list* list,
                                               stp_store* store, const stp_quality* quality);
 
@@ -41,10 +42,10 @@ STP_MUST_USE stp_result tool_shapes_add_store(stp_context* context, tool_shape_l
 STP_MUST_USE stp_result tool_shapes_add_splats(stp_context* context, tool_shape_list* list,
                                                const tool_splat_set* splats);
 
-/// Makes disks without extent of the points.
+/// Makes disks of zero size from the points.
 STP_MUST_USE stp_result tool_shapes_draw_points(stp_context* context, tool_shape_list* list);
 
-/// The box of all triangles and points, without the origin; empty where there are none.
+/// The bounding box of all triangles and points, without the origin; empty if there are none.
 stp_boxd tool_shapes_bounds(const tool_shape_list* list);
 stp_shapes tool_shapes_drawn(const tool_shape_list* list);
 stp_measured_surface tool_shapes_surface(const tool_shape_list* list);

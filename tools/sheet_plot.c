@@ -25,7 +25,7 @@ stp_result sheet_flight_read(stp_context* context, sheet_flight* flight)
     if (count == 0) {
         json_decref(root);
         return stp_fail(context, STP_ERROR_FORMAT,
-                        "%s: is not what stipple fly --json prints: it has no frames",
+                        "%s: expected the output of stipple fly --json, but it has no frames",
                         flight->path);
     }
     flight->times = STP_NEW_ZEROED(context, double, count);

@@ -13,38 +13,37 @@ const option* show_options_table(option* table, show_options* o)
         {.name = "section",
          .type = OPTION_TEXTS,
          .argument = "AXIS:AT|A,B,C,D",
-         .help = "cut away what lies beyond a plane: along x, y, z, -x, -y or -z from a coordinate "
-                 "or a part of the scene on (x:2.5, -z:50%), or where A x + B y + C z > D; up to "
-                 "14, a box's "
-                 "six counted",
+         .help = "cut away everything beyond a plane: perpendicular to x, y, z, -x, -y or -z at "
+                 "a coordinate or a percentage of the scene (x:2.5, -z:50%), or where A x + B y "
+                 "+ C z > D; up to 14 planes, including six per box",
          .value = &o->sections},
         {.name = "section-box",
          .type = OPTION_TEXTS,
          .argument = "X,Y,Z,X,Y,Z",
-         .help = "cut away what lies outside of a box, from corner to corner; each number may be a "
-                 "part of the scene (0%,0%,0%,50%,100%,100%)",
+         .help = "cut away everything outside a box, given by two corners; numbers may be "
+                 "percentages of the scene (0%,0%,0%,50%,100%,100%)",
          .value = &o->boxes},
         {.name = "hide",
          .type = OPTION_TEXTS,
          .argument = "NAME",
-         .help = "do not draw objects of that name, path (house/door), id, or number (#7)",
+         .help = "hide objects by name, path (house/door), id or number (#7)",
          .value = &o->hide},
         {.name = "isolate",
          .type = OPTION_TEXTS,
          .argument = "NAME",
-         .help = "draw nothing but these objects",
+         .help = "draw only these objects",
          .value = &o->isolate},
         {.name = "ghost",
          .type = OPTION_TEXTS,
          .argument = "NAME",
-         .help = "draw objects so that what is behind them shows through; \"others\": all but "
-                 "those of --isolate",
+         .help = "draw objects see-through; \"others\" means all objects except those of "
+                 "--isolate",
          .value = &o->ghost},
         {.name = "ghost-share",
          .type = OPTION_NUMBER,
          .argument = "F",
          .words = "0.01..1",
-         .help = "the part of a ghost's pixels that is drawn; default 0.2",
+         .help = "share of a ghost's pixels that are drawn; default 0.2",
          .value = &o->ghost_share},
         {0},
     };
@@ -52,7 +51,8 @@ const option* show_options_table(option* table, show_options* o)
     return table;
 }
 
-/// Numbers between commas, each perhaps a percentage. @return whether there are exactly so many
+/// Reads comma-separated numbers or percentages. @return whether there are exactly as many as
+/// expected
 static bool read_numbers(const char* text, size_t count, double* numbers, bool* percent)
 {
     for (size_t i = 0; i < count; ++i) {
@@ -71,7 +71,7 @@ static bool read_numbers(const char* text, size_t count, double* numbers, bool* 
     return true;
 }
 
-/// A coordinate, or so many hundredths of the way through the scene.
+/// A coordinate, or a percentage of the extent of the scene.
 static double place_of(double number, bool percent, const stp_boxd* box, int axis)
 {
     const double low[3] = {box->min.x, box->min.y, box->min.z};
@@ -85,7 +85,7 @@ static stp_vec3d axis_vector(int axis, double length)
                        axis == 2 ? length : 0.0};
 }
 
-/// @return false where the text is no plane, or there is no room
+/// @return false if the text is not a plane or there is no room
 static bool add_plane(const char* text, const stp_boxd* box, stp_sections* sections)
 {
     double numbers[4];
@@ -131,15 +131,15 @@ static int add_sections(const show_options* o, const stp_boxd* box, stp_sections
 {
     for (uint32_t i = 0; i < o->sections.count; ++i) {
         if (!add_plane(o->sections.texts[i], box, sections)) {
-            return tool_usage_error("--section is AXIS:AT (x:2.5, -z:50%%) or A,B,C,D, and there "
-                                    "are at most %d, those of boxes counted; not %s",
+            return tool_usage_error("--section must be AXIS:AT (x:2.5, -z:50%%) or A,B,C,D, with "
+                                    "at most %d planes including those of boxes, not %s",
                                     STP_SECTION_PLANES, o->sections.texts[i]);
         }
     }
     for (uint32_t i = 0; i < o->boxes.count; ++i) {
         if (!add_box(o->boxes.texts[i], box, sections)) {
-            return tool_usage_error("--section-box is X,Y,Z,X,Y,Z, each a number or a percentage, "
-                                    "and there are at most %d planes, six a box; not %s",
+            return tool_usage_error("--section-box must be X,Y,Z,X,Y,Z, each a number or a "
+                                    "percentage, with at most %d planes (six per box), not %s",
                                     STP_SECTION_PLANES, o->boxes.texts[i]);
         }
     }
@@ -171,7 +171,7 @@ static stp_result set_item(scene_show* show, const stp_outline_item* item, stp_s
     return stp_visibility_set(show->visibility, &thing, as);
 }
 
-/// Shows all objects with a name otherwise. @return 0, 1 or 2 (message printed)
+/// Changes how all objects of a name are shown. @return 0, 1 or 2 (message printed)
 static int set_named(scene_show* show, const char* name, stp_show as)
 {
     stp_outline* outline = show->outline;
@@ -196,7 +196,7 @@ static int set_named(scene_show* show, const char* name, stp_show as)
         result = found != 0 ? set_item(show, &item, as) : result;
     }
     if (result == STP_OK && found == 0) {
-        return tool_usage_error("there is no object named %s with anything to see", name);
+        return tool_usage_error("there is no object named %s with visible content", name);
     }
     return result == STP_OK ? 0 : 1;
 }
@@ -258,7 +258,7 @@ stp_result scene_show_viewpoint(scene_show* show, const stp_viewpoint* viewpoint
     if (result == STP_OK && isolates) {
         stp_visibility_reset(show->visibility, STP_SHOW_NOT);
     }
-    for (int pass = 0; pass < 2; ++pass) { // what is isolated first: of it, something may be hidden
+    for (int pass = 0; pass < 2; ++pass) { // isolates first, because objects within may be hidden
         for (size_t i = 0; i < viewpoint->thing_count && result == STP_OK; ++i) {
             const stp_shown_thing* thing = &viewpoint->things[i];
             stp_outline_item item;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What of a scene is shown: sections, and objects that are hidden, isolated or ghosts. From the command line, and from
-// viewpoints beside the model.
+// What is shown of a scene: sections, and hidden, isolated or ghosted objects, from the command
+// line and from viewpoints beside the model.
 #pragma once
 
 #include "command.h"
@@ -19,7 +19,7 @@ enum { SHOW_OPTION_ROOM = 8 };
 /// Fills a table of SHOW_OPTION_ROOM entries (ends with a NULL name). @return it
 const option* show_options_table(option* table, show_options* options);
 
-/// Whether texts are what their options want, as far as can be told without a scene. @return 0, or 2 (message printed)
+/// Checks the option texts, as far as possible without a scene. @return 0, or 2 (message printed)
 int show_options_check(const show_options* options);
 
 /// What is shown of an open scene. All zero at first.
@@ -30,10 +30,12 @@ typedef struct scene_show {
     stp_visibility* visibility; ///< NULL: all is shown
 } scene_show;
 
-/// The outline, made where it is not yet. Failures are logged.
+/// Makes the outline if it does not exist yet. Failures are logged.
 STP_MUST_USE stp_result scene_show_outline(scene_show* show, stp_outline** outline);
-/// What the options say; sections are added to those of `view`. @return 0, 1 or 2, with the message printed
+/// Applies the options; sections are added to those of `view`. @return 0, 1 or 2, with the message
+/// printed
 int scene_show_apply(scene_show* show, const show_options* options, stp_view* view);
-/// What a viewpoint hides, isolates and makes ghosts. What the scene no longer has is left out, with a warning.
+/// Applies a viewpoint: hidden, isolated and ghosted objects. Objects that no longer exist are
+/// skipped with a warning.
 STP_MUST_USE stp_result scene_show_viewpoint(scene_show* show, const stp_viewpoint* viewpoint);
 void scene_show_destroy(scene_show* show);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Elliptical splats to the command line.
+// Reading and writing elliptical splats.
 #pragma once
 
 #include "command.h"
@@ -8,7 +8,7 @@
 
 #include <stipple/surfels.h>
 
-/// Splats with colours, of which those that are listed are written.
+/// Splats with colours; only the listed ones are written.
 typedef struct tool_splats {
     const stp_ellipse* ellipses;
     const uint8_t* colors;   ///< 3 each, sRGB
@@ -22,8 +22,8 @@ typedef struct tool_splats {
     uint32_t shading_count;
 } tool_splats;
 
-/// Writes a binary PLY: centre, normal, the major axis with its length (axis_x, axis_y, axis_z), the length of the minor axis
-/// (minor), red, green, blue. Written aside and renamed.
+/// Writes a binary PLY: centre, normal, major axis with its length (axis_x, axis_y, axis_z), length
+/// of the minor axis (minor), red, green, blue. Written under a temporary name and renamed.
 STP_MUST_USE stp_result tool_write_splats(stp_context* context, const char* path,
                                           const tool_splats* splats);
 
@@ -35,11 +35,11 @@ typedef struct tool_splat_set {
     double origin[3]; ///< to be added to centres
 } tool_splat_set;
 
-/// Whether a file is a PLY whose points have axes, as tool_write_splats makes it.
+/// Whether a file is a PLY whose points have axes, as written by tool_write_splats.
 bool tool_is_splat_file(const char* path);
 
-/// Reads such a file: binary, little-endian, properties in any order.
-/// @return STP_OK, STP_ERROR_IO, STP_ERROR_FORMAT, STP_ERROR_OUT_OF_MEMORY; logged. Nothing is to be destroyed after a failure
+/// Reads such a file: binary, little-endian, properties in any order. @return STP_OK, STP_ERROR_IO,
+/// STP_ERROR_FORMAT, STP_ERROR_OUT_OF_MEMORY; logged. After a failure there is nothing to destroy
 STP_MUST_USE stp_result tool_read_splats(stp_context* context, const char* path,
                                          tool_splat_set* splats);
 void tool_splat_set_destroy(stp_context* context, tool_splat_set* splats);

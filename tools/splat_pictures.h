@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How alike pictures of splats and of the original are.
+// Similarity of pictures of splats and of the original.
 #pragma once
 
 #include "command.h"
@@ -9,10 +9,10 @@
 
 enum { SPLAT_PICTURES = 7 };
 
-/// The standard views that are compared.
+/// The standard views to compare.
 extern const char* const splat_picture_views[SPLAT_PICTURES];
 
-/// A scene and what of it is drawn.
+/// A scene and what is drawn of it.
 typedef struct splat_scene {
     stp_store* store;
     stp_quality quality;
@@ -23,10 +23,9 @@ typedef struct splat_pictures {
     double ssim, ssim_covered; ///< means over the views
 } splat_pictures;
 
-/// Draws both from each view, framed by the bounds of the original, with four samples a pixel, and
-/// compares. Where their up axes differ, pictures are taken along the axes of the files.
-/// @param size width and height, pixels
-/// @return STP_OK, or a failure that was logged
+/// Draws both from each view, framed by the bounds of the original, with four samples per pixel,
+/// and compares. If their up axes differ, the views follow the axes of the files. @param size width
+/// and height, pixels @return STP_OK, or a failure that was logged
 STP_MUST_USE stp_result splat_pictures_compare(stp_context* context, const splat_scene* splats,
                                                const splat_scene* original, const uint32_t size[2],
                                                splat_pictures* found);

@@ -86,7 +86,7 @@ static stp_result add_property(reader* r, const char* type_name, const char* nam
 {
     int type = find_type(type_name);
     if (type < 0) {
-        return refuse(r, "a property has a type of no fixed size");
+        return refuse(r, "a property has a type of unknown size");
     }
     for (int k = 0; k < SLOTS; ++k) {
         if (strcmp(name, slot_names[k]) == 0) {
@@ -146,7 +146,7 @@ static stp_result read_header(reader* r)
     for (int k = 0; k < SLOTS; ++k) {
         bool number = r->slots[k].type == FLOAT || (r->slots[k].type == DOUBLE && k <= Z);
         if (k < RED && (!r->slots[k].there || !number)) {
-            return refuse(r, "a property is missing or is no number of its type");
+            return refuse(r, "a property is missing or is not a number of its type");
         }
     }
     if (r->count == 0 || r->count > UINT32_MAX || r->count > (r->file.size - at) / r->row_size) {
@@ -200,7 +200,7 @@ static stp_result read_rows(const reader* r, tool_splat_set* splats)
         if (!read_row(r, rows + r->row_size * i, splats->origin, &splats->ellipses[i],
                       splats->colors + 3 * (size_t)i)) {
             return stp_fail(r->context, STP_ERROR_FORMAT,
-                            "%s: splat %u: its place or size is not finite", r->path, i);
+                            "%s: splat %u has a position or size that is not finite", r->path, i);
         }
     }
     splats->count = (uint32_t)r->count;

@@ -161,7 +161,7 @@ stp_result tool_write_splat_store(stp_context* context, const char* path, const 
     const double* o = splats->origin;
     m.origin = tool_scene_axes(up, (stp_vec3d){o[0], o[1], o[2]});
     if (splats->count == 0) {
-        return stp_fail(context, STP_ERROR_ARGUMENT, "%s: there is no splat to write", path);
+        return stp_fail(context, STP_ERROR_ARGUMENT, "%s: there are no splats to write", path);
     }
     measure_splats(&m);
     stp_result result = make_set(&m);

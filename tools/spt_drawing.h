@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Point trees drawn on the processor, one thread, for `stipple bench spt`: by the recursive traversal, which hands what it
-// selects to the raster in blocks as QSplat does, and as a sequence, with and without groups.
+// Point trees drawn on the CPU with one thread, for `stipple bench spt`: by recursive traversal,
+// which passes blocks of selected points to the rasterizer as QSplat does, and as a sequence, with
+// and without groups.
 #pragma once
 
 #include "spt_model.h"
@@ -11,6 +12,6 @@ typedef struct spt_drawing spt_drawing;
 STP_MUST_USE stp_result spt_drawing_create(spt_model* model, spt_drawing** drawing);
 void spt_drawing_destroy(spt_drawing* drawing);
 
-/// Adds what a view takes. `nodes` has room for all leaves.
+/// Adds the figures of a view. `nodes` has room for all leaves.
 void spt_drawing_measure(spt_drawing* drawing, uint32_t* nodes, const spt_view* view,
                          spt_times* times);

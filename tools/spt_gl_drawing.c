@@ -51,7 +51,8 @@ static void make_words(const spt_model* m, uint32_t* words)
     }
 }
 
-/// A buffer that holds all blocks of a traversal: none is written while an earlier one is drawn from the same place.
+/// A buffer large enough for all blocks of a traversal, so that no block overwrites one that is
+/// still being drawn.
 static stp_result make_buffer(spt_gl_drawing* d)
 {
     const stp_gl* gl = &d->renderer->gl;
@@ -67,7 +68,7 @@ static stp_result make_buffer(spt_gl_drawing* d)
     d->memory = gl->MapNamedBufferRange(d->buffer, 0, d->at.end, access);
     if (d->memory == NULL) {
         return stp_fail(d->model->context, STP_ERROR_OUT_OF_MEMORY,
-                        "bench spt: there is no graphics memory for %zu points", points);
+                        "bench spt: not enough graphics memory for %zu points", points);
     }
     uint32_t* colors = (uint32_t*)(void*)(d->memory + d->at.colors);
     record_block* records = (record_block*)(void*)(d->memory + d->at.records);
@@ -142,7 +143,7 @@ const char* spt_gl_drawing_device(const spt_gl_drawing* d)
     return d->renderer->device;
 }
 
-/// Waits until all is drawn.
+/// Waits until drawing has finished.
 static void finish(const stp_gl* gl)
 {
     GLsync sync = gl->FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);

@@ -1,6 +1,5 @@
-// SPDX-License-Identifier: MIT
-// What `stipple bench spt` draws: the sequence of a point tree, and the tree's nodes on the same grid; and the views it is
-// drawn in.
+// SPDX-License-Identifier: MIT What `stipple bench spt` draws: the sequence of a point tree, and
+// the tree's nodes on the same grid; and the views it is drawn in.
 #pragma once
 
 #include "lod/spt/point_tree.h"
@@ -22,8 +21,8 @@ typedef struct spt_model {
     uint16_t* bits; ///< a bit a splat of the sequence
 } spt_model;
 
-/// Sums over views. Times are of selecting and drawing; what the processor does besides drawing is told beside them too:
-/// traversing and gathering blocks, or the sequence's test.
+/// Sums over views of the times of selecting and drawing. CPU work besides drawing is also listed
+/// separately: traversing and gathering blocks, or testing the sequence.
 typedef struct spt_times {
     uint64_t traversal_splats, sequence_splats, group_splats;
     uint64_t traversal_pixels, sequence_pixels, group_pixels; ///< covered
@@ -33,7 +32,7 @@ typedef struct spt_times {
     double gather_ms, test_ms, group_test_ms;
 } spt_times;
 
-/// A view of the model, and what is drawn of the sequence in it.
+/// A view of the model, and the part of the sequence that it draws.
 typedef struct spt_view {
     stp_tree_view tree; ///< as the traversal takes it
     stp_view view;
@@ -42,13 +41,13 @@ typedef struct spt_view {
     uint32_t prefix;
 } spt_view;
 
-/// @param tree made from `samples`; must outlive the model. The caller destroys the model, also after a failure.
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+/// @param tree made from `samples`; must outlive the model. The caller destroys the model, also
+/// after a failure. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result spt_model_create(stp_context* context, const stp_point_tree* tree,
                                          const stp_splats* samples, spt_model* model);
 void spt_model_destroy(spt_model* model);
 
-/// @return false where the eye is at the target
+/// @return false if the eye coincides with the target
 bool spt_model_look(const spt_model* model, const stp_tree_view* from, stp_vec3d target,
                     spt_view* view);
 
@@ -57,5 +56,5 @@ stp_raster_splats spt_model_splats(const stp_splats* set, uint32_t count);
 
 /// Sets the model's bits of those splats of the prefix that the view draws.
 void spt_model_pick(spt_model* model, const spt_view* view, bool grouped);
-/// How many bits of the prefix are set.
+/// Number of set bits of the prefix.
 uint64_t spt_model_count(const spt_model* model, const spt_view* view);

@@ -56,7 +56,7 @@ stp_result spt_store_open(stp_context* context, const stp_splats* set, stp_store
     snprintf(path, sizeof(path), "%s/stipple-bench-XXXXXX", folder != NULL ? folder : "/tmp");
     int file = mkstemp(path);
     if (file < 0) {
-        tool_error("bench spt: there is no scratch file %s", path);
+        tool_error("bench spt: cannot create scratch file %s", path);
         return STP_ERROR_IO;
     }
     close(file);

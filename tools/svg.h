@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Drawings as SVG files. The first failure stays, and is returned at the end.
+// Drawings as SVG files. The first error is kept and returned at the end.
 #pragma once
 
 #include "command.h"
@@ -11,14 +11,14 @@ typedef struct svg {
     stp_result result;
 } svg;
 
-/// Whether a file can be written there, which is better known before what is to be drawn is measured. Failures are logged.
+/// Whether the file can be written, checked before the measurements. Failures are logged.
 STP_MUST_USE stp_result svg_check(stp_context* context, const char* path);
-/// Begins a file on white ground. Failures are logged.
+/// Begins a file with a white background. Failures are logged.
 STP_MUST_USE stp_result svg_open(stp_context* context, const char* path, double width,
                                  double height, svg* s);
 /// Up to 511 characters.
 void svg_put(svg* s, const char* format, ...) __attribute__((format(printf, 2, 3)));
-/// Text from outside: file names may hold anything.
+/// Escapes text from outside: file names may hold anything.
 void svg_put_text(svg* s, const char* text);
-/// Ends the file: it is there, or it is not.
+/// Completes the file, or leaves none.
 STP_MUST_USE stp_result svg_close(svg* s);

@@ -17,14 +17,14 @@
 
 enum { INTERRUPTED_CODE = 130 }; // 128 + SIGINT, as shells have it
 
-// Messages may come from several threads; a message must not be cut in two by another, nor by the
-// bar.
+// Several threads may print messages; a message must not be interrupted by another
+// one or by the progress bar.
 static pthread_mutex_t output_mutex = PTHREAD_MUTEX_INITIALIZER;
 static progress_state progress;
 static volatile sig_atomic_t interrupted;
 static bool holds_errors;
 static char held_error[1024];
-static char stopped_text[256]; ///< what the library said when an interrupt stopped it
+static char stopped_text[256]; ///< the library's message when an interrupt stopped it
 
 tool_settings* tool_settings_get(void)
 {
@@ -43,7 +43,8 @@ bool tool_has_color(FILE* stream)
 static char* format_printable(const char* format, va_list list)
     __attribute__((format(printf, 1, 0)));
 
-/// A message as a terminal may show it: arguments and file names are in it. NULL where memory runs out; to be freed.
+/// A message safe for a terminal: it contains arguments and file names. NULL if memory runs out; to
+/// be freed.
 static char* format_printable(const char* format, va_list list)
 {
     va_list again;
@@ -102,7 +103,7 @@ int tool_usage_error(const char* format, ...)
     return 2;
 }
 
-// What fails after an interrupt fails because of it: tool_finish_interrupted says that, once.
+// A failure after an interrupt is caused by it; tool_finish_interrupted reports that once.
 int tool_error(const char* format, ...)
 {
     if (interrupted) {
@@ -174,7 +175,7 @@ static void catch_interrupt(void)
     struct sigaction action = {.sa_handler = on_interrupt,
                                .sa_flags = (int)SA_RESETHAND | SA_RESTART};
     sigemptyset(&action.sa_mask);
-    // a shell's background jobs are to ignore interrupts
+    // background jobs of a shell ignore interrupts
     struct sigaction before;
     if (sigaction(SIGINT, NULL, &before) == 0 && before.sa_handler != SIG_IGN) {
         (void)sigaction(SIGINT, &action, NULL);
@@ -204,7 +205,7 @@ stp_context* tool_context_create(uint32_t thread_count, uint64_t memory_limit_by
 {
     const tool_settings* settings = tool_settings_get();
     if (!progress_choose(&progress, settings->quiet ? "none" : progress_name, stderr)) {
-        tool_usage_error("--progress: '%s' is none of auto|bar|json|none", progress_name);
+        tool_usage_error("--progress: '%s' is not one of auto|bar|json|none", progress_name);
         return NULL;
     }
     stp_context_desc desc = {
@@ -248,7 +249,7 @@ int tool_finish_output(int code)
     return code;
 }
 
-/// Writes a piece of JSON, in which only characters of texts lie beyond ASCII: those that a terminal would obey as \\u.
+/// Writes JSON; escapes non-ASCII characters that a terminal would obey as \\u.
 static int write_json(const char* piece, size_t size, void* user)
 {
     FILE* stream = user;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
-// What the files of the tool itself share; commands need only command.h.
+// What the files of the tool share; commands only need command.h.
 #pragma once
 
 #include "command.h"
 
 #include <stdio.h>
 
-/// What the options common to all commands say.
+/// The values of the common options.
 typedef struct tool_settings {
     bool help, version, quiet, verbose;
     const char* command; ///< the command that runs; NULL: none yet
@@ -19,20 +19,22 @@ tool_settings* tool_settings_get(void);
 /// The command of that name, or NULL.
 const command* tool_find_command(const char* name);
 
-/// Whether escape sequences belong on this stream: a terminal, and neither NO_COLOR nor TERM=dumb.
+/// Whether to use escape sequences on this stream: it is a terminal, and NO_COLOR and TERM=dumb are
+/// not set.
 bool tool_has_color(FILE* stream);
 
-/// Whether both exist and are one file, by whatever names.
+/// Whether both paths exist and name the same file.
 bool tool_is_same_file(const char* a, const char* b);
 
-/// After a command that ended with `code`: where an interrupt stopped it, says so and `results` (command.interrupted).
-/// @return 130, or `code` where it was not interrupted or ended well all the same
+/// Finishes a command that ended with `code`: after an interrupt, prints so with `results`
+/// (command.interrupted). @return 130, or `code` if the command was not interrupted or still
+/// succeeded
 int tool_finish_interrupted(int code, const char* results);
 
-/// Takes the progress bar off the terminal, before anything else is printed there.
+/// Removes the progress bar from the terminal before other output.
 void tool_end_progress(void);
 
-/// Ends stdout's buffer. @return `code`, or 1 where writing failed (message printed)
+/// Flushes stdout. @return `code`, or 1 if writing failed (message printed)
 int tool_finish_output(int code);
 
 /// `stipple help` and `stipple help NAME`.

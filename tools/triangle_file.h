@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Triangles to the command line.
+// Writing triangles.
 #pragma once
 
 #include "command.h"

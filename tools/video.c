@@ -25,7 +25,8 @@ bool video_is_folder(const char* path)
            (stat(path, &status) == 0 && S_ISDIR(status.st_mode));
 }
 
-// Starts ffmpeg with the pipe's end as its standard input; what it prints goes to stderr. @return 0 or an errno
+// Starts ffmpeg with the pipe's end as its standard input; what it prints goes to stderr. @return 0
+// or an errno
 static int spawn_ffmpeg(char* const arguments[], int input, pid_t* child)
 {
     posix_spawn_file_actions_t actions;
@@ -51,7 +52,8 @@ static int spawn_ffmpeg(char* const arguments[], int input, pid_t* child)
     return problem;
 }
 
-// The file that ffmpeg writes, empty: whether it can be written is better known before a long flight than after it.
+// Creates the file that ffmpeg will write, empty, to find out before a long flight whether it can
+// be written.
 static bool create_unfinished(video* v)
 {
     struct stat status;
@@ -113,9 +115,8 @@ static bool start_film(video* v, uint32_t width, uint32_t height, double fps)
     if (problem != 0) {
         close(ends[1]);
         v->child = 0;
-        tool_error("%s: films are written by ffmpeg, which cannot be started (%s); install it, or "
-                   "name a folder, as "
-                   "in -o frames/, for PNG files",
+        tool_error("%s: ffmpeg, which writes films, cannot be started (%s); install it, or give "
+                   "a folder such as -o frames/ for PNG files",
                    v->path, strerror(problem));
         return false;
     }
@@ -159,7 +160,7 @@ static bool write_whole(int file, const uint8_t* bytes, size_t size)
     return true;
 }
 
-// The picture of a frame in the folder. @return false where the name is too long
+// Path of a frame's picture in the folder. @return false if the name is too long
 static bool name_frame(const video* v, uint32_t frame, char* path, size_t size)
 {
     size_t length = strlen(v->path);
@@ -193,7 +194,7 @@ stp_result video_add(void* user, const stp_image* image, uint32_t frame)
     return STP_OK;
 }
 
-// Takes back what an interrupted flight wrote; the folder, too, where it was made for it.
+// Removes what an interrupted flight wrote, including the folder if it was created for it.
 static void remove_frames(video* v)
 {
     char path[4096];

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Pictures of a flight: numbered PNG files in a folder, or a film that a child process, ffmpeg, makes of raw frames.
+// Pictures of a flight: numbered PNG files in a folder, or a film encoded by ffmpeg as a child
+// process.
 #pragma once
 
 #include "command.h"
@@ -20,17 +21,18 @@ typedef struct video {
     uint8_t* row;
 } video;
 
-/// Whether an output is a folder: its name ends with a slash, or it is one.
+/// Whether an output is a folder: its name ends with a slash, or it exists as one.
 bool video_is_folder(const char* path);
 
-/// Makes the folder, or starts ffmpeg for a film that replaces `path` once it is whole. @return false with the message
-/// printed
+/// Creates the folder, or starts ffmpeg for a film that replaces `path` when complete. @return
+/// false with the message printed
 bool video_open(stp_context* context, const char* path, uint32_t width, uint32_t height, double fps,
                 video* v);
 
-/// A flight_sink; the video is `user`. Transparency is composited on black in a film, and kept in PNG files.
+/// A flight_sink; the video is `user`. Transparency is composited on black in a film, and kept in
+/// PNG files.
 stp_result video_add(void* user, const stp_image* image, uint32_t frame);
 
-/// Ends it. @return false with the message printed; a film that is not `whole` is removed, and so are pictures of
-/// frames where an interrupt stopped the flight
+/// Finishes. @return false with the message printed; removes a film that is not `whole`, and
+/// pictures of frames if the flight was interrupted
 bool video_close(video* v, bool whole);

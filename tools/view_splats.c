@@ -48,7 +48,7 @@ typedef struct splat_maker {
     uint8_t *coverages, *materials;
 } splat_maker;
 
-/// So fine that there are enough pixels to merge, and no more.
+/// The resolution that gives enough pixels to merge, and no more.
 static double choose_pixel_size(const stp_view* view, uint32_t count)
 {
     double pixels = (double)view->width * view->height;
@@ -80,8 +80,8 @@ static void move_candidate(stp_candidates* c, size_t from, size_t to)
     c->materials[to] = c->materials[from];
 }
 
-/// Keeps every second pixel, as on a chessboard: merging takes most of the time, and outlines are
-/// known from the others too.
+/// Keeps every second pixel in a checkerboard: merging takes most of the time, and half the pixels
+/// still define the outlines.
 static void thin_out(splat_maker* m)
 {
     stp_candidates* c = &m->candidates;
@@ -116,8 +116,8 @@ static int compare_floats(const void* a, const void* b)
     return (x > y) - (x < y);
 }
 
-/// The distance from each point of a cloud to the farthest of its nearest ones, and half the square
-/// of it, which is the area that a point of a grid stands for. @return the median distance, or -1
+/// Finds the distance from each point of a cloud to the farthest of its nearest points, and half
+/// its square, which is the area of a point on a grid. @return the median distance, or -1
 static float measure_cloud(const splat_maker* m)
 {
     const stp_candidates* c = &m->candidates;
@@ -152,8 +152,9 @@ static float measure_cloud(const splat_maker* m)
     return median;
 }
 
-/// Turns a normal to the viewer's side, and away from the rim: a smooth normal may lie far from
-/// that of the surface there, and its disk would cover nothing. @return the cosine with the view
+/// Turns a normal towards the viewer and away from grazing angles: a smooth normal may differ so
+/// much from that of the surface that its disk would cover nothing. @return the cosine with the
+/// view
 static double face_viewer(const splat_maker* m, size_t i)
 {
     float* n = m->candidates.normals + 3 * i;
@@ -178,8 +179,8 @@ static double face_viewer(const splat_maker* m, size_t i)
     return cosine;
 }
 
-/// What each candidate stands for: of a mesh the surface behind its pixel, of a cloud that around
-/// its point.
+/// Finds the area of each candidate: for a mesh the surface behind its pixel, for a cloud that
+/// around its point.
 static stp_result measure_candidates(splat_maker* m)
 {
     const stp_candidates* c = &m->candidates;
@@ -214,7 +215,7 @@ static stp_result measure_candidates(splat_maker* m)
     return STP_OK;
 }
 
-/// Grows an ellipse so that splats close, and says which part of it is drawn.
+/// Enlarges an ellipse so that splats close gaps, and computes its opacity.
 static void finish_splat(const splat_maker* m, uint32_t i)
 {
     stp_ellipse* e = &m->left.ellipses[i];
@@ -280,7 +281,7 @@ static stp_result open_store(const splat_maker* m, stp_store** store)
     return tool_open_splat_store(m->context, &splats, 'y', store);
 }
 
-/// Blended surface and points are not in all of their pixels.
+/// Blended surfaces and points do not cover all of their pixels.
 static void take_outline(splat_maker* m, view_splats* made)
 {
     stp_candidates* c = &m->candidates;
@@ -295,7 +296,7 @@ static void take_outline(splat_maker* m, view_splats* made)
     }
 }
 
-/// The part of a pixel that the outline holds, of 255.
+/// The share of a pixel inside the outline, of 255.
 static uint8_t share_of_pixel(const view_splats* made, stp_vec3d corner, stp_vec3d right,
                               stp_vec3d down)
 {
@@ -309,7 +310,7 @@ static uint8_t share_of_pixel(const view_splats* made, stp_vec3d corner, stp_vec
     return (uint8_t)(255u * inside / (OUTLINE_SIDE * OUTLINE_SIDE));
 }
 
-/// Gives a pixel the mean of those beside it that have a colour. @return whether any has
+/// Fills a pixel with the mean of its coloured neighbours. @return whether there are any
 static bool fill_pixel(const stp_image* image, uint32_t x, uint32_t y)
 {
     uint32_t sums[3] = {0}, count = 0;

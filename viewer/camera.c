@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The viewer's camera: what it sees, and how it goes from one place to another.
+// The viewer's camera: position and movements.
 #include "parts.h"
 
 #include "base/clock.h"
@@ -8,7 +8,7 @@
 
 static const double glide_ms = 350.0;
 
-enum { SEEN_COLUMNS = 24, SEEN_ROWS = 14 }; ///< where the picture is asked how far things are
+enum { SEEN_COLUMNS = 24, SEEN_ROWS = 14 }; ///< grid of depth samples over the picture
 
 stp_boxd camera_scene_box(const viewer* v)
 {
@@ -18,7 +18,8 @@ stp_boxd camera_scene_box(const viewer* v)
 void camera_begin(viewer* v)
 {
     stp_boxd box = camera_scene_box(v);
-    v->picture_area = panels_layout(v); // beside the panels of this scene, not of an empty window
+    v->picture_area = panels_layout(v); // beside the panels of this scene, not those of an empty
+                                        // window
     uint32_t width = (uint32_t)v->picture_area.width, height = (uint32_t)v->picture_area.height;
     stp_navigator_init(&v->camera, &box, width, height);
     const char* name = v->options.view;
@@ -29,7 +30,7 @@ void camera_begin(viewer* v)
         } else if (!views_begin_at(v, name)) {
             viewer_say(v, true, "there is no view named %s", name);
         }
-        v->options.view = NULL; // of the first file only
+        v->options.view = NULL; // only for the first file
     }
     v->has_camera = true;
     v->glide_start = -1.0;
@@ -54,7 +55,7 @@ bool camera_of_picture(const viewer* v, stp_navigator* n)
     return true;
 }
 
-/// Depth along the gaze at a pixel of the picture; 0 where nothing is, or where that is not known.
+/// Depth along the view direction at a pixel; 0 if there is nothing or the depth is not known.
 static double depth_at(const painter_picture* picture, uint32_t x, uint32_t y)
 {
     double nearness = (double)picture->nearness[(size_t)y * picture->image.width + x];
@@ -74,7 +75,7 @@ bool camera_seen(const viewer* v, float x, float y, stp_vec3d* point)
     if (!(px >= 0.0) || !(py >= 0.0) || px >= (double)image->width || py >= (double)image->height) {
         return false;
     }
-    // a hand is not exact to the pixel: thin things are met beside it too
+    // clicks are not exact to the pixel, so thin objects also match next to it
     double nearest = 0.0, best = HUGE_VAL;
     for (int dy = -3; dy <= 3; ++dy) {
         for (int dx = -3; dx <= 3; ++dx) {
@@ -101,7 +102,7 @@ static int compare_numbers(const void* a, const void* b)
     return (x > y) - (x < y);
 }
 
-/// How far away things are that the picture shows: nearer than most of them. 0: it shows none.
+/// Distance to the visible content, nearer than most of it. 0: nothing is visible.
 static double seen_distance(const viewer* v)
 {
     double depths[SEEN_COLUMNS * SEEN_ROWS];
@@ -142,7 +143,7 @@ void camera_step(viewer* v, double seconds)
     }
 }
 
-/// The box of all that is drawn; of the whole scene where nothing is.
+/// Bounds of all visible content; of the whole scene if nothing is visible.
 static stp_boxd shown_box(const viewer* v)
 {
     stp_boxd box = v->explorer != NULL

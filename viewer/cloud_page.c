@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How clouds are drawn: eye-dome lighting where nobody chose another strength, and the size of points.
+// Settings of point clouds: default eye-dome lighting, and point size.
 #include "gui.h"
 #include "parts.h"
 
@@ -31,7 +31,7 @@ void cloud_page_give(const viewer* v, paint_request* request)
     size.width = (double)(in_metres ? s->point_metres : s->point_pixels);
     cloud_look_set_size(&size, v->scene->store, &request->style);
     request->quality.points_apart = true;
-    if (request->quality.method == 0) { // whose splats are points
+    if (request->quality.method == 0) { // its splats are points
         request->quality.method = STP_METHOD_BLUE;
     }
 }
@@ -44,17 +44,17 @@ void cloud_page_show(viewer* v)
         return;
     }
     gui_choice("Points", &s->point_sizing, sizings, 3,
-               "Adaptive: as large as closes the gaps between points. Pixels, Metres: all points "
-               "have one size");
+               "Adaptive: points are large enough to close the gaps between them. Pixels, "
+               "Metres: all points have the same size");
     if (s->point_sizing == STP_POINTS_ADAPTIVE) {
         gui_log_slider("Point size", &s->point_scale, 0.25f, 4.0f, "%.2f x",
-                       "Size of points, relative to what closes the gaps between them");
+                       "Relative to the size that closes the gaps between points");
     } else if (s->point_sizing == STP_POINTS_PIXELS) {
         gui_log_slider("Point size", &s->point_pixels, 1.0f, 32.0f, "%.1f px",
                        "Width of each point on the screen");
     } else {
         gui_log_slider("Point size", &s->point_metres, 0.001f, 10.0f, "%.3f m",
-                       "Width of each point in the scene; units of the scene where it does not "
-                       "say what they are");
+                       "Width of each point in the scene, in metres, or in scene units if the "
+                       "unit is not known");
     }
 }

@@ -6,7 +6,7 @@
 #include <string.h>
 
 enum {
-    RECORDS_A_STEP = 100000, ///< of objects: some milliseconds
+    RECORDS_A_STEP = 100000, ///< of objects per step: a few milliseconds
     CHILDREN_AT_ONCE = 256,
     UNFOLDED_AT_FIRST = 4,
 };
@@ -68,7 +68,7 @@ bool explorer_is_same(const stp_outline_item* a, const stp_outline_item* b)
            memcmp(a->objects, b->objects, a->depth * sizeof(a->objects[0])) == 0;
 }
 
-/// Whether `a` is `b`, or above it.
+/// Whether `a` is `b` or an ancestor of it.
 static bool is_above(const stp_outline_item* a, const stp_outline_item* b)
 {
     return a->depth <= b->depth &&
@@ -89,7 +89,7 @@ static bool grow(void** array, size_t* capacity, size_t needed, size_t size)
     return true;
 }
 
-/// Puts the children of an item into the rows, at a place. @return how many
+/// Inserts the children of an item into the rows. @return their number
 static size_t insert_children(explorer* e, const stp_outline_item* parent, size_t at)
 {
     stp_outline_item children[CHILDREN_AT_ONCE];
@@ -127,7 +127,7 @@ void explorer_fold(explorer* e, size_t row)
     explorer_row* r = &e->rows[row];
     if (!r->open) {
         r->open = true;
-        stp_outline_item parent = r->item; // rows move
+        stp_outline_item parent = r->item; // a copy, because rows move
         (void)insert_children(e, &parent, row + 1);
         return;
     }
@@ -146,11 +146,11 @@ static void begin_rows(explorer* e)
     stp_outline_item root = stp_outline_root(e->outline);
     (void)insert_children(e, &root, 0);
     for (size_t i = 0; i < UNFOLDED_AT_FIRST && e->row_count == i + 1; ++i) {
-        explorer_fold(e, i); // where there is no choice
+        explorer_fold(e, i); // an only child is expanded too
     }
 }
 
-/// Unfolds what was unfolded before: the same objects are in the same order.
+/// Expands the rows that were expanded before; the same objects are in the same order.
 static void follow_rows(explorer* e)
 {
     size_t next = 0;
@@ -174,7 +174,7 @@ static void follow(explorer* e)
     follow_rows(e);
     for (size_t i = 0; i < e->row_count && e->former_chosen.depth > 0; ++i) {
         if (explorer_is_same(&e->rows[i].item, &e->former_chosen)) {
-            e->chosen = e->rows[i].item; // its node may be another now
+            e->chosen = e->rows[i].item; // its node may have changed
         }
     }
     free(e->former_rows);
@@ -185,7 +185,7 @@ static void follow(explorer* e)
 void explorer_follow(explorer* e, explorer* before)
 {
     bool waits =
-        !before->ready && before->former_rows != NULL; // it was followed before it was ready
+        !before->ready && before->former_rows != NULL; // it was replaced before it was ready
     e->former_rows = waits ? before->former_rows : before->rows;
     e->former_count = waits ? before->former_count : before->row_count;
     e->former_chosen = waits ? before->former_chosen : before->chosen;
@@ -251,7 +251,7 @@ void explorer_search(explorer* e, const char* text)
 
 const char* explorer_label(explorer* e, const stp_outline_item* item, stp_outline_row* row)
 {
-    static char text[32]; // of the window's thread
+    static char text[32]; // used by the window thread only
     *row = (stp_outline_row){0};
     if (stp_outline_describe(e->outline, item, row) != STP_OK) {
         return "?";
@@ -283,7 +283,7 @@ bool explorer_pick(explorer* e, const stp_view* view, double x, double y, stp_pi
     if (!stp_ray_of_pixel(view, x, y, &desc.ray)) {
         return false;
     }
-    // a point has a few pixels around it
+    // a point can be picked within a few pixels
     stp_pixel_width(view, &desc.point_base, &desc.point_slope);
     desc.point_base *= 2.0;
     desc.point_slope *= 2.0;
@@ -291,7 +291,7 @@ bool explorer_pick(explorer* e, const stp_view* view, double x, double y, stp_pi
     return result == STP_OK && pick->hit;
 }
 
-/// Unfolds the rows down to an item.
+/// Expands the rows down to an item.
 static void reveal(explorer* e, const stp_outline_item* item)
 {
     for (size_t i = 0; i < e->row_count; ++i) {
@@ -351,7 +351,7 @@ void explorer_mark_item(explorer* e, const stp_outline_item* item, explorer_how 
     for (size_t i = 0; i < e->mark_count; ++i) {
         bool same = explorer_is_same(&e->marks[i].item, item);
         was = was || (same && e->marks[i].how == how);
-        // one part is isolated at a time
+        // only one part is isolated at a time
         bool goes = same || (how == EXPLORER_ISOLATED && e->marks[i].how == EXPLORER_ISOLATED);
         if (!goes) {
             e->marks[kept++] = e->marks[i];

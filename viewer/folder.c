@@ -56,7 +56,7 @@ static int compare_entries(const void* a, const void* b)
     return order != 0 ? order : strcmp(x->name, y->name);
 }
 
-/// @return false where memory runs out
+/// @return false if memory runs out
 static bool add(folder_list* f, const char* name, bool is_folder, uint64_t bytes)
 {
     if (f->count == f->capacity) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A folder as a dialog shows it: folders first, then the files that can be opened.
+// A folder as listed by the file dialog: folders first, then files that can be opened.
 #pragma once
 
 #include <limits.h>
@@ -10,27 +10,27 @@
 enum { FOLDER_ENTRIES_MOST = 5000 };
 
 typedef struct folder_entry {
-    char* name; ///< from malloc
+    char* name; ///< malloc'ed
     bool is_folder;
-    uint64_t bytes; ///< of a file
+    uint64_t bytes; ///< for files
 } folder_entry;
 
 typedef struct folder_list {
-    char path[PATH_MAX]; ///< absolute, without a slash at its end unless it is "/"
+    char path[PATH_MAX]; ///< absolute, without a trailing slash except for "/"
     folder_entry* entries;
     size_t count, capacity;
-    bool cut_short; ///< there are more
+    bool cut_short; ///< there are more entries
 } folder_list;
 
-/// Formats that are listed, for people.
+/// Supported formats, as text for people.
 extern const char folder_formats[];
 
-/// Whether a file's name ends as those of a format that can be opened (whatever the case of letters).
+/// Whether a file's name has the extension of a supported format, ignoring case.
 bool folder_is_model(const char* name);
 
-/// Reads a folder; names that begin with a dot are left out, files too unless they can be opened or `all`. @return false where
-/// it cannot be read: `f` stays as it was
+/// Lists a folder without hidden entries, and without unsupported files unless `all`. @return false
+/// if it cannot be read: `f` stays unchanged
 bool folder_read(folder_list* f, const char* path, bool all);
-/// "PATH/NAME" of an entry, or of the folder above for "..". @return false where it is too long
+/// "PATH/NAME" of an entry, or the parent folder for "..". @return false if it is too long
 bool folder_join(const folder_list* f, const char* name, char path[PATH_MAX]);
 void folder_destroy(folder_list* f);

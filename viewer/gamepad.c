@@ -3,20 +3,20 @@
 
 #include <math.h>
 
-static const double stick_dead = 0.15; // of a hand at rest
+static const double stick_dead = 0.15; // dead zone of a stick
 
 void gamepad_begin(void)
 {
     (void)SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER);
 }
 
-/// Whether a device that went is the one in use; which is no place among those that are there.
+/// Whether the detached device is the one in use; its index is no longer valid.
 static bool is_ours(SDL_GameController* pad, SDL_JoystickID which)
 {
     return pad != NULL && SDL_JoystickInstanceID(SDL_GameControllerGetJoystick(pad)) == which;
 }
 
-/// The first that can be opened.
+/// Opens the first gamepad that can be opened.
 static SDL_GameController* open_any(void)
 {
     SDL_GameController* pad = NULL;
@@ -29,7 +29,7 @@ static SDL_GameController* open_any(void)
 bool gamepad_take(SDL_GameController** pad, const SDL_Event* event)
 {
     if (event->type == SDL_CONTROLLERDEVICEADDED) {
-        *pad = *pad != NULL ? *pad : open_any(); // places in events may be of before others went
+        *pad = *pad != NULL ? *pad : open_any(); // device indices in events may be stale
         return true;
     }
     if (event->type == SDL_CONTROLLERDEVICEREMOVED) {

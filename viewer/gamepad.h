@@ -1,24 +1,25 @@
 // SPDX-License-Identifier: MIT
-// Which of the gamepads that are attached flies: the first, and when that goes, one that is left.
+// Chooses the gamepad in use: the first attached one, and when it is detached, another.
 #pragma once
 
 #include <SDL.h>
 #include <stdbool.h>
 
-/// Asks SDL for gamepads; what is attached already comes as events. Without any the viewer has mouse and keys.
+/// Starts gamepad support; attached gamepads are reported as events. Without any, the viewer uses
+/// mouse and keyboard.
 void gamepad_begin(void);
 
-/// Takes in an event that a gamepad came or went. @return whether it was one
+/// Handles an event that a gamepad was attached or detached. @return whether it was one
 bool gamepad_take(SDL_GameController** pad, const SDL_Event* event);
 
-/// Where sticks and triggers are, -1 to 1; what a hand at rest does is 0.
+/// Positions of sticks and triggers, -1 to 1; small deflections count as 0.
 typedef struct gamepad_sticks {
     double moves[3];  ///< right, up, forward: left stick and triggers
-    double turn, nod; ///< right stick: to the right, down
+    double turn, nod; ///< right stick: right, down
 } gamepad_sticks;
 
-/// Of no gamepad (NULL): all 0.
+/// Reads the gamepad; NULL gives all 0.
 gamepad_sticks gamepad_read(SDL_GameController* pad);
 
-/// NULL is allowed, and what there is then.
+/// NULL is allowed.
 void gamepad_end(SDL_GameController** pad);

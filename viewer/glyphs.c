@@ -16,7 +16,7 @@ static bool is_always(uint32_t point)
     return point < 0x20;
 }
 
-/// The code point at `text` and its length; 0 where it is none.
+/// The code point at `text` and its length; 0 if it is invalid.
 static uint32_t read_point(const unsigned char* text, size_t* length)
 {
     static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
@@ -28,7 +28,7 @@ static uint32_t read_point(const unsigned char* text, size_t* length)
     }
     uint32_t point = c & (0xFFu >> (n + 1));
     for (size_t i = 1; i < n; ++i) {
-        if ((text[i] & 0xC0) != 0x80) { // the end of the text too
+        if ((text[i] & 0xC0) != 0x80) { // also at the end of the text
             return 0;
         }
         point = point << 6 | (text[i] & 0x3Fu);

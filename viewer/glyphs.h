@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Letters beyond those that the font of the panels always has: a font of all scripts has tens of thousands, of which a
-// file's names need some. What texts need is noted here as they are shown, and the font is made anew with it.
+// Additional glyphs: a font of all scripts has tens of thousands, but file names need only some.
+// The code points of shown texts are collected here, and the font is rebuilt with them.
 #pragma once
 
 #include <stdbool.h>
@@ -13,14 +13,14 @@ enum { GLYPHS_MOST = 4096 };
 typedef struct glyph_set {
     uint16_t points[GLYPHS_MOST]; ///< ascending
     size_t count;
-    uint16_t ranges[2 * GLYPHS_MOST + 1]; ///< of glyphs_make_ranges
+    uint16_t ranges[2 * GLYPHS_MOST + 1]; ///< written by glyphs_make_ranges
 } glyph_set;
 
-/// Pairs of first and last code point that are always there, and a zero.
+/// Pairs of first and last code point that are always available, ending with a zero.
 extern const uint16_t glyphs_always[];
 
-/// Notes what a text needs. UTF-8; what is none, and what lies beyond the basic plane, is passed over.
-/// @return whether anything is new
+/// Adds the code points of a UTF-8 text. Skips invalid UTF-8 and code points outside the basic
+/// plane. @return whether any is new
 bool glyphs_note(glyph_set* set, const char* text);
-/// What is noted, as pairs of first and last code point, and a zero.
+/// The collected code points as pairs of first and last, ending with a zero.
 const uint16_t* glyphs_make_ranges(glyph_set* set);

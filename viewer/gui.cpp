@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Dear ImGui's frame, its look, and where panels are.
+// Dear ImGui's frame, its style, and the layout of panels.
 #include "gui.h"
 
 #include "gui_internal.h"
@@ -56,7 +56,7 @@ void set_look(float scale)
     c[ImGuiCol_NavHighlight] = gui_accent;
 }
 
-// ImGui's triangles through SDL, for machines without OpenGL.
+// Draws ImGui's triangles through SDL, on machines without OpenGL.
 void draw_with_sdl(const ImDrawData* data)
 {
     for (int i = 0; i < data->CmdListsCount; ++i) {
@@ -114,7 +114,7 @@ void gui_take_event(const SDL_Event* event)
 {
     ImGui_ImplSDL2_ProcessEvent(event);
     if (event->type == SDL_KEYDOWN || event->type == SDL_KEYUP) {
-        // as they were then: SDL's own state is that after all events that have come
+        // the modifiers at the time of the event: SDL's own state already includes all later events
         ImGuiIO& io = ImGui::GetIO();
         io.KeyShift = (event->key.keysym.mod & KMOD_SHIFT) != 0;
         io.KeyCtrl = (event->key.keysym.mod & KMOD_CTRL) != 0;
@@ -129,12 +129,13 @@ void gui_begin_frame(int width, int height, float density)
         ImGui_ImplOpenGL3_NewFrame();
     }
     ImGui_ImplSDL2_NewFrame();
-    // all that is said here is in pixels, also where the window's units are larger
+    // the interface uses pixels, even if window units are larger
     ImGuiIO& io = ImGui::GetIO();
     io.DisplaySize = ImVec2(float(width), float(height));
     io.DisplayFramebufferScale = ImVec2(1.0f, 1.0f);
     if (ImGui::IsMousePosValid(&io.MousePos)) {
-        // what ImGui asks for, the place on the desktop, stands still on X11 while a button is down
+        // ImGui would query the position on the desktop, which does not change on X11 while a
+        // button is down
         int x, y;
         SDL_GetMouseState(&x, &y);
         io.MousePos = ImVec2(float(x) * density, float(y) * density);

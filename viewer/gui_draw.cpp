@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is drawn: graphs in panels, and figures over the picture.
+// Drawing: graphs in panels, and shapes over the picture.
 #include "gui.h"
 #include "gui_internal.h"
 
@@ -103,7 +103,7 @@ static float show_plate(float x, float y, float share, float widest, const char*
     gui_need_letters(text);
     float line = ImGui::GetTextLineHeight();
     ImVec2 size = ImGui::CalcTextSize(text, nullptr, false, widest);
-    // further lines go up, away from what the plate is about
+    // further lines go up, away from the annotated point
     ImVec2 start = ImVec2(std::floor(x - share * size.x), std::floor(y + 0.5f * line - size.y));
     ImVec2 pad = ImVec2(6.0f * gui_scale, 3.0f * gui_scale);
     ImDrawList* list = ImGui::GetBackgroundDrawList();

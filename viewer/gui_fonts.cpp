@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The fonts of the panels: letters that are always there, and those that the texts shown need.
+// Fonts of the panels: a fixed set of glyphs, plus those that the shown texts need.
 #include "gui_internal.h"
 
 extern "C" {
@@ -14,15 +14,15 @@ namespace
 {
 
 SDL_Texture* font_texture;
-glyph_set further_glyphs; // beyond those that are always there
-bool font_is_old;         // there are more since it was made
+glyph_set further_glyphs; // in addition to the fixed set
+bool font_is_old;         // there are new glyphs
 
 float font_size()
 {
     return 15.0f * gui_scale;
 }
 
-// Whether a file begins as fonts do: ImGui would end the program at another.
+// Whether a file has a font header: ImGui would abort on any other file.
 bool is_font(const char* file)
 {
     static const char beginnings[][5] = {{0, 1, 0, 0, 0}, "OTTO", "ttcf", "true"};
@@ -39,7 +39,7 @@ bool is_font(const char* file)
     return known;
 }
 
-// Adds a font's letters to those of the fonts before. @return false where there is no such font
+// Merges a font's glyphs into the previous font. @return false if there is no such font
 bool add_font(const char* file, const uint16_t* ranges, bool merges)
 {
     if (!is_font(file)) {
@@ -50,8 +50,8 @@ bool add_font(const char* file, const uint16_t* ranges, bool merges)
     return ImGui::GetIO().Fonts->AddFontFromFileTTF(file, font_size(), &config, ranges) != nullptr;
 }
 
-// A font of the system with the letters of most European languages, ImGui's own where there is none; and from others what
-// names in other scripts need. What none has is shown as a box.
+// A system font with the letters of most European languages, or ImGui's own; and others for names
+// in other scripts. A glyph that no font has is shown as a box.
 void load_fonts()
 {
     static const char* const files[] = {
@@ -97,7 +97,7 @@ bool make_font_texture()
     font_texture = SDL_CreateTexture(gui_software, SDL_PIXELFORMAT_RGBA32, SDL_TEXTUREACCESS_STATIC,
                                      width, height);
     ImGui::GetIO().Fonts->SetTexID(
-        font_texture); // also where there is none: the one before is no more
+        font_texture); // even if it failed, because the old texture is gone
     if (font_texture == nullptr) {
         return false;
     }

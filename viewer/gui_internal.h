@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What the C++ files that give Dear ImGui a C face have in common (gui*.cpp).
+// Shared by the C++ files that wrap Dear ImGui for C (gui*.cpp).
 #pragma once
 
 #include <SDL.h>
@@ -18,13 +18,13 @@ inline ImVec4 gui_mixed(const ImVec4& color, float alpha)
     return ImVec4(color.x, color.y, color.z, alpha);
 }
 
-// gui_fonts.cpp. The first fonts, once ImGui is there; false where there is no memory.
+// gui_fonts.cpp. Makes the first fonts after ImGui is initialized; false if memory runs out.
 bool gui_fonts_create();
 void gui_fonts_destroy();
-// Between two frames: makes fonts anew where texts need more letters.
+// Called between frames: rebuilds the fonts if texts need more glyphs.
 void gui_fonts_renew();
 bool gui_fonts_are_old();
 SDL_Texture* gui_fonts_texture(); // without OpenGL
-// Whatever is shown that others wrote goes through one of these.
+// Every text from files or users passes through one of these.
 void gui_need_letters(const char* text);
 void gui_need_letters_of(const char* format, va_list list);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What stands in panels: texts, buttons, fields, rows.
+// Widgets of panels: texts, buttons, fields, rows.
 #include "gui.h"
 #include "gui_internal.h"
 
@@ -279,7 +279,7 @@ static float row_height()
     return ImGui::GetFrameHeight() - 4.0f * gui_scale;
 }
 
-// As much of a text as there is room for: of a path, the end says most.
+// The part of a text that fits; for a path, its end.
 static void show_end(ImDrawList* list, ImVec2 at, float room, ImU32 color, const char* text)
 {
     if (ImGui::CalcTextSize(text).x > room) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What hands do: mouse, keys and gamepad become movements of the camera and commands.
+// Input: mouse, keys and gamepad control the camera and trigger commands.
 #include "gamepad.h"
 #include "gui.h"
 #include "parts.h"
@@ -7,12 +7,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const float click_reach = 4.0f; // pixels of a hand that does not drag
-static const double zoom_step = 0.85;  // of a notch of the wheel
-static const double faster = 5.0;      // with Shift
-static const double look_a_picture =
-    STP_PI / 3.0;                     // a drag over the picture's height turns the head so far
-static const double stick_turn = 1.8; // radians a second
+static const float click_reach = 4.0f;             // pixels of movement that still count as a click
+static const double zoom_step = 0.85;              // per notch of the wheel
+static const double faster = 5.0;                  // with Shift
+static const double look_a_picture = STP_PI / 3.0; // rotation for a drag over the picture's height
+static const double stick_turn = 1.8;              // radians per second
 
 static float in_picture_x(const viewer* v, float x)
 {
@@ -24,7 +23,7 @@ static float in_picture_y(const viewer* v, float y)
     return y - v->picture_area.y;
 }
 
-/// The point that the hand is on; where the picture shows nothing, one as far as what is seen.
+/// The point under the cursor; if there is none, a point at the distance of the visible content.
 static stp_vec3d point_under(const viewer* v, float x, float y)
 {
     stp_vec3d point;
@@ -197,17 +196,17 @@ static void switch_fullscreen(viewer* v)
     SDL_SetWindowFullscreen(v->window.handle, full ? 0 : SDL_WINDOW_FULLSCREEN_DESKTOP);
 }
 
-/// Draws the splats of the file's next method.
+/// Switches to the next method of the file.
 static void show_next_method(viewer* v)
 {
     const stp_store_directory* d = v->scene != NULL ? v->scene->directory : NULL;
     if (d == NULL || d->method_count < 2) {
-        viewer_say(v, false, "This file holds no splats of another method");
+        viewer_say(v, false, "This file has splats of only one method");
         return;
     }
     uint32_t place = stp_store_find_method(d, (uint32_t)v->settings.splats_by);
     if (viewer_mixes_methods(v) && place == 0 && v->settings.splats_by != 0) {
-        v->settings.splats_by = 0; // the last of the round
+        v->settings.splats_by = 0; // after the last method, back to automatic
         viewer_say(v, false, "Splats by %s, and by others where few suffice", d->methods[0].name);
         return;
     }
@@ -216,7 +215,7 @@ static void show_next_method(viewer* v)
     viewer_say(v, false, "Splats by %s", d->methods[next].name);
 }
 
-/// Keys of panels and tools. @return whether it was one
+/// Keys of panels and tools. @return whether it handled the key
 static bool take_tool_key(viewer* v, SDL_Keycode key)
 {
     switch (key) {
@@ -314,7 +313,7 @@ static void take_key(viewer* v, SDL_Keycode key, bool control)
         if (v->shows_help) {
             v->shows_help = false;
         } else if (v->scene != NULL && messages_put_away(v)) {
-            break; // it was read
+            break; // already handled
         } else if (v->measure.on) {
             v->measure.on = false;
         } else if (v->explorer != NULL) {
@@ -353,7 +352,7 @@ void input_take(viewer* v, const SDL_Event* e)
         start_show_dialog(v, false);
     } else if (e->type == SDL_KEYDOWN && !control && !gui_wants_keys() &&
                splats_take_key(v, e->key.keysym.sym, (e->key.keysym.mod & KMOD_SHIFT) != 0)) {
-        return; // also while it is held
+        return; // also while the key repeats
     } else if (e->type == SDL_KEYDOWN && e->key.repeat == 0 && (control || !gui_wants_keys())) {
         take_key(v, e->key.keysym.sym, control);
     } else if (e->type == SDL_CONTROLLERBUTTONDOWN) {

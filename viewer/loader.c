@@ -16,7 +16,7 @@ struct loader {
     pthread_cond_t changed;
     bool quits;
     uint32_t wanted, begun; ///< numbers of loads
-    char path[PATH_MAX];    ///< of the load that is wanted
+    char path[PATH_MAX];    ///< of the requested load
     loader_news news;
     char draft[PATH_MAX]; ///< of the last build
 };
@@ -86,7 +86,7 @@ void loader_drop_drafts(loader* l)
     pthread_mutex_unlock(&l->mutex);
 }
 
-/// Until another process may have built what is wanted. @return false where it is not wanted any more
+/// Waits until another process may have finished the build. @return false if it is no longer wanted
 static bool wait_for_another(loader* l)
 {
     struct timespec until;
@@ -117,7 +117,7 @@ static void load(loader* l, const char* path)
                              .memory_limit_bytes = l->desc.memory_limit};
     loader_drop_drafts(l);
     if (stp_context_create(&context, &desc) != STP_OK) {
-        on_log(STP_LOG_ERROR, "there is no memory to load anything", l);
+        on_log(STP_LOG_ERROR, "not enough memory to load the file", l);
         tell(l, LOADER_FAILED, NULL, false);
         return;
     }
@@ -133,7 +133,8 @@ static void load(loader* l, const char* path)
     tell(l, result == STP_OK ? LOADER_DONE : LOADER_FAILED, result == STP_OK ? found : NULL, true);
 }
 
-/// Who builds yields to who draws. On Linux this is of the calling thread alone, and the threads that it starts.
+/// Lowers the priority of building below that of drawing. On Linux this affects the calling thread
+/// and the threads that it starts.
 static void yield_to_drawing(void)
 {
     enum { LESS = 10 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Measuring: points that are clicked, and what lies between them, in the unit and with the axes of the file.
+// Measuring: clicked points, and distances, angles and areas between them, in the display unit and
+// along the file's axes.
 #include "gui.h"
 #include "parts.h"
 
@@ -100,7 +101,7 @@ void measure_unit_choice(viewer* v)
     gui_disable(!known);
     gui_choice("Unit", &v->settings.unit, words, UNIT_COUNT,
                known ? "Unit of lengths, coordinates and the scale bar"
-                     : "This file does not name its unit");
+                     : "This file does not specify its unit");
     gui_enable();
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What is said to the one who looks: the newest message in the status line, those before it above, and why there is nothing
-// in the picture.
+// Messages to the user: the newest in the status line, earlier ones above it, and an explanation of
+// an empty picture.
 #include "gui.h"
 #include "parts.h"
 
@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const double shown_ms = 8000.0; // of what is no error; errors stay until they are put away
+static const double shown_ms = 8000.0; // for notices; errors stay until dismissed
 
 static bool is_current(const viewer_message* m, double now)
 {
@@ -24,7 +24,7 @@ void viewer_say(viewer* v, bool is_error, const char* format, ...)
     va_start(list, format);
     vsnprintf(m.text, sizeof(m.text), format, list);
     va_end(list);
-    // what was not read yet stays, without what is said again
+    // unread messages stay, unless they repeat the new one
     viewer_message kept[MESSAGES];
     int count = 0;
     for (int i = 0; i < MESSAGES; ++i) {
@@ -73,7 +73,7 @@ const char* messages_error(const viewer* v)
     return NULL;
 }
 
-/// Whether any of the scene's box lies in the picture, as far as points of it tell.
+/// Whether the scene's box is in view, tested with sample points.
 static bool box_is_in_view(const viewer* v, const stp_navigator* n)
 {
     enum { STEPS = 4 };
@@ -124,7 +124,7 @@ void messages_overlay(const viewer* v)
     float y = a.y + a.height;
     for (int i = v->shows_panels ? 1 : 0; i < MESSAGES; ++i) {
         const viewer_message* m = &v->messages[i];
-        bool whole = v->shows_panels || m->is_error; // without panels, only what went wrong
+        bool whole = v->shows_panels || m->is_error; // without panels, only errors
         if (is_current(m, now) && whole) {
             y -= 1.6f * gui_text_height();
             y -= gui_plate_at(a.x + 12.0f * v->window.scale, y, a.width - 24.0f * v->window.scale,

@@ -10,7 +10,7 @@
 
 static const float half_edge = 23.0f; // of the cube, pixels at scale 1
 static const float margin = 14.0f;    // to the picture's edge
-static const float bar_most = 160.0f; // width of the scale bar
+static const float bar_most = 160.0f; // maximum width of the scale bar
 
 static const uint32_t face_color = 0xF4F5F7F0;
 static const uint32_t face_hovered = 0xA8D4F0F8;
@@ -20,7 +20,7 @@ static const uint32_t letter_color = 0x2A2E33FF;
 static const uint32_t bar_color = 0x24282DFF;
 static const uint32_t bar_rim = 0xFFFFFFB0;
 
-/// Axes of the scene in the colours that are usual for them; where the file has z up, the colours follow its names.
+/// Axes of the scene in their usual colours; in a z-up file, colours follow its axis names.
 static uint32_t axis_color(const viewer* v, int axis)
 {
     static const uint32_t colors[3] = {0xD65C5CFF, 0x5FA34AFF, 0x4C82D8FF};
@@ -45,7 +45,7 @@ static void cube_center(const viewer* v, float* x, float* y)
     *y = a.y + reach;
 }
 
-/// The side of the cube at a place of the window. @return -1 where there is none
+/// The side of the cube at a position of the window. @return -1 if there is none
 static int find_side(const viewer* v, const stp_view_cube* cube, float x, float y)
 {
     float cx, cy, unit = half_edge * v->window.scale;
@@ -122,7 +122,7 @@ static void show_face(const viewer* v, const stp_view_cube_side* s, float cx, fl
     }
 }
 
-/// The handles before or behind the faces, each with the file's name of its axis where it points that way.
+/// Draws the handles before or behind the faces; positive axes have the file's axis names.
 static void show_handles(const viewer* v, const stp_view_cube* cube, bool in_front, int hovered)
 {
     static const char* const letters[] = {"X", "Y", "Z"};
@@ -134,11 +134,11 @@ static void show_handles(const viewer* v, const stp_view_cube* cube, bool in_fro
         if (!s->has_handle || (s->facing > 0.0) != in_front) {
             continue;
         }
-        bool turned = z_up && s->axis == 2; // the file's y points to the back
+        bool turned = z_up && s->axis == 2; // the file's y points backwards
         bool named = s->positive != turned;
         uint32_t color = axis_color(v, s->axis);
         float x = cx + (float)s->handle[0] * unit, y = cy + (float)s->handle[1] * unit;
-        float from = named ? 0.55f : 0.78f; // the line begins where the cube's side is
+        float from = named ? 0.55f : 0.78f; // the line starts at the cube's side
         if (named || !in_front) {
             gui_line(cx + from * (x - cx), cy + from * (y - cy), x, y, color, named ? 2.5f : 1.0f);
         }
@@ -176,7 +176,8 @@ static void show_cube(const viewer* v, const stp_navigator* n)
     show_handles(v, &cube, true, hovered);
 }
 
-/// Side of a pixel where the scale bar is right: anywhere in parallel projection, else at the pivot's depth.
+/// Size of a pixel for which the scale bar is exact: everywhere in parallel projection, else at the
+/// pivot's depth.
 static double scale_pixel(const viewer* v, const stp_navigator* n)
 {
     double x, y, depth = n->reach;
@@ -208,7 +209,7 @@ static void show_scale_bar(const viewer* v, const stp_navigator* n)
     stp_measure_text(&m, bar.length / stp_measure_factor(&m), 6, text, sizeof(text));
     float x0 = a.x + a.width - margin * scale - (float)bar.pixels;
     float x1 = x0 + (float)bar.pixels, y = a.y + a.height - margin * scale;
-    for (int pass = 0; pass < 2; ++pass) { // a light rim, so that it shows on dark things
+    for (int pass = 0; pass < 2; ++pass) { // a light outline for dark backgrounds
         uint32_t color = pass == 0 ? bar_rim : bar_color;
         float width = pass == 0 ? 4.5f : 2.0f;
         gui_line(x0, y, x1, y, color, width);

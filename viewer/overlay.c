@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The picture, and what is drawn over it: pivot, chosen part, sections, measures, notes. All of it is placed by the camera
-// of the picture that is shown, so nothing swims while the next one is drawn.
+// The picture and its overlays: pivot, selection, sections, measurements, notes. All of them use
+// the camera of the shown picture, so that they stay in place while the next one is drawn.
 #include "gui.h"
 #include "parts.h"
 
@@ -20,7 +20,7 @@ void overlay_line(const viewer* v, const stp_navigator* n, stp_vec3d a, stp_vec3
                   float width)
 {
     stp_navigator_axes axes = stp_navigator_get_axes(n);
-    double least = 1e-4 * n->reach; // what lies behind the eye is cut off
+    double least = 1e-4 * n->reach; // clips everything behind the eye
     double da = -stp_dotd(axes.back, stp_subd(a, n->eye));
     double db = -stp_dotd(axes.back, stp_subd(b, n->eye));
     if (!(n->ortho_height > 0.0)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The panels of figures and of quality.
+// The Statistics and Display panels.
 #include "gui.h"
 #include "parts.h"
 
@@ -39,7 +39,7 @@ static void show_bytes(const char* name, uint64_t bytes)
     gui_value(name, mib < 1024.0 ? "%.0f MiB" : "%.2f GiB", mib < 1024.0 ? mib : mib / 1024.0);
 }
 
-/// Memory of the process that is in RAM.
+/// Resident memory of the process.
 static uint64_t resident_bytes(void)
 {
     unsigned long long size = 0, resident = 0;
@@ -67,7 +67,7 @@ static void show_times(const viewer* v)
     float mark = v->settings.adapts ? v->settings.budget_ms : 0.0f;
     most = 1.15f * fmaxf(most, mark);
     gui_graph(v->frame_times, FRAME_HISTORY, v->newest_time, most, mark, 64.0f * v->window.scale,
-              "Time of the last frames; the line is the limit");
+              "Frame times; the line is the limit");
     float mean = count > 0 ? sum / (float)count : 0.0f;
     gui_value("Frame", "%.1f ms (mean %.0f)", (double)v->frame_times[v->newest_time], (double)mean);
 }
@@ -106,7 +106,7 @@ void page_statistics(viewer* v)
     }
     show_count("Objects", d->object_count);
     gui_value("Renderer", "%s", v->picture->gl ? "OpenGL" : "CPU");
-    gui_value("Window by", "%s", v->window.device);
+    gui_value("Window device", "%s", v->window.device);
 }
 
 static void show_effect(const char* label, const char* amount, float* value, float usual,
@@ -130,10 +130,11 @@ static void show_look(viewer* v)
     gui_choice("Light", &s->light, lights, 2,
                "Sun: from above left of the viewer. Headlight: from the viewer");
     show_effect("Ambient occlusion", "Reach", &s->ambient_occlusion, 4.0f, 0.5f, 12.0f, "%.1f %%",
-                "Darkens corners and crevices; the reach is in percent of the picture's height");
+                "Darkens corners and crevices; the reach is a percentage of the picture's height");
     float eye_dome = cloud_page_eye_dome(v), before = eye_dome;
-    show_effect("Eye-dome lighting", "Strength", &eye_dome, CLOUD_EYE_DOME, 0.05f, 4.0f, "%.2f",
-                "Darkens edges in front of something farther away; usual for point clouds");
+    show_effect(
+        "Eye-dome lighting", "Strength", &eye_dome, CLOUD_EYE_DOME, 0.05f, 4.0f, "%.2f",
+        "Darkens surfaces behind nearer edges, so that depth is visible; usual for point clouds");
     s->eye_dome = eye_dome != before ? eye_dome : s->eye_dome;
     cloud_page_show(v);
     gui_color("Background", s->background, "Colour behind the model");
@@ -148,13 +149,13 @@ static void show_speed(viewer* v)
     bool counted = splats_count(v) > 0;
     gui_disable(counted);
     gui_check("Limit frame time", &s->adapts,
-              counted ? "Splats are drawn by number: it is the same however long a frame takes"
+              counted ? "Not available while splats are drawn by number"
                       : "While the camera moves, splats grow until frames are fast enough. At "
                         "rest, the picture is refined to full quality");
     gui_enable();
     gui_disable(!s->adapts || counted);
     gui_log_slider("Frame time", &s->budget_ms, 8.0f, 200.0f, "%.0f ms",
-                   "Longest time of a frame while the camera moves");
+                   "Maximum frame time while the camera moves");
     gui_enable();
     splats_show(v);
     int samples = s->samples;
@@ -164,7 +165,7 @@ static void show_speed(viewer* v)
     }
 }
 
-/// Whose splats are drawn, where the file holds several methods'.
+/// Chooses the method to draw if the file has several.
 static void show_methods(viewer* v)
 {
     const char* names[SCENE_METHODS + 1];
@@ -173,7 +174,7 @@ static void show_methods(viewer* v)
     }
     const stp_store_directory* d = v->scene->directory;
     uint32_t count = d->method_count < SCENE_METHODS ? d->method_count : SCENE_METHODS;
-    uint32_t first = viewer_mixes_methods(v) ? 1 : 0; // the place of the file's first
+    uint32_t first = viewer_mixes_methods(v) ? 1 : 0; // index of the file's first method
     int chosen = (int)(first + stp_store_find_method(d, (uint32_t)v->settings.splats_by));
     chosen = first > 0 && v->settings.splats_by == 0 ? 0 : chosen;
     names[0] = "Automatic";
@@ -182,7 +183,7 @@ static void show_methods(viewer* v)
         names[first + i] = method != NULL ? method->title : d->methods[i].name;
     }
     gui_choice("Method", &chosen, names, (int)(first + count),
-               "Whose splats are drawn; Automatic: ellipses where few splats suffice");
+               "Method to draw. Automatic combines methods: ellipses where few splats suffice");
     v->settings.splats_by =
         (uint32_t)chosen < first ? 0 : (int)d->methods[(uint32_t)chosen - first].id;
 }
@@ -196,22 +197,21 @@ static void show_advanced(viewer* v)
                                                       "Off: original"};
     gui_disable(!v->window.has_worker);
     gui_choice("Renderer", &s->backend, backends, BACKEND_COUNT,
-               v->window.has_worker
-                   ? "Automatic: OpenGL where there is a graphics processor (B switches)"
-                   : "OpenGL 4.5 is not available");
+               v->window.has_worker ? "Automatic: OpenGL if there is a GPU, else CPU (B switches)"
+                                    : "OpenGL 4.5 is not available");
     gui_enable();
     gui_choice("Detail", &s->method, methods, METHOD_COUNT,
-               "How levels of detail are chosen. Blended: by insertion radius, with smooth "
-               "transitions. Brandt 2019: the estimate of the paper. Hard switch: no transitions. "
-               "Off: all original triangles and points");
+               "How the level of detail is chosen. Blended: by insertion radius, with smooth "
+               "transitions. Brandt 2019: the estimate of the paper. Hard switch: no "
+               "transitions. Off: only original triangles and points");
     show_methods(v);
     gui_choice("Overlaps", &s->filter, filters, 2, "How overlapping splats are combined");
     gui_disable(splats_count(v) > 0);
     gui_check("Foveated", &s->fovea,
-              "Larger splats away from the middle of the picture, where they are drawn by size");
+              "Larger splats away from the picture's centre, if they are drawn by size");
     if (s->fovea) {
         gui_slider("Edge size", &s->fovea_factor, 1.0f, 8.0f, "%.1f x",
-                   "Size of splats at the edge of the picture, relative to the middle");
+                   "Splat size at the edge of the picture relative to the centre");
     }
     gui_enable();
 }
@@ -230,7 +230,7 @@ void page_quality(viewer* v)
         show_advanced(v);
     }
     gui_space();
-    if (gui_wide_button("Reset", 1, "Default values for everything in this panel")) {
+    if (gui_wide_button("Reset", 1, "Restore the defaults of this panel")) {
         viewer_settings fresh = viewer_settings_default();
         fresh.page = s->page;
         fresh.parts = s->parts;

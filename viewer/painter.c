@@ -13,13 +13,13 @@
 #include <string.h>
 #include <time.h>
 
-enum { BUFFERS = 3 };                // one is painted, one is ready, one is shown
-static const double rest_ms = 120.0; // without another request the camera rests
+enum { BUFFERS = 3 };                // one is drawn, one is ready, one is shown
+static const double rest_ms = 120.0; // the camera is at rest after this time without a request
 static const double loading_ms = 30.0;
-static const double patience_ms = 1500.0; // no frames are accumulated that take longer
-static const double finest_ms = 6000.0;   // no finer picture is begun than takes so long
+static const double patience_ms = 1500.0; // slower frames are not accumulated
+static const double finest_ms = 6000.0;   // no finer picture is started if it would take longer
 
-/// How far the picture of a request is.
+/// Progress of a request's picture.
 typedef enum paint_stage { STAGE_MOVES, STAGE_RESTS, STAGE_ACCUMULATES, STAGE_DONE } paint_stage;
 
 struct painter {
@@ -28,40 +28,40 @@ struct painter {
     pthread_mutex_t mutex;
     pthread_cond_t changed;
     bool quits;
-    bool refines;     ///< what is being drawn makes a resting picture finer
-    atomic_bool stop; ///< abandon it: something else is wanted
-    // what is wanted
+    bool refines;     ///< the current frame refines a picture at rest
+    atomic_bool stop; ///< abort it: another picture is wanted
+    // the request
     paint_request request;
     uint64_t number; ///< of the request
     double request_ms;
     char open_path[PATH_MAX];
     uint32_t open_serial, opened_serial;
-    // what there is
+    // the results
     paint_scene* opened; ///< not adopted yet
     paint_scene* current;
     painter_picture pictures[BUFFERS];
     int painting, ready, shown;
-    shown_list wanted_list; ///< of scene list_scene; things are owned
+    shown_list wanted_list; ///< for scene list_scene; owns its things
     uint32_t list_scene;
-    bool has_list; ///< it was not taken up yet
+    bool has_list; ///< it has not been applied yet
     bool fresh;    ///< `ready` has not been taken
     uint64_t frame;
     char message[512];
     bool message_is_error;
-    // the thread's own
+    // used by the painter thread only
     painter_gl gl;
     stp_draw_gl_desc gl_desc;
     bool uses_gl;       ///< for the frame being drawn
-    bool gl_lost;       ///< it draws no more
-    paint_scene* scene; ///< adopted and asked for
+    bool gl_lost;       ///< the OpenGL context was lost
+    paint_scene* scene; ///< adopted and requested
     uint64_t begun;     ///< number of the request being drawn
-    double begun_ms;    ///< when it was asked
-    uint64_t answered;  ///< number of the last request that has a picture
-    double latency_ms;  ///< from the asking to its first picture
+    double begun_ms;    ///< time of the request
+    uint64_t answered;  ///< number of the last request with a picture
+    double latency_ms;  ///< from the request to its first picture
     paint_stage stage;
-    float size;         ///< of splats, of the last frame
-    double expected_ms; ///< that the next frame of the same request takes
-    bool loads;         ///< what the last frame lacked is on its way
+    float size;         ///< splat size of the last frame
+    double expected_ms; ///< forecast for the next frame of the same request
+    bool loads;         ///< data missing in the last frame is being loaded
     double budget_ms;
     stp_controller controller;
 };
@@ -72,7 +72,7 @@ static void on_log(stp_log_level level, const char* message, void* user)
     if (level == STP_LOG_NOTICE) {
         return;
     }
-    // logged while the thread draws, without the mutex
+    // set by the log callback while the thread draws, without the mutex
     pthread_mutex_lock(&p->mutex);
     snprintf(p->message, sizeof(p->message), "%s", message);
     p->message_is_error = level == STP_LOG_ERROR;
@@ -80,7 +80,7 @@ static void on_log(stp_log_level level, const char* message, void* user)
     p->desc.wake(p->desc.user);
 }
 
-/// Room for a picture. @return false where there is none
+/// Allocates a picture. @return false if memory runs out
 static bool fit_picture(painter_picture* picture, uint32_t width, uint32_t height)
 {
     size_t needed = (size_t)width * height;
@@ -100,7 +100,7 @@ static bool fit_picture(painter_picture* picture, uint32_t width, uint32_t heigh
     return true;
 }
 
-/// The size of splats of the next frame, by the stage.
+/// Splat size of the next frame, by stage.
 static float choose_size(painter* p, const paint_request* request)
 {
     float finest = request->quality.splat_size > 0.0f ? request->quality.splat_size : 1.0f;
@@ -116,7 +116,7 @@ static float choose_size(painter* p, const paint_request* request)
     return half > finest ? half : finest;
 }
 
-/// What comes after a frame, and how long that will take.
+/// The stage after a frame, and the forecast of its time.
 static paint_stage next_stage(painter* p, const paint_request* request,
                               const paint_figures* figures)
 {
@@ -133,7 +133,7 @@ static paint_stage next_stage(painter* p, const paint_request* request,
     }
     bool accumulates = request->samples > 1 && figures->frame_ms < patience_ms;
     if (!accumulates && p->stage == STAGE_MOVES && p->scene->transparent) {
-        return STAGE_RESTS; // once more, with layers
+        return STAGE_RESTS; // draw once more, with layers
     }
     return accumulates ? STAGE_ACCUMULATES : STAGE_DONE;
 }
@@ -176,7 +176,8 @@ static void copy_depth(painter* p, painter_picture* picture)
     picture->is_empty = nearness != NULL && pixel == count;
 }
 
-/// What OpenGL measured of a frame that is done: its own time is what the budget learns from, beside that of making the frame.
+/// Feeds OpenGL's timings of a finished frame to the budget, which learns from GPU time and CPU
+/// time.
 static void measure_gl(painter* p, paint_figures* figures)
 {
     stp_draw_stats stats = {0};
@@ -188,8 +189,8 @@ static void measure_gl(painter* p, paint_figures* figures)
     figures->work_ms = fmin(figures->frame_ms, figures->work_ms + stats.draw_ms + stats.shade_ms);
 }
 
-/// Draws one frame; *texture: that it is in, where OpenGL draws, which may be lost by it. @return false where there is no
-/// picture: it failed, or was abandoned
+/// Draws one frame; *texture receives its texture if OpenGL draws. The context may be lost in the
+/// process. @return false if there is no picture: drawing failed or was aborted
 static bool draw(painter* p, const paint_request* request, float size, bool accumulates,
                  uint32_t* texture, paint_figures* figures)
 {
@@ -206,7 +207,7 @@ static bool draw(painter* p, const paint_request* request, float size, bool accu
     if (result == STP_OK && p->uses_gl) {
         *texture = painter_gl_keep(&p->gl, p->painting, stp_draw_gl_texture(p->scene->renderers[1]),
                                    view->width, view->height);
-        figures->frame_ms = stp_clock_ms() - start; // until it was there
+        figures->frame_ms = stp_clock_ms() - start; // until the picture is complete
         measure_gl(p, figures);
     }
     p->gl_lost =
@@ -215,8 +216,8 @@ static bool draw(painter* p, const paint_request* request, float size, bool accu
     return result == STP_OK && !(p->uses_gl && *texture == 0);
 }
 
-/// Abandons a refinement that is being drawn. The mutex is held. Frames of a moving camera are finished: else none would be seen
-/// while hands are faster than frames.
+/// Aborts a running refinement. The mutex is held. Frames of a moving camera are finished:
+/// otherwise none would appear while requests arrive faster than frames.
 static void abandon_refinement(painter* p)
 {
     if (p->refines) {
@@ -224,7 +225,8 @@ static void abandon_refinement(painter* p)
     }
 }
 
-/// Draws one frame without the mutex, and makes it the one that is ready. The mutex is held before and after.
+/// Draws one frame without the mutex and makes it the ready picture. The mutex is held on entry and
+/// exit.
 static void paint(painter* p)
 {
     paint_request request = p->request;
@@ -252,7 +254,8 @@ static void paint(painter* p)
     }
     if (drawn) {
         p->size = size;
-        if (!p->refines) { // what refines has a size and costs of its own, and is drawn while nobody waits
+        if (!p->refines) { // the budget does not learn from refinement, which uses another splat
+                           // size and which nobody waits for
             learn(p, &request, &figures);
         }
         copy_depth(p, picture);
@@ -260,7 +263,7 @@ static void paint(painter* p)
     pthread_mutex_lock(&p->mutex);
     p->refines = false;
     if (!drawn) {
-        // until another request; what was abandoned for something else goes on after it
+        // until the next request; an aborted refinement resumes with it
         p->stage = atomic_load(&p->stop) ? STAGE_RESTS : STAGE_DONE;
         return;
     }
@@ -287,7 +290,7 @@ static void paint(painter* p)
     p->desc.wake(p->desc.user);
 }
 
-/// Opens what is wanted without the mutex, which is held before and after.
+/// Opens the wanted file without the mutex, which is held on entry and exit.
 static void open_scene(painter* p)
 {
     char path[PATH_MAX];
@@ -319,7 +322,7 @@ static void wait_for(painter* p, double milliseconds)
     pthread_cond_timedwait(&p->changed, &p->mutex, &until);
 }
 
-/// Takes up the scene that the request is of; the one before is no longer looked at.
+/// Switches to the requested scene; the previous one is no longer shown.
 static bool take_scene(painter* p)
 {
     if (p->current == NULL || p->request.scene != p->current->shown.serial) {
@@ -328,7 +331,7 @@ static bool take_scene(painter* p)
     if (p->scene != p->current) {
         paint_scene* before = p->scene;
         p->scene = p->current;
-        p->budget_ms = -1.0; // learned anew
+        p->budget_ms = -1.0; // learn from scratch
         if (before != NULL) {
             pthread_mutex_unlock(&p->mutex);
             paint_scene_close(before);
@@ -338,14 +341,14 @@ static bool take_scene(painter* p)
     return true;
 }
 
-/// Shows what is to be shown from now on; the picture is drawn anew.
+/// Applies the wanted visibility; the picture is redrawn.
 static void take_list(painter* p)
 {
     shown_list list = p->wanted_list;
     p->wanted_list = (shown_list){0};
     p->has_list = false;
     pthread_mutex_unlock(&p->mutex);
-    (void)paint_scene_show(p->scene, &list); // a failure is said
+    (void)paint_scene_show(p->scene, &list); // failures are logged
     free(list.things);
     pthread_mutex_lock(&p->mutex);
     p->begun = 0;
@@ -393,7 +396,7 @@ static void* run(void* user)
         work(p);
     }
     pthread_mutex_unlock(&p->mutex);
-    paint_scene_close(p->scene); // where it was drawn
+    paint_scene_close(p->scene); // on the thread that drew it
     painter_gl_destroy(&p->gl);
     if (has_gl) {
         p->desc.end_gl(p->desc.gl_user);
@@ -482,7 +485,7 @@ void painter_show(painter* p, uint32_t scene, shown_list* list)
     p->wanted_list = *list;
     p->list_scene = scene;
     p->has_list = true;
-    p->number += 1; // another picture, whatever else is asked
+    p->number += 1; // forces a new picture even if the request is the same
     p->request_ms = stp_clock_ms();
     abandon_refinement(p);
     *list = (shown_list){0};

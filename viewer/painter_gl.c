@@ -84,6 +84,6 @@ uint32_t painter_gl_keep(painter_gl* g, int slot, uint32_t picture, uint32_t wid
     }
     g->functions->copy_image(picture, GL_TEXTURE_2D, 0, 0, 0, 0, g->textures[slot], GL_TEXTURE_2D,
                              0, 0, 0, 0, (GLsizei)width, (GLsizei)height, 1);
-    g->functions->finish(); // another context shows it
+    g->functions->finish(); // another context shows the texture
     return g->textures[slot];
 }

@@ -11,13 +11,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Makes what draws with the processor and, under a limit of memory, what loads.
+/// Creates the CPU renderer and, with a memory limit, the loader.
 static stp_result begin_drawing(paint_scene* s, bool loads)
 {
     stp_result result = stp_draw_cpu_create(s->context, s->store, &s->renderers[0]);
     if (result == STP_OK && loads) {
         result = stp_residency_create(s->store, &(stp_residency_desc){0}, &s->residency);
-        while (result == STP_OK && stp_residency_wait(s->residency)) { // the coarsest
+        while (result == STP_OK && stp_residency_wait(s->residency)) { // loads the coarsest level
             stp_residency_update(s->residency, NULL, 0);
         }
     }
@@ -99,7 +99,7 @@ static bool same_coloring(const stp_store_coloring* a, const stp_store_coloring*
            memcmp(a->shown, b->shown, sizeof(a->shown)) == 0;
 }
 
-/// Whether points look the same: the scale matters to colours of attributes alone.
+/// Whether points look the same: the range matters only for colours of attributes.
 static bool looks_same(const stp_store_coloring* a, const stp_store_coloring* b)
 {
     bool plain = !a->by_attribute && !b->by_attribute && !a->hides && !b->hides;
@@ -111,7 +111,7 @@ bool paint_scene_color(paint_scene* s, const stp_store_coloring* points)
     if (s->renderers[0] != NULL && looks_same(stp_store_get_coloring(s->store), points)) {
         return true;
     }
-    for (int i = 0; i < 2; ++i) { // what they keep of the scene has the colours before
+    for (int i = 0; i < 2; ++i) { // renderers cache scene data with the old colours
         if (s->renderers[i] != NULL) {
             stp_renderer_destroy(s->renderers[i]);
             s->renderers[i] = NULL;
@@ -166,7 +166,7 @@ stp_result paint_scene_draw(paint_scene* s, const paint_request* request, float 
     double start = stp_clock_ms();
     stp_result result = draw_once(s, request, &quality, accumulates, gl, image, &stats);
     while (result == STP_ERROR_OUT_OF_MEMORY && s->residency != NULL &&
-           stp_residency_yield(s->residency)) { // loaded data gives way to pictures
+           stp_residency_yield(s->residency)) { // evicts loaded data to make room for pictures
         result = draw_once(s, request, &quality, accumulates, gl, image, &stats);
     }
     *figures = (paint_figures){.select_ms = stats.select_ms,
@@ -186,7 +186,7 @@ stp_result paint_scene_draw(paint_scene* s, const paint_request* request, float 
         stp_residency_update(s->residency, s->list.wants, s->list.want_count);
         stp_residency_get_stats(s->residency, &loaded);
         figures->missing = loaded.missing > 0 && loaded.loading > 0 ? loaded.missing : 0;
-        if (loaded.loaded != before.loaded) { // what came since is in the next frame
+        if (loaded.loaded != before.loaded) { // newly loaded data appears in the next frame
             figures->missing += 1;
         }
     }
@@ -204,7 +204,7 @@ double paint_near_distance(const stp_view* view)
         return view->near_distance;
     }
     stp_vec3d gaze = stp_subd(view->target, view->eye);
-    return 1e-4 * sqrt(stp_dotd(gaze, gaze)); // as stp_view_frame_make chooses it
+    return 1e-4 * sqrt(stp_dotd(gaze, gaze)); // same as in stp_view_frame_make
 }
 
 static bool same_quality(const stp_quality* a, const stp_quality* b)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The frame around the picture: bar, panels at the sides, status line, help, and what is said while something is loaded.
+// The interface around the picture: bar, side panels, status line, help, and loading progress.
 #include "gui.h"
 #include "parts.h"
 
@@ -15,7 +15,7 @@ typedef struct page_entry {
     void (*show)(viewer* v);
 } page_entry;
 
-// what people need first comes first; F2 to F6 follow the order
+// most important first; the keys F2 to F6 follow this order
 static const page_entry pages[] = {
     {PAGE_QUALITY, "Display", "Light, background, units, speed and quality (F2)", page_quality},
     {PAGE_SECTION, "Section", "Cut the model open (F3)", page_section},
@@ -74,7 +74,7 @@ static bool has_page(const viewer* v)
     return v->shows_panels && v->settings.page != PAGE_NONE && v->file[0] != 0;
 }
 
-/// Where there is no room for both panels, the one on the right is shown.
+/// If there is no room for both panels, the right one is shown.
 static bool has_parts(const viewer* v)
 {
     bool room = (float)v->window.width > 2.0f * (parts_width + page_width) * v->window.scale;
@@ -112,7 +112,7 @@ static const char* file_name(const viewer* v)
     return slash != NULL ? slash + 1 : v->file;
 }
 
-/// All panels in one list, where there is no room for a button each.
+/// All panels in one menu, if there is no room for separate buttons.
 static void show_panel_list(viewer* v)
 {
     const char* words[PAGES + 3] = {"Picture", "Parts"};
@@ -189,7 +189,7 @@ static void show_page(viewer* v)
     gui_panel_end();
 }
 
-/// What the cursor is on, on the right.
+/// What is under the cursor, right-aligned.
 static void show_place(const viewer* v)
 {
     int ux, uy;
@@ -204,13 +204,13 @@ static void show_place(const viewer* v)
     }
 }
 
-/// The stage of the build, for people.
+/// Text for the stage of the build.
 static const char* name_stage(const viewer* v)
 {
     static const char* const words[][2] = {{"import", "reading the file"},
                                            {"partition", "splitting into nodes"},
                                            {"clusters", "compressing triangles"},
-                                           {"surfels", "making splats"},
+                                           {"surfels", "creating splats"},
                                            {"write", "writing"}};
     for (size_t i = 0; i < sizeof(words) / sizeof(words[0]); ++i) {
         if (strcmp(v->news.stage, words[i][0]) == 0) {
@@ -220,7 +220,7 @@ static const char* name_stage(const viewer* v)
     return v->news.stage[0] != 0 ? v->news.stage : "opening the file";
 }
 
-/// What the picture is and how it was drawn.
+/// Figures of the picture.
 static void show_picture_line(const viewer* v)
 {
     const paint_figures* f = &v->picture->figures;
@@ -281,7 +281,7 @@ static void show_help(viewer* v)
     gui_panel_end();
 }
 
-/// The dialog in the middle while there is no picture.
+/// The central dialog while there is no picture.
 static void show_waiting(viewer* v)
 {
     viewer_area a = v->picture_area;
@@ -289,7 +289,7 @@ static void show_waiting(viewer* v)
                      420.0f * v->window.scale);
     const char* error = messages_error(v);
     if (error != NULL) {
-        gui_text("%s cannot be shown", file_name(v));
+        gui_text("Cannot show %s", file_name(v));
         gui_space();
         gui_paragraph("%s", error);
         gui_space();
@@ -298,7 +298,7 @@ static void show_waiting(viewer* v)
         }
     } else if (v->scene != NULL && v->shown_file_number == v->file_number &&
                stp_boxd_is_empty(v->scene->bounds)) {
-        gui_text("There is nothing to draw in %s", file_name(v));
+        gui_text("%s has no visible content", file_name(v));
     } else if (v->scene != NULL && v->shown_file_number == v->file_number) {
         gui_text("Drawing the first picture of %s", file_name(v));
     } else {

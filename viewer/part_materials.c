@@ -20,7 +20,7 @@ static void add_material(part_materials* found, uint32_t material)
     found->materials[found->count++] = material;
 }
 
-/// Puts a node into a queue of nodes, each once.
+/// Adds a node to a queue, each node once.
 static void enqueue(uint32_t nodes[NODES_MOST], uint32_t* count, uint32_t node, bool* full)
 {
     for (uint32_t i = 0; i < *count; ++i) {

@@ -8,10 +8,12 @@ enum { PART_MATERIALS_MOST = 6 };
 
 typedef struct part_materials {
     uint32_t materials
-        [PART_MATERIALS_MOST]; ///< of the store, each once, in the order of the file's parts
+        [PART_MATERIALS_MOST]; ///< indices in the store, each once, in the order of the file's
+                               /// parts
     uint32_t count;
-    bool more; ///< there are others, or the part is too large to look through
+    bool more; ///< there are more, or the part is too large to search completely
 } part_materials;
 
-/// The materials below a node. Looks at a bounded number of nodes and meshes. `node` may be STP_STORE_NONE: no materials.
+/// Lists the materials below a node, visiting a bounded number of nodes and meshes. `node` may be
+/// STP_STORE_NONE: no materials.
 part_materials part_materials_find(const stp_store* store, uint32_t node);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The panel on the left: the tree of parts with a search, and what is known of the chosen one.
+// The left panel: the tree of parts with a search, and properties of the selected part.
 #include "parts.h"
 
 #include "gui.h"
@@ -23,11 +23,11 @@ static void take_row_click(viewer* v, const stp_outline_item* item, int clicked,
     }
 }
 
-/// One row of the tree, or of what a search found. @return whether rows changed
+/// One row of the tree or of search results. @return whether rows changed
 static bool show_row(viewer* v, const explorer_row* r, size_t index, bool of_tree)
 {
     explorer* e = v->explorer;
-    stp_outline_item item = r->item; // rows may move
+    stp_outline_item item = r->item; // a copy, because rows may move
     stp_outline_row about;
     char above[512];
     const char* label = explorer_label(e, &item, &about);
@@ -94,12 +94,12 @@ static void show_marks(viewer* v)
     gui_enable();
 }
 
-/// Colours of the materials of the chosen part, as swatches with their names.
+/// Shows the material colours of the selected part as swatches with names.
 static void show_materials(viewer* v)
 {
     explorer* e = v->explorer;
     const stp_store_directory* d = stp_store_get_directory(e->store);
-    if (e->materials_of != e->chosen.node) { // looked up once a choice
+    if (e->materials_of != e->chosen.node) { // looked up once per selection
         e->materials = part_materials_find(e->store, e->chosen.node);
         e->materials_of = e->chosen.node;
     }
@@ -173,7 +173,7 @@ void parts_show(viewer* v, float x, float y, float width, float height)
         explorer_search(e, v->search);
     }
     v->enters = v->enters || (entered && v->search[0] != 0);
-    if (v->enters && !explorer_works(e)) { // the first that was found
+    if (v->enters && !explorer_works(e)) { // select the first match
         v->enters = false;
         if (e->found_count > 0) {
             explorer_choose(e, &e->found[0].item, false);
@@ -184,13 +184,13 @@ void parts_show(viewer* v, float x, float y, float width, float height)
     details = details < 0.55f * height ? details : 0.55f * height;
     gui_list_begin("tree", -details);
     if (!e->ready) {
-        gui_faint(e->failed ? "The parts cannot be read" : "Reading the parts...");
+        gui_faint(e->failed ? "Cannot read the parts" : "Reading the parts...");
     } else if (v->search[0] != 0) {
         show_rows(v, false);
         if (e->found_count == 0 && !e->searches) {
             gui_faint("No matches");
         } else if (e->found_count == EXPLORER_FOUND_MOST) {
-            gui_faint("First %d matches; there are more", EXPLORER_FOUND_MOST);
+            gui_faint("First %d of more matches", EXPLORER_FOUND_MOST);
         }
     } else {
         show_rows(v, true);

@@ -14,7 +14,7 @@
 
 enum { LEGEND_STEPS = 64 };
 
-/// Whether the shown scene can have a colour.
+/// Whether a colour is available for the shown scene.
 static bool is_offered(const viewer* v, int color)
 {
     stp_attribute a = point_color_attribute(color);
@@ -27,7 +27,7 @@ static bool has_scale(int color)
     return color == POINT_COLOR_ELEVATION || (a != STP_ATTRIBUTES && !stp_attribute_is_distinct(a));
 }
 
-/// The default ends of the scale. Elevations are read from the window's own file, once a scene.
+/// Default range of the scale. Elevations are read from the window's own file, once per scene.
 static void usual_range(viewer* v, double range[2])
 {
     point_look* look = &v->look;
@@ -100,8 +100,7 @@ void point_look_give(viewer* v, paint_request* request)
     request->style.elevation[0] = range[0];
     request->style.elevation[1] = range[1];
     if (request->style.coloring != STP_DRAW_OWN_COLORS) {
-        request->style.filter =
-            STP_FILTER_NONE; // colours of pixels are worked out where none are blended
+        request->style.filter = STP_FILTER_NONE; // pixel colours are computed only without blending
     }
     const point_color_options o = {.color = look->color, .classes = look->hides ? "" : NULL};
     request->quality.points_apart = request->quality.points_apart || point_colors_need_points(&o);
@@ -134,17 +133,17 @@ uint32_t point_look_method(const viewer* v, bool* originals)
     return chosen;
 }
 
-/// Says whose splats are drawn where those of the chosen method lack the attribute.
+/// Shows which method is drawn if the selected one lacks the attribute.
 static void show_other_method(const viewer* v)
 {
     bool originals;
     uint32_t chosen = (uint32_t)v->settings.splats_by, drawn = point_look_method(v, &originals);
     const stp_store_directory* d = v->scene->directory;
     if (originals) {
-        gui_faint_paragraph("Original points are drawn: splats do not have this attribute.");
+        gui_faint_paragraph("Showing original points: splats lack this attribute.");
     } else if (drawn != 0 && d->method_count > 1 &&
                stp_store_find_method(d, chosen) != stp_store_find_method(d, drawn)) {
-        gui_faint_paragraph("Drawn by %s: other splats do not have this attribute.",
+        gui_faint_paragraph("Showing splats of %s: other splats lack this attribute.",
                             stp_method_by_id(drawn)->title);
     }
 }
@@ -183,12 +182,12 @@ static void show_range(viewer* v)
         v->look.low = range[0];
         v->look.high = range[1];
     }
-    if (v->look.has_range && gui_wide_button("Usual range", 1, "2 to 98 of 100 points")) {
+    if (v->look.has_range && gui_wide_button("Default range", 1, "2nd to 98th percentile")) {
         v->look.has_range = false;
     }
 }
 
-/// A line for each class of the file: whether it is drawn, its colour, its name and how many points have it.
+/// A row for each class of the file: visibility, colour, name and number of points.
 static void show_classes(viewer* v)
 {
     const stp_store_directory* d = v->scene->directory;
@@ -203,7 +202,7 @@ static void show_classes(viewer* v)
         snprintf(label, sizeof(label), "%u %s", value->value, name != NULL ? name : "");
         page_print_count(count, sizeof(count), value->count);
         gui_push_id((int)i);
-        if (gui_check(label, &shown, "Whether points of this class are drawn")) {
+        if (gui_check(label, &shown, "Show points of this class")) {
             if (!v->look.hides) {
                 memset(v->look.shown, 1, sizeof(v->look.shown));
                 v->look.hides = true;
@@ -215,12 +214,13 @@ static void show_classes(viewer* v)
         gui_faint("%s", count);
         gui_pop_id();
     }
-    if (v->look.hides && gui_wide_button("All classes", 1, "Draw points of every class")) {
+    if (v->look.hides &&
+        gui_wide_button("Show points of all classes", 1, "Draw points of every class")) {
         v->look.hides = false;
     }
 }
 
-/// What was clicked, if it is a point.
+/// Shows the clicked point, if any.
 static void show_picked(const viewer* v)
 {
     const stp_pick* pick = &v->picked;
@@ -241,7 +241,7 @@ static void show_picked(const viewer* v)
                         ? stp_store_point_attributes(store, pick->part.index)
                         : 0;
     for (uint32_t a = 0; a < STP_ATTRIBUTES; ++a) {
-        double value; // room for one of any type
+        double value; // large enough for any type
         if ((mask & stp_attribute_bit((stp_attribute)a)) == 0 ||
             stp_store_get_point_values(store, pick->part.index, (stp_attribute)a, pick->element, 1,
                                        &value) != STP_OK) {

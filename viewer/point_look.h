@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
-// What colours the points of the shown scene have, which of their classes are drawn, and what a clicked point is.
+// Colours of the scene's points, filter of classes, and properties of a clicked point.
 #pragma once
 
 #include "point_colors.h"
 
-/// Of one file; all zero: own colours, all classes.
+/// Settings of one file; all zero: own colours, all classes.
 typedef struct point_look {
     int color;          ///< point_color
-    bool has_range;     ///< somebody chose it
-    double low, high;   ///< of the scale
+    bool has_range;     ///< the user chose a range
+    double low, high;   ///< of the colour scale
     bool hides;         ///< some classes are not drawn
-    uint8_t shown[256]; ///< whether a class is, where `hides`
-    uint32_t scene;     ///< serial that the elevations are of; 0: not known
+    uint8_t shown[256]; ///< visible classes, if `hides`
+    uint32_t scene;     ///< serial of the scene that the elevations belong to; 0: unknown
     double elevation[2];
 } point_look;

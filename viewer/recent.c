@@ -54,7 +54,7 @@ void recent_parse(recent_files* recent, const char* text)
     }
 }
 
-/// Makes the folders of a path.
+/// Creates the parent folders of a path.
 static void make_folders(char* path)
 {
     for (char* slash = strchr(path + 1, '/'); slash != NULL; slash = strchr(slash + 1, '/')) {
@@ -64,7 +64,7 @@ static void make_folders(char* path)
     }
 }
 
-/// @return false where there is no place for the list
+/// @return false if there is no folder for the list
 static bool find_file(char path[PATH_MAX])
 {
     const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");

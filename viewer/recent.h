@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The files that were opened last, kept from one start to the next in $XDG_STATE_HOME/stipple/recent (or
-// ~/.local/state/stipple/recent): one path a line, the newest first.
+// Recently opened files, kept in $XDG_STATE_HOME/stipple/recent (or ~/.local/state/stipple/recent):
+// one path per line, newest first.
 #pragma once
 
 #include <limits.h>
@@ -14,15 +14,15 @@ typedef struct recent_files {
     size_t count;
 } recent_files;
 
-/// Puts a path first; it is in the list once, and the oldest gives way. Paths with a line end, and those that are not
-/// absolute, are left out.
+/// Moves or adds a path to the front and drops the oldest if the list is full. Ignores relative
+/// paths and paths with line breaks.
 void recent_add(recent_files* recent, const char* path);
 void recent_remove(recent_files* recent, const char* path);
 
-/// Takes over lines of a text: absolute paths, as many as there is room for. Anything else is passed over.
+/// Adds absolute paths from the lines of a text, as many as fit. Ignores anything else.
 void recent_parse(recent_files* recent, const char* text);
 
-/// Reads the list; empty where there is none, or no place for it.
+/// Reads the list; empty if there is none, or no folder for it.
 void recent_load(recent_files* recent);
-/// Writes the list by renaming. A failure leaves the file as it was.
+/// Writes the list to a temporary file and renames it. On failure the file stays unchanged.
 void recent_save(const recent_files* recent);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Flights that are recorded and played, and where files of the viewer go.
+// Recording and playing flights, and the output folder of the viewer.
 #include "parts.h"
 
 #include "base/clock.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is shown, as JSON in a file: for tests, and for programs that steer the viewer.
+// The state of the viewer as a JSON file, for tests and for programs that control the viewer.
 #include "describe.h"
 #include "gui.h"
 #include "parts.h"
@@ -66,7 +66,7 @@ static json_t* describe_tools(const viewer* v)
         describe_json_text(v->last_shot), "types", (int)gui_wants_keys());
 }
 
-/// View cube and scale bar: where each side can be clicked, and how long the bar is.
+/// View cube and scale bar: clickable positions of the sides, and length of the bar.
 static json_t* describe_guides(const viewer* v)
 {
     stp_navigator n;
@@ -100,7 +100,7 @@ static json_t* describe_start(const viewer* v)
                      "typed", describe_json_text(start_typed(v)), "recent", recent);
 }
 
-/// Where the handles of the section's planes and box are, and how far planes were moved.
+/// Handle positions of section planes and box, and offsets of planes.
 static json_t* describe_handles(const viewer* v)
 {
     json_t* handles = json_array();
@@ -131,7 +131,7 @@ static json_t* describe_match(const viewer* v)
                      describe_json_text(explorer_path_above(e, item, above, sizeof(above))));
 }
 
-/// Whose splats are drawn.
+/// The method that is drawn.
 static json_t* describe_method(const viewer* v)
 {
     const stp_store_directory* d = v->scene != NULL ? v->scene->directory : NULL;
@@ -142,7 +142,7 @@ static json_t* describe_method(const viewer* v)
                : json_null();
 }
 
-/// How many splats are asked for (0: by size), how many there are, and where the widgets are.
+/// Requested number of splats (0: by size), the maximum, and positions of the widgets.
 static json_t* describe_splats(const viewer* v)
 {
     static const char* const names[SPLAT_PLACES] = {"choice", "slider", "field"};
@@ -200,7 +200,7 @@ void report_write(viewer* v, bool last)
     if (!written || rename(aside, path) != 0) {
         (void)remove(aside);
         v->options.report = NULL;
-        viewer_say(v, true, "%s: the report cannot be written", path);
+        viewer_say(v, true, "%s: cannot write the report", path);
     }
     json_decref(object);
 }

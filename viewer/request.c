@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// From settings and camera to what the painter is asked for.
+// Converts settings and camera to a request for the painter.
 #include "parts.h"
 
 static uint8_t to_byte(float x)
@@ -10,7 +10,7 @@ static uint8_t to_byte(float x)
 static stp_fovea make_fovea(const viewer_settings* s)
 {
     stp_fovea fovea = {0};
-    if (s->fovea) { // the paper's: from a quarter of the half diagonal on
+    if (s->fovea) { // as in the paper: from a quarter of the half diagonal outwards
         fovea.count = 2;
         fovea.zones[0] = (stp_fovea_zone){0.25f, 1.0f};
         fovea.zones[1] = (stp_fovea_zone){1.0f, s->fovea_factor};

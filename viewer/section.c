@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The section box and planes: what is cut away.
+// The section box and section planes.
 #include "gui.h"
 #include "parts.h"
 
@@ -48,7 +48,7 @@ stp_sections section_make(const viewer* v)
     return sections;
 }
 
-/// Whether the first planes are those that stp_sections_add_box makes.
+/// Whether the first planes are those of stp_sections_add_box.
 static bool find_box(const stp_sections* sections, stp_boxd* box)
 {
     if (sections->count < 6) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Section planes and the sides of the section box in the picture: outlines with handles that a hand drags along the normal.
+// Section planes and sides of the section box in the picture: outlines with handles to drag along
+// the normal.
 #include "gui.h"
 #include "parts.h"
 
@@ -11,7 +12,7 @@ static const uint32_t plane_color = 0xE6A040FF, hovered_color = 0xFFD080FF;
 
 enum { BOX_SIDES = 6 };
 
-/// Something to drag: a plane of the section, then the sides of its box.
+/// A draggable object: a section plane, or a side of the section box.
 typedef struct drag_target {
     stp_vec3d anchor, normal; ///< unit
 } drag_target;
@@ -30,7 +31,7 @@ static stp_vec3d middle_of(const stp_vec3d* corners, int count)
     return middle;
 }
 
-/// Corners of a plane within the scene. @return how many
+/// Corners of a plane clipped to the scene. @return their number
 static int plane_corners(const viewer* v, const section_plane* p, stp_vec3d* corners)
 {
     stp_boxd box = camera_scene_box(v);
@@ -38,7 +39,7 @@ static int plane_corners(const viewer* v, const section_plane* p, stp_vec3d* cor
     return stp_plane_cut_box(point, p->normal, &box, corners);
 }
 
-/// @return false where there is no such target now
+/// @return false if the target does not exist at the moment
 static bool find_target(const viewer* v, int index, drag_target* target)
 {
     const section_state* s = &v->section;
@@ -59,7 +60,7 @@ static bool find_target(const viewer* v, int index, drag_target* target)
     return s->has_box && side < BOX_SIDES;
 }
 
-/// Ends of a target's arrow in the window. @return false where it is not before the eye
+/// End points of a target's arrow in the window. @return false if it is behind the eye
 static bool place_arrow(const viewer* v, const stp_navigator* n, const drag_target* t,
                         float ends[4])
 {
@@ -87,7 +88,7 @@ bool section_handle(const viewer* v, int index, float* x, float* y)
     return true;
 }
 
-/// The target whose handle or arrow is at a place of the window. @return -1: none
+/// The target whose handle or arrow is at a position of the window. @return -1: none
 static int find_at(const viewer* v, const stp_navigator* n, float x, float y)
 {
     int best = -1;
@@ -129,7 +130,7 @@ void section_drag(viewer* v, float from_x, float from_y, float to_x, float to_y)
     }
     double along = stp_plane_drag(&v->camera, t.anchor, t.normal, from, to);
     if (v->section_grabbed < s->plane_count) {
-        // within the scene, so that its handle stays in sight
+        // limited to the scene, so that the handle stays reachable
         section_plane* p = &s->planes[v->section_grabbed];
         section_plane moved = *p;
         stp_vec3d corners[STP_PLANE_CORNERS_MOST];

@@ -134,7 +134,7 @@ char* viewer_settings_print(const viewer_settings* settings)
     return text;
 }
 
-/// @return false where there is no place for settings
+/// @return false if there is no folder for settings
 static bool find_file(char* path, size_t size, bool makes_folder)
 {
     const char* config = getenv("XDG_CONFIG_HOME");

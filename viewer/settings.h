@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the viewer remembers from one start to the next.
+// Settings that persist between sessions.
 #pragma once
 
 #include "draw/draw.h"
@@ -8,7 +8,7 @@
 
 enum { BACKEND_AUTO, BACKEND_PROCESSOR, BACKEND_OPENGL, BACKEND_COUNT };
 
-/// Units in which lengths are shown.
+/// Display units of lengths.
 enum { UNIT_FILE, UNIT_MM, UNIT_CM, UNIT_M, UNIT_IN, UNIT_FT, UNIT_COUNT };
 
 typedef enum viewer_page {
@@ -24,24 +24,24 @@ typedef enum viewer_page {
 typedef struct viewer_settings {
     int backend; ///< BACKEND_*
     bool parts;
-    viewer_page page; ///< of the panel on the right
-    bool adapts;      ///< splats grow while the camera moves, as the budget wants
+    viewer_page page; ///< page of the right panel
+    bool adapts;      ///< limit the frame time: splats grow while the camera moves
     float budget_ms, splat_size;
-    uint32_t splat_count; ///< so many splats are drawn in all; 0: as their size asks
-    int samples;          ///< a side, at rest
-    int method;           ///< stp_policy; beyond it: original geometry only
-    int splats_by; ///< whose splats are drawn (STP_METHOD_*); 0, or none of the file's: its first
+    uint32_t splat_count; ///< total number of splats to draw; 0: by splat size
+    int samples;          ///< per axis, at rest
+    int method;           ///< stp_policy; above its values: original geometry only
+    int splats_by;        ///< method to draw (STP_METHOD_*); if 0 or not in the file, the first
     int filter, light;
     int unit;                         ///< UNIT_*
-    int point_sizing;                 ///< stp_point_sizing, in scenes that have points
-    float point_scale;                ///< times the usual size of points, where it is adaptive
-    float point_pixels, point_metres; ///< their width, where it is fixed
+    int point_sizing;                 ///< stp_point_sizing, in scenes with points
+    float point_scale;                ///< relative to the adaptive point size
+    float point_pixels, point_metres; ///< fixed width of points
     bool guides;                      ///< view cube and scale bar
-    bool caps;                        ///< solids that sections cut are filled
+    bool caps;                        ///< fill solids where sections cut them
     bool fovea;
     float fovea_factor;
-    float eye_dome;          ///< 0: none; below: as usual for the scene
-    float ambient_occlusion; ///< in hundredths of the picture's height; 0: none
+    float eye_dome;          ///< 0: off; negative: default for the scene
+    float ambient_occlusion; ///< radius in percent of the picture's height; 0: off
     float background[3];
     int shot_width, shot_height, shot_samples;
 } viewer_settings;
@@ -49,11 +49,13 @@ typedef struct viewer_settings {
 enum { METHOD_ORIGINAL = STP_POLICY_SWITCH + 1, METHOD_COUNT };
 
 viewer_settings viewer_settings_default(void);
-/// Takes over what a text in JSON says and what is in range; the rest stays. @return false where it is no object
+/// Takes over valid values of a JSON text; the others stay unchanged. @return false if it is not an
+/// object
 bool viewer_settings_parse(viewer_settings* settings, const char* text);
-/// A text from malloc; NULL where memory runs out.
+/// Text from malloc; NULL if memory runs out.
 char* viewer_settings_print(const viewer_settings* settings);
 
-/// $XDG_CONFIG_HOME/stipple/viewer.json, or ~/.config/stipple/viewer.json; what cannot be read or written is left out.
+/// $XDG_CONFIG_HOME/stipple/viewer.json, or ~/.config/stipple/viewer.json; errors of reading and
+/// writing are ignored.
 void viewer_settings_load(viewer_settings* settings);
 void viewer_settings_save(const viewer_settings* settings);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Saved pictures of any size, drawn aside: on a thread and with a renderer of their own, as fine as can be.
+// Saved pictures of any size, drawn at full quality on a separate thread with a separate renderer.
 #include "painter_scene.h"
 #include "parts.h"
 
@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FRAMES_MOST = 200 }; // while what a picture wants is loaded
+enum { FRAMES_MOST = 200 }; // maximum frames while data for a picture is loaded
 
 struct shot {
     pthread_t thread;
@@ -38,7 +38,7 @@ static void on_log(stp_log_level level, const char* message, void* user)
     }
 }
 
-/// Draws it again and again until all that it wants is there, or as much as memory has room for.
+/// Draws repeatedly until all wanted data is loaded, or memory is full.
 static stp_result draw_loaded(shot* s, paint_scene* scene, stp_image* image)
 {
     const paint_request request = {.view = s->view, .style = s->style, .quality = s->quality};
@@ -63,7 +63,7 @@ static stp_result draw_shot(shot* s, paint_scene* scene)
     image.pixels = stp_alloc_array(scene->context, (size_t)image.width * image.height, 4);
     stp_result result = image.pixels == NULL ? stp_fail_memory(scene->context) : STP_OK;
     if (result == STP_OK && !paint_scene_color(scene, &s->points)) {
-        result = STP_ERROR_OUT_OF_MEMORY; // it is said
+        result = STP_ERROR_OUT_OF_MEMORY; // already logged
     }
     if (result == STP_OK && s->shown.count > 0) {
         result = paint_scene_show(scene, &s->shown);

@@ -5,10 +5,10 @@
 
 #include <stdlib.h>
 
-/// Splats of a node and below.
+/// Splats of a subtree.
 typedef struct node_splats {
-    uint32_t all;    ///< none of its ancestors is drawn by a set
-    uint32_t moving; ///< one is: only what moves is drawn
+    uint32_t all;    ///< if no ancestor is drawn by a set
+    uint32_t moving; ///< if an ancestor is: only moving parts are drawn
     bool needs_all, needs_moving;
 } node_splats;
 
@@ -17,7 +17,7 @@ static uint32_t add(uint32_t a, uint32_t b)
     return a > SPLAT_COUNT_MOST - b ? SPLAT_COUNT_MOST : a + b;
 }
 
-/// Marks what the root's count is made of: sets of other nodes are not read.
+/// Marks the sets that contribute to the root's count: sets of other nodes are not read.
 static void mark_needed(const stp_store* store, uint32_t method, node_splats* nodes)
 {
     const stp_store_directory* d = stp_store_get_directory(store);
@@ -38,7 +38,7 @@ static void mark_needed(const stp_store* store, uint32_t method, node_splats* no
     }
 }
 
-/// How many splats of its set a node is drawn with, at the most.
+/// The maximum number of splats of its set that a node draws.
 static stp_result splats_of_node(stp_store* store, uint32_t method, uint32_t node, uint32_t* count)
 {
     const stp_store_directory* d = stp_store_get_directory(store);

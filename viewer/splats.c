@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How many splats are drawn: as many as their size asks for, or a number that is chosen.
+// Controls of the number of splats: by size, or a fixed number.
 #include "gui.h"
 #include "parts.h"
 #include "splat_count.h"
@@ -29,7 +29,7 @@ uint32_t splats_count(const viewer* v)
     return all > 0 && count > 0 ? splat_count_within(count, all) : 0;
 }
 
-/// As many as are drawn now.
+/// The number of splats drawn at the moment.
 static uint32_t drawn_now(const viewer* v)
 {
     uint32_t all = splats_all(v);
@@ -44,7 +44,7 @@ void splats_switch(viewer* v)
     } else if (splats_all(v) > 0) {
         v->settings.splat_count = drawn_now(v);
     } else {
-        viewer_say(v, false, "There are no splats whose number could be chosen");
+        viewer_say(v, false, "There are no splats to draw by number");
     }
 }
 
@@ -56,7 +56,7 @@ bool splats_take_key(viewer* v, SDL_Keycode key, bool fine)
     }
     uint32_t all = splats_all(v), count = splats_count(v);
     if (all == 0) {
-        viewer_say(v, false, "There are no splats whose number could be chosen");
+        viewer_say(v, false, "There are no splats to draw by number");
     } else {
         v->settings.splat_count = splat_count_step(count > 0 ? count : drawn_now(v), all, up, fine);
     }
@@ -77,7 +77,7 @@ void splats_print(char* text, size_t size, uint64_t count)
     text[used] = 0;
 }
 
-/// The number, on a slider and as it is typed.
+/// The number as a slider and as a text field.
 static void show_number(viewer* v, uint32_t all)
 {
     char whole[32], label[64];
@@ -85,12 +85,12 @@ static void show_number(viewer* v, uint32_t all)
     splats_print(whole, sizeof(whole), all);
     snprintf(label, sizeof(label), "of %s###splat_slider", whole);
     bool changed = gui_log_count(label, &count, SPLAT_COUNT_LEAST, all,
-                                 "How many splats are drawn in all, however near they are. Page Up "
-                                 "and Page Down: twice or half as many; with Shift: 5 % more or "
+                                 "Total number of splats to draw, independent of distance. Page "
+                                 "Up doubles it and Page Down halves it; with Shift, 5 % more or "
                                  "less");
     gui_last_place(v->splat_places[SPLAT_PLACE_SLIDER]);
     changed = gui_count("Number", &count, SPLAT_COUNT_LEAST, all,
-                        "The same, to be typed: from 2 to all") ||
+                        "Number of splats to draw, from 2 to all") ||
               changed;
     gui_last_place(v->splat_places[SPLAT_PLACE_NUMBER]);
     if (changed) {
@@ -107,9 +107,9 @@ void splats_show(viewer* v)
     int by = counted;
     gui_disable(all == 0);
     if (gui_choice("Splats", &by, words, 2,
-                   all > 0 ? "By size: as many as the size of splats asks for. By number: so many "
-                             "in all, from 2 to all; frame time is not limited then (C switches)"
-                           : "There are no splats whose number could be chosen") &&
+                   all > 0 ? "By size: the splat size sets the number. By number: a fixed total "
+                             "from 2 to all, without a frame-time limit (C switches)"
+                           : "There are no splats to draw by number") &&
         (by == 1) != counted) {
         splats_switch(v);
     }
@@ -120,5 +120,5 @@ void splats_show(viewer* v)
         return;
     }
     gui_slider("Splat size", &s->splat_size, 1.0f, 16.0f, "%.1f px",
-               "Size of splats at rest; the size always, where frame time is not limited");
+               "Splat size at rest; the only size if frame time is not limited");
 }

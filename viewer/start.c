@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Without a file: the start page. And the dialog that opens one, which needs nothing of the desktop.
+// The start page of a window without a file, and the file dialog, which does not depend on the
+// desktop.
 #define _XOPEN_SOURCE 700 // realpath
 #include "start.h"
 
@@ -16,9 +17,9 @@ struct start_page {
     recent_files recent;
     folder_list folder;
     char typed[TYPED_ROOM];
-    char message[512]; ///< why what was typed cannot be opened
+    char message[512]; ///< why the typed path cannot be opened
     bool shown, focuses, shows_all;
-    size_t chosen; ///< entry of the folder; count: none
+    size_t chosen; ///< selected entry of the folder; count: none
 };
 
 start_page* start_create(void)
@@ -43,7 +44,7 @@ void start_opened(start_page* s, const char* path)
     char whole[PATH_MAX];
     if (realpath(path, whole) != NULL) { // a procedural scene has no path
         recent_files now;
-        recent_load(&now); // another window may have added some
+        recent_load(&now); // another window may have added entries
         recent_add(&now, whole);
         recent_save(&now);
         s->recent = now;
@@ -61,11 +62,11 @@ static void go_to_folder(start_page* s, const char* path)
         s->chosen = s->folder.count;
         s->message[0] = 0;
     } else {
-        snprintf(s->message, sizeof(s->message), "%.400s: cannot be read", path);
+        snprintf(s->message, sizeof(s->message), "%.400s: cannot read it", path);
     }
 }
 
-/// Where the dialog begins: where the last file was, else the current folder.
+/// Initial folder of the dialog: that of the last file, else the current folder.
 static void begin_folder(start_page* s, const char* file)
 {
     char path[PATH_MAX] = ".";
@@ -105,7 +106,8 @@ const char* start_typed(const viewer* v)
     return v->start->typed;
 }
 
-/// Opens a file, or goes to a folder. A path that is not absolute is below the folder shown; "~" is the home folder.
+/// Opens a file or enters a folder. Relative paths start at the folder shown; "~" is the home
+/// folder.
 static void take_path(viewer* v, const char* typed)
 {
     start_page* s = v->start;
@@ -122,7 +124,7 @@ static void take_path(viewer* v, const char* typed)
     }
     folder_list probe = {0};
     if (!fits) {
-        snprintf(s->message, sizeof(s->message), "this path is too long");
+        snprintf(s->message, sizeof(s->message), "the path is too long");
     } else if (folder_read(&probe, path, false)) {
         folder_destroy(&probe);
         go_to_folder(s, path);
@@ -155,7 +157,8 @@ static void show_entries(viewer* v)
     int count = (int)s->folder.count, first, last;
     char opened[PATH_MAX] = "";
     float room =
-        (float)v->window.height - 10.0f * gui_line_height(); // for all that is around the list
+        (float)v->window.height - 10.0f * gui_line_height(); // leaves room for the widgets around
+                                                             // the list
     gui_list_begin("entries",
                    fminf(fmaxf(room, 3.0f * gui_line_height()), 320.0f * v->window.scale));
     gui_rows_begin(count, &first, &last);
@@ -197,7 +200,7 @@ void start_dialog(viewer* v)
     bool entered = false;
     gui_dialog_begin("open", a.x + 0.5f * a.width, a.y + 0.5f * a.height, 560.0f * v->window.scale);
     gui_text("Open a model");
-    if (gui_button("Up", "The folder above") && folder_join(&s->folder, "..", above)) {
+    if (gui_button("Up", "Parent folder") && folder_join(&s->folder, "..", above)) {
         go_to_folder(s, above);
     }
     gui_same_line();
@@ -213,7 +216,8 @@ void start_dialog(viewer* v)
     if (s->message[0] != 0) {
         gui_paragraph("%s", s->message);
     }
-    if (gui_check("All files", &s->shows_all, "List files of unknown formats too")) {
+    if (gui_check("List files of unsupported formats too", &s->shows_all,
+                  "List files of unknown formats too")) {
         go_to_folder(s, s->folder.path);
     }
     gui_disable(s->typed[0] == 0);
@@ -240,7 +244,7 @@ bool start_open_recent(viewer* v, size_t index)
     char path[PATH_MAX], whole[PATH_MAX];
     snprintf(path, sizeof(path), "%s", s->recent.paths[index]);
     if (realpath(path, whole) == NULL) {
-        viewer_say(v, true, "%s: no such file any more", path);
+        viewer_say(v, true, "%s: the file no longer exists", path);
         recent_remove(&s->recent, path);
         recent_save(&s->recent);
         return true;

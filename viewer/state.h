@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the parts of the viewer share: the state of the window. All of it belongs to the window's thread.
+// The state of the window, shared by the parts of the viewer. Used by the window thread only.
 #pragma once
 
 #include "explorer.h"
@@ -17,33 +17,33 @@
 enum {
     FRAME_HISTORY = 120,
     PATH_ROOM = 4096,
-    SECTION_PLANES = 8, ///< that can be set beside a box
+    SECTION_PLANES = 8, ///< maximum, in addition to a box
     MEASURE_POINTS = 64,
-    MESSAGES = 4, ///< that are kept until they were read
+    MESSAGES = 4, ///< maximum number of unread messages
 };
 
-/// What was said to the one who looks.
+/// A message to the user.
 typedef struct viewer_message {
-    char text[512]; ///< empty: nothing
+    char text[512]; ///< empty: no message
     bool is_error;
-    double ms; ///< when it came
+    double ms; ///< time of arrival
 } viewer_message;
 
-/// What a pressed mouse button does.
+/// The action of the pressed mouse button.
 typedef enum drag_kind { DRAG_NONE, DRAG_ORBIT, DRAG_PAN, DRAG_LOOK, DRAG_SECTION } drag_kind;
 
 typedef struct input_state {
     drag_kind drag;
-    int button;             ///< that was pressed on the picture; 0: none
+    int button;             ///< pressed over the picture; 0: none
     float start_x, start_y; ///< pixels of the window
     float last_x, last_y;
-    bool moved;       ///< it is no click any more
-    double pan_depth; ///< of what the hand holds
+    bool moved;       ///< a drag, not a click
+    double pan_depth; ///< depth of the dragged point
     SDL_GameController* pad;
     bool flies; ///< keys or sticks move the camera
 } input_state;
 
-/// Part of the window, in pixels.
+/// A rectangle of the window, in pixels.
 typedef struct viewer_area {
     float x, y, width, height;
 } viewer_area;
@@ -70,13 +70,13 @@ typedef struct measure_state {
 typedef struct flight_record {
     bool on, plays;
     double start_ms, last_ms;
-    stp_flight_key* keys; ///< from malloc
+    stp_flight_key* keys; ///< malloc'ed
     size_t count, capacity;
 } flight_record;
 
 typedef struct shot shot;
 
-/// Widgets of the number of splats.
+/// Widgets for the number of splats.
 enum { SPLAT_PLACE_CHOICE, SPLAT_PLACE_SLIDER, SPLAT_PLACE_NUMBER, SPLAT_PLACES };
 
 typedef struct viewer {
@@ -87,91 +87,91 @@ typedef struct viewer {
     painter* painter;
     uint32_t wake_event;
     bool quits;
-    int dirty;      ///< so many frames of the window are still to be shown
+    int dirty;      ///< number of window frames left to redraw
     uint64_t shows; ///< frames shown
-    double last_ms; ///< of the last step
+    double last_ms; ///< time of the last step
     viewer_area picture_area;
     // the scene
     loader_news news;
-    char file[PATH_ROOM];                    ///< that is shown or loaded
-    uint32_t opening;                        ///< serial that the painter opens
-    uint32_t former;                         ///< serials up to this one are of the file before
-    uint32_t file_number, shown_file_number; ///< files so far; the one that is shown
+    char file[PATH_ROOM];                    ///< shown or being loaded
+    uint32_t opening;                        ///< serial that the painter is opening
+    uint32_t former;                         ///< serials up to this one belong to the previous file
+    uint32_t file_number, shown_file_number; ///< number of files so far; number of the shown one
     const painter_scene* scene;
     const painter_picture* picture;
     uint64_t request;
     // the camera
     stp_navigator camera, glide_from, glide_to;
-    double glide_start; ///< negative: it does not glide
+    double glide_start; ///< negative: no glide in progress
     bool has_camera;
     input_state input;
     // parts, sections, measures, viewpoints
-    stp_context* context; ///< of the window itself
+    stp_context* context; ///< the window's own
     explorer* explorer;   ///< of `scene`; NULL: none
     uint64_t marks_version;
     char search[128];
-    bool enters;     ///< the first that is found is to be chosen
-    bool finds;      ///< the keys go to the search
-    bool has_picked; ///< something was clicked since the scene came
+    bool enters;     ///< select the first match when it is found
+    bool finds;      ///< focus the search field
+    bool has_picked; ///< something was clicked in this scene
     stp_pick picked;
     point_look look;
     section_state section;
-    int section_grabbed; ///< what is dragged (section_drag.c)
+    int section_grabbed; ///< the dragged handle (section_drag.c)
     start_page* start;
     measure_state measure;
     stp_viewpoints views;
-    stp_viewpoints carried; ///< what was hidden in the same file's coarser scene
-    char* views_path;       ///< NULL: there is no place for them
+    stp_viewpoints carried; ///< hidden parts of the same file's previous, coarser scene
+    char* views_path;       ///< NULL: viewpoints cannot be saved
     char current_view[128], view_name[128], view_note[512];
     bool view_pins;
     flight_record record;
-    shot* shot; ///< that is being saved; NULL: none
+    shot* shot; ///< the picture being saved; NULL: none
     bool shot_clear;
     char last_shot[PATH_ROOM + 512];
     // the panels
     bool shows_help, shows_panels;
-    float splat_places[SPLAT_PLACES][4]; ///< x0, y0, x1, y1; all 0: not in sight
+    float splat_places[SPLAT_PLACES][4]; ///< x0, y0, x1, y1; all 0: not visible
     float frame_times[FRAME_HISTORY];
     int newest_time;
-    viewer_message messages[MESSAGES]; ///< the newest first
-    double report_ms;                  ///< when a report was written
-    bool report_rests;                 ///< what it said
+    viewer_message messages[MESSAGES]; ///< newest first
+    double report_ms;                  ///< time of the last report
+    bool report_rests;                 ///< value of `rests` in it
 } viewer;
 
 // viewer.c, messages.c
 void viewer_redraw(viewer* v);
-/// From any thread: there is news.
+/// Wakes the window, from any thread.
 void viewer_wake(void* viewer);
 void viewer_open(viewer* v, const char* path);
 void viewer_say(viewer* v, bool is_error, const char* format, ...)
     __attribute__((format(printf, 3, 4)));
-/// Whether everything stands still: the picture is the best there is of what is asked.
+/// Whether everything is at rest: the picture is final.
 bool viewer_rests(const viewer* v);
 
 // camera.c
-void camera_begin(viewer* v); ///< of a new scene
-/// Begins a movement of the camera to another place.
+void camera_begin(viewer* v); ///< for a new scene
+/// Starts a camera glide to another position.
 void camera_glide(viewer* v, const stp_navigator* to);
 void camera_step(viewer* v, double seconds);
 void camera_face(viewer* v, const char* name);
 void camera_frame(viewer* v);
 void camera_switch_projection(viewer* v);
-/// What the picture shows at a place of the window. @return false where that is nothing
+/// The scene point at a position of the window. @return false if there is none
 bool camera_seen(const viewer* v, float x, float y, stp_vec3d* point);
-/// The camera of the picture that is shown. @return false where there is none
+/// The camera of the shown picture. @return false if there is none
 bool camera_of_picture(const viewer* v, stp_navigator* n);
 stp_boxd camera_scene_box(const viewer* v);
 
 // input.c
 void input_take(viewer* v, const SDL_Event* event);
-/// Moves the camera by keys and sticks that are held.
+/// Moves the camera by held keys and sticks.
 void input_step(viewer* v, double seconds);
-/// Gamepads too.
+/// Includes gamepads.
 void input_begin(void);
 void input_destroy(viewer* v);
 
 // panels.c
-/// Where the panels leave room for the picture.
+/// The area that the panels leave for the picture.
 viewer_area panels_layout(const viewer* v);
 void panels_show(viewer* v);
 void panels_switch_parts(viewer* v);
@@ -185,5 +185,5 @@ bool viewer_uses_gl(const viewer* v);
 paint_request request_make(viewer* v);
 
 // report.c
-/// Writes what is shown where that changed; at once where `last`.
+/// Writes the report if it changed; at once if `last`.
 void report_write(viewer* v, bool last);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The window's loop: take what came (events, news of loading, pictures), move the camera, ask for a picture, show. Nothing
-// here waits but for events.
+// The window's loop: handle events, loading news and pictures, move the camera, request a picture,
+// show it. It waits only for events.
 #include "viewer.h"
 
 #include "gui.h"
@@ -18,7 +18,7 @@ enum {
     STEP_MS = 12,     ///< while the camera moves
     WORKING_MS = 100, ///< while something is loaded
     IDLE_MS = 1000,
-    SETTLING_FRAMES = 3, ///< of the window, until all its parts know of an event
+    SETTLING_FRAMES = 3, ///< window frames until all parts have reacted to an event
 };
 
 void viewer_redraw(viewer* v)
@@ -64,7 +64,7 @@ bool viewer_rests(const viewer* v)
     return !loads && !opens && shown && adopted && !moves && !reads && v->shot == NULL;
 }
 
-/// The window's own knowledge of a scene that came.
+/// Creates the window's own data of a new scene.
 static void explore(viewer* v, bool same_file)
 {
     explorer* before = v->explorer;
@@ -74,7 +74,7 @@ static void explore(viewer* v, bool same_file)
     v->explorer = explorer_create(v->scene->path);
     v->marks_version = 0;
     if (v->explorer == NULL && v->scene->serial > v->former) {
-        viewer_say(v, true, "%s: the parts cannot be read", v->file);
+        viewer_say(v, true, "%s: cannot read the parts", v->file);
     } else if (v->explorer != NULL && same_file && before != NULL) {
         explorer_follow(v->explorer, before);
     }
@@ -105,13 +105,13 @@ static void step_explorer(viewer* v)
         }
         viewer_redraw(v);
     }
-    if (e->message[0] != 0) { // once
+    if (e->message[0] != 0) { // shown once
         viewer_say(v, true, "%s", e->message);
         e->message[0] = 0;
     }
 }
 
-/// Whether a method was asked for that the scene has no splats of.
+/// Whether the scene lacks splats of the requested method.
 static bool lacks_method(const viewer* v)
 {
     const stp_store_directory* d = v->scene->directory;
@@ -121,12 +121,12 @@ static bool lacks_method(const viewer* v)
 
 static void take_scene(viewer* v)
 {
-    // the first camera fits beside the panels, whose heights are known once they have been shown
+    // the first camera fits beside the panels, whose heights are known after they have been shown
     const painter_scene* scene = v->shows > 0 ? painter_adopt(v->painter) : NULL;
     if (scene == NULL) {
         return;
     }
-    // one that was still being opened when another file was chosen is no draft of that
+    // a scene that was still opening when another file was chosen is not a draft of that file
     uint32_t number = scene->serial <= v->former ? v->file_number - 1 : v->file_number;
     bool same_file = v->shown_file_number == number && v->has_camera;
     v->scene = scene;
@@ -137,7 +137,7 @@ static void take_scene(viewer* v)
         camera_begin(v);
         point_look_begin(v);
         if (stp_boxd_is_empty(v->scene->bounds)) {
-            viewer_say(v, false, "%s: there is nothing to draw in it", v->file);
+            viewer_say(v, false, "%s: no visible content", v->file);
         } else if (lacks_method(v)) {
             viewer_say(v, false, "%s has splats by %s, not by %s", v->file,
                        v->scene->directory->methods[0].name,
@@ -183,7 +183,7 @@ static void take_picture(viewer* v)
     if (picture->texture != 0) {
         window_borrow(&v->window, picture->texture);
     } else if (!window_upload(&v->window, &picture->image)) {
-        viewer_say(v, true, "the picture does not fit into the memory of the graphics device");
+        viewer_say(v, true, "not enough graphics memory for the picture");
     }
     if (picture->figures.samples <= 1) {
         v->newest_time = (v->newest_time + 1) % FRAME_HISTORY;
@@ -204,21 +204,21 @@ static void take_event(viewer* v, const SDL_Event* event)
         viewer_open(v, event->drop.file);
         SDL_free(event->drop.file);
     }
-    // a hand that turns the scene changes nothing of the panels
+    // dragging the scene does not change the panels
     if (event->type != SDL_MOUSEMOTION || v->input.drag == DRAG_NONE) {
         viewer_redraw(v);
     }
     input_take(v, event);
 }
 
-/// How long to wait for events, at most.
+/// Maximum time to wait for events.
 static int choose_wait(viewer* v)
 {
     bool works = v->news.state == LOADER_WORKING || v->news.state == LOADER_REFINING;
     bool moves = v->input.flies || v->glide_start >= 0.0 || v->record.plays || v->record.on ||
                  (v->explorer != NULL && explorer_works(v->explorer));
     if (v->dirty == 0 && gui_waits()) {
-        v->dirty = 1; // a tooltip comes soon
+        v->dirty = 1; // a tooltip is about to appear
         return WORKING_MS;
     }
     return v->dirty > 0 ? 0 : moves ? STEP_MS : works ? WORKING_MS : IDLE_MS;
@@ -229,7 +229,8 @@ static void take_events(viewer* v)
     int wait = choose_wait(v);
     SDL_Event event;
     if (wait == 0 ? SDL_PollEvent(&event) : SDL_WaitEventTimeout(&event, wait)) {
-        // ImGui sees which keys are down when a frame begins: one that goes down and up between two would be lost
+        // ImGui reads the key states when a frame begins; a key pressed and released between two
+        // frames would be missed
         bool for_text;
         do {
             take_event(v, &event);
@@ -254,7 +255,7 @@ static void step(viewer* v)
     take_events(v);
     double now = stp_clock_ms(), seconds = 1e-3 * (now - v->last_ms);
     v->last_ms = now;
-    seconds = seconds < 0.1 ? seconds : 0.1; // after a pause nothing leaps
+    seconds = seconds < 0.1 ? seconds : 0.1; // avoids a jump after a pause
     if (window_measure(&v->window)) {
         viewer_redraw(v);
     }
@@ -268,7 +269,7 @@ static void step(viewer* v)
     step_explorer(v);
     record_step(v);
     shot_step(v);
-    // what is hidden in a scene that grows is not to flash up
+    // hidden parts of a growing scene must not flash up
     bool waits = v->carried.count > 0 && v->explorer != NULL && explorer_works(v->explorer);
     if (v->scene != NULL && !waits) {
         paint_request request = request_make(v);
@@ -280,7 +281,7 @@ static void step(viewer* v)
     report_write(v, false);
 }
 
-// Of the window's own context: viewpoints and flights.
+// The window's own context, for viewpoints and flights.
 static void on_log(stp_log_level level, const char* message, void* user)
 {
     if (level != STP_LOG_NOTICE) {
@@ -369,7 +370,7 @@ int viewer_run(const viewer_options* options)
     int code = 0;
     if (!gui_create(v->window.handle, v->window.gl, v->window.renderer, v->window.scale) ||
         !start(v)) {
-        code = tool_error("the window cannot be set up: out of memory");
+        code = tool_error("cannot set up the window: out of memory");
         v->quits = true;
     } else if (options->file != NULL) {
         viewer_open(v, options->file);
@@ -399,7 +400,7 @@ int viewer_run(const viewer_options* options)
     input_destroy(v);
     gui_destroy();
     window_destroy(&v->window);
-#ifndef STP_SANITIZED // drivers stay loaded, so that what they never give back is known to be theirs
+#ifndef STP_SANITIZED // drivers stay loaded, so that leak reports can attribute their leaks to them
     SDL_Quit();
 #endif
     free(v);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Saved viewpoints and notes, kept in a file beside the model; and the cameras that the model brought.
+// Saved viewpoints and notes, kept in a file beside the model, and the model's own cameras.
 #include "gui.h"
 #include "parts.h"
 
@@ -15,11 +15,11 @@ enum { THINGS_MOST = 1000 };
 void views_begin(viewer* v)
 {
     views_end(v);
-    // a procedural scene has no place for a file beside it
+    // a procedural scene has no file, so nothing can be saved beside it
     v->views_path = scene_is_input(v->file) ? NULL : stp_viewpoints_path(v->context, v->file);
     if (v->views_path != NULL &&
         stp_viewpoints_read(v->context, v->views_path, &v->views) != STP_OK) {
-        stp_free(v->context, v->views_path); // what is there stays as it is
+        stp_free(v->context, v->views_path); // do not overwrite a file that cannot be read
         v->views_path = NULL;
     }
 }
@@ -41,15 +41,15 @@ static void keep(viewer* v)
         stp_viewpoints_write(v->context, v->views_path, &v->views) == STP_OK) {
         viewer_say(v, false, "Saved to %s", v->views_path);
     } else if (v->views_path == NULL) {
-        viewer_say(v, false, "Viewpoints of this scene last until the window closes");
+        viewer_say(v, false, "Viewpoints of this scene are kept until the window closes");
     }
 }
 
-/// The path of an item, where it is whole; for a file of texts. @return whether there is one
+/// The path of an item, if it is complete and can be saved as text. @return whether it is
 static bool find_path(const explorer* e, const stp_outline_item* item, bool for_file,
                       char path[1024])
 {
-    enum { CUT = 1024 - 4 }; // or longer
+    enum { CUT = 1024 - 4 }; // this length or longer was cut
     if (stp_outline_path(e->outline, item, path, 1024) != STP_OK || strlen(path) >= CUT) {
         return false;
     }
@@ -58,8 +58,8 @@ static bool find_path(const explorer* e, const stp_outline_item* item, bool for_
     return text != NULL;
 }
 
-/// Parts that are not shown as usual, by their paths, for a file (NULL: for now) that has no place for so many more.
-/// @return how many
+/// Lists hidden, isolated and ghosted parts by path, for a file (NULL: in memory only) with limited
+/// room. @return their number
 static size_t list_things(viewer* v, stp_shown_thing* things, char (*paths)[1024], size_t* left_out)
 {
     static const stp_shown_as as[] = {[EXPLORER_HIDDEN] = STP_SHOWN_HIDDEN,
@@ -155,7 +155,7 @@ void views_save(viewer* v)
         keep(v);
         if (left_out > 0) {
             viewer_say(v, false,
-                       "Saved as visible, because their paths are too long or not UTF-8: %zu parts",
+                       "%zu parts saved as visible, because their paths are too long or not UTF-8",
                        left_out);
         }
     }
@@ -216,7 +216,7 @@ bool views_begin_at(viewer* v, const char* name)
     stp_viewpoint_look(p, &view);
     stp_navigator_take(&v->camera, &view);
     section_take(v, &p->sections);
-    // what is hidden there waits until the parts are known
+    // applied when the parts are known
     stp_viewpoints_destroy(v->context, &v->carried);
     v->carried = (stp_viewpoints){0};
     (void)!stp_viewpoints_put(v->context, &v->carried, p);
@@ -234,7 +234,9 @@ static void show_saved(viewer* v)
         bool goes = false;
         gui_push_id((int)i);
         float beside = gui_text_width("Remove") + 24.0f * v->window.scale;
-        if (gui_name_toggle(p->name, strcmp(p->name, v->current_view) == 0, beside, "Go there")) {
+        if (gui_name_toggle(p->name, strcmp(p->name, v->current_view) == 0, beside,
+                            "Go to this "
+                            "viewpoint")) {
             go_to(v, p);
         }
         gui_same_line();
@@ -264,7 +266,7 @@ static void show_cameras(viewer* v)
         const stp_store_view* stored = &d->views[i];
         gui_push_id((int)i);
         const char* name = stored->name != NULL && stored->name[0] != 0 ? stored->name : "unnamed";
-        if (gui_name_toggle(name, false, 0.0f, "Go there")) {
+        if (gui_name_toggle(name, false, 0.0f, "Go to this camera")) {
             stp_view view = {.eye = stored->eye,
                              .target = stored->target,
                              .up = stored->up,
@@ -282,11 +284,12 @@ static void show_pictures(viewer* v)
 {
     viewer_settings* s = &v->settings;
     gui_text("Pictures");
-    gui_whole_number("Width", &s->shot_width, 16, 16384, "Size of saved pictures in pixels");
-    gui_whole_number("Height", &s->shot_height, 16, 16384, "Size of saved pictures in pixels");
+    gui_whole_number("Width", &s->shot_width, 16, 16384, "Width of saved pictures in pixels");
+    gui_whole_number("Height", &s->shot_height, 16, 16384, "Height of saved pictures in pixels");
     gui_whole_number("Antialiasing##shot", &s->shot_samples, 1, 8,
                      "Samples per pixel, in each direction");
-    gui_check("Transparent background", &v->shot_clear, "Transparent where the model is not");
+    gui_check("Make the background of saved pictures transparent", &v->shot_clear,
+              "Transparent where the model is not");
     if (gui_wide_button("Save picture", 1, "Save a PNG into the pictures folder (F12)")) {
         shot_begin(v);
     }

@@ -9,7 +9,7 @@
 
 enum { WIDTH_LEAST = 300, HEIGHT_LEAST = 200 };
 
-// What the window itself needs of OpenGL, all of version 1.1.
+// The OpenGL functions of the window, all of version 1.1.
 struct window_gl {
     void (*gen_textures)(GLsizei, GLuint*);
     void (*delete_textures)(GLsizei, const GLuint*);
@@ -61,7 +61,7 @@ static float display_scale(void)
     if (SDL_GetDisplayDPI(0, &dpi, NULL, NULL) != 0 || !(dpi > 0.0f)) {
         return 1.0f;
     }
-    // quarters, so that letters stay crisp; displays tell odd sizes
+    // rounded to quarters, so that text stays crisp; displays report odd sizes
     float scale = roundf(4.0f * dpi / 96.0f) / 4.0f;
     return scale < 1.0f ? 1.0f : scale > 3.0f ? 3.0f : scale;
 }
@@ -73,7 +73,7 @@ static bool create_gl(window* w, const window_desc* desc, int major, int minor)
     SDL_GL_SetAttribute(SDL_GL_CONTEXT_PROFILE_MASK, SDL_GL_CONTEXT_PROFILE_CORE);
     SDL_GL_SetAttribute(SDL_GL_DOUBLEBUFFER, 1);
     SDL_GL_SetAttribute(SDL_GL_DEPTH_SIZE, 0);
-    // without this a context does not tell that it was lost
+    // without this, a context does not report that it was lost
     SDL_GL_SetAttribute(SDL_GL_CONTEXT_RESET_NOTIFICATION, SDL_GL_CONTEXT_RESET_LOSE_CONTEXT);
     w->handle = SDL_CreateWindow(
         desc->title, SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, desc->width, desc->height,
@@ -82,7 +82,7 @@ static bool create_gl(window* w, const window_desc* desc, int major, int minor)
         return false;
     }
     w->gl = SDL_GL_CreateContext(w->handle);
-    if (w->gl == NULL) { // not every driver can tell
+    if (w->gl == NULL) { // not every driver supports it
         SDL_GL_SetAttribute(SDL_GL_CONTEXT_RESET_NOTIFICATION,
                             SDL_GL_CONTEXT_RESET_NO_NOTIFICATION);
         w->gl = SDL_GL_CreateContext(w->handle);
@@ -99,8 +99,8 @@ static bool create_gl(window* w, const window_desc* desc, int major, int minor)
     return true;
 }
 
-/// A context that shares the window's textures. It has a window of its own, which is never shown: two threads do not draw into
-/// one.
+/// A context that shares the window's textures. It has a hidden window of its own, because two
+/// threads must not draw into the same one.
 static void create_worker(window* w)
 {
     SDL_GL_SetAttribute(SDL_GL_SHARE_WITH_CURRENT_CONTEXT, 1);
@@ -118,7 +118,7 @@ static void create_worker(window* w)
 
 static bool create_software(window* w, const window_desc* desc)
 {
-    SDL_SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0"); // SDL would ask OpenGL after all
+    SDL_SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0"); // otherwise SDL would still use OpenGL
     w->handle =
         SDL_CreateWindow(desc->title, SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, desc->width,
                          desc->height, SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI);
@@ -140,18 +140,18 @@ bool window_create(window* w, const window_desc* desc, char* reason, size_t reas
     const char* driver = getenv("SDL_VIDEODRIVER");
     bool named = (x11 != NULL && *x11 != 0) || (wayland != NULL && *wayland != 0) ||
                  (driver != NULL && *driver != 0);
-    // without a display's name SDL would take over a console
+    // without a display, SDL would take over a console
     if (!named || SDL_InitSubSystem(SDL_INIT_VIDEO | SDL_INIT_EVENTS) != 0) {
         snprintf(
             reason, reason_size,
-            "there is no display to open a window on (%s); stipple render and stipple fly draw "
-            "without one",
+            "there is no display for a window (%s); stipple render and stipple fly work without "
+            "one",
             named ? SDL_GetError() : "neither DISPLAY nor WAYLAND_DISPLAY is set");
         return false;
     }
     bool made = !desc->software && (create_gl(w, desc, 4, 5) || create_gl(w, desc, 3, 3));
     if (!made && !create_software(w, desc)) {
-        snprintf(reason, reason_size, "the window cannot be made: %s", SDL_GetError());
+        snprintf(reason, reason_size, "cannot create the window: %s", SDL_GetError());
         SDL_QuitSubSystem(SDL_INIT_VIDEO | SDL_INIT_EVENTS);
         return false;
     }
@@ -325,7 +325,7 @@ bool window_read(window* w, uint8_t* pixels)
     }
     w->functions->read_pixels(0, 0, w->width, w->height, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
     uint8_t* spare = malloc(row);
-    for (size_t y = 0; spare != NULL && y < height / 2; ++y) { // OpenGL begins at the bottom
+    for (size_t y = 0; spare != NULL && y < height / 2; ++y) { // OpenGL starts at the bottom
         memcpy(spare, pixels + y * row, row);
         memcpy(pixels + y * row, pixels + (height - 1 - y) * row, row);
         memcpy(pixels + (height - 1 - y) * row, spare, row);

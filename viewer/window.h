@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The viewer's window, and the picture of the scene in it: with OpenGL where there is any, else drawn by SDL.
+// The viewer's window and the scene picture in it: with OpenGL if available, else drawn by SDL.
 #pragma once
 
 #include <stipple/image.h>
@@ -15,17 +15,17 @@ typedef struct window {
     SDL_Renderer* renderer; ///< NULL: OpenGL draws
     window_gl* functions;
     int version;       ///< of OpenGL: 45 for 4.5
-    char device[128];  ///< what draws the window
-    int width, height; ///< in pixels, which may be more than the window's units
-    float density;     ///< pixels a unit
+    char device[128];  ///< device that draws the window
+    int width, height; ///< in pixels, which may differ from window units
+    float density;     ///< pixels per window unit
     float scale;       ///< of text and distances, in pixels
-    // a second context, for the thread that draws
+    // a second context, for the painter thread
     SDL_Window* worker_window;
     SDL_GLContext worker;
-    bool has_worker;  ///< of OpenGL 4.5
-    bool is_hardware; ///< OpenGL is drawn by a graphics processor
+    bool has_worker;  ///< it has OpenGL 4.5
+    bool is_hardware; ///< OpenGL runs on a GPU
     // the picture
-    uint32_t borrowed; ///< a texture of the worker's that is shown instead; 0: none
+    uint32_t borrowed; ///< a texture of the worker context to show instead; 0: none
     uint32_t texture;
     SDL_Texture* streamed;
     uint32_t texture_width, texture_height;
@@ -34,21 +34,21 @@ typedef struct window {
 typedef struct window_desc {
     const char* title;
     int width, height;
-    bool software; ///< no OpenGL
-    float scale;   ///< of text; 0: the display's
+    bool software; ///< do not use OpenGL
+    float scale;   ///< of text; 0: that of the display
 } window_desc;
 
-/// @return false where no window can be made: the reason is in `reason`
+/// @return false if no window can be created: the reason is in `reason`
 bool window_create(window* w, const window_desc* desc, char* reason, size_t reason_size);
 void window_destroy(window* w);
-/// Takes in the window's size. @return whether it changed
+/// Updates the window's size. @return whether it changed
 bool window_measure(window* w);
 
-/// Makes a picture the texture. @return false where there is no room for it
+/// Uploads a picture to the texture. @return false if memory runs out
 bool window_upload(window* w, const stp_image* image);
-/// Shows a texture of the worker's context from now on.
+/// Shows a texture of the worker context from now on.
 void window_borrow(window* w, uint32_t texture);
-// For the painter; `window` is the window.
+// Callbacks for the painter; `window` is the window.
 bool window_begin_worker(void* window);
 void window_end_worker(void* window);
 void (*window_get_proc_address(const char* name, void* window))(void);
@@ -57,5 +57,6 @@ void* window_picture(const window* w);
 
 void window_clear(window* w);
 void window_show(window* w);
-/// What the window shows, from the top; `pixels` has room for width * height * 4 bytes. To be called before window_show.
+/// Reads the window's content, top row first; `pixels` has room for width * height * 4 bytes. Call
+/// it before window_show.
 bool window_read(window* w, uint8_t* pixels);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The child's side: assimp's scene as a stream. Runs after fork() in a process with this one thread; what goes
-// wrong here ends the child, not the caller.
+// The child process: writes assimp's scene as a stream. It runs after fork() with a single thread;
+// errors end the child, not the caller.
 #include "import/assimp_files.h"
 #include "import/assimp_stream.h"
 #include "import/surface.h"
@@ -170,8 +170,8 @@ static void decode(float* rgb)
     }
 }
 
-// Colours of formats without physical materials are sRGB, as their authors saw them; base colours are linear.
-// A picture takes the place of a diffuse colour.
+// Colours of formats without physical materials are sRGB; base colours are linear. A picture
+// replaces a diffuse colour.
 static void put_material(writer* w, const struct aiMaterial* material)
 {
     stp_assimp_material out = {.base_color = {1, 1, 1, 1}, .roughness = 1};
@@ -192,7 +192,7 @@ static void put_material(writer* w, const struct aiMaterial* material)
     }
     float value;
     if (aiGetMaterialFloatArray(material, AI_MATKEY_OPACITY, &value, NULL) == aiReturn_SUCCESS &&
-        value > 0.0f) { // 0 is nearly always transparency read the wrong way round
+        value > 0.0f) { // 0 is almost always a misread transparency
         out.base_color[3] = value;
     }
     if (aiGetMaterialFloatArray(material, AI_MATKEY_SHININESS, &value, NULL) == aiReturn_SUCCESS &&
@@ -226,7 +226,7 @@ static void put_mesh(writer* w, const struct aiMesh* mesh)
     int points = (mesh->mPrimitiveTypes & aiPrimitiveType_POINT) != 0;
     int triangles = (mesh->mPrimitiveTypes & aiPrimitiveType_TRIANGLE) != 0;
     stp_assimp_mesh head = {.material = mesh->mMaterialIndex};
-    if ((points || triangles) && mesh->mVertices != NULL) { // lines are left out
+    if ((points || triangles) && mesh->mVertices != NULL) { // skips lines
         head.vertex_count = mesh->mNumVertices;
         head.flags = (mesh->mNormals != NULL ? STP_ASSIMP_NORMALS : 0u) |
                      (mesh->mTextureCoords[0] != NULL ? STP_ASSIMP_TEXCOORDS_0 : 0u) |
@@ -261,7 +261,7 @@ static void put_mesh(writer* w, const struct aiMesh* mesh)
 
 static const float* matrix_rows(const struct aiMatrix4x4* matrix)
 {
-    return &matrix->a1; // 16 floats, row after row
+    return &matrix->a1; // 16 floats in row-major order
 }
 
 static int is_identity(const struct aiMatrix4x4* matrix)
@@ -274,7 +274,7 @@ static int is_identity(const struct aiMatrix4x4* matrix)
     return 1;
 }
 
-// The file's own root often says nothing: then its children stand below ours.
+// The file's own root often carries no information; then its children become children of our root.
 static int is_plain_root(const struct aiNode* node)
 {
     return node->mParent == NULL && node->mNumMeshes == 0 && is_identity(&node->mTransformation);
@@ -294,7 +294,7 @@ static int compare_names(const void* a, const void* b)
     return strcmp(*(const char* const*)a, *(const char* const*)b);
 }
 
-// The names of nodes that an animation moves, sorted.
+// Sorted names of the nodes that animations move.
 static const char** list_moving(const struct aiScene* scene, size_t* count)
 {
     size_t limit = 0;
@@ -319,7 +319,7 @@ static const char** list_moving(const struct aiScene* scene, size_t* count)
     return names;
 }
 
-// What is known of the nodes while they are written.
+// State of the nodes while they are written.
 typedef struct node_walk {
     const char** moving;
     size_t moving_count;
@@ -392,7 +392,7 @@ static void put_view(writer* w, const struct aiCamera* camera)
     for (int i = 6; i < 9; ++i) {
         out[i] -= out[i - 6]; // up is a direction
     }
-    // half the horizontal angle; narrow views shrink with the aspect about as their angle does
+    // half the horizontal angle; for narrow views it shrinks roughly with the aspect
     double aspect = camera->mAspect > 0.0f ? (double)camera->mAspect : 4.0 / 3.0;
     out[9] = 2.0 * (double)camera->mHorizontalFOV * 57.29577951308232 / aspect;
     put_string(w, &camera->mName);
@@ -441,7 +441,7 @@ static int has_extension(const char* path, const char* words)
     return found != NULL && found[-1] == ' ' && found[length] == ' ';
 }
 
-// What assimp leaves to be turned and scaled. Most of its readers turn z up to y up themselves.
+// Remaining axis and unit conversion. Most of assimp's readers already turn z up to y up.
 static void put_axes(writer* w, const char* path)
 {
     uint32_t up = 0; // unknown
@@ -465,7 +465,7 @@ static void put_axes(writer* w, const char* path)
     put(w, &unit, sizeof(unit));
 }
 
-// What assimp makes up to show a skeleton without a mesh.
+// Dummy meshes that assimp adds to show a skeleton without a mesh.
 static int is_made_up(const struct aiScene* scene, const struct aiMesh* mesh)
 {
     struct aiString name = {0};
@@ -555,5 +555,5 @@ int stp_assimp_run_child(const char* path, const unsigned char* bytes, size_t si
                      aiProcess_JoinIdenticalVertices | aiProcess_FlipUVs;
     w->scene = aiImportFileExWithProperties(path, flags, &files.io, properties);
     put_result(w, path, &files);
-    return w->failed; // what is allocated goes with the process
+    return w->failed; // the process' exit frees all memory
 }

@@ -35,7 +35,7 @@ static size_t read_file(struct aiFile* file, char* out, size_t size, size_t coun
     while (f->descriptor >= 0 && done < whole * size) {
         ssize_t got = pread(f->descriptor, out + done, whole * size - done, (off_t)(f->at + done));
         if (got == 0 || (got < 0 && errno != EINTR)) {
-            break; // it became shorter
+            break; // the file was shortened
         }
         done += got > 0 ? (size_t)got : 0;
     }
@@ -106,11 +106,11 @@ static void note_refusal(stp_assimp_files* files, const char* reference, const c
         files->reason = reason;
         files->refused = 1;
     } else if (strncmp(files->first, reference, sizeof(files->first) - 1) != 0) {
-        files->refused = 2; // readers ask for one file again and again
+        files->refused = 2; // readers open the same file repeatedly
     }
 }
 
-// More time for a file, once. What a sparse file leaves out takes none.
+// Extends the time for a file, once. Holes of sparse files do not count.
 static void allow_time(stp_assimp_files* files, const struct stat* status)
 {
     uint64_t stored = (uint64_t)status->st_blocks * 512, size = (uint64_t)status->st_size;
@@ -130,7 +130,7 @@ static void allow_time(stp_assimp_files* files, const struct stat* status)
     }
 }
 
-// A regular file, which is opened without waiting for whoever may be at the other end of something else.
+// Opens a regular file without blocking on pipes and the like.
 static struct aiFile* open_regular(stp_assimp_files* files, const char* path)
 {
     int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
@@ -149,7 +149,7 @@ static struct aiFile* open_regular(stp_assimp_files* files, const char* path)
     return file;
 }
 
-// What assimp asks for is mostly the model's folder and a reference, put together.
+// Paths requested by assimp are mostly the model's folder joined with a reference.
 static const char* strip_folder(const char* model, const char* path)
 {
     const char* slash = strrchr(model, '/');

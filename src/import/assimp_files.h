@@ -1,6 +1,6 @@
-// SPDX-License-Identifier: MIT
-// The files that assimp may read: the model's bytes, which are here already, and regular files that the model may name
-// (path_rules.h). For a child process: uses no context.
+// SPDX-License-Identifier: MIT The files that assimp may read: the model's bytes, which are here
+// already, and regular files that the model may name (path_rules.h). For a child process: uses no
+// context.
 #pragma once
 
 #include <assimp/cfileio.h>
@@ -10,30 +10,31 @@
 
 enum { STP_ASSIMP_OPENED = 256 };
 
-#define STP_ASSIMP_SECONDS 30 ///< of processor time for any model, and more for its bytes
+#define STP_ASSIMP_SECONDS 30 ///< CPU time for any model; larger files get more
 
-/// How much longer it may take to read so many bytes. Readers are far faster, but for what takes no end.
+/// Additional CPU time for so many bytes. Readers are far faster, except those in an endless loop.
 static inline uint64_t stp_assimp_seconds_for(uint64_t bytes)
 {
     return bytes / 10000;
 }
 
 typedef struct stp_assimp_files {
-    struct aiFileIO io; ///< what assimp is given
+    struct aiFileIO io; ///< passed to assimp
     const char* path;   ///< of the model
     const unsigned char* bytes;
     size_t size;
-    bool alone; ///< only the model may be read
-    // what was opened lately: time is allowed for each file once
+    bool alone; ///< only the model itself may be read
+    // recently opened files: each file adds time only once
     uint64_t opened[STP_ASSIMP_OPENED];
     unsigned opened_count;
-    // what was refused though it exists
+    // files that exist but were refused
     unsigned refused;   ///< 0, 1, or 2: several
     char first[300];    ///< the reference
     const char* reason; ///< "it is an absolute path"
 } stp_assimp_files;
 
-/// The limit of processor time grows with the first files that are opened, up to the process' hard limit.
-/// The model's path and bytes must outlive it; so must `files` all reading, at this address.
+/// Opening a file for the first time raises the CPU time limit, up to the process' hard limit. The
+/// model's path and bytes must outlive this, and `files` must stay at this address until reading
+/// ends.
 void stp_assimp_files_begin(stp_assimp_files* files, const char* path, const unsigned char* bytes,
                             size_t size, bool alone);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Our side of the stream: every count, index and number is checked before use.
+// The parent's side of the stream: every count, index and number is checked before use.
 #include "import/assimp_stream.h"
 #include "import/surface.h"
 
@@ -26,7 +26,7 @@ static stp_result fail_stream(const reader* r, const char* what)
                     r->import->path, what);
 }
 
-// The next `count` items of `size` bytes; NULL where the stream is too short.
+// The next `count` items of `size` bytes; NULL if the stream is too short.
 static const unsigned char* take(reader* r, size_t count, size_t size)
 {
     if (size != 0 && count > (size_t)(r->end - r->at) / size) {
@@ -51,7 +51,7 @@ static bool take_u32(reader* r, uint32_t* value)
     return take_value(r, value, sizeof(*value));
 }
 
-// A text in the scene's arena; *text is NULL where it is empty.
+// A text in the scene's arena; *text is NULL if it is empty.
 static stp_result take_text(reader* r, const char** text)
 {
     uint32_t length;
@@ -68,7 +68,8 @@ static stp_result take_text(reader* r, const char** text)
     return *text != NULL ? STP_OK : stp_fail_memory(r->context);
 }
 
-// A list's count, of items that take `least` bytes each: bounded by what is left of the stream.
+// The count of a list whose items take at least `least` bytes each, limited by the rest of the
+// stream.
 static bool take_count(reader* r, size_t least, uint32_t* count)
 {
     return take_u32(r, count) && *count <= (size_t)(r->end - r->at) / least;
@@ -84,7 +85,7 @@ static bool all_finite(const float* numbers, size_t count)
     return true;
 }
 
-// A copy of `count` items that belongs to the caller; NULL with *result set where that fails.
+// A copy of `count` items owned by the caller; NULL with *result set on failure.
 static void* take_copy(reader* r, size_t count, size_t size, stp_result* result)
 {
     const unsigned char* bytes = take(r, count, size);
@@ -181,7 +182,7 @@ static stp_result read_use(reader* r, const char* material, stp_texture_use* use
     }
     use->texcoord = in.texcoord < 2 ? in.texcoord : 0;
     if (all_finite(in.scale, 2) && all_finite(in.offset, 2)) {
-        // coordinates were turned over: v_file = 1 - v, and back
+        // coordinates were flipped: v_file = 1 - v, and back
         use->transform[0][0] = in.scale[0];
         use->transform[0][2] = in.offset[0];
         use->transform[1][1] = in.scale[1];
@@ -263,7 +264,7 @@ static void repair_attributes(const stp_mesh* mesh)
     }
 }
 
-// The arrays of a mesh; what was read so far is in `mesh` also after a failure.
+// Reads the arrays of a mesh; after a failure `mesh` holds what was read so far.
 static stp_result read_arrays(reader* r, const stp_assimp_mesh* head, stp_mesh* mesh,
                               float** colors)
 {
@@ -458,7 +459,7 @@ static stp_result read_views(reader* r)
             return fail_stream(r, "views");
         }
         if (view.name == NULL || !(in[9] > 0.0 && in[9] < 180.0)) {
-            continue; // nothing to ask for it by, or no picture to see
+            continue; // it has no name, or there is no picture
         }
         view.eye = turn_point(axes, in);
         view.target = turn_point(axes, in + 3);
@@ -522,7 +523,7 @@ stp_result stp_assimp_fail_memory(const stp_import* import)
                     import->path, (unsigned long long)stp_assimp_memory_limit(import));
 }
 
-// assimp's reason, on one line.
+// assimp's error message, on one line.
 static stp_result fail_as_told(reader* r)
 {
     const char* told;
@@ -544,7 +545,7 @@ static stp_result fail_as_told(reader* r)
                     reason);
 }
 
-// What of the model was not read, because it lies elsewhere.
+// Reports files of the model that were not read because they are outside its folder.
 static stp_result read_refusals(reader* r)
 {
     uint32_t count;

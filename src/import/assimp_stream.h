@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: MIT
 //
-// Between the child process that runs assimp (assimp_child.c) and us (assimp_reader.c): a private stream in the
-// machine's own byte order. The child works on untrusted input with code we do not answer for, so what it
-// writes is checked like a file.
+// Between the child process that runs assimp (assimp_child.c) and us (assimp_reader.c): a private
+// stream in the machine's own byte order. The child works on untrusted input with code we do not
+// answer for, so what it writes is checked like a file.
 //
 //   stream    magic, refusals, then either  FAILED, text
 //             or  SCENE, up, unit, textures, materials, meshes, nodes, views, losses, END
-//   refusals  u32: 0, 1 or 2 (several) files that the model must not name; if any: text of the first, text why
+//   refusals  u32: 0, 1 or 2 (several) files that the model must not name; if any: text of the
+//   first, text why
 //   a list    u32 count, then its items; a text: u32 length (at most STP_ASSIMP_TEXT_LIMIT), bytes
-//   texture   text name, u32 width, u32 height, bytes: RGBA; height 0: a picture file of `width` bytes
+//   texture   text name, u32 width, u32 height, bytes: RGBA; height 0: a picture file of `width`
+//   bytes
 //   material  text name, stp_assimp_material, two uses (base colour, emissive)
 //   a use     u32 source, u32 index (of an embedded texture), text path, stp_assimp_use
-//   mesh      text name, stp_assimp_mesh, positions, normals, texcoords, colours, indices as its flags say
+//   mesh      text name, stp_assimp_mesh, positions, normals, texcoords, colours, indices as its
+//   flags say
 //   node      text name, u32 parent, u32 flags, f64 transform[3][4], list of u32 meshes
 //   view      text name, f64 eye[3], target[3], up[3], fov
 //   losses    u32 animations, skins, morph targets, line meshes, lights (stp_assimp_losses)
@@ -53,28 +56,28 @@ typedef struct stp_assimp_mesh {
     uint32_t material, flags, vertex_count, triangle_count;
 } stp_assimp_mesh;
 
-/// What the scene holds that is not kept.
+/// Content of the scene that is not kept.
 typedef struct stp_assimp_losses {
     uint32_t animations, skins, morphs, lines, lights;
 } stp_assimp_losses;
 
-/// Adds what a stream holds to the scene. @return STP_OK; STP_ERROR_FORMAT where assimp failed, or where the
-/// stream is not sound; STP_ERROR_OUT_OF_MEMORY, also where assimp had too little (each logged)
+/// Adds the content of a stream to the scene. @return STP_OK; STP_ERROR_FORMAT if assimp failed or
+/// the stream is invalid; STP_ERROR_OUT_OF_MEMORY, also if assimp ran out of memory (each logged)
 STP_MUST_USE stp_result stp_assimp_read_stream(stp_import* import, const unsigned char* bytes,
                                                size_t size);
 
-/// The address space that the child may use beyond what it inherits.
+/// Address space that the child may use in addition to what it inherits.
 static inline uint64_t stp_assimp_memory_limit(const stp_import* import)
 {
     uint64_t asked = import->desc.helper_memory_bytes;
     return asked != 0 ? asked : (uint64_t)4 << 30;
 }
 
-/// Says that this does not suffice. @return STP_ERROR_OUT_OF_MEMORY (logged)
+/// Reports that this is not enough. @return STP_ERROR_OUT_OF_MEMORY (logged)
 stp_result stp_assimp_fail_memory(const stp_import* import);
 
-/// What the child does: imports a model, whose bytes are here, and writes the stream to `descriptor`. Reads other files
-/// that the model may name (path_rules.h), none where it is `alone`. Uses no context: locks of other threads may be held
-/// for good in a forked process. @return the child's exit code
+/// The child's work: imports a model from memory and writes the stream to `descriptor`. Reads other
+/// files only as path_rules.h allows, and none if `alone`. Uses no context, because in a forked
+/// process locks of other threads may be held forever. @return the child's exit code
 int stp_assimp_run_child(const char* path, const unsigned char* bytes, size_t size, bool alone,
                          int descriptor);

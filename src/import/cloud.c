@@ -43,7 +43,7 @@ void stp_cloud_set_origin(stp_cloud* cloud, const double place[3])
     }
 }
 
-// Runs of filled cells move together.
+// Moves runs of filled cells at once.
 static void drop_empty(stp_cloud* cloud)
 {
     stp_bulk_array arrays[STP_POINT_ARRAYS];

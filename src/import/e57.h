@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Inside the E57 reader (ASTM E2807): pages (e57_pages.c), the tree of its XML section (e57_xml.c), what a scan
-// says of its records (e57_scan.c), the packets they lie in (e57_packets.c), and the records (e57_records.c).
-//
-// "Logical" places count the bytes of the file without the checksums of its pages.
+// Inside the E57 reader (ASTM E2807): pages (e57_pages.c), the tree of its XML section (e57_xml.c),
+// the description of a scan (e57_scan.c), the packets of its records (e57_packets.c), and the
+// records (e57_records.c).
 #pragma once
 
 #include "base/arena.h"
@@ -12,7 +11,7 @@
 
 enum { STP_E57_PAGE = 1024, STP_E57_PAYLOAD = 1020 };
 
-/// A text with a line end and a zero byte behind it.
+/// A text followed by a line end and a zero byte.
 typedef struct stp_e57_text {
     const char* bytes;
     size_t length;
@@ -42,24 +41,26 @@ typedef struct stp_e57 {
 /// Reads the header and checks every page.
 /// @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_TRUNCATED, STP_ERROR_UNSUPPORTED (logged)
 STP_MUST_USE stp_result stp_e57_open_pages(stp_e57* e57);
-/// Copies logical bytes; false where the file has no such bytes. Any thread.
+/// Copies logical bytes; false if the file does not have them. Any thread.
 bool stp_e57_copy(const stp_e57* e57, uint64_t logical, void* bytes, size_t size);
-/// The bytes at a logical place up to the end of their page. @return how many; 0 at the end of the file
+/// The bytes from a logical offset to the end of their page. @return their number; 0 at the end of
+/// the file
 size_t stp_e57_peek(const stp_e57* e57, uint64_t logical, const unsigned char** bytes);
-/// From a physical place; UINT64_MAX where that is in no page, or within a checksum.
+/// Converts a physical offset; UINT64_MAX if it is in no page, or within a checksum.
 uint64_t stp_e57_logical(const stp_e57* e57, uint64_t physical);
 
-/// Reads the XML section. @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_LIMIT, STP_ERROR_OUT_OF_MEMORY (logged)
+/// Reads the XML section. @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_LIMIT,
+/// STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_e57_read_tree(stp_e57* e57);
-/// The first child of a name; NULL where there is none, or no node.
+/// The first child with a name; NULL if there is none or the node is NULL.
 const stp_e57_node* stp_e57_child(const stp_e57_node* node, const char* name);
 const stp_e57_text* stp_e57_attribute_of(const stp_e57_node* node, const char* name);
-/// Reads a number of a text; false (and `value` unchanged) where it is none, or NULL.
+/// Reads a number of a text; false (and `value` unchanged) if it is not a number, or NULL.
 bool stp_e57_number(const stp_e57_text* text, double* value);
 bool stp_e57_integer(const stp_e57_text* text, int64_t* value);
 bool stp_e57_unsigned(const stp_e57_text* text, uint64_t* value);
 
-/// What is kept of a record.
+/// Fields of a record that are kept.
 typedef enum stp_e57_slot {
     STP_E57_X, ///< or range
     STP_E57_Y, ///< or azimuth
@@ -82,50 +83,51 @@ typedef enum stp_e57_slot {
     STP_E57_SLOTS,
 } stp_e57_slot;
 
-/// How a value is coded: bits of its stream, low ones first.
+/// Encoding of a value: bits of its stream, low bits first.
 typedef struct stp_e57_field {
     bool used, is_float;
     uint32_t stream;
     unsigned bits;        ///< 0: each value is `minimum`
     int64_t minimum;      ///< of integers: what bits count from
     double scale, offset; ///< of integers
-    double low, high;     ///< of values, where it says so; else low > high
+    double low, high;     ///< of values, if specified; else low > high
 } stp_e57_field;
 
 typedef struct stp_e57_scan {
     const char* name; ///< NULL: it has none
     stp_affine pose;
-    uint64_t record_count, section; ///< logical place of the section
+    uint64_t record_count, section; ///< logical offset of the section
     uint32_t stream_count;
     stp_e57_field fields[STP_E57_SLOTS];
     bool has_places, spherical;
     uint32_t unused;        ///< fields that are not kept
     uint64_t columns, rows; ///< of its grid; 0: it has none
-    // where its packets are:
+    // location of its packets:
     uint64_t packet_count;
-    uint64_t* places; ///< per used field and packet: where its bytes lie
-    uint64_t* before; ///< per used field and packet, and one more: its bytes in packets before
+    uint64_t* places; ///< per used field and packet: offset of its bytes
+    uint64_t* before; ///< per used field and packet, plus one: its bytes in earlier packets
 } stp_e57_scan;
 
-/// Reads the description of a scan. @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_OUT_OF_MEMORY (logged);
-/// has_places may be false
+/// Reads the description of a scan. @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_OUT_OF_MEMORY
+/// (logged); has_places may be false
 STP_MUST_USE stp_result stp_e57_describe_scan(stp_e57* e57, const stp_e57_node* node,
                                               uint32_t number, stp_e57_scan* scan);
 
 /// Whether the reader keeps a field of records.
 bool stp_e57_keeps(const char* name, bool spherical);
 
-/// What is known of all scans without reading a record. @return as stp_e57_describe_scan
+/// Describes all scans without reading a record. @return as stp_e57_describe_scan
 STP_MUST_USE stp_result stp_e57_describe(stp_e57* e57, stp_scan_info* info);
 
-/// Finds all packets of a scan and checks that they hold its records. stp_e57_forget_packets in any case.
+/// Finds all packets of a scan and checks that they hold its records. Call stp_e57_forget_packets
+/// in any case.
 STP_MUST_USE stp_result stp_e57_find_packets(const stp_e57* e57, uint32_t number,
                                              stp_e57_scan* scan);
 void stp_e57_forget_packets(const stp_e57* e57, stp_e57_scan* scan);
-/// Copies bytes [begin, begin + size) of a used field's stream, which must be there. Any thread.
+/// Copies bytes [begin, begin + size) of a used field's stream, which must exist. Any thread.
 void stp_e57_copy_stream(const stp_e57* e57, const stp_e57_scan* scan, stp_e57_slot slot,
                          uint64_t begin, unsigned char* bytes, size_t size);
 
-/// Reads the records of a scan to the scene. @return STP_OK, or a failure, logged
+/// Reads the records of a scan into the scene. @return STP_OK, or a failure, logged
 STP_MUST_USE stp_result stp_e57_read_records(const stp_e57* e57, uint32_t number,
                                              const stp_e57_scan* scan);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the XML section of an E57 file says: no record is read.
+// Describes an E57 file from its XML section, without reading a record.
 #include "import/e57.h"
 #include "import/scan_info.h"
 

@@ -43,7 +43,7 @@ static stp_result open_section(finder* f)
     return STP_OK;
 }
 
-// Adds where the bytes of each used stream lie in the packet at f->at.
+// Adds the offset of each used stream's bytes in the packet at f->at.
 static stp_result add_packet(finder* f, uint32_t size)
 {
     stp_e57_scan* scan = f->scan;
@@ -101,7 +101,7 @@ static stp_result read_packets(finder* f)
     return result;
 }
 
-// Whether each stream has the bits of all records.
+// Whether each stream has enough bits for all records.
 static stp_result check_streams(const finder* f)
 {
     const stp_e57_scan* scan = f->scan;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Records of a scan to points. A stream is one row of bits across all packets, so the bits of any run of records
-// can be found and read alone: runs are read on all threads.
+// Converts records to points. A stream is one sequence of bits across all packets, so the bits of
+// any run of records can be located: runs are read on all threads.
 #include "base/angle.h"
 #include "base/bytes.h"
 #include "import/e57.h"
@@ -17,7 +17,7 @@ enum { RUN = 2048, BYTES = RUN * 8 + 16 };
 
 #define RELEASE_EVERY 512 ///< runs, after which pages are released
 
-// What a worker reads a run into.
+// Buffers into which a worker reads a run.
 typedef struct buffers {
     double values[STP_E57_SLOTS][RUN];
     unsigned char bytes[BYTES];
@@ -147,7 +147,7 @@ static void store_bytes(uint8_t* out, const double* values, size_t count, double
     }
 }
 
-// The first record of a cell is the one that counts, whichever thread comes first.
+// The first record of a cell wins, whichever thread comes first.
 static void store_cells(const reader* r, size_t first, size_t count, const buffers* room)
 {
     const stp_e57_scan* scan = r->scan;
@@ -218,7 +218,7 @@ static void read_run(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// The first valid place chooses the origin.
+// The first valid position chooses the origin.
 static void set_origin(reader* r)
 {
     buffers* room = &r->rooms[0];

@@ -50,7 +50,7 @@ bool stp_e57_keeps(const char* name, bool spherical)
     return find_slot(&scan, name) != STP_E57_SLOTS;
 }
 
-// The number in an element; an empty one is zero. @return false where it is not there, or holds no number
+// The number in an element; an empty one is zero. @return false if it is missing or not a number
 static bool read_element(const stp_e57_node* node, double* value)
 {
     if (node != NULL && node->text.length == 0) {
@@ -76,7 +76,7 @@ static bool is_type(const stp_e57_node* node, const char* type)
     return text != NULL && text->length == length && memcmp(text->bytes, type, length) == 0;
 }
 
-// How the values of one element of the prototype are coded. @return false where it says no sense
+// Reads the encoding of one element of the prototype. @return false if it is invalid
 static bool read_field(const stp_e57_node* node, stp_e57_field* f)
 {
     *f = (stp_e57_field){.used = true, .scale = 1.0, .low = 1.0};
@@ -138,7 +138,7 @@ static bool read_prototype(const stp_e57_node* node, stp_e57_scan* scan)
     return true;
 }
 
-// A turn as a quaternion, then a shift.
+// A rotation as a quaternion, then a translation.
 static bool read_pose(const stp_e57_node* node, stp_affine* pose)
 {
     static const char* const turn_names[] = {"w", "x", "y", "z"};
@@ -167,7 +167,7 @@ static bool read_pose(const stp_e57_node* node, stp_affine* pose)
     return true;
 }
 
-// What a scan says of the range of a value takes the place of what its coding allows.
+// The scan's range of a value overrides that of its encoding.
 static void read_limits(const stp_e57_node* node, const char* list, const char* low,
                         const char* high, stp_e57_field* f)
 {
@@ -191,7 +191,7 @@ static void find_grid(stp_e57_scan* scan)
     }
     uint64_t rows = (uint64_t)(row->high - row->low) + 1;
     uint64_t columns = (uint64_t)(column->high - column->low) + 1;
-    // a grid that is mostly empty says nothing of neighbours, and would take memory for nothing
+    // a mostly empty grid gives no neighbours and would waste memory
     if (rows * columns <= 8 * scan->record_count + 65536) {
         scan->rows = rows;
         scan->columns = columns;

@@ -29,7 +29,7 @@ static void stop(parsing* p, const char* why)
     (void)XML_StopParser(p->parser, XML_FALSE);
 }
 
-// A copy with a line end behind it, for those who read numbers.
+// A copy followed by a line end, for number parsing.
 static bool copy_text(stp_arena* arena, const char* bytes, size_t length, stp_e57_text* text)
 {
     char* copy = stp_arena_alloc(arena, length + 2);
@@ -122,7 +122,7 @@ static void XMLCALL add_text(void* user, const XML_Char* bytes, int length)
     p->length = needed;
 }
 
-// Entities have no place in such files, and are a known way to make a small text large.
+// Entities do not belong in such files, and can expand a small text to a huge one.
 static void XMLCALL refuse_doctype(void* user, const XML_Char* name, const XML_Char* system,
                                    const XML_Char* public, int internal)
 {

@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Everything else that assimp reads (FBX, DAE, 3DS, IFC, X3D, BLEND, ...), in a child process with limits on
-// memory and time: a crash, a hang or a flood in there is one sentence here. The scene comes back through a
-// pipe (assimp_stream.h).
-//
-// The child is forked, not executed anew: a library does not know of an executable that could do its work. In
-// a process with several threads only the forking one lives on in the child, so locks that others held stay
-// locked for good. None of ours can be: no parallel loop runs while a file is imported, and the child uses no
-// context. The C library makes its allocator usable after fork. Should a lock of the host's be in the way
-// nevertheless, the time limit ends the child.
+// All other formats that assimp reads (FBX, DAE, 3DS, IFC, X3D, BLEND, ...), in a child process
+// with memory and time limits: a crash, a hang or excessive memory use becomes a one-sentence
+// error. The scene is returned through a pipe (assimp_stream.h).
 #include "import/assimp_files.h"
 #include "import/assimp_stream.h"
 #include "import/sandbox.h"
@@ -33,16 +27,15 @@
 #define READ_SIZE ((size_t)1 << 20)
 #define POLL_MS 100
 
-// The child, seen from the parent.
+// The parent's state of the child.
 typedef struct helper {
     stp_import* import;
     stp_context* context;
     pid_t process;
     int descriptor; ///< where the stream comes out
     uint64_t memory_limit;
-    uint32_t seconds; ///< of wall-clock time, and of processor time at most
-    uint64_t
-        first_seconds; ///< of processor time for the model's own bytes; what it names adds to it
+    uint32_t seconds;       ///< wall-clock time, and the maximum CPU time
+    uint64_t first_seconds; ///< CPU time for the model's own bytes; referenced files add to it
     double deadline;
     unsigned char* bytes;
     size_t size, capacity;
@@ -55,7 +48,7 @@ static double now(void)
     return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
 }
 
-// Address space in use, which the child inherited and which does not count against its limit.
+// Address space in use, which the child inherits and which does not count against its limit.
 static uint64_t used_address_space(void)
 {
     char text[64] = {0};
@@ -72,7 +65,7 @@ static uint64_t used_address_space(void)
     return pages * (uint64_t)sysconf(_SC_PAGESIZE);
 }
 
-// `now_most` may be raised to `most` later, by the process itself.
+// The process may raise `now_most` up to `most` later.
 static void limit_softly(int resource, uint64_t now_most, uint64_t most)
 {
     struct rlimit old, limits = {.rlim_cur = (rlim_t)now_most, .rlim_max = (rlim_t)most};
@@ -94,7 +87,8 @@ static void run_child(const helper* h, int descriptor)
     static const int signals[] = {SIGSEGV, SIGBUS,  SIGABRT, SIGFPE,
                                   SIGILL,  SIGTERM, SIGXCPU, SIGPIPE};
     for (size_t i = 0; i < sizeof(signals) / sizeof(signals[0]); ++i) {
-        (void)signal(signals[i], SIG_DFL); // the host's handlers are not for this process
+        (void)signal(signals[i], SIG_DFL); // the host's signal handlers must not run in this
+                                           // process
     }
 #ifdef __linux__
     (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -105,7 +99,7 @@ static void run_child(const helper* h, int descriptor)
     limit(RLIMIT_AS, used_address_space() + h->memory_limit);
     int null = open("/dev/null", O_RDWR);
     for (int i = 0; null >= 0 && i < 3; ++i) {
-        (void)dup2(null, i); // assimp's readers print
+        (void)dup2(null, i); // assimp's readers print messages
     }
     const stp_import* import = h->import;
     const char* slash = strrchr(import->path, '/');
@@ -152,7 +146,7 @@ static stp_result start(helper* h)
     return STP_OK;
 }
 
-// Reads what is there. *ended is set at the end of the stream.
+// Reads the available data. *ended is set at the end of the stream.
 static stp_result receive(helper* h, bool* ended)
 {
     unsigned char* bytes =
@@ -174,7 +168,7 @@ static stp_result receive(helper* h, bool* ended)
     return STP_OK;
 }
 
-// Until the stream ends. *status and *reaped tell of a child that was found dead meanwhile.
+// Reads until the end of the stream. *status and *reaped are set if the child has already ended.
 static stp_result receive_all(helper* h, int* status, bool* reaped)
 {
     bool ended = false;
@@ -185,7 +179,8 @@ static stp_result receive_all(helper* h, int* status, bool* reaped)
         if (ready > 0) {
             result = receive(h, &ended);
         } else if (*reaped) {
-            return STP_OK; // dead, and nothing left, though some other process holds the pipe open
+            return STP_OK; // it is dead and nothing is left, although another process holds the
+                           // pipe open
         } else {
             result = stp_progress(h->context, "import", 0.2);
             *reaped = waitpid(h->process, status, WNOHANG) == h->process;
@@ -237,7 +232,7 @@ static stp_result run_helper(helper* h)
     pid_t found = reaped ? h->process : -1;
     while (!reaped && (found = waitpid(h->process, &status, 0)) < 0 && errno == EINTR) {
     }
-    // a host that reaps all children itself leaves no status: then the stream alone tells
+    // if the host reaps all children itself, there is no status: then only the stream tells
     return result == STP_OK && found == h->process ? judge_end(h, status) : result;
 }
 

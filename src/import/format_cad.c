@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Exact CAD formats, which describe surfaces and no triangles: refused with what to do instead.
+// Exact CAD formats, which describe surfaces instead of triangles: rejected with advice.
 #include "import/import.h"
 
 #include <string.h>
@@ -27,7 +27,7 @@ static bool is_step(const unsigned char* bytes, size_t size)
 {
     size_t length = sizeof(step_start) - 1;
     size_t searched = size < SCHEMA_SEARCHED ? size : SCHEMA_SEARCHED;
-    // IFC is a schema of the same container, and is read
+    // IFC uses the same container, and is supported
     return size >= length && memcmp(bytes, step_start, length) == 0 &&
            !contains(bytes, searched, "'IFC");
 }

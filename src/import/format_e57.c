@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// E57 (ASTM E2807), the exchange format of terrestrial scanners: each scan is an object with its pose. Lengths
-// are metres, up is z. Normals come from the records, or else from the neighbours in the grid of rows and
-// columns. Pictures are not read.
+// E57 (ASTM E2807), the exchange format of terrestrial scanners: each scan is an object with its
+// pose. Lengths are metres, up is z. Normals come from the records, or else from the neighbours in
+// the grid of rows and columns. Pictures are not read.
 #include "import/e57.h"
 
 #include <string.h>

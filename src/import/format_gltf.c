@@ -10,7 +10,7 @@
 enum { CHUNK_JSON = 0x4E4F534A, CHUNK_BINARY = 0x004E4942 };
 enum { GLB_HEADER_SIZE = 12, CHUNK_HEADER_SIZE = 8, DETECT_SIZE = 65536 };
 
-// Extensions that change nothing about what we read, or that we read.
+// Extensions that are supported or do not affect what we read.
 static const char* const known_extensions[] = {
     "KHR_texture_transform",
     "KHR_mesh_quantization",
@@ -102,8 +102,9 @@ static stp_result open_glb(stp_gltf_scope* scope, stp_gltf* gltf, json_text* tex
     return STP_OK;
 }
 
-// What the parser makes of a text, nearly: each brace, colon, comma or quote stands for an object, a member, a value
-// or a text of its own (an empty object is 224 bytes, a member 112, a number 32; measured with jansson 2.14).
+// Estimates the parser's memory: each brace, colon, comma or quote stands for an object, member,
+// value or text (an empty object takes 224 bytes, a member 112, a number 32; measured with jansson
+// 2.14).
 static uint64_t parsed_bytes(json_text text)
 {
     static const uint16_t costs[256] = {
@@ -147,7 +148,7 @@ static stp_result parse_json(stp_gltf_scope* scope, stp_gltf* gltf, json_text te
     return STP_OK;
 }
 
-// "2.0" has major 2; false where the text is no version.
+// "2.0" has major version 2; false if the text is not a version.
 static bool parse_version(const char* text, unsigned* major, unsigned* minor)
 {
     int used = 0;

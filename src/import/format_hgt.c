@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
-// Heights of the Shuttle Radar Topography Mission: a square of 1201 or 3601 heights in metres, big-endian,
-// northernmost row first, over one degree whose south-western corner the file's name tells: N48E010. It
-// becomes a mesh in metres, x to the east, y to the north, z up, around the tile's middle, with a degree of
-// longitude as long as it is at the tile's middle latitude. Voids leave holes.
+// Heights of the Shuttle Radar Topography Mission: a square of 1201 or 3601 heights in metres,
+// big-endian, northernmost row first, over one degree whose south-western corner the file's name
+// tells: N48E010. It becomes a mesh in metres, x to the east, y to the north, z up, around the
+// tile's middle, with a degree of longitude as long as it is at the tile's middle latitude. Voids
+// leave holes.
 #include "import/surface.h"
 
 #include <math.h>
@@ -24,7 +25,7 @@ typedef struct tile {
     uint32_t* first; ///< of each row: triangles of the rows before it
 } tile;
 
-// Cosine of an angle up to 90 degrees: a power series, so that every machine has the same.
+// Cosine of an angle up to 90 degrees: a power series, for the same result on every machine.
 static double cosine_of_degrees(double degrees)
 {
     double x = degrees * (PI / 180.0), square = x * x, term = 1.0, sum = 1.0;
@@ -41,7 +42,7 @@ static int height_at(const tile* t, uint32_t row, uint32_t column)
     return (int16_t)(at[0] << 8 | at[1]);
 }
 
-// Reads a letter and digits. @return what follows, or NULL
+// Reads a letter and digits. @return the rest of the text, or NULL
 static const char* read_angle(const char* at, char plus, char minus, int* degrees)
 {
     char letter = (char)(*at & ~0x20);
@@ -54,7 +55,7 @@ static const char* read_angle(const char* at, char plus, char minus, int* degree
     return value <= 180 ? end : NULL;
 }
 
-// The middle latitude by the file's name; the equator where it tells none.
+// The middle latitude from the file's name; the equator if the name has none.
 static double find_latitude(const tile* t)
 {
     const char* slash = strrchr(t->import->path, '/');
@@ -81,12 +82,13 @@ static void place_rows(size_t begin, size_t end, uint32_t worker, void* user)
             int height = height_at(t, row, column);
             p[0] = (float)((column - middle) * t->step_x);
             p[1] = (float)((middle - row) * t->step_y);
-            p[2] = height == VOID ? 0.0f : (float)height; // no triangle has it
+            p[2] = height == VOID ? 0.0f : (float)height; // no triangle uses it
         }
     }
 }
 
-// The corners of a cell that are no voids, one bit each: upper left, upper right, lower left, lower right.
+// The corners of a cell that have data, one bit each: upper left, upper right, lower left, lower
+// right.
 static unsigned corners_of(const tile* t, uint32_t row, uint32_t column)
 {
     unsigned held = 0;
@@ -114,7 +116,8 @@ static void count_rows(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// A cell with three heights is the triangle of these, one with four is two, counterclockwise from above.
+// A cell with three heights gives one triangle, one with four gives two, counterclockwise from
+// above.
 static uint32_t* write_cell(const tile* t, uint32_t row, uint32_t column, uint32_t* out)
 {
     static const uint8_t three[4][3] = {{2, 3, 1}, {0, 2, 3}, {0, 3, 1}, {0, 2, 1}};

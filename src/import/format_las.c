@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// LAS 1.0 to 1.4, its compressed form LAZ, and COPC, which is LAZ in the order of an octree. Up is z. Flags of points
-// (synthetic, key point, withheld, overlap) are not kept: all points are read.
+// LAS 1.0 to 1.4, its compressed form LAZ, and COPC, which is LAZ in the order of an octree. Up is
+// z. Flags of points (synthetic, key point, withheld, overlap) are not kept: all points are read.
 #include "base/bytes.h"
 #include "import/las.h"
 
@@ -18,7 +18,7 @@ enum {
     TEXT_SIZE = 512
 };
 
-// The names of extra bytes, as far as there is room. @return how many there are
+// Lists the names of extra bytes, as far as they fit. @return their number
 static uint64_t name_extra_bytes(const stp_las* las, char text[TEXT_SIZE])
 {
     stp_las_record record;

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Wavefront OBJ: polygons, points, materials. `o` and `g` become objects (a group stands below the
-// object it was written in; a name met again goes on where it left off), each `usemtl` within them
-// a mesh. Without faces and points, the positions are a point set. Up is y where nothing else is
-// asked for.
+// Wavefront OBJ: polygons, points, materials. `o` and `g` become objects (a group is a child of the
+// object it was written in; a repeated name continues the earlier one), each `usemtl` within them a
+// mesh. Without faces and points, the positions become a point set. The default up axis is y.
 #include "import/obj.h"
 #include "import/surface.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// PCD, the format of the Point Cloud Library: ascii, binary and compressed. Organised clouds have cells
-// without a point, which are left out. VIEWPOINT turns nothing: points stay in the frame they are written in.
-// Up is z where nothing else is asked for, as in maps; frames of cameras have -y up.
+// PCD, the format of the Point Cloud Library: ascii, binary and compressed. Empty cells of
+// organised clouds are skipped. VIEWPOINT is ignored: points stay in their original frame. The
+// default up axis is z, as in maps; camera frames use -y up.
 #include "base/bytes.h"
 #include "import/cloud.h"
 #include "import/intensity.h"
@@ -25,7 +25,7 @@ enum { X, Y, Z, NX, NY, NZ, RGB, INTENSITY, LABEL, SLOTS };
 static const char* const slot_names[SLOTS] = {
     "x", "y", "z", "normal_x", "normal_y", "normal_z", "rgb", "intensity", "label"};
 
-// What a worker has seen: the range of intensities, and cells without a point.
+// A worker's results: the range of intensities, and empty cells.
 typedef struct seen {
     double low, high;
     uint64_t empty;
@@ -136,7 +136,7 @@ static void read_column(const unsigned char* at, size_t stride, const stp_pcd_fi
     }
 }
 
-// What many points have beside their places, field by field; cells without a point get it, too.
+// Fields of many points other than the position, field by field; empty cells get them too.
 static void store_columns(const reader* r, size_t first, size_t count, double v[SLOTS][ROWS],
                           seen* own)
 {
@@ -192,7 +192,7 @@ static void read_rows(size_t begin, size_t end, uint32_t worker, void* user)
     r->workers[worker] = own;
 }
 
-// The range of some intensities, so that most files are read once.
+// Estimates the range from a sample of intensities, so that most files are read only once.
 static stp_intensity_range guess_intensity(const reader* r)
 {
     enum { SAMPLES = 1024 };
@@ -207,7 +207,7 @@ static stp_intensity_range guess_intensity(const reader* r)
     return stp_intensity_judge(low, high > 0.0 ? high : 1.0);
 }
 
-// A packed colour is written as a whole number, or as the float that has its bits.
+// A packed colour is a whole number, or the float with the same bits.
 static uint32_t read_packed(stp_text at, stp_text end, double value)
 {
     bool whole = true;
@@ -289,7 +289,7 @@ static seen read_once(reader* r)
     return all;
 }
 
-// The first place that is finite chooses the origin.
+// The first finite position chooses the origin.
 static void set_origin(reader* r)
 {
     double place[3] = {0};
@@ -400,7 +400,7 @@ static stp_result read_binary(reader* r)
     return fill_cloud(r);
 }
 
-// Behind two sizes come the fields one after the other, compressed as one.
+// After two sizes come all fields one after the other, compressed as one block.
 static stp_result read_compressed(reader* r)
 {
     stp_context* context = r->import->context;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// PLY, ascii and binary: meshes (faces of any size, triangle strips), or points where there are no
-// faces. Splat clouds of Gaussian splatting come in as points with the colour of their first
-// coefficient. Up is y where nothing else is asked for, as in the format's first models.
+// PLY, ascii and binary: meshes (faces of any size, triangle strips), or points if there are no
+// faces. Gaussian splatting files become points with the colour of the first coefficient. The
+// default up axis is y, as in the format's first models.
 #include "import/ply.h"
 #include "import/point_columns.h"
 #include "import/surface.h"
@@ -17,7 +17,7 @@ enum { X, Y, Z, NX, NY, NZ, R, G, B, A, U, V, DC0, DC1, DC2, SLOT_COUNT };
 #define STRIPE (64 * GRAIN)                      ///< after so many rows, pages are released
 #define SPHERICAL_HARMONIC_0 0.28209479177387814 ///< 1 / (2 sqrt(pi)): Kerbl et al. 2023
 
-// What the rows of the vertex element become. Positions and normals hold 3 floats, texcoords 2,
+// Arrays from the rows of the vertex element. Positions and normals have 3 floats, texcoords 2,
 // colours 4.
 typedef struct vertices {
     stp_ply* ply;
@@ -107,7 +107,7 @@ static void store_row(vertices* v, size_t row, const double* n)
         memcpy(v->normals + 3 * row, &normal, sizeof(normal));
     }
     if (v->texcoords != NULL) {
-        // v runs upwards from the bottom of the picture
+        // v starts at the bottom of the picture
         v->texcoords[2 * row] = isfinite(n[U]) ? (float)n[U] : 0.0f;
         v->texcoords[2 * row + 1] = isfinite(n[V]) ? (float)(1.0 - n[V]) : 0.0f;
     }
@@ -154,7 +154,8 @@ static void read_rows(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Far from the origin, as in national grids, floats would lose digits: the first position decides.
+// Far from the origin, as in national grids, floats would lose digits: the first position chooses
+// the origin.
 static void choose_origin(vertices* v, const double* n)
 {
     for (int i = 0; i < 3; ++i) {
@@ -285,7 +286,7 @@ static void free_columns(vertices* v)
     stp_spill_destroy(v->room.scratch);
 }
 
-// Files of splats and some exporters write normals that are all zero: none at all.
+// Splat files and some exporters write all-zero normals, which count as none.
 static void drop_zero_normals(vertices* v)
 {
     size_t i = 0;
@@ -298,7 +299,7 @@ static void drop_zero_normals(vertices* v)
     }
 }
 
-// Scanners write points they did not measure as not-a-number: those are left out.
+// Scanners write unmeasured points as NaN; these are skipped.
 static void drop_bad_points(vertices* v)
 {
     size_t kept = 0;
@@ -328,7 +329,7 @@ static void drop_bad_points(vertices* v)
 
 static float color_scale(vertices* v)
 {
-    return atomic_load(&v->bright) ? 1.0f / 255.0f : 1.0f; // floats that count to 255
+    return atomic_load(&v->bright) ? 1.0f / 255.0f : 1.0f; // floats from 0 to 255
 }
 
 static stp_result add_points(vertices* v)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// PTS: a text with a point a line behind a line that counts them; several such blocks are one cloud. Of
-// four columns behind the place that might all be colours, the first is the intensity.
+// PTS: text with one point per line after a line with their number; several such blocks form one
+// cloud. Of four columns after the position that could all be colours, the first is the intensity.
 #include "import/text_points.h"
 
 static stp_result read(stp_import* import)

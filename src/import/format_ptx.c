@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// PTX: scans one after the other, each a grid of columns and rows with the place of its scanner and a
-// line a cell. A cell at the scanner itself, 0 0 0, holds no point. Normals come from neighbouring cells. Up
-// is z where nothing else is asked for.
+// PTX: a sequence of scans, each a grid of columns and rows with the scanner's position and one
+// line per cell. A cell at 0 0 0, the scanner itself, is empty. Normals come from neighbouring
+// cells. The default up axis is z.
 #include "import/grid_normals.h"
 #include "import/surface.h"
 #include "import/text_points.h"
@@ -28,7 +28,7 @@ static stp_result fail_line(const reader* r, uint64_t line, const char* what)
                     (unsigned long long)line + 1, what);
 }
 
-// Reads up to `most` numbers of a line; @return how many it has
+// Reads up to `most` numbers of a line; @return their number
 static int read_numbers_at(stp_text at, double* values, int most)
 {
     int count = 0;
@@ -59,7 +59,7 @@ static bool read_size(const reader* r, uint64_t line, uint32_t* size)
     return good;
 }
 
-// The pose is written for rows of coordinates: the turn in three lines, the shift in the fourth.
+// The pose is a matrix for row vectors: the rotation in three lines, the translation in the fourth.
 static stp_result read_header(reader* r)
 {
     double n[4];
@@ -95,8 +95,8 @@ static stp_result read_header(reader* r)
     return STP_OK;
 }
 
-// Where the scanner stood in the scan's own coordinates: its origin, unless the points of the file
-// are placed already.
+// The scanner's position in the scan's own coordinates: the origin, unless the points are already
+// placed.
 static stp_vec3d find_scanner(const reader* r)
 {
     const stp_affine* a = &r->pose;
@@ -112,7 +112,7 @@ static stp_vec3d find_scanner(const reader* r)
                        stp_dotd(d, stp_crossd(c0, c1)) / det};
 }
 
-// What a line has: x y z, then perhaps an intensity, then perhaps a colour.
+// Columns of a line: x y z, optionally an intensity, optionally a colour.
 static bool find_columns(const reader* r, stp_columns* columns)
 {
     static const stp_columns known = {.roles = {STP_COLUMN_X, STP_COLUMN_Y, STP_COLUMN_Z,

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// STL, ascii and binary. Corners at the same place are one vertex, so meshes are indexed and shade
-// flat; facet normals are ignored, the winding counts. The colours that VisCAM and Magics hide in
-// the attribute bytes are left alone: each means the opposite of the other. Up is z where nothing
-// else is asked for, as in the CAD programs and printers that write the format.
+// STL, ascii and binary. Corners at the same position become one vertex, so meshes are indexed and
+// flat-shaded; facet normals are ignored, only the winding counts. Colours in the attribute bytes
+// are ignored, because VisCAM and Magics define them in opposite ways. The default up axis is z, as
+// in CAD programs and printers.
 #include "base/bytes.h"
 #include "import/stl_weld.h"
 #include "import/surface.h"
@@ -33,8 +33,8 @@ static stp_result fail_facet(const reader* r, uint64_t facet)
                     (unsigned long long)facet + 1);
 }
 
-// Adds what was gathered as an object below the root; as a part of the root itself where it has no
-// name.
+// Adds the collected triangles as an object below the root, or as a part of the root if they have
+// no name.
 static stp_result end_solid(reader* r, const char* name)
 {
     stp_scene* scene = r->import->scene;
@@ -128,7 +128,7 @@ static stp_result copy_name(const reader* r, stp_text at, const char** name)
     return *name != NULL ? STP_OK : stp_fail_memory(r->context);
 }
 
-// Only "solid", "vertex" and what ends a facet or a solid matter.
+// Only "solid", "vertex" and the ends of facets and solids matter.
 static stp_result read_line(reader* r, stp_text at, bool in_tail)
 {
     stp_text word = stp_skip_blanks(at);
@@ -161,7 +161,7 @@ static stp_result read_lines(reader* r, stp_text at, stp_text end, bool in_tail)
     return result;
 }
 
-// The text is read where it lies; only a last line without an end is copied, to be given one.
+// The text is read in place; only a last line without a line end is copied, to append one.
 static stp_result read_ascii(reader* r)
 {
     stp_text bytes = r->import->file.bytes;
@@ -189,7 +189,7 @@ static stp_result read_ascii(reader* r)
     return result == STP_OK ? end_solid(r, r->name) : result;
 }
 
-// Whether the size is what the count of facets makes it.
+// Whether the file size matches the number of facets.
 static bool is_binary(const unsigned char* bytes, size_t size)
 {
     return size >= HEADER_SIZE && (size - HEADER_SIZE) % STP_STL_FACET_SIZE == 0 &&
@@ -228,7 +228,7 @@ static bool detect(const unsigned char* bytes, size_t size)
             return true;
         }
     }
-    return false; // a binary file says nothing but its size: the extension decides
+    return false; // a binary file is recognised only by its size, so the extension decides
 }
 
 static stp_result read_with(reader* r)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Texts with a point a line: XYZ, TXT, CSV, ASC, and PTS, which counts its points before them. Columns are
-// named by --columns or a header line, or found by their number and values. Up is z where nothing else
-// is asked for, as surveyors have it.
+// Text files with one point per line: XYZ, TXT, CSV, ASC, and PTS, which starts with the number of
+// points. Columns are named by --columns or a header line, or detected by number and values. The
+// default up axis is z, as in surveying.
 #include "import/surface.h"
 #include "import/text_points.h"
 

@@ -8,16 +8,16 @@
 //                            images --> textures --> materials --> nodes ----------+
 //                            (gltf_image)            (gltf_material) (gltf_node)
 //
-// Reading happens in a scope, which knows the place that messages name and keeps the first failure.
-// Primitives are read in jobs, each in a scope of its own; only the calling thread logs and adds to
-// the scene, in the order of the file.
+// Reading happens in a scope, which knows the location for messages and keeps the first failure.
+// Primitives are read in jobs, each in its own scope; only the calling thread logs and adds to the
+// scene, in file order.
 #pragma once
 
 #include "import/import.h"
 
 #include <jansson.h>
 
-/// The lists at the top of a file.
+/// The top-level lists of a file.
 #define STP_GLTF_LISTS(X)                                                                          \
     X(ACCESSORS, "accessors")                                                                      \
     X(ANIMATIONS, "animations")                                                                    \
@@ -41,7 +41,7 @@ typedef enum stp_gltf_list {
 } stp_gltf_list;
 
 typedef struct stp_gltf_buffer {
-    const unsigned char* bytes; ///< NULL: a stand-in without data
+    const unsigned char* bytes; ///< NULL: a placeholder without data
     size_t size;
     unsigned char* owned; ///< decoded from a data URI
     stp_mapped_file file; ///< mapped beside the model
@@ -49,7 +49,7 @@ typedef struct stp_gltf_buffer {
 
 enum { STP_GLTF_TEXCOORD_SETS = 2 };
 
-/// What a mesh must bring for a material: which TEXCOORD_n goes into which of a mesh's sets.
+/// Texture coordinates that a material needs: which TEXCOORD_n goes into which set of a mesh.
 typedef struct stp_gltf_material {
     uint32_t set_count;
     uint32_t sets[STP_GLTF_TEXCOORD_SETS];
@@ -63,18 +63,18 @@ typedef struct stp_gltf_node {
     uint32_t flags;
     uint32_t variant; ///< of its mesh
     uint32_t object;
-    stp_affine local, world; ///< world: within the file, before its axes are turned
+    stp_affine local, world; ///< world: within the file, before axis conversion
 } stp_gltf_node;
 
-/// A mesh as some nodes show it. Nodes without skins and weights of their own share one.
+/// A mesh as shown by some nodes. Nodes without skins and weights of their own share one.
 typedef struct stp_gltf_variant {
     uint32_t mesh;
     uint32_t skin;         ///< STP_NONE: none
-    uint32_t weights_node; ///< whose weights of morph targets hold; STP_NONE: the mesh's
+    uint32_t weights_node; ///< node whose morph target weights apply; STP_NONE: the mesh's
     size_t first_primitive, primitive_count;
 } stp_gltf_variant;
 
-/// What a primitive became; `part` holds where `present`.
+/// Result of a primitive; `part` is valid if `present`.
 typedef struct stp_gltf_part {
     bool present;
     stp_part part;
@@ -89,8 +89,9 @@ typedef struct stp_gltf {
     stp_gltf_buffer* buffers;
     const unsigned char* chunk; ///< binary chunk of a .glb; NULL: none
     size_t chunk_size;
-    unsigned char** decoded_views; ///< by buffer view; NULL where it is not compressed
-    size_t content_bytes;          ///< of all files and data URIs: what the limits grow with
+    unsigned char** decoded_views; ///< by buffer view; NULL if it is not compressed
+    size_t content_bytes;          ///< of all files and data URIs; the limits are proportional to
+                                   /// it
     uint32_t first_material;       ///< in the scene
     stp_gltf_material* materials;
     stp_gltf_node* nodes;
@@ -107,41 +108,41 @@ typedef struct stp_gltf_scope {
     const stp_gltf* gltf;
     char place[64]; ///< "meshes[3].primitives[0]"; may be empty
     char error[STP_GLTF_MESSAGE_SIZE];
-    char warning[STP_GLTF_MESSAGE_SIZE]; ///< the first; empty: none
-    bool logged;                         ///< the failure was logged where it was noticed
+    char warning[STP_GLTF_MESSAGE_SIZE]; ///< the first warning; empty: none
+    bool logged;                         ///< the failure was logged where it occurred
 } stp_gltf_scope;
 
-// gltf_json.c: members of objects, with their types checked. A missing member and null are alike.
+// gltf_json.c: type-checked members of objects. Missing members and null are equivalent.
 
 stp_gltf_scope stp_gltf_scope_begin(const stp_gltf* gltf);
 void stp_gltf_set_place(stp_gltf_scope* scope, const char* format, ...)
     __attribute__((format(printf, 2, 3)));
-/// Keeps the sentence; returns `result`. Logs nothing.
+/// Stores the sentence; returns `result`. Does not log.
 stp_result stp_gltf_fail(stp_gltf_scope* scope, stp_result result, const char* format, ...)
     __attribute__((format(printf, 3, 4)));
 void stp_gltf_warn(stp_gltf_scope* scope, const char* format, ...)
     __attribute__((format(printf, 2, 3)));
 /// For results of calls that log themselves; returns `result`.
 stp_result stp_gltf_logged(stp_gltf_scope* scope, stp_result result);
-/// Logs what the scope kept: the warning, and the failure if `result` is one. Returns `result`. A
-/// failure without a sentence can only be STP_ERROR_OUT_OF_MEMORY.
+/// Logs the scope's messages: the warning, and the failure if `result` is one. Returns `result`. A
+/// failure without a message can only be STP_ERROR_OUT_OF_MEMORY.
 stp_result stp_gltf_scope_end(stp_gltf_scope* scope, stp_result result);
 
 size_t stp_gltf_count(const stp_gltf* gltf, stp_gltf_list list);
 const char* stp_gltf_list_name(stp_gltf_list list);
 STP_MUST_USE stp_result stp_gltf_find_lists(stp_gltf_scope* scope, stp_gltf* gltf);
-/// The object at an index of a list at the top.
+/// The object at an index of a top-level list.
 STP_MUST_USE stp_result stp_gltf_item(stp_gltf_scope* scope, stp_gltf_list list, size_t index,
                                       const json_t** item);
-/// Member objects and arrays; NULL where missing.
+/// Member objects and arrays; NULL if missing.
 STP_MUST_USE stp_result stp_gltf_object(stp_gltf_scope* scope, const json_t* object,
                                         const char* key, const json_t** member);
 STP_MUST_USE stp_result stp_gltf_array(stp_gltf_scope* scope, const json_t* object, const char* key,
                                        const json_t** member);
-/// The object of an extension; NULL where missing.
+/// The object of an extension; NULL if missing.
 STP_MUST_USE stp_result stp_gltf_extension(stp_gltf_scope* scope, const json_t* object,
                                            const char* name, const json_t** member);
-/// An index into a list at the top; STP_NONE where missing.
+/// An index into a top-level list; STP_NONE if missing.
 STP_MUST_USE stp_result stp_gltf_index(stp_gltf_scope* scope, const json_t* object, const char* key,
                                        stp_gltf_list list, uint32_t* index);
 /// A whole number, not negative; unchanged where missing.
@@ -152,7 +153,7 @@ STP_MUST_USE stp_result stp_gltf_number(stp_gltf_scope* scope, const json_t* obj
                                         const char* key, double* value);
 STP_MUST_USE stp_result stp_gltf_numbers(stp_gltf_scope* scope, const json_t* object,
                                          const char* key, size_t count, double* values);
-/// Texts and flags; fallback where missing or of another type.
+/// Texts and flags; the fallback if missing or of another type.
 const char* stp_gltf_text(const json_t* object, const char* key);
 bool stp_gltf_flag(const json_t* object, const char* key);
 /// An element of an array as an index below `limit`.
@@ -174,10 +175,10 @@ STP_MUST_USE stp_result stp_gltf_load_buffers(stp_gltf_scope* scope, stp_gltf* g
 /// The bytes of a buffer view, decompressed; `stride` 0: none given.
 STP_MUST_USE stp_result stp_gltf_view(stp_gltf_scope* scope, uint32_t view,
                                       const unsigned char** bytes, size_t* size, size_t* stride);
-/// Bytes of a buffer, checked against its real size.
+/// Bytes of a buffer, checked against its actual size.
 STP_MUST_USE stp_result stp_gltf_buffer_range(stp_gltf_scope* scope, uint32_t buffer, size_t offset,
                                               size_t size, const unsigned char** bytes);
-/// Gives back the memory that holds what has been read of the files. Any thread.
+/// Releases the memory of file content that has been read. Any thread.
 void stp_gltf_forget_buffers(const stp_gltf* gltf);
 void stp_gltf_free_buffers(stp_gltf* gltf);
 
@@ -188,15 +189,16 @@ STP_MUST_USE stp_result stp_gltf_decompress_views(stp_gltf_scope* scope, stp_glt
 
 // gltf_limit.c
 
-/// What reading one primitive of a variant's mesh costs: indices, or vertices, of it and its morph targets.
+/// The cost of reading one primitive of a variant's mesh: indices, or vertices including its morph
+/// targets.
 uint64_t stp_gltf_primitive_elements(const stp_gltf* gltf, const stp_gltf_variant* variant,
                                      size_t index);
-/// How many elements of so many bytes are read before the scene takes them, and may move them out of memory: `most`,
-/// or fewer where it keeps little. May be 0: one piece at a time.
+/// How many elements of a given size to read before the scene takes them and may move them out of
+/// memory: `most`, or fewer if the scene keeps little in memory. 0: one piece at a time.
 uint64_t stp_gltf_batch(const stp_gltf* gltf, uint64_t most, uint64_t bytes_each);
-/// Refuses meshes that claim absurdly more than the file holds.
+/// Rejects meshes that claim far more data than the file holds.
 STP_MUST_USE stp_result stp_gltf_check_meshes(stp_gltf_scope* scope, const stp_gltf* gltf);
-/// The same for compressed buffer views; tells whether there are `any`.
+/// Same, for compressed buffer views; sets `any` if there are some.
 STP_MUST_USE stp_result stp_gltf_check_views(stp_gltf_scope* scope, const stp_gltf* gltf,
                                              bool* any);
 
@@ -205,20 +207,20 @@ STP_MUST_USE stp_result stp_gltf_check_views(stp_gltf_scope* scope, const stp_gl
 /// Adds all materials and the textures they use to the scene.
 STP_MUST_USE stp_result stp_gltf_load_materials(stp_gltf_scope* scope, stp_gltf* gltf);
 
-/// Pictures wanted by materials. A glTF texture is a picture and a sampler; those that look alike
-/// become one texture of the scene.
+/// Pictures used by materials. A glTF texture is a picture and a sampler; equal ones become one
+/// texture of the scene.
 typedef struct stp_gltf_textures stp_gltf_textures;
 
 STP_MUST_USE stp_result stp_gltf_textures_create(stp_gltf_scope* scope,
                                                  stp_gltf_textures** textures);
 void stp_gltf_textures_destroy(stp_gltf_textures* textures, stp_gltf* gltf);
-/// Registers a use; gives a number to ask for the scene's texture with, after loading.
+/// Registers a use; returns a number for looking up the scene's texture after loading.
 STP_MUST_USE stp_result stp_gltf_textures_want(stp_gltf_scope* scope, stp_gltf_textures* textures,
                                                uint32_t texture, uint32_t* request);
-/// Reads and decodes all pictures wanted and adds the textures to the scene.
+/// Reads and decodes all registered pictures and adds the textures to the scene.
 STP_MUST_USE stp_result stp_gltf_textures_load(stp_gltf_scope* scope, stp_gltf_textures* textures,
                                                stp_gltf* gltf);
-/// The scene's texture; STP_NONE where its picture cannot be had.
+/// The scene's texture; STP_NONE if its picture is not available.
 uint32_t stp_gltf_textures_get(const stp_gltf_textures* textures, uint32_t request);
 
 // gltf_node.c
@@ -228,7 +230,8 @@ STP_MUST_USE stp_result stp_gltf_load_nodes(stp_gltf_scope* scope, stp_gltf* glt
 /// Scale, then rotation by a quaternion (x, y, z, w) of any length but 0, then translation.
 stp_affine stp_gltf_affine_from_parts(const double translation[3], const double rotation[4],
                                       const double scale[3]);
-/// The matrices that take a skin's vertices from the mesh to the world, one a joint (stp_alloc).
+/// The matrices that transform a skin's vertices from the mesh to the world, one per joint
+/// (stp_alloc).
 STP_MUST_USE stp_result stp_gltf_skin_matrices(stp_gltf_scope* scope, uint32_t skin,
                                                stp_affine** matrices, size_t* count);
 

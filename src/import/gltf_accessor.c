@@ -215,7 +215,7 @@ stp_result stp_gltf_accessor_get(stp_gltf_scope* scope, uint32_t index, stp_gltf
         result = find_elements(scope, accessor, view, offset, accessor->count, size,
                                &accessor->stride, &accessor->bytes);
     } else if (accessor->count > scope->gltf->content_bytes) {
-        // zeros take no room in the file, but in memory
+        // zeros take no space in the file, but in memory
         result = stp_gltf_fail(scope, STP_ERROR_LIMIT,
                                "accessors[%u] claims %zu zero elements in a file of %zu bytes",
                                index, accessor->count, scope->gltf->content_bytes);
@@ -258,7 +258,7 @@ static float read_component(stp_gltf_component component, const unsigned char* b
     return stp_read_f32(bytes);
 }
 
-// A loop for each type, so that each is tight.
+// A separate tight loop for each type.
 #define CONVERT(component, size)                                                                   \
     for (size_t i = 0; i < selection->count; ++i) {                                                \
         size_t element = selection->map != NULL ? selection->map[i] : selection->first + i;        \
@@ -319,7 +319,7 @@ stp_result stp_gltf_accessor_floats(stp_gltf_scope* scope, const stp_gltf_access
         memset(out, 0, selection->count * components * sizeof(float));
         return STP_OK;
     }
-    // all elements with the substitutes in place, of which those selected are copied
+    // expands all elements with their substitutes, then copies the selected ones
     float* all = STP_NEW_ZEROED(context, float, accessor->count* components);
     if (all == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;

@@ -26,13 +26,13 @@ typedef struct stp_gltf_accessor {
     const unsigned char* sparse_values;  ///< packed
 } stp_gltf_accessor;
 
-/// Which elements are wanted: `count` from `first` on, or those that `map` lists.
+/// Selects elements: `count` from `first` on, or those listed in `map`.
 typedef struct stp_gltf_selection {
     size_t first, count;
     uint32_t* map; ///< NULL: a run
 } stp_gltf_selection;
 
-/// Reads what an accessor says of its elements, without looking for them; bytes stays NULL.
+/// Reads the description of an accessor without locating its data; bytes stays NULL.
 STP_MUST_USE stp_result stp_gltf_accessor_describe(stp_gltf_scope* scope, uint32_t index,
                                                    stp_gltf_accessor* accessor);
 
@@ -46,7 +46,7 @@ STP_MUST_USE stp_result stp_gltf_accessor_floats(stp_gltf_scope* scope,
                                                  const stp_gltf_accessor* accessor,
                                                  const stp_gltf_selection* selection, float* out);
 
-/// What an integer of the accessor's type is divided by where it is normalised; else 1.
+/// The divisor of normalised integers of the accessor's type; else 1.
 float stp_gltf_accessor_divisor(const stp_gltf_accessor* accessor);
 
 /// All elements as unsigned numbers; the accessor must be of unsigned scalars.

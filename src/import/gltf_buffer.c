@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Buffers and buffer views (3.6.1): every range is checked against the bytes that are really there.
+// Buffers and buffer views (3.6.1): every range is checked against the actual data.
 #include "import/gltf.h"
 
 static stp_result load_external(stp_gltf_scope* scope, const char* uri, stp_gltf_buffer* buffer)
@@ -38,7 +38,7 @@ static stp_result load_buffer(stp_gltf_scope* scope, size_t index, stp_gltf* glt
         buffer->bytes = gltf->chunk;
         buffer->size = gltf->chunk_size;
     } else if (uri == NULL) {
-        return STP_OK; // stands in for compressed views; whoever reads from it fails
+        return STP_OK; // a placeholder for compressed views; reading from it fails
     } else if (stp_gltf_uri_is_data(uri)) {
         result = stp_gltf_uri_decode(scope, uri, &buffer->owned, &buffer->size);
         buffer->bytes = buffer->owned;
@@ -77,7 +77,8 @@ stp_result stp_gltf_load_buffers(stp_gltf_scope* scope, stp_gltf* gltf)
 
 void stp_gltf_forget_buffers(const stp_gltf* gltf)
 {
-    if (!gltf->import->alone) { // else it is the caller's memory, which would be lost
+    if (!gltf->import->alone) { // otherwise it is the caller's memory, which releasing would
+                                // discard
         stp_file_forget(&gltf->import->file);
     }
     for (size_t i = 0; i < stp_gltf_count(gltf, STP_GLTF_BUFFERS); ++i) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Images, samplers and textures (3.8). A texture of the scene is a picture with its wrapping, so a
-// picture used with two samplers that differ is copied; pictures are decoded in jobs.
+// Images, samplers and textures (3.8). A texture of the scene is a picture with its wrap modes, so
+// a picture used with two different samplers is copied. Pictures are decoded in jobs.
 #include "import/gltf.h"
 #include "import/surface.h"
 
 #include <string.h>
 
-// Decoded at once, before the scene takes them, and may move them out of memory.
+// Decoded at once, before the scene takes them and may move them out of memory.
 #define PIXELS_OF_BATCH ((uint64_t)1 << 24)
 #define PIXEL_BYTES 8u // with what decoders hold
 
@@ -79,7 +79,7 @@ void stp_gltf_textures_destroy(stp_gltf_textures* textures, stp_gltf* gltf)
     }
 }
 
-// Which image a texture shows: that of an extension we read, else its own.
+// The image of a texture: from a supported extension, else its own.
 static stp_result find_source(stp_gltf_scope* scope, const json_t* json, uint32_t* image)
 {
     const json_t* webp;
@@ -218,7 +218,7 @@ static stp_result open_image(stp_gltf_scope* scope, uint32_t index, image_state*
     return open_external(scope, uri, image);
 }
 
-// Opens a picture and looks at its header. One of a kind that cannot be read is done without.
+// Opens a picture and reads its header. An unsupported picture is skipped.
 static stp_result measure_image(stp_gltf_scope* scope, uint32_t index, image_state* image)
 {
     stp_gltf_set_place(scope, "images[%u]", index);
@@ -243,7 +243,7 @@ typedef struct decode_loop {
     size_t first_request;
 } decode_loop;
 
-// Whether a request is the one for which its picture is decoded.
+// Whether the picture is decoded for this request.
 static bool decodes(const stp_gltf_textures* textures, size_t request)
 {
     const image_state* image = &textures->images[textures->requests[request].image];
@@ -311,7 +311,7 @@ static stp_result decode_images(stp_gltf_scope* scope, stp_gltf_textures* textur
     return STP_OK;
 }
 
-// Gives a texture copies of its texels and encoded bytes. @return false where memory runs out
+// Gives a texture copies of its texels and encoded bytes. @return false if memory runs out
 static bool copy_picture(stp_context* context, stp_texture* texture)
 {
     size_t size = (size_t)texture->width * texture->height * 4;
@@ -329,7 +329,7 @@ static bool copy_picture(stp_context* context, stp_texture* texture)
     return true;
 }
 
-// The last request of a picture takes its texels and bytes, those before it a copy.
+// The last request of a picture takes its texels and bytes; earlier ones get copies.
 static stp_result add_texture(stp_gltf_scope* scope, stp_gltf_textures* textures,
                               texture_request* request, stp_gltf* gltf)
 {
@@ -350,7 +350,7 @@ static stp_result add_texture(stp_gltf_scope* scope, stp_gltf_textures* textures
         scope, stp_scene_add_texture(gltf->import->scene, &texture, &request->scene_texture));
 }
 
-// The end of the requests that are decoded at once: at least one, and no more than a batch of pixels.
+// End of the requests that are decoded at once: at least one, and no more pixels than a batch.
 static size_t end_batch(const stp_gltf* gltf, const stp_gltf_textures* textures, size_t begin)
 {
     size_t end = begin;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// From the indices of a primitive to a list of triangles, and to the vertices that it uses:
-// exporters often let many primitives share one large array of vertices, of which each would
-// otherwise keep a copy.
+// Converts the indices of a primitive to a list of triangles and finds the vertices it uses:
+// exporters often let many primitives share one large vertex array, which each primitive would
+// otherwise copy.
 #include "base/sort.h"
 #include "import/gltf_primitive.h"
 
@@ -25,8 +25,7 @@ static stp_result check_indices(stp_gltf_scope* scope, const uint32_t* indices, 
                          indices[at], at, vertex_count);
 }
 
-// The indices as stored; NULL where the primitive has none and its vertices count one after the
-// other.
+// The stored indices; NULL if the primitive has none and uses its vertices in order.
 static stp_result read_indices(stp_gltf_scope* scope, const json_t* primitive, size_t vertex_count,
                                uint32_t** indices, size_t* count)
 {
@@ -63,8 +62,7 @@ static uint32_t index_at(const uint32_t* indices, size_t i)
     return indices != NULL ? indices[i] : (uint32_t)i;
 }
 
-// Writes the triangles of a strip or fan; those with a corner twice, which join strips, are
-// dropped.
+// Writes the triangles of a strip or fan; drops degenerate ones, which join strips.
 static size_t unroll(const uint32_t* indices, size_t count, stp_gltf_mode mode, uint32_t* out)
 {
     size_t triangles = 0;
@@ -111,7 +109,7 @@ static stp_result assemble(stp_gltf_scope* scope, stp_gltf_mode mode, uint32_t* 
     return *indices != NULL ? STP_OK : STP_ERROR_OUT_OF_MEMORY;
 }
 
-// Gives the used vertices of [low, low + range) new numbers, in ascending order.
+// Renumbers the used vertices of [low, low + range) in ascending order.
 static stp_result number_used(stp_gltf_scope* scope, uint32_t low, size_t range, uint32_t* indices,
                               size_t count, stp_gltf_selection* selection)
 {
@@ -147,7 +145,7 @@ static stp_result number_used(stp_gltf_scope* scope, uint32_t low, size_t range,
     return STP_OK;
 }
 
-// The same where the range is so large that even a look at all of it would be long.
+// Same, for a range too large to scan.
 static stp_result number_sorted(stp_gltf_scope* scope, uint32_t* indices, size_t count,
                                 stp_gltf_selection* selection)
 {

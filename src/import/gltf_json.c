@@ -17,7 +17,7 @@ void stp_gltf_set_place(stp_gltf_scope* scope, const char* format, ...)
     va_end(list);
 }
 
-// Writes "place: sentence" over what stood there.
+// Replaces the message by "place: sentence".
 static void keep_message(stp_gltf_scope* scope, char* out, const char* format, va_list list)
     __attribute__((format(printf, 3, 0)));
 
@@ -84,7 +84,7 @@ size_t stp_gltf_count(const stp_gltf* gltf, stp_gltf_list list)
     return json_array_size(gltf->lists[list]);
 }
 
-// The member, or NULL where it is missing or null.
+// The member, or NULL if it is missing or null.
 static const json_t* find(const json_t* object, const char* key)
 {
     const json_t* member = json_object_get(object, key);
@@ -111,7 +111,7 @@ stp_result stp_gltf_item(stp_gltf_scope* scope, stp_gltf_list list, size_t index
 {
     *item = json_array_get(scope->gltf->lists[list], index);
     if (!json_is_object(*item)) {
-        scope->place[0] = '\0'; // the item itself is the place
+        scope->place[0] = '\0'; // the item itself is the location
         return stp_gltf_fail(scope, STP_ERROR_FORMAT, "%s[%zu] is not an object",
                              stp_gltf_list_name(list), index);
     }
@@ -146,7 +146,7 @@ stp_result stp_gltf_extension(stp_gltf_scope* scope, const json_t* object, const
     return result != STP_OK ? result : stp_gltf_object(scope, extensions, name, member);
 }
 
-// Numbers such as 3.0 count as whole. False where it is none, or negative, or at least 2^53.
+// Numbers such as 3.0 count as whole. False if it is not a number, negative, or at least 2^53.
 static bool to_size(const json_t* value, size_t* out)
 {
     if (json_is_integer(value)) {

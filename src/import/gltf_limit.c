@@ -1,7 +1,6 @@
-// SPDX-License-Identifier: MIT
-// Accessors, buffer views and compressed data may be shared without end, so a small file could ask for any
-// amount of memory or time. Honest files share as well: what is read may be so much more than what is
-// stored, and no more.
+// SPDX-License-Identifier: MIT Accessors, buffer views and compressed data may be shared without
+// end, so a small file could ask for any amount of memory or time. Honest files share as well: what
+// is read may be so much more than what is stored, and no more.
 #include "import/gltf.h"
 
 #define ELEMENTS_ALWAYS_ALLOWED ((uint64_t)1 << 24)
@@ -13,7 +12,8 @@
 #define COMPRESSED_ALWAYS_ALLOWED ((uint64_t)1 << 20)
 #define COMPRESSED_PER_BYTE 16
 
-// The object that an index names; NULL where there is none. Mistakes are left to the reading itself.
+// The object that an index names; NULL if there is none. Errors are reported later, when it is
+// read.
 static const json_t* follow(const stp_gltf* gltf, const json_t* index, stp_gltf_list list)
 {
     json_int_t value = json_is_integer(index) ? json_integer_value(index) : -1;
@@ -31,8 +31,8 @@ static uint64_t accessor_count(const stp_gltf* gltf, const json_t* index)
     return whole(follow(gltf, index, STP_GLTF_ACCESSORS), "count");
 }
 
-// What reading a primitive costs: its indices, or its vertices; all vertices once more for each morph target
-// and for each attribute that is sparse.
+// The cost of reading a primitive: its indices, or its vertices, plus all vertices for each morph
+// target and each sparse attribute.
 static uint64_t primitive_elements(const stp_gltf* gltf, const json_t* primitive)
 {
     json_t* attributes = json_object_get(primitive, "attributes");
@@ -69,7 +69,7 @@ static stp_result check(stp_gltf_scope* scope, uint64_t claimed, uint64_t allowe
     return STP_OK;
 }
 
-// With the joints of the skin.
+// Includes the joints of the skin.
 static uint64_t variant_elements(const stp_gltf* gltf, const stp_gltf_variant* variant,
                                  const json_t* primitive)
 {

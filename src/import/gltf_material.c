@@ -16,7 +16,8 @@ typedef struct material_reader {
     pending_material* pending;
 } material_reader;
 
-// Sine and cosine from the series after halving the angle: the C library's differ between machines.
+// Sine and cosine from the series after halving the angle: the C library's results differ between
+// machines.
 static void rotate(double angle, double* sine, double* cosine)
 {
     double turns = angle / (2.0 * STP_PI);
@@ -72,8 +73,7 @@ static stp_result read_transform(stp_gltf_scope* scope, const json_t* info, stp_
     return STP_OK;
 }
 
-// The set of a mesh that TEXCOORD_n goes into, a new one if need be; false where there is none
-// left.
+// The set of a mesh that TEXCOORD_n goes into, adding one if needed; false if no set is free.
 static bool find_slot(stp_gltf_material* slots, size_t texcoord, uint32_t* slot)
 {
     for (uint32_t i = 0; i < slots->set_count; ++i) {
@@ -165,8 +165,8 @@ static stp_result read_metallic_roughness(material_reader* reader, const json_t*
                                            &out->metallic_roughness_texture);
 }
 
-// KHR_materials_pbrSpecularGlossiness: its diffuse part as a dielectric, which is what most such
-// files mean.
+// KHR_materials_pbrSpecularGlossiness: uses its diffuse part as a dielectric, which suits most such
+// files.
 static stp_result read_specular_glossiness(material_reader* reader, const json_t* material)
 {
     stp_gltf_scope* scope = reader->scope;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// All primitives that are shown, read in jobs and added to the scene in their order.
+// Reads all visible primitives in jobs and adds them to the scene in file order.
 #include "import/gltf_primitive.h"
 
 #include <string.h>
@@ -91,7 +91,7 @@ static stp_result add_primitive(stp_gltf* gltf, stp_gltf_primitive* primitive, s
     return stp_scene_add_mesh(scene, &mesh, &part->part.index);
 }
 
-// Of primitives [begin, end); counts those that are lines.
+// Counts line primitives in [begin, end).
 static stp_result add_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
                                  stp_gltf_primitive* primitives, size_t begin, size_t end,
                                  size_t* line_count)
@@ -106,7 +106,7 @@ static stp_result add_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
                                                    gltf->import->path, primitive->error));
         }
         if (primitive->result != STP_OK) {
-            return STP_ERROR_OUT_OF_MEMORY; // the only failure without a sentence
+            return STP_ERROR_OUT_OF_MEMORY; // the only failure without a message
         }
         *line_count += primitive->mode >= STP_GLTF_LINES && primitive->mode <= STP_GLTF_LINE_STRIP;
         stp_result result = stp_gltf_logged(scope, add_primitive(gltf, primitive, &gltf->parts[i]));
@@ -117,7 +117,7 @@ static stp_result add_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
     return STP_OK;
 }
 
-// The end of the primitives that are read at once: at least one, and no more than a batch of elements.
+// End of the primitives that are read at once: at least one, and no more elements than a batch.
 static size_t end_batch(const stp_gltf* gltf, const stp_gltf_primitive* primitives, size_t begin,
                         size_t count)
 {
@@ -131,8 +131,8 @@ static size_t end_batch(const stp_gltf* gltf, const stp_gltf_primitive* primitiv
     return end;
 }
 
-// Batch by batch: what the scene was given it may move out of memory before the next one is read, and what was read
-// of the file need not stay there beside it.
+// Works in batches: the scene may move a batch out of memory before the next one is read, and the
+// file content read for it is released.
 static stp_result read_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
                                   stp_gltf_primitive* primitives, size_t count)
 {

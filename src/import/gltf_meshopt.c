@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// EXT_meshopt_compression, and KHR_meshopt_compression where it is the same: buffer views that
-// libmeshoptimizer encoded.
+// EXT_meshopt_compression, and KHR_meshopt_compression where it is identical: buffer views encoded
+// by libmeshoptimizer.
 #include "import/gltf.h"
 
 #include <meshoptimizer.h>
@@ -26,8 +26,7 @@ typedef struct compressed_view {
     compression_filter filter;
 } compressed_view;
 
-// The number of a word in a list; the list's length where it is none of them, 0 where it is
-// missing.
+// Index of a word in a list; the list's length if it is not in it, 0 if it is missing.
 static int find_word(const char* word, const char* const* words, int count)
 {
     int found = 0;
@@ -163,7 +162,7 @@ static stp_result decompress_view(stp_gltf_scope* scope, size_t index, const jso
     if (out == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
-    *decoded = out; // freed with the others, whatever comes
+    *decoded = out; // freed with the others in any case
     return decode_view(scope, &view, out);
 }
 
@@ -172,8 +171,8 @@ typedef struct view_loop {
     stp_result* results;
 } view_loop;
 
-// A piece of the loop: reasons are kept in short, the calling thread repeats the first failure to
-// log it.
+// Processes a piece of the loop: stores short reasons; the calling thread repeats the first failure
+// to log it.
 static void decompress_job(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Nodes (3.5.2), scenes, skins (3.7.3) and which nodes animations move (3.11). Nothing here
-// recurses: a hierarchy may be as deep as the file is long.
+// Nodes (3.5.2), scenes, skins (3.7.3) and the nodes that animations move (3.11). Nothing here
+// recurses, because a hierarchy may be as deep as the file is long.
 #include "import/gltf_accessor.h"
 
 static bool is_finite_affine(const stp_affine* a)
 {
-    double sum = 0.0; // not finite as soon as one is not: infinities make it so, or not a number
+    double sum = 0.0; // not finite if any element is not: the sum becomes infinite or NaN
     for (int r = 0; r < 3; ++r) {
         for (int c = 0; c < 4; ++c) {
             sum += a->m[r][c] - a->m[r][c];
@@ -57,7 +57,7 @@ static stp_result read_transform(stp_gltf_scope* scope, stp_gltf_node* node)
     } else {
         for (int r = 0; r < 3; ++r) {
             for (int c = 0; c < 4; ++c) {
-                node->local.m[r][c] = matrix[4 * c + r]; // stored by columns
+                node->local.m[r][c] = matrix[4 * c + r]; // column-major
             }
         }
     }
@@ -111,8 +111,8 @@ static stp_result link_children(stp_gltf_scope* scope, stp_gltf* gltf, uint32_t 
     return result;
 }
 
-// Puts all nodes in an order with parents before children. The end of the array serves as the stack
-// of nodes to visit: a node is on it or before it, never both.
+// Orders all nodes so that parents precede children. The end of the array serves as the stack of
+// nodes to visit: a node is either on the stack or already ordered.
 static stp_result order_nodes(stp_gltf_scope* scope, stp_gltf* gltf)
 {
     size_t count = gltf->node_count, done = 0, top = count;
@@ -137,7 +137,7 @@ static stp_result order_nodes(stp_gltf_scope* scope, stp_gltf* gltf)
     if (done == count) {
         return STP_OK;
     }
-    // every node has at most one parent, so whatever no root reaches hangs from a cycle
+    // every node has at most one parent, so a node that no root reaches belongs to a cycle
     uint32_t lost = 0;
     for (size_t i = 0; i < done; ++i) {
         gltf->nodes[gltf->node_order[i]].flags |= STP_GLTF_IN_SCENE;
@@ -168,7 +168,7 @@ static stp_result place_nodes(stp_gltf_scope* scope, stp_gltf* gltf)
     return STP_OK;
 }
 
-// Marks the roots of the scene to show: all roots where the file has no scenes.
+// Marks the roots of the scene to show: all roots if the file has no scenes.
 static stp_result mark_roots(stp_gltf_scope* scope, stp_gltf* gltf)
 {
     uint32_t shown = STP_NONE;
@@ -324,7 +324,7 @@ stp_result stp_gltf_load_nodes(stp_gltf_scope* scope, stp_gltf* gltf)
     return result == STP_OK ? find_variants(gltf) : result;
 }
 
-// The inverse bind matrices of a skin as affine maps; identities where it has none.
+// The inverse bind matrices of a skin as affine maps; identities if it has none.
 static stp_result read_inverse_binds(stp_gltf_scope* scope, const json_t* skin, size_t count,
                                      stp_affine* matrices)
 {

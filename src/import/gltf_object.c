@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-// As for vertices: nodes may share meshes and instances without end, and honest files do share.
+// As for vertices: nodes may share meshes and instances without limit, and valid files do.
 #define PARTS_ALWAYS_ALLOWED ((size_t)1 << 22)
 #define INSTANCES_ALWAYS_ALLOWED ((size_t)1 << 20)
 #define SHARES_PER_BYTE 16
@@ -29,7 +29,7 @@ static stp_result check_limit(object_writer* writer, size_t count, size_t allowe
     return STP_OK;
 }
 
-// Extras as JSON text: whatever identifies the object to those who wrote it.
+// Extras as JSON text, which often identifies the object in the source program.
 static stp_result add_object(object_writer* writer, const stp_gltf_node* node, const char* name,
                              uint32_t parent, const stp_affine* transform, uint32_t* index)
 {
@@ -63,7 +63,7 @@ static stp_result add_parts(object_writer* writer, const stp_gltf_node* node)
     return result;
 }
 
-// The values of one attribute of all instances; NULL where there is none.
+// The values of one attribute of all instances; NULL if it is missing.
 static stp_result read_instance_values(object_writer* writer, const json_t* attributes,
                                        const char* name, uint32_t components, size_t* count,
                                        float** values)
@@ -155,7 +155,7 @@ static stp_result add_instances(object_writer* writer, const stp_gltf_node* node
     return result;
 }
 
-// The inverse of an affine map; false where it has none.
+// The inverse of an affine map; false if it is singular.
 static bool invert(const stp_affine* a, stp_affine* out)
 {
     double determinant = stp_affine_determinant(a);
@@ -181,8 +181,8 @@ static bool invert(const stp_affine* a, stp_affine* out)
     return is_finite;
 }
 
-// A skinned mesh stands where its joints put it, in the world; its node's transform does not count
-// (3.7.3.3). So it becomes an object of its own that undoes that transform.
+// The joints alone place a skinned mesh in the world; its node's transform is ignored (3.7.3.3). So
+// it becomes a separate object that undoes that transform.
 static stp_result add_skinned(object_writer* writer, const stp_gltf_node* node, const char* name)
 {
     stp_affine undo;

@@ -4,9 +4,9 @@
 
 #include <stdio.h>
 
-enum { JOINT_SETS = 4 }; // sixteen joints a vertex; spec readers need to support but four
+enum { JOINT_SETS = 4 }; // sixteen joints per vertex; the specification requires only four
 
-// The weights of the node, where the variant is its own, else those of the mesh.
+// The weights of the node if the variant belongs to it, else those of the mesh.
 static stp_result find_weights(stp_gltf_scope* scope, const json_t* mesh,
                                const stp_gltf_variant* variant, const json_t** weights)
 {
@@ -89,7 +89,7 @@ static stp_result read_skin(stp_gltf_scope* scope, uint32_t skin, const stp_gltf
     return result;
 }
 
-// Adds up the matrices of a vertex; their weight in all, or a failure.
+// Sums the matrices of a vertex. Returns their total weight, or a failure.
 static stp_result blend(stp_gltf_scope* scope, const skin_arrays* arrays, size_t vertex,
                         stp_affine* blended, double* total)
 {
@@ -99,7 +99,7 @@ static stp_result blend(stp_gltf_scope* scope, const skin_arrays* arrays, size_t
         double weight = (double)arrays->weights[k / 4][4 * vertex + k % 4];
         float joint = arrays->joints[k / 4][4 * vertex + k % 4];
         if (!(weight > 0.0) || weight > 1e6) {
-            continue; // none, or no weight at all
+            continue; // no joints or no weight
         }
         if (!(joint >= 0.0f) || joint >= (float)arrays->matrix_count) {
             return stp_gltf_fail(scope, STP_ERROR_FORMAT,

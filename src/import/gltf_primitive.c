@@ -58,7 +58,7 @@ static stp_result plain_attribute(stp_gltf_scope* scope, const stp_gltf_vertices
     if (out == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
-    *values = out; // the caller frees it, whatever comes
+    *values = out; // the caller frees it in any case
     return stp_gltf_accessor_floats(scope, &accessor, &vertices->selection, out);
 }
 
@@ -107,7 +107,7 @@ static void normalize_all(float* normals, size_t count)
     }
 }
 
-// Positions and normals, posed. The scene leaves out what has no place (scene/distance_limit.h).
+// Positions and normals, posed. The scene skips invalid positions (scene/distance_limit.h).
 static stp_result read_geometry(stp_gltf_scope* scope, const json_t* mesh, const json_t* json,
                                 const stp_gltf_variant* variant, const stp_gltf_vertices* vertices,
                                 float** positions, float** normals)
@@ -133,10 +133,10 @@ static stp_result read_geometry(stp_gltf_scope* scope, const json_t* mesh, const
 
 static float to_unit(float x)
 {
-    return x > 0.0f ? stp_min(x, 1.0f) : 0.0f; // not a number becomes 0
+    return x > 0.0f ? stp_min(x, 1.0f) : 0.0f; // NaN becomes 0
 }
 
-// COLOR_0, four a vertex, 0..1.
+// COLOR_0, four per vertex, 0..1.
 static stp_result read_colors(stp_gltf_scope* scope, const stp_gltf_vertices* vertices,
                               float** colors, uint32_t* components)
 {
@@ -193,7 +193,7 @@ static stp_result read_point_colors(stp_gltf_scope* scope, const stp_gltf_vertic
     return points->colors != NULL ? STP_OK : STP_ERROR_OUT_OF_MEMORY;
 }
 
-// The texture coordinates that the material asks for.
+// The texture coordinates that the material needs.
 static stp_result read_texcoords(stp_gltf_scope* scope, const stp_gltf_vertices* vertices,
                                  const stp_gltf_material* slots, stp_mesh* mesh)
 {
@@ -312,7 +312,7 @@ static stp_result open_draco(stp_gltf_scope* scope, const json_t* json, stp_gltf
     return STP_OK;
 }
 
-// How many vertices the primitive has; false where it has no positions and shows nothing.
+// Number of vertices of the primitive; false if it has no positions and therefore shows nothing.
 static stp_result open_vertices(stp_gltf_scope* scope, const json_t* json,
                                 stp_gltf_vertices* vertices, bool* shows)
 {

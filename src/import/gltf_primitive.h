@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One primitive of a mesh, on its way into the scene.
+// One primitive of a mesh while it is read.
 #pragma once
 
 #include "import/gltf_accessor.h"
@@ -16,7 +16,7 @@ typedef enum stp_gltf_mode {
     STP_GLTF_TRIANGLE_FAN,
 } stp_gltf_mode;
 
-/// Where the vertices of a primitive are, and which of them it uses.
+/// Location of a primitive's vertices, and the ones it uses.
 typedef struct stp_gltf_vertices {
     const json_t* attributes;
     size_t count; ///< all there are
@@ -25,7 +25,7 @@ typedef struct stp_gltf_vertices {
     const json_t* draco_attributes;
 } stp_gltf_vertices;
 
-/// What a primitive became. Arrays belong to it until the scene takes them.
+/// Result of reading a primitive. It owns the arrays until the scene takes them.
 typedef struct stp_gltf_primitive {
     size_t variant;
     size_t index; ///< within its mesh
@@ -38,27 +38,27 @@ typedef struct stp_gltf_primitive {
     char* warning;
 } stp_gltf_primitive;
 
-/// Reads the selected vertices' values of an attribute into `values` (stp_alloc); NULL where the
-/// primitive does not have it. `components` gives what is allowed, from and to, and receives what
-/// there is.
+/// Reads an attribute of the selected vertices into `values` (stp_alloc); NULL if the primitive
+/// lacks it. `components` holds the allowed range and receives the actual number.
 STP_MUST_USE stp_result stp_gltf_attribute(stp_gltf_scope* scope, const stp_gltf_vertices* vertices,
                                            const char* name, uint32_t components[2],
                                            float** values);
 
 // gltf_index.c
 
-/// Makes a list of triangles of a primitive, and selects the vertices it uses. `indices` and the
+/// Makes the triangle list of a primitive and selects the vertices it uses. `indices` and the
 /// selection's map come from stp_alloc, also on failure.
 STP_MUST_USE stp_result stp_gltf_triangles(stp_gltf_scope* scope, const json_t* primitive,
                                            stp_gltf_mode mode, stp_gltf_vertices* vertices,
                                            uint32_t** indices, size_t* triangle_count);
-/// Selects the vertices that a primitive of points shows.
+/// Selects the vertices used by a primitive of points.
 STP_MUST_USE stp_result stp_gltf_points(stp_gltf_scope* scope, const json_t* primitive,
                                         stp_gltf_vertices* vertices);
 
 // gltf_pose.c
 
-/// Moves positions and normals (may be NULL) as the variant's morph weights and skin say at rest.
+/// Moves positions and normals (may be NULL) to the rest pose of the variant's morph weights and
+/// skin.
 STP_MUST_USE stp_result stp_gltf_pose(stp_gltf_scope* scope, const json_t* mesh,
                                       const json_t* primitive, const stp_gltf_variant* variant,
                                       const stp_gltf_vertices* vertices, float* positions,
@@ -66,7 +66,7 @@ STP_MUST_USE stp_result stp_gltf_pose(stp_gltf_scope* scope, const json_t* mesh,
 
 // gltf_primitive.c
 
-/// Reads one primitive; its variant and index are set.
+/// Reads one primitive; its variant and index are already set.
 STP_MUST_USE stp_result stp_gltf_read_primitive(stp_gltf_scope* scope,
                                                 stp_gltf_primitive* primitive);
 void stp_gltf_free_primitive(stp_context* context, stp_gltf_primitive* primitive);

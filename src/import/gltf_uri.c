@@ -17,7 +17,8 @@ static int hexadecimal(char c)
                                   : -1;
 }
 
-// A percent sign that two digits do not follow stands for itself, as in files that never encoded.
+// A percent sign without two hexadecimal digits stands for itself, as in files that never encoded
+// URIs.
 static size_t percent_decode(const char* text, size_t length, unsigned char* out)
 {
     size_t written = 0;
@@ -45,7 +46,7 @@ static int base64_digit(char c)
                                   : -1;
 }
 
-// False where a character is none of base64 (RFC 4648, 4).
+// False if a character is not base64 (RFC 4648, 4).
 static bool base64_decode(const char* text, size_t length, unsigned char* out, size_t* size)
 {
     while (length > 0 && text[length - 1] == '=') {

@@ -15,7 +15,7 @@ typedef struct work {
     const stp_scan_grid* grid;
 } work;
 
-// The point of a cell; STP_NONE outside the grid and where the cell is empty.
+// The point of a cell; STP_NONE if it is empty or outside the grid.
 static uint32_t point_at(const work* w, int64_t column, int64_t row)
 {
     const stp_scan_grid* g = w->grid;
@@ -33,7 +33,7 @@ static stp_vec3 position(const work* w, uint32_t point)
     return (stp_vec3){p[0], p[1], p[2]};
 }
 
-// The way from p to a neighbour; zero where there is none on the same surface.
+// The vector from p to a neighbour; zero if there is none on the same surface.
 static stp_vec3 step_to(const work* w, stp_vec3 p, uint32_t neighbour)
 {
     if (neighbour == STP_NONE) {
@@ -44,7 +44,7 @@ static stp_vec3 step_to(const work* w, stp_vec3 p, uint32_t neighbour)
     return stp_length(step) <= STEEP * reach ? step : (stp_vec3){0};
 }
 
-// The difference along one direction of the grid: from neighbour to neighbour, or to the nearer one alone.
+// The difference along one direction of the grid: between both neighbours, or to the nearer one.
 static stp_vec3 difference(const work* w, stp_vec3 p, uint32_t before, uint32_t after)
 {
     stp_vec3 back = step_to(w, p, before), on = step_to(w, p, after);

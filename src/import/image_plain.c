@@ -126,7 +126,7 @@ static bool read_rows(plain* p, uint8_t* texels)
     return true;
 }
 
-// Packets: a count, then one pixel that repeats, or so many pixels. They may cross rows.
+// Packets: a count, then one repeated pixel or that many pixels. They may cross rows.
 static bool read_runs(plain* p, uint8_t* texels)
 {
     uint64_t count = (uint64_t)p->width * p->height;

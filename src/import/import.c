@@ -33,7 +33,7 @@ static char lower_case(char c)
     return c;
 }
 
-// Whether the file's extension is one of the words, whatever its case.
+// Whether the file's extension is one of the words, ignoring case.
 static bool has_extension(const char* path, const char* words)
 {
     const char* dot = strrchr(base_name(path), '.');
@@ -55,7 +55,7 @@ static bool has_extension(const char* path, const char* words)
     return false;
 }
 
-// Content first, then the extension, then the importers that take what is left.
+// By content first, then by extension, then the importers for remaining files.
 static const stp_importer* find_importer(const char* path, const stp_mapped_file* file)
 {
     for (int fallback = 0; fallback < 2; ++fallback) {
@@ -76,7 +76,7 @@ static const stp_importer* find_importer(const char* path, const stp_mapped_file
     return NULL;
 }
 
-// The turn that brings an axis to y, with a scale: about x for y and z, about z for x.
+// The rotation that turns an axis to y, with a scale: about x for y and z, about z for x.
 static stp_affine turn_up(char up, double s)
 {
     switch (up) {
@@ -106,14 +106,14 @@ void stp_import_set_axes(stp_import* import, char up, double unit_metres)
         scene->unit_metres = unit;
         scene->up = up == 'z' || up == 'Z' ? "z" : up == 'x' || up == 'X' ? "x" : "y";
     } else if (scene->unit_metres == 0.0) {
-        scene->unit_metres = unit; // files of unknown unit are taken to be in the one that is known
+        scene->unit_metres = unit; // files of unknown unit are assumed to use the known one
     } else if (unit > 0.0) {
         scale = unit / scene->unit_metres;
     }
     scene->objects[import->root].transform = turn_up(up, scale);
 }
 
-// Several inputs in one scene have one unit; where that is a guess, the user should know.
+// Inputs of one scene share a unit; the user should know if it is a guess.
 static void judge_units(const stp_import* import, double scene_unit)
 {
     const stp_scene* scene = import->scene;
@@ -163,7 +163,7 @@ static stp_result read_with(const stp_importer* importer, stp_import* import)
     return result;
 }
 
-// What the build writes is no input: it begins like no format that is one (docs/format.md).
+// Rejects files that a build writes; they resemble no input format (docs/format.md).
 static bool is_built(const stp_mapped_file* file)
 {
     static const unsigned char magic[8] = {0x89, 'S', 'T', 'P', '\r', '\n', 0x1a, '\n'};

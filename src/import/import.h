@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// From files to a scene. A format is one file format_NAME.c that defines `const stp_importer
-// stp_importer_NAME`; the build finds it (CMake writes the list), nothing else changes.
+// Reads files into a scene. A format is one file format_NAME.c that defines `const stp_importer
+// stp_importer_NAME`; the build finds it (CMake writes the list), and nothing else changes.
 #pragma once
 
 #include "base/file.h"
@@ -11,22 +11,24 @@
 typedef struct stp_import_desc {
     char up; ///< where the input does not say: 'x', 'y' or 'z', or 'X', 'Y' or 'Z' for the negative
              ///< axis; default what the format's users expect
-    double unit_metres; ///< length of one input unit: where the input does not say; 0: unknown
+    double unit_metres; ///< length of one input unit, if the input does not specify it; 0: unknown
     const char*
         columns; ///< of texts of points: "x,y,z,r,g,b,intensity,nx,ny,nz,class,-" in any order;
                  ///< NULL: found by their header, number and values
-    struct stp_scan_info*
-        scan; ///< not NULL: of formats of points with a header, read that alone, to here
-    uint64_t
-        sample_points; ///< not 0: about so many points, from all over the file, without warnings; see stp_import_sample
-    uint64_t helper_memory_bytes; ///< most memory of the child process that reads foreign formats;
-                                  ///< default 4 GiB
-    uint32_t
-        helper_seconds; ///< most time it may take. 0: 600 by the clock, and of processor time 30, and 1 for each 10,000 bytes that are read
+    /// Not NULL: for point formats with a header, reads only the header, into this.
+    struct stp_scan_info* scan;
+    /// Not 0: reads about this many points from all over the file, without warnings; see
+    /// stp_import_sample.
+    uint64_t sample_points;
+    /// Memory limit of the child process that reads foreign formats; default 4 GiB.
+    uint64_t helper_memory_bytes;
+    /// Its time limit. 0: 600 s of wall-clock time, and 30 s of CPU time plus 1 s for each 10,000
+    /// bytes that are read.
+    uint32_t helper_seconds;
 } stp_import_desc;
 
-/// One file being read. `scene` receives; all objects of the file belong under `root`, which
-/// already turns the file's axes (set through stp_import_set_axes) and is named after the file.
+/// One file being read, into `scene`. All objects of the file belong below `root`, which is named
+/// after the file and converts its axes (set by stp_import_set_axes).
 typedef struct stp_import {
     stp_context* context;
     stp_scene* scene;
@@ -35,8 +37,9 @@ typedef struct stp_import {
     stp_import_desc desc;
     uint32_t root;
     double unit_metres; ///< of the file, once its axes are set; 0: unknown
-    bool wants_unit;    ///< a warning says so where the unit is not known
-    stp_losses losses;  ///< what the importer does not keep; reported once it has read the file
+    bool wants_unit;    ///< warn if the unit is not known
+    stp_losses losses;  ///< content that the importer does not keep; reported after the file is
+                        /// read
     uint64_t picture_pixels, picture_bytes; ///< of all pictures so far
     bool alone; ///< the bytes came from memory: no file beside it may be read
 } stp_import;
@@ -44,56 +47,56 @@ typedef struct stp_import {
 typedef struct stp_importer {
     const char* name;       ///< as `info` prints it: "gltf"
     const char* extensions; ///< lower case, separated by spaces: "gltf glb"
-    /// Whether the content is of this format, judged by its first bytes; NULL: by extension alone.
+    /// Whether the content has this format, by its first bytes; NULL: decided by extension only.
     bool (*detect)(const unsigned char* bytes, size_t size);
-    /// Reads the file. On failure the message was logged; the caller destroys the scene.
+    /// Reads the file. On failure the message is already logged; the caller destroys the scene.
     stp_result (*read)(stp_import* import);
-    bool samples; ///< obeys desc.sample_points
-    /// Tried last, on whatever no other importer claims. Where `extensions` is not NULL it must
-    /// hold the file's, or `detect` must know the content.
+    bool samples; ///< supports desc.sample_points
+    /// Tried last, on files that no other importer claims. If `extensions` is not NULL, it must
+    /// contain the file's, or `detect` must recognise the content.
     bool fallback;
 } stp_importer;
 
-/// Reads one file into the scene (which stp_scene_finish must not have seen yet). The format is
-/// found by content, then by extension. Several files make one scene: its unit is the first known one, the
-/// others are scaled to it, and a file that does not say its unit is taken to be in it, with a warning.
-/// @return STP_OK; STP_ERROR_IO, STP_ERROR_TRUNCATED, STP_ERROR_FORMAT, STP_ERROR_UNSUPPORTED,
-/// STP_ERROR_LIMIT, STP_ERROR_OUT_OF_MEMORY, each with one logged sentence that names file and
-/// place
+/// Reads one file into the scene (before stp_scene_finish). The format is found by content, then by
+/// extension. Several files form one scene: its unit is the first known one, the others are scaled
+/// to it, and a file without a unit is assumed to use it, with a warning. @return STP_OK;
+/// STP_ERROR_IO, STP_ERROR_TRUNCATED, STP_ERROR_FORMAT, STP_ERROR_UNSUPPORTED, STP_ERROR_LIMIT,
+/// STP_ERROR_OUT_OF_MEMORY, each with one logged sentence that names file and location
 STP_MUST_USE stp_result stp_import_file(stp_scene* scene, const char* path,
                                         const stp_import_desc* desc);
 
-/// Reads a file that is already in memory; `name` stands for its path and gives the extension.
-/// References to other files are refused.
+/// Reads a file from memory; `name` replaces its path and provides the extension. References to
+/// other files are rejected.
 STP_MUST_USE stp_result stp_import_memory(stp_scene* scene, const char* name, const void* bytes,
                                           size_t size, const stp_import_desc* desc);
 
-/// For a first picture: reads about `most` points of a file that has at least four times as many, from all over it, much sooner
-/// than the file. The scene stays empty where the format cannot do so, or the file has no more.
-/// @return as stp_import_file
+/// For a first picture: reads about `most` points spread over a file that has at least four times
+/// as many, much faster than the whole file. The scene stays empty if the format does not support
+/// this or the file is smaller. @return as stp_import_file
 STP_MUST_USE stp_result stp_import_sample(stp_scene* scene, const char* path,
                                           const stp_import_desc* desc, uint64_t most);
 
-/// All importers, NULL at the end. What none of them claims goes to assimp, where the build has it.
+/// All importers, NULL at the end. Files that none of them claims go to assimp, if the build
+/// includes it.
 const stp_importer* const* stp_importers(void);
 
 // For importers:
 
-/// Says which axis is up in the file (as stp_import_desc.up) and how long its unit is (0: the file does not
-/// say, and desc.unit_metres holds), before objects are added. A format that does not say its axis
-/// passes desc.up where that is set, else what its users expect. Without a call: desc.up or 'y',
+/// Sets the up axis of the file (as stp_import_desc.up) and the length of its unit (0: not
+/// specified, so desc.unit_metres applies), before objects are added. A format without an axis
+/// passes desc.up if it is set, else its usual axis. Without a call: desc.up or 'y',
 /// desc.unit_metres.
 void stp_import_set_axes(stp_import* import, char up, double unit_metres);
 
-/// The path of a file that `reference` (a relative URI or path, percent-decoded already) names,
-/// relative to the imported file's folder. Absolute paths, drive letters, URLs and ".." that leave
-/// the folder are refused. Backslashes separate like slashes.
-/// @return STP_OK with an arena copy (of the scene's text arena), or STP_ERROR_FORMAT (logged)
+/// The path of a file that `reference` (a relative URI or path, already percent-decoded) names,
+/// relative to the imported file's folder. Rejects absolute paths, drive letters, URLs and ".."
+/// that leave the folder. Backslashes count as slashes. @return STP_OK with an arena copy (of the
+/// scene's text arena), or STP_ERROR_FORMAT (logged)
 STP_MUST_USE stp_result stp_import_resolve(stp_import* import, const char* reference,
                                            const char** path);
 
-/// The same for a file that the import can do without, such as a picture: where the reference is
-/// refused or no such file exists, `path` becomes NULL after a warning that begins with `place`.
-/// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+/// Same, for an optional file such as a picture: if the reference is rejected or the file does not
+/// exist, `path` becomes NULL after a warning that begins with `place`. @return STP_OK or
+/// STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_import_resolve_optional(stp_import* import, const char* place,
                                                     const char* reference, const char** path);

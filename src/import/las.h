@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// Inside the LAS reader. A file is a header, variable length records (VLRs), points, and extended records
-// (EVLRs). Points come in chunks: runs of records, or compressed (laz.h). Each chunk is decoded alone, in blocks
-// of STP_LAS_BLOCK points, and a block is stored in the columns of a point set.
+// Inside the LAS reader. A file is a header, variable length records (VLRs), points, and extended
+// records (EVLRs). Points come in chunks: runs of records, or compressed (laz.h). Each chunk is
+// decoded alone, in blocks of STP_LAS_BLOCK points, and a block is stored in the columns of a point
+// set.
 //
 // Facts of the format: ASPRS, LAS Specification 1.4, revision 15.
 #pragma once
@@ -13,11 +14,11 @@
 
 enum {
     STP_LAS_BLOCK = 1024,
-    STP_LAS_NO_FIELD = 0,  ///< of an offset within a record: the format does not have it
+    STP_LAS_NO_FIELD = 0,  ///< offset of a field that the format does not have
     STP_LAS_WAVE_SIZE = 29 ///< bytes of a wave packet's description
 };
 
-/// Where the fields of a point format lie within a record.
+/// Offsets of the fields of a point format within a record.
 typedef struct stp_las_layout {
     uint8_t size; ///< bytes of a record without extra bytes
     uint8_t time, rgb, nir, wave;
@@ -58,30 +59,32 @@ typedef struct stp_las_record {
     uint64_t size;
 } stp_las_record;
 
-/// Reads and judges the header. @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_UNSUPPORTED, STP_ERROR_TRUNCATED
+/// Reads and validates the header. @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_UNSUPPORTED,
+/// STP_ERROR_TRUNCATED
 STP_MUST_USE stp_result stp_las_read_header(stp_las* las);
 
-/// Runs through VLRs, then EVLRs; begins with all zero.
+/// Iterates over VLRs, then EVLRs; starts as all zero.
 typedef struct stp_las_records {
     uint64_t index, at;
-    bool damaged; ///< a record does not fit: it and those behind it are not given
+    bool damaged; ///< a record does not fit: iteration stops before it
 } stp_las_records;
 bool stp_las_next_record(const stp_las* las, stp_las_records* records, stp_las_record* record);
-/// The first record of a user and id. @return whether there is one
+/// The first record of a user and id. @return whether it exists
 bool stp_las_find_record(const stp_las* las, const char* user, unsigned id, stp_las_record* record);
 
-/// Tells the scene what the file says of its coordinates, and sets unit and axes. Scales z where it is in another
-/// unit. Geographic systems are refused. @return STP_OK, STP_ERROR_UNSUPPORTED, STP_ERROR_OUT_OF_MEMORY (logged)
+/// Copies the file's coordinate system to the scene and sets unit and axes. Scales z if it has a
+/// different unit. Rejects geographic systems. @return STP_OK, STP_ERROR_UNSUPPORTED,
+/// STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_las_read_system(stp_las* las);
 
-/// What a text of WKT says of units. Zero: nothing.
+/// Units found in a WKT text. Zero: none.
 typedef struct stp_las_units {
     double horizontal, vertical; ///< metres
     bool geographic;             ///< horizontal coordinates are angles
 } stp_las_units;
 stp_las_units stp_las_wkt_units(const char* text, size_t size);
 
-/// Points of a chunk while they are decoded: columns of the values that are kept.
+/// Decoded points of a chunk: columns of the kept values.
 typedef struct stp_las_block {
     int32_t position[3][STP_LAS_BLOCK];
     uint64_t time[STP_LAS_BLOCK]; ///< bits of a double
@@ -94,53 +97,58 @@ typedef struct stp_las_block {
     uint8_t return_number[STP_LAS_BLOCK], return_count[STP_LAS_BLOCK];
 } stp_las_block;
 
-/// Whole degrees, as formats 0 to 5 have them, in steps of 0.006 degrees.
+/// Converts whole degrees, as in formats 0 to 5, to steps of 0.006 degrees.
 static inline int16_t stp_las_angle(int8_t degrees)
 {
     int rounding = degrees < 0 ? -3 : 3;
     return (int16_t)((degrees * 1000 + rounding) / 6);
 }
 
-/// Reads `count` uncompressed records into a block, from its place `first` on.
+/// Reads `count` uncompressed records into a block, starting at index `first`.
 void stp_las_read_records(const stp_las* las, const unsigned char* bytes, size_t count,
                           stp_las_block* block, size_t first);
 
-/// Bits of what was seen while points were stored: bit i: attribute i is not zero everywhere.
+/// Bits set while points are stored: bit i: attribute i is not zero everywhere.
 enum {
     STP_LAS_SEEN_COLOR = 1 << STP_ATTRIBUTES, ///< a colour is not black
     STP_LAS_SEEN_WIDE = 2 << STP_ATTRIBUTES,  ///< a colour has more than 8 bits
 };
 
-/// Stores the first `count` points of a block in the columns of a set, from `first` on.
-/// Colours are taken from their upper 8 bits where `wide`. @return what was seen
+/// Stores the first `count` points of a block in the columns of a set, starting at `first`. If
+/// `wide`, colours use their upper 8 bits. @return the bits that were set
 unsigned stp_las_store_block(const stp_las* las, const stp_las_block* block, size_t count,
                              bool wide, stp_point_set* set, size_t first);
-/// Which columns a set of so many points has.
+/// The columns of a set with so many points.
 stp_point_columns_desc stp_las_columns(const stp_las* las, uint32_t point_count);
 
 /// Lists uncompressed records as chunks. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_las_list_records(stp_las* las);
-/// Of a file with at least 4 times `most` points, leaves about so many in the list of chunks: coarse nodes of COPC, else the
-/// first points of each compressed chunk, else short runs of records. Of a smaller file, leaves none. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+/// In a file with at least 4 times `most` points, limits the list of chunks to about that many
+/// points: coarse nodes of COPC, else the first points of each compressed chunk, else short runs of
+/// records. For a smaller file, empties it. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_las_sample(stp_las* las, uint64_t most);
-/// Marks the chunks that are nodes of COPC's levels 0 to those that have `most` points together; others read nothing.
-/// @return false where the file is no COPC, or its hierarchy is damaged: nothing was changed
+/// Marks the chunks of COPC levels 0 up to those that together have `most` points; other chunks
+/// read nothing. @return false if the file is not COPC or its hierarchy is damaged: nothing was
+/// changed
 bool stp_las_sample_copc(stp_las* las, uint64_t most);
-/// How many chunks from `first` on make a set of at most `points_in_set` points, at least one, and how many they have.
+/// Number of chunks from `first` on that form a set of at most `points_in_set` points, at least
+/// one, and their number of points.
 size_t stp_las_chunks_of_set(const stp_las* las, size_t first, uint64_t points_in_set,
                              uint64_t* point_count);
-/// Reads all points, in sets of whole chunks of at most `points_in_set` points, unless a chunk alone has more.
+/// Reads all points into sets of whole chunks with at most `points_in_set` points each, unless a
+/// single chunk has more.
 STP_MUST_USE stp_result stp_las_read_points(stp_las* las, uint64_t points_in_set);
 /// The whole reader; see stp_las_read_points.
 STP_MUST_USE stp_result stp_las_import(stp_import* import, uint64_t points_in_set);
 
-/// Counts what is not kept, and names extra bytes in one notice.
+/// Counts what is not kept, and lists extra bytes in one notice.
 void stp_las_report_losses(stp_las* las);
 
-/// Sees to it that COPC's hierarchy is sound; warns where it is not. The points are read without it.
+/// Checks COPC's hierarchy and warns if it is damaged. Reading points does not need it.
 void stp_las_check_copc(const stp_las* las);
-/// Tells whether the file is COPC, and how many nodes and levels its hierarchy has.
+/// Whether the file is COPC, and the number of nodes and levels of its hierarchy.
 void stp_las_describe_copc(const stp_las* las, stp_scan_info* info);
 
-/// What is known without reading a point. @return STP_OK, or a failure of the table of chunks (logged)
+/// Describes the file without reading a point. @return STP_OK, or a failure of the chunk table
+/// (logged)
 STP_MUST_USE stp_result stp_las_describe(stp_las* las, stp_scan_info* info);

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// COPC: the chunks of a LAZ file are the nodes of an octree, and pages of a hierarchy say which lies where. All points
-// are read by the table of chunks, so a damaged hierarchy costs nothing but a warning.
-//
-// Facts of the format: COPC Specification 1.0.
+// COPC: the chunks of a LAZ file are the nodes of an octree, and hierarchy pages give their
+// offsets. Points are read through the chunk table, so a damaged hierarchy only causes a warning.
 #include "base/bytes.h"
 #include "import/las.h"
 
@@ -32,7 +30,7 @@ typedef struct hierarchy {
     const char* fault;
 } hierarchy;
 
-// The chunk that begins at a place of the file; chunks lie in the order of the file.
+// The chunk at an offset of the file; chunks are in file order.
 static stp_las_chunk* chunk_at(const stp_las* las, uint64_t place)
 {
     size_t low = 0, high = las->chunk_count;
@@ -87,7 +85,7 @@ static void read_page(hierarchy* h, uint64_t offset, uint64_t size, int depth)
     }
 }
 
-// @return whether the file says that it is COPC
+// @return whether the file declares itself as COPC
 static bool read_hierarchy(const stp_las* las, uint8_t* levels_of, hierarchy* h)
 {
     stp_las_record info;
@@ -130,7 +128,7 @@ bool stp_las_sample_copc(stp_las* las, uint64_t most)
     memset(levels, LEVELS, las->chunk_count);
     bool good = read_hierarchy(las, levels, &h) && h.fault == NULL;
     uint64_t points = 0;
-    uint32_t end = 0; // of the levels that are read; the first one is, however many points it has
+    uint32_t end = 0; // of the levels that are read; always at least the first
     while (good && end < LEVELS && (end == 0 || points + h.of_level[end] <= most)) {
         points += h.of_level[end++];
     }

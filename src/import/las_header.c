@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-// Sizes and places of the header's fields.
+// Sizes and offsets of the header's fields.
 enum {
     HEADER_1_0 = 227,
     HEADER_1_4 = 375,
@@ -81,7 +81,8 @@ static stp_result read_transform(stp_las* las, const unsigned char* bytes)
     return STP_OK;
 }
 
-// From version 1.4 on there is a second, wider count; the first is 0 where it does not fit or does not apply.
+// Since version 1.4 there is a second, wider count; the first is 0 if it does not fit or does not
+// apply.
 static void read_counts(stp_las* las, const unsigned char* bytes)
 {
     las->vlr_count = stp_read_u32(bytes + VLR_COUNT);
@@ -94,7 +95,8 @@ static void read_counts(stp_las* las, const unsigned char* bytes)
     }
 }
 
-// What the file can hold: an uncompressed point takes its record, a compressed one may take almost nothing.
+// Upper bound from the file size: an uncompressed point takes its record, a compressed one may take
+// almost nothing.
 static stp_result check_count(const stp_las* las)
 {
     uint64_t size = las->import->file.size;

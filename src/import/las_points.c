@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: MIT
-// Points of LAS files: from uncompressed records to blocks, and from blocks to the columns of a point set.
+// SPDX-License-Identifier: MIT Points of LAS files: from uncompressed records to blocks, and from
+// blocks to the columns of a point set.
 #include "base/bytes.h"
 #include "import/las.h"
 
@@ -67,7 +67,7 @@ stp_point_columns_desc stp_las_columns(const stp_las* las, uint32_t point_count)
                                     .attributes = attributes};
 }
 
-// The integers are subtracted first, so that no digit is lost far from the file's own origin.
+// Subtracts integers first, so that no digit is lost far from the file's own origin.
 static void store_positions(const stp_las* las, const stp_las_block* block, size_t count, float* to)
 {
     for (size_t k = 0; k < 3; ++k) {
@@ -94,7 +94,7 @@ static unsigned store_colors(const stp_las_block* block, size_t count, bool wide
     return (all != 0 ? STP_LAS_SEEN_COLOR : 0) | (all > 255 ? STP_LAS_SEEN_WIDE : 0);
 }
 
-// A column of values as they are. @return whether one of them is not zero
+// Stores a column of values unchanged. @return whether any of them is not zero
 static bool store_values(void* column, size_t first, const void* values, size_t count, size_t size)
 {
     const unsigned char* from = values;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Reads the chunks of a LAS file into point sets, on all threads.
 //
-// Colours have 16 bits, but many writers put values up to 255 there. A look at some points decides; where colours of
-// 8 bits were expected and a larger one turns up, all is read once more.
+// Colours have 16 bits, but many writers store values up to 255. A sample of points decides; if a
+// larger value appears although 8 bits were expected, everything is read again.
 #include "base/bytes.h"
 #include "import/laz.h"
 
@@ -48,7 +48,7 @@ static void destroy_workers(reading* r)
     stp_free(context, r->workers);
 }
 
-// What a thread needs is made where it first works.
+// Per-thread state, created on first use.
 static bool prepare(const stp_las* las, worker* w)
 {
     if (w->block == NULL) {
@@ -60,7 +60,7 @@ static bool prepare(const stp_las* las, worker* w)
     return w->block != NULL && (w->laz != NULL || las->items == STP_LAZ_RAW);
 }
 
-// Reads the next points of a chunk; `done` points are read already.
+// Reads the next points of a chunk; `done` points are already read.
 static bool next_block(const stp_las* las, worker* w, const stp_las_chunk* chunk, uint64_t done,
                        size_t count)
 {
@@ -132,7 +132,8 @@ static void drop_column(const stp_las* las, const stp_point_set* set, void** col
     *column = NULL;
 }
 
-// Values that are zero everywhere are not recorded: the specification says so of intensities and the like.
+// Values that are zero everywhere were not recorded, according to the specification of intensity
+// and similar fields.
 static void drop_unseen(reading* r)
 {
     unsigned seen = atomic_load(&r->seen);
@@ -188,7 +189,7 @@ static stp_result read_set(reading* r, size_t first, size_t count, uint64_t poin
     stp_loop_report report = {.stage = "import", .unit = "points", .total = point_count};
     if (las->import->desc.sample_points == 0) {
         result = stp_parallel_for_reported(las->context, count, 1, read_chunks, r, &report);
-    } else { // what follows reports the same stage
+    } else { // the next pass reports the same stage
         stp_parallel_for(las->context, count, 1, read_chunks, r);
     }
     if (atomic_load(&r->no_memory)) {
@@ -262,7 +263,8 @@ static stp_result probe_colors(reading* r)
     return STP_OK;
 }
 
-// The middle of the header's box, or the first point where that is not within it. In steps of the scale.
+// The centre of the header's bounds, or the first point if that is outside them. In steps of the
+// scale.
 static void choose_origin(stp_las* las)
 {
     const unsigned char* first = las->import->file.bytes + las->chunks[0].offset;

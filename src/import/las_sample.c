@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which points of a LAS file are read for a first picture: few, from all over it.
+// Selects a few points all over a LAS file for a first picture.
 #include "import/las.h"
 
 #include <string.h>
@@ -9,7 +9,7 @@ enum {
     LEAST_SAVING = 4 // a file with fewer times the points is soon read as a whole
 };
 
-// Uncompressed: runs at even distances.
+// Uncompressed files: runs at even distances.
 static stp_result sample_records(stp_las* las, uint64_t most)
 {
     uint64_t runs = (most + RUN - 1) / RUN, step = las->point_count / runs;
@@ -32,7 +32,7 @@ static stp_result sample_records(stp_las* las, uint64_t most)
     return STP_OK;
 }
 
-// The first points of each chunk; of many small chunks, of some at even distances.
+// The first points of each chunk; if there are many small chunks, of evenly spaced ones.
 static void sample_chunks(stp_las* las, uint64_t most)
 {
     uint64_t each = (most + las->chunk_count - 1) / las->chunk_count;
@@ -47,7 +47,7 @@ static void sample_chunks(stp_las* las, uint64_t most)
     }
 }
 
-// Chunks of which nothing is read leave the list, and places in the set follow one another.
+// Removes chunks that are not read, and assigns consecutive positions in the set.
 static void settle(stp_las* las)
 {
     size_t kept = 0;

@@ -52,7 +52,7 @@ static stp_result read_wkt(const stp_las* las, coordinate_system* s)
     return STP_OK;
 }
 
-// The value of a key that is a number of 16 bits; 0: it is not there.
+// The value of a 16-bit key; 0 if it is missing.
 static unsigned find_key(const stp_las_record* keys, unsigned id)
 {
     for (uint64_t at = KEY_SIZE; at + KEY_SIZE <= keys->size; at += KEY_SIZE) {
@@ -64,7 +64,7 @@ static unsigned find_key(const stp_las_record* keys, unsigned id)
     return 0;
 }
 
-// The value of a key that is a double; 0: it is not there.
+// The value of a double key; 0 if it is missing.
 static double find_number(const stp_las* las, const stp_las_record* keys, unsigned id)
 {
     stp_las_record numbers;
@@ -80,7 +80,7 @@ static double find_number(const stp_las* las, const stp_las_record* keys, unsign
     return 0.0;
 }
 
-// Metres of a unit of length by its EPSG code; 0: not known.
+// Metres per unit of length by its EPSG code; 0: unknown.
 static double unit_of_code(unsigned code)
 {
     switch (code) {
@@ -137,7 +137,7 @@ static stp_result read_keys(const stp_las* las, coordinate_system* s)
     return STP_OK;
 }
 
-// Some files say degrees and have metres: angles do not go that far.
+// Some files declare degrees but contain metres: angles cannot be that large.
 static bool box_is_angles(const stp_las* las)
 {
     return fabs(las->low[0]) <= 360.0 && fabs(las->high[0]) <= 360.0 &&

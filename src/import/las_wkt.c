@@ -1,6 +1,6 @@
-// SPDX-License-Identifier: MIT
-// Units in well-known text (WKT 1 and 2): KEYWORD["name", ..., KEYWORD[...]], nested. A unit counts where it stands
-// directly in a projected or vertical system, or in an axis of it.
+// SPDX-License-Identifier: MIT Units in well-known text (WKT 1 and 2): KEYWORD["name", ...,
+// KEYWORD[...]], nested. A unit counts where it stands directly in a projected or vertical system,
+// or in an axis of it.
 #include "import/las.h"
 #include "import/text.h"
 
@@ -60,7 +60,7 @@ static bool is_letter(unsigned char c)
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
 }
 
-// The end of a text in quotes; a quote in it is doubled, which makes two texts here.
+// The end of a quoted text; a quote in it is doubled, which reads as two texts here.
 static stp_text skip_quoted(stp_text at, stp_text end)
 {
     for (at += 1; at < end && *at != '"'; ++at) {

@@ -1,27 +1,30 @@
 // SPDX-License-Identifier: MIT
 //
-// Inside the LAS reader: compressed points (LAZ). The VLR and the table of chunks (laz_table.c), chunks whose points
-// follow one another (formats 0 to 5, laz_pointwise.c), and chunks in layers (formats 6 to 10, laz_layered.c).
+// Inside the LAS reader: compressed points (LAZ). The VLR and the table of chunks (laz_table.c),
+// chunks whose points follow one another (formats 0 to 5, laz_pointwise.c), and chunks in layers
+// (formats 6 to 10, laz_layered.c).
 //
-// Facts of the format: M. Isenburg, LASzip: lossless compression of LiDAR data, 2013, and the files that LASzip writes.
+// Facts of the format: M. Isenburg, LASzip: lossless compression of LiDAR data, 2013, and the files
+// that LASzip writes.
 #pragma once
 
 #include "import/las.h"
 #include "import/laz_coder.h"
 
-/// Reads the compression's VLR and the table of chunks, and checks that they fit the header and the file.
-/// @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_UNSUPPORTED, STP_ERROR_TRUNCATED, STP_ERROR_OUT_OF_MEMORY (logged)
+/// Reads the compression VLR and the chunk table, and checks them against the header and the file.
+/// @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_UNSUPPORTED, STP_ERROR_TRUNCATED,
+/// STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_laz_read_table(stp_las* las);
 
-/// Decodes one chunk at a time; a thread has its own.
+/// Decodes one chunk at a time; each thread has its own.
 typedef struct stp_laz stp_laz;
 
-/// @return NULL where memory runs out
+/// @return NULL if memory runs out
 stp_laz* stp_laz_create(const stp_las* las);
 void stp_laz_destroy(const stp_las* las, stp_laz* laz);
-/// Begins a chunk. @return whether it can be one
+/// Starts a chunk. @return whether it is valid
 bool stp_laz_begin(stp_laz* laz, const stp_las_chunk* chunk);
-/// Decodes the next `count` points of the chunk into a block. @return false where the chunk is damaged
+/// Decodes the next `count` points of the chunk into a block. @return false if the chunk is damaged
 bool stp_laz_next(stp_laz* laz, size_t count, stp_las_block* block);
 
 // For these files:
@@ -43,13 +46,13 @@ struct stp_laz {
 void stp_laz_pointwise_make(stp_laz_pool* pool, stp_laz_pointwise* p);
 void stp_laz_layered_make(stp_laz_pool* pool, stp_laz_layered* l);
 
-/// @return NULL where memory runs out
+/// @return NULL if memory runs out
 stp_laz_pointwise* stp_laz_pointwise_create(const stp_las* las);
 void stp_laz_pointwise_destroy(const stp_las* las, stp_laz_pointwise* p);
 stp_laz_layered* stp_laz_layered_create(const stp_las* las);
 
-// Begin after the first point of a chunk, which is not compressed. `raw` is that point, `block` holds it at 0, `bytes`
-// follow it.
+// Start after the first point of a chunk, which is uncompressed. `raw` is that point, `block` holds
+// it at index 0, `bytes` follow it.
 bool stp_laz_pointwise_begin(stp_laz* laz, const stp_las_block* block, const unsigned char* raw,
                              const unsigned char* bytes, size_t size);
 bool stp_laz_layered_begin(stp_laz* laz, const stp_las_block* block, const unsigned char* raw,

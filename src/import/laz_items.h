@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What both kinds of LAZ chunks have: GPS times, colours, and how the returns of a pulse choose models.
+// Shared by both kinds of LAZ chunks: GPS times, colours, and the choice of models by the returns
+// of a pulse.
 #pragma once
 
 #include "import/laz_coder.h"
@@ -44,7 +45,7 @@ static inline void stp_laz_time_add(stp_laz_time* t, uint32_t difference)
     t->times[t->last] += (uint64_t)(int64_t)(int32_t)difference;
 }
 
-// A time that is far from all: it begins a sequence.
+// A time far from all sequences starts a new one.
 static inline void stp_laz_time_jump(stp_laz_decoder* d, stp_laz_time* t)
 {
     uint32_t high = (uint32_t)(t->times[t->last] >> 32) + stp_laz_difference(d, &t->integer, 8);
@@ -128,7 +129,7 @@ static inline void stp_laz_rgb_make(stp_laz_pool* pool, stp_laz_rgb* rgb)
     stp_laz_models_make(pool, rgb->bytes, 6, 256);
 }
 
-// A byte that changed: decoded as the difference from `near`, which is clamped.
+// A changed byte, decoded as the difference from the clamped `near`.
 STP_LAZ_INLINE int stp_laz_byte(stp_laz_decoder* d, stp_laz_model* m, int near)
 {
     int clamped = near < 0 ? 0 : near > 255 ? 255 : near;

@@ -1,15 +1,10 @@
-// SPDX-License-Identifier: MIT
-// LAZ chunks of formats 6 to 10: each attribute is a layer with a stream of its own, and layers that are not kept
-// (flags, user data, wave packets, extra bytes) are not touched. A block goes through one layer after the other: the
-// first says which values change, and on which models the others depend.
+// SPDX-License-Identifier: MIT LAZ chunks of formats 6 to 10: each attribute is a layer with a
+// stream of its own, and layers that are not kept (flags, user data, wave packets, extra bytes) are
+// not touched. A block goes through one layer after the other: the first says which values change,
+// and on which models the others depend.
 //
-// Each of the four channels of a scanner has models and last values of its own. They begin where the channel is first
-// met, with the values of the point before.
-//
-// The rules by which layers change channels were compared with the text of LASzip (commit 1ff9f097,
-// lasreaditemcompressed_v3.cpp and _v4.cpp), layer by layer: the point's layers switch to the values of the new channel,
-// and a channel that was not met yet takes over all values of the point before, without a change of time. Colours and
-// near infrared differ between the versions; see enter_color.
+// Each of the four scanner channels has its own models and last values. They start when the channel
+// first appears, with the values of the previous point.
 #include "base/bytes.h"
 #include "import/laz.h"
 #include "import/laz_items.h"
@@ -126,7 +121,7 @@ void stp_laz_layered_make(stp_laz_pool* pool, stp_laz_layered* l)
     }
 }
 
-// Opens the layers: their sizes come first, then all of them.
+// Opens the layers: their sizes come first, then all data.
 static bool open_layers(stp_laz* laz, const unsigned char* bytes, size_t size)
 {
     const stp_las* las = laz->las;
@@ -196,7 +191,7 @@ bool stp_laz_layered_begin(stp_laz* laz, const stp_las_block* block, const unsig
     return true;
 }
 
-// Goes to the channel of a point. @return whether the layer meets it for the first time
+// Switches to the channel of a point. @return whether it is new to the layer
 static inline bool enter(layer* at, unsigned channel)
 {
     bool first = (at->met >> channel & 1) == 0;
@@ -205,7 +200,7 @@ static inline bool enter(layer* at, unsigned channel)
     return first;
 }
 
-// The channel of the point: where it changes, what is new takes over the last point's values.
+// The channel of the point. A new channel takes over the last point's values.
 static channel_models* next_channel(stp_laz_decoder* d, stp_laz_layered* l, unsigned changed)
 {
     layer* at = &l->layers[XY];
@@ -422,8 +417,8 @@ static void next_time(stp_laz_layered* l, size_t first, size_t count, stp_las_bl
     at->decoder = d;
 }
 
-// Where a point's last colour lies. Writers of version 3 go on from the last point's colour where its channel is
-// another one that was met before, and keep the new colour there.
+// Location of a point's last colour. Writers of version 3 continue from the last point's colour if
+// its channel is a different, already known one, and store the new colour there.
 static channel_models* enter_color(stp_laz_layered* l, layer* at, unsigned channel, bool* first)
 {
     channel_models *before = &l->channels[at->channel], *now = &l->channels[channel];
@@ -474,7 +469,7 @@ static void next_nir(stp_laz_layered* l, size_t first, size_t count, stp_las_blo
     at->decoder = d;
 }
 
-// A layer without bytes: every point has the value of the first, which any channel still has.
+// An empty layer: every point has the value of the first, which every channel still holds.
 static void repeat(const stp_laz_layered* l, layer_kind kind, size_t first, size_t count,
                    stp_las_block* block)
 {

@@ -1,6 +1,6 @@
-// SPDX-License-Identifier: MIT
-// LAZ chunks of formats 0 to 5: one stream in which all items of a point follow one another. What is not kept (user
-// data, wave packets, extra bytes) has to be decoded all the same.
+// SPDX-License-Identifier: MIT LAZ chunks of formats 0 to 5: one stream in which all items of a
+// point follow one another. What is not kept (user data, wave packets, extra bytes) has to be
+// decoded all the same.
 #include "import/laz.h"
 #include "import/laz_items.h"
 
@@ -17,14 +17,14 @@ enum {
     NEW_RETURNS = 32
 };
 
-// Wave packets: only what keeps the decoder in step.
+// Wave packets: decoded only to stay in sync.
 typedef struct wave_models {
     stp_laz_model packet, kinds[4];
     stp_laz_integer offset, size, place, direction;
     uint32_t kind;
 } wave_models;
 
-// The last point, and what the next is predicted from.
+// The last point, and predictions for the next one.
 typedef struct last_point {
     int32_t position[3];
     uint8_t bits, class_byte, angle, user; // as the file has them
@@ -122,7 +122,7 @@ bool stp_laz_pointwise_begin(stp_laz* laz, const stp_las_block* block, const uns
     return true;
 }
 
-// The values that change seldom.
+// Values that change rarely.
 STP_LAZ_INLINE void next_values(stp_laz_decoder* d, stp_laz_pointwise* p, last_point* last,
                                 unsigned changed)
 {

@@ -1,6 +1,5 @@
-// SPDX-License-Identifier: MIT
-// The VLR of LAZ says how points are coded; the table of chunks says where each chunk lies and, where chunks have
-// different sizes, how many points it has.
+// SPDX-License-Identifier: MIT The VLR of LAZ says how points are coded; the table of chunks says
+// where each chunk lies and, where chunks have different sizes, how many points it has.
 #include "base/bytes.h"
 #include "import/laz.h"
 
@@ -40,7 +39,7 @@ typedef struct item {
 
 enum { MOST_ITEMS = 5 };
 
-// The items that a format consists of.
+// The items of a format.
 static size_t expect_items(const stp_las* las, item items[MOST_ITEMS])
 {
     size_t count = 0, extra = las->record_size - las->layout.size;
@@ -143,7 +142,7 @@ static stp_result fail_table(const stp_las* las, const char* why)
                     las->import->path, why);
 }
 
-// Sizes and counts are coded as differences from those of the chunk before.
+// Sizes and counts are coded as differences from the previous chunk.
 typedef struct table_reader {
     stp_laz_decoder decoder;
     stp_laz_integer integer;
@@ -204,7 +203,8 @@ static stp_result decode_table(stp_las* las, table_reader* t, uint32_t chunk_siz
     return read_entries(las, t, chunk_size, table);
 }
 
-// Where the table lies: at the start of the points, or where that is -1, at the end of the file.
+// Offset of the table: stored at the start of the points, or, if that is -1, at the end of the
+// file.
 static stp_result find_table(const stp_las* las, uint64_t* table)
 {
     const stp_mapped_file* file = &las->import->file;
@@ -221,7 +221,7 @@ static stp_result find_table(const stp_las* las, uint64_t* table)
     return STP_OK;
 }
 
-// Files of the first versions, and small ones: one chunk without a table.
+// Files of the first versions and small ones have one chunk and no table.
 static stp_result make_single_chunk(stp_las* las)
 {
     uint64_t size = las->import->file.size - las->points;

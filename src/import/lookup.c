@@ -3,8 +3,8 @@
 
 #include <string.h>
 
-// Tables are seeded with an address, which no file can know: none can aim at one slot. The seed
-// decides where an entry lies, never what is found.
+// Tables are seeded with an address, so that a malicious file cannot cause collisions. The seed
+// affects only where an entry is stored, not the result.
 static stp_hash hash_key(const stp_lookup* lookup, const void* key, size_t size)
 {
     return stp_hash_bytes((stp_hash){.low = (uint64_t)(uintptr_t)lookup}, key, size);

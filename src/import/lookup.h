@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A table from content (any bytes, known by their 128-bit hash) to a number.
+// A table from content (any bytes, identified by their 128-bit hash) to a number.
 #pragma once
 
 #include "base/context.h"
@@ -11,14 +11,14 @@ typedef struct stp_lookup_entry {
     uint32_t used;
 } stp_lookup_entry;
 
-/// Zero with a context is an empty table.
+/// All zero with a context is an empty table.
 typedef struct stp_lookup {
     stp_context* context;
     stp_lookup_entry* entries;
     size_t count, size;
 } stp_lookup;
 
-/// Finds the value stored under `key`; where there is none, stores `fresh`. @return STP_OK, or
+/// Finds the value stored under `key`; if there is none, stores `fresh`. @return STP_OK, or
 /// STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_lookup_add(stp_lookup* lookup, const void* key, size_t size,
                                        uint32_t fresh, uint32_t* value);

@@ -43,7 +43,7 @@ typedef struct sentence {
 
 static void append(sentence* s, const char* format, ...) __attribute__((format(printf, 2, 3)));
 
-// Begins the next item of the list.
+// Starts the next item of the list.
 static void append(sentence* s, const char* format, ...)
 {
     va_list list;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// What an input holds that a .stip does not keep: counted while the file is read, and said in one
-// warning at its end.
+// Content of an input that a .stip does not keep: counted while the file is read, and reported in
+// one warning at the end.
 #pragma once
 
 #include "base/context.h"
 
-/// Each with its singular, its plural and what is done instead.
+/// Each with its singular, plural and replacement.
 #define STP_LOSSES(X)                                                                              \
     X(ANIMATION, "animation", "animations", "drawn in the stored pose")                            \
     X(SKIN, "skin", "skins", "drawn in the stored pose")                                           \
@@ -36,13 +36,13 @@ enum { STP_LOSS_EXTENSIONS_SIZE = 512 };
 typedef struct stp_losses {
     uint64_t counts[STP_LOSS_COUNT];
     char extensions[STP_LOSS_EXTENSIONS_SIZE]; ///< names apart by ", "
-    uint32_t unnamed_extensions;               ///< more, for which that has no room
+    uint32_t unnamed_extensions;               ///< number of extensions that did not fit
 } stp_losses;
 
 void stp_losses_add(stp_losses* losses, stp_loss loss, uint64_t count);
 
-/// An extension of the format that is not read. Characters that are not printable become "?".
+/// Adds an unsupported extension. Unprintable characters become "?".
 void stp_losses_add_extension(stp_losses* losses, const char* name);
 
-/// Logs one warning, "PATH: not kept: ...", where anything was lost.
+/// Logs one warning, "PATH: not kept: ...", if anything was lost.
 void stp_losses_report(stp_context* context, const char* path, const stp_losses* losses);

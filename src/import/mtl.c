@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Material libraries of OBJ files. Colours are taken as sRGB, as the format's authors saw them on
-// their displays; `Ns` becomes a roughness, `d` and `map_d` transparency; the physical extension
-// (Pm, Pr) holds where it is written. Everything else, such as `illum` and the specular colour, has
-// no counterpart.
+// Material libraries of OBJ files. Colours are treated as sRGB; `Ns` is converted to a roughness,
+// `d` and `map_d` to transparency; the physical extension (Pm, Pr) has priority. Everything else,
+// such as `illum` and the specular colour, is ignored.
 #include "import/obj.h"
 #include "import/surface.h"
 
@@ -21,7 +20,7 @@ typedef struct mtl {
     bool has_roughness;
 } mtl;
 
-// A file name with what stands before it.
+// A file name and its options.
 typedef struct map_options {
     float scale[2], offset[2];
     stp_wrap wrap;
@@ -131,8 +130,8 @@ static stp_result read_texture(mtl* m, stp_text at, stp_texture_use* use)
     return result;
 }
 
-// map_d: the same picture's alpha, or the brightness of another one of the same size, becomes the
-// alpha of the base colour's picture.
+// map_d: the alpha of the same picture, or the brightness of another one of the same size, becomes
+// the alpha of the base colour's picture.
 static stp_result apply_alpha_map(mtl* m)
 {
     stp_scene* scene = m->import->scene;
@@ -184,7 +183,7 @@ static stp_result end_material(mtl* m)
     }
     size_t length = strlen(m->name);
     if (stp_lookup_find(m->names, m->name, length, STP_NONE) != STP_NONE) {
-        return STP_OK; // the first of a name counts
+        return STP_OK; // the first definition of a name wins
     }
     stp_result result = apply_alpha_map(m);
     if (result != STP_OK) {

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
 //
-// Inside the OBJ reader. The text is cut into chunks of whole lines that are parsed at the same
-// time (obj_parse.c); what they hold is put in order (obj_stitch.c); corners that name the same
-// position, texture coordinate and normal become one vertex (obj_mesh.c). What is large beside the
-// limit of memory goes to a file of its own meanwhile (obj_scratch.c).
+// Inside the OBJ reader. The text is split into chunks of whole lines that are parsed in parallel
+// (obj_parse.c); their content is put in order (obj_stitch.c); corners with the same position,
+// texture coordinate and normal become one vertex (obj_mesh.c). Data that is large compared to the
+// memory limit goes to a temporary file (obj_scratch.c).
 #pragma once
 
 #include "import/import.h"
 #include "import/lookup.h"
 #include "import/text.h"
 
-// How a corner names an element. A chunk does not know how many elements come before it, so what
-// the file counts backwards ("-1") is kept relative to the start of the chunk until the chunks are
-// put in order.
+// How a corner refers to an element. A chunk does not know how many elements precede it, so
+// backward indices ("-1") are kept relative to the start of the chunk until the chunks are put in
+// order.
 #define STP_OBJ_ABSENT UINT32_MAX
 #define STP_OBJ_RELATIVE UINT32_C(0x80000000)      ///< set: relative to the start of the chunk
 #define STP_OBJ_RELATIVE_ZERO UINT32_C(0xc0000000) ///< the chunk's first element
@@ -32,7 +32,7 @@ typedef enum stp_obj_event_kind {
     STP_OBJ_LIBRARY,
 } stp_obj_event_kind;
 
-/// Something that changes what the following faces belong to.
+/// An event that changes the owner of the following faces.
 typedef struct stp_obj_event {
     stp_obj_event_kind kind;
     uint32_t length;
@@ -40,17 +40,17 @@ typedef struct stp_obj_event {
     size_t polygon; ///< the first polygon after it, within the chunk
 } stp_obj_event;
 
-/// An array that grows.
+/// A growable array.
 typedef struct stp_obj_array {
     void* items;
     size_t count, capacity;
 } stp_obj_array;
 
-/// A run of whole lines, and what they hold.
+/// A run of whole lines, and its content.
 typedef struct stp_obj_chunk {
     stp_text begin, end;
     stp_obj_array positions; ///< 3 floats, less the origin
-    stp_obj_array colors;    ///< 3 floats for each position; empty where the chunk has none
+    stp_obj_array colors;    ///< 3 floats per position; empty if the chunk has none
     stp_obj_array texcoords; ///< 2 floats
     stp_obj_array normals;   ///< 3 floats
     stp_obj_array corners;   ///< stp_obj_corner
@@ -60,12 +60,12 @@ typedef struct stp_obj_chunk {
     size_t line_elements, small_faces, curves, bad_attributes; ///< left out, for the warnings
     float color_max;
     bool out_of_memory;
-    bool in_scratch;   ///< its arrays lie there
-    const char* error; ///< NULL, or what is wrong in the line at error_at
+    bool in_scratch;   ///< its arrays are in the scratch file
+    const char* error; ///< NULL, or the error in the line at error_at
     stp_text error_at;
 } stp_obj_chunk;
 
-/// A name that faces can belong to: an object, or a group within one.
+/// A name that owns faces: an object, or a group within one.
 typedef struct stp_obj_group {
     const char* name;
     uint32_t parent; ///< STP_NONE: below the root
@@ -88,12 +88,13 @@ typedef struct stp_obj_run {
 typedef struct stp_obj {
     stp_import* import;
     stp_context* context;
-    double origin[3]; ///< taken off all positions: files in national grids keep their precision
+    double origin[3]; ///< subtracted from all positions: files in national grids keep their
+                      /// precision
     stp_obj_chunk* chunks;
     size_t chunk_count, parsed; ///< chunks that went to the scratch file
     unsigned char* tail;        ///< a copy of an unfinished last line
-    stp_spill* scratch;         ///< for what is read; NULL: it is kept in memory
-    bool scratch_full;          ///< the disk is; was logged
+    stp_spill* scratch;         ///< for parsed data; NULL: kept in memory
+    bool scratch_full;          ///< the disk is full; already logged
 
     // the whole file's, in order
     float *positions, *colors, *texcoords, *normals;
@@ -103,53 +104,53 @@ typedef struct stp_obj {
     size_t corner_count, polygon_count;
     uint32_t* points;
     size_t point_count;
-    float color_scale; ///< 1, or 1/255 where colours were written as bytes
+    float color_scale; ///< 1, or 1/255 if colours were written as bytes
     bool has_colors;
 
     stp_obj_array groups, meshes, runs; ///< stp_obj_group, stp_obj_mesh, stp_obj_run
     stp_lookup group_names, mesh_keys, material_names, libraries;
 } stp_obj;
 
-/// One of the numbers of `obj->colors`, 0..1; white where the file has none.
+/// One component of `obj->colors`, 0..1; white if the file has none.
 static inline float stp_obj_color(const stp_obj* obj, size_t index)
 {
     float value = obj->colors[index];
     return value < 0.0f ? 1.0f : value * obj->color_scale;
 }
 
-/// Room for `count` more items; NULL where memory runs out. The caller adds to `count`.
+/// Room for `count` more items; NULL if memory runs out. The caller adds to `count`.
 void* stp_obj_grow(stp_context* context, stp_obj_array* array, size_t count, size_t size);
 
-/// Makes `scratch` where the file is large beside what the scene may keep in memory.
+/// Creates `scratch` if the file is large compared to the memory limit of the scene.
 STP_MUST_USE stp_result stp_obj_open_scratch(stp_obj* obj);
-/// Moves what a parsed chunk holds there. @return STP_OK or what went wrong (logged; nothing changed)
+/// Moves the content of a parsed chunk there. @return STP_OK or an error (logged; nothing changed)
 STP_MUST_USE stp_result stp_obj_move_chunk(stp_obj* obj, stp_obj_chunk* chunk);
 void stp_obj_free_chunk(const stp_obj* obj, stp_obj_chunk* chunk);
-/// An array in the scratch file, or in memory; NULL: stp_obj_no_room tells. For one thread at a time.
+/// Allocates an array in the scratch file or in memory; NULL: call stp_obj_no_room. One thread at a
+/// time.
 void* stp_obj_alloc(stp_obj* obj, size_t count, size_t size);
-/// What an array that could not be had comes to. @return STP_ERROR_IO or STP_ERROR_OUT_OF_MEMORY (logged)
+/// The error after a failed allocation. @return STP_ERROR_IO or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_obj_no_room(const stp_obj* obj);
 void stp_obj_free(const stp_obj* obj, void* memory);
 
-/// Cuts the file into chunks of about `chunk_size` bytes and parses them.
+/// Splits the file into chunks of about `chunk_size` bytes and parses them.
 STP_MUST_USE stp_result stp_obj_parse(stp_obj* obj, size_t chunk_size);
 /// Joins the chunks and sorts the faces by mesh. Material libraries were read before.
 STP_MUST_USE stp_result stp_obj_stitch(stp_obj* obj);
-/// Builds one mesh. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (not logged) or STP_ERROR_IO (logged); then
-/// nothing is left in `out`
+/// Builds one mesh. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (not logged) or STP_ERROR_IO (logged);
+/// on failure `out` is empty
 STP_MUST_USE stp_result stp_obj_build_mesh(stp_obj* obj, const stp_obj_mesh* in, stp_mesh* out);
 void stp_obj_free_mesh(stp_context* context, const stp_mesh* mesh);
 /// Adds meshes, point sets and objects to the scene.
 STP_MUST_USE stp_result stp_obj_build(stp_obj* obj);
 
-/// Reads a material library: adds its materials to the scene, and their names to `names` (to the
-/// index of the material; the first of a name counts).
+/// Reads a material library: adds its materials to the scene, and their names with the material's
+/// index to `names` (the first definition of a name wins).
 STP_MUST_USE stp_result stp_mtl_read(stp_import* import, const char* path, stp_lookup* names);
 
-/// The same from memory.
+/// Same, from memory.
 STP_MUST_USE stp_result stp_mtl_parse(stp_import* import, const unsigned char* bytes, size_t size,
                                       stp_lookup* names);
 
-/// The whole of reading, with chunks of about `chunk_size` bytes, which change nothing but the
-/// speed.
+/// The complete reader, with chunks of about `chunk_size` bytes, which affect only the speed.
 STP_MUST_USE stp_result stp_obj_read(stp_import* import, size_t chunk_size);

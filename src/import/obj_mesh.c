@@ -2,7 +2,8 @@
 //
 // Faces of one group and material to a mesh. Corners are gathered by position; within one position,
 // corners of equal texture coordinate and normal share a vertex. Vertices follow the order of
-// positions, so the result does not depend on which thread did what. Tables of large meshes go where the file's do.
+// positions, so the result does not depend on which thread did what. Tables of large meshes go
+// where the file's do.
 #include "base/sort.h"
 #include "import/obj.h"
 #include "import/surface.h"
@@ -60,7 +61,7 @@ static void free_table(const builder* b, void* table)
     }
 }
 
-// A mesh that uses few of a wide range of positions: sorts the positions instead of spanning the
+// For a mesh that uses few positions of a wide range: sorts the positions instead of allocating the
 // range.
 static bool rank_positions(builder* b)
 {
@@ -129,7 +130,8 @@ static void sift_down(const builder* b, uint32_t* heap, size_t root, size_t coun
     }
 }
 
-// By attributes. Threads fill a bucket in any order, but equal attributes make one vertex anyway.
+// Sorts by attributes. Threads fill a bucket in any order, but equal attributes give one vertex
+// anyway.
 static void sort_bucket(const builder* b, uint32_t* corners, size_t count)
 {
     if (count > 32) {
@@ -188,7 +190,7 @@ static void write_vertex(const builder* b, uint32_t vertex, const stp_obj_corner
     size_t v = vertex, p = corner->position;
     memcpy(b->mesh.positions + 3 * v, obj->positions + 3 * p, 3 * sizeof(float));
     if (b->mesh.texcoords[0] != NULL) {
-        // OBJ counts v upwards from the bottom of the picture
+        // OBJ's v starts at the bottom of the picture
         bool has = corner->texcoord != STP_OBJ_ABSENT;
         const float* in = obj->texcoords + 2 * (size_t)corner->texcoord;
         b->mesh.texcoords[0][2 * v] = has ? in[0] : 0.0f;
@@ -245,7 +247,7 @@ static void write_triangles(size_t begin, size_t end, uint32_t worker, void* use
     }
 }
 
-// Running sums in place: counts become beginnings. @return the total
+// Prefix sums in place: counts become starts. @return the total
 static size_t sum_buckets(builder* b)
 {
     uint32_t sum = 0;

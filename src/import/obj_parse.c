@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// OBJ text to arrays, one chunk of whole lines at a time.
+// Parses OBJ text to arrays, one chunk of whole lines at a time.
 #include "import/obj.h"
 
 #include <math.h>
@@ -20,7 +20,7 @@ void* stp_obj_grow(stp_context* context, stp_obj_array* array, size_t count, siz
     return (unsigned char*)array->items + array->count * size;
 }
 
-// What a chunk's parser carries from line to line.
+// Parser state of a chunk that persists between lines.
 typedef struct parser {
     stp_context* context;
     stp_obj_chunk* chunk;
@@ -34,7 +34,7 @@ static void* grow(parser* p, stp_obj_array* array, size_t count, size_t size)
     return items;
 }
 
-// Remembers what is wrong with the line; @return NULL, which ends the parsing.
+// Records the error of the line; @return NULL, which ends the parsing.
 static stp_text fail(parser* p, stp_text at, const char* error)
 {
     p->chunk->error = error;
@@ -42,7 +42,7 @@ static stp_text fail(parser* p, stp_text at, const char* error)
     return NULL;
 }
 
-// Whether the line goes on after its end: its last character that is no blank is a backslash.
+// Whether the line continues: its last non-blank character is a backslash.
 static bool is_continued(stp_text line, stp_text end)
 {
     while (end > line && stp_is_blank(end[-1])) {
@@ -51,8 +51,8 @@ static bool is_continued(stp_text line, stp_text end)
     return end > line && end[-1] == '\\';
 }
 
-// After the last element of a line: a backslash at the line's end joins the next one. @return the
-// next element, or a place where *at is '\n' or something that is no element
+// After the last element of a line: a backslash at the line's end joins the next line. @return the
+// next element, or a position where *at is '\n' or not an element
 static stp_text next_element(parser* p, stp_text at)
 {
     at = stp_skip_blanks(at);
@@ -69,7 +69,7 @@ static stp_text next_element(parser* p, stp_text at)
     return at;
 }
 
-// Up to `limit` numbers. @return what follows the last
+// Reads up to `limit` numbers. @return the text after the last
 static stp_text read_numbers(parser* p, stp_text at, double* numbers, int limit, int* count)
 {
     *count = 0;
@@ -136,7 +136,7 @@ static stp_text read_position(parser* p, stp_text line, stp_text at)
     return at;
 }
 
-// Texture coordinates and normals: damaged ones are repaired to zero, the shape does not depend on
+// Texture coordinates and normals: invalid values become zero, because the shape does not depend on
 // them.
 static stp_text read_attribute(parser* p, stp_text at, stp_obj_array* array, int size)
 {
@@ -159,7 +159,7 @@ static stp_text read_attribute(parser* p, stp_text at, stp_obj_array* array, int
     return at;
 }
 
-// One index as a corner keeps it. False where the file counts from 0 or beyond what can be.
+// Encodes an index of a corner. False if it is 0 or out of range.
 static bool encode_index(int64_t index, size_t count, uint32_t* out)
 {
     if (index > 0) {
@@ -297,7 +297,7 @@ static stp_text read_event(parser* p, stp_text at, stp_obj_event_kind kind)
     return end;
 }
 
-// The rarer elements, by name.
+// Less common elements, by name.
 static stp_text read_other(parser* p, stp_text line, stp_text at)
 {
     static const char* const curves[] = {"vp",   "cstype", "deg",  "bmat", "step", "curv", "curv2",
@@ -350,7 +350,7 @@ static stp_text read_line(parser* p, stp_text line)
     return *at == '\n' || *at == '#' ? at : read_other(p, line, at);
 }
 
-// To the start of the next line, past lines joined by a backslash. Comments are not joined.
+// Skips to the start of the next line, across lines joined by a backslash. Comments are not joined.
 static stp_text skip_line(parser* p, stp_text line, stp_text at)
 {
     stp_text end = p->chunk->end;
@@ -387,7 +387,7 @@ static void parse_chunks(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// A few chunks at a time, each moved on before the next ones.
+// Parses a few chunks at a time and moves their data before the next ones.
 static stp_result parse_into_scratch(stp_obj* obj)
 {
     stp_result result = STP_OK;
@@ -407,7 +407,7 @@ static stp_result parse_into_scratch(stp_obj* obj)
     return result;
 }
 
-// The end of a chunk of at least `size` bytes: after a line end that no backslash precedes.
+// The end of a chunk of at least `size` bytes: after a line end without a preceding backslash.
 static stp_text chunk_end(stp_text begin, size_t size, stp_text end)
 {
     if ((size_t)(end - begin) <= size) {
@@ -464,8 +464,8 @@ static stp_result cut_chunks(stp_obj* obj, size_t chunk_size)
     return STP_OK;
 }
 
-// The first position decides: coordinates in the millions (national grids) lose their digits as
-// floats.
+// The first position chooses the origin: coordinates in the millions (national grids) lose digits
+// as floats.
 static void find_origin(stp_obj* obj)
 {
     for (size_t i = 0; i < obj->chunk_count; ++i) {
@@ -487,7 +487,7 @@ static void find_origin(stp_obj* obj)
     }
 }
 
-// Says what is wrong, where: the first error of the file, whichever thread met it.
+// Reports the first error of the file, independent of threads.
 static stp_result report(const stp_obj* obj)
 {
     const char* path = obj->import->path;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Groups, meshes and points of an OBJ file into the scene.
+// Adds groups, meshes and points of an OBJ file to the scene.
 #include "import/obj.h"
 #include "import/surface.h"
 
@@ -51,13 +51,13 @@ static stp_result build_meshes(build* all)
     return atomic_load(&all->out_of_memory) ? stp_fail_memory(obj->context) : STP_OK;
 }
 
-// Adds a group's meshes as parts of the object added last.
+// Adds a group's meshes as parts of the last object.
 static stp_result add_parts(build* all, size_t group)
 {
     stp_scene* scene = all->obj->import->scene;
     stp_obj_group* groups = all->obj->groups.items;
     for (uint32_t i = all->first[group]; i != STP_NONE; i = all->next[i]) {
-        // where the file is too large for memory, so may all meshes at once be
+        // if the file does not fit in memory, neither may all its meshes
         stp_result built = all->obj->scratch != NULL ? build_mesh(all, i) : STP_OK;
         if (built != STP_OK) {
             return built;
@@ -77,7 +77,7 @@ static stp_result add_parts(build* all, size_t group)
     return STP_OK;
 }
 
-// Whether the group is the file itself: what was written before any `o` or `g`.
+// Whether the group is the file itself: content before any `o` or `g`.
 static bool is_root(const stp_obj_group* group)
 {
     return group->parent == STP_NONE && group->name[0] == '\0';
@@ -128,7 +128,7 @@ static stp_result add_groups(build* all)
     return result;
 }
 
-// The positions that `p` names; all of them in a file without faces and points.
+// The positions used by `p`; all of them in a file without faces and points.
 static stp_result add_points(stp_obj* obj)
 {
     bool all = obj->point_count == 0;

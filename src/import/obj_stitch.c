@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Chunks to the whole: elements in the file's order, corners resolved, faces sorted by mesh.
+// Joins chunks: elements in file order, corners resolved, faces sorted by mesh.
 #include "import/obj.h"
 #include "import/surface.h"
 
 #include <stdatomic.h>
 #include <string.h>
 
-// Where a chunk's elements begin in the whole.
+// Where a chunk's elements start in the whole.
 typedef struct chunk_base {
     size_t position, texcoord, normal, polygon;
 } chunk_base;
@@ -93,7 +93,7 @@ static stp_result join_elements(stitch* s)
     return STP_OK;
 }
 
-// The group of a name; groups stand below the object they were written in.
+// The group of a name; groups are children of the object they were written in.
 static stp_result find_group(stp_obj* obj, const char* name, uint32_t parent, uint32_t* group)
 {
     stp_hash key = stp_hash_bytes((stp_hash){.low = parent}, name, strlen(name));
@@ -143,7 +143,7 @@ static stp_result find_mesh(stp_obj* obj, uint32_t group, uint32_t material, uin
     return STP_OK;
 }
 
-// What the faces read next belong to.
+// State for the faces read next.
 typedef struct cursor {
     uint32_t object, group; ///< STP_NONE: none
     uint32_t material;      ///< STP_NONE: none named yet
@@ -228,7 +228,7 @@ static stp_result make_runs(stp_obj* obj)
     return STP_OK;
 }
 
-// Gives every run its place, so that each mesh's faces lie together in the file's order.
+// Assigns positions to all runs, so that each mesh's faces are contiguous in file order.
 static stp_result place_runs(stp_obj* obj)
 {
     stp_obj_run* runs = obj->runs.items;
@@ -260,7 +260,7 @@ static stp_result place_runs(stp_obj* obj)
     return obj->corners != NULL && obj->polygons != NULL ? STP_OK : stp_obj_no_room(obj);
 }
 
-// The element meant, or STP_OBJ_ABSENT with *good false.
+// The absolute index, or STP_OBJ_ABSENT with *good false.
 static uint32_t resolve(uint32_t index, size_t base, size_t count, bool* good)
 {
     if (index == STP_OBJ_ABSENT) {

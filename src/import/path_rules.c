@@ -33,8 +33,8 @@ static bool has_scheme(const char* text)
     return *text == ':';
 }
 
-// Writes the folder and the reference without "." and "..", so that no link in between can change what
-// ".." means; `out` has room for both and two bytes more. NULL, or the reason for a refusal.
+// Writes the folder and the reference without "." and "..", so that links cannot change the meaning
+// of ".."; `out` has room for both plus two bytes. Returns NULL, or the reason for rejecting it.
 static const char* join(const char* folder, size_t folder_length, const char* reference, char* out)
 {
     memcpy(out, folder, folder_length);
@@ -68,8 +68,8 @@ static const char* join(const char* folder, size_t folder_length, const char* re
     return end == start ? "it names no file" : NULL;
 }
 
-// Whether a file is, links followed, in a folder (its path up to the last slash; empty: the current one) or below.
-// What does not exist is where it seems to be.
+// Whether a file, after following links, is in a folder (its path up to the last slash; empty: the
+// current one) or below. A missing file is judged by its path.
 static bool is_below(const char* path, size_t folder_length)
 {
     char folder[PATH_MAX];

@@ -1,10 +1,10 @@
-// SPDX-License-Identifier: MIT
-// Which files a model may name: those in its own folder and below. Uses no context, so that a forked child may ask.
+// SPDX-License-Identifier: MIT Which files a model may name: those in its own folder and below.
+// Uses no context, so that a forked child may call it.
 #pragma once
 
-/// Where a reference leads: the model's folder and the reference, without "." and "..". Absolute paths, drive letters,
-/// URLs, control characters, ".." that leave the folder and links that do are refused. Backslashes separate like slashes.
-/// What does not exist is not refused.
-/// @param out room for strlen(model) + strlen(reference) + 2 bytes
-/// @return NULL, or the reason for a refusal: "it is an absolute path"
+/// Resolves a reference: the model's folder joined with the reference, without "." and "..".
+/// Rejects absolute paths, drive letters, URLs, control characters, and ".." or links that leave
+/// the folder. Backslashes count as slashes. A missing file is not an error. @param out room for
+/// strlen(model) + strlen(reference) + 2 bytes @return NULL, or the reason for rejecting it: "it is
+/// an absolute path"
 const char* stp_path_resolve(const char* model, const char* reference, char* out);

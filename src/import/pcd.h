@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Inside the PCD reader: what the header says (pcd_header.c).
+// Inside the PCD reader: the header (pcd_header.c).
 #pragma once
 
 #include "import/import.h"
@@ -36,6 +36,7 @@ typedef struct stp_pcd {
 /// STP_ERROR_UNSUPPORTED (logged)
 STP_MUST_USE stp_result stp_pcd_read_header(stp_import* import, stp_pcd* pcd);
 
-/// What the header says of the points. Fields that are padding are left out; those whose slot is `unused` are not kept.
+/// Describes the points from the header. Padding fields are skipped; those whose slot is `unused`
+/// are not kept.
 void stp_pcd_describe(const stp_import* import, const stp_pcd* pcd, const uint8_t* slots,
                       uint8_t unused, stp_scan_info* info);

@@ -20,7 +20,7 @@ static stp_result fail_line(const header* h, const char* what)
                     (unsigned long long)h->line + 1, what);
 }
 
-// One word of the four lines that describe fields. @return NULL, or what is wrong
+// Reads one word of the four lines that describe fields. @return NULL, or the error
 static const char* take_word(header* h, int kind, uint32_t index, stp_text at, stp_text end)
 {
     stp_pcd_field* f = &h->pcd->fields[index];
@@ -107,7 +107,7 @@ static stp_result read_line(header* h, stp_text at, bool* last)
     return good ? STP_OK : fail_line(h, "a count was expected"); // VERSION, VIEWPOINT, comments
 }
 
-// The four lists belong together, and make a row.
+// Checks that the four lists match and make a row.
 static stp_result settle(header* h)
 {
     stp_pcd* pcd = h->pcd;

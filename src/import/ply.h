@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Inside the PLY reader: what a header says (ply_header.c), and the values behind it (ply_rows.c).
+// Inside the PLY reader: the header (ply_header.c), and the values after it (ply_rows.c).
 #pragma once
 
 #include "import/import.h"
@@ -45,11 +45,11 @@ typedef struct stp_ply {
     stp_ply_encoding encoding;
     stp_ply_element* elements;
     size_t element_count, element_capacity;
-    const char* texture; ///< what a "comment TextureFile" names; NULL: nothing
-    size_t body;         ///< where the values begin
+    const char* texture; ///< from "comment TextureFile"; NULL: none
+    size_t body;         ///< where the values start
 } stp_ply;
 
-/// Reads everything up to "end_header". stp_ply_destroy also after a failure.
+/// Reads everything up to "end_header". Call stp_ply_destroy even after a failure.
 STP_MUST_USE stp_result stp_ply_read_header(stp_ply* ply);
 void stp_ply_destroy(stp_ply* ply);
 
@@ -57,7 +57,7 @@ size_t stp_ply_type_size(stp_ply_type type);
 /// One binary value.
 double stp_ply_value(const unsigned char* bytes, stp_ply_type type, stp_ply_encoding encoding);
 
-/// Runs through the values of one element after the other.
+/// Iterates over the values of one element after the other.
 typedef struct stp_ply_cursor {
     const stp_ply* ply;
     const unsigned char* at;
@@ -68,21 +68,21 @@ typedef struct stp_ply_cursor {
 STP_MUST_USE stp_result stp_ply_cursor_open(stp_ply* ply, stp_ply_cursor* cursor);
 void stp_ply_cursor_close(stp_ply_cursor* cursor);
 
-/// Whether the file can hold so many rows; fails (logged) where it is too short.
+/// Whether the file can hold so many rows; fails (logged) if it is too short.
 STP_MUST_USE stp_result stp_ply_check_rows(const stp_ply_cursor* cursor,
                                            const stp_ply_element* element);
 
-/// The next value. False where the file ends or holds no number.
+/// The next value. False if the file ends or does not contain a number there.
 bool stp_ply_next(stp_ply_cursor* cursor, stp_ply_type type, double* value);
-/// The length of the next list; false also where the rest of the file is too short for it.
+/// The length of the next list; also false if the rest of the file is too short for it.
 bool stp_ply_next_list(stp_ply_cursor* cursor, const stp_ply_property* property, uint64_t* length);
 /// Skips one property of a row.
 bool stp_ply_skip(stp_ply_cursor* cursor, const stp_ply_property* property);
-/// Says that row `row` of `element` cannot be read, and why.
+/// Reports that row `row` of `element` cannot be read, and why.
 stp_result stp_ply_fail_row(const stp_ply_cursor* cursor, const stp_ply_element* element,
                             uint64_t row);
 
-/// Whether `name` is one of the words, which single spaces separate.
+/// Whether `name` is one of the words, which are separated by single spaces.
 bool stp_ply_is_one_of(const char* name, const char* words);
 
 /// A growing list of triangles.
@@ -91,7 +91,7 @@ typedef struct stp_ply_faces {
     size_t count, capacity; ///< numbers
     uint32_t* corners;      ///< of the face being read
     size_t corner_capacity;
-    uint64_t small; ///< faces of fewer than three corners: left out
+    uint64_t small; ///< skipped faces with fewer than three corners
     bool any;       ///< the file has faces
 } stp_ply_faces;
 
@@ -102,24 +102,25 @@ STP_MUST_USE stp_result stp_ply_read_faces(stp_ply_cursor* cursor, const stp_ply
 
 enum { STP_PLY_COLUMNS = 4 }; ///< positions, normals, texcoords, colours: floats
 
-/// Where columns lie.
+/// Location of columns.
 typedef struct stp_ply_room {
-    bool spilled;       ///< positions and normals in the scene's spill, the rest in `scratch`
+    bool spilled;       ///< positions and normals are in the scene's spill file, the rest in
+                        /// `scratch`
     stp_spill* scratch; ///< to be destroyed; may be NULL
 } stp_ply_room;
 
-/// Makes room for columns by their sizes; the first is always made. What was made is to be freed, also
-/// after a failure. @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)
+/// Allocates columns by their sizes; the first always. Free them even after a failure. @return
+/// STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_ply_alloc_columns(const stp_ply* ply, stp_ply_room* room,
                                               stp_bulk_array columns[STP_PLY_COLUMNS]);
-/// Whether the header announces faces: vertices are those of a mesh.
+/// Whether the header has faces, so that vertices belong to a mesh.
 bool stp_ply_has_faces(const stp_ply* ply);
 void stp_ply_free_column(const stp_ply* ply, const stp_ply_room* room, void* column);
-/// Lets the system drop what was read, and what was spilled, from memory. Any thread.
+/// Releases file content that was read and spilled data from memory. Any thread.
 void stp_ply_release_columns(const stp_ply* ply, const stp_ply_room* room);
 
-/// Attributes of points (scene/attributes.h) while they are read. Angles are degrees in the file. Strengths are brought to 65535
-/// from bytes, and from floats none of which is above 1; other numbers are kept.
+/// Attributes of points (scene/attributes.h) while they are read. Angles are degrees in the file.
+/// Intensities are scaled to 65535 if they are bytes, or floats up to 1; other numbers are kept.
 typedef struct stp_ply_attributes {
     const stp_ply_property* properties[STP_ATTRIBUTES]; ///< NULL: the file has none
     void* columns[STP_ATTRIBUTES];
@@ -129,13 +130,13 @@ typedef struct stp_ply_attributes {
 
 /// Finds the properties that are attributes. `a` is zero.
 void stp_ply_find_attributes(const stp_ply_element* element, stp_ply_attributes* a);
-/// Makes room for columns, in the scene's spill where the room is spilled; each is to be freed as other columns are, also after
-/// a failure. @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)
+/// Allocates columns, in the scene's spill file if the others are; free them like other columns,
+/// even after a failure. @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_ply_alloc_attributes(const stp_ply* ply, const stp_ply_room* room,
                                                  size_t count, stp_ply_attributes* a);
-/// Takes a value as the file has it. Rows in any order, from any thread.
+/// Stores a value of the file. Rows in any order, from any thread.
 void stp_ply_store_attribute(stp_ply_attributes* a, int attribute, size_t row, double value);
 /// Copies a row's values to an earlier one.
 void stp_ply_move_attributes(stp_ply_attributes* a, size_t from, size_t to);
-/// Gives the columns, with values as a scene has them, to the caller.
+/// Moves the columns, converted to the scene's values, to the caller.
 void stp_ply_hand_attributes(stp_ply_attributes* a, size_t count, void* columns[STP_ATTRIBUTES]);

@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: MIT
-// Attributes of scanned points, under the names that PDAL, CloudCompare and others give the properties of PLY files.
+// SPDX-License-Identifier: MIT Attributes of scanned points, under the names that PDAL,
+// CloudCompare and others give the properties of PLY files.
 #include "import/ply.h"
 
 #include <math.h>
@@ -65,7 +65,7 @@ stp_result stp_ply_alloc_attributes(const stp_ply* ply, const stp_ply_room* room
     return result;
 }
 
-// The nearest whole number within bounds; what is not a number is the lower bound.
+// The nearest whole number within bounds; NaN gives the lower bound.
 static double whole_within(double value, double low, double high)
 {
     return value > low ? (value < high ? floor(value + 0.5) : high) : low;
@@ -117,7 +117,7 @@ void stp_ply_move_attributes(stp_ply_attributes* a, size_t from, size_t to)
     }
 }
 
-// Floats from 0 to 1, or from 0 to 65535, to whole numbers, in the same memory.
+// Converts floats from 0 to 1, or from 0 to 65535, to whole numbers, in place.
 static void scale_column(stp_ply_attributes* a, int attribute, size_t count)
 {
     unsigned char* column = a->columns[attribute];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Faces and triangle strips of a PLY file to triangles.
+// Converts faces and triangle strips of a PLY file to triangles.
 #include "import/ply.h"
 #include "import/triangulate.h"
 
@@ -30,7 +30,7 @@ static const stp_ply_property* find_indices(const stp_ply_element* element)
     return NULL;
 }
 
-// Reads a list of vertex indices; -1 (a strip begins anew) becomes STP_NONE where it may occur.
+// Reads a list of vertex indices; -1 (strip restart) becomes STP_NONE where it is allowed.
 static stp_result read_corners(stp_ply_cursor* cursor, const stp_ply_element* element,
                                const stp_ply_property* property, uint64_t row, size_t vertex_count,
                                bool strips, stp_ply_faces* f, uint64_t* count)
@@ -89,7 +89,7 @@ static stp_result add_strip(stp_context* context, stp_ply_faces* f, size_t count
         if (c[0] == STP_NONE) {
             start = i + 1;
         } else if (i >= start + 2) {
-            bool odd = ((i - start) & 1) != 0; // every other triangle of a strip is turned over
+            bool odd = ((i - start) & 1) != 0; // every other triangle of a strip is reversed
             out[written++] = odd ? c[-1] : c[-2];
             out[written++] = odd ? c[-2] : c[-1];
             out[written++] = c[0];

@@ -11,7 +11,7 @@ size_t stp_ply_type_size(stp_ply_type type)
     return sizes[type];
 }
 
-// A header line without its end, and the words still to be read.
+// A header line without its line end, and the remaining words.
 typedef struct line {
     stp_text at;
 } line;
@@ -165,7 +165,7 @@ static stp_result read_line(stp_ply* ply, stp_text start, bool* done)
         return read_comment(ply, &l);
     }
     *done = stp_word_is(begin, end, "end_header");
-    return STP_OK; // other lines are remarks: "obj_info", and comments written without the word
+    return STP_OK; // other lines are comments: "obj_info", and comments without the keyword
 }
 
 stp_result stp_ply_read_header(stp_ply* ply)

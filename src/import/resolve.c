@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which file a reference of the model that is imported names.
+// Resolves file references of the imported model.
 #include "import/import.h"
 #include "import/path_rules.h"
 

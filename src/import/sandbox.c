@@ -14,7 +14,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-// Access rights that the first version of Landlock knows: with later ones, older kernels refuse the rules.
+// Access rights of the first Landlock version: older kernels reject later ones.
 #define ALL_RIGHTS ((UINT64_C(1) << 13) - 1)
 
 static void allow_folder(int rules, const char* folder)
@@ -34,7 +34,7 @@ static void restrict_files(const char* folder)
     struct landlock_ruleset_attr handled = {.handled_access_fs = ALL_RIGHTS};
     int rules = (int)syscall(SYS_landlock_create_ruleset, &handled, sizeof(handled), 0);
     if (rules < 0) {
-        return; // this kernel has no Landlock
+        return; // this kernel does not support Landlock
     }
     if (folder != NULL) {
         allow_folder(rules, folder);
@@ -43,7 +43,7 @@ static void restrict_files(const char* folder)
     close(rules);
 }
 
-// Memory, time, the files that are open, files that are opened for reading, and the end of the process.
+// Allows memory, time, the open files, opening files for reading, and exit.
 static const int allowed_calls[] = {
     SCMP_SYS(read),
     SCMP_SYS(readv),

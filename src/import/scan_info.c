@@ -22,7 +22,7 @@ stp_scan_field* stp_scan_add_field(stp_scan_info* info, const char* name, size_t
     return f;
 }
 
-// Whether a word of WKT is a coordinate system that can stand for the whole.
+// Whether a WKT keyword is a coordinate system that can stand for the whole.
 static bool is_system(stp_text at, stp_text end)
 {
     static const char* const words[] = {
@@ -45,7 +45,7 @@ static void copy_quoted(const char* quote, char* to, size_t size)
     to[length] = '\0';
 }
 
-// The code in AUTHORITY["EPSG","32610"] or ID["EPSG",32610], from its bracket on; 0: it has none.
+// The code in AUTHORITY["EPSG","32610"] or ID["EPSG",32610], starting at its bracket; 0: none.
 static uint32_t read_code(const char* bracket)
 {
     static const char owner[] = "\"EPSG\"";
@@ -75,8 +75,9 @@ typedef struct wkt_scan {
     int depth, best;                                 ///< best: of the code that was found
 } wkt_scan;
 
-// A system's own code counts, and of a compound system without one that of its first part. Codes of what it is made
-// of (datums, units, the geographic system that is projected) lie deeper, or below words that are no systems.
+// Uses a system's own code, or for a compound system without a code that of its first part. Codes
+// of its components (datums, units, the base geographic system) are nested deeper, or below
+// keywords that are not systems.
 static void open_word(wkt_scan* s, stp_text word, stp_text end, const char* bracket,
                       stp_system_identity* found)
 {

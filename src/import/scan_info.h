@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What a file of points says of itself before its points: `stipple info` prints it.
+// Metadata of a point file from its header, printed by `stipple info`.
 #pragma once
 
 #include <stdbool.h>
@@ -14,7 +14,7 @@ enum {
 };
 
 typedef struct stp_scan_field {
-    char name[STP_SCAN_NAME]; ///< as Stipple calls it where it is kept, else as the format does
+    char name[STP_SCAN_NAME]; ///< Stipple's name if it is kept, else that of the format
     const char* type;         ///< "u8", "i16", "f64", "bits", "bytes", ...
     uint32_t count;           ///< values of a point
     bool kept;                ///< the importer reads it
@@ -22,8 +22,8 @@ typedef struct stp_scan_field {
 } stp_scan_field;
 
 typedef struct stp_scan_info {
-    const char* format; ///< the importer's name; NULL: it describes nothing
-    bool alone;         ///< no point was read: the header tells all that `info` prints
+    const char* format; ///< the importer's name; NULL: it has no description
+    bool alone;         ///< no point was read: the header has everything that `info` prints
     char version[STP_SCAN_NAME];
     uint64_t point_count;
     uint64_t scan_count;   ///< of E57; else 1
@@ -32,7 +32,7 @@ typedef struct stp_scan_info {
     bool has_box, has_steps;
     double low[3], high[3];     ///< in the file's own coordinates
     double scale[3], offset[3]; ///< of integer coordinates
-    double unit_metres;         ///< of heights and places, as far as the file says; 0: unknown
+    double unit_metres;         ///< of heights and positions, if the file specifies it; 0: unknown
     bool compressed;
     char compressor[STP_SCAN_COMPRESSOR];
     uint64_t chunk_count;
@@ -45,13 +45,13 @@ typedef struct stp_scan_info {
     uint32_t unnamed; ///< fields that are left out of the list
 } stp_scan_info;
 
-/// The next field to fill, or NULL where there is no room (it is counted).
+/// The next field to fill, or NULL if there is no room (it is still counted).
 stp_scan_field* stp_scan_add_field(stp_scan_info* info, const char* name, size_t name_size,
                                    const char* type, bool kept);
 
-/// What names a coordinate system.
+/// Name and code of a coordinate system.
 typedef struct stp_system_identity {
-    char name[128]; ///< "" where the text has none
+    char name[128]; ///< "" if the text has none
     uint32_t epsg;  ///< 0: the text has no code
 } stp_system_identity;
 

@@ -16,7 +16,8 @@ stp_vec3 stp_stl_corner(const unsigned char* facets, size_t corner)
                       stp_read_f32(bytes + 8) + 0.0f};
 }
 
-// Where the search for a place begins. Seeded with an address, which no file can know: none can aim at one slot.
+// The start slot of a position's search. Seeded with an address, so that a malicious file cannot
+// cause collisions.
 static size_t first_slot(const stp_weld* weld, stp_vec3 place)
 {
     stp_hash seed = {.low = (uint64_t)(uintptr_t)weld};
@@ -41,7 +42,7 @@ static void insert(stp_weld* weld, uint32_t entry)
     weld->slots[slot] = entry + 1;
 }
 
-// The former table goes before the new one is made, so that never both are in memory.
+// Frees the old table before allocating the new one, so that both are never in memory.
 static stp_result grow(stp_weld* weld)
 {
     size_t count = weld->slot_count == 0 ? FIRST_SLOTS : 2 * weld->slot_count;
@@ -59,7 +60,8 @@ static stp_result grow(stp_weld* weld)
     }
     uint32_t vertex = 0;
     for (size_t i = 0; i < weld->index_count; ++i) {
-        if (weld->indices[i] == vertex) { // its first corner: vertices are numbered as they come
+        if (weld->indices[i] == vertex) { // its first corner: vertices are numbered in order of
+                                          // appearance
             insert(weld, (uint32_t)i);
             vertex += 1;
         }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Corners at the same place become one vertex. A file of n triangles has about n / 2 vertices, so the table is kept
-// small: four bytes a slot, and the places of a binary file are read in it again instead of being kept meanwhile.
+// Merges corners at the same position to one vertex. A file of n triangles has about n / 2
+// vertices, so the table is compact: four bytes per slot; positions of a binary file are read from
+// it again instead of being stored.
 #pragma once
 
 #include "base/context.h"
@@ -10,7 +11,7 @@
 
 #define STP_STL_FACET_SIZE ((size_t)50)
 
-/// Zero with a context is an empty mesh.
+/// All zero with a context is an empty mesh.
 typedef struct stp_weld {
     stp_context* context;
     const unsigned char* facets; ///< of a binary file; NULL: places are kept in `positions`
@@ -22,14 +23,15 @@ typedef struct stp_weld {
     size_t index_count, index_capacity;
 } stp_weld;
 
-/// The place of a corner of a binary file; -0 is 0: the same place.
+/// The position of a corner of a binary file; -0 becomes 0.
 stp_vec3 stp_stl_corner(const unsigned char* facets, size_t corner);
 
-/// Begins a binary file of so many facets, fewer than 2^32 / 3. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+/// Starts a binary file with so many facets, fewer than 2^32 / 3. @return STP_OK or
+/// STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_weld_begin(stp_weld* weld, const unsigned char* facets, size_t count);
-/// The next corner; of a binary file stp_stl_corner's. At most 2^32 - 2 are added.
+/// Adds the next corner; for a binary file that of stp_stl_corner. At most 2^32 - 2 are added.
 STP_MUST_USE stp_result stp_weld_add(stp_weld* weld, stp_vec3 place);
-/// Gives up the table and completes the positions.
+/// Frees the table and completes the positions.
 STP_MUST_USE stp_result stp_weld_finish(stp_weld* weld);
-/// Frees everything: an empty mesh again. Arrays that were taken over are set to NULL before.
+/// Frees everything and leaves an empty mesh. Set arrays that were taken over to NULL before.
 void stp_weld_clear(stp_weld* weld);

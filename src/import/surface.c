@@ -121,8 +121,8 @@ stp_result stp_picture_decode(stp_import* import, const char* place, const unsig
     return STP_OK;
 }
 
-// Exporters write the path on their author's machine; the picture is most often delivered beside
-// the file.
+// Exporters write the path on their author's machine; the picture is usually delivered beside the
+// file.
 static const char* without_root(const char* reference)
 {
     bool rooted = reference[0] == '/' || reference[0] == '\\' ||

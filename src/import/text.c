@@ -21,7 +21,7 @@ static const double powers_of_ten[] = {
     1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
 };
 
-// Far powers by squares: each factor is off by half a unit in the last place at most.
+// Large powers by squaring: each factor is off by at most half a unit in the last place.
 static double scale_far(double value, int exponent)
 {
     static const double squares[] = {1e16, 1e32, 1e64, 1e128, 1e256};
@@ -43,7 +43,7 @@ static double scale_decimal(uint64_t digits, int exponent)
     if (exponent == 0 || digits == 0) {
         return value;
     }
-    // both factors are exact, so the one operation rounds once (Clinger 1990)
+    // both factors are exact, so the single operation rounds once (Clinger 1990)
     if (exponent > 0 && exponent <= 22) {
         return value * powers_of_ten[exponent];
     }
@@ -86,7 +86,7 @@ static stp_text read_exponent(stp_text at, int* exponent)
     bool negative = *next == '-';
     next += *next == '-' || *next == '+';
     if (!is_digit(*next)) {
-        return at; // the letter belongs to what follows
+        return at; // the letter belongs to the next token
     }
     int sum = 0;
     for (; is_digit(*next); ++next) {
@@ -122,7 +122,7 @@ stp_text stp_read_number(stp_text at, double* value)
         return read_special(start, negative, value);
     }
     if (at - start > 19) {
-        // too many for 64 bits perhaps: again, with those after the 19th significant one dropped
+        // may exceed 64 bits: parse again, dropping digits after the 19th significant one
         digits = 0;
         int64_t dropped = 0, after_point = 0;
         for (stp_text p = start; p < at; ++p) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Scanning of text formats. Every pointer here runs through text that ends with a line end ('\n'),
-// so scanning needs no second bound: nothing below reads past the first '\n'.
+// Scanning of text formats. All pointers refer to text that ends with a line end ('\n'), so
+// scanning needs no second bound: no function reads past the first '\n'.
 #pragma once
 
 #include <stdbool.h>
@@ -32,7 +32,7 @@ static inline stp_text stp_skip_word(stp_text at)
     return at;
 }
 
-/// Whether the word [at, end) is `word`, whatever the case of its letters; `word` is in lower case.
+/// Whether the word [at, end) is `word`, ignoring case; `word` is in lower case.
 bool stp_word_is(stp_text at, stp_text end, const char* word);
 
 /// Reads a decimal number (after blanks) as C writes it; "nan" and "inf" in their usual spellings,
@@ -47,8 +47,8 @@ stp_text stp_read_number(stp_text at, double* value);
 /// Reads a whole number (after blanks), clamped to the range of `value`. @return as above
 stp_text stp_read_integer(stp_text at, int64_t* value);
 
-/// Bytes as text whose last byte is a line end: the whole lines are used in place, an unfinished
-/// last line is the caller's to copy. @return how many bytes belong to whole lines
+/// Splits bytes into whole lines, used in place, and an unfinished last line, which the caller
+/// copies. @return the number of bytes in whole lines
 size_t stp_whole_lines(stp_text bytes, size_t size);
 
 /// The number of the line, from 1, in which `offset` lies.

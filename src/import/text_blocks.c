@@ -41,7 +41,7 @@ static void count_lines(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Spans become blocks; one without a line end belongs to the block before it.
+// Turns spans into blocks; a span without a line end belongs to the previous block.
 static void make_blocks(stp_text_blocks* b, const counting* c, size_t span_count)
 {
     uint64_t line = 0;
@@ -60,7 +60,7 @@ static void make_blocks(stp_text_blocks* b, const counting* c, size_t span_count
     b->line_count = line;
 }
 
-// The last lines are copied, so that what is read in place has bytes behind it.
+// Copies the last lines, so that in-place readers can read past their end.
 static stp_result copy_tail(stp_text_blocks* b, stp_text bytes, size_t size, size_t* cut)
 {
     size_t whole = size > STP_SCAN_MARGIN ? stp_whole_lines(bytes, size - STP_SCAN_MARGIN) : 0;

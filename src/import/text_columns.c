@@ -23,7 +23,7 @@ typedef struct samples {
     uint32_t columns;
 } samples;
 
-// Names that header lines give to columns.
+// Column names in header lines.
 static const struct {
     const char* name;
     uint8_t column;
@@ -57,7 +57,7 @@ static const struct {
     {"scalar_classification", STP_COLUMN_CLASS},
 };
 
-// The column of a name; STP_COLUMN_SKIP for an unknown name.
+// The column of a name; STP_COLUMN_SKIP if the name is unknown.
 static uint8_t column_named(stp_text begin, stp_text end)
 {
     while (end - begin >= 2 && *begin == '"' && end[-1] == '"') {
@@ -72,7 +72,7 @@ static uint8_t column_named(stp_text begin, stp_text end)
     return STP_COLUMN_SKIP;
 }
 
-// Drops columns behind the last one that is used, and judges the rest. @return as stp_columns_parse
+// Drops columns after the last used one and validates the rest. @return as stp_columns_parse
 static const char* settle(stp_columns* c)
 {
     uint32_t uses[STP_COLUMN_SLOTS + 1] = {0}, all = c->count;
@@ -163,7 +163,7 @@ static void read_row(stp_text at, row* r)
     }
 }
 
-// Reads a line's words as names of columns. @return whether x, y and z are among them
+// Reads a line's words as column names. @return whether x, y and z are among them
 static bool read_header(stp_text at, uint32_t wanted, stp_columns* columns)
 {
     *columns = (stp_columns){0};
@@ -223,7 +223,7 @@ static bool are_colors(const samples* s, uint32_t column, double most)
     return whole || (parts && any_fraction(s, column, 3));
 }
 
-// Unit vectors, some perhaps zero; not all of them whole numbers without a sign.
+// Whether columns are unit vectors, some perhaps zero, and not all of them unsigned whole numbers.
 static bool are_normals(const samples* s, uint32_t column)
 {
     bool any = false, negative = false;
@@ -268,7 +268,7 @@ static void guess_colors(const samples* s, bool intensity_first, stp_columns* c)
     }
 }
 
-// x, y, z, then normals, colours and an intensity by their values.
+// x, y, z, then normals, colours and an intensity, by their values.
 static void guess(const samples* s, bool intensity_first, stp_columns* c)
 {
     *c = (stp_columns){.count = s->columns};
@@ -288,10 +288,10 @@ static void guess(const samples* s, bool intensity_first, stp_columns* c)
             break;
         }
     }
-    (void)settle(c); // x, y and z are there once
+    (void)settle(c); // x, y and z occur exactly once
 }
 
-// Adds the line to the samples where it has as many columns as the first.
+// Adds the line to the samples if it has as many columns as the first.
 static void take_sample(samples* s, stp_text at)
 {
     row* r = &s->rows[s->count];
@@ -301,7 +301,7 @@ static void take_sample(samples* s, stp_text at)
     }
 }
 
-// Lines from all over the text, at places that depend on its size alone.
+// Lines from all over the text, at positions that depend only on its size.
 static void take_samples(samples* s, const stp_text_blocks* blocks, size_t first_block,
                          stp_text first)
 {

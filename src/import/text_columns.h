@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What the columns of a text of points are: said by the caller, by a header line, or found by their
-// number and their values.
+// Columns of a text file of points: given by the caller or a header line, or detected from their
+// number and values.
 #pragma once
 
 #include "import/import.h"
@@ -26,11 +26,11 @@ enum { STP_COLUMN_SLOTS = STP_COLUMN_SKIP, STP_COLUMNS_MOST = 32 };
 
 typedef struct stp_columns {
     uint8_t roles[STP_COLUMNS_MOST]; ///< an stp_column each
-    uint32_t count;                  ///< up to the last one that is used
+    uint32_t count;                  ///< up to the last used one
     uint32_t unused;                 ///< columns of the file that are not
 } stp_columns;
 
-/// The least and the greatest value of each column.
+/// Minimum and maximum of each column.
 typedef struct stp_column_ranges {
     double low[STP_COLUMN_SLOTS], high[STP_COLUMN_SLOTS];
 } stp_column_ranges;
@@ -52,11 +52,11 @@ static inline bool stp_separates(unsigned char c)
     return c == ',' || c == ';';
 }
 
-/// Reads names like "x,y,z,r,g,b,intensity,nx,ny,nz,class,-"; "-" skips a column.
-/// @return NULL, or what is wrong with them (static text)
+/// Reads names like "x,y,z,r,g,b,intensity,nx,ny,nz,class,-"; "-" skips a column. @return NULL, or
+/// the error (static text)
 const char* stp_columns_parse(const char* names, stp_columns* columns);
 
-/// Of a text with a line for each point.
+/// Layout of a text with one point per line.
 typedef struct stp_columns_found {
     stp_columns columns;
     uint64_t first_line;      ///< of the points
@@ -66,8 +66,8 @@ typedef struct stp_columns_found {
     stp_column_ranges ranges; ///< of some lines
 } stp_columns_found;
 
-/// Looks at the first lines and at some of the others. import->desc.columns decides where it is set.
-/// `intensity_first`: of four columns that might be colours the first is an intensity.
-/// @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_OUT_OF_MEMORY (logged)
+/// Examines the first lines and a sample of the others. import->desc.columns has priority.
+/// `intensity_first`: of four columns that might be colours, the first is an intensity. @return
+/// STP_OK, STP_ERROR_FORMAT, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_columns_find(stp_import* import, const stp_text_blocks* blocks,
                                          bool intensity_first, stp_columns_found* found);

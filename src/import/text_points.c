@@ -12,7 +12,7 @@
 
 typedef enum line_kind { LINE_POINT, LINE_EMPTY, LINE_COUNT, LINE_BAD } line_kind;
 
-// How colours and intensities are written.
+// Scale of colours and intensities.
 typedef struct scales {
     double color; ///< the value that is white
     stp_intensity_range intensity;
@@ -56,7 +56,7 @@ static inline void widen(stp_column_ranges* r, int column, double value)
     r->high[column] = value > r->high[column] ? value : r->high[column];
 }
 
-// The columns beside the place.
+// Columns other than the position.
 static inline void fill_columns(const reading* r, size_t cell, const double* v,
                                 stp_column_ranges* ranges)
 {
@@ -100,7 +100,7 @@ static inline stp_text skip_value(stp_text at)
     return at;
 }
 
-// Reads the columns of a line. @return what follows them, or NULL
+// Reads the columns of a line. @return the rest of the text, or NULL
 static inline stp_text read_values(const stp_columns* columns, stp_text at, double* values)
 {
     for (uint32_t i = 0; i < columns->count; ++i) {
@@ -121,7 +121,7 @@ static inline stp_text read_values(const stp_columns* columns, stp_text at, doub
     return at;
 }
 
-// What a line is that holds no point.
+// The kind of a line without a point.
 static line_kind judge_line(stp_text at, uint64_t* count)
 {
     int64_t value;
@@ -151,7 +151,7 @@ static void raise_to(atomic_uint_fast64_t* place, uint64_t value)
     }
 }
 
-// What a block adds to the whole.
+// A block's contribution to the totals.
 typedef struct tally {
     uint64_t lines, not_finite, last_full, first_bad;
 } tally;
@@ -259,7 +259,7 @@ static stp_result read_once(reading* r, stp_column_ranges* all)
     return result;
 }
 
-// A bad line in the middle is an error; the last one may have been cut off.
+// An invalid line in the middle is an error; the last one may be truncated.
 static stp_result judge_bad_line(const reading* r)
 {
     const stp_text_points* p = r->points;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Numbers of texts, eight digits at a time: what readers of scans spend their time in.
+// Parses numbers eight digits at a time, which dominates the time of reading text scans.
 #pragma once
 
 #include "base/bytes.h"
@@ -17,7 +17,7 @@ static inline unsigned stp_scan_digits(stp_text at, uint64_t* values)
     return others == 0 ? 8 : (unsigned)__builtin_ctzll(others) >> 3;
 }
 
-// The number that the first `count` (1 to 8) of eight digits make: pairs, fours, all.
+// The number formed by the first `count` (1 to 8) of eight digits, combined in pairs and fours.
 static inline uint64_t stp_join_digits(uint64_t values, unsigned count)
 {
     values <<= 64 - 8 * count;
@@ -27,8 +27,8 @@ static inline uint64_t stp_join_digits(uint64_t values, unsigned count)
     return (low + high) >> 32;
 }
 
-/// As stp_read_number, with the same value to the last bit, for text with STP_SCAN_MARGIN readable bytes
-/// behind it.
+/// As stp_read_number, with the same value to the last bit, for text with STP_SCAN_MARGIN readable
+/// bytes behind it.
 static inline stp_text stp_scan_number(stp_text start, double* value)
 {
     static const double tens[] = {1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
@@ -65,7 +65,7 @@ static inline stp_text stp_scan_number(stp_text start, double* value)
     *value = (double)(int64_t)digits / tens[fraction];
     uint64_t bits;
     memcpy(&bits, value, sizeof(bits));
-    bits |= (uint64_t)negative << 63; // a branch would often be foretold wrongly
+    bits |= (uint64_t)negative << 63; // a branch would often be mispredicted
     memcpy(value, &bits, sizeof(bits));
     return at;
 }

@@ -5,15 +5,15 @@
 
 #include <math.h>
 
-// Point-in-triangle tests a corner: polygons with up to about as many concave corners are cut
-// exactly.
+// Point-in-triangle tests per corner: polygons with up to about as many concave corners are
+// triangulated exactly.
 #define TESTS_PER_CORNER 4096
 
 typedef struct flat_point {
     double x, y;
 } flat_point;
 
-// A polygon in its plane: a ring of the corners still to be cut.
+// A polygon in its plane: a ring of the remaining corners.
 typedef struct ring {
     flat_point* points;
     uint32_t* next;
@@ -43,7 +43,7 @@ static stp_vec3d polygon_normal(const float* positions, const uint32_t* corners,
     return sum;
 }
 
-// Drops the axis along which the polygon is seen largest, so that it turns counter-clockwise.
+// Projects along the axis with the largest area, so that the polygon turns counter-clockwise.
 static flat_point flatten(stp_vec3d p, stp_vec3d normal)
 {
     double ax = fabs(normal.x), ay = fabs(normal.y), az = fabs(normal.z);
@@ -72,9 +72,9 @@ static bool same_point(flat_point a, flat_point b)
     return a.x == b.x && a.y == b.y;
 }
 
-// Whether the corner can be cut off: it is convex and no concave corner lies in its triangle. Where
-// a polygon touches itself (a hole joined by a bridge), a concave corner at the place of one of the
-// triangle's may lie on either side: `touching` takes it for one outside.
+// Whether the corner is an ear: it is convex and its triangle contains no concave corner. If a
+// polygon touches itself (a hole joined by a bridge), a concave corner at a corner of the triangle
+// may be on either side: `touching` treats it as outside.
 static bool is_ear(ring* r, uint32_t corner, bool touching)
 {
     uint32_t before = r->previous[corner], after = r->next[corner];
@@ -86,7 +86,7 @@ static bool is_ear(ring* r, uint32_t corner, bool touching)
         uint32_t other = r->reflex[i];
         r->tests_left -= r->tests_left > 0;
         if (r->next[other] == other || !is_reflex(r, other)) {
-            r->reflex[i] = r->reflex[--r->reflex_count]; // cut already, or convex by now
+            r->reflex[i] = r->reflex[--r->reflex_count]; // already cut, or convex by now
             continue;
         }
         flat_point p = r->points[other];
@@ -105,7 +105,7 @@ static void cut_ears(ring* r, const uint32_t* corners, uint32_t count, uint32_t*
 {
     uint32_t at = 0, left = count, misses = 0;
     while (left > 3) {
-        // a ring without ears, twice around, is not a simple polygon: cut anyway
+        // no ear after two rounds, so the polygon is not simple: cut anyway
         bool cut = misses / 2 >= left || r->tests_left == 0 || is_ear(r, at, misses >= left);
         if (!cut) {
             at = r->next[at];
@@ -137,7 +137,8 @@ static void make_fan(const uint32_t* corners, uint32_t count, uint32_t* triangle
     }
 }
 
-// Whether no corner turns back. A star that winds around twice passes too; it has no right answer.
+// Whether all corners turn the same way. A star that winds around twice passes too; it has no
+// correct triangulation.
 static bool is_convex(const float* positions, const uint32_t* corners, uint32_t count,
                       stp_vec3d normal)
 {
@@ -185,8 +186,7 @@ static bool cut_concave(stp_context* context, const float* positions, const uint
     return ready;
 }
 
-// Quads are most of what is not a triangle: the diagonal that leaves both halves facing the same
-// way.
+// Most non-triangles are quads: choose the diagonal whose halves face the same way.
 static void split_quad(const float* positions, const uint32_t* corners, uint32_t* triangles)
 {
     stp_vec3d a = corner_position(positions, corners[0]);

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes models that are hard to draw as splats: solid ones of many layers, and thin ones.
+"""Writes models that are difficult for splats: solid ones with many layers, and thin ones.
 
 usage: quality_models.py FOLDER
 """
@@ -62,7 +62,7 @@ class Mesh:
 
 
 def studs():
-    """Plates with studs, one above the other: layers of which each alone is full of holes."""
+    """Plates with studs, stacked: each layer alone is full of holes."""
     mesh = Mesh()
     for layer in range(3):
         top = 0.5 * layer
@@ -174,7 +174,7 @@ def house():
 
 
 def cloud(path):
-    """A field of points on a plane with hills, two of which in three are there twice."""
+    """A field of points on a plane with hills, with two thirds of them duplicated."""
     rng = random.Random(2)
     points = []
     for i in range(200):
@@ -190,7 +190,7 @@ def cloud(path):
 
 
 def rubble():
-    """Bricks heaped at random: no surface goes on for long, and nothing shows through."""
+    """Bricks heaped at random: surfaces are short, and the heap is opaque."""
     mesh, draw = Mesh(), random.Random(7)
     for _ in range(3000):
         low = [draw.uniform(-1, 1), draw.uniform(-0.1, 0.1), draw.uniform(-1, 1)]

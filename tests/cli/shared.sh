@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# What tests of the command line share; sourced before they change to their folder.
+# Shared by the tests of the command line; sourced before they change to their folder.
 # shellcheck shell=bash
 failures=0
 
@@ -9,8 +9,8 @@ fail()
     failures=$((failures + 1))
 }
 
-# refused CODE WORD ARGUMENTS...: the executable ends with CODE, says one sentence that has WORD, and nothing on stdout;
-# `programs`: its PATH, where it is another
+# refused CODE WORD ARGUMENTS...: the executable exits with CODE and prints one sentence that
+# contains WORD, and nothing on stdout; `programs` overrides its PATH
 refused()
 {
     local wanted=$1 word=$2 got

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# scripts/attack finds nothing in a few seconds, and finds a program that does wrong. Arguments: executable, scratch
-# folder, source folder.
+# scripts/attack finds nothing in a few seconds, and detects a faulty program. Arguments:
+# executable, scratch folder, source folder.
 set -u
 stipple=$1
 scratch=$2
@@ -17,7 +17,8 @@ grep -q '^| stip | ' table && grep -q '^| race: ' table && grep -q ', 0 found$' 
 "$source/scripts/attack" --minutes 0.01 --only nothing --stipple "$stipple" --keep "$PWD/kept" > table 2> err &&
     fail "a campaign of nothing ends well"
 
-# a program that crashes, one that says nothing, one that writes what a terminal obeys, and one that leaves files behind
+# a program that crashes, one without an error message, one that prints terminal escapes, and one
+# that leaves files behind
 for wrong in 'kill -SEGV $$' 'exit 1' 'printf "stipple: \033[2J\n" >&2; exit 1' 'touch left-behind; echo "stipple: no" >&2; exit 1'; do
     printf '#!/bin/bash\n[ "$1" = info ] || exec "%s" "$@"\n%s\n' "$stipple" "$wrong" > program
     chmod +x program

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# --backend: OpenGL draws what the processor draws. Arguments: executable, scratch folder.
+# --backend: OpenGL and the CPU draw the same pictures. Arguments: executable, scratch folder.
 set -u
 stipple=$1
 scratch=$2
@@ -55,7 +55,7 @@ import json
 f = json.load(open('fly.json'))
 assert f['backend'] == 'gl' and f['frames'] == 3 and f['draw_calls']['max'] <= 8, f" || fail "fly's figures"
 
-# all that changes pictures, splats as points and by compute shaders
+# every option that changes pictures, with point splats and with compute shaders
 "$stipple" bench backends --quick --model city-small.stip --json > backends.json 2> err || fail "bench backends: $(cat err)"
 python3 - << 'END' || fail "bench backends' figures"
 import json
@@ -70,7 +70,7 @@ for r in pictures:
 assert results[-1]["figures"]["ssim"] == min(r["figures"]["ssim"] for r in pictures)
 END
 
-# point trees: what the traversal and the sequence draw covers the same pixels, and is the same on both backends
+# point trees: traversal and sequence cover the same pixels, and are the same on both backends
 for backend in cpu gl; do
     "$stipple" bench spt --quick --backend $backend --json > spt-$backend.json 2> err || fail "bench spt: $(cat err)"
 done
@@ -88,7 +88,7 @@ for c, g in zip(cpu, gl):
         assert 0 <= g[f"{way}_{spent}_ms"] < g[f"{way}_draw_ms"], g
 END
 
-# automatic: a program that plays graphics processor is none
+# automatic: a software renderer does not count as a GPU
 "$stipple" render boxes.stip -o a.png --size 8x8 --json > auto.json 2> err || fail "auto: $(cat err)"
 python3 -c "
 import json
@@ -96,7 +96,7 @@ auto, gl = json.load(open('auto.json')), json.load(open('gl.json'))
 software = any(name in gl['device'] for name in ('llvmpipe', 'softpipe', 'swrast'))
 assert auto['backend'] == ('cpu' if software else 'gl'), auto" || fail "automatic choice"
 
-# shaders of a folder take the place of those in the library
+# shaders in a folder override those in the library
 mkdir -p shaders
 echo "void main() { this is no shader" > shaders/splat.frag.glsl
 if STP_SHADER_DIR=$PWD/shaders "$stipple" render city-small.stip --view top -o b.png --size 8x8 --backend gl 2> err; then

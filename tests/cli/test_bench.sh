@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# stipple bench frame and positions on a small model: what they report, in pieces and under a limit of memory, and
-# refusals. Arguments: executable, scratch folder.
+# stipple bench frame and positions on a small model: reports, measuring in pieces, a memory limit,
+# and errors. Arguments: executable, scratch folder.
 set -u
 stipple=$1
 scratch=$2
@@ -18,7 +18,7 @@ bench()
     "$stipple" bench "$@" --json > "$name.json" 2> err || fail "$name: $(cat err)"
 }
 
-# hills over what the benchmark scene covers, in nine parts, so that positions see this and that of it
+# hills over the area of the benchmark scene, in nine parts, so that positions see different content
 python3 - << 'END' || exit 1
 from math import sin
 with open("hills.obj", "w") as out:
@@ -89,7 +89,7 @@ for name, memory in ("frame", None), ("streamed", 64 << 20):
         assert flights[0]["figures"]["splat_size"]["max"] == 2
 END
 
-refused 2 "no benchmark is named nothing" bench nothing
+refused 2 "there is no benchmark nothing" bench nothing
 refused 2 "--size" bench positions --size 0x48
 refused 2 "--count" bench positions --count 0
 refused 2 "--first" bench positions --first -1

@@ -62,7 +62,7 @@ cmp -s one.stip three.stip || fail "the file depends on threads or memory"
 grep -q '^  total .* 4,512 .* 564 ' out || fail "no figures: $(cat out)"
 tail -n 1 out | grep -Eq '^  bytes +[0-9.]+ KB in, [0-9.]+ KB out: [0-9.]+ KB splats, [0-9.]+ KB triangles, 0 B textures$' \
     || fail "the last line does not say where bytes went: $(cat out)"
-grep -q 'its 4,512 triangles alone would do: --threshold 4512 leaves' out || fail "a small model: $(cat out)"
+grep -q 'its 4,512 triangles suffice: --threshold 4512 leaves' out || fail "a small model: $(cat out)"
 grep -q 'times the input' out && fail "too large: $(cat out)"
 STP_PROCESSOR=baseline "$stipple" build ball.obj -o base.stip --quiet > out 2> err || fail "baseline: $(cat err)"
 cmp -s one.stip base.stip || fail "the file depends on the processor"
@@ -83,7 +83,7 @@ run 0 info ball.obj --json
 run 0 info one.stip
 grep -q '^  total .* 4,512 .* 564 ' out || fail "info: $(cat out)"
 
-# failures: one sentence, nothing left behind, former files untouched
+# failures: one sentence, no files left behind, existing files unchanged
 cp one.stip kept.stip
 printf 'glTF\002\000\000\000' > broken.glb
 run 1 build broken.glb -o kept.stip

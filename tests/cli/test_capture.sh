@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# stipple capture: candidates as points, and pictures of what was seen.
+# stipple capture: candidates as points, and the captured pictures.
 set -eu
 stipple=$1 scratch=$2
 rm -rf "$scratch"
@@ -29,7 +29,7 @@ for kind in position normal color; do
     done
 done
 test ! -e pictures/color8.png
-# the candidates are what `stipple order` can order
+# `stipple order` accepts the candidates
 "$stipple" order points.ply -o ordered.ply --count 50 --json | grep -q '"count": 50'
 # usage
 code=0

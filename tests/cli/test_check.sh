@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# stipple check: verdicts, JSON and exit codes. Arguments: executable, scratch folder, source folder.
+# stipple check: results, JSON and exit codes. Arguments: executable, scratch folder, source folder.
 set -u
 stipple=$1
 scratch=$2
@@ -32,7 +32,7 @@ keys=$(python3 -c 'import json; print(*sorted(json.load(open("out"))))')
 [ "$(figure ok) $(figure fault)" = "True None" ] || fail "verdict: $(cat out)"
 [ "$(figure file_bytes) $(figure bytes_checked)" = "$size $size" ] || fail "bytes: $(cat out)"
 
-# a byte of the last block: the quick check does not look there
+# a byte of the last block: the quick check does not read it
 python3 - "$golden" << 'END'
 import sys
 data = bytearray(open(sys.argv[1], "rb").read())
@@ -56,8 +56,8 @@ run 1 directory.stip --quick
 run 1 short.stip --quick
 grep -q 'ends after' err || fail "fault: $(cat err)"
 
-# a file whose directory is too large to be read whole: the first page of each section is promised, and what says
-# what the file is; what lies behind is found by a check of everything
+# a directory too large to be read whole: the quick check covers the first page of each section and
+# the general information; the full check covers the rest
 python3 - << 'END'
 import random
 random.seed(1)

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# How clouds are drawn: eye-dome lighting by default, sizes of points, clouds beside meshes, whose splats have attributes, signs of
-# normals, and how exact places are. Arguments: executable, scratch folder, source folder.
+# Drawing of clouds: default eye-dome lighting, point sizes, clouds beside meshes, methods with
+# attributes, signs of normals, and precision of positions. Arguments: executable, scratch folder,
+# source folder.
 set -u
 stipple=$1 source=$3
 # shellcheck source=/dev/null
@@ -68,7 +69,7 @@ both() # FILE OUT ARGUMENTS...: by the processor, and the same by OpenGL where t
     fi
 }
 
-# eye-dome lighting: on for a cloud, off where asked, off beside a mesh
+# eye-dome lighting: on for a cloud, off if requested, off beside a mesh
 both ball.stip usual.png
 draw ball.stip one.png --backend cpu --eye-dome 1
 draw ball.stip off.png --backend cpu --eye-dome off
@@ -95,10 +96,10 @@ both ball.stip sized.png --point-size 5
 draw ball.stip adaptive.png --backend cpu --point-size adaptive
 cmp -s adaptive.png usual.png || fail "adaptive is not the default"
 for size in 0 65px 3cm -1m big; do
-    refused 2 "--point-size is" render ball.stip -o a.png "--point-size=$size"
+    refused 2 "--point-size must be" render ball.stip -o a.png "--point-size=$size"
 done
 
-# points and triangles in one scene: attributes and sizes are of points alone
+# points and triangles in one scene: attributes and sizes apply only to points
 golden=$source/tests/golden/draw/points_both.png
 both both.stip colored.png --color class --point-size 0.1m
 [ "${STP_WRITE_GOLDEN:-0}" = 1 ] && cp colored.png "$golden"
@@ -109,7 +110,7 @@ alike limited.png far.png 99
 draw both.stip shown.png --backend cpu --classes 9 --once --json
 python3 -c 'import json; f = json.load(open("draw.json")); assert f["splats"] >= 0 and f["triangles"] == 12, f' || fail "hidden classes hide triangles"
 
-# whose splats have the attribute
+# choice of a method with the attribute
 draw methods.stip methods.png --backend cpu --color intensity --once --json
 grep -q "drawn by stochastic: splats by psp have no intensity" err || fail "no word of the other method: $(cat err)"
 python3 -c 'import json; assert json.load(open("draw.json"))["method"] == "stochastic"' || fail "stochastic is not named"
@@ -117,7 +118,7 @@ draw merged.stip merged.png --backend cpu --classes 6
 grep -q "original points are drawn: splats have no class" err || fail "no word of original points: $(cat err)"
 refused 1 "by psp have no intensity" render methods.stip -o a.png --color intensity --method psp
 
-# signs and places
+# signs and positions
 python3 "$source/scripts/read_store.py" ball.stip > ball.json || fail "ball.stip by the other reader"
 python3 "$source/scripts/read_store.py" lit.stip > lit.json || fail "lit.stip by the other reader"
 "$stipple" info ball.stip --json > info.json || fail "info"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# A file of blue and psp: nodes that need few splats are drawn by ellipses, unless one method is asked for.
-# Arguments: executable, scratch folder, source folder.
+# A file of blue and psp: nodes that need few splats are drawn by ellipses, unless a method is
+# requested. Arguments: executable, scratch folder, source folder.
 set -u
 stipple=$1
 # shellcheck source=/dev/null
@@ -56,7 +56,7 @@ for size in 8; do
     holds "OpenGL draws another picture" "$a >= 0.99"
 done
 
-# where something else is asked for, the first method draws alone
+# with other options, the first method draws alone
 draw by_policy both.stip --splat-size 6 --policy paper
 draw counted both.stip --splats 500 --backend cpu
 draw counted_blue both.stip --splats 500 --backend cpu --method blue

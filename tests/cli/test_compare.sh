@@ -52,7 +52,7 @@ near 28.130803608679102 "$(figure psnr ab.json)" || fail "psnr $(figure psnr ab.
 "$stipple" compare a.png a.png | grep -q '^psnr .*infinite' || fail "text of equal pictures"
 "$stipple" compare a.png b.png | grep -q '^psnr  *28.131 dB$' || fail "text of psnr"
 
-# the mask leaves out the half that differs
+# the mask excludes the half that differs
 "$stipple" compare a.png half.png --mask mask.png --json > masked.json || fail "--mask"
 near 1 "$(figure ssim_covered masked.json)" || fail "--mask: $(figure ssim_covered masked.json)"
 "$stipple" compare a.png half.png --json > unmasked.json || fail "compare"
@@ -71,7 +71,7 @@ for threads in 1 2 3; do
         fail "$threads threads give other figures"
 done
 
-# what cannot be compared
+# inputs that cannot be compared
 "$stipple" compare a.png small.png > out 2> err
 [ $? -eq 1 ] && [ ! -s out ] || fail "other sizes should fail, with nothing on stdout"
 grep -qx 'stipple: pictures of 200 x 180 and 20 x 18 cannot be compared' err || fail "sizes: $(cat err)"

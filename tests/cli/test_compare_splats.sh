@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# stipple compare-splats: known distances, agreement with gtscompare (Debian: libgts-bin), all kinds of files, and sentences
-# where something is wrong. Arguments: executable, scratch folder.
+# stipple compare-splats: known distances, agreement with gtscompare (Debian: libgts-bin), all kinds
+# of files, and error messages. Arguments: executable, scratch folder.
 set -u
 stipple=$1
 # shellcheck source=/dev/null
@@ -100,7 +100,7 @@ if __name__ == "__main__":
 END
 python3 files.py || exit 1
 
-# figures FILE EXPRESSION: whether it holds of the figures d
+# figures FILE EXPRESSION: evaluates a Python expression about the figures d
 figures()
 {
     python3 -c "import json, math, sys
@@ -118,7 +118,7 @@ refused 1 'single point' compare-splats above.ply one.ply
 refused 1 'not finite' compare-splats bad.ply square.ply
 refused 1 'a property is missing' compare-splats short.ply square.ply
 refused 1 'shorter' compare-splats cut.ply square.ply
-refused 1 'of a .stip' compare-splats above.ply square.ply --splats 1
+refused 1 'only to a .stip' compare-splats above.ply square.ply --splats 1
 
 # known distances
 "$stipple" compare-splats above.ply square.ply --size 99x99 --json > above.json 2> err || fail "above: $(cat err)"
@@ -138,7 +138,7 @@ figures middle.json 'near(d["hausdorff_mean_percent"], 100 * (0.3825978 - 0.25 +
 "$stipple" compare-splats above.ply square.ply --no-pictures > text || fail "text"
 grep -q '^area .*6.283 times' text || fail "text: $(cat text)"
 
-# an ellipse that is drawn lies where its triangles do, in each view
+# a drawn ellipse lies where its triangles do, in each view
 "$stipple" compare-splats tilted.ply fan.ply --size 160x160 --json > tilted.json || fail "tilted"
 figures tilted.json 'd["hausdorff_max_percent"] < 0.2 and d["hausdorff_bound_percent"] < 0.21 and near(d["area_ratio"], 1, 2e-3)'
 figures tilted.json 'all(v["ssim"] > 0.9 and v["ssim_covered"] > 0.9 for v in d["views"])'
@@ -168,7 +168,7 @@ python3 -c 'import json; a, b = (json.load(open(f)) for f in ("stone-psp.json", 
 figures dense.json 'd["samples"] == 400000'
 python3 -c 'import json; a, b = (json.load(open(f)) for f in ("stone-psp.json", "dense.json")); assert abs(a["hausdorff_max_percent"] / b["hausdorff_max_percent"] - 1) < 0.0011 and abs(a["hausdorff_mean_percent"] / b["hausdorff_mean_percent"] - 1) < 0.002, (a, b)' ||
     fail "figures depend on the number of samples"
-# files that end early
+# truncated files
 python3 -c '
 data = open("above.ply", "rb").read()
 for size in range(4, len(data), 37): open(f"cut{size}.ply", "wb").write(data[:size])'
@@ -177,7 +177,7 @@ for cut in cut[0-9]*.ply; do
     [ $? -eq 1 ] && [ ! -s out ] && grep -q "^stipple: " err || fail "$cut: $(cat err)"
 done
 
-# the same splats as a .stip, which rounds; whole and in part
+# the same splats as a .stip, with rounding; whole and in part
 "$stipple" -q decimate stone.ply -o stone-psp.stip --splats 90 > out || fail "decimate to a .stip"
 "$stipple" check stone-psp.stip > out || fail "the .stip of splats is no good file"
 "$stipple" compare-splats stone-psp.stip stone.ply --size 160x160 --json > stip.json || fail "a .stip of splats"
@@ -195,7 +195,7 @@ figures part.json 'd["splats"] == 40'
 python3 -c 'import json; w, s = (json.load(open(f)) for f in ("whole.json", "shrunk.json")); assert w["splats"] == 90 and w["method"] == "psp" and 0 < s["covered_pixels"] < 0.8 * w["covered_pixels"], (w, s)' ||
     fail "pictures of splats"
 
-# sets that build makes, of either method: more splats are nearer
+# sets from build, of either method: more splats are closer
 "$stipple" -q build stone.ply -o stone.stip --method blue,spt --threshold 100 > out || fail "build"
 for method in blue spt; do
     for count in 100 1000; do
@@ -211,14 +211,15 @@ END
 done
 figures blue100.json 'd["splats"] == 100'
 
-# the axes of the files count, not those of scenes: a model whose up is z is the same model
+# comparison uses the files' axes, not those of scenes: a z-up model is the same model
 "$stipple" -q build stone.ply -o turned.stip --up z > out || fail "--up z"
 "$stipple" compare-splats stone-psp.ply turned.stip --size 160x160 --json > turned.json || fail "another up axis"
 figures turned.json 'd["splats"] == 90'
 python3 -c 'import json; a, b = (json.load(open(f)) for f in ("stone-psp.json", "turned.json")); assert all(abs(a[k] - b[k]) < 0.02 * a[k] for k in ("hausdorff_max_percent", "hausdorff_mean_percent", "area_ratio", "ssim")), (a, b)' ||
     fail "another up axis gives other figures: $(cat turned.json)"
 
-# an independent program (GNU Triangulated Surface Library): of ellipses as fans of triangles, and of a mesh
+# an independent program (GNU Triangulated Surface Library): for ellipses as fans of triangles, and
+# for a mesh
 if command -v gtscompare > /dev/null; then
     python3 -c 'from files import *; gts("fans.gts", *fans(read_splats("stone-psp.ply")))' || fail "fans"
     "$stipple" compare-splats coarse.ply stone.ply --no-pictures --json > coarse.json || fail "a coarse mesh"

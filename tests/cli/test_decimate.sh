@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# stipple decimate: splats in a PLY, figures, and sentences where something is wrong. Arguments: executable, scratch folder.
+# stipple decimate: splats in a PLY, figures, and error messages. Arguments: executable, scratch
+# folder.
 set -u
 stipple=$1
 # shellcheck source=/dev/null
@@ -66,7 +67,7 @@ for threads in 1 3; do
     "$stipple" -q decimate ball.ply -o threads.ply --splats 200 --threads $threads > out || fail "--threads $threads"
     cmp -s threads.ply normals-lazy.ply || fail "$threads threads give other splats"
 done
-# the methods that psp is compared with
+# the methods for comparison with psp
 refused 2 'need --by psp' decimate ball.ply -o a.ply --by octree --metric distances
 refused 2 'need --by psp' decimate ball.ply -o a.ply --by blue --neighbours 4
 refused 2 'need --by psp' decimate ball.ply -o a.ply --by octree --connect
@@ -122,10 +123,10 @@ for i in range(faces):
     assert count == 3 and (b[0] - a[0]) * (c[1] - a[1]) > (c[0] - a[0]) * (b[1] - a[1]), (a, b, c)  # faces up
 END
 "$stipple" info mesh.ply > out || fail "a mesh that was written cannot be read"
-# as many as there are, and no fewer than can be
+# at most the number of points, at least the number of separate pieces
 "$stipple" -q decimate ball.ply -o all.ply --splats 5000 > out || fail "more splats than points"
 check all.ply 3000
-# pieces, on any number of threads, give as many
+# pieces give the same number, with any number of threads
 for threads in 1 3; do
     "$stipple" -q decimate ball.ply -o pieces-$threads.ply --splats 200 --piece-size 128 --threads $threads --json > pieces.json || fail "--piece-size"
 done
@@ -133,7 +134,7 @@ check pieces-1.ply 200
 cmp -s pieces-1.ply pieces-3.ply || fail "3 threads give other pieces"
 cmp -s pieces-1.ply normals-lazy.ply && fail "--piece-size changes nothing"
 python3 -c 'import json; d = json.load(open("pieces.json")); assert d["points_per_second"] > 0 and d["peak_bytes"] > 36000, d' || fail "figures: $(cat pieces.json)"
-# two balls far apart: two splats are left, or one where that is asked for
+# two balls far apart: two splats remain, or one with --connect
 python3 - << 'END'
 lines = open("ball.ply").read().replace("vertex 3000", "vertex 6000").splitlines()
 body = lines[lines.index("end_header") + 1:]
@@ -148,7 +149,8 @@ count() # FILE
 [ "$(count two.ply)" = 2 ] || fail "expected two splats, got $(count two.ply)"
 "$stipple" -q decimate balls.ply -o one.ply --splats 1 --connect > out || fail "--connect"
 [ "$(count one.ply)" = 1 ] || fail "expected one splat, got $(count one.ply)"
-# more points than memory holds lie in files: the same splats, by any metric, and in any part of the folders
+# points that exceed the memory limit go to files: the same splats, by any metric, and for any form
+# of the folder
 python3 - << 'END'
 import math, random, struct
 chance = random.Random(5)
@@ -172,14 +174,14 @@ for metric in normals distances; do
 done
 [ "$(ls spills)" = "$(printf 'distances.ply\nnormals.ply')" ] || fail "files are left: $(ls spills)"
 refused 1 'cannot create a temporary file' decimate many.ply -o missing/a.ply --memory 10M
-# no room on the disk is said once
+# a full disk is reported once
 (
     ulimit -f 6000
     "$stipple" -q decimate many.ply -o spills/full.ply --splats 500 --memory 10M
 ) > out 2> full.txt && fail "a full disk is ignored"
 [ "$(wc -l < full.txt)" = 1 ] && grep -q 'no room for .* of temporary data' full.txt || fail "a full disk: $(cat full.txt)"
 [ "$(ls spills | wc -l)" = 2 ] || fail "a full disk leaves files: $(ls spills)"
-# too little memory is said, and leaves no file
+# too little memory is reported, and leaves no file
 refused 1 'memory' decimate balls.ply -o little.ply --memory 600K
 [ ! -e little.ply ] || fail "a call without memory left a file"
 exit $((failures > 0))

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# scripts/demo: a model alone, and the plant that it makes of one; the build around it is left out. Arguments: executable,
-# scratch folder, source folder.
+# scripts/demo: a single model, and the plant made from it; without the build before it. Arguments:
+# executable, scratch folder, source folder.
 set -u
 stipple=$1
 scratch=$2

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Every command of the sh blocks of README.md and docs/hello.md runs as printed, in order, in a scratch folder; pictures
-# of other options are other pictures. Arguments: executable, scratch folder, source folder.
+# Runs every command of the sh blocks of README.md and docs/hello.md as printed, in order, in a
+# scratch folder; different options give different pictures. Arguments: executable, scratch folder,
+# source folder.
 set -u
 stipple=$1
 scratch=$2
@@ -12,8 +13,9 @@ model=/usr/share/assimp/models/glTF2/2CylinderEngine-glTF-Binary/2CylinderEngine
 mkdir -p "$scratch"
 export XDG_CACHE_HOME=$scratch/cache XDG_CONFIG_HOME=$scratch/config LIBGL_ALWAYS_SOFTWARE=1
 
-# What a document's blocks are run by: each command on its own, in the shell of those before it. Not run are what builds
-# and tests this very program (they have tests of their own, and must exist), and what needs a display that is not here.
+# Runs the blocks of a document: each command separately, in the shell of the previous ones. Skips
+# commands that build and test this program (they have tests of their own, and must exist), and
+# commands that need a missing display.
 cat > "$scratch/run.py" << 'END'
 import re, shlex, subprocess, sys
 document, out = sys.argv[1:]
@@ -66,7 +68,7 @@ for document in README.md docs/hello.md; do
     [ -z "$twins" ] || fail "$document: these pictures are one: $twins"
 done
 
-# the walk shows splats: few, many and dots are drawn of splats alone, and look less and more like the triangles
+# few, many and dots draw only splats, and differ from the triangles by the expected amounts
 cd "$scratch/hello" || exit 1
 for options in "--splats 1000" "--splats 20000" "--splats 2000 --splat-scale 0.3"; do
     # shellcheck disable=SC2086

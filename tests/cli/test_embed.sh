@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# An installed copy is what programs embed: its files, the symbols of the shared library, headers that stand alone, and the
-# examples, built by pkg-config and by CMake and run. Arguments: executable, scratch folder, source folder.
+# An installed copy as embedded by programs: its files, the symbols of the shared library,
+# self-contained headers, and the examples, built by pkg-config and by CMake and run. Arguments:
+# executable, scratch folder, source folder.
 set -u
 stipple=$1
 scratch=$2
@@ -74,7 +75,7 @@ printf '#include <stipple/stipple.h>\nint main() { return stp_version() == 0; }\
 # shellcheck disable=SC2046
 c++ -std=c++17 cpp.cpp $(pkg-config --cflags --libs stipple) -o cpp && ./cpp || fail "a C++ program does not link or run"
 
-# shown FILE.ppm COLOUR: the share of pixels, in percent, that are not of a background "r,g,b"
+# shown FILE.ppm COLOUR: the percentage of pixels that differ from a background "r,g,b"
 shown()
 {
     python3 -c "

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Two eyes and zones of larger splats, in render and fly. Arguments: executable, scratch folder, source folder.
+# Two eyes and zones of larger splats, in render and fly. Arguments: executable, scratch folder,
+# source folder.
 set -u
 stipple=$1
 scratch=$2
@@ -31,12 +32,12 @@ with open("ball.obj", "w") as out:
 END
 "$stipple" build ball.obj -o ball.stip -q || exit 1
 
-# each half is what an eye beside the middle sees
+# each half is the view of an eye beside the centre
 near=(--target 0,0,0 --fov 40)
 draw both ball.stip --eye 0,0,5 "${near[@]}" --size 128x48 --stereo --ipd 0.5 --reference
 draw left ball.stip --eye -0.25,0,5 --target -0.25,0,0 --fov 40 --size 64x48 --reference
 draw right ball.stip --eye 0.25,0,5 --target 0.25,0,0 --fov 40 --size 64x48 --reference
-# so it is of the mean of frames
+# the same for averaged frames
 for eye in both left right; do
     case $eye in both) place=(--eye 0,0,5 --target 0,0,0 --size 128x48 --stereo --ipd 0.5) ;;
         left) place=(--eye -0.25,0,5 --target -0.25,0,0 --size 64x48) ;;
@@ -44,7 +45,8 @@ for eye in both left right; do
     esac
     draw resting_$eye ball.stip "${place[@]}" --fov 40 --reference --accumulate 4
 done
-# the ball is left of the middle: the fovea of a flat picture, of both eyes, and of eyes that look there
+# the ball is left of the centre: the fovea of a flat picture, of both eyes, and with a gaze towards
+# the ball
 far=(--eye 4,0,9 --target 4,0,0 --fov 60 --size 128x96 --splat-size 1.5)
 draw plain ball.stip "${far[@]}"
 draw one ball.stip "${far[@]}" --fovea 0.25:1,1:1
@@ -107,13 +109,13 @@ for command in render fly; do
     arguments=(ball.stip -o a.png)
     [ $command = fly ] && arguments=(ball.stip --path flight.json)
     for zones in "" 1 1:2, 1:2,1:3 0.5:2,0.2:3 -1:2 1:0 1:99 3:2 0.5:2:3 nan:1 1:nan 0:1,.1:1,.2:1,.3:1,.4:1,.5:1,.6:1,.7:1,.8:1; do
-        refused 2 "--fovea is R:S" $command "${arguments[@]}" --fovea "$zones"
+        refused 2 "--fovea must be R:S" $command "${arguments[@]}" --fovea "$zones"
     done
     for center in "" 1 1,2 1,1,1 a,b; do
-        refused 2 "--fovea-center is X,Y" $command "${arguments[@]}" --fovea 1:2 --fovea-center "$center"
+        refused 2 "--fovea-center must be X,Y" $command "${arguments[@]}" --fovea 1:2 --fovea-center "$center"
     done
-    refused 2 "with --fovea only" $command "${arguments[@]}" --fovea-center 0,0
-    refused 2 "with --stereo only" $command "${arguments[@]}" --ipd 0.06
+    refused 2 "requires --fovea" $command "${arguments[@]}" --fovea-center 0,0
+    refused 2 "requires --stereo" $command "${arguments[@]}" --ipd 0.06
     refused 2 "ipd" $command "${arguments[@]}" --stereo --ipd 0
     refused 2 "even width" $command "${arguments[@]}" --stereo --size 127x96
     refused 2 "--fovea and --splats exclude" $command "${arguments[@]}" --fovea 1:2 --splats 9

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# stipple fly: figures, pictures, films, plots and refusals. Arguments: executable, scratch folder, source folder.
+# stipple fly: figures, pictures, films, plots and errors. Arguments: executable, scratch folder,
+# source folder.
 set -u
 stipple=$1
 scratch=$2
@@ -18,7 +19,7 @@ fly()
     "$stipple" fly "$@" --json -q > "$name.json" 2> err || fail "$name: $(cat err)"
 }
 
-# a ball, which is drawn as splats from afar
+# a ball, drawn as splats from a distance
 python3 - << 'END' || exit 1
 with open("ball.obj", "w") as out:
     from math import sin, cos, pi
@@ -99,7 +100,7 @@ assert load("policy")["splat_size"]["p50"] == 6 and load("policy")["extra_splats
 assert load("one")["frames"] == 1
 END
 
-# pictures are those of render, whatever else is measured
+# pictures equal those of render, whatever else is measured
 "$stipple" fly ball.stip --path flight.json --size 64x48 --splat-size 3 -o pictures/ --reference-every 5 --popping > text ||
     fail "pictures"
 [ "$(ls pictures)" = "$(seq -f 'frame-%06.0f.png' 0 10)" ] || fail "pictures are $(ls pictures)"
@@ -112,7 +113,7 @@ mkdir -p again
 "$stipple" fly ball.stip --path flight.json --size 64x48 --splat-size 3 -o again --frames 11 -q > text || fail "again"
 cmp -s pictures/frame-000007.png again/frame-000007.png || fail "the same flight has other pictures"
 
-# a film is what ffmpeg makes of raw frames: here it only counts them
+# ffmpeg makes a film from raw frames: this one only counts them
 mkdir -p bin
 cat > bin/ffmpeg << 'END'
 #!/usr/bin/env bash
@@ -141,7 +142,7 @@ programs=$PWD/bin:$PATH refused 1 "pipe.mp4: is not a regular file" fly ball.sti
 programs=$PWD/bin:$PATH refused 1 "no/film.mp4: cannot be written" fly ball.stip --path flight.json --size 64x48 -o no/film.mp4
 [ ! -e started ] || fail "a film that cannot be written is begun"
 rm bin/ffmpeg
-programs=$PWD/bin refused 1 "ffmpeg, which cannot be started" fly ball.stip --path flight.json --size 64x48 -o film.mp4
+programs=$PWD/bin refused 1 "ffmpeg, which writes films, cannot be started" fly ball.stip --path flight.json --size 64x48 -o film.mp4
 
 "$stipple" fly ball.stip --path flight.json --size 64x48 --budget-ms 5 --plot plot.svg > /dev/null || fail "plot"
 python3 - << 'END' || fail "the plot"
@@ -164,7 +165,7 @@ height = float(root.get("height"))
 assert all(0 < float(d.get("cy")) < height for d in dots)
 END
 
-# what a killed run left of its film goes with the next
+# the next run removes what a killed run left of its film
 sleep 0 &
 gone=$!
 wait $gone
@@ -179,8 +180,8 @@ rm bin/ffmpeg
 refused 2 "needs one file" fly --path flight.json
 refused 2 "needs --path" fly ball.stip
 refused 2 "film OUT.mp4 or a folder" fly ball.stip --path flight.json -o film.avi
-refused 2 "written over" fly ball.stip --path flight.json --plot flight.json
-refused 2 "written over" fly ball.stip --path flight.json --plot ball.stip
+refused 2 "would be overwritten" fly ball.stip --path flight.json --plot flight.json
+refused 2 "would be overwritten" fly ball.stip --path flight.json --plot ball.stip
 refused 2 "exclude" fly ball.stip --path flight.json --budget-ms 5 --splat-size 2
 refused 2 "exclude" fly ball.stip --path flight.json --budget-ms 5 --reference
 refused 2 "frames" fly ball.stip --path flight.json --frames 0
@@ -196,7 +197,7 @@ refused 1 "no/plot.svg" fly ball.stip --path flight.json --size 8x8 --plot no/pl
 [ ! -e never ] || fail "what cannot be plotted is flown"
 refused 2 "standard output" fly ball.stip --path flight.json --plot -
 for plot in both.mp4 plot.png plot; do # a plot in place of the film that was just written would be a loss
-    refused 2 "--plot is a drawing OUT.svg, not $plot" fly ball.stip --path flight.json --size 8x8 -o both.mp4 --plot "$plot"
+    refused 2 "--plot needs a name OUT.svg, not $plot" fly ball.stip --path flight.json --size 8x8 -o both.mp4 --plot "$plot"
 done
 touch file
 refused 1 "file/pictures/" fly ball.stip --path flight.json --size 8x8 --frames 1 -o file/pictures/

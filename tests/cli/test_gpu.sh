@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# bench/gpu.sh and stipple bench gl on a small scene: what they write, and refusals. Arguments: executable, scratch folder,
-# source folder.
+# bench/gpu.sh and stipple bench gl on a small scene: output and errors. Arguments: executable,
+# scratch folder, source folder.
 set -u
 stipple=$1
 scratch=$2

@@ -5,11 +5,11 @@ stipple=$1
 scratch=$2
 . "$(dirname "$0")/shared.sh"
 mkdir -p "$scratch" && cd "$scratch" || exit 1
-# a page without warnings, under whichever formatter is here
+# a page without warnings, with the available formatter
 check_page()
 {
     if command -v mandoc > /dev/null; then
-        # long lines do not matter, for nobody edits the pages; the rest is advice to base systems, which we are not
+        # long lines do not matter in generated pages; other messages are advice for base systems
         mandoc -T lint "$1" 2>&1 | grep -v -e 'STYLE: input text line longer than 80 bytes' \
             -e 'STYLE: operating system explicitly' -e 'STYLE: referenced manual not found' > lint
         [ ! -s lint ] || fail "mandoc: $1: $(head -3 lint)"
@@ -21,7 +21,7 @@ check_page()
     fi
 }
 
-# the sections that a reader of man pages looks for, none of them empty, each example a command of its own
+# required sections of man pages: none is empty, each example is a separate command
 check_sections()
 {
     for section in SYNOPSIS DESCRIPTION OPTIONS FILES "EXIT STATUS" EXAMPLES; do
@@ -52,7 +52,7 @@ for name in $names; do
     check_sections "stipple-$name.1"
     grep -q "^Examples:" text && grep -q "^Files:" text || fail "help $name: no examples or files"
     grep -q "Xr stipple.-$(echo "$name" | sed 's/-/.-/g') 1" stipple.1 || fail "stipple.1 does not name $name"
-    # each option that help names is in the man page and the completions
+    # each option in help is in the man page and the completions
     for option in $(sed -n 's/^  \(-., \|    \)--\([a-z0-9-]*\).*/\2/p' text); do
         grep -q -- "Fl .-$(echo "$option" | sed 's/-/.-/g')" "stipple-$name.1" || fail "man page of $name: --$option"
     done
@@ -67,7 +67,7 @@ for shell in bash zsh fish; do
     fi
 done
 
-# what a user gets after typing the words
+# the completions for typed words
 complete_bash()
 {
     COMP_WORDS=("$@")

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Pipes and folders where files are expected, limits of file sizes, and folders that others made: one sentence, and no
-# waiting. Arguments: executable, scratch folder.
+# Pipes and folders instead of files, file size limits, and folders created by others: one sentence,
+# without blocking. Arguments: executable, scratch folder.
 set -u
 stipple=$1
 scratch=$2
@@ -14,7 +14,7 @@ printf 'v 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 0\nf 1 2 3 4\n' > box.obj
 "$stipple" build box.obj -o box.stip -q || fail "build"
 "$stipple" render box.stip --size 32x32 -o box.png -q || fail "render"
 
-# a pipe that nobody writes into is not waited for; the descriptor keeps a failure from hanging the test
+# a pipe without a writer does not block; the descriptor keeps a failure from hanging the test
 mkfifo pipe pipe.stip pipe.obj pipe.png
 exec 8<> pipe 9<> pipe.stip 10<> pipe.obj 11<> pipe.png
 for name in pipe pipe.stip pipe.obj; do
@@ -32,7 +32,7 @@ refused 1 "is not a regular file" compare box.png pipe.png
 refused 1 "is not a regular file" fly box.stip --path pipe --frames 2
 exec 8>&- 9>&- 10>&- 11>&-
 
-# a file that may not grow: a sentence instead of a signal, and no output
+# a file that must not grow: a sentence instead of a signal, and no output
 "$stipple" scene city-small --scale 0.05 -o scene.glb -q || fail "scene"
 (
     ulimit -f 16
@@ -41,7 +41,7 @@ exec 8>&- 9>&- 10>&- 11>&-
 ) || fail "a limit of file sizes"
 [ ! -e large.stip ] || fail "an output that was cut off is kept"
 
-# without a home, built models go to a folder that only its owner can write
+# without a home folder, built models go to a folder that only its owner can write to
 folder=/tmp/stipple-$(id -u)
 if [ ! -e "$folder" ]; then
     mkdir -m 777 "$folder"
@@ -54,7 +54,8 @@ if [ ! -e "$folder" ]; then
     rmdir "$folder"
 fi
 
-# pictures that claim more than they are worth: by a palette, by many copies, by many files
+# pictures that claim more pixels than their bytes justify: by a palette, by many copies, by many
+# files
 python3 - << 'END'
 import base64, json, struct, zlib
 def png(side):
@@ -95,7 +96,8 @@ END
 grep -q "p7.png is left out: the pictures of the file claim too many pixels" many.out || fail "all pictures are decoded: $(cat many.out)"
 [ "$(grep -c 'is left out' many.out)" -eq 4 ] || fail "not four pictures are left out: $(cat many.out)"
 
-# links beside a model: followed within its folder, also where that is reached by a link; not out of it
+# links beside a model: followed within its folder, even if the folder is reached by a link; not out
+# of it
 mkdir -p shared/textures
 printf 'newmtl a\nKd 1 0 0\n' > secret.mtl
 cp secret.mtl shared/textures/inner.mtl
@@ -112,7 +114,8 @@ for folder in shared linked; do
     grep -q 'out.mtl" is left out: it is a link out of the folder' link.out || fail "a link is followed: $(cat link.out)"
 done
 
-# what assimp reads names files like any other model: its own, no others, and none that waits
+# models read by assimp follow the same rules for file names: only their own files, and none that
+# blocks
 mkdir -p assembly/parts outside
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > assembly/parts/good.obj
 cp assembly/parts/good.obj outside/secret.obj
@@ -130,7 +133,7 @@ for name in ../outside/secret.obj "$PWD/outside/secret.obj" link.obj pipe.obj; d
     [ "$name" = pipe.obj ] || grep -q "is left out: it " lws.err || fail "$name is left out in silence"
 done
 
-# names that a terminal would obey: no control character reaches it, and no line is forged
+# names with terminal control sequences: no control character is printed, and no line is forged
 python3 - << 'END'
 import base64, json, struct
 evil = "\x1b]0;owned\x07\x1b[2J\nstipple: forged\r\u202e\u009b31m"

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# stipple info: the table of parts, JSON, and files of any size. Arguments: executable, scratch folder, source folder.
+# stipple info: the table of parts, JSON, and files of any size. Arguments: executable, scratch
+# folder, source folder.
 set -u
 stipple=$1
 scratch=$2
@@ -79,7 +80,7 @@ for key in $keys; do
     [ "$(figure "all('$key' in p for p in d['parts'])")" = True ] || fail "parts lack $key"
 done
 
-# the table: aligned, each part and the sum
+# the table: aligned, each part and the total
 run 0 info plant.stip
 for line in '^  hall +40 +\(1\) .* 72,000 +\(1,800\) ' '^  wallé +1 +\(1\) .* 200 +\(200\) ' \
     '^  total +41 +\(2\) .* 72,200 +\(' '^  sources +plant.gltf \(gltf, ' '^plant.stip: .*, .stip version 1\.'; do
@@ -91,7 +92,7 @@ assert len(lines) == 4, lines
 assert len({len(line) for line in lines}) == 1, lines
 END
 
-# a file of version 1.0 has no summary: its tables tell
+# a file of version 1.0 has no summary: the figures come from its tables
 run 0 info "$golden/sample.stip" --json
 [ "$(figure "d['format_version'], d['format_minor']")" = "(1, 0)" ] || fail "version 1.0: $(cat out)"
 run 0 info "$golden/sample-1.1.stip" --json
@@ -99,7 +100,7 @@ run 0 info "$golden/sample-1.1.stip" --json
     || fail "version 1.1: $(cat out)"
 run 0 info "$golden/sample.stip"
 
-# names cannot steer a terminal; long ones are cut between characters
+# names cannot control terminals; long ones are shortened between characters
 python3 - << 'END'
 import json
 scene = json.load(open("plant.gltf"))
@@ -110,7 +111,7 @@ run 0 info odd.gltf
 grep -q "$(printf '\033')" out && fail "an escape sequence from the file"
 python3 -c 'open("out", encoding="utf-8").read()' || fail "a name was cut within a character"
 
-# damage in what it reads is found, and told in one sentence
+# damage in the data it reads is detected and reported in one sentence
 python3 - "$golden/sample-1.1.stip" << 'END'
 import struct
 import sys

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# An interrupt stops the work in good order. Arguments: executable, scratch folder.
+# An interrupt stops the work cleanly. Arguments: executable, scratch folder.
 set -u
 mkdir -p "$2" && cd "$2" || exit 1
 command -v python3 > /dev/null || exit 77
@@ -39,7 +39,7 @@ assert messages[0].endswith("; the same command resumes where it stopped"), err
 assert sorted(os.listdir()) == ["cloud.ply", "cloud.stip"], os.listdir()
 assert open("cloud.stip").read() == "what was there before"
 
-# a flight leaves none of its pictures, and a render no picture
+# an interrupted flight or render leaves no pictures
 write_cloud(2000)
 assert subprocess.run([stipple, "build", "cloud.ply", "-o", "cloud.stip", "-q"]).returncode == 0
 with open("flight.json", "w") as file:
@@ -70,7 +70,7 @@ os.remove("cloud.stip")
 with open("cloud.stip", "w") as file:
     file.write("what was there before")
 
-# where interrupts are ignored from the start, they stay ignored
+# interrupts that are ignored at the start stay ignored
 def ignore():
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 

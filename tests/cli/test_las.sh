@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# LAS and LAZ through the command line: info and build say the same of both, and a file that is cut short is refused.
+# LAS and LAZ on the command line: info and build agree on both, and truncated files are rejected.
 set -u
 stipple=$1
 scratch=$2

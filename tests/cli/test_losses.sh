@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What an input holds that is not kept is said in one warning; what cannot be read is named. Arguments: executable,
-# scratch folder.
+# One warning reports skipped content of an input; unreadable files are named. Arguments:
+# executable, scratch folder.
 set -u
 stipple=$1
 scratch=$2
@@ -37,7 +37,7 @@ open("house.ifc", "w").write("ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('IFC2X3'));\n
 open("part.igs", "w").write(" " * 72 + "S      1\n" + " " * 72 + "G      1\n")
 END
 
-# said FILE TEXT: its build ends well, with one warning that is TEXT
+# said FILE TEXT: its build succeeds with one warning, TEXT
 said()
 {
     "$stipple" build "$1" -o out.stip > out 2> err || fail "$1: $(cat err)"

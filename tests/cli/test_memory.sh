@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds under limits of memory: the same bytes for any of them and any number of threads, or one sentence.
+# Builds with memory limits: the same bytes for any limit and number of threads, or one sentence.
 # Arguments: executable, scratch folder.
 set -u
 mkdir -p "$2" && cd "$2" || exit 1
@@ -43,7 +43,7 @@ for threads in (1, 2, 3):
     assert open("limited.stip", "rb").read() == expected, threads
     os.remove("limited.stip")
 
-# too little: one sentence that says how much is needed, and that much is enough
+# too little: one sentence gives the required amount, which suffices
 done = build("limited.stip", "--threads", "1", "--memory", str(2 * MEGABYTE))
 assert done.returncode == 1 and done.stdout == "", (done.returncode, done.stdout)
 lines = done.stderr.splitlines()
@@ -55,7 +55,8 @@ if "needs about" in lines[0]: # where it was for surfels
     assert done.returncode == 0, (needed, done.stderr)
     assert open("limited.stip", "rb").read() == expected
 
-# what is built only to be drawn keeps to the limit as well: without one, as much as the machine has would be planned with
+# builds into the cache respect the limit as well: without it, they would plan with the machine's
+# memory
 environment = {**os.environ, "XDG_CACHE_HOME": os.path.abspath("cache")}
 done = subprocess.run([stipple, "render", "scene:power-plant,scale=0.1", "--memory", "32M", "--threads", "2", "--size", "320x180", "-o", "x.png", "--once"],
                       capture_output=True, text=True, env=environment)

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Sets of several methods: build, info, render, fly and bench name them, and say so where one is not there.
+# Sets of several methods: build, info, render, fly and bench name them, and report missing ones.
 # Arguments: executable, scratch folder, source folder.
 set -u
 stipple=$1
@@ -14,7 +14,7 @@ value() # FILE KEY: of a JSON object
 }
 command -v python3 > /dev/null || exit 77
 
-# methods that are none
+# invalid methods
 refused 2 'list of blue, spt, psp and stochastic' build scene:spheres -o a.stip --method zebra
 refused 2 'list of blue, spt, psp and stochastic' build scene:spheres -o a.stip --method blue,blue
 refused 2 'list of blue, spt, psp and stochastic' build scene:spheres -o a.stip --method ''
@@ -33,7 +33,7 @@ done
 "$stipple" info spt.stip --json > info.json
 [ "$(value info.json methods)" = "['spt']" ] || fail "info names $(value info.json methods)"
 
-# the default is the first; each is drawn by either backend, and differs from the other
+# the default is the first; each works on either backend, and differs from the other
 draw() # FILE NAME OPTIONS...
 {
     local file=$1 name=$2
@@ -52,7 +52,7 @@ draw blue.stip alone
 cmp -s first.png first_blue.png || fail "the default is not the first method"
 cmp -s first.png alone.png || fail "blue beside spt is not blue alone"
 cmp -s first.png first_spt.png && fail "spt draws what blue draws"
-# a model that is not built yet is built with the method asked for
+# a model that is not built yet is built with the requested method
 "$stipple" -q render scene:spheres,scale=0.2 --method spt -o model.png --size 64x48 --once --json > model.json ||
     fail "no picture of a model by spt"
 [ "$(value model.json method)" = spt ] || fail "the model is drawn by $(value model.json method)"
@@ -66,21 +66,21 @@ if draw both.stip gl --method spt --backend gl && [ -e gl.png ]; then
     "$stipple" compare first_spt.png gl.png --json > compare.json
     python3 -c 'import json; assert json.load(open("compare.json"))["ssim"] > 0.98' || fail "backends differ: $(cat compare.json)"
 fi
-# under a limit of memory, as of the whole
+# the same with a memory limit
 draw both.stip limited --method spt --memory 64M
 "$stipple" compare first_spt.png limited.png --json > compare.json
 python3 -c 'import json; assert json.load(open("compare.json"))["ssim"] > 0.99' || fail "resident sets differ: $(cat compare.json)"
-# splats alone; and those that face away too, behind which nothing else is seen
+# only splats; including those facing away, behind which nothing else is visible
 draw both.stip alone_spt --method spt --hybrid off --eye 0,0.5,2 --target 0,0,0
 [ "$(value alone_spt.json triangles)" = 0 ] || fail "--hybrid off draws triangles"
 refused 2 'hybrid' render both.stip -o a.png --method spt --hybrid maybe
-refused 2 'option of spt' bench frame --quick --backend gl
+refused 2 'only spt has --backend' bench frame --quick --backend gl
 draw both.stip all_sides --method spt --normal-clusters off
 "$stipple" compare first_spt.png all_sides.png --json > compare.json
 python3 -c 'import json; assert json.load(open("compare.json"))["ssim"] > 0.97' || fail "sides that face away are seen: $(cat compare.json)"
 "$stipple" render both.stip -o epsilon.png --size 200x150 --epsilon 3 --once --method spt || fail "--epsilon"
 cmp -s epsilon.png first_spt.png || fail "--epsilon is not --splat-size"
-# a floor of which triangles are not there: its splats stand for them without holes, at any size
+# a floor whose triangles are not drawn: its splats cover it without holes, at any size
 python3 - << 'END'
 with open("floor.obj", "w") as file:
     for z in range(81):
@@ -138,7 +138,7 @@ done
 # options of point trees only
 refused 2 'method spt' build floor.obj -o other.stip --error qsplat
 refused 2 'method spt' build floor.obj -o other.stip --color-threshold 3
-# so many splats
+# a fixed number of splats
 draw both.stip few --method spt
 "$stipple" render both.stip -o few.png --size 200x150 --splats 500 --method spt --once --json > few.json || fail "no 500 splats"
 [ "$(value few.json splats)" -le 500 ] || fail "$(value few.json splats) splats are not 500"

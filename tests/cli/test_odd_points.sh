@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# build, decimate, compare-splats and thumbnail on points that lie oddly: each gives a sensible result, or says one clear
-# sentence. Arguments: executable, scratch folder.
+# build, decimate, compare-splats and thumbnail on unusual point sets: each gives a sensible result
+# or one clear sentence. Arguments: executable, scratch folder.
 set -u
 stipple=$1
 # shellcheck source=/dev/null
@@ -31,7 +31,7 @@ END
 : > zero.ply
 : > zero.obj
 
-# whether a file of splats has COUNT of them or fewer, all of whose numbers are finite
+# whether a file has at most COUNT splats, all with finite numbers
 splats() # FILE MOST
 {
     python3 - "$1" "$2" << 'END' || fail "$1 is not of at most $2 finite splats"
@@ -72,7 +72,7 @@ for name in one two same line apart nan endless; do
         fail "the thumbnail of $name is empty: $(cat $name.json)"
 done
 
-# every method keeps all points in one place
+# every method keeps all points at one position
 for method in blue spt psp stochastic; do
     for name in one pair same; do
         "$stipple" -q build $name.ply --method $method -o $name.stip > /dev/null 2> err || fail "build $name by $method: $(cat err)"

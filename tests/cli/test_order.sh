@@ -16,7 +16,7 @@ run()
     [ "$code" = "$wanted" ] || fail "$*: exit $code, not $wanted: $(cat err)"
 }
 
-# a ball's 4000 points with normals and colours; its colours tell which point is which
+# a ball's 4000 points with normals and colours; colours identify the points
 python3 - << 'END'
 import math, struct
 count = 4000

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Which outputs are written, which are refused, and that none replaces an input; colours and axes. Arguments: executable,
+# Valid and invalid outputs; none replaces an input; colours and axes. Arguments: executable,
 # scratch folder.
 set -u
 stipple=$1
@@ -17,7 +17,7 @@ draw()
     "$stipple" render box.stip --size 64x48 --backend cpu -q "$@" || fail "render $*"
 }
 
-# pictures are what their name says
+# the name determines the picture format
 draw -o a.png
 draw -o a.PNG
 draw -o a.jpg
@@ -44,19 +44,19 @@ for name in x.glb x.GLTF x.obj x.png x.jpg x.step; do
 done
 "$stipple" build box.obj -o other.name -q || fail "a suffix of one's own"
 
-# nothing that is read is written over
+# no input is overwritten
 mkdir -p model && cp a.png model/skin.png
 printf 'newmtl m\nmap_Kd skin.png\n' > model/box.mtl
 { printf 'mtllib box.mtl\n'; cat box.obj; } > model/box.obj
 printf '{"asset": {"version": "2.0"}, "images": [{"uri": "skin.png"}]}' > model/empty.gltf
-refused 2 "is a part of model/box.obj, and would be written over" render model/box.obj -o model/skin.png
+refused 2 "is a part of model/box.obj and would be overwritten" render model/box.obj -o model/skin.png
 refused 2 "is a part of model/empty.gltf" render model/empty.gltf -o ./model/../model/skin.png
 cmp -s a.png model/skin.png || fail "a texture was written over"
 "$stipple" render model/box.obj -o model/other.png --size 32x24 -q || fail "a picture beside the model"
-refused 2 "written over" compare a.png a.PNG --map a.png
-refused 2 "written over" compare a.png a.PNG --difference a.PNG
-refused 2 "written over" capture box.obj -o box.obj
-refused 2 "written over" build box.obj -o ./box.obj
+refused 2 "would be overwritten" compare a.png a.PNG --map a.png
+refused 2 "would be overwritten" compare a.png a.PNG --difference a.PNG
+refused 2 "would be overwritten" capture box.obj -o box.obj
+refused 2 "would be overwritten" build box.obj -o ./box.obj
 
 # colours
 for color in '#4682b4' 4682b4 steelblue SteelBlue; do
@@ -68,10 +68,10 @@ draw -o white.png --background '#fff'
 draw -o named.png --background white
 cmp -s white.png named.png || fail "#fff is not white"
 ! cmp -s white.png first.png || fail "two colours are one"
-refused 2 "is no colour" render box.stip -o x.png --background '#12345'
-refused 2 "is no colour" render box.stip -o x.png --background steel
+refused 2 "is not a colour" render box.stip -o x.png --background '#12345'
+refused 2 "is not a colour" render box.stip -o x.png --background steel
 
-# --up of build: the bounds turn; of render: the picture does
+# --up of build turns the bounds, that of render the picture
 bounds()
 {
     "$stipple" build box.obj -o up.stip -q --fresh --up "$1" || fail "--up $1"
@@ -94,5 +94,5 @@ for pair in "z 0,0,1" "-x -1,0,0"; do
     cmp -s axis.png vector.png || fail "--up $1 is not $2"
 done
 refused 2 "neither an axis" render box.stip -o x.png --up up
-refused 2 "none of x|-x|y|-y|z|-z" build box.obj -o x.stip --up w
+refused 2 "not one of x|-x|y|-y|z|-z" build box.obj -o x.stip --up w
 exit $((failures > 0))

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Pictures of a model stay in the .stip as they came, once; what else there is becomes a lossless PNG. Arguments:
-# executable, scratch folder.
+# Pictures of a model are stored once, in their original form; other formats become a lossless PNG.
+# Arguments: executable, scratch folder.
 set -u
 mkdir -p "$2" && cd "$2" || exit 1
 command -v python3 > /dev/null || exit 77
@@ -85,7 +85,7 @@ run("render", "model.stip", *camera, "--memory", "32M", "-o", "memory.png")
 assert read("one.png") == read("three.png") == read("memory.png")
 assert len(set(read("one.png"))) > 100
 
-# TGA holds texels: they become a PNG, which is smaller
+# TGA is decoded: it becomes a PNG, which is smaller
 with open("tiles.tga", "wb") as file:
     file.write(struct.pack("<3B5x2h2H2B", 0, 0, 2, 0, 0, 256, 256, 24, 32))
     file.write(b"".join(bytes(reversed(texel(x, y))) for y in range(256) for x in range(256)))

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Attributes of points from a file to pictures: both backends, limits of memory, hidden classes, what info and picks tell, and what
-# is refused. Arguments: executable, scratch folder, source folder. STP_WRITE_GOLDEN=1 writes the golden pictures anew.
+# Attributes of points from files to pictures: both backends, memory limits, hidden classes, info
+# and picks, and errors. Arguments: executable, scratch folder, source folder. STP_WRITE_GOLDEN=1
+# rewrites the golden pictures.
 set -u
 stipple=$1 source=$3
 # shellcheck source=/dev/null
@@ -95,7 +96,7 @@ for mode in intensity elevation; do
     alike $mode.png "$golden" 40
 done
 
-# a range at one end makes all one colour; hidden classes leave nothing of themselves
+# a range at one end gives a single colour; hidden classes leave no trace
 draw houses.png --backend cpu --color class --classes 6 --json
 python3 - << 'END' || fail "hidden classes are drawn"
 import json
@@ -111,7 +112,7 @@ python3 -c 'import json; assert json.load(open("draw.json"))["covered_pixels"] =
 draw low.png --backend cpu --color time --range 1000,1040 --json
 python3 -c 'import json; assert json.load(open("draw.json"))["range"] == [1000.0, 1040.0]' || fail "--range is not told"
 
-# a picked point tells its attributes
+# a picked point has its attributes
 "$stipple" render hill.stip --pick 100,70 --size 200x140 --view top > pick.json || fail "no pick"
 python3 - << 'END' || fail "a pick tells no attributes: $(cat pick.json)"
 import json
@@ -120,7 +121,7 @@ assert pick["hit"] and set(pick["attributes"]) == {"intensity", "class", "class 
 assert abs(pick["attributes"]["time"] - 1000 - pick["position"][0]) < 1e-3
 END
 
-# elevation of what has no points: the lower end of a slope is violet, its upper end yellow
+# elevation of a mesh: the lower end of a slope is violet, its upper end yellow
 printf 'v 0 0 0\nv 10 0 0\nv 10 10 -5\nv 0 10 -5\nf 1 2 3 4\n' > slope.obj
 "$stipple" render slope.obj -o slope.png --color elevation --size 64x64 --view front --backend cpu --light head > log 2>&1 ||
     fail "elevation of a mesh: $(cat log)"
@@ -132,11 +133,11 @@ refused 1 "no intensity" render plain.stip -o out.png --color intensity
 refused 1 "no class" render plain.stip -o out.png --classes 2
 refused 1 "no source (they have intensity, class, return, time)" render hill.stip -o out.png --color source
 refused 1 "by psp have no intensity" render merged.stip -o out.png --color intensity --method psp
-refused 2 "--range is LO,HI" render hill.stip -o out.png --color intensity --range 5
-refused 2 "--range is LO,HI" render hill.stip -o out.png --color intensity --range 5,1
-refused 2 "--range is of use" render hill.stip -o out.png --color class --range 1,5
-refused 2 "--classes is N,N" render hill.stip -o out.png --classes 2,256
-refused 2 "--classes is N,N" render hill.stip -o out.png --classes ground
+refused 2 "--range must be LO,HI" render hill.stip -o out.png --color intensity --range 5
+refused 2 "--range must be LO,HI" render hill.stip -o out.png --color intensity --range 5,1
+refused 2 "--range requires" render hill.stip -o out.png --color class --range 1,5
+refused 2 "--classes must be N,N" render hill.stip -o out.png --classes 2,256
+refused 2 "--classes must be N,N" render hill.stip -o out.png --classes ground
 refused 2 "exclude each other" render hill.stip -o out.png --color elevation --filter ewa
 refused 2 "color" render hill.stip -o out.png --color reflectance
 [ $failures -eq 0 ]

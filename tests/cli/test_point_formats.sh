@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Point clouds and heights from the command line: what info says of each, named columns, axes, and what is refused.
-# Arguments: executable, scratch folder.
+# Point clouds and height tiles on the command line: info for each format, named columns, axes, and
+# errors. Arguments: executable, scratch folder.
 set -u
 stipple=$1
 # shellcheck source=/dev/null
@@ -33,7 +33,7 @@ open("bad.xyz", "w").write("1 2 3\n4 5\n6 7 8\n")
 open("bad.e57", "w").write("ASTM-E57" + "x" * 100)
 EOF
 
-# value FILE PYTHON: what `info --json` says of FILE, d
+# value FILE PYTHON: evaluates an expression about the JSON d of `info --json FILE`
 value()
 {
     "$stipple" info "$1" --json "${@:3}" 2> err | python3 -c "import json, sys; d = json.load(sys.stdin); print($2)"

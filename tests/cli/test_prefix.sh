@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Files cut anywhere: render, info and fly show what is there, with a notice, and pictures become better with every twentieth
-# of the file; check refuses them. Arguments: executable, scratch folder.
+# Truncated files: render, info and fly show the available part, with a notice, and pictures improve
+# with every twentieth of the file; check rejects them. Arguments: executable, scratch folder.
 set -u
 mkdir -p "$2" && cd "$2" || exit 1
 command -v python3 > /dev/null || exit 77
@@ -77,7 +77,7 @@ for name, source in models.items():
     good("build", source, "-o", f"{name}.stip", "--progress", "none")
     check_growth(name)
 
-# what the commands say of a file that was cut
+# messages about a truncated file
 size = os.path.getsize("statue.stip")
 whole = open("statue.stip", "rb").read()
 part = size // 3
@@ -105,14 +105,14 @@ done = run("fly", "cut.stip", "--path", "flight.json", "--json", "--size", "64x4
 if done.returncode != 0 or "showing the part that is there" not in done.stderr or not json.loads(done.stdout)["truncated"]:
     fail(f"fly of a cut file: {done.stderr}")
 
-# the same picture of the same bytes, whether the file ends there or is said to, and under a limit of memory
+# the same picture from the same bytes, for a truncated file, with --prefix, and with a memory limit
 good("render", "statue.stip", "--prefix", part, "-o", "said.png", *SIZE)
 good("render", "cut.stip", "--memory", "256M", "-o", "streamed.png", *SIZE)
 for other in ("said.png", "streamed.png"):
     if open(other, "rb").read() != open("cut.png", "rb").read():
         fail(f"{other} is another picture than cut.png")
 
-# cut anywhere: a picture or one sentence, and never more than that
+# any truncation: a picture or one sentence
 for length in [0, 1, 3, 4, 7, 8, 60, 127, 128, 129, 500, 2000, 5000, *range(10000, size, size // 5 + 1), size - 1]:
     open("any.stip", "wb").write(whole[:length])
     for command in (("render", "any.stip", "-o", "any.png", *SIZE), ("info", "any.stip")):

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# The scripts of bench/: what was measured is not measured again, what fails is told, parts of a table are merged, tables
-# get into a document. A script stands in for stipple. Arguments: executable, scratch folder, source folder.
+# The scripts of bench/: they resume measurements, report failures, merge parts of a table, and
+# update tables in documents. A script stands in for stipple. Arguments: executable, scratch folder,
+# source folder.
 set -u
 scratch=$2
 source=$3
@@ -70,7 +71,7 @@ proof 0 --only positions
 grep -q -- "--first 0" calls || fail "another program's positions go on: $(cat calls)"
 grep -q "30 x" work/proof.md || fail "proof.md: $(cat work/proof.md)"
 
-# the counts of one run and the times of another are one table
+# one table combines the counts of one run and the times of another
 python3 - << 'END' || fail "files to merge"
 import json
 def entry(**figures):

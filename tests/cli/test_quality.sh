@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Splats of sizes 1 to 24 have no holes, and cover as much as the originals, on models that are hard to draw so; clouds cover
-# as much however many of their points are drawn. Arguments: executable, scratch folder, source folder.
+# Splats of sizes 1 to 24 have no holes and cover as much as the originals, on difficult models;
+# clouds cover as much for any number of points. Arguments: executable, scratch folder, source
+# folder.
 set -u
 stipple=$1
 scratch=$2
@@ -17,10 +18,11 @@ for model in studs.obj wall.obj house.obj rubble.obj lattice.obj wire.obj tree.o
 done
 python3 - << 'END' || fail "splats differ too much from the originals"
 import json
-# of 26 directions together: most holes in 10,000 pixels of the interior, least and most covered area over the originals'
+# over 26 directions: maximum holes per 10,000 interior pixels, minimum and maximum covered area
+# relative to the original
 goals = {"studs": (10, 0.97, 1.08), "wall": (10, 0.97, 1.1), "house": (10, 0.97, 1.08), "rubble": (10, 0.97, 1.1), "lattice": (None, 0.8, 1.25),
          "wire": (10, 0.9, 1.1), "tree": (10, 0.9, 1.15), "cloud": (9, 0.98, 1.26)}
-# Not yet reached: bricks smaller than the disks stand alone at the border of a heap.
+# Not yet reached: bricks smaller than the disks are isolated at the border of a heap.
 known = {("rubble", 16): 30, ("rubble", 24): 120}
 bad = 0
 for name, (holes, least, most) in goals.items():
@@ -36,7 +38,7 @@ for name, (holes, least, most) in goals.items():
 assert bad == 0
 END
 
-# as a cloud's prefix doubles, what it covers does not fall by more than borders shrink
+# when a cloud's prefix doubles, its coverage falls by no more than its borders shrink
 "$stipple" build cloud.ply -o cloud.stip -q || fail "cloud.ply is not built"
 last=0
 for count in 2000 4000 8000 16000 32000; do

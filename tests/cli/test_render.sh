@@ -31,7 +31,7 @@ done
 cmp -s stdout.png iso.png || fail "standard output has another picture"
 "$stipple" render "$file" -o threads.png --size 32x32 --threads 1 || fail "--threads"
 cmp -s threads.png iso.png || fail "threads change the picture"
-# more threads than are of use do not have a picture each: 1024 of these would be 8 GB
+# useless threads get no picture of their own: 1024 of these would take 8 GB
 "$stipple" render "$file" -o large.png --size 1024x1024 || fail "large"
 "$stipple" render "$file" -o threads.png --size 1024x1024 --threads 1024 --memory 1536M || fail "1024 threads"
 cmp -s threads.png large.png || fail "1024 threads change the picture"
@@ -43,7 +43,7 @@ cmp -s effects.png effects2.png || fail "four accumulated frames are not --super
 "$stipple" render "$file" -o size1.png --size 32x32 --splat-size 1 --json > size1.json || fail "size 1"
 cmp -s one.png size1.png || fail "one accumulated frame is not the picture"
 grep -q '"samples": 1,' size1.json || fail "--splat-size has more than a sample a pixel: $(cat size1.json)"
-# without an option for quality, a picture is smooth
+# without a quality option, a picture is antialiased
 "$stipple" render "$file" -o sixteen.png --size 32x32 --splat-size 1 --accumulate 16 --json > sixteen.json || fail "16 samples"
 cmp -s sixteen.png iso.png || fail "a still is not the mean of 16 samples"
 grep -q '"samples": 16,' sixteen.json || fail "--accumulate 16 is not 16 samples: $(cat sixteen.json)"
@@ -104,7 +104,7 @@ for cached in cache/stipple/*; do # the same with a header that is whole
 done
 "$stipple" render ball.obj -o fifth.png --size 64x64 -q 2> err || fail "a damaged block: $(cat err)"
 cmp -s third.png fifth.png || fail "a damaged block changes the picture"
-# what needs no surfels is built without them, in a file of its own, until something needs them
+# without need for surfels, the build omits them, in a separate file, until they are needed
 rm -rf cache
 sheet=scene:one-mesh,scale=0.15
 "$stipple" render ball.obj -o original.png --size 64x64 --reference --json > original.json || fail "--reference of a model"
@@ -124,7 +124,7 @@ grep -q "picture.stip" err && fail "the build without surfels was preferred: $(c
 grep -q '"triangles": 0' quick.json || fail "the build with surfels is not used: $(cat quick.json)"
 
 echo "not a model" > text.xyzzy
-# What is a universe away is left out, and the rest is drawn; a picture of nothing says so.
+# Content at an extreme distance is skipped, and the rest is drawn; an empty picture is explained.
 cat > far.obj << 'END'
 o near
 v 0 0 0
@@ -153,7 +153,7 @@ for how in "" --reference; do
         fail "a far object makes the picture blank $how"
 done
 "$stipple" render far.stip -o far.png --size 40x30 --eye 0,0,9 --target 0,0,99 2> err || fail "$(cat err)"
-grep -q "far.stip: the picture is empty: nothing of the scene lies in the view" err ||
+grep -q "far.stip: the picture is empty: no part of the scene is in view" err ||
     fail "an empty picture is not explained: $(cat err)"
 
 refused 1 "text.xyzzy" render text.xyzzy -o a.png
@@ -168,16 +168,16 @@ refused 2 "--filter" render "$file" -o a.png --filter box
 refused 2 "--ambient-occlusion" render "$file" -o a.png --ambient-occlusion 99
 "$stipple" render -o eye.png --size 48x48 --eye-dome "$file" || fail "an option without its value before the file"
 refused 2 "--backend" render "$file" -o a.png --backend vulkan
-refused 2 "no colour" render "$file" -o a.png --background greenish
-refused 2 "names* a file" render "$file" -o - --json
+refused 2 "not a colour" render "$file" -o a.png --background greenish
+refused 2 "file name" render "$file" -o - --json
 refused 1 "nothing.stip" render nothing.stip -o a.png
 cp "$file" same.stip
 ln -s same.stip link.stip
-refused 2 "written over" render same.stip -o link.stip
+refused 2 "would be overwritten" render same.stip -o link.stip
 cmp -s "$file" same.stip || fail "render wrote over its scene"
 refused 2 "ortho" render "$file" -o a.png --ortho -5
 refused 2 "ortho" render "$file" -o a.png --ortho 0
-# an up that is given is the same as where it is the default: fitting a standard view leaves it alone
+# an explicit up equals the default: fitting a standard view does not change it
 "$stipple" render "$file" -o default_up.png --eye 3,2,5 --target 0,0,0 --size 32x24 -q || fail "no picture from an eye"
 "$stipple" render "$file" -o given_up.png --eye 3,2,5 --target 0,0,0 --up 0,1,0 --size 32x24 -q || fail "no picture with an up"
 cmp -s default_up.png given_up.png || fail "--up 0,1,0 turns the picture"

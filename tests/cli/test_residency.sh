@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Pictures and flights under limits of memory: those of the whole file where it fits, coarser without holes where not.
-# Arguments: executable, scratch folder.
+# Pictures and flights with memory limits: identical if the whole file fits, otherwise coarser
+# without holes. Arguments: executable, scratch folder.
 set -u
 mkdir -p "$2" && cd "$2" || exit 1
 command -v python3 > /dev/null || exit 77
@@ -113,8 +113,8 @@ assert sorted(figures) == ["damaged", "dropped", "frames_lacking", "limit_bytes"
 assert 0 < figures["peak_bytes"] <= 8 * 1024 * 1024 and figures["read_bytes"] > 0 and figures["damaged"] == 0, figures
 assert figures["resident_bytes"] <= figures["peak_bytes"], figures
 
-# what was loaded is not in the way of what is done with a picture: where there is room to draw, there is to write and, with
-# a megabyte for its sums, to let it rest; more memory is never too little
+# loaded data gives way to the work on a picture: if there is room to draw, there is room to write
+# and, with another megabyte for sums, to accumulate; more memory never fails
 where = (*views["near"], "--size", "240x160", "--threads", "1")
 with open("look.json", "w") as file:
     json.dump({"fov": 50, "keys": [{"t": 0, "eye": [40, 9, 60], "target": [90, 0, 80]}]}, file)
@@ -128,7 +128,7 @@ for more in range(0, 2 << 20, 1 << 18):
     done = run("render", "sheet.stip", "-o", "rests.png", *where, "--accumulate", "4", "--memory", str(limit + more + (1 << 20)))
     assert done.returncode == 0, (limit, more, done.stderr)
 
-# a damaged block is said once, and the rest is drawn
+# a damaged block is reported once, and the rest is drawn
 data = bytearray(open("sheet.stip", "rb").read())
 data[-1000] ^= 255
 open("damaged.stip", "wb").write(data)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds that are killed, run out of disk or change their input never lose work, and end with the same bytes.
-# Arguments: executable, scratch folder, source folder.
+# Builds that are killed, run out of disk or change their input never lose work, and give the same
+# bytes in the end. Arguments: executable, scratch folder, source folder.
 set -u
 mkdir -p "$2" && cd "$2" || exit 1
 command -v python3 > /dev/null || exit 77
@@ -100,11 +100,11 @@ whole = build("expected.stip", "model", "--threads", "1")
 assert whole["surfel_sets"] == 0 and whole["surfel_sets_made"] >= 5, whole
 expected = read("expected.stip")
 
-# killed at random moments, again and again
+# killed at random moments, repeatedly
 subprocess.run([sys.executable, f"{source}/scripts/check_resume.py", stipple, "random", "model.gltf", "--kills", "6", "--", "--surfels", "300"],
                check=True)
 
-# killed at each stage; what stood there before stays until the end
+# killed at each stage; an existing file stays until the end
 for stage, fraction in (("import", 0.0), ("partition", 0.0), ("surfels", 0.5), ("write", 0.0)):
     open("out.stip", "wb").write(b"what was there before")
     process = stop_at(stage, fraction, "out.stip", signal.SIGKILL)
@@ -119,7 +119,7 @@ for stage, fraction in (("import", 0.0), ("partition", 0.0), ("surfels", 0.5), (
     assert sorted(f for f in os.listdir() if f.startswith("out.stip")) == ["out.stip"], os.listdir()
     os.remove("out.stip")
 
-# a damaged result is made again; --fresh takes nothing over
+# a damaged result is recomputed; --fresh reuses nothing
 for fresh in (False, True):
     process = stop_at("write", 0.0, "out.stip", signal.SIGKILL)
     process.communicate()
@@ -133,7 +133,7 @@ for fresh in (False, True):
         assert read("out.stip") == expected
         os.remove("out.stip")
 
-# two builds of one file: the second one says so, and the first one does not suffer
+# two builds of one file: the second one reports it, and the first one is not affected
 process = stop_at("import", 0.0, "out.stip", signal.SIGSTOP)
 message = fails("out.stip", where="out.stip.work")
 assert "another build" in message, message
@@ -142,7 +142,7 @@ process.communicate()
 assert process.returncode == 0 and read("out.stip") == expected
 os.remove("out.stip")
 
-# a disk that is full: files end after so many bytes
+# a full disk: files end after a fixed number of bytes
 def limit_files(size):
     def apply():
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
@@ -157,7 +157,7 @@ kept = build("out.stip")
 assert kept["surfel_sets"] > 0 and read("out.stip") == expected, kept
 os.remove("out.stip")
 
-# a folder that may not be written to, a file where the work directory should be
+# a read-only folder, and a file in place of the work directory
 os.mkdir("closed")
 if os.geteuid() != 0: # nothing is forbidden to root
     os.chmod("closed", 0o555)
@@ -168,7 +168,7 @@ fails("closed/out.stip", where="closed/out.stip.work")
 assert read("closed/out.stip.work") == b"a letter"
 fails("missing/out.stip", where="missing/out.stip")
 
-# one part is another one: it and what contains it are made anew
+# one part changes: it and its ancestors are rebuilt
 kept = build("new.stip", "changed")
 assert kept["surfel_sets"] == 0, kept
 shutil.copy("expected.stip", "out.stip")

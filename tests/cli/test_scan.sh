@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# stipple scan: the same points in each format, with any number of threads, of scenes, models and .stip files; refusals.
-# Arguments: executable, scratch folder, source folder.
+# stipple scan: the same points in each format, with any number of threads, from scenes, models and
+# .stip files; errors. Arguments: executable, scratch folder, source folder.
 set -u
 stipple=$1
 # shellcheck source=/dev/null
@@ -15,7 +15,7 @@ refused 2 'needs one scene' scan -o a.las
 refused 2 'needs -o' scan scene:boxes
 refused 2 'a.xyz' scan scene:boxes -o a.xyz
 refused 2 'needs a .ply' scan scene:boxes -o a.las --truth
-refused 2 'not both' scan scene:boxes -o a.las --stations 2 --station 0,0,1
+refused 2 'exclude each other' scan scene:boxes -o a.las --stations 2 --station 0,0,1
 refused 2 'X,Y,Z' scan scene:boxes -o a.las --station 1,2
 refused 2 'stations' scan scene:boxes -o a.las --stations 0
 refused 2 'stations' scan scene:boxes -o a.las --stations 257
@@ -32,7 +32,7 @@ cmp -s one.ply before.ply || fail "the model was written over"
 refused 1 'memory' scan scene:boxes -o a.las --memory 1M
 [ ! -e a.las ] || fail "a refused call left a file"
 
-# each format holds the same points, read by its specification alone
+# each format holds the same points, read according to its specification only
 for ending in las ptx ply e57; do
     "$stipple" -q scan scene:boxes --stations 3 --resolution 2 --seed 4 -o boxes.$ending --json > boxes.json ||
         fail "$ending"
@@ -48,10 +48,10 @@ for ending in las ptx ply e57; do
     "$stipple" -q scan scene:boxes --airborne --stations 2 --resolution 1 -o air.$ending --json > air.json || fail "--airborne $ending"
 done
 python3 "$readers" air air.json air || fail "formats from the air"
-refused 2 'no --station' scan scene:boxes -o a.las --airborne --station 0,0,9
+refused 2 'excludes --station' scan scene:boxes -o a.las --airborne --station 0,0,9
 refused 1 'resolution' scan scene:boxes -o a.las --airborne --resolution 0.01 --height 0.001
 
-# the same bytes with any number of threads; others with another seed
+# the same bytes with any number of threads; different ones with another seed
 for threads in 1 3; do
     for ending in las e57; do
         "$stipple" -q scan scene:boxes --stations 3 --resolution 2 --seed 4 -o again.$ending --threads $threads || fail "--threads"
@@ -61,7 +61,7 @@ done
 "$stipple" -q scan scene:boxes --stations 3 --resolution 2 --seed 5 -o again.las || fail "--seed"
 ! cmp -s again.las boxes.las || fail "--seed changes nothing"
 
-# a cube's faces, seen from within, with the truth; from a scene in millimetres with z up
+# a cube's faces from within, with the truth; from a z-up scene in millimetres
 python3 - << 'END'
 corners = [(x, y, z) for x in (-2000, 2000) for y in (-3000, 3000) for z in (0, 4000)]
 faces = [(0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5)]
@@ -102,10 +102,10 @@ deviation = math.sqrt(sum(p["range_error"] ** 2 for p in points) / len(points))
 assert abs(mean) < 0.0006 and 0.0095 < deviation < 0.0105, (mean, deviation)
 END
 "$stipple" scan room.stip --station 0.5,-1,1.5 --range 0.5 -o none.las --json > none.json 2> none.err || fail "nothing near"
-grep -q 'no ray met' none.err || fail "an empty scan is not named: $(cat none.err)"
+grep -q 'no ray hit' none.err || fail "an empty scan is not named: $(cat none.err)"
 python3 -c 'import json; d = json.load(open("none.json")); assert d["points"] == 0 and d["bounds"] is None, d' || fail "$(cat none.json)"
 
-# what is built of a scan shows the scene
+# a build of a scan shows the scene
 "$stipple" -q build boxes.ply -o boxes.stip --up z || fail "build of a scan"
 "$stipple" info boxes.stip --json > info.json || fail "info"
 python3 -c 'import json; assert json.load(open("info.json"))["points"] == json.load(open("boxes.json"))["points"]' || fail "points"

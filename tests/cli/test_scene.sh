@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# stipple scene: lists, writes, and is understood by the other commands.
+# stipple scene: lists and writes scenes that the other commands understand.
 set -eu
 stipple=$1 scratch=$2
 rm -rf "$scratch"
@@ -24,7 +24,7 @@ grep -q '^  boxes ' out || fail "the list has no boxes"
 expect 0 "$stipple" scene --list --json
 python3 -c 'import json; assert any(s["name"] == "boxes" for s in json.load(open("out"))["scenes"])'
 
-# the documentation has a row for each, with its views
+# the documentation has a row for each scene, with its views
 python3 - "$stipple" "$3/docs/scenes.md" << 'PY'
 import json, subprocess, sys
 stipple, page = sys.argv[1], open(sys.argv[2]).read()

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# stipple scene -o FILE.glb|FILE.gltf: what is read back from the file is the scene as it is made directly.
-# Arguments: executable, scratch folder, source folder.
+# stipple scene -o FILE.glb|FILE.gltf: reading the file gives the same scene as generating it
+# directly. Arguments: executable, scratch folder, source folder.
 set -eu
 stipple=$1 scratch=$2 source=$3
 rm -rf "$scratch"
@@ -14,7 +14,8 @@ fail() {
     exit 1
 }
 
-# same NAME SCALE OPTIONS...: builds NAME directly, from a .glb and from a .gltf, and compares what they hold
+# same NAME SCALE OPTIONS...: builds NAME directly, from a .glb and from a .gltf, and compares the
+# content
 same() {
     local name=$1 scale=$2
     shift 2
@@ -38,7 +39,7 @@ direct, file = json.load(open("direct.txt")), json.load(open("file.txt"))
 used = lambda store: {tuple(sorted((k, str(v)) for k, v in store["materials"][mesh["material"]].items()))
                       for mesh in store["meshes"]}
 assert used(direct) == used(file), (sys.argv[1], "materials")
-# what is used by others is written out under the names of those, and cameras are nodes of their own
+# shared groups are written out under the names of their users, and cameras are separate nodes
 shown = lambda store: {o["name"] for o in store["objects"]} - {"production line", "plant, common part"}
 assert shown(direct) <= shown(file), (sys.argv[1], shown(direct) - shown(file))
 for a, b in zip(direct["views"], file["views"]):
@@ -65,7 +66,7 @@ forms=glb
 same car-factory 0.0001 --threshold 1000000000000
 same paper 0.0001 --threshold 1000000000000
 
-# a scene whose nodes are shared without bound has no file
+# a scene with excessively shared nodes cannot be written
 "$stipple" scene paper-huge --scale 0.001 -o huge.gltf 2> err && fail "paper-huge fits a file"
 [ "$(wc -l < err)" = 1 ] || fail "not one sentence: $(cat err)"
 [ ! -e huge.gltf ] || fail "a file is left"

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# scripts/test counts what crashed, what cannot be started, and what is not there as failed. Instead of builds there are
-# folders of tests, which the real ctest runs. Arguments: executable, scratch folder, source folder.
+# scripts/test counts crashed tests, tests that cannot be started, and missing ones as failed.
+# Folders of tests, run by the real ctest, stand in for builds. Arguments: executable, scratch
+# folder, source folder.
 set -u
 scratch=$2
 source=$3
@@ -14,8 +15,8 @@ printf '#!/bin/sh\nexit 0\n' | tee scripts/setup > bin/cmake
 printf '#!/bin/sh\ncd "$2" || exit 1\nshift 2\n[ ! -e dies ] || kill -KILL $$\nexec "$CTEST" "$@"\n' > bin/ctest
 chmod +x scripts/setup bin/cmake bin/ctest
 
-# counts LINE CODE: scripts/test ends so, with one test that passes in each build, one that the other build runs, and
-# what `change` makes of them
+# counts LINE CODE: scripts/test ends this way, with a test that passes in each build, one that only
+# the other build runs, and the changes made by `change`
 counts()
 {
     local line=$1 code=$2 got

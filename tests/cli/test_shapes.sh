@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Shapes of splats: squares and textures of opacity, by both methods, both backends and any number of threads.
-# Arguments: executable, scratch folder.
+# Shapes of splats: squares and opacity textures, with both methods, both backends and any number of
+# threads. Arguments: executable, scratch folder.
 set -u
 stipple=$1
 # shellcheck source=/dev/null
@@ -59,7 +59,7 @@ for method in blue spt; do
     cmp -s disks.png squares.png && fail "$method: squares are disks"
 done
 
-# opacities are divided by their sum: of one texel, whichever, all weights are the same
+# opacities are normalised by their sum: with a single texel, all weights are equal
 draw gauss --filter textured
 draw white --filter textured --splat-texture white.png
 draw black --filter textured --splat-texture black.png
@@ -84,7 +84,7 @@ END
 refused 2 "splat-shape" render both.stip -o a.png --splat-shape cube
 refused 2 "exclude" render both.stip -o a.png --splat-shape square --filter ewa
 refused 2 "exclude" fly both.stip --path path.json --splat-shape square --filter textured
-refused 2 "textured only" render both.stip -o a.png --splat-texture white.png
+refused 2 "requires --filter textured" render both.stip -o a.png --splat-texture white.png
 refused 1 "nothing.png" render both.stip -o a.png --filter textured --splat-texture nothing.png
 refused 1 "path.json" render both.stip -o a.png --filter textured --splat-texture path.json
 [ ! -e a.png ] || fail "a refused picture was written"

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# stipple sheet: the layout of pictures, plots of flights, refusals. Arguments: executable, scratch folder.
+# stipple sheet: the layout of pictures, plots of flights, errors. Arguments: executable, scratch
+# folder.
 set -u
 stipple=$1
 scratch=$2
@@ -7,7 +8,7 @@ rm -rf "$scratch"
 . "$(dirname "$0")/shared.sh"
 mkdir -p "$scratch" && cd "$scratch" || exit 1
 command -v python3 > /dev/null || exit 77
-# writes PNG files of one colour, and looks at pixels of the sheet
+# writes PNG files of one colour, and reads pixels of the sheet
 cat > png.py << 'END'
 import struct, sys, zlib
 def write(path, width, height, rgba):
@@ -35,7 +36,7 @@ for name, base in (('slow', 300.0), ('fast', 30.0)):
 [ "$(python3 -c "import png; print(*png.size('rows.png'))")" = "120 140" ] || fail "rows are not below each other"
 "$stipple" sheet red.png=caption -o caption.png --width 100 || fail "caption"
 [ "$(python3 -c "import png; print(*png.size('caption.png'))")" = "120 104" ] || fail "a caption has no room"
-# what is transparent is white: the same as a sheet of white
+# transparent areas are white: the same as a sheet of white
 python3 -c "import png; png.write('white.png', 200, 100, (255, 255, 255, 255))"
 "$stipple" sheet clear.png -o a.png && "$stipple" sheet white.png -o b.png && cmp -s a.png b.png || fail "transparency is not white"
 ! "$stipple" compare a.png caption.png > out 2>&1 || fail "sheets of other sizes are compared"
@@ -46,11 +47,11 @@ python3 -c "import png; png.write('white.png', 200, 100, (255, 255, 255, 255))"
 
 refused 2 "needs 1 to" sheet -o x.png
 refused 2 "needs -o" sheet red.png
-refused 2 "written over" sheet red.png -o red.png
+refused 2 "would be overwritten" sheet red.png -o red.png
 refused 2 "must end in .png" sheet red.png -o x.gif
 refused 1 "missing.png" sheet missing.png -o x.png
 echo '{}' > empty.json
-refused 1 "is not what stipple fly --json prints" sheet empty.json -o x.png
+refused 1 "expected the output of stipple fly --json" sheet empty.json -o x.png
 refused 1 "has no pictures" sheet / -o x.png
 [ ! -e x.png ] || fail "a refused sheet was written"
 exit $((failures > 0))

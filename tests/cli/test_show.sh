@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# What of a scene is shown: sections, hidden objects, ghosts, picking, saved viewpoints. Arguments: executable, scratch folder.
+# Visibility: sections, hidden objects, ghosts, picking, saved viewpoints. Arguments: executable,
+# scratch folder.
 set -u
 stipple=$1
 scratch=$2
@@ -53,7 +54,8 @@ expect()
     [ "$got" = "$wanted" ] || fail "$*: $got pixels are covered, not $wanted"
 }
 
-# filled WIDTH HEIGHT ARGUMENTS...: what is covered, in hundredths of the picture's width and height
+# filled WIDTH HEIGHT ARGUMENTS...: extent of the covered pixels, in percent of the picture's width
+# and height
 filled()
 {
     local wanted="$1 $2"
@@ -83,7 +85,7 @@ assert all(abs(g - float(w)) <= 1.5 for g, w in zip(got, sys.argv[1].split())), 
 END
 }
 
-# standard views fit what is shown, with margins of 4 %
+# standard views fit the visible objects, with margins of 4 %
 filled 92 92 --view front --isolate wall --size 100x100
 filled 46 92 --view front --isolate wall --size 200x100
 filled 46 92 --view front --isolate wall --section x:0 --size 100x100
@@ -113,7 +115,7 @@ done
 count=$(covered ghosts --isolate wall --ghost others)
 [ "$count" -gt 560 ] && [ "$count" -lt 800 ] || fail "others as ghosts: $count"
 
-# picking: what is where, and what is behind it
+# picking: the nearest object, and the one behind it
 pick()
 {
     show street.stip --size 120x40 --ortho 4 --eye 0,0,9 --target 0,0,0 "$@" > pick.json 2> err ||
@@ -165,7 +167,7 @@ same 'len(p["found"]) == 2 and p["found"][0]["name"] == "room" and p["found"][0]
 same 'p["found"][1]["children"] == 1 and p["found"][1]["index"] == 5'
 "$stipple" info street.stip --find nowhere > found || fail "finding nothing is no failure"
 [ ! -s found ] || fail "finds what is not there"
-# names may hold any bytes: JSON is UTF-8, and nothing steers a terminal
+# names may hold any bytes: JSON is UTF-8, and nothing controls a terminal
 printf 'o caf\351\033[2J\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > bytes.obj
 "$stipple" build bytes.obj -o bytes.stip --fresh > /dev/null 2> err || fail "bytes: $(cat err)"
 "$stipple" info bytes.stip --find caf > found || fail "find of any bytes"
@@ -190,9 +192,9 @@ show street.stip -o f.png --accumulate 1 --size 60x40 --eye 0,0,9 --target 0,0,0
 cmp -s f.png "$(find frames -name '*.png' | sort | head -n 1)" || fail "fly shows something else than render"
 
 refused 2 "no object named" render street.stip -o r.png --size 32x32 --hide attic
-refused 2 "--section is" render street.stip -o r.png --size 32x32 --section x
-refused 2 "--section is" render street.stip -o r.png --size 32x32 --section 0,0,0,1
-refused 2 "--section is" render street.stip -o r.png --size 32x32 --section x:1 --section x:a
-refused 2 "--section-box is" render street.stip -o r.png --size 32x32 --section-box 1,2,3
-refused 2 "--pick is" render street.stip -o r.png --size 32x32 --pick 7
+refused 2 "--section must be" render street.stip -o r.png --size 32x32 --section x
+refused 2 "--section must be" render street.stip -o r.png --size 32x32 --section 0,0,0,1
+refused 2 "--section must be" render street.stip -o r.png --size 32x32 --section x:1 --section x:a
+refused 2 "--section-box must be" render street.stip -o r.png --size 32x32 --section-box 1,2,3
+refused 2 "--pick needs" render street.stip -o r.png --size 32x32 --pick 7
 exit $((failures > 0))

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# --splats N draws exactly N splats of a set of psp, or all there are, also where several nodes share them; by both backends,
-# on any number of threads, of files that are read in part, in flights, and where parts are hidden.
-# Arguments: executable, scratch folder.
+# --splats N draws exactly N splats of a psp set, or all if there are fewer, even if several nodes
+# share them; on both backends, with any number of threads, for truncated files, in flights, and
+# with hidden parts. Arguments: executable, scratch folder.
 set -u
 stipple=$1
 # shellcheck source=/dev/null
@@ -15,7 +15,7 @@ value() # FILE KEY: of a JSON object
     python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))[sys.argv[2]])' "$1" "$2"
 }
 
-# a ball that rests, and one that moves: the picture has a set of each
+# a static ball and a moving one: the picture has a set of each
 python3 - << 'END'
 import base64, json, math, struct
 
@@ -102,12 +102,13 @@ for file in balls spheres; do
     done
 done
 
-# splats alone, also of what moves
+# only splats, even for moving parts
 for n in 1 7 1001; do
     [ "$(value cpu-$n.json triangles)" = 0 ] || fail "triangles beside $n splats"
 done
 
-# a part hidden: the sets of the others share the count; what has none is drawn by its triangles, and no more of it for fewer splats
+# with a hidden part, the other sets share the count; parts without a set are drawn by their
+# triangles, independent of the number of splats
 "$stipple" -q build scene:power-plant,scale=0.05 -o plant.stip --method blue,psp || fail "no build of the plant"
 for method in blue psp; do
     draw plant.stip none-hidden 300 --method $method
@@ -132,7 +133,7 @@ for method in blue psp; do
     [ "$(value limited.json splats)" = 300 ] || fail "$method: $(value limited.json splats) splats under a limit of memory"
 done
 
-# of a file that ends early, as many as its prefix has
+# for a truncated file, as many as its prefix has
 draw spheres.stip part 6000 --prefix 10%
 drawn=$(value part.json splats)
 if [ "$drawn" -lt 100 ] || [ "$drawn" -ge 6000 ]; then
@@ -142,7 +143,7 @@ draw spheres.stip part 50 --prefix 10%
 draw spheres.stip whole 50
 cmp -s part.png whole.png || fail "50 splats of a tenth of a file are others"
 
-# what compare-splats measures, and what flies by
+# compare-splats and fly
 "$stipple" compare-splats balls.stip balls.gltf --splats 1234 --json > compare.json || fail "compare-splats"
 [ "$(value compare.json splats)" = 1234 ] || fail "compare-splats takes $(value compare.json splats) splats"
 cat > path.json << 'END'

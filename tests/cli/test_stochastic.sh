@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Method stochastic: builds, pictures by both backends, cues, counts, prefixes, and what is refused.
+# Method stochastic: builds, pictures on both backends, cues, counts, prefixes, and errors.
 # Arguments: executable, scratch folder, source folder.
 set -u
 stipple=$1
@@ -37,11 +37,11 @@ with open("cloud.ply", "wb") as file:
     file.write(b"property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n")
     file.write(b"".join(struct.pack("<3f3B", *point) for point in points))
 END
-refused 2 'leaf-points is of use with --method stochastic' build cloud.ply -o a.stip --leaf-points 100
-refused 2 'leaf-flatness is of use with --method stochastic' build cloud.ply -o a.stip --leaf-flatness 0.001
+refused 2 'leaf-points requires --method stochastic' build cloud.ply -o a.stip --leaf-points 100
+refused 2 'leaf-flatness requires --method stochastic' build cloud.ply -o a.stip --leaf-flatness 0.001
 for option in "leaf-sample 100" "leaf-neighbors 6" "normal-neighbors 30"; do
     # shellcheck disable=SC2086
-    refused 2 "${option% *} is of use with --method stochastic" build cloud.ply -o a.stip --$option
+    refused 2 "${option% *} requires --method stochastic" build cloud.ply -o a.stip --$option
 done
 "$stipple" -q build cloud.ply -o cloud.stip --method stochastic || fail "no build"
 "$stipple" -q build cloud.ply -o other.stip --method stochastic --threads 1 --fresh || fail "no build by one thread"
@@ -52,7 +52,7 @@ for file in cloud finer; do
     "$stipple" -q check $file.stip || fail "$file.stip is wrong"
     python3 "$3/scripts/read_store.py" $file.stip > /dev/null || fail "the second reader refuses $file.stip"
 done
-# made again from what was there
+# rebuilt from existing results
 "$stipple" -q build cloud.ply -o cloud.stip --method stochastic || fail "no second build"
 cmp -s cloud.stip other.stip || fail "a build from a former output is another"
 
@@ -72,12 +72,12 @@ cmp -s all.png resident.png || fail "resident leaves give another picture"
 if draw gl --splat-size 3 --backend gl && [ -e gl.png ]; then
     alike all.png gl.png 0.98
 fi
-# exactly as many as are asked for
+# exactly the requested number
 for count in 1 77 3000 10000; do
     draw count --splats $count
     [ "$(value count.json splats)" = $count ] || fail "--splats $count draws $(value count.json splats)"
 done
-# each cue adds or takes away
+# each cue changes the number
 draw all --splat-size 3 --cues paper
 draw flat --splat-size 3 --cues edge,coverage,silhouette,occlusion
 draw inside --splat-size 3 --cues flatness,edge,coverage,occlusion
@@ -91,7 +91,7 @@ draw none --splat-size 3 --cues none
 refused 2 'list of flatness, edge' render cloud.stip -o a.png --cues zebra
 refused 2 'list of flatness, edge' render cloud.stip -o a.png --cues edge,edge
 refused 2 'list of flatness, edge' render cloud.stip -o a.png --cues ''
-# a file cut short is the whole scene
+# a truncated file shows the whole scene
 draw whole --splat-size 6
 for part in 20% 60%; do
     draw part --splat-size 6 --prefix $part
@@ -141,7 +141,7 @@ import json
 some, every = (json.load(open(name + ".json"))["covered_pixels"] for name in ("strip", "plain"))
 assert 0.1 * every < some < 0.2 * every, (some, every)' || fail "classes are not hidden"
 paint strip_gl --classes 6 --backend gl && alike strip.png strip_gl.png 0.98
-# beside another method, and of triangles
+# beside another method, and from triangles
 "$stipple" -q build scan.ply -o scan.stip --method blue,stochastic || fail "no build of a scan by two methods"
 "$stipple" -q check scan.stip || fail "scan.stip of two methods is wrong"
 paint beside --color intensity --method stochastic

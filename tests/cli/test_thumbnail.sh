@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# stipple thumbnail: pictures of meshes, clouds, scenes and .stip files; refusals. Arguments: executable, scratch folder.
+# stipple thumbnail: pictures of meshes, clouds, scenes and .stip files; errors. Arguments:
+# executable, scratch folder.
 set -u
 stipple=$1
 # shellcheck source=/dev/null
@@ -14,7 +15,7 @@ refused 2 'needs -o' thumbnail scene:boxes
 refused 2 'splats' thumbnail scene:boxes -o a.png --splats 0
 refused 2 'size' thumbnail scene:boxes -o a.png --size 5000x1
 refused 2 'not above' thumbnail scene:boxes -o a.png --view above
-refused 2 'name a file' thumbnail scene:boxes -o - --json
+refused 2 'file name' thumbnail scene:boxes -o - --json
 refused 2 'a.tga' thumbnail scene:boxes -o a.tga
 refused 1 'missing.obj' thumbnail missing.obj -o a.png
 refused 1 'nowhere' thumbnail scene:boxes -o nowhere/a.png
@@ -26,7 +27,7 @@ refused 2 'flat.obj' thumbnail flat.obj -o flat.obj
 cmp -s flat.obj before.obj || fail "the model was written over"
 [ ! -e a.png ] || fail "a refused call left a file"
 
-# of the same bytes with any number of threads; nothing is cached
+# the same bytes with any number of threads; nothing is cached
 for threads in 1 2 5; do
     "$stipple" -q thumbnail scene:boxes -o boxes-$threads.png --threads $threads --json > $threads.json ||
         fail "--threads $threads"
@@ -41,7 +42,7 @@ assert d["candidates"] > 20000 and d["seconds"] > 0 and d["peak_bytes"] > 1000, 
 END
 [ ! -e cache ] || fail "a thumbnail fills the cache"
 
-# like the original, and the outline is the same
+# similar to the original, with the same outline
 alike() # PICTURE REFERENCE LEAST: ssim_covered
 {
     "$stipple" compare "$1" "$2" --json > alike.json || fail "compare $1"
@@ -59,7 +60,7 @@ alike t.png top.png 0.9
 "$stipple" -q thumbnail scene:boxes -o - > piped.png || fail "to standard output"
 cmp -s piped.png boxes-1.png || fail "standard output gets another picture"
 
-# of a .stip, splats of psp where it has them; of the first method else
+# a .stip: splats of psp if it has them, else of the first method
 python3 - << 'END'
 import math
 with open("ball.obj", "w") as file:
@@ -83,7 +84,7 @@ assert d["way"] == "stored" and d["method"] == sys.argv[2] and 0 < d["splats"] <
 END
 done
 
-# a cloud is drawn whole: a grid of points leaves no hole within
+# a cloud has no holes: a grid of points is drawn closed
 python3 - << 'END'
 with open("grid.ply", "w") as file:
     file.write("ply\nformat ascii 1.0\nelement vertex 1600\nproperty float x\nproperty float y\nproperty float z\n"

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Exit codes, and what goes to which stream. Arguments: executable, scratch folder.
+# Exit codes, and the use of stdout and stderr. Arguments: executable, scratch folder.
 set -u
 stipple=$1
 scratch=$2
@@ -45,22 +45,22 @@ expect 2 '' "^stipple: --threads: '-1' is not a whole number$" compare --threads
 expect 2 '' "^stipple: --threads: '9999999' is not within 0 and 1024$" compare --threads=9999999
 expect 2 '' "^stipple: --threads: '99999999999999999999999' is not a whole number$" \
     compare --threads=99999999999999999999999
-expect 2 '' "^stipple: --completion: 'tcsh' is none of bash\|zsh\|fish$" help --completion tcsh
+expect 2 '' "^stipple: --completion: 'tcsh' is not one of bash\|zsh\|fish$" help --completion tcsh
 expect 2 '' '^stipple: compare needs two pictures' compare
-expect 2 '' '^stipple: compare needs two pictures, and got 3' compare a.png b.png c.png
+expect 2 '' '^stipple: compare needs two pictures, but got 3' compare a.png b.png c.png
 # after -- an option is an argument, and so is a single dash
-expect 2 '' '^stipple: compare needs two pictures, and got 1' compare -- --json
-expect 2 '' '^stipple: compare needs two pictures, and got 1' compare -
+expect 2 '' '^stipple: compare needs two pictures, but got 1' compare -- --json
+expect 2 '' '^stipple: compare needs two pictures, but got 1' compare -
 expect 2 '' '^stipple: only one picture can come from standard input' compare - -
-# what cannot be done is 1, with one sentence
+# failures exit with 1 and one sentence
 expect 1 '' '^stipple: missing.png: No such file or directory$' compare missing.png missing.png
 [ "$(wc -l < err)" -eq 1 ] || fail "one sentence expected: $(cat err)"
 # options may follow arguments, and flags may be joined
 expect 1 '' '^stipple: missing.png: ' compare missing.png -qv missing.png --json
-# the option after an unknown command is not looked at
+# the option after an unknown command is ignored
 expect 2 '' "^stipple: unknown command 'nope'" nope --json
 
-# a full disk and a reader that goes away are failures
+# a full disk and a closed pipe are failures
 if [ -w /dev/full ]; then
     "$stipple" help > /dev/full 2> err
     [ $? -eq 1 ] || fail "a full disk should give exit 1"

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# What stipple view draws: standard views, hidden parts, sections, sizes of the window; compared with stipple render and
-# with the other backend. Arguments: executable, scratch folder. VIEW_BACKEND=gl: OpenGL draws. Waits for what --report
-# says; nothing depends on how long anything takes.
+# Pictures of stipple view: standard views, hidden parts, sections, window sizes; compared with
+# stipple render and with the other backend. Arguments: executable, scratch folder. VIEW_BACKEND=gl:
+# OpenGL draws. The test waits for the state in --report; it does not depend on timing.
 set -u
 . "$(dirname "$0")/view_window.sh"
 
-# the picture in the window is that of stipple render
+# the picture in the window equals that of stipple render
 open_viewer scene:boxes --backend "$drawn_by"
 wait_until 'r["rests"] and picture["complete"]'
 if ! "$python" -S -E "$here/view_report.py" report.json "r['backend'] == '$drawn_by'" && [ "$drawn_by" = gl ]; then
@@ -41,7 +41,7 @@ wait_until 'r["rests"] and near(camera["eye"][2], 0) and camera["eye"][0] > 1'
 xdotool key 9
 wait_until 'r["rests"] and near((camera["eye"][0] - camera["target"][0]) / (camera["eye"][1] - camera["target"][1]), 1.25)'
 
-# a click on a surface chooses the part and the pivot; Escape chooses nothing
+# a click on a surface selects the part and sets the pivot; Escape clears the selection
 xdotool mousemove 320 200 click 1
 wait_until 'r["rests"] and camera["pivot_chosen"] and tools["chosen"] != ""'
 keep
@@ -51,12 +51,12 @@ wait_until 'r["rests"] and near((camera["eye"][0] - camera["target"][0]) / (came
 xdotool mousemove 320 200 click 1
 wait_until 'r["rests"] and camera["pivot_chosen"] and tools["chosen"] != ""'
 keep
-# F frames the part, Home everything
+# F fits the part, Home everything
 xdotool key f
 wait_until 'r["rests"] and camera["reach"] < 0.6 * k["camera"]["reach"]'
 xdotool key Home
 wait_until 'r["rests"] and near(camera["reach"], k["camera"]["reach"]) and tools["chosen"] == ""'
-# what is hidden is not in the picture, nor in the way of the next click
+# hidden parts are not in the picture and do not block clicks
 shot all_parts.png
 xdotool mousemove 320 200 click 1
 wait_until 'r["rests"] and tools["chosen"] == k["tools"]["chosen"]'
@@ -81,18 +81,18 @@ xdotool key k
 wait_until 'r["rests"] and tools["section_planes"] == 6'
 xdotool key k
 wait_until 'r["rests"] and tools["section_planes"] == 0'
-# a saved picture is that of stipple render
+# a saved picture equals that of stipple render
 xdotool key F12
 wait_until 'r["rests"] and tools["shot"] != ""'
 mv pictures/Stipple/boxes-001.png shot.png || fail "no saved picture"
 "$stipple" compare shot.png shot.png > out || fail "the saved picture is no PNG"
-# the other way gives the same, where OpenGL is available
+# the other backend gives the same, if OpenGL is available
 shot before.png
 xdotool key b
 wait_until "r['rests'] and (r['backend'] == '$other_way' or 'not available' in r['message'])"
 shot after.png
 same before.png after.png 0.97
-# where nothing is to be seen, the picture says why, whoever draws
+# an empty picture is explained, with either backend
 for way in other first; do
     search_for boxes
     wait_until 'tools["found"] == 1'
@@ -109,9 +109,9 @@ for way in other first; do
 done
 xdotool key Home 1
 wait_until 'r["rests"] and near(camera["eye"][0], 0) and tools["chosen"] == ""'
-# what is said comes before what was said, and hides nothing
+# a new message comes before older ones, and hides none
 xdotool key v
-wait_until '"last until" in r["message"]'
+wait_until '"kept until" in r["message"]'
 # a window of another size
 xdotool windowsize "$window" 520 360
 wait_until 'r["rests"] and picture["width"] == 520 and picture["height"] == 360'

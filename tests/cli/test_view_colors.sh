@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Colours of points in the viewer: those that were asked for are shown at once, a file without the attribute says so, and the panel
-# draws. Arguments: executable, scratch folder.
+# Colours of points in the viewer: requested colours are shown at once, a file without the attribute
+# gives a message, and the panel is drawn. Arguments: executable, scratch folder.
 set -u
 . "$(dirname "$0")/view_window.sh"
 python3 - << 'END'
@@ -31,7 +31,7 @@ for memory in "" "--memory 512M"; do
     close_viewer
 done
 same intensity.png "intensity--memory 512M.png" 0.99
-# however soon the scene is there, the first camera fits beside the panels
+# however early the scene is ready, the first camera fits beside the panels
 "$python" -S -E -c 'import json; one, other = (json.load(open(f"first{m}.json"))["camera"] for m in ("", "--memory 512M"))
 assert one == other, (one, other)' || fail "first cameras differ"
 open_viewer scan.stip --backend "$drawn_by" --color elevation --classes 6 --point-size 4px

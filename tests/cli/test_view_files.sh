@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# stipple view with files of all kinds: broken, growing, dropped, cut short, of strange names, under a limit of memory.
-# Arguments: executable, scratch folder.
+# stipple view with all kinds of files: broken, growing, dropped, truncated, with unusual names,
+# with a memory limit. Arguments: executable, scratch folder.
 set -u
 . "$(dirname "$0")/view_window.sh"
 
-# files that cannot be shown are said to be so in the window
+# the window reports files that cannot be shown
 printf 'not a model' > broken.glb
 for file in missing.stip broken.glb; do
     open_viewer $file --backend cpu
@@ -29,7 +29,7 @@ with open("ball.obj", "w") as out:
 END
 open_viewer ball.obj --backend cpu
 wait_until 'r["loading"] == "done" and r["rests"] and picture["complete"]'
-# viewpoints lie beside the model
+# viewpoints are stored beside the model
 xdotool key 1
 wait_until 'r["rests"] and near(camera["eye"][0], 0)'
 xdotool key v
@@ -40,7 +40,7 @@ open_viewer ball.obj --backend cpu
 wait_until 'r["loading"] == "done" and r["rests"] and tools["views"] == 1'
 close_viewer
 "$stipple" render ball.obj --view "View 1" --backend cpu -o view.png --size 64x64 -q || fail "the viewpoint cannot be rendered"
-# files fall onto a window: one that shows nothing yet, and one that shows another
+# files are dropped onto an empty window and onto one with a scene
 cp ball.obj "a ball%20.obj"
 open_viewer --backend cpu
 for file in "a ball%20.obj" ball.obj; do
@@ -51,7 +51,7 @@ for file in "a ball%20.obj" ball.obj; do
     fi
 done
 close_viewer
-# a viewpoint brings its box back as a box, further planes, and what is hidden; names may be anything
+# a viewpoint restores its box as a box, further planes, and hidden parts; names may be anything
 python3 - << 'END'
 import json
 views = json.load(open("ball.views.json"))
@@ -98,7 +98,7 @@ check "the camera stays where it was" 'distance(camera["eye"], k["camera"]["eye"
 check "the whole is there" 'r["stores"] >= 3 and r["complete"]'
 ls cache/stipple/*-draft* > out 2> /dev/null && fail "a draft is kept that nobody needs any more: $(cat out)"
 close_viewer
-# in two windows at once: the second waits for what the first builds, and leaves it its drafts
+# two windows at once: the second waits for the first one's build and does not remove its drafts
 sed 's/^v 0 .*/v 0 1 0/' large.obj > shared.obj
 open_viewer shared.obj --backend cpu
 wait_until 'r["stores"] > 0'
@@ -118,7 +118,7 @@ wait_until 'r["loading"] == "done" and r["rests"] and picture["complete"]'
 check "nothing was missing" 'r["message"] == ""'
 xdotool windowfocus "$window"
 close_viewer
-# what a killed window left goes
+# leftovers of a killed window are removed
 draft=$(ls -t cache/stipple/*.stip | head -1)
 draft=${draft%.stip}-draft.stip
 echo left > "$draft"
@@ -134,7 +134,8 @@ xdotool key p
 wait_until 'r["rests"] and r["parts"]'
 shot letters.png
 close_viewer
-# names of any bytes: they are reported, and viewpoints are kept without the parts that no file of texts can name
+# names with any bytes: they are reported, and viewpoints are saved without parts whose names are
+# not valid text
 python3 - << 'END' || exit 1
 ball = [line for line in open("ball.obj", "rb") if not line.startswith(b"o ")]
 long = "\u00e9" * 600
@@ -151,7 +152,7 @@ for file in bytes long; do
     xdotool mousemove 320 200 click 1
     wait_until 'r["rests"] and tools["chosen"] != ""'
     xdotool key x v
-    wait_until 'r["rests"] and tools["marks"] == 1 and tools["views"] == 1 and "too long or not UTF-8: 1 parts" in r["message"]'
+    wait_until 'r["rests"] and tools["marks"] == 1 and tools["views"] == 1 and "1 parts saved as visible" in r["message"]'
     close_viewer
     grep -q '"View 1"' $file.views.json || fail "the viewpoint of $file.obj is not kept"
 done
@@ -159,11 +160,11 @@ done
 printf 'solid none\nendsolid none\n' > none.stl
 open_viewer none.stl --backend cpu
 wait_until 'r["loading"] == "done" and r["rests"]'
-check "nothing is said to be in it" '"nothing" in r["message"]'
+check "nothing is said to be in it" '"no visible content" in r["message"]'
 xdotool key f x k v m F12 1 5
 wait_until 'r["rests"]'
 close_viewer
-# a file that another program cuts short while it is shown: one sentence, whenever it is needed again
+# a file that another program truncates while it is shown: one sentence, whenever it is read again
 "$stipple" build ball.obj -o short.stip -q || fail "ball.obj cannot be built"
 open_viewer short.stip --backend cpu
 wait_until 'r["loading"] == "done" and r["rests"]'
@@ -191,13 +192,13 @@ wait_until 'r["loading"] == "done" and r["rests"] and picture["complete"]'
 shot hardware.png
 close_viewer
 same software.png hardware.png 0.9
-# under a limit of memory
+# with a memory limit
 open_viewer ball.obj --backend cpu --memory 64M
 wait_until 'r["loading"] == "done" and r["rests"] and picture["complete"]'
 xdotool key F12
 wait_until 'tools["shot"].endswith(".png") and r["rests"]'
 close_viewer
-# which holds for saved pictures, too
+# which also applies to saved pictures
 sed -i 's/"shot_width": [0-9]*/"shot_width": 8192/; s/"shot_height": [0-9]*/"shot_height": 8192/' config/stipple/viewer.json
 open_viewer ball.obj --backend cpu --memory 64M
 wait_until 'r["loading"] == "done" and r["rests"] and picture["complete"]'

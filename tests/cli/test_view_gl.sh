@@ -1,4 +1,4 @@
 #!/usr/bin/env bash
-# What a hand does in the viewer's window, with OpenGL drawing: see test_view.sh.
+# Tests interaction in the viewer's window with OpenGL drawing: see test_view.sh.
 # Arguments: executable, scratch folder.
 VIEW_BACKEND=gl exec bash "$(dirname "$0")/test_view.sh" "$@"

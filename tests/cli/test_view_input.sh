@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# What the mouse and the keys do in stipple view: orbit, wheel, pan, look, flight, the view cube, search, measuring,
-# recorded flights, panels. None of it depends on what draws. Arguments: executable, scratch folder. Waits for what
-# --report says; nothing depends on how long anything takes.
+# Mouse and keys in stipple view: orbit, wheel, pan, look, flight, the view cube, search, measuring,
+# recorded flights, panels. All of it is independent of the backend. Arguments: executable, scratch
+# folder. The test waits for the state in --report; it does not depend on timing.
 set -u
 . "$(dirname "$0")/view_window.sh"
 
@@ -13,30 +13,31 @@ xdotool key f
 wait_until 'r["rests"] and picture["complete"]'
 xdotool key 9
 wait_until 'r["rests"] and near((camera["eye"][0] - camera["target"][0]) / (camera["eye"][1] - camera["target"][1]), 1.25)'
-# orbit: the distance to the pivot stays; the picture is another
+# orbit: the distance to the pivot stays; the picture changes
 keep
 drag 1 320 200 400 220
 wait_until 'r["rests"] and distance(camera["eye"], k["camera"]["eye"]) > 0.1'
 check "orbit" 'near(distance(camera["eye"], camera["pivot"]), distance(k["camera"]["eye"], k["camera"]["pivot"]))'
 shot orbit.png
-# the wheel comes nearer, and what is under the cursor stays: the middle of the picture shows the middle of a box
+# the wheel zooms in, and the point under the cursor stays: the centre of the picture shows the
+# centre of a box
 keep
 xdotool mousemove 320 200 click 4
 wait_until 'r["rests"] and camera["reach"] < k["camera"]["reach"]'
 xdotool click 5
 wait_until 'r["rests"] and near(camera["reach"], k["camera"]["reach"])'
 check "wheel back and forth" 'distance(camera["eye"], k["camera"]["eye"]) < 0.05'
-# sideways: the gaze stays
+# panning: the direction stays
 keep
 drag 2 320 200 350 170
 wait_until 'r["rests"] and distance(camera["eye"], k["camera"]["eye"]) > 0.01'
 check "pan" 'distance(camera["up"], k["camera"]["up"]) < 1e-9'
-# the head turns: the eye stays
+# looking around: the eye stays
 keep
 drag 3 320 200 250 200
 wait_until 'r["rests"] and distance(camera["target"], k["camera"]["target"]) > 0.1'
 check "look" 'distance(camera["eye"], k["camera"]["eye"]) < 1e-9'
-# flight: as long as the key is held
+# flight: while the key is held
 for key in w s a d q e; do
     keep
     xdotool keydown $key
@@ -46,11 +47,11 @@ for key in w s a d q e; do
 done
 xdotool key 9
 wait_until 'r["rests"] and near((camera["eye"][0] - camera["target"][0]) / (camera["eye"][1] - camera["target"][1]), 1.25)'
-# a click on a surface chooses the part and the pivot; Escape chooses nothing
+# a click on a surface selects the part and sets the pivot; Escape clears the selection
 xdotool mousemove 320 200 click 1
 wait_until 'r["rests"] and camera["pivot_chosen"] and tools["chosen"] != ""'
 keep
-# sides of the view cube turn the camera there, and the scale bar fits into the picture
+# clicks on the view cube turn the camera, and the scale bar fits into the picture
 xdotool key Escape Tab
 wait_until 'r["rests"] and r["panels"] and r["guides"] and "front" in r["guides"]["cube"]'
 check "a scale bar" '0 < r["guides"]["scale_bar"]["pixels"] <= 160 and r["guides"]["scale_bar"]["length"] > 0'
@@ -79,7 +80,7 @@ wait_until 'r["rests"] and not r["panels"] and near((camera["eye"][0] - camera["
 xdotool mousemove 320 200 click 1
 wait_until 'r["rests"] and camera["pivot_chosen"] and tools["chosen"] != ""'
 keep
-# a part is found by its name
+# search finds a part by its name
 search_for "BOX 1"
 search_for "BOX 15"
 wait_until 'tools["found"] == 1'
@@ -93,7 +94,7 @@ xdotool key Tab
 wait_until 'r["rests"] and not r["panels"] and picture["width"] == 640'
 xdotool key Home
 wait_until 'r["rests"] and near(camera["reach"], k["camera"]["reach"]) and tools["chosen"] == ""'
-# measuring: two clicks are two points, one of which goes again
+# measuring: two clicks add two points, one of which is removed again
 xdotool key m
 wait_until 'tools["measures"]'
 xdotool mousemove 320 200 click 1
@@ -105,7 +106,7 @@ xdotool key BackSpace
 wait_until 'len(tools["points"]) == 1'
 xdotool key BackSpace Escape
 wait_until 'not tools["measures"] and r["rests"]'
-# a flight is recorded, and stipple fly can fly it
+# a recorded flight can be flown by stipple fly
 xdotool key r
 wait_until 'tools["records"]'
 keep

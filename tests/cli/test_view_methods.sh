@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# A file with the splats of several methods in the viewer: the one asked for is drawn, a key goes on to the next, and the choice
-# is kept. Arguments: executable, scratch folder.
+# A file with several methods in the viewer: the requested one is drawn, a key switches to the next,
+# and the choice is kept. Arguments: executable, scratch folder.
 set -u
 . "$(dirname "$0")/view_window.sh"
 "$stipple" -q build scene:spheres,scale=0.2 -o both.stip --method blue,spt || exit 1
@@ -18,7 +18,7 @@ close_viewer
 open_viewer both.stip --backend cpu
 wait_until 'r["rests"] and r["method"] == "spt"'
 close_viewer
-# a file without it says so
+# a file without the method gives a message
 "$stipple" -q build scene:spheres,scale=0.2 -o blue.stip || exit 1
 open_viewer blue.stip --method spt --backend cpu
 wait_until 'r["rests"] and r["method"] == "blue" and "not by spt" in r["message"]'

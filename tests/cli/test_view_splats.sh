@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
-# How many splats are drawn, chosen in the viewer: by an option, on the slider, typed, by keys. What is drawn is what was chosen,
-# whoever draws, and while the camera moves. Arguments: executable, scratch folder.
+# A fixed number of splats in the viewer: by an option, with the slider, typed, and by keys. The
+# chosen number is drawn with either backend, and while the camera moves. Arguments: executable,
+# scratch folder.
 set -u
 VIEW_SIZE=700x520
 . "$(dirname "$0")/view_window.sh"
 
-# place NAME X Y: a point of a widget, in parts of its box
+# place NAME X Y: a point of a widget, as fractions of its box
 place()
 {
     "$python" -S -E -c 'import json, sys
@@ -13,7 +14,7 @@ x0, y0, x1, y1 = json.load(open("report.json"))["splats"]["places"][sys.argv[1]]
 print(round(x0 + (x1 - x0) * float(sys.argv[2])), round(y0 + (y1 - y0) * float(sys.argv[3])))' "$@"
 }
 
-# drawn COUNT: an expression; so many splats are drawn, and the picture becomes as fine as can be
+# drawn COUNT: an expression; COUNT splats are drawn, and the picture reaches full quality
 drawn()
 {
     wait_until "r['splats']['count'] == $1 and r['rests'] and picture['complete'] and picture['samples'] == 4"
@@ -26,7 +27,7 @@ open_viewer all.stip --backend cpu --splats 500
 wait_until 'r["rests"] and picture["complete"]'
 check "there are more" 'r["splats"]["all"] > 10000'
 drawn 500
-# the slider: two at its left end, all at the right one, the square root of their product in the middle
+# the slider: two at its left end, all at the right one, their geometric mean in the middle
 xdotool key F2
 wait_until 'r["page"] == "quality" and "slider" in r["splats"]["places"]'
 set -- $(place slider 0.01 0.5)
@@ -39,7 +40,7 @@ xdotool mousemove "$1" "$2" click 1
 drawn 'r["splats"]["all"]'
 shot all.png
 other two.png all.png 0.95
-# while the hand holds it
+# while the slider is dragged
 xdotool mousedown 1
 for part in 0.2 0.7 0.5; do
     keep
@@ -50,7 +51,7 @@ done
 xdotool mouseup 1
 drawn 'r["splats"]["count"]'
 check "steps are factors" '0.5 < r["splats"]["count"] / (2 * r["splats"]["all"]) ** 0.5 < 2'
-# a number that is typed, and others than there are
+# a typed number, including numbers out of range
 set -- $(place field 0.1 0.5)
 xdotool mousemove "$1" "$2" click 1
 wait_until 'tools["types"]'
@@ -60,7 +61,7 @@ xdotool key Return
 wait_until 'not tools["types"]'
 drawn 1234
 xdotool mousemove 400 300
-# keys: twice and half as many, and by a twentieth
+# keys: twice, half, and steps of a twentieth
 xdotool key Prior
 drawn 2468
 xdotool key Next
@@ -78,14 +79,14 @@ for more in 2 5 9; do
 done
 xdotool keyup s
 drawn 1231
-# by size, and back to as many as that gave, but no more than there are
+# by size, and back to the number that this gave, but at most all
 xdotool key Home
 wait_until 'r["rests"] and picture["complete"]'
 xdotool key c
 wait_until 'r["splats"]["count"] == 0 and r["rests"] and picture["complete"] and picture["splats"] > 1231'
 xdotool key c
 drawn 'min(r["splats"]["all"], k["splats"]["all"])'
-# other methods: at most so many of spt, exactly so many of psp
+# other methods: at most the number for spt, exactly the number for psp
 xdotool key Next Next Next
 drawn 'r["splats"]["all"] // 8'
 xdotool key n
@@ -99,14 +100,14 @@ wait_until 'r["method"] == "blue" and (r["backend"] == "gl" or "not available" i
 check "so many by OpenGL, too" 'picture["splats"] == r["splats"]["count"] == r["splats"]["all"] // 8'
 keep
 close_viewer
-# it is kept; a budget that is asked for is kept to
+# the number is kept; an explicit budget applies
 open_viewer all.stip --backend cpu
 wait_until 'r["rests"] and picture["complete"] and r["splats"]["count"] == k["splats"]["count"]'
 close_viewer
 open_viewer all.stip --backend cpu --budget-ms 100
 wait_until 'r["rests"] and picture["complete"] and r["splats"]["count"] == 0'
 close_viewer
-# original triangles have no splats to count, unless their number is asked for
+# original triangles have no splats to count, unless a number is requested
 printf '{"samples": 2, "method": 3, "splat_count": 700}' > config/stipple/viewer.json
 "$stipple" -q build scene:boxes -o few.stip || exit 1
 open_viewer few.stip --backend cpu

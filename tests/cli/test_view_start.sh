@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# stipple view without a file: the start page, its dialog and recent files; and section handles that a hand drags.
-# Arguments: executable, scratch folder.
+# stipple view without a file: the start page, its dialog and recent files; and dragging section
+# handles. Arguments: executable, scratch folder.
 set -u
 . "$(dirname "$0")/view_window.sh"
 
@@ -17,7 +17,7 @@ xdotool key ctrl+o
 wait_until 'r["start"]["dialog"] and tools["types"]'
 shot dialog.png
 other start.png dialog.png 0.99
-# what is not there is said, and the dialog stays
+# a missing file gives a message, and the dialog stays
 xdotool type "missing.obj"
 wait_until 'r["start"]["typed"] == "missing.obj"'
 xdotool key Return
@@ -39,7 +39,7 @@ wait_until "r['file'] == '$here_path/models/corner.obj' and r['loading'] == 'don
 check "the dialog is gone" 'not r["start"]["dialog"] and not r["start"]["shown"]'
 check "it is recent" "r['start']['recent'] == ['$here_path/models/corner.obj']"
 
-# a section plane follows the hand along its normal
+# a section plane follows the mouse along its normal
 xdotool key F3
 wait_until 'r["rests"] and r["page"] == "section" and r["handles"] == []'
 xdotool key k
@@ -57,7 +57,7 @@ shot dragged.png
 other box.png dragged.png 0.995
 close_viewer
 
-# the next window knows the file; one that is gone leaves the list
+# the next window knows the file; a missing file is removed from the list
 open_viewer models/other.obj --backend cpu
 wait_until 'r["loading"] == "done" and r["rests"]'
 check "two are recent" 'len(r["start"]["recent"]) == 2 and r["start"]["recent"][0].endswith("other.obj")'
@@ -67,7 +67,7 @@ wait_until 'r["start"]["shown"] and len(r["start"]["recent"]) == 2 and r["rests"
 shot recent.png
 rm models/other.obj
 xdotool key ctrl+1
-wait_until '"no such file" in r["message"] and len(r["start"]["recent"]) == 1'
+wait_until '"no longer exists" in r["message"] and len(r["start"]["recent"]) == 1'
 xdotool key ctrl+1
 wait_until 'r["file"].endswith("corner.obj") and r["loading"] == "done" and r["rests"]'
 close_viewer

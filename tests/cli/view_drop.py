@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""view_drop.py WINDOW FILE: lets a file fall onto a window, as a file manager does (XDND, version 5). Exit 77 without libX11;
-1 where the window does not take it."""
+"""view_drop.py WINDOW FILE: drops a file onto a window, like a file manager (XDND, version 5). Exits with
+77 without libX11, and with 1 if the window rejects the file."""
 import ctypes
 import ctypes.util
 import os

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""view_report.py REPORT CONDITION [rests]: whether a condition holds of what `stipple view --report` wrote; exit 1 where
-not. With `rests`: exit 2 where it does not and the viewer rests, so that nothing will change by itself.
-Without a condition: the camera as options of `stipple render`."""
+"""view_report.py REPORT CONDITION [rests]: evaluates a condition about the output of
+`stipple view --report`; exits with 1 if it is false. With `rests`: exits with 2 if it is false and
+the viewer rests, so that nothing will change by itself. Without a condition: prints the camera as
+options of `stipple render`."""
 import json
 import math
 import os

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""view_screen.py SCREEN OUT.png: what an X server with -fbdir shows (X window dump, 32 bits a pixel), as a PNG."""
+"""view_screen.py SCREEN OUT.png: converts the screen of an X server with -fbdir
+(X window dump, 32 bits per pixel) to PNG."""
 import struct
 import sys
 import zlib

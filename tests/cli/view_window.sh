@@ -1,6 +1,7 @@
 # shellcheck shell=bash
-# Sourced by tests of the viewer: a window under Xvfb, keys and mouse by xdotool, what --report says, pictures compared.
-# Arguments of the test: executable, scratch folder. VIEW_BACKEND=gl: OpenGL draws. VIEW_SIZE: of the window.
+# Sourced by tests of the viewer: a window under Xvfb, keys and mouse by xdotool, the state in
+# --report, picture comparison. Arguments of the test: executable, scratch folder. VIEW_BACKEND=gl:
+# OpenGL draws. VIEW_SIZE: size of the window.
 drawn_by=${VIEW_BACKEND:-cpu}
 other_way=$([ "$drawn_by" = cpu ] && echo gl || echo cpu)
 stipple=$1
@@ -13,7 +14,7 @@ export XDG_CACHE_HOME=$PWD/cache XDG_CONFIG_HOME=$PWD/config XDG_STATE_HOME=$PWD
 export XDG_PICTURES_DIR=$PWD/pictures SDL_VIDEODRIVER=x11 SDL_AUDIODRIVER=dummy
 mkdir -p config/stipple pictures
 printf '{"shot_width": 320, "shot_height": 200, "samples": 2}' > config/stipple/viewer.json
-# drivers of others keep what they have until the process ends
+# third-party drivers do not free their memory until the process ends
 printf 'leak:libGL\nleak:libX\nleak:_dri.so\nleak:libSDL\nleak:libLLVM\nleak:libdbus\nleak:swrast\n' > leaks
 export LSAN_OPTIONS=suppressions=$PWD/leaks:print_suppressions=0
 viewer=0
@@ -23,7 +24,7 @@ for program in Xvfb xdotool python3; do
     command -v $program > /dev/null || exit 77
 done
 
-# the interpreter itself: a wrapper in front of it may take longer than all that it does here
+# the interpreter itself: a wrapper may take longer than the scripts here
 python=$(python3 -c 'import sys; print(sys.executable)')
 
 clean_up()
@@ -34,7 +35,7 @@ clean_up()
 }
 trap clean_up EXIT
 
-# any display number that is free; the server's memory is the screen
+# any free display number; the server's memory is the screen
 mkdir screen
 exec 3> display
 Xvfb -displayfd 3 -screen 0 "${VIEW_SIZE:-640x400}x24" -fbdir screen -nolisten tcp > xvfb.log 2>&1 &
@@ -46,8 +47,9 @@ while [ ! -s display ]; do
 done
 export DISPLAY=:$(cat display)
 
-# wait_until CONDITION: a Python expression over what the report says (r, camera, picture) and over what `keep` kept (k).
-# There is no limit to how long anything takes; but where the viewer rests for so many looks, nothing comes any more.
+# wait_until CONDITION: a Python expression of the report (r, camera, picture) and of values stored
+# by `keep` (k). There is no time limit; but if the viewer is at rest for many checks, nothing more
+# will change.
 wait_until()
 {
     local rested=0
@@ -80,7 +82,7 @@ keep()
     cp report.json kept.json
 }
 
-# open_viewer ARGUMENTS...: until its window has the keys
+# open_viewer ARGUMENTS...: waits until the window has the keyboard focus
 open_viewer()
 {
     rm -f report.json
@@ -106,7 +108,8 @@ close_viewer()
     [ ! -s viewer.out ] || fail "the viewer writes on stdout"
 }
 
-# search_for TEXT: as quick hands, and as on a busy machine: all keys come before the viewer looks at the first
+# search_for TEXT: like a fast typist or a busy machine: all keys arrive before the viewer handles
+# the first
 search_for()
 {
     xdotool key ctrl+f
@@ -114,7 +117,8 @@ search_for()
     type_all "$1" 'tools["search"]'
 }
 
-# type_all TEXT FIELD: instead of what is in the field, an expression of the report; all keys at once
+# type_all TEXT FIELD: replaces the content of the field, an expression of the report; all keys at
+# once
 type_all()
 {
     kill -STOP $viewer
@@ -124,7 +128,8 @@ type_all()
     wait_until "$2 == '$1'"
 }
 
-# shot FILE: what the screen shows. What the window has said to be shown may still be on its way there: until it stays.
+# shot FILE: the content of the screen. A shown frame may not have arrived yet: waits until the
+# screen stays the same.
 shot()
 {
     local tries
@@ -138,7 +143,7 @@ shot()
     rm -f "before-$1"
 }
 
-# same A B SSIM: at least that alike
+# same A B SSIM: at least this similarity
 same()
 {
     "$stipple" compare "$1" "$2" --json > compared.json || fail "$1 and $2 cannot be compared"
@@ -146,7 +151,7 @@ same()
         fail "$1 and $2 are not alike: $(cat compared.json)"
 }
 
-# as_seen NAME SCENE: what stipple render makes of the camera of the report
+# as_seen NAME SCENE: the picture of stipple render from the report's camera
 as_seen()
 {
     # shellcheck disable=SC2046

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Writes small E57 files: streams of bits cut into packets at odd places, an XML section, pages with checksums.
+// Writes small E57 files: bit streams split into packets at odd places, an XML section, pages with
+// checksums.
 #pragma once
 
 #include "base/bytes.h"
@@ -43,8 +44,8 @@ static inline size_t e57_pack(const e57_stream* s, size_t count, unsigned char* 
     return (count * s->bits + 7) / 8;
 }
 
-/// Appends a section of points in packets that hold about `most` bytes of each stream, after an index packet.
-/// @return its physical place
+/// Appends a section of points in packets with about `most` bytes of each stream, after an index
+/// packet. @return its physical offset
 static inline uint64_t e57_add_points(e57_file* f, const e57_stream* streams, size_t stream_count,
                                       size_t count, size_t most)
 {
@@ -63,7 +64,7 @@ static inline uint64_t e57_add_points(e57_file* f, const e57_stream* streams, si
     for (size_t packet = 0; left > 0; ++packet) {
         size_t begin = f->size, at = begin + 6 + 2 * stream_count;
         for (size_t s = 0; s < stream_count; ++s) {
-            size_t part = most + (packet + s) % 3; // streams drift apart
+            size_t part = most + (packet + s) % 3; // makes the streams drift apart
             part = part < sizes[s] - done[s] ? part : sizes[s] - done[s];
             memcpy(f->bytes + at, packed[s] + done[s], part);
             stp_write_u16(f->bytes + begin + 6 + 2 * s, (uint16_t)part);
@@ -110,7 +111,7 @@ static inline unsigned char* e57_finish(e57_file* f, const char* xml, size_t* si
     return out;
 }
 
-/// Makes the checksums of changed pages right again.
+/// Recomputes the checksums of changed pages.
 static inline void e57_seal(unsigned char* bytes, size_t size)
 {
     for (size_t at = 0; at + 1024 <= size; at += 1024) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the tests of single formats share: importing text, a digest of a scene, files in a scratch
-// folder.
+// Shared by the tests of formats: importing text, a digest of a scene, files in a scratch folder.
 #pragma once
 
 #include "tests.h"
@@ -27,7 +26,7 @@ static inline stp_scene* import_bytes(stp_context* context, const char* name, co
     return NULL;
 }
 
-/// Every truncation of the bytes: sound, or refused with exactly one sentence.
+/// Tests every truncation of the bytes: a valid scene, or an error with exactly one sentence.
 static inline int survives_truncation(const char* name, const void* bytes, size_t size)
 {
     for (size_t cut = 0; cut < size; ++cut) {
@@ -47,7 +46,7 @@ static inline int survives_truncation(const char* name, const void* bytes, size_
     return 1;
 }
 
-/// Fails the n-th allocation, for every n until one import gets through: no leak, no crash, one
+/// Fails the n-th allocation, for every n until an import succeeds: no leak, no crash, one
 /// sentence.
 static inline int survives_failing_allocator(const char* name, const void* bytes, size_t size)
 {

@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: MIT
-// glTF files for tests, made in memory. JSON is written with single quotes, which become double ones.
+// SPDX-License-Identifier: MIT glTF files for tests, made in memory. JSON is written with single
+// quotes, which become double ones.
 #pragma once
 
 #include "tests.h"
@@ -31,7 +31,7 @@ static inline size_t gltf_quote(char* out, const char* json)
     return length;
 }
 
-/// A .glb of JSON and a binary chunk, both padded. False where they do not fit.
+/// Makes a .glb of JSON and a binary chunk, both padded. False if they do not fit.
 static inline int glb_make(glb_file* glb, const char* json, const void* bin, size_t bin_size)
 {
     size_t json_size = strlen(json), json_padded = (json_size + 3) & ~(size_t)3;
@@ -57,7 +57,7 @@ static inline int glb_make(glb_file* glb, const char* json, const void* bin, siz
     return 1;
 }
 
-/// A context, a scene and what importing into it gave.
+/// A context, a scene and the result of importing into it.
 typedef struct gltf_run {
     test_log log;
     stp_context* context;

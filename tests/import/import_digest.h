@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What an importer added to a scene, as one number; and whether it is sound. For tests and fuzzers.
+// Hashes and validates the content that an importer added to a scene. For tests and fuzzers.
 #pragma once
 
 #include "base/hash.h"
@@ -21,7 +21,7 @@ static inline stp_hash digest_array(stp_hash hash, const void* array, size_t cou
                          : stp_hash_bytes(hash, "\xfe", 1);
 }
 
-/// A digest of everything an importer adds: meshes, points, materials, textures, objects.
+/// Hashes everything an importer adds: meshes, points, materials, textures, objects.
 static inline stp_hash digest_scene(const stp_scene* scene)
 {
     stp_hash hash = {0};
@@ -63,7 +63,7 @@ static inline stp_hash digest_scene(const stp_scene* scene)
     return hash;
 }
 
-/// Whether every index, material and position of the scene is what its contract says.
+/// Whether every index, material and position of the scene is valid.
 static inline int scene_is_sound(const stp_scene* scene)
 {
     int sound = 1;

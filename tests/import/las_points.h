@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Points as scanners make them, and what is to become of them.
+// Points as written by scanners, and the expected result.
 #pragma once
 
 #include "import/formats_test.h"
@@ -13,7 +13,8 @@ static inline uint32_t las_random(uint32_t* state, uint32_t below)
     return (uint32_t)((uint64_t)*state * below >> 32);
 }
 
-/// A walk with all that a scan has: several returns, jumps in place and time, changes of every value.
+/// A sequence with everything that occurs in scans: several returns, jumps in position and time,
+/// changes of every value.
 static inline void las_make_points(las_point* points, size_t count, unsigned format, uint32_t seed)
 {
     uint32_t s = seed;
@@ -91,7 +92,8 @@ static inline uint64_t las_attribute(const las_point* p, int attribute, bool old
     }
 }
 
-/// Whether a set holds points [first, first + its count) of those that were written; `place` is its object's transform.
+/// Whether a set holds points [first, first + its count) of the written ones; `place` is its
+/// object's transform.
 static inline bool las_set_is_right(const las_desc* desc, const stp_point_set* set, size_t first,
                                     const stp_affine* place)
 {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Writes LAS and LAZ files for tests: any point format, uncompressed or compressed, with extra bytes. It takes points one by
-// one, as LASzip does, where the reader takes blocks and layers.
+// Writes LAS and LAZ files for tests: any point format, uncompressed or compressed, with extra
+// bytes. It encodes points one by one, like LASzip, while the reader uses blocks and layers.
 #pragma once
 
 #include <stdbool.h>
@@ -49,7 +49,7 @@ typedef struct las_buffer {
 
 void las_put(las_buffer* b, const void* bytes, size_t size);
 void las_put_number(las_buffer* b, uint64_t value, size_t size);
-/// The file; its bytes are the caller's to free.
+/// Makes the file; the caller frees its bytes.
 las_buffer las_write(const las_desc* desc);
 /// One record with its extra bytes. @return its size
 size_t las_write_record(const las_desc* desc, size_t index, unsigned char* to);

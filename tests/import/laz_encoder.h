@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The arithmetic encoder of LAZ, for tests. Models are the decoder's; what is done with them is written anew.
+// The arithmetic encoder of LAZ, for tests. It shares the decoder's models but implements their use
+// independently.
 #pragma once
 
 #include "import/las_writer.h"
@@ -18,7 +19,7 @@ static inline laz_encoder laz_encoder_begin(void)
     return (laz_encoder){.length = UINT32_MAX};
 }
 
-// The interval's part [low, low + length). A carry runs back through the bytes.
+// Selects the interval's part [low, low + length). A carry propagates back through the bytes.
 static inline void laz_narrow(laz_encoder* e, uint32_t low, uint32_t length)
 {
     uint32_t before = e->base;
@@ -106,7 +107,7 @@ static inline void laz_put_integer(laz_encoder* e, stp_laz_integer* m, int32_t e
     }
 }
 
-/// Ends the stream: what the decoder reads ahead.
+/// Ends the stream with bytes that the decoder reads ahead.
 static inline void laz_encoder_end(laz_encoder* e)
 {
     for (int i = 0; i < 4; ++i) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// What the tests of point formats share.
+// Shared by the tests of point formats.
 #pragma once
 
 #include "import/formats_test.h"
 
-/// A digest that also knows the attributes of points.
+/// A digest that includes the attributes of points.
 static inline stp_hash digest_points(const stp_scene* scene)
 {
     stp_hash hash = digest_scene(scene);
@@ -18,7 +18,8 @@ static inline stp_hash digest_points(const stp_scene* scene)
     return hash;
 }
 
-/// Imports under `threads` threads, in memory or with everything in a spill. @return the digest; zero on failure
+/// Imports with `threads` threads, in memory or with everything in a spill file. @return the
+/// digest; zero on failure
 static inline stp_hash digest_imported(const char* name, const void* bytes, size_t size,
                                        uint32_t threads, int spills)
 {
@@ -43,7 +44,7 @@ static inline stp_hash digest_imported(const char* name, const void* bytes, size
     return digest;
 }
 
-/// Whether threads and the spill change nothing.
+/// Whether the result is independent of threads and the spill file.
 static inline int is_the_same_everywhere(const char* name, const void* bytes, size_t size)
 {
     stp_hash plain = digest_imported(name, bytes, size, 1, 0);
@@ -57,7 +58,8 @@ static inline int is_the_same_everywhere(const char* name, const void* bytes, si
     return good;
 }
 
-/// What an import says that fails. @return whether it ends with `wanted` and one sentence that has `says`
+/// Imports invalid data. @return whether it ends with `wanted` and one sentence that contains
+/// `says`
 static inline int is_refused(const char* name, const void* bytes, size_t size, stp_result wanted,
                              const char* says)
 {
@@ -75,7 +77,8 @@ static inline int is_refused(const char* name, const void* bytes, size_t size, s
     return good;
 }
 
-/// Where a point is in the file's own axes (z up or y up, as imported), its object's transform applied.
+/// The position of a point along the file's own axes (z up or y up, as imported), with its object's
+/// transform.
 static inline stp_vec3d place_of(const stp_scene* scene, size_t object, size_t set, size_t point)
 {
     const float* p = scene->point_sets[set].positions + 3 * point;

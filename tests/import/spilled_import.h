@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Shared by tests of large files: importing with and without a spill, and comparing the results.
+// Shared by tests of large files: imports with and without a spill file, and compares the results.
 #pragma once
 
 #include "import/formats_test.h"
@@ -11,14 +11,14 @@ typedef struct spilled_import {
     stp_result result;
     stp_hash digest; ///< of the scene
     uint64_t peak_bytes, left_bytes;
-    bool spilled; ///< whether the points of the first set lie in the spill
+    bool spilled; ///< whether the points of the first set are in the spill file
 } spilled_import;
 
-/// Reads the bytes into an empty scene; on success the scene may be digested.
+/// Reads the bytes into an empty scene; on success the scene can be hashed.
 typedef stp_result spilled_reader(stp_context* context, stp_scene* scene, const void* bytes,
                                   size_t size);
 
-/// Imports with a limit of 1 MiB above which what is read lies in a spill, or without a spill.
+/// Imports with a limit of 1 MiB, above which data goes to a spill file, or without a spill file.
 static inline spilled_import import_spilled(stp_context* context, spilled_reader* read,
                                             const void* bytes, size_t size, bool spills)
 {
@@ -45,13 +45,13 @@ static inline spilled_import import_spilled(stp_context* context, spilled_reader
     return out;
 }
 
-/// A limit on the size of files, which stands for a full disk.
+/// A file size limit, which simulates a full disk.
 typedef struct file_limit {
     struct rlimit before;
     void (*handler)(int);
 } file_limit;
 
-/// @return false where the limit cannot be set
+/// @return false if the limit cannot be set
 static inline bool file_limit_begin(file_limit* limit, size_t bytes)
 {
     if (getrlimit(RLIMIT_FSIZE, &limit->before) != 0) {

@@ -61,7 +61,8 @@ static void meet(channel* c, const las_point* last)
     stp_laz_time_begin(&c->time, last->time);
 }
 
-// Contexts by number of returns and return number; checked against the decoder's table by another program.
+// Contexts by number of returns and return number; checked against the decoder's table by another
+// program.
 static unsigned return_context(unsigned n, unsigned r)
 {
     static const char rows[16][17] = {
@@ -140,7 +141,7 @@ static void put_values(layered* l, channel* c, const las_point* p, bool new_time
     }
 }
 
-// Colours of version 3 go on from the channel before where this one was met already.
+// Colours of version 3 continue from the previous channel if this one is already known.
 static void put_colors(layered* l, const las_desc* desc, const las_point* p)
 {
     channel *before = &l->channels[l->color_at], *c = &l->channels[p->channel], *last = c;
@@ -192,7 +193,7 @@ static void put_layers(layered* l, const las_desc* desc, size_t first, size_t co
     bool rgb = desc->format != 6 && desc->format != 9,
          nir = desc->format == 8 || desc->format == 10;
     int layers = TIME + 1 + rgb + nir;
-    size_t junk = desc->extra + (desc->format >= 9); // layers that no reader has to touch
+    size_t junk = desc->extra + (desc->format >= 9); // layers that readers may skip
     las_put_number(out, count, 4);
     for (int i = 0; i < layers; ++i) {
         bool there = changes(desc, first, count, i);

@@ -6,7 +6,8 @@
 #include <dirent.h>
 #include <math.h>
 
-// A COLLADA file: a mesh with uvs and colours, used twice below a named parent, in centimetres, z up.
+// A COLLADA file: a mesh with uvs and colours, used twice below a named parent, in centimetres, z
+// up.
 static const char collada[] =
     "<?xml version=\"1.0\"?><COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" "
     "version=\"1.4.1\"><asset><unit name=\"cm\" meter=\"0.01\"/><up_axis>Z_UP</up_axis></asset>"
@@ -50,7 +51,7 @@ static const stp_object* find_object(const stp_scene* scene, const char* name)
     return NULL;
 }
 
-// Where a point of an object lies in the scene.
+// Position of a point of an object in the scene.
 static stp_vec3d place(const stp_scene* scene, const stp_object* object, stp_vec3d p)
 {
     p = stp_affine_point(&object->transform, p);
@@ -85,7 +86,7 @@ void test_assimp_hierarchy_and_instances(test_state* test)
     CHECK_EQUAL(2, mesh->triangle_count);
     CHECK_EQUAL(4, mesh->vertex_count);
     CHECK(mesh->texcoords[0] != NULL);
-    for (uint32_t i = 0; i < mesh->vertex_count; ++i) { // v runs downwards
+    for (uint32_t i = 0; i < mesh->vertex_count; ++i) { // v goes downwards
         CHECK(mesh->texcoords[0][2 * i + 1] == 1.0f - mesh->positions[3 * i + 1]);
     }
     const stp_material* material = &scene->materials[mesh->material];
@@ -152,7 +153,7 @@ void test_assimp_memory_is_limited(test_state* test)
     if (strstr(log.text, "gave up") == NULL) { // a sanitizer's allocator ends the child
         CHECK_EQUAL(STP_ERROR_OUT_OF_MEMORY, result);
         CHECK(strstr(log.text, "a.off") != NULL && strstr(log.text, "--memory") != NULL);
-        CHECK(strstr(log.text, "268435456") != NULL); // what it had
+        CHECK(strstr(log.text, "268435456") != NULL); // the original limit
     }
     stp_scene_destroy(scene);
     stp_context_destroy(context);
@@ -160,7 +161,7 @@ void test_assimp_memory_is_limited(test_state* test)
 
 void test_assimp_time_is_limited(test_state* test)
 {
-    // a polygon of many concave corners: assimp's triangulation takes time with the cube of them
+    // a polygon of many concave corners: assimp's triangulation takes cubic time
     enum { CORNERS = 30000 };
     size_t size = (size_t)CORNERS * 40 + 2000, length;
     char* text = malloc(size);
@@ -209,7 +210,7 @@ void test_assimp_time_is_limited(test_state* test)
     stp_context_destroy(context);
 }
 
-// A stream as the child writes it, by hand.
+// A stream like the child's, written by hand.
 typedef struct stream {
     unsigned char bytes[4096];
     size_t size;
@@ -277,7 +278,7 @@ static void make_stream(stream* s)
     put_u32(s, STP_ASSIMP_SCENE);
     put_u32(s, 'z');
     put(s, &unit, sizeof(unit));
-    put_u32(s, 2); // textures: one of texels, one that is no picture
+    put_u32(s, 2); // textures: one of texels, one invalid picture
     put_text(s, "dots");
     put_u32(s, 2);
     put_u32(s, 1);
@@ -404,7 +405,7 @@ void test_assimp_stream_tells_of_too_little_memory(test_state* test)
 
 void test_assimp_stream_is_not_trusted(test_state* test)
 {
-    // every truncation, and every byte set to something else: sound, or one sentence
+    // every truncation, and every byte replaced: a valid scene, or one sentence
     static stream s, bad;
     make_stream(&s);
     for (size_t i = 0; i < 4 * s.size; ++i) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// E57: values of all codings, poses, grids, and what may be wrong with each part of a file.
+// E57: values of all encodings, poses, grids, and errors in each part of a file.
 #include "import/e57_writer.h"
 #include "import/points_test.h"
 
@@ -28,7 +28,7 @@ static uint64_t bits_of_float(float value)
     return bits;
 }
 
-// Two scans: one of all codings, with a pose; one of spherical coordinates, without a name.
+// Two scans: one with all encodings and a pose; one with spherical coordinates, without a name.
 static unsigned char* write_two(size_t* size)
 {
     static uint64_t v[E57_STREAMS][COUNT];
@@ -91,7 +91,8 @@ void test_e57_codings_and_poses(test_state* test)
     test_log log = {0};
     stp_context* context = test_context(NULL, 3, &log);
     stp_result result;
-    stp_scene* scene = import_bytes(context, "a.bin", bytes, size, &result); // the content tells
+    stp_scene* scene = import_bytes(context, "a.bin", bytes, size, &result); // recognised by
+                                                                             // content
     CHECK_EQUAL(STP_OK, result);
     CHECK(strcmp(scene->sources[0].coordinate_system, "EPSG:25832") == 0);
     CHECK(scene->unit_metres == 1.0 && strcmp(scene->up, "z") == 0);
@@ -129,7 +130,7 @@ void test_e57_codings_and_poses(test_state* test)
     free(bytes);
 }
 
-// A room seen from its middle, in a grid; some cells have no record, one has two.
+// A room seen from its centre, in a grid; some cells have no record, one has two.
 static unsigned char* write_grid(size_t* size, int normals)
 {
     enum { ROWS = 20, COLUMNS = 30 };
@@ -295,7 +296,7 @@ void test_e57_bad_xml_is_one_sentence(test_state* test)
     CHECK(is_refused("a.e57", bytes, size, STP_ERROR_FORMAT, "nested too deeply"));
     free(bytes);
     free(deep);
-    // nothing to read is nothing wrong
+    // reading nothing is not an error
     bytes = write_xml(HEAD "<data3D><vectorChild/></data3D></e57Root>", &size);
     test_log log = {0};
     stp_context* context = test_context(NULL, 1, &log);
@@ -307,7 +308,7 @@ void test_e57_bad_xml_is_one_sentence(test_state* test)
     free(bytes);
 }
 
-// Every cut of a file, at whole pages with a header that says so, is refused or sound.
+// Every truncation of a file at whole pages, with a matching header, is rejected or valid.
 void test_e57_survives_truncation(test_state* test)
 {
     size_t size;
@@ -317,7 +318,7 @@ void test_e57_survives_truncation(test_state* test)
     for (size_t pages = 1; pages < size / 1024; ++pages) {
         memcpy(cut, bytes, pages * 1024);
         stp_write_u64(cut + 16, pages * 1024);
-        stp_write_u64(cut + 24, 100); // the XML is elsewhere now: no XML
+        stp_write_u64(cut + 24, 100); // the XML offset is now wrong: no XML
         e57_seal(cut, pages * 1024);
         CHECK(is_refused("a.e57", cut, pages * 1024, STP_ERROR_FORMAT, "XML section"));
     }

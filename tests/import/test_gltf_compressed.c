@@ -21,7 +21,7 @@ static void make_grid(grid* out)
         out->positions[4 * i] = (uint16_t)(i % GRID * 100);
         out->positions[4 * i + 1] = (uint16_t)(i / GRID * 100);
         out->positions[4 * i + 2] = (uint16_t)(i * i % 50);
-        out->normals[4 * i + 2] = 127; // octahedral: z tells what 1 is
+        out->normals[4 * i + 2] = 127; // octahedral: z defines the value of 1
     }
     uint32_t* at = out->indices;
     for (uint32_t y = 0; y + 1 < GRID; ++y) {
@@ -89,7 +89,7 @@ void test_gltf_decodes_meshopt_compression(test_state* test)
         const stp_mesh* mesh = &run.scene->meshes[0];
         CHECK_EQUAL(VERTEX_COUNT, mesh->vertex_count);
         CHECK_EQUAL(INDEX_COUNT / 3, mesh->triangle_count);
-        // the triangle codec may turn a triangle, so corners are compared as sums
+        // the triangle codec may rotate a triangle, so corners are compared as sums
         for (size_t i = 0; i < INDEX_COUNT; i += 3) {
             uint32_t wanted = 0, got = 0;
             for (size_t k = 0; k < 3; ++k) {
@@ -135,7 +135,7 @@ void test_gltf_refuses_damaged_meshopt_data(test_state* test)
     }
 }
 
-// A square with colours at its corners (red, green, blue, white), as libdraco's two methods encode it;
+// A square with coloured corners (red, green, blue, white), encoded by both libdraco methods;
 // positions have id 0, colours id 1.
 static const unsigned char draco_sequential[100] = {
     0x44, 0x52, 0x41, 0x43, 0x4f, 0x02, 0x02, 0x01, 0x00, 0x00, 0x00, 0x02, 0x04, 0x01, 0x00,
@@ -182,7 +182,7 @@ void test_gltf_decodes_draco_compression(test_state* test)
         const stp_mesh* mesh = &run.scene->meshes[0];
         CHECK_EQUAL(4, mesh->vertex_count);
         CHECK_EQUAL(2, mesh->triangle_count);
-        for (uint32_t v = 0; v < 4; ++v) { // the corner tells the colour
+        for (uint32_t v = 0; v < 4; ++v) { // the position identifies the colour
             const float* p = mesh->positions + 3 * (size_t)v;
             const uint16_t* c = mesh->colors + 4 * (size_t)v;
             bool right = p[0] > 0.5f, top = p[1] > 0.5f;

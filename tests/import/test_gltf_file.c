@@ -52,7 +52,7 @@ void test_gltf_reads_buffers_beside_it(test_state* test)
     CHECK(strcmp(run.scene->objects[0].name, "model.gltf") == 0);
     gltf_run_end(&run);
 
-    // as written by exporters that never encode
+    // as written by exporters that do not percent-encode
     run_file(&run, folder, TRIANGLE_IN("a b%.bin"));
     CHECK_EQUAL(STP_OK, run.result);
     gltf_run_end(&run);
@@ -208,7 +208,8 @@ void test_gltf_refuses_every_truncation(test_state* test)
     CHECK(glb_make(&glb, rich_json, &rich, sizeof(rich)));
     const stp_import_desc desc = {0};
     for (size_t size = 0; size <= glb.size; ++size) {
-        unsigned char* cut = malloc(size + 1); // its own block, so that sanitizers see its end
+        unsigned char* cut = malloc(size + 1); // in its own block, so that sanitizers detect reads
+                                               // past the end
         CHECK(cut != NULL);
         memcpy(cut, glb.bytes, size);
         gltf_run run;
@@ -216,7 +217,7 @@ void test_gltf_refuses_every_truncation(test_state* test)
         run.result = stp_import_memory(run.scene, "test.glb", cut, size, &desc);
         CHECK((run.result == STP_OK) == (size == glb.size));
         CHECK_EQUAL(size == glb.size ? 0 : 1, run.log.errors);
-        // the same with a header that agrees: chunks are cut instead
+        // the same with a matching header: chunks are truncated instead
         if (size >= 12 && size < glb.size) {
             glb_put_u32(cut + 8, size);
             stp_result result = stp_import_memory(run.scene, "test.glb", cut, size, &desc);
@@ -342,7 +343,7 @@ static size_t triangles_shown(const stp_scene* scene)
     return count;
 }
 
-// Imports every .gltf and .glb below the folder; false where a result and its messages disagree.
+// Imports every .gltf and .glb below the folder; false if a result contradicts its messages.
 static int sweep(const char* folder, int depth, int* files)
 {
     DIR* entries = opendir(folder);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Files that share their content without end. Each is refused before memory is taken.
+// Files that share their content excessively. Each is rejected before memory is allocated.
 #include "import/gltf_writer.h"
 
 #include <stdio.h>
@@ -33,7 +33,7 @@ static void append_many(growing* out, const char* text, size_t count)
     "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA'}],"
 #define TRIANGLE "'accessors':[{'bufferView':0,'componentType':5126,'count':3,'type':'VEC3'}],"
 
-// Imports the text and says whether it was refused as a whole, with little memory.
+// Imports the text; whether it was rejected without much memory.
 static int is_refused(growing* text)
 {
     gltf_run run;

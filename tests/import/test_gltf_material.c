@@ -66,7 +66,7 @@ void test_gltf_transforms_textures(test_state* test)
     size_t size = 0;
     void* png = encode_png(&size);
     gltf_run run;
-    // the extension's own example: the lower left quadrant, turned
+    // the extension's own example: the lower left quadrant, rotated
     run_materials(&run,
                   "'extensionsRequired':['KHR_texture_transform'],'images':[{'bufferView':0}],"
                   "'textures':[{'source':0}],'materials':[{'pbrMetallicRoughness':"
@@ -107,7 +107,7 @@ void test_gltf_textures_are_pictures_with_samplers(test_state* test)
                   "'metallicRoughnessTexture':{'index':1}},'emissiveTexture':{'index':2}}]",
                   png, size);
     CHECK_EQUAL(STP_OK, run.result);
-    CHECK_EQUAL(2, run.scene->texture_count); // textures 0 and 2 look alike
+    CHECK_EQUAL(2, run.scene->texture_count); // textures 0 and 2 are equal
     for (uint32_t i = 0; i < 2; ++i) {        // as they came
         const stp_texture* texture = &run.scene->textures[i];
         CHECK_EQUAL(STP_TEXTURE_PNG, texture->encoding);

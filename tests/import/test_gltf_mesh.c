@@ -153,7 +153,7 @@ void test_gltf_names_the_bad_index(test_state* test)
 
 void test_gltf_refuses_what_does_not_fit(test_state* test)
 {
-    // each member breaks one rule of a file that is good otherwise
+    // each member breaks one rule of an otherwise valid file
     const struct {
         const char *position, *indices;
     } cases[] = {
@@ -193,7 +193,7 @@ void test_gltf_refuses_what_does_not_fit(test_state* test)
     }
 }
 
-// A corner that is nowhere costs the triangles that have it, and nothing else.
+// A corner with an invalid position removes only the triangles that use it.
 void test_gltf_leaves_out_corners_not_finite(test_state* test)
 {
     square bad = unit_square;
@@ -416,7 +416,7 @@ void test_gltf_numbers_few_vertices_of_many(test_state* test)
     gltf_run_end(&run);
 }
 
-// A file that shares one array of indices without end may not ask for memory without end.
+// A file that shares one array of indices excessively may not use unlimited memory.
 void test_gltf_refuses_multiplied_content(test_state* test)
 {
     size_t primitives = 600, size = 120000;

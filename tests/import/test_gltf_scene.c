@@ -3,7 +3,7 @@
 
 #include <stdio.h>
 
-// One triangle, for all who need a mesh.
+// One triangle, for tests that need a mesh.
 #define TRIANGLE                                                                                   \
     "'buffers':[{'byteLength':36}],'bufferViews':[{'buffer':0,'byteLength':36}],"                  \
     "'accessors':[{'bufferView':0,'componentType':5126,'count':3,'type':'VEC3'}],"                 \
@@ -272,7 +272,7 @@ void test_gltf_reads_one_scene_of_many(test_state* test)
     CHECK(strcmp(run.scene->objects[1].name, "b") == 0);
     gltf_run_end(&run);
 
-    // without scenes all roots count
+    // without scenes, all roots are shown
     gltf_run_glb(&run, "{" GLTF_ASSET ",'nodes':[{'name':'a'},{'name':'b'}]}", NULL, 0);
     CHECK_EQUAL(STP_OK, run.result);
     CHECK_EQUAL(3, run.scene->object_count);

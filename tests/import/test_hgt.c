@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
-// Tiles of heights: their places, their holes, their sizes.
+// Height tiles: positions, voids, sizes.
 #include "import/points_test.h"
 
 enum { SIDE = 1201, SIZE = 2 * SIDE * SIDE };
 
-// Heights fall from north to south; a void in the north-western corner and one in the middle.
+// Heights decrease from north to south; one void in the north-western corner and one in the centre.
 static unsigned char* write_tile(void)
 {
     unsigned char* bytes = malloc(SIZE);
@@ -34,7 +34,7 @@ void test_hgt_places_and_holes(test_state* test)
     CHECK(strcmp(scene->objects[0].name, "S34W071.hgt") == 0);
     const stp_mesh* m = &scene->meshes[0];
     CHECK_EQUAL(SIDE * SIDE, m->vertex_count);
-    // a corner's void leaves one triangle of its cell, the middle one four of its four cells
+    // a corner void leaves one triangle of its cell, the central one four of its four cells
     CHECK_EQUAL(2 * 1200 * 1200 - 1 - 4, m->triangle_count);
     const float* north_west = m->positions;
     const float* south_east = m->positions + 3 * ((size_t)SIDE * SIDE - 1);
@@ -80,7 +80,7 @@ void test_hgt_bad_input_is_one_sentence(test_state* test)
     stp_context* context = test_context(NULL, 1, NULL);
     stp_result result;
     stp_scene* scene = import_bytes(context, "N48E010.hgt", bytes, SIZE, &result);
-    CHECK(scene != NULL && scene->mesh_count == 0); // all of it is void
+    CHECK(scene != NULL && scene->mesh_count == 0); // only voids
     stp_scene_destroy(scene);
     stp_context_destroy(context);
     CHECK(survives_failing_allocator("N48E010.hgt", bytes, SIZE));

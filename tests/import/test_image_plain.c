@@ -55,7 +55,7 @@ void test_image_plain_heights_have_ends(test_state* test)
     unsigned char copy[sizeof(bmp)];
     memcpy(copy, bmp, sizeof(bmp));
     memcpy(copy + 22, (const unsigned char[4]){0, 0, 0, 0x80},
-           4); // the least of all, which has no opposite
+           4); // the minimum, which has no negation
     stp_texture texture = {0};
     const char* reason = NULL;
     CHECK(stp_image_decode_plain(context, copy, sizeof(copy), &texture, &reason) != STP_OK);
@@ -65,7 +65,7 @@ void test_image_plain_heights_have_ends(test_state* test)
 
 void test_image_plain_is_not_trusted(test_state* test)
 {
-    // every truncation is refused; every byte changed is refused or decodes within its bounds
+    // every truncation is rejected; every changed byte is rejected or decodes within bounds
     stp_context* context = test_context(NULL, 1, NULL);
     for (size_t i = 0; i < sizeof(pictures) / sizeof(pictures[0]); ++i) {
         for (size_t k = 0; k < pictures[i].size; ++k) {

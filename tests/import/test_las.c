@@ -57,7 +57,7 @@ void test_laz_reads_every_format(test_state* test)
     }
 }
 
-// Steps of every size, up to the largest there is, in each of the values.
+// Steps of every size, up to the maximum, in each of the values.
 void test_laz_reads_steps_of_every_size(test_state* test)
 {
     for (unsigned format = 3; format <= 8; format += 5) {
@@ -78,7 +78,7 @@ void test_laz_reads_steps_of_every_size(test_state* test)
     }
 }
 
-// One value after the other is the same in all points: such a layer has no bytes.
+// One value after the other is constant in all points: such a layer has no bytes.
 void test_laz_reads_layers_without_bytes(test_state* test)
 {
     for (int kind = 0; kind < 8; ++kind) {
@@ -113,7 +113,8 @@ static stp_scene* import_desc(stp_context* context, const las_desc* desc, stp_re
     return scene;
 }
 
-// 8 bits in fields of 16; a file whose first points look so; a file that has no colours, and says nothing else either.
+// 8-bit values in 16-bit colour fields; a file whose first points look 8-bit; a file with all other
+// fields zero too.
 void test_las_judges_colors(test_state* test)
 {
     for (int kind = 0; kind < 3; ++kind) {
@@ -184,7 +185,8 @@ static stp_result import_in_sets(stp_scene* scene, las_buffer file, uint64_t poi
     return result == STP_OK ? stp_las_import(&import, points_in_set) : result;
 }
 
-// Files of more points than a set takes make several sets of one object, in memory or in the spill.
+// Files with more points than a set holds give several sets of one object, in memory or in the
+// spill file.
 void test_las_splits_large_files_into_sets(test_state* test)
 {
     for (int spills = 0; spills < 2; ++spills) {
@@ -221,7 +223,7 @@ void test_las_splits_large_files_into_sets(test_state* test)
     }
 }
 
-// A sparse file of 5 thousand million points: no offset may overflow.
+// A sparse file of 5 billion points: no offset may overflow.
 void test_las_addresses_more_than_32_bits(test_state* test)
 {
     const uint64_t count = 5000000000u;

@@ -17,7 +17,7 @@ static las_buffer write_small(unsigned format, las_coding coding)
     return las_write(&desc);
 }
 
-// No point is lost in silence: what is cut short is refused with a sentence.
+// No point is lost silently: truncated files are rejected with a sentence.
 void test_las_refuses_every_truncation(test_state* test)
 {
     static const unsigned formats[] = {1, 3, 5, 6, 8, 10};
@@ -28,7 +28,8 @@ void test_las_refuses_every_truncation(test_state* test)
                 test_log log = {0};
                 stp_context* context = test_context(NULL, 1, &log);
                 stp_result result;
-                unsigned char* bytes = malloc(cut + 1); // so that a sanitizer sees its end
+                unsigned char* bytes = malloc(cut + 1); // so that a sanitizer detects reads past
+                                                        // the end
                 memcpy(bytes, file.bytes, cut);
                 stp_scene* scene = import_bytes(context, "a.las", bytes, cut, &result);
                 free(bytes);
@@ -42,7 +43,7 @@ void test_las_refuses_every_truncation(test_state* test)
     }
 }
 
-// Whatever a bit becomes: a sound scene, or one sentence.
+// For any flipped bit: a valid scene, or one sentence.
 void test_las_survives_flipped_bits(test_state* test)
 {
     static const unsigned formats[] = {5, 10};
@@ -116,7 +117,7 @@ void test_las_refuses_nonsense_in_its_header(test_state* test)
     }
 }
 
-// Compressed points take almost nothing, but not nothing.
+// Compressed points take almost no space, but not zero.
 void test_laz_refuses_absurd_counts(test_state* test)
 {
     for (int coding = LAZ_SINGLE; coding <= LAZ_CHUNKED; ++coding) {
@@ -152,7 +153,7 @@ void test_laz_names_the_damaged_chunk(test_state* test)
     free(file.bytes);
 }
 
-// A helper of the fuzz target: small files of every format.
+// For the fuzz target: small files of every format.
 void test_las_writes_seeds(test_state* test)
 {
     const char* folder = getenv("STP_LAS_SEEDS");

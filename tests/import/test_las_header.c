@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What is known of LAS files without their points, and the points that are read for a first picture.
+// Descriptions of LAS files without reading points, and the sample for a first picture.
 #include "import/las.h"
 #include "import/las_points.h"
 #include "import/laz.h"
@@ -29,13 +29,13 @@ void test_scan_systems_are_identified(test_state* test)
     CHECK(same_identity(compound, "both", 2994));
     CHECK(same_identity("PROJCRS[\"new\",BASEGEOGCRS[\"b\",ID[\"EPSG\",4326]],ID[\"EPSG\",2154]]",
                         "new", 2154));
-    // the code of what it is made of is not its own
+    // the code of a component is not the system's own
     CHECK(same_identity("PROJCS[\"own\",GEOGCS[\"g\",AUTHORITY[\"EPSG\",\"4269\"]]]", "own", 0));
     CHECK(same_identity("PROJCS[\"AUTHORITY[x]\",AUTHORITY[\"ESRI\",\"102100\"]]", "AUTHORITY[x]",
                         0));
     CHECK(same_identity("EPSG:25832", "", 25832) && same_identity(NULL, "", 0));
     char text[sizeof(compound)];
-    for (size_t cut = 0; cut < sizeof(compound); ++cut) { // whatever is cut off, it ends
+    for (size_t cut = 0; cut < sizeof(compound); ++cut) { // parsing ends for any truncation
         memcpy(text, compound, sizeof(text));
         text[cut] = '\0';
         CHECK(strlen(stp_system_identify(text).name) < sizeof(compound));
@@ -101,7 +101,7 @@ void test_las_headers_tell_without_points(test_state* test)
         CHECK(header_is_right(&desc));
     }
     unsigned char documented[2 * 192] = {0};
-    documented[2] = 4;        // a number of 16 bits with a sign
+    documented[2] = 4;        // a signed 16-bit number
     documented[192 + 2] = 29; // three floats
     memcpy(documented + 4, "Amplitude", 9);
     memcpy(documented + 192 + 4, "A name that takes all 32 bytes!!", 32);
@@ -129,7 +129,7 @@ void test_las_headers_tell_without_points(test_state* test)
     free(file.bytes);
 }
 
-// Whether each point of the sample is one of the file's, in its order.
+// Whether each point of the sample is one of the file's, in order.
 static bool is_sample(const stp_scene* sample, const stp_scene* whole, uint32_t least,
                       uint32_t most)
 {
@@ -162,7 +162,7 @@ static bool sample_is_right(const las_desc* desc, uint64_t wanted, uint32_t leas
     bool good = whole != NULL && is_sample(sample, whole, least, most) && log.warnings == 0;
     stp_scene_destroy(sample);
     sample = read_as(heard, &file, &(stp_import_desc){.sample_points = desc->count / 3});
-    good = good && sample != NULL && sample->point_set_count == 0; // not worth it
+    good = good && sample != NULL && sample->point_set_count == 0; // too small for a sample
     stp_scene_destroy(sample);
     stp_scene_destroy(whole);
     stp_context_destroy(context);
@@ -187,7 +187,7 @@ void test_las_samples_are_from_all_over_the_file(test_state* test)
     CHECK(sample_is_right(&desc, 1000, 1000, 1200));
 }
 
-// The places of the chunks of a file.
+// The offsets of the chunks of a file.
 static bool find_chunks(const las_buffer* file, size_t count, uint64_t* places)
 {
     stp_context* context = test_context(NULL, 1, NULL);
@@ -204,7 +204,7 @@ static bool find_chunks(const las_buffer* file, size_t count, uint64_t* places)
     return good;
 }
 
-// Of COPC, whole levels: the first one here, which is the fifth chunk of nine.
+// For COPC, whole levels: here the first one, which is the fifth chunk of nine.
 void test_las_samples_of_copc_are_coarse_levels(test_state* test)
 {
     enum { CHUNKS = 9 };

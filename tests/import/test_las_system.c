@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What LAS files say beside their points: coordinate systems, units, extra bytes, the hierarchy of COPC.
+// Metadata of LAS files: coordinate systems, units, extra bytes, the COPC hierarchy.
 #include "import/las.h"
 #include "import/las_points.h"
 
@@ -49,7 +49,7 @@ void test_las_finds_units_in_wkt(test_state* test)
     CHECK(stp_las_wkt_units(newer_degrees, strlen(newer_degrees)).geographic);
     CHECK(!stp_las_wkt_units(geocentric, strlen(geocentric)).geographic);
     char text[sizeof(feet)];
-    for (size_t cut = 0; cut < sizeof(feet); ++cut) { // whatever is cut off, it ends
+    for (size_t cut = 0; cut < sizeof(feet); ++cut) { // parsing ends for any truncation
         memcpy(text, feet, sizeof(text));
         text[cut] = '\n';
         u = stp_las_wkt_units(text, cut);
@@ -121,7 +121,7 @@ void test_las_keeps_its_coordinate_system(test_state* test)
     CHECK(system_is_right(
         (system_case){{.keys = no_unit, .key_numbers = 12}, "EPSG:2994", 0.0, unknown, STP_OK}));
     CHECK(system_is_right((system_case){{.format = 3}, NULL, 0.0, unknown, STP_OK}));
-    // degrees are refused; where coordinates go beyond them, the file is wrong about them
+    // degrees are rejected; if coordinates exceed them, the declaration is wrong
     CHECK(system_is_right((system_case){{.wkt = degrees, .scale = 1e-7},
                                         NULL,
                                         0.0,
@@ -135,7 +135,7 @@ void test_las_keeps_its_coordinate_system(test_state* test)
     CHECK(system_is_right((system_case){{.wkt = degrees}, degrees, 0.0, unknown, STP_OK}));
 }
 
-// Heights in metres over a plane in feet.
+// Heights in metres with horizontal coordinates in feet.
 void test_las_brings_heights_to_the_unit_of_the_plane(test_state* test)
 {
     las_make_points(points, COUNT, 0, 2);
@@ -190,7 +190,8 @@ void test_las_names_what_it_does_not_keep(test_state* test)
     free(file.bytes);
 }
 
-// A hierarchy of a page and a page below it, after COPC's information. Its faults cost a warning, no points.
+// A hierarchy of a page and a child page, after the COPC information. Damage causes a warning, but
+// no points are lost.
 void test_las_checks_the_hierarchy_of_copc(test_state* test)
 {
     static const char* const sentences[] = {NULL, "its points are not as many",

@@ -86,7 +86,7 @@ void test_obj_groups_and_materials(test_state* test)
 
 void test_obj_chunks_and_threads_change_nothing(test_state* test)
 {
-    // a file with everything in it, in chunks from a byte on, with 1 to 3 threads
+    // a file with all features, in chunks from one byte on, with 1 to 3 threads
     static char text[40000];
     size_t length = (size_t)snprintf(text, sizeof(text), "%s", cube);
     for (int i = 0; i < 300; ++i) {
@@ -163,7 +163,8 @@ void test_obj_vertices_are_unique_triples(test_state* test)
 
 void test_obj_large_mesh_with_threads(test_state* test)
 {
-    // large enough for all threads to work on one mesh; quads with seams in their texture coordinates
+    // large enough for all threads to work on one mesh; quads with seams in their texture
+    // coordinates
     enum { SIDE = 160 };
     size_t size = (size_t)SIDE * SIDE * 90, length = 0;
     char* text = malloc(size);
@@ -342,7 +343,7 @@ void test_obj_material_library(test_state* test)
         "# library\nnewmtl glass pane\nKd 0.5 0.5 0.5\nd 0.25\nNs 98\nillum 2\n"
         "map_Kd -s 2 3 1 -clamp on -o 0.5 0.25 missing file.png\n"
         "newmtl lamp\nKd 1\nKe 1 0 0\nPm 0.5\nPr 0.75\nTr 0\n"
-        "newmtl lamp\nKd 0 0 0"; // the first of a name counts
+        "newmtl lamp\nKd 0 0 0"; // the first definition of a name wins
     char path[256], obj_path[256], text[512];
     CHECK(write_scratch(path, "lib rary.mtl", mtl, strlen(mtl)));
     snprintf(text, sizeof(text),
@@ -358,7 +359,7 @@ void test_obj_material_library(test_state* test)
     unlink(path);
     unlink(obj_path);
     CHECK_EQUAL(STP_OK, result);
-    CHECK_EQUAL(0, log.errors); // what is missing is a warning
+    CHECK_EQUAL(0, log.errors); // missing files cause a warning
     CHECK_EQUAL(4, scene->material_count);
     const stp_material* glass = &scene->materials[1];
     CHECK(strcmp(glass->name, "glass pane") == 0);
@@ -415,7 +416,7 @@ void test_text_numbers_match_the_c_library(test_state* test)
         CHECK(stp_read_number((const unsigned char*)text, &value) != NULL);
         CHECK(fabs(value - wanted) <= fabs(wanted) * 4.5e-16);
         if (i >= sizeof(fixed) / sizeof(fixed[0])) {
-            CHECK(value == wanted); // what programs write is exact
+            CHECK(value == wanted); // values written by programs are parsed exactly
         }
     }
     double value;

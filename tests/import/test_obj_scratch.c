@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// OBJ files that are large beside the limit of memory: what is read lies in a temporary file, and changes nothing.
+// OBJ files that are large compared to the memory limit: temporary files do not change the result.
 #include "import/obj.h"
 #include "import/spilled_import.h"
 
@@ -8,8 +8,9 @@
 
 enum { SIDE = 160, GROUPS = 12, CHUNK = 1 << 15 };
 
-// One sheet of SIDE x SIDE squares, whose rows belong to groups of very different sizes; one uses few positions that
-// are far apart. Faces name texture coordinates and normals, some of them backwards.
+// One sheet of SIDE x SIDE squares, whose rows belong to groups of very different sizes; one uses
+// few positions that are far apart. Faces refer to texture coordinates and normals, some by
+// negative indices.
 static char* write_sheet(void)
 {
     size_t size = (size_t)SIDE * SIDE * 140 + 4096, at = 0;

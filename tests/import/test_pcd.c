@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// PCD in its three encodings, which hold the same; what its header says wrongly.
+// PCD in its three encodings with the same content, and invalid headers.
 #include "base/bytes.h"
 #include "import/points_test.h"
 
@@ -63,7 +63,7 @@ static size_t write_compressed(unsigned char* out)
     return packed == 0 ? 0 : at + 8 + packed;
 }
 
-// Colours once as a whole number, once as the float of the same bits.
+// Colours as a whole number and as the float with the same bits.
 static size_t write_ascii(unsigned char* out)
 {
     size_t at = write_header(out, "ascii");
@@ -94,7 +94,7 @@ void test_pcd_encodings(test_state* test)
         stp_context* context = test_context(NULL, 2, &log);
         stp_result result;
         stp_scene* scene =
-            import_bytes(context, "a.bin", bytes, size, &result); // the content tells
+            import_bytes(context, "a.bin", bytes, size, &result); // recognised by content
         CHECK_EQUAL(STP_OK, result);
         CHECK_EQUAL(1, log.warnings); // the unit
         const stp_point_set* p = &scene->point_sets[0];

@@ -40,7 +40,7 @@ static const char unsaid[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
 void test_inputs_of_several_units_make_one_scene(test_state* test)
 {
-    // first the one that says its unit, then the one that does not; and the other way round; and told
+    // a file with a unit, then one without; and in the other order; with a warning
     for (int variant = 0; variant < 3; ++variant) {
         placement_log log = {0};
         stp_context* context = NULL;
@@ -84,7 +84,8 @@ void test_first_known_unit_is_that_of_the_scene(test_state* test)
     stp_context_destroy(context);
 }
 
-// A site in a national grid: half a thousand kilometres east, thousands north, details of a tenth of a millimetre.
+// A site in a national grid: hundreds of kilometres east, thousands north, with details of a tenth
+// of a millimetre.
 void test_far_sites_keep_their_millimetres(test_state* test)
 {
     enum { COUNT = 40 };

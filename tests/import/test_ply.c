@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-// Bytes in the making, in either byte order.
+// A byte buffer, in either byte order.
 typedef struct buffer {
     unsigned char bytes[8192];
     size_t size;
@@ -163,7 +163,7 @@ void test_ply_points(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     stp_result result;
-    // floats as colours, a point that was not measured, an empty element of faces
+    // colours as floats, an unmeasured point, an empty face element
     static const char text[] =
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
         "property float y\nproperty float z\nproperty float red\n"
@@ -180,7 +180,7 @@ void test_ply_points(test_state* test)
     CHECK(points->positions[3] == 4.0f && points->colors[6] == 255);
     stp_scene_destroy(scene);
 
-    // splats: the colour of the first spherical harmonic, no normals where all are zero
+    // splats: the colour of the first spherical harmonic, no normals if all are zero
     static const char splats[] =
         "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
         "property float y\nproperty float z\nproperty float nx\n"
@@ -196,7 +196,8 @@ void test_ply_points(test_state* test)
     stp_context_destroy(context);
 }
 
-// CloudCompare writes floats, PDAL the types of LAS: both become the scene's. A point that is left out takes its values along.
+// CloudCompare writes floats, PDAL the types of LAS: both become the scene's. A skipped point
+// removes its values too.
 void test_ply_attributes(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
@@ -249,7 +250,8 @@ void test_ply_attributes(test_state* test)
     stp_context_destroy(context);
 }
 
-// Made unit from their floats in double: gcc 12 left the rounding to floats out of x and y where it made vectors.
+// Normalised from their floats in double: gcc 12 skipped the rounding of x and y to floats when
+// vectorising.
 void test_ply_normals_are_the_same_from_every_compiler(test_state* test)
 {
     static const char text[] =
@@ -263,7 +265,7 @@ void test_ply_normals_are_the_same_from_every_compiler(test_state* test)
     const double given[2][3] = {{0.295706, 0.946062, 0.132381},
                                 {0.333333333333, 0.666666666666, 0.7}};
     for (int i = 0; i < 2; ++i) {
-        volatile float rounded[3]; // no compiler forgets these
+        volatile float rounded[3]; // prevents the compiler from removing these
         double square = 0.0;
         for (int k = 0; k < 3; ++k) {
             rounded[k] = (float)given[i][k];

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// Points of PLY files that are large beside the limit of memory: they go to the scene's spill as they are read, and nothing
-// else changes.
+// PLY files whose points are large compared to the memory limit: they go to the scene's spill file
+// while they are read, and the result is the same.
 #include "import/spilled_import.h"
 
 enum { POINTS = 40000, ROW = 33, HEAD = 512, STRIDE = 4096 };
 
-// A binary file in pages of its own, as a mapping would be.
+// A binary file in pages of its own, like a mapping.
 static unsigned char* write_points(size_t* size)
 {
     size_t whole = (HEAD + (size_t)POINTS * ROW + STRIDE - 1) / STRIDE * STRIDE;
@@ -25,7 +25,7 @@ static unsigned char* write_points(size_t* size)
     for (int i = 0; i < POINTS; ++i, at += ROW) {
         float row[6] = {
             (float)(i % 200), (float)(i / 200), (float)(i % 7), (float)(i % 3), 1.0f, 0.5f};
-        row[i % 5] = i % 1000 == 7 ? (float)NAN : row[i % 5]; // some are left out
+        row[i % 5] = i % 1000 == 7 ? (float)NAN : row[i % 5]; // some are skipped
         memcpy(bytes + at, row, sizeof(row));
         memset(bytes + at + sizeof(row), i % 251, 3);
         float intensity = (float)(i % 65536);

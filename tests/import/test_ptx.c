@@ -37,7 +37,7 @@ void test_ptx_scans(test_state* test)
     stp_context_destroy(context);
 }
 
-// The pose is written for rows: a quarter turn about z sends x to y.
+// The pose is for row vectors: a quarter turn about z sends x to y.
 void test_ptx_pose(test_state* test)
 {
     static const char text[] =
@@ -54,7 +54,8 @@ void test_ptx_pose(test_state* test)
 
 enum { SIDE = 40 };
 
-// A scan of a wall at x = 4, with a pillar at x = 2 before it; `placed`: the points, not the pose, are placed.
+// A scan of a wall at x = 4, with a pillar at x = 2 in front; `placed`: the points are in world
+// coordinates, without a pose.
 static char* write_wall(size_t* size, int placed)
 {
     char* text = malloc(SIDE * SIDE * 64 + 1024);
@@ -92,7 +93,7 @@ void test_ptx_normals_face_the_scanner(test_state* test)
         CHECK(scene != NULL);
         const stp_point_set* p = &scene->point_sets[0];
         CHECK_EQUAL(SIDE * SIDE - 1, p->point_count);
-        for (size_t i = 0; i < p->point_count; ++i) { // also beside the jumps in depth
+        for (size_t i = 0; i < p->point_count; ++i) { // also next to depth jumps
             CHECK(p->normals[3 * i] < -0.999f);
         }
         CHECK(is_near(place_of(scene, 1, 0, 0), 5004.0, 4.0 * 0.4, -4.0 * 0.4, 1e-3));
@@ -127,7 +128,7 @@ void test_ptx_bad_input_is_one_sentence(test_state* test)
     }
 }
 
-// Columns without cells take no time, however many.
+// Columns without cells take no time, however many there are.
 void test_ptx_empty_scan(test_state* test)
 {
     static const char text[] =

@@ -8,7 +8,7 @@
 typedef struct resolve_case {
     const char* file;
     const char* reference;
-    const char* path; // NULL: refused
+    const char* path; // NULL: rejected
 } resolve_case;
 
 void test_import_resolve_stays_in_folder(test_state* test)
@@ -84,7 +84,7 @@ void test_import_turns_axes_and_units(test_state* test)
     CHECK(up.x == 1.0 && up.y == 3.0 && up.z == -2.0);
     CHECK(scene->unit_metres == 0.001 && strcmp(scene->up, "z") == 0);
 
-    // a second file in metres comes into a scene of millimetres
+    // a second file in metres joins a scene in millimetres
     CHECK_EQUAL(STP_OK, stp_scene_add_object(scene, &root, &import.root));
     stp_import_set_axes(&import, 'y', 1.0);
     stp_vec3d far = stp_affine_point(&scene->objects[1].transform, (stp_vec3d){1, 2, 3});

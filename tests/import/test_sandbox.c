@@ -16,14 +16,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/// What failed of what a child tries in the sandbox, as bits; 0: all is as it should be.
+/// The actions that failed in the sandbox, as bits; 0: everything is as expected.
 enum {
     READS_OUTSIDE = 1,
     WRITES = 2,
     CONNECTS = 4,
     FORKS = 8,
     SIGNALS = 16,
-    IS_STUCK = 32, ///< it cannot read its folder, or take memory
+    IS_STUCK = 32, ///< it cannot read its folder, or allocate memory
 };
 
 static bool has_landlock(void)

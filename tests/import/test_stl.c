@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-// A tetrahedron: four facets over four places.
+// A tetrahedron: four facets with four positions.
 static const float corners[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 static const int facets[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
 
@@ -69,7 +69,7 @@ void test_stl_binary(test_state* test)
         CHECK(is_tetrahedron(&scene->meshes[0]));
         CHECK(strcmp(scene->up, "z") == 0);
         stp_scene_destroy(scene);
-        // bytes after the last facet do no harm
+        // bytes after the last facet are ignored
         scene = import_bytes(context, "a.stl", bytes, size + 7, &result);
         CHECK(scene != NULL && is_tetrahedron(&scene->meshes[0]));
         stp_scene_destroy(scene);
@@ -84,7 +84,7 @@ void test_stl_ascii(test_state* test)
     size += make_ascii(text + size, sizeof(text) - size, "two");
     stp_context* context = test_context(NULL, 1, NULL);
     stp_result result;
-    // the content tells, not the extension
+    // recognised by content, not by extension
     stp_scene* scene = import_bytes(context, "a.bin", text, size, &result);
     CHECK_EQUAL(STP_OK, result);
     CHECK_EQUAL(3, scene->object_count);

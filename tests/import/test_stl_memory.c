@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: MIT
-// A large STL file is read where it lies: what is in memory is the mesh, and a table that is small beside it.
+// SPDX-License-Identifier: MIT A large STL file is read where it lies: what is in memory is the
+// mesh, and a table that is small beside it.
 #include "base/bytes.h"
 #include "import/formats_test.h"
 
@@ -34,7 +34,7 @@ static unsigned char* make_binary(size_t* size)
     return bytes;
 }
 
-// The last line has no end.
+// The last line has no line end.
 static unsigned char* make_ascii(size_t* size)
 {
     size_t room = (size_t)FACETS * 200 + 100, at = 0;
@@ -61,7 +61,7 @@ static unsigned char* make_ascii(size_t* size)
 static int is_sheet(const stp_mesh* mesh)
 {
     int good = mesh->vertex_count == (SIDE + 1) * (SIDE + 1) && mesh->triangle_count == FACETS;
-    uint32_t next = 0; // vertices are numbered as they come
+    uint32_t next = 0; // vertices are numbered in order of appearance
     for (int i = 0; i < 3 * FACETS && good; ++i) {
         float wanted[3];
         corner_of(i / 3, i % 3, wanted);

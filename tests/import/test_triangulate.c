@@ -39,7 +39,7 @@ static stp_vec3d area(const float* positions, uint32_t a, uint32_t b, uint32_t c
     return stp_scaled(stp_crossd(stp_subd(p[1], p[0]), stp_subd(p[2], p[0])), 0.5);
 }
 
-// The triangles tile the polygon when none is turned over and their areas add up to its own.
+// The triangles tile the polygon if none is flipped and their areas add up to its own.
 static int tiles(stp_context* context, polygon* p)
 {
     if (!stp_triangulate(context, p->positions, p->corners, p->count, p->triangles)) {
@@ -66,7 +66,8 @@ void test_triangulate_polygons(test_state* test)
     stp_context* context = test_context(NULL, 1, NULL);
     polygon* p = calloc(1, sizeof(polygon));
     CHECK(p != NULL);
-    for (int turned = 0; turned < 4; ++turned) { // an arrow head, its notch at each corner in turn
+    for (int turned = 0; turned < 4; ++turned) { // an arrow head, with its notch at each corner in
+                                                 // turn
         static const double arrow[4][2] = {{0, 0}, {2, -1}, {0, 3}, {-2, -1}};
         p->count = 0;
         for (int i = 0; i < 4; ++i) {
@@ -101,7 +102,7 @@ void test_triangulate_polygons(test_state* test)
     put(p, LIMIT / 4 - 1, -1.0);
     put(p, 0.0, -1.0);
     CHECK(tiles(context, p));
-    p->count = 0; // a square with a hole, joined by a bridge: two corners stand twice
+    p->count = 0; // a square with a hole, joined by a bridge: two corners occur twice
     static const double bridge[10][2] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 0},
                                          {1, 1}, {1, 3}, {3, 3}, {3, 1}, {1, 1}};
     for (int i = 0; i < 10; ++i) {
@@ -114,7 +115,8 @@ void test_triangulate_polygons(test_state* test)
 
 void test_triangulate_survives_nonsense(test_state* test)
 {
-    // crossing itself, all at one point, on a line: any triangles will do, but as many as promised
+    // self-intersecting, all at one point, on a line: any triangles are valid, but in the expected
+    // number
     stp_context* context = test_context(NULL, 1, NULL);
     polygon* p = calloc(1, sizeof(polygon));
     CHECK(p != NULL);

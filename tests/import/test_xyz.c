@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Texts of points: what their columns are, what their values mean, what is wrong with a line.
+// Text files of points: columns, values, and invalid lines.
 #include "import/points_test.h"
 #include "import/text_columns.h"
 #include "import/text_scan.h"
@@ -11,7 +11,7 @@ static stp_scene* import_text(stp_context* context, const char* name, const char
     return import_bytes(context, name, text, strlen(text), &result);
 }
 
-// One text, and what its second point becomes.
+// A text, and the expected second point.
 typedef struct text_case {
     const char *name, *text;
     int points;
@@ -160,7 +160,7 @@ void test_xyz_losses_are_counted(test_state* test)
     stp_scene* scene =
         import_text(context, "a.xyz", "0 0 0 0.5 7 w\nnan 0 0 1 7 w\n1 2 3 0.5 7 w\n4 4");
     CHECK(scene != NULL && scene->point_sets[0].point_count == 2);
-    CHECK_EQUAL(2, log.warnings); // the unit, and what is not kept
+    CHECK_EQUAL(2, log.warnings); // the unit, and skipped content
     CHECK(strstr(log.warning, "1 point without a finite place") != NULL);
     CHECK(strstr(log.warning, "1 unfinished last line") != NULL);
     CHECK(strstr(log.warning, "2 columns") != NULL);
@@ -188,7 +188,7 @@ void test_xyz_far_places_keep_their_digits(test_state* test)
     stp_context_destroy(context);
 }
 
-// Many lines in several blocks, some of them comments; a scale that only the last line tells.
+// Many lines in several blocks, some of them comments; only the last line reveals the scale.
 static char* write_many(size_t* size)
 {
     char* text = malloc(5 << 20);
@@ -236,7 +236,7 @@ void test_xyz_survives_truncation_and_failing_allocator(test_state* test)
     CHECK(survives_failing_allocator("a.xyz", text, strlen(text)));
 }
 
-// Lines without an end, and ends without lines.
+// Lines without line ends, and line ends without lines.
 void test_xyz_odd_texts(test_state* test)
 {
     size_t size = 3 << 20;
@@ -286,7 +286,7 @@ void test_text_scan_reads_what_the_other_reads(test_state* test)
                                         "-7.e2"};
     for (size_t i = 0; i < sizeof(texts) / sizeof(texts[0]); ++i) {
         char line[STP_SCAN_MARGIN + 64];
-        memset(line, '9', sizeof(line)); // what follows must not count
+        memset(line, '9', sizeof(line)); // bytes after the end must not count
         size_t length = strlen(texts[i]);
         memcpy(line, texts[i], length);
         for (size_t k = 0; k < 2; ++k) {

@@ -5,5 +5,5 @@
 
 #include <stdbool.h>
 
-/// Builds scene:boxes into a file of this process, whose path is told; the caller removes it.
+/// Builds scene:boxes into a file of this process and returns its path; the caller removes it.
 bool boxes_build(const char* name, char path[64]);

@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: MIT
-// The tree of parts as the viewer shows it: rows that fold, search, what is chosen, hidden, isolated.
+// SPDX-License-Identifier: MIT The tree of parts as the viewer shows it: rows that fold, search,
+// what is chosen, hidden, isolated.
 #include "tests.h"
 
 #include "base/context.h"
@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/// Builds the boxes and opens them. @return NULL where that fails
+/// Builds the boxes and opens them. @return NULL on failure
 static explorer* open_boxes(char path[64])
 {
     explorer* e = boxes_build("explorer", path) ? explorer_create(path) : NULL;
@@ -32,7 +32,7 @@ void test_viewer_explorer_folds_and_unfolds(test_state* test)
     char path[64];
     explorer* e = open_boxes(path);
     CHECK(e != NULL && e->ready);
-    size_t count = e->row_count; // a single top is unfolded at once
+    size_t count = e->row_count; // a single root is expanded at once
     CHECK(count > 1 && e->rows[0].open && e->rows[0].item.depth == 1);
     for (size_t i = 1; i < count; ++i) {
         CHECK(e->rows[i].item.depth == 2 &&
@@ -63,7 +63,7 @@ void test_viewer_explorer_finds_names(test_state* test)
         found = found || explorer_is_same(&e->found[i].item, &e->rows[1].item);
     }
     CHECK(found);
-    // a row of what was found: its own name first, what it belongs to beside it
+    // a row of a search result: its own name first, its path beside it
     char above[128], top[128];
     snprintf(top, sizeof(top), "%s", explorer_label(e, &e->rows[0].item, &row));
     CHECK(strcmp(explorer_path_above(e, &e->found[0].item, above, sizeof(above)), top) == 0);
@@ -83,7 +83,7 @@ void test_viewer_explorer_goes_on_after_a_failure(test_state* test)
     char path[64];
     explorer* e = open_boxes(path);
     CHECK(e != NULL);
-    // a click that met more than a pick looks at
+    // a click on more than a pick examines
     (void)!stp_fail(e->context, STP_ERROR_LIMIT, "pick: too much lies on the ray");
     CHECK(strcmp(e->message, "pick: too much lies on the ray") == 0);
     explorer_search(e, "box 15");
@@ -111,18 +111,17 @@ void test_viewer_explorer_marks_parts(test_state* test)
     explorer_mark_item(e, &first, EXPLORER_HIDDEN); // and back
     CHECK_EQUAL(0, e->mark_count);
     explorer_mark_item(e, &first, EXPLORER_ISOLATED);
-    explorer_mark_item(e, &second, EXPLORER_ISOLATED); // one at a time
+    explorer_mark_item(e, &second, EXPLORER_ISOLATED); // only one at a time
     CHECK(e->mark_count == 1 && explorer_is_marked(e, &second, EXPLORER_ISOLATED));
     explorer_mark_item(e, &first, EXPLORER_GHOST);
     CHECK(explorer_list_shown(e, &list));
-    CHECK(list.whole == STP_SHOW_NOT &&
-          list.count == 2); // isolated first: the order says what wins
+    CHECK(list.whole == STP_SHOW_NOT && list.count == 2); // isolate comes first: the order decides
     CHECK(list.things[0].show == STP_SHOW && list.things[1].show == STP_SHOW_GHOST);
     free(list.things);
     uint64_t version = e->marks_version;
     explorer_show_all(e);
     CHECK(e->mark_count == 0 && e->marks_version != version);
-    explorer_mark_item(e, &whole, EXPLORER_HIDDEN); // what is below is hidden with it
+    explorer_mark_item(e, &whole, EXPLORER_HIDDEN); // children are hidden with it
     CHECK(explorer_is_marked(e, &first, EXPLORER_HIDDEN));
     close_boxes(e, path);
 }
@@ -142,7 +141,7 @@ void test_viewer_explorer_picks_what_is_shown(test_state* test)
     CHECK(pick.position.z <= box.max.z + 1e-4 && pick.position.z >= box.min.z - 1e-4);
     stp_outline_item chosen = e->chosen;
     explorer_mark_item(e, &chosen, EXPLORER_HIDDEN);
-    CHECK(explorer_pick(e, &view, 50.5, 50.5, &behind)); // through what is hidden
+    CHECK(explorer_pick(e, &view, 50.5, 50.5, &behind)); // through hidden parts
     CHECK(behind.distance > pick.distance + 0.1);
     explorer_choose_picked(e, &behind);
     CHECK(!explorer_is_same(&e->chosen, &chosen));
@@ -182,7 +181,7 @@ void test_viewer_explorer_follows_a_scene_that_grows(test_state* test)
     CHECK(third->ready && explorer_is_same(&third->chosen, &chosen));
     CHECK_EQUAL(count, third->row_count);
     CHECK_EQUAL(found, third->found_count);
-    explorer_fold(third, 0); // what was folded stays so
+    explorer_fold(third, 0); // collapsed rows stay collapsed
     e = explorer_create(path);
     CHECK(e != NULL);
     explorer_follow(e, third);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Gamepads that come and go: SDL's virtual ones, which need neither a device nor a display.
+// Attaching and detaching gamepads: SDL's virtual ones, which need neither a device nor a display.
 #include "tests.h"
 
 #include "viewer/gamepad.h"
@@ -13,7 +13,7 @@ static int attach(void)
     return SDL_JoystickAttachVirtual(SDL_JOYSTICK_TYPE_GAMECONTROLLER, AXES, BUTTONS, 0);
 }
 
-/// As the viewer's loop: gives on all that came. @return the gamepad in use
+/// Like the viewer's loop: handles all pending events. @return the gamepad in use
 static SDL_JoystickID take_all(SDL_GameController** pad)
 {
     SDL_Event event;
@@ -24,7 +24,7 @@ static SDL_JoystickID take_all(SDL_GameController** pad)
     return *pad != NULL ? SDL_JoystickInstanceID(SDL_GameControllerGetJoystick(*pad)) : -1;
 }
 
-/// @return false where SDL cannot make gamepads, or there are real ones
+/// @return false if SDL cannot make virtual gamepads, or there are real ones
 static bool begin(test_state* test)
 {
     gamepad_begin();
@@ -51,14 +51,14 @@ void test_viewer_gamepad_that_goes_gives_way_to_another(test_state* test)
     SDL_JoystickID second_id = SDL_JoystickGetDeviceInstanceID(attach());
     SDL_JoystickID third_id = SDL_JoystickGetDeviceInstanceID(attach());
     CHECK(second_id != first_id && third_id != second_id);
-    CHECK_EQUAL(first_id, take_all(&pad)); // one that comes takes nothing away
+    CHECK_EQUAL(first_id, take_all(&pad)); // attaching another one changes nothing
     CHECK_EQUAL(0, SDL_JoystickDetachVirtual(2));
-    CHECK_EQUAL(first_id, take_all(&pad)); // nor does one that goes, of another
+    CHECK_EQUAL(first_id, take_all(&pad)); // nor does detaching another one
     CHECK_EQUAL(0, SDL_JoystickDetachVirtual(0));
     CHECK_EQUAL(second_id, take_all(&pad));
     CHECK_EQUAL(0, SDL_JoystickDetachVirtual(0));
     CHECK_EQUAL(-1, take_all(&pad));
-    // one that went before it was taken
+    // detached before its event was handled
     CHECK(attach() == 0 && SDL_JoystickDetachVirtual(0) == 0);
     SDL_JoystickID last_id = SDL_JoystickGetDeviceInstanceID(attach());
     CHECK_EQUAL(last_id, take_all(&pad));
@@ -85,7 +85,7 @@ void test_viewer_gamepad_sticks_move_beyond_a_hand_at_rest(test_state* test)
     (void)take_all(&pad);
     gamepad_sticks sticks = gamepad_read(pad);
     CHECK(sticks.moves[0] == 1.0 && sticks.moves[1] == 1.0 && sticks.moves[2] == -1.0);
-    CHECK(sticks.turn == 0.0); // within what a hand at rest does
+    CHECK(sticks.turn == 0.0); // within the dead zone
     CHECK(fabs(sticks.nod + 0.412) < 0.001);
     CHECK_EQUAL(0, SDL_JoystickDetachVirtual(0));
     gamepad_end(&pad);

@@ -11,7 +11,7 @@ void test_viewer_glyphs_are_what_texts_need(test_state* test)
     glyph_set* set = calloc(1, sizeof(*set));
     CHECK(set != NULL);
     CHECK(!glyphs_note(
-        set, "bolt M8 \xC3\xA4 \xD0\x96 \xE2\x82\xAC")); // ä, Cyrillic, euro: always there
+        set, "bolt M8 \xC3\xA4 \xD0\x96 \xE2\x82\xAC")); // ä, Cyrillic, euro: always available
     CHECK_EQUAL(0, set->count);
     CHECK_EQUAL(0, glyphs_make_ranges(set)[0]);
     CHECK(glyphs_note(
@@ -34,7 +34,7 @@ void test_viewer_glyphs_pass_over_what_is_no_text(test_state* test)
         "\xFF\xFE",
         "\xC0\x80",
         "\xE0\x80\xAF",
-        "\xED\xA0\x80",     // half a pair
+        "\xED\xA0\x80",     // half a surrogate pair
         "\xF0\x9F\x98\x80", // beyond the basic plane
         "\xF8\x88\x80\x80\x80",
         "\xF0\x80\x80",
@@ -44,7 +44,7 @@ void test_viewer_glyphs_pass_over_what_is_no_text(test_state* test)
     for (size_t i = 0; i < sizeof(texts) / sizeof(texts[0]); ++i) {
         CHECK(!glyphs_note(set, texts[i]));
     }
-    // more than there is room for
+    // more than fit
     bool any = true;
     for (uint32_t point = 0x3400; point < 0x9F00; ++point) {
         char text[4] = {(char)(0xE0 | point >> 12), (char)(0x80 | (point >> 6 & 0x3F)),

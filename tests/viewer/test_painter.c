@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: MIT
-// The thread that draws for the window: what makes another picture, and what happens when OpenGL is lost.
+// SPDX-License-Identifier: MIT The thread that draws for the window: what makes another picture,
+// and what happens when OpenGL is lost.
 #include "tests.h"
 
 #include "base/clock.h"
@@ -123,7 +123,7 @@ void test_viewer_painter_is_done_once_what_came_is_drawn(test_state* test)
     stp_image image = {100, 80, done};
     int frames = 0;
     for (; figures.missing > 0; ++frames) {
-        (void)stp_residency_wait(s->residency); // all that was asked for is there
+        (void)stp_residency_wait(s->residency); // everything requested is loaded
         CHECK_EQUAL(STP_OK, paint_scene_draw(s, &request, 1.0f, false, false, &image, &figures));
     }
     CHECK(frames > 1);
@@ -152,7 +152,7 @@ static void* stop_later(void* user)
     return NULL;
 }
 
-/// Draws with or without a stop at once. @return the result
+/// Draws with a stop at once, or without. @return the result
 static stp_result draw_scene(paint_scene* s, const paint_request* request, bool accumulates,
                              bool gl, uint8_t* pixels)
 {
@@ -161,7 +161,7 @@ static stp_result draw_scene(paint_scene* s, const paint_request* request, bool 
     return paint_scene_draw(s, request, 1.0f, accumulates, gl, &image, &figures);
 }
 
-/// Frames that are abandoned end soon, and leave no trace in those that follow.
+/// Aborted frames end soon and do not affect later ones.
 static void abandon_frames(test_state* test, paint_scene* s, const paint_request* request, bool gl)
 {
     static uint8_t wanted[PICTURE_BYTES], got[PICTURE_BYTES];
@@ -174,7 +174,7 @@ static void abandon_frames(test_state* test, paint_scene* s, const paint_request
         CHECK_EQUAL(STP_OK, draw_scene(s, &long_one, false, gl, got));
     }
     double whole_ms = gl ? stp_clock_ms() - start : 0.0;
-    int late = 0; // other programs may hold up one frame or another
+    int late = 0; // other programs may delay single frames
     for (int i = 0; i < 6; ++i) {
         stopper stopping = {.after_ms = 3 * i * i};
         pthread_t thread;
@@ -253,7 +253,7 @@ static void sleep_ms(double ms)
     }
 }
 
-/// A hand that rests while its picture becomes fine goes on with the size that the budget had found.
+/// After a rest with refinement, a moving camera continues with the budget's last splat size.
 void test_viewer_painter_keeps_the_budget_while_it_refines(test_state* test)
 {
     char path[64];
@@ -285,7 +285,8 @@ void test_viewer_painter_keeps_the_budget_while_it_refines(test_state* test)
     unlink(path);
 }
 
-/// Whenever a hand moves again after a rest, its picture does not wait for the one that is being refined.
+/// When the camera moves again after a rest, its picture does not wait for the refinement in
+/// progress.
 void test_viewer_painter_answers_while_it_refines(test_state* test)
 {
     char path[64];
@@ -295,11 +296,11 @@ void test_viewer_painter_answers_while_it_refines(test_state* test)
     CHECK(p != NULL);
     painter_open(p, path, 1);
     CHECK(adopt(p)->serial == 1);
-    int late = 0; // other programs may hold up one picture or another
+    int late = 0; // other programs may delay single pictures
     for (int i = 0; i < 6; ++i) {
         paint_request slow = ask(false), quick = ask(false);
         const painter_picture* picture;
-        slow.style.supersample = 24; // what refines is as slow as the first picture
+        slow.style.supersample = 24; // refinement is as slow as the first picture
         slow.budget_ms = 500.0;
         slow.view.eye.x += 0.01 * i;
         uint64_t number = painter_request(p, &slow);
@@ -345,7 +346,7 @@ void test_viewer_painter_draws_on_where_opengl_is_lost(test_state* test)
     paint_request request = ask(true);
     const painter_picture* picture = wait_for(p, painter_request(p, &request));
     CHECK(picture->gl && picture->texture != 0);
-    const paint_figures* f = &picture->figures; // of this frame, though nothing was read
+    const paint_figures* f = &picture->figures; // of this frame, although nothing was read
     CHECK(f->covered_pixels > 100 && f->draw_ms > 0.0 && f->shade_ms > 0.0);
     CHECK(f->work_ms <= f->frame_ms);
     CHECK(f->work_ms + 1e-9 >= fmin(f->frame_ms, f->draw_ms + f->shade_ms));

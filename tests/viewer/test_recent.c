@@ -23,7 +23,7 @@ void test_viewer_recent_files_are_bounded_and_newest_first(test_state* test)
         CHECK(list.count <= RECENT_MOST && strcmp(list.paths[0], path) == 0);
     }
     CHECK_EQUAL(RECENT_MOST, list.count);
-    recent_add(&list, "/models/25.glb"); // again: it moves to the front
+    recent_add(&list, "/models/25.glb"); // opened again: it moves to the front
     CHECK(list.count == RECENT_MOST && strcmp(list.paths[0], "/models/25.glb") == 0);
     CHECK(strcmp(list.paths[1], "/models/29.glb") == 0);
     recent_remove(&list, "/models/29.glb");
@@ -59,7 +59,7 @@ void test_viewer_recent_files_pass_over_what_is_no_path(test_state* test)
 {
     static char text[4 * 65536];
     list = (recent_files){0};
-    memset(text, '/', sizeof(text) - 1); // one path that is too long
+    memset(text, '/', sizeof(text) - 1); // one overlong path
     recent_parse(&list, text);
     CHECK_EQUAL(0, list.count);
     recent_parse(&list, "\n\nnonsense\n/a\n{\"b\": 1}\n/a\n/b");
@@ -93,7 +93,7 @@ void test_viewer_folders_list_folders_then_models(test_state* test)
     CHECK(strcmp(f.entries[1].name, "a.stip") == 0 && f.entries[1].bytes == 5);
     CHECK(strcmp(f.entries[2].name, "b.GLB") == 0);
     CHECK(folder_read(&f, top, true) && f.count == 4);
-    // a folder that is none leaves the list as it was
+    // an invalid folder leaves the list unchanged
     CHECK(!folder_read(&f, "/nowhere/there", false) && f.count == 4);
     CHECK(folder_join(&f, "Sub", path) && strstr(path, "/Sub") != NULL);
     CHECK(folder_read(&f, path, false) && f.count == 0);

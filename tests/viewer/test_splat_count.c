@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How many splats there are to choose from, and what keys make of a number.
+// The available number of splats, and the effect of keys on it.
 #include "tests.h"
 
 #include "base/math.h"
@@ -12,7 +12,7 @@
 static const uint8_t grey[3] = {128, 128, 128};
 enum { SPLATS_OF_ROOT = 1024, SPLATS_BELOW = 64 };
 
-/// What a view draws of all that is asked for.
+/// The number of splats that a view draws if all are requested.
 static uint64_t count_drawn(stp_context* context, stp_store* store, const stp_view* view)
 {
     stp_draw_list list = {0};
@@ -23,7 +23,7 @@ static uint64_t count_drawn(stp_context* context, stp_store* store, const stp_vi
     return count;
 }
 
-/// A root over a square, which it holds without a set and twice with one.
+/// A root with a square: once without a set, twice with one.
 static void make_scene(stp_context* context, made_scene* s)
 {
     stp_boxd flat = {{-1, -1, 0}, {1, 1, 0}};
@@ -164,11 +164,11 @@ void test_viewer_splat_count_steps_from_two_to_all(test_state* test)
     CHECK_EQUAL(50, splat_count_step(100, 1000, false, false));
     CHECK_EQUAL(105, splat_count_step(100, 1000, true, true));
     CHECK_EQUAL(95, splat_count_step(100, 1000, false, true));
-    CHECK_EQUAL(3, splat_count_step(2, 1000, true, true)); // one at least
+    CHECK_EQUAL(3, splat_count_step(2, 1000, true, true)); // at least one
     CHECK_EQUAL(2, splat_count_step(3, 1000, false, true));
     CHECK_EQUAL(SPLAT_COUNT_MOST,
                 splat_count_step(SPLAT_COUNT_MOST - 1, SPLAT_COUNT_MOST, true, false));
-    for (int fine = 0; fine < 2; ++fine) { // every way up reaches all, every way down two
+    for (int fine = 0; fine < 2; ++fine) { // repeated steps up reach all, steps down two
         uint32_t count = 2;
         for (int i = 0; i < 600 && count < SPLAT_COUNT_MOST; ++i) {
             uint32_t next = splat_count_step(count, SPLAT_COUNT_MOST, true, fine == 1);
