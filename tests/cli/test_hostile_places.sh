@@ -48,7 +48,7 @@ if [ ! -e "$folder" ]; then
     chmod 777 "$folder"
     (
         unset XDG_CACHE_HOME HOME
-        refused 1 "others may write there" render box.obj --size 32x32 -o box.png
+        refused 1 "writable by others" render box.obj --size 32x32 -o box.png
         [ $failures -eq 0 ]
     ) || fail "a folder that others may write"
     rmdir "$folder"
