@@ -23,9 +23,9 @@ static stp_result add_box(stp_builder* builder, uint32_t material, uint32_t* par
 
 static stp_result add_ball(stp_builder* builder, uint32_t* part)
 {
-    static float positions[(RINGS + 1) * SECTORS][3];
-    static uint8_t colors[(RINGS + 1) * SECTORS][4];
-    static uint32_t indices[RINGS * SECTORS * 6];
+    float positions[(RINGS + 1) * SECTORS][3];
+    uint8_t colors[(RINGS + 1) * SECTORS][4];
+    uint32_t indices[RINGS * SECTORS * 6];
     size_t count = 0;
     for (uint32_t i = 0; i <= RINGS; ++i) {
         for (uint32_t k = 0; k < SECTORS; ++k) {
@@ -56,9 +56,9 @@ static stp_result add_ball(stp_builder* builder, uint32_t* part)
 
 static stp_result add_points(stp_builder* builder)
 {
-    static float positions[EMBED_POINTS][3], normals[EMBED_POINTS][3];
-    static uint16_t intensities[EMBED_POINTS];
-    static uint8_t classes[EMBED_POINTS];
+    float positions[EMBED_POINTS][3], normals[EMBED_POINTS][3];
+    uint16_t intensities[EMBED_POINTS];
+    uint8_t classes[EMBED_POINTS];
     for (int i = 0; i < EMBED_POINTS; ++i) {
         positions[i][0] = (float)(i % 50) * 0.2f - 5.0f;
         positions[i][1] = (float)(i / 50) * 0.2f;
