@@ -56,9 +56,9 @@ static stp_result add_ball(stp_builder* builder, uint32_t* part)
 
 static stp_result add_points(stp_builder* builder)
 {
-    float positions[EMBED_POINTS][3], normals[EMBED_POINTS][3];
-    uint16_t intensities[EMBED_POINTS];
-    uint8_t classes[EMBED_POINTS];
+    float positions[EMBED_POINTS][3] = {{0}}, normals[EMBED_POINTS][3] = {{0}};
+    uint16_t intensities[EMBED_POINTS] = {0};
+    uint8_t classes[EMBED_POINTS] = {0};
     for (int i = 0; i < EMBED_POINTS; ++i) {
         positions[i][0] = (float)(i % 50) * 0.2f - 5.0f;
         positions[i][1] = (float)(i / 50) * 0.2f;
