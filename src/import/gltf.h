@@ -41,7 +41,7 @@ typedef enum stp_gltf_list {
 } stp_gltf_list;
 
 typedef struct stp_gltf_buffer {
-    const unsigned char* bytes; ///< NULL: a placeholder without data
+    const unsigned char* bytes; ///< NULL: a fallback buffer without data (EXT_meshopt_compression)
     size_t size;
     unsigned char* owned; ///< decoded from a data URI
     stp_mapped_file file; ///< mapped beside the model

@@ -38,7 +38,9 @@ static stp_result load_buffer(stp_gltf_scope* scope, size_t index, stp_gltf* glt
         buffer->bytes = gltf->chunk;
         buffer->size = gltf->chunk_size;
     } else if (uri == NULL) {
-        return STP_OK; // a placeholder for compressed views; reading from it fails
+        // The fallback buffer of EXT_meshopt_compression: only compressed views refer to it, and
+        // reading from it fails.
+        return STP_OK;
     } else if (stp_gltf_uri_is_data(uri)) {
         result = stp_gltf_uri_decode(scope, uri, &buffer->owned, &buffer->size);
         buffer->bytes = buffer->owned;

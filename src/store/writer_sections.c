@@ -404,7 +404,7 @@ static stp_result write_section(stp_store_writing* w, uint32_t type)
         return write_attribute_blocks(w);
     case STP_SECTION_COORDINATES:
         return write_coordinates(w);
-    case STP_SECTION_PAGES: // placeholder, patched at the end
+    case STP_SECTION_PAGES: // reserves the space; the checksums are written when all else is
         return write_table(w, type, w->sums.crcs, (uint32_t)w->sums.count);
     default:
         return write_sets(w, type);
