@@ -6,8 +6,6 @@
 
 // of the samples of a hidden region: some of it may be visible beside its occluders
 #define LEAST_SEEN 0.25
-/// The key light, to the right of, above and in front of the viewer (draw/lighting.c).
-static const double light_right = -0.45, light_up = 0.65, light_back = 0.62;
 #define POLISHED 0.4f  // surfaces below this roughness have highlights small enough to miss
 #define STRAIGHT 1e-12 // of a direction's length: below, it counts as perpendicular to the axis
 
@@ -63,9 +61,7 @@ stp_cue_view stp_cue_view_make(const stp_selection* s, const stp_select_entry* a
         eye = stp_scaled(stp_subd(eye, stp_to_double(set->origin)), 1.0 / (double)set->step);
     }
     view.eye = eye;
-    stp_vec3d light = stp_addd(
-        stp_scaled(frame->right, light_right),
-        stp_addd(stp_scaled(frame->down, -light_up), stp_scaled(frame->forward, -light_back)));
+    stp_vec3d light = stp_view_frame_direction(frame, stp_key_light);
     view.polished = is_polished(s->directory) && solve(m, light, &view.light);
     view.light = stp_normalized(view.light);
     return view;

@@ -169,6 +169,15 @@ stp_view_rectangle stp_view_frame_cover(const stp_view_frame* f, const stp_boxd*
                                 stp_clampd(r.x1, 0.0, f->width), stp_clampd(r.y1, 0.0, f->height)};
 }
 
+const float stp_key_light[3] = {-0.45f, 0.65f, 0.62f};
+
+stp_vec3d stp_view_frame_direction(const stp_view_frame* frame, const float along[3])
+{
+    stp_vec3d sum = stp_scaled(frame->right, (double)along[0]);
+    sum = stp_subd(sum, stp_scaled(frame->down, (double)along[1]));
+    return stp_subd(sum, stp_scaled(frame->forward, (double)along[2]));
+}
+
 double stp_view_frame_pixel_size(const stp_view_frame* frame, double depth)
 {
     return (frame->parallel ? 1.0 : depth) / frame->scale;

@@ -43,6 +43,14 @@ typedef struct stp_view_rectangle {
 /// front of the near plane, the whole picture.
 stp_view_rectangle stp_view_frame_cover(const stp_view_frame* frame, const stp_boxd* box);
 
+/// Direction towards the key light, to the left of, above and behind the viewer: parts along the
+/// frame's right, up and backward axes, as stp_view_frame_direction takes them.
+extern const float stp_key_light[3];
+
+/// A direction given by its parts along the right, up and backward axes, in scene space. Not
+/// normalized.
+stp_vec3d stp_view_frame_direction(const stp_view_frame* frame, const float along[3]);
+
 /// Side of a pixel at a depth, in scene units.
 double stp_view_frame_pixel_size(const stp_view_frame* frame, double depth);
 
