@@ -3,7 +3,7 @@
 // triangles, how much memory a build takes, and the size of the file.
 #include "bench.h"
 
-#include "build/build.h"
+#include "build/build_scene.h"
 #include "scenes/scenes.h"
 #include "store/store.h"
 

@@ -7,7 +7,7 @@
 #include "flight_report.h"
 #include "scene_file.h"
 
-#include "build/build.h"
+#include "build/build_scene.h"
 #include "lod/method.h"
 #include "present/camera.h"
 #include "scenes/scenes.h"

@@ -8,7 +8,7 @@
 #include "scene_file.h"
 
 #include "base/clock.h"
-#include "build/build.h"
+#include "build/build_scene.h"
 #include "draw/draw_gl.h"
 #include "present/headless.h"
 #include "scenes/scenes.h"

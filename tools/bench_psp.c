@@ -7,8 +7,8 @@
 #include "base/clock.h"
 #include "base/octahedral.h"
 #include "base/progressive.h"
-#include "lod/psp/splats.h"
-#include "lod/surfels.h"
+#include "lod/psp/psp_set.h"
+#include "lod/set_columns.h"
 #include "store/internal.h"
 #include "store/writer.h"
 

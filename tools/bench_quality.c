@@ -7,7 +7,7 @@
 #include "bench.h"
 #include "draw_options.h"
 
-#include "build/build.h"
+#include "build/build_scene.h"
 #include "draw/draw.h"
 #include "measure/image_compare.h"
 #include "measure/surface_compare.h"

@@ -8,7 +8,7 @@
 #include "scene_file.h"
 #include "tool.h"
 
-#include "build/build.h"
+#include "build/build_scene.h"
 #include "scenes/scenes.h"
 
 #include <stdio.h>

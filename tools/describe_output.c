@@ -4,7 +4,7 @@
 #include "base/color_map.h"
 #include "base/printable.h"
 #include "import/scan_info.h"
-#include "store/attributes.h"
+#include "store/attribute_blocks.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "scene_file.h"
 
-#include "neighbours.h"
+#include "companion_files.h"
 #include "tool.h"
 
 #include "base/file.h"
 #include "base/hash.h"
-#include "build/build.h"
+#include "build/build_scene.h"
 #include "import/import.h"
 #include "import/text_columns.h"
 #include "present/camera.h"

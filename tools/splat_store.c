@@ -5,8 +5,8 @@
 
 #include "base/coverage.h"
 #include "base/octahedral.h"
+#include "lod/set_columns.h"
 #include "lod/shape_coding.h"
-#include "lod/surfels.h"
 #include "store/writer.h"
 
 #include <limits.h>

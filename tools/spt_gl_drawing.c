@@ -7,7 +7,7 @@
 #include "base/clock.h"
 #include "base/context.h"
 #include "base/coverage.h"
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 
 #include <string.h>
 

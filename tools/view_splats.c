@@ -6,7 +6,7 @@
 #include "base/coverage.h"
 #include "build/shadings.h"
 #include "capture/capture.h"
-#include "lod/points.h"
+#include "lod/cloud_candidates.h"
 #include "lod/psp/forest.h"
 #include "lod/psp/nearest_points.h"
 

@@ -2,7 +2,7 @@
 // Input: mouse, keys and gamepad control the camera and trigger commands.
 #include "gamepad.h"
 #include "gui.h"
-#include "parts.h"
+#include "panels.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 // Messages to the user: the newest in the status line, earlier ones above it, and an explanation of
 // an empty picture.
 #include "gui.h"
-#include "parts.h"
+#include "panels.h"
 
 #include "base/clock.h"
 

@@ -2,7 +2,7 @@
 #include "point_look.h"
 
 #include "gui.h"
-#include "parts.h"
+#include "panels.h"
 
 #include "base/color.h"
 #include "base/color_map.h"

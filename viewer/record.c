@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Recording and playing flights, and the output folder of the viewer.
-#include "parts.h"
+#include "panels.h"
 
 #include "base/clock.h"
 #include "scenes/scenes.h"

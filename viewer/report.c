@@ -2,7 +2,7 @@
 // The state of the viewer as a JSON file, for tests and for programs that control the viewer.
 #include "describe.h"
 #include "gui.h"
-#include "parts.h"
+#include "panels.h"
 
 #include "base/clock.h"
 #include "present/view_cube.h"

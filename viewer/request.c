@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Converts settings and camera to a request for the painter.
-#include "parts.h"
+#include "panels.h"
 
 static uint8_t to_byte(float x)
 {

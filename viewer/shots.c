@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Saved pictures of any size, drawn at full quality on a separate thread with a separate renderer.
 #include "painter_scene.h"
-#include "parts.h"
+#include "panels.h"
 
 #include "base/context.h"
 #include "present/png.h"

@@ -5,7 +5,7 @@
 #include "start.h"
 
 #include "gui.h"
-#include "parts.h"
+#include "panels.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 
 #include "explorer.h"
 #include "loader.h"
-#include "painter.h"
+#include "paint_thread.h"
 #include "point_look.h"
 #include "start.h"
 #include "viewer.h"
@@ -148,7 +148,7 @@ void viewer_say(viewer* v, bool is_error, const char* format, ...)
 /// Whether everything is at rest: the picture is final.
 bool viewer_rests(const viewer* v);
 
-// camera.c
+// camera_moves.c
 void camera_begin(viewer* v); ///< for a new scene
 /// Starts a camera glide to another position.
 void camera_glide(viewer* v, const stp_navigator* to);
@@ -176,7 +176,7 @@ viewer_area panels_layout(const viewer* v);
 void panels_show(viewer* v);
 void panels_switch_parts(viewer* v);
 
-// pages.c
+// statistics_pages.c
 void page_statistics(viewer* v);
 void page_quality(viewer* v);
 

@@ -5,7 +5,7 @@
 #include "viewer.h"
 
 #include "gui.h"
-#include "parts.h"
+#include "panels.h"
 
 #include "base/clock.h"
 #include "lod/method.h"

@@ -6,8 +6,8 @@
 // too small for the build. They never change the result.
 #pragma once
 
-#include "build/build.h"
-#include "build/plan.h"
+#include "build/build_scene.h"
+#include "build/set_plan.h"
 #include "store/clusters.h"
 #include "store/summary.h"
 

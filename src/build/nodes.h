@@ -5,8 +5,8 @@
 #pragma once
 
 #include "build/draft.h"
-#include "build/plan.h"
 #include "build/previous_output.h"
+#include "build/set_plan.h"
 #include "lod/method.h"
 
 typedef struct stp_build_nodes_desc {

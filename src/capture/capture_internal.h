@@ -98,7 +98,7 @@ STP_MUST_USE stp_result stp_capture_draw_parts(const stp_capture_job* job,
                                                size_t end, const stp_raster_target* target,
                                                stp_arena* scratch);
 
-// Sets of surfels (splats.c): their share of each step.
+// Sets of surfels (surfel_disks.c): their share of each step.
 
 /// Numbers the surfels and adds their disks to the box. @return STP_OK or STP_ERROR_OUT_OF_MEMORY
 /// (logged)

@@ -3,7 +3,7 @@
 // into the scene that is built.
 #pragma once
 
-#include "embed/model.h"
+#include "embed/model_internal.h"
 #include "scene/scene.h"
 
 #include <stipple/build.h>

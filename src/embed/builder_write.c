@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Builds the collected input into a file, or through a temporary file into memory.
 #include "base/file.h"
-#include "build/build.h"
+#include "build/build_scene.h"
 #include "build/work.h"
 #include "embed/builder_move.h"
 

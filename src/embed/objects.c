@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The tree of a model's objects, and their visibility.
-#include "embed/model.h"
+#include "embed/model_internal.h"
 
 enum { CHILDREN_AT_ONCE = 64 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Checks a caller's options, and converts them for selection and renderers.
-#include "embed/painter.h"
+#include "embed/painter_internal.h"
 
 #include <math.h>
 #include <string.h>

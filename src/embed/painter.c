@@ -3,9 +3,8 @@
 // Draws pictures of a model: selects, draws, and feeds measurements back. While the model streams,
 // each picture reports the data it wanted; memory that a picture needs takes precedence over loaded
 // data.
-#include "embed/painter.h"
-
 #include "base/clock.h"
+#include "embed/painter_internal.h"
 #include "select/view_frame.h"
 
 #include <math.h>

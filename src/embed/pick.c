@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Picks at a position in the picture.
-#include "select/pick.h"
-
-#include "embed/model.h"
-#include "store/attributes.h"
+#include "embed/model_internal.h"
+#include "select/pick_ray.h"
+#include "store/attribute_blocks.h"
 
 #include <stipple/pick.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Encodes texels to PNG, in memory that the context counts.
-#include "image/image.h"
+#include "image/image_codecs.h"
 
 #include <spng.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #include "import/surface.h"
 
 #include "base/color.h"
-#include "image/image.h"
+#include "image/image_codecs.h"
 #include "import/image_plain.h"
 
 #include <string.h>

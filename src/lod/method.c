@@ -2,8 +2,8 @@
 #include "lod/method.h"
 
 #include "base/clock.h"
-#include "lod/psp/splats.h"
-#include "lod/spt/splats.h"
+#include "lod/psp/psp_set.h"
+#include "lod/spt/spt_set.h"
 #include "lod/stochastic/set.h"
 
 #include <string.h>

@@ -5,8 +5,8 @@
 // determine the outside.
 #include "base/math.h"
 #include "base/processor.h"
+#include "lod/cloud_candidates.h"
 #include "lod/point_normals_kernels.h"
-#include "lod/points.h"
 
 #include <string.h>
 

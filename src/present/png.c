@@ -2,7 +2,7 @@
 #include "present/png.h"
 
 #include "base/file.h"
-#include "image/image.h"
+#include "image/image_codecs.h"
 
 #include <spng.h>
 

@@ -5,10 +5,10 @@
 // children's nodes.
 #include "scene/partition.h"
 
-#include "scene/cut.h"
+#include "scene/box_groups.h"
 #include "scene/dissolve.h"
 #include "scene/graph.h"
-#include "scene/groups.h"
+#include "scene/split_large.h"
 #include "scene/unused.h"
 
 #include <assert.h>

@@ -22,7 +22,7 @@
 #include "base/hash.h"
 #include "base/math.h"
 #include "base/spill.h"
-#include "scene/attributes.h"
+#include "scene/attribute_names.h"
 #include "scene/content_table.h"
 
 #define STP_NONE UINT32_MAX
@@ -106,7 +106,7 @@ typedef struct stp_point_set {
     float* positions;                 ///< 3 per point; within reach once added (distance_limit.h)
     float* normals;                   ///< optional: 3 per point
     uint8_t* colors;                  ///< optional: RGBA per point, sRGB
-    void* attributes[STP_ATTRIBUTES]; ///< each optional: one value per point (attributes.h)
+    void* attributes[STP_ATTRIBUTES]; ///< each optional: one value per point (stipple/attributes.h)
     uint32_t material;
     stp_box bounds;
     stp_hash content;

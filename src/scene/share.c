@@ -7,8 +7,8 @@
 #include "scene/bounds.h"
 #include "scene/distance_limit.h"
 #include "scene/graph.h"
-#include "scene/measure.h"
 #include "scene/merge.h"
+#include "scene/mesh_area.h"
 #include "scene/scene.h"
 #include "scene/view_names.h"
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Meshes and point sets (textures: pictures.c). Data is checked on first use, then read in place.
+// Meshes and point sets (textures: texture_images.c). Data is checked on first use, then read in
+// place.
 #include "store/internal.h"
 
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__

@@ -9,7 +9,7 @@
 //   alpha 0     hides a point
 #pragma once
 
-#include "store/attributes.h"
+#include "store/attribute_blocks.h"
 
 typedef struct stp_store_coloring {
     bool by_attribute;

@@ -3,7 +3,7 @@
 #include "store/chunks.h"
 #include "store/internal.h"
 #include "store/operators.h"
-#include "store/pictures.h"
+#include "store/texture_images.h"
 
 static stp_result fail_format(const stp_store* store, const char* what, uint32_t index,
                               const char* fault)

@@ -2,7 +2,7 @@
 // Opens a file: decodes and links the directory's tables.
 #include "store/internal.h"
 #include "store/leaves_internal.h"
-#include "store/pictures.h"
+#include "store/texture_images.h"
 
 #include <string.h>
 

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "base/hash.h"
-#include "store/attributes.h"
+#include "store/attribute_blocks.h"
 #include "store/clusters.h"
 #include "store/format.h"
 #include "store/leaves.h"
@@ -65,7 +65,7 @@ typedef struct stp_store_texture_record {
     uint8_t* decoded;
 } stp_store_texture_record;
 
-/// Memory of a set's columns; src/store/octaves.c.
+/// Memory of a set's columns; src/store/join_octaves.c.
 typedef struct stp_store_joined stp_store_joined;
 
 typedef struct stp_store_surfels_record {

@@ -2,8 +2,8 @@
 // Reader threads: take a load from the queue, fill it, check it, hand it back.
 #include "store/chunks.h"
 #include "store/leaves_internal.h"
-#include "store/pictures.h"
 #include "store/residency_internal.h"
+#include "store/texture_images.h"
 
 #include <string.h>
 

@@ -129,8 +129,8 @@ typedef struct stp_store_source {
     const char* coordinate_system; ///< of its points: WKT, or "EPSG:25832"; NULL: not known
 } stp_store_source;
 
-typedef struct stp_store_attribute stp_store_attribute;             // store/attributes.h
-typedef struct stp_store_attribute_value stp_store_attribute_value; // store/attributes.h
+typedef struct stp_store_attribute stp_store_attribute;             // store/attribute_blocks.h
+typedef struct stp_store_attribute_value stp_store_attribute_value; // store/attribute_blocks.h
 
 /// Everything but the bulk data; also the input of the writer. The store owns the arrays.
 typedef struct stp_store_directory {

@@ -8,7 +8,7 @@
 #include "store/clusters_layout.h"
 #include "store/content_sizes.h"
 #include "store/internal.h"
-#include "store/pictures.h"
+#include "store/texture_images.h"
 #include "store/writing.h"
 
 #include <string.h>

@@ -3,9 +3,9 @@
 // writer_blocks.c (the data).
 #pragma once
 
+#include "store/block_order.h"
 #include "store/columns.h"
 #include "store/page_sums.h"
-#include "store/plan.h"
 #include "store/records.h"
 #include "store/writer.h"
 

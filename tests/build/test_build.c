@@ -2,7 +2,7 @@
 // The whole path from a model to a file, on models written here.
 #include "tests.h"
 
-#include "build/build.h"
+#include "build/build_scene.h"
 #include "build/shadings.h"
 #include "store/store.h"
 

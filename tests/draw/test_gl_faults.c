@@ -2,7 +2,7 @@
 // Errors of a context are reported once, in one sentence.
 #include "tests.h"
 
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 #include "draw/support_gl.h"
 
 #include <string.h>

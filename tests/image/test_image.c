@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "image/image.h"
+#include "image/image_codecs.h"
 
 #include <spng.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #include "base/clock.h"
 #include "draw/cpu/accumulate.h"
 #include "draw/cpu/blend.h"
-#include "draw/cpu/caps.h"
+#include "draw/cpu/draw_caps.h"
 #include "draw/cpu/effects.h"
 #include "draw/cpu/layers.h"
 #include "draw/placement.h"

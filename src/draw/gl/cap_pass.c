@@ -2,7 +2,7 @@
 #include "draw/gl/cap_pass.h"
 
 #include "base/context.h"
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 
 void gl_cap_pass_destroy(gl_renderer* r)
 {

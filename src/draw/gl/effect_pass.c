@@ -3,7 +3,7 @@
 
 #include "base/context.h"
 #include "draw/effect_shape.h"
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 
 void gl_effect_pass_destroy(gl_renderer* r)
 {

@@ -2,7 +2,7 @@
 #include "draw/gl/filter_pass.h"
 
 #include "base/context.h"
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 #include "raster/splats_blend.h"
 
 #include <stdio.h>

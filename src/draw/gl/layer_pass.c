@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "draw/gl/layer_pass.h"
 
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 #include "draw/transparency.h"
 #include "raster/blue_noise.h"
 #include "raster/splats_glass.h"

@@ -2,7 +2,7 @@
 #include "draw/gl/occlusion_pass.h"
 
 #include "base/context.h"
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 
 #include <string.h>
 

@@ -2,7 +2,7 @@
 #include "draw/gl/raster_pass.h"
 
 #include "base/context.h"
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 
 enum { GROUPS_ACROSS = 32768 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Uploads the frame's blocks to the GPU: one part of a ring holds all.
 #include "base/context.h"
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 
 #include <string.h>
 

@@ -4,7 +4,7 @@
 #include "base/clock.h"
 #include "base/context.h"
 #include "base/rng.h"
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 
 #include <stddef.h>
 #include <string.h>

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "capture/capture.h"
-#include "lod/surfels.h"
+#include "lod/set_columns.h"
 
 #include <stipple/order.h>
 #include <stipple/surfels.h>

@@ -2,7 +2,7 @@
 // Distinct positions of points: merges coincident points.
 #pragma once
 
-#include "lod/decimate/parts.h"
+#include "lod/decimate/point_disks.h"
 
 typedef struct stp_distinct {
     uint32_t count;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "lod/psp/cut.h"
 #include "lod/psp/nearest_points.h"
+#include "lod/psp/round_pieces.h"
 
 #include <string.h>
 

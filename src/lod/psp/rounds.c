@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/psp/rounds.h"
 
-#include "lod/psp/cut.h"
 #include "lod/psp/load.h"
+#include "lod/psp/round_pieces.h"
 
 #include <string.h>
 

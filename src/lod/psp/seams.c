@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Links across the seams of the first round, and slots from round to round.
 #include "base/parallel_sort.h"
-#include "lod/psp/cut.h"
+#include "lod/psp/round_pieces.h"
 
 enum { GRAIN = 1 << 16 }; ///< slots
 

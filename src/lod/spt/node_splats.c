@@ -4,7 +4,7 @@
 #include "base/coverage.h"
 #include "base/octahedral.h"
 #include "base/splat_codes.h"
-#include "lod/surfels.h"
+#include "lod/set_columns.h"
 
 #include <string.h>
 

@@ -7,14 +7,14 @@
 #include "base/octahedral.h"
 #include "base/rng.h"
 #include "lod/blue/finish.h"
-#include "lod/points.h"
+#include "lod/cloud_candidates.h"
 #include "lod/samples.h"
+#include "lod/set_columns.h"
 #include "lod/shape_coding.h"
 #include "lod/stochastic/facts.h"
 #include "lod/stochastic/orient.h"
 #include "lod/stochastic/spread_order.h"
 #include "lod/stochastic/trim.h"
-#include "lod/surfels.h"
 
 #include <string.h>
 
