@@ -4,9 +4,8 @@
 
 #include "command.h"
 
+#include "base/splat_columns.h"
 #include "lod/psp/ellipse.h"
-
-#include <stipple/surfels.h>
 
 /// Splats with colours; only the listed ones are written.
 typedef struct tool_splats {

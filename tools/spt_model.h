@@ -2,10 +2,10 @@
 // the tree's nodes on the same grid; and the views it is drawn in.
 #pragma once
 
+#include "base/splat_columns.h"
 #include "lod/spt/point_tree.h"
 #include "raster/splats.h"
 
-#include <stipple/surfels.h>
 #include <stipple/view.h>
 
 /// Of the picture, and the points that a traversal hands on together.

@@ -2,7 +2,7 @@
 // How long a prefix of an order must be to cover to a given radius; the radius is guaranteed.
 #pragma once
 
-#include <stipple/surfels.h>
+#include "base/splat_columns.h"
 
 /// Builds a table from the insertion radii of a whole order: radii[k] is the distance of point k to
 /// the nearest earlier one (radii[0] is ignored), so the prefix of k points covers to

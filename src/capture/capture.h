@@ -8,10 +8,9 @@
 // captured too; their alpha is recorded. Each point of a point set is one pixel.
 #pragma once
 
+#include "base/splat_columns.h"
 #include "capture/silhouettes.h"
 #include "scene/scene.h"
-
-#include <stipple/surfels.h>
 
 /// Limit on the pixels drawn per requested candidate when the resolution is automatic. Sparse
 /// scenes have mostly empty pixels; the limit bounds the cost.

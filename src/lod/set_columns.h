@@ -3,8 +3,7 @@
 #pragma once
 
 #include "base/context.h"
-
-#include <stipple/surfels.h>
+#include "base/splat_columns.h"
 
 /// Frees the columns of a set, each of which came from stp_alloc.
 void stp_splats_destroy(stp_context* context, stp_splats* surfels);

@@ -12,10 +12,9 @@
 #pragma once
 
 #include "base/context.h"
+#include "base/splat_columns.h"
 #include "raster/occluder.h"
 #include "raster/target.h"
-
-#include <stipple/surfels.h>
 
 typedef struct stp_raster_splats {
     const uint16_t* positions; ///< 3 per splat

@@ -3,7 +3,7 @@
 // content, so that a distant cube replaces its leaves. Cubes with a single child are left out.
 #pragma once
 
-#include <stipple/surfels.h>
+#include "base/splat_columns.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -5,8 +5,7 @@
 #pragma once
 
 #include "base/progressive.h"
-
-#include <stipple/surfels.h>
+#include "base/splat_columns.h"
 
 #include <stddef.h>
 

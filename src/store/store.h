@@ -8,9 +8,8 @@
 #pragma once
 
 #include "base/hash.h"
+#include "base/splat_columns.h"
 #include "store/summary.h"
-
-#include <stipple/surfels.h>
 
 #define STP_STORE_NONE UINT32_MAX
 

@@ -4,9 +4,8 @@
 // coverage, and the tables that choose prefixes (design.md, Finish).
 #pragma once
 
+#include "base/splat_columns.h"
 #include "capture/capture.h"
-
-#include <stipple/surfels.h>
 
 typedef struct stp_finish_input {
     const stp_candidates* candidates;

@@ -8,9 +8,8 @@
 // smaller counts, and only ranges need to be stored.
 #pragma once
 
+#include "base/splat_columns.h"
 #include "lod/psp/forest.h"
-
-#include <stipple/surfels.h>
 
 enum { STP_PSP_COLUMNS = STP_SPLATS_SHAPES | STP_SPLATS_RANGES | STP_SPLATS_FLAT_COLORS };
 

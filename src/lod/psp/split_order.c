@@ -3,8 +3,7 @@
 
 #include "base/progressive.h"
 #include "base/splat_codes.h"
-
-#include <stipple/surfels.h>
+#include "base/splat_columns.h"
 
 #include <stdlib.h>
 

@@ -3,9 +3,8 @@
 // and ranges of levels (Dachsbacher et al. 2003, 3.1 to 3.7).
 #pragma once
 
+#include "base/splat_columns.h"
 #include "lod/spt/point_tree.h"
-
-#include <stipple/surfels.h>
 
 typedef struct stp_spt_desc {
     stp_tree_desc tree;

@@ -4,8 +4,7 @@
 #pragma once
 
 #include "base/context.h"
-
-#include <stipple/surfels.h>
+#include "base/splat_columns.h"
 
 enum { STP_LEAF_NEIGHBOURS_MOST = 32 };
 

@@ -10,8 +10,8 @@
 // Over an octave of the order, the insertion radius halves. In a short prefix each surfel
 // represents a large patch, so each octave stores colours and coverages for the whole prefix that
 // ends with it: 1 + 1/4 + 1/16 + ... of the column. A prefix of n surfels, e(k-1) < n <= e(k), is
-// drawn with the colours of octave k; surfels below e(k-1) blend them with octave k - 1 (design.md,
-// Finish).
+// drawn with the colours of octave k; surfels below e(k-1) blend them with octave k - 1
+// (docs/algorithms/finish.md).
 #pragma once
 
 #include <stipple/attributes.h>
