@@ -519,7 +519,7 @@ stp_result stp_assimp_fail_memory(const stp_import* import)
 {
     return stp_fail(import->context, STP_ERROR_OUT_OF_MEMORY,
                     "%s: out of memory: the %llu bytes that assimp may use to read it do not "
-                    "suffice: give a higher limit (--memory)",
+                    "suffice: raise memory_limit_bytes",
                     import->path, (unsigned long long)stp_assimp_memory_limit(import));
 }
 

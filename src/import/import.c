@@ -118,7 +118,7 @@ static void judge_units(const stp_import* import, double scene_unit)
 {
     const stp_scene* scene = import->scene;
     if (import->wants_unit && scene->unit_metres == 0.0) {
-        stp_warn(import->context, "%s: does not say its unit of length (say it with --unit)",
+        stp_warn(import->context, "%s: does not say its unit of length (give unit_metres)",
                  import->path);
     }
     if (scene->source_count < 2) {
