@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: MIT The table of scene parts, as in Brandt 2019, Table 1: each count
-// with and, in parentheses, without instancing.
+// SPDX-License-Identifier: MIT
+// The table of scene parts, as in Brandt 2019, Table 1: each count with and, in parentheses,
+// without instancing.
 #include "describe.h"
 
 #include <stdio.h>

@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: MIT What `stipple bench spt` draws: the sequence of a point tree, and
-// the tree's nodes on the same grid; and the views it is drawn in.
+// SPDX-License-Identifier: MIT
+// What `stipple bench spt` draws: the sequence of a point tree, and the tree's nodes on the same
+// grid; and the views it is drawn in.
 #pragma once
 
 #include "lod/spt/point_tree.h"

@@ -1,6 +1,6 @@
-// SPDX-License-Identifier: MIT The files that assimp may read: the model's bytes, which are here
-// already, and regular files that the model may name (path_rules.h). For a child process: uses no
-// context.
+// SPDX-License-Identifier: MIT
+// The files that assimp may read: the model's bytes, which are here already, and regular files that
+// the model may name (path_rules.h). For a child process: uses no context.
 #pragma once
 
 #include <assimp/cfileio.h>

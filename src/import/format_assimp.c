@@ -120,7 +120,7 @@ static stp_result start(helper* h)
 {
     int ends[2];
     if (pipe(ends) != 0) {
-        return stp_fail(h->context, STP_ERROR_IO, "%s: no pipe to a child process: %s",
+        return stp_fail(h->context, STP_ERROR_IO, "%s: cannot create a pipe to a child process: %s",
                         h->import->path, strerror(errno));
     }
     (void)fcntl(ends[0], F_SETFD, FD_CLOEXEC);
@@ -139,7 +139,7 @@ static stp_result start(helper* h)
     h->descriptor = ends[0];
     if (h->process < 0) {
         close(ends[0]);
-        return stp_fail(h->context, STP_ERROR_IO, "%s: no child process to read it in: %s",
+        return stp_fail(h->context, STP_ERROR_IO, "%s: cannot start a child process to read it: %s",
                         h->import->path, strerror(reason));
     }
     h->deadline = now() + (double)h->seconds;
@@ -247,7 +247,7 @@ static stp_result read_foreign(stp_import* import)
 {
     if (!assimp_knows(import->path)) {
         return stp_fail(import->context, STP_ERROR_UNSUPPORTED,
-                        "%s: neither content nor extension is of a format that can be read",
+                        "%s: unknown format: neither its content nor its extension is supported",
                         import->path);
     }
     if (import->file.size == 0) {

@@ -354,7 +354,7 @@ static stp_result fill_cloud(reader* r)
     uint64_t bad = atomic_load(&r->bad_line);
     if (bad != UINT64_MAX) {
         return stp_fail(context, STP_ERROR_FORMAT,
-                        "%s: line %llu: has not the numbers of %u fields", r->import->path,
+                        "%s: line %llu: expected the numbers of %u fields", r->import->path,
                         (unsigned long long)bad + 1, r->pcd.field_count);
     }
     if (all.empty > 0) {
@@ -368,7 +368,7 @@ static stp_result fill_cloud(reader* r)
 static stp_result fail_short(const reader* r, uint64_t held)
 {
     return stp_fail(r->import->context, STP_ERROR_TRUNCATED,
-                    "%s: has %llu points by its header, but ends after %llu", r->import->path,
+                    "%s: its header says %llu points, but it ends after %llu", r->import->path,
                     (unsigned long long)r->pcd.point_count, (unsigned long long)held);
 }
 
@@ -409,9 +409,10 @@ static stp_result read_compressed(reader* r)
     size_t left = file->size - r->pcd.body;
     uint64_t packed = left >= 8 ? stp_read_u32(at) : 0, size = left >= 8 ? stp_read_u32(at + 4) : 0;
     if (left < 8 || packed > left - 8) {
-        return stp_fail(context, STP_ERROR_TRUNCATED,
-                        "%s: its compressed points take %llu bytes, but it ends after %zu",
-                        r->import->path, (unsigned long long)packed, left < 8 ? 0 : left - 8);
+        return stp_fail(
+            context, STP_ERROR_TRUNCATED,
+            "%s: its header says %llu bytes of compressed points, but it ends after %zu",
+            r->import->path, (unsigned long long)packed, left < 8 ? 0 : left - 8);
     }
     uint64_t count = r->pcd.point_count;
     if (count > size / r->pcd.row_size || count * r->pcd.row_size != size ||

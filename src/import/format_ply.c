@@ -468,10 +468,10 @@ static stp_result read(stp_import* import)
 {
     stp_ply ply = {.import = import, .context = import->context};
     stp_import_default_axes(import, 'y');
-    stp_result result = import->file.size != 0 && detect(import->file.bytes, import->file.size)
-                            ? stp_ply_read_header(&ply)
-                            : stp_fail(import->context, STP_ERROR_FORMAT,
-                                       "%s: does not begin like a PLY file", import->path);
+    stp_result result =
+        import->file.size != 0 && detect(import->file.bytes, import->file.size)
+            ? stp_ply_read_header(&ply)
+            : stp_fail(import->context, STP_ERROR_FORMAT, "%s: has no PLY signature", import->path);
     if (result == STP_OK) {
         result = read_values(&ply);
     }

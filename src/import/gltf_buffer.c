@@ -111,8 +111,8 @@ stp_result stp_gltf_buffer_range(stp_gltf_scope* scope, uint32_t buffer, size_t 
     }
     if (offset > from->size || size > from->size - offset) {
         return stp_gltf_fail(scope, STP_ERROR_FORMAT,
-                             "bytes %zu to %zu are wanted, but buffers[%u] has %zu bytes", offset,
-                             offset + size, buffer, from->size);
+                             "bytes %zu to %zu lie outside buffers[%u], which has %zu bytes",
+                             offset, offset + size, buffer, from->size);
     }
     *bytes = from->bytes != NULL ? from->bytes + offset : NULL;
     return STP_OK;
@@ -147,7 +147,7 @@ stp_result stp_gltf_view(stp_gltf_scope* scope, uint32_t view, const unsigned ch
         return STP_OK;
     }
     if (buffer == STP_NONE) {
-        return stp_gltf_fail(scope, STP_ERROR_FORMAT, "bufferViews[%u] names no buffer", view);
+        return stp_gltf_fail(scope, STP_ERROR_FORMAT, "bufferViews[%u] has no buffer", view);
     }
     return stp_gltf_buffer_range(scope, buffer, offset, *size, bytes);
 }

@@ -1,6 +1,7 @@
-// SPDX-License-Identifier: MIT Accessors, buffer views and compressed data may be shared without
-// end, so a small file could ask for any amount of memory or time. Honest files share as well: what
-// is read may be so much more than what is stored, and no more.
+// SPDX-License-Identifier: MIT
+// Accessors, buffer views and compressed data may be shared without end, so a small file could ask
+// for any amount of memory or time. Honest files share as well: what is read may be so much more
+// than what is stored, and no more.
 #include "import/gltf.h"
 
 #define ELEMENTS_ALWAYS_ALLOWED ((uint64_t)1 << 24)

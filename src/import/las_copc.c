@@ -73,7 +73,7 @@ static void read_page(hierarchy* h, uint64_t offset, uint64_t size, int depth)
         int32_t bytes = (int32_t)stp_read_u32(at + 24), count = (int32_t)stp_read_u32(at + 28);
         h->entries += 1;
         if (h->entries > h->most) {
-            h->fault = "it has more entries than there is room for";
+            h->fault = "it has more entries than the file can hold";
         } else if (bytes < 0 || count < -1 || place > file->size ||
                    (uint64_t)bytes > file->size - place) {
             h->fault = "an entry of it lies outside the file";
@@ -96,7 +96,7 @@ static bool read_hierarchy(const stp_las* las, uint8_t* levels_of, hierarchy* h)
     }
     read_page(h, stp_read_u64(info.bytes + ROOT_OFFSET), stp_read_u64(info.bytes + ROOT_SIZE), 0);
     if (h->fault == NULL && h->points != las->point_count) {
-        h->fault = "its points are not as many as the header promises";
+        h->fault = "its number of points differs from the header's";
     }
     return true;
 }

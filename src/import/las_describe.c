@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: MIT What the header, the VLRs and the table of chunks of a LAS, LAZ or
-// COPC file say: no point is read.
+// SPDX-License-Identifier: MIT
+// What the header, the VLRs and the table of chunks of a LAS, LAZ or COPC file say: no point is
+// read.
 #include "base/bytes.h"
 #include "import/laz.h"
 #include "import/scan_info.h"

@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: MIT Points of LAS files: from uncompressed records to blocks, and from
-// blocks to the columns of a point set.
+// SPDX-License-Identifier: MIT
+// Points of LAS files: from uncompressed records to blocks, and from blocks to the columns of a
+// point set.
 #include "base/bytes.h"
 #include "import/las.h"
 

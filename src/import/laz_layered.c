@@ -1,7 +1,8 @@
-// SPDX-License-Identifier: MIT LAZ chunks of formats 6 to 10: each attribute is a layer with a
-// stream of its own, and layers that are not kept (flags, user data, wave packets, extra bytes) are
-// not touched. A block goes through one layer after the other: the first says which values change,
-// and on which models the others depend.
+// SPDX-License-Identifier: MIT
+// LAZ chunks of formats 6 to 10: each attribute is a layer with a stream of its own, and layers
+// that are not kept (flags, user data, wave packets, extra bytes) are not touched. A block goes
+// through one layer after the other: the first says which values change, and on which models the
+// others depend.
 //
 // Each of the four scanner channels has its own models and last values. They start when the channel
 // first appears, with the values of the previous point.

@@ -1,6 +1,6 @@
-// SPDX-License-Identifier: MIT LAZ chunks of formats 0 to 5: one stream in which all items of a
-// point follow one another. What is not kept (user data, wave packets, extra bytes) has to be
-// decoded all the same.
+// SPDX-License-Identifier: MIT
+// LAZ chunks of formats 0 to 5: one stream in which all items of a point follow one another. What
+// is not kept (user data, wave packets, extra bytes) has to be decoded all the same.
 #include "import/laz.h"
 #include "import/laz_items.h"
 

@@ -1,6 +1,6 @@
-// SPDX-License-Identifier: MIT A large OBJ file takes several times its size while it is read:
-// corners by chunk, by mesh, and by position. Where that is much beside the limit of memory, it
-// lies in a temporary file.
+// SPDX-License-Identifier: MIT
+// A large OBJ file takes several times its size while it is read: corners by chunk, by mesh, and by
+// position. Where that is much beside the limit of memory, it lies in a temporary file.
 #include "import/obj.h"
 
 #include <string.h>

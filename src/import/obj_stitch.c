@@ -329,8 +329,8 @@ static stp_result resolve_corners(stitch* s)
     if (bad != SIZE_MAX) {
         return stp_fail(
             obj->context, STP_ERROR_FORMAT,
-            "%s: face %llu: names a position, texture coordinate or normal that does not "
-            "exist (the file has %llu, %llu and %llu)",
+            "%s: face %llu: refers to a position, texture coordinate or normal that does not exist "
+            "(the file has %llu, %llu and %llu)",
             obj->import->path, (unsigned long long)bad + 1, (unsigned long long)obj->position_count,
             (unsigned long long)obj->texcoord_count, (unsigned long long)obj->normal_count);
     }
@@ -358,9 +358,10 @@ static stp_result join_points(stitch* s)
         }
     }
     return good ? STP_OK
-                : stp_fail(obj->context, STP_ERROR_FORMAT,
-                           "%s: a point names a position that does not exist (the file has %llu)",
-                           obj->import->path, (unsigned long long)obj->position_count);
+                : stp_fail(
+                      obj->context, STP_ERROR_FORMAT,
+                      "%s: a point refers to a position that does not exist (the file has %llu)",
+                      obj->import->path, (unsigned long long)obj->position_count);
 }
 
 stp_result stp_obj_stitch(stp_obj* obj)

@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: MIT Which files a model may name: those in its own folder and below.
-// Uses no context, so that a forked child may call it.
+// SPDX-License-Identifier: MIT
+// Which files a model may name: those in its own folder and below. Uses no context, so that a
+// forked child may call it.
 #pragma once
 
 /// Resolves a reference: the model's folder joined with the reference, without "." and "..".

@@ -93,8 +93,8 @@ static const char* settle(stp_columns* c)
     }
     uint32_t colors = uses[STP_COLUMN_R] + uses[STP_COLUMN_G] + uses[STP_COLUMN_B];
     uint32_t normals = uses[STP_COLUMN_NX] + uses[STP_COLUMN_NY] + uses[STP_COLUMN_NZ];
-    return colors % 3 != 0    ? "r, g and b come together"
-           : normals % 3 != 0 ? "nx, ny and nz come together"
+    return colors % 3 != 0    ? "r, g and b must be given together"
+           : normals % 3 != 0 ? "nx, ny and nz must be given together"
                               : NULL;
 }
 
@@ -107,10 +107,11 @@ const char* stp_columns_parse(const char* names, stp_columns* columns)
         uint8_t column = column_named(begin, begin + length);
         bool skipped = length == 1 && *at == '-';
         if (column == STP_COLUMN_SKIP && !skipped) {
-            return "columns are x, y, z, r, g, b, intensity, nx, ny, nz, class, and - for others";
+            return "valid columns are x, y, z, r, g, b, intensity, nx, ny, nz, class, and - for "
+                   "others";
         }
         if (columns->count == STP_COLUMNS_MOST) {
-            return "there are at most 32 columns";
+            return "more than 32 columns";
         }
         columns->roles[columns->count++] = column;
         if (at[length] == '\0') {
@@ -391,7 +392,7 @@ stp_result stp_columns_find(stp_import* import, const stp_text_blocks* blocks, b
     find_beginning(blocks, &b);
     if (b.at == NULL) {
         return stp_fail(context, STP_ERROR_FORMAT,
-                        "%s: none of its first %d lines holds a point: three numbers or more",
+                        "%s: none of its first %d lines contains a point (three numbers or more)",
                         import->path, HEADER_LINES);
     }
     const char* wrong = named != NULL ? stp_columns_parse(named, &found->columns) : NULL;

@@ -273,7 +273,7 @@ static stp_result judge_bad_line(const reading* r)
         return STP_OK;
     }
     return stp_fail(import->context, STP_ERROR_FORMAT,
-                    "%s: line %llu: is no point: its first %u columns were expected to be numbers",
+                    "%s: line %llu: is not a point: expected numbers in its first %u columns",
                     import->path, (unsigned long long)bad + 1, p->columns.count);
 }
 
