@@ -20,9 +20,9 @@ typedef struct bench_options {
     stp_vec3d eye, target; ///< of the only picture, where `has_eye`
     uint32_t size[2];      ///< of pictures of scenes, pixels; 0: the benchmark's own
     uint32_t threads;      ///< that draw pictures of scenes, or build; 0: all
-    uint64_t
-        memory;   ///< bytes under which scenes are loaded while they are drawn; 0: they are mapped
-    bool uses_gl; ///< of benchmarks that draw with either backend
+    /// Bytes under which scenes are loaded while they are drawn; 0: they are mapped
+    uint64_t memory;
+    bool uses_gl;         ///< of benchmarks that draw with either backend
     const char* markdown; ///< a file for a table of what is drawn by OpenGL; NULL: none
 } bench_options;
 

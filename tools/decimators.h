@@ -11,7 +11,7 @@
 typedef struct tool_decimation {
     int by; ///< index of a word, 1 or more
     const tool_points* points;
-    const uint8_t* colors; ///< 3 a point, sRGB; NULL: white
+    const uint8_t* colors; ///< 3 per point, sRGB; NULL: white
     uint32_t target;       ///< splats, or vertices of `mesh`
     const char* output;
     bool json;

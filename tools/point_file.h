@@ -11,10 +11,10 @@
 /// The points of a file: point sets and vertices of meshes.
 typedef struct tool_points {
     uint32_t count;
-    double origin
-        [3]; ///< to be added to the positions; not 0 only where floats would lose digits without it
-    float* positions;    ///< 3 a point, along the file's own axes
-    float* normals;      ///< 3 a point, unit or zero; NULL: the file has none
+    /// To be added to the positions; not 0 only where floats would lose digits without it
+    double origin[3];
+    float* positions;    ///< 3 per point, along the file's own axes
+    float* normals;      ///< 3 per point, unit or zero; NULL: the file has none
     uint8_t* colors;     ///< RGBA a point, sRGB; NULL: the file has none
     uint32_t* triangles; ///< 3 points each; NULL: the file has none, or nobody asked
     uint32_t triangle_count;

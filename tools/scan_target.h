@@ -22,9 +22,9 @@ typedef struct scan_material {
 
 /// Data of a mesh that colours need, by the vertices of its triangles.
 typedef struct scan_columns {
-    const float* texcoords;   ///< 2 a vertex, of the set that the material asks for; NULL: none
-    const uint16_t* colors;   ///< 4 a vertex, linear, 65535 is 1; NULL: see `wide_colors`
-    const float* wide_colors; ///< 4 a vertex, linear; NULL: none
+    const float* texcoords;   ///< 2 per vertex, of the set that the material asks for; NULL: none
+    const uint16_t* colors;   ///< 4 per vertex, linear, 65535 is 1; NULL: see `wide_colors`
+    const float* wide_colors; ///< 4 per vertex, linear; NULL: none
     uint32_t material;
     void* owned[3]; ///< arrays that the target made for itself
 } scan_columns;

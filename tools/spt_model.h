@@ -16,8 +16,8 @@ typedef struct spt_model {
     stp_context* context;
     const stp_point_tree* tree;
     stp_splats set;      ///< the sequence, with groups
-    uint16_t* positions; ///< 3 a node, on the grid of the set
-    int8_t* normals;     ///< 2 a node
+    uint16_t* positions; ///< 3 per node, on the grid of the set
+    int8_t* normals;     ///< 2 per node
     uint32_t* shapes;
     uint16_t* bits; ///< a bit a splat of the sequence
 } spt_model;

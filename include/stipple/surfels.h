@@ -147,8 +147,8 @@ static inline uint32_t stp_splats_attributes(const stp_splats* splats)
 enum {
     STP_SHADING_UNLIT = 1,
     STP_SHADING_DOUBLE_SIDED = 2,
-    STP_SHADING_TRANSPARENT =
-        4, ///< of a blended material: coverage is opacity, not holes; since format 1.2
+    /// Of a blended material: coverage is opacity, not holes; since format 1.2
+    STP_SHADING_TRANSPARENT = 4,
 };
 
 /// Material that a surfel's material byte refers to; at most 256 per file.

@@ -29,8 +29,8 @@ typedef struct stp_view {
         /// Scene space; `up` need not be orthogonal to the viewing direction, nor of unit length
         up;
     double fov_degrees; ///< vertical, 0..180; ignored where ortho_height is set
-    double
-        ortho_height; ///< parallel projection: height of the picture in scene units; 0: perspective
+    /// Parallel projection: height of the picture in scene units; 0: perspective
+    double ortho_height;
     double near_distance;   ///< near plane distance; 0: derived from the distance to the target
     uint32_t width, height; ///< pixels, at least 1
     /// 0: one eye. Above 0: distance of two eyes with parallel viewing directions, centred at

@@ -16,7 +16,7 @@
 
 #define BUFFER_SIZE ((size_t)1 << 20)
 #define MOST_ATTEMPTS 100u
-#define NAME_ROOM 48u // length of a temporary file's suffix
+#define NAME_ROOM 48u // maximum length of a temporary file's suffix
 
 stp_result stp_file_map_open(stp_context* context, const char* path, stp_mapped_file* file,
                              int* kept)

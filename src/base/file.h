@@ -10,7 +10,7 @@ typedef struct stp_mapped_file {
     size_t size;
 } stp_mapped_file;
 
-/// Maps `path` for reading. Directories, devices and pipes are refused.
+/// Maps `path` for reading. Directories, devices and pipes are rejected.
 /// @return STP_OK, or STP_ERROR_IO (logged, with the system's reason)
 STP_MUST_USE stp_result stp_file_map(stp_context* context, const char* path, stp_mapped_file* file);
 /// Also keeps the file open for reading: the caller closes `descriptor`, which is -1 on failure.
@@ -30,8 +30,9 @@ void stp_file_expect_random(const stp_mapped_file* file);
 void stp_file_forget(const stp_mapped_file* file);
 void stp_file_unmap(stp_mapped_file* file);
 
-/// A file being written. Bytes go to `path`.tmp-<process>-<number>, which is renamed to `path` at
-/// commit, or removed. Fails at once if `path` exists and is no regular file (a folder, a device).
+/// A file being written. Bytes go to `path`.tmp-<process>-<number>, which is renamed to `path` on
+/// commit, or removed. Opening fails if `path` exists and is not a regular file (a folder, a
+/// device).
 typedef struct stp_file_writer stp_file_writer;
 
 STP_MUST_USE stp_result stp_file_writer_open(stp_context* context, const char* path,

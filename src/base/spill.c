@@ -19,7 +19,7 @@
 #define SMALLEST_CHUNK ((size_t)4 << 20)
 #define LARGEST_CHUNK ((size_t)256 << 20)
 #define MOST_ATTEMPTS 100u
-#define NAME_ROOM 48u // length of the file name after the folder
+#define NAME_ROOM 48u // maximum length of the file name after the folder
 
 typedef struct chunk_head {
     struct chunk_head* previous;

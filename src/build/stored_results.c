@@ -144,7 +144,7 @@ static void size_columns(const stp_splats* s, uint32_t attributes, size_t sizes[
     }
 }
 
-/// Whether a set's columns are valid where a renderer relies on it.
+/// Whether a set's columns satisfy what a renderer relies on.
 static bool is_sound(const stp_splats* s, uint32_t shading_count)
 {
     uint8_t highest = 0;

@@ -83,7 +83,7 @@ static double clamp_resolution(double resolution, double most)
 typedef struct frame {
     double widest;   ///< longer side of the widest view, in scene units
     double most;     ///< highest resolution
-    double outlines; ///< of the box in all views: what can be covered at most, in square units
+    double outlines; ///< of the box in all views: upper bound of the covered area, in square units
     uint64_t wanted; ///< candidates
 } frame;
 

@@ -65,15 +65,14 @@ typedef struct stp_candidates {
     /// Each NULL, or one value per candidate (stipple/attributes.h), for points and for surfels of
     /// point sets.
     void* attributes[STP_ATTRIBUTES];
-    uint32_t*
-        view_starts;    ///< direction_count + 1: where the candidates of each direction begin; NULL
-                        ///< where there are none
+    /// direction_count + 1: index of each direction's first candidate; NULL: none
+    uint32_t* view_starts;
     stp_vec3d origin;   ///< centre of the captured box: positions are relative to it
     double pixel_size;  ///< side of a capture pixel, scene units
     uint32_t set_count; ///< the last `set_count` candidates are surfels of sets
     float set_radius;   ///< largest radius of their disks, scene units
-    float*
-        set_areas; ///< surface area that each of them represents, square scene units; may be NULL
+    /// Surface area that each of them represents, square scene units; may be NULL
+    float* set_areas;
     double surface_radius; ///< how far surface that was seen may lie from a candidate; 0: half a
                            ///< pixel's diagonal
     uint32_t resolution, direction_count;

@@ -59,7 +59,7 @@ static bool holds_centre(double middle, double reach, uint32_t begin, uint32_t e
     return first <= high;
 }
 
-/// Nearness of the nearest corner of a part's box, rounded up past what drawing can produce.
+/// Nearness of the nearest corner of a part's box, an upper bound for drawn pixels.
 static float nearest_point(const part_projection* projection)
 {
     return (float)(projection->middle[2] + projection->reach[2]) + 1e-5f;

@@ -7,7 +7,7 @@
 #include "capture/splats.h"
 
 #define LEAST_FACING 0.3    // cosine: views at flatter angles do not decide a centre's visibility
-#define DEPTH_TOLERANCE 0.5 // how far a centre may lie behind the visible surface, in radii
+#define DEPTH_TOLERANCE 0.5 // maximum depth of a centre behind the visible surface, in radii
 #define WORDS_A_PIECE 512u  // words of bits resolved by one piece of a loop
 
 stp_vec3d stp_set_position(const stp_set_placing* placing, uint32_t surfel)
@@ -92,7 +92,7 @@ typedef struct sight {
     double row[3][3], at_zero[3]; ///< x, y, nearness per grid step
     double pixel, depth;          ///< scene units per pixel; nearness per scene unit
     double radius;                ///< scene units
-    bool two_sided;               ///< surfels that face away are looked at as well
+    bool two_sided;               ///< surfels facing away are tested, too
 } sight;
 
 static sight make_sight(const stp_capture_job* job, const stp_capture_band* band,

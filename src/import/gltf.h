@@ -99,7 +99,7 @@ typedef struct stp_gltf {
     size_t node_count;
     stp_gltf_variant* variants;
     size_t variant_count, variant_capacity;
-    stp_gltf_part* parts; ///< one a primitive, in the order of variants
+    stp_gltf_part* parts; ///< one per primitive, in the order of variants
 } stp_gltf;
 
 enum { STP_GLTF_MESSAGE_SIZE = 400 };

@@ -3,10 +3,10 @@
 
 #include <string.h>
 
-#define JUMP                                                                                       \
-    4.0f ///< a neighbour so many times as far as the opposite one is behind a jump in depth
-#define STEEP                                                                                      \
-    0.5f ///< so is one whose distance differs by more than this share of the way to the scanner
+/// A neighbour so many times as far as the opposite one is behind a jump in depth
+#define JUMP 4.0f
+/// So is one whose distance differs by more than this share of the way to the scanner
+#define STEEP 0.5f
 #define GRAIN ((size_t)16) ///< columns
 #define POINT_GRAIN ((size_t)1 << 16)
 

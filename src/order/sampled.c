@@ -11,7 +11,7 @@
 //                from round 0 on, halves the samples (never below 20) and accepts one more (at most 3
 //                of 10 samples): 200/0, 100/1, 50/2, 25/3, 20/4, 20/5, then always 20/6. The best
 //                sample that was not accepted leaves the input, and returns only if it runs empty.
-//   best-of-k    the best of `samples` (Mitchell 1991): one accepted a round, always.
+//   best-of-k    the best of `samples` (Mitchell 1991): one accepted per round, always.
 //
 // The distances of a round are to the points chosen before the round, as in the paper. The output
 // radii also count the points accepted earlier in the same round.
@@ -48,7 +48,7 @@ typedef struct sampler {
     stp_near_grid grid;
     stp_near_grid_nearest nearest;
     uint32_t capacity; // maximum samples per round
-    float* positions;  // of a round's samples, scaled, 3 each
+    float* positions;  // of a round's samples, scaled, 3 per sample
     float* squared;
     drawn* ranking;
     uint8_t* fate; // of each sample

@@ -20,8 +20,8 @@ enum {
     BISECTIONS = 60,
 };
 
-#define NEAREST                                                                                    \
-    2e-4 // of the diagonal: the eye comes no nearer, so that the near plane cuts nothing off
+/// Of the diagonal: the eye comes no nearer, so that the near plane cuts nothing off
+#define NEAREST 2e-4
 
 /// Corners in camera axes, relative to the centre of the box.
 typedef struct corner_set {

@@ -73,7 +73,8 @@ void stp_navigator_change_speed(stp_navigator* n, double steps);
 /// Moves, without turning, so that the box clipped by `sections` (NULL: none) fits the picture
 /// (stp_camera_fit). The pivot becomes the centre of the box.
 void stp_navigator_frame(stp_navigator* n, const stp_boxd* box, const stp_sections* sections);
-/// Turns to a standard view ("front", "iso", ...) and frames the box. @return false if no standard view has that name
+/// Turns to a standard view ("front", "iso", ...) and frames the box. @return false if no standard
+/// view has that name
 bool stp_navigator_face(stp_navigator* n, const char* name, const stp_boxd* box,
                         const stp_sections* sections);
 /// Switches between perspective and parallel projection: objects at the pivot's depth keep their

@@ -61,8 +61,8 @@ typedef struct stp_splat_frame {
     float occluder[3][4];  ///< rows of the occluder's matrix after the position grid
     float occluder_radius; ///< projected radius times its W
     uint32_t seed;         ///< added to a splat's index in the hash for holes
-    const struct stp_glass_splats*
-        glass; ///< NULL, or how transparent splats are drawn (splats_glass.c)
+    /// NULL, or how transparent splats are drawn (splats_glass.c)
+    const struct stp_glass_splats* glass;
 } stp_splat_frame;
 
 /// Sixteen splats. Lanes that are not drawn are undefined.

@@ -114,7 +114,7 @@ static stp_result push(walk* w, const record* added)
     }
     if (w->record_count >= MOST_RECORDS) {
         return stp_fail(work->context, STP_ERROR_LIMIT,
-                        "pick: more than %d nodes lie on the ray before anything is met",
+                        "pick: the ray passes more than %d nodes before the first hit",
                         MOST_RECORDS);
     }
     record* records = stp_grow_array(work->context, w->records, &w->record_capacity,

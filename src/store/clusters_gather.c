@@ -41,7 +41,7 @@ static int32_t round_color(uint16_t linear)
     return (int32_t)(sqrtf((float)linear * (1.0f / 65535.0f)) * STP_CLUSTER_COLOR_LIMIT + 0.5f);
 }
 
-/// The channels of a vertex beside position and normal.
+/// Channels of a vertex other than position and normal.
 static int32_t read_extra(const cluster_maker* m, uint32_t vertex, uint32_t channel)
 {
     const stp_store_mesh* mesh = m->mesh;

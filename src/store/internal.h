@@ -84,7 +84,7 @@ STP_MUST_USE stp_result stp_store_verify_text(stp_store* store, uint32_t type, s
 STP_MUST_USE stp_result stp_store_read_table(stp_store* store, uint32_t type, stp_store_text* text);
 /// Validates the decoded summary and scene parts.
 STP_MUST_USE stp_result stp_store_judge_summary(stp_store* store);
-/// Reads what a summary needs instead of the whole directory.
+/// Reads only what a summary needs, not the whole directory.
 STP_MUST_USE stp_result stp_store_read_head(stp_store* store);
 /// Checks some pages of each section that stp_store_read_head skips.
 STP_MUST_USE stp_result stp_store_check_head(stp_store* store);

@@ -10,7 +10,7 @@
 
 #include <stddef.h>
 
-/// The columns of such a set (STP_SPLATS_*).
+/// Columns of a set that is encoded as operators (STP_SPLATS_*).
 enum { STP_OPERATOR_COLUMNS = STP_SPLATS_SHAPES | STP_SPLATS_RANGES | STP_SPLATS_FLAT_COLORS };
 
 /// Splats [begin, end) of a set whose earlier splats are known.
@@ -45,7 +45,7 @@ void stp_operators_begin(stp_operator_reader* reader, const uint32_t* ranges, ui
 void stp_operators_skip(stp_operator_reader* reader, uint32_t begin, uint32_t end);
 
 /// Decodes the splats of a run into the columns of the set. Runs must be consecutive. Safe for any
-/// input; check materials, shapes and ranges afterwards. Any thread. @return whether the bytes are
-/// exactly such a run
+/// input; check materials, shapes and ranges afterwards. Any thread.
+/// @return false if the bytes are not exactly one valid run
 bool stp_operators_decode(const stp_operator_run* run, stp_operator_reader* reader,
                           const void* bytes, size_t size);

@@ -87,7 +87,7 @@ static void walk_places(place_walk* w, uint32_t node, const stp_affine* transfor
     }
 }
 
-/// Lists the prototypes below an item without children of its own. @return their number
+/// Lists the prototypes below an item that has no children itself. @return their number
 static uint64_t find_places(stp_outline* outline, const stp_outline_item* item, uint64_t first,
                             uint32_t room, stp_outline_item* items, uint32_t* given)
 {

@@ -345,7 +345,7 @@ stp_result stp_store_judge_point_data(const stp_store_judge* judge, uint32_t ind
     return STP_OK;
 }
 
-/// Of the methods whose sets may be points as they are: `blue` has none, `stochastic` both.
+/// For methods whose sets can be the points themselves: `blue` has no columns, `stochastic` both.
 enum { HOLDING_COLUMNS = STP_SPLATS_SHAPES | STP_SPLATS_FLAT_COLORS };
 
 stp_result stp_store_judge_held_points(const stp_store_judge* judge, uint32_t index,

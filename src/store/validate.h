@@ -21,7 +21,7 @@ STP_MUST_USE stp_result stp_store_judge_objects(const stp_store_judge* judge,
                                                 const stp_store_directory* directory);
 
 // Descriptions of bulk data, without its values.
-/// The material of a mesh or point set (`what`).
+/// Checks the material of a mesh or point set (`what`).
 STP_MUST_USE stp_result stp_store_judge_material(const stp_store_judge* judge, const char* what,
                                                  uint32_t index, uint32_t material,
                                                  uint32_t material_count);

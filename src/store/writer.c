@@ -181,8 +181,7 @@ static stp_result write_all(stp_store_writing* w)
     if (result == STP_OK && w->content->is_intact != NULL &&
         !w->content->is_intact(w->content->release_user)) {
         result = stp_fail(w->context, STP_ERROR_IO,
-                          "%s: what it is written from was changed meanwhile; it is not written",
-                          w->path);
+                          "%s: not written, because the input changed during the build", w->path);
     }
     if (result == STP_OK) {
         stp_file_writer* file = w->file;

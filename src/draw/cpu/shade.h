@@ -145,7 +145,7 @@ typedef struct cpu_triangle_memory cpu_triangle_memory;
 /// is lit.
 struct cpu_shade_memory {
     cpu_shade_surface* surfaces; ///< SHADE_SURFACES, one cache line each
-    unsigned char* room;         ///< that they lie in
+    unsigned char* room;         ///< memory of the surfaces
     struct {
         uint32_t id;   ///< UINT32_MAX: none
         uint32_t tile; ///< tile of its last use

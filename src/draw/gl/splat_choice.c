@@ -330,7 +330,7 @@ void stp_draw_gl_set_splats(stp_renderer* renderer, stp_gl_splats splats)
     ((gl_renderer*)renderer)->splat_choice.wanted = splats;
 }
 
-_Static_assert((int)SPLAT_SIZES == (int)STP_GL_SPLAT_SIZES, "sizes that are told");
+_Static_assert((int)SPLAT_SIZES == (int)STP_GL_SPLAT_SIZES, "sizes reported to the caller");
 
 stp_draw_gl_speed stp_draw_gl_get_speed(const stp_renderer* renderer)
 {

@@ -38,10 +38,10 @@ enum { STP_PSP_STATE_MOST = 512 }; ///< bytes of a state
 /// An error metric. Splats may have a metric-specific state. Functions are called from several
 /// threads concurrently, for different splats.
 typedef struct stp_psp_metric_table {
-    size_t
-        state_bytes; ///< of a splat's state, a multiple of 8, at most STP_PSP_STATE_MOST; may be 0
-    int power;       ///< errors, including the distance weight, have unit length^power
-    bool by_length;  ///< errors are weighted by the distance between the centres (formulas 1 and 2)
+    /// Of a splat's state, a multiple of 8, at most STP_PSP_STATE_MOST; may be 0
+    size_t state_bytes;
+    int power;      ///< errors, including the distance weight, have unit length^power
+    bool by_length; ///< errors are weighted by the distance between the centres (formulas 1 and 2)
     /// Creates `shared->own`; false if out of memory. NULL: not needed.
     bool (*open)(stp_psp_shared* shared);
     void (*close)(stp_psp_shared* shared);

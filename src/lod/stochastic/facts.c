@@ -13,18 +13,19 @@ enum {
     EDGE_AMONG = 128,   ///< points among which neighbours are searched: a power of 2
     EDGE_NEIGHBOURS = 16,
     BEND_SAMPLE = 48,
-    OUTLYING =
-        10, ///< one of so many normals may lie farther from the representative one than the spread
-    LEAST_POINTS = 6, ///< for a plane and an area of its own
+    /// Reciprocal share of outlier normals that the spread ignores
+    OUTLYING = 10,
+    LEAST_POINTS = 6, ///< minimum points from which plane and area are estimated
 };
-#define AREA_OF_SCATTER 12.5 // a rectangle has 12 sqrt(l1 l2), a disk 4 pi
-#define LINE_OF_SCATTER                                                                            \
-    12.0 // the square of a line's length: points on it stand for squares as wide as they are apart
-#define AREA_OF_FOLD 4.0 // how much more a folded surface has, by its flatness
-#define LEAST_RATIO 0.5f // of radii of a splat
-#define LEAST_BEND                                                                                 \
-    0.1f         // radius of a splat of few, in radii of curvature, below which it stays a disk
-#define FEW 6.0f // how much larger a splat is where few are drawn
+// a rectangle has an area of 12 sqrt(l1 l2), a disk of 4 pi sqrt(l1 l2)
+#define AREA_OF_SCATTER 12.5
+/// Squared length of a line over l2. Points on a line represent squares as wide as their distance
+#define LINE_OF_SCATTER 12.0
+#define AREA_OF_FOLD 4.0 // additional area of a folded surface, relative to its flatness
+#define LEAST_RATIO 0.5f // minimum ratio of a splat's radii
+/// Radius of a splat among few, relative to the radius of curvature, below which it stays a disk
+#define LEAST_BEND 0.1f
+#define FEW 6.0f // growth of splats if few are drawn
 
 typedef struct fact_loop {
     const stp_leaf_octree* octree;

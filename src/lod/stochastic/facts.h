@@ -15,18 +15,20 @@ typedef struct stp_leaf_points {
 /// Properties of a leaf. Lengths are in grid steps.
 typedef struct stp_leaf_facts {
     float mean[3]; ///< mean position of its points
-    stp_vec3
-        normal; ///< representative: of the plane through its points, or the mean of oriented normals
+    /// Representative normal: of the plane through its points, or the mean of oriented normals
+    stp_vec3 normal;
     float flatness; ///< l0 / (l0 + l1 + l2)
     float area;     ///< approximate surface area inside the leaf
     float spacing;  ///< side of the square that a point represents
-    float
-        spread;  ///< sine of how far nine of ten normals lie from the representative one; 1: or any
+    /// Sine of the angle to the representative normal that nine of ten normals do not exceed; 1:
+    /// unbounded
+    float spread;
     float ratio; ///< minor to major radius of its splats, from its principal curvatures
-    stp_vec3
-        stretch; ///< direction of the smaller curvature, in which splats are long; of unit length where `ratio` is below 1
-    bool known;  ///< it has enough points for a plane
-    bool edge;   ///< it may contain an edge
+    /// Direction of the smaller curvature, along which splats are long; of unit length if `ratio`
+    /// is below 1
+    stp_vec3 stretch;
+    bool known; ///< it has enough points for a plane
+    bool edge;  ///< it may contain an edge
 } stp_leaf_facts;
 
 /// Computes plane, flatness, area and edge of each leaf, on all threads. Leaves with few points use

@@ -10,8 +10,8 @@ enum {
     BRIDGE_LEAVES = 128, ///< leaves of a component from which a bridge across a gap is searched
     BRIDGES_MOST = 64,   ///< maximum number of components for which a bridge is searched
 };
-#define ACROSS 0.5f // what a step straight from a surface to another weighs
-#define GAP 4.0f    // in sides of both leaves together
+#define ACROSS 0.5f // weight of a step perpendicular to a surface
+#define GAP 4.0f    // maximum gap, relative to the sum of both leaves' sides
 
 /// A step from an oriented leaf to another one. Steps are ordered by weight, then by leaf index.
 typedef struct orient_step {

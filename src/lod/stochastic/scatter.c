@@ -3,9 +3,10 @@
 
 enum { NEWTON_STEPS = 6 };
 #define ROOT_THREE 1.7320508075688772
-#define IS_ROOT 0.1   // what of the equation may be left, of its largest term
-#define ALIKE 0.1     // as much of the larger one, for two eigenvalues to be about the same
-#define CERTAIN 1e-24 // of squares of eigenvalues: below that no direction stands out
+#define IS_ROOT 0.1 // maximum remainder of the polynomial, relative to its largest term
+// two eigenvalues count as equal if they differ by less than this, relative to the larger one
+#define ALIKE 0.1
+#define CERTAIN 1e-24 // squares of eigenvalues; below it, no direction is distinct
 
 void stp_scatter_add(stp_scatter* s, double x, double y, double z)
 {

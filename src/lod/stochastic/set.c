@@ -25,14 +25,14 @@ enum {
     OCTAVES_MOST = 16, ///< of 2^32 points
 };
 #define SEED UINT64_C(0x42686B72)
-#define LARGEST 2.0f // radii of far apart points, in those of usual ones
-#define GROWTH                                                                                     \
-    1.05f // of a splat's radius, in sides of the square that it stands for (STP_CUE_COVERING)
-#define DISK_RATIO 0.8f          // of radii, from which on a splat is a disk
-#define FINEST 0x1p-10           // of the spacing, below which a grid's step would waste bits
-#define HALF_DIAGONAL 0.8660255f // of a cell of the grid
-#define OUTLIER                                                                                    \
-    8.0f // spacings of leaves are that many times the usual one, or one part of so many, at the most
+#define LARGEST 2.0f // maximum radius of isolated points' splats, relative to the median spacing
+/// Radius of a splat, in sides of the square that it represents (STP_CUE_COVERING)
+#define GROWTH 1.05f
+#define DISK_RATIO 0.8f          // ratio of radii from which a splat is a disk
+#define FINEST 0x1p-10           // minimum grid step, in spacings; finer steps would waste bits
+#define HALF_DIAGONAL 0.8660255f // of a unit cube
+/// Spacings of leaves are clamped to this factor above and below the median spacing
+#define OUTLIER 8.0f
 
 typedef struct set_maker {
     stp_context* context;

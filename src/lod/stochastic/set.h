@@ -12,8 +12,8 @@ enum { STP_STOCHASTIC_COLUMNS = STP_SPLATS_SHAPES | STP_SPLATS_FLAT_COLORS };
 /// Input of a set.
 typedef struct stp_stochastic_source {
     stp_candidates* candidates; ///< chosen ones move to the front; normals may change
-    const uint8_t*
-        coverages; ///< codes, 1 a candidate, all of which are wanted; NULL: from the colours' alpha
+    /// Coverage codes, 1 per candidate, if all are wanted; NULL: from the colours' alpha
+    const uint8_t* coverages;
     const uint8_t* shading_of_material;
     uint32_t wanted;  ///< maximum splats
     bool has_normals; ///< with signs; otherwise normals are estimated

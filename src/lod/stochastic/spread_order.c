@@ -8,8 +8,8 @@
 
 enum {
     GRAIN = 16, ///< leaves
-    BLOCK =
-        2048, ///< points of a leaf that are spread together; those of larger leaves come block by block
+    /// Maximum points spread together; larger leaves are processed in blocks
+    BLOCK = 2048,
     SHARE = 4, ///< one in this many points is spread
     LEAST = 4, ///< with fewer points, any order is good enough
 };
@@ -18,8 +18,8 @@ enum {
 /// opposite sides.
 typedef struct spread_block {
     int16_t at[3][BLOCK];
-    int16_t far
-        [BLOCK]; ///< squared distance to the nearest point chosen so far, over 2^16; -1: it is one
+    /// Squared distance to the nearest chosen point, over 2^16; -1: chosen itself
+    int16_t far[BLOCK];
     uint32_t index[BLOCK];
     uint32_t count;
 } spread_block;
