@@ -11,8 +11,8 @@
 typedef struct bench_options {
     bool quick;        ///< a small case of everything, within seconds
     const char* model; ///< a model to measure on; NULL: the benchmark's own
-    uint32_t count;    ///< of what is repeated; 0: the benchmark's own
-    uint32_t first; ///< of what is repeated: so many are left out, so that it is measured in pieces
+    uint32_t count;    ///< repetitions; 0: the benchmark's default
+    uint32_t first;    ///< repetitions to skip, so that a measurement can be split into parts
     double splat_size; ///< of pictures of scenes
     uint32_t method;   ///< STP_METHOD_*, of pictures of scenes; 0: the file's first
     bool all_sizes;    ///< no size was given: all that are compared

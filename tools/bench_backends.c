@@ -82,7 +82,7 @@ static stp_result make_ghosts(backends_bench* b)
     return result;
 }
 
-/// The options of a case. The section passes through the target and removes what lies to the left.
+/// Options of a case. The section passes through the target and removes the left side.
 static void ask(const backends_bench* b, const picture_case* c, stp_view* view,
                 stp_quality* quality)
 {

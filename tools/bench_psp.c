@@ -90,7 +90,7 @@ static void destroy_ball(ball* b)
     *b = (ball){.context = b->context};
 }
 
-/// Stored bytes of the operators of a set, each of which splits a splat into two.
+/// Stored bytes of the operators of a set; each operator splits a splat into two.
 static stp_result count_bytes(stp_context* context, const stp_splats* set, double* each)
 {
     char path[4096];

@@ -138,9 +138,9 @@ static stp_result compare_view(quality_run* run, const stp_view* view, uint32_t 
     return STP_OK;
 }
 
-// Moves the eye along its gaze to where the whole order of the root's surfels just suffices: there
-// half a splat at the nearest point of the box's sphere is as large as the radius the surfels
-// reach.
+// Moves the eye along its view direction to the nearest position at which the root's surfels
+// suffice: there half a splat at the nearest point of the box's sphere equals the surfels' coverage
+// radius.
 static void move_to_limit(const stp_splats* surfels, const stp_boxd* box, float splat_size,
                           stp_view* view)
 {

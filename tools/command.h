@@ -96,8 +96,9 @@ typedef struct command {
     const char* arguments; ///< "INPUT... -o FILE.stip"
     const char* summary;   ///< one line, as `stipple help` lists it
     const char* text;      ///< paragraphs for `stipple help NAME` and the man page
-    const char* examples;  ///< "$ command" lines, each after a line that says what it does
-    const char* files;     ///< "PATH<tab>what it is" lines: what the command reads and writes
+    const char* examples;  ///< "$ command" lines, each after a line that describes it
+    /// "PATH<tab>description" lines: files that the command reads and writes
+    const char* files;
     /// Message about results after an interrupt; NULL: nothing was written
     const char* interrupted;
     /// Fills the table of options (ends with a NULL name); each value points into the command's own

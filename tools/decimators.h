@@ -4,7 +4,7 @@
 
 #include "point_file.h"
 
-/// Values of --by. The first one is psp, which has options and a report of its own.
+/// Values of --by. The first one is psp, which has its own options and report.
 #define DECIMATOR_WORDS "psp|octree|octree-level|quadric|mesh|blue|subsample"
 
 /// The input of a decimator.

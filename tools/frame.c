@@ -13,7 +13,7 @@
 enum {
     SETTLE_FRAMES = 150, ///< most
     STEADY_FRAMES = 16,  ///< in a row without much change are settled: doubts fade that slowly
-    LOADED_FRAMES = 200, ///< most while what a view wants is loaded
+    LOADED_FRAMES = 200, ///< maximum frames while data is loaded
 };
 static const double settle_ms = 20000.0, steady_change = 0.02;
 

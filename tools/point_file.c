@@ -16,8 +16,8 @@
 
 enum {
     STRIPE = 1 << 20, ///< pages of mapped files are released after this many points
-    MEMORY_SHARE = 4, ///< of what may be used: points that take more lie in a file
-    SMALL_SHARE = 16, ///< of it: of smaller files nothing is spilled
+    MEMORY_SHARE = 4, ///< reciprocal share of the usable memory: larger point sets go to a file
+    SMALL_SHARE = 16, ///< reciprocal share of the limit: smaller files are not spilled
 };
 
 // One part of the scene.

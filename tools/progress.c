@@ -12,7 +12,7 @@
 #define SAMPLE_MS 50.0           // closer reports say little about speed
 #define ESTIMATE_AFTER_MS 1000.0 // an earlier guess of the time left would jump
 #define LEAST_MEMORY_MS 500.0
-#define MEMORY 0.3 // the part of the time gone by that counts for what is to come
+#define MEMORY 0.3 // memory of the speed estimate, as a share of the elapsed time
 enum { BAR_WIDTH = 20 };
 
 bool progress_choose(progress_state* state, const char* name, FILE* stream)

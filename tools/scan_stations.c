@@ -18,7 +18,7 @@ enum {
     RING = SCAN_MOST_STATIONS, ///< candidates around a model without floors
     SPOTS = 256,               ///< candidates over the plan, and SPOTS_EACH more for each station
     SPOTS_EACH = 8,
-    MOST_FLOORS = 64, ///< surfaces below each other that are looked at
+    MOST_FLOORS = 64, ///< maximum number of examined surfaces below each other
 };
 
 #define FACES_UP 0.7    ///< least vertical part of a floor's normal

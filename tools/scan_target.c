@@ -241,7 +241,7 @@ void scan_target_destroy(scan_target* target)
     *target = (scan_target){.context = context};
 }
 
-/// The colour where a ray met a triangle, with alpha.
+/// Colour and alpha at a ray's hit on a triangle.
 static void color_of(const scan_target* t, const stp_cast_hit* hit, float out[4])
 {
     uint32_t mesh = t->parts[hit->part].mesh;

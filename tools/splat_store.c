@@ -56,8 +56,8 @@ static void measure_splats(store_maker* m)
     }
 }
 
-// The least power of two by which all centres lie on the grid, and radii can be told: not above
-// 2^29 steps.
+// The smallest power of two with which all centres fit on the grid and radii can be represented: at
+// most 2^29 steps.
 static float choose_step(const store_maker* m)
 {
     stp_vec3d size = stp_subd(m->room.max, m->room.min);

@@ -74,7 +74,8 @@ static bool start_film(video* v, uint32_t width, uint32_t height, double fps)
     char size[32], rate[32], target[sizeof(v->unfinished) + 8];
     snprintf(size, sizeof(size), "%ux%u", width, height);
     snprintf(rate, sizeof(rate), "%.6f", fps);
-    snprintf(target, sizeof(target), "file:%s", v->unfinished); // whatever the name begins with
+    // protects against names with a protocol prefix
+    snprintf(target, sizeof(target), "file:%s", v->unfinished);
     // pictures of an odd size get a black line: most films must be even
     const char* words[] = {"ffmpeg",
                            "-loglevel",
@@ -194,7 +195,7 @@ stp_result video_add(void* user, const stp_image* image, uint32_t frame)
     return STP_OK;
 }
 
-// Removes what an interrupted flight wrote, including the folder if it was created for it.
+// Removes the output of an interrupted flight, including the folder if it was created for it.
 static void remove_frames(video* v)
 {
     char path[4096];

@@ -32,7 +32,7 @@ typedef struct helper {
     stp_import* import;
     stp_context* context;
     pid_t process;
-    int descriptor; ///< where the stream comes out
+    int descriptor; ///< read end of the stream's pipe
     uint64_t memory_limit;
     uint32_t seconds;       ///< wall-clock time, and the maximum CPU time
     uint64_t first_seconds; ///< CPU time for the model's own bytes; referenced files add to it
@@ -232,7 +232,7 @@ static stp_result run_helper(helper* h)
     pid_t found = reaped ? h->process : -1;
     while (!reaped && (found = waitpid(h->process, &status, 0)) < 0 && errno == EINTR) {
     }
-    // if the host reaps all children itself, there is no status: then only the stream tells
+    // if the host reaps all children itself, there is no status: only the stream shows success
     return result == STP_OK && found == h->process ? judge_end(h, status) : result;
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
 // Heights of the Shuttle Radar Topography Mission: a square of 1201 or 3601 heights in metres,
-// big-endian, northernmost row first, over one degree whose south-western corner the file's name
-// tells: N48E010. It becomes a mesh in metres, x to the east, y to the north, z up, around the
-// tile's middle, with a degree of longitude as long as it is at the tile's middle latitude. Voids
+// big-endian, northernmost row first, over one degree. The file's name gives the south-western
+// corner: N48E010. It becomes a mesh in metres, x to the east, y to the north, z up, centred on the
+// tile. Degrees of longitude have the length that they have at the tile's middle latitude. Voids
 // leave holes.
 #include "import/surface.h"
 

@@ -39,9 +39,9 @@ typedef struct reader {
     size_t stride[SLOTS];
     stp_cloud cloud;
     stp_intensity_range intensity;
-    seen* workers; ///< what each has seen
+    seen* workers; ///< one per worker
     stp_text_blocks blocks;
-    uint8_t column_slots[STP_PCD_FIELDS]; ///< ascii: SLOTS for what is not kept
+    uint8_t column_slots[STP_PCD_FIELDS]; ///< ascii: SLOTS for columns that are not kept
     atomic_uint_fast64_t bad_line;
 } reader;
 

@@ -14,7 +14,7 @@
 enum { X, Y, Z, NX, NY, NZ, R, G, B, A, U, V, DC0, DC1, DC2, SLOT_COUNT };
 
 #define GRAIN ((size_t)1 << 14)
-#define STRIPE (64 * GRAIN)                      ///< after so many rows, pages are released
+#define STRIPE (64 * GRAIN)                      ///< pages are released after this many rows
 #define SPHERICAL_HARMONIC_0 0.28209479177387814 ///< 1 / (2 sqrt(pi)): Kerbl et al. 2023
 
 // Arrays from the rows of the vertex element. Positions and normals have 3 floats, texcoords 2,

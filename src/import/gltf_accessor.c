@@ -18,7 +18,7 @@ static size_t component_size(stp_gltf_component component)
     case STP_GLTF_F32:
         return 4;
     }
-    return 0; // none of the format's
+    return 0; // not a component type of glTF
 }
 
 static uint32_t count_components(const char* type)

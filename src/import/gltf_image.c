@@ -8,7 +8,7 @@
 
 // Decoded at once, before the scene takes them and may move them out of memory.
 #define PIXELS_OF_BATCH ((uint64_t)1 << 24)
-#define PIXEL_BYTES 8u // with what decoders hold
+#define PIXEL_BYTES 8u // including the decoder's buffers
 
 enum { WRAP_REPEAT = 10497, WRAP_CLAMP = 33071, WRAP_MIRROR = 33648, FILTER_NEAREST = 9728 };
 
@@ -281,8 +281,7 @@ static stp_result measure_images(stp_gltf_scope* scope, stp_gltf_textures* textu
         }
         gltf->content_bytes += image->file.size;
         for (uint32_t k = image->first_request; k != STP_NONE; k = textures->requests[k].next) {
-            pixels +=
-                (uint64_t)image->info.width * image->info.height; // each has texels of its own
+            pixels += (uint64_t)image->info.width * image->info.height; // each has its own texels
         }
     }
     if (!stp_image_believes(pixels, gltf->content_bytes)) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Accessors, buffer views and compressed data may be shared without end, so a small file could ask
-// for any amount of memory or time. Honest files share as well: what is read may be so much more
-// than what is stored, and no more.
+// Accessors, buffer views and compressed data may be shared without limit, so a small file could
+// request any amount of memory or time. Valid files share data, too, so the amount of data read is
+// limited to a multiple of the amount stored.
 #include "import/gltf.h"
 
 #define ELEMENTS_ALWAYS_ALLOWED ((uint64_t)1 << 24)
@@ -13,7 +13,8 @@
 #define COMPRESSED_ALWAYS_ALLOWED ((uint64_t)1 << 20)
 #define COMPRESSED_PER_BYTE 16
 
-// The object that an index names; NULL if there is none. Errors are reported later, when it is
+// The object that an index refers to; NULL if it does not exist. Errors are reported later, when it
+// is
 // read.
 static const json_t* follow(const stp_gltf* gltf, const json_t* index, stp_gltf_list list)
 {

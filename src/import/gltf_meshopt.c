@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// EXT_meshopt_compression, and KHR_meshopt_compression where it is identical: buffer views encoded
-// by libmeshoptimizer.
+// EXT_meshopt_compression, and KHR_meshopt_compression as far as it is identical: buffer views
+// encoded by libmeshoptimizer.
 #include "import/gltf.h"
 
 #include <meshoptimizer.h>

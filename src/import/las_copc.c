@@ -20,10 +20,10 @@ enum { LEVELS = 64 };
 
 typedef struct hierarchy {
     const stp_las* las;
-    uint8_t* levels_of;            ///< chunks; NULL: not asked for
+    uint8_t* levels_of;            ///< chunks; NULL: not needed
     uint64_t of_level[LEVELS + 1]; ///< points
     uint64_t points;               ///< of all entries so far
-    uint64_t entries;              ///< seen so far; a file of so many bytes has no more than `most`
+    uint64_t entries;              ///< so far; a valid file has at most `most`
     uint64_t most;
     uint64_t nodes;  ///< with points
     uint32_t levels; ///< of nodes with points

@@ -12,7 +12,7 @@
 
 enum {
     RECORDS_IN_CHUNK = 1 << 16,
-    RELEASE_EVERY = 64, // chunks, after which pages of what is spilled are released
+    RELEASE_EVERY = 64, // chunks, after which spilled pages are released
     PROBES = 16         // chunks whose first points say how wide colours are
 };
 #define MOST_IN_SET ((uint64_t)UINT32_MAX - 1)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The VLR of LAZ says how points are coded; the table of chunks says where each chunk lies and,
-// where chunks have different sizes, how many points it has.
+// The VLR of LAZ describes how points are coded. The chunk table contains the offset of each chunk
+// and, if chunk sizes vary, the number of points.
 #include "base/bytes.h"
 #include "import/laz.h"
 
@@ -14,7 +14,7 @@ enum {
     COMPRESSOR_CHUNKED = 2,
     COMPRESSOR_LAYERED = 3,
     MOST_POINTS_PER_BYTE = 2048, // identical points take about 0.008 bits each
-    MOST_EXTRA = 1 << 14         // bytes of a point beside its format: each has a model of 1.3 KB
+    MOST_EXTRA = 1 << 14         // extra bytes per point: each needs a model of 1.3 KB
 };
 #define VARIABLE UINT32_MAX // a chunk size: each chunk has its own
 
@@ -103,7 +103,7 @@ static stp_result check_items(stp_las* las, const unsigned char* bytes, size_t c
 
 typedef struct compression {
     unsigned compressor;
-    uint32_t chunk_size; ///< points; VARIABLE: the table says
+    uint32_t chunk_size; ///< points; VARIABLE: stored in the table
 } compression;
 
 static stp_result read_vlr(stp_las* las, compression* c)

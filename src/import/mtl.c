@@ -16,7 +16,7 @@ typedef struct mtl {
     stp_text end;
     stp_material material; ///< the one being read
     const char* name;      ///< NULL before the first `newmtl`
-    const char* alpha_map; ///< what map_d names
+    const char* alpha_map; ///< file name from map_d
     bool has_roughness;
 } mtl;
 

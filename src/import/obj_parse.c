@@ -400,7 +400,7 @@ static stp_result parse_into_scratch(stp_obj* obj)
             bool broken = chunk->out_of_memory || chunk->error != NULL;
             result = broken ? STP_OK : stp_obj_move_chunk(obj, chunk);
             if (broken) {
-                return STP_OK; // the report says so
+                return STP_OK; // report() returns the error
             }
         }
     }

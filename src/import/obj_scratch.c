@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// A large OBJ file takes several times its size while it is read: corners by chunk, by mesh, and by
-// position. Where that is much beside the limit of memory, it lies in a temporary file.
+// Reading an OBJ file takes several times its size: corners by chunk, by mesh, and by position. If
+// that is large compared to the memory limit, the data goes to a temporary file.
 #include "import/obj.h"
 
 #include <string.h>
 
-#define SHARE 2 ///< of what the scene keeps in memory: a file that is larger has a scratch file
+#define SHARE 2 ///< reciprocal share of the scene's memory: larger files use a scratch file
 enum { CHUNK_ARRAYS = 8, LINE = 64 };
 
 typedef struct sized_array {

@@ -14,7 +14,7 @@ typedef struct chunk_base {
 typedef struct stitch {
     stp_obj* obj;
     chunk_base* bases;          ///< one more than chunks: the last holds the totals
-    _Atomic size_t bad_polygon; ///< the first polygon of the file that names what does not exist
+    _Atomic size_t bad_polygon; ///< the first polygon of the file with an invalid index
 } stitch;
 
 static void copy_items(void* target, size_t first, const stp_obj_array* array, size_t size)
@@ -199,7 +199,7 @@ static stp_result apply_event(stp_obj* obj, const stp_obj_event* event, cursor* 
     at->group = STP_NONE;
     at->object = event->kind == STP_OBJ_OBJECT ? STP_NONE : at->object;
     if (event->length == 0) {
-        return STP_OK; // a nameless one ends what was before
+        return STP_OK; // without a name, it ends the previous one
     }
     return event->kind == STP_OBJ_OBJECT ? find_group(obj, name, STP_NONE, &at->object)
                                          : find_group(obj, name, at->object, &at->group);

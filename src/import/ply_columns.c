@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where the vertices of a PLY file lie while they are read. Points are large in scans: they go to
-// the scene's spill at once where memory would not hold them twice.
+// Storage for the vertices of a PLY file while they are read. Points of scans are many: they go
+// directly to the scene's spill file if memory could not hold them twice.
 #include "import/ply.h"
 #include "import/point_columns.h"
 

@@ -77,7 +77,7 @@ void stp_ply_cursor_close(stp_ply_cursor* cursor)
 
 stp_result stp_ply_check_rows(const stp_ply_cursor* cursor, const stp_ply_element* element)
 {
-    // each value of a text takes two bytes at least, a digit and what ends it
+    // each value of a text takes at least two bytes, a digit and a separator
     size_t least =
         cursor->ply->encoding == STP_PLY_ASCII ? 2 * element->property_count : element->row_size;
     size_t left = (size_t)(cursor->end - cursor->at);

@@ -3,7 +3,8 @@
 
 #include "scene/bulk.h"
 
-#define SHARE 2 ///< of what the scene keeps in memory: larger points go to its spill at once
+/// Reciprocal share of the scene's memory: larger point sets go directly to its spill file
+#define SHARE 2
 
 bool stp_points_go_to_spill(const stp_scene* scene, uint64_t bytes)
 {

@@ -121,7 +121,7 @@ stp_result stp_picture_decode(stp_import* import, const char* place, const unsig
     return STP_OK;
 }
 
-// Exporters write the path on their author's machine; the picture is usually delivered beside the
+// Exporters write paths of their author's machine; the picture is usually delivered next to the
 // file.
 static const char* without_root(const char* reference)
 {

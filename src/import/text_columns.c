@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#define HEADER_LINES 100 ///< so many lines may come before the points
-#define SAMPLES 500      ///< lines that are looked at
+#define HEADER_LINES 100 ///< maximum number of lines before the points
+#define SAMPLES 500      ///< number of sampled lines
 #define LINE_LEAST 6     ///< bytes of a point and its line end
 #define WINDOW 4096      ///< bytes in which a sampled line must begin
 

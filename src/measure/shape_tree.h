@@ -32,6 +32,7 @@ void stp_shape_tree_destroy(stp_context* context, stp_shape_tree* tree);
 /// or UINT32_MAX; out: the place of the nearest shape. Affects only the speed. NULL: none
 double stp_shape_tree_distance_squared(const stp_shape_tree* tree, stp_vec3d point, uint32_t* hint);
 
-/// Squared distance from a point to one shape. @param place in `order`, below `count`
+/// Squared distance from a point to one shape.
+/// @param place in `order`, below `count`
 double stp_shape_tree_distance_squared_to(const stp_shape_tree* tree, uint32_t place,
                                           stp_vec3d point);

@@ -235,7 +235,8 @@ static stp_result link_points(const stp_store* store, uint32_t index)
     return judge_block(store, record->block, wanted);
 }
 
-// Links each set to its leaves. @param owned  number of sets with leaves
+// Links each set to its leaves.
+// @param owned number of sets with leaves
 static stp_result link_leaves(const stp_store* store, uint64_t* owned)
 {
     const stp_store_leaves_record* records = store->tables[STP_SECTION_LEAVES];

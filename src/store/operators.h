@@ -21,7 +21,8 @@ typedef struct stp_operator_run {
 } stp_operator_run;
 
 /// Encodes the splats of a run, which must be part of a valid set (stp_progressive_is_valid). Any
-/// thread. @param parents of the splits in the run, in order
+/// thread.
+/// @param parents of the splits in the run, in order
 /// @return bytes written; 0 if `room` is too small
 size_t stp_operators_encode(const stp_operator_run* run, const uint32_t* parents, void* bytes,
                             size_t room);

@@ -19,8 +19,8 @@ stp_ellipse stp_psp_initial_splat(const stp_kd_tree* tree, uint32_t place, const
 float stp_psp_radius_alone(float size);
 
 /// Finds the k nearest neighbours of each point, and makes its splat.
-/// @param ellipses space for point_count. @param neighbours space for k per point
-/// (stp_find_nearest_points)
+/// @param ellipses space for point_count.
+/// @param neighbours space for k per point (stp_find_nearest_points)
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_psp_make_initial(stp_context* context, const stp_psp_points* points,
                                              uint32_t k, stp_ellipse* ellipses,

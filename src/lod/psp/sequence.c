@@ -35,7 +35,8 @@ static float level_of(const stp_psp_forest* f, uint32_t splat)
     return fminf((float)sqrt(f->merges[splat - f->point_count].level / PI), LEVEL_MOST);
 }
 
-/// Appends a splat. @param highest maximum level at which it is drawn
+/// Appends a splat.
+/// @param highest maximum level at which it is drawn
 static void append(splitter* s, uint32_t splat, float highest)
 {
     const stp_psp_forest* f = s->forest;

@@ -45,6 +45,7 @@ static inline uint32_t stp_octree_point(const stp_octree* octree, uint32_t item)
 /// Divides a box of two or more points into octants, of which at least two hold points: boxes with
 /// one nonempty octant are skipped. Coincident points are split by their order. Below the sorted
 /// levels, reorders items within the box. Disjoint boxes may be divided concurrently.
-/// @param children space for 8; receives the nonempty ones in order. @return their number
+/// @param children space for 8; receives the nonempty ones in order.
+/// @return their number
 uint32_t stp_octree_divide(const stp_octree* octree, stp_octree_box box,
                            stp_octree_box children[8]);

@@ -63,6 +63,7 @@ typedef struct stp_tree_view {
 bool stp_point_tree_suffices(const stp_point_tree* tree, uint32_t node, const stp_tree_view* view);
 
 /// Recursive traversal (3.5): selects the topmost nodes within the allowed error, and leaves.
-/// @param nodes space for tree->leaf_count; ascending. @return number of selected nodes
+/// @param nodes space for tree->leaf_count; ascending.
+/// @return number of selected nodes
 uint32_t stp_point_tree_traverse(const stp_point_tree* tree, const stp_tree_view* view,
                                  uint32_t* nodes);

@@ -36,7 +36,7 @@ stp_sequence_range stp_point_sequence_range(const stp_point_sequence* sequence, 
                                             double nearest, double farthest);
 
 /// Tests each node of the range. Ignores `view->split`.
-/// @param nodes space for one more than the range; in sequence order. @return number of selected
-///         nodes
+/// @param nodes space for one more than the range; in sequence order.
+/// @return number of selected nodes
 uint32_t stp_point_sequence_select(const stp_point_sequence* sequence, const stp_tree_view* view,
                                    stp_sequence_range range, uint32_t* nodes);

@@ -242,7 +242,8 @@ static void write_leaf(const set_maker* m, uint32_t index)
     stp_octahedral_encode(f->normal, out->normal);
 }
 
-/// Writes places [begin, end), at most BATCH, of one leaf. @param next  next index in each octave
+/// Writes places [begin, end), at most BATCH, of one leaf.
+/// @param next next index in each octave
 static void write_batch(const set_maker* m, const stp_leaf_facts* f, uint32_t begin, uint32_t end,
                         uint32_t next[OCTAVES_MOST])
 {
