@@ -331,7 +331,7 @@ static int run_gl(const bench_options* options, json_t* results)
         return 0;
     }
     if (b.context == NULL || mkdtemp(folder) == NULL) {
-        return tool_error("bench gl: cannot make a temporary folder");
+        return tool_error("bench gl: cannot create a temporary folder");
     }
     snprintf(path, sizeof(path), "%s/scene.stip", folder);
     stp_result result = open_all(&b, path);

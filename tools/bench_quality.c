@@ -344,7 +344,7 @@ static int run_quality(const bench_options* options, json_t* results)
     const char* model = options->model != NULL ? options->model : DEFAULT_MODEL;
     char folder[] = "/tmp/stipple-quality-XXXXXX", path[64];
     if (mkdtemp(folder) == NULL) {
-        return tool_error("bench quality: cannot make a temporary folder");
+        return tool_error("bench quality: cannot create a temporary folder");
     }
     snprintf(path, sizeof(path), "%s/model.stip", folder);
     stp_context* context = tool_context_create(0, 0, "none");

@@ -338,7 +338,7 @@ void describe_print(const char* path, const scene_figures* f)
     if (f->format_version != 0) {
         printf(", .stip version %u.%u", f->format_version, f->format_minor);
         if (f->file_bytes < f->whole_bytes) {
-            printf(", cut short: the first part of %s", describe_bytes(f->whole_bytes, text));
+            printf(", truncated: the first part of %s", describe_bytes(f->whole_bytes, text));
         }
     }
     printf("\n\n");

@@ -37,9 +37,9 @@ typedef struct scan_point {
     uint8_t color[3];   ///< sRGB
     uint32_t row;       ///< from below, or from the left
     uint32_t column;    ///< of the turn, or along the flight
-    uint32_t object;    ///< of the truth: which use of a mesh
-    float normal[3];    ///< measured minus true distance, metres
-    float range_error;  ///< of the truth: how much too far the point lies, metres
+    uint32_t object;    ///< ground truth: which use of a mesh
+    float normal[3];    ///< ground truth: surface normal, facing the scanner
+    float range_error;  ///< ground truth: measured minus true distance, metres
     float angle;        ///< degrees: elevation, or from below the flight to the right
     double place[3];    ///< as measured, metres, z up
     double time;        ///< number of the ray, over all stations

@@ -34,8 +34,7 @@ static stp_result finish(scan_target* t, const char* name, stp_result result)
                                    &t->caster);
     }
     if (result == STP_OK && stp_boxd_is_empty(stp_caster_bounds(t->caster))) {
-        result = stp_fail(t->context, STP_ERROR_FORMAT,
-                          "%s: a scan needs triangles, and found none", name);
+        result = stp_fail(t->context, STP_ERROR_FORMAT, "%s: expected triangles, found none", name);
     }
     if (result != STP_OK) {
         scan_target_destroy(t);

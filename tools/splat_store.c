@@ -188,7 +188,7 @@ stp_result tool_open_splat_store(stp_context* context, const tool_splats* splats
              folder != NULL && folder[0] != '\0' ? folder : "/tmp");
     int descriptor = mkstemp(path);
     if (descriptor < 0) {
-        return stp_fail(context, STP_ERROR_IO, "%s: cannot be made", path);
+        return stp_fail(context, STP_ERROR_IO, "%s: cannot be created", path);
     }
     stp_result result = tool_write_splat_store(context, path, splats, up);
     result = result == STP_OK ? stp_store_open(context, path, store) : result;

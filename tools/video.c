@@ -107,7 +107,8 @@ static bool start_film(video* v, uint32_t width, uint32_t height, double fps)
     int ends[2];
     v->row = stp_alloc_array(v->context, width, 3);
     if (v->row == NULL || pipe(ends) != 0) {
-        tool_error("%s: no pipe to ffmpeg: %s", v->path, strerror(v->row == NULL ? ENOMEM : errno));
+        tool_error("%s: cannot create a pipe to ffmpeg: %s", v->path,
+                   strerror(v->row == NULL ? ENOMEM : errno));
         return false;
     }
     (void)fcntl(ends[1], F_SETFD, FD_CLOEXEC);
@@ -142,7 +143,7 @@ bool video_open(stp_context* context, const char* path, uint32_t width, uint32_t
     }
     v->made_folder = mkdir(path, 0777) == 0;
     if (!v->made_folder && (errno != EEXIST || !video_is_folder(path))) {
-        tool_error("%s: the folder cannot be made: %s", path, strerror(errno));
+        tool_error("%s: cannot create the folder: %s", path, strerror(errno));
         return false;
     }
     return true;

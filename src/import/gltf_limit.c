@@ -13,9 +13,8 @@
 #define COMPRESSED_ALWAYS_ALLOWED ((uint64_t)1 << 20)
 #define COMPRESSED_PER_BYTE 16
 
-// The object that an index refers to; NULL if it does not exist. Errors are reported later, when it
-// is
-// read.
+// The object that an index refers to; NULL if it does not exist. Errors are reported later, when
+// it is read.
 static const json_t* follow(const stp_gltf* gltf, const json_t* index, stp_gltf_list list)
 {
     json_int_t value = json_is_integer(index) ? json_integer_value(index) : -1;

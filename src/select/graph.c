@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // View-independent properties of a store's nodes: which ones move, how far content extends beyond
-// boxes,
-// and the smallest radius for which a node's own surfels are used.
+// boxes, and the smallest radius for which a node's own surfels are used.
 #include "base/prefix_table.h"
 #include "select/select_internal.h"
 

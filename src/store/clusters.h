@@ -8,9 +8,9 @@
 //
 // The triangles of a cluster form three groups, by the normals that light them:
 //
-// smooth: each corner has its vertex's normal
-// face: all corners have the first corner's normal
-// plain: the normal of the triangle's plane
+//   smooth   each corner has its vertex's normal
+//   face     all corners have the first corner's normal
+//   plain    the normal of the triangle's plane
 //
 // So hard edges need no extra vertices, and flat parts hardly any normals.
 //
@@ -199,8 +199,9 @@ STP_MUST_USE stp_result stp_store_get_clusters(stp_store* store, uint32_t index,
 /// A fully decoded mesh: triangles in cluster order, three vertices each. For tools and tests.
 typedef struct stp_decoded_mesh {
     uint32_t triangle_count;
-    float* positions;    ///< 9 per triangle
-    float* normals;      ///< 9 a triangle, unit length; zero for the planes of degenerate triangles
+    float* positions; ///< 9 per triangle
+    /// 9 per triangle, unit length; zero for the planes of degenerate triangles
+    float* normals;
     float* texcoords[2]; ///< NULL, or 6 per triangle
     float* colors;       ///< NULL, or 12 per triangle
 } stp_decoded_mesh;
