@@ -51,7 +51,7 @@ enum { POINT_COLOR_OPTION_ROOM = 4 }; ///< entries of a table
 /// Fills a table of POINT_COLOR_OPTION_ROOM entries. @return the table
 const option* point_color_options_table(option* table, point_color_options* options);
 
-/// Rejects options that make no sense. @return 0, or 2 (message printed)
+/// Rejects invalid combinations of options. @return 0, or 2 (message printed)
 int point_colors_check(const point_color_options* options);
 
 /// Reads LO,HI. @return false on a syntax error

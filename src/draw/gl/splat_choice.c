@@ -282,7 +282,7 @@ static stp_result send_groups(gl_renderer* r, gl_splat_source* source)
     gl_ring_part part;
     if (!gl_ring_take(&r->gl, &r->frame.ring, commands->count * sizeof(uint32_t), &part)) {
         return stp_fail(r->base.context, STP_ERROR_OUT_OF_MEMORY,
-                        "gl: there is no graphics memory for a frame's %zu commands",
+                        "gl: not enough graphics memory for a frame's %zu commands",
                         commands->count);
     }
     uint32_t* first = part.memory;
