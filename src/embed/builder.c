@@ -16,7 +16,7 @@ stp_result stp_builder_check(const stp_builder* builder, uint32_t material)
 {
     if (builder->written) {
         return stp_fail(builder->context, STP_ERROR_ARGUMENT,
-                        "stp_builder: was written already; make another one");
+                        "stp_builder: already written; create another one");
     }
     if (material + STP_BUILDER_MATERIAL >= builder->staged->material_count) {
         return stp_fail(builder->context, STP_ERROR_ARGUMENT,

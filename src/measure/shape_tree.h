@@ -13,9 +13,10 @@ typedef struct stp_shape_box {
 
 typedef struct stp_shape_tree {
     stp_shapes shapes;
-    uint32_t count;       ///< number of shapes; disks come first
-    uint32_t depth;       ///< of the leaves; level k has 2^k nodes, and its node i holds the places
-                          ///< [count i / 2^k, count (i + 1) / 2^k)
+    uint32_t count; ///< number of shapes; disks come first
+    /// Of the leaves. Level k has 2^k nodes; node i of them holds the places [count i / 2^k,
+    /// count (i + 1) / 2^k)
+    uint32_t depth;
     uint32_t* order;      ///< shapes along the curve
     stp_shape_box* boxes; ///< of nodes, level by level
 } stp_shape_tree;

@@ -34,8 +34,8 @@ enum {
 
 typedef struct stp_leaf {
     float x[STP_LEAF_SIZE], y[STP_LEAF_SIZE], z[STP_LEAF_SIZE];
-    float gap[STP_LEAF_SIZE]; ///< squared distance to the nearest chosen point; -1 in lanes past
-                              ///< the end
+    /// Squared distance to the nearest chosen point; -1 in lanes past the end
+    float gap[STP_LEAF_SIZE];
 } stp_leaf;
 
 typedef struct stp_leaf_normals {
