@@ -139,7 +139,7 @@ static bool read_place(const char* text, double place[3])
     return option_set_value(&vector, text, problem, sizeof(problem));
 }
 
-static stp_result stand(scan* s)
+static stp_result choose_positions(scan* s)
 {
     stp_vec3d* places = STP_NEW_ARRAY(s->context, stp_vec3d, s->station_count);
     if (places == NULL) {
@@ -187,7 +187,7 @@ static stp_result place_stations(scan* s)
     }
     return args.airborne
                ? scan_plan_flight(&s->target, args.height, step, s->station_count, set, s->stations)
-               : stand(s);
+               : choose_positions(s);
 }
 
 /// One station into the file, a few columns at a time.

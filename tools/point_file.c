@@ -28,7 +28,7 @@ typedef struct part_points {
     const uint8_t* colors;
 } part_points;
 
-static part_points look_up(const stp_scene* scene, stp_part part)
+static part_points find_points(const stp_scene* scene, stp_part part)
 {
     if (part.kind == STP_PART_MESH) {
         const stp_mesh* mesh = &scene->meshes[part.index];
@@ -61,7 +61,7 @@ static void release_pages(const stp_scene* scene, const tool_points* points)
 static void copy_part(const stp_scene* scene, const stp_placed_part* placed, tool_points* points,
                       uint32_t first)
 {
-    part_points part = look_up(scene, placed->part);
+    part_points part = find_points(scene, placed->part);
     double turn[3][3];
     stp_affine_normal_matrix(&placed->transform, turn);
     for (uint32_t i = 0; i < part.count; ++i) {
@@ -131,7 +131,7 @@ static stp_result copy_parts(const stp_scene* scene, const char* path, const stp
     uint64_t count = 0;
     bool normals = false, colors = false;
     for (size_t i = 0; i < part_count; ++i) {
-        part_points part = look_up(scene, parts[i].part);
+        part_points part = find_points(scene, parts[i].part);
         count += part.count;
         normals = normals || part.normals != NULL;
         colors = colors || part.colors != NULL;
@@ -155,7 +155,7 @@ static stp_result copy_parts(const stp_scene* scene, const char* path, const stp
     uint32_t first = 0;
     for (size_t i = 0; i < part_count; ++i) {
         copy_part(scene, &parts[i], points, first);
-        first += look_up(scene, parts[i].part).count;
+        first += find_points(scene, parts[i].part).count;
     }
     return STP_OK;
 }
@@ -201,7 +201,7 @@ static stp_result copy_triangles(const stp_scene* scene, const char* path,
                 copy_part_triangles(&scene->meshes[parts[i].part.index], &parts[i].transform, first,
                                     points->triangles + 3 * (size_t)points->triangle_count);
         }
-        first += look_up(scene, parts[i].part).count;
+        first += find_points(scene, parts[i].part).count;
     }
     return STP_OK;
 }

@@ -7,11 +7,12 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const float click_reach = 4.0f;             // pixels of movement that still count as a click
-static const double zoom_step = 0.85;              // per notch of the wheel
-static const double faster = 5.0;                  // with Shift
-static const double look_a_picture = STP_PI / 3.0; // rotation for a drag over the picture's height
-static const double stick_turn = 1.8;              // radians per second
+static const float click_reach = 4.0f; // pixels of movement that still count as a click
+static const double zoom_step = 0.85;  // per notch of the wheel
+static const double faster = 5.0;      // with Shift
+static const double turn_per_picture =
+    STP_PI / 3.0;                     // rotation for a drag over the picture's height
+static const double stick_turn = 1.8; // radians per second
 
 static float in_picture_x(const viewer* v, float x)
 {
@@ -68,7 +69,7 @@ static void drag_on(viewer* v, float x, float y)
     } else if (in->drag == DRAG_SECTION) {
         section_drag(v, x - (float)dx, y - (float)dy, x, y);
     } else if (in->drag == DRAG_LOOK) {
-        double angle = look_a_picture / (double)v->camera.height;
+        double angle = turn_per_picture / (double)v->camera.height;
         stp_navigator_look(&v->camera, dx * angle, dy * angle);
     }
 }

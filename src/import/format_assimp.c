@@ -197,7 +197,7 @@ static stp_result receive_all(helper* h, int* status, bool* reaped)
     return STP_OK;
 }
 
-static stp_result judge_end(const helper* h, int status)
+static stp_result check_exit(const helper* h, int status)
 {
     if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL)) {
         return stp_fail(h->context, STP_ERROR_LIMIT,
@@ -233,7 +233,7 @@ static stp_result run_helper(helper* h)
     while (!reaped && (found = waitpid(h->process, &status, 0)) < 0 && errno == EINTR) {
     }
     // if the host reaps all children itself, there is no status: only the stream shows success
-    return result == STP_OK && found == h->process ? judge_end(h, status) : result;
+    return result == STP_OK && found == h->process ? check_exit(h, status) : result;
 }
 
 static bool assimp_knows(const char* path)

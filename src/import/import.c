@@ -114,7 +114,7 @@ void stp_import_set_axes(stp_import* import, char up, double unit_metres)
 }
 
 // Inputs of one scene share a unit; the user should know if it is a guess.
-static void judge_units(const stp_import* import, double scene_unit)
+static void check_units(const stp_import* import, double scene_unit)
 {
     const stp_scene* scene = import->scene;
     if (import->wants_unit && scene->unit_metres == 0.0) {
@@ -157,7 +157,7 @@ static stp_result read_with(const stp_importer* importer, stp_import* import)
     stp_import_set_axes(import, up, 0.0);
     result = importer->read(import);
     if (result == STP_OK && import->desc.sample_points == 0) {
-        judge_units(import, scene_unit);
+        check_units(import, scene_unit);
         stp_losses_report(import->context, import->path, &import->losses);
     }
     return result;

@@ -108,7 +108,7 @@ static stp_result read_line(header* h, stp_text at, bool* last)
 }
 
 // Checks that the four lists match and make a row.
-static stp_result settle(header* h)
+static stp_result check_lists(header* h)
 {
     stp_pcd* pcd = h->pcd;
     uint32_t count = h->counts[0];
@@ -167,7 +167,7 @@ stp_result stp_pcd_read_header(stp_import* import, stp_pcd* pcd)
         pcd->body = (size_t)(end - bytes) + 1;
     }
     pcd->body_line = h.line;
-    return last ? settle(&h)
+    return last ? check_lists(&h)
                 : stp_fail(import->context, STP_ERROR_FORMAT,
                            "%s: none of its first %d lines begins with DATA", import->path,
                            LINES_MOST);

@@ -73,7 +73,7 @@ static uint8_t column_named(stp_text begin, stp_text end)
 }
 
 // Drops columns after the last used one and validates the rest. @return as stp_columns_parse
-static const char* settle(stp_columns* c)
+static const char* check_columns(stp_columns* c)
 {
     uint32_t uses[STP_COLUMN_SLOTS + 1] = {0}, all = c->count;
     while (c->count > 0 && c->roles[c->count - 1] == STP_COLUMN_SKIP) {
@@ -115,7 +115,7 @@ const char* stp_columns_parse(const char* names, stp_columns* columns)
         }
         columns->roles[columns->count++] = column;
         if (at[length] == '\0') {
-            return settle(columns);
+            return check_columns(columns);
         }
         at += length + 1;
     }
@@ -189,7 +189,7 @@ static bool read_header(stp_text at, uint32_t wanted, stp_columns* columns)
         columns->roles[columns->count++] = column_named(at, last);
         at = stp_skip_blanks(end + stp_separates(*end));
     }
-    return columns->count == wanted && settle(columns) == NULL;
+    return columns->count == wanted && check_columns(columns) == NULL;
 }
 
 static bool all_within(const samples* s, uint32_t column, token_kind kind, double low, double high)
@@ -289,7 +289,7 @@ static void guess(const samples* s, bool intensity_first, stp_columns* c)
             break;
         }
     }
-    (void)settle(c); // x, y and z occur exactly once
+    (void)check_columns(c); // x, y and z occur exactly once
 }
 
 // Adds the line to the samples if it has as many columns as the first.

@@ -162,7 +162,7 @@ static stp_result accept(sampler* s, uint32_t first_input, uint32_t accepted)
 
 // Compacts the input. Returned points stay in front; points set aside go to the end of the array,
 // where drawn points left room.
-static void settle(sampler* s, uint32_t first_input, uint32_t count)
+static void compact_input(sampler* s, uint32_t first_input, uint32_t count)
 {
     s->left = first_input;
     uint32_t set_aside = 0;
@@ -205,7 +205,7 @@ static stp_result run_round(sampler* s)
         s->fate[s->ranking[accepted].slot] = ASIDE;
     }
     stp_result result = accept(s, first_input, accepted);
-    settle(s, first_input, count);
+    compact_input(s, first_input, count);
     end_round(&s->plan);
     return result;
 }

@@ -4,8 +4,8 @@
 #include "present/camera.h"
 
 static const double quarter = 0.5 * STP_PI;
-static const double reaches_a_second = 0.6; // flight speed
-static const double seeing_seconds = 0.35;  // time to adapt to most of a new distance
+static const double reaches_per_second = 0.6; // flight speed
+static const double seeing_seconds = 0.35;    // time to adapt to most of a new distance
 static const double speed_step = 1.25, speed_least = 0.01, speed_most = 100.0;
 static const double alike = 3.0; // depths within this factor count as similar
 
@@ -204,7 +204,7 @@ void stp_navigator_zoom(stp_navigator* n, stp_vec3d point, double factor)
 
 void stp_navigator_fly(stp_navigator* n, const double moves[3], double seconds, double faster)
 {
-    double step = reaches_a_second * n->speed * faster * n->reach * seconds;
+    double step = reaches_per_second * n->speed * faster * n->reach * seconds;
     stp_navigator_axes axes = stp_navigator_get_axes(n);
     stp_vec3d by = stp_scaled(axes.right, moves[0] * step);
     by.y += moves[1] * step;

@@ -231,7 +231,7 @@ static void make_point_pieces(size_t begin, size_t end, uint32_t worker, void* u
 }
 
 // Counts the pieces' memory, and frees all pieces if one failed.
-static void settle_pieces(cutter* c)
+static void finish_pieces(cutter* c)
 {
     for (uint32_t i = 0; i < c->piece_count; ++i) {
         if (c->mesh != NULL) {
@@ -289,7 +289,7 @@ static stp_result cut(cutter* c, uint32_t count, stp_job make_pieces)
         pthread_mutex_init(&c->mutex, NULL);
         stp_parallel_for(context, c->piece_count, 1, make_pieces, c);
         pthread_mutex_destroy(&c->mutex);
-        settle_pieces(c);
+        finish_pieces(c);
         if (c->result == STP_ERROR_OUT_OF_MEMORY) {
             (void)stp_fail_memory(context);
         }

@@ -50,7 +50,7 @@ static const char* find_fault(const stp_store_directory* d, uint32_t index, uint
     return NULL;
 }
 
-static stp_result judge_table(const stp_store_judge* judge, const stp_store_directory* d)
+static stp_result check_table(const stp_store_judge* judge, const stp_store_directory* d)
 {
     uint32_t end = 0;
     for (uint32_t i = 0; i < d->method_count; ++i) {
@@ -70,7 +70,7 @@ static stp_result judge_table(const stp_store_judge* judge, const stp_store_dire
 }
 
 // The first method's sets are the nodes' own.
-static stp_result judge_first(const stp_store_judge* judge, const stp_store_directory* d)
+static stp_result check_first(const stp_store_judge* judge, const stp_store_directory* d)
 {
     for (uint32_t i = 0; i < d->node_count; ++i) {
         uint32_t set = d->nodes[i].surfels;
@@ -103,8 +103,8 @@ stp_result stp_store_judge_methods(const stp_store_judge* judge, const stp_store
     if (d->method_count == 0) {
         return STP_OK;
     }
-    stp_result result = judge_table(judge, d);
-    result = result == STP_OK ? judge_first(judge, d) : result;
+    stp_result result = check_table(judge, d);
+    result = result == STP_OK ? check_first(judge, d) : result;
     for (uint32_t m = 1; m < d->method_count && result == STP_OK; ++m) {
         if (!are_bijective(d, m)) {
             result = stp_fail(judge->context, judge->failure,
@@ -246,8 +246,8 @@ stp_result stp_store_read_methods(stp_store* store, stp_store_text* text)
         store->methods[0].set_count = d->surfels_count;
     }
     stp_store_judge judge = stp_store_own_judge(store);
-    result = judge_table(&judge, d);
-    result = result == STP_OK ? judge_first(&judge, d) : result;
+    result = check_table(&judge, d);
+    result = result == STP_OK ? check_first(&judge, d) : result;
     result = result == STP_OK ? gather_sets(store) : result;
     if (result != STP_OK) {
         return result;

@@ -148,7 +148,7 @@ static void fill_directory(stp_store* store)
 
 // Validates the records of meshes, point sets and textures; surfel sets are checked when octaves
 // are linked.
-static stp_result judge_records(const stp_store* store)
+static stp_result check_records(const stp_store* store)
 {
     stp_store_judge judge = stp_store_own_judge(store);
     const stp_store_directory* directory = &store->directory;
@@ -204,7 +204,7 @@ static stp_result read_directory(stp_store* store)
         result = stp_store_read_methods(store, &text);
     }
     if (result == STP_OK) {
-        result = judge_records(store);
+        result = check_records(store);
     }
     if (result == STP_OK) {
         result = stp_store_link_blocks(store);

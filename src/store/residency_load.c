@@ -101,7 +101,7 @@ static bool read_octave(stp_residency* r, stp_load* load, uint32_t octave)
                                 &judge, index, &data, r->store->directory.shading_count) == STP_OK;
 }
 
-static bool judge_mesh(stp_residency* r, stp_load* load)
+static bool check_mesh(stp_residency* r, stp_load* load)
 {
     const stp_store_mesh_record* records = r->store->tables[STP_SECTION_MESHES];
     uint32_t index = load->thing - r->firsts[STP_RESIDENT_MESH];
@@ -120,7 +120,7 @@ static bool judge_mesh(stp_residency* r, stp_load* load)
     return stp_store_judge_mesh_data(&judge, index, &mesh) == STP_OK;
 }
 
-static bool judge_points(stp_residency* r, const stp_load* load)
+static bool check_points(stp_residency* r, const stp_load* load)
 {
     const stp_store_point_record* records = r->store->tables[STP_SECTION_POINT_SETS];
     uint32_t index = load->thing - r->firsts[STP_RESIDENT_POINTS];
@@ -197,9 +197,9 @@ static void fill_load(stp_residency* r, stp_load* load)
     const stp_store_block* block = stp_residency_block(r, load->thing, 0);
     bool good = read_block(r, block, load->picture != NULL ? load->picture : load->memory);
     good = good && (load->picture == NULL || decode_picture(r, load, block));
-    good = good && (kind != STP_RESIDENT_MESH || judge_mesh(r, load));
+    good = good && (kind != STP_RESIDENT_MESH || check_mesh(r, load));
     good =
-        good && (kind != STP_RESIDENT_POINTS || (judge_points(r, load) && color_points(r, load)));
+        good && (kind != STP_RESIDENT_POINTS || (check_points(r, load) && color_points(r, load)));
     good = good && (kind != STP_RESIDENT_LEAVES || open_leaves(r, load));
     load->read_bytes = good ? block->size : 0;
     load->reached = good ? 1 : 0;

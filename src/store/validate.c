@@ -16,7 +16,7 @@ static bool is_range(uint32_t first, uint32_t size, uint32_t count)
     return first <= count && size <= count - first;
 }
 
-static stp_result judge_nodes(const stp_store_judge* judge, const stp_store_directory* directory)
+static stp_result check_nodes(const stp_store_judge* judge, const stp_store_directory* directory)
 {
     uint64_t edges = 0, parts = 0;
     for (uint32_t i = 0; i < directory->node_count; ++i) {
@@ -58,7 +58,7 @@ static stp_result judge_nodes(const stp_store_judge* judge, const stp_store_dire
     return STP_OK;
 }
 
-static stp_result judge_edges_and_parts(const stp_store_judge* judge,
+static stp_result check_edges_and_parts(const stp_store_judge* judge,
                                         const stp_store_directory* directory)
 {
     for (uint32_t i = 0; i < directory->edge_count; ++i) {
@@ -81,7 +81,7 @@ static stp_result judge_edges_and_parts(const stp_store_judge* judge,
     return STP_OK;
 }
 
-static stp_result judge_materials(const stp_store_judge* judge,
+static stp_result check_materials(const stp_store_judge* judge,
                                   const stp_store_directory* directory)
 {
     for (uint32_t i = 0; i < directory->material_count; ++i) {
@@ -120,12 +120,12 @@ static stp_result judge_materials(const stp_store_judge* judge,
 
 stp_result stp_store_judge_graph(const stp_store_judge* judge, const stp_store_directory* directory)
 {
-    stp_result result = judge_nodes(judge, directory);
+    stp_result result = check_nodes(judge, directory);
     if (result == STP_OK) {
-        result = judge_edges_and_parts(judge, directory);
+        result = check_edges_and_parts(judge, directory);
     }
     if (result == STP_OK) {
-        result = judge_materials(judge, directory);
+        result = check_materials(judge, directory);
     }
     if (result == STP_OK && !is_reference(directory->root, directory->node_count)) {
         result = stp_fail(judge->context, judge->failure,
@@ -288,10 +288,10 @@ static uint64_t find_not_finite(const float* numbers, uint64_t count)
     return count;
 }
 
-static stp_result complain(const stp_store_judge* judge, const char* format, ...)
+static stp_result report_fault(const stp_store_judge* judge, const char* format, ...)
     __attribute__((format(printf, 2, 3)));
 
-static stp_result complain(const stp_store_judge* judge, const char* format, ...)
+static stp_result report_fault(const stp_store_judge* judge, const char* format, ...)
 {
     char message[1024];
     va_list list;
@@ -311,14 +311,15 @@ stp_result stp_store_judge_mesh_data(const stp_store_judge* judge, uint32_t inde
     uint64_t vertices = mesh->vertex_count;
     uint64_t bad = find_not_finite(mesh->positions, 3 * vertices);
     if (bad < 3 * vertices) {
-        return complain(judge, "%s: mesh %u: the position of vertex %llu is not finite",
-                        judge->path, index, (unsigned long long)(bad / 3));
+        return report_fault(judge, "%s: mesh %u: the position of vertex %llu is not finite",
+                            judge->path, index, (unsigned long long)(bad / 3));
     }
     for (int set = 0; set < 2; ++set) {
         bad = find_not_finite(mesh->texcoords[set], 2 * vertices);
         if (bad < 2 * vertices) {
-            return complain(judge, "%s: mesh %u: texture coordinates of vertex %llu are not finite",
-                            judge->path, index, (unsigned long long)(bad / 2));
+            return report_fault(judge,
+                                "%s: mesh %u: texture coordinates of vertex %llu are not finite",
+                                judge->path, index, (unsigned long long)(bad / 2));
         }
     }
     uint64_t corners = 3 * (uint64_t)mesh->triangle_count;
@@ -327,8 +328,8 @@ stp_result stp_store_judge_mesh_data(const stp_store_judge* judge, uint32_t inde
         highest = mesh->indices[i] > highest ? mesh->indices[i] : highest;
     }
     if (corners != 0 && highest >= mesh->vertex_count) {
-        return complain(judge, "%s: mesh %u: index %u is not below its vertex count %u",
-                        judge->path, index, highest, mesh->vertex_count);
+        return report_fault(judge, "%s: mesh %u: index %u is not below its vertex count %u",
+                            judge->path, index, highest, mesh->vertex_count);
     }
     return STP_OK;
 }
@@ -339,8 +340,8 @@ stp_result stp_store_judge_point_data(const stp_store_judge* judge, uint32_t ind
     uint64_t numbers = 3 * (uint64_t)points->point_count;
     uint64_t bad = find_not_finite(points->positions, numbers);
     if (bad < numbers) {
-        return complain(judge, "%s: point set %u: the position of point %llu is not finite",
-                        judge->path, index, (unsigned long long)(bad / 3));
+        return report_fault(judge, "%s: point set %u: the position of point %llu is not finite",
+                            judge->path, index, (unsigned long long)(bad / 3));
     }
     return STP_OK;
 }
@@ -352,8 +353,9 @@ stp_result stp_store_judge_held_points(const stp_store_judge* judge, uint32_t in
                                        const stp_store_point_set* points, const stp_splats* set)
 {
     if ((set->columns & ~(uint32_t)HOLDING_COLUMNS) != 0 || set->count != points->point_count) {
-        return complain(judge, "%s: point set %u has %u points, but its surfel set has %u surfels",
-                        judge->path, index, points->point_count, set->count);
+        return report_fault(judge,
+                            "%s: point set %u has %u points, but its surfel set has %u surfels",
+                            judge->path, index, points->point_count, set->count);
     }
     return STP_OK;
 }
@@ -366,20 +368,20 @@ stp_result stp_store_judge_surfel_data(const stp_store_judge* judge, uint32_t in
         highest = data->materials[i] > highest ? data->materials[i] : highest;
     }
     if (data->count != 0 && highest >= shading_count) {
-        return complain(judge, "%s: surfel set %u: shading %u does not exist (there are %u)",
-                        judge->path, index, highest, shading_count);
+        return report_fault(judge, "%s: surfel set %u: shading %u does not exist (there are %u)",
+                            judge->path, index, highest, shading_count);
     }
     for (uint64_t i = 0; data->shapes != NULL && i < data->count; ++i) {
         if (!stp_shape_is_valid(data->shapes[i])) {
-            return complain(
+            return report_fault(
                 judge, "%s: surfel set %u: a radius is not finite, or the smaller one is larger",
                 judge->path, index);
         }
     }
     for (uint64_t i = 0; data->ranges != NULL && i < data->count; ++i) {
         if (!stp_range_is_valid(data->ranges[i])) {
-            return complain(judge, "%s: surfel set %u: a lowest level exceeds the highest",
-                            judge->path, index);
+            return report_fault(judge, "%s: surfel set %u: a lowest level exceeds the highest",
+                                judge->path, index);
         }
     }
     return STP_OK;

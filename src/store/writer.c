@@ -77,7 +77,7 @@ static stp_result patch_header(stp_store_writing* w, uint64_t data_offset)
 }
 
 // Rejects everything that the reader would reject.
-static stp_result judge_content(const stp_store_writing* w)
+static stp_result check_content(const stp_store_writing* w)
 {
     const stp_store_directory* d = &w->content->directory;
     stp_store_judge judge = {.context = w->context, .path = w->path, .failure = STP_ERROR_ARGUMENT};
@@ -202,7 +202,7 @@ stp_result stp_store_write(stp_context* context, const stp_store_content* conten
         .object_text = {.context = context},
         .sums = {.context = context},
     };
-    stp_result result = judge_content(&w);
+    stp_result result = check_content(&w);
     if (result == STP_OK) {
         result = write_all(&w);
     }

@@ -128,7 +128,7 @@ void cpu_make_splat_surface(const cpu_renderer* r, uint32_t slot, uint32_t index
     }
 }
 
-static void ask_surfel(const cpu_shade_item* item, size_t index)
+static void prefetch_surfel(const cpu_shade_item* item, size_t index)
 {
     __builtin_prefetch(item->colors + 3 * index);
     __builtin_prefetch(item->normals + 2 * index);
@@ -150,7 +150,7 @@ void cpu_ask_surfaces(const cpu_renderer* r, cpu_shade_memory* memory, const cpu
         }
         memory->item[at] = slot;
         if (item->kind == STP_DRAW_SURFELS) {
-            ask_surfel(item, id - item->first_id);
+            prefetch_surfel(item, id - item->first_id);
         } else if (item->kind == STP_DRAW_MESH) {
             cpu_ask_triangle(r, memory, at);
         }

@@ -315,7 +315,7 @@ static stp_result listen(gl_renderer* r)
 }
 
 /// Queries the context, and checks the required features.
-static stp_result look_at(gl_renderer* r, const stp_draw_gl_desc* desc)
+static stp_result check_context(gl_renderer* r, const stp_draw_gl_desc* desc)
 {
     stp_context* context = r->base.context;
     const char* lacking = stp_gl_load(&r->gl, desc);
@@ -364,7 +364,7 @@ stp_result stp_draw_gl_create(stp_context* context, stp_store* store, const stp_
     r->directory = stp_store_get_directory(store);
     r->upload_bytes = desc->upload_bytes;
     r->readback = STP_NEW_ZEROED(context, gl_readback, 1);
-    stp_result result = r->readback != NULL ? look_at(r, desc) : stp_fail_memory(context);
+    stp_result result = r->readback != NULL ? check_context(r, desc) : stp_fail_memory(context);
     result = result == STP_OK ? gl_things_create(r) : result;
     if (result == STP_OK) {
         uint64_t memory = desc->memory_bytes > 0 ? desc->memory_bytes : default_memory;

@@ -85,7 +85,7 @@ static stp_vec3 carry(const orienter* o, uint32_t from, uint32_t to, stp_vec3* w
 }
 
 /// Uncertainty of a leaf's normal: 0 if it is flat, 1 if it has few points.
-static float doubt(const stp_leaf_facts* f)
+static float uncertainty(const stp_leaf_facts* f)
 {
     return f->known ? 3.0f * f->flatness : 1.0f;
 }
@@ -96,8 +96,8 @@ static float weigh(const orienter* o, uint32_t a, uint32_t b)
     stp_vec3 way, carried = carry(o, a, b, &way);
     stp_vec3 n = o->facts[a].normal, m = o->facts[b].normal;
     float across = stp_max(fabsf(stp_dot(way, n)), fabsf(stp_dot(way, m)));
-    return 1.0f - fabsf(stp_dot(carried, m)) + ACROSS * across * across + doubt(&o->facts[a]) +
-           doubt(&o->facts[b]);
+    return 1.0f - fabsf(stp_dot(carried, m)) + ACROSS * across * across +
+           uncertainty(&o->facts[a]) + uncertainty(&o->facts[b]);
 }
 
 /// Turns the normal of a leaf to match another one.
@@ -201,7 +201,7 @@ static uint32_t find_highest(const orienter* o)
     }
     for (uint32_t i = 0; i < o->count && highest != UINT32_MAX; ++i) {
         float width = (float)stp_leaf_width(o->octree->leaves[highest].depth);
-        float up = fabsf(o->facts[i].normal.y) - doubt(&o->facts[i]);
+        float up = fabsf(o->facts[i].normal.y) - uncertainty(&o->facts[i]);
         bool high = o->facts[i].mean[1] >= o->facts[highest].mean[1] - width;
         if (!o->done[i] && high && o->pieces[i] == o->pieces[highest] && up > most) {
             most = up;
