@@ -204,7 +204,7 @@ static stp_intensity_range guess_intensity(const reader* r)
         low = value < low ? value : low;
         high = value > high ? value : high;
     }
-    return stp_intensity_judge(low, high > 0.0 ? high : 1.0);
+    return stp_intensity_find_range(low, high > 0.0 ? high : 1.0);
 }
 
 // A packed colour is a whole number, or the float with the same bits.
@@ -346,7 +346,7 @@ static stp_result fill_cloud(reader* r)
     }
     r->intensity = guess_intensity(r);
     seen all = read_once(r);
-    stp_intensity_range right = stp_intensity_judge(all.low, all.high);
+    stp_intensity_range right = stp_intensity_find_range(all.low, all.high);
     if (right.low != r->intensity.low || right.high != r->intensity.high) {
         r->intensity = right;
         (void)read_once(r);

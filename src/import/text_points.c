@@ -46,8 +46,8 @@ static scales choose_scales(const stp_column_ranges* r, bool color_fractions)
     return (scales){.color = bright > 255.0 ? 65535.0
                              : fractions    ? 1.0
                                             : 255.0,
-                    .intensity = stp_intensity_judge(r->low[STP_COLUMN_INTENSITY],
-                                                     r->high[STP_COLUMN_INTENSITY])};
+                    .intensity = stp_intensity_find_range(r->low[STP_COLUMN_INTENSITY],
+                                                          r->high[STP_COLUMN_INTENSITY])};
 }
 
 static inline void widen(stp_column_ranges* r, int column, double value)

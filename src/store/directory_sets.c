@@ -147,12 +147,12 @@ static stp_result link_octaves(stp_store* store, uint32_t index)
 static stp_result link_sets(stp_store* store)
 {
     const stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
-    stp_store_judge judge = stp_store_own_judge(store);
+    stp_store_validator validator = stp_store_own_validator(store);
     uint64_t octave_end = 0, breakpoint_end = 0;
     for (uint32_t i = 0; i < store->counts[STP_SECTION_SURFELS]; ++i) {
         stp_result result = gather_set(store, i, &octave_end, &breakpoint_end);
         if (result == STP_OK) {
-            result = stp_store_judge_surfels(&judge, i, &sets[i].surfels);
+            result = stp_store_validate_surfels(&validator, i, &sets[i].surfels);
         }
         if (result == STP_OK) {
             result = link_octaves(store, i);
@@ -211,8 +211,8 @@ static stp_result link_held_points(const stp_store* store, uint32_t index)
         set >= store->counts[STP_SECTION_SURFELS]) {
         return fail_format(store, "point set", index, "names no surfel set that can hold it");
     }
-    stp_store_judge judge = stp_store_own_judge(store);
-    return stp_store_judge_held_points(&judge, index, &record->points, &splats[set].surfels);
+    stp_store_validator validator = stp_store_own_validator(store);
+    return stp_store_validate_held_points(&validator, index, &record->points, &splats[set].surfels);
 }
 
 static stp_result link_points(const stp_store* store, uint32_t index)

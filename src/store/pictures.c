@@ -98,7 +98,8 @@ stp_result stp_store_find_texture_owners(stp_context* context, const stp_store_c
     return STP_OK;
 }
 
-stp_result stp_store_judge_pictures(const stp_store_judge* judge, const stp_store_content* content)
+stp_result stp_store_validate_pictures(const stp_store_validator* validator,
+                                       const stp_store_content* content)
 {
     uint64_t texels = 0, bytes = 0;
     for (uint32_t i = 0; i < content->directory.texture_count; ++i) {
@@ -110,16 +111,16 @@ stp_result stp_store_judge_pictures(const stp_store_judge* judge, const stp_stor
         stp_result result =
             stp_store_measure_picture(texture, texture->encoded, texture->encoded_size, &info);
         if (result != STP_OK) {
-            return stp_fail(judge->context, judge->failure, "%s: texture %u: %s", judge->path, i,
-                            info.reason);
+            return stp_fail(validator->context, validator->failure, "%s: texture %u: %s",
+                            validator->path, i, info.reason);
         }
         texels += count_texels(texture);
         bytes += texture->encoded_size;
     }
     return stp_store_believes_texels(texels, bytes)
                ? STP_OK
-               : stp_fail(judge->context, judge->failure,
-                          "%s: the pictures claim %llu texels in %llu bytes", judge->path,
+               : stp_fail(validator->context, validator->failure,
+                          "%s: the pictures claim %llu texels in %llu bytes", validator->path,
                           (unsigned long long)texels, (unsigned long long)bytes);
 }
 

@@ -23,8 +23,8 @@ STP_MUST_USE stp_result stp_store_find_texture_owners(stp_context* context,
                                                       uint32_t* owners);
 
 /// Checks the pictures of `content` as the reader would.
-STP_MUST_USE stp_result stp_store_judge_pictures(const stp_store_judge* judge,
-                                                 const stp_store_content* content);
+STP_MUST_USE stp_result stp_store_validate_pictures(const stp_store_validator* validator,
+                                                    const stp_store_content* content);
 
 /// Checks the texture records of an open file, and links them to their blocks.
 STP_MUST_USE stp_result stp_store_link_textures(stp_store* store);
