@@ -245,7 +245,7 @@ static stp_result read_file(stp_context* context, const char* path, const double
     stp_result result = STP_OK;
     if (beside != NULL && may_be_large(context, path)) {
         result = tool_points_open_spill(context, beside, points);
-        result = result == STP_OK ? stp_spill_create_beside(points->spill, &spill) : result;
+        result = result == STP_OK ? stp_spill_create_sibling(points->spill, &spill) : result;
     }
     result = result == STP_OK ? tool_import_spilled(context, path, spill, &scene) : result;
     if (result == STP_OK && scene->root == STP_NONE) {

@@ -63,7 +63,7 @@ static bool find_floor(const chooser* c, double x, double y, double* z)
     bool found = false;
     scan_surface s;
     for (int i = 0; i < MOST_FLOORS; ++i) {
-        if (!scan_target_meet(c->target, (stp_vec3d){x, y, top}, down, from, span, &s)) {
+        if (!scan_target_intersect(c->target, (stp_vec3d){x, y, top}, down, from, span, &s)) {
             break;
         }
         bool floor = s.normal.z > FACES_UP && !s.from_behind;
@@ -84,7 +84,7 @@ static bool has_room(const chooser* c, stp_vec3d place)
     for (int i = 0; i < SIDES; ++i) {
         double turn = (double)i / SIDES;
         stp_vec3d side = {turn_cosine(turn), turn_sine(turn), 0.0};
-        if (scan_target_meet(c->target, place, side, 0.0, c->height / 4.0, &s)) {
+        if (scan_target_intersect(c->target, place, side, 0.0, c->height / 4.0, &s)) {
             return false;
         }
     }
@@ -106,7 +106,7 @@ static double scan_around(const chooser* c, candidate* at)
         double z = -0.85 + 1.8 * ((double)(i / TURN) + 0.5) / RISE, level = sqrt(1.0 - z * z);
         stp_vec3d direction = {level * turn_cosine(turn), level * turn_sine(turn), z};
         scan_surface s;
-        if (!scan_target_meet(c->target, at->place, direction, 0.0, c->placing->range, &s)) {
+        if (!scan_target_intersect(c->target, at->place, direction, 0.0, c->placing->range, &s)) {
             continue;
         }
         const stp_boxd* b = &c->bounds;

@@ -79,7 +79,7 @@ static void cast_ray(const sweep* s, uint32_t column, uint32_t row, scan_point* 
                           .angle = (float)ray.angle,
                           .time = (double)(station * all + cell)};
     scan_surface surface;
-    if (!scan_target_meet(s->target, ray.origin, ray.direction, 0.0, set->range, &surface)) {
+    if (!scan_target_intersect(s->target, ray.origin, ray.direction, 0.0, set->range, &surface)) {
         return;
     }
     double error = set->noise * gauss(stp_rng_hash(set->seed, station), cell);

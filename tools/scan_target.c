@@ -284,13 +284,13 @@ static bool is_there(const stp_cast_hit* hit, void* user)
     return m->cutoff > 0.0f ? color[3] >= m->cutoff : color[3] > 0.0f;
 }
 
-bool scan_target_meet(const scan_target* target, stp_vec3d origin, stp_vec3d direction,
-                      double nearest, double farthest, scan_surface* surface)
+bool scan_target_intersect(const scan_target* target, stp_vec3d origin, stp_vec3d direction,
+                           double nearest, double farthest, scan_surface* surface)
 {
     stp_cast_hit hit;
     const stp_cast_ray ray = {origin, direction, nearest, farthest};
     scan_target* t = (scan_target*)(uintptr_t)target; // is_there only reads it
-    if (!stp_caster_meet(target->caster, &ray, is_there, t, &hit)) {
+    if (!stp_caster_intersect(target->caster, &ray, is_there, t, &hit)) {
         return false;
     }
     stp_vec3d c[3];

@@ -62,5 +62,5 @@ typedef struct scan_surface {
 /// Casts a ray.
 /// @param direction of unit length
 /// @return whether it hits anything up to `farthest`
-bool scan_target_meet(const scan_target* target, stp_vec3d origin, stp_vec3d direction,
-                      double nearest, double farthest, scan_surface* surface);
+bool scan_target_intersect(const scan_target* target, stp_vec3d origin, stp_vec3d direction,
+                           double nearest, double farthest, scan_surface* surface);

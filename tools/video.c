@@ -62,7 +62,7 @@ static bool create_unfinished(video* v)
         return false;
     }
     stp_file_remove_stale(v->context, v->path);
-    if (!stp_file_create_beside(v->path, v->unfinished, sizeof(v->unfinished))) {
+    if (!stp_file_create_temporary(v->path, v->unfinished, sizeof(v->unfinished))) {
         tool_error("%s: cannot be written: %s", v->path, strerror(errno));
         return false;
     }

@@ -12,7 +12,7 @@ void parts_show(viewer* v, float x, float y, float width, float height);
 /// @return whether it handled the key
 bool parts_take_key(viewer* v, SDL_Keycode key);
 
-// messages.c, beside viewer_say
+// messages.c, beside viewer_show_message
 void messages_clear(viewer* v);
 /// Dismisses the newest error. @return false if there is none
 bool messages_put_away(viewer* v);

@@ -143,7 +143,7 @@ void viewer_redraw(viewer* v);
 /// Wakes the window, from any thread.
 void viewer_wake(void* viewer);
 void viewer_open(viewer* v, const char* path);
-void viewer_say(viewer* v, bool is_error, const char* format, ...)
+void viewer_show_message(viewer* v, bool is_error, const char* format, ...)
     __attribute__((format(printf, 3, 4)));
 /// Whether everything is at rest: the picture is final.
 bool viewer_rests(const viewer* v);

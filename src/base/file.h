@@ -27,7 +27,7 @@ size_t stp_file_peek(const char* path, void* bytes, size_t size);
 void stp_file_expect_random(const stp_mapped_file* file);
 /// Drops the file's pages from memory. The mapping stays valid; pages are read again when needed.
 /// Any thread, also while others read.
-void stp_file_forget(const stp_mapped_file* file);
+void stp_file_evict(const stp_mapped_file* file);
 void stp_file_unmap(stp_mapped_file* file);
 
 /// A file being written. Bytes go to `path`.tmp-<process>-<number>, which is renamed to `path` on
@@ -55,7 +55,7 @@ void stp_file_writer_abort(stp_file_writer* writer);
 /// Creates an empty file beside `path` with a unique name (`path`.tmp-<process>-<number>), for a
 /// child process to write.
 /// @return false on failure (see errno; ENAMETOOLONG if `size` is too small for the name)
-bool stp_file_create_beside(const char* path, char* temporary, size_t size);
+bool stp_file_create_temporary(const char* path, char* temporary, size_t size);
 
 /// Free disk space beside `path` in bytes; UINT64_MAX if unknown.
 uint64_t stp_file_room(const char* path);

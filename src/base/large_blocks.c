@@ -152,7 +152,7 @@ void stp_large_free(stp_large_blocks* blocks, void* memory, size_t size, size_t 
     unmap(block);
 }
 
-void stp_large_forget(void* memory, size_t size)
+void stp_large_discard(void* memory, size_t size)
 {
 #if defined(MADV_DONTNEED)
     size_t page = whole_pages(1);

@@ -37,4 +37,4 @@ void stp_large_free(stp_large_blocks* blocks, void* memory, size_t size, size_t 
 
 /// Returns all whole pages in a range to the system. Their content is lost; the memory stays valid.
 /// The range must belong to the caller alone.
-void stp_large_forget(void* memory, size_t size);
+void stp_large_discard(void* memory, size_t size);

@@ -85,7 +85,7 @@ stp_result stp_spill_create(stp_context* context, const char* folder, stp_spill*
     return STP_OK;
 }
 
-stp_result stp_spill_create_beside(const stp_spill* other, stp_spill** spill)
+stp_result stp_spill_create_sibling(const stp_spill* other, stp_spill** spill)
 {
     return stp_spill_create(other->context, other->folder, spill);
 }

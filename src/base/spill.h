@@ -14,7 +14,7 @@ typedef struct stp_spill stp_spill;
 STP_MUST_USE stp_result stp_spill_create(stp_context* context, const char* folder,
                                          stp_spill** spill);
 /// Creates another spill in the same folder, to be destroyed sooner.
-STP_MUST_USE stp_result stp_spill_create_beside(const stp_spill* other, stp_spill** spill);
+STP_MUST_USE stp_result stp_spill_create_sibling(const stp_spill* other, stp_spill** spill);
 void stp_spill_destroy(stp_spill* spill);
 
 /// `size` zeroed bytes, 64-byte aligned, valid until the spill is destroyed. Reserves disk space

@@ -209,7 +209,7 @@ bool stp_work_find_surfels(stp_work* work, stp_hash key, uint32_t shading_count,
         return false;
     }
     if (!read_surfels(result, size, surfels, candidates) || !is_sound(surfels, shading_count)) {
-        stp_work_forget(work, key); // a checksum does not prove validity
+        stp_work_drop(work, key); // a checksum does not prove validity
         return false;
     }
     return true;
@@ -294,7 +294,7 @@ bool stp_work_find_mesh(stp_work* work, stp_hash key, stp_coded_mesh* mesh)
         return false;
     }
     if (!read_mesh(result, size, mesh)) {
-        stp_work_forget(work, key);
+        stp_work_drop(work, key);
         return false;
     }
     return true;

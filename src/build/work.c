@@ -383,7 +383,7 @@ stp_result stp_work_store(stp_work* work, stp_hash key, const stp_work_piece* pi
     return result;
 }
 
-void stp_work_forget(stp_work* work, stp_hash key)
+void stp_work_drop(stp_work* work, stp_hash key)
 {
     pthread_mutex_lock(&work->mutex);
     stp_work_entry* entry = stp_work_index_find(&work->index, key);

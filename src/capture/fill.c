@@ -163,7 +163,7 @@ void stp_fill_drop_known(const stp_fill_map* map, const stp_capture_view* view, 
     to_floats(view->toward, query.toward);
     for (uint32_t v = 0; v < map->view_count; ++v) {
         const stp_capture_view* first = &map->views[v];
-        stp_fill_look* look = &query.looks[v];
+        stp_fill_view* look = &query.looks[v];
         to_floats(first->right, look->x);
         to_floats(first->down, look->y);
         to_floats(first->depth, look->z);

@@ -60,7 +60,7 @@ typedef struct places {
     __m256 x, y, nearness;
 } places;
 
-static inline places look_from8(const stp_fill_look* look, const points* points8)
+static inline places look_from8(const stp_fill_view* look, const points* points8)
 {
     return (places){
         _mm256_add_ps(sum_of_products(look->x, points8->p), _mm256_set1_ps(look->x_shift)),
@@ -77,7 +77,7 @@ static inline __m256 to_middle(__m256i pixel, __m256 place)
 }
 
 /// Tests the surface shown by eight pixels, in the lanes that are set.
-static inline __m256 test_surface(const stp_fill_query* q, const stp_fill_look* look,
+static inline __m256 test_surface(const stp_fill_query* q, const stp_fill_view* look,
                                   const places* at, __m256i column, __m256i row, __m256i candidate,
                                   __m256i lanes)
 {
@@ -99,7 +99,7 @@ static inline __m256 test_surface(const stp_fill_query* q, const stp_fill_look* 
 }
 
 /// Which of the points are represented by the pixel at an offset from their place in a view.
-static inline unsigned test_places(const stp_fill_query* q, const stp_fill_look* look,
+static inline unsigned test_places(const stp_fill_query* q, const stp_fill_view* look,
                                    const places* at, float dx, float dy, unsigned asked)
 {
     const __m256 zero = _mm256_setzero_ps();

@@ -179,7 +179,7 @@ STP_MUST_USE stp_result stp_gltf_view(stp_gltf_scope* scope, uint32_t view,
 STP_MUST_USE stp_result stp_gltf_buffer_range(stp_gltf_scope* scope, uint32_t buffer, size_t offset,
                                               size_t size, const unsigned char** bytes);
 /// Releases the memory of file content that has been read. Any thread.
-void stp_gltf_forget_buffers(const stp_gltf* gltf);
+void stp_gltf_release_buffers(const stp_gltf* gltf);
 void stp_gltf_free_buffers(stp_gltf* gltf);
 
 // gltf_meshopt.c

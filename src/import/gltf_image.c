@@ -284,7 +284,7 @@ static stp_result measure_images(stp_gltf_scope* scope, stp_gltf_textures* textu
             pixels += (uint64_t)image->info.width * image->info.height; // each has its own texels
         }
     }
-    if (!stp_image_believes(pixels, gltf->content_bytes)) {
+    if (!stp_image_is_plausible(pixels, gltf->content_bytes)) {
         return stp_gltf_fail(scope, STP_ERROR_LIMIT,
                              "the pictures claim %llu pixels in a file of %zu bytes",
                              (unsigned long long)pixels, gltf->content_bytes);

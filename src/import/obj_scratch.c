@@ -33,7 +33,7 @@ stp_result stp_obj_open_scratch(stp_obj* obj)
 {
     const stp_scene* scene = obj->import->scene;
     bool large = scene->spill != NULL && obj->import->file.size > scene->spill_above / SHARE;
-    return large ? stp_spill_create_beside(scene->spill, &obj->scratch) : STP_OK;
+    return large ? stp_spill_create_sibling(scene->spill, &obj->scratch) : STP_OK;
 }
 
 stp_result stp_obj_move_chunk(stp_obj* obj, stp_obj_chunk* chunk)

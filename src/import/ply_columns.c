@@ -27,7 +27,7 @@ stp_result stp_ply_alloc_columns(const stp_ply* ply, stp_ply_room* room,
     *room = (stp_ply_room){0};
     room->spilled = stp_points_go_to_spill(scene, size) && !stp_ply_has_faces(ply);
     if (room->spilled) {
-        stp_result result = stp_spill_create_beside(scene->spill, &room->scratch);
+        stp_result result = stp_spill_create_sibling(scene->spill, &room->scratch);
         result = result == STP_OK ? stp_bulk_alloc_spilled(scene->spill, columns, 2) : result;
         return result == STP_OK ? stp_bulk_alloc_spilled(room->scratch, columns + 2, 2) : result;
     }

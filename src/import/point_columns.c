@@ -78,7 +78,7 @@ void stp_point_columns_release(stp_import* import, const stp_point_set* set)
 {
     if (set->spilled) {
         if (!import->alone) { // mapped
-            stp_file_forget(&import->file);
+            stp_file_evict(&import->file);
         }
         stp_spill_release_pages(import->scene->spill);
     }

@@ -299,9 +299,9 @@ static void intersect_part(uint32_t part, void* user)
                       intersect_triangle, c);
 }
 
-bool stp_caster_meet(const stp_caster* caster, const stp_cast_ray* ray,
-                     bool (*keeps)(const stp_cast_hit* hit, void* user), void* user,
-                     stp_cast_hit* hit)
+bool stp_caster_intersect(const stp_caster* caster, const stp_cast_ray* ray,
+                          bool (*keeps)(const stp_cast_hit* hit, void* user), void* user,
+                          stp_cast_hit* hit)
 {
     cast c = {.caster = caster,
               .ray = ray,

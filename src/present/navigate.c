@@ -59,7 +59,7 @@ void stp_navigator_init(stp_navigator* n, const stp_boxd* scene, uint32_t width,
     (void)stp_navigator_face(n, "iso", &box, NULL);
 }
 
-void stp_navigator_take(stp_navigator* n, const stp_view* view)
+void stp_navigator_read_view(stp_navigator* n, const stp_view* view)
 {
     stp_vec3d gaze = stp_subd(view->eye, view->target), back = stp_normalized(gaze);
     n->eye = view->eye;
@@ -80,7 +80,7 @@ void stp_navigator_take(stp_navigator* n, const stp_view* view)
     clamp_reach(n);
 }
 
-void stp_navigator_give(const stp_navigator* n, stp_view* view)
+void stp_navigator_write_view(const stp_navigator* n, stp_view* view)
 {
     stp_navigator_axes axes = stp_navigator_get_axes(n);
     view->eye = n->eye;
@@ -159,7 +159,7 @@ void stp_navigator_choose_pivot(stp_navigator* n, stp_vec3d pivot)
     n->pivot_chosen = true;
 }
 
-void stp_navigator_look(stp_navigator* n, double right, double down)
+void stp_navigator_turn(stp_navigator* n, double right, double down)
 {
     n->azimuth = remainder(n->azimuth - right, 2.0 * STP_PI);
     n->elevation = stp_clampd(n->elevation + down, -quarter, quarter);
@@ -268,7 +268,7 @@ bool stp_navigator_face(stp_navigator* n, const char* name, const stp_boxd* box,
         return false;
     }
     stp_navigator facing = *n;
-    stp_navigator_take(&facing, &view);
+    stp_navigator_read_view(&facing, &view);
     n->azimuth = facing.azimuth;
     n->elevation = facing.elevation;
     n->roll = facing.roll;

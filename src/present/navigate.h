@@ -35,9 +35,9 @@ typedef struct stp_navigator_axes {
 void stp_navigator_init(stp_navigator* n, const stp_boxd* scene, uint32_t width, uint32_t height);
 
 /// Takes position, direction and projection from a view. Its target becomes the pivot.
-void stp_navigator_take(stp_navigator* n, const stp_view* view);
+void stp_navigator_read_view(stp_navigator* n, const stp_view* view);
 /// Sets position, direction, projection and size of `view`; the rest is unchanged.
-void stp_navigator_give(const stp_navigator* n, stp_view* view);
+void stp_navigator_write_view(const stp_navigator* n, stp_view* view);
 
 stp_navigator_axes stp_navigator_get_axes(const stp_navigator* n);
 /// Size of a pixel at a depth along the view axis.
@@ -57,7 +57,7 @@ void stp_navigator_begin_orbit(stp_navigator* n, const stp_vec3d* seen);
 void stp_navigator_choose_pivot(stp_navigator* n, stp_vec3d pivot);
 
 /// Turns the camera in place. Radians, to the right and down.
-void stp_navigator_look(stp_navigator* n, double right, double down);
+void stp_navigator_turn(stp_navigator* n, double right, double down);
 /// Pans so that a point at `depth` follows the pointer.
 void stp_navigator_pan(stp_navigator* n, double dx, double dy, double depth);
 /// Moves towards a point (factor below 1) or away from it; the point keeps its place in the

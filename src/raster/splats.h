@@ -94,7 +94,7 @@ bool stp_raster_pick_levels(const stp_raster_camera* camera, const stp_raster_sp
 
 /// Clears the bits of splats [begin, end) that the occluder hides (one bit per splat, from splat 0
 /// on; `begin` is a multiple of 16). Surfels only. @return whether any bit is left
-bool stp_raster_ask_splats(const stp_raster_splats* splats, uint16_t* bits);
+bool stp_raster_test_splats(const stp_raster_splats* splats, uint16_t* bits);
 
 /// Draws splats; splat i gets the id first_id + i. If there are bits per splat, `begin` must be a
 /// multiple of 16. Only rows [row_begin, row_end) are touched.

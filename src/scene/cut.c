@@ -225,7 +225,7 @@ static void make_point_pieces(size_t begin, size_t end, uint32_t worker, void* u
         }
         piece->content = stp_points_hash(piece);
         // places of finished pieces are not needed again: that memory is used by later pieces
-        stp_large_forget(c->places + first, piece->point_count * sizeof(stp_place));
+        stp_large_discard(c->places + first, piece->point_count * sizeof(stp_place));
         note_made(c, (size_t)stp_points_bytes(piece));
     }
 }

@@ -23,7 +23,7 @@ uint32_t stp_store_find_method(const stp_store_directory* directory, uint32_t id
     return 0;
 }
 
-bool stp_store_tells_methods(const stp_store_directory* directory)
+bool stp_store_lists_methods(const stp_store_directory* directory)
 {
     return directory->method_count > 1 ||
            (directory->method_count == 1 && directory->methods[0].id != STP_METHOD_BLUE);

@@ -31,7 +31,7 @@ static void make_case(fill_case* c, uint64_t seed)
     c->query.surface = c->surface;
     uint32_t count = 0;
     for (int v = 0; v < 2; ++v) {
-        c->query.looks[v] = (stp_fill_look){.x = {1, 0, v == 1 ? 0.3f : 0.0f},
+        c->query.looks[v] = (stp_fill_view){.x = {1, 0, v == 1 ? 0.3f : 0.0f},
                                             .y = {0, 1, 0},
                                             .z = {0, 0, 0.01f},
                                             .x_shift = 0.25f,

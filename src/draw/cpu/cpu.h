@@ -231,7 +231,7 @@ typedef struct cpu_renderer {
     const stp_draw_style* style;
     const stp_sections* sections;
     const stp_visibility* visibility; ///< NULL: everything is shown
-    // the current eye (cpu_look_through)
+    // the current eye (select_eye)
     cpu_eye* eye;
     stp_view_frame frame;
     stp_image* image;

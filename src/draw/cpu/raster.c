@@ -238,7 +238,7 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
     }
     fix_size(r, item, &splats);
     if (late && splats.hidden != NULL) { // most are still occluded: test them before any other work
-        if (!stp_raster_ask_splats(&splats, splats.hidden)) {
+        if (!stp_raster_test_splats(&splats, splats.hidden)) {
             return;
         }
         splats.wanted = splats.hidden;
