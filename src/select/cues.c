@@ -174,8 +174,7 @@ static ray ray_of(const stp_cue_view* view, const stp_leaf_node* node)
 }
 
 /// Whether a ray enters a cube (Revelles, Urena, Lastra 2000: parameters of the planes of an
-/// octree's cube).
-/// @param apart minimum distance from the ray's origin along some axis
+/// octree's cube). @param apart minimum distance from the ray's origin along some axis
 static bool enters(const ray* r, const stp_leaf_node* node)
 {
     double in = 0.0, out = r->end, width = (double)stp_leaf_width(node->depth);
