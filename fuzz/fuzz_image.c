@@ -4,8 +4,7 @@
 //   cmake --preset fuzz && cmake --build --preset fuzz --target fuzz_image
 //   mkdir -p corpus && cp a few small pictures into it
 //   build/fuzz/fuzz/fuzz_image -max_len=16384 -rss_limit_mb=4096 -timeout=10 corpus
-// Seeds: /usr/share/assimp/models/*/*/*.png /usr/share/assimp/models/*/*.jpg
-//     /usr/share/assimp/models/*/*/*.jpg
+// Seeds: /usr/share/assimp/models/*/*/*.png /usr/share/assimp/models/*/*.jpg /usr/share/assimp/models/*/*/*.jpg
 #include "image/image.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size);

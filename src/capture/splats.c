@@ -152,7 +152,7 @@ static void draw_similar(const stp_capture_job* job, const stp_capture_band* ban
 {
     const stp_placed_set* placed = &job->sets[set];
     const stp_splats* surfels = placed->surfels;
-    stp_prefix_colors look = stp_prefix_colors_find(surfels, placed->prefix);
+    stp_set_look look = stp_set_look_at(surfels, placed->prefix);
     stp_raster_camera camera =
         make_camera(&job->views[band->view], &projection->placement, projection->origin);
     stp_raster_splats splats = {.positions = surfels->positions,
@@ -175,7 +175,7 @@ static stp_result draw_squeezed(const stp_capture_job* job, const stp_capture_ba
 {
     stp_affine identity = stp_affine_identity();
     const stp_placed_set* placed = &job->sets[set];
-    stp_prefix_colors look = stp_prefix_colors_find(placed->surfels, placed->prefix);
+    stp_set_look look = stp_set_look_at(placed->surfels, placed->prefix);
     stp_raster_camera camera = make_camera(&job->views[band->view], &identity, projection->origin);
     stp_arena_mark mark = stp_arena_get_mark(scratch);
     float* points = STP_ARENA_ARRAY(scratch, float, 3 * (size_t)CHUNK);

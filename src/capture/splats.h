@@ -9,16 +9,16 @@
 #include <string.h>
 
 /// Entries of the colour pyramid that a prefix is drawn with (include/stipple/surfels.h).
-typedef struct stp_prefix_colors {
+typedef struct stp_set_look {
     size_t first;        ///< entry of surfel 0 in the prefix's octave
     size_t first_before; ///< same in the octave before
     uint32_t before;     ///< surfels that have entries there
     float share;         ///< weight of the prefix's own octave for those
-} stp_prefix_colors;
+} stp_set_look;
 
-static inline stp_prefix_colors stp_prefix_colors_find(const stp_splats* surfels, uint32_t prefix)
+static inline stp_set_look stp_set_look_at(const stp_splats* surfels, uint32_t prefix)
 {
-    stp_prefix_colors look = {0};
+    stp_set_look look = {0};
     uint32_t octave = 0;
     if ((surfels->columns & STP_SPLATS_FLAT_COLORS) != 0) { // one colour each
         look.share = 1.0f;

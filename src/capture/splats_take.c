@@ -250,7 +250,7 @@ typedef struct drawn_part {
     bool has_holes;
 } drawn_part;
 
-static drawn_part find_colour(const stp_splats* s, const stp_prefix_colors* look, uint32_t surfel,
+static drawn_part find_colour(const stp_splats* s, const stp_set_look* look, uint32_t surfel,
                               uint8_t rgba[4])
 {
     const uint8_t* own = s->colors + 3 * (look->first + surfel);
@@ -309,7 +309,7 @@ static set_area find_area(const stp_placed_set* set)
 }
 
 static void write_candidate(stp_candidates* out, size_t to, const stp_set_placing* placing,
-                            const stp_prefix_colors* look, uint32_t surfel, set_area area)
+                            const stp_set_look* look, uint32_t surfel, set_area area)
 {
     stp_vec3 at = stp_to_float(stp_set_position(placing, surfel));
     stp_vec3 normal = stp_to_float(stp_set_normal(placing, surfel));
@@ -332,7 +332,7 @@ static void resolve_pieces(size_t begin, size_t end, uint32_t worker, void* user
         uint64_t first = piece * WORDS_PER_PIECE, last = first + WORDS_PER_PIECE;
         size_t to = (size_t)r->starts[piece], set = SIZE_MAX;
         stp_set_placing placing = {0};
-        stp_prefix_colors look = {0};
+        stp_set_look look = {0};
         set_area area = {0};
         for (uint64_t word = first; word < (last < words ? last : words); ++word) {
             for (uint32_t bits = word_at(job, word); bits != 0; bits &= bits - 1) {
@@ -342,7 +342,7 @@ static void resolve_pieces(size_t begin, size_t end, uint32_t worker, void* user
                     set = own;
                     stp_affine placement = stp_capture_set_placement(job, set);
                     placing = stp_set_placing_make(job->sets[set].surfels, &placement);
-                    look = stp_prefix_colors_find(job->sets[set].surfels, job->sets[set].prefix);
+                    look = stp_set_look_at(job->sets[set].surfels, job->sets[set].prefix);
                     area = find_area(&job->sets[set]);
                 }
                 write_candidate(r->out, to++, &placing, &look,
@@ -409,7 +409,7 @@ static void place_whole_sets(size_t begin, size_t end, uint32_t worker, void* us
         const stp_placed_set* set = &p->sets[i];
         stp_affine placement = stp_affine_shifted(set->transform, p->out->origin);
         stp_set_placing placing = stp_set_placing_make(set->surfels, &placement);
-        stp_prefix_colors look = stp_prefix_colors_find(set->surfels, set->prefix);
+        stp_set_look look = stp_set_look_at(set->surfels, set->prefix);
         set_area area = find_area(set);
         for (uint32_t k = 0; k < set->prefix; ++k) {
             write_candidate(p->out, p->starts[i] + k, &placing, &look, k, area);
