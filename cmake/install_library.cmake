@@ -1,9 +1,9 @@
-# Files for programs that embed the library: headers, both libraries, a pkg-config file and a CMake package. Their paths
-# are relative, so an installed tree can be moved.
+# What a program that embeds the library needs: headers, both libraries, a pkg-config file and a CMake package. Paths in
+# them are relative, so an installed tree can be moved.
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/stipple)
 
-# Public headers; others in include/stipple define types that rooms share.
+# Headers of the interface; others in include/stipple are types that the rooms share.
 set(STP_PUBLIC_HEADERS attributes base build image measure model order paint pick stipple types version view)
 list(TRANSFORM STP_PUBLIC_HEADERS REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/include/stipple/\\1.h")
 
@@ -17,7 +17,7 @@ configure_file(${CMAKE_CURRENT_LIST_DIR}/stipple-config.cmake.in ${CMAKE_CURRENT
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/stipple-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/stipple-config-version.cmake
         DESTINATION ${package_dir})
 
-# pkg-config derives the prefix from the file's location.
+# pkg-config finds the prefix from where the file lies.
 cmake_path(RELATIVE_PATH CMAKE_INSTALL_PREFIX BASE_DIRECTORY ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig
            OUTPUT_VARIABLE prefix_from_file)
 configure_file(${CMAKE_CURRENT_LIST_DIR}/stipple.pc.in ${CMAKE_CURRENT_BINARY_DIR}/stipple.pc @ONLY)

@@ -185,5 +185,5 @@ bool viewer_uses_gl(const viewer* v);
 paint_request request_make(viewer* v);
 
 // report.c
-/// Writes the report if it changed; at once if `last`.
+/// Writes the report if it changed; immediately if `last`.
 void report_write(viewer* v, bool last);

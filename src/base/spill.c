@@ -40,7 +40,7 @@ static size_t round_up(size_t size, size_t multiple)
     return (size + multiple - 1) & ~(multiple - 1);
 }
 
-// Opens an anonymous file if the file system supports it; else a named file, removed at once.
+// Opens an anonymous file if the file system supports it; else a named file, removed immediately.
 static int open_nameless(const char* folder, char* path, size_t path_size)
 {
     int descriptor = open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);

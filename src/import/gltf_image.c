@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-// Decoded at once, before the scene takes them and may move them out of memory.
+// Decoded immediately, before the scene takes them and may move them out of memory.
 #define PIXELS_OF_BATCH ((uint64_t)1 << 24)
 #define PIXEL_BYTES 8u // including the decoder's buffers
 
@@ -349,7 +349,7 @@ static stp_result add_texture(stp_gltf_scope* scope, stp_gltf_textures* textures
         scope, stp_scene_add_texture(gltf->import->scene, &texture, &request->scene_texture));
 }
 
-// End of the requests that are decoded at once: at least one, and no more pixels than a batch.
+// End of the requests that are decoded together: at least one, with at most a batch's pixels.
 static size_t end_batch(const stp_gltf* gltf, const stp_gltf_textures* textures, size_t begin)
 {
     size_t end = begin;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Draws commands at once, or in batches with a wait after each, so that a picture can be cancelled
+// Draws commands in one batch, or in several with a wait after each, so that a picture can be cancelled
 // between batches.
 #include "draw/gl/renderer.h"
 
