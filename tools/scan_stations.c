@@ -97,7 +97,8 @@ static uint32_t cell_of(double value, double low, double high)
     return cell > 0.0 ? cell < (double)(CELLS - 1) ? (uint32_t)cell : CELLS - 1 : 0;
 }
 
-/// Casts the test rays and marks the cells that they hit. @return the share of rays that hit a surface
+/// Casts the test rays and marks the cells that they hit. @return the share of rays that hit a
+/// surface
 static double scan_around(const chooser* c, candidate* at)
 {
     uint32_t met = 0;
@@ -125,8 +126,8 @@ static void place_on_floors(size_t begin, size_t end, uint32_t worker, void* use
     chooser* c = user;
     const stp_boxd* b = &c->bounds;
     for (size_t i = begin; i < end; ++i) {
-        // evenly spread positions (Roberts, The Unreasonable Effectiveness of Quasirandom Sequences,
-        // 2018)
+        // evenly spread positions (Roberts, The Unreasonable Effectiveness of Quasirandom
+        // Sequences, 2018)
         candidate* at = &c->candidates[i];
         double u = fraction_of(random_of(c, 0) + 0.7548776662466927 * (double)(i + 1));
         double v = fraction_of(random_of(c, 1) + 0.5698402909980532 * (double)(i + 1));

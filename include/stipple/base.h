@@ -84,9 +84,9 @@ typedef struct stp_context_desc {
 typedef struct stp_context stp_context;
 
 /// Creates a context and starts its worker threads; the caller destroys it. `desc` may be NULL:
-/// all zero. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT if threads cannot be started, STP_ERROR_ARGUMENT if
-/// only one of the allocator's hooks is set, or STP_ERROR_UNSUPPORTED if `desc` sets fields that
-/// this library does not know
+/// all zero. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT if threads cannot be started,
+/// STP_ERROR_ARGUMENT if only one of the allocator's hooks is set, or STP_ERROR_UNSUPPORTED if
+/// `desc` sets fields that this library does not know
 STP_API STP_MUST_USE stp_result stp_context_create(stp_context** context,
                                                    const stp_context_desc* desc);
 

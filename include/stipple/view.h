@@ -26,7 +26,7 @@ typedef struct stp_sections {
 /// A pinhole camera. Pixel (x, y) covers [x, x + 1) x [y, y + 1), y down; its centre is at + 0.5.
 typedef struct stp_view {
     stp_vec3d eye, target; ///< scene space; must differ
-    /// Scene space, of any length, need not be orthogonal to the viewing direction. If it is zero or
+    /// Scene space, any length; need not be orthogonal to the viewing direction. If it is zero or
     /// parallel to that, a coordinate axis is used instead.
     stp_vec3d up;
     double fov_degrees; ///< vertical, 0..180; ignored where ortho_height is set

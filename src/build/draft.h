@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Drafts: the unfinished scene, written repeatedly as a file of its own for display during the
+// Drafts: the unfinished scene, written repeatedly as a separate file for display during the
 // build. First points of all meshes, then triangles, then surfels from the smallest parts up.
 // Drafts take at most a tenth of the time of one thread, and are skipped if the disk might become
 // too small for the build. They never change the result.

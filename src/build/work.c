@@ -14,7 +14,7 @@
 #define SEGMENT_BYTES ((size_t)256 << 20)
 #define LEAST_SEGMENT_BYTES ((size_t)1024)
 #define NO_SEGMENT UINT32_MAX
-enum { LARGE_PART = 4 }; ///< results larger than 1/LARGE_PART of a segment get one of their own
+enum { LARGE_PART = 4 }; ///< results larger than 1/LARGE_PART of a segment get a separate segment
 
 #define RELEASE_BYTES (UINT64_C(128) << 20) // pages read before the system may evict them
 

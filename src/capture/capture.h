@@ -22,8 +22,8 @@
 typedef struct stp_capture_textures stp_capture_textures;
 
 typedef struct stp_capture_desc {
-    /// Default 8: a cube's corners. 14: also its faces. 26: also the middles of its edges. Any other
-    /// number: spread evenly over the sphere.
+    /// Default 8: a cube's corners. 14: also its faces. 26: also the middles of its edges. Any
+    /// other number: spread evenly over the sphere.
     uint32_t direction_count;
     /// `direction_count` unit vectors towards the viewer, instead of the defaults. Surface they
     /// miss is not filled in. NULL: use the defaults.

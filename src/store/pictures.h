@@ -29,7 +29,7 @@ STP_MUST_USE stp_result stp_store_validate_pictures(const stp_store_validator* v
 /// Checks the texture records of an open file, and links them to their blocks.
 STP_MUST_USE stp_result stp_store_link_textures(stp_store* store);
 
-/// Number of textures with a block of their own.
+/// Number of textures that own their block.
 uint32_t stp_store_count_texture_blocks(const stp_store* store);
 
 /// Frees all decoded texels; they can be decoded again.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Surface cache: each worker looks up an id once, and keeps its surface until another id needs the
-// slot. If a tile needs a slot twice, it uses extra slots of its own.
+// slot. If a tile needs a slot twice, it uses private extra slots.
 #include "draw/cpu/layers.h"
 #include "draw/cpu/shade.h"
 #include "raster/splats_glass.h"

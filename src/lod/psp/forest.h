@@ -56,8 +56,8 @@ stp_psp_desc stp_psp_desc_default(void);
 /// A merge of two splats into one. Splats are numbered: first the points, then the merges in order.
 typedef struct stp_psp_merge {
     uint32_t left, right;
-    /// By the metric, weighted by the distance of the two (formulas 1 and 2); in model units, rounded
-    /// to a float in merge units
+    /// By the metric, weighted by the distance of the two (formulas 1 and 2); in model units,
+    /// rounded to a float in merge units
     double error;
     /// largest error of the merge and all merges below it. Never decreases from merge to merge
     double level;
