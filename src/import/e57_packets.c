@@ -31,7 +31,7 @@ static stp_result open_section(finder* f)
     uint64_t section = f->scan->section;
     if (section == UINT64_MAX || !stp_e57_copy(e57, section, header, sizeof(header)) ||
         header[0] != 1) {
-        return fail(f, "its offset does not lead to a section of points");
+        return fail(f, "no section of points at its offset");
     }
     uint64_t size = stp_read_u64(header + 8);
     f->at = stp_e57_logical(e57, stp_read_u64(header + 16));

@@ -292,7 +292,7 @@ void test_ply_bad_input_is_one_sentence(test_state* test)
         const char* says;
     } cases[] = {
         {"ply\n", STP_ERROR_TRUNCATED, "end_header"},
-        {"plywood\n", STP_ERROR_FORMAT, "begin"},
+        {"plywood\n", STP_ERROR_FORMAT, "no PLY signature"},
         {"ply\nformat ternary 1.0\n", STP_ERROR_FORMAT, "ternary"},
         {"ply\nelement vertex many\n", STP_ERROR_FORMAT, "count"},
         {"ply\nproperty float x\n", STP_ERROR_FORMAT, "element before"},

@@ -163,7 +163,7 @@ void test_xyz_losses_are_counted(test_state* test)
     CHECK_EQUAL(2, log.warnings); // the unit, and skipped content
     CHECK(strstr(log.warning, "1 point without a finite position") != NULL);
     CHECK(strstr(log.warning, "1 unfinished last line") != NULL);
-    CHECK(strstr(log.warning, "2 columns") != NULL);
+    CHECK(strstr(log.warning, "2 point columns") != NULL);
     stp_scene_destroy(scene);
     static const char more[] = "1\n0 0 0\n1 2 3\n"; // than it says; with a unit
     CHECK_EQUAL(STP_OK, stp_scene_create(context, &scene));
