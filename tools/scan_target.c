@@ -34,7 +34,8 @@ static stp_result finish(scan_target* t, const char* name, stp_result result)
                                    &t->caster);
     }
     if (result == STP_OK && stp_boxd_is_empty(stp_caster_bounds(t->caster))) {
-        result = stp_fail(t->context, STP_ERROR_FORMAT, "%s: expected triangles, found none", name);
+        result = stp_fail(t->context, STP_ERROR_FORMAT,
+                          "%s: a scan needs triangles, but there are none", name);
     }
     if (result != STP_OK) {
         scan_target_destroy(t);
