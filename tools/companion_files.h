@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The files beside a model that it names: buffers, pictures, material libraries.
+// Files next to a model that it references: buffers, pictures, material libraries.
 #pragma once
 
 #include "base/file.h"
@@ -7,5 +7,5 @@
 
 /// Adds to `hash` the name, size and time of each file in the model's folder whose name (three
 /// bytes or more) occurs in the model's first 16 MiB. The folder's listing order does not matter.
-/// The text is read once, however many files there are. If memory runs out, nothing is added.
+/// The text is read once for any number of files. If memory runs out, nothing is added.
 void neighbours_hash(const char* path, const stp_mapped_file* file, stp_hash* hash);

@@ -12,7 +12,7 @@
 #define SAMPLE_MS 50.0           // closer reports say little about speed
 #define ESTIMATE_AFTER_MS 1000.0 // an earlier guess of the time left would jump
 #define LEAST_MEMORY_MS 500.0
-#define MEMORY 0.3 // the part of the time gone by that counts for what is to come
+#define MEMORY 0.3 // memory of the speed estimate, as a share of the elapsed time
 enum { BAR_WIDTH = 20 };
 
 bool progress_choose(progress_state* state, const char* name, FILE* stream)
@@ -56,14 +56,14 @@ static bool is_settled(const progress_speed* speed)
     return speed->per_ms > 0.0 && speed->last_ms - speed->start_ms >= ESTIMATE_AFTER_MS;
 }
 
-static double whole_way(const stp_progress_report* report)
+static double overall_fraction(const stp_progress_report* report)
 {
     return report->overall >= 0.0 ? report->overall : report->fraction;
 }
 
 double progress_remaining_s(const progress_state* state)
 {
-    double way = whole_way(&state->report);
+    double way = overall_fraction(&state->report);
     return is_settled(&state->way) && way > 0.01 ? (1.0 - way) / state->way.per_ms * 1e-3 : -1.0;
 }
 
@@ -98,7 +98,7 @@ static void print_left(FILE* stream, double left)
 static void draw_bar(progress_state* state)
 {
     char bar[BAR_WIDTH + 1];
-    double way = whole_way(&state->report);
+    double way = overall_fraction(&state->report);
     for (int i = 0; i < BAR_WIDTH; ++i) {
         bar[i] = (double)i < way * BAR_WIDTH ? '#' : '.';
     }
@@ -152,7 +152,7 @@ void progress_report_at(progress_state* state, const stp_progress_report* report
         state->way = (progress_speed){0};
     }
     state->report = *report;
-    update_speed(&state->way, now_ms, whole_way(report));
+    update_speed(&state->way, now_ms, overall_fraction(report));
     update_speed(&state->rate, now_ms, (double)report->done);
     if (!changed && !ended && now_ms - state->shown_ms < INTERVAL_MS) {
         return;

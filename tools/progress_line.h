@@ -24,8 +24,8 @@ typedef struct progress_state {
     FILE* stream;
     bool drawn; ///< a bar is on the terminal's last line
     stp_progress_report report;
-    progress_speed way;  ///< of the whole; of the stage where the whole is not known
-    progress_speed rate; ///< of what the stage counts
+    progress_speed way;  ///< of the whole, or of the stage if the whole is unknown
+    progress_speed rate; ///< of the items that the stage counts
     double stage_start_ms, shown_ms;
 } progress_state;
 

@@ -29,7 +29,7 @@ STP_MUST_USE stp_result tool_write_splats(stp_context* context, const char* path
 /// Splats of a file.
 typedef struct tool_splat_set {
     stp_ellipse* ellipses; ///< `minor` and the length of `major` may be 0
-    uint8_t* colors;       ///< 3 each, sRGB; white where the file has none
+    uint8_t* colors;       ///< 3 each, sRGB; white if the file has none
     uint32_t count;
     double origin[3]; ///< to be added to centres
 } tool_splat_set;

@@ -26,9 +26,9 @@ void camera_begin(viewer* v)
     if (name != NULL) {
         stp_view view = {.width = v->camera.width, .height = v->camera.height};
         if (tool_find_view(v->scene->store, name, NULL, &view)) {
-            stp_navigator_take(&v->camera, &view);
+            stp_navigator_read_view(&v->camera, &view);
         } else if (!views_begin_at(v, name)) {
-            viewer_say(v, true, "there is no view named %s", name);
+            viewer_show_message(v, true, "there is no view named %s", name);
         }
         v->options.view = NULL; // only for the first file
     }
@@ -49,7 +49,7 @@ bool camera_of_picture(const viewer* v, stp_navigator* n)
         return false;
     }
     *n = v->camera;
-    stp_navigator_take(n, &v->picture->view);
+    stp_navigator_read_view(n, &v->picture->view);
     n->width = v->picture->view.width;
     n->height = v->picture->view.height;
     return true;

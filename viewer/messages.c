@@ -18,7 +18,7 @@ static bool is_current(const viewer_message* m, double now)
     return m->text[0] != 0 && (m->is_error || now - m->ms < shown_ms);
 }
 
-void viewer_say(viewer* v, bool is_error, const char* format, ...)
+void viewer_show_message(viewer* v, bool is_error, const char* format, ...)
 {
     viewer_message m = {.is_error = is_error, .ms = stp_clock_ms()};
     va_list list;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
-// Draws the window's pictures on a thread of its own, so that the window never waits for one.
+// Draws the window's pictures on a separate thread, so that the window never waits for a picture.
 //
 // While the camera moves, the splat size follows the frame-time budget. At rest, splats shrink step
 // by step, then frames with sub-pixel shifts are accumulated. A new request aborts this refinement
-// at once, even within a frame.
+// immediately, even within a frame.
 #pragma once
 
 #include "explorer.h"

@@ -12,7 +12,7 @@ void parts_show(viewer* v, float x, float y, float width, float height);
 /// @return whether it handled the key
 bool parts_take_key(viewer* v, SDL_Keycode key);
 
-// messages.c, beside viewer_say
+// messages.c, beside viewer_show_message
 void messages_clear(viewer* v);
 /// Dismisses the newest error. @return false if there is none
 bool messages_put_away(viewer* v);
@@ -79,7 +79,8 @@ void point_look_begin(viewer* v); ///< for a new file
 /// Adds colours of points and pixels to the request.
 void point_look_give(viewer* v, paint_request* request);
 /// The method to draw (STP_METHOD_*): the selected one, or another one if it lacks the attribute
-/// that colours points. @param originals receives whether only original points have the attribute
+/// that colours points.
+/// @param originals receives whether only original points have the attribute
 uint32_t point_look_method(const viewer* v, bool* originals);
 void point_look_show(viewer* v);    ///< draws the controls in the panel
 void point_look_overlay(viewer* v); ///< draws the colour scale beside the picture

@@ -51,7 +51,7 @@ paint_request request_make(viewer* v)
         .samples = (uint32_t)s->samples,
     };
     cloud_page_give(v, &request);
-    stp_navigator_give(&v->camera, &request.view);
+    stp_navigator_write_view(&v->camera, &request.view);
     request.view.sections = section_make(v);
     request.gl = viewer_uses_gl(v);
     point_look_give(v, &request);

@@ -39,9 +39,9 @@ static void keep(viewer* v)
 {
     if (v->views_path != NULL &&
         stp_viewpoints_write(v->context, v->views_path, &v->views) == STP_OK) {
-        viewer_say(v, false, "Saved to %s", v->views_path);
+        viewer_show_message(v, false, "Saved to %s", v->views_path);
     } else if (v->views_path == NULL) {
-        viewer_say(v, false, "Viewpoints of this scene are kept until the window closes");
+        viewer_show_message(v, false, "Viewpoints of this scene are kept until the window closes");
     }
 }
 
@@ -125,7 +125,7 @@ void views_save(viewer* v)
     stp_shown_thing* things = calloc(THINGS_MOST, sizeof(*things));
     char(*paths)[1024] = calloc(THINGS_MOST, sizeof(*paths));
     stp_view view = {0};
-    stp_navigator_give(&v->camera, &view);
+    stp_navigator_write_view(&v->camera, &view);
     stp_viewpoint viewpoint = {.name = name,
                                .note = v->view_note[0] != 0 ? v->view_note : NULL,
                                .eye = view.eye,
@@ -154,9 +154,10 @@ void views_save(viewer* v)
         v->view_name[0] = v->view_note[0] = 0;
         keep(v);
         if (left_out > 0) {
-            viewer_say(v, false,
-                       "%zu parts saved as visible, because their paths are too long or not UTF-8",
-                       left_out);
+            viewer_show_message(
+                v, false,
+                "%zu parts saved as visible, because their paths are too long or not UTF-8",
+                left_out);
         }
     }
     free(things);
@@ -199,7 +200,7 @@ static void go_to(viewer* v, const stp_viewpoint* p)
     stp_view view = {.fov_degrees = v->camera.fov_degrees};
     stp_navigator to = v->camera;
     stp_viewpoint_look(p, &view);
-    stp_navigator_take(&to, &view);
+    stp_navigator_read_view(&to, &view);
     camera_glide(v, &to);
     section_take(v, &p->sections);
     restore_things(v, p);
@@ -214,7 +215,7 @@ bool views_begin_at(viewer* v, const char* name)
         return false;
     }
     stp_viewpoint_look(p, &view);
-    stp_navigator_take(&v->camera, &view);
+    stp_navigator_read_view(&v->camera, &view);
     section_take(v, &p->sections);
     // applied when the parts are known
     stp_viewpoints_destroy(v->context, &v->carried);
@@ -272,7 +273,7 @@ static void show_cameras(viewer* v)
                              .up = stored->up,
                              .fov_degrees = stored->fov_degrees};
             stp_navigator to = v->camera;
-            stp_navigator_take(&to, &view);
+            stp_navigator_read_view(&to, &view);
             camera_glide(v, &to);
         }
         gui_pop_id();

@@ -44,7 +44,7 @@ void splats_switch(viewer* v)
     } else if (splats_all(v) > 0) {
         v->settings.splat_count = drawn_now(v);
     } else {
-        viewer_say(v, false, "There are no splats to draw by number");
+        viewer_show_message(v, false, "There are no splats to draw by number");
     }
 }
 
@@ -56,7 +56,7 @@ bool splats_take_key(viewer* v, SDL_Keycode key, bool fine)
     }
     uint32_t all = splats_all(v), count = splats_count(v);
     if (all == 0) {
-        viewer_say(v, false, "There are no splats to draw by number");
+        viewer_show_message(v, false, "There are no splats to draw by number");
     } else {
         v->settings.splat_count = splat_count_step(count > 0 ? count : drawn_now(v), all, up, fine);
     }

@@ -143,7 +143,7 @@ void viewer_redraw(viewer* v);
 /// Wakes the window, from any thread.
 void viewer_wake(void* viewer);
 void viewer_open(viewer* v, const char* path);
-void viewer_say(viewer* v, bool is_error, const char* format, ...)
+void viewer_show_message(viewer* v, bool is_error, const char* format, ...)
     __attribute__((format(printf, 3, 4)));
 /// Whether everything is at rest: the picture is final.
 bool viewer_rests(const viewer* v);
@@ -185,5 +185,5 @@ bool viewer_uses_gl(const viewer* v);
 paint_request request_make(viewer* v);
 
 // report.c
-/// Writes the report if it changed; at once if `last`.
+/// Writes the report if it changed; immediately if `last`.
 void report_write(viewer* v, bool last);

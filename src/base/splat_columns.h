@@ -3,9 +3,9 @@
 // The splats of one node: columns in progressive order, so that the first n splats are the best n.
 // Splats of method `blue` are called surfels.
 //
-//   octave      0        1              2                                 3
-//   surfels  [0 .. e0) [.. e1)     [.. e2)                           [.. e3 = count)
-//   colours  e0 for octave 0 | e1 for octave 1 | e2 for octave 2 | e3 for octave 3  (the colour pyramid)
+//   octave      0        1              2                3
+//   surfels  [0 .. e0) [.. e1)       [.. e2)          [.. e3 = count)
+//   colours  e0 for octave 0 | e1 for octave 1 | e2 for octave 2 | e3 for octave 3  (the pyramid)
 //
 // Over an octave of the order, the insertion radius halves. In a short prefix each surfel
 // represents a large patch, so each octave stores colours and coverages for the whole prefix that
@@ -51,7 +51,7 @@ enum {
     STP_SPLATS_RANGES = 2,      ///< each splat is drawn within a range of levels
     STP_SPLATS_FLAT_COLORS = 4, ///< one colour and coverage per splat, no pyramid
     STP_SPLATS_REPLACED = 8,    ///< disk shapes mark the splats that large triangles replace
-    STP_SPLATS_COLUMNS = 15,    ///< all bits this version knows
+    STP_SPLATS_COLUMNS = 15,    ///< all bits that this version supports
 };
 
 /// Maximum slope of levels over depth: level ranges of neighbouring splats overlap by this share of
@@ -147,8 +147,8 @@ static inline uint32_t stp_splats_attributes(const stp_splats* splats)
 enum {
     STP_SHADING_UNLIT = 1,
     STP_SHADING_DOUBLE_SIDED = 2,
-    STP_SHADING_TRANSPARENT =
-        4, ///< of a blended material: coverage is opacity, not holes; since format 1.2
+    /// Of a blended material: coverage is opacity, not holes; since format 1.2
+    STP_SHADING_TRANSPARENT = 4,
 };
 
 /// Material that a surfel's material byte refers to; at most 256 per file.

@@ -34,7 +34,7 @@ typedef struct stp_build_desc {
     /// Limit on the context's memory; 0: the context's own. Nodes in progress use most of it.
     uint64_t memory_bytes;
     const char* parameters_json; ///< the user's parameters, written into the file
-    /// Path of drafts: the unfinished scene is written there repeatedly as a file of its own, for
+    /// Path of drafts: the unfinished scene is written there repeatedly as a separate file, for
     /// display during the build (build/draft.h). A draft replaces the one before by renaming; the
     /// caller removes the last one. NULL: no drafts.
     const char* draft;

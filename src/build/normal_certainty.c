@@ -47,7 +47,7 @@ static void note_signs(const stp_scene* scene, const stp_store_directory* d,
         bool finds_signs = method != NULL && method->finds_signs;
         for (uint32_t i = 0; i < d->node_count; ++i) {
             uint32_t set = stp_store_set_of(d, m, i);
-            if (set != STP_STORE_NONE) { // replaces what a previous output stored
+            if (set != STP_STORE_NONE) { // replaces the data of a previous output
                 sets[set].position_error = 0.0f;
                 sets[set].unknown_signs =
                     !finds_signs && nodes[i].unknown && scene->nodes[i].triangle_count == 0;

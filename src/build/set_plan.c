@@ -33,8 +33,8 @@ static const char* const result_version = "stipple-surfels-12";
 
 // The nearest sets above a node, over all paths to it, in the node's own space.
 typedef struct above {
-    double spacing;   ///< the coarsest one's
-    double triangles; ///< the largest one's
+    double spacing;   ///< of the coarsest one
+    double triangles; ///< of the largest one
 } above;
 
 // The content of a node's set: everything below it that does not move on its own.

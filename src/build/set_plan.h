@@ -9,7 +9,7 @@
 
 typedef struct stp_build_step {
     uint32_t node;
-    uint32_t height; ///< steps of lower heights do not need this one's result
+    uint32_t height; ///< steps of lower heights do not depend on this one's result
     /// Number of leading steps that must be done first; they include all results below.
     uint32_t needs;
     uint32_t surfel_count; ///< maximum surfels, as in stp_blue_desc

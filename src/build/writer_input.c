@@ -62,7 +62,8 @@ static bool convert_meshes(stp_build_content* c, const stp_scene* scene)
     return meshes != NULL;
 }
 
-// Approximate distance between points of a set. The first ones of `blue` are evenly spread; all of a set made leaf by leaf reach as far.
+// Approximate distance between points of a set. The first ones of `blue` are evenly spread; all of
+// a set made leaf by leaf reach as far.
 static double spacing_of(const stp_splats* set)
 {
     if (set->leaf_count > 0) {
@@ -228,7 +229,7 @@ static bool convert_graph(stp_build_content* c, const stp_scene* scene, const ui
     return true;
 }
 
-// A text that is too long for a file is told by its first name: PROJCS["name", ...
+// A text too long for a file is replaced by its first name: PROJCS["name", ...
 static bool convert_coordinates(stp_build_content* c, const char* text, const char** out)
 {
     size_t length = text != NULL ? strlen(text) : 0;

@@ -5,7 +5,7 @@
 #include "scene/scene.h"
 #include "store/writer.h"
 
-/// The input of the writer, and the arrays that it uses beside the scene's own.
+/// Input of the writer, and arrays that it needs in addition to the scene's.
 typedef struct stp_build_content {
     stp_store_content content;
     stp_context* context;

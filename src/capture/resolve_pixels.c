@@ -90,8 +90,8 @@ typedef struct seen_triangle {
     double weight[3];  ///< of the corners, at the pixel's centre
 } seen_triangle;
 
-static seen_triangle look_at(const stp_capture_view* view, const current_part* part,
-                             uint32_t triangle, double pixel_x, double pixel_y)
+static seen_triangle project_triangle(const stp_capture_view* view, const current_part* part,
+                                      uint32_t triangle, double pixel_x, double pixel_y)
 {
     seen_triangle t;
     for (int k = 0; k < 3; ++k) {
@@ -256,7 +256,7 @@ static void resolve_triangle(const stp_capture_job* job, const stp_capture_view*
 {
     uint32_t column = pixel % view->width, row = pixel / view->width;
     double x = (double)column + 0.5, y = (double)row + 0.5;
-    seen_triangle t = look_at(view, part, triangle, x, y);
+    seen_triangle t = project_triangle(view, part, triangle, x, y);
     stp_vec3d position = {0};
     for (int k = 0; k < 3; ++k) {
         position = stp_addd(position, stp_scaled(t.position[k], t.weight[k]));
@@ -274,8 +274,8 @@ static void resolve_triangle(const stp_capture_job* job, const stp_capture_view*
 
 /// Prefetches the triangle of a pixel a few places on: screen neighbours may be far apart in
 /// memory.
-static void look_ahead(const stp_capture_job* job, const stp_capture_band* band, size_t i,
-                       size_t end, const current_part* part)
+static void prefetch_triangle(const stp_capture_job* job, const stp_capture_band* band, size_t i,
+                              size_t end, const current_part* part)
 {
     enum { INDICES_AHEAD = 16, CORNERS_AHEAD = 8 };
     uint64_t first = job->first_primitives[part->part], count = part->mesh->triangle_count;
@@ -301,7 +301,7 @@ static void resolve_entries(const resolve_state* state, const stp_capture_band* 
         find_part(job, primitive, part);
         uint32_t within = (uint32_t)(primitive - job->first_primitives[part->part]);
         if (part->mesh != NULL) {
-            look_ahead(job, band, i, end, part);
+            prefetch_triangle(job, band, i, end, part);
             resolve_triangle(job, view, part, within, band->pixels[i], state->out, candidate);
         } else {
             resolve_point(job, view, part, within, state->out, candidate);

@@ -13,10 +13,10 @@
 #define RIM_DEPTH 0.5f
 #define BACK_DEPTH 2.0f
 
-#define CHUNK 2048u         // surfels transformed at a time
-#define SIMILAR 1e-4        // tolerance for rotation plus uniform scale
-#define PIXELS_A_SURFEL 4.0 // pixels worth testing to save one surfel
-#define BOX_SLACK 1e-5      // relative to the disks' radius and rim
+#define CHUNK 2048u           // surfels transformed at a time
+#define SIMILAR 1e-4          // tolerance for rotation plus uniform scale
+#define PIXELS_PER_SURFEL 4.0 // pixels worth testing to save one surfel
+#define BOX_SLACK 1e-5        // relative to the disks' radius and rim
 
 // Projection of a set's grid to the screen.
 typedef struct set_projection {
@@ -79,7 +79,7 @@ static bool is_hidden(const set_projection* p, const stp_raster_target* target, 
     size_t x1 = (size_t)stp_clampd(p->middle[0] + p->reach[0] + 1.0, 0.0, right);
     size_t y0 = (size_t)stp_clampd(top - p->reach[1] - 1.0, 0.0, bottom);
     size_t y1 = (size_t)stp_clampd(top + p->reach[1] + 1.0, 0.0, bottom);
-    if ((double)(x1 - x0 + 1) * (double)(y1 - y0 + 1) > PIXELS_A_SURFEL * (double)surfels) {
+    if ((double)(x1 - x0 + 1) * (double)(y1 - y0 + 1) > PIXELS_PER_SURFEL * (double)surfels) {
         return false;
     }
     uint64_t nearest = stp_raster_pixel(nearest_fragment(p), 0);

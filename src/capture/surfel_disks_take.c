@@ -6,9 +6,9 @@
 #include "base/splat_place.h"
 #include "capture/surfel_disks.h"
 
-#define LEAST_FACING 0.3    // cosine: views at flatter angles do not decide a centre's visibility
-#define DEPTH_TOLERANCE 0.5 // how far a centre may lie behind the visible surface, in radii
-#define WORDS_A_PIECE 512u  // words of bits resolved by one piece of a loop
+#define LEAST_FACING 0.3     // cosine: views at flatter angles do not decide a centre's visibility
+#define DEPTH_TOLERANCE 0.5  // maximum depth of a centre behind the visible surface, in radii
+#define WORDS_PER_PIECE 512u // words of bits resolved by one piece of a loop
 
 stp_vec3d stp_set_position(const stp_set_placing* placing, uint32_t surfel)
 {
@@ -92,7 +92,7 @@ typedef struct sight {
     double row[3][3], at_zero[3]; ///< x, y, nearness per grid step
     double pixel, depth;          ///< scene units per pixel; nearness per scene unit
     double radius;                ///< scene units
-    bool two_sided;               ///< surfels that face away are looked at as well
+    bool two_sided;               ///< surfels facing away are tested, too
 } sight;
 
 static sight make_sight(const stp_capture_job* job, const stp_capture_band* band,
@@ -329,7 +329,7 @@ static void resolve_pieces(size_t begin, size_t end, uint32_t worker, void* user
     const stp_capture_job* job = r->job;
     uint64_t words = word_count(job);
     for (size_t piece = begin; piece < end; ++piece) {
-        uint64_t first = piece * WORDS_A_PIECE, last = first + WORDS_A_PIECE;
+        uint64_t first = piece * WORDS_PER_PIECE, last = first + WORDS_PER_PIECE;
         size_t to = (size_t)r->starts[piece], set = SIZE_MAX;
         stp_set_placing placing = {0};
         stp_set_look look = {0};
@@ -368,7 +368,7 @@ stp_result stp_capture_resolve_sets(const stp_capture_job* job, stp_candidates* 
 {
     stp_context* context = job->scene->context;
     uint64_t words = word_count(job);
-    size_t pieces = (size_t)((words + WORDS_A_PIECE - 1) / WORDS_A_PIECE);
+    size_t pieces = (size_t)((words + WORDS_PER_PIECE - 1) / WORDS_PER_PIECE);
     resolve_sets r = {job, candidates, STP_NEW_ARRAY(context, uint64_t, pieces)};
     if (r.starts == NULL) {
         return stp_fail_memory(context);
@@ -380,8 +380,8 @@ stp_result stp_capture_resolve_sets(const stp_capture_job* job, stp_candidates* 
     }
     uint64_t sum = candidates->count;
     for (uint64_t word = 0; word < words; ++word) {
-        if (word % WORDS_A_PIECE == 0) {
-            r.starts[word / WORDS_A_PIECE] = sum;
+        if (word % WORDS_PER_PIECE == 0) {
+            r.starts[word / WORDS_PER_PIECE] = sum;
         }
         sum += (uint64_t)__builtin_popcount(word_at(job, word));
     }

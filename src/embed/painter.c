@@ -287,8 +287,7 @@ stp_result stp_painter_draw(stp_painter* painter, const stp_view* view, const st
         return result;
     }
     if (image == NULL ? !painter->uses_gl : image->pixels == NULL) {
-        return stp_fail(context, STP_ERROR_ARGUMENT,
-                        "stp_painter_draw: there are no pixels to draw");
+        return stp_fail(context, STP_ERROR_ARGUMENT, "stp_painter_draw: no pixels to draw");
     }
     p.accumulates = desc.accumulate;
     p.complete = desc.complete;
@@ -322,8 +321,8 @@ stp_result stp_painter_get_depths(stp_painter* painter, float* depths, size_t co
                 stp_view_frame_make(view, &frame) && !frame.parallel;
     if (!fits) {
         return stp_fail(context, STP_ERROR_ARGUMENT,
-                        "stp_painter_get_depths: there is no picture of %zu pixels, of one eye and "
-                        "in perspective",
+                        "stp_painter_get_depths: the last picture must have %zu pixels, one eye "
+                        "and a perspective projection",
                         count);
     }
     const float* nearness = stp_renderer_depth(painter->renderer);

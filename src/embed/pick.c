@@ -72,7 +72,7 @@ stp_result stp_model_pick(stp_model* model, const stp_view* view, double x, doub
     stp_hit made = {.object = STP_NO_OBJECT, .placed_object = STP_NO_OBJECT};
     if (!stp_ray_of_pixel(view, x, y, &desc.ray)) {
         return stp_fail(model->context, STP_ERROR_ARGUMENT,
-                        "view: eye, target, angle and size do not make a picture");
+                        "view: invalid combination of eye, target, angle and size");
     }
     stp_pixel_width(view, &desc.point_base, &desc.point_slope);
     desc.point_base *= point_pixels;

@@ -184,7 +184,7 @@ static stp_result decode_webp(const unsigned char* bytes, size_t size, stp_image
     return STP_OK;
 }
 
-bool stp_image_believes(uint64_t pixels, uint64_t bytes)
+bool stp_image_is_plausible(uint64_t pixels, uint64_t bytes)
 {
     return pixels <= PIXELS_ALWAYS_BELIEVED || pixels / PIXELS_PER_BYTE <= bytes;
 }
@@ -214,7 +214,7 @@ stp_result stp_image_measure(const unsigned char* bytes, size_t size, stp_image_
         return result;
     }
     uint64_t pixels = (uint64_t)info->width * info->height;
-    if (pixels > PIXEL_LIMIT || !stp_image_believes(pixels, size)) {
+    if (pixels > PIXEL_LIMIT || !stp_image_is_plausible(pixels, size)) {
         snprintf(info->reason, sizeof(info->reason),
                  "the picture claims %u x %u pixels in %zu bytes", info->width, info->height, size);
         return STP_ERROR_LIMIT;

@@ -27,11 +27,12 @@ typedef struct stp_image_info {
 
 /// Whether a claimed pixel count is plausible for a compressed size, for one picture or all
 /// pictures of a model: always up to 2^26 pixels, above that at most 260 pixels per byte.
-bool stp_image_believes(uint64_t pixels, uint64_t bytes);
+bool stp_image_is_plausible(uint64_t pixels, uint64_t bytes);
 
 /// Reads the header only. Refuses pictures of more than 2^28 pixels and implausible ones
-/// (stp_image_believes). Logs nothing.
-/// @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_UNSUPPORTED, STP_ERROR_LIMIT, STP_ERROR_OUT_OF_MEMORY
+/// (stp_image_is_plausible). Logs nothing.
+/// @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_UNSUPPORTED, STP_ERROR_LIMIT,
+///         STP_ERROR_OUT_OF_MEMORY
 STP_MUST_USE stp_result stp_image_measure(const unsigned char* bytes, size_t size,
                                           stp_image_info* info);
 
@@ -64,7 +65,8 @@ typedef enum stp_image_effort {
 
 /// Lossless PNG; the same bytes for the same picture. The caller frees the bytes (stp_free). Logs
 /// nothing.
-/// @return STP_OK, STP_ERROR_FORMAT (a picture without pixels, or too large for PNG), STP_ERROR_OUT_OF_MEMORY
+/// @return STP_OK, STP_ERROR_FORMAT (a picture without pixels, or too large for PNG),
+///         STP_ERROR_OUT_OF_MEMORY
 STP_MUST_USE stp_result stp_image_encode_png(stp_context* context, const stp_image* image,
                                              stp_image_effort effort, unsigned char** bytes,
                                              size_t* size);

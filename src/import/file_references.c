@@ -32,7 +32,7 @@ stp_result stp_import_resolve(stp_import* import, const char* reference, const c
     stp_result result = resolve(import, reference, path, &reason);
     if (result == STP_OK && *path == NULL) {
         return stp_fail(import->context, STP_ERROR_FORMAT,
-                        "%s: the reference \"%.200s\" is refused: %s", import->path, reference,
+                        "%s: the reference \"%.200s\" is rejected: %s", import->path, reference,
                         reason);
     }
     return result;
@@ -48,7 +48,7 @@ stp_result stp_import_resolve_optional(stp_import* import, const char* place, co
     }
     struct stat status;
     if (*path != NULL && (stat(*path, &status) != 0 || !S_ISREG(status.st_mode))) {
-        reason = "there is no such file";
+        reason = "the file does not exist";
         *path = NULL;
     }
     if (*path == NULL) {

@@ -150,7 +150,7 @@ static stp_result decode(const plain* p, stream* s, stp_texture* texture, const 
         texels = stbi_load_from_callbacks(&callbacks, s, &width, &height, &channels, 4);
     }
     if (!fits || (s->is_short && !is_out_of_memory)) {
-        *reason = "the picture ends before its content does";
+        *reason = "the picture is truncated";
         release(texels);
         return STP_ERROR_TRUNCATED;
     }

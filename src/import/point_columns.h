@@ -33,7 +33,7 @@ STP_MUST_USE stp_result stp_point_columns_add(stp_import* import, stp_point_set*
 /// call it after every few MB of a spilled set. Any thread.
 void stp_point_columns_release(stp_import* import, const stp_point_set* set);
 
-/// Whether points of so many bytes go directly to the scene's spill file.
+/// Whether this many bytes of points go directly to the scene's spill file.
 bool stp_points_go_to_spill(const stp_scene* scene, uint64_t bytes);
 
 /// Moves the file's object so that its points, which are relative to `origin` (in the file's axes),

@@ -9,7 +9,7 @@
 /// drawn surfels.
 typedef struct stp_method_samples {
     stp_tree_points points;
-    const uint8_t* coverages;   ///< 1 a point; the set's
+    const uint8_t* coverages;   ///< 1 per point; owned by the set
     float *positions, *normals; ///< owned; those of `points`
 } stp_method_samples;
 

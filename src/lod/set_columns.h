@@ -5,11 +5,11 @@
 #include "base/context.h"
 #include "base/splat_columns.h"
 
-/// Frees the columns of a set, each of which came from stp_alloc.
+/// Frees the columns of a set, which were allocated with stp_alloc.
 void stp_splats_destroy(stp_context* context, stp_splats* surfels);
 
 /// Allocates the columns of a set of `count` splats with shapes and flat colours, and with ranges
-/// where `columns` says so.
+/// if `columns` includes them.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_splats_destroy, also after a
 /// failure
 STP_MUST_USE stp_result stp_splats_make_columns(stp_context* context, stp_splats* splats);

@@ -151,7 +151,7 @@ static uint64_t count_elements(const partition* p, const item* i)
                                          : scene->point_sets[i->part.index].point_count;
 }
 
-// Wraps a part in a node of its own.
+// Wraps a part in a separate node.
 static stp_result wrap_part(partition* p, item* i)
 {
     size_t first_part = p->scene->node_part_count;

@@ -26,8 +26,8 @@
 #include "scene/content_table.h"
 
 #define STP_NONE UINT32_MAX
-#define STP_SCENE_TEXT_LIMIT                                                                       \
-    4064 ///< maximum bytes of a name or id; longer ones are truncated with a warning
+/// Maximum bytes of a name or id; longer ones are truncated with a warning
+#define STP_SCENE_TEXT_LIMIT 4064
 
 typedef enum stp_alpha_mode {
     STP_ALPHA_OPAQUE,
@@ -134,8 +134,8 @@ typedef struct stp_object {
     uint32_t first_part, part_count;
     uint32_t first_instance,
         instance_count; ///< transforms of its parts within it; 0: one, the identity
-    uint32_t
-        use; ///< an object of lower index whose parts and children it also shows; STP_NONE: none
+    /// An object of lower index whose parts and children it also shows; STP_NONE: none
+    uint32_t use;
     uint32_t flags;
     uint32_t node; ///< set by stp_scene_finish
 } stp_object;

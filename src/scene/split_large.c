@@ -12,10 +12,9 @@
 #include <string.h>
 
 #define GRAIN 65536
-#define RELEASE_SIZE                                                                               \
-    ((size_t)128 << 20)               // of pieces, before the system is told that it may drop pages
-#define RELEASE_COUNT (1u << 23)      // of elements
-#define LARGE_SIZE ((size_t)64 << 20) // working data of that size are spilled where the mesh is
+#define RELEASE_SIZE ((size_t)128 << 20) // finished pieces, after which their pages are released
+#define RELEASE_COUNT (1u << 23)         // elements
+#define LARGE_SIZE ((size_t)64 << 20)    // larger working data is spilled if the mesh is
 
 // State shared by the jobs. New pieces follow the scene's own items and count only once all are
 // made.
@@ -75,7 +74,7 @@ static bool get_room(cutter* c, stp_bulk_array* arrays, size_t count)
     return made;
 }
 
-// Of what was copied, nothing need stay resident where it lies in a file.
+// Copied data in files need not stay resident.
 static void note_made(cutter* c, size_t bytes)
 {
     pthread_mutex_lock(&c->mutex);
@@ -225,14 +224,14 @@ static void make_point_pieces(size_t begin, size_t end, uint32_t worker, void* u
             stp_box_add(&piece->bounds, (stp_vec3){at[0], at[1], at[2]});
         }
         piece->content = stp_points_hash(piece);
-        // places of pieces that are made are not looked at again: their memory is that of later pieces
-        stp_large_forget(c->places + first, piece->point_count * sizeof(stp_place));
+        // places of finished pieces are not needed again: that memory is used by later pieces
+        stp_large_discard(c->places + first, piece->point_count * sizeof(stp_place));
         note_made(c, (size_t)stp_points_bytes(piece));
     }
 }
 
 // Counts the pieces' memory, and frees all pieces if one failed.
-static void settle_pieces(cutter* c)
+static void finish_pieces(cutter* c)
 {
     for (uint32_t i = 0; i < c->piece_count; ++i) {
         if (c->mesh != NULL) {
@@ -251,7 +250,7 @@ static void settle_pieces(cutter* c)
     }
 }
 
-// A part of all after the other where they lie in a file, so that little of it is resident.
+// Finds places in batches if they are in a file, so that little of it is resident.
 static void find_all_places(cutter* c, uint32_t count)
 {
     uint32_t most = c->spilled ? RELEASE_COUNT : count;
@@ -290,7 +289,7 @@ static stp_result cut(cutter* c, uint32_t count, stp_job make_pieces)
         pthread_mutex_init(&c->mutex, NULL);
         stp_parallel_for(context, c->piece_count, 1, make_pieces, c);
         pthread_mutex_destroy(&c->mutex);
-        settle_pieces(c);
+        finish_pieces(c);
         if (c->result == STP_ERROR_OUT_OF_MEMORY) {
             (void)stp_fail_memory(context);
         }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// View-independent properties of a store's nodes: what moves, how far content extends beyond boxes,
-// and the smallest radius for which a node's own surfels are used.
+// View-independent properties of a store's nodes: which ones move, how far content extends beyond
+// boxes, and the smallest radius for which a node's own surfels are used.
 #include "base/prefix_table.h"
 #include "select/select_internal.h"
 
 /// Maximum overhang of a box beyond another, along any axis.
-static double sticks_out(stp_box box, stp_boxd of)
+static double max_overhang(stp_box box, stp_boxd of)
 {
     stp_vec3d low = stp_to_double(box.min), high = stp_to_double(box.max);
     double most = stp_maxd(stp_maxd(of.min.x - low.x, high.x - of.max.x), 0.0);
@@ -24,7 +24,7 @@ static double find_margin(const stp_selection* s, const stp_select_graph* graph,
         stp_box box = part.kind == STP_STORE_PART_MESH
                           ? stp_store_describe_mesh(s->store, part.index)->bounds
                           : stp_store_describe_point_set(s->store, part.index)->bounds;
-        margin = stp_maxd(sticks_out(box, node->bounds), margin);
+        margin = stp_maxd(max_overhang(box, node->bounds), margin);
     }
     if (set != STP_STORE_NONE) { // positions are rounded
         const stp_splats* surfels = stp_store_describe_surfels(s->store, set);
@@ -42,7 +42,7 @@ static double find_margin(const stp_selection* s, const stp_select_graph* graph,
     return margin * (1.0 + 1e-6);
 }
 
-static double find_reach(const stp_splats* surfels)
+static double coverage_radius(const stp_splats* surfels)
 {
     // surface may lie this far from a candidate, regardless of how many are drawn
     return stp_maxd((double)stp_prefix_table_radius(&surfels->table, surfels->count),
@@ -86,7 +86,7 @@ static double find_work(const stp_selection* s, const stp_select_graph* graph,
     return work;
 }
 
-static void look_at_nodes(const stp_selection* s, stp_select_graph* graph)
+static void analyze_nodes(const stp_selection* s, stp_select_graph* graph)
 {
     const stp_store_directory* directory = s->directory;
     for (uint32_t i = 0; i < directory->node_count; ++i) {
@@ -103,7 +103,7 @@ static void look_at_nodes(const stp_selection* s, stp_select_graph* graph)
         const stp_splats* surfels =
             set != STP_STORE_NONE ? stp_store_describe_surfels(s->store, set) : NULL;
         graph->has_sets[i] = graph->has_sets[i] || surfels != NULL;
-        graph->reaches[i] = surfels != NULL ? find_reach(surfels) : 0.0;
+        graph->reaches[i] = surfels != NULL ? coverage_radius(surfels) : 0.0;
         graph->spares[i] = surfels != NULL ? (float)find_spare(node, surfels) : 1.0f;
         graph->works[i] = (float)fmin(find_work(s, graph, node), (double)FLT_MAX);
     }
@@ -156,7 +156,7 @@ stp_result stp_select_find_graph(stp_selection* s)
         stp_free(s->context, last);
         return stp_fail_memory(s->context); // the next call does not find it, and rebuilds it
     }
-    look_at_nodes(s, graph);
+    analyze_nodes(s, graph);
     find_repeated(directory, last, graph->repeated);
     stp_free(s->context, last);
     graph->directory = directory;

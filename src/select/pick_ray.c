@@ -114,7 +114,7 @@ static stp_result push(walk* w, const record* added)
     }
     if (w->record_count >= MOST_RECORDS) {
         return stp_fail(work->context, STP_ERROR_LIMIT,
-                        "pick: more than %d nodes lie on the ray before anything is met",
+                        "pick: the ray passes more than %d nodes before the first hit",
                         MOST_RECORDS);
     }
     record* records = stp_grow_array(work->context, w->records, &w->record_capacity,
@@ -166,13 +166,12 @@ static stp_result open_record(walk* w, uint32_t index)
         result = push(w, &below);
     }
     if (result == STP_OK && work->pick->tests > most_tests) {
-        result =
-            stp_fail(work->context, STP_ERROR_LIMIT, "pick: too many triangles lie around the ray");
+        result = stp_fail(work->context, STP_ERROR_LIMIT, "pick: too many triangles near the ray");
     }
     return result;
 }
 
-static void give_path(const walk* w)
+static void store_path(const walk* w)
 {
     stp_pick* pick = w->work.pick;
     const record* met = &w->records[w->met];
@@ -225,7 +224,7 @@ stp_result stp_pick_ray(stp_context* context, stp_store* store, const stp_pick_d
         result = open_record(&w, next.record);
     }
     if (result == STP_OK && pick->hit) {
-        give_path(&w);
+        store_path(&w);
     }
     stp_free(context, w.records);
     stp_free(context, w.heap);

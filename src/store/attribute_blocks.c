@@ -12,7 +12,7 @@ static stp_result fail(const stp_store* store, const char* what, uint32_t index,
                     fault);
 }
 
-static stp_result judge_figures(const stp_store* store)
+static stp_result check_figures(const stp_store* store)
 {
     const stp_store_attribute* figures = store->tables[STP_SECTION_ATTRIBUTES];
     for (uint32_t i = 0; i < store->counts[STP_SECTION_ATTRIBUTES]; ++i) {
@@ -45,7 +45,7 @@ stp_result stp_store_read_figures(stp_store* store, stp_store_text* text)
     for (size_t i = 0; i < sizeof(types) / sizeof(types[0]) && result == STP_OK; ++i) {
         result = stp_store_read_table(store, types[i], text);
     }
-    result = result == STP_OK ? judge_figures(store) : result;
+    result = result == STP_OK ? check_figures(store) : result;
     uint32_t coordinates = store->counts[STP_SECTION_COORDINATES];
     if (result == STP_OK && coordinates != 0 && coordinates != store->counts[STP_SECTION_SOURCES]) {
         result = stp_fail(store->context, STP_ERROR_FORMAT,

@@ -127,7 +127,6 @@ static stp_result measure_shown(stp_context* context, const stp_store_content* c
 
 // The radius that the first `count` surfels cover: from the last breakpoint at or before; 0 without
 // a table.
-// table.
 static float radius_reached(const stp_prefix_table* table, uint32_t count)
 {
     float radius = table->size != 0 ? table->radius[0] : 0.0f;

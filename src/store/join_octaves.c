@@ -225,11 +225,11 @@ stp_result stp_store_add_octave(stp_store* store, uint32_t index, uint32_t octav
     if (fault != NULL) {
         return stp_store_fail_block(store, block, fault);
     }
-    stp_store_judge judge = stp_store_own_judge(store);
+    stp_store_validator validator = stp_store_own_validator(store);
     stp_store_surfel_data data = {span.end - span.first, targets[STP_SURFEL_MATERIALS],
                                   targets[STP_SURFEL_SHAPES], targets[STP_SURFEL_RANGES]};
     stp_store_make_groups(surfels, span.first, span.end);
-    return stp_store_judge_surfel_data(&judge, index, &data, store->directory.shading_count);
+    return stp_store_validate_surfel_data(&validator, index, &data, store->directory.shading_count);
 }
 
 // Joins the first `octave_count` octaves, more than are ready, in new memory.

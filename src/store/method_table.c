@@ -23,7 +23,7 @@ uint32_t stp_store_find_method(const stp_store_directory* directory, uint32_t id
     return 0;
 }
 
-bool stp_store_tells_methods(const stp_store_directory* directory)
+bool stp_store_lists_methods(const stp_store_directory* directory)
 {
     return directory->method_count > 1 ||
            (directory->method_count == 1 && directory->methods[0].id != STP_METHOD_BLUE);
@@ -50,33 +50,34 @@ static const char* find_fault(const stp_store_directory* d, uint32_t index, uint
     return NULL;
 }
 
-static stp_result judge_table(const stp_store_judge* judge, const stp_store_directory* d)
+static stp_result check_table(const stp_store_validator* validator, const stp_store_directory* d)
 {
     uint32_t end = 0;
     for (uint32_t i = 0; i < d->method_count; ++i) {
         const char* fault = find_fault(d, i, end);
         if (fault != NULL) {
-            return stp_fail(judge->context, judge->failure, "%s: method %u %s", judge->path, i,
-                            fault);
+            return stp_fail(validator->context, validator->failure, "%s: method %u %s",
+                            validator->path, i, fault);
         }
         end += d->methods[i].set_count;
     }
     if (end != d->surfels_count) {
-        return stp_fail(judge->context, judge->failure,
-                        "%s: has %u sets, %u of them without a method", judge->path,
+        return stp_fail(validator->context, validator->failure,
+                        "%s: has %u sets, %u of them without a method", validator->path,
                         d->surfels_count, d->surfels_count - end);
     }
     return STP_OK;
 }
 
 // The first method's sets are the nodes' own.
-static stp_result judge_first(const stp_store_judge* judge, const stp_store_directory* d)
+static stp_result check_first(const stp_store_validator* validator, const stp_store_directory* d)
 {
     for (uint32_t i = 0; i < d->node_count; ++i) {
         uint32_t set = d->nodes[i].surfels;
         if (set != STP_STORE_NONE && set >= d->methods[0].set_count) {
-            return stp_fail(judge->context, judge->failure,
-                            "%s: node %u: set %u is not of the first method", judge->path, i, set);
+            return stp_fail(validator->context, validator->failure,
+                            "%s: node %u: set %u is not of the first method", validator->path, i,
+                            set);
         }
     }
     return STP_OK;
@@ -97,19 +98,20 @@ static bool are_bijective(const stp_store_directory* d, uint32_t method)
     return count == m->set_count;
 }
 
-stp_result stp_store_judge_methods(const stp_store_judge* judge, const stp_store_content* content)
+stp_result stp_store_validate_methods(const stp_store_validator* validator,
+                                      const stp_store_content* content)
 {
     const stp_store_directory* d = &content->directory;
     if (d->method_count == 0) {
         return STP_OK;
     }
-    stp_result result = judge_table(judge, d);
-    result = result == STP_OK ? judge_first(judge, d) : result;
+    stp_result result = check_table(validator, d);
+    result = result == STP_OK ? check_first(validator, d) : result;
     for (uint32_t m = 1; m < d->method_count && result == STP_OK; ++m) {
         if (!are_bijective(d, m)) {
-            result = stp_fail(judge->context, judge->failure,
+            result = stp_fail(validator->context, validator->failure,
                               "%s: method %u: each of its sets must belong to exactly one node",
-                              judge->path, m);
+                              validator->path, m);
         }
     }
     for (uint32_t m = 0; m < d->method_count && result == STP_OK; ++m) {
@@ -120,9 +122,9 @@ stp_result stp_store_judge_methods(const stp_store_judge* judge, const stp_store
             bool there = set->count == 0 ||
                          ((set->shapes != NULL || !shapes) && (set->ranges != NULL || !ranges));
             if (set->columns != d->methods[m].columns || !there) {
-                return stp_fail(judge->context, judge->failure,
+                return stp_fail(validator->context, validator->failure,
                                 "%s: surfel set %u: its columns differ from its method's",
-                                judge->path, d->methods[m].first_set + i);
+                                validator->path, d->methods[m].first_set + i);
             }
         }
     }
@@ -245,9 +247,9 @@ stp_result stp_store_read_methods(stp_store* store, stp_store_text* text)
     if (store->known[STP_SECTION_METHODS] == NULL) {
         store->methods[0].set_count = d->surfels_count;
     }
-    stp_store_judge judge = stp_store_own_judge(store);
-    result = judge_table(&judge, d);
-    result = result == STP_OK ? judge_first(&judge, d) : result;
+    stp_store_validator validator = stp_store_own_validator(store);
+    result = check_table(&validator, d);
+    result = result == STP_OK ? check_first(&validator, d) : result;
     result = result == STP_OK ? gather_sets(store) : result;
     if (result != STP_OK) {
         return result;

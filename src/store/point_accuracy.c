@@ -2,7 +2,7 @@
 // Accuracy of the points in sets: whether normal signs are known, and the position error.
 #include "store/internal.h"
 
-stp_result stp_store_judge_certainty(const stp_store* store)
+stp_result stp_store_validate_certainty(const stp_store* store)
 {
     const stp_store_certainty* records = store->tables[STP_SECTION_CERTAINTY];
     for (uint32_t i = 0; i < store->counts[STP_SECTION_CERTAINTY]; ++i) {
@@ -26,7 +26,7 @@ stp_result stp_store_link_certainty(stp_store* store)
                         "%s: lists the certainty of %u surfel sets but has %u", store->path, count,
                         store->counts[STP_SECTION_SURFELS]);
     }
-    stp_result result = stp_store_judge_certainty(store);
+    stp_result result = stp_store_validate_certainty(store);
     for (uint32_t i = 0; i < count && result == STP_OK; ++i) {
         sets[i].surfels.unknown_signs = (records[i].flags & STP_CERTAINTY_UNKNOWN_SIGNS) != 0;
         sets[i].surfels.position_error = records[i].position_error;

@@ -45,7 +45,7 @@ stp_result stp_store_measure_picture(const stp_store_texture* texture, const uns
     return STP_OK;
 }
 
-bool stp_store_believes_texels(uint64_t texels, uint64_t file_bytes)
+bool stp_store_texels_are_plausible(uint64_t texels, uint64_t file_bytes)
 {
     return texels <= TEXELS_ALWAYS_BELIEVED || texels / TEXELS_PER_BYTE <= file_bytes;
 }
@@ -98,7 +98,8 @@ stp_result stp_store_find_texture_owners(stp_context* context, const stp_store_c
     return STP_OK;
 }
 
-stp_result stp_store_judge_pictures(const stp_store_judge* judge, const stp_store_content* content)
+stp_result stp_store_validate_pictures(const stp_store_validator* validator,
+                                       const stp_store_content* content)
 {
     uint64_t texels = 0, bytes = 0;
     for (uint32_t i = 0; i < content->directory.texture_count; ++i) {
@@ -110,16 +111,16 @@ stp_result stp_store_judge_pictures(const stp_store_judge* judge, const stp_stor
         stp_result result =
             stp_store_measure_picture(texture, texture->encoded, texture->encoded_size, &info);
         if (result != STP_OK) {
-            return stp_fail(judge->context, judge->failure, "%s: texture %u: %s", judge->path, i,
-                            info.reason);
+            return stp_fail(validator->context, validator->failure, "%s: texture %u: %s",
+                            validator->path, i, info.reason);
         }
         texels += count_texels(texture);
         bytes += texture->encoded_size;
     }
-    return stp_store_believes_texels(texels, bytes)
+    return stp_store_texels_are_plausible(texels, bytes)
                ? STP_OK
-               : stp_fail(judge->context, judge->failure,
-                          "%s: the pictures claim %llu texels in %llu bytes", judge->path,
+               : stp_fail(validator->context, validator->failure,
+                          "%s: the pictures claim %llu texels in %llu bytes", validator->path,
                           (unsigned long long)texels, (unsigned long long)bytes);
 }
 
@@ -170,7 +171,7 @@ stp_result stp_store_link_textures(stp_store* store)
         bool decoded = result == STP_OK && texture->encoding != 0 && block_of(store, i)->owner == i;
         texels += decoded ? count_texels(texture) : 0;
     }
-    if (result == STP_OK && !stp_store_believes_texels(texels, store->file_bytes)) {
+    if (result == STP_OK && !stp_store_texels_are_plausible(texels, store->file_bytes)) {
         return stp_fail(store->context, STP_ERROR_LIMIT,
                         "%s: the pictures claim %llu texels in a file of %llu bytes", store->path,
                         (unsigned long long)texels, (unsigned long long)store->file_bytes);

@@ -14,7 +14,7 @@ STP_MUST_USE stp_result stp_store_measure_picture(const stp_store_texture* textu
                                                   stp_image_info* info);
 
 /// Whether a file of this size may hold pictures with this many texels in total.
-bool stp_store_believes_texels(uint64_t texels, uint64_t file_bytes);
+bool stp_store_texels_are_plausible(uint64_t texels, uint64_t file_bytes);
 
 /// For each texture of `content`, the first one with the same image file: they share a block.
 /// Others map to themselves.
@@ -23,13 +23,13 @@ STP_MUST_USE stp_result stp_store_find_texture_owners(stp_context* context,
                                                       uint32_t* owners);
 
 /// Checks the pictures of `content` as the reader would.
-STP_MUST_USE stp_result stp_store_judge_pictures(const stp_store_judge* judge,
-                                                 const stp_store_content* content);
+STP_MUST_USE stp_result stp_store_validate_pictures(const stp_store_validator* validator,
+                                                    const stp_store_content* content);
 
 /// Checks the texture records of an open file, and links them to their blocks.
 STP_MUST_USE stp_result stp_store_link_textures(stp_store* store);
 
-/// Number of textures with a block of their own.
+/// Number of textures that own their block.
 uint32_t stp_store_count_texture_blocks(const stp_store* store);
 
 /// Frees all decoded texels; they can be decoded again.

@@ -120,7 +120,7 @@ static stp_result place_eyes(cpu_renderer* r, const stp_view* view, stp_image* i
     }
     if (!valid) {
         return stp_fail(r->base.context, STP_ERROR_ARGUMENT,
-                        "view: eye, target, angle and size do not make a picture");
+                        "view: invalid combination of eye, target, angle and size");
     }
     r->width = r->eyes[0].picture.width;
     r->height = r->eyes[0].picture.height;
@@ -170,7 +170,7 @@ static stp_result draw_part(cpu_renderer* r, const stp_view* view, const stp_dra
     *stats = (stp_draw_stats){0};
     if (side > SUPERSAMPLE_LIMIT) {
         return stp_fail(r->base.context, STP_ERROR_ARGUMENT,
-                        "style: at most %d x %d samples a pixel", SUPERSAMPLE_LIMIT,
+                        "style: at most %d x %d samples per pixel", SUPERSAMPLE_LIMIT,
                         SUPERSAMPLE_LIMIT);
     }
     bool summed = end - first == all && (all == 1 || !works_on_bytes(r, style, view));

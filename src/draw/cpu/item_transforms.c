@@ -79,7 +79,7 @@ static stp_result find_texture(cpu_renderer* r, const stp_store_texture_use* use
     return STP_OK;
 }
 
-static void forget_texture(cpu_renderer* r, cpu_texture* texture)
+static void release_texture(cpu_renderer* r, cpu_texture* texture)
 {
     if (texture->has_color) {
         stp_texture_pyramid_destroy(r->base.context, &texture->as_color);
@@ -91,12 +91,12 @@ static void forget_texture(cpu_renderer* r, cpu_texture* texture)
 }
 
 /// Drops decoded data of evicted texels.
-static void forget_old_textures(cpu_renderer* r)
+static void release_old_textures(cpu_renderer* r)
 {
     for (uint32_t i = 0; i < r->directory->texture_count; ++i) {
         uint64_t arrival = stp_store_texture_arrival(r->store, i);
         if (r->textures[i].arrival != arrival) {
-            forget_texture(r, &r->textures[i]);
+            release_texture(r, &r->textures[i]);
             r->textures[i].arrival = arrival;
         }
     }
@@ -105,7 +105,7 @@ static void forget_old_textures(cpu_renderer* r)
 void cpu_destroy_textures(cpu_renderer* r)
 {
     for (uint32_t i = 0; r->textures != NULL && i < r->directory->texture_count; ++i) {
-        forget_texture(r, &r->textures[i]);
+        release_texture(r, &r->textures[i]);
     }
     stp_free(r->base.context, r->textures);
     stp_free(r->base.context, r->asked);
@@ -220,7 +220,7 @@ static stp_result prepare_item(cpu_renderer* r, const stp_draw_list* list,
 }
 
 /// Schedules a texture for decoding, once. @return number of scheduled textures
-static uint32_t ask_for(cpu_renderer* r, uint32_t texture, uint32_t count)
+static uint32_t schedule_texture(cpu_renderer* r, uint32_t texture, uint32_t count)
 {
     if (texture != STP_STORE_NONE && !r->textures[texture].is_asked) {
         r->textures[texture].is_asked = true;
@@ -237,9 +237,9 @@ static void decode_pictures(cpu_renderer* r, const stp_draw_list* list, size_t f
         if (list->items[i].kind == STP_DRAW_MESH) {
             const stp_store_mesh* mesh = stp_store_describe_mesh(r->store, list->items[i].index);
             const stp_store_material* m = &r->directory->materials[mesh->material];
-            count = ask_for(r, m->base_color_texture.texture, count);
-            count = ask_for(r, m->metallic_roughness_texture.texture, count);
-            count = ask_for(r, m->emissive_texture.texture, count);
+            count = schedule_texture(r, m->base_color_texture.texture, count);
+            count = schedule_texture(r, m->metallic_roughness_texture.texture, count);
+            count = schedule_texture(r, m->emissive_texture.texture, count);
         }
     }
     if (count > 1) { // a single one is decoded on use
@@ -271,7 +271,7 @@ stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list, size_t 
     }
     if (first == 0) {
         r->large_count = 0;
-        forget_old_textures(r);
+        release_old_textures(r);
     }
     decode_pictures(r, list, first);
     for (size_t i = 0; i < first; ++i) { // the list may have been reallocated

@@ -84,7 +84,7 @@ static stp_result fail(gl_renderer* r)
 {
     destroy_targets(r);
     return stp_fail(r->base.context, STP_ERROR_OUT_OF_MEMORY,
-                    "gl: there is no graphics memory to blend pictures of %ux%u", r->target.width,
+                    "gl: not enough graphics memory to blend pictures of %ux%u", r->target.width,
                     r->target.height);
 }
 

@@ -85,12 +85,12 @@ static stp_result check(gl_renderer* r)
 {
     GLenum reset = r->gl.GetGraphicsResetStatus();
     if (reset != GL_NO_ERROR) {
-        return stp_fail(r->base.context, STP_ERROR_UNSUPPORTED,
-                        "gl: the graphics context was lost (%s): it, and the renderer, must be "
-                        "made anew",
-                        reset == GL_GUILTY_CONTEXT_RESET     ? "through what was drawn here"
-                        : reset == GL_INNOCENT_CONTEXT_RESET ? "through another program"
-                                                             : "for an unknown reason");
+        return stp_fail(
+            r->base.context, STP_ERROR_UNSUPPORTED,
+            "gl: the graphics context was lost (%s); create the context and the renderer again",
+            reset == GL_GUILTY_CONTEXT_RESET     ? "caused by this renderer"
+            : reset == GL_INNOCENT_CONTEXT_RESET ? "caused by another program"
+                                                 : "for an unknown reason");
     }
     if (r->debug != NULL && r->debug->errors > 0) {
         r->debug->errors = 0;
@@ -114,11 +114,11 @@ static stp_result begin_picture(gl_renderer* r, const stp_view* view, const stp_
     if (!stp_view_frame_make(&one, &r->placement.frame) || !fits || view->width > 65536 ||
         view->height > 65536 || (uint64_t)view->width * view->height > UINT32_MAX / 4) {
         return stp_fail(r->base.context, STP_ERROR_ARGUMENT,
-                        "view: eye, target, angle and size do not make a picture");
+                        "view: invalid combination of eye, target, angle and size");
     }
     if (side > SUPERSAMPLE_LIMIT) {
         return stp_fail(r->base.context, STP_ERROR_ARGUMENT,
-                        "style: at most %d x %d samples a pixel", SUPERSAMPLE_LIMIT,
+                        "style: at most %d x %d samples per pixel", SUPERSAMPLE_LIMIT,
                         SUPERSAMPLE_LIMIT);
     }
     r->view = view;
@@ -315,15 +315,15 @@ static stp_result listen(gl_renderer* r)
 }
 
 /// Queries the context, and checks the required features.
-static stp_result look_at(gl_renderer* r, const stp_draw_gl_desc* desc)
+static stp_result check_context(gl_renderer* r, const stp_draw_gl_desc* desc)
 {
     stp_context* context = r->base.context;
     const char* lacking = stp_gl_load(&r->gl, desc);
     if (lacking != NULL) {
-        return stp_fail(context, STP_ERROR_UNSUPPORTED,
-                        "gl: the context lacks %s: OpenGL 4.5 core with ARB_indirect_parameters is "
-                        "needed",
-                        lacking);
+        return stp_fail(
+            context, STP_ERROR_UNSUPPORTED,
+            "gl: the context lacks %s: OpenGL 4.5 core with ARB_indirect_parameters is required",
+            lacking);
     }
     const GLubyte* name = r->gl.GetString(GL_RENDERER);
     snprintf(r->device, sizeof(r->device), "%s", name != NULL ? (const char*)name : "unknown");
@@ -337,7 +337,7 @@ static stp_result look_at(gl_renderer* r, const stp_draw_gl_desc* desc)
         (10 * major + minor < 46 && !stp_gl_has(&r->gl, "GL_ARB_shader_draw_parameters"))) {
         return stp_fail(context, STP_ERROR_UNSUPPORTED,
                         "gl: %s has OpenGL %d.%d and %d storage blocks in vertex shaders; 4.5 with "
-                        "ARB_shader_draw_parameters, and 12, are needed",
+                        "ARB_shader_draw_parameters, and 12 blocks, are required",
                         r->device, major, minor, blocks);
     }
     GLfloat sizes[2] = {1.0f, 1.0f};
@@ -364,7 +364,7 @@ stp_result stp_draw_gl_create(stp_context* context, stp_store* store, const stp_
     r->directory = stp_store_get_directory(store);
     r->upload_bytes = desc->upload_bytes;
     r->readback = STP_NEW_ZEROED(context, gl_readback, 1);
-    stp_result result = r->readback != NULL ? look_at(r, desc) : stp_fail_memory(context);
+    stp_result result = r->readback != NULL ? check_context(r, desc) : stp_fail_memory(context);
     result = result == STP_OK ? gl_things_create(r) : result;
     if (result == STP_OK) {
         uint64_t memory = desc->memory_bytes > 0 ? desc->memory_bytes : default_memory;

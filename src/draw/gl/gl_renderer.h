@@ -49,7 +49,7 @@ typedef struct gl_shade_pass {
 
 /// Render targets. Sizes are those of the last picture.
 typedef struct gl_target {
-    uint32_t width, height; ///< of what an eye sees
+    uint32_t width, height; ///< size of one eye's picture
     uint32_t eye_count;
     uint32_t full_width;               ///< of the picture: its last column may belong to no eye
     GLuint ids, nearness, framebuffer; ///< of an eye
@@ -124,8 +124,8 @@ typedef struct gl_things {
     uint32_t meshes;      ///< one per item
     uint32_t textures;    ///< two per texture: read as colour, and as data
     uint32_t* point_sets; ///< one per chunk
-    gl_octave_box*
-        boxes; ///< of uploaded octaves: indexed by half the number of their position entry
+    /// Of uploaded octaves: indexed by half the number of their position entry
+    gl_octave_box* boxes;
     uint32_t count;
 } gl_things;
 

@@ -123,8 +123,8 @@ static stp_result make_points(gl_renderer* r, uint32_t index)
     return STP_OK;
 }
 
-static stp_result bring_texture(gl_renderer* r, const stp_store_texture_use* use, bool data,
-                                uint32_t* address)
+static stp_result upload_texture(gl_renderer* r, const stp_store_texture_use* use, bool data,
+                                 uint32_t* address)
 {
     *address = NO_ADDRESS;
     if (use->texture == STP_STORE_NONE) {
@@ -149,13 +149,13 @@ static stp_result make_mesh(gl_renderer* r, uint32_t index)
     if (draw->large && !r->frame.beside) {
         return STP_OK; // all splats of the set are drawn
     }
-    stp_result result = bring_texture(r, &material->base_color_texture, false, &item->base_color);
+    stp_result result = upload_texture(r, &material->base_color_texture, false, &item->base_color);
     if (result == STP_OK) {
-        result = bring_texture(r, &material->metallic_roughness_texture, true,
-                               &item->metallic_roughness);
+        result = upload_texture(r, &material->metallic_roughness_texture, true,
+                                &item->metallic_roughness);
     }
     if (result == STP_OK) {
-        result = bring_texture(r, &material->emissive_texture, false, &item->emissive);
+        result = upload_texture(r, &material->emissive_texture, false, &item->emissive);
     }
     gl_upload got = result == STP_OK ? gl_upload_mesh(r, draw->index) : GL_UPLOAD_FAILED;
     if (got != GL_UPLOAD_THERE) {
@@ -340,7 +340,7 @@ static bool make_room(gl_renderer* r, size_t count)
 
 /// Data without a coarser stand-in comes first, for all items: if memory is short, finer data is
 /// evicted.
-static stp_result bring_urgent(gl_renderer* r)
+static stp_result upload_urgent(gl_renderer* r)
 {
     for (size_t i = 0; i < r->list->count; ++i) {
         const stp_draw_item* draw = &r->list->items[i];
@@ -381,7 +381,7 @@ stp_result gl_frame_make(gl_renderer* r)
         f->commands[i].count = 0;
     }
     gl_pool_begin_frame(&r->pool);
-    stp_result result = bring_urgent(r);
+    stp_result result = upload_urgent(r);
     for (size_t i = 0; i < count && result == STP_OK; ++i) {
         result = make_item(r, (uint32_t)i);
         f->item_count = i + 1;

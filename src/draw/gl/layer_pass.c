@@ -103,7 +103,7 @@ void gl_layer_pass_begin(gl_renderer* r)
     if (wanted && !pass->active && !pass->told) {
         pass->told = true;
         stp_warn(r->base.context,
-                 "gl: there is no graphics memory for layers of transparent surfaces in a picture "
+                 "gl: not enough graphics memory for layers of transparent surfaces in a picture "
                  "of %ux%u: they are drawn as a pattern of pixels",
                  r->target.width, r->target.height);
     }

@@ -264,7 +264,7 @@ stp_result gl_draw_eye(gl_renderer* r, uint32_t eye, const gl_sample_range* rang
     stp_view one = stp_view_of_eye(r->view, eye);
     r->eye = eye;
     if (!stp_view_frame_make(&one, &r->placement.frame)) {
-        return stp_fail(r->base.context, STP_ERROR_ARGUMENT, "view: it has no second eye");
+        return stp_fail(r->base.context, STP_ERROR_ARGUMENT, "view: has no second eye");
     }
     stp_placement_make(&r->placement, r->directory, r->list);
     gl_layer_pass_begin(r);

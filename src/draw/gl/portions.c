@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Draws commands at once, or in batches with a wait after each, so that a picture can be cancelled
-// between batches.
+// Draws commands in one batch, or in several with a wait after each, so that a picture can be
+// cancelled between batches.
 #include "draw/gl/gl_renderer.h"
 
 static const uint64_t portion_vertices = 100000; // a few milliseconds on a CPU, much less on a GPU

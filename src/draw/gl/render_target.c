@@ -44,7 +44,7 @@ static stp_result fail(gl_renderer* r, uint32_t width, uint32_t height)
 {
     gl_target_destroy(r);
     return stp_fail(r->base.context, STP_ERROR_OUT_OF_MEMORY,
-                    "gl: there is no graphics memory for a picture of %ux%u", width, height);
+                    "gl: not enough graphics memory for a picture of %ux%u", width, height);
 }
 
 static void make_textures(gl_renderer* r)

@@ -69,14 +69,14 @@ static stp_ellipse cover_cell(const ellipse_maker* m, const stp_octree_cell* cel
     fit.xx = xx;
     fit.xy = xy;
     fit.yy = yy;
-    stp_ellipse_fit_turn(&fit, m->least);
+    stp_ellipse_fit_orient(&fit, m->least);
     for (uint32_t i = cell->begin; i < cell->end; ++i) {
         stp_vec3 samples[STP_ELLIPSE_SAMPLES];
         stp_ellipse disk = t->disks[t->order[i]];
         disk.center = stp_sub(disk.center, center);
         stp_ellipse_sample(&disk, samples);
         for (int s = 0; s < STP_ELLIPSE_SAMPLES; ++s) {
-            stp_ellipse_fit_reach(&fit, samples[s]);
+            stp_ellipse_fit_expand(&fit, samples[s]);
         }
     }
     fit.center = center;

@@ -17,15 +17,16 @@
 enum { GRAIN = 1024 }; ///< splats
 #define PI 3.14159265358979323846
 #define CELL 1.2f ///< area of a sample, relative to the squared coverage radius of all samples
-/// drawn ellipses overlap a little, because outlines of regions are not ellipses
+/// Scale of drawn ellipses: they overlap slightly, because regions are not exactly elliptical
 #define GROWTH 1.1f
-/// for points, in candidate radii: if all points of a cloud are samples, the reach is 0
+/// Spacing of points, in candidate radii. Used if all points of a cloud are samples: then the
+/// coverage radius is 0
 #define SPACING 1.4142135f
-/// relative to that radius: extent of a sample's disk beyond a disk of its area
+/// Extent of a sample's disk beyond a disk of its area, relative to that radius
 #define MARGIN 0.38f
-#define SCATTERED 0.3f ///< minimum share of surface in an ellipse; below it, pixels are left out
-#define LEAST_SHARE (1.0f / 255.0f) ///< share of a sample's disk that is surface
-#define HALF_DIAGONAL 0.8660254f    ///< of a cube of side 1
+#define SCATTERED 0.3f ///< minimum surface share of an ellipse; below it, pixels are skipped
+#define LEAST_SHARE (1.0f / 255.0f) ///< minimum surface share of a sample's disk
+#define HALF_DIAGONAL 0.8660254f    ///< of a unit cube
 
 typedef struct psp_maker {
     stp_context* context;
@@ -33,13 +34,13 @@ typedef struct psp_maker {
     stp_psp_metric metric;
     stp_splats* splats;
     stp_method_samples points;
-    float* areas; ///< per splat of the forest: the represented surface
+    float* areas; ///< per splat of the forest: represented surface area
     stp_psp_forest forest;
     stp_psp_sequence sequence;
-    uint32_t* counts;   ///< of merges: samples
-    uint8_t* materials; ///< of splats of the forest
-    float reach;        ///< coverage radius of all samples for candidates
-    float spacing;      ///< coverage radius for the surface
+    uint32_t* counts;   ///< samples per merge
+    uint8_t* materials; ///< per splat of the forest
+    float reach;        ///< coverage radius of all samples over the candidates
+    float spacing;      ///< coverage radius over the surface
     float cell;         ///< area of a sample
     stp_shape_directions directions;
 } psp_maker;
@@ -50,7 +51,7 @@ static stp_result make_forest(psp_maker* m)
     m->reach = stp_prefix_table_radius(&m->samples->table, m->samples->count);
     m->spacing = fmaxf(m->reach, SPACING * m->samples->candidate_radius);
     m->cell = CELL * m->spacing * m->spacing;
-    if (!(m->cell > FLT_MIN)) { // samples with few distinct positions
+    if (!(m->cell > FLT_MIN)) { // few distinct sample positions
         m->cell = fmaxf(m->samples->step * m->samples->step, FLT_MIN);
     }
     m->areas = STP_NEW_ARRAY(m->context, float, 2 * (size_t)p->count + 1);
@@ -78,13 +79,13 @@ static void fill_merged(const psp_maker* m, uint32_t splat, uint32_t at)
     float major = stp_length(e->major), minor = e->minor, area = m->areas[splat];
     float share = area / (float)(PI * (double)major * (double)minor);
     bool scattered = share < SCATTERED;
-    // splats that cover little of their samples' disks, such as wires, use only part of the margin
+    // splats that cover little of their samples' disks, such as wires, get only part of the margin
     float filled = area / ((float)m->counts[splat - m->forest.point_count] * m->cell);
     float margin = MARGIN * m->spacing * fminf(filled, 1.0f);
     float scale = scattered ? 1.0f : GROWTH;
     m->splats->coverages[at] =
         scattered ? stp_coverage_of_share((double)share) : STP_COVERAGE_WHOLE;
-    float step = m->splats->step; // centres are rounded by up to half the diagonal of a cell
+    float step = m->splats->step; // rounding moves centres by up to half the diagonal of a cell
     m->splats->shapes[at] =
         stp_shape_of_ellipse(&m->directions, (major * scale + margin) / step + HALF_DIAGONAL,
                              (minor * scale + margin) / step + HALF_DIAGONAL, e->major,
@@ -121,7 +122,7 @@ static void fill_some(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// Number of samples of each merge. Its material is that of the larger part.
+/// Counts the samples of each merge, and gives it the material of its larger part.
 static void find_materials(const psp_maker* m)
 {
     const stp_psp_forest* f = &m->forest;

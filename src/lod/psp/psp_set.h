@@ -2,10 +2,10 @@
 // Sets of method `psp`: a merge forest over a node's samples, stored as splats with shapes and
 // ranges of levels.
 //
-// The order of a set implies its forest. The base set comes first; then each split adds two splats
-// that replace an earlier one. Splits are ordered by falling lowest level of the replaced splats;
-// on ties, the earlier splat is split first. So the first n splats contain the states of all
-// smaller counts, and only ranges need to be stored.
+// The forest follows from the order of a set. The base set comes first; then each split adds two
+// splats that replace an earlier one. Splats with a higher lowest level are split first; ties split
+// the earlier splat first. So the first n splats contain the states of all smaller counts, and only
+// ranges are stored.
 #pragma once
 
 #include "base/splat_columns.h"
@@ -13,8 +13,8 @@
 
 enum { STP_PSP_COLUMNS = STP_SPLATS_SHAPES | STP_SPLATS_RANGES | STP_SPLATS_FLAT_COLORS };
 
-/// Makes the splats of a node by merging its evenly spread samples: a set of method `blue`. A splat
-/// is drawn if the coverage radius wanted by the view lies within its range.
+/// Makes the splats of a node by merging its evenly spaced samples, a set of method `blue`. A splat
+/// is drawn if the coverage radius requested by the view lies in its range.
 /// @param splats arrays come from stp_alloc
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_psp_make(stp_context* context, const stp_splats* samples,

@@ -17,7 +17,7 @@ static uint32_t cut_of(const cutter* c, stp_psp_range of)
         uint32_t end = of.end / STP_KD_LEAF + (of.end % STP_KD_LEAF != 0 ? 1 : 0);
         return (begin + (end - begin) / 2) * STP_KD_LEAF;
     }
-    // three to five eighths
+    // three to five eighths of the range, so that seams move from round to round
     uint64_t part = 384 + (stp_rng_hash(c->rounds->round, c->depth) & 255);
     return of.begin + (uint32_t)(count * part / 1024);
 }
@@ -51,7 +51,7 @@ static void cut_some(size_t begin, size_t end, uint32_t worker, void* user)
 stp_result stp_psp_cut_pieces(stp_psp_rounds* r, uint32_t piece_size, stp_psp_range** ranges,
                               uint32_t* count)
 {
-    // pieces hold more than a third of the size each
+    // each piece holds more than a third of `piece_size`
     size_t most = 4 + 2 * (3 * (size_t)r->live / piece_size + 1);
     stp_context* context = r->shared.context;
     cutter c = {.rounds = r, .piece_size = piece_size, .count = 1};

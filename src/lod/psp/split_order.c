@@ -7,7 +7,7 @@
 
 #include <stdlib.h>
 
-/// minimum level of a merge: that of the smallest normal float
+/// Minimum level of a merge: the smallest normal float
 #define LEAST_CODE 0x100u
 #define PI 3.14159265358979323846
 #define LEVEL_MOST 1e30f ///< finite
@@ -24,8 +24,8 @@ typedef struct splitter {
     stp_progressive_queue queue; ///< of places in the sequence
 } splitter;
 
-/// Level of a merge: radius of a disk with the area of its largest error, including all merges
-/// below it. 0 for samples.
+/// Level of a splat: radius of a disk with the area of the largest error among its merge and all
+/// merges below it. 0 for samples.
 static float level_of(const stp_psp_forest* f, uint32_t splat)
 {
     if (splat < f->point_count) {
@@ -34,7 +34,8 @@ static float level_of(const stp_psp_forest* f, uint32_t splat)
     return fminf((float)sqrt(f->merges[splat - f->point_count].level / PI), LEVEL_MOST);
 }
 
-/// Appends a splat. @param highest maximum level at which it is drawn
+/// Appends a splat.
+/// @param highest maximum level at which it is drawn
 static void append(splitter* s, uint32_t splat, float highest)
 {
     const stp_psp_forest* f = s->forest;
@@ -78,8 +79,8 @@ static void append_roots(splitter* s, root* roots)
     }
 }
 
-/// The highest level of a part is the lowest level of its merge, plus the possible difference of
-/// levels between their positions.
+/// Highest level of a part: the lowest level of its merge, plus the maximum difference of levels
+/// between their positions.
 static float find_highest(const splitter* s, uint32_t merge, uint32_t part)
 {
     const stp_psp_forest* f = s->forest;

@@ -17,18 +17,18 @@ enum {
     GRAIN = 4096, ///< splats
 };
 
-#define ROUNDED 1.05f ///< a 64th of an edge at both ends, and more
+#define ROUNDED 1.05f ///< a 64th of an edge at both ends, with some margin
 
 typedef struct spt_maker {
     stp_context* context;
     const stp_splats* samples;
     stp_splats* splats;
-    stp_method_samples points; ///< the samples as points
+    stp_method_samples points; ///< samples as points
     stp_point_tree tree;
     stp_point_sequence sequence;
-    stp_node_splat* nodes;    ///< the splats of the tree's nodes
-    uint64_t *keys, *scratch; ///< of places in the sequence, which are the lower 32 bits
-    const uint64_t* arranged; ///< one of the two, as the splats lie
+    stp_node_splat* nodes;    ///< splats of the tree's nodes
+    uint64_t *keys, *scratch; ///< key, and place in the sequence in the lower 32 bits
+    const uint64_t* arranged; ///< sorted keys: `keys` or `scratch`, in the order of the splats
 } spt_maker;
 
 static stp_result make_tree(spt_maker* m, const stp_tree_desc* desc)
@@ -59,7 +59,7 @@ static stp_result make_nodes(spt_maker* m, const stp_spt_desc* desc)
     return result;
 }
 
-/// The place of a splat along a curve through the grid: the upper bits of its Morton code.
+/// Position of a splat along a curve through the grid: the upper bits of its Morton code.
 static uint32_t find_place(const uint16_t* position)
 {
     return stp_morton(position[2] >> 10, position[1] >> 10, position[0] >> 10);
@@ -70,14 +70,14 @@ static uint32_t find_range(const spt_maker* m, size_t place)
     return stp_range_code(0.5f * m->sequence.lowest[place], 0.5f * m->sequence.highest[place]);
 }
 
-/// Whether triangles are drawn wherever a splat would be. Rounded, they may be a little smaller.
+/// Whether triangles are drawn wherever a splat would be. Rounding may shrink them slightly.
 static bool is_replaced(const spt_maker* m, const stp_node_splat* node, size_t place)
 {
     return stp_range_level(find_range(m, place) >> 16) * ROUNDED < node->replaced;
 }
 
-/// Within a band, from one breakpoint of the table to the next, those that triangles replace come
-/// last. Others lie by where they face, then by where they are, so that neighbours can be left out
+/// Within a band between two breakpoints of the table, splats replaced by triangles come last.
+/// Others are sorted by direction, then by position, so that neighbouring splats can be culled
 /// together.
 static void find_keys(size_t begin, size_t end, uint32_t worker, void* user)
 {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Method `spt`: a point tree over evenly spread samples, stored as a sequence of splats with shapes
-// and ranges of levels (Dachsbacher et al. 2003, 3.1 to 3.7).
+// Method `spt`: a point tree over evenly spaced samples, stored as a sequence of splats with shapes
+// and ranges of levels (Dachsbacher et al. 2003, sections 3.1 to 3.7).
 #pragma once
 
 #include "base/splat_columns.h"
@@ -12,12 +12,12 @@ typedef struct stp_spt_desc {
     uint32_t triangle_count;
 } stp_spt_desc;
 
-/// Makes the splats of a node from its evenly spread samples: a set of method `blue`, of which all
-/// surfels become leaves, as large as they are drawn. Ranges and the prefix table hold half errors:
-/// a splat is drawn where the radius that is wanted lies within its range. Splats lie by falling
-/// highest level; leaves count as exact, and from the table's last radius on the samples are too
-/// few. A splat that is drawn only at levels at which large triangles are drawn all around its
-/// samples is marked: they replace it. Arrays of the result come from stp_alloc.
+/// Makes the splats of a node from its evenly spaced samples, a set of method `blue`. Each surfel
+/// becomes a leaf with the size at which it is drawn. Ranges and the prefix table hold half errors:
+/// a splat is drawn if the requested radius lies in its range. Splats are sorted by descending
+/// highest level. Leaves count as exact; beyond the table's last radius the samples are too sparse.
+/// A splat is marked as replaced if it is drawn only at levels at which large triangles surround
+/// its samples. Arrays of the result are allocated with stp_alloc.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_spt_make(stp_context* context, const stp_splats* samples,
                                      const stp_spt_desc* desc, stp_splats* splats);

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/// Allocates a block like another one, with this many links, and copies splats and states.
+/// Allocates a block for this many links, and copies splats and states of another block.
 static bool copy_block(const stp_psp_room* room, const stp_psp_block* from, size_t state_bytes,
                        size_t links, stp_psp_block* to)
 {
@@ -24,7 +24,7 @@ static bool copy_block(const stp_psp_room* room, const stp_psp_block* from, size
     return true;
 }
 
-/// Links in both directions; a piece drops duplicates.
+/// Adds links in both directions; duplicates are dropped when a piece is loaded.
 static void link_nearest(stp_psp_block* b, const uint32_t* near, uint32_t k)
 {
     uint32_t total = 0;
@@ -48,7 +48,7 @@ static void link_nearest(stp_psp_block* b, const uint32_t* near, uint32_t k)
     }
 }
 
-stp_result stp_psp_link_anew(stp_psp_rounds* r)
+stp_result stp_psp_relink(stp_psp_rounds* r)
 {
     stp_context* context = r->shared.context;
     stp_psp_block *b = &r->blocks[0], linked = {0};
