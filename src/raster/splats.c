@@ -132,10 +132,7 @@ uint64_t stp_splats_draw_portable(const stp_splat_frame* frame)
     for (uint32_t first = splats->begin; first < splats->end; first += SPLAT_BATCH) {
         uint32_t left = splats->end - first;
         uint32_t count = left < SPLAT_BATCH ? left : SPLAT_BATCH;
-        if (splats->wanted != NULL && splats->wanted[first / SPLAT_BATCH] == 0) {
-            if (splats->hidden != NULL) {
-                splats->hidden[first / SPLAT_BATCH] = 0;
-            }
+        if (skip_unwanted(splats, first)) {
             continue;
         }
         load_positions_scalar(frame, first, count, &batch);

@@ -59,10 +59,7 @@ static uint64_t draw_all(const stp_splat_frame* frame)
     for (uint32_t first = splats->begin; first < splats->end; first += SPLAT_BATCH) {
         uint32_t left = splats->end - first;
         uint32_t count = left < SPLAT_BATCH ? left : SPLAT_BATCH;
-        if (splats->wanted != NULL && splats->wanted[first / SPLAT_BATCH] == 0) {
-            if (splats->hidden != NULL) {
-                splats->hidden[first / SPLAT_BATCH] = 0;
-            }
+        if (skip_unwanted(splats, first)) {
             continue;
         }
         if (splats->positions != NULL && count == SPLAT_BATCH) {

@@ -224,6 +224,16 @@ static inline void load_normals_scalar(const stp_splat_frame* frame, uint32_t fi
     }
 }
 
+/// Whether no splat of a batch is wanted; then none counts as hidden.
+static inline bool skip_unwanted(const stp_raster_splats* splats, uint32_t first)
+{
+    bool skips = splats->wanted != NULL && splats->wanted[first / SPLAT_BATCH] == 0;
+    if (skips && splats->hidden != NULL) {
+        splats->hidden[first / SPLAT_BATCH] = 0;
+    }
+    return skips;
+}
+
 /// A batch of fully drawn splats; load_parts may change them.
 static inline splat_batch empty_batch(void)
 {

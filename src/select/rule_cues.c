@@ -236,18 +236,9 @@ static stp_result share_out(stp_selection* s, const stp_cue_view* view, uint32_t
 static stp_draw_item make_item(const stp_selection* s, const stp_select_entry* at,
                                const stp_set_use* use)
 {
-    return (stp_draw_item){.kind = STP_DRAW_SURFELS,
-                           .index = use->set,
-                           .prefix = use->count,
-                           .full_prefix = use->count,
-                           .radius = (float)use->radius,
-                           .sections = at->sections,
-                           .ghost = at->shown == STP_SHOW_GHOST,
-                           .of_points = stp_select_is_of_points(s, at->node),
-                           .one_sided = !s->quality->all_sides &&
-                                        s->directory->nodes[at->node].point_count == 0 &&
-                                        !use->surfels->unknown_signs,
-                           .transform = at->transform};
+    stp_draw_item item = stp_select_splat_item(s, at, use);
+    item.of_points = stp_select_is_of_points(s, at->node);
+    return item;
 }
 
 /// Without leaves, a prefix of the set is a random sample, with splats large enough for it.
