@@ -113,6 +113,15 @@ def check_tests(path):
                 yield f"no test {name}"
 
 
+def check_places(path):
+    """A row of a table with a file and then functions: the file has these functions."""
+    for file, cell in re.findall(r"\| `(src/[\w/.]+)` \| ((?:`\w+`(?:, )?)+) \|$", text_of(path), re.M):
+        code = text_of(ROOT / file) if (ROOT / file).exists() else ""
+        for name in re.findall(r"`(\w+)`", cell):
+            if not re.search(rf"^[a-z].*\b{name}\(", code, re.M):
+                yield f"{file} has no function {name}"
+
+
 def check_parts(path):
     for part in PARTS:
         if not re.search(rf"\b{part}(\.\*\*|s?:| of)", text_of(path)):
@@ -176,7 +185,7 @@ def main():
         name = path.relative_to(ROOT)
         checks = [check_lines, check_links]
         if name.name != "CHANGELOG.md" and "notes" not in name.parts: # these tell of the past
-            checks += [check_names, check_tests]
+            checks += [check_names, check_places, check_tests]
             checks += [tool.check] if tool else []
         if name.parent.name == "algorithms" and name.name != "README.md":
             checks.append(check_parts)

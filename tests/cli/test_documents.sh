@@ -8,10 +8,12 @@ source=$3
 rm -rf "$scratch"
 . "$(dirname "$0")/shared.sh"
 command -v python3 > /dev/null || exit 77
-mkdir -p "$scratch/docs/algorithms" "$scratch/tests"
+mkdir -p "$scratch/docs/algorithms" "$scratch/tests" "$scratch/src"
 
 python3 "$source/scripts/check_docs.py" --tool "$stipple" > "$scratch/found" ||
     fail "documents have faults: $(cat "$scratch/found")"
+
+echo 'int there(void)' > "$scratch/src/there.c"
 
 # a folder of documents with one fault of each kind
 touch "$scratch/CHANGELOG.md" "$scratch/README.md"
@@ -20,6 +22,7 @@ echo 'void test_that_exists(test_state* test)' > "$scratch/tests/test_one.c"
     printf 'word %.0s' {1..21} && echo
     echo 'See [nothing](missing.md), [no heading](testing.md#absent) and [this one](testing.md#a-heading).'
     echo 'The file `src/missing.c` and the function `stp_missing`.'
+    printf '\n| idea | `src/there.c` | `there`, `absent` |\n\n'
     echo 'Run `stipple build x.obj --missing` and `stipple missing`, not `stipple build x.obj --fresh`.'
 } > "$scratch/docs/faults.md"
 printf '## A heading\n' > "$scratch/docs/testing.md"
@@ -38,6 +41,7 @@ docs/faults.md: no command: stipple missing
 docs/faults.md: no file for the link missing.md
 docs/faults.md: no file src/missing.c
 docs/faults.md: no heading for the link testing.md#absent
+docs/faults.md: src/there.c has no function absent
 docs/faults.md: stipple build has no option --missing
 docs/performance.md: 3001 words, at most 3000
 END
