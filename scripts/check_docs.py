@@ -95,11 +95,12 @@ def file_exists(name):
 
 def check_names(path):
     text = re.sub(r"^```.*?^```", "", text_of(path), flags=re.M | re.S)
+    printed = re.findall(r"^```\w+\n(?:#|//) (\S+)", text_of(path), re.M) # programs in the document
     for name in sorted(set(re.findall(r"`([^`\n]+)`", text))):
         words = name.split()
         looks_like_path = re.fullmatch(r"[\w.*/+-]+", words[0]) and "..." not in words[0] and (
             words[0].split("/")[0] in FOLDERS and "/" in words[0] or words[0].endswith(CODE_SUFFIXES))
-        if looks_like_path and not words[0].startswith("bench/results") and not file_exists(words[0]):
+        if looks_like_path and words[0] not in printed and not words[0].startswith("bench/results") and not file_exists(words[0]):
             yield f"no file {words[0]}"
         if re.fullmatch(r"(stp|STP)_\w+", name) and name not in identifiers():
             yield f"no code has the name {name}"
