@@ -16,7 +16,7 @@ FOLDERS = "base|bench|cmake|docs|examples|fuzz|include|scenes|scripts|src|stippl
 CODE_SUFFIXES = (".c", ".h", ".cpp", ".py", ".sh", ".glsl")
 FOREIGN = {"_v4.cpp", "gtscompare", "lasreaditemcompressed_v3.cpp"}  # files and programs of others
 # Parts of a page of docs/algorithms, which may stand anywhere on it.
-PARTS = ["Code", "Rule", "Test"]
+PARTS = ["Paper", "Code", "Rule", "Guarantee", "Test"]
 
 
 def documents():
@@ -125,7 +125,7 @@ def check_places(path):
 
 def check_parts(path):
     for part in PARTS:
-        if not re.search(rf"\b{part}(\.\*\*|s?:| of)", text_of(path)):
+        if not re.search(rf"\b{part}s?(\.\*\*|:)", text_of(path)):
             yield f"the page has no part {part}"
     sections = re.split(r"^## ", text_of(path), flags=re.M)[1:]
     for section in sections:

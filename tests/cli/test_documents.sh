@@ -35,6 +35,7 @@ cat > "$scratch/expected" << 'END'
 docs/algorithms/page.md: no test that_is_missing
 docs/algorithms/page.md: section One has a guarantee but no test
 docs/algorithms/page.md: the page has no part Code
+docs/algorithms/page.md: the page has no part Paper
 docs/faults.md: 1: 105 columns, at most 100
 docs/faults.md: no code has the name stp_missing
 docs/faults.md: no command: stipple missing
