@@ -254,9 +254,9 @@ static int print_report(const scan* s, double seconds)
     uint64_t rays = s->points + s->misses;
     double rate = s->cast_seconds > 0.0 ? (double)rays / s->cast_seconds : 0.0;
     if (!args.json) {
-        printf("%llu points from %u stations, %llu rays hit nothing; %.2f s, %.3g rays/s\n",
-               (unsigned long long)s->points, s->station_count, (unsigned long long)s->misses,
-               seconds, rate);
+        printf("%llu points from %u station%s, %llu rays hit nothing; %.2f s, %.3g rays/s\n",
+               (unsigned long long)s->points, s->station_count, s->station_count == 1 ? "" : "s",
+               (unsigned long long)s->misses, seconds, rate);
         return 0;
     }
     json_t* places = json_array();

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Decides what to load and what to drop for it. Loads and drops are steps: one octave of a set, or
-// one whole other thing. The most needed step comes first, in whichever thing it is. Data is
-// dropped in this order: not wanted for longest, finer than wanted, much less needed than the new
-// data.
+// Decides what to load, and what to drop (evict) for it. Loads and drops are steps: one octave of a
+// set, or another thing as a whole. The most needed step comes first, of any thing. Data is dropped
+// in this order: not wanted for longest, finer than wanted, much less needed than the new data.
 #include "base/prefix_table.h"
 #include "store/residency_internal.h"
 
