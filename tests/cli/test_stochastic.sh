@@ -97,6 +97,22 @@ for part in 20% 60%; do
     draw part --splat-size 6 --prefix $part
     alike part.png whole.png 0.5
 done
+# splats reach into the picture from leaves that lie outside of it: a wall on the faces of cubes, four pixels beyond
+python3 - << 'END'
+import random
+import struct
+some = random.Random(3)
+points = [(some.random(), some.random(), 0, 0, 0, 1) for _ in range(20000)]
+points += [(-0.5 + 0.01 * some.random(), 0.5 + 0.01 * some.random(), 0, 0, 0, 1) for _ in range(200)]
+with open("wall.ply", "wb") as file:
+    file.write(b"ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % len(points))
+    file.write(b"".join(b"property float %s\n" % name for name in (b"x", b"y", b"z", b"nx", b"ny", b"nz")) + b"end_header\n")
+    file.write(b"".join(struct.pack("<6f", *point) for point in points))
+END
+"$stipple" -q build wall.ply -o wall.stip --method stochastic || fail "no build of a wall"
+"$stipple" render wall.stip -o wall.png --eye -0.52,0.5,5 --target -0.52,0.5,0 --ortho 1 --size 200x200 --splat-size 16 --once --accumulate 1 \
+    --json > wall.json || fail "no picture of a wall"
+[ "$(value wall.json covered_pixels)" -gt 150 ] || fail "splats of leaves beside the picture are missing: $(cat wall.json)"
 # attributes of points: a strip of class 6 in ground
 python3 - << 'END'
 import math
