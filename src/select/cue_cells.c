@@ -57,8 +57,8 @@ static void link_cells(stp_cue_cell* cells, uint32_t count, growth_lists* lists)
         uint32_t growth = growth_of(lists, &cells[i]);
         cells[i].growth = growth;
         cells[i].next = NONE;
-        *(lists->heads[growth] == NONE ? &lists->heads[growth]
-                                       : &cells[lists->ends[growth]].next) = i;
+        *(lists->heads[growth] == NONE ? &lists->heads[growth] : &cells[lists->ends[growth]].next) =
+            i;
         lists->ends[growth] = i;
     }
 }

@@ -20,8 +20,8 @@
 #define STP_CUE_ERROR_FEATURE 1.5 ///< factor at a silhouette, an edge or a highlight
 #define STP_CUE_HIGHLIGHT 0.26    ///< sine of a highlight's angle around the mirror direction
 
-#define STP_CUE_RADIUS 1.05       ///< of a splat, in sides of the square that it stands for
-#define STP_CUE_LONGEST 1.5       ///< limit on an ellipse's larger radius, in those of its disk
+#define STP_CUE_RADIUS 1.05 ///< of a splat, in sides of the square that it stands for
+#define STP_CUE_LONGEST 1.5 ///< limit on an ellipse's larger radius, in those of its disk
 
 /// A set in a view.
 typedef struct stp_cue_view {

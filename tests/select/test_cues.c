@@ -213,7 +213,7 @@ void test_cues_do_not_hide_a_surface_by_itself(test_state* test)
     uint32_t count = 0;
     s.set.count = 0;
     for (uint64_t code = 0; code < 4096 && count < 256; ++code) { // the cubes of layer 0
-        if ((code & 0x492) != 0) { // bits of y
+        if ((code & 0x492) != 0) {                                // bits of y
             continue;
         }
         stp_splat_leaf* leaf = &s.leaves[count++];
@@ -243,8 +243,8 @@ void test_cues_do_not_hide_a_surface_by_itself(test_state* test)
     uint32_t behind = 0, hidden = 0;
     for (uint32_t i = 0; i < s.tree.node_count; ++i) {
         const stp_leaf_node* node = &s.nodes[i];
-        bool is_far = node->leaf_count == 1 && node->corner[0] > 0x6000 && node->corner[2] > 0x4000 &&
-                      node->corner[2] < 0xB000;
+        bool is_far = node->leaf_count == 1 && node->corner[0] > 0x6000 &&
+                      node->corner[2] > 0x4000 && node->corner[2] < 0xB000;
         behind += is_far ? 1 : 0;
         hidden += is_far && stp_cue_occlusion(&view, node, 5.0) == 1.0 ? 1 : 0;
     }
