@@ -3,6 +3,7 @@
 #pragma once
 
 #include "lod/stochastic/leaf_octree.h"
+#include "lod/stochastic/scatter.h"
 
 /// Points on the grid of positions; normals come with the cloud or are estimated.
 typedef struct stp_leaf_points {
@@ -17,6 +18,7 @@ typedef struct stp_leaf_facts {
     stp_vec3
         normal; ///< representative: of the plane through its points, or the mean of oriented normals
     float flatness; ///< l0 / (l0 + l1 + l2)
+    float lasting;  ///< flatness that larger scales show as well (lod/stochastic/scales.h)
     float area;     ///< of the surface in it, about
     float spacing;  ///< side of the square that a point stands for
     float
@@ -29,8 +31,10 @@ typedef struct stp_leaf_facts {
 } stp_leaf_facts;
 
 /// Plane, flatness, area and edge of each leaf. Of a leaf of few points the usual spacing is taken. On all threads.
+/// @param scatters NULL, or receives for each leaf that of its random choice, relative to its corner
 void stp_leaf_facts_of_places(stp_context* context, const stp_leaf_octree* octree,
-                              const stp_leaf_points* points, stp_leaf_facts* facts);
+                              const stp_leaf_points* points, stp_leaf_facts* facts,
+                              stp_scatter* scatters);
 
 /// The median of all points' spacing: half of the points lie closer. 0 without leaves.
 float stp_leaf_median_spacing(const stp_leaf_octree* octree, const stp_leaf_facts* facts);

@@ -19,6 +19,8 @@ typedef struct stp_leaf_desc {
         neighbours; ///< K, 1 to STP_LEAF_NEIGHBOURS_MOST: leaves around one that its side is handed on to
     uint32_t
         normal_neighbours; ///< K1, about so many points around one give its normal, where it has none
+    uint32_t
+        scales; ///< 1 to STP_LEAF_SCALES_MOST: sizes of region that a feature has to show at
     uint32_t sample; ///< so many points, chosen at random, stand for the region where it has more
 } stp_leaf_desc;
 
