@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Sets that were made leaf by leaf, `stochastic`: a view takes from each leaf as many of its splats
-// as the cues are worth, the first ones of its random order, so a leaf's splats stay while the eye
-// rests (Bhakar, Luo, Mudur 2004, 3.2). What is far away is taken cube by cube of the octree. Where
-// all splats of a set do not suffice, the node is opened.
+// Method `stochastic`, sets built leaf by leaf. The cues decide how many splats a view takes from
+// each leaf. These are the first of the leaf's order, so they stay the same while the eye rests
+// (Bhakar, Luo, Mudur 2004, 3.2). Distant content is taken by whole octree cubes. If all splats of a
+// set do not suffice, the node is opened.
 #include "base/leaf_runs.h"
 #include "base/prefix_table.h"
 #include "select/cue_cells.h"
@@ -90,8 +90,8 @@ static stp_result add_cell(stp_selection* s, size_t* count, stp_cue_cell cell)
     return STP_OK;
 }
 
-/// The splats of a cube for a number of samples: of several leaves whole octaves, of one as many as
-/// are wanted.
+/// Chooses the splats of a cube for a number of samples: whole octaves for several leaves, the exact
+/// number for one.
 static stp_cue_cell cell_of(const stp_splats* set, const stp_leaf_node* node, double samples,
                             uint32_t here)
 {
@@ -105,7 +105,7 @@ static stp_cue_cell cell_of(const stp_splats* set, const stp_leaf_node* node, do
     return cell;
 }
 
-/// Whole samples of a leaf; the rest goes to the leaf that is next along the curve.
+/// Rounds the samples of a leaf. The rounding error goes to the next leaf along the curve.
 static double round_leaf(const stp_leaf_node* node, double samples, double* carried)
 {
     double all = (double)node->count;
@@ -115,7 +115,7 @@ static double round_leaf(const stp_leaf_node* node, double samples, double* carr
     return whole;
 }
 
-/// One splat of a cube, where the octaves that are loaded have one.
+/// One splat of a cube, if the loaded octaves contain one.
 static stp_cue_cell least_cell(const stp_splats* set, const stp_leaf_node* node, uint32_t here)
 {
     stp_cue_cell cell = {.first = node->first, .last = node->first + node->count};
@@ -126,14 +126,14 @@ static stp_cue_cell least_cell(const stp_splats* set, const stp_leaf_node* node,
 
 /// State of a visit to the cubes of a set.
 typedef struct cue_walk {
-    double carried;     ///< rounded off so far
-    double before;      ///< splats before the cube that the last ray began in
-    uint32_t ray_until; ///< first node that is not inside that cube
-    stp_cue_cell least; ///< one splat of a seen cube
+    double carried;     ///< rounding error so far
+    double before;      ///< splats between the eye and the cube of the last ray
+    uint32_t ray_until; ///< first node outside that cube
+    stp_cue_cell least; ///< one splat of a visible cube
 } cue_walk;
 
-/// Whether any splats of a cube may be in view. They extend beyond it: its points may all lie on
-/// the face that is next to the picture.
+/// Whether any splat of a cube may be in view. Splats extend beyond the cube, and all its points may
+/// lie on the face next to the picture.
 static bool sees_cube(const stp_selection* s, const stp_cue_view* view, const stp_leaf_node* node,
                       stp_sight* sight)
 {
@@ -147,7 +147,7 @@ static bool sees_cube(const stp_selection* s, const stp_cue_view* view, const st
     return stp_select_see(s, &box, sight);
 }
 
-/// Follows a ray to the eye from a cube that is not opened, or from one of few leaves, which share
+/// Traces a ray to the eye from a cube that is not opened, or from one of few leaves, which share
 /// it.
 static void look_ahead(cue_walk* walk, const stp_cue_view* view, uint32_t index, bool opens,
                        const stp_sight* sight)
@@ -159,8 +159,8 @@ static void look_ahead(cue_walk* walk, const stp_cue_view* view, uint32_t index,
     }
 }
 
-/// Visits visible cubes, and opens those that need many splats. A set of which anything is seen
-/// draws at least one splat, also where all its points lie in one place.
+/// Visits visible cubes, and opens those that need many splats. A visible set draws at least one
+/// splat, even if all its points coincide.
 static stp_result choose_cells(stp_selection* s, const stp_cue_view* view, uint32_t here,
                                size_t* count)
 {
@@ -188,8 +188,8 @@ static stp_result choose_cells(stp_selection* s, const stp_cue_view* view, uint3
     return result == STP_OK && *count == 0 ? add_cell(s, count, walk.least) : result;
 }
 
-/// What a splat count is shared by: cues that do not depend on the eye. By STP_CUE_ERROR_BIT it is
-/// the area alone.
+/// Weight of a leaf when a splat count is distributed: the view-independent cues, or the area alone
+/// with STP_CUE_ERROR_BIT.
 static double worth_of(const stp_cue_view* view, const stp_leaf_node* node)
 {
     double samples = (double)node->area;
@@ -202,10 +202,10 @@ static double worth_of(const stp_cue_view* view, const stp_leaf_node* node)
     return samples * (bends ? 1.0 + fmin((double)node->flatness / STP_CUE_FLATNESS, 1.0) : 1.0);
 }
 
-/// A splat count that is shared by the leaves of a set.
+/// Distribution of a splat count over the leaves of a set.
 typedef struct cue_share {
     const stp_cue_view* view;
-    uint32_t octaves; ///< loaded
+    uint32_t octaves; ///< number of loaded octaves
     double density;   ///< splats per unit of weight
 } cue_share;
 

@@ -39,14 +39,14 @@ with open("cloud.ply", "wb") as file:
 END
 refused 2 'leaf-points requires --method stochastic' build cloud.ply -o a.stip --leaf-points 100
 refused 2 'leaf-flatness requires --method stochastic' build cloud.ply -o a.stip --leaf-flatness 0.001
-for option in "leaf-sample 100" "leaf-neighbors 6" "normal-neighbors 30"; do
+for option in "leaf-sample 100" "leaf-scales 3" "leaf-neighbors 6" "normal-neighbors 30"; do
     # shellcheck disable=SC2086
     refused 2 "${option% *} requires --method stochastic" build cloud.ply -o a.stip --$option
 done
 "$stipple" -q build cloud.ply -o cloud.stip --method stochastic || fail "no build"
 "$stipple" -q build cloud.ply -o other.stip --method stochastic --threads 1 --fresh || fail "no build by one thread"
 cmp -s cloud.stip other.stip || fail "the file depends on the number of threads"
-"$stipple" -q build cloud.ply -o finer.stip --method stochastic --leaf-points 100 --leaf-flatness 0.001 --leaf-sample 64 --leaf-neighbors 8 --normal-neighbors 12 || fail "no finer build"
+"$stipple" -q build cloud.ply -o finer.stip --method stochastic --leaf-points 100 --leaf-flatness 0.001 --leaf-sample 64 --leaf-scales 1 --leaf-neighbors 8 --normal-neighbors 12 || fail "no finer build"
 [ "$(wc -c < finer.stip)" -gt "$(wc -c < cloud.stip)" ] || fail "finer leaves take no more bytes"
 for file in cloud finer; do
     "$stipple" -q check $file.stip || fail "$file.stip is wrong"

@@ -10,18 +10,17 @@ enum {
     GRAIN = 64,         ///< leaves
     PLANE_SAMPLE = 256, ///< points that the plane is of; the first ones, which are in random order
     EDGE_POINTS = 8,    ///< points tested for lying on an edge
-    EDGE_AMONG = 128,   ///< points that neighbours are looked for among: a power of 2
+    EDGE_AMONG = 128,   ///< points among which neighbours are searched: a power of 2
     EDGE_NEIGHBOURS = 16,
     BEND_SAMPLE = 48,
-    OUTLYING =
-        10, ///< one of so many normals may lie farther from the representative one than the spread
-    LEAST_POINTS = 6, ///< for a plane and an area of its own
+    OUTLYING = 10,    ///< one of this many normals may lie beyond the spread
+    LEAST_POINTS = 6, ///< minimum for a plane and an area
 };
 #define AREA_OF_SCATTER 12.5 // a rectangle has 12 sqrt(l1 l2), a disk 4 pi
 #define LINE_OF_SCATTER                                                                            \
     12.0 // the square of a line's length: points on it stand for squares as wide as they are apart
 #define AREA_OF_FOLD 4.0 // how much more a folded surface has, by its flatness
-#define LEAST_RATIO 0.5f // of radii of a splat
+#define LEAST_RATIO 0.5f // minimum ratio of a splat's radii
 #define LEAST_BEND                                                                                 \
     0.1f         // radius of a splat of few, in radii of curvature, below which it stays a disk
 #define FEW 6.0f // how much larger a splat is where few are drawn
@@ -62,7 +61,7 @@ typedef struct edge_points {
     uint32_t count;
 } edge_points;
 
-/// The points nearest to one: their numbers in the low bits of keys that grow with the distance, to within one part of 2^16.
+/// Finds the points nearest to a point. The low bits of a key are the index, the others grow with the distance, to within 2^-16.
 static uint32_t find_nearest(const edge_points* among, uint32_t point,
                              uint32_t nearest[EDGE_NEIGHBOURS])
 {
@@ -86,7 +85,7 @@ static uint32_t find_nearest(const edge_points* among, uint32_t point,
     return found;
 }
 
-/// Whether the points nearest to one lie as at an edge.
+/// Whether the nearest neighbours of a point are distributed as at an edge.
 static bool is_edge_point(const edge_points* among, uint32_t point)
 {
     uint32_t nearest[EDGE_NEIGHBOURS], found = find_nearest(among, point, nearest);
@@ -103,7 +102,7 @@ static bool is_edge_point(const edge_points* among, uint32_t point)
     return stp_scatter_is_edge(eigenvalues);
 }
 
-/// If none of the points chosen lies at an edge, there is none (2, Edge Containment).
+/// Whether any of the sampled points lies at an edge (2, Edge Containment).
 static bool has_edge(const fact_loop* l, size_t leaf)
 {
     edge_points among;
@@ -174,7 +173,7 @@ void stp_leaf_facts_of_places(stp_context* context, const stp_leaf_octree* octre
 
 enum { SPACINGS = 512 }; ///< sixteen to a factor of two
 
-/// Which of the classes a spacing is in.
+/// Histogram class of a spacing.
 static uint32_t class_of(float spacing)
 {
     const uint32_t lowest = (127u - 8u) << 4; // a 256th of a step
@@ -237,7 +236,7 @@ typedef struct bend {
     double uu, uv, vv;
 } bend;
 
-/// How normals turn along a surface, by least squares: the matrix S with dn = S dp.
+/// Fits how normals turn along a surface: the matrix S with dn = S dp, by least squares.
 static bool fit_bend(const fact_loop* l, size_t leaf, stp_vec3 u, stp_vec3 v, bend* out)
 {
     uint32_t count;
@@ -271,7 +270,7 @@ static bool fit_bend(const fact_loop* l, size_t leaf, stp_vec3 u, stp_vec3 v, be
     return true;
 }
 
-/// The ellipse of a leaf's splats: as long against its width as the larger curvature is to the smaller one, along the smaller.
+/// Sets the ellipse of a leaf's splats. Its axes have the inverse ratio of the principal curvatures.
 static void find_ellipse(const fact_loop* l, size_t leaf)
 {
     stp_leaf_facts* f = &l->facts[leaf];

@@ -7,13 +7,13 @@
 #include <string.h>
 
 enum {
-    BRIDGE_LEAVES = 128, ///< of a piece, from which a way across a gap is looked for
-    BRIDGES_MOST = 64,   ///< pieces for which one is looked for
+    BRIDGE_LEAVES = 128, ///< leaves of a piece that are tested for a step across a gap
+    BRIDGES_MOST = 64,   ///< maximum number of pieces that are tested
 };
-#define ACROSS 0.5f // what a step straight from a surface to another weighs
-#define GAP 4.0f    // in sides of both leaves together
+#define ACROSS 0.5f // weight of a step perpendicular to the surface
+#define GAP 4.0f    // maximum gap, in sides of both leaves together
 
-/// A step from a leaf that is oriented to another: the least weight first, then the least leaves.
+/// A step from an oriented leaf to another. Order: lowest weight, then lowest leaf indices.
 typedef struct orient_step {
     float weight;
     uint32_t to, from;
@@ -26,8 +26,8 @@ typedef struct orienter {
     float* places;        ///< 3 a leaf
     uint32_t* neighbours; ///< `near` a leaf
     uint32_t* begins;     ///< of `links`, count + 1
-    uint32_t* links;      ///< neighbours either way
-    uint32_t* pieces;     ///< of each leaf the first leaf of its piece
+    uint32_t* links;      ///< neighbours in both directions
+    uint32_t* pieces;     ///< per leaf, the first leaf of its piece
     bool* done;
     orient_step* heap;
     size_t heap_count;
@@ -76,7 +76,7 @@ static stp_vec3 place_of(const orienter* o, uint32_t leaf)
     return (stp_vec3){p[0], p[1], p[2]};
 }
 
-/// The normal of a leaf as it would be at another one, were the surface bent evenly between them.
+/// Normal of a leaf carried to another leaf, as if the surface bent evenly between them.
 static stp_vec3 carry(const orienter* o, uint32_t from, uint32_t to, stp_vec3* way)
 {
     *way = stp_normalize(stp_sub(place_of(o, to), place_of(o, from)));
@@ -84,13 +84,13 @@ static stp_vec3 carry(const orienter* o, uint32_t from, uint32_t to, stp_vec3* w
     return stp_sub(n, stp_scale(*way, 2.0f * stp_dot(*way, n)));
 }
 
-/// How little the normal of a leaf can be relied on: 0 of flat ones, 1 of a few points.
+/// Uncertainty of a leaf's normal: 0 for flat leaves, 1 for a few points.
 static float doubt(const stp_leaf_facts* f)
 {
     return f->known ? 3.0f * f->flatness : 1.0f;
 }
 
-/// Small where the sign is certain, and along a surface rather than from one to another.
+/// Low where the sign is certain, and for steps along a surface.
 static float weigh(const orienter* o, uint32_t a, uint32_t b)
 {
     stp_vec3 way, carried = carry(o, a, b, &way);
@@ -100,7 +100,7 @@ static float weigh(const orienter* o, uint32_t a, uint32_t b)
            doubt(&o->facts[b]);
 }
 
-/// Turns the normal of a leaf to that of another one.
+/// Turns the normal of a leaf to the side of another leaf's.
 static void turn(orienter* o, uint32_t to, uint32_t from)
 {
     stp_vec3 way, carried = carry(o, from, to, &way);
@@ -132,7 +132,7 @@ static void spread_from(orienter* o, uint32_t leaf)
     }
 }
 
-/// Links each leaf with those near it, and those that it is near to.
+/// Links leaves with their nearest leaves, in both directions.
 static stp_result link_leaves(stp_context* context, orienter* o)
 {
     stp_result result =
@@ -161,7 +161,7 @@ static stp_result link_leaves(stp_context* context, orienter* o)
     return STP_OK;
 }
 
-/// Names the piece that each leaf is of, with the heap's memory as a stack.
+/// Finds the connected piece of each leaf. Uses the heap's memory as a stack.
 static void find_pieces(orienter* o)
 {
     uint32_t* stack = (uint32_t*)(void*)o->heap;
@@ -186,8 +186,8 @@ static void find_pieces(orienter* o)
     }
 }
 
-/// The leaf that is next to begin with: of those that are not oriented yet, about as high as the highest one, the one whose plane
-/// faces up most. At an edge or corner, what is up tells little. UINT32_MAX: none is left.
+/// Next leaf to start from: among unoriented leaves about as high as the highest one, the one whose plane faces up most. At an edge
+/// or corner, the up direction says little. UINT32_MAX: none is left.
 static uint32_t find_highest(const orienter* o)
 {
     uint32_t highest = UINT32_MAX, best = UINT32_MAX;
@@ -210,7 +210,7 @@ static uint32_t find_highest(const orienter* o)
     return best;
 }
 
-/// Looks for the shortest way from oriented leaves to a piece. @return whether it is short enough
+/// Finds the shortest step from oriented leaves to a piece. @return whether it is short enough
 static bool find_bridge(const orienter* o, uint32_t piece, uint32_t* to, uint32_t* from)
 {
     uint32_t size = 0, met = 0;

@@ -4,7 +4,7 @@
 #include "base/leaf_codes.h"
 
 enum { GRAIN = 256 }; ///< leaves
-#define LASTS 0.5     // of the flatness at a scale, at the next one
+#define LASTS 0.5     // minimum ratio of flatness to that of the scale below, for a lasting edge
 
 typedef struct scale_loop {
     const stp_leaf_octree* octree;
@@ -13,14 +13,14 @@ typedef struct scale_loop {
     stp_leaf_facts* facts;
 } scale_loop;
 
-/// The last cube of each depth that a loop came by: leaves in it follow each other.
+/// The last measured cube of each depth. Leaves of a cube are consecutive.
 typedef struct cube_memory {
     uint64_t codes[STP_LEAF_DEPTH_MOST + 1];
     float flatness[STP_LEAF_DEPTH_MOST + 1];
     bool known[STP_LEAF_DEPTH_MOST + 1];
 } cube_memory;
 
-/// The first leaf whose code is at least `code`.
+/// First leaf whose Morton code is at least `code`.
 static uint32_t find_leaf(const stp_leaf_octree* octree, uint64_t code)
 {
     uint32_t low = 0, high = octree->leaf_count;

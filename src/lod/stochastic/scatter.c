@@ -3,9 +3,9 @@
 
 enum { NEWTON_STEPS = 6 };
 #define ROOT_THREE 1.7320508075688772
-#define IS_ROOT 0.1   // what of the equation may be left, of its largest term
-#define ALIKE 0.1     // as much of the larger one, for two eigenvalues to be about the same
-#define CERTAIN 1e-24 // of squares of eigenvalues: below that no direction stands out
+#define IS_ROOT 0.1   // maximum residual of the equation, relative to its largest term
+#define ALIKE 0.1     // minimum ratio of two eigenvalues that are about the same
+#define CERTAIN 1e-24 // relative to squares of eigenvalues: below it no direction stands out
 
 void stp_scatter_add(stp_scatter* s, double x, double y, double z)
 {
@@ -49,7 +49,7 @@ void stp_scatter_matrix(const stp_scatter* s, double matrix[6])
     matrix[5] = s->zz * each - z * z;
 }
 
-/// What the cubic equation is made of: l^3 - sum l^2 + squares l - det = 0.
+/// Coefficients of the cubic equation l^3 - sum l^2 + squares l - det = 0.
 typedef struct cubic {
     double sum, squares, det;
 } cubic;
@@ -65,7 +65,7 @@ static cubic cubic_of(const double m[6])
     };
 }
 
-/// cos(acos(c) / 3), between 1/2 and 1: the root of 4 t^3 - 3 t = c, by Newton's method from above it.
+/// cos(acos(c) / 3), between 1/2 and 1: the root of 4 t^3 - 3 t = c, by Newton's method from above.
 static double cosine_of_third(double c)
 {
     c = c > -1.0 ? (c < 1.0 ? c : 1.0) : -1.0;
@@ -108,7 +108,7 @@ bool stp_smallest_eigenvalue(const double m[6], double* eigenvalue)
         return false; // all lie on a line
     }
     double x = c.det > 0.0 ? c.det / c.squares : 0.0;
-    // put back, the last two terms cancel; they are as large as the equation has any
+    // substituted, the last two terms cancel; they are the equation's largest
     double left = x * x * (c.sum - x), largest = c.squares * x;
     if (!(left <= IS_ROOT * largest)) {
         return false;

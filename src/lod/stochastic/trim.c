@@ -11,8 +11,8 @@ static double count_of(const stp_leaf_octree* octree, uint32_t leaf)
     return (double)(octree->leaves[leaf].end - octree->leaves[leaf].begin);
 }
 
-/// Points that a square of the grid's step keeps so that about `wanted` are kept. Leaves that have fewer keep all; what they lack
-/// is shared by the others, of which some then have too few, and so on.
+/// Density, in points per square of the grid step, that keeps about `wanted` points. Leaves with fewer keep all; the others share
+/// the difference, repeatedly.
 static double find_density(const stp_leaf_octree* octree, const stp_leaf_facts* facts,
                            double wanted)
 {
