@@ -8,7 +8,7 @@ are built with each method, and drawn in view iso; the reference is all points, 
 covered pixels, milliseconds (the least of three frames) and bytes at equal numbers of splats (`random`: sets of `blue` in random order).
 `cues`: splats and SSIM with each cue switched off in turn, by size of splats. `sizes`: splats drawn by size of the picture, as in
 Table 2, by the paper's rule and by ours. `build`: processor seconds, median of three in turn. `times`: milliseconds of selecting and drawing by one thread, by splats and by
-distance, least of three processes in turn, each the median of its frames; the environment variable STIPPLE names another program to measure.
+distance: the least of nine frames, each of a process of its own; the environment variable STIPPLE names another program to measure.
 Writes stochastic-MODEL.jpg: the reference, and three methods with equal numbers of splats.
 """
 import math
@@ -70,19 +70,19 @@ def build(cloud, method, folder):
     return out, kit.processor_seconds() - before
 
 
-def draw(stored, picture, size, *options, once=True):
-    return kit.stipple("render", stored, "-o", picture, "--size", size, *(["--once"] if once else []), *options)
+def draw(stored, picture, size, *options):
+    return kit.stipple("render", stored, "-o", picture, "--size", size, "--once", *options)
 
 
 class Model:
     """A cloud, its files and its reference."""
 
-    def __init__(self, given, model, folder):
+    def __init__(self, given, model, folder, methods):
         self.name = pathlib.Path(model).stem
         self.folder, self.size = folder, given.size
         self.cloud = cloud_of(model, folder)
         self.files = {}
-        for method in METHODS:
+        for method in methods:
             kit.say(f"{self.name} {method} ...")
             self.files[method] = build(self.cloud, method, folder)[0]
         self.truth = folder / f"{self.name}-truth.png"
@@ -172,8 +172,8 @@ def time_frames(given, model):
     for label, options in ways.items():
         row = [model.name, label]
         for method in ("stochastic", "blue"):
-            frames = [draw(model.files[method], model.folder / "frame.png", given.size, "--accumulate", 1, "--threads", 1, *options, once=False)
-                      for _ in range(3)]
+            frames = [draw(model.files[method], model.folder / "frame.png", given.size, "--accumulate", 1, "--threads", 1, *options)
+                      for _ in range(9)]
             times = {name: min(f[name] for f in frames) for name in ("select_ms", "draw_ms")}
             results.append(kit.result("stochastic-times", {"scene": model.name, "method": method, "size": given.size, "view": label},
                                       {**times, "splats": frames[0]["splats"]}))
@@ -193,7 +193,7 @@ def main():
     results = []
     with tempfile.TemporaryDirectory() as name:
         for path in given.models:
-            model = Model(given, path, pathlib.Path(name))
+            model = Model(given, path, pathlib.Path(name), METHODS if parts != ["times"] else METHODS[:2])
             results += compare_counts(given, model) if "counts" in parts else []
             results += switch_cues(model) if "cues" in parts else []
             results += grow_pictures(model) if "sizes" in parts else []
