@@ -32,7 +32,7 @@ stp_leaf_desc stp_leaf_desc_default(void)
     };
 }
 
-/// A point that is being sorted into its leaf.
+/// A point while it is sorted into its leaf.
 typedef struct placed_point {
     uint16_t at[3];
     uint16_t spare;
@@ -48,7 +48,8 @@ typedef struct octree_maker {
     size_t leaf_capacity;
 } octree_maker;
 
-/// Uses all points if there are few, else a random sample with repetition.
+/// Scatter of a cell's points: of all points if there are few, otherwise of a random sample (with
+/// repetition).
 static void scatter_of(const octree_maker* m, const stp_leaf_cell* cell, double matrix[6])
 {
     uint32_t count = cell->end - cell->begin;
@@ -78,14 +79,14 @@ static bool is_leaf(const octree_maker* m, const stp_leaf_cell* cell)
     return stp_scatter_is_flat(matrix, (double)m->desc->flatness);
 }
 
-/// Octant of a position in a cell of this depth.
+/// Octant of a cell at this depth that contains a position.
 static uint32_t side_of(const uint16_t at[3], uint32_t depth)
 {
     uint32_t shift = STP_LEAF_DEPTH_MOST - 1 - depth;
     return (at[0] >> shift & 1u) | (at[1] >> shift & 1u) << 1 | (at[2] >> shift & 1u) << 2;
 }
 
-/// Sorts the points of a cell by octant. The sort is stable.
+/// Stably sorts the points of a cell by octant.
 static void divide(octree_maker* m, const stp_leaf_cell* cell, uint32_t ends[SIDES])
 {
     uint32_t counts[SIDES] = {0}, next[SIDES];
@@ -121,7 +122,7 @@ static stp_result add_leaf(octree_maker* m, const stp_leaf_cell* leaf)
     return STP_OK;
 }
 
-/// Divides all cells. The next cell along the curve is on top of the stack.
+/// Divides cells depth first. The top of the stack is the next one along the curve.
 static stp_result divide_all(octree_maker* m, uint32_t count)
 {
     stp_leaf_cell stack[STACK];
@@ -152,7 +153,8 @@ static stp_result divide_all(octree_maker* m, uint32_t count)
     return result;
 }
 
-/// Shuffles the points of each leaf (Fisher and Yates). The order depends only on the leaf's first index.
+/// Shuffles each leaf's points (Fisher and Yates). The order depends only on the leaf's first
+/// index.
 static void shuffle(const octree_maker* m)
 {
     const stp_leaf_octree* octree = m->octree;
