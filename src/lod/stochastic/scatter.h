@@ -16,6 +16,11 @@ typedef struct stp_scatter {
 
 void stp_scatter_add(stp_scatter* scatter, double x, double y, double z);
 
+/// Adds the points of another scatter, each with a weight.
+/// @param from origin of the other scatter's coordinates
+void stp_scatter_merge(stp_scatter* scatter, const stp_scatter* other, double weight,
+                       const double from[3]);
+
 /// The covariance matrix: xx, xy, xz, yy, yz, zz. All 0 without points.
 void stp_scatter_matrix(const stp_scatter* scatter, double matrix[6]);
 
