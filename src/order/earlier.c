@@ -19,10 +19,10 @@ typedef struct earlier_piece {
 
 typedef struct earlier {
     stp_tree tree;
-    uint32_t* ids;                    ///< by position in the tree
-    uint32_t* rank_of;                ///< by point
-    uint32_t* ranks;                  ///< by position; lanes past the last point: UINT32_MAX
-    uint32_t* lowest;                 ///< by leaf: lowest rank
+    uint32_t* ids;                     ///< by position in the tree
+    uint32_t* rank_of;                 ///< by point
+    uint32_t* ranks;                   ///< by position; lanes past the last point: UINT32_MAX
+    uint32_t* lowest;                  ///< by leaf: lowest rank
     uint32_t* levels[STP_TREE_LEVELS]; ///< likewise, by branch
     earlier_piece* pieces;
     const stp_points* points;
