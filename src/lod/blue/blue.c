@@ -214,7 +214,7 @@ static stp_result sort_radii(const blue* b, float* sorted)
 // For a point cloud, the point spacing replaces the capture's pixel. On a surface of even density,
 // half the points, farthest first, have about the spacing of all; an eighth of them has 2.9 times
 // the spacing, and each further quarter doubles it. Where that gives more, half the points are near
-// duplicates, or density varies, and the value closes the gaps of sparse parts
+// duplicates, or density varies, and the value narrows the gaps of sparse parts
 // (docs/notes/2026-11-scan-spacing.md).
 static stp_result measure_spacing(blue* b)
 {
