@@ -5,7 +5,7 @@
 #include "base/sort.h"
 #include "lod/blue/children.h"
 #include "lod/blue/finish.h"
-#include "lod/points.h"
+#include "lod/cloud_candidates.h"
 
 #include <string.h>
 
