@@ -29,7 +29,7 @@
 #define MOST_CANDIDATES 1750000.0
 
 // Part of every key: increase when the same node and options give other surfels.
-static const char* const result_version = "stipple-surfels-12";
+static const char* const result_version = "stipple-surfels-13";
 
 // The nearest sets above a node, over all paths to it, in the node's own space.
 typedef struct above {

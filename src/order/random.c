@@ -1,33 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "base/clock.h"
-#include "base/math.h"
 #include "base/rng.h"
-#include "order/cover.h"
-#include "order/order_kinds.h"
-
-// Computes the radii that the exact order produces as a by-product: distances to earlier points,
-// and of all points to the order. Not counted in the time of a random order.
-static stp_result measure_radii(const stp_points* points, const stp_team* team,
-                                stp_order_output* output)
-{
-    stp_near_grid grid;
-    stp_near_grid_nearest nearest = stp_near_grid_nearest_select();
-    stp_result result = stp_cover_create_grid(points, team->context, &grid);
-    for (uint32_t i = 0; i < output->ordered && result == STP_OK; ++i) {
-        stp_vec3 p = stp_points_scaled(points, output->order[i]);
-        if (output->radii != NULL) {
-            float squared;
-            nearest(&grid, (float[3]){p.x, p.y, p.z}, 1, &squared);
-            output->radii[i] = sqrtf(squared) / points->scale;
-        }
-        result = stp_near_grid_add(&grid, p.x, p.y, p.z);
-    }
-    if (result == STP_OK && output->final_radius != NULL) {
-        result = stp_cover_radius(points, team, &grid, output->final_radius);
-    }
-    stp_near_grid_destroy(&grid);
-    return result;
-}
+#include "order/earlier.h"
 
 // A prefix of a random permutation: swaps each place with a random later one (Fisher and Yates;
 // Durstenfeld 1964).
@@ -55,5 +29,5 @@ stp_result stp_order_random(const stp_points* points, const stp_team* team,
     if (output->radii == NULL && output->final_radius == NULL) {
         return STP_OK;
     }
-    return measure_radii(points, team, output);
+    return stp_earlier_measure(points, team, output); // not counted in the time of the order
 }

@@ -14,6 +14,10 @@
 #include <assert.h>
 
 #define DEFAULT_LEAF 400000u
+// Points of a piece have one spacing, so pieces are small where density may vary
+// (docs/notes/2026-11-scan-spacing.md). Clouds of a few pieces stay whole.
+#define DEFAULT_POINTS 25000u
+#define DEFAULT_CLOUD 100000u
 #define DEFAULT_CHILDREN 16u
 // Parts with fewer triangles or points get no approximation of their own (Brandt 5.2).
 #define SMALL_PART 1000u
@@ -34,6 +38,7 @@ typedef struct partition {
     stp_edge* old_edges;
     stp_part* old_parts;
     size_t old_count;
+    uint32_t cloud_points; ///< most points of a set that stays whole
     uint8_t* dissolved;   ///< of each old edge: the parent absorbs the child's content (dissolve.h)
     uint32_t* made;       ///< of each old node: the new one
     uint32_t* cut_meshes; ///< of each mesh: the node of its pieces; STP_NONE: not cut
@@ -288,14 +293,15 @@ static stp_result cut_kind(partition* p, stp_part_kind kind, const uint8_t* uses
         uint32_t size =
             is_mesh ? scene->meshes[i].triangle_count : scene->point_sets[i].point_count;
         nodes[i] = STP_NONE;
-        if (size <= p->desc.leaf_triangles || (uses[i] & STP_USED_RESTING) == 0) {
+        uint32_t most = is_mesh ? p->desc.leaf_triangles : p->desc.leaf_points;
+        if (size <= (is_mesh ? most : p->cloud_points) || (uses[i] & STP_USED_RESTING) == 0) {
             continue;
         }
         uint32_t first = 0, pieces = 0;
         result = stp_progress(scene->context, "partition", 0.5 * (double)i / (double)count);
         if (result == STP_OK) {
-            result = is_mesh ? stp_cut_mesh(scene, i, p->desc.leaf_triangles, &first, &pieces)
-                             : stp_cut_points(scene, i, p->desc.leaf_triangles, &first, &pieces);
+            result = is_mesh ? stp_cut_mesh(scene, i, most, &first, &pieces)
+                             : stp_cut_points(scene, i, most, &first, &pieces);
         }
         if (result == STP_OK && (uses[i] & STP_USED_MOVING) == 0) {
             stp_scene_release(scene, (stp_part){kind, i}); // never twice in memory
@@ -380,6 +386,11 @@ stp_result stp_scene_partition(stp_scene* scene, const stp_partition_desc* desc)
                    .old_parts = scene->node_parts,
                    .old_count = scene->node_count};
     p.desc.leaf_triangles = desc->leaf_triangles != 0 ? desc->leaf_triangles : DEFAULT_LEAF;
+    bool given = desc->leaf_points != 0 || desc->leaf_triangles != 0;
+    p.desc.leaf_points = desc->leaf_points != 0 ? desc->leaf_points
+                         : given                ? desc->leaf_triangles
+                                                : DEFAULT_POINTS;
+    p.cloud_points = given ? p.desc.leaf_points : DEFAULT_CLOUD;
     p.desc.child_count = desc->child_count != 0 ? desc->child_count : DEFAULT_CHILDREN;
     p.desc.child_count = p.desc.child_count < 2                 ? 2
                          : p.desc.child_count > STP_GROUP_LIMIT ? STP_GROUP_LIMIT

@@ -22,6 +22,9 @@ typedef struct stp_partition_desc {
     /// Limit of a leaf; default 400,000: twice the maximum surfels (Brandt 5.2)
     uint32_t leaf_triangles;
     uint32_t child_count; ///< maximum edges plus parts of a node; default 16
+    /// Limit of a piece of a point set; default leaf_triangles where that is given, else 25,000,
+    /// and sets of up to 100,000 points stay whole
+    uint32_t leaf_points;
 } stp_partition_desc;
 
 /// Call once, after stp_scene_finish. Deterministic for any number of threads.

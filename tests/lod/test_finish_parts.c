@@ -61,7 +61,7 @@ void test_octaves_halve_the_radius(test_state* test)
         envelope[i] = 10.0f / sqrtf((float)i);
     }
     uint32_t ends[STP_OCTAVE_LIMIT];
-    uint32_t size = stp_choose_octaves(envelope, 0.0f, COUNT, ends);
+    uint32_t size = stp_choose_octaves(envelope, 0.0f, HUGE_VAL, COUNT, ends);
     CHECK(size >= 6 && size <= 8);
     CHECK_EQUAL(COUNT, ends[size - 1]);
     uint64_t entries = 0;
@@ -85,28 +85,56 @@ void test_octaves_end_where_disks_do_not_shrink(test_state* test)
         envelope[i] = i < 2000 ? 10.0f / sqrtf((float)i) : envelope[i - 1] * 0.95f;
     }
     uint32_t ends[STP_OCTAVE_LIMIT], entries = 0;
-    uint32_t size = stp_choose_octaves(envelope, 0.2f, COUNT, ends);
+    uint32_t size = stp_choose_octaves(envelope, 0.2f, HUGE_VAL, COUNT, ends);
     for (uint32_t i = 0; i < size; ++i) {
         entries += ends[i];
     }
     CHECK(size >= 3 && entries < 2 * COUNT);
 }
 
+// Of a random order, nearly all points may still cover with large disks only.
+void test_octaves_leave_crowded_prefixes_out(test_state* test)
+{
+    enum { COUNT = 5000 };
+    static float envelope[COUNT];
+    envelope[0] = INFINITY;
+    for (int i = 1; i < COUNT; ++i) {
+        envelope[i] =
+            i < COUNT - 40 ? 10.0f / (1.0f + 0.1f * (float)i / COUNT) : envelope[i - 1] * 0.8f;
+        envelope[i] = i < 20 ? 100.0f / (float)i : envelope[i];
+    }
+    uint32_t ends[STP_OCTAVE_LIMIT], crowded = 0;
+    const double most = 1e4;
+    for (int limited = 0; limited < 2; ++limited) {
+        uint32_t size =
+            stp_choose_octaves(envelope, 0.0f, limited != 0 ? most : HUGE_VAL, COUNT, ends);
+        CHECK(size >= 2 && ends[size - 1] == COUNT);
+        for (uint32_t i = 0; i + 1 < size; ++i) {
+            double disk = (double)envelope[ends[i]];
+            bool over = STP_PI * disk * disk * ends[i] > most;
+            crowded += over ? 1 : 0;
+            CHECK(!over || limited == 0);
+            CHECK(ends[i] < ends[i + 1]);
+        }
+    }
+    CHECK(crowded >= 3);
+}
+
 void test_octaves_of_odd_orders(test_state* test)
 {
     uint32_t ends[STP_OCTAVE_LIMIT];
     float one[] = {INFINITY};
-    CHECK_EQUAL(1, stp_choose_octaves(one, 0.0f, 1, ends));
+    CHECK_EQUAL(1, stp_choose_octaves(one, 0.0f, HUGE_VAL, 1, ends));
     CHECK_EQUAL(1, ends[0]);
     float same[] = {INFINITY, 2, 2, 2, 2};
-    CHECK_EQUAL(2, stp_choose_octaves(same, 0.0f, 5, ends));
+    CHECK_EQUAL(2, stp_choose_octaves(same, 0.0f, HUGE_VAL, 5, ends));
     CHECK_EQUAL(1, ends[0]);
     CHECK_EQUAL(5, ends[1]);
     float zeros[] = {INFINITY, 0, 0};
-    CHECK_EQUAL(1, stp_choose_octaves(zeros, 0.0f, 3, ends));
+    CHECK_EQUAL(1, stp_choose_octaves(zeros, 0.0f, HUGE_VAL, 3, ends));
     CHECK_EQUAL(3, ends[0]);
     float jump[] = {INFINITY, 1e30f, 1e-30f, 1e-30f}; // more halvings than there may be octaves
-    uint32_t size = stp_choose_octaves(jump, 0.0f, 4, ends);
+    uint32_t size = stp_choose_octaves(jump, 0.0f, HUGE_VAL, 4, ends);
     CHECK(size >= 2 && size <= STP_OCTAVE_LIMIT);
     for (uint32_t i = 1; i < size; ++i) {
         CHECK(ends[i] > ends[i - 1]);
@@ -117,7 +145,7 @@ void test_octaves_of_odd_orders(test_state* test)
     for (int i = 1; i < 64; ++i) {
         many[i] = many[i - 1] > 1e38f ? 1e18f : many[i - 1] * 0.5f;
     }
-    CHECK_EQUAL(STP_OCTAVE_LIMIT, stp_choose_octaves(many, 0.0f, 64, ends));
+    CHECK_EQUAL(STP_OCTAVE_LIMIT, stp_choose_octaves(many, 0.0f, HUGE_VAL, 64, ends));
     CHECK_EQUAL(64, ends[STP_OCTAVE_LIMIT - 1]);
     CHECK_EQUAL(64 - STP_OCTAVE_LIMIT + 1, ends[0]);
 }

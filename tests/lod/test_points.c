@@ -146,3 +146,47 @@ void test_surfels_of_clouds_have_the_attributes_of_their_points(test_state* test
         }
     }
 }
+
+// Where a twelfth of the points, eight times as far apart, has 0.85 of the area, disks are larger
+// than the dense part alone needs: twice as large in the exact order.
+void test_disks_grow_where_parts_are_sparse(test_state* test)
+{
+    static const stp_order_kind kinds[] = {STP_ORDER_EXACT, STP_ORDER_RANDOM};
+    for (int round = 0; round < 4; ++round) {
+        bool even = round / 2 == 1;
+        uint32_t dense = 100 * 100, sparse = even ? 0 : 30 * 30;
+        stp_context* context = test_context(NULL, 2, NULL);
+        stp_scene* scene = NULL;
+        uint32_t index, object;
+        CHECK(context != NULL && stp_scene_create(context, &scene) == STP_OK);
+        stp_point_set set = {.point_count = dense + sparse,
+                             .positions =
+                                 STP_NEW_ARRAY(context, float, 3 * (size_t)(dense + sparse))};
+        CHECK(set.positions != NULL);
+        for (uint32_t i = 0; i < dense + sparse; ++i) { // spaced 0.125, and 1 beside
+            bool near = i < dense;
+            uint32_t k = near ? i : i - dense, side = near ? 100 : 30;
+            float step = near ? 0.125f : 1.0f;
+            set.positions[3 * i] = (near ? 0.0f : 13.0f) + step * (float)(k % side);
+            set.positions[3 * i + 1] = 0.0f;
+            set.positions[3 * i + 2] = step * (float)(k / side);
+        }
+        CHECK_EQUAL(STP_OK, stp_scene_add_point_set(scene, &set, &index));
+        CHECK_EQUAL(STP_OK, stp_scene_add_object(scene,
+                                                 &(stp_object){.parent = STP_NONE,
+                                                               .transform = stp_affine_identity()},
+                                                 &object));
+        CHECK_EQUAL(STP_OK, stp_scene_add_part(scene, (stp_part){STP_PART_POINTS, index}));
+        CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
+        stp_blue_desc desc = {.order = {.kind = kinds[round % 2], .seed = 3}};
+        uint8_t shading[4] = {0};
+        stp_splats s;
+        CHECK_EQUAL(STP_OK, stp_blue_make(scene, scene->root, shading, &desc, &s, NULL));
+        CHECK_EQUAL(dense + sparse, s.count);
+        float least = even ? 0.06f : round == 0 ? 0.16f : 0.115f, most = even ? 0.12f : 0.5f;
+        CHECK(s.candidate_radius > least && s.candidate_radius < most);
+        stp_splats_destroy(context, &s);
+        stp_scene_destroy(scene);
+        stp_context_destroy(context);
+    }
+}

@@ -253,7 +253,8 @@ void test_many_children_get_a_hierarchy(test_state* test)
     }
     CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
     CHECK_EQUAL(STP_OK, stp_scene_partition(scene, &(stp_partition_desc){0}));
-    CHECK(judge_graph(scene, &(stp_partition_desc){400000, 16}) == NULL);
+    CHECK(judge_graph(scene, &(stp_partition_desc){.leaf_triangles = 400000, .child_count = 16}) ==
+          NULL);
     CHECK(scene->node_count < 700); // with 16 a node, 225 would be enough for the leaves
     CHECK_EQUAL(scene->objects[top].node, scene->root); // it would only repeat it
     double leaves = 0.0;
@@ -304,7 +305,8 @@ void test_layers_are_dissolved(test_state* test)
     CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
     stp_node before = scene->nodes[scene->objects[layers[0]].node];
     CHECK_EQUAL(STP_OK, stp_scene_partition(scene, &(stp_partition_desc){.child_count = 9}));
-    CHECK(judge_graph(scene, &(stp_partition_desc){400000, 9}) == NULL);
+    CHECK(judge_graph(scene, &(stp_partition_desc){.leaf_triangles = 400000, .child_count = 9}) ==
+          NULL);
     CHECK_EQUAL(before.triangle_count, scene->nodes[scene->objects[layers[0]].node].triangle_count);
     CHECK(is_below(scene, scene->root, scene->objects[storey].node));
     CHECK(!is_below(scene, scene->root, scene->objects[layers[0]].node)); // it is still a node
@@ -623,4 +625,41 @@ void test_partitions_survive_failing_allocator(test_state* test)
         CHECK_EQUAL(0, heap.live_bytes);
     }
     CHECK(made && failures > 100);
+}
+
+// Points of a large cloud are cut into small pieces; a small cloud stays whole.
+void test_large_clouds_are_cut_finely(test_state* test)
+{
+    static const uint32_t counts[] = {100000, 100001};
+    for (int k = 0; k < 2; ++k) {
+        stp_context* context = test_context(NULL, 2, NULL);
+        stp_scene* scene = NULL;
+        uint32_t object, index;
+        CHECK(context != NULL && stp_scene_create(context, &scene) == STP_OK);
+        stp_point_set set = {.point_count = counts[k],
+                             .positions = STP_NEW_ARRAY(context, float, 3 * (size_t)counts[k])};
+        CHECK(set.positions != NULL);
+        for (uint32_t i = 0; i < counts[k]; ++i) {
+            set.positions[3 * i] = (float)(i % 400);
+            set.positions[3 * i + 1] = 0.0f;
+            set.positions[3 * i + 2] = (float)(i / 400);
+        }
+        CHECK_EQUAL(STP_OK, stp_scene_add_point_set(scene, &set, &index));
+        CHECK(add_object(scene, STP_NONE, stp_affine_identity(), 0, &object));
+        CHECK_EQUAL(STP_OK, stp_scene_add_part(scene, (stp_part){STP_PART_POINTS, index}));
+        CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
+        CHECK_EQUAL(STP_OK, stp_scene_partition(scene, &(stp_partition_desc){0}));
+        uint64_t points = 0;
+        uint32_t pieces = 0, most = k == 0 ? 100000 : 25000;
+        for (size_t i = 0; i < scene->node_part_count; ++i) {
+            uint32_t count = scene->point_sets[scene->node_parts[i].index].point_count;
+            CHECK(count <= most);
+            points += count;
+            pieces += 1;
+        }
+        CHECK_EQUAL(counts[k], points);
+        CHECK_EQUAL(k == 0 ? 1 : 5, pieces);
+        stp_scene_destroy(scene);
+        stp_context_destroy(context);
+    }
 }

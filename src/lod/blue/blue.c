@@ -3,9 +3,12 @@
 
 #include "base/clock.h"
 #include "base/saturate.h"
+#include "base/sort.h"
 #include "lod/blue/children.h"
 #include "lod/blue/finish.h"
 #include "lod/cloud_candidates.h"
+
+#include <string.h>
 
 // a quarter of Brandt 5.2: blue.h. More give pictures of the same SSIM
 // (docs/notes/2026-11-candidates.md, 2026-11-proportion.md).
@@ -15,6 +18,7 @@
 #define MOST_CANDIDATES 1750000u // Brandt, Table 2
 #define FINE_PIXEL 0x1p-7        // of triangles, in coarse ones: for a diagonal of 1,024
 #define NORMAL_SPACINGS 2.5f     // radius for estimating a point's normal
+#define SPARSE_PART 128u         // sparse parts of a cloud count if they have this share of points
 #define LEAST_EXTENT 0x1p-60     // scene units; squared distances below it underflow
 
 typedef struct blue {
@@ -180,28 +184,66 @@ static stp_result order_candidates(blue* b)
     return result == STP_OK ? append_coincident(b) : result;
 }
 
-// For a point cloud, the point spacing replaces the capture's pixel. Half the points, farthest
-// first, have about the spacing of all. If more than half are near-duplicates, an eighth is used
-// instead: on surfaces, eight times the points have 0.35 of the spacing.
-static void measure_spacing(blue* b)
+// Sorts the insertion radii, the largest first. An exact order has them so; others do not.
+static stp_result sort_radii(const blue* b, float* sorted)
 {
     uint32_t count = b->distinct;
-    float half = count > 1 ? b->radii[(count + 1) / 2] : 0.0f;
-    float eighth = count > 8 ? b->radii[(count + 7) / 8] * 0.35f : 0.0f;
+    if (b->order_desc.kind == STP_ORDER_EXACT) {
+        memcpy(sorted, b->radii, count * sizeof(*sorted));
+        return STP_OK;
+    }
+    uint64_t* items = STP_NEW_ARRAY(b->scene->context, uint64_t, 2 * (size_t)count);
+    if (items == NULL) {
+        return stp_fail_memory(b->scene->context);
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t bits; // of numbers that are not negative, as ordered as they are
+        memcpy(&bits, &b->radii[i], sizeof(bits));
+        items[i] = (uint64_t)(0x7FFFFFFFu - bits) << 32 | bits;
+    }
+    const uint64_t* order = stp_sort_u64(items, items + count, count, 32, 31);
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t bits = (uint32_t)order[i];
+        memcpy(&sorted[i], &bits, sizeof(bits));
+    }
+    stp_free(b->scene->context, items);
+    return STP_OK;
+}
+
+// For a point cloud, the point spacing replaces the capture's pixel. On a surface of even density,
+// half the points, farthest first, have about the spacing of all; an eighth of them has 2.9 times
+// the spacing, and each further quarter doubles it. Where that gives more, half the points are near
+// duplicates, or density varies, and the value narrows the gaps of sparse parts
+// (docs/notes/2026-11-scan-spacing.md).
+static stp_result measure_spacing(blue* b)
+{
+    uint32_t count = b->distinct;
+    float* sorted = STP_NEW_ARRAY(b->scene->context, float, count + 1);
+    if (sorted == NULL) {
+        return stp_fail_memory(b->scene->context);
+    }
+    stp_result result = sort_radii(b, sorted);
+    float spacing = result == STP_OK && count > 1 ? sorted[(count + 1) / 2] : 0.0f, share = 0.35f;
+    for (uint32_t part = 8; result == STP_OK && part <= SPARSE_PART && part < count; part *= 4) {
+        spacing = stp_max(spacing, sorted[(count + part - 1) / part] * share);
+        share *= 0.5f;
+    }
+    stp_free(b->scene->context, sorted);
     // All points are covered: the remaining candidates are duplicates.
     bool all = !(b->finish.final_radius > 0.0f);
     double part = all ? 1.0 : (double)count / (double)b->candidates.count;
-    b->candidates.pixel_size = (double)stp_max(half, eighth) * sqrt(part);
+    b->candidates.pixel_size = (double)spacing * sqrt(part);
+    return result;
 }
 
 static stp_result finish(blue* b, const uint8_t* shading_of_material, stp_splats* surfels)
 {
     if (b->from_points) {
-        measure_spacing(b);
+        stp_result result = measure_spacing(b);
         float radius = (float)b->candidates.pixel_size * NORMAL_SPACINGS;
-        stp_result result =
-            b->two_sided ? stp_estimate_point_normals(b->scene->context, &b->candidates, radius)
-                         : STP_OK;
+        if (result == STP_OK && b->two_sided) {
+            result = stp_estimate_point_normals(b->scene->context, &b->candidates, radius);
+        }
         if (result != STP_OK) {
             return result;
         }

@@ -9,7 +9,8 @@
 
 #define PAPER_COUNT 1000u // p_m, as in Brandt 4.1
 #define GRAIN 16384
-#define AHEAD 24u // candidates to prefetch ahead
+#define AHEAD 24u         // candidates to prefetch ahead
+#define OVERLAP_MOST 64.0 // disks of an octave over each place
 
 typedef struct finish {
     const stp_finish_input* input;
@@ -164,6 +165,15 @@ static void make_tables(finish* f)
     s->paper_radius = stp_median_spacing(f->positions, s->paper_count);
 }
 
+// Disks of an even order overlap about seven times. Only clouds are limited: a capture's pixels do
+// not tell its area.
+static double most_area(const finish* f)
+{
+    const stp_candidates* c = f->input->candidates;
+    bool known = c->direction_count == 0 && c->pixel_size > 0.0;
+    return known ? OVERLAP_MOST * (double)c->count * c->pixel_size * c->pixel_size : HUGE_VAL;
+}
+
 static stp_result finish_surfels(stp_context* context, finish* f)
 {
     stp_splats* s = f->surfels;
@@ -181,8 +191,8 @@ static stp_result finish_surfels(stp_context* context, finish* f)
     double radius = f->input->candidates->surface_radius;
     radius = radius > 0.0 ? radius : f->input->candidates->pixel_size * 0.70710678118654752;
     s->candidate_radius = (float)radius;
-    s->octave_count =
-        stp_choose_octaves(f->envelope, s->candidate_radius, s->count, s->octave_ends);
+    s->octave_count = stp_choose_octaves(f->envelope, s->candidate_radius, most_area(f), s->count,
+                                         s->octave_ends);
     stp_result result = allocate_columns(context, s);
     result = result == STP_OK ? take_attributes(context, f->input, s) : result;
     if (result != STP_OK) {

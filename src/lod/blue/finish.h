@@ -30,8 +30,10 @@ void stp_choose_position_grid(stp_boxd box, double least_step, stp_vec3* origin,
 
 /// Cuts an order into octaves, from its end: the last octave ends with the last surfel, the
 /// previous one where disks are twice as large, and so on. `envelope[i]` is the coverage radius of
-/// the first i; disks are larger by `margin`. @return the number of octaves
-uint32_t stp_choose_octaves(const float* envelope, float margin, uint32_t count,
+/// the first i; disks are larger by `margin`. Leaves out octaves whose disks have more than
+/// `most_area` together: in an uneven order, a prefix of most points may still cover with large
+/// disks only, each of which would hold most of the surface. @return the number of octaves
+uint32_t stp_choose_octaves(const float* envelope, float margin, double most_area, uint32_t count,
                             uint32_t ends[STP_OCTAVE_LIMIT]);
 
 /// Median distance to the nearest neighbour (Brandt 4.1), of 200 points.

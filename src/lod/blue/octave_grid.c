@@ -41,7 +41,7 @@ void stp_choose_position_grid(stp_boxd box, double least_step, stp_vec3* origin,
     *step = (float)size;
 }
 
-uint32_t stp_choose_octaves(const float* envelope, float margin, uint32_t count,
+uint32_t stp_choose_octaves(const float* envelope, float margin, double most_area, uint32_t count,
                             uint32_t ends[STP_OCTAVE_LIMIT])
 {
     uint32_t last = count - 1; // the last surfel with a disk
@@ -59,7 +59,9 @@ uint32_t stp_choose_octaves(const float* envelope, float margin, uint32_t count,
         if (end == 0 || isinf(envelope[end])) {
             break;
         }
-        if (end < reversed[size - 1]) {
+        double disk = (double)(envelope[end] + margin);
+        bool crowded = STP_PI * disk * disk * (double)end > most_area;
+        if (end < reversed[size - 1] && !crowded) {
             reversed[size++] = end;
         }
         if (end == 1) {

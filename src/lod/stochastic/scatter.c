@@ -137,6 +137,13 @@ stp_vec3d stp_symmetric_eigenvector(const double m[6], double eigenvalue)
     return given ? direction : (stp_vec3d){0.0, 1.0, 0.0};
 }
 
+double stp_scatter_flatness(const double matrix[6])
+{
+    double e[3], sum = matrix[0] + matrix[3] + matrix[5];
+    stp_symmetric_eigenvalues(matrix, e);
+    return sum > 0.0 && e[0] > 0.0 ? e[0] / sum : 0.0;
+}
+
 bool stp_scatter_is_flat(const double matrix[6], double threshold)
 {
     double least, sum = matrix[0] + matrix[3] + matrix[5];

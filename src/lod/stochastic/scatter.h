@@ -40,8 +40,10 @@ bool stp_smallest_eigenvalue(const double matrix[6], double* eigenvalue);
 /// distinct.
 stp_vec3d stp_symmetric_eigenvector(const double matrix[6], double eigenvalue);
 
-/// Whether the share of the smallest eigenvalue in the sum of all is at most `threshold`, which is
-/// below 0.1. Uses only
+/// Share of the smallest eigenvalue in the sum of all, 0 to 1/3; 0 if all points coincide.
+double stp_scatter_flatness(const double matrix[6]);
+
+/// Whether that share is at most `threshold`, which is below 0.1. Uses only
 /// stp_smallest_eigenvalue. May return false for a region that is flat but nearly a line.
 bool stp_scatter_is_flat(const double matrix[6], double threshold);
 
