@@ -118,7 +118,7 @@ static void judge_units(const stp_import* import, double scene_unit)
 {
     const stp_scene* scene = import->scene;
     if (import->wants_unit && scene->unit_metres == 0.0) {
-        stp_warn(import->context, "%s: does not say its unit of length (say it with --unit)",
+        stp_warn(import->context, "%s: the unit of length is unknown (set it with --unit)",
                  import->path);
     }
     if (scene->source_count < 2) {
@@ -126,12 +126,11 @@ static void judge_units(const stp_import* import, double scene_unit)
     }
     if (import->unit_metres == 0.0 && scene->unit_metres > 0.0) {
         stp_warn(import->context,
-                 "%s: does not say its unit of length: taken to be that of the other inputs, %g m",
+                 "%s: the unit of length is unknown; using that of the other inputs, %g m",
                  import->path, scene->unit_metres);
     } else if (import->unit_metres > 0.0 && scene_unit == 0.0) {
         stp_warn(import->context,
-                 "%s: its unit of length is %g m: taken to be that of the inputs before it, which "
-                 "do not say theirs",
+                 "%s: the unit of length is %g m; using it for the previous inputs as well",
                  import->path, import->unit_metres);
     }
 }

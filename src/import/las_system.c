@@ -174,7 +174,7 @@ static stp_result apply_units(stp_las* las, const coordinate_system* s)
     }
     bool quiet = import->desc.sample_points != 0;
     if (unit == 0.0 && !(import->desc.unit_metres > 0.0) && !quiet) {
-        stp_warn(las->context, "%s: does not say its unit of length (say it with --unit)",
+        stp_warn(las->context, "%s: the unit of length is unknown (set it with --unit)",
                  import->path);
     }
     stp_import_set_axes(import, import->desc.up != 0 ? import->desc.up : 'z', unit);

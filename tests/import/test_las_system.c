@@ -117,7 +117,7 @@ void test_las_keeps_its_coordinate_system(test_state* test)
         (system_case){{.keys = utm, .key_numbers = 12}, "EPSG:32633", 1.0, NULL, STP_OK}));
     CHECK(system_is_right(
         (system_case){{.keys = us_feet, .key_numbers = 16}, "EPSG:2994", foot, NULL, STP_OK}));
-    const char* unknown = "a.las: does not say its unit of length";
+    const char* unknown = "a.las: the unit of length is unknown";
     CHECK(system_is_right(
         (system_case){{.keys = no_unit, .key_numbers = 12}, "EPSG:2994", 0.0, unknown, STP_OK}));
     CHECK(system_is_right((system_case){{.format = 3}, NULL, 0.0, unknown, STP_OK}));
