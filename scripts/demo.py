@@ -143,7 +143,7 @@ def main():
                        stdout=subprocess.DEVNULL)
         scene = folder / "plant.stip"
         figures = build(stipple, plant, scene)
-        title += f"; a plant of 1,200 of it: {number(figures['triangles'])} triangles"
+        title += f"; a plant of 1,200 copies: {number(figures['triangles'])} triangles"
     flight = json.loads(path.read_text())
     note("flying: splats, comparisons, all triangles (the slowest part)")
     flown = fly(stipple, scene, path)
