@@ -18,6 +18,10 @@ SIZE = "1280x720"
 FRAMES, COMPARED_EVERY, TRIANGLE_FRAMES = 121, 30, 5 # the flight's five compared frames are those of all triangles
 
 
+def note(text):
+    print(f"demo: {text}", file=sys.stderr, flush=True)
+
+
 def run(arguments):
     """Runs stipple. Returns its JSON output and its peak memory."""
     child = subprocess.Popen(arguments, stdout=subprocess.PIPE)
@@ -43,7 +47,7 @@ def build(stipple, model, out):
     figures, _ = run([stipple, "build", model, "-o", out, "--json"])
     print(f"{Path(model).name:<22} {size_of(model):>9}, {number(figures['triangles'])} triangles")
     print(f"{out.name:<22} {size_of(out):>9}, built in {figures['seconds']['total']:.1f} s: "
-          f"{number(figures['unique_surfels'])} surfels, and all triangles\n")
+          f"{number(figures['unique_surfels'])} surfels, and all triangles\n", flush=True)
     return figures
 
 
@@ -125,7 +129,8 @@ def main():
     if not model.exists():
         sys.exit(f"demo: {model}: no such file")
     folder.mkdir(parents=True, exist_ok=True)
-    print()
+    note(f"converting {model.name}")
+    print(flush=True)
     scene, path = folder / f"{model.stem}.stip", folder / "flight.json"
     figures = build(stipple, model, scene)
     cells = draw_prefixes(stipple, scene, figures["unique_surfels"], folder)
@@ -138,12 +143,14 @@ def main():
                        stdout=subprocess.DEVNULL)
         scene = folder / "plant.stip"
         figures = build(stipple, plant, scene)
-        title += f"; a plant of 1,200 of it: {number(figures['triangles'])} triangles"
+        title += f"; a plant of 1,200 copies: {number(figures['triangles'])} triangles"
     flight = json.loads(path.read_text())
+    note("flying: splats, comparisons, all triangles (the slowest part)")
     flown = fly(stipple, scene, path)
     print_table(flown)
     for what, (figures_of, _) in flown.items():
         (folder / f"fly-{what}.json").write_text(json.dumps(figures_of))
+    note("drawing the contact sheet")
     cells += ["/", *draw_view(stipple, scene, key_of(flight, 0.25), "far", folder)]
     cells += ["/", *draw_view(stipple, scene, key_of(flight, 0.75), "near", folder)]
     cells += [f"{folder}/fly-splats.json=splats within {BUDGET_MS} ms", f"{folder}/fly-triangles.json=all triangles"]

@@ -52,6 +52,10 @@ for name in $names; do
     check_sections "stipple-$name.1"
     grep -q "^Examples:" text && grep -q "^Files:" text || fail "help $name: no examples or files"
     grep -q "Xr stipple.-$(echo "$name" | sed 's/-/.-/g') 1" stipple.1 || fail "stipple.1 does not name $name"
+    # each option in the man page is in help
+    for option in $(sed -n 's/^\.It.* Fl \\-\([a-z\\-]*\).*/\1/p' "stipple-$name.1" | tr -d '\\'); do
+        grep -q -- "--$option\b" text || fail "help of $name: --$option"
+    done
     # each option in help is in the man page and the completions
     for option in $(sed -n 's/^  \(-., \|    \)--\([a-z0-9-]*\).*/\2/p' text); do
         grep -q -- "Fl .-$(echo "$option" | sed 's/-/.-/g')" "stipple-$name.1" || fail "man page of $name: --$option"
