@@ -1,10 +1,15 @@
-// SPDX-License-Identifier: MIT LAZ chunks of formats 6 to 10: each attribute is a layer with a
-// stream of its own, and layers that are not kept (flags, user data, wave packets, extra bytes) are
-// not touched. A block goes through one layer after the other: the first says which values change,
-// and on which models the others depend.
+// SPDX-License-Identifier: MIT
+//
+// LAZ chunks of formats 6 to 10. Each attribute is a layer with a stream of its own. A block goes
+// through one layer after the other: the first (returns, x and y) says which values change, and on
+// which models the others depend. Layers that are not kept (flags, user data, wave packets, extra
+// bytes) are not touched.
 //
 // Each of the four scanner channels has its own models and last values. They start when the channel
 // first appears, with the values of the previous point.
+//
+// The layers that are read follow LASzip's items POINT14 (without flags and user data), RGB14 and
+// RGBNIR14, of versions 3 and 4. docs/formats.md says how that was checked.
 #include "base/bytes.h"
 #include "import/laz.h"
 #include "import/laz_items.h"
