@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Method `stochastic` (Bhakar, Luo, Mudur 2004): the paper's Table 2, its cues one by one, and comparisons with the other methods.
 
-usage: bench/stochastic.py [--parts counts,cues,sizes,build] [--counts N,N...] [--size WxH] MODEL...
+usage: bench/stochastic.py [--parts counts,cues,sizes,build,times] [--counts N,N...] [--size WxH] MODEL...
 
 MODEL is a cloud; a mesh as PLY, of which the vertices and their normals are taken; or a mesh in another format, which stays one. Files
 are built with each method, and drawn in view iso; the reference is all points, or triangles, four samples a pixel. `counts`: SSIM of
 covered pixels, milliseconds (the fastest of three frames) and bytes at equal numbers of splats (`random`: sets of `blue` in random order).
 `cues`: splats and SSIM with each cue switched off in turn, by size of splats. `sizes`: splats drawn by size of the picture, as in
-Table 2, by the paper's rule and by ours. `build`: CPU seconds, median of three builds in turn.
+Table 2, by the paper's rule and by ours. `build`: CPU seconds, median of three builds in turn. `times`: milliseconds of selecting and drawing by one thread, by number of splats
+and by distance: the fastest of nine frames, each drawn by a separate process; the environment variable STIPPLE names another program.
 Writes stochastic-MODEL.jpg: the reference, and three methods with equal numbers of splats.
 """
 import math
@@ -76,12 +77,12 @@ def draw(stored, picture, size, *options):
 class Model:
     """A cloud, its files and its reference."""
 
-    def __init__(self, given, model, folder):
+    def __init__(self, given, model, folder, methods):
         self.name = pathlib.Path(model).stem
         self.folder, self.size = folder, given.size
         self.cloud = cloud_of(model, folder)
         self.files = {}
-        for method in METHODS:
+        for method in methods:
             kit.say(f"{self.name} {method} ...")
             self.files[method] = build(self.cloud, method, folder)[0]
         self.truth = folder / f"{self.name}-truth.png"
@@ -155,6 +156,33 @@ def time_builds(model):
     return [kit.result("stochastic-build", {"scene": model.name}, medians)]
 
 
+DISTANCES = (1, 2.5, 5, 10, 20, 40)  # of the eye from the middle, in half diagonals
+
+
+def time_frames(given, model):
+    """Selecting and drawing, of `stochastic` and `blue`: at equal numbers of splats, and at 2 pixels from growing distances."""
+    box = kit.stipple("info", model.files["blue"])["bounds"]
+    middle = [(a + b) / 2 for a, b in zip(box["min"], box["max"])]
+    half = math.dist(box["min"], box["max"]) / 2
+    ways = {f"{count:,} splats": ("--splats", count) for count in map(int, given.counts.split(","))}
+    for factor in DISTANCES:
+        eye = ",".join(str(m + factor * half * d / math.hypot(1, 0.8, 1.2)) for m, d in zip(middle, (1, 0.8, 1.2)))
+        ways[f"distance {factor}"] = (f"--eye={eye}", "--splat-size", 2)
+    results, rows = [], []
+    for label, options in ways.items():
+        row = [model.name, label]
+        for method in ("stochastic", "blue"):
+            frames = [draw(model.files[method], model.folder / "frame.png", given.size, "--accumulate", 1, "--threads", 1, *options)
+                      for _ in range(9)]
+            times = {name: min(f[name] for f in frames) for name in ("select_ms", "draw_ms")}
+            results.append(kit.result("stochastic-times", {"scene": model.name, "method": method, "size": given.size, "view": label},
+                                      {**times, "splats": frames[0]["splats"]}))
+            row += [f"{frames[0]['splats']:,}", f"{times['select_ms']:.2f}", f"{times['draw_ms']:.2f}"]
+        rows.append(row)
+    kit.table(["model", "view", *(f"{what} {m}" for m in ("stochastic", "blue") for what in ("splats", "select ms", "draw ms"))], rows)
+    return results
+
+
 def main():
     parser = kit.options(__doc__, size=SIZE)
     parser.add_argument("models", nargs="+", metavar="MODEL")
@@ -165,11 +193,12 @@ def main():
     results = []
     with tempfile.TemporaryDirectory() as name:
         for path in given.models:
-            model = Model(given, path, pathlib.Path(name))
+            model = Model(given, path, pathlib.Path(name), METHODS if parts != ["times"] else METHODS[:2])
             results += compare_counts(given, model) if "counts" in parts else []
             results += switch_cues(model) if "cues" in parts else []
             results += grow_pictures(model) if "sizes" in parts else []
             results += time_builds(model) if "build" in parts else []
+            results += time_frames(given, model) if "times" in parts else []
     kit.keep("stochastic", results, given.out)
 
 

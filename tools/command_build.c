@@ -25,9 +25,9 @@ static struct {
         color_threshold;
     int progress, capture;
     double leaf_flatness;
-    uint64_t leaf_points, leaf_sample, leaf_neighbors, normal_neighbors;
-    bool leaf_points_given, leaf_flatness_given, leaf_sample_given, leaf_neighbors_given,
-        normal_neighbors_given;
+    uint64_t leaf_points, leaf_sample, leaf_scales, leaf_neighbors, normal_neighbors;
+    bool leaf_points_given, leaf_flatness_given, leaf_sample_given, leaf_scales_given,
+        leaf_neighbors_given, normal_neighbors_given;
     bool json, error_given, color_threshold_given, threshold_given, up_given, unit_given, resume,
         fresh;
 } args;
@@ -100,6 +100,14 @@ static const option* options(void)
                  "(stochastic); default 256",
          .value = &args.leaf_sample,
          .given = &args.leaf_sample_given},
+        {.name = "leaf-scales",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "1..4",
+         .help = "number of region sizes, from a leaf's own on, that must show a feature for it "
+                 "to count (stochastic): with 1, noise counts as a feature; default 2",
+         .value = &args.leaf_scales,
+         .given = &args.leaf_scales_given},
         {.name = "leaf-neighbors",
          .type = OPTION_COUNT,
          .argument = "N",
@@ -371,6 +379,9 @@ static int build(stp_context* context, int argc, char** argv)
     if (args.leaf_sample_given) {
         desc.method_options.leaves.sample = (uint32_t)args.leaf_sample;
     }
+    if (args.leaf_scales_given) {
+        desc.method_options.leaves.scales = (uint32_t)args.leaf_scales;
+    }
     if (args.leaf_neighbors_given) {
         desc.method_options.leaves.neighbours = (uint32_t)args.leaf_neighbors;
     }
@@ -432,6 +443,7 @@ static int run(int argc, char** argv)
     const char* needless = args.leaf_points_given        ? "leaf-points"
                            : args.leaf_flatness_given    ? "leaf-flatness"
                            : args.leaf_sample_given      ? "leaf-sample"
+                           : args.leaf_scales_given      ? "leaf-scales"
                            : args.leaf_neighbors_given   ? "leaf-neighbors"
                            : args.normal_neighbors_given ? "normal-neighbors"
                                                          : NULL;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tool.h"
 
+#include "option_fields.h"
 #include "progress_line.h"
 
 #include "base/printable.h"
@@ -24,7 +25,8 @@ static progress_state progress;
 static volatile sig_atomic_t interrupted;
 static bool holds_errors;
 static char held_error[1024];
-static char stopped_text[256]; ///< the library's message when an interrupt stopped it
+static char
+    stopped_text[sizeof(held_error)]; ///< the library's message when an interrupt stopped it
 
 tool_settings* tool_settings_get(void)
 {
@@ -134,6 +136,9 @@ static void print_log(stp_log_level level, const char* message, void* user)
 {
     (void)user;
     const tool_settings* settings = tool_settings_get();
+    char text[sizeof(held_error)];
+    option_fields_name(message, text, sizeof(text));
+    message = text;
     if (level == STP_LOG_ERROR && interrupted) {
         pthread_mutex_lock(&output_mutex);
         if (stopped_text[0] == 0) {

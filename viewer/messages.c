@@ -2,6 +2,7 @@
 // Messages to the user: the newest in the status line, earlier ones above it, and an explanation of
 // an empty picture.
 #include "gui.h"
+#include "option_fields.h"
 #include "panels.h"
 
 #include "base/clock.h"
@@ -22,8 +23,10 @@ void viewer_show_message(viewer* v, bool is_error, const char* format, ...)
     viewer_message m = {.is_error = is_error, .ms = stp_clock_ms()};
     va_list list;
     va_start(list, format);
-    vsnprintf(m.text, sizeof(m.text), format, list);
+    char text[sizeof(m.text)];
+    vsnprintf(text, sizeof(text), format, list);
     va_end(list);
+    option_fields_name(text, m.text, sizeof(m.text));
     // unread messages stay, unless they repeat the new one
     viewer_message kept[MESSAGES];
     int count = 0;

@@ -59,6 +59,9 @@ typedef struct stp_material_desc {
     bool transparent;   ///< opacity below 1 is blended
     bool double_sided;
     bool unlit;
+    /// Bytes from the start of a row of `picture` to that of the next, at least 4 * width; 0:
+    /// 4 * width.
+    size_t picture_stride;
 } stp_material_desc;
 
 /// @return STP_OK, STP_ERROR_ARGUMENT, STP_ERROR_OUT_OF_MEMORY

@@ -83,6 +83,9 @@ typedef struct stp_paint_desc {
     bool caps;   ///< closes solids where the view's sections cut them
     stp_pixel_coloring coloring;
     double elevation[2]; ///< heights (y) at the ends of the colour scale; both 0: the scene's own
+    /// Bytes from the start of a row of the caller's pixels to that of the next, at least
+    /// 4 * width; 0: 4 * width. The bytes between rows stay as they are.
+    size_t stride;
 } stp_paint_desc;
 
 typedef struct stp_paint_report {
@@ -100,8 +103,8 @@ typedef struct stp_paint_report {
 ///
 /// @param view    its width and height are the picture's
 /// @param desc    NULL: all zero
-/// @param image the caller's pixels, of the view's size, tightly packed; NULL (OpenGL only): the
-/// picture stays in stp_painter_get_texture, and the call does not wait for the GPU
+/// @param image the caller's pixels, of the view's size (rows: stp_paint_desc.stride); NULL (OpenGL
+/// only): the picture stays in stp_painter_get_texture, and the call does not wait for the GPU
 /// @param report  may be NULL
 /// @return STP_OK; STP_ERROR_ARGUMENT (invalid view, options or image), STP_ERROR_LIMIT,
 /// STP_ERROR_FORMAT (damaged data), STP_ERROR_UNSUPPORTED (the OpenGL context was lost),

@@ -296,19 +296,21 @@ stp_result stp_fail_memory(stp_context* context)
     if (limit != 0) {
         uint64_t needed = atomic_load(&context->needed_bytes);
         if (needed > limit) {
-            return stp_fail(context, STP_ERROR_OUT_OF_MEMORY,
-                            "out of memory: the limit of %llu bytes is used up; this needs about "
-                            "%llu MB: give a limit (--memory) of at least that",
-                            (unsigned long long)limit, (unsigned long long)(needed / 1000000 + 1));
+            return stp_fail(
+                context, STP_ERROR_OUT_OF_MEMORY,
+                "out of memory: the limit of %llu bytes (memory_limit_bytes) is used up; "
+                "this needs about %llu MB",
+                (unsigned long long)limit, (unsigned long long)(needed / 1000000 + 1));
         }
         uint64_t refused = atomic_load(&context->refused_bytes);
         if (refused == 0) { // the system itself is out of memory
             return stp_fail(context, STP_ERROR_OUT_OF_MEMORY, "out of memory");
         }
-        return stp_fail(context, STP_ERROR_OUT_OF_MEMORY,
-                        "out of memory: the limit of %llu bytes (--memory) is used up; at least "
-                        "%llu MB are needed",
-                        (unsigned long long)limit, (unsigned long long)(refused / 1000000 + 1));
+        return stp_fail(
+            context, STP_ERROR_OUT_OF_MEMORY,
+            "out of memory: the limit of %llu bytes (memory_limit_bytes) is used up; at "
+            "least %llu MB are needed",
+            (unsigned long long)limit, (unsigned long long)(refused / 1000000 + 1));
     }
     return stp_fail(context, STP_ERROR_OUT_OF_MEMORY, "out of memory");
 }

@@ -133,29 +133,38 @@ static bool are_finite(const float* values, size_t count)
     return finite;
 }
 
+static size_t row_stride(const stp_material_desc* desc)
+{
+    return desc->picture_stride != 0 ? desc->picture_stride : (size_t)desc->picture->width * 4;
+}
+
 static bool is_material_valid(const stp_material_desc* desc)
 {
     const stp_image* picture = desc->picture;
     bool has_pixels =
         picture == NULL || (picture->pixels != NULL && picture->width > 0 && picture->height > 0 &&
-                            picture->width <= 65536 && picture->height <= 65536);
+                            picture->width <= 65536 && picture->height <= 65536 &&
+                            row_stride(desc) >= (size_t)picture->width * 4);
     return has_pixels && are_finite(desc->base_color, 4) && are_finite(desc->emissive, 3) &&
            are_finite(&desc->metallic, 1) && desc->metallic <= 1.0f &&
            are_finite(&desc->roughness, 1) && desc->roughness <= 1.0f &&
            are_finite(&desc->alpha_cutoff, 1);
 }
 
-static stp_result add_picture(stp_builder* builder, const stp_image* picture,
+static stp_result add_picture(stp_builder* builder, const stp_material_desc* desc,
                               stp_material* material)
 {
-    size_t size = (size_t)picture->width * picture->height * 4;
+    const stp_image* picture = desc->picture;
+    size_t row = (size_t)picture->width * 4, size = row * picture->height;
     stp_texture texture = {.width = picture->width,
                            .height = picture->height,
                            .texels = stp_alloc(builder->context, size)};
     if (texture.texels == NULL) {
         return stp_fail_memory(builder->context);
     }
-    memcpy(texture.texels, picture->pixels, size);
+    for (uint32_t y = 0; y < picture->height; ++y) {
+        memcpy(texture.texels + y * row, picture->pixels + y * row_stride(desc), row);
+    }
     return stp_scene_add_texture(builder->staged, &texture, &material->base_color_texture.texture);
 }
 
@@ -188,7 +197,7 @@ stp_result stp_builder_add_material(stp_builder* builder, const stp_material_des
     made.double_sided = desc.double_sided;
     made.unlit = desc.unlit;
     if (desc.picture != NULL) {
-        result = add_picture(builder, desc.picture, &made);
+        result = add_picture(builder, &desc, &made);
     }
     uint32_t index = 0;
     result = result == STP_OK ? stp_scene_add_material(builder->staged, &made, &index) : result;

@@ -8,6 +8,7 @@
 #include "select/view_frame.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { COMPLETE_PICTURES = 200 }; // maximum passes while a view's data is loaded
 
@@ -77,6 +78,7 @@ void stp_painter_destroy(stp_painter* painter)
         stp_renderer_destroy(painter->renderer);
     }
     stp_draw_list_destroy(context, &painter->list);
+    stp_free(context, painter->rows);
     stp_free(context, painter);
 }
 
@@ -218,6 +220,59 @@ static void report_picture(const picture* p, stp_paint_report* report)
     STP_WRITE_INFO(report, made);
 }
 
+/// Makes `tight` an image of the painter's own memory, tightly packed, of the same size as `image`.
+static stp_result reserve_rows(stp_painter* painter, const stp_image* image, stp_image* tight)
+{
+    stp_context* context = painter->model->context;
+    size_t bytes = (size_t)image->width * image->height * 4;
+    if (painter->row_bytes != bytes) {
+        stp_free(context, painter->rows);
+        painter->row_bytes = 0;
+        painter->rows = stp_alloc(context, bytes);
+        if (painter->rows == NULL) {
+            return stp_fail_memory(context);
+        }
+        painter->row_bytes = bytes;
+    }
+    *tight = (stp_image){image->width, image->height, painter->rows};
+    return STP_OK;
+}
+
+static void copy_rows(const stp_image* tight, const stp_image* image, size_t stride)
+{
+    size_t bytes = (size_t)tight->width * 4;
+    for (uint32_t y = 0; y < tight->height; ++y) {
+        memcpy(image->pixels + y * stride, tight->pixels + y * bytes, bytes);
+    }
+}
+
+/// Draws into the caller's pixels, whose rows are `stride` bytes apart.
+static stp_result draw_rows(picture* p, size_t stride)
+{
+    stp_image* image = p->image;
+    size_t bytes = image != NULL ? (size_t)image->width * 4 : 0;
+    if (image == NULL || stride == 0 || stride == bytes) {
+        return draw_complete(p);
+    }
+    bool fits = image->width == p->view->width && image->height == p->view->height;
+    if (stride < bytes || !fits || bytes == 0 || image->height == 0) {
+        return stp_fail(p->painter->model->context, STP_ERROR_ARGUMENT,
+                        "stp_painter_draw: rows are shorter than the picture, or of another size");
+    }
+    stp_image tight;
+    stp_result result = reserve_rows(p->painter, image, &tight);
+    if (result != STP_OK) {
+        return result;
+    }
+    p->image = &tight;
+    result = draw_complete(p);
+    p->image = image;
+    if (result == STP_OK) {
+        copy_rows(&tight, image, stride);
+    }
+    return result;
+}
+
 stp_result stp_painter_draw(stp_painter* painter, const stp_view* view, const stp_paint_desc* given,
                             stp_image* image, stp_paint_report* report)
 {
@@ -238,7 +293,7 @@ stp_result stp_painter_draw(stp_painter* painter, const stp_view* view, const st
     p.complete = desc.complete;
     p.quality.splat_size = choose_size(painter, desc.budget_ms, p.quality.splat_size);
     painter->view.width = 0;
-    result = draw_complete(&p);
+    result = draw_rows(&p, desc.stride);
     if (result != STP_OK) {
         return result;
     }

@@ -20,6 +20,8 @@ struct stp_painter {
     stp_frame_cost pending; ///< of the last picture, whose OpenGL time is still pending
     bool has_pending;
     stp_view view; ///< of the last picture; width 0: none
+    uint8_t* rows; ///< tightly packed pixels, for callers whose rows are farther apart
+    size_t row_bytes;
 };
 
 /// Selection and drawing parameters from a caller's options.

@@ -519,7 +519,7 @@ stp_result stp_assimp_fail_memory(const stp_import* import)
 {
     return stp_fail(import->context, STP_ERROR_OUT_OF_MEMORY,
                     "%s: out of memory: assimp needs more than the %llu bytes it may use: raise "
-                    "the limit with --memory",
+                    "memory_limit_bytes",
                     import->path, (unsigned long long)stp_assimp_memory_limit(import));
 }
 

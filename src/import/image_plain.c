@@ -1,182 +1,194 @@
 // SPDX-License-Identifier: MIT
+//
+// stb_image decodes. It treats bytes after the end of a file as zeros, reads palette entries that a
+// file lacks from uninitialised memory, and has no limit on memory: the checks are here.
 #include "import/image_plain.h"
 
 #include "base/bytes.h"
 
 #include <string.h>
 
-#define PIXEL_LIMIT ((uint64_t)1 << 28)
-#define RUN_LIMIT 128 ///< pixels of one packet
+#define PIXEL_LIMIT (UINT64_C(1) << 28)
 
-// A picture as its header describes it: blue, green, red, alpha from pixel to pixel.
+static const char unknown[] =
+    "the picture is neither PNG, JPEG, WebP, nor a known kind of TGA or BMP";
+
+// stb_image's allocation functions have no parameter for a context.
+static _Thread_local stp_context* allocator;
+static _Thread_local bool is_out_of_memory;
+
+static void* allocate(size_t size)
+{
+    void* memory = stp_alloc(allocator, size);
+    is_out_of_memory |= memory == NULL;
+    return memory;
+}
+
+static void release(void* memory)
+{
+    stp_free(allocator, memory);
+}
+
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_TGA
+#define STBI_ONLY_BMP
+#define STBI_NO_STDIO
+#define STBI_NO_LINEAR
+#define STBI_NO_HDR
+#define STBI_NO_FAILURE_STRINGS
+#define STBI_ASSERT(x) ((void)0)
+#define STBI_MALLOC(size) allocate(size)
+#define STBI_REALLOC(memory, size) ((void)(memory), (void)(size), NULL) // never for TGA and BMP
+#define STBI_FREE(memory) release(memory)
+#define STBI_MAX_DIMENSIONS (1 << 26)              // a row's bytes fit into an int
+#pragma GCC diagnostic ignored "-Wunused-function" // gcc warns at the end of the file
+#include <stb_image.h>
+
+typedef struct stream {
+    const unsigned char* bytes;
+    size_t size, at;
+    bool is_short; ///< more was read than there is
+} stream;
+
+static int read_bytes(void* user, char* out, int size)
+{
+    stream* s = user;
+    size_t left = s->size - s->at, wanted = (size_t)size, count = wanted < left ? wanted : left;
+    s->is_short |= count == 0 && wanted != 0;
+    if (count != 0) {
+        memcpy(out, s->bytes + s->at, count);
+    }
+    s->at += count;
+    return (int)count;
+}
+
+static void skip_bytes(void* user, int size)
+{
+    stream* s = user;
+    size_t left = s->size - s->at, wanted = size > 0 ? (size_t)size : 0;
+    s->is_short |= wanted > left;
+    s->at += wanted < left ? wanted : left;
+}
+
+static int is_at_end(void* user)
+{
+    const stream* s = user;
+    return s->at == s->size;
+}
+
+static const stbi_io_callbacks callbacks = {read_bytes, skip_bytes, is_at_end};
+
+/// What the header says and stb_image ignores or gets wrong.
 typedef struct plain {
-    uint32_t width, height;
-    uint32_t pixel_size;                  ///< bytes
-    const unsigned char* palette;         ///< NULL: none
-    uint32_t palette_count, palette_size; ///< entries, bytes of an entry
-    size_t row_size;
-    bool grey, runs, top_first, opaque;
-    const unsigned char* at;
-    const unsigned char* end;
+    bool known, opaque, runs;
+    uint32_t pixel_bits;
+    size_t palette_gap; ///< bytes by which a palette is shorter than the values of a pixel allow
+    size_t start;       ///< of the pixels; only with a gap
 } plain;
 
-static stp_result refuse(stp_result result, const char* why, const char** reason)
+// Pictures stored from right to left, and palettes that do not begin at 0, are not decoded.
+static plain describe_tga(const unsigned char* bytes)
 {
-    *reason = why;
-    return result;
+    uint32_t kind = bytes[2] & 7u;
+    return (plain){.known = (bytes[1] == 0 || (bytes[1] == 1 && kind == 1)) &&
+                            stp_read_u16(bytes + 3) == 0 && (bytes[17] & 0x10) == 0,
+                   .opaque = (bytes[17] & 15) == 0,
+                   .runs = (bytes[2] & 8) != 0,
+                   .pixel_bits = bytes[16]};
 }
 
-static bool describe_tga(const unsigned char* bytes, size_t size, plain* p)
+static plain describe_bmp(const unsigned char* bytes, size_t size)
 {
-    if (size < 18) {
-        return false;
-    }
-    uint32_t kind = bytes[2] & 7u, bits = bytes[16], map_bits = bytes[7];
-    uint32_t map_count = stp_read_u16(bytes + 5);
-    bool mapped = kind == 1;
-    bool known = bytes[1] <= 1 && (bytes[2] & ~11u) == 0 && kind >= 1 && kind <= 3 &&
-                 (kind == 2 ? bits == 24 || bits == 32 : bits == 8) &&
-                 (!mapped || (bytes[1] == 1 && stp_read_u16(bytes + 3) == 0 &&
-                              (map_bits == 24 || map_bits == 32)));
-    size_t map_bytes = bytes[1] == 1 ? (size_t)map_count * ((map_bits + 7u) / 8) : 0;
-    size_t start = 18 + (size_t)bytes[0] + map_bytes;
-    *p = (plain){.width = stp_read_u16(bytes + 12),
-                 .height = stp_read_u16(bytes + 14),
-                 .pixel_size = bits / 8,
-                 .palette_count = mapped ? map_count : 0,
-                 .palette_size = map_bits / 8,
-                 .grey = kind == 3,
-                 .runs = (bytes[2] & 8) != 0,
-                 .top_first = (bytes[17] & 0x20) != 0,
-                 .opaque = (bytes[17] & 15) == 0};
-    if (!known || start > size || (bytes[17] & 0x10) != 0) {
-        return false;
-    }
-    p->palette = mapped ? bytes + 18 + bytes[0] : NULL;
-    p->row_size = (size_t)p->width * p->pixel_size;
-    p->at = bytes + start;
-    p->end = bytes + size;
-    return true;
-}
-
-static bool describe_bmp(const unsigned char* bytes, size_t size, plain* p)
-{
-    if (size < 54 || bytes[0] != 'B' || bytes[1] != 'M') {
-        return false;
+    if (size < 54) {
+        return (plain){0};
     }
     uint32_t start = stp_read_u32(bytes + 10), header = stp_read_u32(bytes + 14);
-    int32_t height = (int32_t)stp_read_u32(bytes + 22);
-    uint32_t bits = stp_read_u16(bytes + 28), compression = stp_read_u32(bytes + 30);
-    uint32_t used = stp_read_u32(bytes + 46);
-    bool known = header >= 40 && header <= 124 && (bits == 8 || bits == 24 || bits == 32) &&
-                 (compression == 0 || (compression == 3 && bits == 32)) && height != INT32_MIN;
-    *p = (plain){.width = stp_read_u32(bytes + 18),
-                 .height = height < 0 ? 0u - (uint32_t)height : (uint32_t)height,
-                 .pixel_size = bits / 8,
-                 .palette_count = bits != 8                 ? 0
-                                  : used == 0 || used > 256 ? 256
-                                                            : used,
-                 .palette_size = 4,
-                 .top_first = height < 0,
-                 .opaque = true};
-    size_t map_end = 14 + (size_t)header + 4 * (size_t)p->palette_count;
-    if (!known || start > size || map_end > size) {
-        return false;
-    }
-    p->palette = bits == 8 ? bytes + 14 + header : NULL;
-    p->row_size = ((size_t)p->width * p->pixel_size + 3) & ~(size_t)3;
-    p->at = bytes + start;
-    p->end = bytes + size;
-    return true;
+    uint32_t bits = stp_read_u16(bytes + 28);
+    bool known = header >= 40 && header <= 124 && start >= 14 + header && start <= size &&
+                 stp_read_u32(bytes + 22) != UINT32_C(0x80000000);
+    size_t full = 14 + (size_t)header + (bits <= 8 ? (size_t)4 << bits : 0);
+    return (plain){.known = known,
+                   .opaque = stp_read_u32(bytes + 30) == 0,
+                   .pixel_bits = bits,
+                   .palette_gap = known && full > start ? full - start : 0,
+                   .start = start};
 }
 
-static void write_pixel(const plain* p, const unsigned char* in, uint8_t* out)
+// The file with the missing entries of the palette as zeros: black.
+static unsigned char* fill_palette(stp_context* context, const plain* p, stream* s)
 {
-    uint32_t size = p->pixel_size;
-    if (p->grey) {
-        memset(out, in[0], 3);
-        out[3] = 255;
-        return;
+    unsigned char* copy = stp_alloc_zeroed(context, s->size + p->palette_gap, 1);
+    if (copy != NULL) {
+        memcpy(copy, s->bytes, p->start);
+        memcpy(copy + p->start + p->palette_gap, s->bytes + p->start, s->size - p->start);
+        stp_write_u32(copy + 10, (uint32_t)(p->start + p->palette_gap));
+        *s = (stream){copy, s->size + p->palette_gap, 0, false};
     }
-    if (p->palette != NULL) {
-        uint32_t index = in[0] < p->palette_count ? in[0] : 0;
-        in = p->palette + (size_t)index * p->palette_size;
-        size = p->palette_size;
-    }
-    out[0] = in[2];
-    out[1] = in[1];
-    out[2] = in[0];
-    out[3] = size == 4 && !p->opaque ? in[3] : 255;
+    return copy;
 }
 
-static uint8_t* row_of(const plain* p, uint8_t* texels, uint32_t row)
+static stp_result decode(const plain* p, stream* s, stp_texture* texture, const char** reason)
 {
-    return texels + 4 * (size_t)p->width * (p->top_first ? row : p->height - 1 - row);
-}
-
-static bool read_rows(plain* p, uint8_t* texels)
-{
-    for (uint32_t y = 0; y < p->height; ++y) {
-        uint8_t* out = row_of(p, texels, y);
-        for (uint32_t x = 0; x < p->width; ++x) {
-            write_pixel(p, p->at + (size_t)x * p->pixel_size, out + 4 * (size_t)x);
-        }
-        p->at += p->row_size;
+    int width = 0, height = 0, channels = 0;
+    *reason = unknown;
+    if (!stbi_info_from_callbacks(&callbacks, s, &width, &height, &channels)) {
+        return STP_ERROR_UNSUPPORTED;
     }
-    return true;
-}
-
-// Packets: a count, then one repeated pixel or that many pixels. They may cross rows.
-static bool read_runs(plain* p, uint8_t* texels)
-{
-    uint64_t count = (uint64_t)p->width * p->height;
-    for (uint64_t i = 0; i < count;) {
-        if (p->at >= p->end) {
-            return false;
-        }
-        unsigned char head = *p->at++;
-        bool repeats = (head & 0x80) != 0;
-        uint32_t run = (head & 0x7fu) + 1;
-        size_t bytes = (repeats ? 1 : (size_t)run) * p->pixel_size;
-        if ((size_t)(p->end - p->at) < bytes) {
-            return false;
-        }
-        for (uint32_t k = 0; k < run && i < count; ++k, ++i) {
-            const unsigned char* in = p->at + (repeats ? 0 : (size_t)k * p->pixel_size);
-            write_pixel(p, in, row_of(p, texels, (uint32_t)(i / p->width)) + 4 * (i % p->width));
-        }
-        p->at += bytes;
+    uint64_t rows = height < 0 ? 0u - (uint32_t)height : (uint32_t)height; // below 0: top row first
+    uint64_t pixels = (uint64_t)(uint32_t)width * rows;
+    if (pixels == 0 || width < 0 || width > STBI_MAX_DIMENSIONS || pixels > PIXEL_LIMIT) {
+        *reason = "the picture's size is out of range";
+        return STP_ERROR_UNSUPPORTED;
     }
-    return true;
+    // A run of 128 equal pixels takes a byte and a pixel; anything else a pixel each.
+    uint64_t bits = 8 * (uint64_t)s->size, least = p->pixel_bits;
+    bool fits = p->runs ? pixels / 128 <= bits / (8 + least) : pixels <= bits / (least + !least);
+    *s = (stream){s->bytes, s->size, 0, false};
+    stbi_uc* texels = NULL;
+    if (fits) {
+        texels = stbi_load_from_callbacks(&callbacks, s, &width, &height, &channels, 4);
+    }
+    if (!fits || (s->is_short && !is_out_of_memory)) {
+        *reason = "the picture is truncated";
+        release(texels);
+        return STP_ERROR_TRUNCATED;
+    }
+    if (texels == NULL) {
+        *reason = is_out_of_memory ? "out of memory" : *reason;
+        return is_out_of_memory ? STP_ERROR_OUT_OF_MEMORY : STP_ERROR_UNSUPPORTED;
+    }
+    for (uint64_t i = 0; i < pixels && p->opaque; ++i) {
+        texels[4 * i + 3] = 255;
+    }
+    texture->width = (uint32_t)width;
+    texture->height = (uint32_t)rows;
+    texture->texels = texels;
+    return STP_OK;
 }
 
 stp_result stp_image_decode_plain(stp_context* context, const unsigned char* bytes, size_t size,
                                   stp_texture* texture, const char** reason)
 {
-    plain p;
-    if (!describe_bmp(bytes, size, &p) && !describe_tga(bytes, size, &p)) {
-        return refuse(STP_ERROR_UNSUPPORTED, "the picture is neither PNG, JPEG, WebP, TGA nor BMP",
-                      reason);
+    allocator = context;
+    is_out_of_memory = false;
+    bool is_bmp = size >= 2 && bytes[0] == 'B' && bytes[1] == 'M';
+    plain p = {0};
+    if (size >= 18) {
+        p = is_bmp ? describe_bmp(bytes, size) : describe_tga(bytes);
     }
-    uint64_t pixels = (uint64_t)p.width * p.height;
-    size_t left = (size_t)(p.end - p.at);
-    if (pixels == 0 || p.width > PIXEL_LIMIT || pixels > PIXEL_LIMIT) {
-        return refuse(STP_ERROR_UNSUPPORTED, "the picture's size is out of range", reason);
+    if (!p.known) {
+        *reason = unknown;
+        return STP_ERROR_UNSUPPORTED;
     }
-    bool fits = p.runs ? pixels / RUN_LIMIT <= left : p.row_size <= left / p.height;
-    if (!fits) {
-        return refuse(STP_ERROR_TRUNCATED, "the picture is truncated", reason);
+    stream s = {bytes, size, 0, false};
+    unsigned char* copy = p.palette_gap != 0 ? fill_palette(context, &p, &s) : NULL;
+    if (p.palette_gap != 0 && copy == NULL) {
+        *reason = "out of memory";
+        return STP_ERROR_OUT_OF_MEMORY;
     }
-    uint8_t* texels = stp_alloc_array(context, (size_t)pixels, 4);
-    if (texels == NULL) {
-        return refuse(STP_ERROR_OUT_OF_MEMORY, "out of memory", reason);
-    }
-    if (!(p.runs ? read_runs(&p, texels) : read_rows(&p, texels))) {
-        stp_free(context, texels);
-        return refuse(STP_ERROR_TRUNCATED, "the picture is truncated", reason);
-    }
-    texture->width = p.width;
-    texture->height = p.height;
-    texture->texels = texels;
-    return STP_OK;
+    stp_result result = decode(&p, &s, texture, reason);
+    stp_free(context, copy);
+    allocator = NULL;
+    return result;
 }

@@ -118,7 +118,7 @@ static void check_units(const stp_import* import, double scene_unit)
 {
     const stp_scene* scene = import->scene;
     if (import->wants_unit && scene->unit_metres == 0.0) {
-        stp_warn(import->context, "%s: its unit of length is unknown (set it with --unit)",
+        stp_warn(import->context, "%s: its unit of length is unknown (set it with unit_metres)",
                  import->path);
     }
     if (scene->source_count < 2) {

@@ -175,7 +175,7 @@ static stp_result apply_units(stp_las* las, const coordinate_system* s)
     }
     bool quiet = import->desc.sample_points != 0;
     if (unit == 0.0 && !(import->desc.unit_metres > 0.0) && !quiet) {
-        stp_warn(las->context, "%s: its unit of length is unknown (set it with --unit)",
+        stp_warn(las->context, "%s: its unit of length is unknown (set it with unit_metres)",
                  import->path);
     }
     stp_import_set_axes(import, import->desc.up != 0 ? import->desc.up : 'z', unit);

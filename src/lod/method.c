@@ -71,7 +71,8 @@ static stp_hash hash_stochastic(stp_hash key, const stp_method_options* options)
 {
     const stp_leaf_desc* leaves = &options->leaves;
     const uint32_t all[] = {STOCHASTIC_VERSION, leaves->budget,     leaves->least,
-                            leaves->sample,     leaves->neighbours, leaves->normal_neighbours};
+                            leaves->sample,     leaves->neighbours, leaves->normal_neighbours,
+                            leaves->scales};
     key = stp_hash_bytes(key, "stochastic", 10);
     key = stp_hash_bytes(key, all, sizeof(all));
     return stp_hash_bytes(key, &leaves->flatness, sizeof(leaves->flatness));

@@ -45,14 +45,8 @@ static stp_result read_setting(const reader* r, const json_t* root, const char* 
 static stp_result read_vector(const reader* r, const json_t* key, const char* member,
                               stp_vec3d* vector)
 {
-    const json_t* json = json_object_get(key, member);
-    bool good = json_is_array(json) && json_array_size(json) == 3;
     double values[3] = {0};
-    for (size_t i = 0; good && i < 3; ++i) {
-        const json_t* number = json_array_get(json, i);
-        values[i] = json_number_value(number);
-        good = json_is_number(number) && fabs(values[i]) <= most_coordinate;
-    }
+    bool good = stp_json_numbers(json_object_get(key, member), 3, most_coordinate, values);
     *vector = (stp_vec3d){values[0], values[1], values[2]};
     return good ? STP_OK : fail_key(r, member, "three numbers of at most 1e12 in size");
 }
@@ -128,19 +122,15 @@ stp_result stp_flight_parse(stp_context* context, const char* name, const unsign
                             size_t size, stp_flight* flight)
 {
     *flight = (stp_flight){0};
-    if (size > STP_FLIGHT_BYTES_MOST) {
-        return stp_fail(context, STP_ERROR_LIMIT,
-                        "%s: a flight may have at most %zu bytes, this has %zu", name,
-                        STP_FLIGHT_BYTES_MOST, size);
-    }
+    stp_json_text text = {name, "a flight", bytes, size, STP_FLIGHT_BYTES_MOST};
     json_t* root;
-    stp_result result = stp_json_parse(context, name, bytes, size, &root);
+    stp_result result = stp_json_parse(context, &text, &root);
     if (result != STP_OK) {
         return result;
     }
     reader r = {.context = context, .name = name};
     result = read_flight(&r, root, flight);
-    stp_json_release(context, root, size);
+    stp_json_release(context, &text, root);
     if (result != STP_OK) {
         stp_flight_destroy(context, flight);
     }

@@ -21,23 +21,11 @@ static stp_result fail_member(const reader* r, const char* member, const char* e
                     r->view, member, expected);
 }
 
-/// Reads `count` numbers of an array, none of them huge.
-static bool read_numbers(const json_t* json, size_t count, double* numbers)
-{
-    bool good = json_is_array(json) && json_array_size(json) == count;
-    for (size_t i = 0; good && i < count; ++i) {
-        const json_t* number = json_array_get(json, i);
-        numbers[i] = json_number_value(number);
-        good = json_is_number(number) && fabs(numbers[i]) <= most_coordinate;
-    }
-    return good;
-}
-
 static stp_result read_vector(const reader* r, const json_t* from, const char* member,
                               stp_vec3d* vector)
 {
     double v[3] = {0};
-    if (!read_numbers(json_object_get(from, member), 3, v)) {
+    if (!stp_json_numbers(json_object_get(from, member), 3, most_coordinate, v)) {
         return fail_member(r, member, "three numbers");
     }
     *vector = (stp_vec3d){v[0], v[1], v[2]};
@@ -87,7 +75,7 @@ static stp_result read_sections(const reader* r, const json_t* from, stp_section
     for (size_t i = 0; i < count; ++i) {
         double p[4];
         stp_section_plane* plane = &sections->planes[i];
-        if (!read_numbers(json_array_get(list, i), 4, p) ||
+        if (!stp_json_numbers(json_array_get(list, i), 4, most_coordinate, p) ||
             !(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] > 1e-12)) {
             return fail_member(r, "sections", "planes: a normal of length 1, and its distance");
         }
@@ -222,19 +210,15 @@ stp_result stp_viewpoints_parse(stp_context* context, const char* name, const un
                                 size_t size, stp_viewpoints* viewpoints)
 {
     *viewpoints = (stp_viewpoints){0};
-    if (size > STP_VIEWPOINTS_BYTES_MOST) {
-        return stp_fail(context, STP_ERROR_LIMIT,
-                        "%s: a viewpoints file may have at most %zu bytes, this has %zu", name,
-                        STP_VIEWPOINTS_BYTES_MOST, size);
-    }
+    stp_json_text text = {name, "a viewpoints file", bytes, size, STP_VIEWPOINTS_BYTES_MOST};
     json_t* root;
-    stp_result result = stp_json_parse(context, name, bytes, size, &root);
+    stp_result result = stp_json_parse(context, &text, &root);
     if (result != STP_OK) {
         return result;
     }
     reader r = {.context = context, .name = name};
     result = read_root(&r, root, viewpoints);
-    stp_json_release(context, root, size);
+    stp_json_release(context, &text, root);
     if (result != STP_OK) {
         stp_viewpoints_destroy(context, viewpoints);
     }

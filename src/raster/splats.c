@@ -132,17 +132,15 @@ uint64_t stp_splats_draw_portable(const stp_splat_frame* frame)
     for (uint32_t first = splats->begin; first < splats->end; first += SPLAT_BATCH) {
         uint32_t left = splats->end - first;
         uint32_t count = left < SPLAT_BATCH ? left : SPLAT_BATCH;
-        if (splats->wanted != NULL && splats->wanted[first / SPLAT_BATCH] == 0) {
-            if (splats->hidden != NULL) {
-                splats->hidden[first / SPLAT_BATCH] = 0;
-            }
+        if (skip_unwanted(splats, first)) {
             continue;
         }
-        load_positions_scalar(frame, first, count, &batch);
-        load_shapes(frame, first, count, &batch);
-        load_parts(frame, first, count, &batch);
+        splat_lanes lanes = {first, count, NULL};
+        load_positions_scalar(frame, lanes, &batch);
+        load_shapes(frame, lanes, &batch);
+        load_parts(frame, lanes, &batch);
         project_batch(frame, &batch);
-        pick_batch(frame, &batch, first, count);
+        pick_batch(frame, &batch, lanes);
         bool disks = false;
         uint32_t hidden = 0;
         for (uint32_t i = 0; i < count; ++i) {
@@ -154,7 +152,7 @@ uint64_t stp_splats_draw_portable(const stp_splat_frame* frame)
         }
         if (disks) {
             if (splats->normals != NULL) {
-                load_normals_scalar(frame, first, count, &batch);
+                load_normals_scalar(frame, lanes, &batch);
             }
             shape_batch(frame, &batch);
             stretch_batch(frame, &batch);

@@ -226,11 +226,12 @@ static inline void blend_all(const stp_raster_blend* blend, const stp_raster_cam
         if (splats->wanted != NULL && splats->wanted[first / SPLAT_BATCH] == 0) {
             continue;
         }
-        load_positions_scalar(&frame, first, b.count, &b.t);
-        load_shapes(&frame, first, b.count, &b.t);
-        load_parts(&frame, first, b.count, &b.t);
+        splat_lanes lanes = {first, b.count, NULL};
+        load_positions_scalar(&frame, lanes, &b.t);
+        load_shapes(&frame, lanes, &b.t);
+        load_parts(&frame, lanes, &b.t);
         project_batch(&frame, &b.t);
-        pick_batch(&frame, &b.t, first, b.count);
+        pick_batch(&frame, &b.t, lanes);
         bool disks = false, any = false;
         for (uint32_t i = 0; i < b.count; ++i) {
             disks = disks || b.t.kind[i] == SPLAT_DISK;
@@ -238,7 +239,7 @@ static inline void blend_all(const stp_raster_blend* blend, const stp_raster_cam
         }
         if (disks) {
             if (splats->normals != NULL) {
-                load_normals_scalar(&frame, first, b.count, &b.t);
+                load_normals_scalar(&frame, lanes, &b.t);
             }
             shape_batch(&frame, &b.t);
             stretch_batch(&frame, &b.t);

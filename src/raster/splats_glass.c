@@ -81,10 +81,11 @@ static uint64_t draw_square_glass(const stp_splat_frame* f, splat_batch* t, uint
                                   uint32_t count)
 {
     uint64_t fragments = 0;
-    load_shapes(f, first, count, t);
+    splat_lanes lanes = {first, count, NULL};
+    load_shapes(f, lanes, t);
     project_batch(f, t);
-    pick_batch(f, t, first, count);
-    place_squares(f, t, first, count);
+    pick_batch(f, t, lanes);
+    place_squares(f, t, lanes);
     for (uint32_t i = 0; i < count; ++i) {
         if (t->kind[i] == SPLAT_PIXEL) {
             fragments += stp_glass_store(f, first + i, t->cx[i], t->cy[i], t->nearness[i]);
@@ -99,14 +100,15 @@ static uint64_t draw_batch(const stp_splat_frame* f, splat_batch* t, uint32_t fi
 {
     uint64_t fragments = 0;
     bool disks = false;
-    load_shapes(f, first, count, t);
+    splat_lanes lanes = {first, count, NULL};
+    load_shapes(f, lanes, t);
     project_batch(f, t);
-    pick_batch(f, t, first, count);
+    pick_batch(f, t, lanes);
     for (uint32_t i = 0; i < count; ++i) {
         disks = disks || t->kind[i] == SPLAT_DISK;
     }
     if (disks) {
-        load_normals_scalar(f, first, count, t);
+        load_normals_scalar(f, lanes, t);
         shape_batch(f, t);
         stretch_batch(f, t);
         box_batch(t);
@@ -145,7 +147,7 @@ uint64_t stp_raster_draw_glass(const stp_raster_target* target, const stp_raster
     for (uint32_t first = splats->begin; first < splats->end; first += SPLAT_BATCH) {
         uint32_t left = splats->end - first, count = left < SPLAT_BATCH ? left : SPLAT_BATCH;
         if (splats->wanted == NULL || splats->wanted[first / SPLAT_BATCH] != 0) {
-            load_positions_scalar(&frame, first, count, &batch);
+            load_positions_scalar(&frame, (splat_lanes){first, count, NULL}, &batch);
             fragments += splats->squares ? draw_square_glass(&frame, &batch, first, count)
                                          : draw_batch(&frame, &batch, first, count);
         }

@@ -119,13 +119,14 @@ static inline void drop_hidden(const stp_splat_frame* restrict f, splat_batch* r
     }
 }
 
-/// Removes unwanted and hidden splats from a projected batch. Splats `first` to `first` + 15.
+/// Removes unwanted and hidden splats from a projected batch. Queued splats are wanted.
 static inline void pick_batch(const stp_splat_frame* restrict f, splat_batch* restrict t,
-                              uint32_t first, uint32_t count)
+                              splat_lanes lanes)
 {
     const stp_raster_splats* splats = f->splats;
-    uint32_t wanted = splats->wanted != NULL ? splats->wanted[first / SPLAT_BATCH] : 0xFFFFu;
-    wanted &= count < SPLAT_BATCH ? (1u << count) - 1u : 0xFFFFu;
+    bool asks = splats->wanted != NULL && lanes.queued == NULL;
+    uint32_t wanted = asks ? splats->wanted[lanes.first / SPLAT_BATCH] : 0xFFFFu;
+    wanted &= lanes.count < SPLAT_BATCH ? (1u << lanes.count) - 1u : 0xFFFFu;
     int32_t large = 0;
     for (int i = 0; i < SPLAT_BATCH; ++i) {
         int32_t there = -(int32_t)(wanted >> i & 1u);

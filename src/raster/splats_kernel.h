@@ -190,12 +190,23 @@ static inline void splat_store(uint64_t* pixel, uint64_t value)
     }
 }
 
-static inline void load_positions_scalar(const stp_splat_frame* frame, uint32_t first,
-                                         uint32_t count, splat_batch* batch)
+/// The splats of a batch.
+typedef struct splat_lanes {
+    uint32_t first, count;
+    const uint32_t* queued; ///< NULL: they follow `first`
+} splat_lanes;
+
+static inline uint32_t lane_splat(splat_lanes lanes, uint32_t i)
+{
+    return lanes.queued != NULL ? lanes.queued[i] : lanes.first + i;
+}
+
+static inline void load_positions_scalar(const stp_splat_frame* frame, splat_lanes lanes,
+                                         splat_batch* batch)
 {
     const stp_raster_splats* splats = frame->splats;
-    for (uint32_t i = 0; i < count; ++i) {
-        size_t at = 3 * (size_t)(first + i);
+    for (uint32_t i = 0; i < lanes.count; ++i) {
+        size_t at = 3 * (size_t)lane_splat(lanes, i);
         if (splats->positions != NULL) {
             batch->px[i] = (float)splats->positions[at];
             batch->py[i] = (float)splats->positions[at + 1];
@@ -206,22 +217,33 @@ static inline void load_positions_scalar(const stp_splat_frame* frame, uint32_t 
             batch->pz[i] = splats->points[at + 2];
         }
     }
-    for (uint32_t i = count; i < SPLAT_BATCH; ++i) {
+    for (uint32_t i = lanes.count; i < SPLAT_BATCH; ++i) {
         batch->px[i] = batch->py[i] = batch->pz[i] = 0.0f;
     }
 }
 
-static inline void load_normals_scalar(const stp_splat_frame* frame, uint32_t first, uint32_t count,
+static inline void load_normals_scalar(const stp_splat_frame* frame, splat_lanes lanes,
                                        splat_batch* batch)
 {
-    const int8_t* normals = frame->splats->normals + 2 * (size_t)first;
-    for (uint32_t i = 0; i < count; ++i) {
-        batch->nu[i] = (float)normals[2 * i];
-        batch->nv[i] = (float)normals[2 * i + 1];
+    const int8_t* normals = frame->splats->normals;
+    for (uint32_t i = 0; i < lanes.count; ++i) {
+        size_t at = 2 * (size_t)lane_splat(lanes, i);
+        batch->nu[i] = (float)normals[at];
+        batch->nv[i] = (float)normals[at + 1];
     }
-    for (uint32_t i = count; i < SPLAT_BATCH; ++i) {
+    for (uint32_t i = lanes.count; i < SPLAT_BATCH; ++i) {
         batch->nu[i] = batch->nv[i] = 0.0f;
     }
+}
+
+/// Whether no splat of a batch is wanted; then none counts as hidden.
+static inline bool skip_unwanted(const stp_raster_splats* splats, uint32_t first)
+{
+    bool skips = splats->wanted != NULL && splats->wanted[first / SPLAT_BATCH] == 0;
+    if (skips && splats->hidden != NULL) {
+        splats->hidden[first / SPLAT_BATCH] = 0;
+    }
+    return skips;
 }
 
 /// A batch of fully drawn splats; load_parts may change them.
@@ -256,17 +278,15 @@ static inline bool are_whole(const uint8_t* coverages)
     return (halves[0] & halves[1]) == UINT64_MAX;
 }
 
-/// Loads the shapes of splats `first` and after.
-static inline void load_shapes(const stp_splat_frame* f, uint32_t first, uint32_t count,
-                               splat_batch* t)
+static inline void load_shapes(const stp_splat_frame* f, splat_lanes lanes, splat_batch* t)
 {
     const uint32_t* shapes = f->splats->shapes;
     if (shapes == NULL) {
         return; // keep the defaults of an empty batch
     }
     t->stretched = 0;
-    for (uint32_t i = 0; i < count; ++i) {
-        uint32_t code = shapes[first + i];
+    for (uint32_t i = 0; i < lanes.count; ++i) {
+        uint32_t code = shapes[lane_splat(lanes, i)];
         t->own[i] = stp_shape_radius(code & 0xFFFu);
         if ((code >> 12 & 0xFFFu) != (code & 0xFFFu)) {
             t->stretched |= 1u << i;
@@ -276,17 +296,16 @@ static inline void load_shapes(const stp_splat_frame* f, uint32_t first, uint32_
     }
 }
 
-/// Loads the coverage and size of splats `first` and after. Requires their positions and shapes.
-static inline void load_parts(const stp_splat_frame* f, uint32_t first, uint32_t count,
-                              splat_batch* t)
+/// Loads coverages and sizes. Requires positions and shapes.
+static inline void load_parts(const stp_splat_frame* f, splat_lanes lanes, splat_batch* t)
 {
     const stp_raster_splats* splats = f->splats;
     if (splats->coverages == NULL) {
         return; // keep the defaults of an empty batch
     }
     t->cuts = 0;
-    if (count == SPLAT_BATCH && first >= splats->low_count &&
-        are_whole(splats->coverages + first)) {
+    if (lanes.queued == NULL && lanes.count == SPLAT_BATCH && lanes.first >= splats->low_count &&
+        are_whole(splats->coverages + lanes.first)) {
         for (int i = 0; i < SPLAT_BATCH; ++i) {
             t->part[i] = 255;
             t->halvings[i] = 0;
@@ -294,8 +313,8 @@ static inline void load_parts(const stp_splat_frame* f, uint32_t first, uint32_t
         }
         return;
     }
-    for (uint32_t i = 0; i < count; ++i) {
-        uint32_t part = splat_part(splats, first + i);
+    for (uint32_t i = 0; i < lanes.count; ++i) {
+        uint32_t part = splat_part(splats, lane_splat(lanes, i));
         if (part > SPLAT_CUT) {
             t->cuts |= 1u << i;
             t->code[i] = (uint8_t)(part - SPLAT_CUT);
@@ -309,9 +328,9 @@ static inline void load_parts(const stp_splat_frame* f, uint32_t first, uint32_t
         t->size[i] = 1.0f;
         any |= t->halvings[i];
     }
-    for (uint32_t i = 0; i < count && any != 0; ++i) {
+    for (uint32_t i = 0; i < lanes.count && any != 0; ++i) {
         if (t->halvings[i] != 0) {
-            halve_radius(f, first + i, (int)i, t);
+            halve_radius(f, lane_splat(lanes, i), (int)i, t);
         }
     }
 }

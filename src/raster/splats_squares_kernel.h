@@ -53,8 +53,7 @@ static inline void cut_squares(const stp_splat_frame* f, splat_batch* t)
 }
 
 /// Final classification of a batch after pick_batch: SPLAT_PIXEL, or SPLAT_WIDE with a box.
-static inline void place_squares(const stp_splat_frame* f, splat_batch* t, uint32_t first,
-                                 uint32_t count)
+static inline void place_squares(const stp_splat_frame* f, splat_batch* t, splat_lanes lanes)
 {
     bool squares = false;
     keep_close_squares(f, t);
@@ -65,7 +64,7 @@ static inline void place_squares(const stp_splat_frame* f, splat_batch* t, uint3
         return;
     }
     if (f->splats->normals != NULL) {
-        load_normals_scalar(f, first, count, t);
+        load_normals_scalar(f, lanes, t);
     }
     box_squares(t);
     shape_batch(f, t); // for the nearness of back-facing splats
@@ -130,11 +129,12 @@ static inline uint64_t draw_square_batch(const stp_splat_frame* f, splat_batch* 
 {
     uint64_t fragments = 0;
     uint32_t hidden = 0;
-    load_shapes(f, first, count, t);
-    load_parts(f, first, count, t);
+    splat_lanes lanes = {first, count, NULL};
+    load_shapes(f, lanes, t);
+    load_parts(f, lanes, t);
     project_batch(f, t);
-    pick_batch(f, t, first, count);
-    place_squares(f, t, first, count);
+    pick_batch(f, t, lanes);
+    place_squares(f, t, lanes);
     for (uint32_t i = 0; i < count; ++i) {
         if (t->kind[i] == SPLAT_PIXEL) {
             fragments += draw_pixel(f, t, (int)i, first + i);
@@ -158,7 +158,7 @@ static inline uint64_t draw_all_squares(const stp_splat_frame* f)
         uint32_t left = splats->end - first;
         uint32_t count = left < SPLAT_BATCH ? left : SPLAT_BATCH;
         if (splats->wanted == NULL || splats->wanted[first / SPLAT_BATCH] != 0) {
-            load_positions_scalar(f, first, count, &batch);
+            load_positions_scalar(f, (splat_lanes){first, count, NULL}, &batch);
             fragments += draw_square_batch(f, &batch, first, count);
         } else if (splats->hidden != NULL) {
             splats->hidden[first / SPLAT_BATCH] = 0;

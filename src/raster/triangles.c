@@ -66,24 +66,6 @@ static void weights_at(const double corner[3][3], double x, double y, float* wei
     *weight2 = usable ? (float)(l2 / sum) : 0.0f;
 }
 
-void stp_raster_weights(const stp_raster_matrix* matrix, const float* a, const float* b,
-                        const float* c, float pixel_x, float pixel_y, float* weight1,
-                        float* weight2)
-{
-    const float* positions[3] = {a, b, c};
-    static const int rows[3] = {0, 1, 3};
-    double corner[3][3];
-    for (int k = 0; k < 3; ++k) {
-        const float* p = positions[k];
-        for (int i = 0; i < 3; ++i) {
-            const float* m = matrix->m[rows[i]];
-            corner[k][i] = (double)m[0] * (double)p[0] + (double)m[1] * (double)p[1] +
-                           (double)m[2] * (double)p[2] + (double)m[3];
-        }
-    }
-    weights_at((const double(*)[3])corner, (double)pixel_x, (double)pixel_y, weight1, weight2);
-}
-
 static void draw_fragment(const kept_triangle* kept, const stp_triangle_window* window,
                           float nearness, int32_t x, int32_t y)
 {

@@ -43,10 +43,3 @@ STP_MUST_USE stp_result stp_raster_triangles(const stp_raster_target* target, ui
 STP_MUST_USE stp_result stp_raster_triangles_in_band(
     const stp_raster_target* band, uint32_t first_row, const stp_raster_matrix* matrix,
     float nearness_limit, const stp_raster_mesh* mesh, uint32_t first_id, stp_arena* scratch);
-
-/// Perspective-correct weights of corners 1 and 2 (corner 0 has the rest) where the ray through a
-/// screen point (a pixel's centre: column + 0.5, row + 0.5) meets a triangle, clamped to the
-/// triangle. For deferred shading.
-void stp_raster_weights(const stp_raster_matrix* matrix, const float* a, const float* b,
-                        const float* c, float pixel_x, float pixel_y, float* weight1,
-                        float* weight2);

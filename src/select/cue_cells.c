@@ -4,6 +4,7 @@
 #include "base/leaf_runs.h"
 
 enum { GROWTHS = 4 * STP_OCTAVE_LIMIT };
+#define NONE UINT32_MAX
 
 #define ROUND_UP 0.92 // radii err on the large side: factors of 0.96 to 1.14
 /// Radii grow by the fourth root of 2 from step to step.
@@ -27,25 +28,39 @@ uint32_t stp_cue_octaves(const stp_splats* set, double share, uint32_t here)
     return octaves;
 }
 
-static float scale_of(uint32_t growth)
-{
-    float scale = growths[growth % 4];
-    for (uint32_t i = 4; i <= growth; i += 4) {
-        scale *= 2.0f;
-    }
-    return scale;
-}
+/// The cells of each radius step, in curve order.
+typedef struct growth_lists {
+    float scales[GROWTHS];
+    uint32_t heads[GROWTHS], ends[GROWTHS]; ///< first and last cell of a step; NONE: none
+} growth_lists;
 
 /// The radius step nearest to the radius that a cell's splats need.
-static uint32_t growth_of(const stp_cue_cell* cell)
+static uint32_t growth_of(const growth_lists* lists, const stp_cue_cell* cell)
 {
     float sparser = (float)((double)(cell->last - cell->first) / (double)cell->count);
     float radius = sqrtf(sparser) * (float)ROUND_UP;
     uint32_t growth = 0;
-    while (growth + 1 < GROWTHS && radius > scale_of(growth)) {
+    while (growth + 1 < GROWTHS && radius > lists->scales[growth]) {
         growth += 1;
     }
     return growth;
+}
+
+/// Links the cells of each radius step.
+static void link_cells(stp_cue_cell* cells, uint32_t count, growth_lists* lists)
+{
+    for (uint32_t k = 0; k < GROWTHS; ++k) {
+        lists->scales[k] = k < 4 ? growths[k] : 2.0f * lists->scales[k - 4];
+        lists->heads[k] = lists->ends[k] = NONE;
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t growth = growth_of(lists, &cells[i]);
+        cells[i].growth = growth;
+        cells[i].next = NONE;
+        *(lists->heads[growth] == NONE ? &lists->heads[growth] : &cells[lists->ends[growth]].next) =
+            i;
+        lists->ends[growth] = i;
+    }
 }
 
 /// Appends splats of one octave of a cell to the runs of its item, the first of which is
@@ -75,20 +90,18 @@ static stp_leaf_run run_of(const stp_splats* set, const stp_cue_cell* cell, uint
     return run;
 }
 
-/// Adds the item of all cells with the same radius step.
+/// Adds the item of all cells with the same radius step, from `head` on.
 static stp_result add_item(stp_selection* s, const stp_splats* set, const stp_cue_cell* cells,
-                           size_t count, uint32_t growth, stp_draw_item item, stp_depth_range drawn)
+                           uint32_t head, stp_draw_item item, stp_depth_range drawn)
 {
     size_t first = s->list->run_count;
     uint32_t splats = 0;
     stp_result result = STP_OK;
     for (uint32_t k = 0; k < set->octave_count; ++k) {
-        for (size_t i = 0; i < count && result == STP_OK; ++i) {
-            if (cells[i].growth == growth) {
-                stp_leaf_run run = run_of(set, &cells[i], k);
-                splats += run.end - run.begin;
-                result = add_run(s, run, first, drawn);
-            }
+        for (uint32_t i = head; i != NONE && result == STP_OK; i = cells[i].next) {
+            stp_leaf_run run = run_of(set, &cells[i], k);
+            splats += run.end - run.begin;
+            result = add_run(s, run, first, drawn);
         }
     }
     size_t runs = s->list->run_count - first;
@@ -102,23 +115,20 @@ static stp_result add_item(stp_selection* s, const stp_splats* set, const stp_cu
     item.split_count = item.prefix - splats;
     item.first_run = (uint32_t)first;
     item.run_count = (uint32_t)runs;
-    item.shape_scale = scale_of(growth);
     return stp_select_add_item(s, item, item.prefix);
 }
 
 stp_result stp_cue_add_items(stp_selection* s, const stp_splats* set, stp_cue_cell* cells,
                              size_t count, stp_draw_item item, stp_depth_range drawn)
 {
-    bool has[GROWTHS] = {false};
-    for (size_t i = 0; i < count; ++i) {
-        cells[i].growth = growth_of(&cells[i]);
-        has[cells[i].growth] = true;
-    }
+    growth_lists lists;
+    link_cells(cells, (uint32_t)count, &lists);
     stp_result result = STP_OK;
     item.scattered = true;
-    for (uint32_t growth = 0; growth < GROWTHS && result == STP_OK; ++growth) {
-        if (has[growth]) {
-            result = add_item(s, set, cells, count, growth, item, drawn);
+    for (uint32_t k = 0; k < GROWTHS && result == STP_OK; ++k) {
+        if (lists.heads[k] != NONE) {
+            item.shape_scale = lists.scales[k];
+            result = add_item(s, set, cells, lists.heads[k], item, drawn);
         }
     }
     return result;

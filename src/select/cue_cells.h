@@ -9,8 +9,9 @@
 typedef struct stp_cue_cell {
     uint32_t first, last; ///< places of the row of splats (base/leaf_runs.h)
     uint32_t count;       ///< splats drawn, 1 to last - first
-    /// Splats are larger by a power of the square root of 2: the exponent; set by stp_cue_add_items
-    uint32_t growth;
+    // set by stp_cue_add_items:
+    uint32_t growth; ///< splats are larger by a power of the fourth root of 2: the exponent
+    uint32_t next;   ///< the next cell with the same growth
 } stp_cue_cell;
 
 /// Finds the number of octaves whose share of the set's splats is nearest to `share`, at most that

@@ -7,6 +7,7 @@
 // of the samples of a hidden region: some of it may be visible beside its occluders
 #define LEAST_SEEN 0.25
 #define POLISHED 0.4f  // surfaces below this roughness have highlights small enough to miss
+#define ALIKE 0.9f     // cosine between the normals of two parts of one surface
 #define STRAIGHT 1e-12 // of a direction's length: below, it counts as perpendicular to the axis
 
 /// Solves 3 equations by Cramer's rule. False if there is no unique solution.
@@ -72,6 +73,20 @@ static stp_vec3d middle_of(const stp_leaf_node* node)
     double half = 0.5 * (double)stp_leaf_width(node->depth);
     return (stp_vec3d){(double)node->corner[0] + half, (double)node->corner[1] + half,
                        (double)node->corner[2] + half};
+}
+
+double stp_cue_overhang(const stp_cue_view* view, const stp_leaf_node* node, const stp_boxd* box)
+{
+    const stp_view_frame* frame = &view->s->frames[0];
+    stp_vec3d far = stp_subd(box->max, frame->eye), other = stp_subd(box->min, frame->eye);
+    double depth = fmax(frame->forward.x * far.x, frame->forward.x * other.x) +
+                   fmax(frame->forward.y * far.y, frame->forward.y * other.y) +
+                   fmax(frame->forward.z * far.z, frame->forward.z * other.z);
+    double pixel = stp_view_frame_pixel_size(frame, fmax(depth, frame->near_distance));
+    double wanted = 0.5 * view->sight->largest_size * pixel;
+    double own = STP_CUE_RADIUS * sqrt((double)node->area / (double)node->count) *
+                 (double)view->set->step * view->scale;
+    return STP_CUE_LONGEST * fmax(wanted, own);
 }
 
 stp_boxd stp_cue_box(const stp_cue_view* view, const stp_leaf_node* node)
@@ -174,15 +189,16 @@ static ray ray_of(const stp_cue_view* view, const stp_leaf_node* node)
 }
 
 /// Whether a ray enters a cube (Revelles, Urena, Lastra 2000: parameters of the planes of an
-/// octree's cube). @param apart minimum distance from the ray's origin along some axis
+/// octree's cube). Comparisons instead of fmin and fmax, which are calls.
 static bool enters(const ray* r, const stp_leaf_node* node)
 {
     double in = 0.0, out = r->end, width = (double)stp_leaf_width(node->depth);
     for (int k = 0; k < 3; ++k) {
         double a = ((double)node->corner[k] - r->from[k]) * r->per[k];
-        double b = ((double)node->corner[k] + width - r->from[k]) * r->per[k];
-        in = fmax(in, fmin(a, b));
-        out = fmin(out, fmax(a, b));
+        double b = a + width * r->per[k];
+        double first = a < b ? a : b, last = a < b ? b : a;
+        in = first > in ? first : in;
+        out = last < out ? last : out;
     }
     return in < out;
 }
@@ -199,12 +215,24 @@ static bool touches(const stp_leaf_node* a, const stp_leaf_node* b)
     return near;
 }
 
-double stp_cue_occlusion(const stp_cue_view* view, const stp_leaf_node* node, double pixels)
+/// Whether another cube may hold more of the surface in this one: its plane passes through both,
+/// and they face alike. A surface does not hide itself, however flat the way lies along it.
+static bool continues(const stp_leaf_node* a, stp_vec3 normal, const stp_leaf_node* b,
+                      stp_vec3 other)
+{
+    stp_vec3 to = stp_to_float(stp_subd(middle_of(b), middle_of(a)));
+    float half = 0.5f * (float)(stp_leaf_width(a->depth) + stp_leaf_width(b->depth));
+    float reach = half * (fabsf(normal.x) + fabsf(normal.y) + fabsf(normal.z));
+    return fabsf(stp_dot(to, normal)) <= reach && fabsf(stp_dot(normal, other)) >= ALIKE;
+}
+
+double stp_cue_before(const stp_cue_view* view, const stp_leaf_node* node, double enough)
 {
     const stp_leaf_node* nodes = view->leaves->nodes;
     ray r = ray_of(view, node);
     stp_vec3 way = stp_to_float((stp_vec3d){1.0 / r.per[0], 1.0 / r.per[1], 1.0 / r.per[2]});
-    double before = 0.0, enough = pixels / STP_CUE_OCCLUSION;
+    stp_vec3 own = stp_octahedral_decode(node->normal[0], node->normal[1]);
+    double before = 0.0;
     for (uint32_t i = 0; i < view->leaves->node_count && before < enough;) {
         const stp_leaf_node* other = &nodes[i];
         bool entered = enters(&r, other);
@@ -212,14 +240,32 @@ double stp_cue_occlusion(const stp_cue_view* view, const stp_leaf_node* node, do
         bool whole = other->leaf_count == 1 || other->depth > node->depth;
         if (entered && whole && !touches(node, other)) {
             stp_vec3 n = stp_octahedral_decode(other->normal[0], other->normal[1]);
-            before += (double)other->count * (double)fabsf(stp_dot(n, way));
+            bool hides = !continues(node, own, other, n);
+            before += hides ? (double)other->count * (double)fabsf(stp_dot(n, way)) : 0.0;
         }
         i = entered && !whole ? i + 1 : other->next;
     }
+    return before;
+}
+
+static double occlusion_of(double before, double pixels)
+{
     return pixels > 0.0 ? fmin(STP_CUE_OCCLUSION * before / pixels, 1.0) : 0.0;
 }
 
-double stp_cue_samples(const stp_cue_view* view, const stp_leaf_node* node, const stp_sight* sight)
+double stp_cue_occlusion(const stp_cue_view* view, const stp_leaf_node* node, double pixels)
+{
+    return occlusion_of(stp_cue_before(view, node, pixels / STP_CUE_OCCLUSION), pixels);
+}
+
+double stp_cue_enough(const stp_cue_view* view, const stp_leaf_node* node, const stp_sight* sight)
+{
+    bool asks = (view->cues & STP_CUE_OCCLUSION_BIT) != 0;
+    return asks ? (1.0 - LEAST_SEEN) * pixels_of(view, node, sight) / STP_CUE_OCCLUSION : 0.0;
+}
+
+double stp_cue_samples(const stp_cue_view* view, const stp_leaf_node* node, const stp_sight* sight,
+                       double before)
 {
     double all = (double)node->count, nominal = fmin(stp_cue_nominal(view, node, sight), all);
     double samples = stp_cue_shape(view, node, nominal);
@@ -230,8 +276,7 @@ double stp_cue_samples(const stp_cue_view* view, const stp_leaf_node* node, cons
         samples = fmin(feature_of(view) * samples, all);
     }
     if ((view->cues & STP_CUE_OCCLUSION_BIT) != 0) {
-        double hidden = stp_cue_occlusion(view, node, pixels_of(view, node, sight));
-        samples *= fmax(1.0 - hidden, LEAST_SEEN);
+        samples *= fmax(1.0 - occlusion_of(before, pixels_of(view, node, sight)), LEAST_SEEN);
     }
     return samples;
 }

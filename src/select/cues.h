@@ -20,6 +20,9 @@
 #define STP_CUE_ERROR_FEATURE 1.5 ///< factor at a silhouette, an edge or a highlight
 #define STP_CUE_HIGHLIGHT 0.26    ///< sine of a highlight's angle around the mirror direction
 
+#define STP_CUE_RADIUS 1.05 ///< of a splat, in sides of the square that it stands for
+#define STP_CUE_LONGEST 1.5 ///< limit on an ellipse's larger radius, in those of its disk
+
 /// A set in a view.
 typedef struct stp_cue_view {
     const stp_selection* s;
@@ -40,8 +43,12 @@ stp_cue_view stp_cue_view_make(const stp_selection* s, const stp_select_entry* a
                                const stp_splats* set, const stp_store_leaves* leaves,
                                const stp_sight* sight);
 
-/// Box of an octree cube, in scene space.
+/// Box of an octree cube, in scene space. Splats are larger: see stp_cue_overhang.
 stp_boxd stp_cue_box(const stp_cue_view* view, const stp_leaf_node* node);
+
+/// Upper limit on how far splats of a cube extend beyond its box, in scene space: the radius that
+/// the view wants at the cube's farthest depth, or that of all the cube's splats.
+double stp_cue_overhang(const stp_cue_view* view, const stp_leaf_node* node, const stp_boxd* box);
 
 /// Splats wanted for a cube's pixels alone: W over the square of the splat size, which is W / 4 at
 /// two pixels; STP_CUE_COVERING times as many for STP_CUE_ERROR_BIT.
@@ -56,9 +63,18 @@ bool stp_cue_silhouette(const stp_cue_view* view, const stp_leaf_node* node);
 /// Whether some of a cube may mirror the light to the eye.
 bool stp_cue_highlight(const stp_cue_view* view, const stp_leaf_node* node);
 
-/// Occlusion of a cube, from 0 to 1: compares the splats of leaves between its centre and the eye
-/// with the pixels it covers. Leaves that touch the cube, or are seen edge-on, do not occlude it.
+/// Splats of leaves between a cube's centre and the eye, weighted by the cosine at which the ray
+/// meets their surface. Leaves that touch the cube do not count, nor do those that may continue its
+/// surface. Stops at `enough`.
+double stp_cue_before(const stp_cue_view* view, const stp_leaf_node* node, double enough);
+
+/// Number of splats before a cube beyond which more make no difference; 0 without the cue.
+double stp_cue_enough(const stp_cue_view* view, const stp_leaf_node* node, const stp_sight* sight);
+
+/// Occlusion of a cube, from 0 to 1: compares the splats before it with the pixels it covers.
 double stp_cue_occlusion(const stp_cue_view* view, const stp_leaf_node* node, double pixels);
 
 /// Applies all cues: the number of splats, at most all.
-double stp_cue_samples(const stp_cue_view* view, const stp_leaf_node* node, const stp_sight* sight);
+/// @param before splats before it, as stp_cue_before finds them for it or for a cube around it
+double stp_cue_samples(const stp_cue_view* view, const stp_leaf_node* node, const stp_sight* sight,
+                       double before);

@@ -125,6 +125,22 @@ stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* a
     return use;
 }
 
+stp_draw_item stp_select_splat_item(const stp_selection* s, const stp_select_entry* at,
+                                    const stp_set_use* use)
+{
+    return (stp_draw_item){.kind = STP_DRAW_SURFELS,
+                           .index = use->set,
+                           .prefix = use->count,
+                           .full_prefix = use->count,
+                           .radius = (float)use->radius,
+                           .sections = at->sections,
+                           .ghost = at->shown == STP_SHOW_GHOST,
+                           .one_sided = !s->quality->all_sides &&
+                                        s->directory->nodes[at->node].point_count == 0 &&
+                                        !use->surfels->unknown_signs,
+                           .transform = at->transform};
+}
+
 bool stp_select_is_of_points(const stp_selection* s, uint32_t node)
 {
     const stp_store_node* n = &s->directory->nodes[node];

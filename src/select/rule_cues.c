@@ -1,16 +1,21 @@
 // SPDX-License-Identifier: MIT
-// Sets that were made leaf by leaf, `stochastic`: a view takes from each leaf as many of its splats
-// as the cues are worth, the first ones of its random order, so a leaf's splats stay while the eye
-// rests (Bhakar, Luo, Mudur 2004, 3.2). What is far away is taken cube by cube of the octree. Where
-// all splats of a set do not suffice, the node is opened.
+// Method `stochastic`, sets built leaf by leaf. The cues decide how many splats a view takes from
+// each leaf. These are the first of the leaf's order, so they stay the same while the eye rests
+// (Bhakar, Luo, Mudur 2004, 3.2). Distant content is taken by whole octree cubes. If all splats of a
+// set do not suffice, the node is opened.
 #include "base/leaf_runs.h"
 #include "base/prefix_table.h"
 #include "select/cue_cells.h"
 #include "select/cues.h"
 #include "select/rule.h"
 
-#define CELL_SAMPLES 0.5 // of each leaf of a cube that is not opened, at the most
-#define CUES_MOST 8.0    // times the nominal samples: a bent region with an edge or a silhouette
+#define CELL_SAMPLES 0.5 // maximum splats per leaf of a cube that is not opened
+#define CUES_MOST 8.0    // factor on nominal samples: a bent region with an edge or a silhouette
+
+enum {
+    /// Cubes of at most this many leaves share one ray (docs/notes/2026-11-stochastic-speed.md).
+    RAY_LEAVES = 32
+};
 
 /// Smallest number of octaves with this many splats.
 static uint32_t round_count(const stp_splats* set, double count)
@@ -85,8 +90,8 @@ static stp_result add_cell(stp_selection* s, size_t* count, stp_cue_cell cell)
     return STP_OK;
 }
 
-/// The splats of a cube for a number of samples: of several leaves whole octaves, of one as many as
-/// are wanted.
+/// Chooses the splats of a cube for a number of samples: whole octaves for several leaves, the exact
+/// number for one.
 static stp_cue_cell cell_of(const stp_splats* set, const stp_leaf_node* node, double samples,
                             uint32_t here)
 {
@@ -100,7 +105,7 @@ static stp_cue_cell cell_of(const stp_splats* set, const stp_leaf_node* node, do
     return cell;
 }
 
-/// Whole samples of a leaf; the rest goes to the leaf that is next along the curve.
+/// Rounds the samples of a leaf. The rounding error goes to the next leaf along the curve.
 static double round_leaf(const stp_leaf_node* node, double samples, double* carried)
 {
     double all = (double)node->count;
@@ -110,7 +115,7 @@ static double round_leaf(const stp_leaf_node* node, double samples, double* carr
     return whole;
 }
 
-/// One splat of a cube, where the octaves that are loaded have one.
+/// One splat of a cube, if the loaded octaves contain one.
 static stp_cue_cell least_cell(const stp_splats* set, const stp_leaf_node* node, uint32_t here)
 {
     stp_cue_cell cell = {.first = node->first, .last = node->first + node->count};
@@ -119,43 +124,72 @@ static stp_cue_cell least_cell(const stp_splats* set, const stp_leaf_node* node,
     return cell;
 }
 
-/// Visits visible cubes, and opens those that need many splats. A set of which anything is seen
-/// draws at least one splat, also where all its points lie in one place.
+/// State of a visit to the cubes of a set.
+typedef struct cue_walk {
+    double carried;     ///< rounding error so far
+    double before;      ///< splats between the eye and the cube of the last ray
+    uint32_t ray_until; ///< first node outside that cube
+    stp_cue_cell least; ///< one splat of a visible cube
+} cue_walk;
+
+/// Whether any splat of a cube may be in view. Splats extend beyond the cube, and all its points may
+/// lie on the face next to the picture.
+static bool sees_cube(const stp_selection* s, const stp_cue_view* view, const stp_leaf_node* node,
+                      stp_sight* sight)
+{
+    stp_boxd box = stp_cue_box(view, node);
+    if (stp_select_see(s, &box, sight)) {
+        return true;
+    }
+    double reach = stp_cue_overhang(view, node, &box);
+    stp_vec3d margin = {reach, reach, reach};
+    box = (stp_boxd){stp_subd(box.min, margin), stp_addd(box.max, margin)};
+    return stp_select_see(s, &box, sight);
+}
+
+/// Traces a ray to the eye from a cube that is not opened, or from one of few leaves, which share
+/// it.
+static void look_ahead(cue_walk* walk, const stp_cue_view* view, uint32_t index, bool opens,
+                       const stp_sight* sight)
+{
+    const stp_leaf_node* node = &view->leaves->nodes[index];
+    if (index >= walk->ray_until && (!opens || node->leaf_count <= RAY_LEAVES)) {
+        walk->before = stp_cue_before(view, node, stp_cue_enough(view, node, sight));
+        walk->ray_until = node->next;
+    }
+}
+
+/// Visits visible cubes, and opens those that need many splats. A visible set draws at least one
+/// splat, even if all its points coincide.
 static stp_result choose_cells(stp_selection* s, const stp_cue_view* view, uint32_t here,
                                size_t* count)
 {
     const stp_leaf_node* nodes = view->leaves->nodes;
     stp_result result = STP_OK;
-    double carried = 0.0;
-    stp_cue_cell least = {.count = 0};
-    bool is_one = view->leaves->node_count == 1;
+    cue_walk walk = {0};
     for (uint32_t i = 0; i < view->leaves->node_count && result == STP_OK;) {
         const stp_leaf_node* node = &nodes[i];
-        stp_boxd box = stp_cue_box(view, node);
         stp_sight sight;
-        bool seen = stp_select_see(s, &box, &sight);
-        if (!seen &&
-            is_one) { // as its node is: a cube without extent may count as hidden by itself
-            sight = *view->sight;
-        } else if (!seen) {
+        if (!sees_cube(s, view, node, &sight)) {
             i = node->next;
             continue;
         }
         bool opens = node->leaf_count > 1 &&
                      stp_cue_nominal(view, node, &sight) > CELL_SAMPLES * (double)node->leaf_count;
+        look_ahead(&walk, view, i, opens, &sight);
         if (!opens) {
-            double samples = stp_cue_samples(view, node, &sight);
-            samples = node->leaf_count == 1 ? round_leaf(node, samples, &carried) : samples;
+            double samples = stp_cue_samples(view, node, &sight, walk.before);
+            samples = node->leaf_count == 1 ? round_leaf(node, samples, &walk.carried) : samples;
             result = add_cell(s, count, cell_of(view->set, node, samples, here));
-            least = least.count == 0 ? least_cell(view->set, node, here) : least;
+            walk.least = walk.least.count == 0 ? least_cell(view->set, node, here) : walk.least;
         }
         i = opens ? i + 1 : node->next;
     }
-    return result == STP_OK && *count == 0 ? add_cell(s, count, least) : result;
+    return result == STP_OK && *count == 0 ? add_cell(s, count, walk.least) : result;
 }
 
-/// What a splat count is shared by: cues that do not depend on the eye. By STP_CUE_ERROR_BIT it is
-/// the area alone.
+/// Weight of a leaf when a splat count is distributed: the view-independent cues, or the area alone
+/// with STP_CUE_ERROR_BIT.
 static double worth_of(const stp_cue_view* view, const stp_leaf_node* node)
 {
     double samples = (double)node->area;
@@ -168,36 +202,43 @@ static double worth_of(const stp_cue_view* view, const stp_leaf_node* node)
     return samples * (bends ? 1.0 + fmin((double)node->flatness / STP_CUE_FLATNESS, 1.0) : 1.0);
 }
 
-static double most_of(const stp_splats* set, const stp_leaf_node* node, uint32_t here)
+/// Distribution of a splat count over the leaves of a set.
+typedef struct cue_share {
+    const stp_cue_view* view;
+    uint32_t octaves; ///< number of loaded octaves
+    double density;   ///< splats per unit of weight
+} cue_share;
+
+static uint32_t most_of(const cue_share* share, uint32_t first, uint32_t count)
 {
-    return (double)stp_cue_count(set, node->first, node->first + node->count,
-                                 stp_cue_octaves(set, 1.0, here));
+    return stp_cue_count(share->view->set, first, first + count, share->octaves);
 }
 
 /// Finds the splats per unit of weight so that all leaves together have `wanted`. Leaves with too
 /// few splats give all; the others share the difference, repeatedly.
-static double find_density(const stp_cue_view* view, double wanted, uint32_t here)
+static void find_density(cue_share* share, double wanted)
 {
     enum { ROUNDS_MOST = 64 };
-    double density = 0.0;
+    const stp_store_leaves* leaves = share->view->leaves;
     bool grows = true;
+    share->density = 0.0;
     for (int round = 0; round < ROUNDS_MOST && grows; ++round) {
         double given = 0.0, worth = 0.0;
-        for (uint32_t i = 0; i < view->leaves->node_count; ++i) {
-            const stp_leaf_node* node = &view->leaves->nodes[i];
+        for (uint32_t i = 0; i < leaves->node_count; ++i) {
+            const stp_leaf_node* node = &leaves->nodes[i];
             if (node->leaf_count > 1) {
                 continue;
             }
-            double mine = worth_of(view, node), most = most_of(view->set, node, here);
-            bool all = density * mine >= most;
+            double mine = worth_of(share->view, node);
+            double most = (double)most_of(share, node->first, node->count);
+            bool all = share->density * mine >= most;
             given += all ? most : 0.0;
             worth += all ? 0.0 : mine;
         }
-        double next = worth > 0.0 ? (wanted - given) / worth : density;
-        grows = next > density;
-        density = grows ? next : density;
+        double next = worth > 0.0 ? (wanted - given) / worth : share->density;
+        grows = next > share->density;
+        share->density = grows ? next : share->density;
     }
-    return density;
 }
 
 /// Distributes `wanted` splats over all leaves by weight, limited by their counts. Adjusts by one
@@ -205,7 +246,12 @@ static double find_density(const stp_cue_view* view, double wanted, uint32_t her
 static stp_result share_out(stp_selection* s, const stp_cue_view* view, uint32_t wanted,
                             uint32_t here, size_t* count)
 {
-    double density = find_density(view, (double)wanted, here), carried = 0.0;
+    if (wanted == view->set->count && here == wanted) {
+        return add_cell(s, count, (stp_cue_cell){0, wanted, wanted, 0, 0});
+    }
+    cue_share share = {.view = view, .octaves = stp_cue_octaves(view->set, 1.0, here)};
+    find_density(&share, (double)wanted);
+    double carried = 0.0;
     uint32_t left = wanted;
     stp_result result = STP_OK;
     for (uint32_t i = 0; i < view->leaves->node_count && result == STP_OK; ++i) {
@@ -213,20 +259,19 @@ static stp_result share_out(stp_selection* s, const stp_cue_view* view, uint32_t
         if (node->leaf_count > 1) {
             continue;
         }
-        double most = most_of(view->set, node, here);
-        carried += fmin(density * worth_of(view, node), most);
+        double most = (double)most_of(&share, node->first, node->count);
+        carried += fmin(share.density * worth_of(view, node), most);
         double whole = fmin(fmin(floor(carried + 0.5), most), (double)left);
         uint32_t drawn = whole > 0.0 ? (uint32_t)whole : 0;
         carried -= (double)drawn;
         left -= drawn;
         result =
-            add_cell(s, count, (stp_cue_cell){node->first, node->first + node->count, drawn, 0});
+            add_cell(s, count, (stp_cue_cell){node->first, node->first + node->count, drawn, 0, 0});
     }
     for (size_t i = 0; i < *count && left > 0; ++i) { // remainder of rounding
         stp_cue_cell* cell = &s->list->cells[i];
-        uint32_t most = stp_cue_count(view->set, cell->first, cell->last,
-                                      stp_cue_octaves(view->set, 1.0, here));
-        uint32_t more = most - cell->count < left ? most - cell->count : left;
+        uint32_t more = most_of(&share, cell->first, cell->last - cell->first) - cell->count;
+        more = more < left ? more : left;
         cell->count += more;
         left -= more;
     }
@@ -236,18 +281,9 @@ static stp_result share_out(stp_selection* s, const stp_cue_view* view, uint32_t
 static stp_draw_item make_item(const stp_selection* s, const stp_select_entry* at,
                                const stp_set_use* use)
 {
-    return (stp_draw_item){.kind = STP_DRAW_SURFELS,
-                           .index = use->set,
-                           .prefix = use->count,
-                           .full_prefix = use->count,
-                           .radius = (float)use->radius,
-                           .sections = at->sections,
-                           .ghost = at->shown == STP_SHOW_GHOST,
-                           .of_points = stp_select_is_of_points(s, at->node),
-                           .one_sided = !s->quality->all_sides &&
-                                        s->directory->nodes[at->node].point_count == 0 &&
-                                        !use->surfels->unknown_signs,
-                           .transform = at->transform};
+    stp_draw_item item = stp_select_splat_item(s, at, use);
+    item.of_points = stp_select_is_of_points(s, at->node);
+    return item;
 }
 
 /// Without leaves, a prefix of the set is a random sample, with splats large enough for it.

@@ -90,19 +90,10 @@ static void use_at_most(stp_set_use* use, uint32_t count)
 static stp_draw_item make_item(const stp_selection* s, const stp_select_entry* at,
                                const stp_set_use* use)
 {
-    return (stp_draw_item){.kind = STP_DRAW_SURFELS,
-                           .index = use->set,
-                           .prefix = use->count,
-                           .full_prefix = use->count,
-                           .radius = (float)use->radius,
-                           .level_per_depth = (float)use->level_per_depth,
-                           .level_least = (float)use->level_least,
-                           .sections = at->sections,
-                           .ghost = at->shown == STP_SHOW_GHOST,
-                           .one_sided = !s->quality->all_sides &&
-                                        s->directory->nodes[at->node].point_count == 0 &&
-                                        !use->surfels->unknown_signs,
-                           .transform = at->transform};
+    stp_draw_item item = stp_select_splat_item(s, at, use);
+    item.level_per_depth = (float)use->level_per_depth;
+    item.level_least = (float)use->level_least;
+    return item;
 }
 
 static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_set_use* use,

@@ -156,6 +156,10 @@ bool stp_select_is_complete(const stp_store_node* node, const stp_splats* surfel
 /// points as splats.
 bool stp_select_is_of_points(const stp_selection* s, uint32_t node);
 
+/// An item of the first `use->count` splats of a set.
+stp_draw_item stp_select_splat_item(const stp_selection* s, const stp_select_entry* at,
+                                    const stp_set_use* use);
+
 /// Appends an item with this many ids, and sets its first_id.
 STP_MUST_USE stp_result stp_select_add_item(stp_selection* s, stp_draw_item item,
                                             uint64_t id_count);

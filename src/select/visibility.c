@@ -39,38 +39,6 @@ void stp_visibility_destroy(stp_visibility* v)
     }
 }
 
-stp_result stp_visibility_copy(stp_context* context, const stp_visibility* from,
-                               stp_visibility** copy)
-{
-    stp_result result = stp_visibility_create(context, from->store, copy);
-    stp_visibility* v = *copy;
-    if (result != STP_OK) {
-        return result;
-    }
-    v->root = from->root;
-    v->version = from->version;
-    v->first_free = from->first_free;
-    v->mixed = STP_NEW_ZEROED(context, stp_visibility_mixed, from->mixed_count + 1);
-    bool enough = v->mixed != NULL;
-    v->mixed_capacity = enough ? from->mixed_count + 1 : 0;
-    for (size_t i = 0; enough && i < from->mixed_count; ++i) {
-        const stp_visibility_mixed* m = &from->mixed[i];
-        v->mixed[i] = *m;
-        v->mixed[i].slots = m->slots != NULL ? STP_NEW_ARRAY(context, uint32_t, m->count) : NULL;
-        enough = m->slots == NULL || v->mixed[i].slots != NULL;
-        v->mixed_count = i + 1;
-        if (m->slots != NULL && enough) {
-            memcpy(v->mixed[i].slots, m->slots, m->count * sizeof(*m->slots));
-        }
-    }
-    if (!enough) {
-        stp_visibility_destroy(v);
-        *copy = NULL;
-        return stp_fail_memory(context);
-    }
-    return STP_OK;
-}
-
 void stp_visibility_reset(stp_visibility* v, stp_show show)
 {
     drop_mixed(v);

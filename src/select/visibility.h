@@ -35,9 +35,6 @@ typedef struct stp_visibility stp_visibility;
 /// Everything is shown. Belongs to the store, which must outlive it.
 STP_MUST_USE stp_result stp_visibility_create(stp_context* context, const stp_store* store,
                                               stp_visibility** visibility);
-/// Copies the state, for a thread that draws while the original changes.
-STP_MUST_USE stp_result stp_visibility_copy(stp_context* context, const stp_visibility* from,
-                                            stp_visibility** copy);
 void stp_visibility_destroy(stp_visibility* visibility);
 
 /// Resets the whole scene. To isolate an object, reset to STP_SHOW_NOT or STP_SHOW_GHOST, then set

@@ -48,6 +48,7 @@ done = build("limited.stip", "--threads", "1", "--memory", str(2 * MEGABYTE))
 assert done.returncode == 1 and done.stdout == "", (done.returncode, done.stdout)
 lines = done.stderr.splitlines()
 assert len(lines) == 1 and lines[0].startswith("stipple: out of memory: the limit of"), done.stderr
+assert "(--memory)" in lines[0] and "memory_limit_bytes" not in lines[0], done.stderr
 assert not os.path.exists("limited.stip")
 if "needs about" in lines[0]: # where it was for surfels
     needed = int(lines[0].split("needs about ")[1].split()[0])

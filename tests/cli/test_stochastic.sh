@@ -39,14 +39,14 @@ with open("cloud.ply", "wb") as file:
 END
 refused 2 'leaf-points requires --method stochastic' build cloud.ply -o a.stip --leaf-points 100
 refused 2 'leaf-flatness requires --method stochastic' build cloud.ply -o a.stip --leaf-flatness 0.001
-for option in "leaf-sample 100" "leaf-neighbors 6" "normal-neighbors 30"; do
+for option in "leaf-sample 100" "leaf-scales 3" "leaf-neighbors 6" "normal-neighbors 30"; do
     # shellcheck disable=SC2086
     refused 2 "${option% *} requires --method stochastic" build cloud.ply -o a.stip --$option
 done
 "$stipple" -q build cloud.ply -o cloud.stip --method stochastic || fail "no build"
 "$stipple" -q build cloud.ply -o other.stip --method stochastic --threads 1 --fresh || fail "no build by one thread"
 cmp -s cloud.stip other.stip || fail "the file depends on the number of threads"
-"$stipple" -q build cloud.ply -o finer.stip --method stochastic --leaf-points 100 --leaf-flatness 0.001 --leaf-sample 64 --leaf-neighbors 8 --normal-neighbors 12 || fail "no finer build"
+"$stipple" -q build cloud.ply -o finer.stip --method stochastic --leaf-points 100 --leaf-flatness 0.001 --leaf-sample 64 --leaf-scales 1 --leaf-neighbors 8 --normal-neighbors 12 || fail "no finer build"
 [ "$(wc -c < finer.stip)" -gt "$(wc -c < cloud.stip)" ] || fail "finer leaves take no more bytes"
 for file in cloud finer; do
     "$stipple" -q check $file.stip || fail "$file.stip is wrong"
@@ -97,6 +97,22 @@ for part in 20% 60%; do
     draw part --splat-size 6 --prefix $part
     alike part.png whole.png 0.5
 done
+# splats reach into the picture from leaves that lie outside of it: a wall on the faces of cubes, four pixels beyond
+python3 - << 'END'
+import random
+import struct
+some = random.Random(3)
+points = [(some.random(), some.random(), 0, 0, 0, 1) for _ in range(20000)]
+points += [(-0.5 + 0.01 * some.random(), 0.5 + 0.01 * some.random(), 0, 0, 0, 1) for _ in range(200)]
+with open("wall.ply", "wb") as file:
+    file.write(b"ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % len(points))
+    file.write(b"".join(b"property float %s\n" % name for name in (b"x", b"y", b"z", b"nx", b"ny", b"nz")) + b"end_header\n")
+    file.write(b"".join(struct.pack("<6f", *point) for point in points))
+END
+"$stipple" -q build wall.ply -o wall.stip --method stochastic || fail "no build of a wall"
+"$stipple" render wall.stip -o wall.png --eye -0.52,0.5,5 --target -0.52,0.5,0 --ortho 1 --size 200x200 --splat-size 16 --once --accumulate 1 \
+    --json > wall.json || fail "no picture of a wall"
+[ "$(value wall.json covered_pixels)" -gt 150 ] || fail "splats of leaves beside the picture are missing: $(cat wall.json)"
 # attributes of points: a strip of class 6 in ground
 python3 - << 'END'
 import math

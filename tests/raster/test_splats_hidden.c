@@ -154,6 +154,53 @@ static void check_kernel(test_state* test, splat_kernel kernel, ask_kernel ask, 
     }
 }
 
+#if defined(__x86_64__)
+/// Draws the wanted splats before the wall by a kernel.
+static void draw_wanted(hidden_scene* s, splat_kernel kernel, uint16_t hidden[WORDS])
+{
+    memcpy(s->pixels, s->wall, sizeof(s->wall));
+    memset(s->hidden, 0xFF, sizeof(s->hidden));
+    draw(s, kernel);
+    memcpy(hidden, s->hidden, sizeof(s->hidden));
+}
+
+// Splats that wait until there are sixteen: the same pixels and hidden ones as word by word, however many are wanted.
+void test_splats_hidden_among_the_wanted(test_state* test)
+{
+    static hidden_scene s;
+    static uint16_t wanted[WORDS], expected[WORDS], hidden[WORDS];
+    const splat_kernel kernels[] = {stp_splats_draw_avx2, stp_splats_draw_avx512};
+    stp_processor processor = stp_processor_detect();
+    int count = 0;
+    for (uint64_t seed = 1; seed <= 24; ++seed) {
+        make_scene(&s, seed, 0.004 * (double)(seed % 4));
+        make_wall(&s, seed);
+        for (uint32_t i = 0; i < WORDS; ++i) { // from none to all
+            uint64_t bits = UINT64_MAX;
+            for (uint64_t k = 0; k < seed % 6; ++k) {
+                bits &= stp_rng_hash(seed, 8 * (uint64_t)i + k);
+            }
+            wanted[i] = i % 7 == 3 ? 0xFFFF : i % 7 == 5 ? 0 : (uint16_t)bits;
+        }
+        s.splats.end = SPLATS - (uint32_t)(seed % 5);
+        s.splats.wanted = wanted;
+        s.splats.occluder = &s.occluder;
+        s.splats.hidden = s.hidden;
+        draw_wanted(&s, stp_splats_draw_portable, expected);
+        memcpy(s.expected, s.pixels, sizeof(s.pixels));
+        count += count_bits(expected);
+        for (int k = 0; k < 2; ++k) {
+            if (processor >= (k == 0 ? STP_PROCESSOR_AVX2 : STP_PROCESSOR_AVX512)) {
+                draw_wanted(&s, kernels[k], hidden);
+                CHECK_EQUAL(0, memcmp(s.expected, s.pixels, sizeof(s.pixels)));
+                CHECK_EQUAL(0, memcmp(expected, hidden, sizeof(hidden)));
+            }
+        }
+    }
+    CHECK(count > 500);
+}
+#endif
+
 void test_splats_hidden_cannot_be_seen(test_state* test)
 {
     int hidden[3] = {0};

@@ -85,24 +85,24 @@ void test_cues_are_those_of_table_1(test_state* test)
     CHECK(fabs(box.max.x - box.min.x - 4.0) < 1e-9);
     // 4 units at the depth of its top, of 1000 pixels for twice the depth
     double depth = 300.0 - box.max.y, side = 4.0 * 1000.0 / (2.0 * depth), w = side * side;
-    double flat = stp_cue_samples(&view, &node, &sight);
+    double flat = stp_cue_samples(&view, &node, &sight, 0.0);
     CHECK(fabs(flat - w / 4.0) < 0.01 * w);
     node.flatness = 0.0025f;
-    CHECK(fabs(stp_cue_samples(&view, &node, &sight) - 1.5 * flat) < 1e-4 * w);
+    CHECK(fabs(stp_cue_samples(&view, &node, &sight, 0.0) - 1.5 * flat) < 1e-4 * w);
     node.flatness = 0.3f;
-    CHECK(fabs(stp_cue_samples(&view, &node, &sight) - 2.0 * flat) < 1e-6 * w);
+    CHECK(fabs(stp_cue_samples(&view, &node, &sight, 0.0) - 2.0 * flat) < 1e-6 * w);
     node.edge = true;
-    CHECK(fabs(stp_cue_samples(&view, &node, &sight) - 8.0 * flat) < 1e-6 * w);
+    CHECK(fabs(stp_cue_samples(&view, &node, &sight, 0.0) - 8.0 * flat) < 1e-6 * w);
     node.spread = 255; // a silhouette beside an edge is no more
     CHECK(stp_cue_silhouette(&view, &node));
-    CHECK(fabs(stp_cue_samples(&view, &node, &sight) - 8.0 * flat) < 1e-6 * w);
+    CHECK(fabs(stp_cue_samples(&view, &node, &sight, 0.0) - 8.0 * flat) < 1e-6 * w);
     view = look(&s, (stp_vec3d){32, 300, 32}, STP_CUE_SILHOUETTE_BIT | STP_CUE_COVERAGE_BIT);
-    CHECK(fabs(stp_cue_samples(&view, &node, &sight) - 4.0 * flat) < 1e-6 * w);
+    CHECK(fabs(stp_cue_samples(&view, &node, &sight, 0.0) - 4.0 * flat) < 1e-6 * w);
     node.spread = 0;
     CHECK(!stp_cue_silhouette(&view, &node));
-    CHECK(fabs(stp_cue_samples(&view, &node, &sight) - flat) < 1e-6 * w);
+    CHECK(fabs(stp_cue_samples(&view, &node, &sight, 0.0) - flat) < 1e-6 * w);
     node.count = 10; // no more than there are
-    CHECK(stp_cue_samples(&view, &node, &sight) == 10.0);
+    CHECK(stp_cue_samples(&view, &node, &sight, 0.0) == 10.0);
 }
 
 // The error rule: samples whose disks of 1.05 sides of their squares are as wide as the splat size; features add half.
@@ -119,12 +119,12 @@ void test_cues_cover_with_splats_of_the_size(test_state* test)
     stp_sight sight;
     CHECK(stp_select_see(&s.selection, &box, &sight));
     double side = 4.0 * 1000.0 / (2.0 * (300.0 - box.max.y)), w = side * side;
-    double flat = stp_cue_samples(&view, &node, &sight);
+    double flat = stp_cue_samples(&view, &node, &sight, 0.0);
     CHECK(fabs(2.0 * 1.05 * sqrt(w / flat) - 2.0) < 0.01); // pixels, of splats of 2
     node.flatness = 0.3f;
-    CHECK(fabs(stp_cue_samples(&view, &node, &sight) - 1.25 * flat) < 1e-6 * flat);
+    CHECK(fabs(stp_cue_samples(&view, &node, &sight, 0.0) - 1.25 * flat) < 1e-6 * flat);
     node.edge = true;
-    CHECK(fabs(stp_cue_samples(&view, &node, &sight) - 1.5 * 1.25 * flat) < 1e-6 * flat);
+    CHECK(fabs(stp_cue_samples(&view, &node, &sight, 0.0) - 1.5 * 1.25 * flat) < 1e-6 * flat);
     node.edge = false;
     node.flatness = 0.0f;
     // a highlight where the surface faces between the eye and the light, if it is polished
@@ -139,7 +139,7 @@ void test_cues_cover_with_splats_of_the_size(test_state* test)
         for (int z = -8; z <= 8; ++z, ++all) {
             stp_vec3 n = stp_normalize((stp_vec3){0.1f * (float)x, 1.0f, 0.1f * (float)z});
             stp_octahedral_encode(n, node.normal);
-            double samples = stp_cue_samples(&view, &node, &sight);
+            double samples = stp_cue_samples(&view, &node, &sight, 0.0);
             bool shines = stp_cue_highlight(&view, &node);
             CHECK(fabs(samples - (shines ? 1.5 : 1.0) * flat) < 1e-6 * flat);
             stp_vec3d mirrored =
@@ -174,10 +174,8 @@ static double march(const scene* s, const stp_leaf_node* node, stp_vec3d eye)
     }
     for (uint32_t l = 0; l < s->tree.leaf_count; ++l) {
         const stp_splat_leaf* leaf = &s->leaves[l];
-        bool near = true;
-        for (int k = 0; k < 3; ++k) {
-            near = near && abs((int)leaf->corner[k] - (int)node->corner[k]) <= 4096;
-        }
+        // all face up: what lies as high, or next to that, may be the same surface
+        bool near = abs((int)leaf->corner[1] - (int)node->corner[1]) <= 4096;
         bool there = met[leaf->corner[0] >> 12][leaf->corner[1] >> 12][leaf->corner[2] >> 12];
         sum += there && !near ? (double)leaf->count * up : 0.0;
     }
@@ -207,6 +205,70 @@ void test_cues_find_what_stands_before(test_state* test)
     CHECK(hidden > 50);
 }
 
+// A floor whose points all lie on the lower faces of its cubes, seen along it, does not hide itself. A wall across it does.
+void test_cues_do_not_hide_a_surface_by_itself(test_state* test)
+{
+    static scene s;
+    make_scene(&s, 3);
+    uint32_t count = 0;
+    s.set.count = 0;
+    for (uint64_t code = 0; code < 4096 && count < 256; ++code) { // the cubes of layer 0
+        if ((code & 0x492) != 0) {                                // bits of y
+            continue;
+        }
+        stp_splat_leaf* leaf = &s.leaves[count++];
+        *leaf = (stp_splat_leaf){.place = 4, .extent = 64, .count = 1000};
+        for (int bit = 0; bit < 12; ++bit) {
+            uint32_t set = (uint32_t)(code >> bit) & 1u;
+            leaf->corner[bit % 3] |= (uint16_t)(set << (12 + bit / 3));
+        }
+        stp_octahedral_encode((stp_vec3){0, 1, 0}, leaf->normal);
+        s.set.count += leaf->count;
+    }
+    CHECK_EQUAL(256, count);
+    s.tree = (stp_store_leaves){.leaf_count = count, .leaves = s.leaves, .nodes = s.nodes};
+    s.tree.node_count = stp_leaf_tree_make(s.leaves, count, s.nodes);
+    stp_cue_view view = look(&s, (stp_vec3d){-20.3, 4.0, 31.0}, STP_CUES_ALL);
+    for (uint32_t i = 0; i < s.tree.node_count; ++i) {
+        CHECK(stp_cue_occlusion(&view, &s.nodes[i], 10.0) == 0.0);
+    }
+    uint32_t across = 0;
+    for (uint32_t l = 0; l < count; ++l) { // the cubes at x from 16 to 20 become a wall
+        across += s.leaves[l].corner[0] == 0x4000 ? 1 : 0;
+        stp_vec3 n = s.leaves[l].corner[0] == 0x4000 ? (stp_vec3){1, 0, 0} : (stp_vec3){0, 1, 0};
+        stp_octahedral_encode(n, s.leaves[l].normal);
+    }
+    CHECK_EQUAL(16, across);
+    s.tree.node_count = stp_leaf_tree_make(s.leaves, count, s.nodes);
+    uint32_t behind = 0, hidden = 0;
+    for (uint32_t i = 0; i < s.tree.node_count; ++i) {
+        const stp_leaf_node* node = &s.nodes[i];
+        bool is_far = node->leaf_count == 1 && node->corner[0] > 0x6000 &&
+                      node->corner[2] > 0x4000 && node->corner[2] < 0xB000;
+        behind += is_far ? 1 : 0;
+        hidden += is_far && stp_cue_occlusion(&view, node, 5.0) == 1.0 ? 1 : 0;
+    }
+    CHECK(behind > 20 && hidden == behind);
+}
+
+// Splats that a view makes as large as this reach over a cube by at most that much, and far cubes get the larger ones.
+void test_cues_know_how_far_splats_extend(test_state* test)
+{
+    static scene s;
+    make_scene(&s, 2);
+    s.list.splat_size = 20.0f;
+    stp_cue_view view = look(&s, (stp_vec3d){32, 300, 32}, STP_CUES_ALL);
+    stp_leaf_node node = s.nodes[s.tree.node_count - 1];
+    node.area = 4096.0f * 4096.0f;
+    node.count = 100000;
+    stp_boxd box = stp_cue_box(&view, &node);
+    double depth = 300.0 - box.min.y, pixel = 2.0 * depth / 1000.0;
+    double reach = stp_cue_overhang(&view, &node, &box);
+    CHECK(reach >= 10.0 * pixel && reach <= 1.5 * 10.0 * pixel * (1.0 + 1e-6));
+    node.count = 1; // its own radius is larger: 1.05 sides
+    CHECK(stp_cue_overhang(&view, &node, &box) >= 1.05 * 4.0);
+}
+
 // Cells of any counts become items whose runs ascend, hold each splat at most once, and as many as were asked for.
 void test_cue_cells_draw_what_is_asked(test_state* test)
 {
@@ -224,7 +286,7 @@ void test_cue_cells_draw_what_is_asked(test_state* test)
         for (uint32_t l = 0; l < s.tree.leaf_count; ++l) {
             uint32_t count = s.leaves[l].count;
             uint32_t some = 1 + (uint32_t)(stp_rng_hash(seed, l) % count);
-            cells[l] = (stp_cue_cell){place, place + count, seed == 0 ? count : some, 0};
+            cells[l] = (stp_cue_cell){place, place + count, seed == 0 ? count : some, 0, 0};
             wanted += cells[l].count;
             place += count;
         }

@@ -149,15 +149,6 @@ void test_visibility_is_what_was_set_last(test_state* test)
             stp_show show = (stp_show)stp_rng_below(seed, 2 * i, 3);
             CHECK(set_object(s, stp_rng_below(seed, 2 * i + 1, objects), show, &placed));
             CHECK(agrees(s));
-            if (i % 7 == 0) { // a copy goes on by itself
-                stp_visibility *before = s->visibility, *copy;
-                CHECK_EQUAL(STP_OK, stp_visibility_copy(s->context, before, &copy));
-                CHECK(stp_visibility_version(copy) == stp_visibility_version(before));
-                stp_visibility_reset(before, STP_SHOW);
-                stp_visibility_destroy(before);
-                s->visibility = copy;
-                CHECK(agrees(s));
-            }
             CHECK(!placed || stp_visibility_version(s->visibility) != version);
             version = stp_visibility_version(s->visibility);
         }
@@ -271,13 +262,9 @@ void test_visibility_survives_any_allocation_failing(test_state* test)
                          ? stp_visibility_set(v, &thing, i % 3 == 2 ? STP_SHOW : STP_SHOW_NOT)
                          : STP_OK;
         }
-        stp_visibility* copy = NULL;
-        result = result == STP_OK ? stp_visibility_copy(context, v, &copy) : result;
         failed = result != STP_OK;
         CHECK(!failed || (result == STP_ERROR_OUT_OF_MEMORY && log.errors == 1));
-        CHECK(!failed || copy == NULL);
         heap.fail_at = -1;
-        stp_visibility_destroy(copy);
         if (v != NULL) {
             stp_visibility_reset(v, STP_SHOW);
             stp_visibility_destroy(v);

@@ -64,11 +64,7 @@ static void find_rows(size_t begin, size_t end, uint32_t worker, void* user)
     uint32_t slot = 0, last = UINT32_MAX;
     (void)worker;
     for (size_t at = begin * r->width; at < end * r->width; ++at) {
-        uint64_t pixel = STP_RASTER_EMPTY;
-        for (uint32_t k = 0; k < r->team.threads; ++k) {
-            uint64_t other = r->workers[k].drew ? r->workers[k].pixels[at] : STP_RASTER_EMPTY;
-            pixel = other < pixel ? other : pixel;
-        }
+        uint64_t pixel = cpu_nearest_of_workers(r, at);
         r->blend.sums[2 * at] = r->blend.sums[2 * at + 1] = 0;
         r->blend.planes[at] = (stp_raster_plane){.nearness = FLT_MAX, .id = UINT32_MAX};
         if (pixel != STP_RASTER_EMPTY) {

@@ -402,6 +402,17 @@ static inline uint32_t cpu_sample_seed(const cpu_renderer* r, const cpu_item* it
     return item->seed + r->pattern * 0x9E3779B1u;
 }
 
+/// The nearest of all workers' pixels at a position.
+static inline uint64_t cpu_nearest_of_workers(const cpu_renderer* r, size_t at)
+{
+    uint64_t pixel = STP_RASTER_EMPTY;
+    for (uint32_t k = 0; k < r->team.threads; ++k) {
+        uint64_t other = r->workers[k].drew ? r->workers[k].pixels[at] : STP_RASTER_EMPTY;
+        pixel = other < pixel ? other : pixel;
+    }
+    return pixel;
+}
+
 bool cpu_item_needs_keep(const cpu_item* item);
 /// Share of a ghost's pixels that is drawn.
 static inline float cpu_ghost_share(const cpu_renderer* r)

@@ -57,11 +57,7 @@ static void keep_rows(size_t begin, size_t end, uint32_t worker, void* user)
     cpu_layers* l = &r->layers;
     (void)worker;
     for (size_t at = begin * r->width; at < end * r->width; ++at) {
-        uint64_t pixel = STP_RASTER_EMPTY;
-        for (uint32_t k = 0; k < r->team.threads; ++k) {
-            uint64_t other = r->workers[k].drew ? r->workers[k].pixels[at] : STP_RASTER_EMPTY;
-            pixel = other < pixel ? other : pixel;
-        }
+        uint64_t pixel = cpu_nearest_of_workers(r, at);
         l->farther[at] = pixel;
         l->nearer[at] = 0;
         l->splats_below[at] = FLT_MAX;

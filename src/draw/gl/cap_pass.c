@@ -64,17 +64,14 @@ static void put(gl_renderer* r, const stp_cap_picture* picture)
                           picture->nearness);
     gl->TextureSubImage2D(pass->pixels, 0, 0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE,
                           picture->pixels);
-    gl->UseProgram(pass->program);
     gl->BindTextureUnit(UNIT_NEARNESS, pass->nearness);
     gl->BindTextureUnit(UNIT_FROM, pass->pixels);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_COUNTERS, r->shade.counters);
     gl->BindImageTexture(IMAGE_PICTURE, t->picture, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
     gl->BindImageTexture(IMAGE_DEPTH, t->depths, 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
-    gl->DispatchCompute((t->width + GROUP_SIDE - 1) / GROUP_SIDE,
-                        (t->height + GROUP_SIDE - 1) / GROUP_SIDE, 1);
+    gl_dispatch_pixels(r, pass->program, t->width, t->height);
     gl->MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                       GL_TEXTURE_UPDATE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
-    r->dispatches += 1;
 }
 
 stp_result gl_cap_pass_draw(gl_renderer* r)

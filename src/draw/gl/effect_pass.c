@@ -108,12 +108,9 @@ static void run(gl_renderer* r, GLuint program, GLuint out, GLenum format, uint3
                 uint32_t height)
 {
     const stp_gl* gl = &r->gl;
-    gl->UseProgram(program);
     gl->BindImageTexture(IMAGE_PLANE, out, 0, GL_FALSE, 0, GL_WRITE_ONLY, format);
-    gl->DispatchCompute((width + GROUP_SIDE - 1) / GROUP_SIDE,
-                        (height + GROUP_SIDE - 1) / GROUP_SIDE, 1);
+    gl_dispatch_pixels(r, program, width, height);
     gl->MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
-    r->dispatches += 1;
 }
 
 /// Nearness without gaps between disks: closes gaps narrower than the valley between disks, and

@@ -150,11 +150,8 @@ static void find_planes(gl_renderer* r)
     gl->BindTextureUnit(UNIT_IDS, t->ids);
     gl->BindTextureUnit(UNIT_NEARNESS, t->nearness);
     gl->BindImageTexture(IMAGE_PLANES, r->filter.planes, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-    gl->UseProgram(r->filter.planes_program);
-    gl->DispatchCompute((t->width + GROUP_SIDE - 1) / GROUP_SIDE,
-                        (t->height + GROUP_SIDE - 1) / GROUP_SIDE, 1);
+    gl_dispatch_pixels(r, r->filter.planes_program, t->width, t->height);
     gl->MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
-    r->dispatches += 1;
 }
 
 stp_result gl_filter_pass_blend(gl_renderer* r)

@@ -240,6 +240,8 @@ uint32_t gl_shade_pass_covered(gl_renderer* r);
 /// STP_ERROR_OUT_OF_MEMORY; logged
 STP_MUST_USE stp_result gl_target_make(gl_renderer* r, const stp_view* view, bool sums);
 void gl_target_destroy(gl_renderer* r);
+/// Runs a compute program of GROUP_SIDE x GROUP_SIDE pixels a group over a picture.
+void gl_dispatch_pixels(gl_renderer* r, GLuint program, uint32_t width, uint32_t height);
 GLuint gl_make_texture(const stp_gl* gl, GLenum format, uint32_t width, uint32_t height,
                        const char* label);
 /// Reads a texture of four bytes per pixel, in bands of whole rows of at most `band_bytes`, or one

@@ -140,15 +140,6 @@ static stp_result make_programs(gl_renderer* r)
     return result;
 }
 
-static void dispatch(gl_renderer* r, GLuint program)
-{
-    const gl_target* t = &r->target;
-    r->gl.UseProgram(program);
-    r->gl.DispatchCompute((t->width + GROUP_SIDE - 1) / GROUP_SIDE,
-                          (t->height + GROUP_SIDE - 1) / GROUP_SIDE, 1);
-    r->dispatches += 1;
-}
-
 /// Draws one layer; `before` is the previous one.
 static stp_result draw_layer(gl_renderer* r, int number)
 {
@@ -205,7 +196,7 @@ static uint32_t take_layer(gl_renderer* r, int number)
     gl->BindTextureUnit(UNIT_NEARNESS, pass->layers[number].nearness);
     gl->BindImageTexture(IMAGE_LIGHT, pass->light, 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
     gl->BindImageTexture(IMAGE_BELOW, pass->below, 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
-    dispatch(r, pass->take);
+    gl_dispatch_pixels(r, pass->take, r->target.width, r->target.height);
     gl->MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                       GL_BUFFER_UPDATE_BARRIER_BIT);
     gl->GetNamedBufferSubData(r->shade.counters, sizeof(uint32_t), sizeof(uint32_t), &counts[1]);
@@ -241,7 +232,7 @@ stp_result gl_layer_pass_draw(gl_renderer* r)
     }
     pass->count -= pixels == 0; // the last pass found none
     gl->BindImageTexture(IMAGE_PICTURE, r->target.picture, 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8);
-    dispatch(r, pass->compose);
+    gl_dispatch_pixels(r, pass->compose, r->target.width, r->target.height);
     gl->MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                       GL_TEXTURE_UPDATE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
     return STP_OK;

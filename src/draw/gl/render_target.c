@@ -4,6 +4,14 @@
 #include "draw/gl/gl_renderer.h"
 #include "select/eyes.h"
 
+void gl_dispatch_pixels(gl_renderer* r, GLuint program, uint32_t width, uint32_t height)
+{
+    r->gl.UseProgram(program);
+    r->gl.DispatchCompute((width + GROUP_SIDE - 1) / GROUP_SIDE,
+                          (height + GROUP_SIDE - 1) / GROUP_SIDE, 1);
+    r->dispatches += 1;
+}
+
 GLuint gl_make_texture(const stp_gl* gl, GLenum format, uint32_t width, uint32_t height,
                        const char* label)
 {

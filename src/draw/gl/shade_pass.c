@@ -36,15 +36,6 @@ void gl_shade_pass_destroy(gl_renderer* r)
     *pass = (gl_shade_pass){0};
 }
 
-static void dispatch(gl_renderer* r, GLuint program)
-{
-    const gl_target* t = &r->target;
-    r->gl.UseProgram(program);
-    r->gl.DispatchCompute((t->width + GROUP_SIDE - 1) / GROUP_SIDE,
-                          (t->height + GROUP_SIDE - 1) / GROUP_SIDE, 1);
-    r->dispatches += 1;
-}
-
 static void bind_pictures(gl_renderer* r, bool sums)
 {
     const gl_target* t = &r->target;
@@ -76,7 +67,7 @@ stp_result gl_shade_pass_draw(gl_renderer* r, bool sums)
     r->gl.BindTextureUnit(UNIT_IDS, r->target.ids);
     r->gl.BindTextureUnit(UNIT_NEARNESS, r->target.nearness);
     gl_filter_pass_bind(r);
-    dispatch(r, sums ? r->shade.sums : r->shade.shade);
+    gl_dispatch_pixels(r, sums ? r->shade.sums : r->shade.shade, r->target.width, r->target.height);
     finish(r);
     return STP_OK;
 }
@@ -88,7 +79,7 @@ stp_result gl_shade_pass_add(gl_renderer* r)
         bind_pictures(r, true);
         r->gl.BindImageTexture(IMAGE_PICTURE, r->target.picture, 0, GL_FALSE, 0, GL_READ_ONLY,
                                GL_RGBA8);
-        dispatch(r, r->shade.add);
+        gl_dispatch_pixels(r, r->shade.add, r->target.width, r->target.height);
         finish(r);
     }
     return result;
@@ -99,7 +90,7 @@ stp_result gl_shade_pass_average(gl_renderer* r)
     stp_result result = need(r, &r->shade.average, "average.comp.glsl", NULL);
     if (result == STP_OK) {
         bind_pictures(r, true);
-        dispatch(r, r->shade.average);
+        gl_dispatch_pixels(r, r->shade.average, r->target.width, r->target.height);
         finish(r);
     }
     return result;

@@ -2,6 +2,7 @@
 #include "lod/blue/blue.h"
 
 #include "base/clock.h"
+#include "base/saturate.h"
 #include "lod/blue/children.h"
 #include "lod/blue/finish.h"
 #include "lod/cloud_candidates.h"
@@ -42,9 +43,7 @@ static stp_result list_sources(blue* b, uint32_t node, const stp_splats* const* 
 
 uint64_t stp_default_surfel_count(uint64_t triangles, uint64_t points)
 {
-    // nested instances saturate the counter
-    uint64_t shapes = triangles > UINT64_MAX - points ? UINT64_MAX : triangles + points;
-    uint64_t count = shapes / STP_TRIANGLES_PER_SURFEL;
+    uint64_t count = stp_add_saturated(triangles, points) / STP_TRIANGLES_PER_SURFEL;
     return count < 1 ? 1 : count < MOST_SURFELS ? count : MOST_SURFELS;
 }
 

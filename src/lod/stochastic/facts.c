@@ -31,6 +31,7 @@ typedef struct fact_loop {
     const stp_leaf_octree* octree;
     const stp_leaf_points* points;
     stp_leaf_facts* facts;
+    stp_scatter* scatters; ///< NULL: not wanted
 } fact_loop;
 
 static const uint32_t* points_of(const fact_loop* l, size_t leaf, uint32_t most, uint32_t* count)
@@ -138,6 +139,9 @@ static void measure_places(size_t begin, size_t end, uint32_t worker, void* user
             stp_vec3d p = place_of(l, i, order[k]);
             stp_scatter_add(&scatter, p.x, p.y, p.z);
         }
+        if (l->scatters != NULL) {
+            l->scatters[i] = scatter;
+        }
         double matrix[6], e[3];
         stp_scatter_matrix(&scatter, matrix);
         stp_symmetric_eigenvalues(matrix, e);
@@ -154,6 +158,7 @@ static void measure_places(size_t begin, size_t end, uint32_t worker, void* user
                                       (float)(scatter.z / (double)count + (double)leaf->corner[2])},
                              .normal = stp_to_float(stp_symmetric_eigenvector(matrix, e[0])),
                              .flatness = (float)flatness,
+                             .lasting = (float)flatness,
                              .area = known ? (float)area : 0.0f,
                              .ratio = 1.0f,
                              .known = known,
@@ -163,9 +168,10 @@ static void measure_places(size_t begin, size_t end, uint32_t worker, void* user
 }
 
 void stp_leaf_facts_of_places(stp_context* context, const stp_leaf_octree* octree,
-                              const stp_leaf_points* points, stp_leaf_facts* facts)
+                              const stp_leaf_points* points, stp_leaf_facts* facts,
+                              stp_scatter* scatters)
 {
-    fact_loop loop = {octree, points, facts};
+    fact_loop loop = {octree, points, facts, scatters};
     stp_parallel_for(context, octree->leaf_count, GRAIN, measure_places, &loop);
 }
 
@@ -224,7 +230,7 @@ static void measure_normals(size_t begin, size_t end, uint32_t worker, void* use
 void stp_leaf_facts_of_normals(stp_context* context, const stp_leaf_octree* octree,
                                const stp_leaf_points* points, stp_leaf_facts* facts)
 {
-    fact_loop loop = {octree, points, facts};
+    fact_loop loop = {octree, points, facts, NULL};
     if (points->are_oriented) {
         stp_parallel_for(context, octree->leaf_count, GRAIN, measure_normals, &loop);
     }
@@ -337,6 +343,6 @@ static void measure_bends(size_t begin, size_t end, uint32_t worker, void* user)
 void stp_leaf_facts_of_bends(stp_context* context, const stp_leaf_octree* octree,
                              const stp_leaf_points* points, stp_leaf_facts* facts)
 {
-    fact_loop loop = {octree, points, facts};
+    fact_loop loop = {octree, points, facts, NULL};
     stp_parallel_for(context, octree->leaf_count, GRAIN, measure_bends, &loop);
 }

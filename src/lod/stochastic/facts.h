@@ -4,6 +4,7 @@
 #pragma once
 
 #include "lod/stochastic/leaf_octree.h"
+#include "lod/stochastic/scatter.h"
 
 /// Points on the grid of positions; normals come with the cloud or are estimated.
 typedef struct stp_leaf_points {
@@ -18,6 +19,7 @@ typedef struct stp_leaf_facts {
     /// Representative normal: of the plane through its points, or the mean of oriented normals
     stp_vec3 normal;
     float flatness; ///< l0 / (l0 + l1 + l2)
+    float lasting;  ///< flatness that larger scales show too (lod/stochastic/scales.h)
     float area;     ///< approximate surface area inside the leaf
     float spacing;  ///< side of the square that a point represents
     /// Sine of the angle to the representative normal that nine of ten normals do not exceed; 1:
@@ -33,8 +35,10 @@ typedef struct stp_leaf_facts {
 
 /// Computes plane, flatness, area and edge of each leaf, on all threads. Leaves with few points use
 /// the median spacing.
+/// @param scatters NULL, or receives the scatter of each leaf's sample, relative to its corner
 void stp_leaf_facts_of_places(stp_context* context, const stp_leaf_octree* octree,
-                              const stp_leaf_points* points, stp_leaf_facts* facts);
+                              const stp_leaf_points* points, stp_leaf_facts* facts,
+                              stp_scatter* scatters);
 
 /// Median spacing over all points. 0 without leaves.
 float stp_leaf_median_spacing(const stp_leaf_octree* octree, const stp_leaf_facts* facts);

@@ -11,6 +11,7 @@ enum {
     BUDGET = 1024,
     LEAST = 48,
     SAMPLE = 256,
+    SCALES = 2,
     NEIGHBOURS = 12,
     NORMAL_NEIGHBOURS = 20,
     STACK = 8 * STP_LEAF_DEPTH_MOST + 1,
@@ -26,6 +27,7 @@ stp_leaf_desc stp_leaf_desc_default(void)
         .flatness = FLATNESS,
         .neighbours = NEIGHBOURS,
         .normal_neighbours = NORMAL_NEIGHBOURS,
+        .scales = SCALES,
         .sample = SAMPLE,
     };
 }

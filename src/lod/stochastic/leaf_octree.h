@@ -19,6 +19,9 @@ typedef struct stp_leaf_desc {
     /// K1: approximate number of neighbours from which the normal of a point without one is
     /// estimated
     uint32_t normal_neighbours;
+    /// 1 to STP_LEAF_SCALES_MOST: number of region sizes that must show a feature
+    /// (lod/stochastic/scales.h)
+    uint32_t scales;
     uint32_t sample; ///< maximum size of the random sample that represents a region
 } stp_leaf_desc;
 

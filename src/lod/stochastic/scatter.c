@@ -22,6 +22,22 @@ void stp_scatter_add(stp_scatter* s, double x, double y, double z)
     s->zz += z * z;
 }
 
+void stp_scatter_merge(stp_scatter* s, const stp_scatter* other, double weight,
+                       const double from[3])
+{
+    double x = from[0], y = from[1], z = from[2], n = other->count;
+    s->count += weight * n;
+    s->x += weight * (other->x + n * x);
+    s->y += weight * (other->y + n * y);
+    s->z += weight * (other->z + n * z);
+    s->xx += weight * (other->xx + 2.0 * x * other->x + n * x * x);
+    s->xy += weight * (other->xy + x * other->y + y * other->x + n * x * y);
+    s->xz += weight * (other->xz + x * other->z + z * other->x + n * x * z);
+    s->yy += weight * (other->yy + 2.0 * y * other->y + n * y * y);
+    s->yz += weight * (other->yz + y * other->z + z * other->y + n * y * z);
+    s->zz += weight * (other->zz + 2.0 * z * other->z + n * z * z);
+}
+
 void stp_scatter_matrix(const stp_scatter* s, double matrix[6])
 {
     double each = s->count > 0.0 ? 1.0 / s->count : 0.0;
@@ -119,13 +135,6 @@ stp_vec3d stp_symmetric_eigenvector(const double m[6], double eigenvalue)
     stp_vec3d direction = stp_normalized(best);
     bool given = certain && stp_dotd(direction, direction) > 0.5;
     return given ? direction : (stp_vec3d){0.0, 1.0, 0.0};
-}
-
-double stp_scatter_flatness(const double matrix[6])
-{
-    double e[3], sum = matrix[0] + matrix[3] + matrix[5];
-    stp_symmetric_eigenvalues(matrix, e);
-    return sum > 0.0 && e[0] > 0.0 ? e[0] / sum : 0.0;
 }
 
 bool stp_scatter_is_flat(const double matrix[6], double threshold)

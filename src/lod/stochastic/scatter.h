@@ -16,6 +16,11 @@ typedef struct stp_scatter {
 
 void stp_scatter_add(stp_scatter* scatter, double x, double y, double z);
 
+/// Adds the points of another scatter, each with a weight.
+/// @param from origin of the other scatter's coordinates
+void stp_scatter_merge(stp_scatter* scatter, const stp_scatter* other, double weight,
+                       const double from[3]);
+
 /// The covariance matrix: xx, xy, xz, yy, yz, zz. All 0 without points.
 void stp_scatter_matrix(const stp_scatter* scatter, double matrix[6]);
 
@@ -35,10 +40,8 @@ bool stp_smallest_eigenvalue(const double matrix[6], double* eigenvalue);
 /// distinct.
 stp_vec3d stp_symmetric_eigenvector(const double matrix[6], double eigenvalue);
 
-/// Share of the smallest eigenvalue in the sum of all, 0 to 1/3; 0 if all points coincide.
-double stp_scatter_flatness(const double matrix[6]);
-
-/// Whether that share is at most `threshold`, which is below 0.1. Uses only
+/// Whether the share of the smallest eigenvalue in the sum of all is at most `threshold`, which is
+/// below 0.1. Uses only
 /// stp_smallest_eigenvalue. May return false for a region that is flat but nearly a line.
 bool stp_scatter_is_flat(const double matrix[6], double threshold);
 

@@ -13,6 +13,7 @@
 #include "lod/shape_coding.h"
 #include "lod/stochastic/facts.h"
 #include "lod/stochastic/orient.h"
+#include "lod/stochastic/scales.h"
 #include "lod/stochastic/spread_order.h"
 #include "lod/stochastic/trim.h"
 
@@ -170,15 +171,31 @@ static void turn_some(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
+/// Computes the planes of leaves and the features in them.
+static stp_result find_features(set_maker* m, const stp_leaf_points* points)
+{
+    stp_context* context = m->context;
+    stp_scatter* scatters = STP_NEW_ARRAY(context, stp_scatter, m->octree.leaf_count);
+    if (scatters == NULL) {
+        return stp_fail_memory(context);
+    }
+    stp_leaf_facts_of_places(context, &m->octree, points, m->facts, scatters);
+    stp_leaf_facts_of_scales(context, &m->octree, scatters, m->desc->scales, m->facts);
+    stp_free(context, scatters);
+    return STP_OK;
+}
+
 /// Chooses the points of each leaf, and computes its properties.
 static stp_result find_facts(set_maker* m)
 {
     stp_context* context = m->context;
     bool oriented = m->source->has_normals;
     stp_leaf_points points = {m->places, m->candidates->normals, oriented};
-    stp_leaf_facts_of_places(context, &m->octree, &points, m->facts);
+    stp_result result = find_features(m, &points);
+    if (result != STP_OK) {
+        return result;
+    }
     settle_areas(m);
-    stp_result result = STP_OK;
     if (!oriented) {
         float around = sqrtf((float)m->desc->normal_neighbours / 3.14159265f); // in spacings
         float radius = around * m->spacing * m->splats->step;
@@ -237,7 +254,7 @@ static void write_leaf(const set_maker* m, uint32_t index)
         .place = (uint8_t)(leaf->depth | (edge ? STP_LEAF_EDGE : 0) | STP_LEAF_ORIENTED),
         .extent = stp_leaf_extent_code(sqrtf(f->area) / (float)stp_leaf_width(leaf->depth)),
         .count = leaf->end - leaf->begin,
-        .flatness = stp_leaf_flatness_code(f->flatness),
+        .flatness = stp_leaf_flatness_code(f->lasting),
         .spread = (uint8_t)stp_min(f->spread * 255.0f + 0.999f, 255.0f)};
     stp_octahedral_encode(f->normal, out->normal);
 }
