@@ -13,6 +13,10 @@ typedef struct stp_hash {
 /// Hashes `size` bytes. To hash a sequence, pass the hash so far as `chain` (all zero to begin).
 stp_hash stp_hash_bytes(stp_hash chain, const void* bytes, size_t size);
 
+/// The same hash, read in steps: `done` is called with each range once it is read.
+stp_hash stp_hash_steps(stp_hash chain, const void* bytes, size_t size,
+                        void (*done)(const void* bytes, size_t size));
+
 /// A range of memory.
 typedef struct stp_bytes {
     const void* bytes;

@@ -172,6 +172,16 @@ void stp_spill_release_pages(stp_spill* spill)
     pthread_mutex_unlock(&spill->mutex);
 }
 
+void stp_spill_forget(const void* memory, size_t size)
+{
+    size_t page = (size_t)sysconf(_SC_PAGESIZE);
+    size_t before = round_up((uintptr_t)memory, page) - (uintptr_t)memory;
+    if (size >= before + page) {
+        (void)madvise((unsigned char*)(uintptr_t)memory + before, (size - before) / page * page,
+                      MADV_DONTNEED);
+    }
+}
+
 uint64_t stp_spill_bytes(const stp_spill* spill)
 {
     return spill->given_bytes;

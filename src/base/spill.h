@@ -24,5 +24,8 @@ void* stp_spill_alloc(stp_spill* spill, size_t size);
 /// Lets the system evict all written data from memory; it is read again when needed. Any thread.
 void stp_spill_release_pages(stp_spill* spill);
 
+/// The same for pages that lie wholly in a range of it. Any thread.
+void stp_spill_forget(const void* memory, size_t size);
+
 /// Bytes allocated so far.
 uint64_t stp_spill_bytes(const stp_spill* spill);

@@ -5,8 +5,9 @@
 
 #include <string.h>
 
-#define FAR 4096.0   ///< coordinates up to here keep their digits as floats
-#define ROUND 1024.0 ///< origins are multiples of this
+#define FAR 4096.0                    ///< coordinates up to here keep their digits as floats
+#define ROUND 1024.0                  ///< origins are multiples of this
+#define LONGEST_RUN ((size_t)1 << 20) ///< cells
 
 void stp_cloud_set_axes(stp_import* import)
 {
@@ -43,15 +44,19 @@ void stp_cloud_set_origin(stp_cloud* cloud, const double place[3])
     }
 }
 
-// Moves runs of filled cells at once.
+// Moves runs of filled cells at once. Pages of what is spilled are left behind.
 static void drop_empty(stp_cloud* cloud)
 {
     stp_bulk_array arrays[STP_POINT_ARRAYS];
     size_t count = cloud->set.point_count, kept = 0, at = 0;
     stp_points_get_arrays(&cloud->set, arrays);
-    while (at < count) {
+    for (size_t released = 0; at < count;) {
         size_t begin = at;
-        while (at < count && !stp_cloud_is_empty(cloud, at)) {
+        if (begin - released >= LONGEST_RUN) {
+            stp_point_columns_release(cloud->import, &cloud->set);
+            released = begin;
+        }
+        while (at < count && at - begin < LONGEST_RUN && !stp_cloud_is_empty(cloud, at)) {
             at += 1;
         }
         for (int i = 0; i < STP_POINT_ARRAYS && kept != begin && at > begin; ++i) {

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
+//
 // LAZ chunks of formats 6 to 10: each attribute is a layer with its own stream. Layers that are not
 // kept (flags, user data, wave packets, extra bytes) are skipped. Blocks are decoded layer by
 // layer: the first layer determines which values change, and which models the others use.
 //
 // Each of the four scanner channels has its own models and last values. They start when the channel
 // first appears, with the values of the previous point.
+//
+// The layers follow LASzip's items POINT14 (without flags and user data), RGB14 and RGBNIR14, of
+// versions 3 and 4. docs/formats.md says what was compared with LASzip.
 #include "base/bytes.h"
 #include "import/laz.h"
 #include "import/laz_items.h"

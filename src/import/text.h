@@ -39,9 +39,9 @@ bool stp_word_is(stp_text at, stp_text end, const char* word);
 /// too.
 /// @return the text after it, or NULL if it is not a number
 ///
-/// Numbers of up to 19 significant digits whose power of ten is within 22 (all that programs write
-/// for coordinates) come out as the nearest double; others within two units in the last place. Only
-/// basic arithmetic: the same bits on every machine, in every locale.
+/// Numbers of up to 15 significant digits whose power of ten is within 22 (nearly all that programs
+/// write for coordinates) come out as the nearest double; others within two units in the last place.
+/// Only basic arithmetic: the same bits on every machine, in every locale.
 stp_text stp_read_number(stp_text at, double* value);
 
 /// Reads a whole number (after blanks), clamped to the range of `value`. @return as above

@@ -8,7 +8,7 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#define RELEASE_EVERY 64 ///< blocks, after which pages are released
+#define RELEASE_EVERY 32 ///< pairs of blocks, after which pages are released
 
 typedef enum line_kind { LINE_POINT, LINE_EMPTY, LINE_COUNT, LINE_BAD } line_kind;
 
@@ -22,7 +22,7 @@ typedef struct reading {
     stp_text_points* points;
     scales scales;
     double color_factor, intensity_factor; ///< to 255ths, to 65535ths
-    size_t first_block;
+    size_t first_block, end_block;
     stp_column_ranges* ranges; ///< a worker each
     atomic_uint_fast64_t declared, count_lines, lines, not_finite;
     atomic_uint_fast64_t first_bad; ///< the first line that cannot be read
@@ -89,7 +89,21 @@ static inline void fill_columns(const reading* r, size_t cell, const double* v,
 
 static inline bool ends_value(unsigned char c)
 {
-    return stp_is_blank(c) || c == '\n' || stp_separates(c);
+    const uint64_t ends = UINT64_C(1) << ' ' | UINT64_C(1) << '\t' | UINT64_C(1) << '\r' |
+                          UINT64_C(1) << '\v' | UINT64_C(1) << '\f' | UINT64_C(1) << '\n' |
+                          UINT64_C(1) << ',' | UINT64_C(1) << ';';
+    return c < 64 && (ends >> c & 1) != 0;
+}
+
+// From the end of a value to the next one; most files have a single blank or separator between.
+static inline stp_text next_value(stp_text at)
+{
+    bool single = *at == ' ' ? !stp_separates(at[1]) : stp_separates(*at);
+    if (single && at[1] > ' ') {
+        return at + 1;
+    }
+    at = stp_skip_blanks(at);
+    return stp_separates(*at) ? stp_skip_blanks(at + 1) : at;
 }
 
 static inline stp_text skip_value(stp_text at)
@@ -100,25 +114,45 @@ static inline stp_text skip_value(stp_text at)
     return at;
 }
 
-// Reads the columns of a line. @return the rest of the text, or NULL
-static inline stp_text read_values(const stp_columns* columns, stp_text at, double* values)
+// Reads a column of a line. @return what follows it, or NULL
+static inline __attribute__((always_inline)) stp_text
+read_value(const stp_columns* columns, uint32_t column, stp_text at, double* values)
 {
-    for (uint32_t i = 0; i < columns->count; ++i) {
-        at = stp_skip_blanks(at);
-        if (i > 0 && stp_separates(*at)) {
-            at = stp_skip_blanks(at + 1);
-        }
-        uint8_t role = columns->roles[i];
-        if (role == STP_COLUMN_SKIP) {
-            at = skip_value(at);
-            continue;
-        }
-        at = *at != '\n' ? stp_scan_number(at, &values[role]) : NULL;
-        if (at == NULL || !ends_value(*at)) {
-            return NULL;
-        }
+    at = column > 0 ? next_value(at) : stp_skip_blanks(at);
+    uint8_t role = columns->roles[column];
+    if (role == STP_COLUMN_SKIP) {
+        return skip_value(at);
+    }
+    at = *at != '\n' ? stp_scan_number(at, &values[role]) : NULL;
+    return at != NULL && ends_value(*at) ? at : NULL;
+}
+
+// Reads the columns of a line. @return the rest of the text, or NULL
+static stp_text read_values(const stp_columns* columns, stp_text at, double* values)
+{
+    for (uint32_t i = 0; i < columns->count && at != NULL; ++i) {
+        at = read_value(columns, i, at, values);
     }
     return at;
+}
+
+// The same for two lines in turn: where a value ends depends on all before it, so the processor
+// would wait for each, but has the other line's value to work on.
+static inline void read_two(const stp_columns* columns, const stp_text at[2],
+                            double values[2][STP_COLUMN_SLOTS], stp_text rest[2])
+{
+    stp_text first = at[0], second = at[1];
+    for (uint32_t i = 0; i < columns->count; ++i) {
+        first = read_value(columns, i, first, values[0]);
+        second = read_value(columns, i, second, values[1]);
+        if (first == NULL || second == NULL) {
+            first = read_values(columns, at[0], values[0]);
+            second = read_values(columns, at[1], values[1]);
+            break;
+        }
+    }
+    rest[0] = first;
+    rest[1] = second;
 }
 
 // The kind of a line without a point.
@@ -179,52 +213,102 @@ static void merge_ranges(stp_column_ranges* all, const stp_column_ranges* more)
     }
 }
 
-static void read_block(reading* r, const stp_text_block* b, stp_column_ranges* all)
+// The lines of a block that are left.
+typedef struct cursor {
+    stp_text at, end;
+    uint64_t line, end_line;
+    tally tally;
+} cursor;
+
+static cursor begin_block(const reading* r, const stp_text_block* b)
+{
+    const stp_text_points* p = r->points;
+    cursor c = {.at = b->begin,
+                .end = b->end,
+                .line = b->first_line,
+                .end_line = p->first_line + p->cloud->set.point_count,
+                .tally = {.first_bad = UINT64_MAX}};
+    for (; c.line < p->first_line; ++c.line) {
+        c.at = stp_next_line(c.at);
+    }
+    return c;
+}
+
+static inline bool has_line(const cursor* c)
+{
+    return c->at < c->end && c->line < c->end_line;
+}
+
+// Takes over what was read of the cursor's line. `rest` is behind its columns, or NULL.
+static inline void take_line(reading* r, cursor* c, stp_text rest, const double* v,
+                             stp_column_ranges* ranges)
+{
+    const stp_text_points* p = r->points;
+    size_t cell = (size_t)(c->line - p->first_line);
+    if (rest == NULL) {
+        read_other_line(r, c->at, c->line, &c->tally);
+        c->at = stp_next_line(c->at);
+        c->line += 1;
+        return;
+    }
+    c->tally.last_full = c->line;
+    if (p->zero_is_empty && v[0] == 0.0 && v[1] == 0.0 && v[2] == 0.0) {
+        stp_cloud_leave_empty(p->cloud, cell);
+    } else if (stp_cloud_place(p->cloud, cell, v)) {
+        fill_columns(r, cell, v, ranges);
+        c->tally.lines += 1;
+    } else {
+        c->tally.lines += 1;
+        c->tally.not_finite += 1;
+    }
+    c->at = stp_next_line(rest);
+    c->line += 1;
+}
+
+static void finish_block(reading* r, cursor* c, stp_column_ranges* ranges)
+{
+    while (has_line(c)) {
+        double v[STP_COLUMN_SLOTS];
+        stp_text rest = read_values(&r->points->columns, c->at, v);
+        take_line(r, c, rest, v, ranges);
+    }
+    atomic_fetch_add(&r->lines, c->tally.lines);
+    atomic_fetch_add(&r->not_finite, c->tally.not_finite);
+    lower_to(&r->first_bad, c->tally.first_bad);
+    raise_to(&r->last_full, c->tally.last_full);
+}
+
+static void read_two_blocks(reading* r, const stp_text_block blocks[2], stp_column_ranges* all)
 {
     stp_column_ranges ranges = *all;
-    const stp_text_points* p = r->points;
-    uint64_t end_line = p->first_line + p->cloud->set.point_count, line = b->first_line;
-    stp_text at = b->begin;
-    tally t = {.first_bad = UINT64_MAX};
-    for (; line < p->first_line; ++line) {
-        at = stp_next_line(at);
+    cursor first = begin_block(r, &blocks[0]), second = begin_block(r, &blocks[1]);
+    while (has_line(&first) && has_line(&second)) {
+        double v[2][STP_COLUMN_SLOTS];
+        const stp_text at[2] = {first.at, second.at};
+        stp_text rest[2];
+        read_two(&r->points->columns, at, v, rest);
+        take_line(r, &first, rest[0], v[0], &ranges);
+        take_line(r, &second, rest[1], v[1], &ranges);
     }
-    for (; at < b->end && line < end_line; ++line) {
-        double v[STP_COLUMN_SLOTS];
-        size_t cell = (size_t)(line - p->first_line);
-        stp_text rest = read_values(&p->columns, at, v);
-        if (rest == NULL) {
-            read_other_line(r, at, line, &t);
-            at = stp_next_line(at);
-            continue;
-        }
-        t.last_full = line;
-        if (p->zero_is_empty && v[0] == 0.0 && v[1] == 0.0 && v[2] == 0.0) {
-            stp_cloud_leave_empty(p->cloud, cell);
-        } else if (stp_cloud_place(p->cloud, cell, v)) {
-            fill_columns(r, cell, v, &ranges);
-            t.lines += 1;
-        } else {
-            t.lines += 1;
-            t.not_finite += 1;
-        }
-        at = stp_next_line(rest);
-    }
+    finish_block(r, &first, &ranges);
+    finish_block(r, &second, &ranges);
     *all = ranges;
-    atomic_fetch_add(&r->lines, t.lines);
-    atomic_fetch_add(&r->not_finite, t.not_finite);
-    lower_to(&r->first_bad, t.first_bad);
-    raise_to(&r->last_full, t.last_full);
 }
 
 static void read_blocks(size_t begin, size_t end, uint32_t worker, void* user)
 {
     reading* r = user;
     for (size_t i = begin; i < end; ++i) {
+        size_t block = r->first_block + 2 * i;
         if (i % RELEASE_EVERY == RELEASE_EVERY - 1) {
             stp_point_columns_release(r->points->cloud->import, &r->points->cloud->set);
         }
-        read_block(r, &r->points->blocks->blocks[r->first_block + i], &r->ranges[worker]);
+        if (block + 1 < r->end_block) {
+            read_two_blocks(r, &r->points->blocks->blocks[block], &r->ranges[worker]);
+        } else {
+            cursor last = begin_block(r, &r->points->blocks->blocks[block]);
+            finish_block(r, &last, &r->ranges[worker]);
+        }
         stp_progress_add(r->points->cloud->import->context, 1);
     }
 }
@@ -235,7 +319,7 @@ static stp_result read_once(reading* r, stp_column_ranges* all)
     stp_context* context = p->cloud->import->context;
     uint32_t workers = stp_context_thread_count(context);
     uint64_t last_line = p->first_line + p->cloud->set.point_count - 1;
-    size_t end_block = stp_text_blocks_find(p->blocks, last_line) + 1;
+    r->end_block = stp_text_blocks_find(p->blocks, last_line) + 1;
     for (uint32_t i = 0; i < workers; ++i) {
         r->ranges[i] = stp_column_ranges_empty();
     }
@@ -248,10 +332,9 @@ static stp_result read_once(reading* r, stp_column_ranges* all)
     atomic_init(&r->last_full, 0);
     atomic_init(&r->first_bad, UINT64_MAX);
     r->first_block = stp_text_blocks_find(p->blocks, p->first_line);
-    stp_loop_report report = {
-        .stage = "import", .unit = "blocks", .total = end_block - r->first_block};
-    stp_result result =
-        stp_parallel_for_reported(context, end_block - r->first_block, 1, read_blocks, r, &report);
+    size_t pairs = (r->end_block - r->first_block + 1) / 2;
+    stp_loop_report report = {.stage = "import", .unit = "blocks", .total = pairs};
+    stp_result result = stp_parallel_for_reported(context, pairs, 1, read_blocks, r, &report);
     *all = stp_column_ranges_empty();
     for (uint32_t i = 0; i < workers; ++i) {
         merge_ranges(all, &r->ranges[i]);

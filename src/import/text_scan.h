@@ -62,9 +62,13 @@ static inline stp_text stp_scan_number(stp_text start, double* value)
     if ((*at | 0x20) == 'e' || *at == '#') {
         return stp_read_number(start, value);
     }
-    *value = (double)(int64_t)digits / tens[fraction];
+    double magnitude = (double)(int64_t)digits;
+    if (fraction >
+        0) { // columns repeat, so this is predicted; a division takes longer than the rest
+        magnitude /= tens[fraction];
+    }
     uint64_t bits;
-    memcpy(&bits, value, sizeof(bits));
+    memcpy(&bits, &magnitude, sizeof(bits));
     bits |= (uint64_t)negative << 63; // a branch would often be mispredicted
     memcpy(value, &bits, sizeof(bits));
     return at;

@@ -8,15 +8,22 @@
 // Prefix of each kind's hash, so that kinds never collide.
 enum { KIND_MESH = 1, KIND_POINTS, KIND_TEXTURE, KIND_MATERIAL, KIND_NODE };
 
+// What lies in the spill need not stay resident.
+static stp_hash hash_array(stp_hash hash, const stp_bulk_array* array, bool spilled)
+{
+    return spilled ? stp_hash_steps(hash, array->bytes, array->size, stp_spill_forget)
+                   : stp_hash_bytes(hash, array->bytes, array->size);
+}
+
 static stp_hash hash_arrays(const uint32_t* head, size_t head_count, const stp_bulk_array* arrays,
-                            size_t array_count)
+                            size_t array_count, bool spilled)
 {
     stp_hash hash = stp_hash_bytes((stp_hash){0}, head, head_count * sizeof(*head));
     for (size_t i = 0; i < array_count; ++i) {
         unsigned char present = arrays[i].bytes != NULL;
         hash = stp_hash_bytes(hash, &present, 1);
         if (arrays[i].size != 0) {
-            hash = stp_hash_bytes(hash, arrays[i].bytes, arrays[i].size);
+            hash = hash_array(hash, &arrays[i], spilled);
         }
     }
     return hash;
@@ -27,7 +34,7 @@ stp_hash stp_mesh_hash(const stp_mesh* mesh)
     uint32_t head[] = {KIND_MESH, mesh->vertex_count, mesh->triangle_count};
     stp_bulk_array arrays[STP_MESH_ARRAYS];
     stp_mesh_get_arrays(mesh, arrays);
-    return hash_arrays(head, 3, arrays, STP_MESH_ARRAYS);
+    return hash_arrays(head, 3, arrays, STP_MESH_ARRAYS, mesh->spilled);
 }
 
 stp_hash stp_points_hash(const stp_point_set* points)
@@ -35,12 +42,12 @@ stp_hash stp_points_hash(const stp_point_set* points)
     uint32_t head[] = {KIND_POINTS, points->point_count};
     stp_bulk_array arrays[STP_POINT_ARRAYS];
     stp_points_get_arrays(points, arrays);
-    stp_hash hash = hash_arrays(head, 2, arrays, STP_POINT_ATTRIBUTE_ARRAY);
+    stp_hash hash = hash_arrays(head, 2, arrays, STP_POINT_ATTRIBUTE_ARRAY, points->spilled);
     for (uint32_t i = 0; i < STP_ATTRIBUTES; ++i) { // points without attributes keep their hash
         const stp_bulk_array* values = &arrays[STP_POINT_ATTRIBUTE_ARRAY + i];
         if (values->size != 0) {
             hash = stp_hash_bytes(hash, &i, sizeof(i));
-            hash = stp_hash_bytes(hash, values->bytes, values->size);
+            hash = hash_array(hash, values, points->spilled);
         }
     }
     return hash;
@@ -56,7 +63,8 @@ stp_hash stp_texture_hash(const stp_texture* texture)
                        texture->nearest};
     stp_bulk_array arrays[STP_TEXTURE_ARRAYS];
     stp_texture_get_arrays(texture, arrays);
-    return hash_arrays(head, 6, arrays, 1); // only the texels: the encoding is invisible
+    return hash_arrays(head, 6, arrays, 1,
+                       texture->spilled); // only the texels: the encoding is invisible
 }
 
 static stp_hash hash_floats(stp_hash hash, const float* values, size_t count)

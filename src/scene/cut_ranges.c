@@ -1,34 +1,53 @@
 // SPDX-License-Identifier: MIT
 //
-// A k-d tree, level by level: each run is divided across its longest axis, in proportion to the
-// number of pieces it must give. Ties are broken by index, so coinciding places are divided as
-// well.
+// A k-d tree: each run is divided across its longest axis, in proportion to the number of pieces it
+// must give. Ties are broken by index, so coinciding places are divided as well. Long runs are
+// divided level by level, short ones by one thread each down to the pieces. Of places that lie in a
+// file, only a window of each pass and the short runs at work are resident.
 #include "scene/cut_ranges.h"
 
+#include "base/spill.h"
 #include "base/team.h"
 
 #include <string.h>
 
-enum { DIGIT_BITS = 11, SAMPLE = 127, LARGE_RANGE = 1 << 16 };
+enum {
+    DIGIT_BITS = 11,
+    SAMPLE = 127,
+    LARGE_RANGE = 1 << 16,
+    SHORT_RUN = 1 << 22, // places
+    WINDOW = 1 << 20,    // places that a pass over a long run leaves behind at once
+    DEPTH = 33           // runs that wait while one is divided: halves of at most 2^32 pieces
+};
 
 typedef struct run {
-    uint32_t first, count, pieces;
+    uint32_t first, count, first_piece, pieces;
 } run;
 
 typedef struct cutting {
     stp_place* places;
+    bool in_spill;      ///< the places lie there
     run *from, *to;     ///< of this level and the next; two places for each run of this one
-    stp_place* scratch; ///< room for the longest run, for each thread
-    uint32_t longest;
+    stp_place* scratch; ///< room for the longest piece, for each thread
+    uint32_t most;      ///< places of a piece
+    uint32_t* ends;     ///< of the pieces
     unsigned index_bits;
 } cutting;
+
+// Leaves places behind that a pass is done with.
+static inline void leave(const stp_place* places, uint32_t count, bool in_spill)
+{
+    if (in_spill) {
+        stp_spill_forget(places, count * sizeof(*places));
+    }
+}
 
 static bool comes_before(const stp_place* a, const stp_place* b, int axis)
 {
     return a->at[axis] < b->at[axis] || (a->at[axis] == b->at[axis] && a->index < b->index);
 }
 
-static int longest_axis(const stp_place* places, uint32_t count)
+static int longest_axis(const stp_place* places, uint32_t count, bool in_spill)
 {
     float low[3], high[3];
     for (int k = 0; k < 3; ++k) {
@@ -39,6 +58,9 @@ static int longest_axis(const stp_place* places, uint32_t count)
             float x = places[i].at[k];
             low[k] = x < low[k] ? x : low[k];
             high[k] = x > high[k] ? x : high[k];
+        }
+        if (i % WINDOW == 0) {
+            leave(places + i - WINDOW, WINDOW, in_spill);
         }
     }
     int axis = 0;
@@ -71,7 +93,7 @@ static stp_place choose_pivot(const stp_place* places, uint32_t low, uint32_t hi
 }
 
 // Hoare's selection: moves the `rank` smallest along the axis to the front.
-static void select_first(stp_place* places, uint32_t count, uint32_t rank, int axis)
+static void select_first(stp_place* places, uint32_t count, uint32_t rank, int axis, bool in_spill)
 {
     uint32_t low = 0, high = count - 1; // the last of the first `rank` is at rank - 1
     uint64_t random = count;
@@ -81,8 +103,14 @@ static void select_first(stp_place* places, uint32_t count, uint32_t rank, int a
         for (;;) {
             while (comes_before(&places[i], &pivot, axis)) {
                 i += 1;
+                if (i % WINDOW == 0) {
+                    leave(places + i - WINDOW, WINDOW, in_spill);
+                }
             }
             while (comes_before(&pivot, &places[j], axis)) {
+                if (j % WINDOW == 0) {
+                    leave(places + j, count - j < WINDOW ? count - j : WINDOW, in_spill);
+                }
                 j -= 1;
             }
             if (i >= j) {
@@ -104,20 +132,38 @@ static void select_first(stp_place* places, uint32_t count, uint32_t rank, int a
     }
 }
 
+// Divides a run of several pieces in two.
+static void divide(const cutting* c, run r, bool in_spill, run halves[2])
+{
+    stp_place* places = c->places + r.first;
+    uint32_t left_pieces = r.pieces / 2;
+    uint32_t left = (uint32_t)((uint64_t)r.count * left_pieces / r.pieces);
+    if (left > 0) {
+        int axis = longest_axis(places, r.count, in_spill);
+        select_first(places, r.count, left, axis, in_spill);
+    }
+    halves[0] = (run){r.first, left, r.first_piece, left_pieces};
+    halves[1] =
+        (run){r.first + left, r.count - left, r.first_piece + left_pieces, r.pieces - left_pieces};
+}
+
+static bool is_long(run r)
+{
+    return r.count > SHORT_RUN && r.pieces > 1;
+}
+
 static void divide_runs(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     const cutting* c = user;
     for (size_t i = begin; i < end; ++i) {
         run r = c->from[i];
-        stp_place* places = c->places + r.first;
-        uint32_t left_pieces = r.pieces / 2;
-        uint32_t left = (uint32_t)((uint64_t)r.count * left_pieces / r.pieces);
-        if (left > 0) {
-            select_first(places, r.count, left, longest_axis(places, r.count));
+        c->to[2 * i] = r;
+        c->to[2 * i + 1] = (run){0};
+        if (is_long(r)) {
+            divide(c, r, c->in_spill, &c->to[2 * i]);
+            leave(c->places + r.first, r.count, c->in_spill);
         }
-        c->to[2 * i] = (run){r.first, left, left_pieces};
-        c->to[2 * i + 1] = (run){r.first + left, r.count - left, r.pieces - left_pieces};
     }
 }
 
@@ -146,74 +192,92 @@ static stp_place* sort_by_index(stp_place* places, stp_place* scratch, uint32_t 
     return places;
 }
 
-static void sort_runs(size_t begin, size_t end, uint32_t worker, void* user)
+static void finish_piece(cutting* c, run r, stp_place* scratch)
+{
+    stp_place* places = c->places + r.first;
+    if (sort_by_index(places, scratch, r.count, c->index_bits) != places) {
+        memcpy(places, scratch, r.count * sizeof(*places));
+    }
+    c->ends[r.first_piece] = r.first + r.count;
+}
+
+// Divides short runs down to their pieces.
+static void finish_runs(size_t begin, size_t end, uint32_t worker, void* user)
 {
     cutting* c = user;
+    stp_place* scratch = c->scratch + (size_t)worker * c->most;
     for (size_t i = begin; i < end; ++i) {
-        run r = c->from[i];
-        stp_place* places = c->places + r.first;
-        stp_place* scratch = c->scratch + (size_t)worker * c->longest;
-        if (sort_by_index(places, scratch, r.count, c->index_bits) != places) {
-            memcpy(places, scratch, r.count * sizeof(*places));
+        run stack[DEPTH];
+        uint32_t waiting = 1;
+        stack[0] = c->from[i];
+        while (waiting > 0) {
+            run r = stack[--waiting];
+            if (r.pieces == 1) {
+                finish_piece(c, r, scratch);
+                continue;
+            }
+            run halves[2];
+            divide(c, r, false, halves);
+            stack[waiting++] = halves[1];
+            stack[waiting++] = halves[0];
         }
+        leave(c->places + c->from[i].first, c->from[i].count, c->in_spill);
     }
 }
 
-// Removes the empty runs left by single pieces.
-static uint32_t keep_runs(run* runs, uint32_t count)
+// Removes the empty places behind runs that were not divided. @return how many are left
+static uint32_t keep_runs(run* runs, uint32_t count, bool* any_long)
 {
     uint32_t kept = 0;
+    *any_long = false;
     for (uint32_t i = 0; i < count; ++i) {
         if (runs[i].pieces > 0) {
+            *any_long = *any_long || is_long(runs[i]);
             runs[kept++] = runs[i];
         }
     }
     return kept;
 }
 
-static stp_result sort_all(stp_context* context, cutting* c, uint32_t count, uint32_t pieces)
+static stp_result cut_all(stp_context* context, cutting* c, uint32_t count, uint32_t pieces)
 {
-    for (uint32_t i = 0; i < pieces; ++i) {
-        c->longest = c->from[i].count > c->longest ? c->from[i].count : c->longest;
+    bool any_long;
+    c->from[0] = (run){0, count, 0, pieces};
+    uint32_t run_count = keep_runs(c->from, 1, &any_long);
+    while (any_long) {
+        stp_parallel_for(context, run_count, 1, divide_runs, c);
+        run* swap = c->from;
+        c->from = c->to;
+        c->to = swap;
+        run_count = keep_runs(c->from, 2 * run_count, &any_long);
     }
     while (c->index_bits < 32 && count >> c->index_bits != 0) {
         c->index_bits += 1;
     }
     uint32_t threads = stp_context_thread_count(context);
-    threads = threads < pieces ? threads : pieces;
-    c->scratch = STP_NEW_ARRAY(context, stp_place, (size_t)c->longest * threads);
+    threads = threads < run_count ? threads : run_count;
+    c->most = count / pieces + (count % pieces != 0);
+    c->scratch = STP_NEW_ARRAY(context, stp_place, (size_t)c->most * threads);
     if (c->scratch == NULL) {
         return stp_fail_memory(context);
     }
     stp_team team = stp_team_create(context, threads);
-    stp_team_run(&team, pieces, 1, sort_runs, c);
+    stp_team_run(&team, run_count, 1, finish_runs, c);
     stp_free(context, c->scratch);
     return STP_OK;
 }
 
 stp_result stp_cut_ranges(stp_context* context, stp_place* places, uint32_t count, uint32_t pieces,
-                          uint32_t* ends)
+                          bool in_spill, uint32_t* ends)
 {
-    cutting c = {.places = places};
+    cutting c = {.places = places, .in_spill = in_spill, .ends = ends};
     run* runs = STP_NEW_ARRAY(context, run, 4 * (size_t)pieces);
     if (runs == NULL) {
         return stp_fail_memory(context);
     }
     c.from = runs;
     c.to = runs + 2 * (size_t)pieces;
-    c.from[0] = (run){0, count, pieces};
-    uint32_t run_count = 1;
-    while (run_count < pieces) {
-        stp_parallel_for(context, run_count, 1, divide_runs, &c);
-        run* swap = c.from;
-        c.from = c.to;
-        c.to = swap;
-        run_count = keep_runs(c.from, 2 * run_count);
-    }
-    stp_result result = sort_all(context, &c, count, pieces);
-    for (uint32_t i = 0; i < pieces; ++i) {
-        ends[i] = c.from[i].first + c.from[i].count;
-    }
+    stp_result result = cut_all(context, &c, count, pieces);
     stp_free(context, runs);
     return result;
 }

@@ -6,6 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#define STEP ((size_t)1 << 20) // points
+
 // Also false for NaN.
 static bool reaches(const float* p)
 {
@@ -58,9 +60,25 @@ uint32_t stp_mesh_drop_distant(stp_mesh* mesh)
     return dropped;
 }
 
+// As all_reach; pages of what lies in the spill are left behind.
+static bool all_points_reach(const stp_point_set* points)
+{
+    size_t count = points->point_count, step;
+    bool all = true;
+    for (size_t i = 0; i < count && all; i += step) {
+        const float* positions = points->positions + 3 * i;
+        step = count - i < STEP ? count - i : STEP;
+        all = all_reach(positions, step);
+        if (points->spilled) {
+            stp_spill_forget(positions, 3 * step * sizeof(float));
+        }
+    }
+    return all;
+}
+
 uint32_t stp_points_drop_distant(stp_point_set* points)
 {
-    if (all_reach(points->positions, points->point_count)) {
+    if (all_points_reach(points)) {
         return 0;
     }
     stp_bulk_array arrays[STP_POINT_ARRAYS];

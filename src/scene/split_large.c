@@ -13,7 +13,9 @@
 
 #define GRAIN 65536
 #define RELEASE_SIZE ((size_t)128 << 20) // finished pieces, after which their pages are released
-#define RELEASE_COUNT (1u << 23)         // elements
+#define RELEASE_COUNT (1u << 21)         // elements
+#define TOUCHED_MOST ((size_t)16 << 20)  // before it is counted
+#define TOUCHED_SIZE ((size_t)64 << 10)  // that reading one element may make resident
 #define LARGE_SIZE ((size_t)64 << 20)    // larger working data is spilled if the mesh is
 
 // State shared by the jobs. New pieces follow the scene's own items and count only once all are
@@ -74,7 +76,7 @@ static bool get_room(cutter* c, stp_bulk_array* arrays, size_t count)
     return made;
 }
 
-// Copied data in files need not stay resident.
+// `bytes` more may be resident. Of what was copied, nothing need stay so where it lies in a file.
 static void note_made(cutter* c, size_t bytes)
 {
     pthread_mutex_lock(&c->mutex);
@@ -187,6 +189,25 @@ static void make_mesh_pieces(size_t begin, size_t end, uint32_t worker, void* us
     }
 }
 
+// Copies one array of a piece. Its points may be scattered over the whole array.
+static void gather_points(cutter* c, const stp_bulk_array* from, const stp_bulk_array* to,
+                          uint32_t first, uint32_t count)
+{
+    size_t element = from->size / c->points->point_count, block = SIZE_MAX, touched = 0;
+    for (size_t p = 0; p < count; ++p) {
+        size_t at = (size_t)c->places[first + p].index * element;
+        touched += at / TOUCHED_SIZE != block ? TOUCHED_SIZE : 0;
+        block = at / TOUCHED_SIZE;
+        if (touched >= TOUCHED_MOST) {
+            note_made(c, touched);
+            touched = 0;
+        }
+        memcpy((unsigned char*)to->bytes + p * element, (const unsigned char*)from->bytes + at,
+               element);
+    }
+    note_made(c, touched);
+}
+
 static void make_point_pieces(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
@@ -210,12 +231,8 @@ static void make_point_pieces(size_t begin, size_t end, uint32_t worker, void* u
             continue;
         }
         for (size_t k = 0; k < STP_POINT_ARRAYS; ++k) {
-            size_t element = from[k].size / c->points->point_count;
-            for (size_t p = 0; element != 0 && p < piece->point_count; ++p) {
-                memcpy((unsigned char*)to[k].bytes + p * element,
-                       (const unsigned char*)from[k].bytes +
-                           (size_t)c->places[first + p].index * element,
-                       element);
+            if (from[k].size != 0) {
+                gather_points(c, &from[k], &to[k], first, piece->point_count);
             }
         }
         piece->bounds = stp_box_empty();
@@ -283,7 +300,7 @@ static stp_result cut(cutter* c, uint32_t count, stp_job make_pieces)
     }
     if (c->result == STP_OK) {
         find_all_places(c, count);
-        c->result = stp_cut_ranges(context, c->places, count, c->piece_count, c->ends);
+        c->result = stp_cut_ranges(context, c->places, count, c->piece_count, large, c->ends);
     }
     if (c->result == STP_OK) {
         pthread_mutex_init(&c->mutex, NULL);

@@ -3,6 +3,7 @@
 #include "tests.h"
 
 #include "base/context.h"
+#include "base/hash.h"
 #include "base/spill.h"
 
 #include <dirent.h>
@@ -150,4 +151,33 @@ void test_spill_without_room_is_an_error(test_state* test)
     stp_spill_destroy(spill);
     stp_context_destroy(context);
     CHECK_EQUAL(0, rmdir(folder));
+}
+
+// What is written stays, for a range at any place, and its hash is that of the same bytes in memory.
+void test_spill_forgets_pages_alone(test_state* test)
+{
+    enum { SIZE = (17 << 20) + 12345 }; // more than one step
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_spill* spill = NULL;
+    CHECK(context != NULL && stp_spill_create(context, "/tmp", &spill) == STP_OK);
+    unsigned char* bytes = stp_spill_alloc(spill, SIZE);
+    CHECK(bytes != NULL);
+    for (size_t i = 0; i < SIZE; ++i) {
+        bytes[i] = (unsigned char)(i * i >> 3);
+    }
+    stp_hash chain = {3, 4};
+    for (size_t begin = 0; begin < 10000; begin += 4097) {
+        stp_spill_forget(bytes + begin, SIZE - 2 * begin);
+        stp_spill_forget(bytes + begin, begin);
+        stp_hash all = stp_hash_bytes(chain, bytes + begin, SIZE - begin);
+        CHECK(stp_hash_equal(all,
+                             stp_hash_steps(chain, bytes + begin, SIZE - begin, stp_spill_forget)));
+    }
+    stp_hash none = stp_hash_bytes(chain, bytes, 0);
+    CHECK(stp_hash_equal(none, stp_hash_steps(chain, bytes, 0, stp_spill_forget)));
+    for (size_t i = 0; i < SIZE; ++i) {
+        CHECK(bytes[i] == (unsigned char)(i * i >> 3));
+    }
+    stp_spill_destroy(spill);
+    stp_context_destroy(context);
 }

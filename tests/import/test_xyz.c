@@ -303,3 +303,75 @@ void test_text_scan_reads_what_the_other_reads(test_state* test)
               (stp_text) "x\n                                                                    ",
               &(double){0}) == NULL);
 }
+
+// Random numbers of up to 18 digits, and their ends, against the C library: the same bits up to 15
+// digits, else two units in the last place at most, and those of the other reader.
+void test_text_scan_reads_what_strtod_reads(test_state* test)
+{
+    uint64_t random = 1;
+    for (size_t i = 0; i < 200000; ++i) {
+        char line[STP_SCAN_MARGIN + 64], *end = NULL;
+        random = random * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+        int whole = 1 + (int)(random >> 60) % 8, fraction = (int)(random >> 56 & 15) % 11;
+        uint64_t digits = random >> 8;
+        size_t length = 0;
+        memset(line, '9', sizeof(line));
+        line[length] = '-';
+        length += random >> 55 & 1;
+        for (int k = 0; k < whole + fraction; ++k) {
+            if (k == whole) {
+                line[length++] = '.';
+            }
+            line[length++] = (char)('0' + digits % 10);
+            digits /= 10;
+        }
+        line[length] = " ,\t\n"[i % 4];
+        line[length + 1] = '\n';
+        double got = -1.0, wanted = strtod(line, &end);
+        CHECK((char*)(uintptr_t)stp_scan_number((stp_text)line, &got) == end);
+        bool exact = whole + fraction <= 15;
+        CHECK(exact
+                  ? memcmp(&wanted, &got, sizeof(got)) == 0
+                  : fabs(wanted - got) <= 2.0 * (nextafter(fabs(wanted), INFINITY) - fabs(wanted)));
+        CHECK(stp_read_number((stp_text)line, &wanted) != NULL &&
+              memcmp(&wanted, &got, sizeof(got)) == 0);
+    }
+}
+
+// Lines that are no points, in any of the blocks that are read together, and blanks of every kind.
+void test_xyz_blocks_with_other_lines(test_state* test)
+{
+    enum { LINES = 150000 };
+    static const char* const between[] = {" ", ",", "\t", " ; ", "  ", ", "};
+    char* text = malloc((size_t)LINES * 48);
+    CHECK(text != NULL);
+    size_t size = 0, points = 0;
+    for (size_t i = 0; i < LINES; ++i) {
+        const char *a = between[i % 6], *b = between[i / 6 % 6];
+        if (i % 997 == 5) {
+            size += (size_t)sprintf(text + size, "# %zu\n", i);
+            continue;
+        }
+        points += 1;
+        size += (size_t)sprintf(text + size, "%zu.25%s-%zu%s%zu.5%s\n", i, a, i, b, i % 100,
+                                i % 3 == 0 ? " \r" : "");
+    }
+    CHECK(size > 5 << 19); // an odd number of blocks
+    CHECK(is_the_same_everywhere("a.xyz", text, size));
+    stp_context* context = test_context(NULL, 2, NULL);
+    stp_result result;
+    stp_scene* scene = import_bytes(context, "a.xyz", text, size, &result);
+    CHECK(scene != NULL);
+    CHECK_EQUAL(points, scene->point_sets[0].point_count);
+    const float* at = scene->point_sets[0].positions;
+    for (size_t i = 0; i < LINES; ++i) {
+        if (i % 997 != 5) {
+            CHECK(at[0] == (float)i + 0.25f && at[1] == -(float)i &&
+                  at[2] == (float)(i % 100) + 0.5f);
+            at += 3;
+        }
+    }
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+    free(text);
+}
