@@ -42,8 +42,8 @@ static bool begin(test_state* test, faulty* f)
     *f = (faulty){.lacks = NULL};
     if (!made_gl_begin(&f->made, false, &failed)) {
         made_gl_end(&f->made);
-        test->failed = failed ? 1 : 0;
-        test->skipped = failed ? NULL : "there is no OpenGL";
+        CHECK(!failed);
+        test->skipped = "there is no OpenGL";
         return false;
     }
     stp_renderer_destroy(f->made.renderer);

@@ -270,8 +270,8 @@ void test_glass_of_opengl_is_that_of_the_processor(test_state* test)
         if (!made_gl_begin_with(&m, variant & 1 ? add_splats : add_triangles, NULL, NULL,
                                 &failed)) {
             made_gl_end(&m);
-            test->failed = failed ? 1 : 0;
-            test->skipped = failed ? NULL : "there is no OpenGL";
+            CHECK(!failed);
+            test->skipped = "there is no OpenGL";
             return;
         }
         made_picture* p = &m.picture;

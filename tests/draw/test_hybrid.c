@@ -297,8 +297,8 @@ void test_hybrid_looks_alike_in_opengl(test_state* test)
     bool failed = false;
     if (!made_gl_begin(&m, true, &failed)) {
         made_gl_end(&m);
-        test->failed = failed ? 1 : 0;
-        test->skipped = failed ? NULL : "there is no OpenGL";
+        CHECK(!failed);
+        test->skipped = "there is no OpenGL";
         return;
     }
     CHECK(set_up(&f));

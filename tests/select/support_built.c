@@ -97,7 +97,7 @@ static stp_result generate(stp_scene* scene, const char* name, void* user)
 
 stp_store* built_open(stp_context* context, uint64_t seed, bool surfels)
 {
-    char folder[64] = "/tmp/stp_built_XXXXXX", path[96];
+    char folder[64] = "stp_built_XXXXXX", path[96];
     if (mkdtemp(folder) == NULL) {
         return NULL;
     }

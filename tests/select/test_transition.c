@@ -204,7 +204,7 @@ static stp_result generate_model(stp_scene* scene, const char* name, void* user)
 
 static stp_store* open_model(stp_context* context, uint32_t uses)
 {
-    char folder[64] = "/tmp/stp_transition_XXXXXX", path[96];
+    char folder[64] = "stp_transition_XXXXXX", path[96];
     if (mkdtemp(folder) == NULL) {
         return NULL;
     }

@@ -51,7 +51,7 @@ static stp_store* open_doubling(stp_context* context)
                                                .up = 'y',
                                                .build_json = "{}"},
                                  .meshes = &mesh};
-    char path[] = "/tmp/stipple-doubling-XXXXXX";
+    char path[] = "stipple-doubling-XXXXXX";
     int file = mkstemp(path);
     stp_store* store = NULL;
     if (file >= 0 && (stp_store_write(context, &content, path) != STP_OK ||
@@ -122,7 +122,7 @@ void test_repeated_parts_are_drawn_once(test_state* test)
                                                .up = 'y',
                                                .build_json = "{}"},
                                  .meshes = meshes};
-    char path[] = "/tmp/stipple-repeated-XXXXXX";
+    char path[] = "stipple-repeated-XXXXXX";
     int file = mkstemp(path);
     stp_store* store = NULL;
     CHECK(file >= 0 && close(file) == 0);
