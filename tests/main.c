@@ -58,7 +58,7 @@ static void remove_folder(const char* path)
 static _Noreturn void run_here(const char* name, test_function* run, const char* folder)
 {
     test_state state = {0};
-    setvbuf(stdout, NULL, _IOLBF, 0); // a crash loses no lines
+    setvbuf(stdout, NULL, _IOLBF, 0);      // a crash loses no lines
     const char* output = getenv("TMPDIR"); // for what outlives the test
     if (setenv("STP_TEST_OUTPUT", output != NULL ? output : "/tmp", 1) != 0 || chdir(folder) != 0 ||
         setenv("TMPDIR", folder, 1) != 0) {

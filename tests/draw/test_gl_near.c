@@ -11,7 +11,7 @@
 
 enum { WIDTH = 320, HEIGHT = 200, PIXELS = WIDTH * HEIGHT, VIEWS = 16 };
 
-/// A floor, and dark ground a hand's breadth below it that reaches much farther.
+/// A floor, and much larger dark ground slightly below it.
 static void add_floor(made_picture* p)
 {
     static const double sides[] = {60.0, 3000.0}, heights[] = {-5.0, -5.1};
@@ -28,7 +28,7 @@ static void add_floor(made_picture* p)
     p->scene.meshes[1].material = 1;
 }
 
-/// From somewhere over the floor over its middle, where the scene's box is, and somewhat down.
+/// From above the middle of the floor, looking slightly down.
 static void set_view(stp_view* view, uint64_t number)
 {
     double u[3];

@@ -44,7 +44,7 @@ static void choose_view(made_picture* p, uint64_t round, int frame)
     p->style = (stp_draw_style){.supersample = 1 + (uint32_t)(round % 2)};
 }
 
-/// Commands that were set aside in the last sample: at first, and to the end.
+/// Commands postponed in the last sample: by the first pass, and by both.
 static void read_aside(const made_gl* m, uint32_t aside[2])
 {
     const gl_renderer* r = (const gl_renderer*)m->renderer;

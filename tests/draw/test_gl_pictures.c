@@ -100,7 +100,7 @@ void test_gl_pictures_accumulate(test_state* test)
         CHECK(p->stats.covered_pixels <= covered + PIXELS / 100);
         CHECK(made_count_different(m.pixels, p->pixels, 6) <= PIXELS / 100);
     }
-    p->style.supersample = 1; // a frame that is not of them
+    p->style.supersample = 1; // a frame that is not part of the mean
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));
     p->style.supersample = 2;
     do {
@@ -203,14 +203,14 @@ void test_gl_pictures_have_materials(test_state* test)
         return;
     }
     compare(test, &m);
-    CHECK(m.picture.stats.draw_calls >= 2);     // of those whose fragments are looked at, one more
+    CHECK(m.picture.stats.draw_calls >= 2);     // one more with per-fragment tests
     m.picture.view.eye = (stp_vec3d){2, 1, 12}; // from afar: smaller levels
     m.picture.style.supersample = 2;
     compare(test, &m);
     made_gl_end(&m);
 }
 
-/// Triangles that are there and such whose fragments are looked at, and splats.
+/// Opaque triangles, triangles with per-fragment tests, and splats.
 static void add_all_kinds(made_picture* p)
 {
     static const uint8_t color[3] = {200, 90, 20};

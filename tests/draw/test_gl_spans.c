@@ -89,7 +89,7 @@ void test_gl_spans_are_those_of_a_map(test_state* test)
     }
     for (uint32_t step = 0; step < STEPS; ++step) {
         uint64_t bits = stp_rng_hash(7, step);
-        // now mostly taking, now mostly giving back; sizes over all doublings
+        // alternately mostly taking and mostly returning; sizes of all powers of two
         bool takes = stp_rng_below(8, step, 100) < (step / 500 % 2 != 0 ? 35u : 65u);
         if (s.count == 0 || (takes && s.count < KEPT)) {
             take_one(test, &s, 1 + (uint32_t)(bits >> 20) % (1u << (bits % 13)));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Progressive splats of points that lie in files (src/lod/psp/room.h): the same as in memory, for any
-// number of threads; what fails is said once.
+// number of threads; a failure is reported once.
 #include "tests.h"
 
 #include "base/rng.h"
@@ -107,7 +107,7 @@ void test_psp_spilled_splats_survive_failing_allocator(test_state* test)
 }
 
 // A limit on the size of files stands for a full disk: at the tree, or later, in pieces on all
-// threads. One sentence says so.
+// threads. One message reports it.
 void test_psp_spilled_splats_say_that_the_disk_is_full(test_state* test)
 {
     enum { SMALLEST = 4 << 20 }; // of a file's parts

@@ -14,7 +14,7 @@
 
 enum { LEVELS = 40 };
 
-/// Each node is its child twice, a little beside; the last is a square.
+/// Each node contains its child twice, slightly displaced; the last one is a square.
 static stp_store* open_doubling(stp_context* context)
 {
     static stp_store_node nodes[LEVELS + 1];
@@ -95,7 +95,7 @@ void test_unfolding_graphs_end_with_a_sentence(test_state* test)
     stp_context_destroy(context);
 }
 
-/// A node that lists one part again and again: it is drawn once.
+/// A node that lists one part many times: it is drawn once.
 void test_repeated_parts_are_drawn_once(test_state* test)
 {
     enum { PARTS = 5000 };

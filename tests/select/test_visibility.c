@@ -69,7 +69,7 @@ static void tear_down(shown* s)
     free(s);
 }
 
-/// Sets an object, here and in what is expected. @return false where that fails
+/// Sets the state of an object, here and in the expected result. @return false on failure
 static bool set_object(shown* s, uint32_t object, stp_show show, bool* placed)
 {
     stp_outline_item item;
@@ -149,7 +149,7 @@ void test_visibility_is_what_was_set_last(test_state* test)
             stp_show show = (stp_show)stp_rng_below(seed, 2 * i, 3);
             CHECK(set_object(s, stp_rng_below(seed, 2 * i + 1, objects), show, &placed));
             CHECK(agrees(s));
-            if (i % 7 == 0) { // a copy goes on by itself
+            if (i % 7 == 0) { // a copy continues separately
                 stp_visibility *before = s->visibility, *copy;
                 CHECK_EQUAL(STP_OK, stp_visibility_copy(s->context, before, &copy));
                 CHECK(stp_visibility_version(copy) == stp_visibility_version(before));
@@ -165,7 +165,7 @@ void test_visibility_is_what_was_set_last(test_state* test)
     }
 }
 
-/// Whether an item draws exactly what of it is expected: no hidden part stands below the node of a surfel set.
+/// Whether an item draws exactly its expected parts: no hidden part is below the node of a surfel set.
 static bool item_is_right(const shown* s, const stp_draw_item* item)
 {
     const stp_store_directory* d = stp_store_get_directory(s->store);
