@@ -8,13 +8,13 @@ SOURCES = $(shell find include src tools viewer web examples bench tests fuzz \
 
 release: ## build/release/tools/stipple (the default)
 	@test -f build/release/build.ninja || cmake --preset release
-	@cmake --build --preset release
+	@cmake --build --preset release --target programs
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## /  make \1#/p' $(MAKEFILE_LIST) | awk -F '#' '{ printf "%-20s%s\n", $$1, $$2 }'
 
-setup: ## install the Debian packages that packages.txt names
-	@scripts/setup
+setup: ## install the Debian packages that building needs (scripts/setup: those of the tests as well)
+	@scripts/setup --programs
 
 test: ## all tests of the debug build
 	cmake --workflow --preset dev

@@ -4,9 +4,9 @@
     bench/clouds.py build/release/tools/stipple [OTHER...] [--counts 10000,100000,1000000] [--runs 5] [--json FILE]
         [--cloud FILE --memory SIZE]
 
-A cloud is a wavy sheet without normals, far from the origin (as maps are), with doubles for coordinates. Time is user
-and system time of the whole process, the median over the runs; the start of a process that builds nothing is shown apart.
-With --cloud, a file's points are built instead; its points, the bytes of the result and the most resident memory are shown.
+A cloud is a wavy sheet without normals, far from the origin (as in maps), with coordinates as doubles. Time is user
+and system time of the whole process, the median over the runs; the time of a process that builds nothing is shown separately.
+With --cloud, a file's points are built instead; prints its points, the bytes of the result and the peak resident memory.
 """
 import argparse
 import array
@@ -33,7 +33,7 @@ def write_cloud(path, count):
 
 
 def measure(*command):
-    """User and system seconds, and the most resident MB."""
+    """User and system seconds, and peak resident MB."""
     child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     _, status, usage = os.wait4(child.pid, 0)
     child.returncode = os.waitstatus_to_exitcode(status)
@@ -62,7 +62,7 @@ def measure_file(options, folder):
         rows.append({"executable": name, "points": points, "memory": options.memory, "user_s": user, "system_s": system,
                      "resident_mb": resident, "bytes_per_point": sizes[name] / points})
         print(f"{name:40} {points:11,} {user:8.2f} s user {system:7.2f} s system {resident:7.0f} MB "
-              f"{sizes[name] / points:6.2f} bytes a point", flush=True)
+              f"{sizes[name] / points:6.2f} bytes per point", flush=True)
     return rows
 
 

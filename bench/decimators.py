@@ -45,7 +45,7 @@ def main():
                                  "figures": {"points": first["points"], "splats": made, "area_ratio": ratio, "seconds": seconds,
                                              "processor_seconds": busy}})
                     rows.append([pathlib.Path(model).stem, count, name, made, f"{ratio:.2f}", f"{seconds:.3f} s", f"{busy:.2f} s"])
-    kit.table(["model", "asked for", "method", "splats", "area ratio", "time", "of the processor"], rows)
+    kit.table(["model", "requested", "method", "splats", "area ratio", "time", "CPU time"], rows)
     kit.keep("decimators", kept, options.out)
 
 

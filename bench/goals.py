@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The table of goals: each goal beside the newest result of its kind in bench/results.
+"""The table of goals: each goal with the newest result of its kind in bench/results.
 
 usage: bench/goals.py [--results FOLDER] [--document FILE.md --tables FOLDER]
 
@@ -27,7 +27,7 @@ class Results:
             self.files[named[2] if named else path.stem] = (named[1] if named else "", path)
 
     def of(self, name):
-        """A list of {params, figures}; empty if nothing of that name was measured."""
+        """A list of {params, figures}; empty if there are no results of that name."""
         if name not in self.files:
             return []
         return json.loads(self.files[name][1].read_text(encoding="utf-8"))["results"]

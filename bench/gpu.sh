@@ -96,7 +96,7 @@ sed "s|$scratch/scene.stip|scene:$scene,scale=$scale|" "$scratch/gpu.json" > "$f
 {
     echo "# OpenGL on $device"
     echo
-    echo "Made by \`bench/gpu.sh --scene $scene --scale $scale --splat-size $size\`; the scene took $made s to make, all else $(($(date +%s) - begin - made)) s."
+    echo "Made by \`bench/gpu.sh --scene $scene --scale $scale --splat-size $size\`; the scene took $made s to build, everything else $(($(date +%s) - begin - made)) s."
     [ -z "$software" ] || echo "Rendered on the CPU: this shows only that the script works."
     echo
     sed "s|$scratch/scene.stip|scene:$scene,scale=$scale|" "$scratch/gpu.md"

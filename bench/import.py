@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Import alone: millions of points a second of processor, for each format of scans, with one thread.
+"""Import alone: millions of points per CPU second, for each format of scans, with one thread.
 
 usage: bench/import.py [FILE...] [--scene SCENE] [--resolution N] [--runs N] [--out FILE.json]
 
 Scans a scene (`stipple scan`) as LAS, PLY, PTX and E57, and writes the points of the PTX file as XYZ, PTS and PCD. Files that are
-named are measured too: compressed formats (LAZ, COPC) come from them. Each figure is the median of `stipple bench import`. Its
-processor time holds the kernel's part, which maps the file and clears memory, and no build.
+named are measured too: compressed formats (LAZ, COPC) come from them. Each figure is the median of `stipple bench import`. Its CPU
+time includes the kernel's part, which maps the file and clears memory, and no build.
 """
 import pathlib
 import struct
@@ -62,7 +62,7 @@ def measure(paths, runs):
         results.append(measured)
         rows.append([pathlib.Path(path).name, f"{figures['points']:,}", f"{figures['bytes'] / figures['points']:.1f}",
                      f"{figures['points_per_cpu_second'] / 1e6:.1f}", f"{figures['bytes'] / figures['cpu_seconds'] / 1e6:.0f}"])
-    kit.table(["file", "points", "bytes a point", "M points/s", "MB/s"], rows)
+    kit.table(["file", "points", "bytes per point", "M points/s", "MB/s"], rows)
     return results
 
 
@@ -70,7 +70,7 @@ def main():
     parser = kit.options(__doc__)
     parser.add_argument("files", nargs="*", metavar="FILE")
     parser.add_argument("--scene", default="scene:city")
-    parser.add_argument("--resolution", type=int, default=2400, help="rays a turn; default 2400, which is about 2 M points")
+    parser.add_argument("--resolution", type=int, default=2400, help="rays per turn; default 2400, which is about 2 M points")
     parser.add_argument("--runs", type=int, default=7)
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:

@@ -45,7 +45,7 @@ def measure(given, stored, view, quality, method, truth, picture):
 
 
 def compare_counts(given, told, stored, view, folder):
-    """Both methods at equal numbers of splats, beside the picture in `folder`."""
+    """Both methods at equal numbers of splats; the picture goes to `folder`."""
     results = []
     for count in map(int, given.counts.split(",")):
         pair = [measure(given, stored, view, ("--splats", count), method, folder / "truth.png", folder / "ours.png") for method in given.methods.split(",")]

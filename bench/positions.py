@@ -10,9 +10,9 @@ part, with four directions each. Each picture is drawn twice; the second frame c
 bench positions`). The paper has about 10,000, and 1,000 in each part (100 in the bakery); --sample
 is a fraction of 10,000.
 
-Measures in pieces that cover all places, and saves after each. --minutes stops after that time,
+Measures in batches that cover all places, and saves after each. --minutes stops after that time,
 --resume continues from the saved file. Positions do not depend on their number, so any number of
-pieces is a sample of the whole. Writes frame-times.svg.
+batches is a sample of the whole. Writes frame-times.svg.
 """
 import math
 import time
@@ -138,7 +138,7 @@ def main():
     parser.add_argument("scene")
     parser.add_argument("--count", type=int, help="positions above the whole scene; instead of --sample")
     parser.add_argument("--sample", type=float, default=0.06, help="fraction of the paper's 10,000 positions; default 0.06")
-    parser.add_argument("--minutes", type=float, help="start no further piece after this time; default: all positions")
+    parser.add_argument("--minutes", type=float, help="start no further batch after this time; default: all positions")
     parser.add_argument("--piece", type=int, default=20, help="positions at a time; default 20")
     parser.add_argument("--resume", action="store_true", help="continue from the saved file")
     parser.add_argument("--splat-size", default="4")

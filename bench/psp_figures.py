@@ -16,7 +16,7 @@ PARTs, default all:
 
 MODELS holds bunny.ply and dragon.ply, made by bench/psp_models.py; its other models (.glb, .obj,
 .ply) join `sweep`. Parts that are not measured keep their results in the JSON; `sweep` saves each
-figure at once. All parts take about 8 CPU minutes.
+figure immediately. All parts take about 8 CPU minutes.
 """
 import math
 import os
@@ -204,7 +204,7 @@ def measure_time(given):
 
 def show_time(given, results):
     found = {way: sorted((r["figures"]["points"], r["figures"]["processor_seconds"]) for r in results if r["params"]["by"] == way) for way in TIME_WAYS}
-    panels = Panels("seconds of the processor to 1 % of the points, by points", TIME_WAYS, 1, 1, 780)
+    panels = Panels("CPU seconds for a reduction to 1 %, by number of points", TIME_WAYS, 1, 1, 780)
     panels.add(0, 0, "seconds", found.values(), True)
     panels.drawing.write(given.images / "psp-time.svg")
     kit.table(["points", *TIME_WAYS], [[f"{n:,}", *(f"{dict(found[way])[n]:.2f}" if n in dict(found[way]) else "-" for way in TIME_WAYS)]
@@ -307,7 +307,7 @@ def run_part(given, part):
     start, busy = time.monotonic(), kit.processor_seconds()
     results = PARTS[part](given)
     figures = {"seconds": round(time.monotonic() - start), "processor_seconds": round(kit.processor_seconds() - busy)}
-    kit.say(f"{part}: {figures['seconds']} s, {figures['processor_seconds']} s of the processor")
+    kit.say(f"{part}: {figures['seconds']} s, {figures['processor_seconds']} CPU s")
     if not given.resume:
         results.append(kit.result("psp seconds", {"part": part}, figures))
     given.save(results)

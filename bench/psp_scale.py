@@ -77,7 +77,7 @@ def main():
             calls = [(threads, "--memory", "2G"), (threads, "--memory", "256M"), *calls[1:]]
         results += [measure(given, path, size, *call) for call in calls]
     kit.keep("psp-scale", results, given.out)
-    kit.table(("points", "threads", "options", "s", "processor s", "points / s", "points / processor s", "area", "peak MB"),
+    kit.table(("points", "threads", "options", "s", "processor s", "points / s", "points / CPU s", "area", "peak MB"),
               [(kit.short(r["params"]["points"]), r["params"]["threads"], r["params"]["options"], f"{r['figures']['seconds']:.2f}",
                 f"{r['figures']['processor_seconds']:.2f}", kit.short(r["figures"]["points_per_second"]),
                 kit.short(r["figures"]["points_per_processor_second"]), f"{r['figures']['area']:.4g}",

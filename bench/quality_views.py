@@ -7,7 +7,7 @@ usage: bench/quality_views.py [--files FOLDER] [--splat-sizes 1,2,4] [--supersam
 
 default: all named scenes, the large ones scaled. Each is built into FOLDER (default build/scenes)
 unless it exists, once with our order and once with --order paper-fast. A SCENE that is a .stip is
-drawn as it is, with OTHER for the paper's order as SCENE=OTHER. For each view:
+drawn unchanged, with OTHER for the paper's order as SCENE=OTHER. For each view:
 - SSIM on covered pixels at splat size 1, against the original triangles;
 - against a picture of N x N samples per pixel: ours at rest (N x N accumulated frames) and in one
 frame, and the original triangles with one sample;

@@ -23,7 +23,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("models", nargs="*", default=[str(TESTMODELS / name) for name in MODELS])
     parser.add_argument("--count", type=int, default=200000, help="points per model")
-    parser.add_argument("--backend", choices=["cpu", "gl"], default="cpu", help="what draws")
+    parser.add_argument("--backend", choices=["cpu", "gl"], default="cpu", help="backend that draws")
     parser.add_argument("--out", metavar="FILE.json", help="output file of the figures; default bench/results/MACHINE/DATE-spt.json")
     options = parser.parse_args()
     kept, rows, drawn = [], [], []
@@ -42,7 +42,7 @@ def main():
                 drawn.append([name, f"{result['params']['sizes_away']:g}", *(f"{f[way + '_draw_ms']:.2f} ms" for way in WAYS),
                               *(f"{100 * f[way + spent] / f[way + '_draw_ms']:.1f} %" for way, spent in WAYS.items()),
                               f"{f['drawn_by_sequence']:,.0f}", f"{f['drawn_by_groups']:,.0f}"])
-    kit.table(["model", "points", "sizes away", "unified", "split", "QSplat", "looked at", "selected", "rejected"], rows)
+    kit.table(["model", "points", "sizes away", "unified", "split", "QSplat", "visited", "selected", "rejected"], rows)
     print()
     kit.table(["model", "sizes away", "traversal", "sequence", "with groups", "outside drawing", "the same", "with groups", "drawn",
                "with groups"], drawn)

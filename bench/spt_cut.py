@@ -1,6 +1,5 @@
 """The sequence of a point tree in a .stip file, and its cuts from several distances: which points
-are too coarse, drawn, or
-too fine (Figures 1, 4 and 5 of Dachsbacher et al. 2003)."""
+are too coarse, drawn, or too fine (Figures 1, 4 and 5 of Dachsbacher et al. 2003)."""
 import bisect
 import math
 import pathlib

@@ -105,7 +105,7 @@ def measure_cut(given):
     stored = build_one_set(given, WUSON, "spt")
     info = kit.stipple("info", stored)
     results = spt_cut.measure(stored, told(WUSON), DISTANCES, DIRECTION, info["bounds"], given.images / "spt-cut.svg")
-    kit.table(["sizes away", "looked at", "of constant distance", "drawn", "too coarse", "too fine"],
+    kit.table(["sizes away", "visited", "of constant distance", "drawn", "too coarse", "too fine"],
               [[f"{r['params']['sizes_away']:g}", *(f"{r['figures'][k]:,}" for k in ("looked_at", "looked_at_constant", "drawn", "too_coarse",
                                                                                     "too_fine"))] for r in results])
     return results
@@ -122,7 +122,7 @@ def measure_near_far(given):
             figures = draw(given, stored, picture, *view, "--hybrid", "off", "--epsilon", epsilon, "--splat-scale", scale, size="400x300")
             crop(picture, "62,50,300,215")
         results.append(kit.result("spt near far", {"model": told(WUSON), "epsilon": epsilon}, {"looked_at": figures["splats"]}))
-        top.append((pictures[0], f"{epsilon} px, {kit.short(figures['splats'])} points looked at"))
+        top.append((pictures[0], f"{epsilon} px, {kit.short(figures['splats'])} points visited"))
         bottom.append((pictures[1], "splats shrunk to 0.35"))
     sheet(given.images / "spt-near-far.png", top + bottom, 4, 240)
     return results
@@ -260,7 +260,7 @@ def measure_errors(given):
             results.append(kit.result("spt errors", {"model": told(model), "points": 200000, **r["params"]}, {k: r["figures"][k] for k in (*kinds, "looked_at", "drawn_by_sequence", "sequence_draw_ms")}))
         panels.add(k, told(model), [[(r["params"]["sizes_away"], max(1, r["figures"][kind]), True) for r in found] for kind in kinds], 2, 6)
     panels.drawing.write(given.images / "spt-errors.svg")
-    kit.table(["model", "sizes away", *kinds, "looked at a second", "drawn a second, one thread"],
+    kit.table(["model", "sizes away", *kinds, "visited per second", "drawn per second, one thread"],
               [[r["params"]["model"], r["params"]["sizes_away"], *(f"{r['figures'][kind]:,}" for kind in kinds),
                 *(kit.short(1e3 * r["figures"][k] / r["figures"]["sequence_draw_ms"]) for k in ("looked_at", "drawn_by_sequence"))] for r in results])
     return results

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Method `stochastic` (Bhakar, Luo, Mudur 2004): the paper's Table 2, its cues one by one, and the other methods beside it.
+"""Method `stochastic` (Bhakar, Luo, Mudur 2004): the paper's Table 2, its cues one by one, and comparisons with the other methods.
 
 usage: bench/stochastic.py [--parts counts,cues,sizes,build] [--counts N,N...] [--size WxH] MODEL...
 
 MODEL is a cloud; a mesh as PLY, of which the vertices and their normals are taken; or a mesh in another format, which stays one. Files
 are built with each method, and drawn in view iso; the reference is all points, or triangles, four samples a pixel. `counts`: SSIM of
-covered pixels, milliseconds (the least of three frames) and bytes at equal numbers of splats (`random`: sets of `blue` in random order).
+covered pixels, milliseconds (the fastest of three frames) and bytes at equal numbers of splats (`random`: sets of `blue` in random order).
 `cues`: splats and SSIM with each cue switched off in turn, by size of splats. `sizes`: splats drawn by size of the picture, as in
-Table 2, by the paper's rule and by ours. `build`: processor seconds, median of three in turn.
+Table 2, by the paper's rule and by ours. `build`: CPU seconds, median of three builds in turn.
 Writes stochastic-MODEL.jpg: the reference, and three methods with equal numbers of splats.
 """
 import math
@@ -39,7 +39,7 @@ def add_normals(vertices, triangles):
 
 
 def cloud_of(model, folder):
-    """A cloud as it is; of a PLY with x, y, z and triangles alone, its vertices."""
+    """A cloud unchanged; the vertices of a PLY that has only x, y, z and triangles."""
     path = pathlib.Path(model)
     data = path.read_bytes() if path.suffix == ".ply" else b""
     if b"element face" not in data[:1000]:
@@ -61,7 +61,7 @@ def cloud_of(model, folder):
 
 
 def build(cloud, method, folder):
-    """The file of a method, and the processor seconds of building it."""
+    """The file of a method, and the CPU seconds of building it."""
     out = folder / f"{cloud.stem}-{method}.stip"
     chosen = ("--order", "random") if method == "random" else ("--method", method)
     before = kit.processor_seconds()
@@ -94,7 +94,7 @@ class Model:
         return kit.compare(picture, self.truth)["ssim_covered"], figures
 
     def least_ms(self, method, count):
-        """Of three frames, each a process of its own."""
+        """The fastest of three frames, each drawn by a separate process."""
         named = () if method == "random" else ("--method", method)
         return min(draw(self.files[method], self.folder / "frame.png", self.size, "--splats", count, "--accumulate", 1, *named)["frame_ms"]
                    for _ in range(3))

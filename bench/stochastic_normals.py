@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Normals that method `stochastic` finds for clouds without any: how many are right, and how many face inwards.
+"""Normals that method `stochastic` estimates for clouds without normals: how many are correct, and how many face inwards.
 
 usage: bench/stochastic_normals.py [--neighbors K1,K1...] MESH.ply...
 
 Takes the vertices of closed meshes, with their number as colour instead of a normal, builds a set of them with `--normal-neighbors K1`,
-and compares the normals in the file with those of the mesh's vertices. Prints the share within 10 degrees, whichever way they face, and
+and compares the normals in the file with those of the mesh's vertices. Prints the share within 10 degrees, regardless of their sign, and
 of those, the share that faces inwards; of the others which side is outside is not known well.
 """
 import array
@@ -90,7 +90,7 @@ def main():
                 results.append(kit.result("stochastic-normals", {"scene": pathlib.Path(model).stem, "neighbors": int(neighbors)}, figures))
                 rows.append([pathlib.Path(model).stem, neighbors, *(f"{100 * figures[key]:.2f} %" for key in
                                                                       ("within_10_degrees", "inwards_of_those", "inwards"))])
-    kit.table(["model", "K1", "within 10 degrees", "inwards, of those", "inwards, of all"], rows)
+    kit.table(["model", "K1", "within 10 degrees", "inwards, of these", "inwards, of all"], rows)
     kit.keep("stochastic-normals", results, given.out)
 
 

@@ -3,9 +3,7 @@
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/stipple)
 
-# Headers of the interface; others in include/stipple are types that the rooms share.
-set(STP_PUBLIC_HEADERS attributes base build image measure model order paint pick stipple types version view)
-list(TRANSFORM STP_PUBLIC_HEADERS REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/include/stipple/\\1.h")
+file(GLOB STP_PUBLIC_HEADERS CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/stipple/*.h)
 
 install(TARGETS stipple ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS stipple_shared EXPORT stipple-targets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})

@@ -32,7 +32,7 @@ static int write_ppm(const stp_image* image, const char* path)
     return fclose(file) == 0;
 }
 
-// Opens and draws. Everything that was made is given back, whatever failed.
+// Opens and draws. Frees everything it created, also after a failure.
 static stp_result draw(stp_context* context, const char* path, const char* view_name,
                        stp_image* image)
 {

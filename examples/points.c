@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Points of one's own: ordered, so that every prefix covers the whole evenly; built into a file in memory; drawn.
+// The program's own points: ordered so that every prefix covers the whole evenly, built into a file
+// in memory, and drawn.
 //
 //   cc points.c $(pkg-config --cflags --libs stipple) -lm -o points
 //   ./points OUT.ppm [FILE.stip]              with FILE.stip, the file is kept as well
@@ -41,7 +42,7 @@ static void make_points(void)
     }
 }
 
-// The first points of the order stand for all: prints how near each point is to one of them.
+// The first points of the order represent all: prints the largest distance of any point to them.
 static stp_result order_points(stp_context* context)
 {
     static uint32_t order[COUNT];

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// A file inside a host's own window: SDL2 makes the window and the OpenGL context, Stipple draws into a texture of that
-// context, and the host copies it to the window and draws what it likes over it. Arrows turn, Escape quits.
+// A file in a host's own window. SDL2 creates the window and the OpenGL context, Stipple draws into
+// a texture of that context, and the host copies it to the window and draws its own overlay. Arrow
+// keys turn the model, Escape quits.
 //
 //   cc window.c $(pkg-config --cflags --libs stipple sdl2 gl) -lm -o window
 //   ./window FILE.stip [--frames N OUT.ppm]   draws N frames, writes the last one, ends
@@ -58,7 +59,7 @@ static void write_window(const char* path, int width, int height)
     free(pixels);
 }
 
-// The eye goes around what it looks at.
+// Moves the eye around the target.
 static void turn(stp_view* view, double angle)
 {
     double x = view->eye.x - view->target.x, z = view->eye.z - view->target.z;

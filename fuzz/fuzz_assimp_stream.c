@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// build/fuzz/fuzz/fuzz_assimp_stream -max_total_time=60 -max_len=4096 build/corpus/fuzz_assimp_stream
+// build/fuzz/fuzz/fuzz_assimp_stream -max_total_time=60 -max_len=4096
+//     build/corpus/fuzz_assimp_stream
 //
 // Arbitrary bytes as the output of the assimp child process: rejected, or a valid scene.
 #include "fuzz.h"

@@ -5,7 +5,7 @@
 //   mkdir -p corpus && cp a few small pictures into it
 //   build/fuzz/fuzz/fuzz_image -max_len=16384 -rss_limit_mb=4096 -timeout=10 corpus
 // Seeds: /usr/share/assimp/models/*/*/*.png /usr/share/assimp/models/*/*.jpg /usr/share/assimp/models/*/*/*.jpg
-#include "image/image.h"
+#include "image/image_codecs.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size);
 

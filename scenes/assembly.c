@@ -192,7 +192,7 @@ static double factor_of(const fit_task* task, const plan_mesh* mesh)
     return (double)mesh->uses > task->pivot ? task->common_factor : task->rare_factor;
 }
 
-// Simple things stay as they are: half a wall is no wall.
+// Simple parts keep all triangles: half of a wall would be useless.
 static double wanted_triangles(const fit_task* task, const plan_mesh* mesh)
 {
     const double simple = task->scale < 1.0 ? 240.0 : 2400.0;

@@ -47,8 +47,8 @@ typedef struct plan_counts {
 typedef struct assembly_plan {
     stp_context* context;
     uint64_t seed;
-    double
-        common_uses; ///< above it a mesh is common (plan_fit); 0: the mean, weighted by triangles
+    /// Above it a mesh is common (plan_fit); 0: the mean, weighted by triangles
+    double common_uses;
     stp_arena text;
     plan_mesh* meshes;
     plan_object* objects;

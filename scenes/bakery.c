@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// A hall with five equal doughnut lines: dough is mixed, funnelled, sheeted, cut, proofed on swings,
-// baked on a wire-mesh belt, glazed, cooled on a spiral, and packed. A line is one prototype, used five
-// times.
+// A hall with five equal doughnut lines: dough is mixed, funnelled, sheeted, cut, proofed on
+// swings, baked on a wire-mesh belt, glazed, cooled on a spiral, and packed. A line is one
+// prototype, used five times.
 #include "scenes/industry.h"
 #include "scenes/parts.h"
 #include "scenes/parts_bakery.h"

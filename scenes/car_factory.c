@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// A car factory: a press shop, a body shop with welding robots, a paint shop and final assembly. Cars are seen
-// in all states: bare sheets in racks, bodies in white, primed, lacquered in three colours, and complete.
+// A car factory: a press shop, a body shop with welding robots, a paint shop and final assembly.
+// Cars are seen in all states: bare sheets in racks, bodies in white, primed, lacquered in three
+// colours, and complete.
 #include "scenes/industry.h"
 #include "scenes/parts.h"
 #include "scenes/parts_car.h"

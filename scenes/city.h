@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // A Roman city, after the Pompeii of Brandt et al. 2019, 5.1: streets and insulae of houses; each
-// wall, roof, door and table is an object of its own. First all pieces are planned, then triangles
+// wall, roof, door and table is a separate object. First all pieces are planned, then triangles
 // are counted and fitted, and only then made.
 #pragma once
 

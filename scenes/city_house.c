@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Houses: rooms around an atrium whose roof is open in the middle, and behind it, where the lot is wide enough, a
-// garden between colonnades. Narrow lots have a shop with a flat above it.
+// Houses: rooms around an atrium whose roof is open in the middle, and behind it, where the lot is
+// wide enough, a garden between colonnades. Narrow lots have a shop with a flat above it.
 #include "scenes/city.h"
 
 enum { WALLS = 6, ROOFS = 3, CLOTHS = 3 };

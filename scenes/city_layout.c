@@ -63,7 +63,8 @@ static bool is_joined(const block* b, int columns, int rows)
     return (use == USE_FORUM || use == USE_ARENA) && use_of(&beside) == use;
 }
 
-// Pavements around the block; the roads to the south and west, their crossing, stepping stones; the ground.
+// Pavements around the block; the roads to the south and west, their crossing, stepping stones; the
+// ground.
 static void plan_streets(city_plan* plan, const block* b)
 {
     double road_x = PITCH_X - BLOCK_X, road_z = PITCH_Z - BLOCK_Z;

@@ -183,7 +183,7 @@ void city_make_roof(mesh_builder* builder, const city_piece* piece)
         double shift = 0.0, lift = 0.0;
         for (uint32_t i = 0; i < points; ++i) {
             uint32_t k = i % PROFILE;
-            if (k == 0 && lower) { // no tile lies quite like its neighbours
+            if (k == 0 && lower) { // each tile is placed slightly differently
                 shift = random_between(&random, -0.03, 0.03) * step;
                 lift = random_between(&random, -0.02, 0.03) * tile;
             }

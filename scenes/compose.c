@@ -14,7 +14,8 @@ stp_affine place_turned(double x, double y, double z, double turns, double scale
     return (stp_affine){{{c, 0, s, x}, {0, scale, 0, y}, {-s, 0, c, z}}};
 }
 
-// The sRGB curve without pow: its 2.4th power as x^2 * x^0.4, the latter by Newton's method on y^5 = x^2.
+// The sRGB curve without pow: its 2.4th power as x^2 * x^0.4, the latter by Newton's method on y^5
+// = x^2.
 static float linear_from_srgb(uint32_t byte)
 {
     double value = (double)(byte & 255) / 255.0;

@@ -41,8 +41,8 @@ typedef struct gltf_plan {
     gltf_buffer* buffers;
     size_t buffer_count, buffer_capacity;
     uint32_t accessor_count, view_count;
-    uint32_t*
-        instance_accessor;   ///< of each object: the first of three; STP_NONE: extension not used
+    /// Of each object: the first of three; STP_NONE: extension not used
+    uint32_t* instance_accessor;
     uint64_t instance_count; ///< in the last buffer, after its regions; 40 bytes each
 } gltf_plan;
 

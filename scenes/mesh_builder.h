@@ -22,8 +22,8 @@ typedef struct mesh_builder {
     bool flat;     ///< no normals: faces are flat and may share vertices at edges
     bool counting; ///< only counts, for plans
     bool failed;
-    stp_affine
-        place; ///< of what follows (rotation, uniform scale, translation); initially identity
+    /// Of what follows (rotation, uniform scale, translation); initially identity
+    stp_affine place;
 } mesh_builder;
 
 void mesh_builder_init(mesh_builder* builder, stp_context* context);

@@ -4,8 +4,9 @@
 
 #include "scenes/assembly.h"
 
-/// A patch of a car's skin (4.4 m along x, the nose at -2.2): from, to along the car and around it (0: left
-/// sill, 0.5: middle of the roof, 1: right sill), offset outwards, columns and rows of faces, ribs behind.
+/// A patch of a car's skin (4.4 m along x, the nose at -2.2): from, to along the car and around it
+/// (0: left sill, 0.5: middle of the roof, 1: right sill), offset outwards, columns and rows of
+/// faces, ribs behind.
 void part_body_panel(shaper* s, const double* p);
 void part_underbody(shaper* s, const double* p);   ///< length, width, ribs
 void part_wheel(shaper* s, const double* p);       ///< radius, width, spokes

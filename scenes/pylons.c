@@ -5,7 +5,7 @@
 #include "scenes/solids.h"
 #include "scenes/terrain.h"
 
-enum { LINES = 5, PYLONS_A_LINE = 61, PANELS = 14, ARMS = 3 };
+enum { LINES = 5, PYLONS_PER_LINE = 61, PANELS = 14, ARMS = 3 };
 
 static const double tower_height = 42.0;
 
@@ -157,7 +157,7 @@ void pylon_make(struct mesh_builder* builder, const void* parameters)
 stp_result scene_add_pylons(stp_scene* scene, uint32_t parent, const scene_options* options)
 {
     static const double rows[LINES] = {-1520.0, -1180.0, -880.0, -330.0, 1330.0};
-    uint32_t count = (uint32_t)(LINES * PYLONS_A_LINE * options->scale + 0.5), material, mesh,
+    uint32_t count = (uint32_t)(LINES * PYLONS_PER_LINE * options->scale + 0.5), material, mesh,
              group;
     count = count < 1 ? 1 : count;
     stp_affine still = stp_affine_identity();
@@ -168,8 +168,9 @@ stp_result scene_add_pylons(stp_scene* scene, uint32_t parent, const scene_optio
     terrain_map map;
     terrain_map_make(&map, options->seed);
     for (uint32_t i = 0; result == STP_OK && i < count; ++i) {
-        double along = -2500.0 + 5000.0 * (double)(i / LINES % PYLONS_A_LINE) / (PYLONS_A_LINE - 1);
-        double z = rows[i % LINES] + 3.0 * (double)(i / (LINES * PYLONS_A_LINE));
+        double along =
+            -2500.0 + 5000.0 * (double)(i / LINES % PYLONS_PER_LINE) / (PYLONS_PER_LINE - 1);
+        double z = rows[i % LINES] + 3.0 * (double)(i / (LINES * PYLONS_PER_LINE));
         stp_affine place = place_turned(along, terrain_height(&map, along, z), z, 0.25, 1.0);
         result = add_mesh_object(scene, "pylon", group, &place, mesh);
     }

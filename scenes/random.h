@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // A seeded stream of random numbers. Streams of different seeds are independent. Give each item
-// that another thread may make a stream of its own (random_fork).
+// that another thread may create its own stream (random_fork).
 #pragma once
 
 #include "base/rng.h"

@@ -21,8 +21,8 @@ typedef struct scene_recipe {
 /// All scenes; the last name is NULL.
 const scene_recipe* scene_recipes(void);
 
-/// Adds the scene: objects, meshes, materials, views. @return STP_OK, STP_ERROR_ARGUMENT (no such scene; logged),
-/// STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED
+/// Adds the scene: objects, meshes, materials, views. @return STP_OK, STP_ERROR_ARGUMENT (no such
+/// scene; logged), STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED
 STP_MUST_USE stp_result scene_make(stp_scene* scene, const char* name,
                                    const scene_options* options);
 
@@ -44,21 +44,24 @@ STP_MUST_USE stp_result scene_make_input(stp_scene* scene, const char* input, vo
 // origin. `options->scale` scales the amounts of Table 1 listed here (objects; unique objects;
 // triangles; unique triangles).
 
-/// A factory of several halls with moderately complex machines, conveyors, robots and car bodies in all states:
-/// 1,708; 179; 75.85 M; 3.97 M. View "3" of `paper` stands in it. Within about 300 m x 200 m.
+/// A factory of several halls with moderately complex machines, conveyors, robots and car bodies in
+/// all states: 1,708; 179; 75.85 M; 3.97 M. View "3" of `paper` stands in it. Within about 300 m x
+/// 200 m.
 STP_MUST_USE stp_result scene_add_car_factory(stp_scene* scene, uint32_t parent,
                                               const stp_affine* place, const scene_options* options,
                                               uint32_t* object);
-/// A hall with five identical CAD production lines of about 50 M triangles each: 7,237; 511; 267.80 M; 27.70 M.
-/// Within about 120 m x 60 m.
+/// A hall with five identical CAD production lines of about 50 M triangles each: 7,237; 511; 267.80
+/// M; 27.70 M. Within about 120 m x 60 m.
 STP_MUST_USE stp_result scene_add_bakery(stp_scene* scene, uint32_t parent, const stp_affine* place,
                                          const scene_options* options, uint32_t* object);
-/// Sixteen power plants in a 4 x 4 grid, about 12 M triangles each: 4,560; 304; 186.00 M; 12.40 M. Table 1 fits
-/// sixteen plants of 285 objects: 283 shared by all, and 2 of a pool of 21. Within about 900 m x 900 m.
+/// Sixteen power plants in a 4 x 4 grid, about 12 M triangles each: 4,560; 304; 186.00 M; 12.40 M.
+/// Table 1 fits sixteen plants of 285 objects: 283 shared by all, and 2 of a pool of 21. Within
+/// about 900 m x 900 m.
 STP_MUST_USE stp_result scene_add_power_plants(stp_scene* scene, uint32_t parent,
                                                const stp_affine* place,
                                                const scene_options* options, uint32_t* object);
-/// A dense Roman city of 26,878 unique objects: 33,167; 26,878; 62.93 M; 40.35 M. Within about 800 m x 600 m.
+/// A dense Roman city of 26,878 unique objects: 33,167; 26,878; 62.93 M; 40.35 M. Within about 800
+/// m x 600 m.
 STP_MUST_USE stp_result scene_add_city(stp_scene* scene, uint32_t parent, const stp_affine* place,
                                        const scene_options* options, uint32_t* object);
 /// 260 tiles of 255 m with 4,914 triangles each, 30,000 trees of 6 kinds, 258 road segments:

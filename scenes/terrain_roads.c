@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Roads as segments with meshes of their own: an embankment with shoulders, two lanes with
+// Roads as segments with separate meshes: an embankment with shoulders, two lanes with
 // markings, and marker posts or a guard rail. The paper's segments have 100 to 5,000 triangles
 // (Brandt et al. 2019, 5.1).
 #include "scenes/compose.h"

@@ -7,7 +7,7 @@
 
 Prints for each limit the bytes that the library counted (peak_bytes), the peak of resident
 anonymous memory (RssAnon of /proc/PID/status, sampled; excludes mapped files), and the seconds. All
-files must be identical, whatever the limit. --smallest searches for the limit at which a build just
+files must be identical, regardless of the limit. --smallest searches for the limit at which a build just
 succeeds. Options of `stipple build` follow `--`. Fails if the counted bytes exceed the limit, or
 the resident bytes exceed it by more than a tenth plus BASE.
 """

@@ -74,11 +74,11 @@ def print_table(flown):
     (splats, splat_bytes), (triangles, triangle_bytes) = flown["splats"], flown["triangles"]
     likeness = sorted(q["ssim"] for q in splats["quality"])
     rows = (
-        ("", f"splats, {BUDGET_MS} ms asked", "all triangles"),
+        ("", f"splats, {BUDGET_MS} ms budget", "all triangles"),
         ("frame time, median", f"{splats['frame_ms']['p50']:.1f} ms", f"{triangles['frame_ms']['p50']:,.1f} ms"),
         ("frame time, longest", f"{splats['frame_ms']['max']:.1f} ms", f"{triangles['frame_ms']['max']:,.1f} ms"),
-        ("splats a frame", number(splats["splats"]["p50"]), "0"),
-        ("triangles a frame", number(splats["triangles"]["p50"]), number(triangles["triangles"]["p50"])),
+        ("splats per frame", number(splats["splats"]["p50"]), "0"),
+        ("triangles per frame", number(splats["triangles"]["p50"]), number(triangles["triangles"]["p50"])),
         ("likeness (SSIM)", f"{likeness[len(likeness) // 2]:.3f}", "1"),
         ("memory, peak", f"{splat_bytes / 1e6:,.0f} MB", f"{triangle_bytes / 1e6:,.0f} MB"),
     )

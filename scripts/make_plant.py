@@ -20,7 +20,7 @@ MACHINES = ROW * LEVELS * ROWS
 def read_glb(path):
     data = open(path, "rb").read()
     if data[:4] != b"glTF" or struct.unpack_from("<I", data, 4)[0] != 2:
-        sys.exit(f"{path}: is no GLB of version 2")
+        sys.exit(f"{path}: not a GLB of version 2")
     size = struct.unpack_from("<I", data, 12)[0]
     model = json.loads(data[20:20 + size])
     at = 20 + size

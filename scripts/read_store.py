@@ -77,11 +77,11 @@ def read_header(data):
     need(len(data) >= 128, "ends within its header")
     major, minor, header_size, file_size, data_offset, sections, table_crc, root, reserved = struct.unpack_from(
         "<HHIQQIIII", data, 8)
-    need(major <= 1, f"is of version {major}")
+    need(major <= 1, f"unsupported version {major}")
     need(zlib.crc32(data[:124]) == struct.unpack_from("<I", data, 124)[0], "header: wrong checksum")
     need(major == 1 and header_size == 128, "header: wrong version or size")
     need(reserved == 0 and not any(data[57:124]), "header: reserved bytes")
-    need(file_size == len(data), f"has {len(data)} bytes, its header says {file_size}")
+    need(file_size == len(data), f"has {len(data)} bytes; the header states {file_size}")
     need(data_offset <= file_size and data_offset % 64 == 0, "header: data_offset")
     need(sections <= 256 and 128 + 40 * sections <= data_offset, "header: section_count")
     need(zlib.crc32(data[128:128 + 40 * sections]) == table_crc, "section table: wrong checksum")
@@ -97,7 +97,7 @@ def read_sections(data, header):
     for i in range(header["section_count"]):
         kind, flags, offset, size, count, record_size, crc = struct.unpack_from("<IIQQQII", data, 128 + 40 * i)
         place = f"section {i} of type {kind}"
-        need(offset == align(end) and offset + size <= header["data_offset"], f"{place}: is not in its place")
+        need(offset == align(end) and offset + size <= header["data_offset"], f"{place}: wrong offset")
         need(not any(data[end:offset]), f"{place}: bytes before it")
         need(flags <= 3 and count < NONE and record_size > 0, f"{place}: flags, count or record_size")
         content = data[offset:offset + size]
@@ -109,10 +109,10 @@ def read_sections(data, header):
         need(len(content) == count * record_size, f"{place}: size")
         end = offset + size
         if kind in RECORDS or kind in TEXT_SECTIONS:
-            need(kind not in sections, f"{place}: is there twice")
+            need(kind not in sections, f"{place}: occurs twice")
             sections[kind] = (content, count, record_size)
         else:
-            need(not flags & 1, f"{place}: is critical, and not known")
+            need(not flags & 1, f"{place}: critical and unknown")
     need(header["data_offset"] == align(end) and not any(data[end:header["data_offset"]]), "data_offset")
     check_pages(data, header, sections)
     return sections
@@ -379,7 +379,7 @@ def check_leaves(surfels, column, place):
         depth = where & 31
         width = 1 << (16 - min(depth, 16))
         need(depth <= 16 and where < 128 and extent > 0 and count > 0, f"{place}: a leaf")
-        need(all(c % width == 0 for c in corner), f"{place}: a leaf is no cube of the grid")
+        need(all(c % width == 0 for c in corner), f"{place}: a leaf is not a cube of the grid")
         code = sum((corner[k] >> bit & 1) << (3 * bit + k) for bit in range(16) for k in range(3))
         need(code >= end, f"{place}: leaves overlap, or are not along the curve")
         end, total = code + width ** 3, total + count
@@ -399,7 +399,7 @@ class Cluster:
         counts, own = struct.unpack_from("<2H", data, entry + 28)
         self.normal_count, shift, repeats, grouped = counts & 511, counts >> 9 & 31, counts >> 14 & 1, own >> 15
         self.vertex_count = last_vertex + 1
-        need(4 * self.offset == at and counts >> 15 == 0, "a cluster is not in its place")
+        need(4 * self.offset == at and counts >> 15 == 0, "wrong offset of a cluster")
         need(1 <= self.triangle_count <= 128 and self.smooth + self.faces <= self.triangle_count and
              self.normal_count <= self.vertex_count, "counts of a cluster")
         parts = -(-self.vertex_count // group) if group else 1
@@ -596,7 +596,7 @@ def read_blocks(data, header, t):
     for i, block in enumerate(t["blocks"]):
         place = f"block {i}"
         begin = block["offset"]
-        need(begin == align(end) and begin + block["size"] <= len(data), f"{place}: is not in its place")
+        need(begin == align(end) and begin + block["size"] <= len(data), f"{place}: wrong offset")
         need(not any(data[end:begin]), f"{place}: bytes before it")
         end = begin + block["size"]
         chunked = block["kind"] == 4 and block["encoding"] in (1, 2)
@@ -609,10 +609,10 @@ def read_blocks(data, header, t):
         need(block["owner"] < len(t[KINDS[block["kind"]]]), f"{place}: owner")
         if KINDS[block["kind"]] == "meshes":
             coded = t["meshes"][block["owner"]]["cluster_count"] != NONE
-            need(coded == (block["kind"] == 5), f"{place}: its mesh is stored otherwise")
+            need(coded == (block["kind"] == 5), f"{place}: its mesh has a different encoding")
         record, columns, alignment = block_columns(t, block)
         named = record["blocks"][block["octave"]] if block["kind"] == 4 else record["block"]
-        need(named == i and (block["kind"] == 4 or block["octave"] == 0), f"{place}: its owner has another")
+        need(named == i and (block["kind"] == 4 or block["octave"] == 0), f"{place}: its owner has a different one")
         owned.add((block["kind"], block["owner"], block["octave"]))
         if block["kind"] == 5:
             try:

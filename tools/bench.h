@@ -11,8 +11,8 @@
 typedef struct bench_options {
     bool quick;        ///< a small case of everything, within seconds
     const char* model; ///< a model to measure on; NULL: the benchmark's own
-    uint32_t count;    ///< of what is repeated; 0: the benchmark's own
-    uint32_t first; ///< of what is repeated: so many are left out, so that it is measured in pieces
+    uint32_t count;    ///< repetitions; 0: the benchmark's default
+    uint32_t first;    ///< repetitions to skip, so that a measurement can be split into parts
     double splat_size; ///< of pictures of scenes
     uint32_t method;   ///< STP_METHOD_*, of pictures of scenes; 0: the file's first
     bool all_sizes;    ///< no size was given: all that are compared
@@ -20,9 +20,9 @@ typedef struct bench_options {
     stp_vec3d eye, target; ///< of the only picture, where `has_eye`
     uint32_t size[2];      ///< of pictures of scenes, pixels; 0: the benchmark's own
     uint32_t threads;      ///< that draw pictures of scenes, or build; 0: all
-    uint64_t
-        memory;   ///< bytes under which scenes are loaded while they are drawn; 0: they are mapped
-    bool uses_gl; ///< of benchmarks that draw with either backend
+    /// Bytes under which scenes are loaded while they are drawn; 0: they are mapped
+    uint64_t memory;
+    bool uses_gl;         ///< of benchmarks that draw with either backend
     const char* markdown; ///< a file for a table of what is drawn by OpenGL; NULL: none
 } bench_options;
 

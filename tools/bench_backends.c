@@ -82,9 +82,9 @@ static stp_result make_ghosts(backends_bench* b)
     return result;
 }
 
-/// The options of a case. The section passes through the target and removes what lies to the left.
-static void ask(const backends_bench* b, const picture_case* c, stp_view* view,
-                stp_quality* quality)
+/// Options of a case. The section passes through the target and removes the left side.
+static void set_options(const backends_bench* b, const picture_case* c, stp_view* view,
+                        stp_quality* quality)
 {
     const double unit = stp_store_get_directory(b->store)->unit_metres;
     *quality = (stp_quality){.splat_size = c->splat_size, .reference = c->originals};
@@ -146,7 +146,7 @@ static stp_result compare_way(backends_bench* b, const picture_case* c, const ch
     stp_view seen = *view;
     frame_figures figures;
     double same = 0.0, likeness = 0.0;
-    ask(b, c, &seen, &quality);
+    set_options(b, c, &seen, &quality);
     frame_maker_use_splats(&b->gl, (int)ways[way]);
     stp_result result = draw(&b->gl, c, &seen, &quality, &b->opengl, &figures);
     result = result == STP_OK ? alike(b, &b->processor, &b->opengl, &same) : result;
@@ -183,7 +183,7 @@ static stp_result compare_case(backends_bench* b, const picture_case* c, const c
     stp_view seen = *view;
     frame_figures figures;
     double own = 0.0;
-    ask(b, c, &seen, &quality);
+    set_options(b, c, &seen, &quality);
     stp_result result = draw(&b->cpu, c, &seen, &quality, &b->processor, &figures);
     if (result == STP_OK && c->reference) {
         result = alike(b, &b->reference, &b->processor, &own);

@@ -3,7 +3,7 @@
 // triangles, how much memory a build takes, and the size of the file.
 #include "bench.h"
 
-#include "build/build.h"
+#include "build/build_scene.h"
 #include "scenes/scenes.h"
 #include "store/store.h"
 
@@ -36,7 +36,7 @@ static bool make_folder(bench_folder* folder)
     snprintf(folder->path, sizeof(folder->path), "%s/stipple-bench-XXXXXX",
              base != NULL && *base != '\0' ? base : "/tmp");
     if (mkdtemp(folder->path) == NULL) {
-        tool_error("%s: cannot be made: %s", folder->path, strerror(errno));
+        tool_error("%s: cannot be created: %s", folder->path, strerror(errno));
         return false;
     }
     snprintf(folder->file, sizeof(folder->file), "%s/bench.stip", folder->path);

@@ -95,7 +95,7 @@ static stp_result add_parts(stp_scene* scene, uint32_t count)
     return stp_scene_add_mesh(scene, &mesh, NULL);
 }
 
-/// The scene's first mesh again, without normals, every triangle with vertices of its own.
+/// A copy of the scene's first mesh without normals, whose triangles share no vertices.
 static stp_result add_soup(stp_scene* scene)
 {
     const stp_mesh* from = &scene->meshes[0];

@@ -7,7 +7,7 @@
 #include "flight_report.h"
 #include "scene_file.h"
 
-#include "build/build.h"
+#include "build/build_scene.h"
 #include "lod/method.h"
 #include "present/camera.h"
 #include "scenes/scenes.h"
@@ -222,7 +222,7 @@ static int run_frame(const bench_options* options, json_t* results)
 {
     char folder[] = "/tmp/stipple-frame-XXXXXX", path[64];
     if (mkdtemp(folder) == NULL) {
-        return tool_error("bench frame: cannot make a temporary folder");
+        return tool_error("bench frame: cannot create a temporary folder");
     }
     snprintf(path, sizeof(path), "%s/scene.stip", folder);
     frame_bench b = {.context = tool_context_create(options->threads, options->memory, "none"),

@@ -8,7 +8,7 @@
 #include "scene_file.h"
 
 #include "base/clock.h"
-#include "build/build.h"
+#include "build/build_scene.h"
 #include "draw/draw_gl.h"
 #include "present/headless.h"
 #include "scenes/scenes.h"
@@ -63,7 +63,7 @@ typedef struct gl_bench {
     stp_image image;
     const char* model;
     const bench_options* options;
-    bool small; ///< few small pictures: asked for, or drawn by a processor
+    bool small; ///< few small pictures: requested, or drawn by a CPU
     const char* names[MOST_VIEWS];
     uint32_t view_count;
     double copied;      ///< bytes a second, read and written
@@ -226,8 +226,8 @@ static void report_device(gl_bench* b)
         json_object_set_new(e.figures, names[way], figures);
         if (b->table != NULL) {
             fprintf(b->table,
-                    "%s* %s: %.2f, %.2f, %.2f ns a splat of 1, 3, 8 pixels; %.3f ms whatever is "
-                    "drawn\n",
+                    "%s* %s: %.2f, %.2f, %.2f ns per splat of 1, 3, 8 pixels; %.3f ms regardless "
+                    "of the content\n",
                     way == 0 ? "\nMeasured at start:\n\n" : "", names[way], speed.splat_ns[way][0],
                     speed.splat_ns[way][1], speed.splat_ns[way][2], speed.fixed_ns[way] * 1e-6);
         }
@@ -331,7 +331,7 @@ static int run_gl(const bench_options* options, json_t* results)
         return 0;
     }
     if (b.context == NULL || mkdtemp(folder) == NULL) {
-        return tool_error("bench gl: cannot make a temporary folder");
+        return tool_error("bench gl: cannot create a temporary folder");
     }
     snprintf(path, sizeof(path), "%s/scene.stip", folder);
     stp_result result = open_all(&b, path);

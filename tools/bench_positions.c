@@ -53,8 +53,8 @@ static void list_places(place places[PLACES])
 }
 
 // Position number i is the same for any number of positions.
-static stp_view look(const position_bench* b, const place* p, uint64_t seed, uint64_t i,
-                     int direction)
+static stp_view make_view(const position_bench* b, const place* p, uint64_t seed, uint64_t i,
+                          int direction)
 {
     static const double along[DIRECTIONS][2] = {{0, -1}, {1, 0}, {0, 1}, {-1, 0}};
     double u = (double)(stp_rng_hash(seed, 2 * i) >> 11) * 0x1p-52 - 1.0;
@@ -147,7 +147,7 @@ static stp_result measure_place(position_bench* b, const place* p, uint64_t seed
                      block + 3 * (size_t)pictures};
     stp_result result = STP_OK;
     for (uint32_t i = 0; i < pictures && result == STP_OK; ++i) {
-        stp_view view = look(b, p, seed, begin + i / DIRECTIONS, (int)(i % DIRECTIONS));
+        stp_view view = make_view(b, p, seed, begin + i / DIRECTIONS, (int)(i % DIRECTIONS));
         frame_figures first, second;
         result = frame_draw_loaded(&b->maker, &view, &b->quality, &b->image, &first);
         if (result == STP_OK) {

@@ -7,8 +7,8 @@
 #include "base/clock.h"
 #include "base/octahedral.h"
 #include "base/progressive.h"
-#include "lod/psp/splats.h"
-#include "lod/surfels.h"
+#include "lod/psp/psp_set.h"
+#include "lod/set_columns.h"
 #include "store/internal.h"
 #include "store/writer.h"
 
@@ -90,7 +90,7 @@ static void destroy_ball(ball* b)
     *b = (ball){.context = b->context};
 }
 
-/// Stored bytes of the operators of a set, each of which splits a splat into two.
+/// Stored bytes of the operators of a set; each operator splits a splat into two.
 static stp_result count_bytes(stp_context* context, const stp_splats* set, double* each)
 {
     char path[4096];
@@ -98,7 +98,7 @@ static stp_result count_bytes(stp_context* context, const stp_splats* set, doubl
     snprintf(path, sizeof(path), "%s/stipple-psp-XXXXXX", folder != NULL ? folder : "/tmp");
     int descriptor = mkstemp(path);
     if (descriptor < 0) {
-        return stp_fail(context, STP_ERROR_IO, "%s: cannot be made", path);
+        return stp_fail(context, STP_ERROR_IO, "%s: cannot be created", path);
     }
     static const stp_shading shading = {.roughness = 1.0f};
     const stp_store_method method = {

@@ -7,7 +7,7 @@
 #include "bench.h"
 #include "draw_options.h"
 
-#include "build/build.h"
+#include "build/build_scene.h"
 #include "draw/draw.h"
 #include "measure/image_compare.h"
 #include "measure/surface_compare.h"
@@ -138,9 +138,9 @@ static stp_result compare_view(quality_run* run, const stp_view* view, uint32_t 
     return STP_OK;
 }
 
-// Moves the eye along its gaze to where the whole order of the root's surfels just suffices: there
-// half a splat at the nearest point of the box's sphere is as large as the radius the surfels
-// reach.
+// Moves the eye along its view direction to the nearest position at which the root's surfels
+// suffice: there half a splat at the nearest point of the box's sphere equals the surfels' coverage
+// radius.
 static void move_to_limit(const stp_splats* surfels, const stp_boxd* box, float splat_size,
                           stp_view* view)
 {
@@ -344,7 +344,7 @@ static int run_quality(const bench_options* options, json_t* results)
     const char* model = options->model != NULL ? options->model : DEFAULT_MODEL;
     char folder[] = "/tmp/stipple-quality-XXXXXX", path[64];
     if (mkdtemp(folder) == NULL) {
-        return tool_error("bench quality: cannot make a temporary folder");
+        return tool_error("bench quality: cannot create a temporary folder");
     }
     snprintf(path, sizeof(path), "%s/model.stip", folder);
     stp_context* context = tool_context_create(0, 0, "none");

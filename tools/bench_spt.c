@@ -12,9 +12,9 @@
 #include "base/prefix_table.h"
 #include "lod/blue/blue.h"
 #include "lod/samples.h"
+#include "lod/set_columns.h"
 #include "lod/spt/sequence.h"
-#include "lod/spt/splats.h"
-#include "lod/surfels.h"
+#include "lod/spt/spt_set.h"
 
 #include <stdlib.h>
 #include <string.h>

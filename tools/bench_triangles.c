@@ -21,8 +21,8 @@ typedef struct draw_job {
     const grid* grid;
     stp_raster_matrix matrix;
     uint64_t* pixels;
-    stp_arena* scratch; ///< one a thread
-    bool* failed;       ///< one a thread
+    stp_arena* scratch; ///< one per thread
+    bool* failed;       ///< one per thread
 } draw_job;
 
 static float jitter(uint64_t index, float most)

@@ -42,8 +42,8 @@ stp_result canvas_create(stp_context* context, uint32_t width, uint32_t height, 
     *c = (canvas){.context = context, .image = {.width = width, .height = height}};
     if (width > CANVAS_SIDE_MOST || height > CANVAS_SIDE_MOST) {
         return stp_fail(context, STP_ERROR_LIMIT,
-                        "a sheet of %ux%u pixels is larger than %d a side", width, height,
-                        CANVAS_SIDE_MOST);
+                        "a sheet of %ux%u pixels exceeds the maximum of %d pixels per side", width,
+                        height, CANVAS_SIDE_MOST);
     }
     size_t bytes = (size_t)width * height * 4;
     c->image.pixels = stp_alloc_array(context, bytes, 1);

@@ -44,8 +44,8 @@ typedef struct option {
     /// range allowed, as in "auto|1..1024"; NULL: any (a picture: 1..32768).
     const char* words;
     const char* help; ///< one line
-    const char*
-        fallback; ///< default if the option is given without a value; NULL: a value is required
+    /// Default if the option is given without a value; NULL: a value is required
+    const char* fallback;
     void* value;
     bool* given; ///< set if the option is given; may be NULL
 } option;
@@ -96,10 +96,11 @@ typedef struct command {
     const char* arguments; ///< "INPUT... -o FILE.stip"
     const char* summary;   ///< one line, as `stipple help` lists it
     const char* text;      ///< paragraphs for `stipple help NAME` and the man page
-    const char* examples;  ///< "$ command" lines, each after a line that says what it does
-    const char* files;     ///< "PATH<tab>what it is" lines: what the command reads and writes
-    const char*
-        interrupted; ///< message about results after an interrupt; NULL: nothing was written
+    const char* examples;  ///< "$ command" lines, each after a line that describes it
+    /// "PATH<tab>description" lines: files that the command reads and writes
+    const char* files;
+    /// Message about results after an interrupt; NULL: nothing was written
+    const char* interrupted;
     /// Fills the table of options (ends with a NULL name); each value points into the command's own
     /// storage.
     const option* (*options)(void);

@@ -8,7 +8,7 @@
 #include "scene_file.h"
 #include "tool.h"
 
-#include "build/build.h"
+#include "build/build_scene.h"
 #include "scenes/scenes.h"
 
 #include <stdio.h>
@@ -295,7 +295,7 @@ static void print_seconds(const stp_build_report* r)
     }
 }
 
-// Prints what was written, read back from the file itself.
+// Prints a summary of the written file, read back from the file itself.
 static int print_result(stp_context* context, const stp_build_report* report, uint64_t input_bytes)
 {
     uint64_t peak_bytes = stp_context_peak_bytes(context);

@@ -205,7 +205,7 @@ static stp_result capture_scene(stp_context* context, const stp_scene* scene)
     }
     if (result == STP_OK) {
         printf(
-            "%u candidates, %u of them filled in; %u directions, %u pixels, %.4g units a pixel\n",
+            "%u candidates, %u of them filled in; %u directions, %u pixels, %.4g units per pixel\n",
             candidates.count, candidates.filled, candidates.direction_count, candidates.resolution,
             candidates.pixel_size);
     }

@@ -42,7 +42,7 @@ static const option* options(void)
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "auto|1..1000000000",
-         .help = "samples of the model's area, besides its vertices; default ten a triangle, "
+         .help = "samples of the model's area, besides its vertices; default ten per triangle, "
                  "200,000 to 4,000,000",
          .value = &args.samples},
         {.name = "size",

@@ -8,8 +8,8 @@
 #include "scene_file.h"
 
 #include "base/file.h"
-#include "build/census.h"
-#include "build/content.h"
+#include "build/object_counts.h"
+#include "build/writer_input.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -22,7 +22,7 @@ enum {
     SUM_BYTES = 16,     ///< of a pixel, while frames are accumulated
     SUMS_IN_MEMORY = 16,
 };
-static const double repeat_ms = 3000.0; // total time after which frames are no longer repeated
+static const double repeat_ms = 3000.0; // total time after which frames are not repeated any more
 static const double slow_ms =
     2000.0; // a frame this slow is repeated only once, if a repeat can be faster at all
 
@@ -115,7 +115,7 @@ typedef struct session {
     drawing drawing;
     stp_image image;
     stp_view view;
-    json_t* picked; ///< NULL: was not asked for
+    json_t* picked; ///< NULL: not requested
     stp_quality quality;
     frame_figures figures;
     double picture_ms; ///< of all averaged frames

@@ -139,7 +139,7 @@ static bool read_place(const char* text, double place[3])
     return option_set_value(&vector, text, problem, sizeof(problem));
 }
 
-static stp_result stand(scan* s)
+static stp_result choose_positions(scan* s)
 {
     stp_vec3d* places = STP_NEW_ARRAY(s->context, stp_vec3d, s->station_count);
     if (places == NULL) {
@@ -187,7 +187,7 @@ static stp_result place_stations(scan* s)
     }
     return args.airborne
                ? scan_plan_flight(&s->target, args.height, step, s->station_count, set, s->stations)
-               : stand(s);
+               : choose_positions(s);
 }
 
 /// One station into the file, a few columns at a time.
@@ -254,9 +254,9 @@ static int print_report(const scan* s, double seconds)
     uint64_t rays = s->points + s->misses;
     double rate = s->cast_seconds > 0.0 ? (double)rays / s->cast_seconds : 0.0;
     if (!args.json) {
-        printf("%llu points from %u stations, %llu rays met nothing; %.2f s, %.3g rays/s\n",
-               (unsigned long long)s->points, s->station_count, (unsigned long long)s->misses,
-               seconds, rate);
+        printf("%llu points from %u station%s, %llu rays hit nothing; %.2f s, %.3g rays/s\n",
+               (unsigned long long)s->points, s->station_count, s->station_count == 1 ? "" : "s",
+               (unsigned long long)s->misses, seconds, rate);
         return 0;
     }
     json_t* places = json_array();
@@ -366,8 +366,8 @@ const command command_scan = {
         "gives a position.\n\n"
         "--airborne flies over the scene along its longer side, back and forth, in --stations "
         "lines, and scans downwards from 30 degrees left to 30 degrees right.\n\n"
-        "Coordinates are in metres with z up, whatever the scene's unit and axes; a scene "
-        "without a unit is taken to be in metres. Each point has a colour, an intensity (from "
+        "Coordinates are in metres with z up, regardless of the scene's unit and axes; a scene "
+        "without a unit is assumed to be in metres. Each point has a colour, an intensity (from "
         "albedo, angle and distance), its station number (from 1), and its ray number as the "
         "time. Range noise is normal with deviation --noise, and at most six times that.\n\n"
         "The scene itself is the truth. --truth adds it to a .ply as columns: the surface "

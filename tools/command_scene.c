@@ -136,7 +136,7 @@ const command command_scene = {
             "share nodes, so repeated groups are written out; a scene of more than three million "
             "nodes is rejected. build, info and render accept scenes directly: `stipple build "
             "scene:NAME,scale=S,seed=N`.\n\n"
-            "A .glb holds at most 4 GiB; a .gltf has as many .bin files beside it as it needs.",
+            "A .glb holds at most 4 GiB; a .gltf has as many .bin files next to it as it needs.",
     .examples = "List the scenes:\n"
                 "$ stipple scene --list\n"
                 "Write one at a tenth of its size:\n"

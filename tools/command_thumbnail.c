@@ -85,8 +85,8 @@ typedef struct thumbnail {
     const char* path;
     stp_view view;
     stp_quality quality;
-    stp_store* store; ///< NULL: nothing is seen
-    view_splats made; ///< has the store, where it was made for the view
+    stp_store* store; ///< NULL: nothing is visible
+    view_splats made; ///< holds the store if it was made for the view
     drawn_way way;
     uint64_t drawn_splats;
     uint64_t drawn_triangles;
@@ -97,7 +97,7 @@ typedef struct thumbnail {
 
 static void frame_box(thumbnail* t, const stp_boxd* box)
 {
-    t->view.ortho_height = 1.0; // chooses what fits
+    t->view.ortho_height = 1.0; // chooses the height that fits
     (void)stp_camera_frame(args.view != NULL ? args.view : "iso", box, &t->view);
 }
 

@@ -12,7 +12,7 @@ static const option* options_of(const command* c)
     return c->options != NULL ? c->options() : &none;
 }
 
-// What a value may be: its words, apart by spaces; for a number the words that stand for 0.
+// Possible values: the option's words, separated by spaces; for numbers, the words that mean 0.
 static void print_words(FILE* stream, const option* o)
 {
     const char* gap = "";

@@ -118,9 +118,8 @@ int tool_decimate_by(stp_context* context, const tool_decimation* task)
     double seconds = 1e-3 * (stp_clock_ms() - start);
     uint32_t count = out.vertices != NULL ? out.vertex_count : out.count;
     if (result == STP_OK && count > task->target) {
-        stp_notice(context, "%s: %u %s are left, of %u that were asked for",
-                   table[task->by - 1].name, count, out.vertices != NULL ? "vertices" : "splats",
-                   task->target);
+        stp_notice(context, "%s: %u %s are left; %u were requested", table[task->by - 1].name,
+                   count, out.vertices != NULL ? "vertices" : "splats", task->target);
     }
     if (result == STP_OK) {
         result = out.vertices != NULL ? write_triangles(context, task, &out)

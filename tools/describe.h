@@ -11,11 +11,11 @@
 typedef struct scene_figures {
     stp_store_summary summary;
     stp_context* context; ///< whose memory the summary takes; NULL: it is the store's
-    const stp_store_directory* directory; ///< views, sources, unit and up axis of it are looked at
+    const stp_store_directory* directory; ///< only views, sources, unit and up axis are used
     uint64_t file_bytes;
-    uint64_t whole_bytes; ///< of a .stip; more than file_bytes where it was cut short
+    uint64_t whole_bytes;                  ///< of a .stip; more than file_bytes if it is truncated
     uint32_t format_version, format_minor; ///< 0: not a .stip
-    double position_error; ///< of a .stip's points, scene units; 0: not known, or there are none
+    double position_error; ///< of a .stip's points, scene units; 0: unknown, or no points
 } scene_figures;
 
 /// Of an open store: its summary, or computed from its tables if it has none. No bulk data is read.

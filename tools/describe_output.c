@@ -4,7 +4,7 @@
 #include "base/color_map.h"
 #include "base/printable.h"
 #include "import/scan_info.h"
-#include "store/attributes.h"
+#include "store/attribute_blocks.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -229,7 +229,7 @@ void describe_text(const char* text)
     free(shown);
 }
 
-// A line below the table: total, and what is unique where that differs.
+// A line below the table: the total, and the unique count if it differs.
 static void print_count(const char* label, uint64_t total, uint64_t unique)
 {
     char a[32], b[32];
@@ -249,13 +249,13 @@ static void print_bytes(const char* label, uint64_t bytes, uint64_t count, const
     if (bytes != 0) {
         printf("  %-12s %10s", label, describe_bytes(bytes, text));
         if (count != 0) {
-            printf("  (%.1f bytes a %s)", (double)bytes / (double)count, each);
+            printf("  (%.1f bytes per %s)", (double)bytes / (double)count, each);
         }
         printf("\n");
     }
 }
 
-// How far stored points may lie from those of the input.
+// Maximum distance of stored points from the input's.
 static void print_exactness(const scene_figures* f)
 {
     static const struct {
@@ -338,7 +338,7 @@ void describe_print(const char* path, const scene_figures* f)
     if (f->format_version != 0) {
         printf(", .stip version %u.%u", f->format_version, f->format_minor);
         if (f->file_bytes < f->whole_bytes) {
-            printf(", cut short: the first part of %s", describe_bytes(f->whole_bytes, text));
+            printf(", truncated: the first part of %s", describe_bytes(f->whole_bytes, text));
         }
     }
     printf("\n\n");

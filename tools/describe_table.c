@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: MIT The table of scene parts, as in Brandt 2019, Table 1: each count
-// with and, in parentheses, without instancing.
+// SPDX-License-Identifier: MIT
+// The table of scene parts, as in Brandt 2019, Table 1: each count with and, in parentheses,
+// without instancing.
 #include "describe.h"
 
 #include <stdio.h>
@@ -28,7 +29,7 @@ static const column columns[] = {
 
 _Static_assert(sizeof(columns) / sizeof(columns[0]) == COLUMN_LIMIT, "a width for each column");
 
-/// How wide the texts of a column are; 0 where it is left out.
+/// Text widths of a column; 0 if it is left out.
 typedef struct widths {
     int total, unique;
 } widths;

@@ -66,7 +66,7 @@ static void put_violin(svg* s, const plot_violin* v, double x, const char* fill)
 {
     double bins[BINS], half = VIOLIN_WIDTH * 0.42;
     fill_bins(v, bins);
-    int first = 0, last = BINS - 1; // no outline where there is nothing
+    int first = 0, last = BINS - 1; // no outline without samples
     while (first < last && bins[first] < LEAST_DENSITY) {
         first += 1;
     }

@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: MIT Figure 3 of Brandt et al. 2019: violin and box plots of the spacings
-// of prefixes, orders side by side.
+// SPDX-License-Identifier: MIT
+// Figure 3 of Brandt et al. 2019: violin and box plots of the spacings of prefixes, orders side by
+// side.
 #pragma once
 
 #include "command.h"

@@ -11,7 +11,7 @@
 enum { PATH_ROOM = 4096, AT_ONCE = 64, SLICE = 100000 };
 
 /// Prints an object, or adds it to the list.
-static stp_result tell(stp_outline* outline, uint32_t object, json_t* list)
+static stp_result report_object(stp_outline* outline, uint32_t object, json_t* list)
 {
     stp_outline_item item;
     stp_outline_row row;
@@ -48,7 +48,7 @@ static stp_result find(stp_outline* outline, const char* text, json_t* list, boo
         result = stp_outline_search_on(outline, &search, SLICE, AT_ONCE, objects, &count);
         for (uint32_t i = 0; i < count && result == STP_OK && !*more; ++i) {
             *more = told == FIND_MOST;
-            result = *more ? STP_OK : tell(outline, objects[i], list);
+            result = *more ? STP_OK : report_object(outline, objects[i], list);
             told += 1;
         }
     }

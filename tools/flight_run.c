@@ -49,7 +49,7 @@ void flight_record_destroy(stp_context* context, flight_record* record)
     *record = (flight_record){0};
 }
 
-static stp_view look_at_frame(const flight_plan* plan, const flight_record* record, uint32_t frame)
+static stp_view view_of_frame(const flight_plan* plan, const flight_record* record, uint32_t frame)
 {
     stp_view view = plan->view;
     stp_flight_look(plan->flight, record->times[frame], &view);
@@ -61,7 +61,7 @@ static stp_view look_at_frame(const flight_plan* plan, const flight_record* reco
 static stp_result warm_up(frame_maker* maker, const flight_plan* plan, const flight_record* record,
                           stp_budget* budget, stp_image* image)
 {
-    stp_view view = look_at_frame(plan, record, 0);
+    stp_view view = view_of_frame(plan, record, 0);
     stp_quality quality = plan->quality;
     frame_figures figures;
     stp_result result = STP_OK;
@@ -82,7 +82,7 @@ static stp_result fly_timed(frame_maker* maker, const flight_plan* plan, flight_
     stp_quality quality = plan->quality;
     stp_result result = warm_up(maker, plan, record, &budget, image);
     for (uint32_t i = 0; i < record->frame_count && result == STP_OK; ++i) {
-        stp_view view = look_at_frame(plan, record, i);
+        stp_view view = view_of_frame(plan, record, i);
         if (plan->budget_ms > 0.0) {
             quality.splat_size = stp_budget_splat_size(&budget);
         }
@@ -107,7 +107,7 @@ typedef struct study {
     stp_popping popping;
 } study;
 
-static stp_result give_picture(void* user)
+static stp_result get_picture(void* user)
 {
     study* s = user;
     return s->plan->sink(s->plan->sink_user, &s->ours[s->frame & 1], s->frame);
@@ -138,7 +138,7 @@ static stp_result study_frame(study* s, uint32_t i)
     if (!compared && !plan->popping && plan->sink == NULL) {
         return STP_OK;
     }
-    stp_view view = look_at_frame(plan, s->record, i);
+    stp_view view = view_of_frame(plan, s->record, i);
     frame_figures figures;
     stp_quality quality = plan->quality;
     s->frame = i;
@@ -147,7 +147,7 @@ static stp_result study_frame(study* s, uint32_t i)
     }
     stp_result result = frame_draw_loaded(s->maker, &view, &quality, &s->ours[i & 1], &figures);
     if (result == STP_OK && plan->sink != NULL) {
-        result = frame_do(s->maker, give_picture, s);
+        result = frame_do(s->maker, get_picture, s);
     }
     if (result == STP_OK && (compared || plan->popping)) {
         stp_quality whole = {.reference = true, .visibility = plan->quality.visibility};

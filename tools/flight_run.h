@@ -16,9 +16,9 @@ typedef stp_result (*flight_sink)(void* user, const stp_image* image, uint32_t f
 
 typedef struct flight_plan {
     const stp_flight* flight;
-    uint32_t
-        frame_count; ///< evenly over the flight, its first and last moment included; 0: at its fps
-    stp_view view;   ///< size; an angle above 0 instead of the flight's
+    /// Evenly over the flight, its first and last moment included; 0: at its fps
+    uint32_t frame_count;
+    stp_view view; ///< size; an angle above 0 instead of the flight's
     stp_quality quality;
     double budget_ms; ///< 0: none
     stp_controller controller;

@@ -13,7 +13,7 @@
 enum {
     SETTLE_FRAMES = 150, ///< most
     STEADY_FRAMES = 16,  ///< in a row without much change are settled: doubts fade that slowly
-    LOADED_FRAMES = 200, ///< most while what a view wants is loaded
+    LOADED_FRAMES = 200, ///< maximum frames while data is loaded
 };
 static const double settle_ms = 20000.0, steady_change = 0.02;
 
@@ -46,7 +46,7 @@ stp_result frame_maker_create_in(stp_context* context, stp_store* store,
     stp_result result = create_gl(maker);
     tool_release_errors(false);
     if (result != STP_OK) {
-        stp_notice(context, "%s does not draw this; the processor does", maker->headless.device);
+        stp_notice(context, "%s cannot draw this; using the CPU", maker->headless.device);
         stp_headless_destroy(&maker->headless);
         maker->uses_gl = false;
         result = stp_draw_cpu_create(context, store, &maker->renderer);

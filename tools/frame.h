@@ -53,7 +53,7 @@ void frame_maker_use_splats(frame_maker* maker, int splats);
 /// "cpu" or "gl".
 const char* frame_backend_name(const frame_maker* maker);
 /// Loads bulk data on demand from now on, within the context's memory limit; loads the coarsest
-/// data at once.
+/// data immediately.
 STP_MUST_USE stp_result frame_maker_stream(frame_maker* maker);
 void frame_maker_destroy(frame_maker* maker);
 

@@ -9,8 +9,7 @@
 enum { WIDTH = 96, TEXT_COLUMN = 30 };
 
 // Prints words of `text`, wrapped, with `indent` spaces before lines after the first; `column` is
-// where the cursor stands. A line of text that begins with a space is an example and stays as it
-// is.
+// the cursor's position. A line of text that begins with a space is an example and is not wrapped.
 static void print_wrapped(FILE* stream, const char* text, int indent, int column)
 {
     while (*text != 0) {
@@ -90,7 +89,7 @@ static void print_options(FILE* stream, const char* heading, const option* table
     }
 }
 
-// "$ command" lines, each after a line that says what it does.
+// "$ command" lines, each after a line that describes it.
 static void print_examples(FILE* stream, const char* text)
 {
     print_heading(stream, "Examples");
@@ -101,7 +100,7 @@ static void print_examples(FILE* stream, const char* text)
     }
 }
 
-// "PATH<tab>what it is" lines.
+// "PATH<tab>description" lines.
 static void print_files(FILE* stream, const char* text)
 {
     print_heading(stream, "Files");

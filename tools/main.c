@@ -91,7 +91,7 @@ static int run_command(const command* c, int argc, char** argv)
 static void end_without_file(int number)
 {
     static const char message[] =
-        "stipple: a file in use was made shorter by another program, or its disk failed\n";
+        "stipple: a file in use was truncated by another program, or its disk failed\n";
     (void)number;
     ssize_t written = write(STDERR_FILENO, message, sizeof(message) - 1);
     _exit(written >= 0 ? 1 : 2);

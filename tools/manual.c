@@ -231,7 +231,7 @@ static void print_overview(FILE* stream)
           "If an option is repeated, the last one counts.\n"
           "After\n.Fl \\-\neverything is an argument.\n"
           "Sizes such as 512M and 8G are bytes, in powers of 1024.\n"
-          ".Pp\nThe commands, each with a page of its own:\n"
+          ".Pp\nThe commands, each with a separate page:\n"
           ".Bl -tag -width Ds\n",
           stream);
     for (const command* const* c = commands(); *c != NULL; ++c) {

@@ -95,7 +95,7 @@ stp_scene* measured_model_load(stp_context* context, const bench_options* option
         return scene;
     }
     tool_error("bench %s: %s", benchmark_name,
-               result == STP_OK ? "nothing to see" : stp_result_string(result));
+               result == STP_OK ? "nothing is visible" : stp_result_string(result));
     stp_scene_destroy(scene);
     return NULL;
 }

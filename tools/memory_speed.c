@@ -7,7 +7,7 @@
 #include <string.h>
 
 enum {
-    COPY_BYTES = 1 << 26, ///< twice what the largest caches hold, for each of both buffers
+    COPY_BYTES = 1 << 26, ///< size of each buffer: twice the largest caches
     COPY_PIECE = 1 << 20,
     UPDATES = 1 << 22,
     UPDATE_PIECE = 1 << 14,

@@ -150,7 +150,7 @@ static bool is_plain_number(const char* text)
     return text != NULL && *text != 0 && strspn(text, "0123456789.") == strlen(text);
 }
 
-// A word that stands for 0, for an option with an optional value.
+// A word that means 0, for an option with an optional value.
 static bool is_zero_word(const option* o, const char* text)
 {
     size_t length = strcspn(o->words, "|");

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // GNU command lines from tables: --name VALUE, --name=VALUE, -n VALUE, -nVALUE, flags together
-// (-qv), options and arguments in any order, everything after -- an argument, the last of repeated
-// options counts. An option that can do without a value takes what follows only where that is a
-// number.
-#pragma once
+// (-qv), options and arguments in any order, only arguments after --, the last of repeated options
+// counts. An option with an optional value takes the next word only if it is a number.
 
 #include "command.h"
 

@@ -5,8 +5,8 @@
 
 #include "base/color_map.h"
 #include "present/measuring.h"
-#include "select/pick.h"
-#include "store/attributes.h"
+#include "select/pick_ray.h"
+#include "store/attribute_blocks.h"
 
 #include <math.h>
 #include <stdlib.h>

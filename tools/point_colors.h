@@ -51,7 +51,7 @@ enum { POINT_COLOR_OPTION_ROOM = 4 }; ///< entries of a table
 /// Fills a table of POINT_COLOR_OPTION_ROOM entries. @return the table
 const option* point_color_options_table(option* table, point_color_options* options);
 
-/// Rejects options that make no sense. @return 0, or 2 (message printed)
+/// Rejects invalid combinations of options. @return 0, or 2 (message printed)
 int point_colors_check(const point_color_options* options);
 
 /// Reads LO,HI. @return false on a syntax error
@@ -62,16 +62,16 @@ bool point_colors_read_classes(const char* text, uint8_t shown[256]);
 /// Whether the options ask for attributes that only points have.
 bool point_colors_need_points(const point_color_options* options);
 
-/// The method whose splats have what options ask for: `preferred` (a place in the file's table),
-/// else the first that does.
+/// The method whose splats have the requested attributes: `preferred` (an index in the file's
+/// table), else the first that has them.
 /// @return its place; STP_STORE_NONE: none has it
 uint32_t point_colors_find_method(const point_color_options* options, const stp_store* store,
                                   uint32_t preferred);
 /// Whether original points have the requested attributes.
 bool point_colors_has_originals(const point_color_options* options, const stp_store* store);
 
-/// Works out what was asked for, ranges that were not given included. `method` is the place of the
-/// one whose splats are drawn.
+/// Resolves the options, including ranges that were not given. `method` is the index of the method
+/// whose splats are drawn.
 /// @return STP_OK, STP_ERROR_ARGUMENT (the file lacks the attribute), or why it cannot be read;
 /// logged
 STP_MUST_USE stp_result point_colors_find(const point_color_options* options, stp_context* context,

@@ -16,8 +16,8 @@
 
 enum {
     STRIPE = 1 << 20, ///< pages of mapped files are released after this many points
-    MEMORY_SHARE = 4, ///< of what may be used: points that take more lie in a file
-    SMALL_SHARE = 16, ///< of it: of smaller files nothing is spilled
+    MEMORY_SHARE = 4, ///< reciprocal share of the usable memory: larger point sets go to a file
+    SMALL_SHARE = 16, ///< reciprocal share of the limit: smaller files are not spilled
 };
 
 // One part of the scene.
@@ -28,7 +28,7 @@ typedef struct part_points {
     const uint8_t* colors;
 } part_points;
 
-static part_points look_up(const stp_scene* scene, stp_part part)
+static part_points find_points(const stp_scene* scene, stp_part part)
 {
     if (part.kind == STP_PART_MESH) {
         const stp_mesh* mesh = &scene->meshes[part.index];
@@ -61,7 +61,7 @@ static void release_pages(const stp_scene* scene, const tool_points* points)
 static void copy_part(const stp_scene* scene, const stp_placed_part* placed, tool_points* points,
                       uint32_t first)
 {
-    part_points part = look_up(scene, placed->part);
+    part_points part = find_points(scene, placed->part);
     double turn[3][3];
     stp_affine_normal_matrix(&placed->transform, turn);
     for (uint32_t i = 0; i < part.count; ++i) {
@@ -131,7 +131,7 @@ static stp_result copy_parts(const stp_scene* scene, const char* path, const stp
     uint64_t count = 0;
     bool normals = false, colors = false;
     for (size_t i = 0; i < part_count; ++i) {
-        part_points part = look_up(scene, parts[i].part);
+        part_points part = find_points(scene, parts[i].part);
         count += part.count;
         normals = normals || part.normals != NULL;
         colors = colors || part.colors != NULL;
@@ -155,7 +155,7 @@ static stp_result copy_parts(const stp_scene* scene, const char* path, const stp
     uint32_t first = 0;
     for (size_t i = 0; i < part_count; ++i) {
         copy_part(scene, &parts[i], points, first);
-        first += look_up(scene, parts[i].part).count;
+        first += find_points(scene, parts[i].part).count;
     }
     return STP_OK;
 }
@@ -201,7 +201,7 @@ static stp_result copy_triangles(const stp_scene* scene, const char* path,
                 copy_part_triangles(&scene->meshes[parts[i].part.index], &parts[i].transform, first,
                                     points->triangles + 3 * (size_t)points->triangle_count);
         }
-        first += look_up(scene, parts[i].part).count;
+        first += find_points(scene, parts[i].part).count;
     }
     return STP_OK;
 }
@@ -245,7 +245,7 @@ static stp_result read_file(stp_context* context, const char* path, const double
     stp_result result = STP_OK;
     if (beside != NULL && may_be_large(context, path)) {
         result = tool_points_open_spill(context, beside, points);
-        result = result == STP_OK ? stp_spill_create_beside(points->spill, &spill) : result;
+        result = result == STP_OK ? stp_spill_create_sibling(points->spill, &spill) : result;
     }
     result = result == STP_OK ? tool_import_spilled(context, path, spill, &scene) : result;
     if (result == STP_OK && scene->root == STP_NONE) {

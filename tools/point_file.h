@@ -11,16 +11,16 @@
 /// The points of a file: point sets and vertices of meshes.
 typedef struct tool_points {
     uint32_t count;
-    double origin
-        [3]; ///< to be added to the positions; not 0 only where floats would lose digits without it
-    float* positions;    ///< 3 a point, along the file's own axes
-    float* normals;      ///< 3 a point, unit or zero; NULL: the file has none
+    /// To be added to the positions; not 0 only where floats would lose digits without it
+    double origin[3];
+    float* positions;    ///< 3 per point, along the file's own axes
+    float* normals;      ///< 3 per point, unit or zero; NULL: the file has none
     uint8_t* colors;     ///< RGBA a point, sRGB; NULL: the file has none
     uint32_t* triangles; ///< 3 points each; NULL: the file has none, or nobody asked
     uint32_t triangle_count;
     char up;          ///< the file's up axis: x, y or z
     stp_spill* spill; ///< in the folder of the output; NULL: none was needed
-    bool spilled;     ///< the arrays lie in it
+    bool spilled;     ///< the arrays are in it
 } tool_points;
 
 /// Converts a position of a scene to the axes of its source file, as far as known: a scene's y is
@@ -42,15 +42,18 @@ typedef struct tool_points_command {
         *output; ///< as help names them, such as "order", "file of points", "ORDERED.ply"
     tool_points_worker work;
     bool triangles; ///< it needs those of meshes, too
-    bool spills;    ///< what memory does not hold may lie in a file in the folder of the output
+    bool spills;    ///< data that exceeds the memory may go to a file in the folder of the output
 } tool_points_command;
 
-/// Runs it. @param path of the output; NULL if not given. @param memory limit in bytes; 0: no limit
+/// Runs it.
+/// @param path of the output; NULL if not given.
+/// @param memory limit in bytes; 0: no limit
 /// @return the exit status; errors are printed
 int tool_run_on_points(const tool_points_command* task, int argc, char** argv, const char* path,
                        uint64_t threads, uint64_t memory);
-/// Creates `points->spill` if it does not exist. @param output a file in the folder. @return
-/// STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)
+/// Creates `points->spill` if it does not exist.
+/// @param output a file in the folder.
+/// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result tool_points_open_spill(stp_context* context, const char* output,
                                                tool_points* points);
 void tool_points_destroy(stp_context* context, tool_points* points);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // E57 (ASTM E2807): for each station its pose and its points, relative to it, in packets of
-// columns; then XML that says what lies where. Misses are not stored; cells are known by row and
-// column.
+// columns; then XML that describes the sections. Misses are not stored; cells are identified by row
+// and column.
 #include "scan_e57_pages.h"
 #include "scan_file.h"
 
@@ -22,7 +22,7 @@ enum {
 /// Bytes of a value in each column.
 static const uint8_t widths[COLUMNS] = {4, 4, 4, 4, 1, 1, 1, 2, 2};
 
-/// What the XML says of a station.
+/// Description of a station in the XML.
 typedef struct stored_station {
     scan_station station;
     uint64_t section, count;
@@ -33,7 +33,7 @@ struct scan_e57_state {
     e57_pages pages;
     stored_station* stations; ///< behind this
     uint32_t station_count;
-    uint64_t section_page; ///< where the section began
+    uint64_t section_page; ///< start of the section
     uint64_t data, logical;
     unsigned char columns[COLUMNS][4 * PACKET_POINTS];
     uint32_t waiting; ///< points in `columns`

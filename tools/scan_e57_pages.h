@@ -22,6 +22,7 @@ uint64_t e57_logical(const e57_pages* pages);
 STP_MUST_USE stp_result e57_put(e57_pages* pages, const void* bytes, size_t size);
 /// Fills the page with zeros and writes it, unless it is empty.
 STP_MUST_USE stp_result e57_end_page(e57_pages* pages);
-/// Rewrites a whole page. @param payload E57_PAYLOAD bytes
+/// Rewrites a whole page.
+/// @param payload E57_PAYLOAD bytes
 STP_MUST_USE stp_result e57_replace_page(e57_pages* pages, uint64_t page,
                                          const unsigned char* payload);

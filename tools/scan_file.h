@@ -32,7 +32,7 @@ const scan_format* scan_format_of(const char* path);
 typedef struct scan_file_desc {
     const char* path;
     double shift[3];   ///< added to all places
-    stp_boxd bounds;   ///< about where points will lie, without the shift
+    stp_boxd bounds;   ///< approximate bounds of the points, without the shift
     bool truth;        ///< columns of the truth
     uint32_t stations; ///< how many will be written
 } scan_file_desc;
@@ -44,7 +44,7 @@ struct scan_file {
     scan_file_desc desc;
     uint64_t points, misses; ///< so far
     stp_boxd bounds;         ///< of points so far, without the shift
-    // what writers keep for themselves
+    // state of the individual writers
     double offset[3];             ///< LAS: of coordinates
     stp_boxd stored;              ///< LAS: the least and largest numbers
     size_t header_size;           ///< PLY: bytes to be written over at the end

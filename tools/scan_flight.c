@@ -21,8 +21,8 @@ stp_result scan_plan_flight(const scan_target* target, double height, double ste
     double columns = ceil(length / (height * step * RADIANS));
     if (columns > (double)MOST_COLUMNS) {
         return stp_fail(target->context, STP_ERROR_LIMIT,
-                        "a flight of %.6g m at %.6g m would have %.0f lines of rays, and %d are "
-                        "the most: choose a coarser --resolution, or more --height",
+                        "a flight of %.6g m at %.6g m needs %.0f lines of rays, more than the "
+                        "maximum of %d: choose a coarser --resolution or a larger --height",
                         length, height, columns, MOST_COLUMNS);
     }
     settings->columns = (uint32_t)columns;

@@ -82,9 +82,10 @@ static stp_result add(scan_file* f, const scan_station* station, const scan_poin
             continue;
         }
         if (!fits) {
-            return stp_fail(f->context, STP_ERROR_LIMIT,
-                            "%s: LAS holds 4,294 km in millimetres, and points lie farther apart",
-                            f->desc.path);
+            return stp_fail(
+                f->context, STP_ERROR_LIMIT,
+                "%s: the points extend farther than LAS can store: 4,294 km in millimetres",
+                f->desc.path);
         }
         stp_boxd_add(&f->stored, (stp_vec3d){stored[0], stored[1], stored[2]});
         stp_write_u16(r + 12, p->intensity);

@@ -12,17 +12,17 @@
 enum {
     CELLS = 32, ///< of the box, along each axis
     WORDS = CELLS * CELLS * CELLS / 64,
-    TURN = 48, ///< rays of a look around, a turn and from below to above
-    RISE = 20,
-    SIDES = 16,                ///< directions in which there must be room
+    TURN = 48,                 ///< test rays per horizontal turn
+    RISE = 20,                 ///< rows of test rays, from below to above
+    SIDES = 16,                ///< horizontal directions that must be free
     RING = SCAN_MOST_STATIONS, ///< candidates around a model without floors
-    SPOTS = 256,               ///< candidates over the plan, and SPOTS_EACH more for each station
-    SPOTS_EACH = 8,
-    MOST_FLOORS = 64, ///< surfaces below each other that are looked at
+    FLOOR_CANDIDATES = 256,    ///< candidates over the plan, besides those per station
+    CANDIDATES_PER_STATION = 8,
+    MOST_FLOORS = 64, ///< maximum number of examined surfaces at one position of the plan
 };
 
-#define FACES_UP 0.7    ///< least vertical part of a floor's normal
-#define SEES_ENOUGH 0.3 ///< of the rays of a look around that meet something
+#define FACES_UP 0.7    ///< minimum vertical component of a floor's normal
+#define SEES_ENOUGH 0.3 ///< minimum share of test rays that hit a surface
 
 typedef struct candidate {
     stp_vec3d place;
@@ -37,12 +37,12 @@ typedef struct chooser {
     const scan_placing* placing;
     stp_boxd bounds;
     double diagonal, height;
-    double spacing; ///< of stations, were they spread evenly
+    double spacing; ///< distance between stations if they were spread evenly
     candidate* candidates;
-    uint32_t spots; ///< the candidates on floors; RING more follow
+    uint32_t floor_candidates; ///< number of candidates on floors; RING more follow
 } chooser;
 
-/// In 0..1.
+/// Random number in [0, 1).
 static double random_of(const chooser* c, uint64_t index)
 {
     return (double)(stp_rng_hash(c->placing->seed, index) >> 11) / 9007199254740992.0;
@@ -63,7 +63,7 @@ static bool find_floor(const chooser* c, double x, double y, double* z)
     bool found = false;
     scan_surface s;
     for (int i = 0; i < MOST_FLOORS; ++i) {
-        if (!scan_target_meet(c->target, (stp_vec3d){x, y, top}, down, from, span, &s)) {
+        if (!scan_target_intersect(c->target, (stp_vec3d){x, y, top}, down, from, span, &s)) {
             break;
         }
         bool floor = s.normal.z > FACES_UP && !s.from_behind;
@@ -84,7 +84,7 @@ static bool has_room(const chooser* c, stp_vec3d place)
     for (int i = 0; i < SIDES; ++i) {
         double turn = (double)i / SIDES;
         stp_vec3d side = {turn_cosine(turn), turn_sine(turn), 0.0};
-        if (scan_target_meet(c->target, place, side, 0.0, c->height / 4.0, &s)) {
+        if (scan_target_intersect(c->target, place, side, 0.0, c->height / 4.0, &s)) {
             return false;
         }
     }
@@ -97,8 +97,9 @@ static uint32_t cell_of(double value, double low, double high)
     return cell > 0.0 ? cell < (double)(CELLS - 1) ? (uint32_t)cell : CELLS - 1 : 0;
 }
 
-/// Marks the visible cells. @return the share of rays that hit something
-static double look_around(const chooser* c, candidate* at)
+/// Casts the test rays and marks the cells that they hit. @return the share of rays that hit a
+/// surface
+static double scan_around(const chooser* c, candidate* at)
 {
     uint32_t met = 0;
     for (uint32_t i = 0; i < TURN * RISE; ++i) {
@@ -106,7 +107,7 @@ static double look_around(const chooser* c, candidate* at)
         double z = -0.85 + 1.8 * ((double)(i / TURN) + 0.5) / RISE, level = sqrt(1.0 - z * z);
         stp_vec3d direction = {level * turn_cosine(turn), level * turn_sine(turn), z};
         scan_surface s;
-        if (!scan_target_meet(c->target, at->place, direction, 0.0, c->placing->range, &s)) {
+        if (!scan_target_intersect(c->target, at->place, direction, 0.0, c->placing->range, &s)) {
             continue;
         }
         const stp_boxd* b = &c->bounds;
@@ -119,14 +120,14 @@ static double look_around(const chooser* c, candidate* at)
     return (double)met / (TURN * RISE);
 }
 
-static void look_from_floors(size_t begin, size_t end, uint32_t worker, void* user)
+static void place_on_floors(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     chooser* c = user;
     const stp_boxd* b = &c->bounds;
     for (size_t i = begin; i < end; ++i) {
-        // evenly spread places (Roberts, The Unreasonable Effectiveness of Quasirandom Sequences,
-        // 2018)
+        // evenly spread positions (Roberts, The Unreasonable Effectiveness of Quasirandom
+        // Sequences, 2018)
         candidate* at = &c->candidates[i];
         double u = fraction_of(random_of(c, 0) + 0.7548776662466927 * (double)(i + 1));
         double v = fraction_of(random_of(c, 1) + 0.5698402909980532 * (double)(i + 1));
@@ -134,26 +135,26 @@ static void look_from_floors(size_t begin, size_t end, uint32_t worker, void* us
         double z;
         if (find_floor(c, x, y, &z)) {
             at->place = (stp_vec3d){x, y, z + c->height};
-            at->good = has_room(c, at->place) && look_around(c, at) >= SEES_ENOUGH;
+            at->good = has_room(c, at->place) && scan_around(c, at) >= SEES_ENOUGH;
         }
     }
 }
 
 // Positions around the model, at a distance that shows all of it, at two heights.
-static void look_from_ring(size_t begin, size_t end, uint32_t worker, void* user)
+static void place_on_ring(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     chooser* c = user;
     const stp_boxd* b = &c->bounds;
     stp_vec3d center = stp_scaled(stp_addd(b->min, b->max), 0.5);
     for (size_t i = begin; i < end; ++i) {
-        candidate* at = &c->candidates[c->spots + i];
+        candidate* at = &c->candidates[c->floor_candidates + i];
         double turn = random_of(c, 2) + (double)i / RING;
         double z = i % 2 == 0 ? b->min.z + c->height : center.z + 0.3 * c->diagonal;
         at->place = (stp_vec3d){center.x + c->diagonal * turn_cosine(turn),
                                 center.y + c->diagonal * turn_sine(turn), z};
         at->good = true;
-        (void)look_around(c, at);
+        (void)scan_around(c, at);
     }
 }
 
@@ -216,13 +217,13 @@ static uint32_t count_seen(const chooser* c, uint32_t begin, uint32_t end)
 // drops the positions around it, if there are enough floors.
 static void prefer_ring(const chooser* c)
 {
-    uint32_t good = 0, all = c->spots + RING;
-    for (uint32_t i = 0; i < c->spots; ++i) {
+    uint32_t good = 0, all = c->floor_candidates + RING;
+    for (uint32_t i = 0; i < c->floor_candidates; ++i) {
         good += c->candidates[i].good ? 1 : 0;
     }
-    bool around = count_seen(c, c->spots, all) > count_seen(c, 0, c->spots);
+    bool around = count_seen(c, c->floor_candidates, all) > count_seen(c, 0, c->floor_candidates);
     for (uint32_t i = 0; i < all; ++i) {
-        bool floor = i < c->spots;
+        bool floor = i < c->floor_candidates;
         bool left = around ? floor : !floor && good >= c->placing->count;
         c->candidates[i].good = c->candidates[i].good && !left;
     }
@@ -247,19 +248,19 @@ stp_result scan_place_stations(const scan_target* target, const scan_placing* pl
     chooser c = {.target = target,
                  .placing = placing,
                  .bounds = stp_caster_bounds(target->caster),
-                 .spots = SPOTS + SPOTS_EACH * placing->count};
+                 .floor_candidates = FLOOR_CANDIDATES + CANDIDATES_PER_STATION * placing->count};
     stp_vec3d size = stp_subd(c.bounds.max, c.bounds.min);
     c.diagonal = sqrt(stp_dotd(size, size));
     c.spacing = sqrt(fmax(size.x * size.y, 1e-12 * c.diagonal * c.diagonal) / placing->count);
     c.height = placing->height > 0.0 ? placing->height : fmin(1.8, 0.1 * c.diagonal);
     uint64_t* seen = STP_NEW_ZEROED(context, uint64_t, WORDS);
-    c.candidates = STP_NEW_ZEROED(context, candidate, (size_t)c.spots + RING);
+    c.candidates = STP_NEW_ZEROED(context, candidate, (size_t)c.floor_candidates + RING);
     stp_result result = seen != NULL && c.candidates != NULL ? STP_OK : stp_fail_memory(context);
     if (result == STP_OK) {
-        stp_parallel_for(context, c.spots, 4, look_from_floors, &c);
-        stp_parallel_for(context, RING, 1, look_from_ring, &c);
+        stp_parallel_for(context, c.floor_candidates, 4, place_on_floors, &c);
+        stp_parallel_for(context, RING, 1, place_on_ring, &c);
         prefer_ring(&c);
-        choose(&c, c.spots + RING, seen, stations);
+        choose(&c, c.floor_candidates + RING, seen, stations);
     }
     stp_free(context, c.candidates);
     stp_free(context, seen);

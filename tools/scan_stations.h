@@ -21,8 +21,9 @@ STP_MUST_USE stp_result scan_place_stations(const scan_target* target, const sca
 
 /// Plans parallel flight lines along the model that overlap by a fifth above its highest point, and
 /// sets the columns of a sweep so that rays are equally far apart along and across the flight.
-/// @param height above the highest point, metres; 0: chosen for that overlap @param step degrees
-/// between rays @return STP_OK, or STP_ERROR_LIMIT (more than 65,535 columns; logged)
+/// @param height above the highest point, metres; 0: chosen for that overlap
+/// @param step degrees between rays
+/// @return STP_OK, or STP_ERROR_LIMIT (more than 65,535 columns; logged)
 STP_MUST_USE stp_result scan_plan_flight(const scan_target* target, double height, double step,
                                          uint32_t count, scan_settings* settings,
                                          scan_station* lines);

@@ -50,7 +50,7 @@ static double gauss(uint64_t seed, uint64_t index)
     return ((double)sum + 6.0) / 65536.0 - 6.0;
 }
 
-/// A matt surface reflects by the cosine of the angle; what comes back falls with distance.
+/// Lambertian reflection; the returned intensity falls with distance.
 static uint16_t strength_of(const scan_surface* surface, stp_vec3d direction, double half)
 {
     double albedo = 0.2126 * (double)surface->color[0] + 0.7152 * (double)surface->color[1] +
@@ -79,7 +79,7 @@ static void cast_ray(const sweep* s, uint32_t column, uint32_t row, scan_point* 
                           .angle = (float)ray.angle,
                           .time = (double)(station * all + cell)};
     scan_surface surface;
-    if (!scan_target_meet(s->target, ray.origin, ray.direction, 0.0, set->range, &surface)) {
+    if (!scan_target_intersect(s->target, ray.origin, ray.direction, 0.0, set->range, &surface)) {
         return;
     }
     double error = set->noise * gauss(stp_rng_hash(set->seed, station), cell);

@@ -25,8 +25,9 @@ typedef struct scan_station {
     stp_vec3d along; ///< of a line of flight: from there to its end, level; else 0
 } scan_station;
 
-/// Sets the rows, and the columns of a standing scanner. @param resolution  up to 30: degrees
-/// between rays; above: rays per turn. @return degrees between rays
+/// Sets the rows, and the columns of a standing scanner.
+/// @param resolution up to 30: degrees between rays; above: rays per turn.
+/// @return degrees between rays
 double scan_settings_set_resolution(scan_settings* settings, double resolution);
 
 /// Result of one ray.
@@ -36,9 +37,9 @@ typedef struct scan_point {
     uint8_t color[3];   ///< sRGB
     uint32_t row;       ///< from below, or from the left
     uint32_t column;    ///< of the turn, or along the flight
-    uint32_t object;    ///< of the truth: which use of a mesh
-    float normal[3];    ///< of the truth, facing the scanner
-    float range_error;  ///< of the truth: how much too far the point lies, metres
+    uint32_t object;    ///< ground truth: which use of a mesh
+    float normal[3];    ///< ground truth: surface normal, facing the scanner
+    float range_error;  ///< ground truth: measured minus true distance, metres
     float angle;        ///< degrees: elevation, or from below the flight to the right
     double place[3];    ///< as measured, metres, z up
     double time;        ///< number of the ray, over all stations

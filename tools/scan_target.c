@@ -35,7 +35,7 @@ static stp_result finish(scan_target* t, const char* name, stp_result result)
     }
     if (result == STP_OK && stp_boxd_is_empty(stp_caster_bounds(t->caster))) {
         result = stp_fail(t->context, STP_ERROR_FORMAT,
-                          "%s: a scan needs triangles, and found none", name);
+                          "%s: a scan needs triangles, but there are none", name);
     }
     if (result != STP_OK) {
         scan_target_destroy(t);
@@ -241,7 +241,7 @@ void scan_target_destroy(scan_target* target)
     *target = (scan_target){.context = context};
 }
 
-/// The colour where a ray met a triangle, with alpha.
+/// Colour and alpha at a ray's hit on a triangle.
 static void color_of(const scan_target* t, const stp_cast_hit* hit, float out[4])
 {
     uint32_t mesh = t->parts[hit->part].mesh;
@@ -285,13 +285,13 @@ static bool is_there(const stp_cast_hit* hit, void* user)
     return m->cutoff > 0.0f ? color[3] >= m->cutoff : color[3] > 0.0f;
 }
 
-bool scan_target_meet(const scan_target* target, stp_vec3d origin, stp_vec3d direction,
-                      double nearest, double farthest, scan_surface* surface)
+bool scan_target_intersect(const scan_target* target, stp_vec3d origin, stp_vec3d direction,
+                           double nearest, double farthest, scan_surface* surface)
 {
     stp_cast_hit hit;
     const stp_cast_ray ray = {origin, direction, nearest, farthest};
     scan_target* t = (scan_target*)(uintptr_t)target; // is_there only reads it
-    if (!stp_caster_meet(target->caster, &ray, is_there, t, &hit)) {
+    if (!stp_caster_intersect(target->caster, &ray, is_there, t, &hit)) {
         return false;
     }
     stp_vec3d c[3];

@@ -13,7 +13,7 @@
 typedef struct scan_material {
     float base_color[4]; ///< linear
     float uv_transform[2][3];
-    float cutoff;  ///< below this alpha nothing is met; 0: where alpha is 0
+    float cutoff;  ///< surfaces with lower alpha are not hit; 0: those with alpha 0
     bool asks;     ///< whether alpha matters
     bool textured; ///< `texture` multiplies the base colour
     uint32_t texcoord;
@@ -22,9 +22,9 @@ typedef struct scan_material {
 
 /// Data of a mesh that colours need, by the vertices of its triangles.
 typedef struct scan_columns {
-    const float* texcoords;   ///< 2 a vertex, of the set that the material asks for; NULL: none
-    const uint16_t* colors;   ///< 4 a vertex, linear, 65535 is 1; NULL: see `wide_colors`
-    const float* wide_colors; ///< 4 a vertex, linear; NULL: none
+    const float* texcoords;   ///< 2 per vertex, of the set that the material asks for; NULL: none
+    const uint16_t* colors;   ///< 4 per vertex, linear, 65535 is 1; NULL: see `wide_colors`
+    const float* wide_colors; ///< 4 per vertex, linear; NULL: none
     uint32_t material;
     void* owned[3]; ///< arrays that the target made for itself
 } scan_columns;
@@ -59,6 +59,8 @@ typedef struct scan_surface {
     uint32_t object;
 } scan_surface;
 
-/// Casts a ray. @param direction of unit length @return whether it hits anything up to `farthest`
-bool scan_target_meet(const scan_target* target, stp_vec3d origin, stp_vec3d direction,
-                      double nearest, double farthest, scan_surface* surface);
+/// Casts a ray.
+/// @param direction of unit length
+/// @return whether it hits anything up to `farthest`
+bool scan_target_intersect(const scan_target* target, stp_vec3d origin, stp_vec3d direction,
+                           double nearest, double farthest, scan_surface* surface);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "scene_file.h"
 
-#include "neighbours.h"
+#include "companion_files.h"
 #include "tool.h"
 
 #include "base/file.h"
 #include "base/hash.h"
-#include "build/build.h"
+#include "build/build_scene.h"
 #include "import/import.h"
 #include "import/text_columns.h"
 #include "present/camera.h"
@@ -163,7 +163,7 @@ static bool is_cached(const char* path)
 
 typedef struct decision {
     scene_use use;
-    bool with_surfels; ///< decided: what is built serves any use
+    bool with_surfels; ///< decided: the built file serves any use
 } decision;
 
 static bool decide_surfels(const stp_scene* scene, void* user)
@@ -299,7 +299,7 @@ stp_result tool_locate_watched(stp_context* context, const char* path, scene_use
 {
     wish w = {.use = use, .watcher = watcher, .draft = draft};
     stp_result result = locate(context, path, &w, located);
-    if (!w.drafted) { // what may stand there is another's
+    if (!w.drafted) { // an existing file may belong to another process
         draft[0] = '\0';
     }
     return result;

@@ -15,9 +15,9 @@
 typedef struct tool_shape_list {
     double origin[3]; ///< to be added to all places
     stp_disk_shape* disks;
-    float* positions;  ///< 3 a vertex
-    uint32_t* indices; ///< 3 a triangle
-    float* points;     ///< 3 a point
+    float* positions;  ///< 3 per vertex
+    uint32_t* indices; ///< 3 per triangle
+    float* points;     ///< 3 per point
     size_t disk_count, vertex_count, triangle_count, point_count;
     size_t disk_capacity, position_capacity, index_capacity,
         point_capacity; ///< of numbers but for disks

@@ -26,7 +26,7 @@ int show_options_check(const show_options* options);
 typedef struct scene_show {
     stp_context* context;
     stp_store* store;
-    stp_outline* outline;       ///< NULL: names were not asked for
+    stp_outline* outline;       ///< NULL: names are not needed
     stp_visibility* visibility; ///< NULL: all is shown
 } scene_show;
 

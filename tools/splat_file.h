@@ -4,9 +4,8 @@
 
 #include "command.h"
 
+#include "base/splat_columns.h"
 #include "lod/psp/ellipse.h"
-
-#include <stipple/surfels.h>
 
 /// Splats with colours; only the listed ones are written.
 typedef struct tool_splats {
@@ -30,7 +29,7 @@ STP_MUST_USE stp_result tool_write_splats(stp_context* context, const char* path
 /// Splats of a file.
 typedef struct tool_splat_set {
     stp_ellipse* ellipses; ///< `minor` and the length of `major` may be 0
-    uint8_t* colors;       ///< 3 each, sRGB; white where the file has none
+    uint8_t* colors;       ///< 3 each, sRGB; white if the file has none
     uint32_t count;
     double origin[3]; ///< to be added to centres
 } tool_splat_set;

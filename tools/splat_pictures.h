@@ -12,7 +12,7 @@ enum { SPLAT_PICTURES = 7 };
 /// The standard views to compare.
 extern const char* const splat_picture_views[SPLAT_PICTURES];
 
-/// A scene and what is drawn of it.
+/// A scene and the options for drawing it.
 typedef struct splat_scene {
     stp_store* store;
     stp_quality quality;
@@ -24,8 +24,9 @@ typedef struct splat_pictures {
 } splat_pictures;
 
 /// Draws both from each view, framed by the bounds of the original, with four samples per pixel,
-/// and compares. If their up axes differ, the views follow the axes of the files. @param size width
-/// and height, pixels @return STP_OK, or a failure that was logged
+/// and compares. If their up axes differ, the views follow the axes of the files.
+/// @param size width and height, pixels
+/// @return STP_OK, or a failure that was logged
 STP_MUST_USE stp_result splat_pictures_compare(stp_context* context, const splat_scene* splats,
                                                const splat_scene* original, const uint32_t size[2],
                                                splat_pictures* found);

@@ -97,7 +97,8 @@ static stp_result add_property(reader* r, const char* type_name, const char* nam
     return STP_OK;
 }
 
-// Takes one line of the header. @param ends set after the last line
+// Takes one line of the header.
+// @param ends set after the last line
 static stp_result read_line(reader* r, const char* line, int* elements, bool* ends)
 {
     char first[32] = "", second[64] = "", third[64] = "";
@@ -150,7 +151,7 @@ static stp_result read_header(reader* r)
         }
     }
     if (r->count == 0 || r->count > UINT32_MAX || r->count > (r->file.size - at) / r->row_size) {
-        return refuse(r, "it is shorter or longer than its header says, or empty");
+        return refuse(r, "its size does not match its header, or it is empty");
     }
     return STP_OK;
 }

@@ -5,8 +5,8 @@
 
 #include "base/coverage.h"
 #include "base/octahedral.h"
+#include "lod/set_columns.h"
 #include "lod/shape_coding.h"
-#include "lod/surfels.h"
 #include "store/writer.h"
 
 #include <limits.h>
@@ -56,8 +56,8 @@ static void measure_splats(store_maker* m)
     }
 }
 
-// The least power of two by which all centres lie on the grid, and radii can be told: not above
-// 2^29 steps.
+// The smallest power of two with which all centres fit on the grid and radii can be represented: at
+// most 2^29 steps.
 static float choose_step(const store_maker* m)
 {
     stp_vec3d size = stp_subd(m->room.max, m->room.min);
@@ -188,7 +188,7 @@ stp_result tool_open_splat_store(stp_context* context, const tool_splats* splats
              folder != NULL && folder[0] != '\0' ? folder : "/tmp");
     int descriptor = mkstemp(path);
     if (descriptor < 0) {
-        return stp_fail(context, STP_ERROR_IO, "%s: cannot be made", path);
+        return stp_fail(context, STP_ERROR_IO, "%s: cannot be created", path);
     }
     stp_result result = tool_write_splat_store(context, path, splats, up);
     result = result == STP_OK ? stp_store_open(context, path, store) : result;

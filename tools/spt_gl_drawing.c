@@ -7,7 +7,7 @@
 #include "base/clock.h"
 #include "base/context.h"
 #include "base/coverage.h"
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 
 #include <string.h>
 
@@ -17,7 +17,7 @@ enum {
     BLOCK_WORDS = NODE_WORDS * SPT_BLOCK,
 };
 
-/// Where things lie in the buffer of a traversal: bytes.
+/// Offsets in the buffer of a traversal, in bytes.
 typedef struct buffer_layout {
     GLintptr points, colors, item, records, commands, end;
 } buffer_layout;
@@ -256,7 +256,7 @@ static stp_result draw_sequence(spt_gl_drawing* d, const spt_view* view, bool gr
     double took = stp_clock_ms() - start;
     start = stp_clock_ms();
     r->list = &list;
-    result = result == STP_OK ? gl_frame_make(r) : result; // once more, by itself
+    result = result == STP_OK ? gl_frame_make(r) : result; // again, measured alone
     gl_frame_place(r, 0);
     double test_ms = stp_clock_ms() - start;
     const gl_commands* commands = &r->frame.commands[GL_COMMANDS_SPLATS];

@@ -7,7 +7,7 @@
 #include "base/splat_codes.h"
 #include "draw/placement.h"
 #include "lod/method.h"
-#include "lod/surfels.h"
+#include "lod/set_columns.h"
 #include "store/internal.h"
 
 #include <string.h>

@@ -1,11 +1,12 @@
-// SPDX-License-Identifier: MIT What `stipple bench spt` draws: the sequence of a point tree, and
-// the tree's nodes on the same grid; and the views it is drawn in.
+// SPDX-License-Identifier: MIT
+// Data drawn by `stipple bench spt`: the sequence of a point tree, the tree's nodes on the same
+// grid, and the views.
 #pragma once
 
+#include "base/splat_columns.h"
 #include "lod/spt/point_tree.h"
 #include "raster/splats.h"
 
-#include <stipple/surfels.h>
 #include <stipple/view.h>
 
 /// Of the picture, and the points that a traversal hands on together.
@@ -15,8 +16,8 @@ typedef struct spt_model {
     stp_context* context;
     const stp_point_tree* tree;
     stp_splats set;      ///< the sequence, with groups
-    uint16_t* positions; ///< 3 a node, on the grid of the set
-    int8_t* normals;     ///< 2 a node
+    uint16_t* positions; ///< 3 per node, on the grid of the set
+    int8_t* normals;     ///< 2 per node
     uint32_t* shapes;
     uint16_t* bits; ///< a bit a splat of the sequence
 } spt_model;
@@ -42,7 +43,8 @@ typedef struct spt_view {
 } spt_view;
 
 /// @param tree made from `samples`; must outlive the model. The caller destroys the model, also
-/// after a failure. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+///         after a failure.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result spt_model_create(stp_context* context, const stp_point_tree* tree,
                                          const stp_splats* samples, spt_model* model);
 void spt_model_destroy(spt_model* model);

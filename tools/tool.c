@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tool.h"
 
-#include "progress.h"
+#include "progress_line.h"
 
 #include "base/printable.h"
 

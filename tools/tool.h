@@ -11,7 +11,7 @@
 typedef struct tool_settings {
     bool help, version, quiet, verbose;
     const char* command; ///< the command that runs; NULL: none yet
-    const char* columns; ///< stp_import_desc.columns of models that are imported; NULL: not said
+    const char* columns; ///< stp_import_desc.columns for imported models; NULL: not given
 } tool_settings;
 
 tool_settings* tool_settings_get(void);

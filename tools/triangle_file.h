@@ -7,7 +7,7 @@
 /// Triangles with a colour at each vertex. Arrays belong to the caller.
 typedef struct tool_triangles {
     const float* vertices;     ///< 3 each
-    const uint8_t* colors;     ///< 3 a vertex, sRGB
+    const uint8_t* colors;     ///< 3 per vertex, sRGB
     const uint32_t* triangles; ///< 3 vertices each
     uint32_t vertex_count, triangle_count;
     double origin[3]; ///< to be added to vertices

@@ -62,7 +62,7 @@ static bool create_unfinished(video* v)
         return false;
     }
     stp_file_remove_stale(v->context, v->path);
-    if (!stp_file_create_beside(v->path, v->unfinished, sizeof(v->unfinished))) {
+    if (!stp_file_create_temporary(v->path, v->unfinished, sizeof(v->unfinished))) {
         tool_error("%s: cannot be written: %s", v->path, strerror(errno));
         return false;
     }
@@ -74,7 +74,8 @@ static bool start_film(video* v, uint32_t width, uint32_t height, double fps)
     char size[32], rate[32], target[sizeof(v->unfinished) + 8];
     snprintf(size, sizeof(size), "%ux%u", width, height);
     snprintf(rate, sizeof(rate), "%.6f", fps);
-    snprintf(target, sizeof(target), "file:%s", v->unfinished); // whatever the name begins with
+    // protects against names with a protocol prefix
+    snprintf(target, sizeof(target), "file:%s", v->unfinished);
     // pictures of an odd size get a black line: most films must be even
     const char* words[] = {"ffmpeg",
                            "-loglevel",
@@ -106,7 +107,8 @@ static bool start_film(video* v, uint32_t width, uint32_t height, double fps)
     int ends[2];
     v->row = stp_alloc_array(v->context, width, 3);
     if (v->row == NULL || pipe(ends) != 0) {
-        tool_error("%s: no pipe to ffmpeg: %s", v->path, strerror(v->row == NULL ? ENOMEM : errno));
+        tool_error("%s: cannot create a pipe to ffmpeg: %s", v->path,
+                   strerror(v->row == NULL ? ENOMEM : errno));
         return false;
     }
     (void)fcntl(ends[1], F_SETFD, FD_CLOEXEC);
@@ -141,7 +143,7 @@ bool video_open(stp_context* context, const char* path, uint32_t width, uint32_t
     }
     v->made_folder = mkdir(path, 0777) == 0;
     if (!v->made_folder && (errno != EEXIST || !video_is_folder(path))) {
-        tool_error("%s: the folder cannot be made: %s", path, strerror(errno));
+        tool_error("%s: cannot create the folder: %s", path, strerror(errno));
         return false;
     }
     return true;
@@ -194,7 +196,7 @@ stp_result video_add(void* user, const stp_image* image, uint32_t frame)
     return STP_OK;
 }
 
-// Removes what an interrupted flight wrote, including the folder if it was created for it.
+// Removes the output of an interrupted flight, including the folder if it was created for it.
 static void remove_frames(video* v)
 {
     char path[4096];

@@ -17,7 +17,7 @@ typedef struct video {
     uint32_t frame_count;  ///< in the folder: those written are before it
     pid_t child;           ///< 0: none
     int pipe;              ///< to its standard input
-    char unfinished[4096]; ///< what the child writes, beside `path`
+    char unfinished[4096]; ///< temporary output of the child, next to `path`
     uint8_t* row;
 } video;
 

@@ -6,7 +6,7 @@
 #include "base/coverage.h"
 #include "build/shadings.h"
 #include "capture/capture.h"
-#include "lod/points.h"
+#include "lod/cloud_candidates.h"
 #include "lod/psp/forest.h"
 #include "lod/psp/nearest_points.h"
 
@@ -19,9 +19,9 @@
 #define GROWTH 1.1f      // ellipses overlap a little, because outlines of regions are not ellipses
 #define MARGIN 0.38f     // of that radius: how far a sample's disk reaches beyond one of its area
 #define SCATTERED 0.3f   // share of an ellipse that is surface, below which pixels are left out
-#define LEAST_COSINE 0.3 // splats turn to the viewer by at least so much, so that rims close
-#define FAR_NEIGHBOURS 4.0f // of a cloud: radii of points are cut to so many times the median
-#define LARGEST_POINT 0.05  // and to so much of the picture's height
+#define LEAST_COSINE 0.3 // minimum cosine to which splats turn towards the viewer, to close rims
+#define FAR_NEIGHBOURS 4.0f // for clouds: maximum radius of a point, relative to the median
+#define LARGEST_POINT 0.05  // maximum radius of a point, relative to the picture's height
 #define PI 3.14159265358979323846
 
 enum {
@@ -40,7 +40,7 @@ typedef struct splat_maker {
     stp_shading_set shadings;
     bool is_cloud, thinned;
     float largest;   ///< radius of a point of a cloud
-    float* areas;    ///< of the surface that a candidate stands for
+    float* areas;    ///< surface area that each candidate represents
     uint8_t* colors; ///< of candidates, 3 each
     stp_psp_splats left;
     // by splat

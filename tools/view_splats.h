@@ -15,7 +15,7 @@ typedef struct view_splats {
     stp_store* store;    ///< of the splats; NULL: the view sees nothing
     uint32_t candidates; ///< pixels of the surface that were merged
     uint32_t splats;
-    // what the view shows anything of, finer than the picture
+    // outline of the visible content, finer than the picture
     bool has_outline;
     stp_silhouette outline;
     stp_vec3d origin; ///< that its positions are relative to
@@ -24,9 +24,9 @@ typedef struct view_splats {
 /// Captures a parallel view at two by two pixels per picture pixel at the usual size, and merges
 /// every second pixel (STP_PSP_REGIONS) until `count` splats remain. At most 128 pixels per splat
 /// are used, or 2^18 if that is more. The result does not depend on the number of threads.
-/// @param view a parallel view that shows the whole scene; its sections are ignored @return STP_OK,
-/// STP_ERROR_LIMIT (more than 2^22 uses of parts), or another failure; logged. The caller destroys
-/// the result
+/// @param view a parallel view that shows the whole scene; its sections are ignored
+/// @return STP_OK, STP_ERROR_LIMIT (more than 2^22 uses of parts), or another failure; logged. The
+///         caller destroys the result
 STP_MUST_USE stp_result view_splats_make(const stp_scene* scene, const stp_view* view,
                                          uint32_t count, view_splats* made);
 void view_splats_destroy(stp_context* context, view_splats* made);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Settings of point clouds: default eye-dome lighting, and point size.
 #include "gui.h"
-#include "parts.h"
+#include "panels.h"
 
 float cloud_page_eye_dome(const viewer* v)
 {

@@ -6,7 +6,7 @@
 
 #include "part_materials.h"
 
-#include "select/pick.h"
+#include "select/pick_ray.h"
 #include "store/outline.h"
 
 enum { EXPLORER_ROWS_MOST = 100000, EXPLORER_FOUND_MOST = 1000 };

@@ -2,16 +2,17 @@
 // Input: mouse, keys and gamepad control the camera and trigger commands.
 #include "gamepad.h"
 #include "gui.h"
-#include "parts.h"
+#include "panels.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-static const float click_reach = 4.0f;             // pixels of movement that still count as a click
-static const double zoom_step = 0.85;              // per notch of the wheel
-static const double faster = 5.0;                  // with Shift
-static const double look_a_picture = STP_PI / 3.0; // rotation for a drag over the picture's height
-static const double stick_turn = 1.8;              // radians per second
+static const float click_reach = 4.0f; // pixels of movement that still count as a click
+static const double zoom_step = 0.85;  // per notch of the wheel
+static const double faster = 5.0;      // with Shift
+static const double turn_per_picture =
+    STP_PI / 3.0;                     // rotation for a drag over the picture's height
+static const double stick_turn = 1.8; // radians per second
 
 static float in_picture_x(const viewer* v, float x)
 {
@@ -68,8 +69,8 @@ static void drag_on(viewer* v, float x, float y)
     } else if (in->drag == DRAG_SECTION) {
         section_drag(v, x - (float)dx, y - (float)dy, x, y);
     } else if (in->drag == DRAG_LOOK) {
-        double angle = look_a_picture / (double)v->camera.height;
-        stp_navigator_look(&v->camera, dx * angle, dy * angle);
+        double angle = turn_per_picture / (double)v->camera.height;
+        stp_navigator_turn(&v->camera, dx * angle, dy * angle);
     }
 }
 
@@ -201,18 +202,19 @@ static void show_next_method(viewer* v)
 {
     const stp_store_directory* d = v->scene != NULL ? v->scene->directory : NULL;
     if (d == NULL || d->method_count < 2) {
-        viewer_say(v, false, "This file has splats of only one method");
+        viewer_show_message(v, false, "This file has splats of only one method");
         return;
     }
     uint32_t place = stp_store_find_method(d, (uint32_t)v->settings.splats_by);
     if (viewer_mixes_methods(v) && place == 0 && v->settings.splats_by != 0) {
         v->settings.splats_by = 0; // after the last method, back to automatic
-        viewer_say(v, false, "Splats by %s, and by others where few suffice", d->methods[0].name);
+        viewer_show_message(v, false, "Splats by %s, and by others where few suffice",
+                            d->methods[0].name);
         return;
     }
     uint32_t next = (place + 1) % d->method_count;
     v->settings.splats_by = (int)d->methods[next].id;
-    viewer_say(v, false, "Splats by %s", d->methods[next].name);
+    viewer_show_message(v, false, "Splats by %s", d->methods[next].name);
 }
 
 /// Keys of panels and tools. @return whether it handled the key
@@ -255,7 +257,7 @@ static bool take_tool_key(viewer* v, SDL_Keycode key)
     case SDLK_b:
         v->settings.backend = viewer_uses_gl(v) ? BACKEND_PROCESSOR : BACKEND_OPENGL;
         if (!v->window.has_worker) {
-            viewer_say(v, false, "OpenGL 4.5 is not available");
+            viewer_show_message(v, false, "OpenGL 4.5 is not available");
         }
         break;
     case SDLK_n:
@@ -371,7 +373,7 @@ static bool step_pad(viewer* v, double moves[3], double seconds)
     }
     if (turns) {
         v->glide_start = -1.0;
-        stp_navigator_look(&v->camera, sticks.turn * stick_turn * seconds,
+        stp_navigator_turn(&v->camera, sticks.turn * stick_turn * seconds,
                            sticks.nod * stick_turn * seconds);
     }
     return turns;

@@ -56,7 +56,7 @@ static void on_log(stp_log_level level, const char* message, void* user)
     }
 }
 
-static void tell(loader* l, loader_state state, const char* store, bool complete)
+static void set_state(loader* l, loader_state state, const char* store, bool complete)
 {
     pthread_mutex_lock(&l->mutex);
     if (l->wanted == l->begun) {
@@ -73,7 +73,7 @@ static void tell(loader* l, loader_state state, const char* store, bool complete
 
 static void on_grown(const char* store, void* user)
 {
-    tell(user, LOADER_REFINING, store, false);
+    set_state(user, LOADER_REFINING, store, false);
 }
 
 void loader_drop_drafts(loader* l)
@@ -118,7 +118,7 @@ static void load(loader* l, const char* path)
     loader_drop_drafts(l);
     if (stp_context_create(&context, &desc) != STP_OK) {
         on_log(STP_LOG_ERROR, "not enough memory to load the file", l);
-        tell(l, LOADER_FAILED, NULL, false);
+        set_state(l, LOADER_FAILED, NULL, false);
         return;
     }
     scene_watcher watcher = {.grown = on_grown, .user = l};
@@ -130,7 +130,8 @@ static void load(loader* l, const char* path)
     pthread_mutex_lock(&l->mutex);
     copy_text(l->draft, sizeof(l->draft), draft);
     pthread_mutex_unlock(&l->mutex);
-    tell(l, result == STP_OK ? LOADER_DONE : LOADER_FAILED, result == STP_OK ? found : NULL, true);
+    set_state(l, result == STP_OK ? LOADER_DONE : LOADER_FAILED, result == STP_OK ? found : NULL,
+              true);
 }
 
 /// Lowers the priority of building below that of drawing. On Linux this affects the calling thread

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Finds or builds the .stip of a file on a thread of its own, so that the viewer never waits.
+// Finds or builds the .stip of a file on a separate thread, so that the viewer never waits.
 //
 // A model can be seen while it is built: drafts (build/draft.h) appear one after another at the
 // same path with increasing serials, then the finished scene. If another process builds the same

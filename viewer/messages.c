@@ -2,7 +2,7 @@
 // Messages to the user: the newest in the status line, earlier ones above it, and an explanation of
 // an empty picture.
 #include "gui.h"
-#include "parts.h"
+#include "panels.h"
 
 #include "base/clock.h"
 
@@ -17,7 +17,7 @@ static bool is_current(const viewer_message* m, double now)
     return m->text[0] != 0 && (m->is_error || now - m->ms < shown_ms);
 }
 
-void viewer_say(viewer* v, bool is_error, const char* format, ...)
+void viewer_show_message(viewer* v, bool is_error, const char* format, ...)
 {
     viewer_message m = {.is_error = is_error, .ms = stp_clock_ms()};
     va_list list;

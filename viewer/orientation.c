@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The view cube and the scale bar in the corners of the picture.
 #include "gui.h"
-#include "parts.h"
+#include "panels.h"
 
 #include "present/scale_bar.h"
 #include "present/view_cube.h"

@@ -2,7 +2,7 @@
 // The picture and its overlays: pivot, selection, sections, measurements, notes. All of them use
 // the camera of the shown picture, so that they stay in place while the next one is drawn.
 #include "gui.h"
-#include "parts.h"
+#include "panels.h"
 
 enum { CHOSEN_COLOR = 0x4DB3F2FF };
 

@@ -2,7 +2,7 @@
 // An opened file, as used by the painter thread.
 #pragma once
 
-#include "painter.h"
+#include "paint_thread.h"
 
 typedef struct paint_scene {
     painter_scene shown;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The interface around the picture: bar, side panels, status line, help, and loading progress.
+#include "panels.h"
+
 #include "gui.h"
-#include "parts.h"
 
 #include <stdio.h>
 #include <string.h>

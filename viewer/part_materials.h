@@ -7,9 +7,9 @@
 enum { PART_MATERIALS_MOST = 6 };
 
 typedef struct part_materials {
-    uint32_t materials
-        [PART_MATERIALS_MOST]; ///< indices in the store, each once, in the order of the file's
-                               /// parts
+    /// Indices in the store, each once, in the order of the file's
+    uint32_t materials[PART_MATERIALS_MOST];
+    /// parts
     uint32_t count;
     bool more; ///< there are more, or the part is too large to search completely
 } part_materials;

@@ -2,7 +2,7 @@
 #include "point_look.h"
 
 #include "gui.h"
-#include "parts.h"
+#include "panels.h"
 
 #include "base/color.h"
 #include "base/color_map.h"
@@ -70,8 +70,8 @@ void point_look_begin(viewer* v)
                                         : POINT_COLOR_RGB};
     const point_color_options* o = &v->options.colors;
     if (o->color != v->look.color) {
-        viewer_say(v, false, "%s: its points have no %s", v->file,
-                   stp_attribute_name(point_color_attribute(o->color)));
+        viewer_show_message(v, false, "%s: its points have no %s", v->file,
+                            stp_attribute_name(point_color_attribute(o->color)));
     } else if (o->range != NULL) {
         v->look.has_range = point_colors_read_range(o->range, &v->look.low, &v->look.high);
     }

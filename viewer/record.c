@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Recording and playing flights, and the output folder of the viewer.
-#include "parts.h"
+#include "panels.h"
 
 #include "base/clock.h"
 #include "scenes/scenes.h"
@@ -54,7 +54,7 @@ static void add_key(viewer* v, double now)
         r->capacity = wanted;
     }
     stp_view view = {0};
-    stp_navigator_give(&v->camera, &view);
+    stp_navigator_write_view(&v->camera, &view);
     r->last_ms = now;
     r->keys[r->count++] = (stp_flight_key){
         .t = 1e-3 * (now - r->start_ms), .eye = view.eye, .target = view.target, .up = view.up};
@@ -68,7 +68,7 @@ static void write_record(viewer* v)
         .fov_degrees = v->camera.fov_degrees, .fps = 60.0, .keys = r->keys, .key_count = r->count};
     record_name_file(v, ".flight.json", path, sizeof(path));
     if (stp_flight_write(v->context, path, &flight) == STP_OK) {
-        viewer_say(v, false, "Flight of %.1f s: %s", r->keys[r->count - 1].t, path);
+        viewer_show_message(v, false, "Flight of %.1f s: %s", r->keys[r->count - 1].t, path);
     }
 }
 
@@ -85,7 +85,7 @@ void record_switch(viewer* v)
         r->count = 0;
         r->start_ms = now;
         add_key(v, now);
-        viewer_say(v, false, "Recording; R ends it");
+        viewer_show_message(v, false, "Recording; R ends it");
     } else {
         if (now - r->last_ms > 1.0) {
             add_key(v, now);
@@ -93,7 +93,7 @@ void record_switch(viewer* v)
         if (r->count > 1) {
             write_record(v);
         } else {
-            viewer_say(v, false, "The recording was too short to keep");
+            viewer_show_message(v, false, "The recording was too short to keep");
         }
     }
 }
@@ -119,7 +119,7 @@ void record_step(viewer* v)
                              .key_count = r->count};
         stp_view view = {0};
         stp_flight_look(&flight, t, &view);
-        stp_navigator_take(&v->camera, &view);
+        stp_navigator_read_view(&v->camera, &view);
         if (t >= r->keys[r->count - 1].t) {
             r->plays = false;
             viewer_redraw(v);

@@ -2,7 +2,7 @@
 // The state of the viewer as a JSON file, for tests and for programs that control the viewer.
 #include "describe.h"
 #include "gui.h"
-#include "parts.h"
+#include "panels.h"
 
 #include "base/clock.h"
 #include "present/view_cube.h"
@@ -20,7 +20,7 @@ static json_t* vector(stp_vec3d p)
 static json_t* describe_camera(const viewer* v)
 {
     stp_view view = {0};
-    stp_navigator_give(&v->camera, &view);
+    stp_navigator_write_view(&v->camera, &view);
     return json_pack("{s:o, s:o, s:o, s:f, s:f, s:o, s:b, s:f, s:f}", "eye", vector(view.eye),
                      "target", vector(view.target), "up", vector(view.up), "fov", view.fov_degrees,
                      "ortho_height", view.ortho_height, "pivot", vector(v->camera.pivot),
@@ -200,7 +200,7 @@ void report_write(viewer* v, bool last)
     if (!written || rename(aside, path) != 0) {
         (void)remove(aside);
         v->options.report = NULL;
-        viewer_say(v, true, "%s: cannot write the report", path);
+        viewer_show_message(v, true, "%s: cannot write the report", path);
     }
     json_decref(object);
 }

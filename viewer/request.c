@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Converts settings and camera to a request for the painter.
-#include "parts.h"
+#include "panels.h"
 
 static uint8_t to_byte(float x)
 {
@@ -51,7 +51,7 @@ paint_request request_make(viewer* v)
         .samples = (uint32_t)s->samples,
     };
     cloud_page_give(v, &request);
-    stp_navigator_give(&v->camera, &request.view);
+    stp_navigator_write_view(&v->camera, &request.view);
     request.view.sections = section_make(v);
     request.gl = viewer_uses_gl(v);
     point_look_give(v, &request);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The section box and section planes.
 #include "gui.h"
-#include "parts.h"
+#include "panels.h"
 
 #include "select/sections.h"
 

@@ -2,7 +2,7 @@
 // Section planes and sides of the section box in the picture: outlines with handles to drag along
 // the normal.
 #include "gui.h"
-#include "parts.h"
+#include "panels.h"
 
 #include "present/plane_drag.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Saved pictures of any size, drawn at full quality on a separate thread with a separate renderer.
 #include "painter_scene.h"
-#include "parts.h"
+#include "panels.h"
 
 #include "base/context.h"
 #include "present/png.h"
@@ -96,8 +96,9 @@ static void* run(void* user)
 void shot_begin(viewer* v)
 {
     if (v->scene == NULL || v->shot != NULL) {
-        viewer_say(v, false, "%s",
-                   v->shot != NULL ? "A picture is already being saved" : "Open a model first");
+        viewer_show_message(v, false, "%s",
+                            v->shot != NULL ? "A picture is already being saved"
+                                            : "Open a model first");
         return;
     }
     shot* s = calloc(1, sizeof(*s));
@@ -125,11 +126,11 @@ void shot_begin(viewer* v)
     if (pthread_create(&s->thread, NULL, run, s) != 0) {
         free(s->shown.things);
         free(s);
-        viewer_say(v, true, "cannot start a thread to save the picture");
+        viewer_show_message(v, true, "cannot start a thread to save the picture");
         return;
     }
     v->shot = s;
-    viewer_say(v, false, "Saving %s", s->path);
+    viewer_show_message(v, false, "Saving %s", s->path);
 }
 
 void shot_end(viewer* v)
@@ -148,9 +149,10 @@ void shot_step(viewer* v)
     if (s != NULL && atomic_load(&s->done)) {
         snprintf(v->last_shot, sizeof(v->last_shot), "%s", s->failed ? "" : s->path);
         if (s->failed) {
-            viewer_say(v, true, "%s", s->message);
+            viewer_show_message(v, true, "%s", s->message);
         } else {
-            viewer_say(v, false, "Saved %s (%u x %u)", s->path, s->view.width, s->view.height);
+            viewer_show_message(v, false, "Saved %s (%u x %u)", s->path, s->view.width,
+                                s->view.height);
         }
         shot_end(v);
     }

@@ -12,9 +12,10 @@ enum { SPLAT_COUNT_LEAST = 2 };
 
 /// The maximum number of splats that a view of the whole scene draws by number: the sum of the
 /// uppermost sets on each path from the root, and of the uppermost sets of moving parts. Each
-/// instance counts. Reads the first octaves of the `psp` sets that count. @param method index in
-/// the directory's table @return at most SPLAT_COUNT_MOST; 0 if the method has no sets there, a set
-/// cannot be read, or memory runs out
+/// instance counts. Reads the first octaves of the `psp` sets that count.
+/// @param method index in the directory's table
+/// @return at most SPLAT_COUNT_MOST; 0 if the method has no sets there, a set cannot be read, or
+///         memory runs out
 uint32_t splat_count_of_scene(stp_store* store, uint32_t method);
 
 /// Whether a number can be chosen.

@@ -5,7 +5,7 @@
 #include "start.h"
 
 #include "gui.h"
-#include "parts.h"
+#include "panels.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -244,7 +244,7 @@ bool start_open_recent(viewer* v, size_t index)
     char path[PATH_MAX], whole[PATH_MAX];
     snprintf(path, sizeof(path), "%s", s->recent.paths[index]);
     if (realpath(path, whole) == NULL) {
-        viewer_say(v, true, "%s: the file no longer exists", path);
+        viewer_show_message(v, true, "%s: the file no longer exists", path);
         recent_remove(&s->recent, path);
         recent_save(&s->recent);
         return true;

@@ -4,7 +4,7 @@
 
 #include "explorer.h"
 #include "loader.h"
-#include "painter.h"
+#include "paint_thread.h"
 #include "point_look.h"
 #include "start.h"
 #include "viewer.h"
@@ -143,12 +143,12 @@ void viewer_redraw(viewer* v);
 /// Wakes the window, from any thread.
 void viewer_wake(void* viewer);
 void viewer_open(viewer* v, const char* path);
-void viewer_say(viewer* v, bool is_error, const char* format, ...)
+void viewer_show_message(viewer* v, bool is_error, const char* format, ...)
     __attribute__((format(printf, 3, 4)));
 /// Whether everything is at rest: the picture is final.
 bool viewer_rests(const viewer* v);
 
-// camera.c
+// camera_moves.c
 void camera_begin(viewer* v); ///< for a new scene
 /// Starts a camera glide to another position.
 void camera_glide(viewer* v, const stp_navigator* to);
@@ -176,7 +176,7 @@ viewer_area panels_layout(const viewer* v);
 void panels_show(viewer* v);
 void panels_switch_parts(viewer* v);
 
-// pages.c
+// statistics_pages.c
 void page_statistics(viewer* v);
 void page_quality(viewer* v);
 
@@ -185,5 +185,5 @@ bool viewer_uses_gl(const viewer* v);
 paint_request request_make(viewer* v);
 
 // report.c
-/// Writes the report if it changed; at once if `last`.
+/// Writes the report if it changed; immediately if `last`.
 void report_write(viewer* v, bool last);

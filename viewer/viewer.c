@@ -5,7 +5,7 @@
 #include "viewer.h"
 
 #include "gui.h"
-#include "parts.h"
+#include "panels.h"
 
 #include "base/clock.h"
 #include "lod/method.h"
@@ -74,7 +74,7 @@ static void explore(viewer* v, bool same_file)
     v->explorer = explorer_create(v->scene->path);
     v->marks_version = 0;
     if (v->explorer == NULL && v->scene->serial > v->former) {
-        viewer_say(v, true, "%s: cannot read the parts", v->file);
+        viewer_show_message(v, true, "%s: cannot read the parts", v->file);
     } else if (v->explorer != NULL && same_file && before != NULL) {
         explorer_follow(v->explorer, before);
     }
@@ -106,7 +106,7 @@ static void step_explorer(viewer* v)
         viewer_redraw(v);
     }
     if (e->message[0] != 0) { // shown once
-        viewer_say(v, true, "%s", e->message);
+        viewer_show_message(v, true, "%s", e->message);
         e->message[0] = 0;
     }
 }
@@ -137,11 +137,11 @@ static void take_scene(viewer* v)
         camera_begin(v);
         point_look_begin(v);
         if (stp_boxd_is_empty(v->scene->bounds)) {
-            viewer_say(v, false, "%s: no visible content", v->file);
+            viewer_show_message(v, false, "%s: no visible content", v->file);
         } else if (lacks_method(v)) {
-            viewer_say(v, false, "%s has splats by %s, not by %s", v->file,
-                       v->scene->directory->methods[0].name,
-                       stp_method_by_id(v->options.method)->name);
+            viewer_show_message(v, false, "%s has splats by %s, not by %s", v->file,
+                                v->scene->directory->methods[0].name,
+                                stp_method_by_id(v->options.method)->name);
         }
     }
     if (v->news.complete && scene->serial == v->news.serial) {
@@ -163,13 +163,13 @@ static void take_news(viewer* v)
         painter_open(v->painter, v->news.store, v->news.serial);
     }
     if (v->news.state == LOADER_FAILED && before != LOADER_FAILED) {
-        viewer_say(v, true, "%s", v->news.message);
+        viewer_show_message(v, true, "%s", v->news.message);
     }
     take_scene(v);
     char message[512];
     bool is_error;
     if (painter_get_message(v->painter, message, sizeof(message), &is_error)) {
-        viewer_say(v, is_error, "%s", message);
+        viewer_show_message(v, is_error, "%s", message);
     }
 }
 
@@ -183,7 +183,7 @@ static void take_picture(viewer* v)
     if (picture->texture != 0) {
         window_borrow(&v->window, picture->texture);
     } else if (!window_upload(&v->window, &picture->image)) {
-        viewer_say(v, true, "not enough graphics memory for the picture");
+        viewer_show_message(v, true, "not enough graphics memory for the picture");
     }
     if (picture->figures.samples <= 1) {
         v->newest_time = (v->newest_time + 1) % FRAME_HISTORY;
@@ -285,7 +285,7 @@ static void step(viewer* v)
 static void on_log(stp_log_level level, const char* message, void* user)
 {
     if (level != STP_LOG_NOTICE) {
-        viewer_say(user, level == STP_LOG_ERROR, "%s", message);
+        viewer_show_message(user, level == STP_LOG_ERROR, "%s", message);
     }
 }
 
@@ -377,7 +377,7 @@ int viewer_run(const viewer_options* options)
     }
     input_begin();
     if (options->backend == BACKEND_OPENGL && !v->window.has_worker) {
-        viewer_say(v, false, "OpenGL 4.5 is not available; using the CPU renderer");
+        viewer_show_message(v, false, "OpenGL 4.5 is not available; using the CPU renderer");
     }
     viewer_redraw(v);
     while (!v->quits) {

@@ -23,14 +23,14 @@ extern "C" {
     X(OK, "ok")                                                                                    \
     X(ERROR_OUT_OF_MEMORY, "out of memory")                                                        \
     X(ERROR_IO, "file could not be read or written")                                               \
-    X(ERROR_TRUNCATED, "file ends before its content does")                                        \
-    X(ERROR_FORMAT, "file is not what its header says")                                            \
-    X(ERROR_VERSION, "file is of a newer format version")                                          \
+    X(ERROR_TRUNCATED, "file is truncated")                                                        \
+    X(ERROR_FORMAT, "file is invalid or damaged")                                                  \
+    X(ERROR_VERSION, "file has a newer format version")                                            \
     X(ERROR_CANCELLED, "stopped by the caller")                                                    \
-    X(ERROR_UNSUPPORTED, "file needs a feature this reader does not have")                         \
+    X(ERROR_UNSUPPORTED, "a required feature is not supported")                                    \
     X(ERROR_LIMIT, "a limit was exceeded")                                                         \
     X(ERROR_ARGUMENT, "an option's value is out of range")                                         \
-    X(ERROR_BUSY, "somebody else is at work there")
+    X(ERROR_BUSY, "in use by another program")
 
 typedef enum stp_result {
 #define X(name, text) STP_##name,
@@ -83,10 +83,10 @@ typedef struct stp_context_desc {
 
 typedef struct stp_context stp_context;
 
-/// Starts the worker threads. `desc` may be NULL: all zero. @return STP_OK,
-/// STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT if threads cannot be started, STP_ERROR_ARGUMENT if
-/// only one of the allocator's hooks is set, or STP_ERROR_UNSUPPORTED if `desc` sets fields that
-/// this library does not know
+/// Creates a context and starts its worker threads; the caller destroys it. `desc` may be NULL:
+/// all zero. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT if threads cannot be started,
+/// STP_ERROR_ARGUMENT if only one of the allocator's hooks is set, or STP_ERROR_UNSUPPORTED if
+/// `desc` sets fields that this library does not know
 STP_API STP_MUST_USE stp_result stp_context_create(stp_context** context,
                                                    const stp_context_desc* desc);
 

@@ -72,8 +72,8 @@ typedef struct stp_mesh_desc {
     size_t struct_size;
     const char* name;
     const float* positions; ///< 3 per vertex
-    const float*
-        normals; ///< 3 per vertex; NULL: flat, from the winding (counter-clockwise is the front)
+    /// 3 per vertex; NULL: flat, from the winding (counter-clockwise is the front)
+    const float* normals;
     const float* texcoords; ///< 2 per vertex, (0, 0) is the image's top left; NULL: none
     const uint8_t* colors;  ///< 4 per vertex, sRGB and alpha, multiply the material's; NULL: none
     size_t vertex_count;
@@ -115,8 +115,8 @@ typedef struct stp_object_desc {
     stp_affine transform;  ///< to the parent; all zero: the identity
     const uint32_t* parts; ///< numbers of the parts it shows; objects may share parts
     size_t part_count;
-    const stp_affine*
-        instances; ///< instances of all its parts within the object; NULL: one, the identity
+    /// Instances of all its parts within the object; NULL: one, the identity
+    const stp_affine* instances;
     size_t instance_count;
 } stp_object_desc;
 

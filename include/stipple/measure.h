@@ -33,7 +33,7 @@ STP_API double stp_measure_angle(stp_vec3d from, stp_vec3d corner, stp_vec3d to)
 
 /// Area of a polygon projected along its own normal (Newell's), and its perimeter. The area of
 /// fewer than 3 points is 0.
-STP_API double stp_measure_area(const stp_vec3d* points, size_t count, double* circumference);
+STP_API double stp_measure_area(const stp_vec3d* points, size_t count, double* perimeter);
 
 /// Coordinates of a point in the file's axes.
 STP_API stp_vec3d stp_measure_coordinates(const stp_measuring* measuring, stp_vec3d point);

@@ -27,7 +27,7 @@ typedef struct stp_painter_desc {
     stp_gl_function (*get_proc_address)(const char* name, void* user);
     void* gl_user;
     uint64_t gl_memory_bytes; ///< limit on GPU memory for the scene; default 1 GiB
-    /// Upload limit in bytes per frame, for data that a coarser level can replace meanwhile; 0:
+    /// Upload limit in bytes per frame, for data whose coarser level can be drawn instead; 0:
     /// upload everything a picture needs.
     uint64_t gl_upload_bytes;
     bool gl_debug; ///< fails on errors that a debug context reports

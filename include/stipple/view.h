@@ -25,12 +25,13 @@ typedef struct stp_sections {
 
 /// A pinhole camera. Pixel (x, y) covers [x, x + 1) x [y, y + 1), y down; its centre is at + 0.5.
 typedef struct stp_view {
-    stp_vec3d eye, target,
-        /// Scene space; `up` need not be orthogonal to the viewing direction, nor of unit length
-        up;
+    stp_vec3d eye, target; ///< scene space; must differ
+    /// Scene space, any length; need not be orthogonal to the viewing direction. If it is zero or
+    /// parallel to that, a coordinate axis is used instead.
+    stp_vec3d up;
     double fov_degrees; ///< vertical, 0..180; ignored where ortho_height is set
-    double
-        ortho_height; ///< parallel projection: height of the picture in scene units; 0: perspective
+    /// Parallel projection: height of the picture in scene units; 0: perspective
+    double ortho_height;
     double near_distance;   ///< near plane distance; 0: derived from the distance to the target
     uint32_t width, height; ///< pixels, at least 1
     /// 0: one eye. Above 0: distance of two eyes with parallel viewing directions, centred at

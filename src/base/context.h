@@ -47,10 +47,10 @@ stp_result stp_fail(stp_context* context, stp_result result, const char* format,
 stp_result stp_fail_memory(stp_context* context);
 /// Estimated bytes that the next work needs in all, for the message of stp_fail_memory; 0: unknown.
 void stp_context_expect_bytes(stp_context* context, uint64_t bytes);
-/// Errors are not logged from now on, but the first is kept: for work that is tried again where it fails. Called again,
-/// what was kept is forgotten.
+/// From now on, does not log errors but keeps the first: for work that is retried on failure.
+/// Another call discards the kept error.
 void stp_hold_errors(stp_context* context);
-/// Errors are logged again. `log`: so is the one that was kept.
+/// Logs errors again. `log`: also logs the kept one.
 void stp_release_errors(stp_context* context, bool log);
 void stp_warn(stp_context* context, const char* format, ...) __attribute__((format(printf, 2, 3)));
 void stp_notice(stp_context* context, const char* format, ...)

@@ -21,7 +21,7 @@ typedef struct stp_reported_loop {
 
 enum {
     STP_MESSAGE_SIZE = 1024,
-    // errors are logged; the next is kept; one was
+    // errors are logged; the next one is kept; one is kept
     STP_HELD_NOT = 0,
     STP_HELD_NEXT = 1,
     STP_HELD_ONE = 2,

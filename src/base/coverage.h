@@ -10,10 +10,10 @@
 
 enum {
     STP_COVERAGE_CHANCES = 39, ///< smaller codes: a share of the pixels
-    STP_COVERAGE_HALVES =
-        39, ///< from here on: one line, 24 directions of 15 degrees, three distances
-    STP_COVERAGE_STRIPS =
-        111, ///< from here on: two lines, 12 directions, twelve pairs of distances
+    /// From here on: one line, 24 directions of 15 degrees, three distances
+    STP_COVERAGE_HALVES = 39,
+    /// From here on: two lines, 12 directions, twelve pairs of distances
+    STP_COVERAGE_STRIPS = 111,
     STP_COVERAGE_WHOLE = 255,
     STP_CUT_DIRECTIONS = 24,
     STP_CUT_HALF_OFFSETS = 3,

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// Public structs of any version. Each begins with `size_t struct_size`: how much of it the caller knows, 0 for its first
-// version. They only ever grow at their end.
+// Public structs of any version. Each begins with `size_t struct_size`: the size of the struct as
+// the caller knows it; 0: its first version. Structs only grow at their end.
 #pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <string.h>
 
-/// Copies a caller's descriptor; NULL, and fields that the caller does not know, become zero. When a struct grows,
-/// struct_size 0 must stand for its first version: pass that version's size as `first`.
-/// @return false where the caller sets fields that this library does not know
+/// Copies a caller's descriptor. Fields that the caller does not know become zero; NULL: all. When
+/// a struct grows, struct_size 0 must stand for its first version: pass that version's size as
+/// `first`.
+/// @return false if the caller sets fields that this library does not know
 static inline bool stp_desc_read(void* desc, size_t size, size_t first, const void* given)
 {
     size_t known = 0;
@@ -32,7 +33,7 @@ static inline bool stp_desc_read(void* desc, size_t size, size_t first, const vo
     return true;
 }
 
-/// Fills a caller's struct as far as the caller knows it; what this library does not know of it becomes zero.
+/// Fills a caller's struct up to its size; fields that this library does not know become zero.
 static inline void stp_info_write(void* info, const void* made, size_t size, size_t first)
 {
     const size_t head = sizeof(size_t);

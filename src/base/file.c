@@ -16,7 +16,7 @@
 
 #define BUFFER_SIZE ((size_t)1 << 20)
 #define MOST_ATTEMPTS 100u
-#define NAME_ROOM 48u // length of a temporary file's suffix
+#define NAME_ROOM 48u // maximum length of a temporary file's suffix
 
 stp_result stp_file_map_open(stp_context* context, const char* path, stp_mapped_file* file,
                              int* kept)
@@ -99,7 +99,7 @@ void stp_file_expect_random(const stp_mapped_file* file)
     }
 }
 
-void stp_file_forget(const stp_mapped_file* file)
+void stp_file_evict(const stp_mapped_file* file)
 {
     if (file->bytes != NULL) { // posix_madvise would do nothing
         (void)madvise((void*)(uintptr_t)file->bytes, file->size, MADV_DONTNEED);
@@ -178,7 +178,7 @@ static int open_beside(const char* path, char* temporary, size_t size)
     return -1;
 }
 
-bool stp_file_create_beside(const char* path, char* temporary, size_t size)
+bool stp_file_create_temporary(const char* path, char* temporary, size_t size)
 {
     int descriptor = open_beside(path, temporary, size);
     stp_file_close(descriptor);

@@ -10,7 +10,7 @@ typedef struct stp_mapped_file {
     size_t size;
 } stp_mapped_file;
 
-/// Maps `path` for reading. Directories, devices and pipes are refused.
+/// Maps `path` for reading. Directories, devices and pipes are rejected.
 /// @return STP_OK, or STP_ERROR_IO (logged, with the system's reason)
 STP_MUST_USE stp_result stp_file_map(stp_context* context, const char* path, stp_mapped_file* file);
 /// Also keeps the file open for reading: the caller closes `descriptor`, which is -1 on failure.
@@ -27,11 +27,12 @@ size_t stp_file_peek(const char* path, void* bytes, size_t size);
 void stp_file_expect_random(const stp_mapped_file* file);
 /// Drops the file's pages from memory. The mapping stays valid; pages are read again when needed.
 /// Any thread, also while others read.
-void stp_file_forget(const stp_mapped_file* file);
+void stp_file_evict(const stp_mapped_file* file);
 void stp_file_unmap(stp_mapped_file* file);
 
-/// A file being written. Bytes go to `path`.tmp-<process>-<number>, which is renamed to `path` at
-/// commit, or removed. Fails at once if `path` exists and is no regular file (a folder, a device).
+/// A file being written. Bytes go to `path`.tmp-<process>-<number>, which is renamed to `path` on
+/// commit, or removed. Opening fails if `path` exists and is not a regular file (a folder, a
+/// device).
 typedef struct stp_file_writer stp_file_writer;
 
 STP_MUST_USE stp_result stp_file_writer_open(stp_context* context, const char* path,
@@ -54,7 +55,7 @@ void stp_file_writer_abort(stp_file_writer* writer);
 /// Creates an empty file beside `path` with a unique name (`path`.tmp-<process>-<number>), for a
 /// child process to write.
 /// @return false on failure (see errno; ENAMETOOLONG if `size` is too small for the name)
-bool stp_file_create_beside(const char* path, char* temporary, size_t size);
+bool stp_file_create_temporary(const char* path, char* temporary, size_t size);
 
 /// Free disk space beside `path` in bytes; UINT64_MAX if unknown.
 uint64_t stp_file_room(const char* path);

@@ -10,11 +10,11 @@ struct stp_gate {
     stp_context* context;
     uint64_t budget;
     pthread_mutex_t mutex;
-    pthread_cond_t moved;     ///< a ticket left, or the line advanced
-    stp_gate_ticket* inside;  ///< who is inside
+    pthread_cond_t moved;     ///< a ticket left, or the queue advanced
+    stp_gate_ticket* inside;  ///< tickets inside
     uint64_t bytes, peak;     ///< announced by the tickets inside
     uint64_t jobs;            ///< number of tickets inside that loop pieces entered
-    uint64_t arrived, called; ///< place in line: next to be assigned, next to enter
+    uint64_t arrived, called; ///< position in the queue: next to assign, next to enter
 };
 
 stp_result stp_gate_create(stp_context* context, uint64_t budget_bytes, stp_gate** gate)
@@ -66,7 +66,7 @@ static void admit(stp_gate* gate, stp_gate_ticket* ticket)
     gate->jobs += ticket->in_loop;
 }
 
-// Waits in line. Call with the mutex held.
+// Waits in the queue. Call with the mutex held.
 static stp_result wait_in_line(stp_gate* gate, const stp_gate_ticket* ticket)
 {
     uint64_t number = gate->arrived++;

@@ -3,9 +3,9 @@
 // Admits jobs while the memory they announce fits a budget. First come, first served, so small jobs
 // cannot starve a large one. A job larger than the budget runs alone.
 //
-// Deadlock-free: a thread that is inside enters again at once, and a loop started by a thread
-// inside always has at least one job running. A thread inside must not wait for a job that has yet
-// to enter.
+// Deadlock-free: a thread that is inside may enter again without waiting, and a loop started by a
+// thread inside always has at least one job running. A thread inside must not wait for a job that
+// has not entered yet.
 #pragma once
 
 #include "base/context.h"

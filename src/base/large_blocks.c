@@ -43,7 +43,7 @@ static stp_large_block take_kept(stp_large_blocks* blocks, size_t index)
     return block;
 }
 
-// Gives back what was freed first until so much is left, of the last such block no more than that; the mutex is held.
+// Frees the oldest kept blocks until the limits hold; the last one only in part. The mutex is held.
 static void trim(stp_large_blocks* blocks, size_t most_blocks, size_t most_bytes)
 {
     while (blocks->kept_count > most_blocks || blocks->kept_bytes > most_bytes) {
@@ -66,7 +66,7 @@ void stp_large_blocks_close(stp_large_blocks* blocks)
     pthread_mutex_destroy(&blocks->mutex);
 }
 
-// Keeps a block as the one freed last, in one piece with kept ones that end where it begins, or begin where it ends.
+// Keeps a block as the newest. Merges it with adjacent kept blocks.
 static void keep(stp_large_blocks* blocks, stp_large_block block)
 {
     for (size_t i = 0; i < blocks->kept_count;) {
@@ -84,7 +84,7 @@ static void keep(stp_large_blocks* blocks, stp_large_block block)
     blocks->kept_bytes += block.size;
 }
 
-// The smallest kept block that will do. What is too much of it stays where it was.
+// Takes the smallest kept block that is large enough. The remainder stays kept.
 static stp_large_block reuse(stp_large_blocks* blocks, size_t size)
 {
     size_t best = blocks->kept_count;
@@ -152,7 +152,7 @@ void stp_large_free(stp_large_blocks* blocks, void* memory, size_t size, size_t 
     unmap(block);
 }
 
-void stp_large_forget(void* memory, size_t size)
+void stp_large_discard(void* memory, size_t size)
 {
 #if defined(MADV_DONTNEED)
     size_t page = whole_pages(1);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
-// Large blocks of memory straight from the system. Malloc keeps what is freed for its own later use, in pieces: after
-// some hours as much again may be resident as is in use. Here a freed block goes back at once, but for a few that
-// are kept to be used again, because fresh pages cost a fault each. A kept block is divided where less is asked for, and
-// joined with kept ones beside it, so work that repeats itself finds the same memory again. How many bytes that may be is said every time, so
-// that what is in use and what is kept stay within one limit together.
+// Allocates large blocks directly from the system. malloc would keep freed memory in fragments:
+// after some hours, resident memory may be twice the memory in use. Here, freed blocks return to
+// the system immediately, except a few that are kept for reuse, because page faults of new pages
+// are expensive. Kept blocks are split for smaller requests and merged with adjacent ones, so
+// repeated work finds the same memory again. Each call passes the maximum number of kept bytes, so
+// that used and kept memory together stay within one limit.
 #pragma once
 
 #include <pthread.h>
@@ -34,6 +35,6 @@ void* stp_large_alloc(stp_large_blocks* blocks, size_t size, size_t most_kept);
 /// `size` as requested from stp_large_alloc. Any thread.
 void stp_large_free(stp_large_blocks* blocks, void* memory, size_t size, size_t most_kept);
 
-/// Gives back the pages that lie wholly within: what was in them is lost, and the memory stays valid. Any memory that is
-/// its caller's alone.
-void stp_large_forget(void* memory, size_t size);
+/// Returns all whole pages in a range to the system. Their content is lost; the memory stays valid.
+/// The range must belong to the caller alone.
+void stp_large_discard(void* memory, size_t size);

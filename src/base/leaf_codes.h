@@ -3,8 +3,7 @@
 #pragma once
 
 #include "base/splat_codes.h"
-
-#include <stipple/surfels.h>
+#include "base/splat_columns.h"
 
 enum { STP_LEAF_EXTENT_SIDE = 64 }; ///< code of a square as wide as the leaf
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Morton codes: interleaved bits of three coordinates, so that close numbers are close places.
+// Morton codes: interleaved bits of three coordinates, so that close codes are close in space.
 #pragma once
 
 #include <stdint.h>

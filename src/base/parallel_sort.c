@@ -16,7 +16,7 @@ typedef struct sorter {
     size_t count, piece_size;
     unsigned shift;
     uint64_t mask;
-    size_t (*starts)[DIGIT_COUNT]; ///< of each piece: items per digit, then where they go
+    size_t (*starts)[DIGIT_COUNT]; ///< per piece: items per digit, then their target index
 } sorter;
 
 static size_t end_of_piece(const sorter* s, size_t piece)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// The step is a power of two, so only the octaves of lengths matter. The smallest triangles set the
-// step. They are found in two ways: the median edge of runs of triangles that are adjacent in the
-// input (mostly neighbours), so that a few slivers do not make a whole mesh expensive; and the
+// The step is a power of two, so only the exponents of lengths matter. The smallest triangles
+// determine the step. They are found in two ways: the median edge of runs of consecutive triangles,
+// which are mostly neighbours, so that a few slivers do not make a whole mesh expensive; and the
 // shortest twentieth of all edges, for inputs without a useful order.
 #include "base/position_grid.h"
 

@@ -12,8 +12,8 @@
 /// @return the length of `out`
 size_t stp_make_printable(const char* text, char* out, size_t size);
 
-/// Finds the first character from U+007F on that stp_make_printable() escapes: the ones JSON allows
-/// unescaped.
+/// Finds the first character from U+007F on that stp_make_printable() escapes, which are those that
+/// JSON allows unescaped.
 /// @return its offset, and its bytes in `*length`; `size` if there is none
 size_t stp_find_unprintable(const char* text, size_t size, uint32_t* code, size_t* length);
 

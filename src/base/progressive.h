@@ -6,9 +6,10 @@
 //   splats  [0 .. base) | 2 of split 0 | 2 of split 1 | ...
 //
 // A splat whose lowest level is 0 is a leaf. All others are parents. Split s replaces parent s of
-// the split order: the higher lowest level first; of equal ones, the lower index. Splats of the
-// base set are drawn up to an infinite level, all others up to a finite one. A child's lowest level
-// is at most its parent's. So a prefix of a set is a set that can be refined less.
+// A splat whose lowest level is 0 is a leaf. All others are parents. Split s replaces parent s of
+// the split order: parents are sorted by descending lowest level; ties by index. Splats of the base
+// set are drawn up to an infinite level, all others up to a finite one. A child's lowest level is
+// at most its parent's. So any prefix of a set is a valid set with fewer splits.
 #pragma once
 
 #include <stdbool.h>
@@ -18,36 +19,35 @@
 typedef struct stp_progressive_counts {
     uint32_t base;   ///< splats in the base set
     uint32_t splits; ///< splits whose two splats are both in the prefix
-    uint32_t
-        parents; ///< splats that are not leaves; as many as `splits` in a whole set, else no fewer
+    /// Splats that are not leaves; equal to `splits` in a whole set, otherwise at least `splits`
+    uint32_t parents;
 } stp_progressive_counts;
 
 /// Counts the base set, the splits and the parents in the first `count` splats of a set.
-/// @param ranges codes of ranges (base/splat_codes.h), 1 a splat
+/// @param ranges codes of ranges (base/splat_codes.h), 1 per splat
 stp_progressive_counts stp_progressive_count(const uint32_t* ranges, uint32_t count);
 
-/// Lists all parents in the order in which they are split: parent s is the splat that split s
-/// replaces.
+/// Lists all parents in split order: parent s is the splat that split s replaces.
 /// @param order room for `count` indices
 /// @param scratch room for `count` indices
-/// @return how many parents there are
+/// @return number of parents
 uint32_t stp_progressive_order(const uint32_t* ranges, uint32_t count, uint32_t* order,
                                uint32_t* scratch);
 
 /// Whether a splat may be a child of another, by the ranges of the two.
 bool stp_progressive_fits(uint32_t parent, uint32_t child);
 
-/// Checks that a prefix of a set can be split in its order: all levels are levels, each parent lies
-/// before its two children and is at least as high as they are, and there are enough parents.
-/// @param order of stp_progressive_order
-/// @return whether all that holds
+/// Checks that a prefix of a set can be split in its order: all levels are valid, each parent
+/// precedes its two children and its lowest level is at least theirs, and there are enough parents.
+/// @param order from stp_progressive_order
+/// @return whether all of this holds
 bool stp_progressive_is_valid(const uint32_t* ranges, uint32_t count, const uint32_t* order);
-/// Checks the same of a whole set: there are no more parents than splits.
+/// Also checks that the set is whole: there are no more parents than splits.
 bool stp_progressive_is_whole(const uint32_t* ranges, uint32_t count, const uint32_t* order);
 
-/// A state with some count of splats as two runs of the set, each of which is drawn at one level.
-/// With lo the lowest level of a splat as a code, splat i < end is drawn if lo < code, or if lo =
-/// code and i >= divide.
+/// A state with some count of splats as two runs of the set, each drawn at one level. With lo the
+/// lowest level of a splat as a code, splat i < end is drawn if lo < code, or if lo = code and i >=
+/// divide.
 typedef struct stp_progressive_cut {
     uint32_t end;    ///< splats of the prefix that holds the state
     uint32_t code;   ///< of the level of the next split's parent; 0 if nothing is left to split
@@ -64,15 +64,15 @@ typedef struct stp_progressive_cut {
 stp_progressive_cut stp_progressive_find_cut(const uint32_t* ranges, uint32_t count,
                                              uint32_t wanted);
 
-/// A state of a set that is refined and coarsened. Equal counts give equal lists, whatever came
-/// before.
+/// State of a set during refinement and coarsening. Equal counts give equal lists, regardless of
+/// earlier steps.
 typedef struct stp_progressive_walk {
-    const uint32_t* order; ///< of stp_progressive_order
-    uint32_t base, splits; ///< of stp_progressive_count
-    uint32_t split;        ///< splits that are done
-    uint32_t*
-        alive; ///< splats of the state: base + split indices. A split puts the first child in the
-               ///< parent's place and appends the second
+    const uint32_t* order; ///< from stp_progressive_order
+    uint32_t base, splits; ///< from stp_progressive_count
+    uint32_t split;        ///< number of splits done
+    /// Splats of the state: base + split indices. A split puts the first child in the parent's
+    /// place and appends the second
+    uint32_t* alive;
     uint32_t* slots; ///< index in `alive` of the parent of each split done
 } stp_progressive_walk;
 
@@ -86,17 +86,17 @@ static inline uint32_t stp_progressive_size(const stp_progressive_walk* walk)
 {
     return walk->base + walk->split;
 }
-/// Splits at most `steps` splats, each into two. @return how many
+/// Splits at most `steps` splats, each into two. @return number of splits
 uint32_t stp_progressive_refine(stp_progressive_walk* walk, uint32_t steps);
-/// Undoes at most `steps` splits. @return how many
+/// Undoes at most `steps` splits. @return number of undone splits
 uint32_t stp_progressive_coarsen(stp_progressive_walk* walk, uint32_t steps);
-/// Refines or coarsens to `count` splats, or as near as the set allows. @return splats of the state
+/// Refines or coarsens to `count` splats, or as close as possible. @return splats of the state
 uint32_t stp_progressive_walk_to(stp_progressive_walk* walk, uint32_t count);
 
 /// The parents waiting to be split while a set is read in its order.
 typedef struct stp_progressive_queue {
     const uint32_t* ranges;
-    uint32_t* heap; ///< the caller's: room for all parents that may wait
+    uint32_t* heap; ///< owned by the caller: space for all parents that may wait
     uint32_t count;
 } stp_progressive_queue;
 

@@ -19,7 +19,7 @@
 #define SMALLEST_CHUNK ((size_t)4 << 20)
 #define LARGEST_CHUNK ((size_t)256 << 20)
 #define MOST_ATTEMPTS 100u
-#define NAME_ROOM 48u // length of the file name after the folder
+#define NAME_ROOM 48u // maximum length of the file name after the folder
 
 typedef struct chunk_head {
     struct chunk_head* previous;
@@ -40,7 +40,7 @@ static size_t round_up(size_t size, size_t multiple)
     return (size + multiple - 1) & ~(multiple - 1);
 }
 
-// Opens an anonymous file if the file system supports it; else a named file, removed at once.
+// Opens an anonymous file if the file system supports it; else a named file, removed immediately.
 static int open_nameless(const char* folder, char* path, size_t path_size)
 {
     int descriptor = open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
@@ -85,7 +85,7 @@ stp_result stp_spill_create(stp_context* context, const char* folder, stp_spill*
     return STP_OK;
 }
 
-stp_result stp_spill_create_beside(const stp_spill* other, stp_spill** spill)
+stp_result stp_spill_create_sibling(const stp_spill* other, stp_spill** spill)
 {
     return stp_spill_create(other->context, other->folder, spill);
 }

@@ -9,19 +9,19 @@
 
 typedef struct stp_spill stp_spill;
 
-/// `folder` must exist. @return STP_OK, STP_ERROR_IO (logged, with the system's reason), OUT_OF_MEMORY
+/// `folder` must exist. @return STP_OK, STP_ERROR_IO (logged, with the system's reason),
+/// OUT_OF_MEMORY
 STP_MUST_USE stp_result stp_spill_create(stp_context* context, const char* folder,
                                          stp_spill** spill);
 /// Creates another spill in the same folder, to be destroyed sooner.
-STP_MUST_USE stp_result stp_spill_create_beside(const stp_spill* other, stp_spill** spill);
+STP_MUST_USE stp_result stp_spill_create_sibling(const stp_spill* other, stp_spill** spill);
 void stp_spill_destroy(stp_spill* spill);
 
 /// `size` zeroed bytes, 64-byte aligned, valid until the spill is destroyed. Reserves disk space
 /// first: a full disk gives NULL and a logged STP_ERROR_IO, never a signal. Any thread.
 void* stp_spill_alloc(stp_spill* spill, size_t size);
 
-/// Lets the system drop all of it from memory once written; pages are read again when needed. Any
-/// thread.
+/// Lets the system evict all written data from memory; it is read again when needed. Any thread.
 void stp_spill_release_pages(stp_spill* spill);
 
 /// Bytes allocated so far.

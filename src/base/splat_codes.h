@@ -5,9 +5,9 @@
 // a range narrower.
 //
 //   shape   bits 0-11: larger radius; 12-23: smaller radius; 24-31: direction of the larger one.
-//           A disk has no direction. Its bits 24-31 hold the normal spread instead: the sine of how
-//           far the normals of the replaced surface deviate from its own; 255: 1 or unbounded.
-//           In sets that mark splats which large triangles replace, bit 31 of a disk is that mark,
+//           A disk has no direction. Its bits 24-31 hold the normal spread instead: the sine of the
+//           maximum deviation of the replaced surface's normals; 255: 1 or unbounded.
+//           In sets that mark splats replaced by large triangles, bit 31 of a disk is that mark,
 //           and a spread of 127 means 1 or unbounded.
 //   range   bits 0-15: lowest level at which the splat is drawn; 16-31: highest.
 #pragma once
@@ -24,7 +24,7 @@ enum {
     STP_RANGE_INFINITE = 0xFF00,      ///< larger codes are invalid levels
 };
 
-#define STP_SHAPE_TURN 256u            ///< directions of half a turn
+#define STP_SHAPE_TURN 256u            ///< directions per half turn
 #define STP_SHAPE_REPLACED 0x80000000u ///< of a disk
 
 static inline float stp_float_of_bits(uint32_t bits)
@@ -83,7 +83,7 @@ static inline float stp_shape_stretch(uint32_t code)
     return ratio * ratio - 1.0f;
 }
 
-/// Code of a disk in a set that marks splats which large triangles replace.
+/// Code of a disk in a set that marks splats replaced by large triangles.
 /// @param spread normal spread: a sine in units of 1 / STP_SHAPE_SPREAD_ANY
 static inline uint32_t stp_shape_disk(float radius, uint32_t spread, bool replaced)
 {
@@ -97,7 +97,7 @@ static inline bool stp_shape_is_disk(uint32_t code)
 }
 
 /// Sine of the normal spread, 0 to 1; the normals of an ellipse may deviate less.
-/// @param tells whether the set marks splats that large triangles replace
+/// @param tells whether the set marks splats replaced by large triangles
 static inline float stp_shape_spread(uint32_t code, bool tells)
 {
     if (!stp_shape_is_disk(code)) {

@@ -3,8 +3,7 @@
 #pragma once
 
 #include "base/math.h"
-
-#include <stipple/surfels.h>
+#include "base/splat_columns.h"
 
 /// Position of a splat in the space of its set's node.
 static inline stp_vec3d stp_splat_place(const stp_splats* set, size_t index)

@@ -10,7 +10,7 @@ stp_team stp_team_create(stp_context* context, uint32_t wanted)
     return (stp_team){.context = context, .threads = wanted == 0 || wanted > all ? all : wanted};
 }
 
-stp_team stp_team_create_now(stp_context* context, uint32_t wanted)
+stp_team stp_team_create_immediate(stp_context* context, uint32_t wanted)
 {
     return stp_team_create(context, stp_jobs_running(context->jobs) ? 1 : wanted);
 }

@@ -16,9 +16,9 @@ typedef struct stp_team {
 /// `wanted` threads, at most all of the context's; 0: all.
 stp_team stp_team_create(stp_context* context, uint32_t wanted);
 
-/// The same for work that begins and ends now. One thread where the context runs a loop already: loops inside it run on
-/// the calling thread, and what prepares work for several would be lost.
-stp_team stp_team_create_now(stp_context* context, uint32_t wanted);
+/// The same for work that runs immediately. Returns one thread if the context already runs a loop:
+/// nested loops run on the calling thread, so preparing for more threads would be wasted.
+stp_team stp_team_create_immediate(stp_context* context, uint32_t wanted);
 
 /// Caps the number of threads for memory-bound loops: all of the context's up to STP_TEAM_FEW, and
 /// beyond that at most one per CPU.

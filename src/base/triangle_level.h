@@ -5,7 +5,7 @@
 
 #include "base/math.h"
 
-/// Half the longest side: at least two splats of that radius would be needed for the triangle.
+/// Half the longest side: at least two splats of that radius would be needed to cover the triangle.
 static inline float stp_triangle_level(stp_vec3 a, stp_vec3 b, stp_vec3 c)
 {
     stp_vec3 ab = stp_sub(b, a), ac = stp_sub(c, a), bc = stp_sub(c, b);

@@ -30,7 +30,7 @@ struct stp_build_draft {
     // Guarded by the mutex: results so far. Arrays use malloc and have the lengths of the scene's
     // and the plan's
     stp_coded_mesh* coded;
-    stp_splats* sets; ///< one per step; count 0: not there, or nothing is visible
+    stp_splats* sets; ///< one per step; count 0: missing, or nothing is visible
     uint32_t news;    ///< number of results since the last draft
     bool writes;      ///< a thread is writing
     bool gives_up;    ///< a draft could not be written

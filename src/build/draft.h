@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
-// Drafts: the unfinished scene, written repeatedly as a file of its own for display during the
+// Drafts: the unfinished scene, written repeatedly as a separate file for display during the
 // build. First points of all meshes, then triangles, then surfels from the smallest parts up.
 // Drafts take at most a tenth of the time of one thread, and are skipped if the disk might become
 // too small for the build. They never change the result.
 #pragma once
 
-#include "build/build.h"
-#include "build/plan.h"
+#include "build/build_scene.h"
+#include "build/set_plan.h"
 #include "store/clusters.h"
 #include "store/summary.h"
 
@@ -31,5 +31,5 @@ void stp_build_draft_begin(stp_build_draft* draft, const stp_scene* scene,
 /// Adds a coded mesh, or a finished step of the plan. Writes a draft if one is due. Any thread.
 void stp_build_draft_add_mesh(stp_build_draft* draft, size_t mesh, const stp_coded_mesh* coded);
 void stp_build_draft_add_surfels(stp_build_draft* draft, uint32_t step, const stp_splats* set);
-/// Writes new results now. Nothing may be added meanwhile.
+/// Writes new results immediately. Nothing may be added during this call.
 void stp_build_draft_write(stp_build_draft* draft);

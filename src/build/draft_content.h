@@ -3,7 +3,7 @@
 // the rest.
 #pragma once
 
-#include "build/content.h"
+#include "build/writer_input.h"
 
 /// The available results of a scene.
 typedef struct stp_draft_state {

@@ -7,7 +7,7 @@
 #include "scene/scene.h"
 
 typedef struct stp_build_meshes {
-    stp_coded_mesh* coded; ///< one per mesh of the scene; bytes lie in the work directory
+    stp_coded_mesh* coded; ///< one per mesh of the scene; bytes are in the work directory
     stp_hash* keys;        ///< likewise
     uint32_t made, found;  ///< meshes coded now; meshes that existed before the build
 } stp_build_meshes;

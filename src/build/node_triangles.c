@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "build/node_triangles.h"
 
+#include "base/splat_columns.h"
 #include "base/triangle_level.h"
-
-#include <stipple/surfels.h>
 
 #include <string.h>
 

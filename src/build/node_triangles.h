@@ -16,8 +16,8 @@ typedef struct stp_node_triangles {
 uint32_t stp_count_node_triangles(const stp_scene* scene, uint32_t node, double level);
 
 /// Lists these triangles.
-/// @param count from stp_count_node_triangles. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged).
-/// Free with stp_node_triangles_destroy
+/// @param count from stp_count_node_triangles.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Free with stp_node_triangles_destroy
 STP_MUST_USE stp_result stp_take_node_triangles(const stp_scene* scene, uint32_t node, double level,
                                                 uint32_t count, stp_node_triangles* triangles);
 void stp_node_triangles_destroy(stp_context* context, stp_node_triangles* triangles);

@@ -48,7 +48,7 @@ static bool wait_for_lower(run* r, uint32_t needs)
     return runs;
 }
 
-// What lies in files need not stay resident: neither what was read, nor what was made.
+// Data in files need not stay resident, whether it was read or written.
 static void release_pages(const run* r)
 {
     stp_work_release_pages(r->desc->work);

@@ -5,8 +5,8 @@
 #pragma once
 
 #include "build/draft.h"
-#include "build/plan.h"
 #include "build/previous_output.h"
+#include "build/set_plan.h"
 #include "lod/method.h"
 
 typedef struct stp_build_nodes_desc {
@@ -23,7 +23,7 @@ typedef struct stp_build_nodes_desc {
     stp_build_draft* draft;        ///< NULL: none
 } stp_build_nodes_desc;
 
-/// Results, one per step of the plan. Their arrays lie in the work directory or the previous
+/// Results, one per step of the plan. Their arrays are in the work directory or the previous
 /// output.
 typedef struct stp_build_nodes {
     stp_splats* sets;

@@ -2,7 +2,7 @@
 #include "build/previous_output.h"
 
 #include "build/stored_results.h"
-#include "store/attributes.h"
+#include "store/attribute_blocks.h"
 #include "store/leaves.h"
 
 #include <string.h>

@@ -3,9 +3,8 @@
 // each surfel has itself), reduced to at most 256.
 #pragma once
 
+#include "base/splat_columns.h"
 #include "scene/scene.h"
-
-#include <stipple/surfels.h>
 
 enum { STP_SHADING_LIMIT = 256 };
 

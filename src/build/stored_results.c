@@ -144,7 +144,7 @@ static void size_columns(const stp_splats* s, uint32_t attributes, size_t sizes[
     }
 }
 
-/// Whether a set's columns are valid where a renderer relies on it.
+/// Whether a set's columns satisfy what a renderer relies on.
 static bool is_sound(const stp_splats* s, uint32_t shading_count)
 {
     uint8_t highest = 0;
@@ -209,7 +209,7 @@ bool stp_work_find_surfels(stp_work* work, stp_hash key, uint32_t shading_count,
         return false;
     }
     if (!read_surfels(result, size, surfels, candidates) || !is_sound(surfels, shading_count)) {
-        stp_work_forget(work, key); // a checksum does not prove validity
+        stp_work_drop(work, key); // a checksum does not prove validity
         return false;
     }
     return true;
@@ -294,7 +294,7 @@ bool stp_work_find_mesh(stp_work* work, stp_hash key, stp_coded_mesh* mesh)
         return false;
     }
     if (!read_mesh(result, size, mesh)) {
-        stp_work_forget(work, key);
+        stp_work_drop(work, key);
         return false;
     }
     return true;

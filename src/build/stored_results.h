@@ -10,10 +10,9 @@
 //   coded mesh:  header 64 | bytes
 #pragma once
 
+#include "base/splat_columns.h"
 #include "build/work.h"
 #include "store/clusters.h"
-
-#include <stipple/surfels.h>
 
 /// Looks a set up; `candidates` is the number of points it was chosen from. Drops it if it is
 /// invalid or has shading indices of `shading_count` or more. Any thread.

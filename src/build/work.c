@@ -14,9 +14,9 @@
 #define SEGMENT_BYTES ((size_t)256 << 20)
 #define LEAST_SEGMENT_BYTES ((size_t)1024)
 #define NO_SEGMENT UINT32_MAX
-enum { LARGE_PART = 4 }; ///< results larger than 1/LARGE_PART of a segment get one of their own
+enum { LARGE_PART = 4 }; ///< results larger than 1/LARGE_PART of a segment get a separate segment
 
-#define RELEASE_BYTES (UINT64_C(128) << 20) // read before the system is told that it may drop them
+#define RELEASE_BYTES (UINT64_C(128) << 20) // pages read before the system may evict them
 
 struct stp_work {
     stp_context* context;
@@ -277,7 +277,7 @@ static stp_result reserve(stp_work* work, const stp_work_head* head, uint32_t* s
                                                        &work->segments[*segment], head, offset);
 }
 
-// Writes a result's bytes into the reserved room; releases the mutex meanwhile.
+// Writes a result's bytes into the reserved space; releases the mutex during that.
 static stp_result write_bytes(stp_work* work, const stp_work_head* head, uint32_t segment,
                               size_t offset, const stp_work_piece* pieces, size_t piece_count)
 {
@@ -383,7 +383,7 @@ stp_result stp_work_store(stp_work* work, stp_hash key, const stp_work_piece* pi
     return result;
 }
 
-void stp_work_forget(stp_work* work, stp_hash key)
+void stp_work_drop(stp_work* work, stp_hash key)
 {
     pthread_mutex_lock(&work->mutex);
     stp_work_entry* entry = stp_work_index_find(&work->index, key);

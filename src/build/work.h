@@ -44,7 +44,7 @@ STP_MUST_USE stp_result stp_work_store(stp_work* work, stp_hash key, const stp_w
 
 /// Drops a result whose content is invalid: it is no longer found, and can be stored again.
 /// Pointers to it stay readable. Any thread.
-void stp_work_forget(stp_work* work, stp_hash key);
+void stp_work_drop(stp_work* work, stp_hash key);
 
 /// Whether every result in use still matches its checksum. Reads all of them. Not thread-safe.
 bool stp_work_is_intact(stp_work* work);

@@ -83,7 +83,7 @@ static double clamp_resolution(double resolution, double most)
 typedef struct frame {
     double widest;   ///< longer side of the widest view, in scene units
     double most;     ///< highest resolution
-    double outlines; ///< of the box in all views: what can be covered at most, in square units
+    double outlines; ///< of the box in all views: upper bound of the covered area, in square units
     uint64_t wanted; ///< candidates
 } frame;
 
@@ -321,7 +321,7 @@ static void end_job(stp_capture_job* job)
 }
 
 static stp_capture_job make_job(const stp_scene* scene, const stp_capture_sources* sources,
-                                uint64_t ids_a_pass)
+                                uint64_t ids_per_pass)
 {
     return (stp_capture_job){
         .scene = scene,
@@ -329,16 +329,16 @@ static stp_capture_job make_job(const stp_scene* scene, const stp_capture_source
         .part_count = sources->part_count,
         .sets = sources->sets,
         .set_count = sources->set_count,
-        .ids_a_pass = ids_a_pass,
+        .ids_per_pass = ids_per_pass,
     };
 }
 
 stp_result stp_capture_all_in_passes(const stp_scene* scene, const stp_capture_sources* sources,
-                                     const stp_capture_desc* desc, uint64_t ids_a_pass,
+                                     const stp_capture_desc* desc, uint64_t ids_per_pass,
                                      stp_candidates* candidates)
 {
     stp_context* context = scene->context;
-    stp_capture_job job = make_job(scene, sources, ids_a_pass);
+    stp_capture_job job = make_job(scene, sources, ids_per_pass);
     *candidates = (stp_candidates){0};
     bool empty = true;
     stp_capture_textures* own = NULL;
@@ -397,10 +397,10 @@ stp_result stp_capture_all(const stp_scene* scene, const stp_capture_sources* so
 
 stp_result stp_capture_parts_in_passes(const stp_scene* scene, const stp_placed_part* parts,
                                        size_t part_count, const stp_capture_desc* desc,
-                                       uint64_t ids_a_pass, stp_candidates* candidates)
+                                       uint64_t ids_per_pass, stp_candidates* candidates)
 {
     stp_capture_sources sources = {.parts = parts, .part_count = part_count};
-    return stp_capture_all_in_passes(scene, &sources, desc, ids_a_pass, candidates);
+    return stp_capture_all_in_passes(scene, &sources, desc, ids_per_pass, candidates);
 }
 
 stp_result stp_capture_parts(const stp_scene* scene, const stp_placed_part* parts,

@@ -8,10 +8,9 @@
 // captured too; their alpha is recorded. Each point of a point set is one pixel.
 #pragma once
 
+#include "base/splat_columns.h"
 #include "capture/silhouettes.h"
 #include "scene/scene.h"
-
-#include <stipple/surfels.h>
 
 /// Limit on the pixels drawn per requested candidate when the resolution is automatic. Sparse
 /// scenes have mostly empty pixels; the limit bounds the cost.
@@ -22,13 +21,15 @@
 typedef struct stp_capture_textures stp_capture_textures;
 
 typedef struct stp_capture_desc {
-    uint32_t direction_count; ///< default 8: a cube's corners. 14: and its faces. 26: and its
-                              ///< edges' middles. Any other: well spread over the sphere.
+    /// Default 8: a cube's corners. 14: also its faces. 26: also the middles of its edges. Any
+    /// other number: spread evenly over the sphere.
+    uint32_t direction_count;
     /// `direction_count` unit vectors towards the viewer, instead of the defaults. Surface they
     /// miss is not filled in. NULL: use the defaults.
     const stp_vec3d* directions;
-    uint32_t resolution; ///< pixels along the longer side of the widest picture; one scale for all
-        ///< directions. Default: chosen so that about `wanted_candidates` come out.
+    /// Pixels along the longer side of the widest picture; one scale for all directions. Default:
+    /// chosen to give about `wanted_candidates`.
+    uint32_t resolution;
     double pixel_size;          ///< side of a pixel in scene units; 0: from `resolution`
     uint64_t wanted_candidates; ///< for the automatic resolution; default 1.75 million
     bool no_fill;               ///< skip the fill (fill.h); 26 directions are never filled
@@ -59,23 +60,23 @@ typedef struct stp_candidates {
     uint32_t count;
     float* positions; ///< 3 each, in the node's space minus `origin`
     float* normals;   ///< 3 each, unit, on the side of the surface that faces the viewer
-    uint8_t* colors;  ///< RGBA each, sRGB: base colour with texture and vertex colour; alpha of a
-                      ///< blended one; of a surfel of a set, how much of its disk is surface
+    /// RGBA each, sRGB: base colour with texture and vertex colour. Alpha: opacity of a blended
+    /// material; for a surfel of a set, the share of its disk that is surface
+    uint8_t* colors;
     uint32_t* materials; ///< scene material; of a surfel of a set, its shading
     /// Each NULL, or one value per candidate (stipple/attributes.h), for points and for surfels of
     /// point sets.
     void* attributes[STP_ATTRIBUTES];
-    uint32_t*
-        view_starts;    ///< direction_count + 1: where the candidates of each direction begin; NULL
-                        ///< where there are none
+    /// direction_count + 1: index of each direction's first candidate; NULL: none
+    uint32_t* view_starts;
     stp_vec3d origin;   ///< centre of the captured box: positions are relative to it
     double pixel_size;  ///< side of a capture pixel, scene units
     uint32_t set_count; ///< the last `set_count` candidates are surfels of sets
     float set_radius;   ///< largest radius of their disks, scene units
-    float*
-        set_areas; ///< surface area that each of them represents, square scene units; may be NULL
-    double surface_radius; ///< how far surface that was seen may lie from a candidate; 0: half a
-                           ///< pixel's diagonal
+    /// Surface area that each of them represents, square scene units; may be NULL
+    float* set_areas;
+    /// Maximum distance of visible surface from a candidate; 0: half a pixel's diagonal
+    double surface_radius;
     uint32_t resolution, direction_count;
     stp_silhouette silhouettes[STP_SILHOUETTES]; ///< of the first directions
     uint32_t silhouette_count;                   ///< 0: none kept

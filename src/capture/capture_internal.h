@@ -54,8 +54,8 @@ typedef struct stp_capture_job {
     _Atomic uint32_t* seen;  ///< one bit per surfel
     stp_vec3d centre, half_extent;
     const stp_texture_pyramid* pyramids; ///< per texture
-    uint64_t
-        ids_a_pass; ///< primitives drawn into one buffer: ids are 32-bit numbers below 2^32 - 1
+    /// Primitives drawn into one buffer: ids are 32-bit numbers below 2^32 - 1
+    uint64_t ids_per_pass;
     uint32_t view_count;
     stp_capture_view* views;
     size_t band_count;
@@ -98,7 +98,7 @@ STP_MUST_USE stp_result stp_capture_draw_parts(const stp_capture_job* job,
                                                size_t end, const stp_raster_target* target,
                                                stp_arena* scratch);
 
-// Sets of surfels (splats.c): their share of each step.
+// Sets of surfels (surfel_disks.c): their share of each step.
 
 /// Numbers the surfels and adds their disks to the box. @return STP_OK or STP_ERROR_OUT_OF_MEMORY
 /// (logged)
@@ -125,7 +125,7 @@ uint64_t stp_capture_seen_count(const stp_capture_job* job);
 STP_MUST_USE stp_result stp_capture_resolve_sets(const stp_capture_job* job,
                                                  stp_candidates* candidates);
 
-/// Draws views [begin, end): adds to job->bands and covered_pixels. On failure there are no bands.
+/// Draws views [begin, end): adds to job->bands and covered_pixels. On failure, frees the bands.
 STP_MUST_USE stp_result stp_capture_draw(stp_capture_job* job, uint32_t begin, uint32_t end);
 void stp_capture_drop_bands(stp_capture_job* job);
 
@@ -163,10 +163,11 @@ STP_MUST_USE stp_result stp_capture_textures_add(stp_capture_textures* textures,
 /// Like stp_capture_all and stp_capture_parts, with fewer primitives per pass, for tests.
 STP_MUST_USE stp_result stp_capture_all_in_passes(const stp_scene* scene,
                                                   const stp_capture_sources* sources,
-                                                  const stp_capture_desc* desc, uint64_t ids_a_pass,
+                                                  const stp_capture_desc* desc,
+                                                  uint64_t ids_per_pass,
                                                   stp_candidates* candidates);
 STP_MUST_USE stp_result stp_capture_parts_in_passes(const stp_scene* scene,
                                                     const stp_placed_part* parts, size_t part_count,
                                                     const stp_capture_desc* desc,
-                                                    uint64_t ids_a_pass,
+                                                    uint64_t ids_per_pass,
                                                     stp_candidates* candidates);

@@ -8,7 +8,7 @@
 #include "raster/triangles.h"
 
 /// Pixels worth testing to save one triangle.
-#define PIXELS_A_TRIANGLE 4.0
+#define PIXELS_PER_TRIANGLE 4.0
 
 /// Thresholds of 8-bit alpha: opaque, and not fully transparent.
 #define ALPHA_OPAQUE (254.5f / 255.0f)
@@ -59,7 +59,7 @@ static bool holds_centre(double middle, double reach, uint32_t begin, uint32_t e
     return first <= high;
 }
 
-/// Nearness of the nearest corner of a part's box, rounded up past what drawing can produce.
+/// Nearness of the nearest corner of a part's box, an upper bound for drawn pixels.
 static float nearest_point(const part_projection* projection)
 {
     return (float)(projection->middle[2] + projection->reach[2]) + 1e-5f;
@@ -193,8 +193,8 @@ static bool is_hidden(const part_projection* projection, const stp_raster_target
     top = top > 0.0 ? top : 0.0;
     right = right < (double)target->width - 1.0 ? right : (double)target->width - 1.0;
     bottom = bottom < (double)target->height - 1.0 ? bottom : (double)target->height - 1.0;
-    if (!(left <= right && top <= bottom) ||
-        (right - left + 1.0) * (bottom - top + 1.0) > PIXELS_A_TRIANGLE * (double)triangle_count) {
+    if (!(left <= right && top <= bottom) || (right - left + 1.0) * (bottom - top + 1.0) >
+                                                 PIXELS_PER_TRIANGLE * (double)triangle_count) {
         return false;
     }
     uint64_t nearest = stp_raster_pixel(nearest_point(projection), 0);
@@ -239,7 +239,8 @@ static uint64_t* find_parts(const stp_capture_job* job, const stp_capture_band* 
 
 /// Prefetches parts that are drawn soon, in the order of use. Small parts that follow each other in
 /// depth are scattered in memory; waiting for them would take longer than drawing them.
-static void look_ahead(const stp_capture_job* job, const uint64_t* keys, size_t left, size_t begin)
+static void prefetch_parts(const stp_capture_job* job, const uint64_t* keys, size_t left,
+                           size_t begin)
 {
     enum { PART = 12, MESH = 8, ARRAYS = 4, LINE = 64 };
     if (PART < left) {
@@ -278,7 +279,7 @@ stp_result stp_capture_draw_parts(const stp_capture_job* job, const stp_capture_
     uint64_t pass_begin = job->first_primitives[begin];
     for (size_t i = 0; i < count && result == STP_OK; ++i) {
         size_t part = begin + stp_raster_id(keys[i]);
-        look_ahead(job, keys + i, count - i, begin);
+        prefetch_parts(job, keys + i, count - i, begin);
         part_projection projection =
             project_part(job, &job->views[band->view], part, &job->boxes[part]);
         stp_part which = job->parts[part].part;

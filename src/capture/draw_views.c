@@ -49,7 +49,7 @@ static stp_result draw_sets_in_passes(const stp_capture_job* job, const stp_capt
     for (size_t begin = 0; begin < job->set_count;) {
         size_t end = begin + 1;
         while (end < job->set_count &&
-               job->first_surfels[end + 1] - job->first_surfels[begin] <= job->ids_a_pass) {
+               job->first_surfels[end + 1] - job->first_surfels[begin] <= job->ids_per_pass) {
             end += 1;
         }
         memset(worker->pass, 0xFF, pixel_count * sizeof(uint64_t));
@@ -76,7 +76,7 @@ static stp_result draw_in_passes(const stp_capture_job* job, const stp_capture_b
     for (size_t begin = 0; begin < job->part_count;) {
         size_t end = begin + 1;
         while (end < job->part_count &&
-               job->first_primitives[end + 1] - job->first_primitives[begin] <= job->ids_a_pass) {
+               job->first_primitives[end + 1] - job->first_primitives[begin] <= job->ids_per_pass) {
             end += 1;
         }
         memset(worker->pass, 0xFF, pixel_count * sizeof(uint64_t));
@@ -307,7 +307,7 @@ stp_result stp_capture_draw(stp_capture_job* job, uint32_t begin, uint32_t end)
     draw_state state = {
         .job = job,
         .first_band = job->band_count,
-        .passes = stp_capture_primitive_count(job) > job->ids_a_pass,
+        .passes = stp_capture_primitive_count(job) > job->ids_per_pass,
     };
     atomic_init(&state.failed, false);
     uint32_t threads = stp_context_thread_count(context);

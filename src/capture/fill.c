@@ -10,14 +10,14 @@ enum {
     CORNERS = 8,
     FACES_AND_CORNERS = 14,
     GRAIN = 16384,
-    /// Stop adding directions once they find less than 1 / WORTH_A_LOOK of the candidates.
-    WORTH_A_LOOK = 1000,
+    /// Stop adding directions once they find less than 1 / MIN_GAIN of the candidates.
+    MIN_GAIN = 1000,
     /// Same limit for captures with sets. They are seen from afar, where surface deep inside a wood
     /// or a hall shows little but makes up most of what further views draw.
     WORTH_OF_SETS = 20,
 };
 
-static size_t words_a_row(const stp_capture_view* view)
+static size_t words_per_row(const stp_capture_view* view)
 {
     return ((size_t)view->width + 31) / 32;
 }
@@ -40,7 +40,7 @@ static void mark_band(stp_fill_map* map, const stp_capture_band* band)
             row_start += view->width;
         }
         size_t column = band->pixels[i] - row_start;
-        words[row * words_a_row(view) + column / 32].covered |= (uint32_t)1 << column % 32;
+        words[row * words_per_row(view) + column / 32].covered |= (uint32_t)1 << column % 32;
     }
 }
 
@@ -80,7 +80,7 @@ stp_result stp_fill_map_create(const stp_capture_job* job, const stp_candidates*
     size_t total = 0;
     for (uint32_t v = 0; v < job->view_count; ++v) {
         map->starts[v] = total;
-        total += words_a_row(&job->views[v]) * job->views[v].height;
+        total += words_per_row(&job->views[v]) * job->views[v].height;
     }
     map->words = STP_NEW_ZEROED(job->scene->context, stp_fill_word, total);
     map->surface = STP_NEW_ARRAY(job->scene->context, stp_fill_surface, job->covered_pixels);
@@ -163,17 +163,17 @@ void stp_fill_drop_known(const stp_fill_map* map, const stp_capture_view* view, 
     to_floats(view->toward, query.toward);
     for (uint32_t v = 0; v < map->view_count; ++v) {
         const stp_capture_view* first = &map->views[v];
-        stp_fill_look* look = &query.looks[v];
+        stp_fill_view* look = &query.looks[v];
         to_floats(first->right, look->x);
         to_floats(first->down, look->y);
         to_floats(first->depth, look->z);
         double pixels = 1.0 / (sqrt(stp_dotd(first->depth, first->depth)) * map->pixel_size);
-        look->pixels_a_nearness = (float)pixels;
+        look->pixels_per_nearness = (float)pixels;
         look->x_shift = (float)first->shift_x;
         look->y_shift = (float)first->shift_y;
         look->width = (float)first->width;
         look->height = (float)first->height;
-        look->words_a_row = words_a_row(first);
+        look->words_per_row = words_per_row(first);
         look->words = map->words + map->starts[v];
     }
 #if defined(__x86_64__)
@@ -198,9 +198,9 @@ static uint32_t find_directions(uint32_t count, stp_vec3d* directions)
 }
 
 // Draws some further views and appends the surface they find.
-static stp_result look_further(stp_capture_job* job, const stp_fill_map* map,
-                               const stp_vec3d* directions, uint32_t count,
-                               stp_candidates* candidates)
+static stp_result draw_fill_views(stp_capture_job* job, const stp_fill_map* map,
+                                  const stp_vec3d* directions, uint32_t count,
+                                  stp_candidates* candidates)
 {
     stp_capture_view views[STP_CAPTURE_FILL_DIRECTIONS];
     stp_capture_job further = *job;
@@ -227,12 +227,12 @@ stp_result stp_capture_fill(stp_capture_job* job, const stp_fill_map* map,
     uint32_t first = candidates->count, faces = FACES_AND_CORNERS - CORNERS;
     faces = faces < count ? faces : count;
     uint64_t seen = stp_capture_seen_count(job);
-    stp_result result = look_further(job, map, directions, faces, candidates);
+    stp_result result = draw_fill_views(job, map, directions, faces, candidates);
     uint64_t found = candidates->count - first + stp_capture_seen_count(job) - seen;
-    bool worth = job->set_count == 0 ? found >= first / WORTH_A_LOOK
-                                     : found > (first + seen) / WORTH_OF_SETS;
+    bool worth =
+        job->set_count == 0 ? found >= first / MIN_GAIN : found > (first + seen) / WORTH_OF_SETS;
     if (result == STP_OK && worth && faces < count) {
-        result = look_further(job, map, directions + faces, count - faces, candidates);
+        result = draw_fill_views(job, map, directions + faces, count - faces, candidates);
     }
     return result;
 }

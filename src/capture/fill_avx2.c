@@ -60,7 +60,7 @@ typedef struct places {
     __m256 x, y, nearness;
 } places;
 
-static inline places look_from8(const stp_fill_look* look, const points* points8)
+static inline places look_from8(const stp_fill_view* look, const points* points8)
 {
     return (places){
         _mm256_add_ps(sum_of_products(look->x, points8->p), _mm256_set1_ps(look->x_shift)),
@@ -77,7 +77,7 @@ static inline __m256 to_middle(__m256i pixel, __m256 place)
 }
 
 /// Tests the surface shown by eight pixels, in the lanes that are set.
-static inline __m256 test_surface(const stp_fill_query* q, const stp_fill_look* look,
+static inline __m256 test_surface(const stp_fill_query* q, const stp_fill_view* look,
                                   const places* at, __m256i column, __m256i row, __m256i candidate,
                                   __m256i lanes)
 {
@@ -88,7 +88,7 @@ static inline __m256 test_surface(const stp_fill_query* q, const stp_fill_look* 
         _mm256_mask_i32gather_epi32(_mm256_setzero_si256(), surface, candidate, lanes, 8));
     __m256 across = to_middle(column, at->x), along = to_middle(row, at->y);
     __m256 deep = _mm256_mul_ps(_mm256_sub_ps(nearness, at->nearness),
-                                _mm256_set1_ps(look->pixels_a_nearness));
+                                _mm256_set1_ps(look->pixels_per_nearness));
     __m256 squared = _mm256_add_ps(_mm256_mul_ps(across, across), _mm256_mul_ps(along, along));
     squared = _mm256_add_ps(squared, _mm256_mul_ps(deep, deep));
     __m256 parts[3] = {normal_part8(normals, 0), normal_part8(normals, 1),
@@ -99,7 +99,7 @@ static inline __m256 test_surface(const stp_fill_query* q, const stp_fill_look* 
 }
 
 /// Which of the points are represented by the pixel at an offset from their place in a view.
-static inline unsigned test_places(const stp_fill_query* q, const stp_fill_look* look,
+static inline unsigned test_places(const stp_fill_query* q, const stp_fill_view* look,
                                    const places* at, float dx, float dy, unsigned asked)
 {
     const __m256 zero = _mm256_setzero_ps();
@@ -112,7 +112,7 @@ static inline unsigned test_places(const stp_fill_query* q, const stp_fill_look*
     __m256i lanes = _mm256_castps_si256(within);
     __m256i column = _mm256_and_si256(_mm256_cvttps_epi32(x), lanes);
     __m256i row = _mm256_and_si256(_mm256_cvttps_epi32(y), lanes);
-    __m256i word = _mm256_mullo_epi32(row, _mm256_set1_epi32((int)look->words_a_row));
+    __m256i word = _mm256_mullo_epi32(row, _mm256_set1_epi32((int)look->words_per_row));
     word = _mm256_add_epi32(word, _mm256_srli_epi32(column, 5));
     const int* words = (const int*)look->words;
     __m256i covered = _mm256_i32gather_epi32(words, word, 8);

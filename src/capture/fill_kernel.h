@@ -7,13 +7,13 @@
 
 /// A main view, in the coordinates of a further one: column = x . p + x_shift, row = y . p +
 /// y_shift, nearness = z . p + 1.5.
-typedef struct stp_fill_look {
+typedef struct stp_fill_view {
     float x[3], x_shift, y[3], y_shift, z[3];
-    float pixels_a_nearness; ///< depth of a nearness of 1, in pixels
+    float pixels_per_nearness; ///< depth of a nearness of 1, in pixels
     float width, height;
-    size_t words_a_row;
+    size_t words_per_row;
     const stp_fill_word* words;
-} stp_fill_look;
+} stp_fill_view;
 
 /// A further view: its pixel shows the point column * x + row * y + nearness * z + origin.
 typedef struct stp_fill_query {
@@ -21,7 +21,7 @@ typedef struct stp_fill_query {
     float toward[3];
     const stp_fill_surface* surface; ///< of the candidates
     uint32_t look_count;
-    stp_fill_look looks[STP_CAPTURE_FILL_DIRECTIONS];
+    stp_fill_view looks[STP_CAPTURE_FILL_DIRECTIONS];
 } stp_fill_query;
 
 typedef void (*stp_fill_kernel)(const stp_fill_query* query, uint32_t first_row,
@@ -37,7 +37,7 @@ typedef struct stp_fill_place {
     float x, y, nearness;
 } stp_fill_place;
 
-static inline stp_fill_place look_from(const stp_fill_look* look, const float p[3])
+static inline stp_fill_place project_point(const stp_fill_view* look, const float p[3])
 {
     return (stp_fill_place){
         (look->x[0] * p[0] + look->x[1] * p[1]) + look->x[2] * p[2] + look->x_shift,
@@ -54,7 +54,7 @@ static inline float normal_part(uint32_t normal, int part)
 
 /// Whether the pixel at an offset from a point's place shows surface that represents the point:
 /// within a pixel's size, and facing the further view too.
-static inline bool stands_for(const stp_fill_query* q, const stp_fill_look* look,
+static inline bool stands_for(const stp_fill_query* q, const stp_fill_view* look,
                               const stp_fill_place* place, float dx, float dy)
 {
     float x = place->x + dx, y = place->y + dy;
@@ -62,7 +62,7 @@ static inline bool stands_for(const stp_fill_query* q, const stp_fill_look* look
         return false;
     }
     uint32_t column = (uint32_t)x, row = (uint32_t)y;
-    const stp_fill_word* word = &look->words[row * look->words_a_row + column / 32];
+    const stp_fill_word* word = &look->words[row * look->words_per_row + column / 32];
     uint32_t bit = (uint32_t)1 << column % 32;
     if ((word->covered & bit) == 0) {
         return false;
@@ -71,7 +71,7 @@ static inline bool stands_for(const stp_fill_query* q, const stp_fill_look* look
     stp_fill_surface surface = q->surface[candidate];
     float across = (float)(int32_t)column + 0.5f - place->x;
     float along = (float)(int32_t)row + 0.5f - place->y;
-    float deep = (surface.nearness - place->nearness) * look->pixels_a_nearness;
+    float deep = (surface.nearness - place->nearness) * look->pixels_per_nearness;
     float facing = (normal_part(surface.normal, 0) * q->toward[0] +
                     normal_part(surface.normal, 1) * q->toward[1]) +
                    normal_part(surface.normal, 2) * q->toward[2];
@@ -79,16 +79,16 @@ static inline bool stands_for(const stp_fill_query* q, const stp_fill_look* look
 }
 
 /// Tests the pixel that shows the point in a view.
-static inline bool is_seen(const stp_fill_query* q, const stp_fill_look* look, const float p[3])
+static inline bool is_seen(const stp_fill_query* q, const stp_fill_view* look, const float p[3])
 {
-    stp_fill_place place = look_from(look, p);
+    stp_fill_place place = project_point(look, p);
     return stands_for(q, look, &place, 0.0f, 0.0f);
 }
 
 /// Tests the four surrounding pixels.
-static inline bool is_near(const stp_fill_query* q, const stp_fill_look* look, const float p[3])
+static inline bool is_near(const stp_fill_query* q, const stp_fill_view* look, const float p[3])
 {
-    stp_fill_place place = look_from(look, p);
+    stp_fill_place place = project_point(look, p);
     return stands_for(q, look, &place, -0.5f, -0.5f) || stands_for(q, look, &place, 0.5f, -0.5f) ||
            stands_for(q, look, &place, -0.5f, 0.5f) || stands_for(q, look, &place, 0.5f, 0.5f);
 }

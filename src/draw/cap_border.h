@@ -22,8 +22,9 @@ void stp_cap_border_destroy(stp_cap_border* border); ///< NULL is allowed
 STP_MUST_USE stp_result stp_cap_border_add(stp_cap_border* border, const float* const corners[3]);
 void stp_cap_border_turn(stp_cap_border* border);
 
-/// Call after the second pass. @param side  receives 1 (closed, faces outwards), -1 (closed, faces
-/// inwards) or 0 (open). @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+/// Call after the second pass.
+/// @param side receives 1 (closed, faces outwards), -1 (closed, faces inwards) or 0 (open).
+/// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_cap_border_side(stp_cap_border* border, int* side);
 
 /// Hash of a position; -0 equals 0.

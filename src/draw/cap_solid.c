@@ -176,7 +176,7 @@ static stp_result add_to_border(void* user, const float* const corners[3])
 }
 
 /// Whether meshes together are closed, except for cracks.
-static stp_result judge_cracks(const stp_cap_solids* s, const piece* pieces, uint32_t count,
+static stp_result check_cracks(const stp_cap_solids* s, const piece* pieces, uint32_t count,
                                int* side)
 {
     uint64_t triangles = 0;
@@ -202,7 +202,7 @@ static stp_result judge_cracks(const stp_cap_solids* s, const piece* pieces, uin
 }
 
 /// Tests an open mesh together with all possible pieces of the same solid.
-static stp_result judge_pieces(stp_cap_solids* s, uint32_t mesh)
+static stp_result check_pieces(stp_cap_solids* s, uint32_t mesh)
 {
     uint64_t key = key_of(stp_store_describe_mesh(s->store, mesh));
     uint32_t first = find_pieces(s, key), count = 0;
@@ -216,14 +216,14 @@ static stp_result judge_pieces(stp_cap_solids* s, uint32_t mesh)
     int side = side_of(&whole);
     if (result == STP_OK && side == 0) {
         const piece own = {key, mesh};
-        result = judge_cracks(s, &own, 1, &side);
+        result = check_cracks(s, &own, 1, &side);
         if (result == STP_OK && side != 0) {
             s->sides[mesh] = (int8_t)side;
             return STP_OK;
         }
     }
     if (result == STP_OK && side == 0 && count > 1) {
-        result = judge_cracks(s, s->pieces + first, count, &side);
+        result = check_cracks(s, s->pieces + first, count, &side);
     }
     for (uint32_t i = first; i < first + count && result == STP_OK; ++i) {
         int8_t* known = &s->sides[s->pieces[i].mesh];
@@ -242,7 +242,7 @@ stp_result stp_cap_solids_side(stp_cap_solids* s, uint32_t mesh, int* side)
         if (result == STP_OK && side_of(&own) != 0) {
             s->sides[mesh] = (int8_t)side_of(&own);
         } else if (result == STP_OK) {
-            result = judge_pieces(s, mesh);
+            result = check_pieces(s, mesh);
         }
     }
     *side = result == STP_OK ? s->sides[mesh] : 0;

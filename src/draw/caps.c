@@ -317,8 +317,8 @@ static void project(const stp_view_frame* f, stp_vec3d p, stp_vec3d other, doubl
 }
 
 /// Records where a segment crosses each row: rows have one entry more than the picture has columns.
-static void wind(const stp_caps* c, const stp_view_frame* f, const stp_cap_segment* s,
-                 int32_t* winding)
+static void add_crossings(const stp_caps* c, const stp_view_frame* f, const stp_cap_segment* s,
+                          int32_t* winding)
 {
     const float* points[2] = {s->from, s->to};
     double least = f->parallel ? 0.0 : 1e-3 * f->near_distance, on[2][2];
@@ -416,7 +416,7 @@ static bool fill_plane(const cap_fill* fill)
     bool any = false;
     memset(c->winding, 0, height * stride * sizeof(*c->winding));
     for (size_t i = 0; i < o->count; ++i) {
-        wind(c, fill->frame, &o->segments[i], c->winding);
+        add_crossings(c, fill->frame, &o->segments[i], c->winding);
     }
     for (size_t y = 0; y < height; ++y) {
         any = fill_row(fill, y) || any;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// Caps fill solids where sections cut them. A cap is computed from original triangles, whatever
-// level is drawn. A plane cuts the closed surface of a solid in closed outlines; a point of the
-// plane is inside the solid if outlines wind around it. Open surfaces have no inside, so they get
-// no cap.
+// Caps fill solids where sections cut them. A cap is computed from original triangles,
+// regardless of the drawn level. A plane cuts the closed surface of a solid in closed outlines; a
+// point of the plane is inside the solid if outlines wind around it. Open surfaces have no inside,
+// so they get no cap.
 //
 //   solid       a mesh whose edges all cancel (each is used equally often in both directions), or
 //               that is closed except for cracks (cap_border.h). Pieces of a mesh (same name and

@@ -70,8 +70,8 @@ typedef struct stp_draw_style {
     stp_transparency transparency;
     float ghost; ///< share of a ghost's pixels that is drawn, above 0 to 1; 0: a fifth
     stp_draw_coloring coloring; ///< modes other than own colours: without a filter
-    double elevation
-        [2];   ///< for STP_DRAW_ELEVATION: heights (y) at the ends of the scale, the lower first
+    /// For STP_DRAW_ELEVATION: heights (y) at the ends of the scale, the lower first
+    double elevation[2];
     bool caps; ///< fills closed solids that the view's sections cut (draw/caps.h)
     /// Pixels that show a splat have the depth of its plane there, without the offset of its rim.
     /// CPU, without a filter.

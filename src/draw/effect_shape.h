@@ -32,6 +32,6 @@ typedef struct stp_effect_shape {
     bool far; ///< some pairs are read from blocks
 } stp_effect_shape;
 
-/// @param splat_size of splats drawn beside triangles; 0: none
+/// @param splat_size size of splats drawn together with triangles; 0: none
 stp_effect_shape stp_effect_shape_make(const stp_draw_style* style, uint32_t height,
                                        float splat_size);

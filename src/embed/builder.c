@@ -16,7 +16,7 @@ stp_result stp_builder_check(const stp_builder* builder, uint32_t material)
 {
     if (builder->written) {
         return stp_fail(builder->context, STP_ERROR_ARGUMENT,
-                        "stp_builder: was written already; make another one");
+                        "stp_builder: already written; create another one");
     }
     if (material + STP_BUILDER_MATERIAL >= builder->staged->material_count) {
         return stp_fail(builder->context, STP_ERROR_ARGUMENT,
@@ -65,7 +65,7 @@ stp_result stp_builder_create(stp_context* context, const stp_builder_desc* give
     }
     if (!is_desc_valid(&desc)) {
         return stp_fail(context, STP_ERROR_ARGUMENT,
-                        "stp_builder_desc: up is no axis, or unit_metres no length");
+                        "stp_builder_desc: up is not an axis, or unit_metres is not a length");
     }
     stp_builder* made = STP_NEW_ZEROED(context, stp_builder, 1);
     if (made == NULL) {
@@ -212,8 +212,7 @@ static stp_result check_object(const stp_builder* builder, const stp_object_desc
     }
     return desc->instance_count == 0 || desc->instances != NULL
                ? STP_OK
-               : stp_fail(builder->context, STP_ERROR_ARGUMENT,
-                          "stp_object_desc: there are no instances");
+               : stp_fail(builder->context, STP_ERROR_ARGUMENT, "stp_object_desc: no instances");
 }
 
 stp_result stp_builder_add_object(stp_builder* builder, const stp_object_desc* given,

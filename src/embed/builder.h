@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Internals of a builder. Added content is staged in a scene of its own; stp_builder_write moves it
+// Internals of a builder. Added content is staged in a separate scene; stp_builder_write moves it
 // into the scene that is built.
 #pragma once
 
-#include "embed/model.h"
+#include "embed/model_internal.h"
 #include "scene/scene.h"
 
 #include <stipple/build.h>

@@ -76,7 +76,7 @@ static const char* name_of(const stp_scene* staged, stp_part part)
                                       : staged->point_sets[part.index].name;
 }
 
-/// Parts without an object are shown untransformed, each with an object of its own.
+/// Parts without an object are shown untransformed, each as a separate object.
 static stp_result add_loose_parts(const stp_builder* builder, stp_scene* scene, const offsets* to)
 {
     const stp_scene* staged = builder->staged;

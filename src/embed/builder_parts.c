@@ -75,7 +75,7 @@ static stp_result check_mesh(const stp_builder* builder, const stp_mesh_desc* d)
 {
     const char* fault = NULL;
     if (d->positions == NULL || d->vertex_count == 0 || d->triangle_count == 0) {
-        fault = "there are no triangles";
+        fault = "no triangles";
     } else if (d->vertex_count >= STP_NONE || d->triangle_count >= STP_NONE / 3) {
         fault = "too many vertices or triangles for one mesh";
     } else if (d->indices == NULL && d->vertex_count / 3 < d->triangle_count) {
@@ -170,7 +170,7 @@ stp_result stp_builder_add_points(stp_builder* builder, const stp_points_desc* g
     }
     if (d.positions == NULL || d.point_count == 0 || d.point_count >= STP_NONE) {
         return stp_fail(context, STP_ERROR_ARGUMENT,
-                        "stp_points_desc: there are no points, or too many for one set");
+                        "stp_points_desc: no points, or too many for one set");
     }
     bool failed = false;
     size_t count = d.point_count;

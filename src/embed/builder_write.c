@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Builds the collected input into a file, or through a temporary file into memory.
 #include "base/file.h"
-#include "build/build.h"
+#include "build/build_scene.h"
 #include "build/work.h"
 #include "embed/builder_move.h"
 
@@ -150,7 +150,8 @@ static stp_result build_in_folder(stp_builder* builder, const stp_write_desc* de
     char* work = join(context, folder, "/scene.stip.work");
     stp_result result = path != NULL && work != NULL ? STP_OK : STP_ERROR_OUT_OF_MEMORY;
     if (result == STP_OK && mkdtemp(folder) == NULL) {
-        result = stp_fail(context, STP_ERROR_IO, "%s: cannot be made: %s", folder, strerror(errno));
+        result = stp_fail(context, STP_ERROR_IO, "%s: cannot create the folder: %s", folder,
+                          strerror(errno));
     } else if (result == STP_OK) {
         size_t length = strlen(folder); // now it has its name
         memcpy(path, folder, length);

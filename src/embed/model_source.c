@@ -6,7 +6,7 @@
 // space costs nothing.
 #define _DEFAULT_SOURCE // MAP_ANONYMOUS, MAP_NORESERVE
 #include "base/bytes.h"
-#include "embed/model.h"
+#include "embed/model_internal.h"
 #include "store/format.h"
 
 #include <string.h>

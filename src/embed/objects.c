@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The tree of a model's objects, and their visibility.
-#include "embed/model.h"
+#include "embed/model_internal.h"
 
 enum { CHILDREN_AT_ONCE = 64 };
 
@@ -128,7 +128,7 @@ stp_result stp_model_set_appearance(stp_model* model, uint32_t object, stp_appea
     result = stp_model_find_item(model, object, &item);
     if (result == STP_OK && !stp_model_is_placed(&item)) {
         return stp_fail(model->context, STP_ERROR_ARGUMENT,
-                        "object %u does not stand in the scene by itself", object);
+                        "object %u is not placed in the scene itself", object);
     }
     stp_placed_node thing = {.node = item.node, .transform = item.transform};
     return result == STP_OK ? stp_visibility_set(model->visibility, &thing, shows[appearance])

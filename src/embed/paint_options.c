@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Checks a caller's options, and converts them for selection and renderers.
-#include "embed/painter.h"
+#include "embed/painter_internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -28,7 +28,7 @@ static const char* find_fault(const stp_painter* painter, const stp_paint_desc* 
         return "budget_ms, eye_dome, ambient_occlusion or ghost is out of range";
     }
     if ((uint32_t)desc->coloring > STP_PIXELS_NORMALS) {
-        return "coloring is none of stp_pixel_coloring";
+        return "coloring is not a value of stp_pixel_coloring";
     }
     if (desc->smooth && desc->coloring != STP_PIXELS_OWN) {
         return "smooth needs the scene's own colours";

@@ -3,9 +3,8 @@
 // Draws pictures of a model: selects, draws, and feeds measurements back. While the model streams,
 // each picture reports the data it wanted; memory that a picture needs takes precedence over loaded
 // data.
-#include "embed/painter.h"
-
 #include "base/clock.h"
+#include "embed/painter_internal.h"
 #include "select/view_frame.h"
 
 #include <math.h>
@@ -233,8 +232,7 @@ stp_result stp_painter_draw(stp_painter* painter, const stp_view* view, const st
         return result;
     }
     if (image == NULL ? !painter->uses_gl : image->pixels == NULL) {
-        return stp_fail(context, STP_ERROR_ARGUMENT,
-                        "stp_painter_draw: there are no pixels to draw");
+        return stp_fail(context, STP_ERROR_ARGUMENT, "stp_painter_draw: no pixels to draw");
     }
     p.accumulates = desc.accumulate;
     p.complete = desc.complete;
@@ -268,8 +266,8 @@ stp_result stp_painter_get_depths(stp_painter* painter, float* depths, size_t co
                 stp_view_frame_make(view, &frame) && !frame.parallel;
     if (!fits) {
         return stp_fail(context, STP_ERROR_ARGUMENT,
-                        "stp_painter_get_depths: there is no picture of %zu pixels, of one eye and "
-                        "in perspective",
+                        "stp_painter_get_depths: the last picture must have %zu pixels, one eye "
+                        "and a perspective projection",
                         count);
     }
     const float* nearness = stp_renderer_depth(painter->renderer);

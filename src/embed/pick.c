@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Picks at a position in the picture.
-#include "select/pick.h"
-
-#include "embed/model.h"
-#include "store/attributes.h"
+#include "embed/model_internal.h"
+#include "select/pick_ray.h"
+#include "store/attribute_blocks.h"
 
 #include <stipple/pick.h>
 
@@ -73,7 +72,7 @@ stp_result stp_model_pick(stp_model* model, const stp_view* view, double x, doub
     stp_hit made = {.object = STP_NO_OBJECT, .placed_object = STP_NO_OBJECT};
     if (!stp_ray_of_pixel(view, x, y, &desc.ray)) {
         return stp_fail(model->context, STP_ERROR_ARGUMENT,
-                        "view: eye, target, angle and size do not make a picture");
+                        "view: invalid combination of eye, target, angle and size");
     }
     stp_pixel_width(view, &desc.point_base, &desc.point_slope);
     desc.point_base *= point_pixels;

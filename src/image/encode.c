@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Encodes texels to PNG, in memory that the context counts.
-#include "image/image.h"
+#include "image/image_codecs.h"
 
 #include <spng.h>
 #include <string.h>
@@ -32,7 +32,7 @@ static int append(spng_ctx* codec, void* user, void* source, size_t size)
     return 0;
 }
 
-/// Rows of a PNG colour type with 8 bits a channel.
+/// Rows of a PNG colour type with 8 bits per channel.
 typedef struct png_rows {
     uint8_t color_type;
     size_t channels;

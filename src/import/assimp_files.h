@@ -1,6 +1,6 @@
-// SPDX-License-Identifier: MIT The files that assimp may read: the model's bytes, which are here
-// already, and regular files that the model may name (path_rules.h). For a child process: uses no
-// context.
+// SPDX-License-Identifier: MIT
+// Files that assimp may read: the model's bytes, which are already in memory, and regular files
+// that the model may reference (path_rules.h). For a child process: uses no context.
 #pragma once
 
 #include <assimp/cfileio.h>
@@ -12,7 +12,8 @@ enum { STP_ASSIMP_OPENED = 256 };
 
 #define STP_ASSIMP_SECONDS 30 ///< CPU time for any model; larger files get more
 
-/// Additional CPU time for so many bytes. Readers are far faster, except those in an endless loop.
+/// Additional CPU time for a file of this many bytes. Readers are far faster, except those in an
+/// endless loop.
 static inline uint64_t stp_assimp_seconds_for(uint64_t bytes)
 {
     return bytes / 10000;

@@ -22,7 +22,7 @@ typedef struct reader {
 
 static stp_result fail_stream(const reader* r, const char* what)
 {
-    return stp_fail(r->context, STP_ERROR_FORMAT, "%s: assimp's reader gave %s that make no sense",
+    return stp_fail(r->context, STP_ERROR_FORMAT, "%s: assimp returned invalid data (%s)",
                     r->import->path, what);
 }
 
@@ -512,14 +512,14 @@ static stp_result read_scene(reader* r)
         }
     }
     uint32_t end;
-    return take_u32(r, &end) && end == STP_ASSIMP_END ? STP_OK : fail_stream(r, "an end");
+    return take_u32(r, &end) && end == STP_ASSIMP_END ? STP_OK : fail_stream(r, "end");
 }
 
 stp_result stp_assimp_fail_memory(const stp_import* import)
 {
     return stp_fail(import->context, STP_ERROR_OUT_OF_MEMORY,
-                    "%s: out of memory: the %llu bytes that assimp may use to read it do not "
-                    "suffice: give a higher limit (--memory)",
+                    "%s: out of memory: assimp needs more than the %llu bytes it may use: raise "
+                    "the limit with --memory",
                     import->path, (unsigned long long)stp_assimp_memory_limit(import));
 }
 
@@ -561,7 +561,7 @@ static stp_result read_refusals(reader* r)
     if (result == STP_OK) {
         stp_warn(r->context, "%s: \"%.200s\" is left out: %.100s%s", r->import->path,
                  first != NULL ? first : "", reason != NULL ? reason : "",
-                 count > 1 ? "; others, too" : "");
+                 count > 1 ? "; other files, too" : "");
     }
     return result;
 }

@@ -88,7 +88,7 @@ typedef struct stp_e57_field {
     bool used, is_float;
     uint32_t stream;
     unsigned bits;        ///< 0: each value is `minimum`
-    int64_t minimum;      ///< of integers: what bits count from
+    int64_t minimum;      ///< of integers: added to the stored bits
     double scale, offset; ///< of integers
     double low, high;     ///< of values, if specified; else low > high
 } stp_e57_field;

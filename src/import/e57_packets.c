@@ -31,13 +31,13 @@ static stp_result open_section(finder* f)
     uint64_t section = f->scan->section;
     if (section == UINT64_MAX || !stp_e57_copy(e57, section, header, sizeof(header)) ||
         header[0] != 1) {
-        return fail(f, "no section of points begins where it says");
+        return fail(f, "no section of points at its offset");
     }
     uint64_t size = stp_read_u64(header + 8);
     f->at = stp_e57_logical(e57, stp_read_u64(header + 16));
     if (size < SECTION_HEADER || size > e57->logical_size - section || f->at < section ||
         (f->at > section + size && f->scan->record_count > 0)) {
-        return fail(f, "its section of points reaches beyond the file");
+        return fail(f, "its section of points extends beyond the end of the file");
     }
     f->end = section + size;
     return STP_OK;
@@ -54,7 +54,7 @@ static stp_result add_packet(finder* f, uint32_t size)
     uint32_t count = stp_read_u16(head + 4);
     if (count != scan->stream_count ||
         !stp_e57_copy(f->e57, f->at + PACKET_HEADER, lengths, 2 * (size_t)count)) {
-        return fail(f, "a packet has not as many streams as a record has fields");
+        return fail(f, "a packet and the records have different numbers of fields");
     }
     size_t first = (size_t)scan->packet_count * f->used_count, needed = first + 2 * f->used_count;
     uint64_t* places = stp_grow_array(context, scan->places, &f->capacity_places, needed, 8);
@@ -87,11 +87,11 @@ static stp_result read_packets(finder* f)
         unsigned char head[PACKET_HEADER] = {0};
         size_t held = f->end - f->at < PACKET_HEADER ? 4 : PACKET_HEADER;
         if (!stp_e57_copy(f->e57, f->at, head, held)) {
-            return fail(f, "its section of points reaches beyond the file");
+            return fail(f, "its section of points extends beyond the end of the file");
         }
         uint32_t size = stp_read_u16(head + 2) + 1u;
         if (size > f->end - f->at || size % 4 != 0 || head[0] > PACKET_EMPTY) {
-            return fail(f, "a packet has an impossible size or an unknown kind");
+            return fail(f, "a packet has an invalid size or an unknown type");
         }
         if (head[0] == PACKET_DATA) {
             result = size >= PACKET_HEADER ? add_packet(f, size) : fail(f, "a packet is too short");
@@ -123,8 +123,7 @@ static stp_result check_streams(const finder* f)
         }
         index += 1;
     }
-    return placed > 0 || scan->record_count <= 1 ? STP_OK
-                                                 : fail(f, "all of its points are at one place");
+    return placed > 0 || scan->record_count <= 1 ? STP_OK : fail(f, "all of its points coincide");
 }
 
 stp_result stp_e57_find_packets(const stp_e57* e57, uint32_t number, stp_e57_scan* scan)

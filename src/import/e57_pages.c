@@ -41,11 +41,11 @@ static stp_result check_all_pages(const stp_e57* e57, size_t page_count)
     atomic_init(&c.first_bad, page_count);
     stp_parallel_for(import->context, page_count, GRAIN, check_pages, &c);
     size_t bad = atomic_load(&c.first_bad);
-    return bad == page_count ? STP_OK
-                             : stp_fail(import->context, STP_ERROR_FORMAT,
-                                        "%s: page %zu of %zu is damaged: its checksum is another "
-                                        "than that of its bytes",
-                                        import->path, bad + 1, page_count);
+    return bad == page_count
+               ? STP_OK
+               : stp_fail(import->context, STP_ERROR_FORMAT,
+                          "%s: page %zu of %zu is damaged: its checksum does not match",
+                          import->path, bad + 1, page_count);
 }
 
 stp_result stp_e57_open_pages(stp_e57* e57)
@@ -57,32 +57,33 @@ stp_result stp_e57_open_pages(stp_e57* e57)
                         "%s: is shorter than the header of an E57 file", import->path);
     }
     if (memcmp(bytes, "ASTM-E57", 8) != 0) {
-        return stp_fail(import->context, STP_ERROR_FORMAT, "%s: does not begin like an E57 file",
+        return stp_fail(import->context, STP_ERROR_FORMAT, "%s: has no E57 signature",
                         import->path);
     }
     uint32_t major = stp_read_u32(bytes + 8);
     uint64_t size = stp_read_u64(bytes + 16), page_size = stp_read_u64(bytes + 40);
     if (major != 1 || page_size != STP_E57_PAGE) {
         return stp_fail(import->context, STP_ERROR_UNSUPPORTED,
-                        "%s: is of version %u with pages of %llu bytes: 1 and 1024 can be read",
+                        "%s: has version %u and pages of %llu bytes: only version 1 with pages of "
+                        "1024 bytes is supported",
                         import->path, major, (unsigned long long)page_size);
     }
     if (size > import->file.size) {
         return stp_fail(import->context, STP_ERROR_TRUNCATED,
-                        "%s: has %llu bytes by its header, but ends after %zu", import->path,
+                        "%s: its header says %llu bytes, but it ends after %zu", import->path,
                         (unsigned long long)size, import->file.size);
     }
     if (size == 0 || size % STP_E57_PAGE != 0) {
         return stp_fail(import->context, STP_ERROR_FORMAT,
-                        "%s: has %llu bytes by its header, which are no whole pages", import->path,
-                        (unsigned long long)size);
+                        "%s: its header says %llu bytes, which is not a whole number of pages",
+                        import->path, (unsigned long long)size);
     }
     e57->logical_size = size / STP_E57_PAGE * STP_E57_PAYLOAD;
     e57->xml_logical = stp_e57_logical(e57, stp_read_u64(bytes + 24));
     e57->xml_length = stp_read_u64(bytes + 32);
     if (e57->xml_logical == UINT64_MAX || e57->xml_length > e57->logical_size - e57->xml_logical) {
         return stp_fail(import->context, STP_ERROR_FORMAT,
-                        "%s: its header puts the XML section outside the file", import->path);
+                        "%s: its XML section lies outside the file", import->path);
     }
     return check_all_pages(e57, (size_t)(size / STP_E57_PAGE));
 }

@@ -228,10 +228,11 @@ stp_result stp_e57_describe_scan(stp_e57* e57, const stp_e57_node* node, uint32_
     scan->section = stp_e57_logical(e57, section);
     scan->spherical = stp_e57_child(prototype, "cartesianX") == NULL;
     if (!read_prototype(prototype, scan)) {
-        return fail_scan(e57, number, "a field of its records has an unknown type or wrong bounds");
+        return fail_scan(e57, number,
+                         "a field of its records has an unknown type or invalid bounds");
     }
     if (!read_pose(stp_e57_child(node, "pose"), &scan->pose)) {
-        return fail_scan(e57, number, "its pose is no turn and shift");
+        return fail_scan(e57, number, "its pose is not a rotation and a translation");
     }
     stp_e57_field* f = scan->fields;
     scan->has_places = f[STP_E57_X].used && f[STP_E57_Y].used && f[STP_E57_Z].used;

@@ -32,7 +32,7 @@ typedef struct helper {
     stp_import* import;
     stp_context* context;
     pid_t process;
-    int descriptor; ///< where the stream comes out
+    int descriptor; ///< read end of the stream's pipe
     uint64_t memory_limit;
     uint32_t seconds;       ///< wall-clock time, and the maximum CPU time
     uint64_t first_seconds; ///< CPU time for the model's own bytes; referenced files add to it
@@ -120,7 +120,7 @@ static stp_result start(helper* h)
 {
     int ends[2];
     if (pipe(ends) != 0) {
-        return stp_fail(h->context, STP_ERROR_IO, "%s: no pipe to a child process: %s",
+        return stp_fail(h->context, STP_ERROR_IO, "%s: cannot create a pipe to a child process: %s",
                         h->import->path, strerror(errno));
     }
     (void)fcntl(ends[0], F_SETFD, FD_CLOEXEC);
@@ -139,7 +139,7 @@ static stp_result start(helper* h)
     h->descriptor = ends[0];
     if (h->process < 0) {
         close(ends[0]);
-        return stp_fail(h->context, STP_ERROR_IO, "%s: no child process to read it in: %s",
+        return stp_fail(h->context, STP_ERROR_IO, "%s: cannot start a child process to read it: %s",
                         h->import->path, strerror(reason));
     }
     h->deadline = now() + (double)h->seconds;
@@ -197,7 +197,7 @@ static stp_result receive_all(helper* h, int* status, bool* reaped)
     return STP_OK;
 }
 
-static stp_result judge_end(const helper* h, int status)
+static stp_result check_exit(const helper* h, int status)
 {
     if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL)) {
         return stp_fail(h->context, STP_ERROR_LIMIT,
@@ -232,8 +232,8 @@ static stp_result run_helper(helper* h)
     pid_t found = reaped ? h->process : -1;
     while (!reaped && (found = waitpid(h->process, &status, 0)) < 0 && errno == EINTR) {
     }
-    // if the host reaps all children itself, there is no status: then only the stream tells
-    return result == STP_OK && found == h->process ? judge_end(h, status) : result;
+    // if the host reaps all children itself, there is no status: only the stream shows success
+    return result == STP_OK && found == h->process ? check_exit(h, status) : result;
 }
 
 static bool assimp_knows(const char* path)
@@ -247,7 +247,7 @@ static stp_result read_foreign(stp_import* import)
 {
     if (!assimp_knows(import->path)) {
         return stp_fail(import->context, STP_ERROR_UNSUPPORTED,
-                        "%s: neither content nor extension is of a format that can be read",
+                        "%s: unknown format: neither its content nor its extension is supported",
                         import->path);
     }
     if (import->file.size == 0) {

@@ -48,11 +48,12 @@ static stp_result refuse(stp_import* import)
     const char* dot = strrchr(import->path, '.');
     bool iges = is_iges(import->file.bytes, import->file.size) ||
                 (dot != NULL && (dot[1] == 'i' || dot[1] == 'I'));
-    return stp_fail(import->context, STP_ERROR_UNSUPPORTED,
-                    "%s: is %s, which holds exact surfaces and no triangles, and is not read: "
-                    "export glTF, OBJ or STL from the CAD program, or convert it, for example with "
-                    "FreeCAD",
-                    import->path, iges ? "IGES" : "STEP");
+    return stp_fail(
+        import->context, STP_ERROR_UNSUPPORTED,
+        "%s: is %s, which contains exact surfaces instead of triangles and is not supported: "
+        "export glTF, OBJ or STL from the CAD program, or convert it, for example with "
+        "FreeCAD",
+        import->path, iges ? "IGES" : "STEP");
 }
 
 const stp_importer stp_importer_cad = {

@@ -54,9 +54,10 @@ typedef struct json_text {
 
 static stp_result fail_version_1(stp_gltf_scope* scope)
 {
-    return stp_gltf_fail(scope, STP_ERROR_UNSUPPORTED,
-                         "it is glTF 1.0, which is not read: convert it to glTF 2.0, for example "
-                         "with gltf-pipeline");
+    return stp_gltf_fail(
+        scope, STP_ERROR_UNSUPPORTED,
+        "it is glTF 1.0, which is not supported: convert it to glTF 2.0, for example "
+        "with gltf-pipeline");
 }
 
 // Finds the two chunks of a .glb (4.4.3).
@@ -72,7 +73,8 @@ static stp_result open_glb(stp_gltf_scope* scope, stp_gltf* gltf, json_text* tex
         return version == 1
                    ? fail_version_1(scope)
                    : stp_gltf_fail(scope, STP_ERROR_VERSION,
-                                   "its container is of version %u, but only 2 is read", version);
+                                   "its container has version %u, but only version 2 is supported",
+                                   version);
     }
     if (length > file->size) {
         return stp_gltf_fail(scope, STP_ERROR_TRUNCATED,
@@ -85,7 +87,7 @@ static stp_result open_glb(stp_gltf_scope* scope, stp_gltf* gltf, json_text* tex
         at += CHUNK_HEADER_SIZE;
         if (size > length - at) {
             return stp_gltf_fail(scope, STP_ERROR_TRUNCATED,
-                                 "chunk %zu is of %zu bytes, but %zu are left", chunk, size,
+                                 "chunk %zu has %zu bytes, but only %zu are left", chunk, size,
                                  length - at);
         }
         if (chunk == 0 && type == CHUNK_JSON) {
@@ -183,14 +185,15 @@ static stp_result check_version(stp_gltf_scope* scope, const stp_gltf* gltf)
     const char* version = stp_gltf_text(asset, "version");
     const char* least = stp_gltf_text(asset, "minVersion");
     if (!parse_version(version, &major, &minor)) {
-        return stp_gltf_fail(scope, STP_ERROR_FORMAT, "asset.version is missing or no version");
+        return stp_gltf_fail(scope, STP_ERROR_FORMAT, "asset.version is missing or invalid");
     }
     if (major != 2) {
         return stp_gltf_fail(scope, major > 2 ? STP_ERROR_VERSION : STP_ERROR_UNSUPPORTED,
-                             "it is glTF %u.%u, but only 2 is read", major, minor);
+                             "it is glTF %u.%u, but only version 2 is supported", major, minor);
     }
     if (least != NULL && (!parse_version(least, &major, &minor) || major != 2 || minor > 0)) {
-        return stp_gltf_fail(scope, STP_ERROR_VERSION, "it needs a reader of glTF %.20s", least);
+        return stp_gltf_fail(scope, STP_ERROR_VERSION, "it requires a reader for glTF %.20s",
+                             least);
     }
     return STP_OK;
 }
@@ -229,7 +232,7 @@ static stp_result check_extensions(stp_gltf_scope* scope, const stp_gltf* gltf)
         const char* name = json_string_value(json_array_get(required, i));
         if (name == NULL || !is_known(name)) {
             return stp_gltf_fail(scope, STP_ERROR_UNSUPPORTED,
-                                 "it requires the extension %.100s, which is not known",
+                                 "it requires the extension %.100s, which is not supported",
                                  name != NULL ? name : "(no text)");
         }
     }

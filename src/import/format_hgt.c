@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
 // Heights of the Shuttle Radar Topography Mission: a square of 1201 or 3601 heights in metres,
-// big-endian, northernmost row first, over one degree whose south-western corner the file's name
-// tells: N48E010. It becomes a mesh in metres, x to the east, y to the north, z up, around the
-// tile's middle, with a degree of longitude as long as it is at the tile's middle latitude. Voids
+// big-endian, northernmost row first, over one degree. The file's name gives the south-western
+// corner: N48E010. It becomes a mesh in metres, x to the east, y to the north, z up, centred on the
+// tile. Degrees of longitude have the length that they have at the tile's middle latitude. Voids
 // leave holes.
 #include "import/surface.h"
 
@@ -64,7 +64,7 @@ static double find_latitude(const tile* t)
     at = at != NULL ? read_angle(at, 'E', 'W', &longitude) : NULL;
     if (at == NULL || latitude < -90 || latitude >= 90) {
         stp_warn(t->import->context,
-                 "%s: its name tells no place, like N48E010: degrees are as long as at the equator",
+                 "%s: its name has no coordinates such as N48E010: assumes a tile at the equator",
                  t->import->path);
         return 0.0;
     }
@@ -201,9 +201,10 @@ static stp_result read(stp_import* import)
         t.side = import->file.size == size ? sides[i] : t.side;
     }
     if (t.side == 0) {
-        return stp_fail(import->context, STP_ERROR_FORMAT,
-                        "%s: has %zu bytes: a tile has 1201 or 3601 heights of two bytes squared",
-                        import->path, import->file.size);
+        return stp_fail(
+            import->context, STP_ERROR_FORMAT,
+            "%s: has %zu bytes, but a tile has 1201 x 1201 or 3601 x 3601 heights of two bytes",
+            import->path, import->file.size);
     }
     double latitude = find_latitude(&t);
     t.step_y = DEGREE / (t.side - 1);

@@ -39,9 +39,9 @@ typedef struct reader {
     size_t stride[SLOTS];
     stp_cloud cloud;
     stp_intensity_range intensity;
-    seen* workers; ///< what each has seen
+    seen* workers; ///< one per worker
     stp_text_blocks blocks;
-    uint8_t column_slots[STP_PCD_FIELDS]; ///< ascii: SLOTS for what is not kept
+    uint8_t column_slots[STP_PCD_FIELDS]; ///< ascii: SLOTS for columns that are not kept
     atomic_uint_fast64_t bad_line;
 } reader;
 
@@ -204,7 +204,7 @@ static stp_intensity_range guess_intensity(const reader* r)
         low = value < low ? value : low;
         high = value > high ? value : high;
     }
-    return stp_intensity_judge(low, high > 0.0 ? high : 1.0);
+    return stp_intensity_find_range(low, high > 0.0 ? high : 1.0);
 }
 
 // A packed colour is a whole number, or the float with the same bits.
@@ -346,7 +346,7 @@ static stp_result fill_cloud(reader* r)
     }
     r->intensity = guess_intensity(r);
     seen all = read_once(r);
-    stp_intensity_range right = stp_intensity_judge(all.low, all.high);
+    stp_intensity_range right = stp_intensity_find_range(all.low, all.high);
     if (right.low != r->intensity.low || right.high != r->intensity.high) {
         r->intensity = right;
         (void)read_once(r);
@@ -354,7 +354,7 @@ static stp_result fill_cloud(reader* r)
     uint64_t bad = atomic_load(&r->bad_line);
     if (bad != UINT64_MAX) {
         return stp_fail(context, STP_ERROR_FORMAT,
-                        "%s: line %llu: has not the numbers of %u fields", r->import->path,
+                        "%s: line %llu: expected the numbers of %u fields", r->import->path,
                         (unsigned long long)bad + 1, r->pcd.field_count);
     }
     if (all.empty > 0) {
@@ -368,7 +368,7 @@ static stp_result fill_cloud(reader* r)
 static stp_result fail_short(const reader* r, uint64_t held)
 {
     return stp_fail(r->import->context, STP_ERROR_TRUNCATED,
-                    "%s: has %llu points by its header, but ends after %llu", r->import->path,
+                    "%s: its header says %llu points, but it ends after %llu", r->import->path,
                     (unsigned long long)r->pcd.point_count, (unsigned long long)held);
 }
 
@@ -409,9 +409,10 @@ static stp_result read_compressed(reader* r)
     size_t left = file->size - r->pcd.body;
     uint64_t packed = left >= 8 ? stp_read_u32(at) : 0, size = left >= 8 ? stp_read_u32(at + 4) : 0;
     if (left < 8 || packed > left - 8) {
-        return stp_fail(context, STP_ERROR_TRUNCATED,
-                        "%s: its compressed points take %llu bytes, but it ends after %zu",
-                        r->import->path, (unsigned long long)packed, left < 8 ? 0 : left - 8);
+        return stp_fail(
+            context, STP_ERROR_TRUNCATED,
+            "%s: its header says %llu bytes of compressed points, but it ends after %zu",
+            r->import->path, (unsigned long long)packed, left < 8 ? 0 : left - 8);
     }
     uint64_t count = r->pcd.point_count;
     if (count > size / r->pcd.row_size || count * r->pcd.row_size != size ||

@@ -14,7 +14,7 @@
 enum { X, Y, Z, NX, NY, NZ, R, G, B, A, U, V, DC0, DC1, DC2, SLOT_COUNT };
 
 #define GRAIN ((size_t)1 << 14)
-#define STRIPE (64 * GRAIN)                      ///< after so many rows, pages are released
+#define STRIPE (64 * GRAIN)                      ///< pages are released after this many rows
 #define SPHERICAL_HARMONIC_0 0.28209479177387814 ///< 1 / (2 sqrt(pi)): Kerbl et al. 2023
 
 // Arrays from the rows of the vertex element. Positions and normals have 3 floats, texcoords 2,
@@ -468,10 +468,10 @@ static stp_result read(stp_import* import)
 {
     stp_ply ply = {.import = import, .context = import->context};
     stp_import_default_axes(import, 'y');
-    stp_result result = import->file.size != 0 && detect(import->file.bytes, import->file.size)
-                            ? stp_ply_read_header(&ply)
-                            : stp_fail(import->context, STP_ERROR_FORMAT,
-                                       "%s: does not begin like a PLY file", import->path);
+    stp_result result =
+        import->file.size != 0 && detect(import->file.bytes, import->file.size)
+            ? stp_ply_read_header(&ply)
+            : stp_fail(import->context, STP_ERROR_FORMAT, "%s: has no PLY signature", import->path);
     if (result == STP_OK) {
         result = read_values(&ply);
     }

@@ -64,26 +64,26 @@ static stp_result read_header(reader* r)
 {
     double n[4];
     if (r->blocks.line_count - r->line < HEADER_LINES) {
-        return stp_fail(r->import->context, STP_ERROR_TRUNCATED,
-                        "%s: line %llu: a scan begins with %d lines, and the file ends in them",
-                        r->import->path, (unsigned long long)r->line + 1, HEADER_LINES);
+        return stp_fail(
+            r->import->context, STP_ERROR_TRUNCATED,
+            "%s: line %llu: a scan starts with %d header lines, but the file ends within them",
+            r->import->path, (unsigned long long)r->line + 1, HEADER_LINES);
     }
     if (!read_size(r, r->line, &r->columns) || !read_size(r, r->line + 1, &r->rows)) {
-        return fail_line(r, r->line,
-                         "a scan begins with its number of columns and, in the next "
-                         "line, of rows");
+        return fail_line(
+            r, r->line, "expected the number of columns and, on the next line, the number of rows");
     }
     for (int i = 0; i < HEADER_LINES - 2; ++i) {
         uint64_t line = r->line + 2 + (uint64_t)i;
         int wanted = i < 4 ? 3 : 4;
         if (read_numbers(r, line, n, wanted) != wanted) {
             return fail_line(r, line,
-                             i < 4 ? "three numbers of the scanner's place were expected"
-                                   : "four numbers of the scanner's pose were expected");
+                             i < 4 ? "expected the three coordinates of the scanner"
+                                   : "expected four numbers of the scanner's pose");
         }
         for (int k = 0; k < 3; ++k) {
             if (!(fabs(n[k]) < 1e15)) {
-                return fail_line(r, line, "the scanner's place is not finite");
+                return fail_line(r, line, "the scanner's position is not finite");
             }
             if (i == 0) {
                 r->scanner[k] = n[k];
@@ -188,9 +188,8 @@ static stp_result read_scan(reader* r)
     }
     stp_columns columns = {0};
     if (cells > 0 && !find_columns(r, &columns)) {
-        return fail_line(
-            r, r->line + HEADER_LINES,
-            "a cell has three, four or seven numbers: x y z, intensity, red green blue");
+        return fail_line(r, r->line + HEADER_LINES,
+                         "expected three, four or seven numbers: x y z, intensity, red green blue");
     }
     stp_point_columns_desc desc = stp_text_points_wants(&columns);
     desc.normals = true;

@@ -99,11 +99,11 @@ static stp_result read_vertex(reader* r, stp_text at, bool in_tail)
         next = stp_read_number(next, &n[i]);
     }
     if (next == NULL) {
-        return fail_line(r, at, in_tail, "a vertex has three numbers");
+        return fail_line(r, at, in_tail, "expected three coordinates");
     }
     stp_vec3 p = {(float)n[0] + 0.0f, (float)n[1] + 0.0f, (float)n[2] + 0.0f}; // -0 becomes 0
     if (!stp_is_finite(p)) {
-        return fail_line(r, at, in_tail, "the numbers of a vertex are finite");
+        return fail_line(r, at, in_tail, "a coordinate is not finite");
     }
     if (r->weld.index_count >= STP_NONE - 1) {
         return stp_fail(r->context, STP_ERROR_LIMIT, "%s: has more than 2^32 corners",
@@ -141,7 +141,7 @@ static stp_result read_line(reader* r, stp_text at, bool in_tail)
         r->facet_start = r->weld.index_count;
         return corners == 3 || corners == 0
                    ? STP_OK
-                   : fail_line(r, word, in_tail, "a facet has three vertices");
+                   : fail_line(r, word, in_tail, "expected three vertices per facet");
     }
     if (stp_word_is(word, next, "solid")) {
         stp_result result = end_solid(r, r->name);
@@ -245,11 +245,11 @@ static stp_result read_with(reader* r)
     uint64_t held = (file->size - HEADER_SIZE) / STP_STL_FACET_SIZE;
     if (count > held) {
         return stp_fail(r->context, STP_ERROR_TRUNCATED,
-                        "%s: has %llu facets by its header, but ends after %llu", r->import->path,
+                        "%s: its header says %llu facets, but it ends after %llu", r->import->path,
                         (unsigned long long)count, (unsigned long long)held);
     }
     if (!is_binary(file->bytes, file->size)) {
-        stp_warn(r->context, "%s: has more bytes than the facets of its header take",
+        stp_warn(r->context, "%s: has more data than the facets that its header declares",
                  r->import->path);
     }
     return read_binary(r, (size_t)count);

@@ -10,13 +10,13 @@ static stp_result check_counts(stp_import* import, const stp_text_points* points
 {
     if (points->declared > points->lines) {
         return stp_fail(import->context, STP_ERROR_TRUNCATED,
-                        "%s: its count lines say %llu points, but it holds %llu", import->path,
+                        "%s: its count lines say %llu points, but it has %llu", import->path,
                         (unsigned long long)points->declared, (unsigned long long)points->lines);
     }
     if (points->declared > 0 && points->declared < points->lines) {
-        stp_warn(
-            import->context, "%s: its count lines say %llu points, but it holds %llu: all are kept",
-            import->path, (unsigned long long)points->declared, (unsigned long long)points->lines);
+        stp_warn(import->context, "%s: its count lines say %llu points, but it has %llu: keeps all",
+                 import->path, (unsigned long long)points->declared,
+                 (unsigned long long)points->lines);
     }
     return STP_OK;
 }

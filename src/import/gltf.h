@@ -99,7 +99,7 @@ typedef struct stp_gltf {
     size_t node_count;
     stp_gltf_variant* variants;
     size_t variant_count, variant_capacity;
-    stp_gltf_part* parts; ///< one a primitive, in the order of variants
+    stp_gltf_part* parts; ///< one per primitive, in the order of variants
 } stp_gltf;
 
 enum { STP_GLTF_MESSAGE_SIZE = 400 };
@@ -179,7 +179,7 @@ STP_MUST_USE stp_result stp_gltf_view(stp_gltf_scope* scope, uint32_t view,
 STP_MUST_USE stp_result stp_gltf_buffer_range(stp_gltf_scope* scope, uint32_t buffer, size_t offset,
                                               size_t size, const unsigned char** bytes);
 /// Releases the memory of file content that has been read. Any thread.
-void stp_gltf_forget_buffers(const stp_gltf* gltf);
+void stp_gltf_release_buffers(const stp_gltf* gltf);
 void stp_gltf_free_buffers(stp_gltf* gltf);
 
 // gltf_meshopt.c

@@ -18,7 +18,7 @@ static size_t component_size(stp_gltf_component component)
     case STP_GLTF_F32:
         return 4;
     }
-    return 0; // none of the format's
+    return 0; // not a component type of glTF
 }
 
 static uint32_t count_components(const char* type)
@@ -60,8 +60,8 @@ static stp_result find_elements(stp_gltf_scope* scope, const stp_gltf_accessor* 
                                count - 1 <= (view_size - offset - size) / step);
     if (!fits) {
         return stp_gltf_fail(scope, STP_ERROR_FORMAT,
-                             "accessors[%u] wants %zu elements of %zu bytes, %zu apart, from byte "
-                             "%zu on, but bufferViews[%u] has %zu bytes",
+                             "accessors[%u] needs %zu elements of %zu bytes with a stride of %zu "
+                             "from byte %zu on, but bufferViews[%u] has %zu bytes",
                              accessor->index, count, size, step, offset, view, view_size);
     }
     *bytes = *bytes != NULL && count != 0 ? *bytes + offset : NULL;

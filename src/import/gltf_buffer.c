@@ -77,14 +77,14 @@ stp_result stp_gltf_load_buffers(stp_gltf_scope* scope, stp_gltf* gltf)
     return STP_OK;
 }
 
-void stp_gltf_forget_buffers(const stp_gltf* gltf)
+void stp_gltf_release_buffers(const stp_gltf* gltf)
 {
     if (!gltf->import->alone) { // otherwise it is the caller's memory, which releasing would
                                 // discard
-        stp_file_forget(&gltf->import->file);
+        stp_file_evict(&gltf->import->file);
     }
     for (size_t i = 0; i < stp_gltf_count(gltf, STP_GLTF_BUFFERS); ++i) {
-        stp_file_forget(&gltf->buffers[i].file);
+        stp_file_evict(&gltf->buffers[i].file);
     }
 }
 
@@ -111,8 +111,8 @@ stp_result stp_gltf_buffer_range(stp_gltf_scope* scope, uint32_t buffer, size_t 
     }
     if (offset > from->size || size > from->size - offset) {
         return stp_gltf_fail(scope, STP_ERROR_FORMAT,
-                             "bytes %zu to %zu are wanted, but buffers[%u] has %zu bytes", offset,
-                             offset + size, buffer, from->size);
+                             "bytes %zu to %zu lie outside buffers[%u], which has %zu bytes",
+                             offset, offset + size, buffer, from->size);
     }
     *bytes = from->bytes != NULL ? from->bytes + offset : NULL;
     return STP_OK;
@@ -147,7 +147,7 @@ stp_result stp_gltf_view(stp_gltf_scope* scope, uint32_t view, const unsigned ch
         return STP_OK;
     }
     if (buffer == STP_NONE) {
-        return stp_gltf_fail(scope, STP_ERROR_FORMAT, "bufferViews[%u] names no buffer", view);
+        return stp_gltf_fail(scope, STP_ERROR_FORMAT, "bufferViews[%u] has no buffer", view);
     }
     return stp_gltf_buffer_range(scope, buffer, offset, *size, bytes);
 }

@@ -17,7 +17,7 @@ typedef enum stp_draco_result {
     STP_DRACO_OUT_OF_MEMORY,
 } stp_draco_result;
 
-/// Decodes; `reason` receives up to 80 bytes of libdraco's sentence where the data is damaged.
+/// Decodes. For damaged data, `reason` receives up to 80 bytes of libdraco's message.
 stp_draco_result stp_draco_decode(const void* bytes, size_t size, stp_draco_mesh** mesh,
                                   char reason[80]);
 void stp_draco_destroy(stp_draco_mesh* mesh);
@@ -26,9 +26,9 @@ uint32_t stp_draco_point_count(const stp_draco_mesh* mesh);
 uint32_t stp_draco_face_count(const stp_draco_mesh* mesh);
 /// Three a face; each below the point count.
 void stp_draco_indices(const stp_draco_mesh* mesh, uint32_t* out);
-/// Components of the attribute with that id; 0: there is none.
+/// Components of the attribute with that id; 0 if it does not exist.
 uint32_t stp_draco_component_count(const stp_draco_mesh* mesh, uint32_t id);
-/// All points' values as they are stored, integers not normalised.
+/// Values of all points as stored; integers are not normalised.
 void stp_draco_values(const stp_draco_mesh* mesh, uint32_t id, float* out);
 
 #ifdef __cplusplus

@@ -6,9 +6,9 @@
 
 #include <string.h>
 
-// Decoded at once, before the scene takes them and may move them out of memory.
+// Decoded immediately, before the scene takes them and may move them out of memory.
 #define PIXELS_OF_BATCH ((uint64_t)1 << 24)
-#define PIXEL_BYTES 8u // with what decoders hold
+#define PIXEL_BYTES 8u // including the decoder's buffers
 
 enum { WRAP_REPEAT = 10497, WRAP_CLAMP = 33071, WRAP_MIRROR = 33648, FILTER_NEAREST = 9728 };
 
@@ -281,11 +281,10 @@ static stp_result measure_images(stp_gltf_scope* scope, stp_gltf_textures* textu
         }
         gltf->content_bytes += image->file.size;
         for (uint32_t k = image->first_request; k != STP_NONE; k = textures->requests[k].next) {
-            pixels +=
-                (uint64_t)image->info.width * image->info.height; // each has texels of its own
+            pixels += (uint64_t)image->info.width * image->info.height; // each has its own texels
         }
     }
-    if (!stp_image_believes(pixels, gltf->content_bytes)) {
+    if (!stp_image_is_plausible(pixels, gltf->content_bytes)) {
         return stp_gltf_fail(scope, STP_ERROR_LIMIT,
                              "the pictures claim %llu pixels in a file of %zu bytes",
                              (unsigned long long)pixels, gltf->content_bytes);
@@ -350,7 +349,7 @@ static stp_result add_texture(stp_gltf_scope* scope, stp_gltf_textures* textures
         scope, stp_scene_add_texture(gltf->import->scene, &texture, &request->scene_texture));
 }
 
-// End of the requests that are decoded at once: at least one, and no more pixels than a batch.
+// End of the requests that are decoded together: at least one, with at most a batch's pixels.
 static size_t end_batch(const stp_gltf* gltf, const stp_gltf_textures* textures, size_t begin)
 {
     size_t end = begin;

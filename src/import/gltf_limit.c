@@ -1,6 +1,7 @@
-// SPDX-License-Identifier: MIT Accessors, buffer views and compressed data may be shared without
-// end, so a small file could ask for any amount of memory or time. Honest files share as well: what
-// is read may be so much more than what is stored, and no more.
+// SPDX-License-Identifier: MIT
+// Accessors, buffer views and compressed data may be shared without limit, so a small file could
+// request any amount of memory or time. Valid files share data, too, so the amount of data read is
+// limited to a multiple of the amount stored.
 #include "import/gltf.h"
 
 #define ELEMENTS_ALWAYS_ALLOWED ((uint64_t)1 << 24)
@@ -12,15 +13,15 @@
 #define COMPRESSED_ALWAYS_ALLOWED ((uint64_t)1 << 20)
 #define COMPRESSED_PER_BYTE 16
 
-// The object that an index names; NULL if there is none. Errors are reported later, when it is
-// read.
+// The object that an index refers to; NULL if it does not exist. Errors are reported later, when
+// it is read.
 static const json_t* follow(const stp_gltf* gltf, const json_t* index, stp_gltf_list list)
 {
     json_int_t value = json_is_integer(index) ? json_integer_value(index) : -1;
     return value >= 0 ? json_array_get(gltf->lists[list], (size_t)value) : NULL;
 }
 
-static uint64_t whole(const json_t* object, const char* key)
+static uint64_t get_integer(const json_t* object, const char* key)
 {
     json_int_t value = json_integer_value(json_object_get(object, key));
     return value > 0 && value < STP_NONE ? (uint64_t)value : 0;
@@ -28,7 +29,7 @@ static uint64_t whole(const json_t* object, const char* key)
 
 static uint64_t accessor_count(const stp_gltf* gltf, const json_t* index)
 {
-    return whole(follow(gltf, index, STP_GLTF_ACCESSORS), "count");
+    return get_integer(follow(gltf, index, STP_GLTF_ACCESSORS), "count");
 }
 
 // The cost of reading a primitive: its indices, or its vertices, plus all vertices for each morph
@@ -55,7 +56,7 @@ static uint64_t compressed_bytes(const stp_gltf* gltf, const json_t* primitive)
     const json_t* draco =
         json_object_get(json_object_get(primitive, "extensions"), "KHR_draco_mesh_compression");
     const json_t* view = follow(gltf, json_object_get(draco, "bufferView"), STP_GLTF_BUFFER_VIEWS);
-    return whole(view, "byteLength");
+    return get_integer(view, "byteLength");
 }
 
 static stp_result check(stp_gltf_scope* scope, uint64_t claimed, uint64_t allowed,
@@ -132,7 +133,7 @@ stp_result stp_gltf_check_views(stp_gltf_scope* scope, const stp_gltf* gltf, boo
         const json_t* extensions = json_object_get(view, "extensions");
         if (json_object_get(extensions, "EXT_meshopt_compression") != NULL ||
             json_object_get(extensions, "KHR_meshopt_compression") != NULL) {
-            decoded += whole(view, "byteLength");
+            decoded += get_integer(view, "byteLength");
             *any = true;
         }
     }

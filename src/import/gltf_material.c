@@ -208,7 +208,7 @@ static stp_result read_emissive(material_reader* reader, const json_t* material)
         return result;
     }
     if (strength < 0.0 || strength > 1e6) {
-        stp_gltf_warn(scope, "emissiveStrength %g is taken as 1", strength);
+        stp_gltf_warn(scope, "emissiveStrength %g is out of range: uses 1", strength);
         strength = 1.0;
     }
     for (int c = 0; c < 3; ++c) {

@@ -117,7 +117,7 @@ static stp_result add_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
     return STP_OK;
 }
 
-// End of the primitives that are read at once: at least one, and no more elements than a batch.
+// End of the primitives that are read together: at least one, with at most a batch's elements.
 static size_t end_batch(const stp_gltf* gltf, const stp_gltf_primitive* primitives, size_t begin,
                         size_t count)
 {
@@ -143,7 +143,7 @@ static stp_result read_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
         primitive_loop loop = {.gltf = gltf, .primitives = primitives + begin};
         stp_parallel_for(gltf->context, end - begin, 1, read_job, &loop);
         result = add_primitives(scope, gltf, primitives, begin, end, &line_count);
-        stp_gltf_forget_buffers(gltf);
+        stp_gltf_release_buffers(gltf);
         begin = end;
     }
     stp_losses_add(&gltf->import->losses, STP_LOSS_LINE, line_count);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// EXT_meshopt_compression, and KHR_meshopt_compression where it is identical: buffer views encoded
-// by libmeshoptimizer.
+// EXT_meshopt_compression, and KHR_meshopt_compression as far as it is identical: buffer views
+// encoded by libmeshoptimizer.
 #include "import/gltf.h"
 
 #include <meshoptimizer.h>
@@ -50,7 +50,7 @@ static stp_result check_view(stp_gltf_scope* scope, const compressed_view* view)
     }
     if (!is_good) {
         return stp_gltf_fail(scope, STP_ERROR_FORMAT,
-                             "byteStride %zu does not go with the compression's mode and filter",
+                             "byteStride %zu does not match the compression's mode and filter",
                              view->stride);
     }
     if (view->mode == MODE_TRIANGLES && view->count % 3 != 0) {
@@ -95,7 +95,7 @@ static stp_result read_view(stp_gltf_scope* scope, const json_t* json, compresse
     }
     if (filter_index == 4) {
         return stp_gltf_fail(scope, STP_ERROR_UNSUPPORTED,
-                             "the compression's filter %.40s is not known", filter);
+                             "the compression's filter %.40s is not supported", filter);
     }
     view->mode = (compression_mode)mode_index;
     view->filter = (compression_filter)filter_index;

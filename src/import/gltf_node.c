@@ -198,7 +198,7 @@ static stp_result mark_roots(stp_gltf_scope* scope, stp_gltf* gltf)
         result = stp_gltf_element_index(scope, roots, i, gltf->node_count, &root);
         if (result == STP_OK && gltf->nodes[root].parent != STP_NONE) {
             result = stp_gltf_fail(scope, STP_ERROR_FORMAT,
-                                   "nodes[%u] is no root, but a child of nodes[%u]", root,
+                                   "nodes[%u] is not a root but a child of nodes[%u]", root,
                                    gltf->nodes[root].parent);
         }
         if (result == STP_OK) {

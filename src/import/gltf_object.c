@@ -223,7 +223,7 @@ static stp_result write_view(object_writer* writer, const stp_gltf_node* node, c
     stp_vec3d gaze = stp_normalized((stp_vec3d){-world.m[0][2], -world.m[1][2], -world.m[2][2]});
     stp_vec3d up = stp_normalized((stp_vec3d){world.m[0][1], world.m[1][1], world.m[2][1]});
     if (!(stp_dotd(gaze, gaze) > 0.5) || !(stp_dotd(up, up) > 0.5)) {
-        stp_gltf_warn(writer->scope, "its camera is left out: the node is scaled to nothing");
+        stp_gltf_warn(writer->scope, "its camera is left out: the scale of the node is 0");
         return STP_OK;
     }
     char numbered[32];

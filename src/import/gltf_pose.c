@@ -103,8 +103,8 @@ static stp_result blend(stp_gltf_scope* scope, const skin_arrays* arrays, size_t
         }
         if (!(joint >= 0.0f) || joint >= (float)arrays->matrix_count) {
             return stp_gltf_fail(scope, STP_ERROR_FORMAT,
-                                 "vertex %zu hangs on joint %g, but the skin has %zu", vertex,
-                                 (double)joint, arrays->matrix_count);
+                                 "vertex %zu refers to joint %g, but the skin has %zu joints",
+                                 vertex, (double)joint, arrays->matrix_count);
         }
         const stp_affine* matrix = &arrays->matrices[(size_t)joint];
         for (int r = 0; r < 3; ++r) {

@@ -17,7 +17,7 @@ static int hexadecimal(char c)
                                   : -1;
 }
 
-// A percent sign without two hexadecimal digits stands for itself, as in files that never encoded
+// A percent sign without two hexadecimal digits is kept, because some files never encoded their
 // URIs.
 static size_t percent_decode(const char* text, size_t length, unsigned char* out)
 {

@@ -3,10 +3,11 @@
 
 #include <string.h>
 
-#define JUMP                                                                                       \
-    4.0f ///< a neighbour so many times as far as the opposite one is behind a jump in depth
-#define STEEP                                                                                      \
-    0.5f ///< so is one whose distance differs by more than this share of the way to the scanner
+/// Maximum ratio of the distances to opposite neighbours; above it, the farther one is behind a
+/// depth jump
+#define JUMP 4.0f
+/// Maximum difference in distance to a neighbour, relative to the distance to the scanner
+#define STEEP 0.5f
 #define GRAIN ((size_t)16) ///< columns
 #define POINT_GRAIN ((size_t)1 << 16)
 
@@ -103,7 +104,7 @@ void stp_grid_normals(stp_cloud* cloud, const stp_scan_grid* grid)
 {
     work w = {cloud, grid};
     stp_context* context = cloud->import->context;
-    if (cloud->set.point_count == 0) { // whatever number of empty columns there is
+    if (cloud->set.point_count == 0) { // there may be any number of empty columns
         return;
     }
     if (grid->cells != NULL) {

@@ -165,7 +165,7 @@ stp_result stp_image_decode_plain(stp_context* context, const unsigned char* byt
     }
     bool fits = p.runs ? pixels / RUN_LIMIT <= left : p.row_size <= left / p.height;
     if (!fits) {
-        return refuse(STP_ERROR_TRUNCATED, "the picture ends before its content does", reason);
+        return refuse(STP_ERROR_TRUNCATED, "the picture is truncated", reason);
     }
     uint8_t* texels = stp_alloc_array(context, (size_t)pixels, 4);
     if (texels == NULL) {
@@ -173,7 +173,7 @@ stp_result stp_image_decode_plain(stp_context* context, const unsigned char* byt
     }
     if (!(p.runs ? read_runs(&p, texels) : read_rows(&p, texels))) {
         stp_free(context, texels);
-        return refuse(STP_ERROR_TRUNCATED, "the picture ends before its content does", reason);
+        return refuse(STP_ERROR_TRUNCATED, "the picture is truncated", reason);
     }
     texture->width = p.width;
     texture->height = p.height;

@@ -114,11 +114,11 @@ void stp_import_set_axes(stp_import* import, char up, double unit_metres)
 }
 
 // Inputs of one scene share a unit; the user should know if it is a guess.
-static void judge_units(const stp_import* import, double scene_unit)
+static void check_units(const stp_import* import, double scene_unit)
 {
     const stp_scene* scene = import->scene;
     if (import->wants_unit && scene->unit_metres == 0.0) {
-        stp_warn(import->context, "%s: does not say its unit of length (say it with --unit)",
+        stp_warn(import->context, "%s: its unit of length is unknown (set it with --unit)",
                  import->path);
     }
     if (scene->source_count < 2) {
@@ -126,13 +126,13 @@ static void judge_units(const stp_import* import, double scene_unit)
     }
     if (import->unit_metres == 0.0 && scene->unit_metres > 0.0) {
         stp_warn(import->context,
-                 "%s: does not say its unit of length: taken to be that of the other inputs, %g m",
+                 "%s: its unit of length is unknown: assumes that of the other inputs, %g m",
                  import->path, scene->unit_metres);
     } else if (import->unit_metres > 0.0 && scene_unit == 0.0) {
-        stp_warn(import->context,
-                 "%s: its unit of length is %g m: taken to be that of the inputs before it, which "
-                 "do not say theirs",
-                 import->path, import->unit_metres);
+        stp_warn(
+            import->context,
+            "%s: its unit of length is %g m: assumes the same for earlier inputs without a unit",
+            import->path, import->unit_metres);
     }
 }
 
@@ -157,7 +157,7 @@ static stp_result read_with(const stp_importer* importer, stp_import* import)
     stp_import_set_axes(import, up, 0.0);
     result = importer->read(import);
     if (result == STP_OK && import->desc.sample_points == 0) {
-        judge_units(import, scene_unit);
+        check_units(import, scene_unit);
         stp_losses_report(import->context, import->path, &import->losses);
     }
     return result;
@@ -174,13 +174,13 @@ static stp_result import_mapped(stp_import* import)
 {
     if (is_built(&import->file)) {
         return stp_fail(import->context, STP_ERROR_UNSUPPORTED,
-                        "%s: is built already: give the models that it was built from",
+                        "%s: is a built file: give the models from which it was built",
                         import->path);
     }
     const stp_importer* importer = find_importer(import->path, &import->file);
     if (importer == NULL) {
         return stp_fail(import->context, STP_ERROR_UNSUPPORTED,
-                        "%s: neither content nor extension is of a format that can be read",
+                        "%s: unknown format: neither its content nor its extension is supported",
                         import->path);
     }
     stp_result result = stp_progress(import->context, "import", 0.0);

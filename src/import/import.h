@@ -9,12 +9,13 @@
 #include "scene/scene.h"
 
 typedef struct stp_import_desc {
-    char up; ///< where the input does not say: 'x', 'y' or 'z', or 'X', 'Y' or 'Z' for the negative
-             ///< axis; default what the format's users expect
+    /// Up axis if the input does not specify it: 'x', 'y' or 'z', or 'X', 'Y' or 'Z' for the
+    /// negative axis; default: the format's convention
+    char up;
     double unit_metres; ///< length of one input unit, if the input does not specify it; 0: unknown
-    const char*
-        columns; ///< of texts of points: "x,y,z,r,g,b,intensity,nx,ny,nz,class,-" in any order;
-                 ///< NULL: found by their header, number and values
+    /// Columns of point texts: "x,y,z,r,g,b,intensity,nx,ny,nz,class,-" in any order; NULL:
+    /// detected from the header, or from number and values
+    const char* columns;
     /// Not NULL: for point formats with a header, reads only the header, into this.
     struct stp_scan_info* scan;
     /// Not 0: reads about this many points from all over the file, without warnings; see

@@ -11,7 +11,7 @@ typedef struct stp_intensity_range {
 /// Chooses the range from the minimum and maximum of a file that does not specify it: up to 1, 255
 /// or 65535, whichever fits; -2048 to 2047 if a value is negative; otherwise minimum to maximum.
 /// Without values (low above high): up to 1.
-static inline stp_intensity_range stp_intensity_judge(double low, double high)
+static inline stp_intensity_range stp_intensity_find_range(double low, double high)
 {
     if (low >= -2048.0 && low < 0.0 && high <= 2047.0) {
         return (stp_intensity_range){-2048.0, 2047.0};

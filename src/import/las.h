@@ -27,7 +27,7 @@ typedef struct stp_las_layout {
 typedef struct stp_las_chunk {
     uint64_t offset, size; ///< within the file
     uint64_t first, count; ///< points
-    uint64_t read;         ///< so many of them are read, the first ones
+    uint64_t read;         ///< the first points, which are read; others are skipped
 } stp_las_chunk;
 
 typedef enum stp_laz_items { STP_LAZ_RAW, STP_LAZ_POINTWISE, STP_LAZ_LAYERED } stp_laz_items;
@@ -37,12 +37,12 @@ typedef struct stp_las {
     stp_context* context;
     unsigned minor;  ///< of the version
     unsigned format; ///< 0 to 10
-    bool compressed; ///< the file says so in its format byte
-    bool wkt;        ///< its coordinate system is written as WKT
+    bool compressed; ///< from the format byte
+    bool wkt;        ///< the coordinate system is stored as WKT
     stp_las_layout layout;
     size_t record_size;
     uint64_t point_count;
-    uint64_t header_size, points; ///< where the VLRs and the points begin
+    uint64_t header_size, points; ///< offsets of the VLRs and of the points
     uint64_t vlr_count, evlr_count, evlrs;
     double scale[3], offset[3], low[3], high[3];
     int32_t origin[3]; ///< stored positions are relative to this one, in steps of `scale`
@@ -118,7 +118,7 @@ enum {
 /// `wide`, colours use their upper 8 bits. @return the bits that were set
 unsigned stp_las_store_block(const stp_las* las, const stp_las_block* block, size_t count,
                              bool wide, stp_point_set* set, size_t first);
-/// The columns of a set with so many points.
+/// Columns of a set with this many points.
 stp_point_columns_desc stp_las_columns(const stp_las* las, uint32_t point_count);
 
 /// Lists uncompressed records as chunks. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
@@ -141,7 +141,7 @@ STP_MUST_USE stp_result stp_las_read_points(stp_las* las, uint64_t points_in_set
 /// The whole reader; see stp_las_read_points.
 STP_MUST_USE stp_result stp_las_import(stp_import* import, uint64_t points_in_set);
 
-/// Counts what is not kept, and lists extra bytes in one notice.
+/// Counts content that is not kept, and lists extra bytes in one notice.
 void stp_las_report_losses(stp_las* las);
 
 /// Checks COPC's hierarchy and warns if it is damaged. Reading points does not need it.

@@ -20,10 +20,10 @@ enum { LEVELS = 64 };
 
 typedef struct hierarchy {
     const stp_las* las;
-    uint8_t* levels_of;            ///< chunks; NULL: not asked for
+    uint8_t* levels_of;            ///< chunks; NULL: not needed
     uint64_t of_level[LEVELS + 1]; ///< points
     uint64_t points;               ///< of all entries so far
-    uint64_t entries;              ///< seen so far; a file of so many bytes has no more than `most`
+    uint64_t entries;              ///< so far; a valid file has at most `most`
     uint64_t most;
     uint64_t nodes;  ///< with points
     uint32_t levels; ///< of nodes with points
@@ -73,7 +73,7 @@ static void read_page(hierarchy* h, uint64_t offset, uint64_t size, int depth)
         int32_t bytes = (int32_t)stp_read_u32(at + 24), count = (int32_t)stp_read_u32(at + 28);
         h->entries += 1;
         if (h->entries > h->most) {
-            h->fault = "it has more entries than there is room for";
+            h->fault = "it has more entries than the file can hold";
         } else if (bytes < 0 || count < -1 || place > file->size ||
                    (uint64_t)bytes > file->size - place) {
             h->fault = "an entry of it lies outside the file";
@@ -96,7 +96,7 @@ static bool read_hierarchy(const stp_las* las, uint8_t* levels_of, hierarchy* h)
     }
     read_page(h, stp_read_u64(info.bytes + ROOT_OFFSET), stp_read_u64(info.bytes + ROOT_SIZE), 0);
     if (h->fault == NULL && h->points != las->point_count) {
-        h->fault = "its points are not as many as the header promises";
+        h->fault = "its number of points differs from the header's";
     }
     return true;
 }

@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: MIT What the header, the VLRs and the table of chunks of a LAS, LAZ or
-// COPC file say: no point is read.
+// SPDX-License-Identifier: MIT
+// Describes a LAS, LAZ or COPC file from its header, VLRs and chunk table, without reading points.
 #include "base/bytes.h"
 #include "import/laz.h"
 #include "import/scan_info.h"

@@ -73,8 +73,8 @@ static stp_result read_transform(stp_las* las, const unsigned char* bytes)
         las->low[i] = stp_read_f64(bytes + BOX + 16 * i + 8);
         if (!isfinite(las->scale[i]) || las->scale[i] == 0.0 || !isfinite(las->offset[i])) {
             return stp_fail(las->context, STP_ERROR_FORMAT,
-                            "%s: the scale of its %c is %g and the offset %g; numbers other than "
-                            "scale 0 are needed",
+                            "%s: the scale of its %c is %g and the offset %g: they must be finite, "
+                            "and the scale not 0",
                             las->import->path, "xyz"[i], las -> scale[i], las -> offset[i]);
         }
     }
@@ -103,8 +103,8 @@ static stp_result check_count(const stp_las* las)
     uint64_t room = las->points < size ? size - las->points : 0;
     if (!las->compressed && las->point_count > room / las->record_size) {
         return stp_fail(las->context, STP_ERROR_TRUNCATED,
-                        "%s: ends after %llu of the %llu points that its header promises",
-                        las->import->path, (unsigned long long)(room / las->record_size),
+                        "%s: ends after %llu of the %llu points in its header", las->import->path,
+                        (unsigned long long)(room / las->record_size),
                         (unsigned long long)las->point_count);
     }
     if (las->compressed && las->points > size) {
@@ -121,7 +121,7 @@ stp_result stp_las_read_header(stp_las* las)
     uint64_t size = las->import->file.size;
     const char* path = las->import->path;
     if (size < 4 || memcmp(bytes, "LASF", 4) != 0) {
-        return stp_fail(las->context, STP_ERROR_FORMAT, "%s: does not begin like a LAS file", path);
+        return stp_fail(las->context, STP_ERROR_FORMAT, "%s: has no LAS signature", path);
     }
     if (size < HEADER_1_0) {
         return stp_fail(las->context, STP_ERROR_TRUNCATED, "%s: ends within its header", path);
@@ -130,7 +130,7 @@ stp_result stp_las_read_header(stp_las* las)
     las->minor = bytes[VERSION_MINOR];
     if (major != 1 || las->minor > 4) {
         return stp_fail(las->context, STP_ERROR_UNSUPPORTED,
-                        "%s: is of LAS version %u.%u; 1.0 to 1.4 are read", path, major,
+                        "%s: has LAS version %u.%u; only 1.0 to 1.4 are supported", path, major,
                         las->minor);
     }
     las->header_size = stp_read_u16(bytes + HEADER_SIZE);

@@ -1,11 +1,12 @@
-// SPDX-License-Identifier: MIT Points of LAS files: from uncompressed records to blocks, and from
-// blocks to the columns of a point set.
+// SPDX-License-Identifier: MIT
+// Points of LAS files: from uncompressed records to blocks, and from blocks to the columns of a
+// point set.
 #include "base/bytes.h"
 #include "import/las.h"
 
 #include <string.h>
 
-enum { CLASS_MASK = 31 }; // of formats 0 to 5: flags lie above it
+enum { CLASS_MASK = 31 }; // of formats 0 to 5; the other bits are flags
 
 // The first 20 bytes of formats 0 to 5, without the position.
 static void read_old_record(const unsigned char* p, stp_las_block* block, size_t i)

@@ -12,7 +12,7 @@
 
 enum {
     RECORDS_IN_CHUNK = 1 << 16,
-    RELEASE_EVERY = 64, // chunks, after which pages of what is spilled are released
+    RELEASE_EVERY = 64, // chunks, after which spilled pages are released
     PROBES = 16         // chunks whose first points say how wide colours are
 };
 #define MOST_IN_SET ((uint64_t)UINT32_MAX - 1)
@@ -229,7 +229,7 @@ static stp_result read_sets(reading* r, uint64_t points_in_set)
         size_t count = stp_las_chunks_of_set(las, first, points_in_set, &points);
         if (points > MOST_IN_SET) {
             return stp_fail(las->context, STP_ERROR_LIMIT,
-                            "%s: chunk %zu has %llu points; at most 2^32 - 2 are read",
+                            "%s: chunk %zu has %llu points; at most 2^32 - 2 are supported",
                             las->import->path, first, (unsigned long long)points);
         }
         result = read_set(r, first, count, points);
@@ -341,7 +341,7 @@ stp_result stp_las_read_points(stp_las* las, uint64_t points_in_set)
         return STP_OK;
     }
     if (las->chunks[0].size < las->record_size) {
-        return stp_fail(las->context, STP_ERROR_FORMAT, "%s: chunk 0 has no room for its points",
+        return stp_fail(las->context, STP_ERROR_FORMAT, "%s: chunk 0 is too small for its points",
                         las->import->path);
     }
     reading r = {.las = las};

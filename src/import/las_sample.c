@@ -48,7 +48,7 @@ static void sample_chunks(stp_las* las, uint64_t most)
 }
 
 // Removes chunks that are not read, and assigns consecutive positions in the set.
-static void settle(stp_las* las)
+static void compact_chunks(stp_las* las)
 {
     size_t kept = 0;
     uint64_t first = 0;
@@ -76,7 +76,7 @@ stp_result stp_las_sample(stp_las* las, uint64_t most)
         sample_chunks(las, most);
     }
     if (result == STP_OK) {
-        settle(las);
+        compact_chunks(las);
     }
     return result;
 }

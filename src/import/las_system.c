@@ -154,7 +154,8 @@ static void scale_heights(stp_las* las, double factor)
         return;
     }
     stp_warn(las->context,
-             "%s: its heights are in another unit than its plane: they are multiplied by %.9g",
+             "%s: its heights have another unit than its horizontal coordinates: multiplies them "
+             "by %.9g",
              las->import->path, factor);
 }
 
@@ -164,8 +165,8 @@ static stp_result apply_units(stp_las* las, const coordinate_system* s)
     double unit = s->units.horizontal, vertical = s->units.vertical;
     if (s->units.geographic && box_is_angles(las)) {
         return stp_fail(las->context, STP_ERROR_UNSUPPORTED,
-                        "%s: its coordinates are degrees: bring it to a projected system first, "
-                        "for example with the reprojection filter of PDAL",
+                        "%s: its coordinates are degrees: reproject it to a projected system "
+                        "first, for example with the reprojection filter of PDAL",
                         import->path);
     }
     unit = s->units.geographic ? 0.0 : unit;
@@ -174,7 +175,7 @@ static stp_result apply_units(stp_las* las, const coordinate_system* s)
     }
     bool quiet = import->desc.sample_points != 0;
     if (unit == 0.0 && !(import->desc.unit_metres > 0.0) && !quiet) {
-        stp_warn(las->context, "%s: does not say its unit of length (say it with --unit)",
+        stp_warn(las->context, "%s: its unit of length is unknown (set it with --unit)",
                  import->path);
     }
     stp_import_set_axes(import, import->desc.up != 0 ? import->desc.up : 'z', unit);

@@ -1,6 +1,6 @@
-// SPDX-License-Identifier: MIT Units in well-known text (WKT 1 and 2): KEYWORD["name", ...,
-// KEYWORD[...]], nested. A unit counts where it stands directly in a projected or vertical system,
-// or in an axis of it.
+// SPDX-License-Identifier: MIT
+// Units in well-known text (WKT 1 and 2): nested KEYWORD["name", ..., KEYWORD[...]]. A unit counts
+// only directly in a projected or vertical system, or in one of its axes.
 #include "import/las.h"
 #include "import/text.h"
 

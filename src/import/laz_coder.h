@@ -8,10 +8,10 @@
 // updates, decoding by table). The constants, the order of updates and the integer differences are
 // those of LASzip files.
 //
-// An interval of `length` holds `value` below it. A symbol takes the part of the interval that its
-// share of 32768ths gives it, the last symbol what remains. Whatever the bytes are, value < length
-// holds after each step, and no symbol takes more than three bytes; so bounds are checked once for
-// many symbols (stp_laz_ensure).
+// The state is an interval [0, length) and a `value` in it. A symbol takes a part of the interval
+// in proportion to its share of 32768; the last symbol takes the rest. For any input, value <
+// length holds after each step, and no symbol takes more than three bytes, so bounds are checked
+// once for many symbols (stp_laz_ensure).
 #pragma once
 
 #include <stdbool.h>
@@ -19,21 +19,21 @@
 #include <stdint.h>
 #include <string.h>
 
-/// A function call would move the decoder from registers to memory: inlined, it is 1.5 times as
+/// Function calls would move the decoder from registers to memory; inlining makes it 1.5 times as
 /// fast.
 #define STP_LAZ_INLINE static inline __attribute__((always_inline))
 
 enum {
     STP_LAZ_TAIL = 1024,       ///< bytes of the buffer in which the end of the input is read
-    STP_LAZ_MOST_ENSURED = 512 ///< bytes that may be asked for at once
+    STP_LAZ_MOST_ENSURED = 512 ///< maximum bytes per stp_laz_ensure
 };
 
 typedef struct stp_laz_decoder {
-    const unsigned char *at, *end; ///< of what may be read
+    const unsigned char *at, *end; ///< readable range
     const unsigned char* last;     ///< end of the input; in the tail, of its copy there
     unsigned char* tail;           ///< STP_LAZ_TAIL bytes
     uint32_t value, length;
-    uint32_t epoch; ///< models of another one begin anew
+    uint32_t epoch; ///< models of another epoch are reset before use
     bool failed;    ///< read past the end, or invalid data
 } stp_laz_decoder;
 
@@ -41,11 +41,11 @@ typedef struct stp_laz_decoder {
 typedef struct stp_laz_model {
     uint16_t* shares; ///< symbols + 1: the last is above every share
     uint16_t* counts; ///< symbols
-    uint16_t* table;  ///< a first guess for each slot of shares
-    uint32_t left;    ///< symbols until shares are made anew
+    uint16_t* table;  ///< initial guess for each range of shares
+    uint32_t left;    ///< symbols until shares are recomputed
     uint32_t cycle, total, epoch;
     uint16_t symbols;
-    uint8_t shift; ///< from share to slot
+    uint8_t shift; ///< shift from a share to its table index
 } stp_laz_model;
 
 typedef struct stp_laz_bit {
@@ -55,7 +55,7 @@ typedef struct stp_laz_bit {
 
 enum { STP_LAZ_HIGH_BITS = 8, STP_LAZ_MOST_BITS = 32, STP_LAZ_MOST_CONTEXTS = 22 };
 
-/// Differences of integers of 16 or 32 bits from what is predicted. Their size k comes first, by
+/// Decodes differences of 16- or 32-bit integers from their predictions. The size k comes first, by
 /// context.
 typedef struct stp_laz_integer {
     stp_laz_model sizes[STP_LAZ_MOST_CONTEXTS];

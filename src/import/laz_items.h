@@ -23,7 +23,8 @@ typedef struct stp_laz_time {
     stp_laz_integer integer;
 } stp_laz_time;
 
-/// `unchanged`: 1 where a symbol says that the time is that of the last point (pointwise), else 0.
+/// `unchanged`: 1 if a symbol means that the time equals that of the last point (pointwise), else
+/// 0.
 static inline void stp_laz_time_make(stp_laz_pool* pool, stp_laz_time* t, unsigned unchanged)
 {
     stp_laz_model_make(pool, &t->factor, STP_LAZ_TIME_FACTORS + 4 + unchanged);
@@ -88,7 +89,7 @@ static inline void stp_laz_time_multiply(stp_laz_decoder* d, stp_laz_time* t, in
 static inline uint64_t stp_laz_time_next(stp_laz_decoder* d, stp_laz_time* t, unsigned unchanged)
 {
     for (int i = 0; i < STP_LAZ_TIME_ATTEMPTS; ++i) {
-        uint32_t symbol, jump; // what follows `jump` changes the sequence
+        uint32_t symbol, jump; // symbols from `jump` on change the sequence
         if (t->differences[t->last] == 0) {
             symbol = stp_laz_symbol(d, &t->start);
             jump = 1 + unchanged;
@@ -119,7 +120,7 @@ static inline uint64_t stp_laz_time_next(stp_laz_decoder* d, stp_laz_time* t, un
 
 /// Which bytes of a colour change, and by how much.
 typedef struct stp_laz_rgb {
-    stp_laz_model used;     ///< bit 6: it is no grey
+    stp_laz_model used;     ///< bit 6: not grey
     stp_laz_model bytes[6]; ///< low and high byte of red, green, blue
 } stp_laz_rgb;
 

@@ -1,7 +1,7 @@
-// SPDX-License-Identifier: MIT LAZ chunks of formats 6 to 10: each attribute is a layer with a
-// stream of its own, and layers that are not kept (flags, user data, wave packets, extra bytes) are
-// not touched. A block goes through one layer after the other: the first says which values change,
-// and on which models the others depend.
+// SPDX-License-Identifier: MIT
+// LAZ chunks of formats 6 to 10: each attribute is a layer with its own stream. Layers that are not
+// kept (flags, user data, wave packets, extra bytes) are skipped. Blocks are decoded layer by
+// layer: the first layer determines which values change, and which models the others use.
 //
 // Each of the four scanner channels has its own models and last values. They start when the channel
 // first appears, with the values of the previous point.
@@ -13,9 +13,9 @@ enum {
     CHANNELS = 4,
     RETURN_CONTEXTS = 6,
     LEVELS = 8,
-    SYMBOL_BYTES = 64, // more than one value takes, but for x and y together
+    SYMBOL_BYTES = 64, // upper bound for one value, except x and y together
     POINT_BYTES = 128,
-    // what the first layer says of a point
+    // bits of the first layer
     CHANNEL_MASK = 3,
     NEW_TIME = 4,
     NEW_ANGLE = 8,
@@ -41,7 +41,7 @@ enum { LAYERS = NIR + 1, POINT_LAYERS = TIME + 1 };
 
 typedef struct layer {
     stp_laz_decoder decoder;
-    bool changes;     ///< else all points have the first one's value
+    bool changes;     ///< otherwise all points have the first one's value
     unsigned channel; ///< of the last point
     unsigned met;     ///< bit c: channel c has last values
     unsigned char tail[STP_LAZ_TAIL];

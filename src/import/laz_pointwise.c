@@ -1,12 +1,12 @@
-// SPDX-License-Identifier: MIT LAZ chunks of formats 0 to 5: one stream in which all items of a
-// point follow one another. What is not kept (user data, wave packets, extra bytes) has to be
-// decoded all the same.
+// SPDX-License-Identifier: MIT
+// LAZ chunks of formats 0 to 5: one stream with all items of each point in turn. Items that are not
+// kept (user data, wave packets, extra bytes) must be decoded, too.
 #include "import/laz.h"
 #include "import/laz_items.h"
 
 enum {
-    POINT_BYTES = 384, // more than the items of a point take, without extra bytes
-    BYTE_RUN = 64,     // extra bytes between two looks at the input
+    POINT_BYTES = 384, // upper bound for the items of a point, without extra bytes
+    BYTE_RUN = 64,     // extra bytes between two bounds checks
     CLASS_MASK = 31,
     // which values change
     NEW_SOURCE = 1,

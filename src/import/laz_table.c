@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: MIT The VLR of LAZ says how points are coded; the table of chunks says
-// where each chunk lies and, where chunks have different sizes, how many points it has.
+// SPDX-License-Identifier: MIT
+// The VLR of LAZ describes how points are coded. The chunk table contains the offset of each chunk
+// and, if chunk sizes vary, the number of points.
 #include "base/bytes.h"
 #include "import/laz.h"
 
@@ -13,7 +14,7 @@ enum {
     COMPRESSOR_CHUNKED = 2,
     COMPRESSOR_LAYERED = 3,
     MOST_POINTS_PER_BYTE = 2048, // identical points take about 0.008 bits each
-    MOST_EXTRA = 1 << 14         // bytes of a point beside its format: each has a model of 1.3 KB
+    MOST_EXTRA = 1 << 14         // extra bytes per point: each needs a model of 1.3 KB
 };
 #define VARIABLE UINT32_MAX // a chunk size: each chunk has its own
 
@@ -70,8 +71,8 @@ static stp_result check_items(stp_las* las, const unsigned char* bytes, size_t c
     const char* path = las->import->path;
     if (las->record_size - las->layout.size > MOST_EXTRA) {
         return stp_fail(las->context, STP_ERROR_LIMIT,
-                        "%s: its compressed points have %zu bytes each; up to %d are read", path,
-                        las->record_size, MOST_EXTRA);
+                        "%s: its compressed points have %zu bytes each; up to %d are supported",
+                        path, las->record_size, MOST_EXTRA);
     }
     if (count != expected) {
         return stp_fail(las->context, STP_ERROR_FORMAT,
@@ -92,7 +93,7 @@ static stp_result check_items(stp_las* las, const unsigned char* bytes, size_t c
         if (version != items[i].version && !newer) {
             return stp_fail(las->context, STP_ERROR_UNSUPPORTED,
                             "%s: item %zu of its compressed points has version %u; version %u is "
-                            "read (write the file anew with a current program)",
+                            "supported (save the file again with a current program)",
                             path, i, version, items[i].version);
         }
         las->items_fixed = newer;
@@ -102,7 +103,7 @@ static stp_result check_items(stp_las* las, const unsigned char* bytes, size_t c
 
 typedef struct compression {
     unsigned compressor;
-    uint32_t chunk_size; ///< points; VARIABLE: the table says
+    uint32_t chunk_size; ///< points; VARIABLE: stored in the table
 } compression;
 
 static stp_result read_vlr(stp_las* las, compression* c)
@@ -110,8 +111,10 @@ static stp_result read_vlr(stp_las* las, compression* c)
     stp_las_record vlr;
     const char* path = las->import->path;
     if (!stp_las_find_record(las, "laszip encoded", VLR_ID, &vlr) || vlr.size < VLR_SIZE) {
-        return stp_fail(las->context, STP_ERROR_FORMAT,
-                        "%s: its points are compressed, but no VLR says how", path);
+        return stp_fail(
+            las->context, STP_ERROR_FORMAT,
+            "%s: its points are compressed, but the VLR that describes the compression is missing",
+            path);
     }
     size_t count = stp_read_u16(vlr.bytes + 32);
     unsigned coder = stp_read_u16(vlr.bytes + 2);
@@ -119,7 +122,7 @@ static stp_result read_vlr(stp_las* las, compression* c)
     c->chunk_size = stp_read_u32(vlr.bytes + 12);
     if (vlr.size < VLR_SIZE + count * ITEM_SIZE) {
         return stp_fail(las->context, STP_ERROR_FORMAT,
-                        "%s: the VLR of its compression names %zu items and ends before", path,
+                        "%s: the VLR of its compression is too short for its %zu items", path,
                         count);
     }
     bool layered = c->compressor == COMPRESSOR_LAYERED;
@@ -128,7 +131,7 @@ static stp_result read_vlr(stp_las* las, compression* c)
     if (!known || coder != 0 || layered != (las->format >= 6)) {
         return stp_fail(las->context, STP_ERROR_UNSUPPORTED,
                         "%s: points of format %u are compressed by method %u with coder %u, which "
-                        "is not read",
+                        "is not supported",
                         path, las->format, c->compressor, coder);
     }
     las->items = layered ? STP_LAZ_LAYERED : STP_LAZ_POINTWISE;
@@ -164,13 +167,13 @@ static stp_result read_entries(stp_las* las, table_reader* t, uint32_t chunk_siz
         }
         size += stp_laz_difference(&t->decoder, &t->integer, 1);
         if (!stp_laz_is_good(&t->decoder)) {
-            return fail_table(las, "is not whole");
+            return fail_table(las, "is incomplete");
         }
         if (size > end - at || count > left || count / MOST_POINTS_PER_BYTE > size) {
-            return stp_fail(las->context, STP_ERROR_FORMAT,
-                            "%s: chunk %zu of %zu has %u points in %u bytes by the table, more "
-                            "than there can be",
-                            las->import->path, i, las->chunk_count, count, size);
+            return stp_fail(
+                las->context, STP_ERROR_FORMAT,
+                "%s: chunk %zu of %zu has %u points in %u bytes by its table, which is impossible",
+                las->import->path, i, las->chunk_count, count, size);
         }
         las->chunks[i] = (stp_las_chunk){
             .offset = at, .size = size, .first = given, .count = count, .read = count};
@@ -179,7 +182,7 @@ static stp_result read_entries(stp_las* las, table_reader* t, uint32_t chunk_siz
     }
     if (given != las->point_count) {
         return stp_fail(las->context, STP_ERROR_FORMAT,
-                        "%s: its %zu chunks hold %llu points; the header promises %llu",
+                        "%s: its %zu chunks have %llu points, but the header says %llu",
                         las->import->path, las->chunk_count, (unsigned long long)given,
                         (unsigned long long)las->point_count);
     }
@@ -234,7 +237,7 @@ static stp_result make_single_chunk(stp_las* las)
         .offset = las->points, .size = size, .count = las->point_count, .read = las->point_count};
     if (las->point_count / MOST_POINTS_PER_BYTE > size) {
         return stp_fail(las->context, STP_ERROR_FORMAT,
-                        "%s: its header promises %llu points in %llu bytes, more than there can be",
+                        "%s: its header says %llu points in %llu bytes, which is impossible",
                         las->import->path, (unsigned long long)las->point_count,
                         (unsigned long long)size);
     }
@@ -251,7 +254,7 @@ static stp_result read_chunks(stp_las* las, uint32_t chunk_size)
     uint64_t count = stp_read_u32(las->import->file.bytes + table + 4);
     if (count > (table - las->points - 8) / las->record_size + 1) {
         return stp_fail(las->context, STP_ERROR_FORMAT,
-                        "%s: its table has %llu chunks, more than there is room for",
+                        "%s: its table has %llu chunks, more than the file can hold",
                         las->import->path, (unsigned long long)count);
     }
     las->chunk_count = (size_t)count;

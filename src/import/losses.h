@@ -13,15 +13,15 @@
     X(MORPH, "morph target", "morph targets", "drawn at the stored weights")                       \
     X(LINE, "line element", "line elements", NULL)                                                 \
     X(CURVE, "curve or surface statement", "curve and surface statements", NULL)                   \
-    X(CAMERA, "camera that is not a perspective", "cameras that are not perspectives", NULL)       \
-    X(POINT, "point without a finite place", "points without a finite place", NULL)                \
+    X(CAMERA, "camera without perspective", "cameras without perspective", NULL)                   \
+    X(POINT, "point without a finite position", "points without a finite position", NULL)          \
     X(UNFINISHED_LINE, "unfinished last line", "unfinished last lines", NULL)                      \
-    X(COLUMN, "column of the points", "columns of the points", NULL)                               \
-    X(SCANNER_PICTURE, "picture of a scanner", "pictures of scanners", NULL)                       \
+    X(COLUMN, "point column", "point columns", NULL)                                               \
+    X(SCANNER_PICTURE, "scanner picture", "scanner pictures", NULL)                                \
     X(SCAN, "scan without positions", "scans without positions", NULL)                             \
     X(LIGHT, "light", "lights", NULL)                                                              \
-    X(SCENE, "further scene", "further scenes", NULL)                                              \
-    X(WAVEFORM, "point's waveform", "points' waveforms", NULL)
+    X(SCENE, "additional scene", "additional scenes", NULL)                                        \
+    X(WAVEFORM, "point waveform", "point waveforms", NULL)
 
 typedef enum stp_loss {
 #define X(name, one, many, instead) STP_LOSS_##name,

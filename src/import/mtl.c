@@ -16,7 +16,7 @@ typedef struct mtl {
     stp_text end;
     stp_material material; ///< the one being read
     const char* name;      ///< NULL before the first `newmtl`
-    const char* alpha_map; ///< what map_d names
+    const char* alpha_map; ///< file name from map_d
     bool has_roughness;
 } mtl;
 
@@ -151,8 +151,8 @@ static stp_result apply_alpha_map(mtl* m)
     const stp_texture* mask = &scene->textures[alpha];
     if (mask->width != merged.width || mask->height != merged.height) {
         stp_warn(m->import->context,
-                 "%s: %s: \"%s\" is left out: its size is not that of the colours", m->import->path,
-                 m->name, m->alpha_map);
+                 "%s: %s: \"%s\" is left out: its size differs from that of the colours",
+                 m->import->path, m->name, m->alpha_map);
         return STP_OK;
     }
     size_t texels = (size_t)merged.width * merged.height;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// Faces of one group and material to a mesh. Corners are gathered by position; within one position,
-// corners of equal texture coordinate and normal share a vertex. Vertices follow the order of
-// positions, so the result does not depend on which thread did what. Tables of large meshes go
-// where the file's do.
+// Converts faces of one group and material to a mesh. Corners are gathered by position; within one
+// position, corners of equal texture coordinate and normal share a vertex. Vertices follow the
+// order of positions, so the result does not depend on the assignment to threads. Tables of large
+// meshes are stored like the file's arrays.
 #include "base/sort.h"
 #include "import/obj.h"
 #include "import/surface.h"

@@ -117,7 +117,7 @@ static stp_text read_position(parser* p, stp_text line, stp_text at)
     int count;
     at = read_numbers(p, at, n, 7, &count);
     if (count < 3) {
-        return fail(p, line, "a position has three numbers");
+        return fail(p, line, "expected three coordinates");
     }
     float* position = grow(p, &p->chunk->positions, 1, 3 * sizeof(float));
     if (position == NULL) {
@@ -126,7 +126,7 @@ static stp_text read_position(parser* p, stp_text line, stp_text at)
     for (int i = 0; i < 3; ++i) {
         position[i] = (float)(n[i] - p->origin[i]);
         if (!isfinite(position[i])) {
-            return fail(p, line, "the numbers of a position are finite");
+            return fail(p, line, "a coordinate is not finite");
         }
     }
     p->chunk->positions.count += 1;
@@ -232,12 +232,12 @@ static stp_text read_face(parser* p, stp_text line, stp_text at)
         bool good = true;
         at = read_corner(p, at, corner, &good);
         if (!good || (!stp_is_blank(*at) && *at != '\n' && *at != '\\')) {
-            return fail(p, line, "a face has corners like 1, 1/2, 1//3 or 1/2/3, none of them 0");
+            return fail(p, line, "expected corners like 1, 1/2, 1//3 or 1/2/3, without index 0");
         }
         chunk->corners.count += 1;
     }
     if (chunk->corners.count > UINT32_MAX) {
-        return fail(p, line, "a line has less than 2^32 corners");
+        return fail(p, line, "the line has 2^32 corners or more");
     }
     if (chunk->corners.count - first < 3) {
         chunk->corners.count = first;
@@ -268,7 +268,7 @@ static stp_text read_points(parser* p, stp_text line, stp_text at)
         bool good = true;
         at = read_corner(p, at, &corner, &good);
         if (!good || (!stp_is_blank(*at) && *at != '\n' && *at != '\\')) {
-            return fail(p, line, "a point is the index of a position, not 0");
+            return fail(p, line, "expected indices of positions, other than 0");
         }
         *point = corner.position;
         p->chunk->points.count += 1;
@@ -400,7 +400,7 @@ static stp_result parse_into_scratch(stp_obj* obj)
             bool broken = chunk->out_of_memory || chunk->error != NULL;
             result = broken ? STP_OK : stp_obj_move_chunk(obj, chunk);
             if (broken) {
-                return STP_OK; // the report says so
+                return STP_OK; // report() returns the error
             }
         }
     }

@@ -1,11 +1,11 @@
-// SPDX-License-Identifier: MIT A large OBJ file takes several times its size while it is read:
-// corners by chunk, by mesh, and by position. Where that is much beside the limit of memory, it
-// lies in a temporary file.
+// SPDX-License-Identifier: MIT
+// Reading an OBJ file takes several times its size: corners by chunk, by mesh, and by position. If
+// that is large compared to the memory limit, the data goes to a temporary file.
 #include "import/obj.h"
 
 #include <string.h>
 
-#define SHARE 2 ///< of what the scene keeps in memory: a file that is larger has a scratch file
+#define SHARE 2 ///< reciprocal share of the scene's memory: larger files use a scratch file
 enum { CHUNK_ARRAYS = 8, LINE = 64 };
 
 typedef struct sized_array {
@@ -33,7 +33,7 @@ stp_result stp_obj_open_scratch(stp_obj* obj)
 {
     const stp_scene* scene = obj->import->scene;
     bool large = scene->spill != NULL && obj->import->file.size > scene->spill_above / SHARE;
-    return large ? stp_spill_create_beside(scene->spill, &obj->scratch) : STP_OK;
+    return large ? stp_spill_create_sibling(scene->spill, &obj->scratch) : STP_OK;
 }
 
 stp_result stp_obj_move_chunk(stp_obj* obj, stp_obj_chunk* chunk)

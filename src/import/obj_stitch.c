@@ -14,7 +14,7 @@ typedef struct chunk_base {
 typedef struct stitch {
     stp_obj* obj;
     chunk_base* bases;          ///< one more than chunks: the last holds the totals
-    _Atomic size_t bad_polygon; ///< the first polygon of the file that names what does not exist
+    _Atomic size_t bad_polygon; ///< the first polygon of the file with an invalid index
 } stitch;
 
 static void copy_items(void* target, size_t first, const stp_obj_array* array, size_t size)
@@ -199,7 +199,7 @@ static stp_result apply_event(stp_obj* obj, const stp_obj_event* event, cursor* 
     at->group = STP_NONE;
     at->object = event->kind == STP_OBJ_OBJECT ? STP_NONE : at->object;
     if (event->length == 0) {
-        return STP_OK; // a nameless one ends what was before
+        return STP_OK; // without a name, it ends the previous one
     }
     return event->kind == STP_OBJ_OBJECT ? find_group(obj, name, STP_NONE, &at->object)
                                          : find_group(obj, name, at->object, &at->group);
@@ -329,8 +329,8 @@ static stp_result resolve_corners(stitch* s)
     if (bad != SIZE_MAX) {
         return stp_fail(
             obj->context, STP_ERROR_FORMAT,
-            "%s: face %llu: names a position, texture coordinate or normal that does not "
-            "exist (the file has %llu, %llu and %llu)",
+            "%s: face %llu: refers to a position, texture coordinate or normal that does not exist "
+            "(the file has %llu, %llu and %llu)",
             obj->import->path, (unsigned long long)bad + 1, (unsigned long long)obj->position_count,
             (unsigned long long)obj->texcoord_count, (unsigned long long)obj->normal_count);
     }
@@ -358,9 +358,10 @@ static stp_result join_points(stitch* s)
         }
     }
     return good ? STP_OK
-                : stp_fail(obj->context, STP_ERROR_FORMAT,
-                           "%s: a point names a position that does not exist (the file has %llu)",
-                           obj->import->path, (unsigned long long)obj->position_count);
+                : stp_fail(
+                      obj->context, STP_ERROR_FORMAT,
+                      "%s: a point refers to a position that does not exist (the file has %llu)",
+                      obj->import->path, (unsigned long long)obj->position_count);
 }
 
 stp_result stp_obj_stitch(stp_obj* obj)

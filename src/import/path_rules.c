@@ -65,7 +65,7 @@ static const char* join(const char* folder, size_t folder_length, const char* re
         at += length + (at[length] != '\0');
     }
     *end = '\0';
-    return end == start ? "it names no file" : NULL;
+    return end == start ? "it does not name a file" : NULL;
 }
 
 // Whether a file, after following links, is in a folder (its path up to the last slash; empty: the

@@ -1,10 +1,11 @@
-// SPDX-License-Identifier: MIT Which files a model may name: those in its own folder and below.
-// Uses no context, so that a forked child may call it.
+// SPDX-License-Identifier: MIT
+// Files that a model may reference: those in its own folder and below. Uses no context, so that a
+// forked child may call it.
 #pragma once
 
 /// Resolves a reference: the model's folder joined with the reference, without "." and "..".
 /// Rejects absolute paths, drive letters, URLs, control characters, and ".." or links that leave
-/// the folder. Backslashes count as slashes. A missing file is not an error. @param out room for
-/// strlen(model) + strlen(reference) + 2 bytes @return NULL, or the reason for rejecting it: "it is
-/// an absolute path"
+/// the folder. Backslashes count as slashes. A missing file is not an error.
+/// @param out room for strlen(model) + strlen(reference) + 2 bytes
+/// @return NULL, or the reason for rejecting it: "it is an absolute path"
 const char* stp_path_resolve(const char* model, const char* reference, char* out);

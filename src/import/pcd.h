@@ -28,7 +28,7 @@ typedef struct stp_pcd {
     uint32_t row_size;
     uint64_t point_count;
     stp_pcd_encoding encoding;
-    size_t body;        ///< where the points begin
+    size_t body;        ///< offset of the points
     uint64_t body_line; ///< its line, from 0
 } stp_pcd;
 

@@ -35,16 +35,16 @@ static const char* take_word(header* h, int kind, uint32_t index, stp_text at, s
     if (kind == 2) {
         f->type = (char)*at;
         bool known = length == 1 && (*at == 'I' || *at == 'U' || *at == 'F');
-        return known ? NULL : "a type is I, U or F";
+        return known ? NULL : "expected type I, U or F";
     }
     bool number = stp_read_integer(at, &value) == end;
     if (kind == 1) {
         f->size = (uint32_t)value;
         bool known = number && (value == 1 || value == 2 || value == 4 || value == 8);
-        return known ? NULL : "a size is 1, 2, 4 or 8";
+        return known ? NULL : "expected size 1, 2, 4 or 8";
     }
     f->count = (uint32_t)value;
-    return number && value > 0 && value <= 4096 ? NULL : "a count is 1 to 4096";
+    return number && value > 0 && value <= 4096 ? NULL : "expected a count from 1 to 4096";
 }
 
 static stp_result read_words(header* h, int kind, stp_text at)
@@ -80,7 +80,7 @@ static stp_result read_encoding(header* h, stp_text at)
             return STP_OK;
         }
     }
-    return fail_line(h, "DATA is ascii, binary or binary_compressed");
+    return fail_line(h, "expected DATA ascii, binary or binary_compressed");
 }
 
 static stp_result read_line(header* h, stp_text at, bool* last)
@@ -104,11 +104,11 @@ static stp_result read_line(header* h, stp_text at, bool* last)
         *last = true;
         return read_encoding(h, end);
     }
-    return good ? STP_OK : fail_line(h, "a count was expected"); // VERSION, VIEWPOINT, comments
+    return good ? STP_OK : fail_line(h, "expected a count"); // VERSION, VIEWPOINT, comments
 }
 
 // Checks that the four lists match and make a row.
-static stp_result settle(header* h)
+static stp_result check_lists(header* h)
 {
     stp_pcd* pcd = h->pcd;
     uint32_t count = h->counts[0];
@@ -167,7 +167,7 @@ stp_result stp_pcd_read_header(stp_import* import, stp_pcd* pcd)
         pcd->body = (size_t)(end - bytes) + 1;
     }
     pcd->body_line = h.line;
-    return last ? settle(&h)
+    return last ? check_lists(&h)
                 : stp_fail(import->context, STP_ERROR_FORMAT,
                            "%s: none of its first %d lines begins with DATA", import->path,
                            LINES_MOST);

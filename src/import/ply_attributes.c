@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: MIT Attributes of scanned points, under the names that PDAL,
-// CloudCompare and others give the properties of PLY files.
+// SPDX-License-Identifier: MIT
+// Attributes of scanned points, under the names that PDAL, CloudCompare and others give the
+// properties of PLY files.
 #include "import/ply.h"
 
 #include <math.h>

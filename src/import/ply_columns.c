@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: MIT Where the vertices of a PLY file lie while they are read. Points are
-// large in scans: they go to the scene's spill at once where memory would not hold them twice.
+// SPDX-License-Identifier: MIT
+// Storage for the vertices of a PLY file while they are read. Points of scans are many: they go
+// directly to the scene's spill file if memory could not hold them twice.
 #include "import/ply.h"
 #include "import/point_columns.h"
 
@@ -26,7 +27,7 @@ stp_result stp_ply_alloc_columns(const stp_ply* ply, stp_ply_room* room,
     *room = (stp_ply_room){0};
     room->spilled = stp_points_go_to_spill(scene, size) && !stp_ply_has_faces(ply);
     if (room->spilled) {
-        stp_result result = stp_spill_create_beside(scene->spill, &room->scratch);
+        stp_result result = stp_spill_create_sibling(scene->spill, &room->scratch);
         result = result == STP_OK ? stp_bulk_alloc_spilled(scene->spill, columns, 2) : result;
         return result == STP_OK ? stp_bulk_alloc_spilled(room->scratch, columns + 2, 2) : result;
     }

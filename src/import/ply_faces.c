@@ -55,10 +55,11 @@ static stp_result read_corners(stp_ply_cursor* cursor, const stp_ply_element* el
         } else if (value >= 0.0 && value < (double)vertex_count) {
             corners[i] = (uint32_t)value;
         } else {
-            return stp_fail(context, STP_ERROR_FORMAT,
-                            "%s: element %.60s: row %llu names vertex %.17g (the file has %llu)",
-                            cursor->ply->import->path, element->name, (unsigned long long)row + 1,
-                            value, (unsigned long long)vertex_count);
+            return stp_fail(
+                context, STP_ERROR_FORMAT,
+                "%s: element %.60s: row %llu refers to vertex %.17g (the file has %llu)",
+                cursor->ply->import->path, element->name, (unsigned long long)row + 1, value,
+                (unsigned long long)vertex_count);
         }
     }
     return STP_OK;

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#define HEADER_LIMIT ((size_t)1 << 20) ///< bytes; what is longer is no header
+#define HEADER_LIMIT ((size_t)1 << 20) ///< maximum bytes of a header
 
 size_t stp_ply_type_size(stp_ply_type type)
 {

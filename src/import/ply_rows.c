@@ -77,13 +77,13 @@ void stp_ply_cursor_close(stp_ply_cursor* cursor)
 
 stp_result stp_ply_check_rows(const stp_ply_cursor* cursor, const stp_ply_element* element)
 {
-    // each value of a text takes two bytes at least, a digit and what ends it
+    // each value of a text takes at least two bytes, a digit and a separator
     size_t least =
         cursor->ply->encoding == STP_PLY_ASCII ? 2 * element->property_count : element->row_size;
     size_t left = (size_t)(cursor->end - cursor->at);
     if (least != 0 && element->count > left / least) {
         return stp_fail(cursor->ply->context, STP_ERROR_TRUNCATED,
-                        "%s: element %.60s: has %llu rows by the header, but the file ends before",
+                        "%s: element %.60s: the header says %llu rows, but the file is too short",
                         cursor->ply->import->path, element->name,
                         (unsigned long long)element->count);
     }
@@ -166,6 +166,6 @@ stp_result stp_ply_fail_row(const stp_ply_cursor* cursor, const stp_ply_element*
                             element->name, (unsigned long long)row + 1,
                             (unsigned long long)element->count)
                  : stp_fail(cursor->ply->context, STP_ERROR_FORMAT,
-                            "%s: element %.60s: row %llu has something that is no number", path,
+                            "%s: element %.60s: row %llu has a value that is not a number", path,
                             element->name, (unsigned long long)row + 1);
 }

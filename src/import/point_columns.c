@@ -3,7 +3,8 @@
 
 #include "scene/bulk.h"
 
-#define SHARE 2 ///< of what the scene keeps in memory: larger points go to its spill at once
+/// Reciprocal share of the scene's memory: larger point sets go directly to its spill file
+#define SHARE 2
 
 bool stp_points_go_to_spill(const stp_scene* scene, uint64_t bytes)
 {
@@ -77,7 +78,7 @@ void stp_point_columns_release(stp_import* import, const stp_point_set* set)
 {
     if (set->spilled) {
         if (!import->alone) { // mapped
-            stp_file_forget(&import->file);
+            stp_file_evict(&import->file);
         }
         stp_spill_release_pages(import->scene->spill);
     }

@@ -11,7 +11,7 @@
 typedef struct stp_point_columns_desc {
     uint32_t point_count;
     bool normals, colors;
-    uint32_t attributes; ///< bit i: attribute i (scene/attributes.h)
+    uint32_t attributes; ///< bit i: attribute i (scene/attribute_names.h)
 } stp_point_columns_desc;
 
 /// Allocates the columns of `set`, uninitialized; `set->spilled` tells where they are. Afterwards
@@ -33,7 +33,7 @@ STP_MUST_USE stp_result stp_point_columns_add(stp_import* import, stp_point_set*
 /// call it after every few MB of a spilled set. Any thread.
 void stp_point_columns_release(stp_import* import, const stp_point_set* set);
 
-/// Whether points of so many bytes go directly to the scene's spill file.
+/// Whether this many bytes of points go directly to the scene's spill file.
 bool stp_points_go_to_spill(const stp_scene* scene, uint64_t bytes);
 
 /// Moves the file's object so that its points, which are relative to `origin` (in the file's axes),

@@ -6,5 +6,6 @@
 /// 5.13), and cannot write files, run programs, create processes, send signals to others or use the
 /// network (seccomp): such calls fail with an error. Rights that the kernel cannot remove remain.
 /// Closes all descriptors except the first three and `kept`. For a single-threaded child after
-/// fork(); uses no context. @param folder NULL: no file at all
+/// fork(); uses no context.
+/// @param folder NULL: no file at all
 void stp_sandbox_enter(const char* folder, int kept);

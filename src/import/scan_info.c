@@ -22,7 +22,7 @@ stp_scan_field* stp_scan_add_field(stp_scan_info* info, const char* name, size_t
     return f;
 }
 
-// Whether a WKT keyword is a coordinate system that can stand for the whole.
+// Whether a WKT keyword is a coordinate system that can represent the whole.
 static bool is_system(stp_text at, stp_text end)
 {
     static const char* const words[] = {

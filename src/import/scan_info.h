@@ -8,7 +8,7 @@
 #include <stdint.h>
 
 enum {
-    STP_SCAN_FIELDS = 96,    ///< so many are named
+    STP_SCAN_FIELDS = 96,    ///< maximum number of listed fields
     STP_SCAN_NAME = 64,      ///< bytes of a name, with the zero
     STP_SCAN_COMPRESSOR = 48 ///< bytes, with the zero
 };

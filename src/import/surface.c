@@ -2,7 +2,7 @@
 #include "import/surface.h"
 
 #include "base/color.h"
-#include "image/image.h"
+#include "image/image_codecs.h"
 #include "import/image_plain.h"
 
 #include <string.h>
@@ -101,7 +101,7 @@ stp_result stp_picture_decode(stp_import* import, const char* place, const unsig
     const char* reason = info.reason;
     uint64_t pixels = import->picture_pixels + (uint64_t)info.width * info.height;
     uint64_t read_bytes = import->picture_bytes + size;
-    if (result == STP_OK && !stp_image_believes(pixels, read_bytes)) {
+    if (result == STP_OK && !stp_image_is_plausible(pixels, read_bytes)) {
         reason = "the pictures of the file claim too many pixels for their bytes";
         result = STP_ERROR_LIMIT;
     } else if (result == STP_OK) {
@@ -121,7 +121,7 @@ stp_result stp_picture_decode(stp_import* import, const char* place, const unsig
     return STP_OK;
 }
 
-// Exporters write the path on their author's machine; the picture is usually delivered beside the
+// Exporters write paths of their author's machine; the picture is usually delivered next to the
 // file.
 static const char* without_root(const char* reference)
 {

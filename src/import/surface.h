@@ -2,7 +2,7 @@
 // Shared by formats without physical materials: a plain material, colours, pictures by name.
 #pragma once
 
-#include "image/image.h"
+#include "image/image_codecs.h"
 #include "import/import.h"
 #include "import/lookup.h"
 

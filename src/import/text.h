@@ -37,7 +37,7 @@ bool stp_word_is(stp_text at, stp_text end, const char* word);
 
 /// Reads a decimal number (after blanks) as C writes it; "nan" and "inf" in their usual spellings,
 /// too.
-/// @return what follows it, or NULL where there is none
+/// @return the text after it, or NULL if it is not a number
 ///
 /// Numbers of up to 19 significant digits whose power of ten is within 22 (all that programs write
 /// for coordinates) come out as the nearest double; others within two units in the last place. Only
@@ -51,5 +51,5 @@ stp_text stp_read_integer(stp_text at, int64_t* value);
 /// copies. @return the number of bytes in whole lines
 size_t stp_whole_lines(stp_text bytes, size_t size);
 
-/// The number of the line, from 1, in which `offset` lies.
+/// Line number, from 1, of the line that contains `offset`.
 uint64_t stp_line_number(stp_text bytes, size_t offset);

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#define HEADER_LINES 100 ///< so many lines may come before the points
-#define SAMPLES 500      ///< lines that are looked at
+#define HEADER_LINES 100 ///< maximum number of lines before the points
+#define SAMPLES 500      ///< number of sampled lines
 #define LINE_LEAST 6     ///< bytes of a point and its line end
 #define WINDOW 4096      ///< bytes in which a sampled line must begin
 
@@ -73,7 +73,7 @@ static uint8_t column_named(stp_text begin, stp_text end)
 }
 
 // Drops columns after the last used one and validates the rest. @return as stp_columns_parse
-static const char* settle(stp_columns* c)
+static const char* check_columns(stp_columns* c)
 {
     uint32_t uses[STP_COLUMN_SLOTS + 1] = {0}, all = c->count;
     while (c->count > 0 && c->roles[c->count - 1] == STP_COLUMN_SKIP) {
@@ -93,8 +93,8 @@ static const char* settle(stp_columns* c)
     }
     uint32_t colors = uses[STP_COLUMN_R] + uses[STP_COLUMN_G] + uses[STP_COLUMN_B];
     uint32_t normals = uses[STP_COLUMN_NX] + uses[STP_COLUMN_NY] + uses[STP_COLUMN_NZ];
-    return colors % 3 != 0    ? "r, g and b come together"
-           : normals % 3 != 0 ? "nx, ny and nz come together"
+    return colors % 3 != 0    ? "r, g and b must be given together"
+           : normals % 3 != 0 ? "nx, ny and nz must be given together"
                               : NULL;
 }
 
@@ -107,14 +107,15 @@ const char* stp_columns_parse(const char* names, stp_columns* columns)
         uint8_t column = column_named(begin, begin + length);
         bool skipped = length == 1 && *at == '-';
         if (column == STP_COLUMN_SKIP && !skipped) {
-            return "columns are x, y, z, r, g, b, intensity, nx, ny, nz, class, and - for others";
+            return "valid columns are x, y, z, r, g, b, intensity, nx, ny, nz, class, and - for "
+                   "others";
         }
         if (columns->count == STP_COLUMNS_MOST) {
-            return "there are at most 32 columns";
+            return "more than 32 columns";
         }
         columns->roles[columns->count++] = column;
         if (at[length] == '\0') {
-            return settle(columns);
+            return check_columns(columns);
         }
         at += length + 1;
     }
@@ -188,7 +189,7 @@ static bool read_header(stp_text at, uint32_t wanted, stp_columns* columns)
         columns->roles[columns->count++] = column_named(at, last);
         at = stp_skip_blanks(end + stp_separates(*end));
     }
-    return columns->count == wanted && settle(columns) == NULL;
+    return columns->count == wanted && check_columns(columns) == NULL;
 }
 
 static bool all_within(const samples* s, uint32_t column, token_kind kind, double low, double high)
@@ -288,7 +289,7 @@ static void guess(const samples* s, bool intensity_first, stp_columns* c)
             break;
         }
     }
-    (void)settle(c); // x, y and z occur exactly once
+    (void)check_columns(c); // x, y and z occur exactly once
 }
 
 // Adds the line to the samples if it has as many columns as the first.
@@ -391,7 +392,7 @@ stp_result stp_columns_find(stp_import* import, const stp_text_blocks* blocks, b
     find_beginning(blocks, &b);
     if (b.at == NULL) {
         return stp_fail(context, STP_ERROR_FORMAT,
-                        "%s: none of its first %d lines holds a point: three numbers or more",
+                        "%s: none of its first %d lines contains a point (three numbers or more)",
                         import->path, HEADER_LINES);
     }
     const char* wrong = named != NULL ? stp_columns_parse(named, &found->columns) : NULL;

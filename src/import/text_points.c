@@ -46,8 +46,8 @@ static scales choose_scales(const stp_column_ranges* r, bool color_fractions)
     return (scales){.color = bright > 255.0 ? 65535.0
                              : fractions    ? 1.0
                                             : 255.0,
-                    .intensity = stp_intensity_judge(r->low[STP_COLUMN_INTENSITY],
-                                                     r->high[STP_COLUMN_INTENSITY])};
+                    .intensity = stp_intensity_find_range(r->low[STP_COLUMN_INTENSITY],
+                                                          r->high[STP_COLUMN_INTENSITY])};
 }
 
 static inline void widen(stp_column_ranges* r, int column, double value)
@@ -122,7 +122,7 @@ static inline stp_text read_values(const stp_columns* columns, stp_text at, doub
 }
 
 // The kind of a line without a point.
-static line_kind judge_line(stp_text at, uint64_t* count)
+static line_kind classify_line(stp_text at, uint64_t* count)
 {
     int64_t value;
     at = stp_skip_blanks(at);
@@ -160,7 +160,7 @@ static void read_other_line(reading* r, stp_text at, uint64_t line, tally* t)
 {
     const stp_text_points* p = r->points;
     uint64_t count = 0;
-    line_kind kind = judge_line(at, &count);
+    line_kind kind = classify_line(at, &count);
     stp_cloud_leave_empty(p->cloud, (size_t)(line - p->first_line));
     if (kind == LINE_COUNT && !p->strict) {
         atomic_fetch_add(&r->declared, count);
@@ -260,7 +260,7 @@ static stp_result read_once(reading* r, stp_column_ranges* all)
 }
 
 // An invalid line in the middle is an error; the last one may be truncated.
-static stp_result judge_bad_line(const reading* r)
+static stp_result report_bad_line(const reading* r)
 {
     const stp_text_points* p = r->points;
     stp_import* import = p->cloud->import;
@@ -273,7 +273,7 @@ static stp_result judge_bad_line(const reading* r)
         return STP_OK;
     }
     return stp_fail(import->context, STP_ERROR_FORMAT,
-                    "%s: line %llu: is no point: its first %u columns were expected to be numbers",
+                    "%s: line %llu: is not a point: expected numbers in its first %u columns",
                     import->path, (unsigned long long)bad + 1, p->columns.count);
 }
 
@@ -308,5 +308,5 @@ stp_result stp_text_points_read(stp_text_points* p)
     p->lines = atomic_load(&r.lines);
     p->not_finite = atomic_load(&r.not_finite);
     stp_losses_add(&p->cloud->import->losses, STP_LOSS_POINT, p->not_finite);
-    return judge_bad_line(&r);
+    return report_bad_line(&r);
 }

@@ -18,7 +18,7 @@ typedef struct ring {
     flat_point* points;
     uint32_t* next;
     uint32_t* previous;
-    uint32_t* reflex; ///< the concave corners; ones that became convex are dropped as they are met
+    uint32_t* reflex; ///< the concave corners; ones that became convex are dropped when visited
     uint32_t reflex_count;
     uint64_t tests_left;
 } ring;

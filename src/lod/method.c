@@ -2,8 +2,8 @@
 #include "lod/method.h"
 
 #include "base/clock.h"
-#include "lod/psp/splats.h"
-#include "lod/spt/splats.h"
+#include "lod/psp/psp_set.h"
+#include "lod/spt/spt_set.h"
 #include "lod/stochastic/set.h"
 
 #include <string.h>
@@ -13,9 +13,9 @@ enum {
     SPT_BYTES = 2 * 120,      ///< per sample: two nodes in tree, sequence and columns
     SPT_TRIANGLE_BYTES = 100, ///< per large triangle: in boxes, and their order
     PSP_VERSION = 2,
-    PSP_BYTES = 1000, ///< of a sample
+    PSP_BYTES = 1000, ///< per sample
     STOCHASTIC_VERSION = 4,
-    STOCHASTIC_BYTES = 120, ///< of a sample
+    STOCHASTIC_BYTES = 120, ///< per sample
     SPT_COLORS = 48,        ///< of 255: if colours differ by more, a node's error is its diameter
 };
 

@@ -5,11 +5,10 @@
 #pragma once
 
 #include "base/hash.h"
+#include "base/splat_columns.h"
 #include "lod/blue/blue.h"
 #include "lod/spt/point_tree.h"
 #include "lod/stochastic/leaf_octree.h"
-
-#include <stipple/surfels.h>
 
 /// Options of all methods. Start from stp_method_options_default(); all zero is not the default.
 typedef struct stp_method_options {

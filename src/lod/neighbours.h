@@ -9,12 +9,13 @@
 
 /// For each sample, the nearest surfel on its side; the lower index on ties.
 typedef struct stp_nearest_search {
-    const stp_grid* surfels; ///< cells twice `radius` wide or wider; offset 0
+    const stp_grid* surfels; ///< cells at least twice `radius` wide; offset 0
     /// The same cells, offset by half a cell: samples of one cell see the same surfels
     const stp_grid* samples;
-    float radius;      ///< maximum distance of a surfel
-    bool two_sided;    ///< ignores the sign of normals
-    uint32_t* nearest; ///< result: of each sample in the grid's order; UINT32_MAX: none in reach
+    float radius;   ///< maximum distance of a surfel
+    bool two_sided; ///< ignores the sign of normals
+    /// Result: per sample, in the grid's order; UINT32_MAX: none within `radius`
+    uint32_t* nearest;
 } stp_nearest_search;
 
 /// Searches on all threads. Results do not depend on their number.
@@ -22,7 +23,7 @@ void stp_nearest_search_run(stp_context* context, const stp_nearest_search* sear
 
 /// Content of a surfel's disk.
 typedef struct stp_disk {
-    uint64_t cells;     ///< of the stencil
+    uint64_t cells;     ///< cells of the stencil
     uint64_t fractions; ///< sum over the samples
     uint32_t count;     ///< of samples
     bool full;          ///< with `until_full`, count and sum are then undefined
@@ -33,12 +34,12 @@ typedef struct stp_disk_search {
     const stp_grid* samples;
     const uint16_t* fractions; ///< value of each sample for the sum, by index; NULL: none
     float footprint;           ///< half the side of the square that a sample represents; 0: a point
-    uint32_t set_count;        ///< number of last samples, by index, that are surfels of sets
-    uint32_t sample_count;     ///< of all, by index, if some are of sets
-    float set_footprint;       ///< of those; at most `footprint`
-    uint32_t set_weight;       ///< weight of those
-    const float* positions;    ///< 3 a surfel
-    const float* normals;      ///< 3 a surfel
+    uint32_t set_count;        ///< the last samples, by index, are surfels of sets; their number
+    uint32_t sample_count;     ///< number of all samples, if some are of sets
+    float set_footprint;       ///< half side for samples of sets; at most `footprint`
+    uint32_t set_weight;       ///< weight of samples of sets
+    const float* positions;    ///< 3 per surfel
+    const float* normals;      ///< 3 per surfel
     const uint32_t* visit;     ///< surfels to visit, best in a spatially coherent order
     uint32_t count;            ///< of `visit`
     float radius;              ///< of the disks

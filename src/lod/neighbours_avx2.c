@@ -75,7 +75,7 @@ typedef struct surfel_columns {
     const uint32_t* index;
 } surfel_columns;
 
-// Eight samples and what was found for them.
+// Eight samples and their nearest surfels so far.
 typedef struct eight_samples {
     vector3 place, normal;
     __m256 least;

@@ -5,8 +5,8 @@
 // determine the outside.
 #include "base/math.h"
 #include "base/processor.h"
+#include "lod/cloud_candidates.h"
 #include "lod/point_normals_kernels.h"
-#include "lod/points.h"
 
 #include <string.h>
 
@@ -23,7 +23,7 @@ typedef struct normal_search {
     const stp_normal_kernels* kernels;
     stp_candidates* candidates;
     uint32_t point_count; ///< number of points; surfels of sets follow
-    uint8_t* lonely;      ///< by candidate: 1 where it has too few neighbours so far
+    uint8_t* lonely;      ///< by candidate: 1 if it has too few neighbours so far
 } normal_search;
 
 /// Extracts the remaining eigenvector of a matrix (stp_normal_kernels).

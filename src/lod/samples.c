@@ -3,7 +3,7 @@
 
 #include "base/octahedral.h"
 #include "base/prefix_table.h"
-#include "capture/splats.h"
+#include "capture/surfel_disks.h"
 
 #include <string.h>
 

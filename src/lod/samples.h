@@ -2,15 +2,14 @@
 // The evenly spread samples of a node, from which methods other than `blue` make their sets.
 #pragma once
 
+#include "base/splat_columns.h"
 #include "lod/spt/point_tree.h"
-
-#include <stipple/surfels.h>
 
 /// Points made from a set of method `blue`, with its finest colours. Each is as large as the set's
 /// drawn surfels.
 typedef struct stp_method_samples {
     stp_tree_points points;
-    const uint8_t* coverages;   ///< 1 a point; the set's
+    const uint8_t* coverages;   ///< 1 per point; owned by the set
     float *positions, *normals; ///< owned; those of `points`
 } stp_method_samples;
 

@@ -22,14 +22,14 @@ uint32_t stp_shape_direction(const stp_shape_directions* directions, stp_shape_a
 {
     // over half a turn the sign changes at most once: between the two codes that may be best
     bool negative = off_axis(directions, 0, along) < 0.0f;
-    uint32_t low = 0, high = STP_SHAPE_TURN; // the change lies behind `low`, at most at `high`
+    uint32_t low = 0, high = STP_SHAPE_TURN; // the sign changes between `low` and `high`
     while (high - low > 1) {
         uint32_t middle = low + (high - low) / 2;
         bool changed = (off_axis(directions, middle, along) < 0.0f) != negative;
         high = changed ? middle : high;
         low = changed ? low : middle;
     }
-    uint32_t other = high < STP_SHAPE_TURN ? high : 0; // half a turn on is the first code again
+    uint32_t other = high < STP_SHAPE_TURN ? high : 0; // half a turn later is the first code again
     float off = fabsf(off_axis(directions, low, along));
     float other_off = fabsf(off_axis(directions, other, along));
     return other_off < off || (other_off == off && other < low) ? other : low;

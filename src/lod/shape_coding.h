@@ -11,7 +11,7 @@ typedef struct stp_shape_directions {
 
 void stp_shape_directions_make(stp_shape_directions* directions);
 
-/// The code whose smaller radius is most nearly across an axis; of two alike the lower one.
+/// Code whose smaller radius is most nearly perpendicular to an axis; the lower one on ties.
 uint32_t stp_shape_direction(const stp_shape_directions* directions, stp_shape_axis along);
 
 /// Code of an ellipse in a set without marks for large triangles. A disk may represent any normals.

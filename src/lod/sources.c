@@ -27,8 +27,9 @@ typedef struct walk {
     double small;   ///< instances with a smaller extent are thinned
     size_t kept;    ///< instances that are not thinned
     uint64_t* uses; ///< by node: of parts and sets below; made when first thinned
-    uint64_t thin_uses, every, number; ///< counted; one of `every` is kept; the next one's number
-    bool lacks_normals;                ///< some point sets of the scene lack normals
+    /// Count of thinned instances; one of `every` is kept; number of the next one
+    uint64_t thin_uses, every, number;
+    bool lacks_normals; ///< some point sets of the scene lack normals
 } walk;
 
 static stp_result push(walk* w, const frame* f)

@@ -103,7 +103,7 @@ static void try_axis(const maker* m, const range* r, const stp_box* middles, int
     }
 }
 
-/// Moves the things of the left side to the front. @return where the right side begins
+/// Moves the things of the left side to the front. @return the start of the right side
 static uint32_t divide(const maker* m, const range* r)
 {
     uint32_t half = r->begin + (r->end - r->begin) / 2;

@@ -213,7 +213,7 @@ stp_result stp_hausdorff_measure(stp_context* context, const stp_measured_surfac
     }
     if (tree->count == 0) {
         return stp_fail(context, STP_ERROR_ARGUMENT,
-                        "distances: there are no splats or triangles to measure against");
+                        "distances: no splats or triangles to measure against");
     }
     size_t longest = largest_of(surface->point_count, surface->vertex_count);
     longest = largest_of(longest, (size_t)samples);

@@ -248,7 +248,7 @@ static stp_vec3d sheared(const cast* c, uint32_t triangle, uint32_t corner)
     return (stp_vec3d){p[c->across] - c->shear[0] * z, p[c->off] - c->shear[1] * z, c->stretch * z};
 }
 
-static void look_at_triangle(uint32_t triangle, void* user)
+static void intersect_triangle(uint32_t triangle, void* user)
 {
     cast* c = user;
     stp_vec3d a = sheared(c, triangle, 0), b = sheared(c, triangle, 1);
@@ -270,7 +270,7 @@ static void look_at_triangle(uint32_t triangle, void* user)
     }
 }
 
-static void look_at_part(uint32_t part, void* user)
+static void intersect_part(uint32_t part, void* user)
 {
     cast* c = user;
     const stp_affine* inverse = &c->caster->inverses[part];
@@ -296,12 +296,12 @@ static void look_at_part(uint32_t part, void* user)
     c->origin[2] = origin.z;
     stp_box_ray ray = stp_box_ray_make(origin, direction);
     stp_box_tree_walk(&c->caster->trees[mesh], &ray, c->ray->nearest, &c->farthest,
-                      look_at_triangle, c);
+                      intersect_triangle, c);
 }
 
-bool stp_caster_meet(const stp_caster* caster, const stp_cast_ray* ray,
-                     bool (*keeps)(const stp_cast_hit* hit, void* user), void* user,
-                     stp_cast_hit* hit)
+bool stp_caster_intersect(const stp_caster* caster, const stp_cast_ray* ray,
+                          bool (*keeps)(const stp_cast_hit* hit, void* user), void* user,
+                          stp_cast_hit* hit)
 {
     cast c = {.caster = caster,
               .ray = ray,
@@ -310,6 +310,6 @@ bool stp_caster_meet(const stp_caster* caster, const stp_cast_ray* ray,
               .hit = hit,
               .farthest = ray->farthest};
     stp_box_ray box_ray = stp_box_ray_make(stp_subd(ray->origin, caster->center), ray->direction);
-    stp_box_tree_walk(&caster->top, &box_ray, ray->nearest, &c.farthest, look_at_part, &c);
+    stp_box_tree_walk(&caster->top, &box_ray, ray->nearest, &c.farthest, intersect_part, &c);
     return c.met;
 }

@@ -54,6 +54,6 @@ typedef struct stp_cast_hit {
 /// are resolved deterministically.
 /// @param keeps  NULL, or a test whether a hit counts; otherwise the ray continues
 /// @return whether anything is hit
-bool stp_caster_meet(const stp_caster* caster, const stp_cast_ray* ray,
-                     bool (*keeps)(const stp_cast_hit* hit, void* user), void* user,
-                     stp_cast_hit* hit);
+bool stp_caster_intersect(const stp_caster* caster, const stp_cast_ray* ray,
+                          bool (*keeps)(const stp_cast_hit* hit, void* user), void* user,
+                          stp_cast_hit* hit);

@@ -13,9 +13,10 @@ typedef struct stp_shape_box {
 
 typedef struct stp_shape_tree {
     stp_shapes shapes;
-    uint32_t count;       ///< number of shapes; disks come first
-    uint32_t depth;       ///< of the leaves; level k has 2^k nodes, and its node i holds the places
-                          ///< [count i / 2^k, count (i + 1) / 2^k)
+    uint32_t count; ///< number of shapes; disks come first
+    /// Of the leaves. Level k has 2^k nodes; node i of them holds the places [count i / 2^k,
+    /// count (i + 1) / 2^k)
+    uint32_t depth;
     uint32_t* order;      ///< shapes along the curve
     stp_shape_box* boxes; ///< of nodes, level by level
 } stp_shape_tree;
@@ -32,6 +33,7 @@ void stp_shape_tree_destroy(stp_context* context, stp_shape_tree* tree);
 /// or UINT32_MAX; out: the place of the nearest shape. Affects only the speed. NULL: none
 double stp_shape_tree_distance_squared(const stp_shape_tree* tree, stp_vec3d point, uint32_t* hint);
 
-/// Squared distance from a point to one shape. @param place in `order`, below `count`
+/// Squared distance from a point to one shape.
+/// @param place in `order`, below `count`
 double stp_shape_tree_distance_squared_to(const stp_shape_tree* tree, uint32_t place,
                                           stp_vec3d point);

@@ -6,8 +6,8 @@
 enum {
     RADIUS = STP_SSIM_RADIUS,
     TAPS = 2 * RADIUS + 1,
-    MOMENTS =
-        4, // a, b, a^2 + b^2, a b: the sum of the squares is enough, as only va + vb is asked for
+    // a, b, a^2 + b^2, a b: the sum of the squares is enough, as only va + vb is needed
+    MOMENTS = 4,
     BAND = 64, // rows of one piece of work
 };
 

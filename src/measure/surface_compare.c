@@ -11,7 +11,7 @@ typedef struct surroundings {
     float farthest; ///< least nearness of its covered pixels; 0 if there are none
 } surroundings;
 
-static surroundings look_around(const stp_surface_frame* frame, int64_t x, int64_t y)
+static surroundings find_surroundings(const stp_surface_frame* frame, int64_t x, int64_t y)
 {
     surroundings around = {.inside = true};
     for (int64_t v = y - WINDOW; v <= y + WINDOW; ++v) {
@@ -46,7 +46,7 @@ void stp_surface_compare(const stp_surface_frame* reference, const stp_surface_f
             errors->drawn += drawn;
             errors->extra += !covered && drawn;
             if (covered) {
-                surroundings around = look_around(reference, x, y);
+                surroundings around = find_surroundings(reference, x, y);
                 errors->interior += around.inside;
                 errors->holes += !drawn && around.inside;
                 errors->wrong_depth +=

@@ -5,13 +5,12 @@
 // With r the largest gap, a point whose gap is below T = (0.9 r)^2 cannot be chosen while some gap
 // is at least T. So each phase takes the few points with gaps of at least T, its *front*, and
 // orders them greedily in a tree small enough for the cache, until no gap of at least T is left.
-// Only then does it push the chosen points to the whole set, all at once. There, each leaf records
-// the points that may affect it and evaluates them when its gap reaches the front. Most leaves are
-// touched far less often than points are chosen near them.
+// Then it pushes the chosen points to the whole set as one batch. There, each leaf records the
+// points that may affect it and evaluates them when its gap reaches the front. Most leaves are
+// updated far less often than points are chosen near them.
 //
 // The result is exactly that of choosing one by one: the largest gap first; ties go to the lowest
-// position on the Morton curve. Fronts, threads and vector widths change the time, not the order.
-// order.
+// position on the Morton curve. Fronts, threads and vector widths affect only the time.
 #include "base/clock.h"
 #include "base/math.h"
 #include "order/order_kinds.h"
@@ -20,9 +19,9 @@
 
 enum {
     FRONT_ALL = 4096, // sets up to this size are one front
-    PUSH_SIZE = 2048, // chosen points told to the tree at a time
-    AHEAD = 12,       // points whose memory is asked for before it is needed
-    TASK_COUNT = 32,  // least number of subtrees that threads share
+    PUSH_SIZE = 2048, // chosen points pushed to the tree per batch
+    AHEAD = 12,       // prefetch distance in points
+    TASK_COUNT = 32,  // minimum number of subtrees that threads share
     TOGETHER = 64, // chosen points, near each other, whose box is compared with a subtree's first
 };
 
@@ -44,8 +43,8 @@ typedef struct greedy {
     stp_tree front; // candidates of this phase
     uint32_t front_capacity;
     uint32_t front_count;
-    uint32_t*
-        positions; // of the front's points in the tree, ascending; gathered in one piece a task
+    // of the front's points in the tree, ascending; gathered in one piece a task
+    uint32_t* positions;
     uint8_t* is_chosen; // for each point of the front
     stp_chosen* chosen; // all chosen points, phase by phase, within a phase along the curve
     uint32_t* scratch;  // [worker][scratch_stride]
@@ -74,7 +73,7 @@ static stp_chosen point_at(const stp_tree* tree, uint32_t position)
 static void emit(greedy* g, uint32_t position, float gap)
 {
     stp_order_output* out = g->output;
-    out->order[out->ordered] = position; // becomes the point's number later: see name_chosen
+    out->order[out->ordered] = position; // becomes the point's index later: see name_chosen
     if (out->radii != NULL) {
         out->radii[out->ordered] = sqrtf(gap) / g->points->scale;
     }
@@ -180,7 +179,7 @@ static void run_fill_front(size_t begin, size_t end, uint32_t worker, void* user
     }
 }
 
-// Makes the front's own tree; grows it where needed.
+// Builds the front's own tree, and grows it if needed.
 static stp_result build_front(greedy* g)
 {
     if (g->front_count > g->front_capacity) {
@@ -225,7 +224,7 @@ static float choose_from_front(greedy* g)
     }
     name_chosen(g, g->positions, before);
     name_chosen(g, g->ids, before);
-    // told to the tree along the curve: near points touch the same leaves
+    // pushed to the tree along the curve: neighbours touch the same leaves
     g->first_chosen += g->chosen_count;
     g->chosen_count = 0;
     for (uint32_t i = 0; i < g->front_count && g->chosen_count < count; ++i) {
@@ -245,7 +244,7 @@ static float box_distance(const stp_branch* branch, uint32_t child, stp_vec3 p)
     return (x * x + y * y) + z * z;
 }
 
-// Whether a chosen point may change anything in a box.
+// Whether a chosen point may change any gap in a box.
 static bool reaches(const stp_chosen* p, const stp_branch* branch, uint32_t child)
 {
     return box_distance(branch, child, (stp_vec3){p->x, p->y, p->z}) < branch->gap[child];
@@ -267,8 +266,8 @@ static void find_boxes(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Whether any point of a box may change anything in a child's box. Differences and squares round
-// the same way, so no point that does is missed.
+// Whether any point of a box may change a gap in a child's box. Differences and squares round the
+// same way, so no affected child is missed.
 static bool box_reaches(const stp_box* box, const stp_branch* branch, uint32_t child)
 {
     float x = stp_max(
@@ -280,7 +279,7 @@ static bool box_reaches(const stp_box* box, const stp_branch* branch, uint32_t c
     return (x * x + y * y) + z * z < branch->gap[child];
 }
 
-// Tells one subtree about the phase's points, a list at a time.
+// Pushes the phase's points into one subtree, a batch at a time.
 static void push_into(greedy* g, uint32_t task, uint32_t* list)
 {
     uint32_t level = g->task_level, child = task % STP_BRANCH_SIZE, count = 0;
@@ -332,7 +331,7 @@ static void push_chosen(greedy* g)
     }
 }
 
-// The search for the position nearest to a place; the lowest of equally near ones.
+// Search for the position nearest to a point; the lowest one on ties.
 typedef struct nearest_search {
     const stp_tree* tree;
     stp_vec3 at;

@@ -40,7 +40,7 @@ stp_result stp_order_points(stp_context* context, const stp_order_desc* given,
                         "stp_order_desc: sets fields that this version of the library lacks");
     }
     if (output.wanted != 0) {
-        stp_team team = stp_team_create_now(context, desc.thread_count);
+        stp_team team = stp_team_create_immediate(context, desc.thread_count);
         stp_points points = {.positions = positions, .normals = normals, .count = point_count};
         double start = stp_clock_ms();
         result = stp_points_measure(&points, &team);

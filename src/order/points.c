@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Points along a Morton curve. First all points are dealt out to 16^3 cells, together with their
+// Points along a Morton curve. First all points are distributed to 16^3 cells, together with their
 // positions so that later reading is sequential; then each cell is sorted on its own, in cache, and
 // written to its leaves.
 #include "order/points.h"
@@ -11,7 +11,7 @@ enum { CHUNK_SIZE = 1 << 16 }; // points measured by one thread at a time
 
 typedef struct bounds_job {
     const float* positions;
-    stp_box* boxes; // one a chunk
+    stp_box* boxes; // one per chunk
     bool* finite;
 } bounds_job;
 
@@ -30,14 +30,14 @@ static void measure_chunk(size_t begin, size_t end, uint32_t worker, void* user)
     job->finite[begin / CHUNK_SIZE] = poison == 0.0f;
 }
 
-// The power of two that brings `extent` to [1, 2), as far as single precision reaches.
+// The power of two that scales `extent` to [1, 2), as far as single precision allows.
 static float unit_scale(double extent)
 {
     if (!(extent > 0.0)) {
         return 1.0f;
     }
     int exponent = 0;
-    (void)frexp(extent, &exponent); // exact everywhere: it only takes the number apart
+    (void)frexp(extent, &exponent); // exact on every machine: only splits the number
     exponent = 1 - exponent;
     exponent = exponent < -126 ? -126 : exponent > 126 ? 126 : exponent;
     return ldexpf(1.0f, exponent);

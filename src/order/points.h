@@ -9,8 +9,8 @@ typedef struct stp_points {
     const float* normals;   ///< 3 per point, or NULL
     uint32_t count;
     stp_box box; ///< of the positions as given
-    float
-        scale; ///< a power of two: positions times it span about 1, so that squares cannot overflow
+    /// A power of two: positions times it span about 1, so that squares cannot overflow
+    float scale;
 } stp_points;
 
 /// A point's position, scaled.

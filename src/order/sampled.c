@@ -11,7 +11,7 @@
 //                from round 0 on, halves the samples (never below 20) and accepts one more (at most 3
 //                of 10 samples): 200/0, 100/1, 50/2, 25/3, 20/4, 20/5, then always 20/6. The best
 //                sample that was not accepted leaves the input, and returns only if it runs empty.
-//   best-of-k    the best of `samples` (Mitchell 1991): one accepted a round, always.
+//   best-of-k    the best of `samples` (Mitchell 1991): one accepted per round, always.
 //
 // The distances of a round are to the points chosen before the round, as in the paper. The output
 // radii also count the points accepted earlier in the same round.
@@ -48,7 +48,7 @@ typedef struct sampler {
     stp_near_grid grid;
     stp_near_grid_nearest nearest;
     uint32_t capacity; // maximum samples per round
-    float* positions;  // of a round's samples, scaled, 3 each
+    float* positions;  // of a round's samples, scaled, 3 per sample
     float* squared;
     drawn* ranking;
     uint8_t* fate; // of each sample
@@ -162,7 +162,7 @@ static stp_result accept(sampler* s, uint32_t first_input, uint32_t accepted)
 
 // Compacts the input. Returned points stay in front; points set aside go to the end of the array,
 // where drawn points left room.
-static void settle(sampler* s, uint32_t first_input, uint32_t count)
+static void compact_input(sampler* s, uint32_t first_input, uint32_t count)
 {
     s->left = first_input;
     uint32_t set_aside = 0;
@@ -205,7 +205,7 @@ static stp_result run_round(sampler* s)
         s->fate[s->ranking[accepted].slot] = ASIDE;
     }
     stp_result result = accept(s, first_input, accepted);
-    settle(s, first_input, count);
+    compact_input(s, first_input, count);
     end_round(&s->plan);
     return result;
 }

@@ -95,7 +95,7 @@ static void place_cells(sort_job* job, size_t chunks)
     job->starts[STP_CURVE_CELLS] = sum;
 }
 
-static void deal_out(size_t begin, size_t end, uint32_t worker, void* user)
+static void distribute(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     const sort_job* job = user;
@@ -358,7 +358,7 @@ stp_result stp_points_sort(const stp_points* points, const stp_team* team, stp_t
         sort_free(context, &job);
         return stp_fail_memory(context);
     }
-    stp_team_run(team, points->count, CHUNK_SIZE, deal_out, &job);
+    stp_team_run(team, points->count, CHUNK_SIZE, distribute, &job);
     stp_team_run(team, STP_CURVE_CELLS, TASK_CELLS, sort_cells, &job);
     write_shared(&job);
     sort_free(context, &job);

@@ -11,7 +11,7 @@
 // is never smaller than the Euclidean distance.
 //
 //   levels[2]                 [........]
-//   levels[1]        [........][........] ...           8 children a branch, all levels implicit
+//   levels[1]        [........][........] ...           8 children per branch, all levels implicit
 //   levels[0]   [........][........][........] ...
 //   leaves      | 32 points | 32 points | ...           structure of arrays
 //
@@ -34,8 +34,8 @@ enum {
 
 typedef struct stp_leaf {
     float x[STP_LEAF_SIZE], y[STP_LEAF_SIZE], z[STP_LEAF_SIZE];
-    float gap[STP_LEAF_SIZE]; ///< squared distance to the nearest chosen point; -1 in lanes past
-                              ///< the end
+    /// Squared distance to the nearest chosen point; -1 in lanes past the end
+    float gap[STP_LEAF_SIZE];
 } stp_leaf;
 
 typedef struct stp_leaf_normals {
@@ -68,7 +68,7 @@ typedef struct stp_pending {
 
 typedef struct stp_chosen {
     float x, y, z;
-    float normal_x, normal_y, normal_z; ///< zero where there are no normals
+    float normal_x, normal_y, normal_z; ///< zero if there are no normals
 } stp_chosen;
 
 typedef struct stp_tree {
@@ -77,7 +77,7 @@ typedef struct stp_tree {
     stp_leaf* leaves;
     stp_leaf_normals* normals; ///< NULL: Euclidean
     stp_facing* facing;        ///< one per branch of level 0; NULL: not kept
-    stp_pending* pending;      ///< one per leaf; NULL: every change is applied at once
+    stp_pending* pending;      ///< one per leaf; NULL: changes are applied immediately
     stp_branch* levels[STP_TREE_LEVELS];
     float apart;         ///< added to the distance if normals face apart
     float apart_squared; ///< its square is a lower bound for points that face apart
@@ -88,8 +88,8 @@ typedef struct stp_tree_kernels {
     /// Computes the boxes (and normal boxes) of the branches [begin, end) of a level from the level
     /// below, and the maxima of gaps.
     void (*fit)(stp_tree* tree, uint32_t level, size_t begin, size_t end);
-    /// Applies one chosen point everywhere at once. Gaps below `floor` no longer matter: leaves
-    /// with only such gaps count as empty. @return the largest gap left, -1 if none
+    /// Applies one chosen point to the whole tree. Gaps below `floor` are ignored: leaves with only
+    /// such gaps count as empty. @return the largest remaining gap, -1 if none
     float (*insert)(stp_tree* tree, const stp_chosen* point, float floor);
     /// The lowest position that has the tree's largest gap.
     uint32_t (*farthest)(const stp_tree* tree);

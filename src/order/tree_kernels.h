@@ -113,8 +113,8 @@ static float catch_up(const stp_tree* tree, uint32_t index, const stp_chosen* ch
 
 // Removes from `mask` the leaves that face away as a whole and already have a nearer point that
 // does not. Sets in `mixed` the leaves whose normals need individual tests.
-static inline uint32_t judge_facing(const stp_tree* tree, const stp_facing* facing, eight gap,
-                                    const stp_chosen* point, uint32_t mask, uint32_t* mixed)
+static inline uint32_t exclude_facing(const stp_tree* tree, const stp_facing* facing, eight gap,
+                                      const stp_chosen* point, uint32_t mask, uint32_t* mixed)
 {
     eight normal_x = eight_set(point->normal_x), normal_y = eight_set(point->normal_y),
           normal_z = eight_set(point->normal_z);
@@ -162,7 +162,7 @@ static void push_to_leaves(stp_tree* tree, uint32_t index, const stp_chosen* cho
         const stp_chosen* point = &chosen[list[i]];
         uint32_t mask = reached(branch, gap, spread(point)), mixed = 0;
         if (facing != NULL && mask != 0) {
-            mask = judge_facing(tree, facing, gap, point, mask, &mixed);
+            mask = exclude_facing(tree, facing, gap, point, mask, &mixed);
         }
         if (mask != 0) {
             gap = bound_gaps(branch, gap, spread(point), mask & ~mixed);

@@ -11,8 +11,8 @@
 
 #include <string.h>
 
-#define A                                                                                          \
-    0.85125413593678223 // the middle of the triangle (1, 0, 0), (1, 1, 0), (1, 1, 1) on the sphere
+/// The middle of the triangle (1, 0, 0), (1, 1, 0), (1, 1, 1) on the sphere
+#define A 0.85125413593678223
 #define B 0.47862549063280974
 #define C 0.21513724867401407
 

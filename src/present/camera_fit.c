@@ -20,8 +20,8 @@ enum {
     BISECTIONS = 60,
 };
 
-#define NEAREST                                                                                    \
-    2e-4 // of the diagonal: the eye comes no nearer, so that the near plane cuts nothing off
+/// Of the diagonal: the eye comes no nearer, so that the near plane cuts nothing off
+#define NEAREST 2e-4
 
 /// Corners in camera axes, relative to the centre of the box.
 typedef struct corner_set {
@@ -76,7 +76,7 @@ static uint32_t make_planes(const stp_sections* sections, stp_vec3d center, stp_
 }
 
 /// Intersection of three planes. @return false if it is not a single point
-static bool meet(const plane* a, const plane* b, const plane* c, stp_vec3d* point)
+static bool intersect(const plane* a, const plane* b, const plane* c, stp_vec3d* point)
 {
     stp_vec3d bc = stp_crossd(b->normal, c->normal);
     double determinant = stp_dotd(a->normal, bc);
@@ -104,7 +104,7 @@ static void find_corners(const plane* planes, uint32_t count, double slack, cons
         for (uint32_t b = a + 1; b < count; ++b) {
             for (uint32_t c = b + 1; c < count; ++c) {
                 stp_vec3d p;
-                bool inside = meet(&planes[a], &planes[b], &planes[c], &p);
+                bool inside = intersect(&planes[a], &planes[b], &planes[c], &p);
                 for (uint32_t k = 0; k < count && inside; ++k) {
                     inside = stp_dotd(planes[k].normal, p) <= planes[k].distance + slack;
                 }

@@ -205,7 +205,7 @@ static stp_vec3d interpolate(const stp_vec3d p[4], const double h[3], double u)
     return stp_addd(places, stp_scaled(slopes, h[1]));
 }
 
-static void look_from_key(const stp_flight_key* key, stp_view* view)
+static void set_key_view(const stp_flight_key* key, stp_view* view)
 {
     view->eye = key->eye;
     view->target = key->target;
@@ -219,7 +219,7 @@ void stp_flight_look(const stp_flight* flight, double t, stp_view* view)
     view->fov_degrees = flight->fov_degrees;
     view->ortho_height = 0.0;
     if (!(t > first->t) || t >= last->t) {
-        look_from_key(t >= last->t ? last : first, view);
+        set_key_view(t >= last->t ? last : first, view);
         return;
     }
     size_t span = find_span(flight, t);

@@ -76,7 +76,7 @@ static bool make_current(const egl* e, const stp_headless_desc* desc, bool tells
            e->eglMakeCurrent(headless->display, EGL_NO_SURFACE, EGL_NO_SURFACE, headless->context);
 }
 
-static void let_go(const egl* e, stp_headless* headless)
+static void release_context(const egl* e, stp_headless* headless)
 {
     if (headless->display != EGL_NO_DISPLAY) {
         e->eglMakeCurrent(headless->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
@@ -101,7 +101,7 @@ static bool try_display(const egl* e, const stp_headless_desc* desc, EGLenum pla
     PFNGLGETSTRINGPROC get_string = (PFNGLGETSTRINGPROC)e->eglGetProcAddress("glGetString");
     if (get_string == NULL ||
         !(make_current(e, desc, true, headless) || make_current(e, desc, false, headless))) {
-        let_go(e, headless);
+        release_context(e, headless);
         return false;
     }
     const GLubyte* name = get_string(GL_RENDERER);
@@ -110,7 +110,7 @@ static bool try_display(const egl* e, const stp_headless_desc* desc, EGLenum pla
     headless->is_software = is_software_name(headless->device);
     if ((desc->software && !headless->is_software) ||
         (desc->only_hardware && headless->is_software)) {
-        let_go(e, headless);
+        release_context(e, headless);
         return false;
     }
     return true;
@@ -165,7 +165,7 @@ void stp_headless_destroy(stp_headless* headless)
 {
     egl e;
     if (headless->library != NULL && find_functions(headless->library, &e)) {
-        let_go(&e, headless);
+        release_context(&e, headless);
     }
     *headless = (stp_headless){0};
 }

@@ -28,15 +28,15 @@ double stp_measure_angle(stp_vec3d from, stp_vec3d corner, stp_vec3d to)
     return degrees(2.0 * atan2(stp_lengthd(stp_subd(a, b)), stp_lengthd(stp_addd(a, b))));
 }
 
-double stp_measure_area(const stp_vec3d* points, size_t count, double* circumference)
+double stp_measure_area(const stp_vec3d* points, size_t count, double* perimeter)
 {
     stp_vec3d twice = {0, 0, 0};
-    *circumference = 0.0;
+    *perimeter = 0.0;
     for (size_t i = 0; i < count; ++i) { // relative to the first: survey coordinates are large
         stp_vec3d a = stp_subd(points[i], points[0]);
         stp_vec3d b = stp_subd(points[(i + 1) % count], points[0]);
         twice = stp_addd(twice, stp_crossd(a, b));
-        *circumference += stp_lengthd(stp_subd(b, a));
+        *perimeter += stp_lengthd(stp_subd(b, a));
     }
     return count >= 3 ? 0.5 * stp_lengthd(twice) : 0.0;
 }

@@ -4,8 +4,8 @@
 #include "present/camera.h"
 
 static const double quarter = 0.5 * STP_PI;
-static const double reaches_a_second = 0.6; // flight speed
-static const double seeing_seconds = 0.35;  // time to adapt to most of a new distance
+static const double reaches_per_second = 0.6; // flight speed
+static const double seeing_seconds = 0.35;    // time to adapt to most of a new distance
 static const double speed_step = 1.25, speed_least = 0.01, speed_most = 100.0;
 static const double alike = 3.0; // depths within this factor count as similar
 
@@ -59,7 +59,7 @@ void stp_navigator_init(stp_navigator* n, const stp_boxd* scene, uint32_t width,
     (void)stp_navigator_face(n, "iso", &box, NULL);
 }
 
-void stp_navigator_take(stp_navigator* n, const stp_view* view)
+void stp_navigator_read_view(stp_navigator* n, const stp_view* view)
 {
     stp_vec3d gaze = stp_subd(view->eye, view->target), back = stp_normalized(gaze);
     n->eye = view->eye;
@@ -80,7 +80,7 @@ void stp_navigator_take(stp_navigator* n, const stp_view* view)
     clamp_reach(n);
 }
 
-void stp_navigator_give(const stp_navigator* n, stp_view* view)
+void stp_navigator_write_view(const stp_navigator* n, stp_view* view)
 {
     stp_navigator_axes axes = stp_navigator_get_axes(n);
     view->eye = n->eye;
@@ -159,7 +159,7 @@ void stp_navigator_choose_pivot(stp_navigator* n, stp_vec3d pivot)
     n->pivot_chosen = true;
 }
 
-void stp_navigator_look(stp_navigator* n, double right, double down)
+void stp_navigator_turn(stp_navigator* n, double right, double down)
 {
     n->azimuth = remainder(n->azimuth - right, 2.0 * STP_PI);
     n->elevation = stp_clampd(n->elevation + down, -quarter, quarter);
@@ -204,7 +204,7 @@ void stp_navigator_zoom(stp_navigator* n, stp_vec3d point, double factor)
 
 void stp_navigator_fly(stp_navigator* n, const double moves[3], double seconds, double faster)
 {
-    double step = reaches_a_second * n->speed * faster * n->reach * seconds;
+    double step = reaches_per_second * n->speed * faster * n->reach * seconds;
     stp_navigator_axes axes = stp_navigator_get_axes(n);
     stp_vec3d by = stp_scaled(axes.right, moves[0] * step);
     by.y += moves[1] * step;
@@ -268,7 +268,7 @@ bool stp_navigator_face(stp_navigator* n, const char* name, const stp_boxd* box,
         return false;
     }
     stp_navigator facing = *n;
-    stp_navigator_take(&facing, &view);
+    stp_navigator_read_view(&facing, &view);
     n->azimuth = facing.azimuth;
     n->elevation = facing.elevation;
     n->roll = facing.roll;

@@ -35,9 +35,9 @@ typedef struct stp_navigator_axes {
 void stp_navigator_init(stp_navigator* n, const stp_boxd* scene, uint32_t width, uint32_t height);
 
 /// Takes position, direction and projection from a view. Its target becomes the pivot.
-void stp_navigator_take(stp_navigator* n, const stp_view* view);
+void stp_navigator_read_view(stp_navigator* n, const stp_view* view);
 /// Sets position, direction, projection and size of `view`; the rest is unchanged.
-void stp_navigator_give(const stp_navigator* n, stp_view* view);
+void stp_navigator_write_view(const stp_navigator* n, stp_view* view);
 
 stp_navigator_axes stp_navigator_get_axes(const stp_navigator* n);
 /// Size of a pixel at a depth along the view axis.
@@ -57,7 +57,7 @@ void stp_navigator_begin_orbit(stp_navigator* n, const stp_vec3d* seen);
 void stp_navigator_choose_pivot(stp_navigator* n, stp_vec3d pivot);
 
 /// Turns the camera in place. Radians, to the right and down.
-void stp_navigator_look(stp_navigator* n, double right, double down);
+void stp_navigator_turn(stp_navigator* n, double right, double down);
 /// Pans so that a point at `depth` follows the pointer.
 void stp_navigator_pan(stp_navigator* n, double dx, double dy, double depth);
 /// Moves towards a point (factor below 1) or away from it; the point keeps its place in the
@@ -73,7 +73,8 @@ void stp_navigator_change_speed(stp_navigator* n, double steps);
 /// Moves, without turning, so that the box clipped by `sections` (NULL: none) fits the picture
 /// (stp_camera_fit). The pivot becomes the centre of the box.
 void stp_navigator_frame(stp_navigator* n, const stp_boxd* box, const stp_sections* sections);
-/// Turns to a standard view ("front", "iso", ...) and frames the box. @return false if no standard view has that name
+/// Turns to a standard view ("front", "iso", ...) and frames the box. @return false if no standard
+/// view has that name
 bool stp_navigator_face(stp_navigator* n, const char* name, const stp_boxd* box,
                         const stp_sections* sections);
 /// Switches between perspective and parallel projection: objects at the pivot's depth keep their

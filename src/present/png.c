@@ -2,7 +2,7 @@
 #include "present/png.h"
 
 #include "base/file.h"
-#include "image/image.h"
+#include "image/image_codecs.h"
 
 #include <spng.h>
 
@@ -65,7 +65,7 @@ static stp_result check_size(stp_context* context, const char* name, const struc
                         header->height);
     }
     uint64_t raw_bytes = pixels * channels[header->color_type] * header->bit_depth / 8;
-    if (raw_bytes / DEFLATE_RATIO > file_size || !stp_image_believes(pixels, file_size)) {
+    if (raw_bytes / DEFLATE_RATIO > file_size || !stp_image_is_plausible(pixels, file_size)) {
         return stp_fail(context, STP_ERROR_FORMAT,
                         "%s: PNG: %u x %u pixels do not fit into %zu bytes", name, header->width,
                         header->height, file_size);

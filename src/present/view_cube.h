@@ -23,8 +23,8 @@ typedef struct stp_view_cube_side {
     bool positive;    ///< the side in the positive direction of the axis
     double facing;    ///< cosine between its normal and the direction to the viewer
     bool visible;     ///< its face is drawn and can be clicked
-    bool
-        has_handle; ///< its handle is drawn and can be clicked; before the faces where `facing` is positive
+    /// Its handle is drawn and can be clicked; before the faces where `facing` is positive
+    bool has_handle;
     double center[2];     ///< of the face
     double corners[4][2]; ///< of the face, in order around it
     double handle[2];     ///< centre of the handle

@@ -7,8 +7,8 @@
 enum {
     SUBTEXELS = 8, ///< values are multiples of 1 / (255 * SUBTEXELS^2)
     VALUE_ONE = 255 * SUBTEXELS * SUBTEXELS,
-    FOUR_A_SIDE = 1 << 18, ///< largest level with four samples per side and texel
-    TWO_A_SIDE = 1 << 20,
+    FOUR_PER_SIDE = 1 << 18, ///< largest level with four samples per side and texel
+    TWO_PER_SIDE = 1 << 20,
     ERRORS_IN_WHOLE = 50, ///< a level is used if all its shares are wrong by at most 1/50
 };
 
@@ -40,7 +40,7 @@ static void count_level(const stp_texture_pyramid* pyramid, uint32_t level, hist
     uint32_t width = pyramid->width[level], height = pyramid->height[level];
     const uint8_t* texels = pyramid->texels[level] + 3;
     size_t size = (size_t)width * height;
-    uint32_t side = size <= FOUR_A_SIDE ? 4 : size <= TWO_A_SIDE ? 2 : 1;
+    uint32_t side = size <= FOUR_PER_SIDE ? 4 : size <= TWO_PER_SIDE ? 2 : 1;
     bool plain = side == 1 || (level == 0 && pyramid->nearest);
     uint64_t* counts = out->at_least;
     memset(counts, 0, sizeof(out->at_least));

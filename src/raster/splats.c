@@ -55,7 +55,7 @@ static void place_occluder(stp_splat_frame* frame)
     }
 }
 
-void stp_splats_ask_frame(stp_splat_frame* frame, const stp_raster_splats* splats)
+void stp_splats_test_frame(stp_splat_frame* frame, const stp_raster_splats* splats)
 {
     *frame = (stp_splat_frame){.splats = splats};
     place_occluder(frame);
@@ -177,26 +177,26 @@ uint64_t stp_splats_draw_portable(const stp_splat_frame* frame)
     return fragments;
 }
 
-bool stp_splats_ask_portable(const stp_splat_frame* frame, uint16_t* bits)
+bool stp_splats_test_portable(const stp_splat_frame* frame, uint16_t* bits)
 {
-    return ask_all(frame, bits);
+    return test_all(frame, bits);
 }
 
-bool stp_raster_ask_splats(const stp_raster_splats* splats, uint16_t* bits)
+bool stp_raster_test_splats(const stp_raster_splats* splats, uint16_t* bits)
 {
     stp_splat_frame frame;
-    stp_splats_ask_frame(&frame, splats);
+    stp_splats_test_frame(&frame, splats);
 #if defined(__x86_64__)
     switch (stp_processor_detect()) {
     case STP_PROCESSOR_AVX512:
-        return stp_splats_ask_avx512(&frame, bits);
+        return stp_splats_test_avx512(&frame, bits);
     case STP_PROCESSOR_AVX2:
-        return stp_splats_ask_avx2(&frame, bits);
+        return stp_splats_test_avx2(&frame, bits);
     case STP_PROCESSOR_BASELINE:
         break;
     }
 #endif
-    return stp_splats_ask_portable(&frame, bits);
+    return stp_splats_test_portable(&frame, bits);
 }
 
 uint64_t stp_raster_draw_splats(const stp_raster_target* target, uint32_t row_begin,

@@ -12,10 +12,9 @@
 #pragma once
 
 #include "base/context.h"
+#include "base/splat_columns.h"
 #include "raster/occluder.h"
 #include "raster/target.h"
-
-#include <stipple/surfels.h>
 
 typedef struct stp_raster_splats {
     const uint16_t* positions; ///< 3 per splat
@@ -25,8 +24,8 @@ typedef struct stp_raster_splats {
     float step;
     float radius; ///< of all disks, object space; 0: centre pixels only. With shapes: of one step
     float pixels; ///< added to the radius on the screen, at any depth
-    const uint32_t*
-        shapes; ///< NULL, or 1 per splat (base/splat_codes.h): ellipses with individual radii
+    /// NULL, or 1 per splat (base/splat_codes.h): ellipses with individual radii
+    const uint32_t* shapes;
     /// If not both 0: draw only splats whose centre is within these depths (W of the matrix).
     float nearest, farthest;
     /// How far the rim of a disk lies behind its plane, in radii (0: not at all; the centre never
@@ -61,8 +60,8 @@ typedef struct stp_raster_splats {
 /// Object space to view space: x right, y down, z along the view axis, in object-space lengths
 /// times a common factor; needed for the planes. The raster matrix is the projection after it.
 typedef struct stp_raster_camera {
-    stp_raster_matrix
-        matrix; ///< object space to the screen; in perspective W is proportional to view z
+    /// Object space to the screen; in perspective W is proportional to view z
+    stp_raster_matrix matrix;
     float view[3]
               [4]; ///< object space to view space (rotation, perhaps a mirror, and uniform scale)
     float pixel_scale; ///< pixels per unit of x/z (perspective), or per unit (parallel)
@@ -94,7 +93,7 @@ bool stp_raster_pick_levels(const stp_raster_camera* camera, const stp_raster_sp
 
 /// Clears the bits of splats [begin, end) that the occluder hides (one bit per splat, from splat 0
 /// on; `begin` is a multiple of 16). Surfels only. @return whether any bit is left
-bool stp_raster_ask_splats(const stp_raster_splats* splats, uint16_t* bits);
+bool stp_raster_test_splats(const stp_raster_splats* splats, uint16_t* bits);
 
 /// Draws splats; splat i gets the id first_id + i. If there are bits per splat, `begin` must be a
 /// multiple of 16. Only rows [row_begin, row_end) are touched.

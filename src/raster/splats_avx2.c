@@ -223,9 +223,9 @@ uint64_t stp_splats_draw_avx2(const stp_splat_frame* frame)
     return draw_all(frame);
 }
 
-bool stp_splats_ask_avx2(const stp_splat_frame* frame, uint16_t* bits)
+bool stp_splats_test_avx2(const stp_splat_frame* frame, uint16_t* bits)
 {
-    return ask_all(frame, bits);
+    return test_all(frame, bits);
 }
 
 #else
@@ -235,9 +235,9 @@ uint64_t stp_splats_draw_avx2(const stp_splat_frame* frame)
     return stp_splats_draw_portable(frame);
 }
 
-bool stp_splats_ask_avx2(const stp_splat_frame* frame, uint16_t* bits)
+bool stp_splats_test_avx2(const stp_splat_frame* frame, uint16_t* bits)
 {
-    return stp_splats_ask_portable(frame, bits);
+    return stp_splats_test_portable(frame, bits);
 }
 
 #endif

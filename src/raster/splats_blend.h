@@ -37,8 +37,8 @@ typedef struct stp_raster_blend {
     stp_raster_plane* planes; ///< one per pixel
     uint32_t first_id;        ///< of splat 0
     // For stp_raster_blend_splats:
-    _Atomic uint64_t*
-        sums; ///< two a pixel: red and green, blue and weight, the latter in the upper halves
+    /// Two a pixel: red and green, blue and weight, the latter in the upper halves
+    _Atomic uint64_t* sums;
     /// Returns the colours of up to 16 splats whose centres are at (x, y) on the screen: values
     /// below STP_BLEND_COLORS.
     void (*colors)(void* user, uint32_t first, uint32_t count, const float* x, const float* y,

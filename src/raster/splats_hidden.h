@@ -147,7 +147,7 @@ typedef struct waiting_splats {
 } waiting_splats;
 
 /// Clears the bits of queued splats that the occluder hides.
-static inline void ask_waiting(const stp_splat_frame* f, waiting_splats* w, uint16_t* bits)
+static inline void test_queued(const stp_splat_frame* f, waiting_splats* w, uint16_t* bits)
 {
     const uint16_t* positions = f->splats->positions;
     const uint32_t* shapes = f->splats->shapes;
@@ -169,7 +169,7 @@ static inline void ask_waiting(const stp_splat_frame* f, waiting_splats* w, uint
     w->count = 0;
 }
 
-static inline bool ask_all(const stp_splat_frame* f, uint16_t* bits)
+static inline bool test_all(const stp_splat_frame* f, uint16_t* bits)
 {
     const stp_raster_splats* splats = f->splats;
     uint32_t first = splats->begin / SPLAT_BATCH;
@@ -179,12 +179,12 @@ static inline bool ask_all(const stp_splat_frame* f, uint16_t* bits)
         for (uint32_t left = bits[word]; left != 0; left &= left - 1) {
             w.index[w.count++] = word * SPLAT_BATCH + (uint32_t)__builtin_ctz(left);
             if (w.count == SPLAT_BATCH) {
-                ask_waiting(f, &w, bits);
+                test_queued(f, &w, bits);
             }
         }
     }
     if (w.count > 0) {
-        ask_waiting(f, &w, bits);
+        test_queued(f, &w, bits);
     }
     uint16_t any = 0;
     for (uint32_t word = first; word < end; ++word) {

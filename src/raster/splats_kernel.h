@@ -61,8 +61,8 @@ typedef struct stp_splat_frame {
     float occluder[3][4];  ///< rows of the occluder's matrix after the position grid
     float occluder_radius; ///< projected radius times its W
     uint32_t seed;         ///< added to a splat's index in the hash for holes
-    const struct stp_glass_splats*
-        glass; ///< NULL, or how transparent splats are drawn (splats_glass.c)
+    /// NULL, or how transparent splats are drawn (splats_glass.c)
+    const struct stp_glass_splats* glass;
 } stp_splat_frame;
 
 /// Sixteen splats. Lanes that are not drawn are undefined.
@@ -100,11 +100,11 @@ uint64_t stp_splats_draw_portable(const stp_splat_frame* frame);
 uint64_t stp_splats_draw_avx2(const stp_splat_frame* frame);
 uint64_t stp_splats_draw_avx512(const stp_splat_frame* frame);
 
-/// stp_raster_ask_splats, for a frame with only the fields the occluder needs.
-bool stp_splats_ask_portable(const stp_splat_frame* frame, uint16_t* bits);
-bool stp_splats_ask_avx2(const stp_splat_frame* frame, uint16_t* bits);
-bool stp_splats_ask_avx512(const stp_splat_frame* frame, uint16_t* bits);
-void stp_splats_ask_frame(stp_splat_frame* frame, const stp_raster_splats* splats);
+/// stp_raster_test_splats, for a frame with only the fields the occluder needs.
+bool stp_splats_test_portable(const stp_splat_frame* frame, uint16_t* bits);
+bool stp_splats_test_avx2(const stp_splat_frame* frame, uint16_t* bits);
+bool stp_splats_test_avx512(const stp_splat_frame* frame, uint16_t* bits);
+void stp_splats_test_frame(stp_splat_frame* frame, const stp_raster_splats* splats);
 
 /// Draws splat `index` with a ray per pixel in double precision.
 uint64_t stp_splats_draw_large(const stp_splat_frame* frame, uint32_t index);

@@ -133,7 +133,7 @@ static large_disk make_disk(const stp_splat_frame* frame, uint32_t index, int32_
 }
 
 /// Intersects the ray through (x, y) with the disk; false if they do not meet.
-static bool meet(const large_disk* disk, double x, double y, double* nearness)
+static bool intersect(const large_disk* disk, double x, double y, double* nearness)
 {
     const double* c = disk->center;
     const double* n = disk->normal;
@@ -246,7 +246,7 @@ uint64_t stp_splats_draw_large(const stp_splat_frame* frame, uint32_t index)
         uint64_t* row = frame->target->pixels + (size_t)y * frame->target->stride;
         for (int32_t x = box.x0; x < box.x1; ++x) {
             double nearness;
-            bool in = meet(&disk, (double)x + 0.5, (double)y + 0.5, &nearness);
+            bool in = intersect(&disk, (double)x + 0.5, (double)y + 0.5, &nearness);
             if (!in || !(nearness > 0.0) || nearness > limit) {
                 continue;
             }

@@ -12,10 +12,10 @@ enum {
     STP_SUBPIXEL_BITS = 8,
     STP_SUBPIXEL = 1 << STP_SUBPIXEL_BITS,
     STP_SUBPIXEL_HALF = STP_SUBPIXEL / 2,
-    STP_GUARD_BAND =
-        1 << 29, ///< largest coordinate, sub-pixels: 2^21 pixels; products stay below 2^62
-    STP_OUTSIDE =
-        -(1 << 30), ///< x of a vertex that may not be drawn unclipped; y holds its outcode
+    /// Largest coordinate, sub-pixels: 2^21 pixels; products stay below 2^62
+    STP_GUARD_BAND = 1 << 29,
+    /// X of a vertex that may not be drawn unclipped; y holds its outcode
+    STP_OUTSIDE = -(1 << 30),
     STP_SMALL_EXTENT = 1 << 15, ///< smaller triangles have edge functions of 32 bits: 128 pixels
     STP_LANES_MOST = 16,
 };
@@ -53,8 +53,8 @@ typedef struct stp_triangle_chunk {
     const uint32_t* numbers; ///< NULL, or one per triangle, added to first_id
     int32_t *x, *y;          ///< one per vertex
     float* nearness;
-    uint32_t*
-        clipped; ///< receives the triangles that need clipping, counted from the chunk's first
+    /// Receives the triangles that need clipping, counted from the chunk's first
+    uint32_t* clipped;
     uint32_t clipped_count;
 } stp_triangle_chunk;
 

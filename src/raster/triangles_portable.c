@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Triangle kernels with vectors of four numbers in compiler notation: SSE2, NEON, or whatever the
-// CPU has.
+// Triangle kernels with vectors of four numbers in compiler notation: SSE2, NEON, or others
+// that the CPU has.
 #include "raster/triangles_internal.h"
 
 #define LANES 4

@@ -167,7 +167,8 @@ enum {
     LOW_HEIGHT = 10,
 };
 
-/// @param columns,rows in a vector @return fragments
+/// @param columns,rows in a vector
+/// @return fragments
 static inline uint64_t fill_box(const stp_triangle_window* window, const pixel_box* box,
                                 const span_walk* walk, uint32_t id, int columns, int rows)
 {

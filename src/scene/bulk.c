@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "scene/bulk.h"
 
-#include "scene/content.h"
+#include "scene/content_hash.h"
 
 #include <string.h>
 
@@ -182,7 +182,7 @@ static bool count_added(stp_scene* scene, uint64_t bytes)
     return scene->spill != NULL && bytes != 0 && scene->bulk_bytes > scene->spill_above;
 }
 
-stp_result stp_mesh_settle(stp_scene* scene, uint32_t index)
+stp_result stp_mesh_account(stp_scene* scene, uint32_t index)
 {
     stp_mesh* mesh = &scene->meshes[index];
     if (!count_added(scene, stp_mesh_bytes(mesh))) {
@@ -207,7 +207,7 @@ stp_result stp_mesh_settle(stp_scene* scene, uint32_t index)
     return result;
 }
 
-stp_result stp_points_settle(stp_scene* scene, uint32_t index)
+stp_result stp_points_account(stp_scene* scene, uint32_t index)
 {
     stp_point_set* points = &scene->point_sets[index];
     if (!points->spilled && !count_added(scene, stp_points_bytes(points))) {
@@ -232,7 +232,7 @@ stp_result stp_points_settle(stp_scene* scene, uint32_t index)
     return result;
 }
 
-stp_result stp_texture_settle(stp_scene* scene, uint32_t index)
+stp_result stp_texture_account(stp_scene* scene, uint32_t index)
 {
     stp_texture* texture = &scene->textures[index];
     if (!count_added(scene, stp_texture_bytes(texture))) {

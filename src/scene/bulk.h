@@ -38,9 +38,9 @@ void stp_texture_free_arrays(stp_scene* scene, stp_texture* texture);
 // Count a new item and move it to the spill if too much is in memory. Content already in the spill
 // is not written again. @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged); the item is
 // valid in any case
-STP_MUST_USE stp_result stp_mesh_settle(stp_scene* scene, uint32_t index);
-STP_MUST_USE stp_result stp_points_settle(stp_scene* scene, uint32_t index);
-STP_MUST_USE stp_result stp_texture_settle(stp_scene* scene, uint32_t index);
+STP_MUST_USE stp_result stp_mesh_account(stp_scene* scene, uint32_t index);
+STP_MUST_USE stp_result stp_points_account(stp_scene* scene, uint32_t index);
+STP_MUST_USE stp_result stp_texture_account(stp_scene* scene, uint32_t index);
 
 /// Allocates all arrays in one block of the spill.
 /// @return STP_OK or STP_ERROR_IO (logged; nothing changed). Any thread.

@@ -51,8 +51,8 @@ static int longest_axis(const stp_place* places, uint32_t count)
     return axis;
 }
 
-// A place of [low, high] that has about as many of them before it as the one at `rank` shall have: of a few places at
-// random, in order, the one that stands where the rank does. Most of a large range is then left out at once.
+// Chooses a pivot in [low, high] whose rank is expected to be close to `rank`: a quantile of a few
+// random samples. It usually discards most of a large range immediately.
 static stp_place choose_pivot(const stp_place* places, uint32_t low, uint32_t high, uint32_t rank,
                               int axis, uint64_t* random)
 {
@@ -121,7 +121,8 @@ static void divide_runs(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Sorts by the lower `bits` of indices, a digit at a time, within `places` and `scratch`. @return where the result is
+// Radix sort by the lower `bits` of indices, between `places` and `scratch`. @return the array with
+// the result
 static stp_place* sort_by_index(stp_place* places, stp_place* scratch, uint32_t count,
                                 unsigned bits)
 {

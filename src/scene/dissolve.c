@@ -59,7 +59,7 @@ static bool may_repeat(search* s, uint32_t child)
 }
 
 // Marks the layers of a node; its children must be done.
-static void judge_node(search* s, uint32_t index)
+static void mark_layers(search* s, uint32_t index)
 {
     const stp_node* node = &s->scene->nodes[index];
     const stp_edge* edges = &s->scene->edges[node->first_edge];
@@ -129,7 +129,7 @@ stp_result stp_find_dissolved(const stp_scene* scene, uint8_t** wide)
         *count = *count < 2 ? (uint8_t)(*count + 1) : 2;
     }
     for (size_t i = 0; made && i < scene->node_count; ++i) { // children before their parents
-        judge_node(&s, (uint32_t)i);
+        mark_layers(&s, (uint32_t)i);
     }
     if (made) {
         mark_root_chain(&s);

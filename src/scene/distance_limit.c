@@ -84,7 +84,7 @@ uint32_t stp_points_drop_distant(stp_point_set* points)
     return dropped;
 }
 
-void stp_scene_tell_dropped(const stp_scene* scene)
+void stp_scene_report_dropped(const stp_scene* scene)
 {
     const stp_damage* d = &scene->damaged;
     if (d->count == 0) {

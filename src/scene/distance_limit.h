@@ -21,4 +21,4 @@ uint32_t stp_points_drop_distant(stp_point_set* points);
 
 /// Warns once, naming the first object, if parts of meshes or point sets were dropped when they
 /// were added (scene->damaged). Call before identical items are merged.
-void stp_scene_tell_dropped(const stp_scene* scene);
+void stp_scene_report_dropped(const stp_scene* scene);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "scene/graph.h"
 
-#include "scene/content.h"
-#include "scene/measure.h"
+#include "scene/content_hash.h"
+#include "scene/mesh_area.h"
 
 // Room for one more element; NULL if out of memory or indices.
 static void* grow(stp_graph* graph, void* array, size_t* capacity, size_t count, size_t size)

@@ -5,7 +5,7 @@
 #include "scene/merge.h"
 
 #include "scene/bulk.h"
-#include "scene/content.h"
+#include "scene/content_hash.h"
 
 typedef enum merge_kind { TEXTURES, MATERIALS, MESHES, POINT_SETS } merge_kind;
 

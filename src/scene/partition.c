@@ -5,10 +5,10 @@
 // children's nodes.
 #include "scene/partition.h"
 
-#include "scene/cut.h"
+#include "scene/box_groups.h"
 #include "scene/dissolve.h"
 #include "scene/graph.h"
-#include "scene/groups.h"
+#include "scene/split_large.h"
 #include "scene/unused.h"
 
 #include <assert.h>
@@ -151,7 +151,7 @@ static uint64_t count_elements(const partition* p, const item* i)
                                          : scene->point_sets[i->part.index].point_count;
 }
 
-// Wraps a part in a node of its own.
+// Wraps a part in a separate node.
 static stp_result wrap_part(partition* p, item* i)
 {
     size_t first_part = p->scene->node_part_count;

@@ -10,19 +10,21 @@
 //   of up to child_count at a node         which hang below a hierarchy likewise
 //
 // A child as large as its parent (a layer of a drawing, all objects of one material) is dissolved
-// into it, so that its content is sorted spatially (dissolve.h). The result for a subtree depends only
-// on the subtree, not on the rest of the scene, except where heavily shared layers reach a limit.
-// Moving nodes stay whole. Objects keep their nodes, even those no longer reached from the root.
+// into it, so that its content is sorted spatially (dissolve.h). The result for a subtree depends
+// only on the subtree, not on the rest of the scene, except where heavily shared layers reach a
+// limit. Moving nodes stay whole. Objects keep their nodes, even those no longer reached from the
+// root.
 #pragma once
 
 #include "scene/scene.h"
 
 typedef struct stp_partition_desc {
-    uint32_t
-        leaf_triangles; ///< limit of a leaf; default 400,000: twice the maximum surfels (Brandt 5.2)
+    /// Limit of a leaf; default 400,000: twice the maximum surfels (Brandt 5.2)
+    uint32_t leaf_triangles;
     uint32_t child_count; ///< maximum edges plus parts of a node; default 16
 } stp_partition_desc;
 
 /// Call once, after stp_scene_finish. Deterministic for any number of threads.
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_IO (the spill), STP_ERROR_LIMIT, STP_ERROR_CANCELLED
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_IO (the spill), STP_ERROR_LIMIT,
+///         STP_ERROR_CANCELLED
 STP_MUST_USE stp_result stp_scene_partition(stp_scene* scene, const stp_partition_desc* desc);

@@ -138,7 +138,7 @@ stp_result stp_scene_add_mesh(stp_scene* scene, const stp_mesh* mesh, uint32_t* 
         const float* p = kept->positions + 3 * (size_t)i;
         stp_box_add(&kept->bounds, (stp_vec3){p[0], p[1], p[2]});
     }
-    stp_result result = stp_mesh_settle(scene, (uint32_t)(scene->mesh_count - 1));
+    stp_result result = stp_mesh_account(scene, (uint32_t)(scene->mesh_count - 1));
     return result != STP_OK ? result : keep_text(scene, &kept->name);
 }
 
@@ -165,7 +165,7 @@ static stp_result add_points(stp_scene* scene, const stp_point_set* points, bool
         const float* p = kept->positions + 3 * (size_t)i;
         stp_box_add(&kept->bounds, (stp_vec3){p[0], p[1], p[2]});
     }
-    stp_result result = stp_points_settle(scene, (uint32_t)(scene->point_set_count - 1));
+    stp_result result = stp_points_account(scene, (uint32_t)(scene->point_set_count - 1));
     return result != STP_OK ? result : keep_text(scene, &kept->name);
 }
 
@@ -208,7 +208,7 @@ stp_result stp_scene_add_texture(stp_scene* scene, const stp_texture* texture, u
     give_index(index, scene->texture_count);
     stp_texture* kept = &textures[scene->texture_count++];
     *kept = added;
-    stp_result result = stp_texture_settle(scene, (uint32_t)(scene->texture_count - 1));
+    stp_result result = stp_texture_account(scene, (uint32_t)(scene->texture_count - 1));
     return result != STP_OK ? result : keep_text(scene, &kept->name);
 }
 

@@ -22,12 +22,12 @@
 #include "base/hash.h"
 #include "base/math.h"
 #include "base/spill.h"
-#include "scene/attributes.h"
+#include "scene/attribute_names.h"
 #include "scene/content_table.h"
 
 #define STP_NONE UINT32_MAX
-#define STP_SCENE_TEXT_LIMIT                                                                       \
-    4064 ///< maximum bytes of a name or id; longer ones are truncated with a warning
+/// Maximum bytes of a name or id; longer ones are truncated with a warning
+#define STP_SCENE_TEXT_LIMIT 4064
 
 typedef enum stp_alpha_mode {
     STP_ALPHA_OPAQUE,
@@ -106,7 +106,7 @@ typedef struct stp_point_set {
     float* positions;                 ///< 3 per point; within reach once added (distance_limit.h)
     float* normals;                   ///< optional: 3 per point
     uint8_t* colors;                  ///< optional: RGBA per point, sRGB
-    void* attributes[STP_ATTRIBUTES]; ///< each optional: one value per point (attributes.h)
+    void* attributes[STP_ATTRIBUTES]; ///< each optional: one value per point (stipple/attributes.h)
     uint32_t material;
     stp_box bounds;
     stp_hash content;
@@ -134,8 +134,8 @@ typedef struct stp_object {
     uint32_t first_part, part_count;
     uint32_t first_instance,
         instance_count; ///< transforms of its parts within it; 0: one, the identity
-    uint32_t
-        use; ///< an object of lower index whose parts and children it also shows; STP_NONE: none
+    /// An object of lower index whose parts and children it also shows; STP_NONE: none
+    uint32_t use;
     uint32_t flags;
     uint32_t node; ///< set by stp_scene_finish
 } stp_object;

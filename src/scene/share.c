@@ -7,8 +7,8 @@
 #include "scene/bounds.h"
 #include "scene/distance_limit.h"
 #include "scene/graph.h"
-#include "scene/measure.h"
 #include "scene/merge.h"
+#include "scene/mesh_area.h"
 #include "scene/scene.h"
 #include "scene/view_names.h"
 
@@ -260,7 +260,7 @@ static stp_result make_graph(share* s)
 stp_result stp_scene_finish(stp_scene* scene)
 {
     assert(scene->nodes == NULL && scene->root == STP_NONE && "finished already");
-    stp_scene_tell_dropped(scene);
+    stp_scene_report_dropped(scene);
     if (scene->shortened > 0) {
         stp_warn(scene->context, "names of more than %d bytes are shortened (%u)",
                  STP_SCENE_TEXT_LIMIT, scene->shortened);

@@ -26,9 +26,9 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 // Sizes shrink more slowly above this scatter: a view that empties suddenly can fill as suddenly.
 #define SURE 0.05
 #define SLOWEST 0.4 // minimum share of the pace
-// exponent limit of the frame time as splats shrink: spare time may be used at once
+// exponent limit of the frame time as splats shrink: spare time may be used immediately
 #define MOST_EXPONENT 2.5
-#define FIRST_SPLAT_EXPONENT 2.0    // what covers the screen
+#define FIRST_SPLAT_EXPONENT 2.0    // as splats cover the whole screen
 #define FIRST_FRAGMENT_EXPONENT 0.0 // fewer splats, each of them larger
 #define FIRST_TRIANGLE_EXPONENT 1.0
 #define EXPONENT_FOLLOWS 0.4

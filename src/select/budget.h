@@ -28,7 +28,8 @@ typedef struct stp_frame_cost {
 enum {
     STP_BUDGET_TERMS = 5,    ///< splats, fragments, triangles, draws, covered pixels
     STP_BUDGET_AVERAGED = 3, ///< frames whose splat size the paper averages
-    STP_BUDGET_RATIOS = 3,   ///< frames whose median tells how machine and scene change
+    /// Number of recent frames whose median tracks changes of machine and scene
+    STP_BUDGET_RATIOS = 3,
 };
 
 typedef struct stp_budget {

@@ -26,7 +26,7 @@ static double find_area(const stp_splats* surfels, const stp_affine* transform)
 {
     uint32_t count = surfels->count / 4 + 1;
     double radius = (double)stp_prefix_table_radius(&surfels->table, count);
-    radius = radius < (double)FLT_MAX ? radius : 0.0; // there is no table
+    radius = radius < (double)FLT_MAX ? radius : 0.0; // no table
     radius = fmax(radius, (double)surfels->step) * stp_affine_scale(transform);
     return (double)count * radius * radius;
 }

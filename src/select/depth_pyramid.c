@@ -86,7 +86,7 @@ stp_result stp_depth_pyramid_make(stp_context* context, const stp_view* view, co
     pyramid->level_count = 0;
     if (!stp_view_frame_make(view, &pyramid->frame)) {
         return stp_fail(context, STP_ERROR_ARGUMENT,
-                        "view: eye, target, angle and size do not make a picture");
+                        "view: invalid combination of eye, target, angle and size");
     }
     if (pyramid->frame.parallel) {
         return STP_OK; // nearness there is private to the backend

@@ -10,8 +10,8 @@
 #include <stipple/base.h>
 
 enum {
-    STP_DEPTH_PYRAMID_BLOCK =
-        8, ///< side of a level 0 block in pixels; blocks of the next levels are 2 x 2
+    /// Side of a level 0 block in pixels; blocks of the next levels are 2 x 2
+    STP_DEPTH_PYRAMID_BLOCK = 8,
     STP_DEPTH_PYRAMID_LEVELS = 16,
 };
 

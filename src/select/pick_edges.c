@@ -47,8 +47,8 @@ static bool may_touch(stp_box box, const stp_vec3 c[3])
            around.min.y <= box.max.y && box.min.z <= around.max.z && around.min.z <= box.max.z;
 }
 
-static void look_in_cluster(stp_pick* pick, const stp_clusters* clusters, uint32_t index,
-                            uint32_t triangle, const stp_vec3 picked[3])
+static void search_cluster(stp_pick* pick, const stp_clusters* clusters, uint32_t index,
+                           uint32_t triangle, const stp_vec3 picked[3])
 {
     stp_cluster cluster;
     float positions[3 * STP_CLUSTER_VERTICES];
@@ -77,7 +77,7 @@ stp_result stp_pick_find_inner(stp_pick_work* work, uint32_t mesh, uint32_t tria
         stp_result result = stp_store_get_clusters(work->store, mesh, &clusters);
         for (uint32_t i = 0; result == STP_OK && i < clusters.cluster_count; ++i) {
             if (may_touch(stp_clusters_bounds(&clusters, i), corners)) {
-                look_in_cluster(pick, &clusters, i, triangle, corners);
+                search_cluster(pick, &clusters, i, triangle, corners);
             }
         }
         return result;

@@ -2,7 +2,7 @@
 // Shared by the pick traversal and the tests of meshes and points.
 #pragma once
 
-#include "select/pick.h"
+#include "select/pick_ray.h"
 #include "select/sections.h"
 
 typedef struct stp_pick_work {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Evaluates the alpha of a material: of its texture at full resolution, its colour and vertex
-// colours, as drawn at close range (src/draw/cpu/mesh.c).
+// colours, as drawn at close range (src/draw/cpu/triangle_look.c).
 #include "select/pick_mask.h"
 
 stp_result stp_pick_mask_make(stp_store* store, const stp_store_material* material, bool colors,

@@ -68,7 +68,8 @@ static corner turn(const ray_map* map, const float* p)
 }
 
 /// @param share receives barycentric coordinates
-static bool meets(const corner* a, const corner* b, const corner* c, double* t, double share[3])
+static bool intersects(const corner* a, const corner* b, const corner* c, double* t,
+                       double share[3])
 {
     double u = b->x * c->y - b->y * c->x;
     double v = c->x * a->y - c->y * a->x;
@@ -153,7 +154,7 @@ static void test_triangle(stp_pick_work* work, const corner* a, const corner* b,
 {
     double t, share[3];
     work->pick->tests += 1;
-    if (meets(a, b, c, &t, share) && counts(work, t, point_at(&work->desc->ray, t)) &&
+    if (intersects(a, b, c, &t, share) && counts(work, t, point_at(&work->desc->ray, t)) &&
         is_there(source, vertices, share)) {
         *nearest = (nearest_element){.found = true, .index = index, .t = t};
         work->nearest = t;
@@ -200,9 +201,9 @@ static stp_vec3 read_vertex(const float* positions, uint32_t index)
     return (stp_vec3){p[0], p[1], p[2]};
 }
 
-static stp_result give_triangle(stp_pick_work* work, stp_store_part part,
-                                const stp_affine* transform, const nearest_element* nearest,
-                                const stp_vec3 corners[3])
+static stp_result get_triangle(stp_pick_work* work, stp_store_part part,
+                               const stp_affine* transform, const nearest_element* nearest,
+                               const stp_vec3 corners[3])
 {
     stp_pick* pick = work->pick;
     const stp_ray* ray = &work->desc->ray;
@@ -233,7 +234,7 @@ static const stp_store_material* material_of(const stp_pick_work* work, uint32_t
 }
 
 /// Finds the nearest hit in a mesh's clusters, and its corners.
-static stp_result meet_clusters(stp_pick_work* work, uint32_t mesh, const stp_affine* transform,
+static stp_result pick_clusters(stp_pick_work* work, uint32_t mesh, const stp_affine* transform,
                                 const ray_map* map, nearest_element* nearest, stp_vec3 corners[3])
 {
     stp_clusters clusters;
@@ -258,7 +259,7 @@ static stp_result meet_clusters(stp_pick_work* work, uint32_t mesh, const stp_af
 }
 
 /// The same for a mesh stored as columns.
-static stp_result meet_columns(stp_pick_work* work, uint32_t mesh, const ray_map* map,
+static stp_result pick_columns(stp_pick_work* work, uint32_t mesh, const ray_map* map,
                                nearest_element* nearest, stp_vec3 corners[3])
 {
     stp_store_mesh columns;
@@ -290,10 +291,10 @@ static stp_result pick_mesh(stp_pick_work* work, stp_store_part part, const stp_
     nearest_element nearest = {0};
     stp_vec3 corners[3];
     stp_result result = stp_store_is_clustered(work->store, part.index)
-                            ? meet_clusters(work, part.index, transform, map, &nearest, corners)
-                            : meet_columns(work, part.index, map, &nearest, corners);
+                            ? pick_clusters(work, part.index, transform, map, &nearest, corners)
+                            : pick_columns(work, part.index, map, &nearest, corners);
     return result == STP_OK && nearest.found
-               ? give_triangle(work, part, transform, &nearest, corners)
+               ? get_triangle(work, part, transform, &nearest, corners)
                : result;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Rays of a picture, and snapping.
 #include "select/eyes.h"
-#include "select/pick.h"
+#include "select/pick_ray.h"
 #include "select/view_frame.h"
 
 bool stp_ray_of_pixel(const stp_view* view, double x, double y, stp_ray* ray)

@@ -140,7 +140,7 @@ static uint32_t find_octaves(const stp_splats* surfels, const stp_select_entry* 
 
 /// Requests the visible parts of a node, and pushes its children. @return whether the parts are
 /// resident
-static stp_result look_below(stp_selection* s, const stp_select_entry* at, bool* ready)
+static stp_result request_below(stp_selection* s, const stp_select_entry* at, bool* ready)
 {
     const stp_store_directory* directory = s->directory;
     const stp_store_node* node = &directory->nodes[at->node];
@@ -167,15 +167,14 @@ static stp_result look_below(stp_selection* s, const stp_select_entry* at, bool*
 }
 
 /// Whether everything visible below a node is resident. Requests what is missing.
-static stp_result look_whether_ready(stp_selection* s, const stp_select_entry* node,
-                                     const stp_splats* surfels_of_node, const stp_sight* seen,
-                                     bool* ready)
+static stp_result check_ready(stp_selection* s, const stp_select_entry* node,
+                              const stp_splats* surfels_of_node, const stp_sight* seen, bool* ready)
 {
     size_t base = s->stack_count;
     stp_select_entry first = *node;
     stp_select_cover(s, surfels_of_node, seen, &first);
     *ready = true;
-    stp_result result = look_below(s, &first, ready);
+    stp_result result = request_below(s, &first, ready);
     while (s->stack_count > base && result == STP_OK) {
         stp_select_entry at = s->list->stack[--s->stack_count];
         const stp_store_node* below = &s->directory->nodes[at.node];
@@ -189,7 +188,7 @@ static stp_result look_whether_ready(stp_selection* s, const stp_select_entry* n
         const stp_splats* surfels =
             set != STP_STORE_NONE ? stp_store_describe_surfels(s->store, set) : NULL;
         if (surfels == NULL || surfels->count == 0) {
-            result = look_below(s, &at, ready);
+            result = request_below(s, &at, ready);
             continue;
         }
         want_set(s, &at, &sight, set, find_octaves(surfels, &at));
@@ -224,7 +223,7 @@ stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
         return STP_OK;
     }
     if (opens) {
-        stp_result result = look_whether_ready(s, at, surfels, sight, &ready);
+        stp_result result = check_ready(s, at, surfels, sight, &ready);
         if (result != STP_OK) {
             return result;
         }

@@ -11,7 +11,7 @@ typedef struct stp_select_rule {
     /// entry `use` holds the set, opens the node, and has per_depth > 0.
     void (*use)(const stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
                 bool cloud, stp_set_use* use);
-    /// Uses `count` splats at any depth: the first ones, or as many as `use` already says.
+    /// Uses the first `count` splats at any depth, or more if `use` already has more.
     void (*use_count)(stp_set_use* use, uint32_t count);
     /// Adapts `use` to a set with only its first `here` splats loaded, or to a node that cannot be
     /// opened yet. The splats are seen at depth `nearest` and beyond.
@@ -41,7 +41,7 @@ stp_result stp_select_add_triangles(stp_selection* s, const stp_select_entry* at
 /// depth. @return false: the set is not drawn
 bool stp_select_find_nearest(const stp_selection* s, const stp_select_entry* at,
                              const stp_sight* sight, bool cloud, stp_set_use* use, double* nearest);
-/// Initial use of a set: none of it is drawn, and the node is opened.
+/// Initial use of a set: draws nothing of it, and opens the node.
 stp_set_use stp_select_begin_use(const stp_selection* s, const stp_select_rule* rule, uint32_t set);
 /// Switches to the coarse method's set if only a small share of this set is used and the other one
 /// is resident.

@@ -52,7 +52,7 @@ static void use_estimate(stp_set_use* use, double radius, bool cloud)
 /// nearest depth: the cube of the shortfall, up to its seventh power for nodes that are long in
 /// depth. A long node is thus fully open before the eye enters its box. A short node lies at about
 /// one depth and fades out gradually.
-static double move_out(double lacks, stp_depth_range range)
+static double switch_depth_factor(double lacks, stp_depth_range range)
 {
     double length = (range.far / range.near - SHORT) / (LONG - SHORT);
     double part = length > 0.0 ? fmin(length, 1.0) : 0.0;
@@ -99,7 +99,7 @@ static void use_by_insertion(stp_set_use* use, const stp_selection* s, const stp
         use_beside(use, count, size, below, stp_select_growth(suffices_from, range.near));
         return;
     }
-    use->switch_depth = suffices_from * move_out(suffices_from / range.near, range);
+    use->switch_depth = suffices_from * switch_depth_factor(suffices_from / range.near, range);
     use->extra = true;
     if (range.far * STP_LEVELS_SHRINK > use->switch_depth) {
         use_beside(use, count, size, below, 1.0);

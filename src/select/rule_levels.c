@@ -38,8 +38,8 @@ static void use_count(stp_set_use* use, uint32_t count)
     use->radius = fmax(use->level_least, (double)use->surfels->candidate_radius);
 }
 
-/// Uses the state with `count` splats. It lies in the first 2 count - base splats, and a base set
-/// has at least one.
+/// Uses the state with `count` splats. It is contained in the first 2 count - base splats, and a
+/// base set has at least one.
 static void use_state(stp_set_use* use, uint32_t count)
 {
     uint32_t all = use->surfels->count;
@@ -81,7 +81,7 @@ static void use_set(const stp_selection* s, const stp_select_entry* at, const st
     }
 }
 
-/// Uses the first `count` splats, or as many as `use` already says.
+/// Uses the first `count` splats, or more if `use` already has more.
 static void use_at_most(stp_set_use* use, uint32_t count)
 {
     use_count(use, count < use->count ? count : use->count);

@@ -75,7 +75,7 @@ static stp_result add_item(const walk* w, uint32_t mesh, const stp_affine* below
     return stp_select_add_item(s, item, stp_store_describe_mesh(s->store, mesh)->triangle_count);
 }
 
-static stp_result look_at(walk* w, uint32_t index, const stp_affine* below)
+static stp_result add_node(walk* w, uint32_t index, const stp_affine* below)
 {
     stp_selection* s = w->s;
     const stp_store_node* node = &s->directory->nodes[index];
@@ -102,7 +102,7 @@ static stp_result look_at(walk* w, uint32_t index, const stp_affine* below)
         stp_affine transform = stp_affine_multiply(*below, edge->transform);
         w->left -= 1;
         if ((s->graph->moving[edge->node] & STP_NODE_MOVES) == 0) {
-            result = look_at(w, edge->node, &transform);
+            result = add_node(w, edge->node, &transform);
         }
     }
     return result;
@@ -130,7 +130,7 @@ stp_result stp_select_use_triangles(stp_selection* s, const stp_select_entry* at
     stp_affine here = stp_affine_identity();
     walk w = begin_walk(s, at, use, sight);
     if (result == STP_OK && replaced) {
-        result = look_at(&w, at->node, &here);
+        result = add_node(&w, at->node, &here);
     }
     bool fits = s->list->id_count + w.ids + use->surfels->count < IDS_MOST &&
                 s->list->count + w.items < ITEMS_MOST;
@@ -139,7 +139,7 @@ stp_result stp_select_use_triangles(stp_selection* s, const stp_select_entry* at
     }
     w = begin_walk(s, at, use, sight);
     w.does = WALK_ASKS;
-    result = s->streams ? look_at(&w, at->node, &here) : STP_OK;
+    result = s->streams ? add_node(&w, at->node, &here) : STP_OK;
     *uses = w.all;
     return result;
 }
@@ -150,5 +150,5 @@ stp_result stp_select_add_triangles(stp_selection* s, const stp_select_entry* at
     walk w = begin_walk(s, at, use, sight);
     w.does = WALK_ADDS;
     stp_affine here = stp_affine_identity();
-    return look_at(&w, at->node, &here);
+    return add_node(&w, at->node, &here);
 }

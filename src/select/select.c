@@ -27,7 +27,7 @@ static stp_result begin(stp_selection* s, stp_context* context, stp_store* store
         stp_view one = stp_view_of_eye(view, i);
         if (!stp_view_frame_make(&one, &s->frames[i])) {
             return stp_fail(context, STP_ERROR_ARGUMENT,
-                            "view: eye, target, angle and size do not make a picture");
+                            "view: invalid combination of eye, target, angle and size");
         }
     }
     if (!stp_fovea_is_valid(&quality->fovea)) {

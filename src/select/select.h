@@ -24,10 +24,10 @@ typedef enum stp_policy {
 
 /// Cues that decide the number of splats per leaf, for sets built leaf by leaf (select/cues.h).
 enum {
-    STP_CUE_FLATNESS_BIT = 1, ///< more where the surface bends
+    STP_CUE_FLATNESS_BIT = 1, ///< more on curved surfaces
     STP_CUE_EDGE_BIT = 2,     ///< more at possible edges
-    STP_CUE_COVERAGE_BIT =
-        4, ///< by the leaf's pixels; without it, all leaves count as near as the nearest
+    /// By the leaf's pixels; without it, all leaves count as near as the nearest
+    STP_CUE_COVERAGE_BIT = 4,
     STP_CUE_SILHOUETTE_BIT = 8, ///< more at possible silhouettes
     STP_CUE_OCCLUSION_BIT = 16, ///< fewer for occluded leaves
     /// By coverage of the samples' splats, not by the paper's numbers: see STP_CUE_COVERING.
@@ -77,8 +77,8 @@ typedef struct stp_draw_item {
     stp_draw_kind kind;
     uint32_t index;  ///< surfel set, mesh or point set of the store
     uint32_t prefix; ///< maximum number of surfels or points drawn
-    uint32_t
-        full_prefix; ///< surfels: prefix whose colours and coverages are used; at least `prefix`
+    /// Surfels: prefix whose colours and coverages are used; at least `prefix`
+    uint32_t full_prefix;
     uint32_t first_id;
     uint32_t first_run, run_count; ///< runs in the list; none: every splat of the prefix is drawn
     float radius; ///< of each splat, in item space; for splats with shapes, a typical one
@@ -89,8 +89,8 @@ typedef struct stp_draw_item {
     // with another level.
     uint32_t divide;   ///< 0: one level for all, as in all other sets
     float level_below; ///< level of splats [0, divide), at any depth
-    uint32_t
-        split_count;   ///< splats of the prefix outside the state, or in no run of a scattered item
+    /// Splats of the prefix outside the state, or in no run of a scattered item
+    uint32_t split_count;
     float shape_scale; ///< factor on radii of splats with shapes; 0: 1
     bool scattered;    ///< its runs begin and end anywhere, and share one depth range
     /// Mesh: draws triangles whose level (store/large_triangles.h) is at least the item's level at

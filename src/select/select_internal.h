@@ -32,7 +32,7 @@ static inline double stp_select_spare(const stp_quality* quality)
 typedef struct stp_select_entry {
     uint32_t node;
     bool moving_only;  ///< an ancestor's surfels represent everything that does not move
-    bool extra;        ///< an ancestor is drawn where it is nearest
+    bool extra;        ///< drawn only where it is nearer than an ancestor's surfels
     uint32_t sections; ///< bits of section planes that may cut it
     uint32_t shown;    ///< state of its visibility
     double ceiling;    ///< beyond this depth an ancestor's surfels suffice
@@ -48,8 +48,8 @@ typedef struct stp_select_graph {
     uint32_t node_count, edge_count, part_count, surfels_count;
     uint32_t method; ///< of the sets
     uint8_t* moving; ///< STP_NODE_MOVES, STP_MOVES_BELOW
-    float*
-        margins; ///< overhang of a node's drawn content beyond its box, without pixels; node units
+    /// Overhang of a node's drawn content beyond its box, without pixels; node units
+    float* margins;
     double* reaches;   ///< coverage radius of all surfels of its own, node units
     float* spares;     ///< factor on that radius: lower limit of their use
     float* works;      ///< maximum work of the content drawn instead of them, in triangles

@@ -82,7 +82,7 @@ static bool is_of_thing(setting* s, const stp_instance* what)
     s->visits = search.visits_left;
     if (search.gave_up && s->result == STP_OK) {
         s->result = stp_fail(s->v->context, STP_ERROR_LIMIT,
-                             "visibility: the graph has too many nodes where the thing stands");
+                             "visibility: the graph has too many nodes at the object's position");
     }
     return found;
 }
@@ -145,7 +145,7 @@ static uint32_t set_below(setting* s, uint32_t node, const stp_affine* transform
     }
     if (depth >= STP_INSTANCE_DEPTH || s->visits == 0) {
         s->result = stp_fail(v->context, STP_ERROR_LIMIT,
-                             "visibility: the graph has too many nodes where the thing stands");
+                             "visibility: the graph has too many nodes at the object's position");
         return state;
     }
     s->visits -= 1;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Meshes and point sets (textures: pictures.c). Data is checked on first use, then read in place.
+// Meshes and point sets (textures: texture_images.c). Data is checked on first use, then read in
+// place.
 #include "store/internal.h"
 
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
@@ -86,8 +87,8 @@ stp_result stp_store_get_mesh(stp_store* store, uint32_t index, stp_store_mesh* 
         }
         stp_store_mesh made = record->mesh;
         stp_store_find_mesh_columns(record->present, bytes, &made);
-        stp_store_judge judge = stp_store_own_judge(store);
-        result = stp_store_judge_mesh_data(&judge, index, &made);
+        stp_store_validator validator = stp_store_own_validator(store);
+        result = stp_store_validate_mesh_data(&validator, index, &made);
         if (result != STP_OK) {
             return result;
         }
@@ -217,8 +218,8 @@ stp_result stp_store_get_point_set(stp_store* store, uint32_t index, stp_store_p
         }
         stp_store_point_set made = record->points;
         stp_store_find_point_columns(record->present, bytes, &made);
-        stp_store_judge judge = stp_store_own_judge(store);
-        result = stp_store_judge_point_data(&judge, index, &made);
+        stp_store_validator validator = stp_store_own_validator(store);
+        result = stp_store_validate_point_data(&validator, index, &made);
         if (result == STP_OK && stp_store_is_colored(store)) {
             result = color_points(store, index, record, &made);
         }

@@ -14,7 +14,7 @@ static int compare_candidates(const void* left, const void* right)
     return a < b ? -1 : a > b ? 1 : 0;
 }
 
-// Marks the candidates that become parts of their own.
+// Marks the candidates that become separate parts.
 static bool choose(stp_context* context, const stp_store_census_candidate* candidates, size_t count,
                    bool* chosen)
 {

@@ -33,10 +33,11 @@ static stp_result check_surfels(stp_store* store, const stp_store_block* block)
     };
     const char* fault = stp_store_read_chunks(&source, &span, 0, stp_store_chunk_count(&span),
                                               targets, &read_bytes);
-    stp_store_judge judge = stp_store_own_judge(store);
-    stp_result result = fault != NULL ? stp_store_fail_block(store, block, fault)
-                                      : stp_store_judge_surfel_data(&judge, block->owner, &data,
-                                                                    store->directory.shading_count);
+    stp_store_validator validator = stp_store_own_validator(store);
+    stp_result result = fault != NULL
+                            ? stp_store_fail_block(store, block, fault)
+                            : stp_store_validate_surfel_data(&validator, block->owner, &data,
+                                                             store->directory.shading_count);
     stp_free(store->context, materials);
     return result;
 }

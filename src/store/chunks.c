@@ -220,7 +220,7 @@ static const char* find_chunk(block_reader* at, const stp_store_octave_span* spa
     return table == 0 || end == block->size ? NULL : "size";
 }
 
-/// Decodes the stored bytes of a chunk into its columns. @return what is wrong, or NULL
+/// Decodes the stored bytes of a chunk into its columns. @return NULL, or the error
 static const char* decode_chunk(block_reader* at, const stp_store_octave_span* span, uint32_t chunk,
                                 const unsigned char* stored, size_t stored_size,
                                 unsigned char* const* targets)
@@ -250,7 +250,7 @@ static const char* decode_chunk(block_reader* at, const stp_store_octave_span* s
     return NULL;
 }
 
-/// Reads and decodes one chunk at `offset` in the block. @return what is wrong, or NULL
+/// Reads and decodes one chunk at `offset` in the block. @return NULL, or the error
 static const char* read_chunk(block_reader* at, const stp_store_octave_span* span, uint32_t chunk,
                               uint64_t* offset, unsigned char* const* targets)
 {

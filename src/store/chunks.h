@@ -61,7 +61,7 @@ extern const char* const stp_store_unreadable;
 
 /// Reads, checks and decodes chunks [begin, end) of an octave into its columns
 /// (stp_store_octave_targets; NULL skips a column). Adds the bytes read to `read_bytes`.
-/// @return what of the block is wrong ("checksum"), stp_store_unreadable, or NULL. Any thread
+/// @return NULL, or the error in the block ("checksum"), or stp_store_unreadable. Any thread
 const char* stp_store_read_chunks(const stp_store_block_source* source,
                                   const stp_store_octave_span* span, uint32_t begin, uint32_t end,
                                   void* const targets[STP_SURFEL_COLUMNS], uint64_t* read_bytes);

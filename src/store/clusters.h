@@ -8,9 +8,9 @@
 //
 // The triangles of a cluster form three groups, by the normals that light them:
 //
-// smooth: each corner has its vertex's normal
-// face: all corners have the first corner's normal
-// plain: the normal of the triangle's plane
+//   smooth   each corner has its vertex's normal
+//   face     all corners have the first corner's normal
+//   plain    the normal of the triangle's plane
 //
 // So hard edges need no extra vertices, and flat parts hardly any normals.
 //
@@ -61,8 +61,8 @@ typedef struct stp_clusters {
     bool unpacks_many; ///< this CPU can unpack positions with AVX2
 } stp_clusters;
 
-/// Checks every count, size and index of a coded mesh. The functions below require it. @return what
-/// is wrong, or NULL
+/// Checks every count, size and index of a coded mesh. The functions below require it.
+/// @return NULL, or the error
 const char* stp_clusters_open(const void* bytes, size_t size, stp_clusters* clusters);
 
 /// Restores the result of stp_clusters_encode from an opened mesh.
@@ -81,8 +81,8 @@ typedef enum stp_cluster_channel {
 
 typedef enum stp_cluster_layout {
     STP_CLUSTER_PLAIN,
-    STP_CLUSTER_GROUPED,  ///< each value: one of its part plus one of its own
-    STP_CLUSTER_REPEATED, ///< the same; own values repeat in all parts
+    STP_CLUSTER_GROUPED,  ///< each value is the sum of a per-part and an own value
+    STP_CLUSTER_REPEATED, ///< the same; own values repeat in every part
 } stp_cluster_layout;
 
 /// A run of integers of equal width, lowest bit first. With b(i) = bits [i width, (i + 1) width),
@@ -104,7 +104,7 @@ typedef struct stp_cluster {
     /// plain.
     uint32_t smooth_count, face_count;
     uint32_t normal_count;  ///< the first vertices have normals, the others none
-    const uint8_t* indices; ///< 3 a triangle of the first `period`: see stp_cluster_corners
+    const uint8_t* indices; ///< 3 per triangle of the first `period`: see stp_cluster_corners
     uint32_t period; ///< triangles after which the pattern repeats, with indices raised by `stride`
     uint32_t stride;
     stp_cluster_run runs[STP_CLUSTER_CHANNELS]; ///< absent channels have no bits and read as 0
@@ -170,7 +170,7 @@ static inline stp_vec3 stp_cluster_position(const stp_clusters* clusters,
         (float)stp_cluster_value(&cluster->runs[STP_CLUSTER_Z], vertex) * clusters->step};
 }
 
-/// All positions, 3 floats a vertex.
+/// All positions, 3 floats per vertex.
 void stp_cluster_positions(const stp_clusters* clusters, const stp_cluster* cluster,
                            float positions[3 * STP_CLUSTER_VERTICES]);
 
@@ -199,10 +199,11 @@ STP_MUST_USE stp_result stp_store_get_clusters(stp_store* store, uint32_t index,
 /// A fully decoded mesh: triangles in cluster order, three vertices each. For tools and tests.
 typedef struct stp_decoded_mesh {
     uint32_t triangle_count;
-    float* positions;    ///< 9 a triangle
-    float* normals;      ///< 9 a triangle, unit length; zero for the planes of degenerate triangles
-    float* texcoords[2]; ///< NULL, or 6 a triangle
-    float* colors;       ///< NULL, or 12 a triangle
+    float* positions; ///< 9 per triangle
+    /// 9 per triangle, unit length; zero for the planes of degenerate triangles
+    float* normals;
+    float* texcoords[2]; ///< NULL, or 6 per triangle
+    float* colors;       ///< NULL, or 12 per triangle
 } stp_decoded_mesh;
 
 STP_MUST_USE stp_result stp_clusters_decode(stp_context* context, const stp_clusters* clusters,

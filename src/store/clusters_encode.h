@@ -59,7 +59,7 @@ typedef struct cluster_maker {
     double inverse_step;
     double texcoord_inverses[2];
     uint32_t present;
-    /// Channels beside positions that distinguish vertices.
+    /// Channels other than positions that distinguish vertices.
     uint32_t extra_channels[STP_CLUSTER_CHANNELS];
     uint32_t extra_count;
     // Of the cluster:

@@ -41,7 +41,7 @@ static int32_t round_color(uint16_t linear)
     return (int32_t)(sqrtf((float)linear * (1.0f / 65535.0f)) * STP_CLUSTER_COLOR_LIMIT + 0.5f);
 }
 
-/// The channels of a vertex beside position and normal.
+/// Channels of a vertex other than position and normal.
 static int32_t read_extra(const cluster_maker* m, uint32_t vertex, uint32_t channel)
 {
     const stp_store_mesh* mesh = m->mesh;
@@ -200,7 +200,7 @@ static uint32_t add_vertex(cluster_maker* m, const corner* c)
     return v;
 }
 
-static uint32_t give_normal(cluster_maker* m, uint32_t vertex, uint32_t normal)
+static uint32_t set_normal(cluster_maker* m, uint32_t vertex, uint32_t normal)
 {
     m->vertices[vertex].normal = normal;
     m->has_normal[vertex] = true;
@@ -221,7 +221,7 @@ static uint32_t smooth_vertex(cluster_maker* m, const corner* c)
         return v;
     }
     v = find_vertex(m, c, WANT_NONE, 0);
-    return give_normal(m, v < STP_CLUSTER_VERTICES ? v : add_vertex(m, c), normal);
+    return set_normal(m, v < STP_CLUSTER_VERTICES ? v : add_vertex(m, c), normal);
 }
 
 /// Rotates the triangle so that its first corner is a vertex with the triangle's normal: one that
@@ -238,7 +238,7 @@ static void face_vertices(cluster_maker* m, const corner c[3], uint8_t out[3])
         first = add_vertex(m, &c[0]);
     }
     if (!m->has_normal[first]) {
-        give_normal(m, first, normal);
+        set_normal(m, first, normal);
     }
     out[0] = (uint8_t)first;
     out[1] = (uint8_t)any_vertex(m, &c[(turn + 1) % 3]);
@@ -362,7 +362,7 @@ static bool add_part_triangle(cluster_maker* m, uint32_t triangle, uint32_t firs
             sources[known] = vertex[k];
             uint32_t v = add_vertex(m, &c[k]);
             if (m->mesh->normals != NULL) {
-                give_normal(m, v, store_normal(c[k].place.normal));
+                set_normal(m, v, store_normal(c[k].place.normal));
             }
         }
         m->corners[m->triangle_count][k] = (uint8_t)(first + at);

@@ -137,7 +137,7 @@ static bool is_soup(const part_finder* f, const uint64_t* order)
 }
 
 /// Whether another vertex rounds to the same position: then the two are joined.
-static bool meet(const part_finder* f, uint32_t vertex)
+static bool is_joined(const part_finder* f, uint32_t vertex)
 {
     const cluster_place* place = &f->places[vertex];
     const int32_t* p = place->at;
@@ -164,7 +164,7 @@ static void join_vertices(const part_finder* f)
     // first mark used vertices, then those that coincide; both end up as sums of the root
     for (uint32_t v = 0; v < count; ++v) {
         bool used = f->triangles[find_root(f->parents, v)] != 0;
-        f->vertices[v] = used ? (meet(f, v) ? MOST_VERTICES + 1 : 1) : 0;
+        f->vertices[v] = used ? (is_joined(f, v) ? MOST_VERTICES + 1 : 1) : 0;
     }
     for (uint32_t v = count;
          v-- > 0;) { // roots have the lowest indices of their trees, so children come first

@@ -4,12 +4,12 @@
 // coverages when data is loaded, so renderers need not know:
 //
 //   colour      from the attribute's value; splats and points without it keep their colour
-//   coverage 0  hides a splat. The smallest stored coverage (code 0, 1 of 255) becomes the next one
-// (code 1)
+//   coverage 0  hides a splat. The smallest stored coverage (code 0, 1 of 255) becomes
+//               the next one (code 1)
 //   alpha 0     hides a point
 #pragma once
 
-#include "store/attributes.h"
+#include "store/attribute_blocks.h"
 
 typedef struct stp_store_coloring {
     bool by_attribute;

@@ -2,9 +2,8 @@
 // The layout of columns within a block (docs/format.md, Blocks).
 #pragma once
 
+#include "base/splat_columns.h"
 #include "store/format.h"
-
-#include <stipple/surfels.h>
 
 enum { STP_STORE_COLUMN_LIMIT = 7 };
 

@@ -122,7 +122,7 @@ typedef struct below {
     uint32_t count, last;
 } below;
 
-// Whether an object only places others and has no content of its own.
+// Whether an object only places other objects and has no content itself.
 static bool is_place(const stp_store_directory* directory, uint32_t object, const below* children)
 {
     return directory->nodes[directory->objects[object].node].part_count == 0 &&

@@ -3,8 +3,8 @@
 // be written.
 #pragma once
 
+#include "store/block_order.h"
 #include "store/internal.h"
-#include "store/plan.h"
 #include "store/writer.h"
 
 /// A mesh, point set, texture or surfel set.

@@ -3,7 +3,7 @@
 #include "store/chunks.h"
 #include "store/internal.h"
 #include "store/operators.h"
-#include "store/pictures.h"
+#include "store/texture_images.h"
 
 static stp_result fail_format(const stp_store* store, const char* what, uint32_t index,
                               const char* fault)
@@ -19,7 +19,7 @@ const stp_store_block* stp_store_block_at(const stp_store* store, uint32_t index
 }
 
 // Blocks follow each other without gaps up to the end of the file, coarse surfels first.
-static stp_result judge_blocks(const stp_store* store)
+static stp_result check_blocks(const stp_store* store)
 {
     uint64_t end = store->data_offset;
     const stp_store_block* before = NULL;
@@ -43,7 +43,7 @@ static stp_result judge_blocks(const stp_store* store)
 }
 
 // The block that an owner requires. For an octave, `wanted.size` is ignored.
-static stp_result judge_block(const stp_store* store, uint32_t index, stp_store_block wanted)
+static stp_result check_block(const stp_store* store, uint32_t index, stp_store_block wanted)
 {
     static const char* const names[STP_BLOCK_END] = {
         [STP_BLOCK_MESH] = "mesh",       [STP_BLOCK_POINT_SET] = "point set",
@@ -132,7 +132,7 @@ static stp_result link_octaves(stp_store* store, uint32_t index)
     for (uint32_t k = 0; k < surfels->octave_count; ++k) {
         uint32_t number = octaves[sets[index].first_octave + k].block;
         stp_store_block wanted = {.kind = STP_BLOCK_SURFELS, .owner = index, .octave = k};
-        stp_result result = judge_block(store, number, wanted);
+        stp_result result = check_block(store, number, wanted);
         if (result != STP_OK) {
             return result;
         }
@@ -147,12 +147,12 @@ static stp_result link_octaves(stp_store* store, uint32_t index)
 static stp_result link_sets(stp_store* store)
 {
     const stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
-    stp_store_judge judge = stp_store_own_judge(store);
+    stp_store_validator validator = stp_store_own_validator(store);
     uint64_t octave_end = 0, breakpoint_end = 0;
     for (uint32_t i = 0; i < store->counts[STP_SECTION_SURFELS]; ++i) {
         stp_result result = gather_set(store, i, &octave_end, &breakpoint_end);
         if (result == STP_OK) {
-            result = stp_store_judge_surfels(&judge, i, &sets[i].surfels);
+            result = stp_store_validate_surfels(&validator, i, &sets[i].surfels);
         }
         if (result == STP_OK) {
             result = link_octaves(store, i);
@@ -196,7 +196,7 @@ static stp_result link_mesh(const stp_store* store, uint32_t index)
                           ? stp_store_block_at(store, record->block)->size
                           : 0;
     }
-    return judge_block(store, record->block, wanted);
+    return check_block(store, record->block, wanted);
 }
 
 // Points held by a set of splats have no block.
@@ -211,8 +211,8 @@ static stp_result link_held_points(const stp_store* store, uint32_t index)
         set >= store->counts[STP_SECTION_SURFELS]) {
         return fail_format(store, "point set", index, "names no surfel set that can hold it");
     }
-    stp_store_judge judge = stp_store_own_judge(store);
-    return stp_store_judge_held_points(&judge, index, &record->points, &splats[set].surfels);
+    stp_store_validator validator = stp_store_own_validator(store);
+    return stp_store_validate_held_points(&validator, index, &record->points, &splats[set].surfels);
 }
 
 static stp_result link_points(const stp_store* store, uint32_t index)
@@ -232,10 +232,11 @@ static stp_result link_points(const stp_store* store, uint32_t index)
     if (record->points.held_by != 0) {
         return link_held_points(store, index);
     }
-    return judge_block(store, record->block, wanted);
+    return check_block(store, record->block, wanted);
 }
 
-// Links each set to its leaves. @param owned  number of sets with leaves
+// Links each set to its leaves.
+// @param owned number of sets with leaves
 static stp_result link_leaves(const stp_store* store, uint64_t* owned)
 {
     const stp_store_leaves_record* records = store->tables[STP_SECTION_LEAVES];
@@ -255,7 +256,7 @@ static stp_result link_leaves(const stp_store* store, uint64_t* owned)
                                   .size = STP_STORE_LEAF_BYTES * (uint64_t)records[i].leaf_count};
         if (records[i].leaf_count > 0) {
             *owned += 1;
-            result = judge_block(store, records[i].block, wanted);
+            result = check_block(store, records[i].block, wanted);
         }
     }
     return result;
@@ -263,7 +264,7 @@ static stp_result link_leaves(const stp_store* store, uint64_t* owned)
 
 stp_result stp_store_link_blocks(stp_store* store)
 {
-    stp_result result = judge_blocks(store);
+    stp_result result = check_blocks(store);
     if (result == STP_OK && store->known[STP_SECTION_CLUSTERS] != NULL &&
         store->counts[STP_SECTION_CLUSTERS] != store->counts[STP_SECTION_MESHES]) {
         result = stp_fail(store->context, STP_ERROR_FORMAT,

@@ -42,7 +42,7 @@ static stp_result check_sizes(const stp_store* store)
     }
     if (store->file.size > store->file_bytes) {
         return stp_fail(store->context, STP_ERROR_FORMAT,
-                        "%s: has %zu bytes where its header says %llu", store->path,
+                        "%s: has %zu bytes, but its header says %llu", store->path,
                         store->file.size, (unsigned long long)store->file_bytes);
     }
     uint64_t needed = store->desc.accept_prefix ? store->data_offset : store->file_bytes;

@@ -59,9 +59,9 @@ struct stp_store {
     struct stp_residency* residency;  ///< loads bulk data; NULL: data is used as mapped
 };
 
-static inline stp_store_judge stp_store_own_judge(const stp_store* store)
+static inline stp_store_validator stp_store_own_validator(const stp_store* store)
 {
-    return (stp_store_judge){
+    return (stp_store_validator){
         .context = store->context, .path = store->path, .failure = STP_ERROR_FORMAT};
 }
 
@@ -83,8 +83,8 @@ STP_MUST_USE stp_result stp_store_verify_text(stp_store* store, uint32_t type, s
 /// Decodes the records of a section into `tables` and `counts`.
 STP_MUST_USE stp_result stp_store_read_table(stp_store* store, uint32_t type, stp_store_text* text);
 /// Validates the decoded summary and scene parts.
-STP_MUST_USE stp_result stp_store_judge_summary(stp_store* store);
-/// Reads what a summary needs instead of the whole directory.
+STP_MUST_USE stp_result stp_store_validate_summary(stp_store* store);
+/// Reads only what a summary needs, not the whole directory.
 STP_MUST_USE stp_result stp_store_read_head(stp_store* store);
 /// Checks some pages of each section that stp_store_read_head skips.
 STP_MUST_USE stp_result stp_store_check_head(stp_store* store);
@@ -168,7 +168,7 @@ const char* stp_store_find_clusters(const stp_store* store, uint32_t index,
                                     const unsigned char* bytes, stp_clusters* clusters);
 
 /// Checks the decoded certainty records.
-STP_MUST_USE stp_result stp_store_judge_certainty(const stp_store* store);
+STP_MUST_USE stp_result stp_store_validate_certainty(const stp_store* store);
 /// Checks them and assigns them to the sets, which must be read.
 STP_MUST_USE stp_result stp_store_link_certainty(stp_store* store);
 

@@ -31,8 +31,8 @@ static uint32_t find_band(float level)
     return (0x7F800000u - bits) >> 22;
 }
 
-static void look_at_cluster(const stp_clusters* clusters, uint32_t index, float least,
-                            found_triangles* found)
+static void search_cluster(const stp_clusters* clusters, uint32_t index, float least,
+                           found_triangles* found)
 {
     float positions[3 * STP_CLUSTER_VERTICES];
     uint32_t indices[3 * STP_CLUSTER_TRIANGLES];
@@ -73,7 +73,7 @@ static stp_result keep_found(stp_store* store, found_triangles* found, uint64_t*
     return STP_OK;
 }
 
-static void forget(stp_context* context, stp_store_large* large)
+static void free_large(stp_context* context, stp_store_large* large)
 {
     while (large != NULL) {
         stp_store_large* older = large->older;
@@ -102,7 +102,7 @@ static stp_result make_list(stp_store* store, const stp_clusters* clusters, floa
     uint64_t* scratch = STP_NEW_ARRAY(context, uint64_t, count + 1);
     bool made = found.keys != NULL && found.levels != NULL && scratch != NULL;
     for (uint32_t i = 0; made && i < clusters->cluster_count; ++i) {
-        look_at_cluster(clusters, i, least, &found);
+        search_cluster(clusters, i, least, &found);
     }
     stp_store_large* large = made ? STP_NEW_ZEROED(context, stp_store_large, 1) : NULL;
     stp_result result =
@@ -112,7 +112,7 @@ static stp_result make_list(stp_store* store, const stp_clusters* clusters, floa
         large->older = *lists;
         *lists = large;
     } else {
-        forget(context, large);
+        free_large(context, large);
     }
     stp_free(context, found.keys);
     stp_free(context, found.levels);
@@ -150,7 +150,7 @@ stp_result stp_store_get_large_triangles(stp_store* store, uint32_t mesh, float 
 void stp_store_free_large(stp_store* store)
 {
     for (uint32_t i = 0; store->large != NULL && i < store->directory.mesh_count; ++i) {
-        forget(store->context, store->large[i]);
+        free_large(store->context, store->large[i]);
     }
     stp_free(store->context, store->large);
     store->large = NULL;

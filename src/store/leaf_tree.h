@@ -3,7 +3,7 @@
 // content, so that a distant cube replaces its leaves. Cubes with a single child are left out.
 #pragma once
 
-#include <stipple/surfels.h>
+#include "base/splat_columns.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -30,8 +30,9 @@ static inline size_t stp_leaf_tree_most(uint32_t leaf_count)
     return leaf_count > 0 ? 2 * (size_t)leaf_count - 1 : 0;
 }
 
-/// Builds the tree. The leaves must be valid (stp_store_leaves_fault). @param nodes room for
-/// stp_leaf_tree_most. @return the number of nodes
+/// Builds the tree. The leaves must be valid (stp_store_leaves_fault).
+/// @param nodes room for stp_leaf_tree_most.
+/// @return the number of nodes
 uint32_t stp_leaf_tree_make(const stp_splat_leaf* leaves, uint32_t leaf_count,
                             stp_leaf_node* nodes);
 

@@ -327,7 +327,8 @@ static void begin(codec* c, const stp_splats* set)
     c->leaf_shape = 0;
 }
 
-/// Sets up the prediction of splat `index`. @param parent UINT32_MAX: it is in the base set
+/// Sets up the prediction of splat `index`.
+/// @param parent UINT32_MAX: it is in the base set
 static void find_context(const stp_splats* set, uint32_t base, uint32_t index, uint32_t parent,
                          context* x)
 {

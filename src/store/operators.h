@@ -5,12 +5,11 @@
 #pragma once
 
 #include "base/progressive.h"
-
-#include <stipple/surfels.h>
+#include "base/splat_columns.h"
 
 #include <stddef.h>
 
-/// The columns of such a set (STP_SPLATS_*).
+/// Columns of a set that is encoded as operators (STP_SPLATS_*).
 enum { STP_OPERATOR_COLUMNS = STP_SPLATS_SHAPES | STP_SPLATS_RANGES | STP_SPLATS_FLAT_COLORS };
 
 /// Splats [begin, end) of a set whose earlier splats are known.
@@ -21,7 +20,8 @@ typedef struct stp_operator_run {
 } stp_operator_run;
 
 /// Encodes the splats of a run, which must be part of a valid set (stp_progressive_is_valid). Any
-/// thread. @param parents of the splits in the run, in order
+/// thread.
+/// @param parents of the splits in the run, in order
 /// @return bytes written; 0 if `room` is too small
 size_t stp_operators_encode(const stp_operator_run* run, const uint32_t* parents, void* bytes,
                             size_t room);
@@ -45,7 +45,7 @@ void stp_operators_begin(stp_operator_reader* reader, const uint32_t* ranges, ui
 void stp_operators_skip(stp_operator_reader* reader, uint32_t begin, uint32_t end);
 
 /// Decodes the splats of a run into the columns of the set. Runs must be consecutive. Safe for any
-/// input; check materials, shapes and ranges afterwards. Any thread. @return whether the bytes are
-/// exactly such a run
+/// input; check materials, shapes and ranges afterwards. Any thread.
+/// @return false if the bytes are not exactly one valid run
 bool stp_operators_decode(const stp_operator_run* run, stp_operator_reader* reader,
                           const void* bytes, size_t size);

@@ -5,8 +5,8 @@
 // copy is one index per object, for finding children. That index is built in slices, between
 // frames.
 //
-// file: objects in any order, each with its parent     order: sorted by parent, so children are a
-// range
+//   file    objects in any order, each with its parent
+//   order   sorted by parent, so children are a range
 //
 // An *item* is an object as it occurs in the scene. Objects below a prototype are items wherever
 // the prototype is used.
@@ -73,8 +73,8 @@ STP_MUST_USE stp_result stp_outline_by_path(stp_outline* outline, const char* pa
                                             const stp_vec3d* near, stp_outline_item* item,
                                             bool* found);
 
-/// The lowest item that contains a picked part (select/pick.h) at a transform. `item->depth` is 0
-/// if there is none. Among coinciding objects, the first.
+/// The lowest item that contains a picked part (select/pick_ray.h) at a transform. `item->depth` is
+/// 0 if there is none. Among coinciding objects, the first.
 STP_MUST_USE stp_result stp_outline_find(stp_outline* outline, stp_store_part part,
                                          const stp_affine* transform, stp_outline_item* item);
 

@@ -87,7 +87,7 @@ static void walk_places(place_walk* w, uint32_t node, const stp_affine* transfor
     }
 }
 
-/// Lists the prototypes below an item without children of its own. @return their number
+/// Lists the prototypes below an item that has no children itself. @return their number
 static uint64_t find_places(stp_outline* outline, const stp_outline_item* item, uint64_t first,
                             uint32_t room, stp_outline_item* items, uint32_t* given)
 {
@@ -174,7 +174,7 @@ static stp_result list_above(stp_outline* outline, uint32_t object, uint32_t* ab
 }
 
 /// Descends from the root along the path. If it is too deep for an item, the lowest objects remain.
-static stp_result go_down(stp_outline* outline, const uint32_t* above, size_t depth,
+static stp_result descend(stp_outline* outline, const uint32_t* above, size_t depth,
                           stp_outline_item* item)
 {
     bool nowhere = false;
@@ -209,7 +209,7 @@ stp_result stp_outline_item_of(stp_outline* outline, uint32_t object, stp_outlin
                              : stp_fail_memory(outline->context);
     }
     if (result == STP_OK) {
-        result = go_down(outline, all != NULL ? all : few, depth, item);
+        result = descend(outline, all != NULL ? all : few, depth, item);
     }
     stp_free(outline->context, all);
     return result;

@@ -160,7 +160,7 @@ typedef struct path_search {
 } path_search;
 
 /// Keeps an item that has the path if it is nearer than earlier ones.
-static void consider(path_search* s, const stp_outline_item* item)
+static void keep_nearest(path_search* s, const stp_outline_item* item)
 {
     double distance = 0.0;
     if (s->near != NULL && item->node != STP_STORE_NONE) {
@@ -199,7 +199,7 @@ static stp_result find_rest(path_search* s, const stp_outline_item* item, const 
                 continue;
             }
             if (rest[length] == '\0') {
-                consider(s, &items[i]);
+                keep_nearest(s, &items[i]);
             } else if (rest[length] == '/') {
                 result = find_rest(s, &items[i], rest + length + 1);
             }

@@ -2,7 +2,7 @@
 // Opens a file: decodes and links the directory's tables.
 #include "store/internal.h"
 #include "store/leaves_internal.h"
-#include "store/pictures.h"
+#include "store/texture_images.h"
 
 #include <string.h>
 
@@ -117,7 +117,7 @@ static stp_result read_summary(stp_store* store, stp_store_text* text)
     if (result == STP_OK) {
         result = stp_store_read_table(store, STP_SECTION_SCENE_PARTS, text);
     }
-    return result == STP_OK ? stp_store_judge_summary(store) : result;
+    return result == STP_OK ? stp_store_validate_summary(store) : result;
 }
 
 static void fill_directory(stp_store* store)
@@ -148,23 +148,23 @@ static void fill_directory(stp_store* store)
 
 // Validates the records of meshes, point sets and textures; surfel sets are checked when octaves
 // are linked.
-static stp_result judge_records(const stp_store* store)
+static stp_result check_records(const stp_store* store)
 {
-    stp_store_judge judge = stp_store_own_judge(store);
+    stp_store_validator validator = stp_store_own_validator(store);
     const stp_store_directory* directory = &store->directory;
     stp_result result = STP_OK;
     for (uint32_t i = 0; i < directory->mesh_count && result == STP_OK; ++i) {
-        result =
-            stp_store_judge_material(&judge, "mesh", i, stp_store_describe_mesh(store, i)->material,
-                                     directory->material_count);
+        result = stp_store_validate_material(&validator, "mesh", i,
+                                             stp_store_describe_mesh(store, i)->material,
+                                             directory->material_count);
     }
     for (uint32_t i = 0; i < directory->point_set_count && result == STP_OK; ++i) {
-        result = stp_store_judge_material(&judge, "point set", i,
-                                          stp_store_describe_point_set(store, i)->material,
-                                          directory->material_count);
+        result = stp_store_validate_material(&validator, "point set", i,
+                                             stp_store_describe_point_set(store, i)->material,
+                                             directory->material_count);
     }
     for (uint32_t i = 0; i < directory->texture_count && result == STP_OK; ++i) {
-        result = stp_store_judge_texture(&judge, i, stp_store_describe_texture(store, i));
+        result = stp_store_validate_texture(&validator, i, stp_store_describe_texture(store, i));
     }
     return result;
 }
@@ -198,13 +198,13 @@ static stp_result read_directory(stp_store* store)
         return result;
     }
     fill_directory(store);
-    stp_store_judge judge = stp_store_own_judge(store);
-    result = stp_store_judge_graph(&judge, &store->directory);
+    stp_store_validator validator = stp_store_own_validator(store);
+    result = stp_store_validate_graph(&validator, &store->directory);
     if (result == STP_OK) {
         result = stp_store_read_methods(store, &text);
     }
     if (result == STP_OK) {
-        result = judge_records(store);
+        result = check_records(store);
     }
     if (result == STP_OK) {
         result = stp_store_link_blocks(store);
@@ -235,10 +235,10 @@ stp_result stp_store_load_objects(stp_store* store)
     if (result != STP_OK) {
         return result;
     }
-    stp_store_judge judge = stp_store_own_judge(store);
+    stp_store_validator validator = stp_store_own_validator(store);
     stp_store_directory directory = store->directory;
     directory.objects = store->tables[STP_SECTION_OBJECTS];
-    result = stp_store_judge_objects(&judge, &directory);
+    result = stp_store_validate_objects(&validator, &directory);
     if (result == STP_OK) {
         store->directory.objects = directory.objects;
         store->objects_ready = true;

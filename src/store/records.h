@@ -5,7 +5,7 @@
 #pragma once
 
 #include "base/hash.h"
-#include "store/attributes.h"
+#include "store/attribute_blocks.h"
 #include "store/clusters.h"
 #include "store/format.h"
 #include "store/leaves.h"
@@ -23,7 +23,7 @@ typedef struct stp_store_text {
 
 /// Counts the use of the text at `at` in `text->stored` by a record. Limits the total, because a
 /// long text shared by many records would cost time and memory out of proportion to the file.
-/// @return NULL, or what is wrong: the text is too long, or all uses together are
+/// @return NULL, or the error: the text is too long, or all uses together are
 const char* stp_store_use_text(stp_store_text* text, const char* at);
 
 /// A record during conversion from or to bytes.
@@ -65,7 +65,7 @@ typedef struct stp_store_texture_record {
     uint8_t* decoded;
 } stp_store_texture_record;
 
-/// Memory of a set's columns; src/store/octaves.c.
+/// Memory of a set's columns; src/store/join_octaves.c.
 typedef struct stp_store_joined stp_store_joined;
 
 typedef struct stp_store_surfels_record {

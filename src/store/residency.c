@@ -2,8 +2,8 @@
 // Life cycle of a residency, and queries.
 #include "store/chunks.h"
 #include "store/leaves_internal.h"
-#include "store/pictures.h"
 #include "store/residency_internal.h"
+#include "store/texture_images.h"
 
 #include <string.h>
 

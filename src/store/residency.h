@@ -16,7 +16,7 @@ typedef enum stp_resident_kind {
     STP_RESIDENT_SURFELS, ///< loaded octave by octave
     STP_RESIDENT_MESH,    ///< with the textures of its material
     STP_RESIDENT_POINTS,
-    STP_RESIDENT_TEXTURE, ///< by itself
+    STP_RESIDENT_TEXTURE, ///< not as part of a mesh
     STP_RESIDENT_LEAVES,  ///< of a set, with their tree
     STP_RESIDENT_KINDS
 } stp_resident_kind;
@@ -57,8 +57,8 @@ typedef struct stp_residency_stats {
     uint64_t read_bytes;      ///< from the file, since creation
     uint64_t loaded, dropped; ///< octaves and other things
     uint64_t damaged;         ///< blocks that can never be loaded
-    uint32_t missing; ///< things of the last update's wants that are not, or not fully, resident
-    uint32_t loading; ///< the part of `missing` in flight
+    uint32_t missing;         ///< things wanted in the last update that are not fully resident
+    uint32_t loading;         ///< the part of `missing` in flight
 } stp_residency_stats;
 
 /// Attaches a residency to a store without one. The store's bulk data leaves memory. The threads
@@ -73,7 +73,7 @@ STP_MUST_USE stp_result stp_residency_create(stp_store* store, const stp_residen
 void stp_residency_destroy(stp_residency* residency);
 
 /// Call between frames. Publishes finished loads, drops less needed data if memory runs out, and
-/// starts loading what is missing of `wants` (each thing at most once), most needed first. Never
+/// starts loading the missing part of `wants` (each thing at most once), most needed first. Never
 /// waits and never fails: without memory, less is resident. A damaged block causes one warning and
 /// is never loaded.
 void stp_residency_update(stp_residency* residency, const stp_want* wants, size_t count);

@@ -19,13 +19,13 @@ typedef struct stp_load {
     uint32_t from, to;       ///< octaves resident and wanted; for other things 0 and 1
     uint32_t reached;        ///< result; less than `to`: the next block is damaged
     void* memory;            ///< destination
-    uint64_t bytes;          ///< of `memory` and of what only loading needs
+    uint64_t bytes;          ///< size of `memory` plus temporary buffers
     uint64_t read_bytes;     ///< from the file
     unsigned char* picture;  ///< buffer for a texture's image file; NULL: read directly
     uint32_t* waiting;       ///< surfels: stp_store_block_source; NULL: no operators
     uint64_t transient;      ///< bytes of both buffers and the decoder
     stp_splats columns;      ///< surfels: in `memory`, cut to `to`
-    stp_splats before;       ///< the resident columns, of which `from` octaves are copied
+    stp_splats before;       ///< the resident columns; `from` octaves are copied from them
     stp_clusters clusters;   ///< a coded mesh, opened
     stp_store_leaves leaves; ///< of a set, opened
 } stp_load;
@@ -61,7 +61,7 @@ struct stp_residency {
     size_t step_count, victim_count;
     bool victims_found;  ///< in this update
     bool dropped_wanted; ///< in this update
-    float worth; ///< factor by which a step's need must exceed that of wanted data it replaces
+    float worth; ///< minimum ratio of a step's need to the need of wanted data that it replaces
     uint32_t* pins;
     uint32_t pin_count;
     uint32_t first_pins; ///< number of pins of the file's first method

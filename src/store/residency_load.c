@@ -2,8 +2,8 @@
 // Reader threads: take a load from the queue, fill it, check it, hand it back.
 #include "store/chunks.h"
 #include "store/leaves_internal.h"
-#include "store/pictures.h"
 #include "store/residency_internal.h"
+#include "store/texture_images.h"
 
 #include <string.h>
 
@@ -90,23 +90,24 @@ static bool read_octave(stp_residency* r, stp_load* load, uint32_t octave)
                      : "%s: the %s of the block at %llu is wrong: it is left out",
                  r->store->path, fault, (unsigned long long)block->offset);
     }
-    stp_store_judge judge = stp_store_own_judge(r->store);
-    judge.warns = true;
+    stp_store_validator validator = stp_store_own_validator(r->store);
+    validator.warns = true;
     stp_store_surfel_data data = {span.end - span.first, targets[STP_SURFEL_MATERIALS],
                                   targets[STP_SURFEL_SHAPES], targets[STP_SURFEL_RANGES]};
     if (fault == NULL) {
         stp_store_make_groups(&load->columns, span.first, span.end);
     }
-    return fault == NULL && stp_store_judge_surfel_data(
-                                &judge, index, &data, r->store->directory.shading_count) == STP_OK;
+    return fault == NULL &&
+           stp_store_validate_surfel_data(&validator, index, &data,
+                                          r->store->directory.shading_count) == STP_OK;
 }
 
-static bool judge_mesh(stp_residency* r, stp_load* load)
+static bool check_mesh(stp_residency* r, stp_load* load)
 {
     const stp_store_mesh_record* records = r->store->tables[STP_SECTION_MESHES];
     uint32_t index = load->thing - r->firsts[STP_RESIDENT_MESH];
-    stp_store_judge judge = stp_store_own_judge(r->store);
-    judge.warns = true;
+    stp_store_validator validator = stp_store_own_validator(r->store);
+    validator.warns = true;
     if (stp_store_is_clustered(r->store, index)) {
         const char* fault = stp_store_find_clusters(r->store, index, load->memory, &load->clusters);
         if (fault != NULL) {
@@ -117,18 +118,18 @@ static bool judge_mesh(stp_residency* r, stp_load* load)
     stp_store_mesh mesh = {.vertex_count = records[index].mesh.vertex_count,
                            .triangle_count = records[index].mesh.triangle_count};
     stp_store_find_mesh_columns(records[index].present, load->memory, &mesh);
-    return stp_store_judge_mesh_data(&judge, index, &mesh) == STP_OK;
+    return stp_store_validate_mesh_data(&validator, index, &mesh) == STP_OK;
 }
 
-static bool judge_points(stp_residency* r, const stp_load* load)
+static bool check_points(stp_residency* r, const stp_load* load)
 {
     const stp_store_point_record* records = r->store->tables[STP_SECTION_POINT_SETS];
     uint32_t index = load->thing - r->firsts[STP_RESIDENT_POINTS];
-    stp_store_judge judge = stp_store_own_judge(r->store);
-    judge.warns = true;
+    stp_store_validator validator = stp_store_own_validator(r->store);
+    validator.warns = true;
     stp_store_point_set points = {.point_count = records[index].points.point_count};
     stp_store_find_point_columns(records[index].present, load->memory, &points);
-    return stp_store_judge_point_data(&judge, index, &points) == STP_OK;
+    return stp_store_validate_point_data(&validator, index, &points) == STP_OK;
 }
 
 static bool open_leaves(stp_residency* r, stp_load* load)
@@ -197,9 +198,9 @@ static void fill_load(stp_residency* r, stp_load* load)
     const stp_store_block* block = stp_residency_block(r, load->thing, 0);
     bool good = read_block(r, block, load->picture != NULL ? load->picture : load->memory);
     good = good && (load->picture == NULL || decode_picture(r, load, block));
-    good = good && (kind != STP_RESIDENT_MESH || judge_mesh(r, load));
+    good = good && (kind != STP_RESIDENT_MESH || check_mesh(r, load));
     good =
-        good && (kind != STP_RESIDENT_POINTS || (judge_points(r, load) && color_points(r, load)));
+        good && (kind != STP_RESIDENT_POINTS || (check_points(r, load) && color_points(r, load)));
     good = good && (kind != STP_RESIDENT_LEAVES || open_leaves(r, load));
     load->read_bytes = good ? block->size : 0;
     load->reached = good ? 1 : 0;

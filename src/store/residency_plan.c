@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Decides what to load and what to drop for it. Loads and drops are steps: one octave of a set, or
-// one whole other thing. The most needed step comes first, in whichever thing it is. Data is
-// dropped in this order: not wanted for longest, finer than wanted, much less needed than the new
-// data.
+// Decides what to load, and what to drop (evict) for it. Loads and drops are steps: one octave of a
+// set, or another thing as a whole. The most needed step comes first, of any thing. Data is dropped
+// in this order: not wanted for longest, finer than wanted, much less needed than the new data.
 #include "base/prefix_table.h"
 #include "store/residency_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-// Factor by which a step's need must exceed that of wanted data it replaces; otherwise they would
-// replace each other in turns. What is wanted depends on what is resident, so that can still
-// happen: each update that drops wanted data raises the factor.
+// Minimum ratio of a step's need to the need of wanted data that it replaces. Without it, they
+// would replace each other in turns. The wanted data depends on the resident data, so that can
+// still happen: each update that drops wanted data raises the factor.
 static const float least_worth = 2.0f, most_worth = 1e6f, worth_rises = 1.25f, worth_falls = 0.99f;
 static const uint64_t smallest_batch = 1 << 16; ///< smaller octaves are read together
 

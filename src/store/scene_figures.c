@@ -110,21 +110,21 @@ static void sum_instances(accumulator* t, instanced kind, const stp_store_census
 }
 
 // Whether this walk visits an item for the first time.
-static bool meet(const accumulator* t, uint32_t* met, uint32_t index)
+static bool is_first_visit(const accumulator* t, uint32_t* met, uint32_t index)
 {
     bool first = met[index] != t->walk;
     met[index] = t->walk;
     return first;
 }
 
-static void meet_node(accumulator* t, uint32_t node)
+static void count_node(accumulator* t, uint32_t node)
 {
-    if (node != STP_STORE_NONE && meet(t, t->nodes_met, node)) {
+    if (node != STP_STORE_NONE && is_first_visit(t, t->nodes_met, node)) {
         t->stack[t->stacked++] = node;
     }
 }
 
-static void meet_material(const accumulator* t, uint32_t index, stp_store_figures* figures)
+static void count_material(const accumulator* t, uint32_t index, stp_store_figures* figures)
 {
     const stp_store_material* material = &t->directory->materials[index];
     uint32_t textures[] = {material->base_color_texture.texture,
@@ -133,24 +133,25 @@ static void meet_material(const accumulator* t, uint32_t index, stp_store_figure
     for (int i = 0; i < 3; ++i) {
         const stp_store_amount* texture =
             textures[i] != STP_STORE_NONE ? &t->sizes->textures[textures[i]] : NULL;
-        if (texture != NULL && meet(t, t->textures_met, texture->owner)) {
+        if (texture != NULL && is_first_visit(t, t->textures_met, texture->owner)) {
             figures->texture_bytes += texture->bytes;
         }
     }
 }
 
-static void meet_part(const accumulator* t, stp_store_part part, stp_store_figures* figures)
+static void count_part(const accumulator* t, stp_store_part part, stp_store_figures* figures)
 {
-    if (part.kind == STP_STORE_PART_MESH && meet(t, t->meshes_met, part.index)) {
+    if (part.kind == STP_STORE_PART_MESH && is_first_visit(t, t->meshes_met, part.index)) {
         const stp_store_amount* mesh = &t->sizes->meshes[part.index];
         figures->unique_triangles += mesh->count;
         figures->triangle_bytes += mesh->bytes;
-        meet_material(t, mesh->material, figures);
-    } else if (part.kind == STP_STORE_PART_POINTS && meet(t, t->point_sets_met, part.index)) {
+        count_material(t, mesh->material, figures);
+    } else if (part.kind == STP_STORE_PART_POINTS &&
+               is_first_visit(t, t->point_sets_met, part.index)) {
         const stp_store_amount* points = &t->sizes->point_sets[part.index];
         figures->unique_points += points->count;
         figures->point_bytes += points->bytes;
-        meet_material(t, points->material, figures);
+        count_material(t, points->material, figures);
     }
 }
 
@@ -163,22 +164,22 @@ static void walk(accumulator* t, stp_store_figures* figures)
         figures->unique_nodes += 1;
         figures->unique_objects += node->part_count != 0;
         for (uint32_t i = 0; i < node->part_count; ++i) {
-            meet_part(t, d->parts[node->first_part + i], figures);
+            count_part(t, d->parts[node->first_part + i], figures);
         }
         const stp_store_amount* sets = t->sizes->sets;
         if (node->surfels != STP_STORE_NONE && sets[node->surfels].count != 0 &&
-            meet(t, t->sets_met, node->surfels)) {
+            is_first_visit(t, t->sets_met, node->surfels)) {
             figures->unique_lods += 1;
             figures->unique_surfels += sets[node->surfels].count;
             figures->splat_bytes += sets[node->surfels].bytes;
         }
         for (uint32_t m = 1; m < d->method_count; ++m) { // other methods only count for bytes
             uint32_t set = stp_store_set_of(d, m, (uint32_t)(node - d->nodes));
-            bool new_one = set != STP_STORE_NONE && meet(t, t->sets_met, set);
+            bool new_one = set != STP_STORE_NONE && is_first_visit(t, t->sets_met, set);
             figures->splat_bytes += new_one ? sets[set].bytes : 0;
         }
         for (uint32_t i = 0; i < node->edge_count; ++i) {
-            meet_node(t, d->edges[node->first_edge + i].node);
+            count_node(t, d->edges[node->first_edge + i].node);
         }
     }
 }
@@ -186,12 +187,12 @@ static void walk(accumulator* t, stp_store_figures* figures)
 static void sum_unique(accumulator* t, const stp_store_census* census, stp_store_summary* summary)
 {
     t->walk = 1;
-    meet_node(t, t->directory->root);
+    count_node(t, t->directory->root);
     walk(t, &summary->figures);
     for (uint32_t i = 0; i < census->part_count; ++i) {
         t->walk += 1;
         for (uint32_t k = 0; k < census->parts[i].member_count; ++k) {
-            meet_node(t, node_of(t, census->parts[i].members[k]));
+            count_node(t, node_of(t, census->parts[i].members[k]));
         }
         walk(t, &summary->parts[i].figures);
     }

@@ -3,7 +3,7 @@
 // parameters.
 #include "store/internal.h"
 
-stp_result stp_store_judge_summary(stp_store* store)
+stp_result stp_store_validate_summary(stp_store* store)
 {
     const stp_store_section* objects = store->known[STP_SECTION_OBJECTS];
     uint64_t object_count = objects != NULL ? objects->count : 0;
@@ -82,8 +82,8 @@ stp_result stp_store_read_head(stp_store* store)
     for (size_t i = 0; result == STP_OK && i < sizeof(types) / sizeof(types[0]); ++i) {
         result = stp_store_read_table(store, types[i], &text);
     }
-    result = result != STP_OK ? result : stp_store_judge_summary(store);
-    result = result != STP_OK ? result : stp_store_judge_certainty(store);
+    result = result != STP_OK ? result : stp_store_validate_summary(store);
+    result = result != STP_OK ? result : stp_store_validate_certainty(store);
     result = result != STP_OK ? result : stp_store_read_figures(store, &text);
     result = result != STP_OK ? result : stp_store_read_method_names(store, &text);
     result = result != STP_OK ? result : stp_store_read_text(store, STP_SECTION_BUILD, &text);
@@ -97,8 +97,8 @@ stp_result stp_store_read_head(stp_store* store)
     directory->sources = store->tables[STP_SECTION_SOURCES];
     directory->source_count = store->counts[STP_SECTION_SOURCES];
     directory->root = STP_STORE_NONE; // the graph is not read
-    stp_store_judge judge = stp_store_own_judge(store);
-    result = stp_store_judge_graph(&judge, directory);
+    stp_store_validator validator = stp_store_own_validator(store);
+    result = stp_store_validate_graph(&validator, directory);
     return result != STP_OK ? result : verify_texts(store);
 }
 

@@ -8,9 +8,8 @@
 #pragma once
 
 #include "base/hash.h"
+#include "base/splat_columns.h"
 #include "store/summary.h"
-
-#include <stipple/surfels.h>
 
 #define STP_STORE_NONE UINT32_MAX
 
@@ -49,11 +48,11 @@ typedef struct stp_store_mesh {
     const char* name;
     uint32_t vertex_count, triangle_count, material;
     stp_box bounds;
-    const float* positions;    ///< 3 a vertex
-    const int16_t* normals;    ///< NULL (flat), or octahedral, 2 a vertex, 32767 is 1
-    const float* texcoords[2]; ///< NULL, or 2 a vertex
-    const uint16_t* colors;    ///< NULL, or 4 a vertex, linear, 65535 is 1
-    const uint32_t* indices;   ///< 3 a triangle, each below vertex_count
+    const float* positions;    ///< 3 per vertex
+    const int16_t* normals;    ///< NULL (flat), or octahedral, 2 per vertex, 32767 is 1
+    const float* texcoords[2]; ///< NULL, or 2 per vertex
+    const uint16_t* colors;    ///< NULL, or 4 per vertex, linear, 65535 is 1
+    const uint32_t* indices;   ///< 3 per triangle, each below vertex_count
     double area; ///< of its triangles, in square units of its space; sorts blocks; not stored
     bool cut;    ///< a piece of a larger mesh: its borders round like the whole's; not stored
 } stp_store_mesh;
@@ -129,8 +128,8 @@ typedef struct stp_store_source {
     const char* coordinate_system; ///< of its points: WKT, or "EPSG:25832"; NULL: not known
 } stp_store_source;
 
-typedef struct stp_store_attribute stp_store_attribute;             // store/attributes.h
-typedef struct stp_store_attribute_value stp_store_attribute_value; // store/attributes.h
+typedef struct stp_store_attribute stp_store_attribute;             // store/attribute_blocks.h
+typedef struct stp_store_attribute_value stp_store_attribute_value; // store/attribute_blocks.h
 
 /// Everything but the bulk data; also the input of the writer. The store owns the arrays.
 typedef struct stp_store_directory {

@@ -7,7 +7,7 @@
 #include "base/context.h"
 #include "base/math.h"
 
-enum { STP_STORE_SCENE_PARTS = 64 }; ///< maximum number of parts, beside one for all others
+enum { STP_STORE_SCENE_PARTS = 64 }; ///< maximum number of parts, without the one for all others
 
 /// Counts include all instances; `unique_...` counts stored items. Sums saturate. *objects*: uses
 /// of an input object with a shape; unique: distinct shapes. *instances*: uses of meshes and point

@@ -8,7 +8,7 @@
 #include "store/clusters_layout.h"
 #include "store/content_sizes.h"
 #include "store/internal.h"
-#include "store/pictures.h"
+#include "store/texture_images.h"
 #include "store/writing.h"
 
 #include <string.h>
@@ -77,21 +77,23 @@ static stp_result patch_header(stp_store_writing* w, uint64_t data_offset)
 }
 
 // Rejects everything that the reader would reject.
-static stp_result judge_content(const stp_store_writing* w)
+static stp_result check_content(const stp_store_writing* w)
 {
     const stp_store_directory* d = &w->content->directory;
-    stp_store_judge judge = {.context = w->context, .path = w->path, .failure = STP_ERROR_ARGUMENT};
-    stp_result result = stp_store_judge_graph(&judge, d);
-    result = result == STP_OK ? stp_store_judge_methods(&judge, w->content) : result;
+    stp_store_validator validator = {
+        .context = w->context, .path = w->path, .failure = STP_ERROR_ARGUMENT};
+    stp_result result = stp_store_validate_graph(&validator, d);
+    result = result == STP_OK ? stp_store_validate_methods(&validator, w->content) : result;
     if (result == STP_OK) {
-        result = stp_store_judge_objects(&judge, d);
+        result = stp_store_validate_objects(&validator, d);
     }
     for (uint32_t i = 0; i < d->mesh_count && result == STP_OK; ++i) {
         const stp_store_mesh* mesh = &w->content->meshes[i];
-        result = stp_store_judge_material(&judge, "mesh", i, mesh->material, d->material_count);
+        result =
+            stp_store_validate_material(&validator, "mesh", i, mesh->material, d->material_count);
         const stp_coded_mesh* coded = stp_store_coded_mesh(w->content, i);
         if (result == STP_OK && coded == NULL) {
-            result = stp_store_judge_mesh_data(&judge, i, mesh);
+            result = stp_store_validate_mesh_data(&validator, i, mesh);
         } else if (result == STP_OK && coded->size < CLUSTERS_HEADER_BYTES) {
             result = stp_fail(w->context, STP_ERROR_ARGUMENT, "%s: mesh %u has too few bytes",
                               w->path, i);
@@ -99,27 +101,27 @@ static stp_result judge_content(const stp_store_writing* w)
     }
     for (uint32_t i = 0; i < d->point_set_count && result == STP_OK; ++i) {
         const stp_store_point_set* points = &w->content->point_sets[i];
-        result =
-            stp_store_judge_material(&judge, "point set", i, points->material, d->material_count);
+        result = stp_store_validate_material(&validator, "point set", i, points->material,
+                                             d->material_count);
         if (result == STP_OK && points->held_by == 0) {
-            result = stp_store_judge_point_data(&judge, i, points);
+            result = stp_store_validate_point_data(&validator, i, points);
         } else if (result == STP_OK) {
-            result = stp_store_judge_held_points(&judge, i, points,
-                                                 &w->content->surfels[points->held_by - 1]);
+            result = stp_store_validate_held_points(&validator, i, points,
+                                                    &w->content->surfels[points->held_by - 1]);
         }
     }
     for (uint32_t i = 0; i < d->texture_count && result == STP_OK; ++i) {
-        result = stp_store_judge_texture(&judge, i, &w->content->textures[i]);
+        result = stp_store_validate_texture(&validator, i, &w->content->textures[i]);
     }
-    result = result == STP_OK ? stp_store_judge_pictures(&judge, w->content) : result;
+    result = result == STP_OK ? stp_store_validate_pictures(&validator, w->content) : result;
     for (uint32_t i = 0; i < d->surfels_count && result == STP_OK; ++i) {
         const stp_splats* surfels = &w->content->surfels[i];
-        result = stp_store_judge_surfels(&judge, i, surfels);
-        result = result == STP_OK ? stp_store_judge_leaves(&judge, i, surfels) : result;
+        result = stp_store_validate_surfels(&validator, i, surfels);
+        result = result == STP_OK ? stp_store_validate_leaves(&validator, i, surfels) : result;
         if (result == STP_OK) {
             stp_store_surfel_data data = {surfels->count, surfels->materials, surfels->shapes,
                                           surfels->ranges};
-            result = stp_store_judge_surfel_data(&judge, i, &data, d->shading_count);
+            result = stp_store_validate_surfel_data(&validator, i, &data, d->shading_count);
         }
     }
     return result;
@@ -181,8 +183,7 @@ static stp_result write_all(stp_store_writing* w)
     if (result == STP_OK && w->content->is_intact != NULL &&
         !w->content->is_intact(w->content->release_user)) {
         result = stp_fail(w->context, STP_ERROR_IO,
-                          "%s: what it is written from was changed meanwhile; it is not written",
-                          w->path);
+                          "%s: not written, because the input changed during the build", w->path);
     }
     if (result == STP_OK) {
         stp_file_writer* file = w->file;
@@ -203,7 +204,7 @@ stp_result stp_store_write(stp_context* context, const stp_store_content* conten
         .object_text = {.context = context},
         .sums = {.context = context},
     };
-    stp_result result = judge_content(&w);
+    stp_result result = check_content(&w);
     if (result == STP_OK) {
         result = write_all(&w);
     }

@@ -32,7 +32,7 @@ struct stp_store_content {
 };
 
 /// Whether the file must list its methods: it has others than `blue`.
-bool stp_store_tells_methods(const stp_store_directory* directory);
+bool stp_store_lists_methods(const stp_store_directory* directory);
 
 /// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_ARGUMENT (invalid content)
 /// (logged; an existing file stays unchanged)

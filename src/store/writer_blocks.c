@@ -71,7 +71,7 @@ static stp_result write_clusters(stp_store_writing* w, uint32_t index)
     if (fault == NULL && (clusters.cluster_count != coded->cluster_count ||
                           clusters.triangle_count != coded->triangle_count ||
                           clusters.vertex_count != coded->vertex_count)) {
-        fault = "has clusters of other counts than it says";
+        fault = "has clusters whose counts differ from its own";
     }
     if (fault != NULL) {
         return stp_fail(w->context, STP_ERROR_ARGUMENT, "%s: mesh %u %s", w->path, index, fault);

@@ -440,7 +440,7 @@ static bool is_wanted(const stp_store_writing* w, uint32_t type)
         return any;
     case STP_SECTION_METHODS:
     case STP_SECTION_METHOD_NODES:
-        return stp_store_tells_methods(d);
+        return stp_store_lists_methods(d);
     case STP_SECTION_ATTRIBUTES:
         return w->attribute_count != 0;
     case STP_SECTION_ATTRIBUTE_VALUES:

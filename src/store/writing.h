@@ -3,9 +3,9 @@
 // writer_blocks.c (the data).
 #pragma once
 
+#include "store/block_order.h"
 #include "store/columns.h"
 #include "store/page_sums.h"
-#include "store/plan.h"
 #include "store/records.h"
 #include "store/writer.h"
 
@@ -32,8 +32,8 @@ typedef struct stp_store_writing {
 } stp_store_writing;
 
 /// The methods of the content, and the columns of their sets.
-STP_MUST_USE stp_result stp_store_judge_methods(const stp_store_judge* judge,
-                                                const stp_store_content* content);
+STP_MUST_USE stp_result stp_store_validate_methods(const stp_store_validator* validator,
+                                                   const stp_store_content* content);
 
 /// Octave chunks waiting to be compressed together.
 typedef struct stp_store_batch stp_store_batch;

@@ -140,8 +140,8 @@ void test_file_forgotten_can_be_read_again(test_state* test)
     CHECK_EQUAL(STP_OK, stp_file_map(context, path, &file));
     CHECK_EQUAL(wanted, sum_bytes(&file));
     uint64_t before = resident_file_bytes();
-    stp_file_forget(&file);
-    stp_file_forget(&none);
+    stp_file_evict(&file);
+    stp_file_evict(&none);
     uint64_t after = resident_file_bytes();
     CHECK(before == 0 || after + SIZE / 2 < before);
     CHECK_EQUAL(wanted, sum_bytes(&file));

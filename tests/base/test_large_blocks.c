@@ -118,8 +118,8 @@ void test_large_blocks_can_be_forgotten_in_part(test_state* test)
     unsigned char* block = stp_large_alloc(&large, size, 0);
     CHECK(block != NULL);
     memset(block, 7, size);
-    stp_large_forget(block + 1, 3 * page); // two pages lie within
-    stp_large_forget(block + 5 * page + 1, page);
+    stp_large_discard(block + 1, 3 * page); // two pages lie within
+    stp_large_discard(block + 5 * page + 1, page);
     for (size_t i = 0; i < size; ++i) {
         CHECK(block[i] == (i >= page && i < 3 * page ? 0 : 7));
     }

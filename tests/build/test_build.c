@@ -2,7 +2,7 @@
 // The whole path from a model to a file, on models written here.
 #include "tests.h"
 
-#include "build/build.h"
+#include "build/build_scene.h"
 #include "build/shadings.h"
 #include "store/store.h"
 
@@ -535,7 +535,7 @@ void test_built_files_are_not_built_again(test_state* test)
     CHECK(rename(w.output, w.model) == 0); // the content determines the format
     CHECK_EQUAL(STP_ERROR_UNSUPPORTED, build_to(context, &w, w.output, 0, NULL));
     CHECK_EQUAL(1, log.errors);
-    CHECK(strstr(log.text, w.model) != NULL && strstr(log.text, "is built already") != NULL);
+    CHECK(strstr(log.text, w.model) != NULL && strstr(log.text, "is a built file") != NULL);
     stp_context_destroy(context);
     close_workshop(&w);
     CHECK(folder_is_gone(&w));

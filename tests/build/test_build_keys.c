@@ -2,7 +2,7 @@
 // Keys contain everything that determines a result; a previous output is used only if it is intact.
 #include "tests.h"
 
-#include "build/build.h"
+#include "build/build_scene.h"
 
 #include <string.h>
 #include <unistd.h>

@@ -3,7 +3,7 @@
 #include "tests.h"
 
 #include "base/rng.h"
-#include "build/census.h"
+#include "build/object_counts.h"
 #include "scene/scene_helpers.h"
 
 #include <stdio.h>

@@ -3,7 +3,7 @@
 #define _GNU_SOURCE // unshare
 #include "tests.h"
 
-#include "build/build.h"
+#include "build/build_scene.h"
 #include "draw/draw.h"
 #include "import/las_points.h"
 #include "measure/image_compare.h"

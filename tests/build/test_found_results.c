@@ -2,7 +2,7 @@
 // Only results from before a build count as found, for any number of threads.
 #include "tests.h"
 
-#include "build/build.h"
+#include "build/build_scene.h"
 #include "build/found_results.h"
 
 #include <stdio.h>

@@ -2,8 +2,8 @@
 // Clouds are stored once: the set of splats with all points of a node holds them.
 #include "tests.h"
 
-#include "build/build.h"
-#include "select/pick.h"
+#include "build/build_scene.h"
+#include "select/pick_ray.h"
 #include "store/residency.h"
 #include "store/store.h"
 

@@ -2,7 +2,7 @@
 // The plan: which nodes get surfels, in which order, and how many.
 #include "tests.h"
 
-#include "build/plan.h"
+#include "build/set_plan.h"
 
 #include <string.h>
 

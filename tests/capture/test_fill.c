@@ -31,14 +31,14 @@ static void make_case(fill_case* c, uint64_t seed)
     c->query.surface = c->surface;
     uint32_t count = 0;
     for (int v = 0; v < 2; ++v) {
-        c->query.looks[v] = (stp_fill_look){.x = {1, 0, v == 1 ? 0.3f : 0.0f},
+        c->query.looks[v] = (stp_fill_view){.x = {1, 0, v == 1 ? 0.3f : 0.0f},
                                             .y = {0, 1, 0},
                                             .z = {0, 0, 0.01f},
                                             .x_shift = 0.25f,
-                                            .pixels_a_nearness = 100.0f,
+                                            .pixels_per_nearness = 100.0f,
                                             .width = SIDE,
                                             .height = SIDE,
-                                            .words_a_row = WORDS_A_ROW,
+                                            .words_per_row = WORDS_A_ROW,
                                             .words = c->words[v]};
         for (uint32_t i = 0; i < PIXELS; ++i) {
             stp_fill_word* word = &c->words[v][i / SIDE * WORDS_A_ROW + i % SIDE / 32];

@@ -117,7 +117,7 @@ refused 1 'missing.ply' compare-splats above.ply missing.ply
 refused 1 'single point' compare-splats above.ply one.ply
 refused 1 'not finite' compare-splats bad.ply square.ply
 refused 1 'a property is missing' compare-splats short.ply square.ply
-refused 1 'shorter' compare-splats cut.ply square.ply
+refused 1 'does not match its header' compare-splats cut.ply square.ply
 refused 1 'only to a .stip' compare-splats above.ply square.ply --splats 1
 
 # known distances

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Runs every command of the sh blocks of README.md and docs/hello.md as printed, in order, in a
-# scratch folder; different options give different pictures. Arguments: executable, scratch folder,
+# scratch folder, with the programs that the documents print; different options give different
+# pictures. Arguments: executable, scratch folder,
 # source folder.
 set -u
 stipple=$1
@@ -23,13 +24,16 @@ blocks = re.findall(r"^```sh\n(.*?)^```", open(document).read(), re.M | re.S)
 commands = [line for block in blocks for line in block.splitlines() if line.strip() and not line.startswith("#")]
 assert len(commands) >= 5, f"{document} has {len(commands)} commands"
 assert all(not c.endswith("\\") for c in commands), "commands stand on one line, to be copied"
+for text in re.findall(r"^```(?:c|python)\n(.*?)^```", open(document).read(), re.M | re.S):
+    name = re.match(r"(?://|#) (\w+\.\w+)$", text, re.M)[1] # a program; its first line names it
+    open(f"{out.rsplit('/', 1)[0]}/{name}", "w").write(text)
 with open(out, "w") as script:
     script.write("set -u\n")
     for command in commands:
         words = shlex.split(command, comments=True)
-        if words[0] in ("make", "scripts/demo", "scripts/test"):
+        if words[0] in ("make", "scripts/setup", "scripts/demo", "scripts/test"):
             script.write(f"test -e {'Makefile' if words[0] == 'make' else words[0]}")
-        elif words[:2] == ["stipple", "view"]:
+        elif words[0].endswith("stipple") and words[1] == "view":
             script.write(f"look {' '.join(shlex.quote(w) for w in words[2:])}")
         else:
             script.write(command)
@@ -53,7 +57,8 @@ export -f look
 
 for document in README.md docs/hello.md; do
     folder=$scratch/$(basename $document .md)
-    mkdir -p "$folder/bin"
+    mkdir -p "$folder/bin" "$folder/build"
+    ln -s "$(dirname "$(dirname "$stipple")")" "$folder/build/release"
     ln -s "$stipple" "$folder/bin/stipple"
     ln -s "$source/scripts" "$folder/scripts"
     cp "$source/Makefile" "$folder"
@@ -70,6 +75,8 @@ done
 
 # few, many and dots draw only splats, and differ from the triangles by the expected amounts
 cd "$scratch/hello" || exit 1
+python3 -c 'data = open("engine.ppm", "rb").read(); assert data.startswith(b"P6 640 480 255\n") and len(set(data[15:])) > 50' ||
+    fail "picture.c draws nothing"
 for options in "--splats 1000" "--splats 20000" "--splats 2000 --splat-scale 0.3"; do
     # shellcheck disable=SC2086
     "$stipple" render engine.stip -o figures.png --size 640x480 --once --json $options > figures.json

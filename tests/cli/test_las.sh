@@ -42,11 +42,11 @@ PY
 "$stipple" info a.las 2> /dev/null | grep -q 'intensity: u16' || fail "info does not list attributes"
 "$stipple" bench import --model a.las --quick --json > bench.json 2> bench.err || fail "bench import: $(cat bench.err)"
 grep -q '"points": 10000' bench.json && grep -q '"format": "las"' bench.json || fail "bench import: $(cat bench.json)"
-grep -q 'does not say its unit of length' info.err || fail "no word on the unit"
+grep -q 'its unit of length is unknown' info.err || fail "no word on the unit"
 "$stipple" build a.las -o a.stip --unit ft --progress none > build.out 2> build.err || fail "build of a LAS file"
 "$stipple" check a.stip > check.out || fail "check of what was built"
 "$stipple" info a.stip --json | grep -q '"unit": "ft"' || fail "the unit that was asked for"
-refused 1 "cut.las: ends after 9999 of the 10000 points that its header promises" \
+refused 1 "cut.las: ends after 9999 of the 10000 points in its header" \
     build cut.las -o cut.stip --progress none
 [ ! -e cut.stip ] || fail "a failed build leaves a file"
 exit $((failures > 0))

@@ -45,7 +45,7 @@ said()
     grep -qxF "stipple: warning: $1: not kept: $2" err || fail "$1 does not say what is lost: $(cat err)"
 }
 said rich.gltf "1 animation (drawn in the stored pose); 1 morph target (drawn at the stored weights); 1 line element; \
-1 camera that is not a perspective; 1 further scene; extensions KHR_lights_punctual, EXT_x"
+1 camera without perspective; 1 additional scene; extensions KHR_lights_punctual, EXT_x"
 said lines.obj "2 line elements"
 "$stipple" build plain.gltf -o out.stip > out 2> err || fail "plain: $(cat err)"
 [ ! -s err ] || fail "a model that is kept whole warns: $(cat err)"
@@ -62,9 +62,9 @@ if [ -e $skinned ]; then
 fi
 
 for old in old.gltf old.glb; do
-    refused 1 "it is glTF 1.0, which is not read: convert it to glTF 2.0" build $old -o out.stip
+    refused 1 "it is glTF 1.0, which is not supported: convert it to glTF 2.0" build $old -o out.stip
 done
-refused 1 "is STEP, which holds exact surfaces and no triangles.*export glTF" build part.stp -o out.stip
+refused 1 "is STEP, which contains exact surfaces instead of triangles.*export glTF" build part.stp -o out.stip
 refused 1 "is STEP" build part -o out.stip
 refused 1 "is IGES" build part.igs -o out.stip
 "$stipple" build house.ifc -o out.stip > out 2> err

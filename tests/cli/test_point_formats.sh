@@ -76,7 +76,7 @@ refused 2 "x, y and z must be among" info ball.xyz --columns x,y
 refused 2 "columns are x, y" build ball.xyz -o out.stip --columns x,y,z,w
 refused 2 "named twice" render ball.xyz -o out.png --columns x,y,z,x
 refused 1 "line 2" build bad.xyz -o out.stip
-refused 1 "bad.e57: is of version" build bad.e57 -o out.stip
+refused 1 "bad.e57: has version" build bad.e57 -o out.stip
 refused 1 "has 6 columns, not 7" info ball.xyz --columns x,y,z,r,g,b,class
 [ -e out.stip ] && fail "what was refused leaves a file"
 exit $((failures > 0))

@@ -90,8 +90,8 @@ for done in (run("info", "cut.stip", "--json"), run("render", "cut.stip", "-o", 
     told = json.loads(done.stdout)
     if {key: told.get(key) for key in wanted} != wanted:
         fail(f"a cut file is told as {told}")
-if "cut short" not in good("info", "cut.stip").stdout:
-    fail("info does not say that a file is cut short")
+if "truncated" not in good("info", "cut.stip").stdout:
+    fail("info does not say that a file is truncated")
 if json.loads(good("info", "statue.stip", "--json").stdout)["truncated"]:
     fail("info calls a whole file truncated")
 done = run("check", "cut.stip")

@@ -183,7 +183,7 @@ else
     wait $viewer
     code=$?
     viewer=0
-    [ $code -eq 1 ] && grep -q '^stipple: a file in use was made shorter' viewer.err || fail "cut short: $code: $(cat viewer.err)"
+    [ $code -eq 1 ] && grep -q '^stipple: a file in use was truncated' viewer.err || fail "cut short: $code: $(cat viewer.err)"
 fi
 # without OpenGL
 open_viewer ball.obj --backend cpu --software-window

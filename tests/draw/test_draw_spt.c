@@ -5,8 +5,8 @@
 #include "base/splat_codes.h"
 #include "draw/draw.h"
 #include "draw/support_store.h"
-#include "lod/spt/splats.h"
-#include "lod/surfels.h"
+#include "lod/set_columns.h"
+#include "lod/spt/spt_set.h"
 
 #include <string.h>
 

@@ -4,10 +4,10 @@
 
 #include "base/coverage.h"
 #include "base/octahedral.h"
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 #include "draw/support_gl.h"
-#include "lod/spt/splats.h"
-#include "lod/surfels.h"
+#include "lod/set_columns.h"
+#include "lod/spt/spt_set.h"
 
 #include <string.h>
 

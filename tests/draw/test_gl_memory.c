@@ -4,7 +4,7 @@
 #include "tests.h"
 
 #include "base/context.h"
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 #include "draw/support_gl.h"
 
 #include <string.h>

@@ -3,7 +3,7 @@
 #include "tests.h"
 
 #include "base/rng.h"
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 #include "draw/support_gl.h"
 #include "store/support_mesh.h"
 

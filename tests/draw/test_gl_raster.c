@@ -2,7 +2,7 @@
 // Splats drawn by compute shaders give the same picture as points and as the CPU.
 #include "tests.h"
 
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 #include "draw/support_gl.h"
 
 enum { PIXELS = PICTURE_SIDE * PICTURE_SIDE };

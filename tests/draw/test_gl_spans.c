@@ -76,7 +76,7 @@ static void give_one(test_state* test, shared* s, uint32_t at)
     uint8_t* words = words_at(s, gl_spans_first(&s->spans, span), count);
     CHECK(words != NULL && is_all(words, count, 1));
     memset(words, 0, count);
-    gl_spans_give_back(&s->spans, span);
+    gl_spans_release(&s->spans, span);
     s->kept[at] = s->kept[--s->count];
 }
 
@@ -128,7 +128,7 @@ void test_gl_spans_survive_failing_memory(test_state* test)
             }
         }
         for (uint32_t i = 0; i < count; ++i) {
-            gl_spans_give_back(&spans, kept[i]);
+            gl_spans_release(&spans, kept[i]);
         }
         CHECK_EQUAL(0, spans.used);
         CHECK(!added || gl_spans_take(&spans, 1u << 16) != SPANS_NONE);

@@ -7,8 +7,8 @@
 #include "base/triangle_level.h"
 #include "draw/support_gl.h"
 #include "draw/support_store.h"
-#include "lod/spt/splats.h"
-#include "lod/surfels.h"
+#include "lod/set_columns.h"
+#include "lod/spt/spt_set.h"
 #include "store/clusters.h"
 #include "store/large_triangles.h"
 

@@ -7,7 +7,7 @@
 #include "base/rng.h"
 #include "draw/draw.h"
 #include "draw/support_store.h"
-#include "select/pick.h"
+#include "select/pick_ray.h"
 #include "store/clusters.h"
 #include "store/support_mesh.h"
 

@@ -8,8 +8,8 @@
 #include "draw/draw.h"
 #include "draw/support_golden.h"
 #include "draw/support_store.h"
-#include "lod/psp/splats.h"
-#include "lod/surfels.h"
+#include "lod/psp/psp_set.h"
+#include "lod/set_columns.h"
 #include "present/camera.h"
 #include "select/sections.h"
 

@@ -315,7 +315,7 @@ void test_shade_keeps_all_surfaces_of_two_tiles(test_state* test)
         stp_context_destroy(context);
         return;
     }
-    cpu_forget_surfaces(memory);
+    cpu_reset_surfaces(memory);
     CHECK((uintptr_t)memory->surfaces % sizeof(cpu_shade_surface) == 0);
     dice rng = {9, 0};
     static uint32_t ids[2][SHADE_PIXELS], places[2][SHADE_PIXELS];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "image/image.h"
+#include "image/image_codecs.h"
 
 #include <spng.h>
 #include <string.h>
@@ -167,11 +167,11 @@ void test_image_refuses_absurd_sizes(test_state* test)
 void test_image_believes_in_proportion_to_bytes(test_state* test)
 {
     const uint64_t always = UINT64_C(1) << 26;
-    CHECK(stp_image_believes(0, 0) && stp_image_believes(always, 1));
-    CHECK(!stp_image_believes(always + 260, 1) && !stp_image_believes(UINT64_MAX, 1 << 30));
-    CHECK(
-        stp_image_believes(4 * always, 4 * always / 258)); // one RGBA colour, compressed by deflate
-    CHECK(!stp_image_believes(4 * always, 65546));         // the same with a palette of two
+    CHECK(stp_image_is_plausible(0, 0) && stp_image_is_plausible(always, 1));
+    CHECK(!stp_image_is_plausible(always + 260, 1) && !stp_image_is_plausible(UINT64_MAX, 1 << 30));
+    CHECK(stp_image_is_plausible(4 * always,
+                                 4 * always / 258));   // one RGBA colour, compressed by deflate
+    CHECK(!stp_image_is_plausible(4 * always, 65546)); // the same with a palette of two
 }
 
 void test_image_survives_failing_allocator(test_state* test)

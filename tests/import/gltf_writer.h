@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: MIT glTF files for tests, made in memory. JSON is written with single
-// quotes, which become double ones.
+// SPDX-License-Identifier: MIT
+// glTF files for tests, made in memory. JSON is written with single quotes, which become double
+// ones.
 #pragma once
 
 #include "tests.h"

@@ -117,8 +117,8 @@ void test_assimp_failures_are_one_sentence(test_state* test)
         stp_result result;
         const char* says;
     } cases[] = {
-        {"a.unknown", "x", STP_ERROR_UNSUPPORTED, "neither content nor extension"},
-        {"a", "x", STP_ERROR_UNSUPPORTED, "neither content nor extension"},
+        {"a.unknown", "x", STP_ERROR_UNSUPPORTED, "unknown format: neither its content"},
+        {"a", "x", STP_ERROR_UNSUPPORTED, "unknown format: neither its content"},
         {"a.dae", "", STP_ERROR_TRUNCATED, "is empty"},
         {"a.dae", "<COLLADA", STP_ERROR_FORMAT, "assimp"},
     };

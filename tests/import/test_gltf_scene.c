@@ -77,7 +77,7 @@ void test_gltf_refuses_graphs_that_are_no_trees(test_state* test)
          "test.glb: nodes[0]: its child nodes[1] already has a parent, nodes[0]"},
         {"{'children':[7]}", "test.glb: nodes[0]: element 0 is not an index below 1"},
         {"{'children':[-1]}", "test.glb: nodes[0]: element 0 is not an index below 1"},
-        {"{},{'children':[0]}", "test.glb: scenes[0].nodes: nodes[0] is no root, but a child of "
+        {"{},{'children':[0]}", "test.glb: scenes[0].nodes: nodes[0] is not a root but a child of "
                                 "nodes[1]"},
         {"{'scale':[1e300,1,1],'children':[1]},{'scale':[1e300,1,1]}",
          "test.glb: nodes[1]: the transform to the world is not finite"},

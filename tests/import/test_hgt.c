@@ -61,7 +61,7 @@ void test_hgt_places_and_holes(test_state* test)
     CHECK(scene != NULL && stp_hash_equal(one, digest_scene(scene)));
     stp_scene_destroy(scene);
     scene = import_bytes(context, "tile.hgt", bytes, SIZE, &result);
-    CHECK(scene != NULL && log.warnings == 1 && strstr(log.warning, "tells no place") != NULL);
+    CHECK(scene != NULL && log.warnings == 1 && strstr(log.warning, "has no coordinates") != NULL);
     stp_scene_destroy(scene);
     stp_context_destroy(context);
     free(bytes);

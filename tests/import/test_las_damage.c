@@ -87,11 +87,12 @@ void test_las_refuses_nonsense_in_its_header(test_state* test)
 {
     static const refusal wrong[] = {
         {247, 8, 12000000000000000000u, "ends after 120 of the 12000000000000000000 points"},
-        {24, 1, 2, "is of LAS version 2.4; 1.0 to 1.4 are read"},
-        {25, 1, 9, "is of LAS version 1.9; 1.0 to 1.4 are read"},
+        {24, 1, 2, "has LAS version 2.4; only 1.0 to 1.4 are supported"},
+        {25, 1, 9, "has LAS version 1.9; only 1.0 to 1.4 are supported"},
         {94, 2, 100, "its header has 100 bytes"},
         {104, 1, 11, "its point format is 11; LAS has formats 0 to 10"},
-        {104, 1, 128 + 6, "its points are compressed, but no VLR says how"},
+        {104, 1, 128 + 6,
+         "its points are compressed, but the VLR that describes the compression is missing"},
         {105, 2, 29, "its points have 29 bytes each; those of format 6 have 30"},
         {131, 8, 0, "the scale of its x is 0"},
         {139, 8, (uint64_t)0x7FF8 << 48, "the scale of its y is nan"},

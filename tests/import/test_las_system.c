@@ -109,15 +109,15 @@ void test_las_keeps_its_coordinate_system(test_state* test)
     CHECK(system_is_right((system_case){{.wkt = newer}, newer, 0.3048, NULL, STP_OK}));
     CHECK(system_is_right((system_case){
         {.wkt = metres, .format = 6, .extended_wkt = true}, metres, 1.0, NULL, STP_OK}));
-    CHECK(system_is_right((system_case){
-        {.wkt = feet}, feet, foot, "its heights are in another unit than its plane", STP_OK}));
+    CHECK(system_is_right(
+        (system_case){{.wkt = feet}, feet, foot, "its heights have another unit", STP_OK}));
     CHECK(system_is_right((system_case){
         {.wkt = metres, .keys = us_feet, .key_numbers = 16}, metres, 1.0, NULL, STP_OK}));
     CHECK(system_is_right(
         (system_case){{.keys = utm, .key_numbers = 12}, "EPSG:32633", 1.0, NULL, STP_OK}));
     CHECK(system_is_right(
         (system_case){{.keys = us_feet, .key_numbers = 16}, "EPSG:2994", foot, NULL, STP_OK}));
-    const char* unknown = "a.las: does not say its unit of length";
+    const char* unknown = "a.las: its unit of length is unknown";
     CHECK(system_is_right(
         (system_case){{.keys = no_unit, .key_numbers = 12}, "EPSG:2994", 0.0, unknown, STP_OK}));
     CHECK(system_is_right((system_case){{.format = 3}, NULL, 0.0, unknown, STP_OK}));
@@ -177,7 +177,7 @@ void test_las_names_what_it_does_not_keep(test_state* test)
     stp_result result;
     stp_scene* scene = import_bytes(context, "a.las", file.bytes, file.size, &result);
     CHECK_EQUAL(STP_OK, result);
-    CHECK(strcmp(log.warning, "a.las: not kept: 40 points' waveforms") == 0);
+    CHECK(strcmp(log.warning, "a.las: not kept: 40 point waveforms") == 0);
     stp_scene_destroy(scene);
     desc.format = 3;
     free(file.bytes);
@@ -194,7 +194,7 @@ void test_las_names_what_it_does_not_keep(test_state* test)
 // no points are lost.
 void test_las_checks_the_hierarchy_of_copc(test_state* test)
 {
-    static const char* const sentences[] = {NULL, "its points are not as many",
+    static const char* const sentences[] = {NULL, "its number of points differs",
                                             "an entry of it lies outside the file",
                                             "a page of it lies outside the file"};
     for (int kind = 0; kind < 4; ++kind) {

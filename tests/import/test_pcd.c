@@ -200,5 +200,5 @@ void test_pcd_bad_input_is_one_sentence(test_state* test)
     stp_write_u32(bytes + body + 4, 0xfffffff0);
     CHECK(is_refused("a.pcd", bytes, size, STP_ERROR_FORMAT, "do not fit"));
     stp_write_u32(bytes + body, 0xfffffff0);
-    CHECK(is_refused("a.pcd", bytes, size, STP_ERROR_TRUNCATED, "compressed points take"));
+    CHECK(is_refused("a.pcd", bytes, size, STP_ERROR_TRUNCATED, "bytes of compressed points"));
 }

@@ -292,7 +292,7 @@ void test_ply_bad_input_is_one_sentence(test_state* test)
         const char* says;
     } cases[] = {
         {"ply\n", STP_ERROR_TRUNCATED, "end_header"},
-        {"plywood\n", STP_ERROR_FORMAT, "begin"},
+        {"plywood\n", STP_ERROR_FORMAT, "no PLY signature"},
         {"ply\nformat ternary 1.0\n", STP_ERROR_FORMAT, "ternary"},
         {"ply\nelement vertex many\n", STP_ERROR_FORMAT, "count"},
         {"ply\nproperty float x\n", STP_ERROR_FORMAT, "element before"},
@@ -300,14 +300,14 @@ void test_ply_bad_input_is_one_sentence(test_state* test)
         {HEAD "property quaternion z\n", STP_ERROR_FORMAT, "quaternion"},
         {HEAD "end_header\n1 2\n", STP_ERROR_FORMAT, "x, y and z"},
         {"ply\nformat ascii 1.0\nend_header\n", STP_ERROR_FORMAT, "no vertex element"},
-        {HEAD "property float z\nend_header\n1 2 x   \n", STP_ERROR_FORMAT, "no number"},
+        {HEAD "property float z\nend_header\n1 2 x   \n", STP_ERROR_FORMAT, "not a number"},
         {HEAD "property float z\nend_header\n1 2        \n", STP_ERROR_TRUNCATED, "row 1"},
         {HEAD "property float z\nelement face 1\nproperty list uchar int vertex_index\nend_header\n"
               "0 0 0\n3 0 0 1\n",
-         STP_ERROR_FORMAT, "names vertex 1"},
+         STP_ERROR_FORMAT, "refers to vertex 1"},
         {HEAD "property float z\nelement face 1\nproperty list uchar int vertex_index\nend_header\n"
               "0 0 0\n3 0 0 -1\n",
-         STP_ERROR_FORMAT, "names vertex -1"},
+         STP_ERROR_FORMAT, "refers to vertex -1"},
         {HEAD "property float z\nelement face 1\nproperty list uchar int vertex_index\nend_header\n"
               "nan 0 0\n3 0 0 0\n",
          STP_ERROR_FORMAT, "finite"},

@@ -112,14 +112,15 @@ void test_ptx_bad_input_is_one_sentence(test_state* test)
         const char* says;
     } cases[] = {
         {"", STP_ERROR_TRUNCATED, "is empty"},
-        {"2\n2\n0 0 0\n", STP_ERROR_TRUNCATED, "begins with 10 lines"},
+        {"2\n2\n0 0 0\n", STP_ERROR_TRUNCATED, "starts with 10 header lines"},
         {"2.5\n2\n0 0 0\n\n\n\n\n\n\n\n", STP_ERROR_FORMAT, "number of columns"},
         {"-1\n2\n0 0 0\n\n\n\n\n\n\n\n", STP_ERROR_FORMAT, "number of columns"},
-        {"2\n2\n0 0 0\n1 0\n\n\n\n\n\n\n", STP_ERROR_FORMAT, "line 4: three numbers"},
+        {"2\n2\n0 0 0\n1 0\n\n\n\n\n\n\n", STP_ERROR_FORMAT, "line 4: expected the three"},
         {HEADER("2", "2", "0", "0", "0") "1 1 1 1\n", STP_ERROR_TRUNCATED, "ends after 1 cells"},
         {HEADER("4000000000", "4000000000", "0", "0", "0"), STP_ERROR_TRUNCATED, "after 0 cells"},
         {HEADER("1", "1", "0", "0", "inf") "1 1 1 1\n", STP_ERROR_FORMAT, "not finite"},
-        {HEADER("1", "1", "0", "0", "0") "1 1 1 1 1\n", STP_ERROR_FORMAT, "line 11: a cell has"},
+        {HEADER("1", "1", "0", "0", "0") "1 1 1 1 1\n", STP_ERROR_FORMAT,
+         "line 11: expected three"},
         {HEADER("1", "2", "0", "0", "0") "1 1 1 1\n1 1 x 1\n", STP_ERROR_FORMAT, "line 12"},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); ++i) {

@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: MIT A large STL file is read where it lies: what is in memory is the
-// mesh, and a table that is small beside it.
+// SPDX-License-Identifier: MIT
+// A large STL file is read where it lies: what is in memory is the mesh, and a table that is small
+// beside it.
 #include "base/bytes.h"
 #include "import/formats_test.h"
 

@@ -144,8 +144,8 @@ void test_xyz_bad_input_is_one_sentence(test_state* test)
         {"a.xyz", "0 0 0\n1 2 three\n3 3 3\n", STP_ERROR_FORMAT, "line 2"},
         {"a.xyz", "0 0 0\n1 2 3x\n3 3 3\n", STP_ERROR_FORMAT, "line 2"},
         {"a.csv", "0,0,0\n1,,3\n3,3,3\n", STP_ERROR_FORMAT, "line 2"},
-        {"a.pts", "3\n0 0 0\n1 2 3\n", STP_ERROR_TRUNCATED, "say 3 points, but it holds 2"},
-        {"a.pts", "1\n0 0 0\n2\n1 2 3\n", STP_ERROR_TRUNCATED, "say 3 points, but it holds 2"},
+        {"a.pts", "3\n0 0 0\n1 2 3\n", STP_ERROR_TRUNCATED, "say 3 points, but it has 2"},
+        {"a.pts", "1\n0 0 0\n2\n1 2 3\n", STP_ERROR_TRUNCATED, "say 3 points, but it has 2"},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); ++i) {
         CHECK(is_refused(cases[i].name, cases[i].text, strlen(cases[i].text), cases[i].result,
@@ -161,9 +161,9 @@ void test_xyz_losses_are_counted(test_state* test)
         import_text(context, "a.xyz", "0 0 0 0.5 7 w\nnan 0 0 1 7 w\n1 2 3 0.5 7 w\n4 4");
     CHECK(scene != NULL && scene->point_sets[0].point_count == 2);
     CHECK_EQUAL(2, log.warnings); // the unit, and skipped content
-    CHECK(strstr(log.warning, "1 point without a finite place") != NULL);
+    CHECK(strstr(log.warning, "1 point without a finite position") != NULL);
     CHECK(strstr(log.warning, "1 unfinished last line") != NULL);
-    CHECK(strstr(log.warning, "2 columns") != NULL);
+    CHECK(strstr(log.warning, "2 point columns") != NULL);
     stp_scene_destroy(scene);
     static const char more[] = "1\n0 0 0\n1 2 3\n"; // than the count; with a unit
     CHECK_EQUAL(STP_OK, stp_scene_create(context, &scene));
@@ -171,7 +171,7 @@ void test_xyz_losses_are_counted(test_state* test)
                                           &(stp_import_desc){.unit_metres = 1.0}));
     CHECK(scene->point_sets[0].point_count == 2);
     CHECK_EQUAL(3, log.warnings);
-    CHECK(strstr(log.warning, "1 points, but it holds 2") != NULL);
+    CHECK(strstr(log.warning, "1 points, but it has 2") != NULL);
     stp_scene_destroy(scene);
     stp_context_destroy(context);
 }

@@ -4,8 +4,7 @@
 
 #include "base/octahedral.h"
 #include "base/rng.h"
-
-#include <stipple/surfels.h>
+#include "base/splat_columns.h"
 
 #include <math.h>
 

@@ -6,7 +6,7 @@
 #include "lod/decimate/cells.h"
 #include "lod/decimate/contraction.h"
 #include "lod/decimate/octree_cells.h"
-#include "lod/decimate/parts.h"
+#include "lod/decimate/point_disks.h"
 
 #include <stipple/order.h>
 

@@ -4,8 +4,8 @@
 
 #include "base/processor.h"
 #include "base/rng.h"
+#include "lod/cloud_candidates.h"
 #include "lod/point_normals_kernels.h"
-#include "lod/points.h"
 
 #include <string.h>
 

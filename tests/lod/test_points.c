@@ -3,8 +3,8 @@
 
 #include "lod/blue/blue.h"
 #include "lod/candidate_helpers.h"
-#include "lod/points.h"
-#include "lod/surfels.h"
+#include "lod/cloud_candidates.h"
+#include "lod/set_columns.h"
 #include "scene/scene.h"
 
 #include <string.h>

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Sets of method psp (src/lod/psp/splats.c): the implied forest, levels, coverage, and determinism.
+// Sets of method psp (src/lod/psp/psp_set.c): the implied forest, levels, coverage, and determinism.
 #include "tests.h"
 
 #include "base/coverage.h"
 #include "base/splat_codes.h"
+#include "lod/psp/psp_set.h"
 #include "lod/psp/region.h"
-#include "lod/psp/splats.h"
+#include "lod/set_columns.h"
 #include "lod/sphere_samples.h"
-#include "lod/surfels.h"
 
 #include <string.h>
 

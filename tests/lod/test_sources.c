@@ -6,7 +6,7 @@
 #include "base/rng.h"
 #include "base/stretch.h"
 #include "capture/capture_internal.h"
-#include "capture/splats.h"
+#include "capture/surfel_disks.h"
 #include "lod/hierarchy_helpers.h"
 #include "lod/sources.h"
 

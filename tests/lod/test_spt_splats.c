@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// Sets of Sequential Point Trees (src/lod/spt/splats.c): order, ranges and table, and that any level is a picture.
+// Sets of Sequential Point Trees (src/lod/spt/spt_set.c): order, ranges and table, and that any level is a picture.
 #include "tests.h"
 
 #include "base/coverage.h"
 #include "base/prefix_table.h"
 #include "base/splat_codes.h"
 #include "lod/method.h"
+#include "lod/set_columns.h"
 #include "lod/sphere_samples.h"
-#include "lod/spt/splats.h"
-#include "lod/surfels.h"
+#include "lod/spt/spt_set.h"
 
 #include <stdlib.h>
 #include <string.h>

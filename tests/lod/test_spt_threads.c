@@ -6,9 +6,9 @@
 #include "base/octahedral.h"
 #include "base/rng.h"
 #include "lod/method.h"
+#include "lod/set_columns.h"
 #include "lod/spt/sequence.h"
-#include "lod/spt/splats.h"
-#include "lod/surfels.h"
+#include "lod/spt/spt_set.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -6,10 +6,10 @@
 #include "base/leaf_runs.h"
 #include "base/octahedral.h"
 #include "base/rng.h"
+#include "lod/set_columns.h"
 #include "lod/stochastic/orient.h"
 #include "lod/stochastic/scatter.h"
 #include "lod/stochastic/set.h"
-#include "lod/surfels.h"
 #include "store/leaf_tree.h"
 
 #include <string.h>

@@ -121,7 +121,7 @@ void test_ray_cast_meets_the_nearest_triangle(test_state* test)
         stp_cast_ray ray = make_ray(i);
         uint32_t skip = i % 2 == 0 ? UINT32_MAX : 3;
         stp_cast_hit hit;
-        bool hits = stp_caster_meet(caster, &ray, skip == 3 ? keeps : NULL, &skip, &hit);
+        bool hits = stp_caster_intersect(caster, &ray, skip == 3 ? keeps : NULL, &skip, &hit);
         double wanted = meet_all(&w, caster, &ray, skip == 3 ? 3 : PARTS + 1);
         CHECK(hits == isfinite(wanted));
         missed += hits ? 0 : 1;
@@ -177,7 +177,7 @@ void test_ray_cast_slips_through_no_edge(test_state* test)
         for (int k = 0; k < 2; ++k) {
             stp_cast_ray ray = {origin, stp_subd(targets[k], origin), 0.0, 10.0};
             stp_cast_hit hit;
-            CHECK(stp_caster_meet(caster, &ray, NULL, NULL, &hit));
+            CHECK(stp_caster_intersect(caster, &ray, NULL, NULL, &hit));
             CHECK(fabs(hit.distance - 1.0) < 1e-9);
         }
     }
@@ -207,7 +207,7 @@ void test_ray_cast_of_odd_boxes(test_state* test)
         stp_cast_ray ray = {
             {0.3 * size, 0.3 * size, size * 0.75}, {0.0, 0.0, 1.0}, 0.0, (double)INFINITY};
         stp_cast_hit hit;
-        CHECK(stp_caster_meet(caster, &ray, NULL, NULL, &hit));
+        CHECK(stp_caster_intersect(caster, &ray, NULL, NULL, &hit));
         CHECK(fabs(hit.distance - 0.25 * size) <= 1e-9 * size);
     }
     stp_caster_destroy(context, caster);
@@ -215,7 +215,7 @@ void test_ray_cast_of_odd_boxes(test_state* test)
     CHECK(stp_boxd_is_empty(stp_caster_bounds(caster)));
     stp_cast_ray ray = {{0, 0, 0}, {0, 0, 1}, 0.0, 1.0};
     stp_cast_hit hit;
-    CHECK(!stp_caster_meet(caster, &ray, NULL, NULL, &hit));
+    CHECK(!stp_caster_intersect(caster, &ray, NULL, NULL, &hit));
     stp_caster_destroy(context, caster);
     stp_context_destroy(context);
 }

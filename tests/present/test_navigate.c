@@ -79,9 +79,9 @@ void test_navigate_views_are_given_as_they_were_taken(test_state* test)
         stp_view view = {0}, second = {0};
         n.elevation = i % 20 == 0 ? copysign(0.5 * STP_PI, n.elevation) : n.elevation;
         n.roll = i % 5 == 0 ? 0.0 : n.roll;
-        stp_navigator_give(&n, &view);
-        stp_navigator_take(&again, &view);
-        stp_navigator_give(&again, &second);
+        stp_navigator_write_view(&n, &view);
+        stp_navigator_read_view(&again, &view);
+        stp_navigator_write_view(&again, &second);
         CHECK(distance(view.eye, second.eye) == 0.0 && distance(view.up, second.up) < 1e-6);
         CHECK(distance(view.target, second.target) < 1e-6 * n.reach);
         CHECK(view.ortho_height == second.ortho_height && view.width == 640 && view.height == 400);
@@ -281,7 +281,7 @@ void test_navigate_orbits_turn_about_what_is_looked_at(test_state* test)
     stp_navigator_choose_pivot(&n, middle);
     stp_navigator_begin_orbit(&n, &close); // the user chose a pivot
     CHECK(distance(n.pivot, middle) == 0.0 && n.pivot_chosen);
-    stp_navigator_look(&n, 3.0, 0.0); // it is behind the eye now
+    stp_navigator_turn(&n, 3.0, 0.0); // it is behind the eye now
     stp_navigator_begin_orbit(&n, NULL);
     CHECK(!n.pivot_chosen && fabs(distance(n.pivot, n.eye) - n.reach) < 1e-9);
 }

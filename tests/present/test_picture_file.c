@@ -2,7 +2,7 @@
 #include "tests.h"
 
 #include "base/file.h"
-#include "image/image.h"
+#include "image/image_codecs.h"
 #include "present/picture_file.h"
 
 #include <stdio.h>

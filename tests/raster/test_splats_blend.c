@@ -178,7 +178,7 @@ void test_splats_blend_alike_whatever_is_left_out(test_state* test)
     uint16_t bits[WORDS];
     int left = 0;
     memset(bits, 0xFF, sizeof(bits));
-    stp_raster_ask_splats(&s.splats, bits);
+    stp_raster_test_splats(&s.splats, bits);
     for (int i = 0; i < SPLATS; ++i) {
         left += bits[i / 16] >> i % 16 & 1;
     }

@@ -136,7 +136,7 @@ static void check_kernel(test_state* test, splat_kernel kernel, ask_kernel ask, 
         // asked again with the same occluder or none, everything or nothing is hidden
         stp_splat_frame frame;
         memcpy(wanted, s.hidden, sizeof(wanted));
-        stp_splats_ask_frame(&frame, &s.splats);
+        stp_splats_test_frame(&frame, &s.splats);
         CHECK(!ask(&frame, wanted));
         CHECK_EQUAL(0, count_bits(wanted));
         memcpy(wanted, s.hidden, sizeof(wanted));
@@ -157,16 +157,16 @@ static void check_kernel(test_state* test, splat_kernel kernel, ask_kernel ask, 
 void test_splats_hidden_cannot_be_seen(test_state* test)
 {
     int hidden[3] = {0};
-    check_kernel(test, stp_splats_draw_portable, stp_splats_ask_portable, &hidden[0]);
+    check_kernel(test, stp_splats_draw_portable, stp_splats_test_portable, &hidden[0]);
     CHECK(hidden[0] > 500); // otherwise nothing was tested
 #if defined(__x86_64__)
     stp_processor processor = stp_processor_detect();
     if (processor >= STP_PROCESSOR_AVX2) {
-        check_kernel(test, stp_splats_draw_avx2, stp_splats_ask_avx2, &hidden[1]);
+        check_kernel(test, stp_splats_draw_avx2, stp_splats_test_avx2, &hidden[1]);
         CHECK_EQUAL(hidden[0], hidden[1]);
     }
     if (processor >= STP_PROCESSOR_AVX512) {
-        check_kernel(test, stp_splats_draw_avx512, stp_splats_ask_avx512, &hidden[2]);
+        check_kernel(test, stp_splats_draw_avx512, stp_splats_test_avx512, &hidden[2]);
         CHECK_EQUAL(hidden[0], hidden[2]);
     }
 #endif

@@ -2,7 +2,7 @@
 #include "select/support_built.h"
 
 #include "base/rng.h"
-#include "build/build.h"
+#include "build/build_scene.h"
 
 #include <math.h>
 #include <stdlib.h>

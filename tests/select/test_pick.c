@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "base/rng.h"
 #include "draw/support_store.h"
-#include "select/pick.h"
+#include "select/pick_ray.h"
 #include "select/sections.h"
 #include "select/support_built.h"
 #include "store/clusters.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Rays pass through areas removed by alpha: a pick hits what the picture shows in that pixel.
 #include "draw/support_picture.h"
-#include "select/pick.h"
+#include "select/pick_ray.h"
 #include "store/support_mesh.h"
 
 #include <string.h>

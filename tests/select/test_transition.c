@@ -6,7 +6,7 @@
 #include "base/math.h"
 #include "base/prefix_table.h"
 #include "base/rng.h"
-#include "build/build.h"
+#include "build/build_scene.h"
 #include "select/select.h"
 #include "select/support_built.h"
 #include "select/view_frame.h"

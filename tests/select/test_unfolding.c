@@ -4,7 +4,7 @@
 #include "tests.h"
 
 #include "draw/support_store.h"
-#include "select/pick.h"
+#include "select/pick_ray.h"
 #include "select/select.h"
 #include "select/visibility.h"
 

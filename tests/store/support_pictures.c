@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support_pictures.h"
 
-#include "image/image.h"
+#include "image/image_codecs.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -3,8 +3,7 @@
 #pragma once
 
 #include "base/arena.h"
-
-#include <stipple/surfels.h>
+#include "base/splat_columns.h"
 
 typedef struct progressive_desc {
     uint64_t seed;

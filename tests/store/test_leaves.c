@@ -7,8 +7,8 @@
 
 #include "base/leaf_runs.h"
 #include "base/rng.h"
+#include "lod/set_columns.h"
 #include "lod/stochastic/set.h"
-#include "lod/surfels.h"
 #include "store/internal.h"
 #include "store/leaves.h"
 #include "store/residency.h"

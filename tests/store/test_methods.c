@@ -193,7 +193,7 @@ void test_splat_codes_never_shrink(test_state* test)
 }
 
 // Invalid shapes and ranges are rejected by the writer, and by a reader of a changed file.
-void test_splat_columns_are_judged(test_state* test)
+void test_splat_columns_are_validated(test_state* test)
 {
     test_log log = {.errors = 0};
     stp_context* context = test_context(NULL, 1, &log);
@@ -208,10 +208,11 @@ void test_splat_columns_are_judged(test_state* test)
         made.sets[1].shapes[2] = wrong[i][0];
         made.sets[1].ranges[2] = wrong[i][1];
         CHECK_EQUAL(STP_ERROR_ARGUMENT, write_and_open(context, &made.content, &bytes, &store));
-        stp_store_judge judge = {.context = context, .path = "x", .failure = STP_ERROR_FORMAT};
+        stp_store_validator validator = {
+            .context = context, .path = "x", .failure = STP_ERROR_FORMAT};
         stp_store_surfel_data data = {made.sets[1].count, made.sets[1].materials,
                                       made.sets[1].shapes, made.sets[1].ranges};
-        CHECK_EQUAL(STP_ERROR_FORMAT, stp_store_judge_surfel_data(&judge, 1, &data, 1));
+        CHECK_EQUAL(STP_ERROR_FORMAT, stp_store_validate_surfel_data(&validator, 1, &data, 1));
         stp_arena_destroy(&arena);
     }
     CHECK_EQUAL(4, log.errors);

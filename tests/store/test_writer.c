@@ -4,8 +4,8 @@
 #include "tests.h"
 
 #include "base/file.h"
+#include "store/block_order.h"
 #include "store/format.h"
-#include "store/plan.h"
 
 #include <dirent.h>
 #include <signal.h>

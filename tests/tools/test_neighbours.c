@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Which files beside a model its text names, against looking for each name.
-#include "neighbours.h"
+#include "companion_files.h"
 #include "tests.h"
 
 #include "base/rng.h"

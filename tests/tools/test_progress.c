@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "progress.h"
+#include "progress_line.h"
 #include "tests.h"
 
 #include <jansson.h>

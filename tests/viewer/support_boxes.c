@@ -3,7 +3,7 @@
 
 #include "tests.h"
 
-#include "build/build.h"
+#include "build/build_scene.h"
 #include "scenes/scenes.h"
 
 #include <stdio.h>

@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: MIT The tree of parts as the viewer shows it: rows that fold, search,
-// what is chosen, hidden, isolated.
+// SPDX-License-Identifier: MIT
+// The tree of parts as the viewer shows it: rows that fold, search, what is chosen, hidden,
+// isolated.
 #include "tests.h"
 
 #include "base/context.h"

@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: MIT The thread that draws for the window: what makes another picture,
-// and what happens when OpenGL is lost.
+// SPDX-License-Identifier: MIT
+// The thread that draws for the window: what makes another picture, and what happens when OpenGL is
+// lost.
 #include "tests.h"
 
 #include "base/clock.h"

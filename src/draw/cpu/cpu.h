@@ -206,7 +206,7 @@ typedef struct cpu_renderer {
     uint32_t* asked; ///< one index per texture
     cpu_item* items;
     size_t item_count, item_capacity;
-    uint64_t large_count; ///< triangles tested for drawing beside splats
+    uint64_t large_count; ///< triangles tested for drawing together with splats
     uint32_t piece_count;
     cpu_eye eyes[STP_EYES_MOST];
     stp_depth_pyramid pyramids[STP_EYES_MOST]; ///< of the eyes' last pictures; no levels: none
@@ -231,7 +231,7 @@ typedef struct cpu_renderer {
     const stp_draw_style* style;
     const stp_sections* sections;
     const stp_visibility* visibility; ///< NULL: everything is shown
-    // the current eye (cpu_look_through)
+    // the current eye (select_eye)
     cpu_eye* eye;
     stp_view_frame frame;
     stp_image* image;

@@ -4,7 +4,7 @@
 #include "base/clock.h"
 #include "draw/cpu/accumulate.h"
 #include "draw/cpu/blend.h"
-#include "draw/cpu/caps.h"
+#include "draw/cpu/draw_caps.h"
 #include "draw/cpu/effects.h"
 #include "draw/cpu/layers.h"
 #include "draw/placement.h"
@@ -20,7 +20,7 @@ static void choose_nearness(cpu_renderer* r)
 }
 
 /// Makes this eye the current one.
-static void look_through(cpu_renderer* r, uint32_t number)
+static void select_eye(cpu_renderer* r, uint32_t number)
 {
     size_t first = (size_t)number * r->width * r->height;
     const stp_depth_pyramid* pyramid = &r->pyramids[number];
@@ -90,7 +90,7 @@ static stp_result select_rejected(cpu_renderer* r, size_t first)
     cpu_two_passes* passes = r->two_passes;
     stp_result result = STP_OK;
     for (uint32_t i = 0; i < r->eye_count && result == STP_OK; ++i) {
-        look_through(r, i);
+        select_eye(r, i);
         stp_team_run(&r->team, r->height, CPU_BAND_ROWS, find_depths, r);
         double start = stp_clock_ms();
         result = cpu_is_stopped(r) ? STP_ERROR_CANCELLED : make_pyramid(r);
@@ -112,7 +112,7 @@ static stp_result draw_first_pass(cpu_renderer* r, const stp_draw_list* list)
     r->placed = NULL;
     for (uint32_t i = 0; i < r->eye_count && result == STP_OK; ++i) {
         r->eyes[i].made = false;
-        look_through(r, i);
+        select_eye(r, i);
         result = cpu_prepare_occluder(r);
         if (result != STP_OK) {
             return result;
@@ -177,7 +177,7 @@ static stp_result draw_second_pass(cpu_renderer* r, const stp_draw_list* list, b
     stp_result result = STP_OK;
     for (uint32_t i = r->eye_count; i-- > 0 && result == STP_OK;) {
         double start = stp_clock_ms();
-        look_through(r, i);
+        select_eye(r, i);
         result = again ? cpu_prepare_occluder(r) : STP_OK;
         if (result != STP_OK) {
             return result;
@@ -242,7 +242,7 @@ stp_result cpu_draw_summed(cpu_renderer* r, const stp_draw_list* list, uint32_t 
     }
     double start = stp_clock_ms();
     for (uint32_t i = 0; i < r->eye_count && r->sample_count > 1 && result == STP_OK; ++i) {
-        look_through(r, i);
+        select_eye(r, i);
         stp_team_run(&r->team, r->height, CPU_BAND_ROWS, average_bands, r);
     }
     stats->shade_ms += stp_clock_ms() - start;
@@ -252,7 +252,7 @@ stp_result cpu_draw_summed(cpu_renderer* r, const stp_draw_list* list, uint32_t 
 static void add_frames(cpu_renderer* r)
 {
     for (uint32_t i = 0; i < r->eye_count; ++i) {
-        look_through(r, i);
+        select_eye(r, i);
         cpu_add_frame(r);
     }
     r->accumulation.frames += 1;
@@ -264,7 +264,7 @@ static void show_frames(cpu_renderer* r)
         r->workers[i].covered = 0;
     }
     for (uint32_t i = 0; i < r->eye_count; ++i) {
-        look_through(r, i);
+        select_eye(r, i);
         cpu_show_frames(r);
     }
 }

@@ -30,7 +30,7 @@ const cpu_item* cpu_item_of_piece(const cpu_renderer* r, uint32_t piece)
 #define BACK_DEPTH 2.0f
 
 /// @return whether some were occluded
-static bool note_hidden(const uint16_t* bits, uint32_t begin, uint32_t end)
+static bool record_hidden(const uint16_t* bits, uint32_t begin, uint32_t end)
 {
     uint16_t any = 0;
     for (uint32_t i = begin / 16; i < (end + 15) / 16; ++i) {
@@ -62,7 +62,7 @@ static void draw_range(const cpu_renderer* r, const cpu_item* item, const stp_ra
 }
 
 /// Marks no splat of [begin, end) as occluded.
-static void forget_hidden(const stp_raster_splats* splats, uint32_t begin, uint32_t end)
+static void clear_hidden(const stp_raster_splats* splats, uint32_t begin, uint32_t end)
 {
     for (uint32_t i = begin / 16; splats->hidden != NULL && i < (end + 15) / 16; ++i) {
         splats->hidden[i] = 0;
@@ -84,7 +84,7 @@ static void draw_runs(cpu_renderer* r, const cpu_item* item, stp_raster_splats* 
     for (uint32_t at = begin; at < end; ++run) {
         bool none = run == item->draw->run_count || item->runs[run].begin >= end;
         uint32_t from = none ? end : item->runs[run].begin;
-        forget_hidden(splats, at, from);
+        clear_hidden(splats, at, from);
         splats->begin = at = from > at ? from : at;
         if (!none) {
             splats->end = at = item->runs[run].end < end ? item->runs[run].end : end;
@@ -238,7 +238,7 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
     }
     fix_size(r, item, &splats);
     if (late && splats.hidden != NULL) { // most are still occluded: test them before any other work
-        if (!stp_raster_ask_splats(&splats, splats.hidden)) {
+        if (!stp_raster_test_splats(&splats, splats.hidden)) {
             return;
         }
         splats.wanted = splats.hidden;
@@ -255,7 +255,7 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
     if (cut && left && !cpu_cut_splats(r, item, &splats, worker)) {
         worker->failed = true;
     } else if (!left) {
-        forget_hidden(&splats, splats.begin, splats.end);
+        clear_hidden(&splats, splats.begin, splats.end);
     } else if (item->kind == STP_DRAW_SURFELS && r->layers.of_splats) {
         draw_both(r, item, &splats, late, target, worker);
     } else {
@@ -348,7 +348,7 @@ bool cpu_draw_piece(cpu_renderer* r, const cpu_item* item, uint32_t piece, bool 
     }
     draw_splats(r, item, from, to, late, target, worker);
     return item->kind == STP_DRAW_SURFELS && r->occluding != NULL &&
-           note_hidden(r->eye->late + item->late, from, to);
+           record_hidden(r->eye->late + item->late, from, to);
 }
 
 static void draw_pieces(size_t begin, size_t end, uint32_t index, void* user)

@@ -337,7 +337,7 @@ static cpu_shade_tile* begin_tile(const shader* s, uint32_t x, uint32_t y, uint3
     merge_tile(s, tile);
     if (tile->any) {
         find_runs(s, tile);
-        cpu_ask_surfaces(s->r, s->memory, tile);
+        cpu_prefetch_surfaces(s->r, s->memory, tile);
     }
     return tile;
 }

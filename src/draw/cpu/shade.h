@@ -145,7 +145,7 @@ typedef struct cpu_triangle_memory cpu_triangle_memory;
 /// is lit.
 struct cpu_shade_memory {
     cpu_shade_surface* surfaces; ///< SHADE_SURFACES, one cache line each
-    unsigned char* room;         ///< that they lie in
+    unsigned char* room;         ///< memory of the surfaces
     struct {
         uint32_t id;   ///< UINT32_MAX: none
         uint32_t tile; ///< tile of its last use
@@ -164,10 +164,10 @@ struct cpu_shade_memory {
 /// NULL if out of memory.
 cpu_shade_memory* cpu_make_shade_memory(stp_context* context);
 void cpu_destroy_shade_memory(stp_context* context, cpu_shade_memory* memory);
-void cpu_forget_surfaces(cpu_shade_memory* memory);
+void cpu_reset_surfaces(cpu_shade_memory* memory);
 /// stp_free. NULL if out of memory.
 cpu_triangle_memory* cpu_make_triangle_memory(stp_context* context);
-void cpu_forget_triangles(cpu_triangle_memory* memory);
+void cpu_reset_triangles(cpu_triangle_memory* memory);
 
 /// Index of the item that `id` belongs to.
 uint32_t cpu_find_item(const cpu_renderer* r, uint32_t id);
@@ -177,7 +177,8 @@ cpu_shade_tile* cpu_begin_tile(cpu_shade_memory* memory);
 /// Surface of an id, which may not be filled yet.
 uint32_t cpu_find_surface(cpu_shade_memory* memory, cpu_shade_tile* tile, uint32_t id);
 /// Prefetches the data of a tile's unfilled surfaces.
-void cpu_ask_surfaces(const cpu_renderer* r, cpu_shade_memory* memory, const cpu_shade_tile* tile);
+void cpu_prefetch_surfaces(const cpu_renderer* r, cpu_shade_memory* memory,
+                           const cpu_shade_tile* tile);
 /// Fills them.
 void cpu_make_surfaces(const cpu_renderer* r, cpu_shade_memory* memory, cpu_shade_tile* tile);
 
@@ -187,7 +188,7 @@ void cpu_make_splat_surface(const cpu_renderer* r, uint32_t slot, uint32_t index
 /// Light and eye for places in the whole picture.
 cpu_shade_scene cpu_make_shade_scene(const cpu_renderer* r);
 
-void cpu_ask_triangle(const cpu_renderer* r, cpu_shade_memory* memory, uint32_t at);
+void cpu_prefetch_triangle(const cpu_renderer* r, cpu_shade_memory* memory, uint32_t at);
 /// Fills surface `at` of a prefetched triangle, and its cached data.
 cpu_shade_kind cpu_make_triangle_surface(const cpu_renderer* r, cpu_shade_memory* memory,
                                          uint32_t at);

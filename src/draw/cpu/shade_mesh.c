@@ -46,7 +46,7 @@ cpu_triangle_memory* cpu_make_triangle_memory(stp_context* context)
     return STP_NEW_ZEROED(context, cpu_triangle_memory, 1);
 }
 
-void cpu_forget_triangles(cpu_triangle_memory* memory)
+void cpu_reset_triangles(cpu_triangle_memory* memory)
 {
     memset(memory->places, 0, sizeof(memory->places));
     for (int i = 0; i < OPEN; ++i) {
@@ -67,7 +67,7 @@ static void find_cluster(const cpu_item* item, uint32_t index, cluster_place* pl
     stp_clusters_prefetch(clusters, cluster);
 }
 
-void cpu_ask_triangle(const cpu_renderer* r, cpu_shade_memory* memory, uint32_t at)
+void cpu_prefetch_triangle(const cpu_renderer* r, cpu_shade_memory* memory, uint32_t at)
 {
     const cpu_item* item = &r->items[memory->item[at]];
     uint32_t id = memory->slots[at].id;

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: MIT
 //
 // Surface cache: each worker looks up an id once, and keeps its surface until another id needs the
-// slot. If a tile needs a slot twice, it uses extra slots of its own.
+// slot. If a tile needs a slot twice, it uses private extra slots.
 #include "draw/cpu/layers.h"
 #include "draw/cpu/shade.h"
 #include "raster/splats_glass.h"
 
 #include <string.h>
 
-void cpu_forget_surfaces(cpu_shade_memory* memory)
+void cpu_reset_surfaces(cpu_shade_memory* memory)
 {
     for (int i = 0; i < SHADE_KEPT; ++i) {
         memory->slots[i].id = UINT32_MAX;
         memory->slots[i].tile = 0;
     }
     memory->tile_count = memory->last_item = 0;
-    cpu_forget_triangles(memory->triangles);
+    cpu_reset_triangles(memory->triangles);
 }
 
 cpu_shade_tile* cpu_begin_tile(cpu_shade_memory* memory)
@@ -128,7 +128,7 @@ void cpu_make_splat_surface(const cpu_renderer* r, uint32_t slot, uint32_t index
     }
 }
 
-static void ask_surfel(const cpu_shade_item* item, size_t index)
+static void prefetch_surfel(const cpu_shade_item* item, size_t index)
 {
     __builtin_prefetch(item->colors + 3 * index);
     __builtin_prefetch(item->normals + 2 * index);
@@ -138,7 +138,8 @@ static void ask_surfel(const cpu_shade_item* item, size_t index)
     }
 }
 
-void cpu_ask_surfaces(const cpu_renderer* r, cpu_shade_memory* memory, const cpu_shade_tile* tile)
+void cpu_prefetch_surfaces(const cpu_renderer* r, cpu_shade_memory* memory,
+                           const cpu_shade_tile* tile)
 {
     uint32_t slot = memory->last_item;
     for (uint32_t i = 0; i < tile->miss_count; ++i) {
@@ -150,9 +151,9 @@ void cpu_ask_surfaces(const cpu_renderer* r, cpu_shade_memory* memory, const cpu
         }
         memory->item[at] = slot;
         if (item->kind == STP_DRAW_SURFELS) {
-            ask_surfel(item, id - item->first_id);
+            prefetch_surfel(item, id - item->first_id);
         } else if (item->kind == STP_DRAW_MESH) {
-            cpu_ask_triangle(r, memory, at);
+            cpu_prefetch_triangle(r, memory, at);
         }
     }
     memory->last_item = slot;

@@ -161,7 +161,7 @@ uint32_t cpu_find_item(const cpu_renderer* r, uint32_t id)
 void cpu_begin_shading(cpu_renderer* r)
 {
     for (uint32_t i = 0; i < r->team.threads; ++i) {
-        cpu_forget_surfaces(r->workers[i].shading);
+        cpu_reset_surfaces(r->workers[i].shading);
     }
 }
 

@@ -2,7 +2,7 @@
 #include "draw/gl/cap_pass.h"
 
 #include "base/context.h"
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 
 void gl_cap_pass_destroy(gl_renderer* r)
 {
@@ -33,7 +33,7 @@ static stp_result make_textures(gl_renderer* r)
     if (gl->GetError() != GL_NO_ERROR) {
         pass->width = 0;
         return stp_fail(r->base.context, STP_ERROR_OUT_OF_MEMORY,
-                        "gl: there is no graphics memory for caps of a picture of %ux%u", width,
+                        "gl: not enough graphics memory for caps of a picture of %ux%u", width,
                         height);
     }
     return STP_OK;

@@ -2,7 +2,7 @@
 // CPU culling of mesh clusters, and the drawn share of each.
 #pragma once
 
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 
 /// Adds commands for the clusters of a placed mesh item that may be visible.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, or as the store's functions; logged

@@ -3,7 +3,7 @@
 
 #include "base/context.h"
 #include "draw/effect_shape.h"
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 
 void gl_effect_pass_destroy(gl_renderer* r)
 {
@@ -71,7 +71,7 @@ static stp_result make_planes(gl_renderer* r)
     if (gl->GetError() != GL_NO_ERROR) {
         pass->width = 0;
         return stp_fail(r->base.context, STP_ERROR_OUT_OF_MEMORY,
-                        "gl: there is no graphics memory for effects on a picture of %ux%u", width,
+                        "gl: not enough graphics memory for effects on a picture of %ux%u", width,
                         height);
     }
     return STP_OK;

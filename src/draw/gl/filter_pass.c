@@ -2,7 +2,7 @@
 #include "draw/gl/filter_pass.h"
 
 #include "base/context.h"
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 #include "raster/splats_blend.h"
 
 #include <stdio.h>
@@ -84,7 +84,7 @@ static stp_result fail(gl_renderer* r)
 {
     destroy_targets(r);
     return stp_fail(r->base.context, STP_ERROR_OUT_OF_MEMORY,
-                    "gl: there is no graphics memory to blend pictures of %ux%u", r->target.width,
+                    "gl: not enough graphics memory to blend pictures of %ux%u", r->target.width,
                     r->target.height);
 }
 

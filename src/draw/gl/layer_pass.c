@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "draw/gl/layer_pass.h"
 
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 #include "draw/transparency.h"
 #include "raster/blue_noise.h"
 #include "raster/splats_glass.h"
@@ -103,7 +103,7 @@ void gl_layer_pass_begin(gl_renderer* r)
     if (wanted && !pass->active && !pass->told) {
         pass->told = true;
         stp_warn(r->base.context,
-                 "gl: there is no graphics memory for layers of transparent surfaces in a picture "
+                 "gl: not enough graphics memory for layers of transparent surfaces in a picture "
                  "of %ux%u: they are drawn as a pattern of pixels",
                  r->target.width, r->target.height);
     }

@@ -3,7 +3,7 @@
 #include "base/color.h"
 #include "base/color_map.h"
 #include "base/context.h"
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 
 #include <string.h>
 

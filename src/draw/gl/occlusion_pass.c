@@ -2,7 +2,7 @@
 #include "draw/gl/occlusion_pass.h"
 
 #include "base/context.h"
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 
 #include <string.h>
 
@@ -148,7 +148,7 @@ static stp_result make_pyramid(gl_renderer* r)
     gl->ObjectLabel(GL_BUFFER, pass->pyramid, -1, "depth pyramid");
     if (gl->GetError() != GL_NO_ERROR) {
         return stp_fail(r->base.context, STP_ERROR_OUT_OF_MEMORY,
-                        "gl: there is no graphics memory for the depths of a picture of %ux%u",
+                        "gl: not enough graphics memory for the depths of a picture of %ux%u",
                         r->target.width, r->target.height);
     }
     pass->width = r->target.width;

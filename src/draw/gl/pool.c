@@ -109,7 +109,7 @@ void gl_pool_drop(gl_pool* pool, uint32_t entry)
 {
     gl_entry* dropped = &pool->entries[entry];
     unlink_entry(pool, dropped);
-    gl_spans_give_back(&pool->spans, dropped->span);
+    gl_spans_release(&pool->spans, dropped->span);
     dropped->address = POOL_NONE;
 }
 

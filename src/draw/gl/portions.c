@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Draws commands at once, or in batches with a wait after each, so that a picture can be cancelled
-// between batches.
-#include "draw/gl/renderer.h"
+// Draws commands in one batch, or in several with a wait after each, so that a picture can be
+// cancelled between batches.
+#include "draw/gl/gl_renderer.h"
 
 static const uint64_t portion_vertices = 100000; // a few milliseconds on a CPU, much less on a GPU
 static const GLuint64 look_every = 1000000;      // nanoseconds

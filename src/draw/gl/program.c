@@ -95,7 +95,7 @@ static void add_file(text_maker* maker, const char* name, size_t length)
     size_t found = find_shader(name, length);
     if (found == sizeof(shaders) / sizeof(shaders[0])) {
         maker->failed = true;
-        (void)stp_fail(maker->context, STP_ERROR_UNSUPPORTED, "gl: there is no shader %.*s",
+        (void)stp_fail(maker->context, STP_ERROR_UNSUPPORTED, "gl: unknown shader %.*s",
                        (int)length, name);
         return;
     }

@@ -2,7 +2,7 @@
 #include "draw/gl/raster_pass.h"
 
 #include "base/context.h"
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 
 enum { GROUPS_ACROSS = 32768 };
 
@@ -60,8 +60,8 @@ static stp_result make_pixels(gl_renderer* r)
     }
     if (pass->pixels == 0 || gl->GetError() != GL_NO_ERROR) {
         return stp_fail(r->base.context, STP_ERROR_OUT_OF_MEMORY,
-                        "gl: there is no graphics memory for pixels of %ux%u", r->target.width,
-                        r->target.height);
+                        "gl: not enough graphics memory for a visibility buffer of %ux%u",
+                        r->target.width, r->target.height);
     }
     gl->ObjectLabel(GL_BUFFER, pass->pixels, -1, "raster pixels");
     pass->bytes = needed;

@@ -57,7 +57,7 @@ static bool wait_for_one(const stp_gl* gl, gl_ring* ring)
 
 bool gl_ring_take(const stp_gl* gl, gl_ring* ring, uint64_t size, gl_ring_part* part)
 {
-    assert(size <= ring->size / 2 && "larger than what a ring can hand out");
+    assert(size <= ring->size / 2 && "larger than a ring can allocate");
     uint64_t begin = (ring->head + RING_ALIGNMENT - 1) / RING_ALIGNMENT * RING_ALIGNMENT;
     if (begin % ring->size + size > ring->size) { // no part wraps around the end
         begin = (begin / ring->size + 1) * ring->size;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Uploads the frame's blocks to the GPU: one part of a ring holds all.
 #include "base/context.h"
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 
 #include <string.h>
 
@@ -71,7 +71,7 @@ stp_result gl_frame_send(gl_renderer* r, const view_block* view)
     layout l = {.used = 0};
     if (!make_ring(r, needed) || !gl_ring_take(gl, &f->ring, needed, &l.part)) {
         return stp_fail(r->base.context, STP_ERROR_OUT_OF_MEMORY,
-                        "gl: there is no graphics memory for a frame's %zu items", f->item_count);
+                        "gl: not enough graphics memory for a frame's %zu items", f->item_count);
     }
     f->items_offset = put(&l, f->items, f->item_count * sizeof(*f->items));
     f->records_offset = put(&l, f->records, f->record_count * sizeof(*f->records));

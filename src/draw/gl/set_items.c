@@ -13,8 +13,8 @@ typedef struct octaves_here {
     uint32_t places, colors;
 } octaves_here;
 
-static gl_upload bring_octaves(gl_renderer* r, uint32_t set, uint32_t places, uint32_t colors,
-                               octaves_here* here)
+static gl_upload upload_octaves(gl_renderer* r, uint32_t set, uint32_t places, uint32_t colors,
+                                octaves_here* here)
 {
     gl_upload got = GL_UPLOAD_THERE;
     *here = (octaves_here){0};
@@ -68,7 +68,7 @@ static gl_splat_chunk find_chunk(const gl_renderer* r, uint32_t set, uint32_t oc
 
 /// Uploads the meshes whose large triangles follow a set, if they replace any splat of these
 /// octaves.
-static stp_result bring_large(gl_renderer* r, uint32_t index, uint32_t octaves)
+static stp_result upload_large(gl_renderer* r, uint32_t index, uint32_t octaves)
 {
     const stp_draw_item* set = r->frame.placed[index].draw;
     const stp_draw_item *draw = set + 1, *end = r->list->items + r->list->count;
@@ -107,7 +107,7 @@ static stp_result find_octaves(gl_renderer* r, const stp_draw_item* draw, uint32
     octaves_here* here = &found->here;
     stp_octave_choice* choice = &found->choice;
     gl_upload got =
-        bring_octaves(r, draw->index, stp_store_octaves_for(known, prefix), choice->octave, here);
+        upload_octaves(r, draw->index, stp_store_octaves_for(known, prefix), choice->octave, here);
     if (got == GL_UPLOAD_FAILED) {
         return r->failure;
     }
@@ -191,7 +191,7 @@ static stp_result add_octaves(gl_renderer* r, uint32_t index, uint32_t prefix, u
     const stp_splats* known = stp_store_describe_surfels(r->store, draw->index);
     item_block* item = &r->frame.items[index];
     gl_splat_groups groups = {.groups = NULL};
-    stp_result result = bring_large(r, index, octaves);
+    stp_result result = upload_large(r, index, octaves);
     result = result == STP_OK ? gl_splat_groups_make(r, index, octaves, &groups) : result;
     if (result != STP_OK) {
         return result;

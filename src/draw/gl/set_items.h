@@ -2,7 +2,7 @@
 // Items of splat sets: uploads their octaves to the pool, and adds the commands that draw them.
 #pragma once
 
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 
 /// Makes the item of a set from its resident part, with splats large enough for it.
 /// @return STP_OK, or as uploads and the store's functions; logged

@@ -169,7 +169,7 @@ static void join(gl_spans* s, uint32_t first, uint32_t second)
     drop_entry(s, second);
 }
 
-void gl_spans_give_back(gl_spans* spans, uint32_t span)
+void gl_spans_release(gl_spans* spans, uint32_t span)
 {
     gl_span* given = &spans->spans[span];
     assert(!given->is_free && "given back twice");

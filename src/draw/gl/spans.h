@@ -44,9 +44,9 @@ void gl_spans_destroy(gl_spans* spans);
 STP_MUST_USE bool gl_spans_add_region(gl_spans* spans, uint32_t first, uint32_t count);
 
 /// Allocates a span of at least `count` words, above 0. Succeeds if any free span is large enough.
-/// @return the span, SPANS_NONE if there is none, or out of memory
+/// @return the span; SPANS_NONE if there is no space, or out of memory
 uint32_t gl_spans_take(gl_spans* spans, uint32_t count);
-void gl_spans_give_back(gl_spans* spans, uint32_t span);
+void gl_spans_release(gl_spans* spans, uint32_t span);
 
 static inline uint32_t gl_spans_first(const gl_spans* spans, uint32_t span)
 {

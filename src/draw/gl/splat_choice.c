@@ -4,7 +4,7 @@
 #include "base/clock.h"
 #include "base/context.h"
 #include "base/rng.h"
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -282,7 +282,7 @@ static stp_result send_groups(gl_renderer* r, gl_splat_source* source)
     gl_ring_part part;
     if (!gl_ring_take(&r->gl, &r->frame.ring, commands->count * sizeof(uint32_t), &part)) {
         return stp_fail(r->base.context, STP_ERROR_OUT_OF_MEMORY,
-                        "gl: there is no graphics memory for a frame's %zu commands",
+                        "gl: not enough graphics memory for a frame's %zu commands",
                         commands->count);
     }
     uint32_t* first = part.memory;
@@ -330,7 +330,7 @@ void stp_draw_gl_set_splats(stp_renderer* renderer, stp_gl_splats splats)
     ((gl_renderer*)renderer)->splat_choice.wanted = splats;
 }
 
-_Static_assert((int)SPLAT_SIZES == (int)STP_GL_SPLAT_SIZES, "sizes that are told");
+_Static_assert((int)SPLAT_SIZES == (int)STP_GL_SPLAT_SIZES, "sizes reported to the caller");
 
 stp_draw_gl_speed stp_draw_gl_get_speed(const stp_renderer* renderer)
 {

@@ -3,7 +3,7 @@
 // (raster/splat_groups.h).
 #pragma once
 
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 #include "raster/splat_groups.h"
 
 /// The groups of an item in a view.

@@ -2,7 +2,7 @@
 // Splats: all as points with one command, and those too large for points with another
 // (shaders/splat.*, large.*).
 #include "base/context.h"
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 
 #include <stddef.h>
 #include <stdio.h>

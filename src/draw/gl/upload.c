@@ -37,7 +37,7 @@ stp_result gl_things_create(gl_renderer* r)
         count += point_chunks(stp_store_describe_point_set(r->store, i));
     }
     if (count >= POOL_NONE) {
-        return stp_fail(r->base.context, STP_ERROR_LIMIT, "gl: the scene has too many things");
+        return stp_fail(r->base.context, STP_ERROR_LIMIT, "gl: the scene has too many parts");
     }
     things->count = (uint32_t)count;
     things->boxes = STP_NEW_ARRAY(r->base.context, gl_octave_box, (size_t)things->meshes / 2 + 1);

@@ -4,7 +4,7 @@
 // uploaded as a whole on first use.
 #pragma once
 
-#include "draw/gl/renderer.h"
+#include "draw/gl/gl_renderer.h"
 
 #include <string.h>
 

@@ -230,8 +230,8 @@ struct view_block {
         ghost_splats; // drawn share of a ghost's pixels: of triangles, and of each disk
     float nearness_offset;
     uint picture_x, depth_y; // origin of this eye's picture and depths
-    uint
-        counts; // whether shading writes the final picture: counts its pixels, draws the background
+    // whether shading writes the final picture: counts its pixels, draws the background
+    uint counts;
     uint filtered;   // a FILTER
     uint ghost_seed; // the number 1 as a variable: Mesa 22.3 folds products of constants wrongly
     uint glass;      // a GLASS
@@ -254,8 +254,8 @@ struct effect_block {
     // gain, whether it is constant, strength of eye-dome lighting, share of a pair's occlusion
     vec4 numbers;
     uint pair_count, light_step, spare0, spare1;
-    vec4 pairs
-        [2 * EFFECT_PAIRS]; // x, y, whether to read from blocks; then 1 / distance, bias, 1 / reach
+    // x, y, whether to read from blocks; then 1 / distance, bias, 1 / reach
+    vec4 pairs[2 * EFFECT_PAIRS];
 };
 
 // A pixel for blending splats in one pass.

@@ -1,5 +1,5 @@
 // A pixel of a triangle; for cut-out and transparent ones (KEEP) with the material's alpha test, as
-// in src/draw/cpu/mesh.c.
+// in src/draw/cpu/triangle_look.c.
 #include "lib_glass.glsl"
 #include "lib_layer.glsl"
 #include "lib_texture.glsl"

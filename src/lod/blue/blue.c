@@ -4,7 +4,7 @@
 #include "base/clock.h"
 #include "lod/blue/children.h"
 #include "lod/blue/finish.h"
-#include "lod/points.h"
+#include "lod/cloud_candidates.h"
 
 // a quarter of Brandt 5.2: blue.h. More give pictures of the same SSIM
 // (docs/notes/2026-11-candidates.md, 2026-11-proportion.md).

@@ -4,11 +4,11 @@
 // and finished into surfels: columns, prefix table, colour pyramid, coverage.
 #pragma once
 
+#include "base/splat_columns.h"
 #include "capture/capture.h"
-#include "lod/surfels.h"
+#include "lod/set_columns.h"
 
 #include <stipple/order.h>
-#include <stipple/surfels.h>
 
 typedef struct stp_blue_desc {
     stp_capture_desc capture;

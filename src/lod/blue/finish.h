@@ -4,9 +4,8 @@
 // coverage, and the tables that choose prefixes (design.md, Finish).
 #pragma once
 
+#include "base/splat_columns.h"
 #include "capture/capture.h"
-
-#include <stipple/surfels.h>
 
 typedef struct stp_finish_input {
     const stp_candidates* candidates;
@@ -15,7 +14,7 @@ typedef struct stp_finish_input {
     uint32_t count;
     float final_radius; ///< distance of the farthest candidate to the order
     const uint8_t* shading_of_material;
-    bool two_sided; ///< ignores the sign of normals: point clouds, where it is a guess
+    bool two_sided; ///< ignores the sign of normals, which is estimated in point clouds
 } stp_finish_input;
 
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED; `surfels` is then empty

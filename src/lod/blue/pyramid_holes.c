@@ -181,7 +181,7 @@ static void draw_disk(const closer* c, const picture* view, const outline* o, ui
     }
 }
 
-static verdict judge_disk(const picture* view, const outline* o)
+static verdict classify_disk(const picture* view, const outline* o)
 {
     uint32_t count = 0;
     float seen = 0.0f, open = 0.0f;
@@ -210,7 +210,7 @@ static void look_from(const closer* c, uint32_t index, const picture* view)
     for (uint32_t i = 0; i < c->count; ++i) {
         c->verdicts[index][i] = (verdict){0};
         if (c->entries[i].coverage != STP_COVERAGE_WHOLE && make_outline(c, view, i, &o)) {
-            c->verdicts[index][i] = judge_disk(view, &o);
+            c->verdicts[index][i] = classify_disk(view, &o);
         }
     }
 }

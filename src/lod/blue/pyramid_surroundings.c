@@ -13,7 +13,7 @@
 // Depth range in which candidates count, behind and in front of the disk, relative to the radius.
 #define BEHIND 0.6f
 #define BEFORE 1.0f
-#define LEAST_VIEW_FACING 0.3f // cosine: flatter views tell little of a disk
+#define LEAST_VIEW_FACING 0.3f // cosine: flatter views say little about a disk
 
 enum { LANES = 8 };
 _Static_assert(LANES <= (int)STP_GRID_LANES, "columns may be read so far beyond their end");

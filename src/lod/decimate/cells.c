@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/decimate/cells.h"
 
-#include "lod/decimate/parts.h"
+#include "lod/decimate/point_disks.h"
 #include "lod/neighbours.h"
 
 #include <string.h>

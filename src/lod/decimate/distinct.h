@@ -2,12 +2,12 @@
 // Distinct positions of points: merges coincident points.
 #pragma once
 
-#include "lod/decimate/parts.h"
+#include "lod/decimate/point_disks.h"
 
 typedef struct stp_distinct {
     uint32_t count;
-    float* positions; ///< 3 a place
-    /// 3 a place: means of its points, unit length or zero; NULL: the input has none
+    float* positions; ///< 3 per place
+    /// 3 per place: means of its points, unit length or zero; NULL: the input has none
     float* normals;
     uint32_t* points;      ///< per position, its first point along the curve
     uint32_t* places;      ///< of a point

@@ -3,7 +3,7 @@
 
 #include "base/jobs.h"
 #include "base/parallel_sort.h"
-#include "lod/decimate/parts.h"
+#include "lod/decimate/point_disks.h"
 
 enum { GRAIN = 4096, CHILDREN = 8 };
 

@@ -17,7 +17,7 @@ typedef struct stp_octree_cells {
     stp_context* context;
     const stp_decimate_input* input;
     const stp_ellipse* disks; ///< of points
-    uint64_t* codes; ///< of points in order, ascending: 3 bits a level, the root's children first
+    uint64_t* codes; ///< of points in order, ascending: 3 bits per level, the root's children first
     uint32_t* order; ///< points
     stp_octree_cell* cells; ///< that are chosen
     uint32_t count;         ///< of `cells`

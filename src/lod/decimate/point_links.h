@@ -23,6 +23,7 @@ STP_MUST_USE stp_result stp_point_links_make(stp_context* context, const uint32_
 /// Merges `gone` into `kept`, which takes its neighbours. Both must be unmerged.
 void stp_point_links_unite(stp_point_links* links, uint32_t kept, uint32_t gone);
 /// Lists the neighbours of an unmerged point, each once.
-/// @param out space for all points. @return number of neighbours
+/// @param out space for all points.
+/// @return number of neighbours
 uint32_t stp_point_links_list(stp_point_links* links, uint32_t point, uint32_t* out);
 void stp_point_links_destroy(stp_point_links* links);

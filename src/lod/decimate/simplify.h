@@ -18,8 +18,9 @@ int stp_simplify_weld(uint32_t* out, const uint32_t* indices, size_t index_count
 
 /// Collapses edges, least quadric error first, until `wanted` indices are left, or none can be
 /// collapsed. Vertices keep their positions.
-/// @param out space for index_count. @param out_count receives the remaining number @return 0, or
-/// -1 if out of memory
+/// @param out space for index_count.
+/// @param out_count receives the remaining number
+/// @return 0, or -1 if out of memory
 int stp_simplify_triangles(uint32_t* out, size_t* out_count, const uint32_t* indices,
                            size_t index_count, const float* positions, size_t vertex_count,
                            size_t wanted);

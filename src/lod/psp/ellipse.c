@@ -7,9 +7,11 @@
 
 #define PI 3.14159265358979323846f
 #define THIN 1e-3f ///< minimum minor axis, relative to the major axis
-/// relative to the squared largest eigenvalue: smaller products of the others lose precision
+/// Minimum product of the other two eigenvalues, relative to the square of the largest one; below
+/// it, precision is lost
 #define CERTAIN 1e-5
-#define LINE 1e-6f ///< relative to the squared variances: a smaller determinant means a line
+/// Minimum determinant relative to the squared variances; below it, points form a line
+#define LINE 1e-6f
 
 enum { SWEEPS_MOST = 32, NEWTON_MOST = 16, ROUNDS = 6 };
 
@@ -20,7 +22,7 @@ float stp_ellipse_area(const stp_ellipse* ellipse)
 
 void stp_ellipse_sample(const stp_ellipse* e, stp_vec3 samples[STP_ELLIPSE_SAMPLES])
 {
-    // cosines of eighths of a turn
+    // cosines of multiples of an eighth of a turn
     static const float across[STP_ELLIPSE_SAMPLES] = {1,  0.70710678f,  0, -0.70710678f,
                                                       -1, -0.70710678f, 0, 0.70710678f};
     float length = stp_length(e->major);
@@ -53,7 +55,7 @@ void stp_ellipse_fit_scatter(stp_ellipse_fit* fit, stp_vec3 point)
     scatter(fit, point);
 }
 
-void stp_ellipse_fit_turn(stp_ellipse_fit* f, float least)
+void stp_ellipse_fit_orient(stp_ellipse_fit* f, float least)
 {
     // eigenvalues of the scatter, and the direction of the larger one
     double half = 0.5 * (f->xx - f->yy), root = sqrt(half * half + f->xy * f->xy);
@@ -70,17 +72,17 @@ void stp_ellipse_fit_turn(stp_ellipse_fit* f, float least)
     f->scale = least / f->ratio;
 }
 
-/// Squared scale of an ellipse through a point.
-static inline float find_square(const stp_ellipse_fit* f, stp_vec3 point)
+/// Squared scale at which the ellipse passes through a point.
+static inline float squared_scale(const stp_ellipse_fit* f, stp_vec3 point)
 {
     stp_vec3 d = stp_sub(point, f->center);
     float u = stp_dot(d, f->major), v = stp_dot(d, f->minor) / f->ratio;
     return u * u + v * v;
 }
 
-void stp_ellipse_fit_reach(stp_ellipse_fit* fit, stp_vec3 point)
+void stp_ellipse_fit_expand(stp_ellipse_fit* fit, stp_vec3 point)
 {
-    float away = sqrtf(find_square(fit, point));
+    float away = sqrtf(squared_scale(fit, point));
     fit->scale = away > fit->scale ? away : fit->scale;
 }
 
@@ -96,15 +98,15 @@ enum { MOST = STP_ELLIPSE_COVER_MOST };
 
 enum { LANES = 4, FOURS = MOST / LANES };
 
-/// Four numbers as one vector; the same order of operations on every machine.
+/// Four floats as one vector; all machines use the same order of operations.
 typedef float four __attribute__((vector_size(LANES * sizeof(float))));
 typedef int32_t four_masks __attribute__((vector_size(LANES * sizeof(int32_t))));
 
-/// Points of a plane with weights whose sum is 1, their mean, and their scatter about it.
-typedef struct weighed {
+/// Points in a plane with weights of sum 1, their mean, and their scatter about it.
+typedef struct weighted {
     four x[FOURS], y[FOURS], weight[FOURS];
     float mean_x, mean_y, xx, xy, yy;
-} weighed;
+} weighted;
 
 static inline four fill(float value)
 {
@@ -131,7 +133,7 @@ static inline float find_least(const four a[FOURS])
     return x < y ? x : y;
 }
 
-static inline void find_spread(weighed* w)
+static inline void find_spread(weighted* w)
 {
     four a[FOURS], b[FOURS], c[FOURS];
     for (int i = 0; i < FOURS; ++i) {
@@ -152,11 +154,11 @@ static inline void find_spread(weighed* w)
     w->yy = add_up(c);
 }
 
-/// Increases the weight of points far from the mean, relative to the spread: the scatter converges
+/// Increases the weights of points far from the mean, relative to the spread. The scatter converges
 /// to the shape of the smallest enclosing ellipse (the dual problem; Dette, Pepelyshev, Zhigljavsky
 /// 2008).
-/// @return false if they lie along a line
-static inline bool weigh_anew(weighed* w)
+/// @return false if the points lie on a line
+static inline bool reweigh(weighted* w)
 {
     float det = w->xx * w->yy - w->xy * w->xy, both = w->xx + w->yy;
     if (!(det > LINE * both * both)) {
@@ -166,7 +168,7 @@ static inline bool weigh_anew(weighed* w)
     four mean_x = fill(w->mean_x), mean_y = fill(w->mean_y), far[FOURS];
     for (int i = 0; i < FOURS; ++i) {
         four x = w->x[i] - mean_x, y = w->y[i] - mean_y;
-        four away = xx * (x * x) + xy * (x * y) + yy * (y * y); // the weighed mean is 2
+        four away = xx * (x * x) + xy * (x * y) + yy * (y * y); // the weighted mean is 2
         far[i] = (four)((four_masks)away & (away > fill(0.0f)));
     }
     four half = fill(0.5f * find_least(far));
@@ -180,22 +182,22 @@ static inline bool weigh_anew(weighed* w)
     return true;
 }
 
-/// Moves the centre to that of the smallest ellipse, and shapes the scatter like it.
+/// Moves the centre to that of the smallest enclosing ellipse, and gives the scatter its shape.
 static void find_smallest(stp_ellipse_fit* f, const stp_vec3* points, size_t count)
 {
     float x[MOST], y[MOST], weight[MOST];
-    for (size_t i = 0; i < MOST; ++i) { // repeats the last point as padding, with weight 0
+    for (size_t i = 0; i < MOST; ++i) { // pads with the last point, of weight 0
         stp_vec3 d = stp_sub(points[i < count ? i : count - 1], f->center);
         x[i] = stp_dot(d, f->x);
         y[i] = stp_dot(d, f->y);
         weight[i] = i < count ? 1.0f / (float)count : 0.0f;
     }
-    weighed w;
+    weighted w;
     memcpy(w.x, x, sizeof(x));
     memcpy(w.y, y, sizeof(y));
     memcpy(w.weight, weight, sizeof(weight));
     find_spread(&w);
-    for (int round = 0; round < ROUNDS && weigh_anew(&w); ++round) {
+    for (int round = 0; round < ROUNDS && reweigh(&w); ++round) {
         find_spread(&w);
     }
     stp_vec3 along = stp_scale(f->x, w.mean_x), beside = stp_scale(f->y, w.mean_y);
@@ -212,10 +214,10 @@ stp_ellipse stp_ellipse_cover(stp_vec3 center, stp_vec3 normal, const stp_vec3* 
     if (count > 0) {
         find_smallest(&fit, points, count);
     }
-    stp_ellipse_fit_turn(&fit, least);
+    stp_ellipse_fit_orient(&fit, least);
     float most = 0.0f;
     for (size_t i = 0; i < count; ++i) {
-        float square = find_square(&fit, points[i]);
+        float square = squared_scale(&fit, points[i]);
         most = square > most ? square : most;
     }
     most = sqrtf(most);
@@ -223,7 +225,8 @@ stp_ellipse stp_ellipse_cover(stp_vec3 center, stp_vec3 normal, const stp_vec3* 
     return stp_ellipse_fit_end(&fit);
 }
 
-/// Turns rows and columns p and q of a symmetric matrix so that a[p][q] is 0 (Jacobi).
+/// Jacobi rotation: rotates rows and columns p and q of a symmetric matrix so that a[p][q] becomes
+/// 0.
 static void turn(double a[3][3], double v[3][3], int p, int q)
 {
     if (a[p][q] == 0.0) {
@@ -269,10 +272,10 @@ stp_vec3d stp_least_direction(const double m[6], double eigenvalues[3])
     return (stp_vec3d){v[0][least], v[1][least], v[2][least]};
 }
 
-/// Smallest root of the characteristic polynomial of a matrix without negative eigenvalues, by
-/// Newton's method from 0: left of all roots the polynomial is concave, so the steps never
-/// overshoot. @return false if convergence is slow or precision is lost: two eigenvalues are almost
-/// equal, or two almost 0
+/// Smallest root of the characteristic polynomial of a positive semidefinite matrix, by Newton's
+/// method from 0. Left of all roots the polynomial is concave, so the steps never overshoot.
+/// @return false if convergence is slow or precision is lost: two eigenvalues are almost equal, or
+///         two are almost 0
 static bool find_least_root(const double m[6], double* root)
 {
     double sum = m[0] + m[3] + m[5];
@@ -310,7 +313,7 @@ stp_vec3d stp_scatter_normal(const double m[6])
 {
     double least, eigenvalues[3];
     if (find_least_root(m, &least)) {
-        // across two rows of the matrix less the eigenvalue
+        // normal of two rows of (matrix - eigenvalue)
         const stp_vec3d rows[3] = {
             {m[0] - least, m[1], m[2]}, {m[1], m[3] - least, m[4]}, {m[2], m[4], m[5] - least}};
         stp_vec3d best = {0};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Elliptical splats, and enclosing ellipses of points in a plane (Wu, Zhang, Kobbelt 2005, 3 and
-// 4).
+// Elliptical splats, and enclosing ellipses of points in a plane (Wu, Zhang, Kobbelt 2005, sections
+// 3 and 4).
 #pragma once
 
 #include "base/math.h"
@@ -10,11 +10,11 @@
 typedef struct stp_ellipse {
     stp_vec3 center;
     stp_vec3 normal; ///< of unit length
-    stp_vec3 major;  ///< the larger axis with its length
-    float minor;     ///< length of the smaller axis, above 0 and at most that of `major`
+    stp_vec3 major;  ///< length and direction of the semi-major axis
+    float minor;     ///< length of the semi-minor axis, above 0 and at most that of `major`
 } stp_ellipse;
 
-enum { STP_ELLIPSE_SAMPLES = 8 }; ///< of a boundary
+enum { STP_ELLIPSE_SAMPLES = 8 }; ///< points on a boundary
 
 float stp_ellipse_area(const stp_ellipse* ellipse);
 
@@ -33,9 +33,9 @@ enum { STP_ELLIPSE_COVER_MOST = 2 * STP_ELLIPSE_SAMPLES }; ///< maximum points t
 stp_ellipse stp_ellipse_cover(stp_vec3 center, stp_vec3 normal, const stp_vec3* points,
                               size_t count, float least);
 
-/// Ellipse around points that are not in one array: begin, scatter all points, turn, reach all
-/// points, end. Its axes are those of the points' scatter about the centre; their ratio is that of
-/// the standard deviations, with a common scale.
+/// Ellipse around points that are not in one array. Call begin, scatter with each point, orient,
+/// expand with each point, end. Its axes are the principal axes of the points about the centre, in
+/// the ratio of their standard deviations.
 typedef struct stp_ellipse_fit {
     stp_vec3 center, normal, x, y;
     double xx, xy, yy;
@@ -45,8 +45,8 @@ typedef struct stp_ellipse_fit {
 
 stp_ellipse_fit stp_ellipse_fit_begin(stp_vec3 center, stp_vec3 normal);
 void stp_ellipse_fit_scatter(stp_ellipse_fit* fit, stp_vec3 point);
-void stp_ellipse_fit_turn(stp_ellipse_fit* fit, float least);
-void stp_ellipse_fit_reach(stp_ellipse_fit* fit, stp_vec3 point);
+void stp_ellipse_fit_orient(stp_ellipse_fit* fit, float least);
+void stp_ellipse_fit_expand(stp_ellipse_fit* fit, stp_vec3 point);
 stp_ellipse stp_ellipse_fit_end(const stp_ellipse_fit* fit);
 
 /// Smallest eigenvalue of a symmetric matrix (xx, xy, xz, yy, yz, zz) without negative ones;

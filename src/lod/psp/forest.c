@@ -9,9 +9,9 @@
 
 enum {
     POINTS_MOST = 1 << 30,
-    STRIPE = 1 << 20,   ///< after so many points, pages are released
-    POINT_BYTES = 85,   ///< bytes per point, at the peak; measured
-    DISTANCE_BYTES = 70 ///< additional bytes for distances
+    STRIPE = 1 << 20,   ///< pages are released after this many points
+    POINT_BYTES = 85,   ///< peak memory per point in bytes; measured
+    DISTANCE_BYTES = 70 ///< additional bytes per point for STP_PSP_DISTANCES
 };
 
 stp_psp_desc stp_psp_desc_default(void)
@@ -33,7 +33,7 @@ static stp_box find_box(const stp_psp_rounds* r, const stp_psp_points* points)
     return points->count > 0 ? box : (stp_box){0};
 }
 
-/// Merges until the target is reached. @param rounds is to be destroyed, also after a failure
+/// Merges until the target is reached. The caller destroys `rounds`, also after a failure.
 static stp_result merge_points(stp_psp_rounds* r, const stp_psp_points* points)
 {
     stp_context* context = r->shared.context;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The merge forest of a set of splats: merges neighbouring splats in pairs, the pair with the least
-// error first (Wu, Zhang, Kobbelt 2005, 2 to 4).
+// The merge forest of a set of splats: merges pairs of neighbouring splats, the pair with the least
+// error first (Wu, Zhang, Kobbelt 2005, sections 2 to 4).
 #pragma once
 
 #include "base/context.h"
@@ -13,7 +13,7 @@ typedef struct stp_psp_points {
     const float* positions; ///< 3 per point; finite
     const float* normals;   ///< NULL, or 3 per point: unit length, or zero if unknown
     const uint8_t* colors;  ///< NULL: white, or sRGB
-    uint32_t color_bytes;   ///< bytes per point: 3, or more, which are skipped; 0: 3
+    uint32_t color_bytes;   ///< bytes from one colour to the next, at least 3; 0: 3
     const float* areas;     ///< for STP_PSP_REGIONS: surface area that a point represents; above 0
 } stp_psp_points;
 
@@ -33,32 +33,32 @@ typedef enum stp_psp_metric {
 typedef struct stp_psp_desc {
     stp_psp_metric metric;
     uint32_t neighbours; ///< per point, 1 to STP_NEIGHBOURS_MOST; the paper's k is 8
-    /// Minimum cosine between normals of merged splats; the default is 0: a right angle
+    /// Minimum cosine between normals of merged splats. Default 0: a right angle
     float least_cosine;
     /// A splat whose best merge became worse moves back in the queue immediately, not when it
     /// reaches the front. The result is the same.
     bool eager;
-    /// If no merge is possible and more splats than the target are left, links each splat with its
-    /// nearest ones again and continues, so the target is always reached. From then on
-    /// `least_cosine` applies only with `keep_angle`, and then more splats than the target may
-    /// remain.
+    /// If no merge is possible while more splats than the target are left, links each splat with
+    /// its nearest ones again and continues. So the target is always reached, unless `keep_angle`
+    /// is set. From then on `least_cosine` applies only with `keep_angle`.
     bool connect_components;
     bool keep_angle;
     /// Maximum splats per queue, at least 8; 0: default. Larger inputs are merged in pieces
     uint32_t piece_size;
-    /// For stp_psp_decimate: stores data that grows with the number of points in files beside this
-    /// one, not in memory. If the points are in this file, releases their pages, too. The result is
-    /// the same. NULL: all in memory.
+    /// For stp_psp_decimate: stores data that grows with the number of points in temporary files in
+    /// the same folder, not in memory. If the points are mapped from this file, releases their
+    /// pages, too. The result is the same. NULL: all in memory.
     stp_spill* spill;
 } stp_psp_desc;
 
 stp_psp_desc stp_psp_desc_default(void);
 
-/// Two splats become one. Splats are numbered: first the points, then the merges in order.
+/// A merge of two splats into one. Splats are numbered: first the points, then the merges in order.
 typedef struct stp_psp_merge {
     uint32_t left, right;
-    double error; ///< by the metric, weighted by the distance of the two (formulas 1 and 2); in
-                  ///< model units, and rounded to a float in those of the merge
+    /// By the metric, weighted by the distance of the two (formulas 1 and 2); in model units,
+    /// rounded to a float in merge units
+    double error;
     /// largest error of the merge and all merges below it. Never decreases from merge to merge
     double level;
 } stp_psp_merge;
@@ -71,42 +71,41 @@ typedef struct stp_psp_forest {
     uint32_t* parents; ///< per splat, the merge that consumed it; UINT32_MAX: none
 } stp_psp_forest;
 
-/// Merges until `target` splats are left, or none can be merged. Points without neighbours that
-/// face similarly remain. One queue merges up to `piece_size` splats; larger inputs are merged in
-/// pieces on all threads. Deterministic: the result does not depend on the number of threads, but
-/// on `piece_size`.
+/// Merges until `target` splats are left, or no merge is allowed. Points whose neighbours all face
+/// another way remain. One queue merges up to `piece_size` splats; larger inputs are merged in
+/// pieces on all threads. The result is deterministic: it depends on `piece_size`, but not on the
+/// number of threads.
 ///
 /// NaN coordinates count as 0; magnitudes are clamped to 1e18.
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (2^30 points and more; logged). Freed
-/// by
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (2^30 points or more; logged). Freed by
 ///         stp_psp_forest_destroy, also after a failure
 STP_MUST_USE stp_result stp_psp_forest_make(stp_context* context, const stp_psp_points* points,
                                             const stp_psp_desc* desc, uint32_t target,
                                             stp_psp_forest* forest);
 void stp_psp_forest_destroy(stp_context* context, stp_psp_forest* forest);
 
-/// The splats at the time when `count` are left, ascending.
+/// Lists the splats at the time when `count` are left, ascending.
 /// @param splats space for `count` or the number of roots, whichever is larger
-/// @return `count`, clamped to between the numbers of roots and points
+/// @return `count`, clamped to at least the number of roots and at most the number of points
 uint32_t stp_psp_forest_cut(const stp_psp_forest* forest, uint32_t count, uint32_t* splats);
 
-/// The remaining splats, without their history.
+/// The remaining splats, without the merge history.
 typedef struct stp_psp_splats {
     uint32_t count;
     stp_ellipse* ellipses;
-    uint8_t* colors;  ///< 3 a splat, sRGB
-    float* areas;     ///< for STP_PSP_REGIONS of the represented surface, otherwise of the ellipse
+    uint8_t* colors;  ///< 3 per splat, sRGB
+    float* areas;     ///< surface area: represented (STP_PSP_REGIONS), otherwise the ellipse's
     uint32_t* firsts; ///< smallest index of the represented points
 } stp_psp_splats;
 
 /// Approximate peak memory of stp_psp_decimate in bytes, without `spill` and without the points.
 uint64_t stp_psp_decimate_bytes(uint32_t count, const stp_psp_desc* desc);
 
-/// Merges as stp_psp_forest_make does, and keeps only the remaining splats: the same as from
-/// stp_psp_forest_cut at the target, ordered by the smallest index of their points. Takes far less
+/// Merges as stp_psp_forest_make does, but keeps only the remaining splats: those of
+/// stp_psp_forest_cut at the target, ordered by the smallest index of their points. Needs far less
 /// memory (docs/algorithms/progressive-splatting.md).
 /// @return as stp_psp_forest_make; with `spill` also STP_ERROR_IO (logged). Freed by
-/// stp_psp_splats_destroy, also after a failure
+///         stp_psp_splats_destroy, also after a failure
 STP_MUST_USE stp_result stp_psp_decimate(stp_context* context, const stp_psp_points* points,
                                          const stp_psp_desc* desc, uint32_t target,
                                          stp_psp_splats* splats);

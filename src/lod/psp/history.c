@@ -9,8 +9,8 @@
 typedef struct assembly {
     const stp_psp_rounds* rounds;
     stp_psp_forest* forest;
-    const float* levels; ///< of merges in the order of creation
-    uint32_t* ranks;     ///< in the order of the forest
+    const float* levels; ///< of merges, in order of creation
+    uint32_t* ranks;     ///< position of each merge in the forest
     double unit;         ///< of errors, in model units
 } assembly;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Puts the merges of all pieces in one order: the forest.
+// Merges the histories of all pieces into one order: the forest.
 #pragma once
 
 #include "lod/psp/rounds.h"

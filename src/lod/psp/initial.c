@@ -28,7 +28,7 @@ static stp_vec3 find_normal(const stp_kd_tree* tree, stp_vec3 p, const uint32_t*
         }
     }
     if (!(m[0] + m[3] + m[5] > 0.0) && stp_dot(given, given) > 0.0f) {
-        return stp_normalize(given); // all coincide
+        return stp_normalize(given); // all points coincide
     }
     stp_vec3 n = stp_normalize(stp_to_float(stp_scatter_normal(m)));
     float side = stp_dot(n, given);

@@ -6,16 +6,16 @@
 #include <string.h>
 
 enum {
-    SAMPLES_MOST = 31, ///< from which a pivot is chosen
+    SAMPLES_MOST = 31, ///< maximum number of sampled pivot candidates
     SAMPLED_LEAST = 64,
     SPREAD_SAMPLES = 64,
-    SMALL = 12,       ///< sorted by insertion
+    SMALL = 12,       ///< ranges up to this size are sorted by insertion
     STRIPE = 1 << 20, ///< pages are released after this many points
 };
 
 int stp_kd_widest(const stp_kd_point* points, size_t count)
 {
-    // of many points a sample shows it
+    // estimated from a sample if there are many points
     size_t step = count > SPREAD_SAMPLES ? count / SPREAD_SAMPLES : 1;
     float low[3], high[3];
     memcpy(low, points[0].at, sizeof(low));
@@ -54,7 +54,7 @@ static void sort_small(stp_kd_point* points, size_t count, int axis)
     }
 }
 
-/// Position of a point near `place` in the order, estimated from a sample.
+/// Position of a pivot: the sampled point whose rank is expected to be close to `place`.
 static size_t choose_pivot(const stp_kd_point* points, size_t count, size_t place, int axis)
 {
     size_t samples = count < SAMPLED_LEAST ? 3 : count < 1024 ? 9 : SAMPLES_MOST;

@@ -11,12 +11,12 @@ typedef struct stp_kd_point {
     uint32_t index;
 } stp_kd_point;
 
-/// The axis along which the points spread most; of many points, a sample of them. `count` is at
-/// least 1.
+/// Axis of the largest extent; of many points, estimated from a sample. `count` is at least 1.
 int stp_kd_widest(const stp_kd_point* points, size_t count);
 
-/// Partitions points along an axis: smaller ones before `place`, larger ones after it. `place` is
-/// below `count`. Expected linear time for any input. The result depends on the input alone.
+/// Quickselect along an axis: moves smaller points before `place`, and larger ones after it.
+/// `place` is below `count`. Expected linear time for any input. The result depends on the input
+/// alone.
 /// @param room storage of the points, whose pages are released during the split; NULL: in memory
 void stp_kd_select(stp_kd_point* points, size_t count, size_t place, int axis,
                    const stp_psp_room* room);

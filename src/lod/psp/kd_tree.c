@@ -2,8 +2,8 @@
 #include "lod/psp/kd_tree.h"
 
 enum {
-    PARALLEL_RANGES = 256, ///< number of parts built at a time
-    RELEASED = 8,          ///< pages are released after this many parts
+    PARALLEL_RANGES = 256, ///< number of subtrees built in parallel
+    RELEASED = 8,          ///< pages are released after this many subtrees
     GRAIN = 1 << 16,
     STRIPE = 16 * GRAIN, ///< pages are released after this many points
 };
@@ -51,7 +51,7 @@ static void split(const builder* b, range of)
     stp_kd_tree* t = b->tree;
     size_t first = (size_t)of.begin * STP_KD_LEAF, end = (size_t)of.end * STP_KD_LEAF;
     size_t middle = (size_t)middle_of(of) * STP_KD_LEAF;
-    end = end < t->count ? end : t->count; // what fills the last leaf stays there
+    end = end < t->count ? end : t->count; // padding of the last leaf stays there
     int axis = stp_kd_widest(b->points + first, end - first);
     stp_kd_select(b->points + first, end - first, middle - first, axis, t->room);
     t->nodes[middle_of(of)] = (stp_kd_node){b->points[middle].at[axis], (uint32_t)axis};
@@ -178,7 +178,7 @@ stp_box stp_kd_box(const stp_kd_tree* tree)
 /// The nearest so far, ascending by distance.
 typedef struct found {
     uint32_t count, k;
-    float limit; ///< square of the farthest, where there are k
+    float limit; ///< squared distance of the farthest, once there are k
     float squares[STP_NEIGHBOURS_MOST + 1];
     uint32_t* places;
 } found;

@@ -8,14 +8,14 @@
 
 enum { STP_KD_LEAF = 8, STP_KD_DEPTH = 40, STP_NEIGHBOURS_MOST = 32 };
 
-/// The points of a leaf, by coordinate. The last leaf is filled with points at infinity.
+/// Points of a leaf, one array per coordinate. The last leaf is padded with points at infinity.
 typedef struct stp_kd_leaf {
     float at[3][STP_KD_LEAF];
-    uint32_t index[STP_KD_LEAF]; ///< of the points as they were given
+    uint32_t index[STP_KD_LEAF]; ///< input index of each point
 } stp_kd_leaf;
 
 typedef struct stp_kd_node {
-    float split;   ///< points before the middle are at most this, those from the middle on at least
+    float split;   ///< coordinate: points before the middle are at most this, others at least this
     uint32_t axis; ///< 0 to 2
 } stp_kd_node;
 
@@ -40,13 +40,13 @@ STP_MUST_USE stp_result stp_kd_tree_make_in(stp_context* context, const stp_psp_
                                             stp_kd_tree* tree);
 void stp_kd_tree_destroy(stp_context* context, stp_kd_tree* tree);
 
-/// Converts a coordinate as the tree does.
+/// Sanitises a coordinate as the tree does.
 static inline float stp_kd_clean(float x, float scale)
 {
     return scale * (x >= -1e18f && x <= 1e18f ? x : x > 0.0f ? 1e18f : x < 0.0f ? -1e18f : 0.0f);
 }
 
-/// The point at a place: leaf place / 8, and there place % 8.
+/// The point at a place: item place % 8 of leaf place / 8.
 static inline stp_vec3 stp_kd_at(const stp_kd_tree* tree, uint32_t place)
 {
     const stp_kd_leaf* leaf = &tree->leaves[place / STP_KD_LEAF];
@@ -62,22 +62,22 @@ static inline uint32_t stp_kd_index(const stp_kd_tree* tree, uint32_t place)
 /// The box of all points; empty without points.
 stp_box stp_kd_box(const stp_kd_tree* tree);
 
-/// Path of a search to a leaf. Consecutive searches reuse it.
+/// Search path to a leaf; consecutive searches reuse it.
 typedef struct stp_kd_path {
     uint32_t leaf;  ///< UINT32_MAX: none yet
-    uint32_t depth; ///< of steps, from the root
+    uint32_t depth; ///< number of steps from the root
     struct {
         uint32_t begin, end; ///< leaves on the other side
         stp_kd_node node;
     } steps[STP_KD_DEPTH];
 } stp_kd_path;
 
-/// Finds the k points nearest to the one at a place, without itself. Which of equally near points
-/// are found depends on the tree alone.
-/// @param path of the thread; begins with leaf UINT32_MAX. Searches in the order of places are
+/// Finds the k points nearest to the one at a place, not including itself. Which of equally distant
+/// points are found depends on the tree alone.
+/// @param path one per thread, initialised with leaf UINT32_MAX. Searches in order of places are
 ///         faster
 /// @param k 1 to STP_NEIGHBOURS_MOST
 /// @param places receives them, nearest first
-/// @return how many: k, or all other points
+/// @return number found: k, or all other points if there are fewer
 uint32_t stp_kd_nearest(const stp_kd_tree* tree, stp_kd_path* path, uint32_t place, uint32_t k,
                         uint32_t* places);

@@ -15,7 +15,7 @@ static uint32_t neighbours_of(const stp_psp_rounds* r)
     return k < others ? k : others;
 }
 
-/// Makes the splat of the point at a place of the tree.
+/// Makes the initial splat of the point at a place of the tree.
 static void begin_splat(const stp_psp_rounds* r, uint32_t place, const uint32_t* near,
                         uint32_t count, stp_psp_splat* splat, void* state)
 {
@@ -53,7 +53,7 @@ static bool lists(const uint32_t* near, uint32_t count, uint32_t place)
     return false;
 }
 
-/// Links two splats if the point of one is among the nearest of the other.
+/// Links two splats if the point of either is among the nearest neighbours of the other.
 static bool link_points(stp_psp_piece* p, uint32_t begin, uint32_t k)
 {
     size_t total = 0;
@@ -116,7 +116,7 @@ static bool load_points(const stp_psp_rounds* r, stp_psp_piece* p, uint32_t begi
     return link_points(p, begin, k);
 }
 
-/// A splat of a block.
+/// Location of a splat in a block.
 typedef struct found {
     const stp_psp_block* block;
     uint32_t at;
@@ -144,7 +144,7 @@ static found find_splat(const stp_psp_rounds* r, uint32_t slot, uint32_t* hint)
     return (found){b, number - b->first};
 }
 
-/// The first of the reverse links from a slot.
+/// First reverse link of a slot.
 static size_t find_reverse(const stp_psp_rounds* r, uint32_t slot)
 {
     size_t low = 0, high = r->reverse_count;
@@ -159,7 +159,7 @@ static size_t find_reverse(const stp_psp_rounds* r, uint32_t slot)
     return low;
 }
 
-/// Links splat i with the one in a slot, unless already linked.
+/// Links splat i with the one in a slot, unless they are already linked.
 static void link_slot(stp_psp_piece* p, uint32_t i, uint32_t slot)
 {
     uint32_t to = slot - p->first;
@@ -296,7 +296,7 @@ bool stp_psp_unload(stp_psp_piece* p, const stp_psp_room* room, stp_psp_block* b
         while (p->forward[root] != root) {
             root = p->forward[root];
         }
-        for (uint32_t at = i; at != root;) { // the next ones find it immediately
+        for (uint32_t at = i; at != root;) { // path compression: later lookups are direct
             uint32_t next = p->forward[at];
             p->forward[at] = root;
             at = next;

@@ -8,8 +8,8 @@
 
 static const stp_psp_best no_best = {HUGE_VALF, UINT32_MAX};
 
-/// Replaces an array by a larger one; discards its content.
-static bool renew(stp_context* context, void* array, size_t count, size_t size)
+/// Reallocates an array without keeping its content.
+static bool reallocate(stp_context* context, void* array, size_t count, size_t size)
 {
     void** at = array;
     stp_free(context, *at);
@@ -23,15 +23,15 @@ bool stp_psp_piece_begin(stp_psp_piece* p, uint32_t count)
     size_t room = (size_t)count + 1;
     if (p->splat_room < room) {
         p->splat_room = 0;
-        // one more for the result of the next merge
-        if (!renew(context, &p->splats, room, sizeof(*p->splats)) ||
-            !renew(context, &p->states, room, p->metric->state_bytes + 1) ||
-            !renew(context, &p->spans, room, sizeof(*p->spans)) ||
-            !renew(context, &p->bests, room, sizeof(*p->bests)) ||
-            !renew(context, &p->forward, room, sizeof(*p->forward)) ||
-            !renew(context, &p->marks, room, sizeof(*p->marks)) ||
-            !renew(context, &p->queue.heap, room, sizeof(*p->queue.heap)) ||
-            !renew(context, &p->queue.places, room, sizeof(*p->queue.places))) {
+        // one extra for the result of the next merge
+        if (!reallocate(context, &p->splats, room, sizeof(*p->splats)) ||
+            !reallocate(context, &p->states, room, p->metric->state_bytes + 1) ||
+            !reallocate(context, &p->spans, room, sizeof(*p->spans)) ||
+            !reallocate(context, &p->bests, room, sizeof(*p->bests)) ||
+            !reallocate(context, &p->forward, room, sizeof(*p->forward)) ||
+            !reallocate(context, &p->marks, room, sizeof(*p->marks)) ||
+            !reallocate(context, &p->queue.heap, room, sizeof(*p->queue.heap)) ||
+            !reallocate(context, &p->queue.places, room, sizeof(*p->queue.places))) {
             return false;
         }
         p->splat_room = room;
@@ -51,11 +51,11 @@ bool stp_psp_piece_begin(stp_psp_piece* p, uint32_t count)
 
 bool stp_psp_piece_make_links(stp_psp_piece* p, size_t count)
 {
-    // twice as many: any new list fits after all lists in use
+    // twice the count: any new list fits after all lists in use
     size_t room = 2 * count + 1;
     if (p->link_room < room) {
         p->link_room = 0;
-        if (!renew(p->shared->context, &p->links, room, sizeof(*p->links))) {
+        if (!reallocate(p->shared->context, &p->links, room, sizeof(*p->links))) {
             return false;
         }
         p->link_room = room;
@@ -80,7 +80,7 @@ void stp_psp_piece_destroy(stp_psp_piece* p)
     *p = (stp_psp_piece){.shared = p->shared, .metric = p->metric, .history = p->history};
 }
 
-/// Whether a merge is better than the best one so far of the same splat.
+/// Whether a merge is better than a splat's best one so far.
 static inline bool is_better(const stp_psp_piece* p, float error, uint32_t to, stp_psp_best best)
 {
     return error < best.error || (error == best.error && best.partner != UINT32_MAX &&
@@ -121,7 +121,7 @@ static bool tidy_links(stp_psp_piece* p)
     return true;
 }
 
-/// Combines the links of both in splat a, without those between them.
+/// Gives splat a the links of both, without those between them.
 static bool join_links(stp_psp_piece* p, uint32_t a, uint32_t b)
 {
     size_t most = (size_t)p->spans[a].count + p->spans[b].count;
@@ -175,7 +175,7 @@ static void requeue(stp_psp_piece* p, uint32_t splat, float limit)
     }
 }
 
-/// For a splat linked to a or b: replaces its links to either by one to a.
+/// Replaces a splat's links to a and b by one link to a.
 static void relink(stp_psp_piece* p, uint32_t splat, uint32_t a, uint32_t b, float error,
                    float limit)
 {
@@ -249,7 +249,7 @@ static bool merge(stp_psp_piece* p, uint32_t a, uint32_t b, float limit)
     if (!join_links(p, a, b)) {
         return false;
     }
-    p->forward[b] = a; // not earlier: its links were still in use
+    p->forward[b] = a; // only now: its links were still in use
     p->live -= 1;
     stp_psp_link* links = p->links + p->spans[a].begin;
     p->bests[a] = no_best;

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: MIT
 // One piece of a merge: splats, the links between them, and the queue that merges them. A small
-// cloud is one piece; several pieces of a large one are merged at a time.
+// cloud is one piece; a large one is cut into pieces that are merged in parallel.
 #pragma once
 
 #include "lod/psp/queue.h"
 
-/// flag of a link: refers to a slot, a splat of another piece
+/// Flag of a link: it refers to a slot, a splat of another piece.
 #define STP_PSP_OUTSIDE 0x80000000u
 #define STP_PSP_RECORDED 0x80000000u ///< flag of an id: a record number in the same piece
 
-/// A neighbouring splat, and the error of merging the two; infinite if not allowed.
+/// Link to a neighbouring splat, and the error of merging the two; infinite if not allowed.
 typedef struct stp_psp_link {
     uint32_t to;
     float error;
 } stp_psp_link;
 
-/// Location of a splat's links.
+/// Location of a splat's links in the list.
 typedef struct stp_psp_span {
     size_t begin;
     uint32_t count, room;
@@ -38,16 +38,16 @@ typedef struct stp_psp_piece {
     const stp_psp_shared* shared;
     const stp_psp_metric_table* metric;
     uint32_t count, live;
-    uint32_t first; ///< slot of the first splat, of all pieces
-    bool history;   ///< merges are recorded
+    uint32_t first; ///< slot of the first splat, counted over all pieces
+    bool history;   ///< record merges
     // arrays for `count` splats
     stp_psp_splat* splats;
     uint8_t* states;
     stp_psp_span* spans;
     stp_psp_best* bests;
     uint32_t* forward; ///< the splat that consumed it; itself: still alive
-    uint32_t* marks;   ///< of splats seen, by `stamp`
-    uint32_t* near;    ///< room for `neighbours` a splat
+    uint32_t* marks;   ///< `stamp` for splats already visited
+    uint32_t* near;    ///< space for `neighbours` entries per splat
     stp_psp_queue queue;
     stp_psp_link* links;
     stp_psp_record* records;
@@ -55,11 +55,11 @@ typedef struct stp_psp_piece {
     size_t link_count, splat_room, link_room, near_room, record_room;
 } stp_psp_piece;
 
-/// Starts another piece in the same memory, for this many splats without links. @return false if
-/// out of memory
+/// Starts a new piece in the same memory, for this many splats without links.
+/// @return false if out of memory
 bool stp_psp_piece_begin(stp_psp_piece* piece, uint32_t count);
-/// Allocates this many links in total, and the lists of merges. Discards previous content. @return
-/// false if out of memory
+/// Allocates this many links in total, and the record of merges. Discards previous content.
+/// @return false if out of memory
 bool stp_psp_piece_make_links(stp_psp_piece* piece, size_t count);
 void stp_psp_piece_destroy(stp_psp_piece* piece);
 

@@ -1,23 +1,25 @@
 // SPDX-License-Identifier: MIT
-// L2: distances of all points from the splat that represents them (Wu, Zhang, Kobbelt 2005, 4.1).
+// L2: distances of all points from the splat that represents them (Wu, Zhang, Kobbelt 2005, section
+// 4.1).
 #include "lod/psp/metric.h"
 
-#define LINE 1e-4 ///< ratio of spread across to spread along, below which points count as a line
-/// cosine to the mean normal of two splats, below which the points' normal is rejected
+#define LINE 1e-4 ///< minimum ratio of minor to major spread; below it, points count as a line
+/// Minimum cosine between the normal of the points' plane and the mean normal of the two splats;
+/// below it, the plane is rejected
 #define UPRIGHT 0.7f
-/// Added to each sum of squares, times the geometric mean of both areas: sums below this are noise,
-/// and a plane is merged evenly.
+/// Times the geometric mean of both areas: added to each sum of squares. Sums below this are noise;
+/// with it, planes are merged evenly.
 #define FLAT 1e-8
 
-/// Points represented by a splat, and their moments about the centre of all points.
+/// Points represented by a splat, and their moments about the centre of the cloud.
 typedef struct moments {
     double count, sum[3], squares[6]; ///< xx, xy, xz, yy, yz, zz
-    uint32_t first, last;             ///< of a list
+    uint32_t first, last;             ///< linked list of points
 } moments;
 
 static bool open_lists(stp_psp_shared* shared)
 {
-    // of a point the next one in the list of its splat; UINT32_MAX ends it
+    // per point, the next one in the list of its splat; UINT32_MAX at the end
     size_t count = (size_t)shared->points->count + 1;
     shared->own = shared->room != NULL ? STP_PSP_NEW(shared->room, uint32_t, count)
                                        : STP_NEW_ARRAY(shared->context, uint32_t, count);
@@ -71,7 +73,7 @@ static void find_scatter(const moments* m, double scatter[6])
     }
 }
 
-/// Normal of the least-squares plane of a splat's points; zero if they lie along a line.
+/// Normal of the least-squares plane of a splat's points; zero if they lie on a line.
 static stp_vec3 find_normal(const moments* m)
 {
     double scatter[6], sums[3];
@@ -103,8 +105,8 @@ static void merge(const stp_psp_shared* shared, const stp_psp_splat* a, const vo
     stp_vec3 normal = find_normal(both);
     stp_vec3 side =
         stp_add(stp_scale(a->ellipse.normal, a->area), stp_scale(b->ellipse.normal, b->area));
-    // with few points, or along a line, the plane may be perpendicular to the surface: then uses
-    // the splats' normals
+    // with few or collinear points, the plane may be perpendicular to the surface: then the splats'
+    // normals are used
     if (!(fabsf(stp_dot(normal, side)) > UPRIGHT * stp_length(side))) {
         normal = stp_dot(side, side) > 0.0f ? side : a->ellipse.normal;
     }
@@ -115,9 +117,9 @@ static void merge(const stp_psp_shared* shared, const stp_psp_splat* a, const vo
     for (uint32_t p = both->first; p != UINT32_MAX; p = next[p]) {
         stp_ellipse_fit_scatter(&fit, stp_psp_point_at(shared, p));
     }
-    stp_ellipse_fit_turn(&fit, shared->least);
+    stp_ellipse_fit_orient(&fit, shared->least);
     for (uint32_t p = both->first; p != UINT32_MAX; p = next[p]) {
-        stp_ellipse_fit_reach(&fit, stp_psp_point_at(shared, p));
+        stp_ellipse_fit_expand(&fit, stp_psp_point_at(shared, p));
     }
     merged->ellipse = stp_ellipse_fit_end(&fit);
     merged->area = stp_ellipse_area(&merged->ellipse);

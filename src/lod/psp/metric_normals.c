@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // L2,1: difference between the normals of two splats, weighted by area (Wu, Zhang, Kobbelt 2005,
-// 4.2).
+// section 4.2).
 #include "lod/psp/metric.h"
 
-/// Squares of differences of unit normals below this are noise. It is added to all, so that a plane
-/// is merged evenly: the smallest splats first.
+/// Squared differences of unit normals below this are noise. Added to all, so that planes are
+/// merged evenly, smallest splats first.
 #define FLAT 1e-12
 
 static double measure(const stp_psp_shared* shared, const stp_psp_splat* a, const void* a_state,

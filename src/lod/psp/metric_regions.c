@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Difference between pictures of a splat and of the surface that it represents (region.h).
+// Difference between pictures of a splat and of the surface it represents (region.h).
 #include "lod/psp/metric.h"
 #include "lod/psp/region.h"
 

@@ -12,20 +12,20 @@ enum {
     GRAIN = 1 << 14,
 };
 
-/// Arrays of point data.
+/// An array of point data.
 typedef struct column {
     const uint8_t* from;
     uint8_t* to;
-    size_t size; ///< of a point
+    size_t size; ///< bytes per point
 } column;
 
 enum { COLUMNS_MOST = 4 };
 
 typedef struct copier {
     const stp_psp_rounds* rounds;
-    uint64_t *items, *scratch; ///< index << 32 | place, of a window
+    uint64_t *items, *scratch; ///< index << 32 | place, for a window
     const uint64_t* sorted;
-    uint32_t first; ///< place of the window
+    uint32_t first; ///< first place of the window
     column columns[COLUMNS_MOST];
     uint32_t column_count;
 } copier;
@@ -53,7 +53,7 @@ static void copy_points(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// @return the copy, to be filled; NULL if there is nothing to copy, or no storage
+/// @return the copy, to be filled; NULL if there is nothing to copy or no space
 static void* add_column(copier* c, const void* from, size_t size)
 {
     uint32_t count = c->rounds->shared.points->count;
@@ -66,12 +66,12 @@ static void* add_column(copier* c, const void* from, size_t size)
     return to;
 }
 
-/// @return false if out of storage
+/// @return false if there is no space
 static bool add_columns(copier* c, stp_psp_points* to)
 {
     const stp_psp_points* from = c->rounds->shared.points;
     size_t color = from->color_bytes != 0 ? from->color_bytes : 3;
-    // only this metric reads points again
+    // only this metric reads the points again
     bool again = c->rounds->shared.desc.metric == STP_PSP_DISTANCES;
     to->positions = again ? add_column(c, from->positions, 3 * sizeof(float)) : NULL;
     to->normals = add_column(c, from->normals, 3 * sizeof(float));

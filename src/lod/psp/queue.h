@@ -13,7 +13,7 @@ typedef struct stp_psp_queue_entry {
 /// On ties, the splat with the lower key comes first.
 typedef struct stp_psp_queue {
     stp_psp_queue_entry* heap; ///< capacity for all splats
-    uint32_t* places;          ///< of a splat in the heap; UINT32_MAX: it is not queued
+    uint32_t* places;          ///< position of each splat in the heap; UINT32_MAX: not queued
     const stp_psp_splat* splats;
     uint32_t count;
 } stp_psp_queue;
@@ -24,5 +24,5 @@ void stp_psp_queue_order(stp_psp_queue* queue);
 
 /// Queues a splat, or moves it to another error.
 void stp_psp_queue_set(stp_psp_queue* queue, uint32_t splat, float error);
-/// Takes a splat out; nothing if it is not queued.
+/// Removes a splat; does nothing if it is not queued.
 void stp_psp_queue_remove(stp_psp_queue* queue, uint32_t splat);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The part of a surface that a splat represents, as sums over its samples. Sums of two regions add,
-// so a merge needs no samples.
+// The part of a surface that a splat represents, as sums over its samples. Sums of two regions are
+// added, so a merge needs no samples.
 #pragma once
 
 #include "lod/psp/ellipse.h"
@@ -8,9 +8,9 @@
 /// A sample of a surface.
 typedef struct stp_psp_sample {
     stp_vec3 position; ///< relative to a point near all samples
-    stp_vec3 normal;   ///< of unit length, or zero where unknown
+    stp_vec3 normal;   ///< of unit length, or zero if unknown
     uint8_t color[3];  ///< sRGB
-    float area;        ///< of the surface that it stands for; above 0
+    float area;        ///< surface area that it represents; above 0
 } stp_psp_sample;
 
 /// Sums over samples, weighted by area.
@@ -23,13 +23,13 @@ typedef struct stp_psp_region {
 stp_psp_region stp_psp_region_of(const stp_psp_sample* sample);
 stp_psp_region stp_psp_region_add(const stp_psp_region* a, const stp_psp_region* b);
 
-/// The ellipse with the mean, the normal and the spread of a region. A region that is an ellipse
-/// gets itself.
-/// @param fallback the normal where samples face away from each other; of unit length
+/// The ellipse with the mean, the normal and the variances of a region. An elliptical region yields
+/// itself.
+/// @param fallback of unit length: normal to use if the samples' normals cancel out
 stp_ellipse stp_psp_region_ellipse(const stp_psp_region* region, stp_vec3 fallback);
 
-/// Difference between pictures of the ellipse and of the region, as an area. The terms: a quarter
+/// Difference between pictures of the ellipse and of the region, as an area. The sum of a quarter
 /// of the ellipse's area, because outlines differ; half the area times the variance of normals;
-/// four times that of colours; twice the standard deviation from the plane times the larger axis;
-/// and the area of the ellipse that the region does not fill.
+/// four times the area times the variance of colours; twice the standard deviation from the plane
+/// times the larger axis; and the part of the ellipse that the region does not fill.
 double stp_psp_region_error(const stp_psp_region* region, const stp_ellipse* ellipse);

@@ -22,7 +22,8 @@ stp_result stp_psp_storage_fail(stp_psp_storage* storage)
 stp_result stp_psp_room_open(stp_psp_storage* storage, stp_psp_room* room)
 {
     *room = (stp_psp_room){.storage = storage};
-    return storage->beside != NULL ? stp_spill_create_beside(storage->beside, &room->file) : STP_OK;
+    return storage->beside != NULL ? stp_spill_create_sibling(storage->beside, &room->file)
+                                   : STP_OK;
 }
 
 void* stp_psp_room_alloc(const stp_psp_room* room, size_t count, size_t size)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Storage for arrays that grow with the number of points: memory, or a temporary file whose pages
-// the system may drop at any time (base/spill.h).
+// the system may evict at any time (base/spill.h).
 #pragma once
 
 #include "base/context.h"
@@ -11,9 +11,9 @@
 /// Shared by all rooms of a merge.
 typedef struct stp_psp_storage {
     stp_context* context;
-    stp_spill* beside; ///< rooms are files beside it; NULL: they are in memory
+    stp_spill* beside; ///< storage files go to the same folder; NULL: memory
     pthread_mutex_t mutex;
-    bool full; ///< a file ran out of space; logged once
+    bool full; ///< a file ran out of disk space; logged once
 } stp_psp_storage;
 
 /// Arrays with one lifetime.
@@ -24,7 +24,7 @@ typedef struct stp_psp_room {
 
 void stp_psp_storage_begin(stp_psp_storage* storage, stp_context* context, stp_spill* beside);
 void stp_psp_storage_end(stp_psp_storage* storage);
-/// Reports a missing array: a full disk, already logged, or out of memory, which this logs.
+/// Reports a failed allocation: a full disk, already logged, or out of memory, which this logs.
 stp_result stp_psp_storage_fail(stp_psp_storage* storage);
 
 /// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged). Closed by stp_psp_room_close
@@ -36,8 +36,8 @@ void* stp_psp_room_alloc(const stp_psp_room* room, size_t count, size_t size);
 void stp_psp_room_free(const stp_psp_room* room, void* array);
 /// Closes the file, after all arrays were freed. An unopened room is allowed.
 void stp_psp_room_close(stp_psp_room* room);
-/// Lets the system drop pages of the room's file, and of the file it is beside; they are read again
-/// when needed. Does nothing for memory. Any thread.
+/// Lets the system evict pages of the room's file, and of `beside`; they are read again when
+/// needed. No effect for memory. Any thread.
 void stp_psp_room_release(const stp_psp_room* room);
 
 #define STP_PSP_NEW(room, type, count) ((type*)stp_psp_room_alloc((room), (count), sizeof(type)))

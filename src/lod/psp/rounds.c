@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "lod/psp/rounds.h"
 
-#include "lod/psp/cut.h"
 #include "lod/psp/load.h"
+#include "lod/psp/round_pieces.h"
 
 #include <string.h>
 
 enum {
-    PIECE_SIZE = 8192, ///< the default
-    SAMPLES = 1024,    ///< sampled errors, from which the limit of a round is chosen
+    PIECE_SIZE = 8192, ///< default maximum splats per piece
+    SAMPLES = 1024,    ///< number of sampled errors for choosing the limit of a round
     RELEASED = 64,     ///< pages are released after this many pieces
 };
 
-/// Maximum share of splats whose best merge may be made in a round.
+/// Maximum share of splats whose best merge is allowed in one round.
 #define PART_MOST 0.9
-/// Merges per splat whose best merge is within the limit; measured, and only used to estimate.
+/// Merges per splat whose best merge is within the limit; measured, used only for an estimate.
 #define MERGES_EACH 0.6
 
 /// A round in progress.
@@ -23,11 +23,11 @@ typedef struct pass {
     const stp_psp_range* ranges;
     uint32_t range_count;
     float limit;
-    stp_psp_piece* pieces; ///< per thread
-    stp_psp_block* blocks; ///< of each range
+    stp_psp_piece* pieces; ///< one per thread
+    stp_psp_block* blocks; ///< one per range
     stp_psp_history* histories;
     uint32_t* survivors;
-    uint8_t* failed; ///< of each range
+    uint8_t* failed; ///< one per range
 } pass;
 
 static bool run_piece(pass* t, uint32_t number, stp_psp_piece* piece)
@@ -35,7 +35,7 @@ static bool run_piece(pass* t, uint32_t number, stp_psp_piece* piece)
     stp_psp_rounds* r = t->rounds;
     stp_psp_range of = t->ranges[number];
     uint64_t count = of.end - of.begin;
-    // pieces together never leave fewer than the target
+    // all pieces together never leave fewer splats than the target
     uint64_t least = (count * r->target + r->live - 1) / r->live;
     stp_psp_rounds_release(r, number);
     if (!stp_psp_load(r, piece, of.begin, of.end) ||
@@ -71,7 +71,7 @@ static uint32_t final_id(const stp_psp_rounds* r, const stp_psp_history* h, uint
                : r->shared.points->count + h->first + (id & ~STP_PSP_RECORDED);
 }
 
-/// Numbers remaining splats and merges, once all pieces are done.
+/// Numbers the remaining splats and the merges, after all pieces are done.
 static void number_pieces(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const pass* t = user;
@@ -102,7 +102,7 @@ static void free_blocks(const stp_psp_room* room, stp_context* context, stp_psp_
     stp_free(context, blocks);
 }
 
-/// Frees the results of the last round.
+/// Frees the results of the previous round.
 static void free_left(stp_psp_rounds* r)
 {
     stp_psp_room* room = &r->rooms[STP_PSP_ROOM_LEFT];
@@ -111,7 +111,7 @@ static void free_left(stp_psp_rounds* r)
     stp_psp_room_close(room);
 }
 
-/// Frees the tree, and the orders of the round.
+/// Frees the tree and the order of the round.
 static void free_orders(stp_psp_rounds* r)
 {
     stp_psp_room* room = &r->rooms[STP_PSP_ROOM_WORK];
@@ -125,7 +125,7 @@ static void free_orders(stp_psp_rounds* r)
     r->reverse_count = 0;
 }
 
-/// Keeps histories of pieces with merges. @return false if out of memory
+/// Keeps the histories of pieces with merges. @return false if out of memory
 static bool keep_histories(pass* t)
 {
     stp_psp_rounds* r = t->rounds;
@@ -150,7 +150,7 @@ static bool keep_histories(pass* t)
     return true;
 }
 
-/// Replaces the last round's results by those of this round.
+/// Replaces the previous round's results by those of this round.
 static bool take_over(pass* t)
 {
     stp_psp_rounds* r = t->rounds;
@@ -253,7 +253,7 @@ static stp_result choose_limit(stp_psp_rounds* r, float* limit)
     return STP_OK;
 }
 
-/// Sorts the last round's results into an order that can be cut.
+/// Sorts the previous round's results into an order that can be cut.
 static stp_result make_order(stp_psp_rounds* r)
 {
     stp_context* context = r->shared.context;
@@ -270,7 +270,7 @@ static stp_result make_order(stp_psp_rounds* r)
     return STP_OK;
 }
 
-/// One round, with pieces of a size or with one piece.
+/// Runs one round with the given piece size.
 static stp_result run_round(stp_psp_rounds* r, uint32_t piece_size)
 {
     stp_psp_range* ranges = NULL;
@@ -336,7 +336,7 @@ stp_result stp_psp_rounds_run(stp_psp_rounds* r)
             if (more && !r->shared.desc.keep_angle) {
                 r->shared.desc.least_cosine = -2.0f;
             }
-            result = more ? stp_psp_link_anew(r) : STP_OK;
+            result = more ? stp_psp_relink(r) : STP_OK;
             if (result != STP_OK) {
                 return result;
             }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Merges a large cloud in rounds. Each round cuts the splats into pieces in space and merges every
-// piece up to one common error. Merges across a seam wait for the next round, whose seams lie
-// elsewhere.
+// Merges a large cloud in rounds. Each round cuts space into pieces and merges the splats of every
+// piece up to one common error. Pairs across a seam wait for the next round, which has other seams.
 #pragma once
 
 #include "lod/psp/kd_tree.h"
@@ -9,55 +8,55 @@
 
 /// Result of a piece: the surviving splats, and their links.
 typedef struct stp_psp_block {
-    void* memory; ///< of all arrays
+    void* memory; ///< holds all arrays
     stp_psp_splat* splats;
     uint8_t* states;
-    uint32_t* begins; ///< of links, count + 1
+    uint32_t* begins; ///< index of each splat's first link, count + 1
     uint32_t* links;  ///< slots of the round that made the block; STP_PSP_OUTSIDE: of another piece
     uint32_t count;
-    uint32_t first; ///< number of the first splat, of all blocks
+    uint32_t first; ///< number of the first splat, counted over all blocks
 } stp_psp_block;
 
 /// Merges of a piece, in order.
 typedef struct stp_psp_history {
     stp_psp_record* records;
-    uint32_t count, first; ///< number of the first one, of all merges
+    uint32_t count, first; ///< number of the first merge, counted over all histories
 } stp_psp_history;
 
 /// Arrays that grow with the number of points, by their lifetimes.
 typedef enum stp_psp_room_use {
-    STP_PSP_ROOM_POINTS, ///< the points in the order of the tree, and what the metric has of them
+    STP_PSP_ROOM_POINTS, ///< points in tree order, and data of the metric
     STP_PSP_ROOM_TREE,
-    STP_PSP_ROOM_LEFT, ///< blocks and survivors of the last round
-    STP_PSP_ROOM_NEXT, ///< of the current round
-    STP_PSP_ROOM_WORK, ///< orders of the current round
+    STP_PSP_ROOM_LEFT, ///< blocks and survivors of the previous round
+    STP_PSP_ROOM_NEXT, ///< those of the current round
+    STP_PSP_ROOM_WORK, ///< temporary arrays of the current round
     STP_PSP_ROOMS,
 } stp_psp_room_use;
 
-/// Splats have slots in each round: their positions in the order that the round cuts into pieces.
-/// Results of a round are numbered block by block.
+/// In each round, a splat has a slot: its position in the order that is cut into pieces. The
+/// results of a round are numbered block by block.
 typedef struct stp_psp_rounds {
     stp_psp_shared shared;
     const stp_psp_metric_table* metric;
     stp_psp_storage storage;
     stp_psp_room rooms[STP_PSP_ROOMS];
-    stp_psp_points points; ///< positions in tree order: index of their data in `shared`
+    stp_psp_points points; ///< in tree order, with positions; `shared` holds the other columns
     bool in_tree_order;
     bool keep_history;
     uint32_t target;
-    stp_ellipse* initial; ///< NULL, or receives the points' splats, in units of the merge
+    stp_ellipse* initial; ///< NULL, or receives the points' splats, in merge units
     float alone;          ///< radius of splats without neighbours
     stp_kd_tree tree;     ///< of the points; empty after the first round
-    uint32_t live;        ///< splats
+    uint32_t live;        ///< number of splats
     uint32_t round;
-    // results of the last round
+    // results of the previous round
     stp_psp_block* blocks;
     uint32_t block_count, slot_count;
-    /// Per slot of the last round: number of the splat that represents it, then its slot
+    /// Per slot of the previous round: number of the splat that represents it, then its slot
     uint32_t* survivors;
     // of the current round
-    stp_kd_point* order; ///< of a slot, in `index`, the number of the splat; NULL: they are equal
-    /// Links across seams of the first round, backwards: slot << 32 | other slot; ascending
+    stp_kd_point* order; ///< `index` is the splat's number; NULL: equal to the slot
+    /// Reversed links across seams of the first round: slot << 32 | other slot; ascending
     uint64_t* reverse;
     size_t reverse_count;
     // history
@@ -66,22 +65,22 @@ typedef struct stp_psp_rounds {
     uint32_t history_count, merge_count;
 } stp_psp_rounds;
 
-/// Initializes without merges. Must always be destroyed.
+/// Initialises without merging. stp_psp_rounds_destroy must always be called.
 void stp_psp_rounds_begin(stp_psp_rounds* rounds, stp_context* context,
                           const stp_psp_points* points, const stp_psp_desc* desc, uint32_t target);
 
 /// If all data is in files, copies points into tree order, so that points merged together are
-/// stored together. @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)
+/// stored together.
+/// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_psp_order_points(stp_psp_rounds* rounds);
 
-/// Periodically lets the system drop file pages from memory. `number` is of a piece or a part of a
-/// loop. Any thread.
+/// Periodically lets the system evict file pages. `number` counts pieces or parts of a loop. Any
+/// thread.
 void stp_psp_rounds_release(const stp_psp_rounds* rounds, size_t number);
 
-/// Merges until the target is reached or nothing can be merged. The caller sets `keep_history`,
-/// `initial`, `alone` and what is shared, and makes the tree.
+/// Merges until the target is reached or no merge is possible. The caller sets `keep_history`,
+/// `initial`, `alone` and `shared`, and makes the tree.
 /// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_psp_rounds_destroy,
-/// also after a
-///         failure
+///         also after a failure
 STP_MUST_USE stp_result stp_psp_rounds_run(stp_psp_rounds* rounds);
 void stp_psp_rounds_destroy(stp_psp_rounds* rounds);

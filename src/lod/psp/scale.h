@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Units of a merge: model units times a power of two.
+// Merge units: model units times a power of two.
 #pragma once
 
 #include "lod/psp/ellipse.h"
 
-/// Power of two that scales a box diagonal to between 2^19 and 2^20; 1 if the diagonal is 0 or not
-/// finite.
+/// Power of two that scales a bounding box diagonal to between 2^19 and 2^20; 1 if the diagonal is
+/// 0 or not finite.
 static inline float stp_psp_choose_scale(float diagonal)
 {
     if (!(diagonal > 0.0f) || diagonal > FLT_MAX) {
@@ -17,7 +17,7 @@ static inline float stp_psp_choose_scale(float diagonal)
     return ldexpf(1.0f, exponent < 126 ? exponent : 126);
 }
 
-/// An ellipse in model units.
+/// Converts an ellipse to model units.
 static inline stp_ellipse stp_psp_scale_ellipse(const stp_ellipse* e, float scale)
 {
     float back = 1.0f / scale;
@@ -27,7 +27,7 @@ static inline stp_ellipse stp_psp_scale_ellipse(const stp_ellipse* e, float scal
                          .minor = stp_max(e->minor * back, FLT_MIN)};
 }
 
-/// An error of 1 in model units.
+/// Model-space value of an error of 1.
 static inline double stp_psp_error_unit(int power, float scale)
 {
     double unit = 1.0;

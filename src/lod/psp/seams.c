@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Links across the seams of the first round, and slots from round to round.
 #include "base/parallel_sort.h"
-#include "lod/psp/cut.h"
+#include "lod/psp/round_pieces.h"
 
 enum { GRAIN = 1 << 16 }; ///< slots
 
 typedef struct numbering {
     stp_psp_rounds* rounds;
-    uint32_t* slots; ///< of splats by number
-    size_t* starts;  ///< of blocks: targets of their links across seams
+    uint32_t* slots; ///< slots, by splat number
+    size_t* starts;  ///< per block, where the targets of its links across seams start
     uint64_t* reverse;
 } numbering;
 
@@ -65,8 +65,8 @@ static void count_links(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// After the first round: a point may be among the nearest of another one across a seam, and only
-/// the other lists it.
+/// After the first round: a point may be among the nearest neighbours of a point across a seam, and
+/// then only the other one lists the link. Adds the reverse links.
 static bool turn_links(numbering* n)
 {
     stp_psp_rounds* r = n->rounds;

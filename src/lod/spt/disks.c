@@ -2,11 +2,12 @@
 #include "lod/spt/disks.h"
 
 enum {
-    ROUNDS = 24, ///< of moving the centre towards the child that reaches farthest
+    ROUNDS = 24, ///< iterations of moving the centre towards the farthest child
     SLABS = 16,  ///< directions in which widths are measured
 };
 
-// Cosine and sine of k / 16 of half a turn; constants, because libraries differ in the last bit.
+// Cosine and sine of k / 16 of half a turn. Constants, because math libraries differ in the last
+// bit.
 static const double cosines[SLABS] = {
     1,
     0.98078528040323043,
@@ -44,12 +45,12 @@ static const double sines[SLABS] = {
     0.19509032201612861,
 };
 
-// Where children lie in the plane of a disk, or in space.
+// Coordinate frame of the children: the plane of a disk, or space.
 typedef struct frame {
     stp_vec3d across, along;
 } frame;
 
-// Two directions that are perpendicular to a unit normal and to each other (Duff et al. 2017).
+// Two unit vectors perpendicular to a unit normal and to each other (Duff et al. 2017).
 static frame make_frame(stp_vec3 normal)
 {
     double x = (double)normal.x, y = (double)normal.y, z = (double)normal.z;
@@ -62,14 +63,14 @@ static bool is_sphere(const stp_disk* disk)
     return stp_dot(disk->normal, disk->normal) == 0.0f;
 }
 
-// What is left of an offset in the plane of a normal; all of it where the normal is zero.
+// Projects an offset onto the plane of a normal; unchanged if the normal is zero.
 static stp_vec3d flatten(stp_vec3d offset, stp_vec3 normal)
 {
     stp_vec3d n = stp_to_double(normal);
     return stp_subd(offset, stp_scaled(n, stp_dotd(offset, n)));
 }
 
-// The centre of the smallest disk around two, which may be one of them.
+// Centre of the smallest disk around two disks, which may be one of them.
 static stp_vec3d join_two(stp_vec3d a, double ra, stp_vec3d b, double rb)
 {
     stp_vec3d offset = stp_subd(b, a);
@@ -83,7 +84,7 @@ static stp_vec3d join_two(stp_vec3d a, double ra, stp_vec3d b, double rb)
     return stp_addd(a, stp_scaled(offset, 0.5 + 0.5 * (rb - ra) / distance));
 }
 
-// Children by coordinate, so that several are looked at together.
+// Children as arrays of coordinates, for vectorized loops.
 typedef struct flat_children {
     uint32_t count;
     double x[STP_DISK_CHILDREN], y[STP_DISK_CHILDREN], z[STP_DISK_CHILDREN];
@@ -95,46 +96,47 @@ static stp_vec3d place_of(const flat_children* f, uint32_t i)
     return (stp_vec3d){f->x[i], f->y[i], f->z[i]};
 }
 
-static inline void find_reaches(const flat_children* f, stp_vec3d center, uint32_t begin,
-                                double reaches[STP_DISK_CHILDREN])
+static inline void measure_extents(const flat_children* f, stp_vec3d center, uint32_t begin,
+                                   double extents[STP_DISK_CHILDREN])
 {
     for (uint32_t i = begin; i < begin + STP_DISK_CHILDREN / 2; ++i) {
         double x = f->x[i] - center.x, y = f->y[i] - center.y, z = f->z[i] - center.z;
-        reaches[i] = sqrt(x * x + y * y + z * z) + f->radii[i];
+        extents[i] = sqrt(x * x + y * y + z * z) + f->radii[i];
     }
 }
 
-// How far the children reach from a centre, and which one does.
-static double reach_from(const flat_children* f, stp_vec3d center, uint32_t* farthest)
+// Maximum distance from a centre to the far side of a child, and that child.
+static double max_extent(const flat_children* f, stp_vec3d center, uint32_t* farthest)
 {
-    double reaches[STP_DISK_CHILDREN], most = -1.0;
-    find_reaches(f, center, 0, reaches);
+    double extents[STP_DISK_CHILDREN], most = -1.0;
+    measure_extents(f, center, 0, extents);
     if (f->count > STP_DISK_CHILDREN / 2) {
-        find_reaches(f, center, STP_DISK_CHILDREN / 2, reaches);
+        measure_extents(f, center, STP_DISK_CHILDREN / 2, extents);
     }
     for (uint32_t i = 0; i < f->count; ++i) {
-        if (reaches[i] > most) {
-            most = reaches[i];
+        if (extents[i] > most) {
+            most = extents[i];
             *farthest = i;
         }
     }
     return most;
 }
 
-#define CLOSE_ENOUGH 1.005 // times the least radius that any disk around two of the children has
+/// Relative to the lower bound on the radius: the disk around the two farthest children
+#define CLOSE_ENOUGH 1.005
 
-// Begins with the disk around two children that reach far, which often holds the others. Else it is
-// moved towards the one that reaches farthest by less and less (Badoiu and Clarkson 2003, for
-// disks); the best centre on the way is kept.
+// Begins with the disk around two distant children, which often encloses the others. Otherwise
+// moves the centre towards the farthest child in decreasing steps (Badoiu and Clarkson 2003, for
+// disks) and keeps the best centre.
 static void find_enclosing(const flat_children* f, stp_vec3d* center)
 {
     uint32_t first = 0, second = 0, farthest = 0;
-    (void)reach_from(f, (stp_vec3d){0}, &first);
-    (void)reach_from(f, place_of(f, first), &second);
+    (void)max_extent(f, (stp_vec3d){0}, &first);
+    (void)max_extent(f, place_of(f, first), &second);
     stp_vec3d at =
         join_two(place_of(f, first), f->radii[first], place_of(f, second), f->radii[second]);
     *center = at;
-    double best = reach_from(f, at, &farthest);
+    double best = max_extent(f, at, &farthest);
     double apart = stp_lengthd(stp_subd(place_of(f, second), place_of(f, first)));
     double least = 0.5 * (apart + f->radii[first] + f->radii[second]) * CLOSE_ENOUGH;
     for (int round = 1; round <= ROUNDS && best > least; ++round) {
@@ -142,7 +144,7 @@ static void find_enclosing(const flat_children* f, stp_vec3d* center)
         double distance = stp_lengthd(offset);
         double step = distance > 0.0 ? fmin(best / (distance * (double)(round + 2)), 0.5) : 0.0;
         at = stp_addd(at, stp_scaled(offset, step));
-        double reach = reach_from(f, at, &farthest);
+        double reach = max_extent(f, at, &farthest);
         if (reach < best) {
             best = reach;
             *center = at;
@@ -162,7 +164,7 @@ stp_disk stp_disk_enclose(const stp_disk* children, const float* weights, uint32
     }
     middle = stp_scaled(middle, 1.0 / sum);
     stp_disk disk = {.normal = {(float)normal.x, (float)normal.y, (float)normal.z}};
-    // normals that cancel each other out point nowhere
+    // normals that cancel out have no direction
     bool turned = stp_lengthd(normal) > 1e-3 * sum;
     disk.normal = turned ? stp_normalize(disk.normal) : (stp_vec3){0};
     flat_children flat = {.count = count};
@@ -178,21 +180,21 @@ stp_disk stp_disk_enclose(const stp_disk* children, const float* weights, uint32
     find_enclosing(&flat, &offset);
     stp_vec3d center = stp_addd(middle, offset);
     disk.center = (stp_vec3){(float)center.x, (float)center.y, (float)center.z};
-    // far from the origin the centre is rounded by more than a disk is wide
+    // far from the origin, rounding moves the centre by more than the radius
     offset = flatten(stp_subd(stp_to_double(disk.center), middle), disk.normal);
-    disk.radius = (float)(reach_from(&flat, offset, &farthest) * (1.0 + 1e-6));
+    disk.radius = (float)(max_extent(&flat, offset, &farthest) * (1.0 + 1e-6));
     return disk;
 }
 
-// How far a child reaches along a direction of unit length, on either side of its centre.
+// Extent of a child along a unit direction, on either side of its centre.
 static double half_width(const stp_disk* child, stp_vec3d direction)
 {
     double turned = stp_dotd(stp_to_double(child->normal), direction);
     double part = 1.0 - turned * turned;
-    return (double)child->radius * sqrt(part > 0.0 ? part : 0.0); // of a sphere all of its radius
+    return (double)child->radius * sqrt(part > 0.0 ? part : 0.0); // a sphere: its radius
 }
 
-// How much room the children take along a direction.
+// Width of all children along a direction.
 static double width_along(const stp_disk* disk, const stp_disk* children, uint32_t count,
                           stp_vec3d direction)
 {
@@ -206,7 +208,7 @@ static double width_along(const stp_disk* disk, const stp_disk* children, uint32
     return high - low;
 }
 
-// Directions in the plane of a disk, by coordinate.
+// Directions in the plane of a disk, one array per coordinate.
 typedef struct slab_directions {
     double x[SLABS], y[SLABS], z[SLABS];
 } slab_directions;
@@ -221,7 +223,7 @@ static void find_directions(stp_vec3 normal, slab_directions* d)
     }
 }
 
-// The least of width_along() in all directions, several of which are looked at together.
+// Minimum of width_along() over all directions, in vectorized loops.
 static double find_narrowest(const stp_disk* disk, const stp_disk* children, uint32_t count)
 {
     slab_directions d;

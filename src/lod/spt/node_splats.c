@@ -4,23 +4,23 @@
 #include "base/coverage.h"
 #include "base/octahedral.h"
 #include "base/splat_codes.h"
-#include "lod/surfels.h"
+#include "lod/set_columns.h"
 
 #include <string.h>
 
 enum {
     GRAIN = 1024, ///< nodes
-    BLOCK = 64,   ///< nodes of which normals are encoded together
+    BLOCK = 64,   ///< normals encoded per batch
 };
 
-#define HALF_DIAGONAL 0.8660254f ///< of a cube of side 1
+#define HALF_DIAGONAL 0.8660254f ///< of a unit cube
 
 typedef struct splat_maker {
     const stp_point_tree* tree;
     const stp_method_samples* samples;
     const stp_node_splats_desc* desc;
-    double* areas;    ///< of nodes before each: the shares of leaves' disks that are drawn, summed
-    uint32_t* leaves; ///< of nodes before each: leaves
+    double* areas;    ///< prefix sums over nodes: drawn share of each leaf's disk
+    uint32_t* leaves; ///< prefix sums over nodes: number of leaves
     stp_node_splat* splats;
 } splat_maker;
 
@@ -50,8 +50,8 @@ static uint32_t first_leaf(const stp_point_tree* tree, uint32_t node)
     return node;
 }
 
-/// Of 128 directions, the triangle of a subdivided octahedron that holds a normal (3.10): its
-/// octant, then one of sixteen.
+/// Maps a normal to one of 128 directions, the triangles of a subdivided octahedron (3.10): its
+/// octant, then one of sixteen triangles.
 static uint32_t find_cluster(stp_vec3 n)
 {
     float x = fabsf(n.x), y = fabsf(n.y), sum = x + y + fabsf(n.z);
@@ -60,13 +60,13 @@ static uint32_t find_cluster(stp_vec3 n)
     uint32_t a = (uint32_t)(x * scale), b = (uint32_t)(y * scale);
     a = a < 3 ? a : 3;
     b = b < 3 - a ? b : 3 - a;
-    // of a row of the triangle, the upright ones and, between them, those that stand on a corner
+    // each row alternates upright and inverted triangles
     bool turned = x * scale - (float)a + (y * scale - (float)b) > 1.0f && a + b < 3;
     static const uint32_t rows[4] = {0, 7, 12, 15};
     return 16 * octant + rows[a] + 2 * b + (turned ? 1 : 0);
 }
 
-// The shares of leaves; of nodes above them 0.
+// Drawn shares of leaves; 0 for inner nodes.
 static void find_areas(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const splat_maker* m = user;
@@ -80,7 +80,7 @@ static void find_areas(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// One after the other: sums in another order would be others.
+// Sequential: floating-point sums depend on the order.
 static void sum_areas(splat_maker* m)
 {
     double area = 0.0;
@@ -105,7 +105,7 @@ static uint8_t find_coverage(const splat_maker* m, uint32_t node)
     return mean < 254.0 / 255.0 ? stp_coverage_of_share(mean) : STP_COVERAGE_WHOLE;
 }
 
-/// All but the encoded normal. @return which way it faces
+/// Makes all but the encoded normal. @return the normal
 static stp_vec3 make_splat(const splat_maker* m, uint32_t node, stp_node_splat* splat)
 {
     const stp_disk* disk = &m->tree->disks[node];
@@ -118,10 +118,11 @@ static stp_vec3 make_splat(const splat_maker* m, uint32_t node, stp_node_splat* 
     splat->material = m->desc->materials[m->tree->points[leaf]];
     splat->coverage = find_coverage(m, node);
     splat->cluster = (uint8_t)find_cluster(disk->normal);
-    // centres are rounded to the grid: by half the diagonal of a cell
+    // rounding to the grid moves centres by up to half the diagonal of a cell
     float radius = disk->radius / grid->step + HALF_DIAGONAL;
     splat->shape = stp_shape_disk(radius, find_spread(m->tree, node), false);
-    bool turned = stp_dot(disk->normal, disk->normal) > 0.0f; // else as its first leaf
+    // else uses the direction of its first leaf
+    bool turned = stp_dot(disk->normal, disk->normal) > 0.0f;
     return turned ? disk->normal : m->tree->disks[leaf].normal;
 }
 
@@ -143,7 +144,7 @@ static void make_splats(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// Of leaves what is found of their samples; of inner nodes the least of what is below.
+/// Leaves take the value of their sample; inner nodes the minimum of their children.
 static void find_replaced(const splat_maker* m)
 {
     const stp_point_tree* t = m->tree;

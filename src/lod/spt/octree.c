@@ -7,11 +7,11 @@
 #include <string.h>
 
 enum {
-    SORTED_LEVELS = 10, ///< upper levels, by which all points are sorted at once
-    LEVELS = 40,        ///< of halving a box; what lies together still is cut by its order
+    SORTED_LEVELS = 10, ///< upper levels, sorted in one pass over all points
+    LEVELS = 40,        ///< maximum subdivisions; points that still coincide are split by order
     GRAIN = 16384,      ///< points
-    BLOCK = 64,         ///< points of which places are found together
-    FEW = 32,           ///< items of a box of which octants are remembered
+    BLOCK = 64,         ///< points processed per batch
+    FEW = 32,           ///< maximum items of a box whose octants are cached
 };
 
 static stp_vec3d position_of(const stp_octree* o, uint32_t point)
@@ -45,18 +45,18 @@ static stp_octree_cell child_cell(const stp_octree_cell* cell, uint32_t octant)
                              half};
 }
 
-/// Which of eight a point lies in.
+/// Index of the octant that contains a point.
 static uint32_t octant_of(const stp_octree_cell* cell, stp_vec3d p)
 {
     return (p.x >= cell->center.x ? 1u : 0u) | (p.y >= cell->center.y ? 2u : 0u) |
            (p.z >= cell->center.z ? 4u : 0u);
 }
 
-/// Halves along one axis, as child_cell() does, to the bit: a bit of each halving, the first one
-/// highest.
+/// Halves along one axis with the same rounding as child_cell(). Each halving yields one bit, the
+/// first one highest.
 static void find_places(const double at[BLOCK], double center, double half, uint32_t places[BLOCK])
 {
-    double centers[BLOCK], bits[BLOCK] = {0}; // as numbers: all in one vector's format
+    double centers[BLOCK], bits[BLOCK] = {0}; // as doubles: one vector format for all
     for (int i = 0; i < BLOCK; ++i) {
         centers[i] = center;
     }
@@ -65,7 +65,7 @@ static void find_places(const double at[BLOCK], double center, double half, uint
         for (int i = 0; i < BLOCK; ++i) {
             double above = at[i] >= centers[i] ? 1.0 : 0.0;
             bits[i] = 2.0 * bits[i] + above;
-            centers[i] += above * (2.0 * half) - half; // half up or down, exactly
+            centers[i] += above * (2.0 * half) - half; // half up or down, without rounding
         }
     }
     for (int i = 0; i < BLOCK; ++i) {
@@ -129,7 +129,7 @@ void stp_octree_destroy(stp_context* context, stp_octree* octree)
     *octree = (stp_octree){0};
 }
 
-/// The cell of the lowest sorted level that a code names.
+/// Cell of the lowest sorted level, by its code.
 static stp_octree_cell find_cell(const stp_octree* o, uint32_t code)
 {
     stp_octree_cell cell = o->root;
@@ -139,7 +139,7 @@ static stp_octree_cell find_cell(const stp_octree* o, uint32_t code)
     return cell;
 }
 
-/// The end of the items of a box that have the first one's code above a bit.
+/// End of the run of items whose code matches the first one's above bit `shift`.
 static uint32_t find_end(const stp_octree* o, uint32_t begin, uint32_t end, uint32_t shift)
 {
     uint32_t first = code_of(o, begin) >> shift, step = 1;
@@ -170,11 +170,11 @@ static uint32_t divide_sorted(const stp_octree* o, const stp_octree_box* box, ui
     return count;
 }
 
-/// Puts the items of each octant together. begins[k] to begins[k + 1] is octant k. @return how many
-/// are not empty
+/// Groups items by octant: octant k is begins[k] to begins[k + 1].
+/// @return number of nonempty octants
 static uint32_t split(const stp_octree* o, const stp_octree_box* box, uint32_t begins[9])
 {
-    uint8_t octants[FEW]; // positions lie anywhere in memory
+    uint8_t octants[FEW]; // cached, because positions are scattered in memory
     bool few = box->end - box->begin <= FEW;
     uint32_t counts[8] = {0}, filled = 0;
     for (uint32_t i = box->begin; i < box->end; ++i) {
@@ -225,7 +225,7 @@ uint32_t stp_octree_divide(const stp_octree* octree, stp_octree_box box, stp_oct
             box.level += 1;
         }
     }
-    for (uint32_t k = 0; k <= 8 && filled == 1; ++k) { // coincident points, or nearly so
+    for (uint32_t k = 0; k <= 8 && filled == 1; ++k) { // points coincide, or nearly so
         begins[k] = box.begin + (uint32_t)((uint64_t)(box.end - box.begin) * k / 8);
     }
     for (uint32_t k = 0; k < 8; ++k) {

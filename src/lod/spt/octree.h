@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The octree of a point tree: points sorted so that those of each box are consecutive, and boxes
-// that are divided into octants.
+// The octree of a point tree: points are sorted so that those of each box are consecutive, and
+// boxes are divided into octants.
 #pragma once
 
 #include "base/context.h"
@@ -12,20 +12,20 @@ typedef struct stp_octree_cell {
     double half;
 } stp_octree_cell;
 
-/// Points by octree position; points of one position by index.
+/// Points sorted by octree position; coincident points by index.
 typedef struct stp_octree {
-    const float* positions; ///< 3 a point; the caller's
+    const float* positions; ///< 3 per point; owned by the caller
     uint32_t count;
     stp_octree_cell root;
-    uint64_t* items;   ///< of each point its octants on the upper levels (32 bits), then its index
-    uint64_t* scratch; ///< as many
+    uint64_t* items;   ///< per point: octants of the upper levels (32 bits), then its index
+    uint64_t* scratch; ///< same size as `items`
 } stp_octree;
 
-/// A run of `items`: all points of a cell.
+/// A range of `items`: all points of a cell.
 typedef struct stp_octree_box {
     uint32_t begin, end;
-    uint32_t level;       ///< number of halvings from the root
-    stp_octree_cell cell; ///< known only below the sorted levels
+    uint32_t level;       ///< number of subdivisions from the root
+    stp_octree_cell cell; ///< valid only below the sorted levels
 } stp_octree_box;
 
 /// Sorts at least one point by the upper levels, on all threads.
@@ -36,16 +36,16 @@ STP_MUST_USE stp_result stp_octree_make(stp_context* context, const float* posit
                                         uint32_t count, stp_octree* octree);
 void stp_octree_destroy(stp_context* context, stp_octree* octree);
 
-/// The index of the point that an item stands for.
+/// Index of the point of an item.
 static inline uint32_t stp_octree_point(const stp_octree* octree, uint32_t item)
 {
     return (uint32_t)octree->items[item];
 }
 
 /// Divides a box of two or more points into octants, of which at least two hold points: boxes with
-/// one filled octant are passed over. Points that lie together are cut by their order. Below the
-/// sorted levels it moves items within the box. Boxes that have no item in common may be divided at
-/// once.
-/// @param children  room for 8; those that hold points, in order. @return how many
+/// one nonempty octant are skipped. Coincident points are split by their order. Below the sorted
+/// levels, reorders items within the box. Disjoint boxes may be divided concurrently.
+/// @param children space for 8; receives the nonempty ones in order.
+/// @return their number
 uint32_t stp_octree_divide(const stp_octree* octree, stp_octree_box box,
                            stp_octree_box children[8]);

@@ -6,14 +6,14 @@
 #include <string.h>
 
 enum {
-    SUBTREE = 4096, ///< points: what one thread makes at once
+    SUBTREE = 4096, ///< maximum points of a subtree that one thread builds
 };
 
 // A part of the tree, in depth-first order: a subtree, or one node above subtrees.
 typedef struct piece {
     stp_octree_box box;
-    uint32_t node;  ///< its first one
-    uint32_t after; ///< the piece behind its subtree
+    uint32_t node;  ///< its first node
+    uint32_t after; ///< index of the next piece after its subtree
 } piece;
 
 typedef struct maker {
@@ -24,8 +24,9 @@ typedef struct maker {
     stp_octree octree;
     piece* pieces;
     size_t piece_count, piece_capacity;
-    uint32_t* sizes;   ///< of the nodes of a piece's subtree, from twice its first point on
-    uint32_t* weights; ///< of nodes: leaves below
+    /// Subtree sizes of the nodes of a piece, starting at twice the piece's first point
+    uint32_t* sizes;
+    uint32_t* weights; ///< leaves below each node
 } maker;
 
 static stp_vec3 position_of(const stp_tree_points* points, uint32_t point)
@@ -53,7 +54,7 @@ static void finish_leaf(const maker* m, uint32_t node)
     m->weights[node] = 1;
 }
 
-// Whether a child's colour differs much from its parent's.
+// Whether a child's colour differs by more than a threshold from its parent's.
 static bool differs(const uint8_t* a, const uint8_t* b, uint32_t threshold)
 {
     for (int k = 0; k < 3; ++k) {
@@ -104,8 +105,7 @@ static void finish_node(const maker* m, uint32_t node)
     m->weights[node] = (uint32_t)sum;
 }
 
-// The part of the tree that a box makes, and the parts of those within. @return false where memory
-// runs out
+// Adds the pieces of a box and of the boxes below it. @return false if out of memory
 static bool add_pieces(maker* m, const stp_octree_box* box)
 {
     size_t at = m->piece_count;
@@ -132,7 +132,7 @@ static bool is_subtree(const piece* p)
     return p->box.end - p->box.begin <= SUBTREE;
 }
 
-// The sizes of the subtrees of all nodes that a box makes. @return the first one's
+// Computes the subtree sizes of all nodes of a box. @return that of the first node
 static uint32_t find_sizes(const stp_octree* octree, const stp_octree_box* box, uint32_t* sizes)
 {
     uint32_t size = 1;
@@ -195,7 +195,7 @@ static void finish_subtree(const maker* m, const piece* p)
         t->ends[p->node + i] = p->node + i + sizes[i];
         t->points[p->node + i] = sizes[i] == 1 ? stp_octree_point(&m->octree, item++) : UINT32_MAX;
     }
-    for (uint32_t node = p->node + sizes[0]; node-- > p->node;) { // children before their parents
+    for (uint32_t node = p->node + sizes[0]; node-- > p->node;) { // children before parents
         if (t->points[node] != UINT32_MAX) {
             finish_leaf(m, node);
         } else {
@@ -215,7 +215,7 @@ static void finish_pieces(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Nodes above subtrees are few, and are made by one thread.
+// There are few nodes above subtrees: one thread is enough.
 static void finish_above(const maker* m)
 {
     stp_point_tree* t = m->tree;
@@ -304,7 +304,7 @@ uint32_t stp_point_tree_traverse(const stp_point_tree* tree, const stp_tree_view
         bool is_leaf = tree->ends[node] == node + 1;
         if (is_leaf || stp_point_tree_suffices(tree, node, view)) {
             nodes[count++] = node;
-            node = tree->ends[node]; // on, behind all below it
+            node = tree->ends[node]; // skips the subtree
         } else {
             node += 1;
         }

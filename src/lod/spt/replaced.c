@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Triangles lie in a tree of boxes: a list along a curve through space, halved again and again.
+// Triangles are sorted along a space-filling curve; the tree of boxes halves that list recursively.
 #include "lod/spt/replaced.h"
 
 #include "base/triangle_level.h"
@@ -8,19 +8,19 @@
 enum {
     LEAF_TRIANGLES = 4,
     DEPTH_MOST = 33,
-    LOOKS_MOST = 1000, ///< nodes of the tree that are looked at for a sample
+    LOOKS_MOST = 1000, ///< maximum visited tree nodes per sample
 };
 
-/// how far from its triangle rounding may move a sample, in steps of the set's grid
+/// Maximum distance of a sample from its triangle caused by rounding, in grid steps of the set
 #define NEAR_STEPS 1.5f
-#define BESIDE 2.0f ///< what lies so many radii away may be covered by a sample's disk
-#define ALIKE 0.5f  ///< cosine between normals of surface that a disk covers together
+#define BESIDE 2.0f ///< radius within which a sample's disk may cover surface, in sample radii
+#define ALIKE 0.5f  ///< minimum cosine between normals of surfaces that one disk covers
 
 typedef struct range {
     uint32_t begin, end;
 } range;
 
-/// What holds a range of triangles, and the highest of their levels.
+/// Bounding box of a range of triangles, and their highest level.
 typedef struct bounds {
     stp_box box;
     float level;
@@ -29,11 +29,11 @@ typedef struct bounds {
 typedef struct replaced {
     const stp_method_samples* samples;
     const float* corners;
-    const uint32_t* order; ///< of triangles, along the curve
-    bounds* tree;          ///< of ranges of triangles, as a heap
+    const uint32_t* order; ///< triangles sorted along the curve
+    bounds* tree;          ///< binary heap over ranges of `order`
     uint32_t count;
-    float near; ///< distance within which a sample lies on a triangle
-    float* on;  ///< of each sample, the highest level of triangles that it lies on
+    float near; ///< maximum distance at which a sample counts as on a triangle
+    float* on;  ///< per sample, the highest level of triangles it lies on
     float* levels;
     const stp_grid* grid;
 } replaced;
@@ -71,7 +71,7 @@ static bounds make_tree(replaced* r, uint32_t node, range of)
     return r->tree[node] = b;
 }
 
-/// The point of a triangle that is nearest to `p` (Ericson 2005, 5.1.5).
+/// The point of a triangle nearest to `p` (Ericson 2005, 5.1.5).
 static stp_vec3 find_nearest(const float* corners, uint32_t triangle, stp_vec3 p)
 {
     stp_vec3 a = corner(corners, triangle, 0), b = corner(corners, triangle, 1),
@@ -109,8 +109,8 @@ static bool is_outside(stp_box box, stp_vec3 p, float near)
            p.y > box.max.y + near || p.z < box.min.z - near || p.z > box.max.z + near;
 }
 
-/// The highest level of the triangles that a point lies on; 0 if it takes too long to tell: then
-/// splats are kept.
+/// Highest level of the triangles that a point lies on. 0 if the search takes too long: then splats
+/// are kept.
 static float find_on(const replaced* r, stp_vec3 p)
 {
     struct {
@@ -160,7 +160,7 @@ static void find_all_on(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// The least level of the samples in a bucket whose surface a sample's disk may cover.
+/// Minimum level of the samples in a bucket whose surface a sample's disk may cover.
 static float look_at_bucket(const replaced* r, uint32_t bucket, stp_vec3 p, stp_vec3 n, float level)
 {
     const stp_grid* g = r->grid;

@@ -11,14 +11,14 @@ static double distance_between(stp_vec3d a, stp_vec3d b)
     return sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
 }
 
-// The least float that is not below a number.
+// Smallest float that is not below a number.
 static float round_up(double x)
 {
     float nearest = (float)x;
     return (double)nearest < x ? nextafterf(nearest, HUGE_VALF) : nearest;
 }
 
-// The bits of a number that is not negative are ordered as it is.
+// Bits of a nonnegative float, which sort like the float.
 static uint32_t bits_of(float x)
 {
     uint32_t bits;
@@ -32,12 +32,12 @@ typedef struct maker {
     const stp_point_tree* tree;
     double most_allowed;
     stp_point_sequence* sequence;
-    float* highest;           ///< of nodes
-    uint64_t *keys, *scratch; ///< of nodes
-    const uint64_t* sorted;   ///< one of the two
+    float* highest;           ///< per node
+    uint64_t *keys, *scratch; ///< per node
+    const uint64_t* sorted;   ///< sorted keys: `keys` or `scratch`
 } maker;
 
-// The highest levels of the children of some nodes.
+// Computes the highest levels of the children of some nodes.
 static void find_highest(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const maker* m = user;
@@ -47,7 +47,7 @@ static void find_highest(size_t begin, size_t end, uint32_t worker, void* user)
         for (uint32_t c = parent + 1; c < tree->ends[parent]; c = tree->ends[c]) {
             double apart = distance_between(stp_to_double(tree->disks[c].center),
                                             stp_to_double(tree->disks[parent].center));
-            // a little more, for what rounding takes of levels
+            // slightly more, to allow for the rounding of levels
             m->highest[c] =
                 round_up(((double)tree->errors[parent] + apart * m->most_allowed) * (1.0 + 1e-9));
             m->keys[c] = (uint64_t)~bits_of(m->highest[c]) << 32 | c;
@@ -151,7 +151,7 @@ uint32_t stp_point_sequence_select(const stp_point_sequence* sequence, const stp
     for (uint32_t i = range.begin; i < range.end; ++i) {
         double distance = distance_between(view->eye, stp_to_double(sequence->centers[i]));
         double level = view->allowed * distance;
-        nodes[count] = sequence->nodes[i]; // is written over by the next where it is not selected
+        nodes[count] = sequence->nodes[i]; // overwritten by the next node unless selected
         count += level >= (double)sequence->lowest[i] && level <= (double)sequence->highest[i];
     }
     return count;

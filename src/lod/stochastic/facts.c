@@ -8,23 +8,24 @@
 
 enum {
     GRAIN = 64,         ///< leaves
-    PLANE_SAMPLE = 256, ///< points that the plane is of; the first ones, which are in random order
-    EDGE_POINTS = 8,    ///< points tested for lying on an edge
-    EDGE_AMONG = 128,   ///< points that neighbours are looked for among: a power of 2
+    PLANE_SAMPLE = 256, ///< points from which the plane is fitted: the first ones, in random order
+    EDGE_POINTS = 8,    ///< tested points per leaf
+    EDGE_AMONG = 128,   ///< points among which neighbours are searched: a power of 2
     EDGE_NEIGHBOURS = 16,
     BEND_SAMPLE = 48,
-    OUTLYING =
-        10, ///< one of so many normals may lie farther from the representative one than the spread
-    LEAST_POINTS = 6, ///< for a plane and an area of its own
+    /// Reciprocal share of outlier normals that the spread ignores
+    OUTLYING = 10,
+    LEAST_POINTS = 6, ///< minimum points from which plane and area are estimated
 };
-#define AREA_OF_SCATTER 12.5 // a rectangle has 12 sqrt(l1 l2), a disk 4 pi
-#define LINE_OF_SCATTER                                                                            \
-    12.0 // the square of a line's length: points on it stand for squares as wide as they are apart
-#define AREA_OF_FOLD 4.0 // how much more a folded surface has, by its flatness
-#define LEAST_RATIO 0.5f // of radii of a splat
-#define LEAST_BEND                                                                                 \
-    0.1f         // radius of a splat of few, in radii of curvature, below which it stays a disk
-#define FEW 6.0f // how much larger a splat is where few are drawn
+// a rectangle has an area of 12 sqrt(l1 l2), a disk of 4 pi sqrt(l1 l2)
+#define AREA_OF_SCATTER 12.5
+/// Squared length of a line over l2. Points on a line represent squares as wide as their distance
+#define LINE_OF_SCATTER 12.0
+#define AREA_OF_FOLD 4.0 // additional area of a folded surface, relative to its flatness
+#define LEAST_RATIO 0.5f // minimum ratio of a splat's radii
+/// Radius of a splat among few, relative to the radius of curvature, below which it stays a disk
+#define LEAST_BEND 0.1f
+#define FEW 6.0f // growth of splats if few are drawn
 
 typedef struct fact_loop {
     const stp_leaf_octree* octree;
@@ -61,7 +62,8 @@ typedef struct edge_points {
     uint32_t count;
 } edge_points;
 
-/// The points nearest to one: their numbers in the low bits of keys that grow with the distance, to within one part of 2^16.
+/// Finds the nearest points to one. Their indices are in the low bits of sort keys, which resolve
+/// distances to one part in 2^16.
 static uint32_t find_nearest(const edge_points* among, uint32_t point,
                              uint32_t nearest[EDGE_NEIGHBOURS])
 {
@@ -85,7 +87,7 @@ static uint32_t find_nearest(const edge_points* among, uint32_t point,
     return found;
 }
 
-/// Whether the points nearest to one lie as at an edge.
+/// Whether the points nearest to one are distributed as at an edge.
 static bool is_edge_point(const edge_points* among, uint32_t point)
 {
     uint32_t nearest[EDGE_NEIGHBOURS], found = find_nearest(among, point, nearest);
@@ -102,7 +104,8 @@ static bool is_edge_point(const edge_points* among, uint32_t point)
     return stp_scatter_is_edge(eigenvalues);
 }
 
-/// If none of the points chosen lies at an edge, there is none (2, Edge Containment).
+/// Tests some points of a leaf: if none lies on an edge, the leaf has no edge (2, Edge
+/// Containment).
 static bool has_edge(const fact_loop* l, size_t leaf)
 {
     edge_points among;
@@ -166,9 +169,9 @@ void stp_leaf_facts_of_places(stp_context* context, const stp_leaf_octree* octre
     stp_parallel_for(context, octree->leaf_count, GRAIN, measure_places, &loop);
 }
 
-enum { SPACINGS = 512 }; ///< sixteen to a factor of two
+enum { SPACINGS = 512 }; ///< 16 per factor of two
 
-/// Which of the classes a spacing is in.
+/// Histogram class of a spacing.
 static uint32_t class_of(float spacing)
 {
     const uint32_t lowest = (127u - 8u) << 4; // a 256th of a step
@@ -209,7 +212,8 @@ static void measure_normals(size_t begin, size_t end, uint32_t worker, void* use
             sum = stp_add(sum, normal_of(l, order[k]));
         }
         stp_vec3 mean = stp_normalize(sum), plane = l->facts[i].normal;
-        if (stp_length(sum) > 0.25f * (float)count) { // they do not face away from each other
+        // otherwise the normals face away from each other
+        if (stp_length(sum) > 0.25f * (float)count) {
             l->facts[i].normal = mean;
         } else if (stp_dot(mean, plane) < 0.0f) {
             l->facts[i].normal = stp_scale(plane, -1.0f);
@@ -226,12 +230,12 @@ void stp_leaf_facts_of_normals(stp_context* context, const stp_leaf_octree* octr
     }
 }
 
-/// A symmetric matrix of two rows.
+/// A symmetric 2 x 2 matrix.
 typedef struct bend {
     double uu, uv, vv;
 } bend;
 
-/// How normals turn along a surface, by least squares: the matrix S with dn = S dp.
+/// Fits the change of normals along a surface by least squares: the matrix S with dn = S dp.
 static bool fit_bend(const fact_loop* l, size_t leaf, stp_vec3 u, stp_vec3 v, bend* out)
 {
     uint32_t count;
@@ -265,7 +269,8 @@ static bool fit_bend(const fact_loop* l, size_t leaf, stp_vec3 u, stp_vec3 v, be
     return true;
 }
 
-/// The ellipse of a leaf's splats: as long against its width as the larger curvature is to the smaller one, along the smaller.
+/// Chooses the ellipse of a leaf's splats: its axes have the ratio of the principal curvatures; the
+/// long one lies along the smaller curvature.
 static void find_ellipse(const fact_loop* l, size_t leaf)
 {
     stp_leaf_facts* f = &l->facts[leaf];
@@ -278,14 +283,14 @@ static void find_ellipse(const fact_loop* l, size_t leaf)
     }
     double mean = 0.5 * (b.uu + b.vv), half = 0.5 * (b.uu - b.vv);
     double root = sqrt(half * half + b.uv * b.uv);
-    double first = mean + root, second = mean - root; // of the directions below
+    double first = mean + root, second = mean - root; // eigenvalues of the directions below
     bool first_is_larger = fabs(first) >= fabs(second);
     double larger = first_is_larger ? fabs(first) : fabs(second);
     double smaller = first_is_larger ? fabs(second) : fabs(first);
     if (!((float)larger * f->spacing * FEW > LEAST_BEND)) {
         return; // flat
     }
-    // the eigenvector of the first, from whichever row is longer
+    // eigenvector of the first, from the longer row
     double x = half + root, y = b.uv;
     if (half < 0.0) {
         x = b.uv;
@@ -293,7 +298,7 @@ static void find_ellipse(const fact_loop* l, size_t leaf)
     }
     double length = sqrt(x * x + y * y);
     double along_u = length > 0.0 ? x / length : 1.0, along_v = length > 0.0 ? y / length : 0.0;
-    if (first_is_larger) { // the other one is across
+    if (first_is_larger) { // its ellipse is long across it
         double kept = along_u;
         along_u = -along_v;
         along_v = kept;

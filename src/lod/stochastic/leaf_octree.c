@@ -30,7 +30,7 @@ stp_leaf_desc stp_leaf_desc_default(void)
     };
 }
 
-/// A point on its way to its leaf.
+/// A point while it is sorted into its leaf.
 typedef struct placed_point {
     uint16_t at[3];
     uint16_t spare;
@@ -46,7 +46,8 @@ typedef struct octree_maker {
     size_t leaf_capacity;
 } octree_maker;
 
-/// Every point of few, or a random choice: a point may be chosen twice.
+/// Scatter of a cell's points: of all points if there are few, otherwise of a random sample (with
+/// repetition).
 static void scatter_of(const octree_maker* m, const stp_leaf_cell* cell, double matrix[6])
 {
     uint32_t count = cell->end - cell->begin;
@@ -76,14 +77,14 @@ static bool is_leaf(const octree_maker* m, const stp_leaf_cell* cell)
     return stp_scatter_is_flat(matrix, (double)m->desc->flatness);
 }
 
-/// Which eighth of a cell of this depth a place is in.
+/// Octant of a cell at this depth that contains a position.
 static uint32_t side_of(const uint16_t at[3], uint32_t depth)
 {
     uint32_t shift = STP_LEAF_DEPTH_MOST - 1 - depth;
     return (at[0] >> shift & 1u) | (at[1] >> shift & 1u) << 1 | (at[2] >> shift & 1u) << 2;
 }
 
-/// Puts the points of a cell into the order of its eighths; points of one eighth stay in their order.
+/// Stably sorts the points of a cell by octant.
 static void divide(octree_maker* m, const stp_leaf_cell* cell, uint32_t ends[SIDES])
 {
     uint32_t counts[SIDES] = {0}, next[SIDES];
@@ -119,7 +120,7 @@ static stp_result add_leaf(octree_maker* m, const stp_leaf_cell* leaf)
     return STP_OK;
 }
 
-/// Divides cell after cell. The next along the curve is on top of the stack.
+/// Divides cells depth first. The top of the stack is the next one along the curve.
 static stp_result divide_all(octree_maker* m, uint32_t count)
 {
     stp_leaf_cell stack[STACK];
@@ -150,7 +151,8 @@ static stp_result divide_all(octree_maker* m, uint32_t count)
     return result;
 }
 
-/// A random order of each leaf's points (Fisher and Yates), which depends on the leaf's first place alone.
+/// Shuffles each leaf's points (Fisher and Yates). The order depends only on the leaf's first
+/// index.
 static void shuffle(const octree_maker* m)
 {
     const stp_leaf_octree* octree = m->octree;

@@ -1,30 +1,30 @@
 // SPDX-License-Identifier: MIT
-// The octree of a cloud over the grid of positions of its set (Bhakar, Luo, Mudur 2004, 3.1): cubes are divided until they hold
-// few points, and those lie flat.
+// The octree of a cloud over the position grid of its set (Bhakar, Luo, Mudur 2004, 3.1): cubes are
+// divided until they contain few points that lie in a plane.
 #pragma once
 
 #include "base/context.h"
-
-#include <stipple/surfels.h>
+#include "base/splat_columns.h"
 
 enum { STP_LEAF_NEIGHBOURS_MOST = 32 };
 
-/// What decides where a division ends, and how normals are found.
+/// Parameters of the octree and of normal estimation.
 typedef struct stp_leaf_desc {
-    uint32_t budget; ///< most points of a leaf, at least `least`: the paper's max_point_budget
-    uint32_t least;  ///< a cube of at most so many points is not divided, flat or not
-    float
-        flatness; ///< at most this, l0 / (l0 + l1 + l2), for a leaf to be flat; 0.005 or 0.001 (Table 1, Figure 1)
-    uint32_t
-        neighbours; ///< K, 1 to STP_LEAF_NEIGHBOURS_MOST: leaves around one that its side is handed on to
-    uint32_t
-        normal_neighbours; ///< K1, about so many points around one give its normal, where it has none
-    uint32_t sample; ///< so many points, chosen at random, stand for the region where it has more
+    uint32_t budget; ///< maximum points of a leaf, at least `least`: the paper's max_point_budget
+    uint32_t least;  ///< cubes with at most this many points are not divided
+    /// Maximum l0 / (l0 + l1 + l2) of a flat leaf; 0.005 or 0.001 (Table 1, Figure 1)
+    float flatness;
+    /// K, 1 to STP_LEAF_NEIGHBOURS_MOST: neighbouring leaves to which a leaf's orientation spreads
+    uint32_t neighbours;
+    /// K1: approximate number of neighbours from which the normal of a point without one is
+    /// estimated
+    uint32_t normal_neighbours;
+    uint32_t sample; ///< maximum size of the random sample that represents a region
 } stp_leaf_desc;
 
 stp_leaf_desc stp_leaf_desc_default(void);
 
-/// A leaf: points [begin, end) of the order.
+/// A leaf: points [begin, end) of `order`.
 typedef struct stp_leaf_cell {
     uint32_t begin, end;
     uint16_t corner[3];
@@ -33,13 +33,14 @@ typedef struct stp_leaf_cell {
 
 typedef struct stp_leaf_octree {
     uint32_t leaf_count;
-    stp_leaf_cell* leaves; ///< along the Morton curve
-    uint32_t* order;       ///< the points, leaf by leaf, each leaf's in random order
+    stp_leaf_cell* leaves; ///< sorted along the Morton curve
+    uint32_t* order;       ///< points, leaf by leaf; random order within each leaf
 } stp_leaf_octree;
 
-/// @param positions 3 a point, on the grid
-/// @param seed of the random orders
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_leaf_octree_destroy, also after a failure
+/// @param positions 3 per point, on the grid
+/// @param seed seed of the random orders
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_leaf_octree_destroy, also after a
+///         failure
 STP_MUST_USE stp_result stp_leaf_octree_make(stp_context* context, const uint16_t* positions,
                                              uint32_t count, const stp_leaf_desc* desc,
                                              uint64_t seed, stp_leaf_octree* octree);

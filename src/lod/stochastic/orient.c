@@ -7,13 +7,13 @@
 #include <string.h>
 
 enum {
-    BRIDGE_LEAVES = 128, ///< of a piece, from which a way across a gap is looked for
-    BRIDGES_MOST = 64,   ///< pieces for which one is looked for
+    BRIDGE_LEAVES = 128, ///< leaves of a component from which a bridge across a gap is searched
+    BRIDGES_MOST = 64,   ///< maximum number of components for which a bridge is searched
 };
-#define ACROSS 0.5f // what a step straight from a surface to another weighs
-#define GAP 4.0f    // in sides of both leaves together
+#define ACROSS 0.5f // weight of a step perpendicular to a surface
+#define GAP 4.0f    // maximum gap, relative to the sum of both leaves' sides
 
-/// A step from a leaf that is oriented to another: the least weight first, then the least leaves.
+/// A step from an oriented leaf to another one. Steps are ordered by weight, then by leaf index.
 typedef struct orient_step {
     float weight;
     uint32_t to, from;
@@ -23,11 +23,11 @@ typedef struct orienter {
     const stp_leaf_octree* octree;
     stp_leaf_facts* facts;
     uint32_t count, near;
-    float* places;        ///< 3 a leaf
-    uint32_t* neighbours; ///< `near` a leaf
-    uint32_t* begins;     ///< of `links`, count + 1
-    uint32_t* links;      ///< neighbours either way
-    uint32_t* pieces;     ///< of each leaf the first leaf of its piece
+    float* places;        ///< 3 per leaf
+    uint32_t* neighbours; ///< `near` entries per leaf
+    uint32_t* begins;     ///< start of each leaf's links, count + 1
+    uint32_t* links;      ///< neighbours in both directions
+    uint32_t* pieces;     ///< per leaf: first leaf of its component
     bool* done;
     orient_step* heap;
     size_t heap_count;
@@ -76,7 +76,7 @@ static stp_vec3 place_of(const orienter* o, uint32_t leaf)
     return (stp_vec3){p[0], p[1], p[2]};
 }
 
-/// The normal of a leaf as it would be at another one, were the surface bent evenly between them.
+/// Predicts the normal at another leaf, if the surface bends evenly between the two.
 static stp_vec3 carry(const orienter* o, uint32_t from, uint32_t to, stp_vec3* way)
 {
     *way = stp_normalize(stp_sub(place_of(o, to), place_of(o, from)));
@@ -84,23 +84,23 @@ static stp_vec3 carry(const orienter* o, uint32_t from, uint32_t to, stp_vec3* w
     return stp_sub(n, stp_scale(*way, 2.0f * stp_dot(*way, n)));
 }
 
-/// How little the normal of a leaf can be relied on: 0 of flat ones, 1 of a few points.
-static float doubt(const stp_leaf_facts* f)
+/// Uncertainty of a leaf's normal: 0 if it is flat, 1 if it has few points.
+static float uncertainty(const stp_leaf_facts* f)
 {
     return f->known ? 3.0f * f->flatness : 1.0f;
 }
 
-/// Small where the sign is certain, and along a surface rather than from one to another.
+/// Weight of a step: small if the sign is certain, and along a surface rather than to another one.
 static float weigh(const orienter* o, uint32_t a, uint32_t b)
 {
     stp_vec3 way, carried = carry(o, a, b, &way);
     stp_vec3 n = o->facts[a].normal, m = o->facts[b].normal;
     float across = stp_max(fabsf(stp_dot(way, n)), fabsf(stp_dot(way, m)));
-    return 1.0f - fabsf(stp_dot(carried, m)) + ACROSS * across * across + doubt(&o->facts[a]) +
-           doubt(&o->facts[b]);
+    return 1.0f - fabsf(stp_dot(carried, m)) + ACROSS * across * across +
+           uncertainty(&o->facts[a]) + uncertainty(&o->facts[b]);
 }
 
-/// Turns the normal of a leaf to that of another one.
+/// Turns the normal of a leaf to match another one.
 static void turn(orienter* o, uint32_t to, uint32_t from)
 {
     stp_vec3 way, carried = carry(o, from, to, &way);
@@ -132,7 +132,7 @@ static void spread_from(orienter* o, uint32_t leaf)
     }
 }
 
-/// Links each leaf with those near it, and those that it is near to.
+/// Links each leaf with its neighbours, in both directions.
 static stp_result link_leaves(stp_context* context, orienter* o)
 {
     stp_result result =
@@ -161,7 +161,7 @@ static stp_result link_leaves(stp_context* context, orienter* o)
     return STP_OK;
 }
 
-/// Names the piece that each leaf is of, with the heap's memory as a stack.
+/// Finds the component of each leaf; uses the heap's memory as a stack.
 static void find_pieces(orienter* o)
 {
     uint32_t* stack = (uint32_t*)(void*)o->heap;
@@ -186,8 +186,9 @@ static void find_pieces(orienter* o)
     }
 }
 
-/// The leaf that is next to begin with: of those that are not oriented yet, about as high as the highest one, the one whose plane
-/// faces up most. At an edge or corner, what is up tells little. UINT32_MAX: none is left.
+/// Chooses the next start: among the unoriented leaves about as high as the highest one, the leaf
+/// whose plane faces up most, because the up direction is ambiguous at edges and corners.
+/// UINT32_MAX: none is left.
 static uint32_t find_highest(const orienter* o)
 {
     uint32_t highest = UINT32_MAX, best = UINT32_MAX;
@@ -200,7 +201,7 @@ static uint32_t find_highest(const orienter* o)
     }
     for (uint32_t i = 0; i < o->count && highest != UINT32_MAX; ++i) {
         float width = (float)stp_leaf_width(o->octree->leaves[highest].depth);
-        float up = fabsf(o->facts[i].normal.y) - doubt(&o->facts[i]);
+        float up = fabsf(o->facts[i].normal.y) - uncertainty(&o->facts[i]);
         bool high = o->facts[i].mean[1] >= o->facts[highest].mean[1] - width;
         if (!o->done[i] && high && o->pieces[i] == o->pieces[highest] && up > most) {
             most = up;
@@ -210,7 +211,8 @@ static uint32_t find_highest(const orienter* o)
     return best;
 }
 
-/// Looks for the shortest way from oriented leaves to a piece. @return whether it is short enough
+/// Finds the shortest bridge from oriented leaves to a component. @return whether it is short
+/// enough
 static bool find_bridge(const orienter* o, uint32_t piece, uint32_t* to, uint32_t* from)
 {
     uint32_t size = 0, met = 0;

@@ -3,9 +3,10 @@
 
 enum { NEWTON_STEPS = 6 };
 #define ROOT_THREE 1.7320508075688772
-#define IS_ROOT 0.1   // what of the equation may be left, of its largest term
-#define ALIKE 0.1     // as much of the larger one, for two eigenvalues to be about the same
-#define CERTAIN 1e-24 // of squares of eigenvalues: below that no direction stands out
+#define IS_ROOT 0.1 // maximum remainder of the polynomial, relative to its largest term
+// two eigenvalues count as equal if they differ by less than this, relative to the larger one
+#define ALIKE 0.1
+#define CERTAIN 1e-24 // squares of eigenvalues; below it, no direction is distinct
 
 void stp_scatter_add(stp_scatter* s, double x, double y, double z)
 {
@@ -33,7 +34,7 @@ void stp_scatter_matrix(const stp_scatter* s, double matrix[6])
     matrix[5] = s->zz * each - z * z;
 }
 
-/// What the cubic equation is made of: l^3 - sum l^2 + squares l - det = 0.
+/// Coefficients of the characteristic polynomial: l^3 - sum l^2 + squares l - det = 0.
 typedef struct cubic {
     double sum, squares, det;
 } cubic;
@@ -49,7 +50,8 @@ static cubic cubic_of(const double m[6])
     };
 }
 
-/// cos(acos(c) / 3), between 1/2 and 1: the root of 4 t^3 - 3 t = c, by Newton's method from above it.
+/// cos(acos(c) / 3), between 1/2 and 1: the root of 4 t^3 - 3 t = c, by Newton's method starting
+/// above it.
 static double cosine_of_third(double c)
 {
     c = c > -1.0 ? (c < 1.0 ? c : 1.0) : -1.0;
@@ -89,10 +91,10 @@ bool stp_smallest_eigenvalue(const double m[6], double* eigenvalue)
     cubic c = cubic_of(m);
     *eigenvalue = 0.0;
     if (!(c.squares > CERTAIN * c.sum * c.sum)) {
-        return false; // all lie on a line
+        return false; // the points lie on a line
     }
     double x = c.det > 0.0 ? c.det / c.squares : 0.0;
-    // put back, the last two terms cancel; they are as large as the equation has any
+    // at a root, the last two terms cancel; they are the largest ones of the polynomial
     double left = x * x * (c.sum - x), largest = c.squares * x;
     if (!(left <= IS_ROOT * largest)) {
         return false;
@@ -103,7 +105,7 @@ bool stp_smallest_eigenvalue(const double m[6], double* eigenvalue)
 
 stp_vec3d stp_symmetric_eigenvector(const double m[6], double eigenvalue)
 {
-    // across two rows of the matrix less the eigenvalue
+    // normal of two rows of (matrix - eigenvalue)
     const stp_vec3d rows[3] = {{m[0] - eigenvalue, m[1], m[2]},
                                {m[1], m[3] - eigenvalue, m[4]},
                                {m[2], m[4], m[5] - eigenvalue}};
@@ -130,7 +132,7 @@ bool stp_scatter_is_flat(const double matrix[6], double threshold)
 {
     double least, sum = matrix[0] + matrix[3] + matrix[5];
     if (!(sum > 0.0)) {
-        return true; // one place
+        return true; // all points coincide
     }
     return stp_smallest_eigenvalue(matrix, &least) && least <= threshold * sum;
 }

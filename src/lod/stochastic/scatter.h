@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
-// How points scatter about their mean: the covariance matrix of a region, its eigenvalues and what they tell (Bhakar, Luo, Mudur
-// 2004, 2 and 4.2).
+// Scatter of points about their mean: the covariance matrix of a region and its eigenvalues
+// (Bhakar, Luo, Mudur 2004, sections 2 and 4.2).
 #pragma once
 
 #include "base/math.h"
 
 #include <stddef.h>
 
-/// Sums over points, from which follow mean and covariance. Coordinates should be small numbers: relative to a point near by.
+/// Sums over points, from which mean and covariance follow. For precision, coordinates should be
+/// relative to a point nearby.
 typedef struct stp_scatter {
     double count, x, y, z;
     double xx, xy, xz, yy, yz, zz;
@@ -18,26 +19,30 @@ void stp_scatter_add(stp_scatter* scatter, double x, double y, double z);
 /// The covariance matrix: xx, xy, xz, yy, yz, zz. All 0 without points.
 void stp_scatter_matrix(const stp_scatter* scatter, double matrix[6]);
 
-/// All eigenvalues of a symmetric matrix, ascending: the cubic equation has three real roots, which are found directly.
-/// Without functions of the C library beside the square root: the same bits everywhere.
+/// All eigenvalues of a symmetric matrix, ascending, from the three real roots of the
+/// characteristic polynomial. The only library function used is the square root, so results are the
+/// same on every machine.
 void stp_symmetric_eigenvalues(const double matrix[6], double eigenvalues[3]);
 
-/// The smallest eigenvalue of a matrix that has no negative ones, where it is far below the others: the sum of the reciprocals of
-/// all three is the quotient of two coefficients of the cubic equation, and the smallest one's is nearly all of that sum. What
-/// comes out is at most the smallest eigenvalue, and put back into the equation to see whether it is a root (4.2).
+/// Smallest eigenvalue of a positive semidefinite matrix, if it is far below the others. The sum of
+/// the reciprocals of all three is the ratio of two coefficients of the characteristic polynomial,
+/// and the smallest one dominates that sum. The estimate is at most the smallest eigenvalue; it is
+/// accepted if it is almost a root of the polynomial (4.2).
 /// @return false if the region is not flat
 bool stp_smallest_eigenvalue(const double matrix[6], double* eigenvalue);
 
-/// The eigenvector of unit length of an eigenvalue that differs from the other two; (0, 1, 0) where no direction stands out.
+/// Unit eigenvector of an eigenvalue that differs from the other two; (0, 1, 0) if no direction is
+/// distinct.
 stp_vec3d stp_symmetric_eigenvector(const double matrix[6], double eigenvalue);
 
-/// The smallest eigenvalue's share of the sum of all, 0 to 1/3; of points in one place 0.
+/// Share of the smallest eigenvalue in the sum of all, 0 to 1/3; 0 if all points coincide.
 double stp_scatter_flatness(const double matrix[6]);
 
-/// Whether that share is at most `threshold`, which is below 0.1: by stp_smallest_eigenvalue alone, without solving the equation.
-/// May say no to a region that is as flat as that, but nearly a line.
+/// Whether that share is at most `threshold`, which is below 0.1. Uses only
+/// stp_smallest_eigenvalue. May return false for a region that is flat but nearly a line.
 bool stp_scatter_is_flat(const double matrix[6], double threshold);
 
-/// Whether a point with such neighbours may lie on an edge: l0 is about l1, and l2 about 2 l0 (2). Both to within a factor of
-/// ten: at the edge of a cube the ratio is 1 : 3.6 : 7.2, and a little beside it l0 is less.
+/// Whether a point with these neighbours may lie on an edge: l0 is about l1, and l2 about 2 l0
+/// (section 2), each within a factor of ten. At the edge of a cube the ratio is 1 : 3.6 : 7.2;
+/// slightly beside it l0 is smaller.
 bool stp_scatter_is_edge(const double eigenvalues[3]);

@@ -7,32 +7,32 @@
 #include "base/octahedral.h"
 #include "base/rng.h"
 #include "lod/blue/finish.h"
-#include "lod/points.h"
+#include "lod/cloud_candidates.h"
 #include "lod/samples.h"
+#include "lod/set_columns.h"
 #include "lod/shape_coding.h"
 #include "lod/stochastic/facts.h"
 #include "lod/stochastic/orient.h"
 #include "lod/stochastic/spread_order.h"
 #include "lod/stochastic/trim.h"
-#include "lod/surfels.h"
 
 #include <string.h>
 
 enum {
     GRAIN = 16384, ///< points
     LEAF_GRAIN = 32,
-    BATCH = 64,        ///< splats whose normals are coded together
+    BATCH = 64,        ///< splats whose normals are encoded together
     OCTAVES_MOST = 16, ///< of 2^32 points
 };
 #define SEED UINT64_C(0x42686B72)
-#define LARGEST 2.0f // radii of far apart points, in those of usual ones
-#define GROWTH                                                                                     \
-    1.05f // of a splat's radius, in sides of the square that it stands for (STP_CUE_COVERING)
-#define DISK_RATIO 0.8f          // of radii, from which on a splat is a disk
-#define FINEST 0x1p-10           // of the spacing, below which a grid's step would waste bits
-#define HALF_DIAGONAL 0.8660255f // of a cell of the grid
-#define OUTLIER                                                                                    \
-    8.0f // spacings of leaves are that many times the usual one, or one part of so many, at the most
+#define LARGEST 2.0f // maximum radius of isolated points' splats, relative to the median spacing
+/// Radius of a splat, in sides of the square that it represents (STP_CUE_COVERING)
+#define GROWTH 1.05f
+#define DISK_RATIO 0.8f          // ratio of radii from which a splat is a disk
+#define FINEST 0x1p-10           // minimum grid step, in spacings; finer steps would waste bits
+#define HALF_DIAGONAL 0.8660255f // of a unit cube
+/// Spacings of leaves are clamped to this factor above and below the median spacing
+#define OUTLIER 8.0f
 
 typedef struct set_maker {
     stp_context* context;
@@ -40,14 +40,14 @@ typedef struct set_maker {
     const stp_leaf_desc* desc;
     stp_candidates* candidates;
     stp_splats* splats;
-    uint16_t* places; ///< of candidates, on the grid
+    uint16_t* places; ///< candidates' positions on the grid
     stp_leaf_octree octree;
     stp_leaf_facts* facts;
-    float spacing; ///< the usual one, steps
+    float spacing; ///< median spacing, in steps
     stp_shape_directions directions;
 } set_maker;
 
-/// Copies the attributes of a candidate that is a point, where it has any.
+/// Copies those attributes of a candidate that exist, if it is a point.
 static void copy_attributes(const stp_candidates* c, uint32_t from, void* const to[STP_ATTRIBUTES],
                             uint32_t at)
 {
@@ -106,7 +106,7 @@ static void place_some(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// Leaves of too few points, and what stands out, get the usual spacing, or as much more or less as may be.
+/// Leaves with too few points get the median spacing; outliers are clamped to a factor of it.
 static void settle_areas(set_maker* m)
 {
     m->spacing = stp_leaf_median_spacing(&m->octree, m->facts);
@@ -120,7 +120,7 @@ static void settle_areas(set_maker* m)
     }
 }
 
-/// The distances of the points that are left: those far from all others are not drawn as large as that.
+/// Recomputes the spacings of the remaining points, and clamps those of isolated ones.
 static void settle_spacings(set_maker* m)
 {
     for (uint32_t i = 0; i < m->octree.leaf_count; ++i) {
@@ -133,7 +133,7 @@ static void settle_spacings(set_maker* m)
     }
 }
 
-/// Orders the points of leaves, and keeps of each leaf the first ones.
+/// Orders the points of leaves, and keeps the first ones of each leaf.
 static stp_result spread(set_maker* m)
 {
     stp_context* context = m->context;
@@ -151,7 +151,7 @@ static stp_result spread(set_maker* m)
     return STP_OK;
 }
 
-/// Gives points the sides of their leaves.
+/// Turns the normals of points to the side of their leaf's.
 static void turn_some(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
@@ -170,7 +170,7 @@ static void turn_some(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// Chooses the points of each leaf, and finds what is known of them.
+/// Chooses the points of each leaf, and computes its properties.
 static stp_result find_facts(set_maker* m)
 {
     stp_context* context = m->context;
@@ -199,7 +199,7 @@ static stp_result find_facts(set_maker* m)
     return result;
 }
 
-/// The ellipse of a splat with this normal: of the area of its leaf's disks.
+/// The ellipse of a splat with this normal, with the area of its leaf's disks.
 static uint32_t shape_of(const set_maker* m, const stp_leaf_facts* f, const int8_t normal[2])
 {
     float radius = stp_max(GROWTH * f->spacing, HALF_DIAGONAL);
@@ -242,7 +242,8 @@ static void write_leaf(const set_maker* m, uint32_t index)
     stp_octahedral_encode(f->normal, out->normal);
 }
 
-/// Places [begin, end) of the row, at most BATCH, of one leaf. @param next  where in each octave the next splat goes
+/// Writes places [begin, end), at most BATCH, of one leaf.
+/// @param next next index in each octave
 static void write_batch(const set_maker* m, const stp_leaf_facts* f, uint32_t begin, uint32_t end,
                         uint32_t next[OCTAVES_MOST])
 {
@@ -278,7 +279,7 @@ static void write_some(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// To what a prefix reaches: the spacing of its random sample, and half a cell.
+/// Coverage radius of each prefix: the spacing of its random sample, plus half a cell.
 static void make_table(set_maker* m)
 {
     stp_splats* s = m->splats;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Sets of method `stochastic`: all points of a cloud, or a random choice of a mesh's candidates, ordered leaf by leaf of an
-// octree and at random within each leaf, so that a view takes from each leaf as many as it is worth (Bhakar, Luo, Mudur 2004).
+// Sets of method `stochastic`: all points of a cloud, or a random sample of a mesh's candidates.
+// They are ordered by octree leaf, and at random within each leaf, so that a view draws as many
+// splats of each leaf as it needs (Bhakar, Luo, Mudur 2004).
 #pragma once
 
 #include "capture/capture.h"
@@ -8,24 +9,24 @@
 
 enum { STP_STOCHASTIC_COLUMNS = STP_SPLATS_SHAPES | STP_SPLATS_FLAT_COLORS };
 
-/// What a set is made of.
+/// Input of a set.
 typedef struct stp_stochastic_source {
-    stp_candidates* candidates; ///< what is chosen of them moves to the front; normals may change
-    const uint8_t*
-        coverages; ///< codes, 1 a candidate, all of which are wanted; NULL: from the colours' alpha
+    stp_candidates* candidates; ///< chosen ones move to the front; normals may change
+    /// Coverage codes, 1 per candidate, if all are wanted; NULL: from the colours' alpha
+    const uint8_t* coverages;
     const uint8_t* shading_of_material;
-    uint32_t wanted;  ///< most splats
-    bool has_normals; ///< with signs; else they are estimated
+    uint32_t wanted;  ///< maximum splats
+    bool has_normals; ///< with signs; otherwise normals are estimated
 } stp_stochastic_source;
 
-/// @param splats arrays come from stp_alloc; without splats where there are no candidates
+/// @param splats arrays come from stp_alloc; empty if there are no candidates
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_stochastic_make_set(stp_context* context,
                                                 const stp_stochastic_source* source,
                                                 const stp_leaf_desc* desc, stp_splats* splats);
 
-/// The same of a set of method `blue`, all of it.
-/// @param two_sided the signs of its normals are a guess
+/// The same from all splats of a set of method `blue`.
+/// @param two_sided the signs of its normals are unknown
 STP_MUST_USE stp_result stp_stochastic_make_of_samples(stp_context* context,
                                                        const stp_splats* samples, bool two_sided,
                                                        const stp_leaf_desc* desc,

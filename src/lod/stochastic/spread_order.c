@@ -8,17 +8,18 @@
 
 enum {
     GRAIN = 16, ///< leaves
-    BLOCK =
-        2048, ///< points of a leaf that are spread together; those of larger leaves come block by block
-    SHARE = 4, ///< one of so many points is spread
-    LEAST = 4, ///< points, of which any order is as good
+    /// Maximum points spread together; larger leaves are processed in blocks
+    BLOCK = 2048,
+    SHARE = 4, ///< one in this many points is spread
+    LEAST = 4, ///< with fewer points, any order is good enough
 };
 
-/// Points of a leaf. A cube is as wide as 16 bits, so differences of places wrap as equal cubes side by side would.
+/// Points of a leaf. The cube's side is scaled to 16 bits, so that differences wrap around at
+/// opposite sides.
 typedef struct spread_block {
     int16_t at[3][BLOCK];
-    int16_t far
-        [BLOCK]; ///< squared distance to the nearest point chosen so far, over 2^16; -1: it is one
+    /// Squared distance to the nearest chosen point, over 2^16; -1: chosen itself
+    int16_t far[BLOCK];
     uint32_t index[BLOCK];
     uint32_t count;
 } spread_block;
@@ -46,7 +47,8 @@ static void take_points(spread_block* b, const spread_loop* l, const stp_leaf_ce
     }
 }
 
-/// Lowers the distances of all points to that of a point. @return the largest left
+/// Lowers the distances of all points to include a chosen one. @return the largest remaining
+/// distance
 static int16_t choose_point(spread_block* b, uint32_t chosen)
 {
     int16_t x = b->at[0][chosen], y = b->at[1][chosen], z = b->at[2][chosen], most = -1;
@@ -75,7 +77,7 @@ static uint32_t find_first(const spread_block* b, int16_t far)
     return i;
 }
 
-/// The point nearest to the mean of all.
+/// The point nearest to the mean.
 static uint32_t find_middle(const spread_block* b)
 {
     int64_t mean[3] = {0}, least = INT64_MAX;
@@ -98,7 +100,7 @@ static uint32_t find_middle(const spread_block* b)
     return best;
 }
 
-/// @param ranked gets the points of the block
+/// @param ranked receives the points of the block
 static void spread_points(spread_block* b, uint32_t* ranked)
 {
     uint32_t most = b->count / SHARE < STP_SPREAD_MOST ? b->count / SHARE : STP_SPREAD_MOST;
@@ -139,7 +141,7 @@ void stp_spread_order_make(stp_context* context, const uint16_t* positions,
     stp_parallel_for(context, octree->leaf_count, GRAIN, spread_leaves, &loop);
 }
 
-/// Places of a leaf, octave by octave.
+/// Converts ranks to places of a leaf, octave by octave.
 static void place_leaves(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;

@@ -11,8 +11,8 @@ static double count_of(const stp_leaf_octree* octree, uint32_t leaf)
     return (double)(octree->leaves[leaf].end - octree->leaves[leaf].begin);
 }
 
-/// Points that a square of the grid's step keeps so that about `wanted` are kept. Leaves that have fewer keep all; what they lack
-/// is shared by the others, of which some then have too few, and so on.
+/// Number of points per square grid step that keeps about `wanted` in total. Leaves with fewer keep
+/// all of them, and the others share the rest; this repeats until no more leaves run short.
 static double find_density(const stp_leaf_octree* octree, const stp_leaf_facts* facts,
                            double wanted)
 {
@@ -46,7 +46,7 @@ void stp_leaf_trim(stp_leaf_octree* octree, stp_leaf_facts* facts, uint32_t* ran
         carried += fmin(density * (double)facts[l].area, (double)has);
         uint32_t count = carried > 0.0 ? (uint32_t)fmin(floor(carried), (double)has) : 0;
         all -= has;
-        uint32_t left = wanted - kept; // those behind may have too few, or none may be left
+        uint32_t left = wanted - kept; // later leaves may have too few, or none may be left
         count = count < left ? count : left;
         count = left - count > all ? left - all : count;
         carried -= (double)count;

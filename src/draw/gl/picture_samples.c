@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: MIT
+// Samples of a picture: each is drawn and shaded; several are summed.
+#include "base/color.h"
+#include "base/context.h"
+#include "draw/gl/gl_renderer.h"
+#include "draw/lighting.h"
+#include "draw/recolor.h"
+#include "select/eyes.h"
+#include "store/coloring.h"
+
+enum { POINT_MARGIN = 64 };
+
+/// One sample, and the use of its result.
+typedef struct gl_sample {
+    uint32_t side, place;   ///< index among side x side
+    uint32_t number, count; ///< samples summed before it, and including it
+    bool sums;              ///< shading adds it to the sums
+    bool bare;              ///< shaded to bytes without a background, then added to the sums
+    bool shows;             ///< the picture is resolved from the sums
+} gl_sample;
+
+static void set_vec3(vec4 out, stp_vec3d v)
+{
+    out[0] = (float)v.x;
+    out[1] = (float)v.y;
+    out[2] = (float)v.z;
+}
+
+static void set_light(const gl_renderer* r, const stp_view_frame* f, view_block* view)
+{
+    stp_lighting light = stp_lighting_make(f, r->style->headlight);
+    set_vec3(view->light, stp_to_double(light.key));
+    set_vec3(view->up, stp_to_double(light.up));
+    set_vec3(view->left_box, stp_to_double(light.left_box));
+    set_vec3(view->right_box, stp_to_double(light.right_box));
+}
+
+/// Constants of all pixels: direction to the eye, the negative of (forward + right u + down v).
+static void set_eye(const stp_placement* p, view_block* view)
+{
+    const stp_view_frame* f = &p->frame;
+    stp_vec3d start = stp_scaled(f->forward, -1.0);
+    if (!f->parallel) {
+        double u = -(f->center_x + p->shift_x) / f->scale;
+        double v = -(f->center_y + p->shift_y) / f->scale;
+        start = stp_subd(start, stp_addd(stp_scaled(f->right, u), stp_scaled(f->down, v)));
+        set_vec3(view->eye_across, stp_scaled(f->right, -1.0 / f->scale));
+        set_vec3(view->eye_down, stp_scaled(f->down, -1.0 / f->scale));
+    }
+    set_vec3(view->eye_start, start);
+}
+
+static void set_heights(const gl_renderer* r, const stp_placement* p, view_block* view)
+{
+    const stp_draw_pixels pixels = {p->shift_x, p->shift_y, p->nearness_scale, p->nearness_offset};
+    stp_draw_heights h = stp_draw_heights_make(&p->frame, &pixels, r->style);
+    for (int i = 0; i < 3; ++i) {
+        view->height_place[i] = h.place[i];
+        view->height_along[i] = h.along[i];
+    }
+}
+
+/// Section planes in right, down and depth of the view.
+static void set_cuts(const stp_placement* p, const stp_sections* sections, view_block* view)
+{
+    const stp_view_frame* f = &p->frame;
+    for (uint32_t i = 0; i < sections->count && i < SECTION_PLANES; ++i) {
+        const stp_section_plane* plane = &sections->planes[i];
+        view->cuts[i][0] = (float)stp_dotd(plane->normal, f->right);
+        view->cuts[i][1] = (float)stp_dotd(plane->normal, f->down);
+        view->cuts[i][2] = (float)stp_dotd(plane->normal, f->forward);
+        view->cuts[i][3] = (float)(stp_dotd(plane->normal, f->eye) - plane->distance);
+    }
+}
+
+_Static_assert(SECTION_PLANES == STP_SECTION_PLANES, "as many cuts as a view has");
+
+static float ghost_share(const stp_draw_style* style)
+{
+    return style->ghost > 0.0f ? stp_min(style->ghost, 1.0f) : 0.2f;
+}
+
+static view_block make_view(const gl_renderer* r, const gl_sample* sample)
+{
+    const stp_placement* p = &r->placement;
+    const stp_view_frame* f = &p->frame;
+    float width = (float)r->target.width, height = (float)r->target.height;
+    float margin = POINT_MARGIN, ghost = ghost_share(r->style);
+    view_block view = {
+        .size = {width, height, 1.0f / (width + 2.0f * margin), 1.0f / (height + 2.0f * margin)},
+        .nearness_scale = (float)p->nearness_scale,
+        .nearness_offset = (float)p->nearness_offset,
+        .margin = margin,
+        .parallel = f->parallel ? 1 : 0,
+        .pattern = sample->place,
+        .counts = sample->sums || sample->bare ? 0 : 1,
+        .item_count = (uint32_t)r->frame.item_count,
+        .id_shift = r->frame.id_shift,
+        .sample_number = sample->number,
+        .sample_count = sample->count,
+        .picture_x = r->eye * r->target.width,
+        .depth_y = r->eye * r->target.height,
+        .point_extent = r->point_extent,
+        .filtered = (uint32_t)r->style->filter,
+        .ghost = ghost,
+        .hides = stp_store_get_coloring(r->store)->hides ? 1 : 0,
+        .recolors = (uint32_t)r->style->coloring,
+        .scale_first = SHADINGS + r->directory->material_count,
+        .glass = r->layer_pass.active ? GLASS_LAYERS : GLASS_PATTERN,
+        .ghost_seed = GHOST_SEED,
+        .ghost_splats = stp_placement_ghost_part(ghost)};
+    view.screen[0] = (float)(f->center_x + p->shift_x);
+    view.screen[1] = (float)(f->center_y + p->shift_y);
+    view.screen[2] = (float)(1.0 / f->scale);
+    set_light(r, f, &view);
+    set_eye(p, &view);
+    set_heights(r, p, &view);
+    set_cuts(p, &r->view->sections, &view);
+    gl_occlusion_pass_set_view(r, &view);
+    for (int k = 0; k < 3; ++k) {
+        view.background[k] = stp_srgb8_to_linear(r->style->background_color[k]);
+    }
+    view.background[3] = r->style->background ? 1.0f : 0.0f;
+    for (uint32_t i = 0; i < SHADINGS; ++i) {
+        view.glass_shadings[i / 128][i / 32 % 4] |= (uint32_t)r->layer_pass.of_shading[i] << i % 32;
+    }
+    return view;
+}
+
+void gl_set_visible_state(gl_renderer* r)
+{
+    const stp_gl* gl = &r->gl;
+    const gl_target* t = &r->target;
+    gl->BindFramebuffer(GL_FRAMEBUFFER, t->framebuffer);
+    gl->Disable(GL_SCISSOR_TEST);
+    gl->Disable(GL_BLEND);
+    gl->Disable(GL_CULL_FACE);
+    gl->Disable(GL_STENCIL_TEST);
+    gl->Enable(GL_DEPTH_TEST);
+    gl->DepthFunc(GL_GREATER); // nearness
+    gl->DepthMask(GL_TRUE);
+    gl->ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    gl->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE); // row 0 is the top row: y is down
+    gl->DepthRange(0.0, 1.0);
+    gl->Viewport(-POINT_MARGIN, -POINT_MARGIN, (GLsizei)t->width + 2 * POINT_MARGIN,
+                 (GLsizei)t->height + 2 * POINT_MARGIN);
+}
+
+/// Draws the commands of triangles, and of splats that are not large.
+static stp_result draw_commands(gl_renderer* r, bool late)
+{
+    stp_result result = gl_triangle_pass_draw(r);
+    return result == STP_OK ? gl_splat_choice_draw(r, late) : result;
+}
+
+/// Draws content that the previous picture does not occlude, then the rest that this one does not
+/// occlude. The first picture is drawn in one pass; its depths serve the next ones.
+static stp_result draw_passes(gl_renderer* r)
+{
+    gl_occlusion_pass* pass = &r->occlusion;
+    bool serves = gl_occlusion_pass_serves(r);
+    bool known = pass->known && pass->width == r->target.width && pass->height == r->target.height;
+    pass->culls = serves && known;
+    stp_result result = pass->culls ? gl_occlusion_pass_cull(r, false) : STP_OK;
+    result = result == STP_OK ? draw_commands(r, false) : result;
+    if (result == STP_OK && serves) {
+        result = gl_occlusion_pass_fill(r);
+    }
+    if (result == STP_OK && pass->culls) {
+        result = gl_occlusion_pass_cull(r, true);
+        result = result == STP_OK ? draw_commands(r, true) : result;
+    }
+    if (result == STP_OK) {
+        gl_splat_choice_draw_large(r);
+        result = gl_portion_wait(r);
+    }
+    return result;
+}
+
+/// Draws the visibility buffer of one sample.
+static stp_result draw_visible(gl_renderer* r)
+{
+    const stp_gl* gl = &r->gl;
+    const gl_target* t = &r->target;
+    const GLuint nothing[4] = {NO_ID, NO_ID, NO_ID, NO_ID};
+    const GLfloat far = 0.0f;
+    gl_set_visible_state(r);
+    gl_bind_frame(r);
+    gl->ClearNamedFramebufferuiv(t->framebuffer, GL_COLOR, 0, nothing);
+    gl->ClearNamedFramebufferfv(t->framebuffer, GL_DEPTH, 0, &far);
+    if (gl_filter_is_tolerant(r)) {
+        stp_result result = gl_triangle_pass_draw(r);
+        return result == STP_OK ? gl_filter_pass_draw_tolerant(r) : result;
+    }
+    stp_result result = draw_passes(r);
+    if (result == STP_OK && r->style->filter == STP_FILTER_EWA) {
+        result = gl_filter_pass_blend(r);
+    }
+    return result;
+}
+
+/// Restores the state that the header promises.
+void gl_leave_state(const gl_renderer* r)
+{
+    const stp_gl* gl = &r->gl;
+    gl->UseProgram(0);
+    gl->BindVertexArray(0);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, 0);
+    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
+    gl->BindBuffer(GL_PARAMETER_BUFFER_ARB, 0);
+    gl->Disable(GL_DEPTH_TEST);
+    gl->DepthFunc(GL_LESS);
+    gl->ClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+}
+
+/// Shades the visibility buffer into the picture or the sums.
+static stp_result shade(gl_renderer* r, const gl_sample* sample)
+{
+    stp_result result = gl_shade_pass_draw(r, sample->sums);
+    result = result == STP_OK ? gl_portion_wait(r) : result;
+    if (result == STP_OK && !sample->sums) {
+        result = gl_cap_pass_draw(r);
+        result = result == STP_OK ? gl_effect_pass_draw(r) : result;
+        result = result == STP_OK ? gl_portion_wait(r) : result;
+    }
+    if (result == STP_OK && r->layer_pass.active) {
+        result = gl_layer_pass_draw(r);
+    }
+    if (result == STP_OK && sample->bare) {
+        result = gl_shade_pass_add(r);
+    }
+    return result == STP_OK && sample->shows ? gl_shade_pass_average(r) : result;
+}
+
+static stp_result draw_sample(gl_renderer* r, const gl_sample* sample)
+{
+    view_block view = make_view(r, sample);
+    stp_result result = gl_frame_send(r, &view);
+    result = result == STP_OK ? gl_splat_choice_measure(r) : result;
+    if (result != STP_OK) {
+        return result;
+    }
+    if (r->eye == 0) {
+        r->draw_calls = r->dispatches = 0;
+    }
+    bool timed = gl_timer_begin(&r->gl, &r->timer);
+    result = draw_visible(r);
+    if (timed) {
+        gl_timer_mark(&r->gl, &r->timer, GL_TIMER_DRAWN);
+    }
+    if (result == STP_OK && !r->unshaded) {
+        result = shade(r, sample);
+    }
+    if (timed) {
+        gl_timer_end(&r->gl, &r->timer);
+    }
+    gl_ring_mark(&r->gl, &r->frame.ring);
+    gl_ring_mark(&r->gl, &r->pool.ring);
+    return result;
+}
+
+stp_result gl_draw_eye(gl_renderer* r, uint32_t eye, const gl_sample_range* range)
+{
+    stp_view one = stp_view_of_eye(r->view, eye);
+    r->eye = eye;
+    if (!stp_view_frame_make(&one, &r->placement.frame)) {
+        return stp_fail(r->base.context, STP_ERROR_ARGUMENT, "view: has no second eye");
+    }
+    stp_placement_make(&r->placement, r->directory, r->list);
+    gl_layer_pass_begin(r);
+    stp_result result = gl_frame_make(r);
+    result = result == STP_OK ? gl_make_programs(r) : result;
+    // otherwise the picture stays unchanged
+    if (result == STP_OK && eye == 0 && range->first < range->end) {
+        gl_shade_pass_clear(r);
+    }
+    for (uint32_t k = range->first; k < range->end && result == STP_OK; ++k) {
+        gl_sample sample = {.side = range->side,
+                            .place = range->scattered ? stp_resting_sample(range->side, k) : k,
+                            .number = k,
+                            .count = k + 1,
+                            .sums = range->sums && !range->bytes,
+                            .bare = range->bytes,
+                            .shows = range->sums && k + 1 == range->end};
+        stp_placement_shift(&r->placement, range->side, sample.place);
+        gl_frame_place(r, sample.place);
+        result = draw_sample(r, &sample);
+    }
+    return result;
+}

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+// Internals of a painter.
+#pragma once
+
+#include "draw/draw_gl.h"
+#include "embed/model_internal.h"
+#include "select/budget.h"
+
+#include <stipple/paint.h>
+
+struct stp_painter {
+    stp_model* model;
+    stp_renderer* renderer;
+    bool uses_gl;
+    atomic_bool stop;
+    stp_draw_list list;
+    // frame-time controller, and its budget; 0: none yet
+    stp_budget budget;
+    double budget_ms;
+    stp_frame_cost pending; ///< of the last picture, whose OpenGL time is still pending
+    bool has_pending;
+    stp_view view; ///< of the last picture; width 0: none
+};
+
+/// Selection and drawing parameters from a caller's options.
+STP_MUST_USE stp_result stp_painter_read_options(const stp_painter* painter,
+                                                 const stp_paint_desc* desc, stp_quality* quality,
+                                                 stp_draw_style* style);

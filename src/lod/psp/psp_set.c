@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: MIT
+#include "lod/psp/psp_set.h"
+
+#include "base/coverage.h"
+#include "base/octahedral.h"
+#include "base/prefix_table.h"
+#include "lod/psp/forest.h"
+#include "lod/psp/split_order.h"
+#include "lod/samples.h"
+#include "lod/set_columns.h"
+#include "lod/set_table.h"
+#include "lod/shape_coding.h"
+
+#include <float.h>
+#include <string.h>
+
+enum { GRAIN = 1024 }; ///< splats
+#define PI 3.14159265358979323846
+#define CELL 1.2f ///< area of a sample, relative to the squared coverage radius of all samples
+/// Scale of drawn ellipses: they overlap slightly, because regions are not exactly elliptical
+#define GROWTH 1.1f
+/// Spacing of points, in candidate radii. Used if all points of a cloud are samples: then the
+/// coverage radius is 0
+#define SPACING 1.4142135f
+/// Extent of a sample's disk beyond a disk of its area, relative to that radius
+#define MARGIN 0.38f
+#define SCATTERED 0.3f ///< minimum surface share of an ellipse; below it, pixels are skipped
+#define LEAST_SHARE (1.0f / 255.0f) ///< minimum surface share of a sample's disk
+#define HALF_DIAGONAL 0.8660254f    ///< of a unit cube
+
+typedef struct psp_maker {
+    stp_context* context;
+    const stp_splats* samples;
+    stp_psp_metric metric;
+    stp_splats* splats;
+    stp_method_samples points;
+    float* areas; ///< per splat of the forest: represented surface area
+    stp_psp_forest forest;
+    stp_psp_sequence sequence;
+    uint32_t* counts;   ///< samples per merge
+    uint8_t* materials; ///< per splat of the forest
+    float reach;        ///< coverage radius of all samples over the candidates
+    float spacing;      ///< coverage radius over the surface
+    float cell;         ///< area of a sample
+    stp_shape_directions directions;
+} psp_maker;
+
+static stp_result make_forest(psp_maker* m)
+{
+    const stp_tree_points* p = &m->points.points;
+    m->reach = stp_prefix_table_radius(&m->samples->table, m->samples->count);
+    m->spacing = fmaxf(m->reach, SPACING * m->samples->candidate_radius);
+    m->cell = CELL * m->spacing * m->spacing;
+    if (!(m->cell > FLT_MIN)) { // few distinct sample positions
+        m->cell = fmaxf(m->samples->step * m->samples->step, FLT_MIN);
+    }
+    m->areas = STP_NEW_ARRAY(m->context, float, 2 * (size_t)p->count + 1);
+    if (m->areas == NULL) {
+        return stp_fail_memory(m->context);
+    }
+    for (uint32_t i = 0; i < p->count; ++i) {
+        m->areas[i] = m->cell * fmaxf(stp_coverage_area(m->points.coverages[i]), LEAST_SHARE);
+    }
+    const stp_psp_points from = {.count = p->count,
+                                 .positions = p->positions,
+                                 .normals = p->normals,
+                                 .colors = p->colors,
+                                 .areas = m->areas};
+    stp_psp_desc desc = stp_psp_desc_default();
+    desc.metric = m->metric;
+    desc.connect_components = true;
+    return stp_psp_forest_make(m->context, &from, &desc, 1, &m->forest);
+}
+
+/// Shape and coverage of a merged splat.
+static void fill_merged(const psp_maker* m, uint32_t splat, uint32_t at)
+{
+    const stp_ellipse* e = &m->forest.ellipses[splat];
+    float major = stp_length(e->major), minor = e->minor, area = m->areas[splat];
+    float share = area / (float)(PI * (double)major * (double)minor);
+    bool scattered = share < SCATTERED;
+    // splats that cover little of their samples' disks, such as wires, get only part of the margin
+    float filled = area / ((float)m->counts[splat - m->forest.point_count] * m->cell);
+    float margin = MARGIN * m->spacing * fminf(filled, 1.0f);
+    float scale = scattered ? 1.0f : GROWTH;
+    m->splats->coverages[at] =
+        scattered ? stp_coverage_of_share((double)share) : STP_COVERAGE_WHOLE;
+    float step = m->splats->step; // rounding moves centres by up to half the diagonal of a cell
+    m->splats->shapes[at] =
+        stp_shape_of_ellipse(&m->directions, (major * scale + margin) / step + HALF_DIAGONAL,
+                             (minor * scale + margin) / step + HALF_DIAGONAL, e->major,
+                             m->splats->normals + 2 * (size_t)at);
+}
+
+static void fill_some(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const psp_maker* m = user;
+    const stp_splats* s = m->splats;
+    (void)worker;
+    for (size_t at = begin; at < end; ++at) {
+        uint32_t splat = m->sequence.splats[at];
+        const stp_ellipse* e = &m->forest.ellipses[splat];
+        bool merged = splat >= m->forest.point_count;
+        s->materials[at] = m->materials[splat];
+        s->ranges[at] = m->sequence.ranges[at];
+        memcpy(s->colors + 3 * at, m->forest.colors + 3 * (size_t)splat, 3);
+        if (merged) {
+            s->positions[3 * at] = stp_splats_grid_place(e->center.x, s->origin.x, s->step);
+            s->positions[3 * at + 1] = stp_splats_grid_place(e->center.y, s->origin.y, s->step);
+            s->positions[3 * at + 2] = stp_splats_grid_place(e->center.z, s->origin.z, s->step);
+            stp_octahedral_encode(e->normal, s->normals + 2 * at);
+            fill_merged(m, splat, (uint32_t)at);
+        } else { // samples are unchanged
+            float radius = m->points.points.radius / s->step;
+            memcpy(s->positions + 3 * at, m->samples->positions + 3 * (size_t)splat,
+                   3 * sizeof(uint16_t));
+            memcpy(s->normals + 2 * at, m->samples->normals + 2 * (size_t)splat, 2);
+            s->coverages[at] = m->points.coverages[splat];
+            s->shapes[at] =
+                stp_shape_of_ellipse(&m->directions, radius, radius, e->major, s->normals + 2 * at);
+        }
+    }
+}
+
+/// Counts the samples of each merge, and gives it the material of its larger part.
+static void find_materials(const psp_maker* m)
+{
+    const stp_psp_forest* f = &m->forest;
+    memcpy(m->materials, m->samples->materials, f->point_count);
+    for (uint32_t i = 0; i < f->merge_count; ++i) {
+        const uint32_t parts[2] = {f->merges[i].left, f->merges[i].right};
+        uint32_t larger = m->areas[parts[0]] >= m->areas[parts[1]] ? parts[0] : parts[1];
+        m->materials[f->point_count + i] = m->materials[larger];
+        m->counts[i] = 0;
+        m->areas[f->point_count + i] = m->areas[parts[0]] + m->areas[parts[1]];
+        for (int k = 0; k < 2; ++k) {
+            m->counts[i] += parts[k] < f->point_count ? 1 : m->counts[parts[k] - f->point_count];
+        }
+    }
+}
+
+static stp_result make(psp_maker* m)
+{
+    stp_splats* s = m->splats;
+    stp_result result = stp_method_samples_take(m->context, m->samples, &m->points);
+    result = result == STP_OK ? make_forest(m) : result;
+    result =
+        result == STP_OK ? stp_psp_sequence_make(m->context, &m->forest, &m->sequence) : result;
+    if (result != STP_OK) {
+        return result;
+    }
+    s->columns = STP_PSP_COLUMNS;
+    s->origin = m->samples->origin;
+    s->step = m->samples->step;
+    s->candidate_radius = m->samples->candidate_radius;
+    s->count = m->sequence.count;
+    m->materials = STP_NEW_ARRAY(m->context, uint8_t, (size_t)s->count);
+    m->counts = STP_NEW_ARRAY(m->context, uint32_t, (size_t)m->forest.merge_count + 1);
+    result = stp_splats_make_columns(m->context, s);
+    if (result == STP_OK && (m->materials == NULL || m->counts == NULL)) {
+        result = stp_fail_memory(m->context);
+    }
+    if (result == STP_OK) {
+        stp_set_octaves_make(s);
+        stp_set_table_make(s, m->sequence.highest_left, 1.0f, m->reach);
+        find_materials(m);
+        stp_shape_directions_make(&m->directions);
+        stp_parallel_for(m->context, s->count, GRAIN, fill_some, m);
+    }
+    return result;
+}
+
+stp_result stp_psp_make(stp_context* context, const stp_splats* samples, stp_splats* splats)
+{
+    return stp_psp_make_by(context, samples, STP_PSP_REGIONS, splats);
+}
+
+stp_result stp_psp_make_by(stp_context* context, const stp_splats* samples, stp_psp_metric metric,
+                           stp_splats* splats)
+{
+    psp_maker m = {.context = context, .samples = samples, .metric = metric, .splats = splats};
+    *splats = (stp_splats){.columns = STP_PSP_COLUMNS};
+    if (samples->count == 0) {
+        return STP_OK;
+    }
+    stp_result result = make(&m);
+    stp_psp_sequence_destroy(context, &m.sequence);
+    stp_psp_forest_destroy(context, &m.forest);
+    stp_free(context, m.areas);
+    stp_free(context, m.materials);
+    stp_free(context, m.counts);
+    stp_method_samples_destroy(context, &m.points);
+    if (result != STP_OK) {
+        stp_splats_destroy(context, splats);
+    }
+    return result;
+}

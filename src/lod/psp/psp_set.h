@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// Sets of method `psp`: a merge forest over a node's samples, stored as splats with shapes and
+// ranges of levels.
+//
+// The forest follows from the order of a set. The base set comes first; then each split adds two
+// splats that replace an earlier one. Splats with a higher lowest level are split first; ties split
+// the earlier splat first. So the first n splats contain the states of all smaller counts, and only
+// ranges are stored.
+#pragma once
+
+#include "base/splat_columns.h"
+#include "lod/psp/forest.h"
+
+enum { STP_PSP_COLUMNS = STP_SPLATS_SHAPES | STP_SPLATS_RANGES | STP_SPLATS_FLAT_COLORS };
+
+/// Makes the splats of a node by merging its evenly spaced samples, a set of method `blue`. A splat
+/// is drawn if the coverage radius requested by the view lies in its range.
+/// @param splats arrays come from stp_alloc
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_psp_make(stp_context* context, const stp_splats* samples,
+                                     stp_splats* splats);
+
+/// The same with a given metric; sets of the method use STP_PSP_REGIONS.
+STP_MUST_USE stp_result stp_psp_make_by(stp_context* context, const stp_splats* samples,
+                                        stp_psp_metric metric, stp_splats* splats);

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#include "lod/set_columns.h"
+
+void stp_splats_destroy(stp_context* context, stp_splats* surfels)
+{
+    stp_free(context, surfels->positions);
+    stp_free(context, surfels->normals);
+    stp_free(context, surfels->materials);
+    stp_free(context, surfels->colors);
+    stp_free(context, surfels->coverages);
+    stp_free(context, surfels->shapes);
+    stp_free(context, surfels->ranges);
+    stp_free(context, surfels->leaves);
+    for (int i = 0; i < STP_ATTRIBUTES; ++i) {
+        stp_free(context, surfels->attributes[i]);
+    }
+    *surfels = (stp_splats){0};
+}
+
+stp_result stp_splats_make_columns(stp_context* context, stp_splats* s)
+{
+    size_t count = s->count;
+    s->positions = STP_NEW_ARRAY(context, uint16_t, 3 * count);
+    s->normals = STP_NEW_ARRAY(context, int8_t, 2 * count);
+    s->materials = STP_NEW_ARRAY(context, uint8_t, count);
+    s->colors = STP_NEW_ARRAY(context, uint8_t, 3 * count);
+    s->coverages = STP_NEW_ARRAY(context, uint8_t, count);
+    s->shapes = STP_NEW_ARRAY(context, uint32_t, count);
+    bool ranges = (s->columns & STP_SPLATS_RANGES) != 0;
+    s->ranges = ranges ? STP_NEW_ARRAY(context, uint32_t, count) : NULL;
+    bool made = s->positions != NULL && s->normals != NULL && s->materials != NULL &&
+                s->colors != NULL && s->coverages != NULL && s->shapes != NULL &&
+                (s->ranges != NULL || !ranges);
+    return made ? STP_OK : stp_fail_memory(context);
+}

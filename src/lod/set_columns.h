@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+// Helpers for the sets of all methods.
+#pragma once
+
+#include "base/context.h"
+#include "base/splat_columns.h"
+
+/// Frees the columns of a set, which were allocated with stp_alloc.
+void stp_splats_destroy(stp_context* context, stp_splats* surfels);
+
+/// Allocates the columns of a set of `count` splats with shapes and flat colours, and with ranges
+/// if `columns` includes them.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_splats_destroy, also after a
+/// failure
+STP_MUST_USE stp_result stp_splats_make_columns(stp_context* context, stp_splats* splats);
+
+/// Rounds a coordinate to the position grid of a set.
+static inline uint16_t stp_splats_grid_place(float at, float origin, float step)
+{
+    float place = (at - origin) / step + 0.5f;
+    return place > 0.0f ? (place < 65535.0f ? (uint16_t)place : 65535) : 0;
+}

@@ -1,0 +1,50 @@
+#!/usr/bin/env bash
+# The documents agree with the program, and scripts/check_docs.py finds each kind of fault.
+# Arguments: executable, scratch folder, source folder.
+set -u
+stipple=$1
+scratch=$2
+source=$3
+rm -rf "$scratch"
+. "$(dirname "$0")/shared.sh"
+command -v python3 > /dev/null || exit 77
+mkdir -p "$scratch/docs/algorithms" "$scratch/tests" "$scratch/src"
+
+python3 "$source/scripts/check_docs.py" --tool "$stipple" > "$scratch/found" ||
+    fail "documents have faults: $(cat "$scratch/found")"
+
+echo 'int there(void)' > "$scratch/src/there.c"
+
+# a folder of documents with one fault of each kind
+touch "$scratch/CHANGELOG.md" "$scratch/README.md"
+echo 'void test_that_exists(test_state* test)' > "$scratch/tests/test_one.c"
+{
+    printf 'word %.0s' {1..21} && echo
+    echo 'See [nothing](missing.md), [no heading](testing.md#absent) and [this one](testing.md#a-heading).'
+    echo 'The file `src/missing.c` and the function `stp_missing`.'
+    printf '\n| idea | `src/there.c` | `there`, `absent` |\n\n'
+    echo 'Run `stipple build x.obj --missing` and `stipple missing`, not `stipple build x.obj --fresh`.'
+} > "$scratch/docs/faults.md"
+printf '## A heading\n' > "$scratch/docs/testing.md"
+printf '# Page\n\n## One\n\n**Rule.** One.\n\n**Guarantee.** Much.\n\n## Two\n\n**Test.** `that_exists`, `that_is_missing`.\n' \
+    > "$scratch/docs/algorithms/page.md"
+printf 'word %.0s\n' {1..3001} > "$scratch/docs/performance.md"
+python3 "$source/scripts/check_docs.py" --root "$scratch" --tool "$stipple" > "$scratch/faults" &&
+    fail "faults are not found"
+cat > "$scratch/expected" << 'END'
+docs/algorithms/page.md: no test that_is_missing
+docs/algorithms/page.md: section One has a guarantee but no test
+docs/algorithms/page.md: the page has no part Code
+docs/algorithms/page.md: the page has no part Paper
+docs/faults.md: 1: 105 columns, at most 100
+docs/faults.md: no code has the name stp_missing
+docs/faults.md: no command: stipple missing
+docs/faults.md: no file for the link missing.md
+docs/faults.md: no file src/missing.c
+docs/faults.md: no heading for the link testing.md#absent
+docs/faults.md: src/there.c has no function absent
+docs/faults.md: stipple build has no option --missing
+docs/performance.md: 3001 words, at most 3000
+END
+sort "$scratch/faults" | diff "$scratch/expected" - > "$scratch/difference" || fail "$(cat "$scratch/difference")"
+exit $((failures > 0))
