@@ -2,7 +2,7 @@
 //
 // Clouds from a file to a picture: the same points as LAS, LAZ, E57 and XYZ are built with all four
 // methods and drawn. A picture shows what the original points show, whatever the format.
-#include "build/build.h"
+#include "build/build_scene.h"
 #include "draw/draw.h"
 #include "import/e57_writer.h"
 #include "import/las_points.h"

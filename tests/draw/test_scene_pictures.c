@@ -5,7 +5,7 @@
 #include "tests.h"
 
 #include "base/rng.h"
-#include "build/build.h"
+#include "build/build_scene.h"
 #include "draw/support_golden.h"
 #include "lod/method.h"
 #include "present/camera.h"
