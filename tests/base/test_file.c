@@ -18,7 +18,7 @@ typedef struct folder {
 
 static bool make_folder(folder* f)
 {
-    snprintf(f->path, sizeof(f->path), "/tmp/stp_file_XXXXXX");
+    snprintf(f->path, sizeof(f->path), "stp_file_XXXXXX");
     return mkdtemp(f->path) != NULL;
 }
 

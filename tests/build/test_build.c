@@ -45,7 +45,7 @@ static bool write_sheet(const char* path, int size)
 
 static bool open_workshop(workshop* w, int size)
 {
-    snprintf(w->folder, sizeof(w->folder), "/tmp/stp_build_XXXXXX");
+    snprintf(w->folder, sizeof(w->folder), "stp_build_XXXXXX");
     if (mkdtemp(w->folder) == NULL) {
         return false;
     }

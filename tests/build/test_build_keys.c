@@ -15,7 +15,7 @@ typedef struct place {
 static bool open_place(place* p)
 {
     enum { SIZE = 26 };
-    snprintf(p->folder, sizeof(p->folder), "/tmp/stp_keys_XXXXXX");
+    snprintf(p->folder, sizeof(p->folder), "stp_keys_XXXXXX");
     if (mkdtemp(p->folder) == NULL) {
         return false;
     }

@@ -161,7 +161,7 @@ static double distance(const uint8_t* a, const uint8_t* b)
 
 void test_drafts_grow_to_the_finished_scene(test_state* test)
 {
-    char folder[] = "/tmp/stp_draft_XXXXXX", draft[64], output[64], plain[64], model[64];
+    char folder[] = "stp_draft_XXXXXX", draft[64], output[64], plain[64], model[64];
     CHECK(mkdtemp(folder) != NULL);
     snprintf(draft, sizeof(draft), "%s/draft.stip", folder);
     snprintf(output, sizeof(output), "%s/output.stip", folder);
@@ -211,7 +211,7 @@ void test_drafts_show_scans_before_they_are_read(test_state* test)
 {
     enum { POINTS = 4000 };
     static las_point points[POINTS];
-    char folder[] = "/tmp/stp_draft_XXXXXX", draft[64], output[64], plain[64], model[64];
+    char folder[] = "stp_draft_XXXXXX", draft[64], output[64], plain[64], model[64];
     CHECK(mkdtemp(folder) != NULL);
     snprintf(draft, sizeof(draft), "%s/draft.stip", folder);
     snprintf(output, sizeof(output), "%s/out.stip", folder);
@@ -242,7 +242,7 @@ void test_drafts_show_scans_before_they_are_read(test_state* test)
 
 void test_drafts_stay_drawable_however_large_the_scene(test_state* test)
 {
-    char folder[] = "/tmp/stp_draft_XXXXXX", draft[64], output[64];
+    char folder[] = "stp_draft_XXXXXX", draft[64], output[64];
     CHECK(mkdtemp(folder) != NULL);
     snprintf(draft, sizeof(draft), "%s/draft.stip", folder);
     snprintf(output, sizeof(output), "%s/output.stip", folder);
@@ -263,7 +263,7 @@ void test_drafts_stay_drawable_however_large_the_scene(test_state* test)
 
 void test_drafts_that_cannot_be_written_harm_nothing(test_state* test)
 {
-    char folder[] = "/tmp/stp_draft_XXXXXX", output[64];
+    char folder[] = "stp_draft_XXXXXX", output[64];
     CHECK(mkdtemp(folder) != NULL);
     snprintf(output, sizeof(output), "%s/output.stip", folder);
     onlooker o = {.path = "/nowhere/there/draft.stip"};
@@ -275,7 +275,7 @@ void test_drafts_that_cannot_be_written_harm_nothing(test_state* test)
 
 void test_drafts_of_many_threads_change_nothing(test_state* test)
 {
-    char folder[] = "/tmp/stp_draft_XXXXXX", draft[64], output[64], plain[64], model[64];
+    char folder[] = "stp_draft_XXXXXX", draft[64], output[64], plain[64], model[64];
     CHECK(mkdtemp(folder) != NULL);
     snprintf(draft, sizeof(draft), "%s/draft.stip", folder);
     snprintf(output, sizeof(output), "%s/output.stip", folder);
@@ -303,7 +303,7 @@ void test_drafts_of_many_threads_change_nothing(test_state* test)
 // has ended.
 void test_drafts_leave_nothing_of_those_before(test_state* test)
 {
-    char folder[] = "/tmp/stp_draft_XXXXXX", draft[64], output[64], stale[96];
+    char folder[] = "stp_draft_XXXXXX", draft[64], output[64], stale[96];
     CHECK(mkdtemp(folder) != NULL);
     snprintf(draft, sizeof(draft), "%s/draft.stip", folder);
     snprintf(output, sizeof(output), "%s/output.stip", folder);
@@ -340,7 +340,7 @@ static stp_result make_stretched(stp_scene* scene, const char* name, void* user)
 
 void test_drafts_of_endless_areas_have_few_points(test_state* test)
 {
-    char folder[] = "/tmp/stp_draft_XXXXXX", draft[64], output[64];
+    char folder[] = "stp_draft_XXXXXX", draft[64], output[64];
     CHECK(mkdtemp(folder) != NULL);
     snprintf(draft, sizeof(draft), "%s/draft.stip", folder);
     snprintf(output, sizeof(output), "%s/output.stip", folder);
@@ -403,7 +403,7 @@ static int fill_disk(const char* folder, const char* model)
 
 void test_drafts_leave_room_for_the_build(test_state* test)
 {
-    char folder[] = "/tmp/stp_draft_XXXXXX", model[64];
+    char folder[] = "stp_draft_XXXXXX", model[64];
     CHECK(mkdtemp(folder) != NULL);
     snprintf(model, sizeof(model), "%s.obj", folder);
     CHECK(write_sheets(model));

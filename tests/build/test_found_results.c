@@ -44,7 +44,7 @@ static bool write_colored(const char* model, const char* library)
 
 void test_identical_meshes_of_one_build_were_not_there_before(test_state* test)
 {
-    char folder[] = "/tmp/stp_origin_XXXXXX", model[64], library[64], output[64];
+    char folder[] = "stp_origin_XXXXXX", model[64], library[64], output[64];
     CHECK(mkdtemp(folder) != NULL);
     snprintf(model, sizeof(model), "%s/model.obj", folder);
     snprintf(library, sizeof(library), "%s/colors.mtl", folder);

@@ -20,8 +20,8 @@ typedef struct cloud {
 // Points of a bumpy sheet; colours encode their indices.
 static bool write_cloud(cloud* c)
 {
-    snprintf(c->points, sizeof(c->points), "/tmp/stp_held_%d.ply", (int)getpid());
-    snprintf(c->output, sizeof(c->output), "/tmp/stp_held_%d.stip", (int)getpid());
+    snprintf(c->points, sizeof(c->points), "stp_held_%d.ply", (int)getpid());
+    snprintf(c->output, sizeof(c->output), "stp_held_%d.stip", (int)getpid());
     FILE* file = fopen(c->points, "w");
     if (file == NULL) {
         return false;

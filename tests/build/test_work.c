@@ -128,7 +128,7 @@ void test_work_refuses_places_it_cannot_use(test_state* test)
     CHECK_EQUAL(1, log.errors);
     CHECK(strstr(log.text, place.folder) == log.text && strstr(log.text, "not a folder") != NULL);
     CHECK_EQUAL(0, unlink(place.folder));
-    static const char* const bad[] = {"/proc/a.work", "/tmp/stp_no_such_folder/a.work", ""};
+    static const char* const bad[] = {"/proc/a.work", "stp_no_such_folder/a.work", ""};
     for (int i = 0; i < 3; ++i) {
         CHECK_EQUAL(STP_ERROR_IO, stp_work_open(context, bad[i], false, &work));
         CHECK_EQUAL(2 + i, log.errors);

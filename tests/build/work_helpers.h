@@ -22,7 +22,7 @@ typedef struct work_place {
 
 static inline bool make_work_place(work_place* place)
 {
-    snprintf(place->outer, sizeof(place->outer), "/tmp/stp_work_XXXXXX");
+    snprintf(place->outer, sizeof(place->outer), "stp_work_XXXXXX");
     bool made = mkdtemp(place->outer) != NULL;
     snprintf(place->folder, sizeof(place->folder), "%s/a.work", place->outer);
     return made;

@@ -105,7 +105,10 @@ wait_until 'r["stores"] > 0'
 kill -STOP $viewer # wherever it is by now
 "$stipple" view shared.obj --backend cpu --size 320x200 --report second.json > second.out 2> second.err &
 second=$!
-sleep 2
+until python3 "$here/view_report.py" second.json 'r["shows"] > 0 and r["loading"] == "working"'; do
+    kill -0 $second 2> /dev/null || { fail "the second window ended: $(cat second.err)"; break; }
+    sleep 0.1
+done
 kill -CONT $viewer
 until python3 "$here/view_report.py" second.json 'r["loading"] in ("done", "failed")'; do
     kill -0 $second 2> /dev/null || { fail "the second window ended: $(cat second.err)"; break; }

@@ -26,4 +26,4 @@ def chunk(kind, data):
 
 with open(sys.argv[2], "wb") as file:
     file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)) +
-               chunk(b"IDAT", zlib.compress(bytes(rows), 6)) + chunk(b"IEND", b""))
+               chunk(b"IDAT", zlib.compress(bytes(rows), 1)) + chunk(b"IEND", b""))

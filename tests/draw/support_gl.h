@@ -13,12 +13,12 @@ typedef struct made_gl {
     uint8_t pixels[PICTURE_SIDE * PICTURE_SIDE * 4];
 } made_gl;
 
-/// Sheets of surfels that lie across each other, some with holes, and one square without surfels; or the first alone,
+/// Intersecting sheets of surfels, some with holes, and one square without surfels; or only the first,
 /// which is of one colour.
-/// @return false where there is no OpenGL, or something failed: *failed then is true
+/// @return false if there is no OpenGL, or on failure, with *failed true
 bool made_gl_begin(made_gl* m, bool one, bool* failed);
-/// The same of another scene, which `add` makes (NULL: all the sheets), with other settings than the default ones (NULL: none; what
-/// gives functions is not looked at), and memory of `heap`.
+/// The same of another scene, which `add` makes (NULL: all the sheets), with other settings than the default ones (NULL: none;
+/// its function loader is ignored), and memory of `heap`.
 bool made_gl_begin_with(made_gl* m, void (*add)(made_picture* p), const stp_draw_gl_desc* settings,
                         test_heap* heap, bool* failed);
 /// Destroys the renderer and creates another.

@@ -23,7 +23,7 @@ typedef struct made_picture {
     uint8_t pixels[PICTURE_SIDE * PICTURE_SIDE * 4];
 } made_picture;
 
-/// Nothing yet, of unlit white, looked at from (0, 0, 5) in perspective: a square from -1 to 1 in the plane z = 0
+/// An empty scene of unlit white, seen from (0, 0, 5) in perspective: a square from -1 to 1 in the plane z = 0
 /// fills the middle half of the picture. @return false where memory runs out
 bool made_picture_begin(made_picture* p, test_heap* heap, uint32_t threads);
 /// A square from -1 to 1, turned about x by an angle and moved; with surfels of a colour (NULL: triangles only).

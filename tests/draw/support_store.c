@@ -145,7 +145,7 @@ stp_store* made_open_file(stp_context* context, made_scene* scene, int* descript
         content.directory.methods = &scene->method;
         content.directory.method_count = 1;
     }
-    char path[64] = "/tmp/stipple-made-XXXXXX";
+    char path[64] = "stipple-made-XXXXXX";
     int file = mkstemp(path);
     if (file < 0) {
         return NULL;

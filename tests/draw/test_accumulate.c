@@ -45,7 +45,7 @@ static int largest_difference(const uint8_t* a, const uint8_t* b)
     return most;
 }
 
-// The bytes of each frame are rounded, so the mean of a pixel in the dark may be a level or two off.
+// The bytes of each frame are rounded, so the mean of a dark pixel may differ by a level or two.
 void test_accumulation_becomes_the_supersampled_picture(test_state* test)
 {
     static uint8_t whole[SIDE * SIDE * 4];
@@ -123,7 +123,7 @@ void test_accumulation_begins_anew_when_something_changes(test_state* test)
         p.style.background = change == 6;
         p.style.supersample += change == 7 ? 1 : 0;
     }
-    made_picture other = p; // a supersampled picture in between takes nothing away
+    made_picture other = p; // a supersampled picture in between changes nothing
     other.style.supersample = 2;
     other.style.transparency = STP_TRANSPARENCY_PATTERN; // layers need the sums
     static uint8_t pixels[SIDE * SIDE * 4];

@@ -62,7 +62,7 @@ void test_blend_takes_noise_away(test_state* test)
     }
 }
 
-// Two sheets behind each other and one that stands on them, of red and blue: what is drawn stays red or blue,
+// Two sheets behind each other and one perpendicular to them, red and blue: each pixel is red or blue,
 // or white where triangles are drawn.
 void test_blend_keeps_surfaces_apart(test_state* test)
 {
@@ -92,7 +92,7 @@ void test_blend_keeps_surfaces_apart(test_state* test)
     made_picture_end(&p);
 }
 
-// Triangles are not blended, and more splats in a pixel than sums have room for leave it as it is.
+// Triangles are not blended, and a pixel with more splats than its sums can hold stays unchanged.
 void test_blend_leaves_triangles_and_crowds_alone(test_state* test)
 {
     static uint8_t plain[BYTES];

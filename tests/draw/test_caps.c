@@ -42,7 +42,7 @@ static void append(stp_store_mesh* mesh, int number, float size, int begin, int 
     mesh->triangle_count += (uint32_t)(end - begin);
 }
 
-/// Adds a mesh, empty so far, at a place.
+/// Adds an empty mesh at a place.
 static stp_store_mesh* add_mesh(made_picture* p, double scale_x, stp_vec3d move)
 {
     made_scene* s = &p->scene;
@@ -102,7 +102,7 @@ static void add_pieces(made_picture* p)
     append(add_mesh(p, 1.0, (stp_vec3d){0, 0, 0}), 1, 1.0f, 5, SIDES, false);
 }
 
-/// A box with a crack through the plane: an edge of one side has a corner more, a little beside it.
+/// A box with a crack through the plane: an edge of one side has an additional vertex, slightly displaced.
 static void add_cracked(made_picture* p)
 {
     static const uint32_t side[3][3] = {{0, 1, 8}, {0, 8, 5}, {0, 5, 4}};
@@ -249,7 +249,7 @@ static double depth_in_box(stp_vec3d p)
     return 1.0 - fmax(fmax(fabs(p.x), fabs(p.y)), fabs(p.z));
 }
 
-/// The point of a plane that a pixel shows. @return false where it shows none in front of the eye
+/// The point of a plane that a pixel shows. @return false if none is in front of the eye
 static bool meet(const stp_view_frame* f, const stp_section_plane* plane, int x, int y,
                  stp_vec3d* point)
 {
@@ -262,7 +262,7 @@ static bool meet(const stp_view_frame* f, const stp_section_plane* plane, int x,
     return isfinite(t) && (t > f->near_distance);
 }
 
-/// From random places, also within the solid and beside its plane, a cap is where the plane's point is in the box.
+/// From random eyes, also inside the solid and next to the plane, a pixel shows a cap if its point of the plane is in the box.
 void test_caps_are_where_planes_go_through_solids(test_state* test)
 {
     made_picture p;

@@ -62,7 +62,7 @@ void test_dither_does_not_depend_on_what_else_is_drawn(test_state* test)
     }
 }
 
-// The same mesh behind itself shows through other pixels: of two panes that let half through a quarter passes.
+// Two copies of a mesh have different holes: through two panes of half coverage, a quarter is visible.
 void test_dither_of_instances_differs(test_state* test)
 {
     made_picture p;
@@ -82,7 +82,7 @@ void test_dither_of_instances_differs(test_state* test)
     made_picture_end(&p);
 }
 
-// Each sample of a pixel asks anew: coverage becomes a mean.
+// Each sample of a pixel is decided separately, so coverage becomes a mean.
 void test_dither_of_samples_differs(test_state* test)
 {
     made_picture p;
@@ -103,7 +103,7 @@ void test_dither_of_samples_differs(test_state* test)
     made_picture_end(&p);
 }
 
-// Drawn in two passes behind something, or in one.
+// In two passes with occluders, or in one.
 void test_dither_is_the_same_in_two_passes(test_state* test)
 {
     static uint8_t once[BYTES];

@@ -28,7 +28,7 @@ typedef struct fixture {
     uint8_t pixels[SIDE * SIDE * 4];
 } fixture;
 
-// A scene of nothing yet, looked at from the front in parallel projection: the square from -1 to 1 fills the middle
+// An empty scene, seen from the front in parallel projection: the square from -1 to 1 fills the middle
 // half of the picture.
 static bool begin(fixture* f, test_heap* heap, uint32_t threads)
 {
@@ -143,7 +143,7 @@ void test_draw_cpu_surfels_fill_the_square(test_state* test)
     for (int size = 1; size <= 8; size *= 2) {
         f.quality.splat_size = (float)size;
         CHECK_EQUAL(STP_OK, draw(&f));
-        CHECK_EQUAL(size > 1, f.stats.splats > 0); // for one pixel the order is too short
+        CHECK_EQUAL(size > 1, f.stats.splats > 0); // the order has too few splats for one per pixel
         int reach = size;
         for (int i = 0; i < SIDE * SIDE && size > 1; ++i) {
             int x = i % SIDE, y = i / SIDE;
@@ -374,7 +374,7 @@ void test_draw_cpu_depth_and_points(test_state* test)
     end(&f);
 }
 
-// A scene with something of everything: surfels below a textured, cut-out square, and points.
+// A scene with every kind of content: surfels below a textured, cut-out square, and points.
 static void make_rich(fixture* f)
 {
     static const float positions[] = {0, 0, 0.5f, 0.5f, 0.5f, 0.9f, -0.5f, 0.5f, -0.9f};

@@ -127,7 +127,7 @@ void test_draw_occlusion_changes_no_pixel(test_state* test)
         CHECK_EQUAL(STP_OK, draw(&f, &before));
         CHECK_EQUAL(STP_OK, stp_depth_pyramid_make(f.context, &before,
                                                    stp_renderer_depth(f.renderer), &pyramid));
-        // the picture that is wanted
+        // the expected picture
         CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &quality, &f.list));
         CHECK_EQUAL(STP_OK, draw(&f, &view));
         memcpy(f.expected, f.pixels, sizeof(f.pixels));
@@ -152,7 +152,7 @@ void test_draw_occlusion_changes_no_pixel(test_state* test)
         stp_depth_pyramid_destroy(f.context, &pyramid);
         tear_down(&f);
     }
-    CHECK(hidden > 40 && repaired > 3); // otherwise nothing was tried
+    CHECK(hidden > 40 && repaired > 3); // otherwise the test shows nothing
 }
 
 void test_draw_selected_is_the_whole_picture(test_state* test)
@@ -182,5 +182,5 @@ void test_draw_selected_is_the_whole_picture(test_state* test)
         }
         tear_down(&f);
     }
-    CHECK(hidden > 40 && repaired > 3); // otherwise nothing was tried
+    CHECK(hidden > 40 && repaired > 3); // otherwise the test shows nothing
 }

@@ -121,7 +121,7 @@ void test_draw_passes_give_the_whole_picture(test_state* test)
         end_whole(&p, &whole);
         made_picture_end(&p);
     }
-    CHECK(nodes > 50 && 20 * fragments < 19 * all_fragments); // otherwise nothing was tried
+    CHECK(nodes > 50 && 20 * fragments < 19 * all_fragments); // otherwise the test shows nothing
 }
 
 void test_draw_passes_accumulate_the_whole_picture(test_state* test)

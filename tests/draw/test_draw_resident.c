@@ -168,7 +168,7 @@ void test_resident_first_frame_is_the_coarser_prefix(test_state* test)
     uint32_t here = stp_store_resident_surfels(f.store, 0);
     CHECK(here >= 4 && here < 256);
     CHECK_EQUAL(0, stp_store_resident_surfels(f.store, 1));
-    f.reader.open = false; // from here on, the disk does not answer
+    f.reader.open = false; // from here on, reads block
     const double distances[] = {12.0, 3.0, 1.0, 0.3};
     for (int i = 0; i < 4; ++i) {
         stp_view view = look_from(0.05, 0.02, distances[i]);
@@ -201,7 +201,8 @@ void test_resident_pictures_have_no_holes(test_state* test)
         f.reader.open = false;
         stp_policy policy = (stp_policy)(round % 4 == 3 ? STP_POLICY_SWITCH : STP_POLICY_INSERTION);
         for (uint64_t frame = 0; frame < 24; ++frame) {
-            uint64_t h = stp_rng_hash(round / 2, frame / 8); // rests for a while, then elsewhere
+            uint64_t h =
+                stp_rng_hash(round / 2, frame / 8); // at rest for a while, then at another place
             stp_view view =
                 look_from(0.1 * (double)(h % 13) - 0.6, 0.1 * (double)(h >> 8 & 7) - 0.4,
                           0.1 * (double)(1 << (h >> 16 & 7)));
@@ -213,7 +214,7 @@ void test_resident_pictures_have_no_holes(test_state* test)
             stp_residency_update(f.residency, f.list.wants, f.list.want_count);
             slow_reader_let_go(&f.reader, (uint32_t)(stp_rng_hash(round, 99 + frame) % 3));
         }
-        // all comes, as far as it fits
+        // everything that fits is loaded
         slow_reader_let_go(&f.reader, UINT32_MAX);
         stp_view view = look_from(0.1, 0.1, 0.8);
         stp_quality quality = {.splat_size = 1, .policy = policy};
@@ -248,7 +249,7 @@ void test_resident_selection_is_pure(test_state* test)
     stp_view view = look_from(0.2, 0.1, 1.5);
     stp_draw_list lists[2] = {{0}, {0}};
     for (int i = 0; i < 6; ++i) {
-        for (int k = 0; k < 2; ++k) { // whatever comes meanwhile
+        for (int k = 0; k < 2; ++k) { // whatever is loaded meanwhile
             CHECK_EQUAL(STP_OK, stp_select(context, f.store, &view, &quality, &lists[k]));
             (void)stp_residency_wait(f.residency);
         }
@@ -257,13 +258,13 @@ void test_resident_selection_is_pure(test_state* test)
         for (size_t w = 0; w < lists[0].want_count; ++w) {
             CHECK_EQUAL(lists[0].wants[w].thing, lists[1].wants[w].thing);
             CHECK_EQUAL(lists[0].wants[w].octaves, lists[1].wants[w].octaves);
-            for (size_t v = 0; v < w; ++v) { // each thing once
+            for (size_t v = 0; v < w; ++v) { // each of them once
                 CHECK(lists[0].wants[v].thing != lists[0].wants[w].thing);
             }
         }
         stp_residency_update(f.residency, lists[0].wants, lists[0].want_count);
     }
-    CHECK_EQUAL(8, lists[0].triangle_count); // it came to what there is
+    CHECK_EQUAL(8, lists[0].triangle_count); // the final picture is that of the whole file
     stp_draw_list_destroy(context, &lists[0]);
     stp_draw_list_destroy(context, &lists[1]);
     tear_down(&f);
@@ -288,7 +289,7 @@ void test_resident_damage_stays_coarse(test_state* test)
     }
     CHECK_EQUAL(1, log.warnings);
     CHECK_EQUAL(0, log.errors);
-    CHECK_EQUAL(0, f.list.triangle_count); // a mesh without its texture is not there
+    CHECK_EQUAL(0, f.list.triangle_count); // a mesh without its texture is not resident
     CHECK(f.list.splat_count > 1000);
     CHECK_EQUAL(STP_OK, draw_whole(&f, &view, &reference));
     CHECK_EQUAL(0, count_holes(&f));
@@ -306,7 +307,7 @@ void test_resident_textures_come_and_go(test_state* test)
     stp_view near = look_from(0.1, 0.1, 0.4);
     CHECK_EQUAL(STP_OK, draw_whole(&f, &near, &quality));
     CHECK(f.whole_list.triangle_count > 0);
-    for (int round = 0; round < 3; ++round) { // pyramids of a texture end with its texels
+    for (int round = 0; round < 3; ++round) { // mipmaps are freed with the texels
         CHECK_EQUAL(STP_OK, stream(&f, true, 0));
         for (int i = 0; i < 6; ++i) {
             CHECK_EQUAL(STP_OK, draw_streamed(&f, &near, &quality));

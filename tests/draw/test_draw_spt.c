@@ -64,7 +64,7 @@ static stp_result draw(fixture* f)
                : stp_renderer_draw(f->renderer, &f->view, &f->list, &style, &image, &stats);
 }
 
-// Whether all pixels of the square are there, but for those at its edge.
+// Whether all pixels of the square are covered, except those at its edge.
 static bool is_whole(const fixture* f, double distance)
 {
     double half = 0.5 * SIDE / (distance * 0.57735026918962576); // of the square, pixels
@@ -94,7 +94,7 @@ void test_spt_draws_without_holes(test_state* test)
         const stp_draw_item* item = &f.list.items[0];
         if (f.list.count == 1 && item->kind == STP_DRAW_SURFELS) {
             drawn += 1;
-            // nothing that a level needs lies behind the prefix
+            // the prefix contains all that a level needs
             double level =
                 fmax((double)item->level_per_depth * distance, (double)item->level_least);
             CHECK(item->level_per_depth > 0.0f || item->level_least > 0.0f);
@@ -124,7 +124,7 @@ void test_spt_needs_fewer_splats_from_afar(test_state* test)
         before = f.list.splat_count;
     }
     CHECK(before < 300);
-    // so many, and no more; they still cover
+    // at most so many; they still cover
     f.view.eye.z = 12.0;
     for (uint64_t count = 20; count < 4000; count *= 3) {
         f.quality.splat_count = count;
@@ -141,7 +141,7 @@ void test_spt_needs_fewer_splats_from_afar(test_state* test)
     tear_down(&f);
 }
 
-// A method that a file does not hold: its first is drawn.
+// If a file lacks the method, its first one is drawn.
 void test_spt_is_drawn_where_another_is_asked_for(test_state* test)
 {
     fixture f;

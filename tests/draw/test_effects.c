@@ -56,7 +56,7 @@ void test_effect_kernels_agree(test_state* test)
 {
     static rows expected, got;
     run_kernels(&cpu_effect_kernels_portable, &expected);
-    for (int i = 0; i < ROW; ++i) { // against what they are to be
+    for (int i = 0; i < ROW; ++i) { // against the expected values
         float most = -2.0f, least = 2.0f, found;
         for (int k = -3; k <= 3; ++k) {
             float v = expected.near[0][PAD + i + k];
@@ -93,8 +93,7 @@ static int brightness(const made_picture* p, int x, int y)
     return at[3] == 0 ? -1 : at[0];
 }
 
-// A plane is not enclosed by itself, however steeply it is seen, nor does its own slope count among what shades it as
-// much as a step does.
+// A plane does not occlude itself at any angle, and its slope darkens it less than a step does.
 void test_effects_leave_planes_alone(test_state* test)
 {
     for (int variant = 0; variant < 4; ++variant) {
@@ -122,7 +121,7 @@ void test_effects_leave_planes_alone(test_state* test)
     }
 }
 
-// Where a wall stands on a floor it is darker than far from there; and in front of both it is as it was.
+// Where a wall meets a floor both are darker than elsewhere; what is in front of them is unchanged.
 void test_ambient_occlusion_darkens_corners(test_state* test)
 {
     for (int variant = 0; variant < 4; ++variant) {
@@ -193,7 +192,7 @@ static void make_corner(made_picture* p)
     made_picture_add(p, 0.3, (stp_vec3d){-1, 0.5, 0.7}, NULL);
     p->view.eye = (stp_vec3d){1, 4, 5};
     p->quality.splat_size = 3;
-    p->style.ambient_occlusion = 0.5f; // beyond what pixels are looked at: the pyramid too
+    p->style.ambient_occlusion = 0.5f; // farther than single pixels are sampled: the pyramid too
     p->style.eye_dome = 1;
 }
 
@@ -218,7 +217,7 @@ void test_effects_are_the_same_for_any_number_of_threads(test_state* test)
     }
 }
 
-// Frame after frame, and after pictures of other sizes and kinds.
+// In consecutive frames, and after pictures of other sizes and kinds.
 void test_effects_remember_nothing(test_state* test)
 {
     static uint8_t first[SIDE * SIDE * 4], small[24 * 24 * 4];

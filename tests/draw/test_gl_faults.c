@@ -7,21 +7,21 @@
 
 #include <string.h>
 
-/// A context of which some functions answer otherwise.
+/// An OpenGL context in which some functions give other results.
 typedef struct faulty {
     made_gl made;
-    stp_context* context; ///< that says what fails
+    stp_context* context; ///< whose log has the errors
     test_log log;
-    const char* lacks; ///< a function that is not there
+    const char* lacks; ///< name of a missing function
 } faulty;
 
-/// Answers of functions that have no room for a pointer of ours.
+/// Results of replaced functions, which have no user pointer.
 static GLenum lost_status(void)
 {
     return GL_GUILTY_CONTEXT_RESET;
 }
 
-/// Every other answer: what is asked first is what was before.
+/// Every second result: the first query is for earlier errors.
 static GLenum no_memory(void)
 {
     static int calls;
@@ -35,15 +35,15 @@ static stp_gl_proc find_function(const char* name, void* user)
     return lacking ? NULL : stp_headless_get_proc_address(name, &f->made.headless);
 }
 
-/// @return false where there is nothing to test
+/// @return false if there is nothing to test
 static bool begin(test_state* test, faulty* f)
 {
     bool failed;
     *f = (faulty){.lacks = NULL};
     if (!made_gl_begin(&f->made, false, &failed)) {
         made_gl_end(&f->made);
-        test->failed = failed ? 1 : 0;
-        test->skipped = failed ? NULL : "there is no OpenGL";
+        CHECK(!failed);
+        test->skipped = "there is no OpenGL";
         return false;
     }
     stp_renderer_destroy(f->made.renderer);

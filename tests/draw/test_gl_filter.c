@@ -47,7 +47,7 @@ void test_gl_filter_looks_as_the_processors(test_state* test)
     made_gl_end(&m);
 }
 
-// Of one plane, all of one colour: weights are divided by their sum, whatever it is.
+// One plane of one colour: weights are divided by their sum.
 void test_gl_filter_keeps_a_constant_colour(test_state* test)
 {
     made_gl m;
@@ -71,7 +71,7 @@ void test_gl_filter_keeps_a_constant_colour(test_state* test)
     made_gl_end(&m);
 }
 
-// What splats too large for a point hide leaves no trace.
+// What is hidden by splats that are too large for points has no effect.
 void test_gl_blend_leaves_nothing_behind_large_splats(test_state* test)
 {
     static const struct {

@@ -56,14 +56,14 @@ static bool begin(test_state* test, made_gl* m, const stp_draw_gl_desc* settings
         return true;
     }
     made_gl_end(m);
-    test->failed = failed ? 1 : 0;
-    test->skipped = failed ? NULL : "there is no OpenGL";
+    CHECK(!failed);
+    test->skipped = "there is no OpenGL";
     return false;
 }
 
 void test_gl_uploads_keep_to_their_budget(test_state* test)
 {
-    // a set's finest octave alone is more than the budget, and goes nevertheless
+    // a set's finest octave alone is more than the budget, and is uploaded nevertheless
     enum { BUDGET = 2048, LARGEST = 768 * 9, URGENT = 6 * (64 * 4 + 64 * 9) };
     const stp_draw_gl_desc settings = {.upload_bytes = BUDGET};
     static uint8_t whole[4 * PIXELS], first[4 * PIXELS];
@@ -94,7 +94,7 @@ void test_gl_uploads_keep_to_their_budget(test_state* test)
     CHECK(frames > 1);
     CHECK_EQUAL(0, made_count_different(whole, m.pixels, 0));
     CHECK(made_count_different(first, whole, 0) > 20);
-    // without a budget all is there at once
+    // without a budget everything is uploaded at once
     CHECK_EQUAL(STP_OK, made_gl_renew(&m, &settings));
     stp_draw_gl_set_upload_bytes(m.renderer, 0);
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));
@@ -139,7 +139,7 @@ void test_gl_uploads_keep_to_their_budget_for_both_eyes(test_state* test)
     m.picture.view.eye_distance = 0.3;
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));
     uint64_t whole = stp_draw_gl_get_stats(m.renderer).uploaded_bytes, sum = 0;
-    CHECK(whole > 4 * BUDGET); // of both, though the second finds all there
+    CHECK(whole > 4 * BUDGET); // of both, although the second uploads nothing
     CHECK_EQUAL(STP_OK, made_gl_renew(&m, &settings));
     stp_draw_gl_stats stats = {.missing = 1};
     for (int frames = 0; stats.missing > 0 && frames < FRAMES_MOST; ++frames) {
@@ -207,9 +207,9 @@ void test_gl_pictures_come_coarser_where_memory_is_short(test_state* test)
     CHECK_EQUAL(STP_OK, made_gl_renew(&m, &tiny));
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));
     stp_draw_gl_stats stats = stp_draw_gl_get_stats(m.renderer);
-    CHECK(stats.missing > 0 && stats.coming == 0); // nor does it come
+    CHECK(stats.missing > 0 && stats.coming == 0); // it is not uploaded either
     CHECK(m.picture.stats.covered_pixels >= covered);
-    // so the mean of frames is that of coarser ones
+    // so the mean is of coarser frames
     made_picture* p = &m.picture;
     stp_image image = {PICTURE_SIDE, PICTURE_SIDE, m.pixels};
     p->style.supersample = 2;
@@ -218,7 +218,7 @@ void test_gl_pictures_come_coarser_where_memory_is_short(test_state* test)
                                                     &p->list, &image, &p->stats));
         CHECK_EQUAL(i, p->stats.samples);
     }
-    // where things come, their frames do not count
+    // frames with uploads do not count
     const stp_draw_gl_desc slow = {.upload_bytes = 2048};
     CHECK_EQUAL(STP_OK, made_gl_renew(&m, &slow));
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));

@@ -94,7 +94,7 @@ void test_gl_splats_are_chosen_by_measuring(test_state* test)
         }
     }
     CHECK(speed.fixed_ns[0] == 0 && speed.fixed_ns[1] > 0);
-    // many splats of a size go the way whose splats are cheapest
+    // many splats of one size are drawn by the cheapest way
     gl_renderer* r = (gl_renderer*)m.renderer;
     for (int i = 0; i < STP_GL_SPLAT_SIZES; ++i) {
         bool points = speed.splat_ns[0][i] <= speed.splat_ns[1][i];
@@ -102,7 +102,7 @@ void test_gl_splats_are_chosen_by_measuring(test_state* test)
         CHECK(points == (way == STP_GL_SPLATS_POINTS));
     }
     CHECK_EQUAL(STP_GL_SPLATS_POINTS, gl_splat_choice_find(r, 0, 1));
-    // the picture is not that of what was measured
+    // the picture is not the measured one
     CHECK_EQUAL(STP_OK, made_picture_draw(&m.picture));
     CHECK(made_count_different(m.pixels, m.picture.pixels, 6) <= PIXELS / 50);
     made_gl_end(&m);

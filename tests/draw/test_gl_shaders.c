@@ -16,7 +16,7 @@ typedef struct checked_shader {
 
 #define PAGES(count) "#define PAGE_COUNT " #count "\n#define PAGE_SHIFT 28\n"
 
-/// @return the compiler's status, 0 where it has nothing to say
+/// @return the compiler's status, 0 without errors
 static int compile(stp_context* context, const checked_shader* shader)
 {
     const char* folder = getenv("TMPDIR");
@@ -73,7 +73,7 @@ void test_gl_shaders_are_glsl(test_state* test)
         }
         CHECK_EQUAL(0, status);
     }
-    // and it does look
+    // it does detect errors
     const checked_shader wrong = {"raster.comp.glsl",
                                   "#define PAGE_COUNT 1\n#define store store ?\n"};
     CHECK(compile(context, &wrong) != 0);

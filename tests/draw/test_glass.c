@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Transparent surfaces: layers without noise, and a pattern that stays.
+// Transparent surfaces: layers without noise, and a stable pattern.
 #include "tests.h"
 
 #include "base/color.h"
@@ -24,7 +24,7 @@ static void add_material(made_picture* p, uint32_t index, const float color[4])
     s->material_count = s->shading_count = index + 1;
 }
 
-/// A square of that material; with surfels where `splats`, of as much opacity.
+/// A square of that material; with surfels of the same opacity if `splats`.
 static void add_sheet(made_picture* p, uint32_t material, double angle, stp_vec3d move, bool splats)
 {
     made_scene* s = &p->scene;
@@ -161,7 +161,7 @@ void test_glass_layers_are_composited_front_to_back(test_state* test)
     add_material(&p, 1, red);
     add_material(&p, 2, blue);
     add_sheet(&p, 0, 0.0, (stp_vec3d){0, 0, -1.0}, false); // white
-    add_sheet(&p, 1, 0.5, (stp_vec3d){0, 0, 0}, false);    // they go through each other
+    add_sheet(&p, 1, 0.5, (stp_vec3d){0, 0, 0}, false);    // they intersect
     add_sheet(&p, 2, -0.5, (stp_vec3d){0, 0, 0}, false);
     add_sheet(&p, 0, 0.0, (stp_vec3d){0, -9.0, 0.5}, false); // out of sight
     CHECK_EQUAL(STP_OK, made_picture_open(&p));
@@ -253,7 +253,7 @@ void test_glass_without_memory_for_layers_becomes_a_pattern(test_state* test)
     CHECK_EQUAL(STP_OK, made_picture_draw(&p));
     memcpy(pattern, p.pixels, BYTES);
     p.style.transparency = STP_TRANSPARENCY_LAYERS;
-    heap.fail_at = heap.count; // its pixels are the first thing that a warm frame asks for
+    heap.fail_at = heap.count; // a warm frame allocates its pixels first
     CHECK_EQUAL(STP_OK, made_picture_draw(&p));
     CHECK(memcmp(pattern, p.pixels, BYTES) == 0);
     heap.fail_at = -1;
@@ -270,8 +270,8 @@ void test_glass_of_opengl_is_that_of_the_processor(test_state* test)
         if (!made_gl_begin_with(&m, variant & 1 ? add_splats : add_triangles, NULL, NULL,
                                 &failed)) {
             made_gl_end(&m);
-            test->failed = failed ? 1 : 0;
-            test->skipped = failed ? NULL : "there is no OpenGL";
+            CHECK(!failed);
+            test->skipped = "there is no OpenGL";
             return;
         }
         made_picture* p = &m.picture;

@@ -130,7 +130,7 @@ static stp_result select_items(fixture* f)
     return stp_select(f->context, f->store, &f->view, &f->quality, &f->list);
 }
 
-// Pixels of a half of the square that are not there; at its outer edge they may be missing.
+// Uncovered pixels of a half of the square, without its outer edge.
 static int count_holes(const fixture* f, const uint8_t* pixels, bool left)
 {
     double half = 0.5 * SIDE / (f->view.eye.z * 0.57735026918962576); // of the square, pixels
@@ -193,7 +193,7 @@ void test_hybrid_lists_large_triangles(test_state* test)
                                          (stp_vec3){p[6], p[7], p[8]});
         CHECK(level == list.levels[i] && seen[list.triangles[i]]++ == 0);
     }
-    // a search leaves nothing out, and not much in
+    // a search finds all of them, and few others
     for (float level = 0.001f; level < 3.0f; level *= 1.3f) {
         uint32_t count = stp_large_triangles_find(&list, level);
         for (uint32_t i = 0; i < list.count; ++i) {
@@ -297,8 +297,8 @@ void test_hybrid_looks_alike_in_opengl(test_state* test)
     bool failed = false;
     if (!made_gl_begin(&m, true, &failed)) {
         made_gl_end(&m);
-        test->failed = failed ? 1 : 0;
-        test->skipped = failed ? NULL : "there is no OpenGL";
+        CHECK(!failed);
+        test->skipped = "there is no OpenGL";
         return;
     }
     CHECK(set_up(&f));
@@ -349,7 +349,7 @@ void test_hybrid_survives_lack_of_memory(test_state* test)
                      stp_renderer_draw(renderer, &f.view, &list, &(stp_draw_style){0}, &image,
                                        &stats) == STP_OK;
         CHECK(!drawn || count_holes(&f, pixels, true) == 0);
-        done = drawn && heap.count <= n; // the failing allocation was not asked for
+        done = drawn && heap.count <= n; // the failing allocation was not reached
         stp_renderer_destroy(renderer);
         stp_draw_list_destroy(context, &list);
         stp_store_close(store);

@@ -34,7 +34,7 @@ static stp_store* open_levels(stp_context* context, made_scene* s)
     return made_open(context, s);
 }
 
-/// What changes of the blocks of a picture where the selection of a frame gives way to that of the next.
+/// How much the blocks of a picture change from one frame's selection to the next.
 static stp_result approach(stp_context* context, stp_store* store, stp_policy policy,
                            stp_popping* popping)
 {
@@ -71,7 +71,7 @@ static stp_result approach(stp_context* context, stp_store* store, stp_policy po
     return result;
 }
 
-// Switching changes a block all at once; blending, at most a quarter as much from one frame to the next.
+// Switching changes a block at once; blending changes it by at most a quarter of that per frame.
 void test_levels_pop_a_quarter_as_much_as_switching(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A file that somebody writes over while it is mapped and drawn: whatever stands there then, nothing is read or written
-// out of bounds, and nothing goes on for ever. The pictures may be anything.
+// A mapped file is overwritten while it is drawn: with any content, nothing is read or written
+// out of bounds, and everything ends. The pictures are undefined.
 #include "tests.h"
 
 #include "base/position_grid.h"
@@ -188,7 +188,7 @@ static void overwrite_all(test_state* test, bool coded)
     CHECK(overwrite(&o, 4, -1));
     CHECK(overwrite(&o, 256, 0xFF));
     CHECK(overwrite(&o, 256, -1));
-    CHECK(use(&o, true, true) && use(&o, false, false)); // as if nothing had been
+    CHECK(use(&o, true, true) && use(&o, false, false)); // as before
     end(&o);
 }
 

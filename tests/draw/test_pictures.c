@@ -1,31 +1,23 @@
 // SPDX-License-Identifier: MIT
 //
-// Whole pictures against those in tests/golden/draw. Machines may differ in the last bit of a tangent, so a few
-// pixels may be other ones and the rest a little lighter or darker: two tolerances. STP_WRITE_GOLDEN=1 writes the
-// pictures anew; look at them before committing.
+// Pictures of two balls, of triangles and of splats, against those in tests/golden/draw: opaque, cut
+// out, of glass, cut open and capped, in all styles of drawing.
 #include "tests.h"
 
 #include "base/octahedral.h"
 #include "draw/draw.h"
+#include "draw/support_golden.h"
 #include "draw/support_store.h"
 #include "lod/psp/psp_set.h"
 #include "lod/set_columns.h"
 #include "present/camera.h"
-#include "present/png.h"
 #include "select/sections.h"
 
 #include <stipple/order.h>
 
 #include <string.h>
-#include <sys/stat.h>
 
-enum {
-    SIDE = 208,
-    TOLERATED_LEVELS = 6,
-    TOLERATED_PIXELS = 40,
-    BALL_RINGS = 24,
-    BALL_SURFELS = 3000
-};
+enum { SIDE = 208, BALL_RINGS = 24, BALL_SURFELS = 3000 };
 enum {
     BALL_VERTICES = (BALL_RINGS + 1) * (2 * BALL_RINGS + 1),
     BALL_TRIANGLES = 4 * BALL_RINGS * BALL_RINGS
@@ -200,80 +192,6 @@ static stp_store* open_balls(stp_context* context, ball* b, stp_store_alpha alph
     return store;
 }
 
-// Pixels that differ by more than is tolerated.
-static int count_different(const stp_image* a, const stp_image* b, stp_image* difference)
-{
-    int different = 0;
-    for (size_t i = 0; i < (size_t)SIDE * SIDE; ++i) {
-        int most = 0;
-        for (size_t k = 0; k < 4; ++k) {
-            int d = abs(a->pixels[4 * i + k] - b->pixels[4 * i + k]);
-            most = d > most ? d : most;
-        }
-        memset(difference->pixels + 4 * i, most, 3);
-        difference->pixels[4 * i + 3] = 255;
-        different += most > TOLERATED_LEVELS;
-    }
-    return different;
-}
-
-// @return NULL where the picture is as it was, else what is wrong
-static const char* compare_golden(stp_context* context, const char* name, stp_image* got)
-{
-    char path[512];
-    snprintf(path, sizeof(path), STP_TEST_SOURCE_DIR "/tests/golden/draw/%s.png", name);
-    const char* write = getenv("STP_WRITE_GOLDEN");
-    if (write != NULL && strcmp(write, "1") == 0) {
-        return stp_png_write(context, got, path) == STP_OK ? NULL : "cannot be written";
-    }
-    stp_image expected = {0};
-    if (stp_png_read(context, path, &expected) != STP_OK) {
-        return "cannot be read";
-    }
-    static uint8_t pixels[SIDE * SIDE * 4];
-    stp_image difference = {SIDE, SIDE, pixels};
-    const char* wrong = NULL;
-    if (expected.width != SIDE || expected.height != SIDE) {
-        wrong = "has another size";
-    } else if (count_different(&expected, got, &difference) > TOLERATED_PIXELS) {
-        wrong =
-            "looks different: see expected, got and difference in the folder for temporary files";
-        const char* folder = getenv("TMPDIR");
-        const stp_image* pictures[3] = {&expected, got, &difference};
-        static const char* const kinds[3] = {"expected", "got", "difference"};
-        for (int i = 0; i < 3; ++i) {
-            snprintf(path, sizeof(path), "%s/stp_%s_%s.png", folder != NULL ? folder : "/tmp", name,
-                     kinds[i]);
-            if (stp_png_write(context, pictures[i], path) != STP_OK) {
-                break;
-            }
-        }
-    }
-    stp_free(context, expected.pixels);
-    return wrong;
-}
-
-static const char* draw_and_compare(stp_context* context, stp_store* store, const char* name,
-                                    stp_view view, stp_quality quality, stp_draw_style style)
-{
-    static uint8_t pixels[SIDE * SIDE * 4];
-    stp_image image = {SIDE, SIDE, pixels};
-    stp_renderer* renderer = NULL;
-    stp_draw_list list = {0};
-    stp_draw_stats stats;
-    stp_result result = stp_draw_cpu_create(context, store, &renderer);
-    quality.spare = 1; // few triangles stand for many splats
-    if (result == STP_OK) {
-        result = stp_select(context, store, &view, &quality, &list);
-    }
-    if (result == STP_OK) {
-        result = stp_renderer_draw(renderer, &view, &list, &style, &image, &stats);
-    }
-    stp_renderer_destroy(renderer);
-    stp_draw_list_destroy(context, &list);
-    return result == STP_OK ? compare_golden(context, name, &image) : "cannot be drawn";
-}
-
 typedef struct golden {
     const char* name;
     stp_view view;
@@ -289,11 +207,8 @@ static const char* draw_all(const golden* cases, size_t count, stp_store_alpha a
     stp_store* store = context != NULL ? open_balls(context, &b, alpha, method) : NULL;
     const char* wrong = store != NULL ? NULL : "cannot be opened";
     for (size_t i = 0; i < count && wrong == NULL; ++i) {
-        wrong = draw_and_compare(context, store, cases[i].name, cases[i].view, cases[i].quality,
-                                 cases[i].style);
-        if (wrong != NULL) {
-            fprintf(stderr, "%s %s\n", cases[i].name, wrong);
-        }
+        wrong = golden_draw(context, store, cases[i].name, cases[i].view, cases[i].quality,
+                            cases[i].style);
     }
     stp_store_close(store);
     stp_context_destroy(context);
@@ -323,6 +238,9 @@ void test_pictures_look_as_they_did(test_state* test)
          {.reference = true},
          {.supersample = 3, .background = true, .background_color = {40, 60, 90}}},
         {"balls_far", far, {.reference = true}, {.background = true}},
+        {"balls_cut_out_1", view, {.splat_size = 1}, {.background = true}},
+        {"balls_cut_out_4", view, {.splat_size = 4, .splats_only = true}, {.background = true}},
+        {"balls_cut_out_16", view, {.splat_size = 16}, {.background = true}},
     };
     CHECK(draw_all(cases, sizeof(cases) / sizeof(cases[0]), STP_STORE_MASK, 0) == NULL);
 }
@@ -344,8 +262,10 @@ void test_pictures_of_glass_and_caps_look_as_they_did(test_state* test)
     CHECK(draw_all(solid, 3, STP_STORE_OPAQUE, 0) == NULL);
     const golden glass[] = {{"balls_glass", view, {.reference = true}, plain},
                             {"balls_glass_pattern", view, {.reference = true}, pattern},
-                            {"balls_glass_cut", cut, {.reference = true}, caps}};
-    CHECK(draw_all(glass, 3, STP_STORE_BLEND, 0) == NULL);
+                            {"balls_glass_cut", cut, {.reference = true}, caps},
+                            {"balls_glass_4", view, {.splat_size = 4, .splats_only = true}, plain},
+                            {"balls_glass_16", view, {.splat_size = 16}, plain}};
+    CHECK(draw_all(glass, 5, STP_STORE_BLEND, 0) == NULL);
 }
 
 void test_pictures_of_merged_splats_look_as_they_did(test_state* test)

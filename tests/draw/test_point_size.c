@@ -163,7 +163,7 @@ void test_unknown_signs_push_nothing_back(test_state* test)
         p->quality.splats_only = true;
         CHECK_EQUAL(STP_OK, made_picture_draw(p));
         const uint8_t* middle = made_picture_pixel(p, 31, 31);
-        CHECK_EQUAL(unknown ? 255 : 0, middle[0]); // only what is known to face away gives way
+        CHECK_EQUAL(unknown ? 255 : 0, middle[0]); // only points known to face away are removed
         if (gl) {
             CHECK_EQUAL(STP_OK, made_gl_draw(&m));
             CHECK(made_count_different(p->pixels, m.pixels, 8) <= 8);

@@ -152,7 +152,7 @@ void test_ghosts_cover_a_part_and_become_smooth_at_rest(test_state* test)
         part = covered_part(&p, &weight);
         CHECK(part > 0.95 && weight > 0.12 && weight < most);
         stp_visibility_reset(visibility, STP_SHOW_NOT);
-        CHECK_EQUAL(STP_OK, made_picture_accumulate(&p)); // another list: begun anew
+        CHECK_EQUAL(STP_OK, made_picture_accumulate(&p)); // another list: starts again
         CHECK_EQUAL(0, p.list.count);
         CHECK(covered_part(&p, &weight) == 0.0);
         p.quality.visibility = NULL;

@@ -115,7 +115,7 @@ static int count_entries(const char* folder)
 
 void test_embed_builders_survive_failing_allocator(test_state* test)
 {
-    char folder[] = "/tmp/stp_embed_XXXXXX";
+    char folder[] = "stp_embed_XXXXXX";
     CHECK(mkdtemp(folder) != NULL);
     const char* fault = fail_allocations(build_town, folder, 8);
     int left = count_entries(folder);
@@ -203,7 +203,7 @@ static int stop_at_once(const stp_progress_report* report, void* user)
 void test_embed_builds_and_pictures_are_cancelled(test_state* test)
 {
     static uint8_t before[PIXELS], after[PIXELS];
-    char folder[] = "/tmp/stp_embed_XXXXXX";
+    char folder[] = "stp_embed_XXXXXX";
     int reports = 0;
     size_t size = 0;
     stp_context_desc desc = {

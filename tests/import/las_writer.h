@@ -29,7 +29,7 @@ typedef struct las_desc {
     unsigned format, extra; ///< extra: bytes of a point
     las_coding coding;
     uint32_t chunk_size;
-    bool table_at_end;    ///< its place is said at the end of the file
+    bool table_at_end;    ///< the file's end has its offset
     bool fixed;           ///< layered, version 4
     const char* wkt;      ///< may be NULL
     const uint16_t* keys; ///< of GeoTIFF, four numbers each after a head of four; may be NULL

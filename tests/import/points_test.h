@@ -27,7 +27,7 @@ static inline stp_hash digest_imported(const char* name, const void* bytes, size
     stp_scene* scene = NULL;
     stp_spill* spill = NULL;
     stp_context* context = test_context(NULL, threads, NULL);
-    stp_result result = spills ? stp_spill_create(context, "/tmp", &spill) : STP_OK;
+    stp_result result = spills ? stp_spill_create(context, ".", &spill) : STP_OK;
     result = result == STP_OK ? stp_scene_create(context, &scene) : result;
     if (result == STP_OK && spills) {
         stp_scene_use_spill(scene, spill, 16);

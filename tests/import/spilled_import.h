@@ -26,7 +26,7 @@ static inline spilled_import import_spilled(stp_context* context, spilled_reader
     uint64_t before = stp_context_live_bytes(context);
     stp_scene* scene = NULL;
     stp_spill* spill = NULL;
-    out.result = spills ? stp_spill_create(context, "/tmp", &spill) : STP_OK;
+    out.result = spills ? stp_spill_create(context, ".", &spill) : STP_OK;
     out.result = out.result != STP_OK ? out.result : stp_scene_create(context, &scene);
     if (out.result == STP_OK && spills) {
         stp_scene_use_spill(scene, spill, 1 << 20);

@@ -64,7 +64,7 @@ typedef struct system_case {
     las_desc desc;
     const char* text;     ///< the scene's; NULL: none
     double unit;          ///< 0: not known
-    const char* sentence; ///< of the log; NULL: nothing is said
+    const char* sentence; ///< of the log; NULL: no message
     stp_result result;
 } system_case;
 

@@ -75,8 +75,8 @@ static int try_all(const char* inside, const char* outside, bool files_are_restr
 
 void test_sandboxes_take_rights_away(test_state* test)
 {
-    char folder[] = "/tmp/stp_sandbox_XXXXXX", inside[64];
-    char outside[] = "/tmp/stp_outside_XXXXXX";
+    char folder[] = "stp_sandbox_XXXXXX", inside[64];
+    char outside[] = "stp_outside_XXXXXX";
     int file = mkstemp(outside);
     CHECK(mkdtemp(folder) != NULL && file >= 0 && close(file) == 0);
     snprintf(inside, sizeof(inside), "%s/part", folder);

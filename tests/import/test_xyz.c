@@ -165,7 +165,7 @@ void test_xyz_losses_are_counted(test_state* test)
     CHECK(strstr(log.warning, "1 unfinished last line") != NULL);
     CHECK(strstr(log.warning, "2 point columns") != NULL);
     stp_scene_destroy(scene);
-    static const char more[] = "1\n0 0 0\n1 2 3\n"; // than it says; with a unit
+    static const char more[] = "1\n0 0 0\n1 2 3\n"; // than the count; with a unit
     CHECK_EQUAL(STP_OK, stp_scene_create(context, &scene));
     CHECK_EQUAL(STP_OK, stp_import_memory(scene, "a.pts", more, sizeof(more) - 1,
                                           &(stp_import_desc){.unit_metres = 1.0}));

@@ -234,7 +234,7 @@ void test_subsample_covers_points_with_few_sets(test_state* test)
         CHECK_EQUAL(cover_slowly(&p, slow), cover.count);
         CHECK(memcmp(slow, cover.chosen, cover.count * sizeof(*slow)) == 0);
         greedy += cover.count;
-        // stops where it is told to
+        // stops at the given number
         uint32_t before = cover.count;
         CHECK_EQUAL(STP_OK, stp_cover_relax(context, &p, before, 20, &cover));
         CHECK_EQUAL(before, cover.count);

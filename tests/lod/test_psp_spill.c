@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Progressive splats of points that lie in files (src/lod/psp/room.h): the same as in memory, for any
-// number of threads; what fails is said once.
+// number of threads; a failure is reported once.
 #include "tests.h"
 
 #include "base/rng.h"
@@ -65,7 +65,7 @@ void test_psp_spilled_splats_are_the_same(test_state* test)
         uint64_t plain_bytes = stp_context_peak_bytes(plain);
         for (uint32_t threads = 1; threads <= 3; ++threads) {
             stp_context* context = test_context(NULL, threads, NULL);
-            CHECK_EQUAL(STP_OK, stp_spill_create(context, "/tmp", &desc.spill));
+            CHECK_EQUAL(STP_OK, stp_spill_create(context, ".", &desc.spill));
             CHECK_EQUAL(STP_OK, stp_psp_decimate(context, &points, &desc, 300, &spilled));
             CHECK(are_equal(&in_memory, &spilled));
             // what is left in memory are pieces, of each thread
@@ -91,7 +91,7 @@ void test_psp_spilled_splats_survive_failing_allocator(test_state* test)
         desc.metric = (stp_psp_metric)(n % 3);
         desc.piece_size = 48;
         desc.connect_components = true;
-        if (context != NULL && stp_spill_create(context, "/tmp", &desc.spill) == STP_OK) {
+        if (context != NULL && stp_spill_create(context, ".", &desc.spill) == STP_OK) {
             stp_psp_splats s = {0};
             stp_result result = stp_psp_decimate(context, &points, &desc, 3, &s);
             made = result == STP_OK && heap.count <= n;
@@ -107,7 +107,7 @@ void test_psp_spilled_splats_survive_failing_allocator(test_state* test)
 }
 
 // A limit on the size of files stands for a full disk: at the tree, or later, in pieces on all
-// threads. One sentence says so.
+// threads. One message reports it.
 void test_psp_spilled_splats_say_that_the_disk_is_full(test_state* test)
 {
     enum { SMALLEST = 4 << 20 }; // of a file's parts
@@ -124,7 +124,7 @@ void test_psp_spilled_splats_say_that_the_disk_is_full(test_state* test)
         stp_context* context = test_context(&heap, 3, &log);
         stp_psp_desc desc = stp_psp_desc_default();
         stp_psp_splats s = {0};
-        CHECK_EQUAL(STP_OK, stp_spill_create(context, "/tmp", &desc.spill));
+        CHECK_EQUAL(STP_OK, stp_spill_create(context, ".", &desc.spill));
         void (*handler)(int) = signal(SIGXFSZ, SIG_IGN);
         limit = (struct rlimit){.rlim_cur = parts * SMALLEST, .rlim_max = old.rlim_max};
         CHECK(setrlimit(RLIMIT_FSIZE, &limit) == 0);
@@ -133,7 +133,7 @@ void test_psp_spilled_splats_say_that_the_disk_is_full(test_state* test)
         (void)signal(SIGXFSZ, handler);
         CHECK_EQUAL(STP_ERROR_IO, result);
         CHECK_EQUAL(1, log.errors);
-        CHECK(strstr(log.text, "/tmp: no room for") != NULL);
+        CHECK(strstr(log.text, ".: no room for") != NULL);
         stp_psp_splats_destroy(context, &s);
         stp_spill_destroy(desc.spill);
         stp_context_destroy(context);

@@ -229,7 +229,7 @@ void test_flight_reads_all_that_are_shipped(test_state* test)
 
 void test_flight_is_read_as_it_was_written(test_state* test)
 {
-    char folder[] = "/tmp/stp-flight-XXXXXX", path[64];
+    char folder[] = "stp-flight-XXXXXX", path[64];
     CHECK(mkdtemp(folder) != NULL);
     snprintf(path, sizeof(path), "%s/f.json", folder);
     stp_context* context = test_context(NULL, 1, NULL);

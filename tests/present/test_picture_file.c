@@ -43,7 +43,7 @@ void test_picture_file_is_what_its_name_says(test_state* test)
     static unsigned char pixels[WIDTH * HEIGHT * 4];
     stp_image image = {WIDTH, HEIGHT, pixels};
     fill(pixels);
-    char folder[] = "/tmp/stipple-test-XXXXXX", path[64];
+    char folder[] = "stipple-test-XXXXXX", path[64];
     CHECK(mkdtemp(folder) != NULL);
 
     snprintf(path, sizeof(path), "%s/a.webp", folder);

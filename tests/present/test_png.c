@@ -50,7 +50,7 @@ void test_png_file_is_written_and_read(test_state* test)
     test_log log = {0};
     stp_context* context = test_context(NULL, 1, &log);
     CHECK(context != NULL);
-    char folder[] = "/tmp/stipple-test-XXXXXX", path[64];
+    char folder[] = "stipple-test-XXXXXX", path[64];
     CHECK(mkdtemp(folder) != NULL);
     snprintf(path, sizeof(path), "%s/picture.png", folder);
     static unsigned char pixels[61 * 43 * 4];

@@ -76,7 +76,7 @@ static bool same_view(const stp_viewpoint* a, const stp_viewpoint* b)
 
 void test_viewpoints_come_back_as_they_were_written(test_state* test)
 {
-    char path[] = "/tmp/stp_views_XXXXXX";
+    char path[] = "stp_views_XXXXXX";
     int file = mkstemp(path);
     CHECK(file >= 0 && close(file) == 0);
     stp_context* context = test_context(NULL, 1, NULL);
@@ -228,7 +228,7 @@ void test_viewpoints_survive_any_allocation_failing(test_state* test)
 
 void test_viewpoints_that_cannot_be_written_leave_the_former_file(test_state* test)
 {
-    char folder[] = "/tmp/stp_views_XXXXXX", path[64], bad_name[] = "\xFF";
+    char folder[] = "stp_views_XXXXXX", path[64], bad_name[] = "\xFF";
     CHECK(mkdtemp(folder) != NULL);
     snprintf(path, sizeof(path), "%s/m.views.json", folder);
     test_log log = {0};

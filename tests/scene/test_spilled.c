@@ -36,7 +36,7 @@ void test_scenes_move_bulk_to_the_spill(test_state* test)
         stp_context* context = test_context(NULL, 2, NULL);
         stp_spill* spill = NULL;
         stp_scene *scene = NULL, *plain = NULL;
-        CHECK(context != NULL && stp_spill_create(context, "/tmp", &spill) == STP_OK);
+        CHECK(context != NULL && stp_spill_create(context, ".", &spill) == STP_OK);
         CHECK(stp_scene_create(context, &plain) == STP_OK && add_bulk(plain));
         CHECK(stp_scene_create(context, &scene) == STP_OK);
         uint64_t limit = above == 0 ? 0 : above == 1 ? 100000 : UINT64_MAX;
@@ -78,7 +78,7 @@ void test_spilling_scenes_survive_failing_allocator(test_state* test)
         if (context != NULL) {
             stp_spill* spill = NULL;
             stp_scene* scene = NULL;
-            if (stp_spill_create(context, "/tmp", &spill) == STP_OK &&
+            if (stp_spill_create(context, ".", &spill) == STP_OK &&
                 stp_scene_create(context, &scene) == STP_OK) {
                 stp_scene_use_spill(scene, spill, 50000);
                 made = add_bulk(scene) && stp_scene_finish(scene) == STP_OK;

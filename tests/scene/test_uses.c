@@ -45,7 +45,7 @@ void test_prototypes_are_seen_only_where_used(test_state* test)
     CHECK_EQUAL(scene->objects[motor].node, scene->objects[bare].node);
     CHECK_EQUAL(scene->objects[motor].node, scene->objects[hidden].node);
     CHECK_EQUAL(1, scene->nodes[scene->root].edge_count); // only the line
-    stp_affine last;
+    stp_affine last = {0};
     CHECK_EQUAL(2, count_placed(scene, scene->objects[motor].node, &last));
     CHECK(last.m[1][3] == 2.0);
     CHECK_EQUAL(4, count_placed(scene, scene->objects[pump].node, NULL));

@@ -53,7 +53,7 @@ static bool nearly(double a, double b)
 
 void test_gltf_file_writes_out_what_is_used(test_state* test)
 {
-    char folder[] = "/tmp/stipple-gltf-XXXXXX", path[128];
+    char folder[] = "stipple-gltf-XXXXXX", path[128];
     CHECK(mkdtemp(folder) != NULL);
     snprintf(path, sizeof(path), "%s/scene.glb", folder);
     stp_context* context = test_context(NULL, 1, NULL);
@@ -104,16 +104,16 @@ void test_gltf_file_refuses_what_expands_without_bound(test_state* test)
         }
         below = above;
     }
-    CHECK_EQUAL(STP_ERROR_LIMIT, gltf_file_write(scene, "/tmp/stipple-never.glb", NULL));
+    CHECK_EQUAL(STP_ERROR_LIMIT, gltf_file_write(scene, "stipple-never.glb", NULL));
     CHECK_EQUAL(1, log.errors);
-    CHECK(access("/tmp/stipple-never.glb", F_OK) != 0);
+    CHECK(access("stipple-never.glb", F_OK) != 0);
     stp_scene_destroy(scene);
     stp_context_destroy(context);
 }
 
 void test_gltf_file_leaves_nothing_where_it_fails(test_state* test)
 {
-    char folder[] = "/tmp/stipple-gltf-XXXXXX", path[128];
+    char folder[] = "stipple-gltf-XXXXXX", path[128];
     CHECK(mkdtemp(folder) != NULL);
     snprintf(path, sizeof(path), "%s/scene.gltf", folder);
     bool done = false;

@@ -79,7 +79,7 @@ static stp_result generate(stp_scene* scene, const char* name, void* user)
                              .id = i % 5 == 0 ? "guid" : NULL,
                              .parent = STP_NONE,
                              .transform = random_transform(seed, 6.0)};
-        if (i < 2) { // two prototypes, and what is below them
+        if (i < 2) { // two prototypes and their content
             object.flags = STP_OBJECT_PROTOTYPE;
         } else if (i < 4) {
             object.parent = i - 2;
@@ -97,7 +97,7 @@ static stp_result generate(stp_scene* scene, const char* name, void* user)
 
 stp_store* built_open(stp_context* context, uint64_t seed, bool surfels)
 {
-    char folder[64] = "/tmp/stp_built_XXXXXX", path[96];
+    char folder[64] = "stp_built_XXXXXX", path[96];
     if (mkdtemp(folder) == NULL) {
         return NULL;
     }

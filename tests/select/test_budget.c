@@ -9,18 +9,18 @@
 
 enum { FRAMES = 1200, WARM_UP = 30 };
 
-// A scene along a flight: what it shows swells and shrinks by `swing`, and a frame's time has noise.
+// A scene along a flight: its visible content grows and shrinks by `swing`, and frame times have noise.
 typedef struct machine {
     double splats, triangles; ///< at size 1, millions
     double swing;
     double noise;
     double slow; ///< how much slower the second half of the flight is
-    /// Of splats: 0: 2, what covers the screen. Less where nodes are opened nearer the larger splats are; as many pixels are
-    /// covered all the same.
+    /// Exponent of splats; 0: 2, which covers the screen. Less if larger splats open fewer nodes; as many pixels are
+    /// covered.
     double splat_exponent;
-    double rate; ///< by which what is shown grows from frame to frame (logarithm), and then shrinks
-    int leg;     ///< frames of either. 0: never
-    double rough; ///< by which what is shown differs at random (logarithm), every so many frames
+    double rate;  ///< growth of the content per frame (logarithm), which then shrinks
+    int leg;      ///< frames of either. 0: never
+    double rough; ///< random change of the content (logarithm), every so many frames
     int knot;
 } machine;
 
@@ -111,7 +111,7 @@ void test_budget_prediction_holds_attainable_budgets(test_state* test)
         outcome o = fly(&machines[i], STP_CONTROLLER_PREDICT, 40.0);
         CHECK(o.p95 <= 1.1);
         CHECK(o.p99 <= 1.5);
-        CHECK(o.p50 >= 0.9); // nor is time given away
+        CHECK(o.p50 >= 0.9); // and no time is wasted
     }
 }
 
@@ -133,7 +133,7 @@ void test_budget_prediction_takes_the_coarsest_where_nothing_helps(test_state* t
     }
     CHECK(stp_budget_splat_size(&budget) > 7.99f);
     CHECK(stp_budget_splat_size(&budget) <
-          23.9f); // a twentieth of the time is not worth the last of the picture
+          23.9f); // a twentieth of the time is not worth the finest size
 }
 
 void test_budget_prediction_goes_beyond_the_paper_to_be_in_time(test_state* test)
@@ -177,14 +177,14 @@ void test_budget_prediction_forgives_one_slow_frame(test_state* test)
         stp_budget_learn(&budget, &cost);
         float size = stp_budget_splat_size(&budget);
         most = i >= 60 && size > most ? size : most;
-        CHECK(i < 66 || size < 1.1f * before); // nor is the picture coarse for long
+        CHECK(i < 66 || size < 1.1f * before); // and the picture is not coarse for long
     }
     CHECK(before > 1.1f && most < 1.25f * before);
 }
 
 void test_budget_prediction_knows_where_a_flight_goes(test_state* test)
 {
-    // an eighth more from frame to frame, up to eighteen times as much, and as fast away
+    // an eighth more per frame, up to 18 times as much, then back at the same rate
     machine m = {
         .splats = 2.8, .triangles = 0.95, .noise = 0.02, .slow = 1.0, .rate = 0.12, .leg = 24};
     outcome o = fly(&m, STP_CONTROLLER_PREDICT, 40.0);
@@ -210,7 +210,7 @@ void test_budget_prediction_holds_where_views_come_and_go(test_state* test)
 
 void test_budget_prediction_takes_what_the_coarsest_saves(test_state* test)
 {
-    // 24 pixels are in time, and 16 a twentieth too late
+    // 24 pixels meet the budget, 16 exceed it by a twentieth
     machine m = {
         .splats = 40.0, .triangles = 4.0, .noise = 0.0, .slow = 1.0, .splat_exponent = 1.0};
     double budget_ms = run_frame(&m, 0, 23.0f).milliseconds;
@@ -225,7 +225,7 @@ void test_budget_prediction_never_expects_larger_splats_to_be_slower(test_state*
     stp_budget budget;
     stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 30.0);
     for (int i = 0; i < 40; ++i) {
-        // a hall whose fragments rise with the size, and nothing else changes
+        // a hall in which only the number of fragments grows with the size
         float size = stp_budget_splat_size(&budget);
         double fragments = 10.0 * pow((double)size, 0.3);
         stp_frame_cost cost = {.milliseconds = 10.0 + 2.0 * fragments,
@@ -247,7 +247,7 @@ void test_budget_prediction_never_expects_larger_splats_to_be_slower(test_state*
 
 void test_budget_prediction_tells_a_busy_machine_from_a_growing_scene(test_state* test)
 {
-    // four frames of the same scene take a third longer: something else ran meanwhile
+    // four frames of the same scene take a third longer: another program ran meanwhile
     machine m = {
         .splats = 14.0, .triangles = 10.0, .noise = 0.02, .slow = 1.0, .splat_exponent = 1.0};
     stp_budget budget;
@@ -260,7 +260,7 @@ void test_budget_prediction_tells_a_busy_machine_from_a_growing_scene(test_state
         stp_budget_learn(&budget, &cost);
         most = fmaxf(i >= 60 ? stp_budget_splat_size(&budget) : 0.0f, most);
     }
-    CHECK(most < 2.2f * before); // 1.6 would be in time
+    CHECK(most < 2.2f * before); // 1.6 would meet the budget
     CHECK(budget.trend < 0.02);
 }
 
@@ -323,7 +323,7 @@ void test_budget_learns_nothing_from_nonsense(test_state* test)
     }
 }
 
-// A cold first frame is no speed of the machine's that lasts: however long a view rests, the forecast stays right, and the size is found again.
+// A cold first frame does not tell the machine's speed: however long a view rests, the forecast stays right, and the size recovers.
 void test_budget_prediction_stays_right_after_a_cold_frame(test_state* test)
 {
     const double colds[] = {1.0, 6.0, 30.0};
@@ -380,7 +380,7 @@ void test_budget_prediction_uses_the_time_that_comes_back(test_state* test)
     CHECK(frames_to_recover(3.0, 3) <= 10);
 }
 
-/// The first frames of a view: a size between what is known of no machine and what the budget allows.
+/// The first frames of a view: a size between the default and what the budget allows.
 void test_budget_prediction_uses_the_time_at_the_start(test_state* test)
 {
     static const double splats[] = {0.5, 2.0, 12.0, 40.0};

@@ -93,7 +93,7 @@ void test_cues_are_those_of_table_1(test_state* test)
     CHECK(fabs(stp_cue_samples(&view, &node, &sight, 0.0) - 2.0 * flat) < 1e-6 * w);
     node.edge = true;
     CHECK(fabs(stp_cue_samples(&view, &node, &sight, 0.0) - 8.0 * flat) < 1e-6 * w);
-    node.spread = 255; // a silhouette beside an edge is no more
+    node.spread = 255; // a silhouette next to an edge adds nothing
     CHECK(stp_cue_silhouette(&view, &node));
     CHECK(fabs(stp_cue_samples(&view, &node, &sight, 0.0) - 8.0 * flat) < 1e-6 * w);
     view = look(&s, (stp_vec3d){32, 300, 32}, STP_CUE_SILHOUETTE_BIT | STP_CUE_COVERAGE_BIT);
@@ -156,7 +156,7 @@ void test_cues_cover_with_splats_of_the_size(test_state* test)
     CHECK(!stp_cue_highlight(&view, &node));
 }
 
-/// What stands before a leaf: all that hold a place of many along the way to the eye.
+/// Occluders of a leaf: all leaves that contain one of many places between it and the eye.
 static double march(const scene* s, const stp_leaf_node* node, stp_vec3d eye)
 {
     enum { STEPS = 200000 };
@@ -198,7 +198,7 @@ void test_cues_find_what_stands_before(test_state* test)
             double truth = march(&s, node, eye);
             double q = stp_cue_occlusion(&view, node, 1000.0);
             double expected = fmin(0.01 * truth / 1000.0, 1.0);
-            CHECK(fabs(q - expected) <= 0.02 * expected + 1e-3); // a corner may be stepped over
+            CHECK(fabs(q - expected) <= 0.02 * expected + 1e-3); // steps may pass a corner
             hidden += q > 0.0 ? 1 : 0;
         }
     }

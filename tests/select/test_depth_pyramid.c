@@ -37,7 +37,7 @@ static void make_picture(uint64_t round, const stp_view* view, float* nearness)
     }
 }
 
-// Whether a point and what is within `margin` pixels of it is behind the picture, were that as far farther.
+// Whether a point and its surroundings of `margin` pixels are behind the picture moved away by that distance.
 static bool is_hidden(const stp_view_frame* f, const float* nearness, stp_vec3d p, double margin)
 {
     stp_vec3d q = stp_subd(p, f->eye);
@@ -121,7 +121,7 @@ void test_depth_pyramid_hides_nothing_it_cannot_know(test_state* test)
     stp_depth_pyramid pyramid = {0};
     stp_boxd behind = {{-0.1, -0.1, 9}, {0.1, 0.1, 9.1}}, around = {{-1, -1, -1}, {1, 1, 1}};
     stp_boxd aside = {{50, 0, 5}, {51, 1, 6}}, back = {{-1, -1, -9}, {1, 1, -8}};
-    CHECK(!stp_depth_pyramid_hides(&pyramid, &behind, 1.0)); // of nothing yet
+    CHECK(!stp_depth_pyramid_hides(&pyramid, &behind, 1.0)); // of an empty picture
     for (int i = 0; i < 64 * 64; ++i) {
         nearness[i] = 0.01f / 2.0f;
     }

@@ -121,7 +121,7 @@ static stp_boxd random_box(uint64_t round)
     return box;
 }
 
-// What is seen of a box lies in its rectangle, which moves by little when the view does.
+// The visible part of a box is in its rectangle, which moves little when the view moves little.
 void test_fovea_rectangle_holds_the_picture_of_a_box(test_state* test)
 {
     int seen = 0, moved = 0;
@@ -147,13 +147,13 @@ void test_fovea_rectangle_holds_the_picture_of_a_box(test_state* test)
             CHECK(x >= r.x0 - 1e-6 && x <= r.x1 + 1e-6 && y >= r.y0 - 1e-6 && y <= r.y1 + 1e-6);
             seen += 1;
         }
-        for (int k = 0; k < 20; ++k) { // sideways, through where corners pass the near plane
+        for (int k = 0; k < 20; ++k) { // sideways, so that corners pass the near plane
             view.eye.x += 1e-6;
             CHECK(stp_view_frame_make(&view, &f));
             stp_view_rectangle next = stp_view_frame_cover(&f, &box);
             double most = fmax(fmax(fabs(next.x0 - r.x0), fabs(next.x1 - r.x1)),
                                fmax(fabs(next.y0 - r.y0), fabs(next.y1 - r.y1)));
-            CHECK(most < 0.6); // near things move that fast: 1e-6 of 0.05 at 1e3 pixels a unit
+            CHECK(most < 0.6); // near points move that fast: 1e-6 of 0.05 at 1e3 pixels a unit
             moved += most > 0.0;
             r = next;
         }
@@ -209,7 +209,7 @@ static stp_store* open_square(stp_context* context, made_scene* s)
     return made_open(context, s);
 }
 
-// The further from the middle, the fewer splats, in steps of no size.
+// The farther from the middle, the fewer splats, continuously.
 void test_fovea_thins_what_lies_at_the_border(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
@@ -244,7 +244,7 @@ void test_fovea_thins_what_lies_at_the_border(test_state* test)
         last = count;
     }
     CHECK(last * 8 < first && last > 0);
-    // where they look makes up for it
+    // the zone they look at compensates for it
     stp_view view = {.eye = {-10, 0, 50},
                      .target = {-10, 0, 0},
                      .up = {0, 1, 0},

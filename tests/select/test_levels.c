@@ -95,7 +95,7 @@ static const stp_draw_item* find_item(const fixture* f, stp_draw_kind kind, uint
     return NULL;
 }
 
-// Splats of a set drawn at a depth, and the first that is not.
+// Splats of a set drawn at a depth: the index of the first that is not drawn.
 static uint32_t count_drawn(const fixture* f, uint32_t set, double depth, uint32_t* first_missing)
 {
     const stp_draw_item* item = find_item(f, STP_DRAW_SURFELS, set);
@@ -120,8 +120,8 @@ static double radius_drawn(const fixture* f, uint32_t set)
     return (double)find_item(f, STP_DRAW_SURFELS, set)->radius;
 }
 
-// Whether a set covers to the radius wanted at a depth, with splats large enough: up to two pixels candidates are covered
-// with all that they stand for, from four pixels on with half of it.
+// Whether a set covers to the required radius at a depth, with sufficiently large splats: up to two pixels candidates are covered
+// with their whole area, from four pixels on with half of it.
 static bool is_complete(const fixture* f, uint32_t set, double depth)
 {
     const stp_splats* surfels = stp_store_describe_surfels(f->store, set);
@@ -264,8 +264,8 @@ void test_levels_of_two_eyes_are_those_of_the_nearer(test_state* test)
     tear_down(&f);
 }
 
-// Towards the square in steps of a quarter of a percent: at the depth of a point on it, how much of each level is drawn
-// changes a little at a time; switching changes all of it.
+// Towards the square in steps of 0.25 %: at the depth of a point on it, the drawn share of each level
+// changes gradually; switching changes all of it.
 void test_levels_come_and_go_by_degrees(test_state* test)
 {
     fixture f;
@@ -298,7 +298,7 @@ void test_levels_come_and_go_by_degrees(test_state* test)
     tear_down(&f);
 }
 
-// At one depth all is exact: what is drawn beyond what switching draws is what the list says, and little on the whole.
+// At one depth the numbers are exact: what is drawn in addition to switching is what the list says, and is little in total.
 void test_levels_count_what_is_drawn_twice(test_state* test)
 {
     fixture f;
@@ -326,7 +326,7 @@ void test_levels_count_what_is_drawn_twice(test_state* test)
     tear_down(&f);
 }
 
-// Part of a cloud would not be spread evenly: original points come all at once, when surfels cover them.
+// A part of a cloud would not be spread evenly: original points appear all at once, when surfels cover them.
 void test_levels_show_original_points_at_once(test_state* test)
 {
     fixture f;
@@ -346,7 +346,7 @@ void test_levels_show_original_points_at_once(test_state* test)
     tear_down(&f);
 }
 
-// Triangles come in an order: what a share holds, a larger one holds too, and it is that part of them.
+// Triangles are ordered: a larger share contains the smaller ones, and has that fraction of them.
 void test_levels_shares_of_triangles_are_nested(test_state* test)
 {
     int kept[11] = {0};

@@ -14,7 +14,7 @@ static double random_between(uint64_t seed, uint64_t index, double low, double h
     return low + (high - low) * (double)(stp_rng_hash(seed, index) >> 11) * 0x1p-53;
 }
 
-/// Moeller and Trumbore 1997: another way than the library's. @return the distance, or infinity
+/// Moeller and Trumbore 1997: an algorithm that differs from the library's. @return the distance, or infinity
 static double meet(const stp_ray* ray, const stp_vec3d c[3])
 {
     stp_vec3d a = stp_subd(c[1], c[0]), b = stp_subd(c[2], c[0]);
@@ -121,7 +121,7 @@ void test_picks_are_the_nearest_of_all_triangles(test_state* test)
             CHECK(fabs(pick.distance - nearest) < 1e-7);
             CHECK(fabs(meet(&desc.ray, pick.corners) - nearest) < 1e-7);
             CHECK(stp_dotd(pick.normal, desc.ray.direction) <= 0.0);
-            // whose it is: the object found has the part there, and so has the node at the end of the path
+            // the object found contains the part, and so does the node at the end of the path
             stp_instance place = stp_instance_of_part(store, pick.part, &pick.thing.transform);
             static built_places own;
             own.count = 0;
@@ -130,7 +130,7 @@ void test_picks_are_the_nearest_of_all_triangles(test_state* test)
             CHECK(built_unfold(store, item.node, &item.transform, &own) && built_has(&own, &place));
             stp_outline_item child;
             uint32_t count = 1;
-            for (uint64_t k = 0; count == 1; ++k) { // and none below it
+            for (uint64_t k = 0; count == 1; ++k) { // and none of its descendants
                 CHECK_EQUAL(STP_OK, stp_outline_children(outline, &item, k, 1, &child, &count));
                 own.count = 0;
                 CHECK(count == 0 || child.node == STP_STORE_NONE ||
@@ -190,7 +190,7 @@ void test_picks_of_pixels_hit_what_lies_there(test_state* test)
         CHECK(stp_ray_of_pixel(&views[i], (i == 2 ? 300 : 100) + width * 1.2, 100, &desc.ray));
         CHECK_EQUAL(STP_OK, stp_pick_ray(context, store, &desc, &pick));
         CHECK(!pick.hit); // beside the square
-        // towards the point, which is met only where points are
+        // towards the point, which is hit only if points are visible
         stp_vec3d way = stp_subd((stp_vec3d){0.2505, 0.5, 1}, views[i].eye);
         desc.ray = (stp_ray){
             .origin = views[i].eye, .direction = stp_normalized(way), .farthest = HUGE_VAL};

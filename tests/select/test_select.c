@@ -109,7 +109,7 @@ void test_select_prefix_follows_the_pixel(test_state* test)
 }
 
 // A node is opened where its triangles are fewer than eight for each surfel that is needed, and at most where its surfels could
-// cover eight times, or as many times as is said, better than they have to.
+// cover eight times, or a given number of times, better than necessary.
 void test_select_opens_sooner_where_triangles_are_few(test_state* test)
 {
     const struct {
@@ -161,7 +161,7 @@ void test_select_opens_what_contains_the_eye(test_state* test)
     tear_down(&f);
 }
 
-// From within, a node is opened; but points whose surfels are all of them have no other look.
+// From inside, a node is opened, except points that are all surfels.
 void test_select_keeps_clouds_around_the_eye(test_state* test)
 {
     for (int kept = 0; kept < 2; ++kept) {
@@ -195,8 +195,8 @@ void test_select_keeps_clouds_around_the_eye(test_state* test)
     }
 }
 
-// What moves is drawn by its own surfels, also below something drawn: once each, where it stands, and what stands below
-// it with it.
+// Moving nodes are drawn by their own surfels, also below drawn nodes: once each, in their place, together with their
+// descendants.
 void test_select_draws_what_moves_by_its_own_surfels(test_state* test)
 {
     for (int variant = 0; variant < 4; ++variant) {
@@ -209,7 +209,7 @@ void test_select_draws_what_moves_by_its_own_surfels(test_state* test)
         s->nodes[1].surfels = 1;
         bool with_root_set = variant % 2 == 0, nested = variant >= 2;
         s->nodes[2].surfels = with_root_set ? 0 : STP_STORE_NONE;
-        if (nested) { // the moving one holds another one that moves, and stands below something that rests
+        if (nested) { // the moving node contains another moving one, and is below a static one
             s->nodes[4] = s->nodes[2];
             s->nodes[2] = s->nodes[1];
             s->nodes[2].edge_count = 1;
@@ -258,7 +258,7 @@ void test_select_draws_what_moves_by_its_own_surfels(test_state* test)
     }
 }
 
-// A wanted number of splats is that of all together.
+// A requested number of splats is that of all sets together.
 void test_select_counts_splats_of_what_moves(test_state* test)
 {
     fixture f = {.context = test_context(NULL, 1, NULL)};
@@ -269,10 +269,10 @@ void test_select_counts_splats_of_what_moves(test_state* test)
     f.scene.nodes[1].surfels = 1;
     f.store = made_open(f.context, &f.scene);
     CHECK(f.store != NULL);
-    // squares of one size, of 1,024 and 64 splats: as long as both have some left, their shares are alike
+    // squares of one size, of 1,024 and 64 splats: while both have splats left, their shares are equal
     const uint32_t counts[] = {1, 2, 3, 50, 51, 127, 1023, 1024, 1025, 1088, 5000};
     for (int i = 0; i < 11; ++i) {
-        for (int turned = 0; turned < 2; ++turned) { // shares are the same where nothing is seen
+        for (int turned = 0; turned < 2; ++turned) { // shares are equal if nothing is visible
             stp_view view = view_from(50);
             view.target.z = turned != 0 ? 100 : 0;
             stp_quality quality = {.splat_count = counts[i]};
@@ -404,7 +404,7 @@ void test_select_survives_failing_allocator(test_state* test)
 
 void test_select_depth_bounds_what_is_seen(test_state* test)
 {
-    // random boxes: points of the box that fall into the picture are never nearer than the depth given
+    // random boxes: points of the box in the picture are never nearer than the returned depth
     uint32_t random = 12345;
     for (int round = 0; round < 300; ++round) {
         double v[9];

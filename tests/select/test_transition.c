@@ -70,14 +70,14 @@ static double triangles_drawn(const stp_draw_item* item, const stp_store* store,
     return count * (double)stp_draw_share(item, (float)depth);
 }
 
-// Triangles that are drawn of a node's own parts where its set stands.
+// Triangles drawn of a node's own parts at the place of its set.
 static double triangles_beside(const stp_store* store, const stp_draw_list* list,
                                const stp_store_node* node, const stp_affine* place, double depth)
 {
     const stp_store_directory* d = stp_store_get_directory(store);
     double sum = 0.0;
     for (uint32_t k = 0; k < node->part_count; ++k) {
-        for (size_t i = 0; i < list->count; ++i) { // once, though the same may stand there twice
+        for (size_t i = 0; i < list->count; ++i) { // once, although it may be there twice
             const stp_draw_item* item = &list->items[i];
             if (item->kind == STP_DRAW_MESH &&
                 item->index == d->parts[node->first_part + k].index &&
@@ -90,7 +90,7 @@ static double triangles_beside(const stp_store* store, const stp_draw_list* list
     return sum;
 }
 
-// Whether each part of a node stands once where its set does: others may be opened, or have sets, at the same place.
+// Whether each part of a node is listed once at the place of its set: other nodes may be opened there, or have sets.
 static bool stands_alone(const stp_store* store, const stp_draw_list* originals,
                          const stp_store_node* node, const stp_affine* place)
 {
@@ -109,7 +109,7 @@ static bool stands_alone(const stp_store* store, const stp_draw_list* originals,
     return true;
 }
 
-// Checks every leaf whose set is listed. @return how many of them are in transition; -1: one works too hard
+// Checks every leaf whose set is listed. @return how many of them are in transition; -1: one costs too much
 static int check_leaves(const stp_store* store, const stp_view* view, float splat_size,
                         const stp_draw_list* list, const stp_draw_list* originals)
 {
@@ -204,7 +204,7 @@ static stp_result generate_model(stp_scene* scene, const char* name, void* user)
 
 static stp_store* open_model(stp_context* context, uint32_t uses)
 {
-    char folder[64] = "/tmp/stp_transition_XXXXXX", path[96];
+    char folder[64] = "stp_transition_XXXXXX", path[96];
     if (mkdtemp(folder) == NULL) {
         return NULL;
     }
@@ -241,8 +241,8 @@ static double work_of(const stp_store* store, const stp_view* view, const stp_dr
     return work;
 }
 
-// Of models that are built by default, all of a picture costs no more than a fifth above all of its triangles, and much less from
-// afar; where the triangles are so few that a splat needs eight of them, they are drawn.
+// For models built with default options, a whole picture costs at most a fifth more than all of its triangles, and much
+// less from afar; triangles are drawn if they are fewer than eight per splat.
 void test_transitions_of_models_cost_little(test_state* test)
 {
     stp_context* context = test_context(NULL, 2, NULL);

@@ -14,7 +14,7 @@
 
 enum { LEVELS = 40 };
 
-/// Each node is its child twice, a little beside; the last is a square.
+/// Each node contains its child twice, slightly displaced; the last one is a square.
 static stp_store* open_doubling(stp_context* context)
 {
     static stp_store_node nodes[LEVELS + 1];
@@ -51,7 +51,7 @@ static stp_store* open_doubling(stp_context* context)
                                                .up = 'y',
                                                .build_json = "{}"},
                                  .meshes = &mesh};
-    char path[] = "/tmp/stipple-doubling-XXXXXX";
+    char path[] = "stipple-doubling-XXXXXX";
     int file = mkstemp(path);
     stp_store* store = NULL;
     if (file >= 0 && (stp_store_write(context, &content, path) != STP_OK ||
@@ -95,7 +95,7 @@ void test_unfolding_graphs_end_with_a_sentence(test_state* test)
     stp_context_destroy(context);
 }
 
-/// A node that lists one part again and again: it is drawn once.
+/// A node that lists one part many times: it is drawn once.
 void test_repeated_parts_are_drawn_once(test_state* test)
 {
     enum { PARTS = 5000 };
@@ -122,7 +122,7 @@ void test_repeated_parts_are_drawn_once(test_state* test)
                                                .up = 'y',
                                                .build_json = "{}"},
                                  .meshes = meshes};
-    char path[] = "/tmp/stipple-repeated-XXXXXX";
+    char path[] = "stipple-repeated-XXXXXX";
     int file = mkstemp(path);
     stp_store* store = NULL;
     CHECK(file >= 0 && close(file) == 0);

@@ -69,7 +69,7 @@ static void tear_down(shown* s)
     free(s);
 }
 
-/// Sets an object, here and in what is expected. @return false where that fails
+/// Sets the state of an object, here and in the expected result. @return false on failure
 static bool set_object(shown* s, uint32_t object, stp_show show, bool* placed)
 {
     stp_outline_item item;
@@ -156,7 +156,7 @@ void test_visibility_is_what_was_set_last(test_state* test)
     }
 }
 
-/// Whether an item draws exactly what of it is expected: no hidden part stands below the node of a surfel set.
+/// Whether an item draws exactly its expected parts: no hidden part is below the node of a surfel set.
 static bool item_is_right(const shown* s, const stp_draw_item* item)
 {
     const stp_store_directory* d = stp_store_get_directory(s->store);

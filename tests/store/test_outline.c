@@ -23,7 +23,7 @@ typedef struct forest {
 /// Invisible objects, each below a random earlier one, or below the previous one (seed 0).
 static bool plant(forest* f, uint32_t count, uint64_t seed)
 {
-    snprintf(f->path, sizeof(f->path), "/tmp/stp_outline_XXXXXX");
+    snprintf(f->path, sizeof(f->path), "stp_outline_XXXXXX");
     int file = mkstemp(f->path);
     f->context = test_context(NULL, 1, NULL);
     f->objects = calloc(count, sizeof(*f->objects));

@@ -58,7 +58,7 @@ static stp_result read_first(stp_context* context, const void* bytes, size_t siz
 void test_store_refuses_texts_that_are_too_long(test_state* test)
 {
     static char first[LONGEST + 2], second[LONGEST + 2];
-    char path[] = "/tmp/stp_texts_XXXXXX";
+    char path[] = "stp_texts_XXXXXX";
     int file = mkstemp(path);
     test_log log = {0};
     stp_context* context = test_context(NULL, 1, &log);
@@ -119,7 +119,7 @@ void test_store_reads_packed_texts_one_by_one(test_state* test)
     enum { OBJECTS = 9000 };
     static stp_store_object objects[OBJECTS];
     static char names[OBJECTS][24];
-    char path[] = "/tmp/stp_texts_XXXXXX";
+    char path[] = "stp_texts_XXXXXX";
     int file = mkstemp(path);
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(file >= 0 && close(file) == 0 && context != NULL);

@@ -52,7 +52,7 @@ static bool is_same(stp_hash a, stp_hash b)
 
 void test_neighbours_are_those_that_a_text_names(test_state* test)
 {
-    char folder[] = "/tmp/stipple-test-XXXXXX", names[FILES][16], path[PATH_MAX];
+    char folder[] = "stipple-test-XXXXXX", names[FILES][16], path[PATH_MAX];
     CHECK(mkdtemp(folder) != NULL);
     for (uint32_t i = 0; i < FILES; ++i) {
         make_name(i, names[i]);

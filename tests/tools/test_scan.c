@@ -181,7 +181,7 @@ void test_scan_files_without_memory(test_state* test)
     static const char* const endings[] = {".las", ".ptx", ".ply", ".e57"};
     for (size_t e = 0; e < 4; ++e) {
         char path[64];
-        snprintf(path, sizeof(path), "/tmp/stipple-test-scan-%d%s", (int)getpid(), endings[e]);
+        snprintf(path, sizeof(path), "stipple-test-scan-%d%s", (int)getpid(), endings[e]);
         bool made = false;
         for (int fail = 0; fail < 400 && !made; ++fail) {
             test_heap heap = TEST_HEAP(-1);
@@ -208,7 +208,7 @@ void test_scan_refuses_what_las_cannot_hold(test_state* test)
 {
     test_log log = {0};
     char path[64];
-    snprintf(path, sizeof(path), "/tmp/stipple-test-far-%d.las", (int)getpid());
+    snprintf(path, sizeof(path), "stipple-test-far-%d.las", (int)getpid());
     stp_context* context = test_context(NULL, 1, &log);
     const scan_file_desc desc = {.path = path, .bounds = {{0, 0, 0}, {1, 1, 1}}, .stations = 1};
     scan_file file;

@@ -12,7 +12,7 @@
 bool boxes_build(const char* name, char path[64])
 {
     const char* input = "scene:boxes";
-    snprintf(path, 64, "/tmp/stp_%s_%ld.stip", name, (long)getpid());
+    snprintf(path, 64, "stp_%s_%ld.stip", name, (long)getpid());
     stp_context* context = test_context(NULL, 1, NULL);
     stp_build_desc desc = {
         .inputs = &input, .input_count = 1, .output = path, .generate = scene_make_input};

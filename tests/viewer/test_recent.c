@@ -37,7 +37,7 @@ void test_viewer_recent_files_are_bounded_and_newest_first(test_state* test)
 void test_viewer_recent_files_are_kept(test_state* test)
 {
     char folder_path[64], file[128];
-    snprintf(folder_path, sizeof(folder_path), "/tmp/stp_recent_%ld", (long)getpid());
+    snprintf(folder_path, sizeof(folder_path), "stp_recent_%ld", (long)getpid());
     setenv("XDG_STATE_HOME", folder_path, 1);
     recent_load(&list); // there is none yet
     CHECK_EQUAL(0, list.count);
@@ -80,7 +80,7 @@ void test_viewer_folders_list_folders_then_models(test_state* test)
     static const char* const names[] = {"b.GLB", "a.stip", "notes.txt", ".hidden.obj"};
     char top[64], path[PATH_MAX];
     folder_list f = {0};
-    snprintf(top, sizeof(top), "/tmp/stp_folder_%ld", (long)getpid());
+    snprintf(top, sizeof(top), "stp_folder_%ld", (long)getpid());
     CHECK(mkdir(top, 0700) == 0);
     snprintf(path, sizeof(path), "%s/Sub", top);
     CHECK(mkdir(path, 0700) == 0);
