@@ -218,6 +218,33 @@ static stp_result orient_all(stp_context* context, orienter* o)
     return stp_turn_subtrees(context, &o->links, &o->tree, o->turned);
 }
 
+/// Turns a tree of most patches whose volume is negative: that of a closed surface is the sum of heights times how
+/// far its parts face up. Where sides or bottom are open, what faces up still counts most.
+static void settle_trees(orienter* o, double* volumes)
+{
+    const stp_patch* all = o->patches->all;
+    double lowest = HUGE_VAL;
+    for (uint32_t i = 0; i < o->patches->count; ++i) {
+        lowest = fmin(lowest, (double)all[i].place.y);
+        volumes[i] = 0.0;
+        o->pieces[i] = 1; // now sizes of subtrees
+    }
+    for (uint32_t at = o->tree.count; at-- > 0;) {
+        uint32_t i = o->tree.sequence[at], parent = o->tree.parents[i];
+        double up = (double)all[i].count * (double)normal_of(o, i).y;
+        volumes[i] += up * ((double)all[i].place.y - lowest);
+        volumes[parent] += parent != i ? volumes[i] : 0.0;
+        o->pieces[parent] += parent != i ? o->pieces[i] : 0;
+    }
+    for (uint32_t at = 0; at < o->tree.count; ++at) {
+        uint32_t i = o->tree.sequence[at];
+        volumes[i] = volumes[o->tree.parents[i]]; // the root's
+        o->pieces[i] = o->pieces[o->tree.parents[i]];
+        bool is_most = o->pieces[i] > o->patches->count / 2;
+        o->turned[i] = o->turned[i] != (is_most && volumes[i] < 0.0);
+    }
+}
+
 stp_result stp_orient_patches(stp_context* context, const stp_leaf_octree* octree,
                               stp_patches* patches, uint32_t neighbours)
 {
@@ -241,11 +268,15 @@ stp_result stp_orient_patches(stp_context* context, const stp_leaf_octree* octre
         result == STP_OK ? STP_NEW_ARRAY(context, orient_step, o.links.count + count + 1) : NULL;
     result = result == STP_OK && o.heap == NULL ? stp_fail_memory(context) : result;
     result = result == STP_OK ? orient_all(context, &o) : result;
+    double* volumes = result == STP_OK ? STP_NEW_ARRAY(context, double, count + 1) : NULL;
+    result = result == STP_OK && volumes == NULL ? stp_fail_memory(context) : result;
     if (result == STP_OK) {
+        settle_trees(&o, volumes);
         for (uint32_t i = 0; i < count; ++i) {
             patches->all[i].normal = normal_of(&o, i);
         }
     }
+    stp_free(context, volumes);
     stp_free(context, o.heap);
     stp_patch_links_destroy(context, &o.links);
     stp_free(context, o.done);
