@@ -8,8 +8,8 @@
 enum {
     GRAIN = 64,       ///< leaves
     POINTS_MOST = 64, ///< of a leaf that is divided
-    NEAR = 8,         ///< neighbours of a point
-    SMALL = 1,        ///< patches of at most so many points join the nearest larger one
+    NEAR = 6,         ///< neighbours of a point
+    SMALL = 3,        ///< patches of at most so many points join the nearest larger one
 };
 #define LEVEL 0.005f // flatness up to which a leaf is one patch
 #define ALIKE 0.8f   // cosine of normals of a patch and of its seed
