@@ -14,7 +14,7 @@ enum {
     SPT_TRIANGLE_BYTES = 100, ///< per large triangle: in boxes, and their order
     PSP_VERSION = 3,
     PSP_BYTES = 1000, ///< of a sample
-    STOCHASTIC_VERSION = 5,
+    STOCHASTIC_VERSION = 4,
     STOCHASTIC_BYTES = 120, ///< of a sample
     SPT_COLORS = 48,        ///< of 255: if colours differ by more, a node's error is its diameter
 };

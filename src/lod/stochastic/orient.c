@@ -2,30 +2,32 @@
 #include "lod/stochastic/orient.h"
 
 #include "base/leaf_codes.h"
-#include "base/math.h"
-#include "lod/stochastic/turn_subtrees.h"
+#include "lod/psp/nearest_points.h"
 
 #include <string.h>
 
 enum {
-    BRIDGE_PATCHES = 128, ///< of a piece, from which a way across a gap is looked for
-    BRIDGES_MOST = 64,    ///< pieces for which one is looked for
+    BRIDGE_LEAVES = 128, ///< of a piece, from which a way across a gap is looked for
+    BRIDGES_MOST = 64,   ///< pieces for which one is looked for
 };
-#define GAP 4.0f // in sides of both leaves together
+#define ACROSS 0.5f // what a step straight from a surface to another weighs
+#define GAP 4.0f    // in sides of both leaves together
 
-/// A step from a patch that is oriented to another: the least weight first, then the least patches.
+/// A step from a leaf that is oriented to another: the least weight first, then the least leaves.
 typedef struct orient_step {
     float weight;
-    uint32_t link, from;
+    uint32_t to, from;
 } orient_step;
 
 typedef struct orienter {
     const stp_leaf_octree* octree;
-    const stp_patches* patches;
-    stp_patch_links links;
-    stp_patch_tree tree;
-    uint32_t* pieces; ///< of each patch the first patch of its piece
-    bool* turned;     ///< of each patch: its normal is on the other side
+    stp_leaf_facts* facts;
+    uint32_t count, near;
+    float* places;        ///< 3 a leaf
+    uint32_t* neighbours; ///< `near` a leaf
+    uint32_t* begins;     ///< of `links`, count + 1
+    uint32_t* links;      ///< neighbours either way
+    uint32_t* pieces;     ///< of each leaf the first leaf of its piece
     bool* done;
     orient_step* heap;
     size_t heap_count;
@@ -36,7 +38,7 @@ static bool comes_before(const orient_step* a, const orient_step* b)
     if (a->weight < b->weight || a->weight > b->weight) {
         return a->weight < b->weight;
     }
-    return a->link < b->link;
+    return a->to != b->to ? a->to < b->to : a->from < b->from;
 }
 
 static void push(orienter* o, orient_step step)
@@ -68,87 +70,139 @@ static orient_step pop(orienter* o)
     return first;
 }
 
-static stp_vec3 normal_of(const orienter* o, uint32_t patch)
+static stp_vec3 place_of(const orienter* o, uint32_t leaf)
 {
-    return stp_scale(o->patches->all[patch].normal, o->turned[patch] ? -1.0f : 1.0f);
+    const float* p = o->places + 3 * (size_t)leaf;
+    return (stp_vec3){p[0], p[1], p[2]};
 }
 
-static void reach(orienter* o, uint32_t patch, uint32_t from)
+/// The normal of a leaf as it would be at another one, were the surface bent evenly between them.
+static stp_vec3 carry(const orienter* o, uint32_t from, uint32_t to, stp_vec3* way)
 {
-    o->done[patch] = true;
-    o->tree.parents[patch] = from;
-    o->tree.depths[patch] = patch == from ? 0 : o->tree.depths[from] + 1;
-    o->tree.sequence[o->tree.count++] = patch;
-    for (uint32_t i = o->links.begins[patch]; i < o->links.begins[patch + 1]; ++i) {
-        const stp_patch_link* link = &o->links.all[i];
-        if (!o->done[link->to]) {
-            push(o, (orient_step){link->weight, i, patch});
+    *way = stp_normalize(stp_sub(place_of(o, to), place_of(o, from)));
+    stp_vec3 n = o->facts[from].normal;
+    return stp_sub(n, stp_scale(*way, 2.0f * stp_dot(*way, n)));
+}
+
+/// How little the normal of a leaf can be relied on: 0 of flat ones, 1 of a few points.
+static float doubt(const stp_leaf_facts* f)
+{
+    return f->known ? 3.0f * f->flatness : 1.0f;
+}
+
+/// Small where the sign is certain, and along a surface rather than from one to another.
+static float weigh(const orienter* o, uint32_t a, uint32_t b)
+{
+    stp_vec3 way, carried = carry(o, a, b, &way);
+    stp_vec3 n = o->facts[a].normal, m = o->facts[b].normal;
+    float across = stp_max(fabsf(stp_dot(way, n)), fabsf(stp_dot(way, m)));
+    return 1.0f - fabsf(stp_dot(carried, m)) + ACROSS * across * across + doubt(&o->facts[a]) +
+           doubt(&o->facts[b]);
+}
+
+/// Turns the normal of a leaf to that of another one.
+static void turn(orienter* o, uint32_t to, uint32_t from)
+{
+    stp_vec3 way, carried = carry(o, from, to, &way);
+    if (stp_dot(carried, o->facts[to].normal) < 0.0f) {
+        o->facts[to].normal = stp_scale(o->facts[to].normal, -1.0f);
+    }
+}
+
+static void reach(orienter* o, uint32_t leaf)
+{
+    o->done[leaf] = true;
+    for (uint32_t i = o->begins[leaf]; i < o->begins[leaf + 1]; ++i) {
+        uint32_t to = o->links[i];
+        if (!o->done[to]) {
+            push(o, (orient_step){weigh(o, leaf, to), to, leaf});
         }
     }
 }
 
-/// @param from the patch that it was reached from, or itself
-static void spread_from(orienter* o, uint32_t patch, uint32_t from)
+static void spread_from(orienter* o, uint32_t leaf)
 {
-    reach(o, patch, from);
+    reach(o, leaf);
     while (o->heap_count > 0) {
         orient_step step = pop(o);
-        const stp_patch_link* link = &o->links.all[step.link];
-        if (!o->done[link->to]) {
-            o->turned[link->to] = o->turned[step.from] != (link->agreement < 0.0f);
-            reach(o, link->to, step.from);
+        if (!o->done[step.to]) {
+            turn(o, step.to, step.from);
+            reach(o, step.to);
         }
     }
 }
 
-/// Names the piece that each patch is of, with the heap's memory as a stack.
+/// Links each leaf with those near it, and those that it is near to.
+static stp_result link_leaves(stp_context* context, orienter* o)
+{
+    stp_result result =
+        stp_find_nearest_points(context, o->places, o->count, o->near, o->neighbours);
+    if (result != STP_OK) {
+        return result;
+    }
+    size_t all = (size_t)o->near * o->count;
+    memset(o->begins, 0, ((size_t)o->count + 2) * sizeof(*o->begins));
+    for (size_t i = 0; i < all; ++i) {
+        if (o->neighbours[i] != UINT32_MAX) {
+            o->begins[i / o->near + 2] += 1;
+            o->begins[o->neighbours[i] + 2] += 1;
+        }
+    }
+    for (uint32_t i = 2; i < o->count + 2; ++i) {
+        o->begins[i] += o->begins[i - 1];
+    }
+    for (size_t i = 0; i < all; ++i) {
+        if (o->neighbours[i] != UINT32_MAX) {
+            uint32_t a = (uint32_t)(i / o->near), b = o->neighbours[i];
+            o->links[o->begins[a + 1]++] = b;
+            o->links[o->begins[b + 1]++] = a;
+        }
+    }
+    return STP_OK;
+}
+
+/// Names the piece that each leaf is of, with the heap's memory as a stack.
 static void find_pieces(orienter* o)
 {
     uint32_t* stack = (uint32_t*)(void*)o->heap;
-    for (uint32_t i = 0; i < o->patches->count; ++i) {
+    for (uint32_t i = 0; i < o->count; ++i) {
         o->pieces[i] = UINT32_MAX;
     }
-    for (uint32_t first = 0; first < o->patches->count; ++first) {
+    for (uint32_t first = 0; first < o->count; ++first) {
         size_t height = 0;
         if (o->pieces[first] == UINT32_MAX) {
             o->pieces[first] = first;
             stack[height++] = first;
         }
         while (height > 0) {
-            uint32_t patch = stack[--height];
-            for (uint32_t i = o->links.begins[patch]; i < o->links.begins[patch + 1]; ++i) {
-                uint32_t to = o->links.all[i].to;
-                if (o->pieces[to] == UINT32_MAX) {
-                    o->pieces[to] = first;
-                    stack[height++] = to;
+            uint32_t leaf = stack[--height];
+            for (uint32_t i = o->begins[leaf]; i < o->begins[leaf + 1]; ++i) {
+                if (o->pieces[o->links[i]] == UINT32_MAX) {
+                    o->pieces[o->links[i]] = first;
+                    stack[height++] = o->links[i];
                 }
             }
         }
     }
 }
 
-static float width_of(const orienter* o, uint32_t patch)
+/// The leaf that is next to begin with: of those that are not oriented yet, about as high as the highest one, the one whose plane
+/// faces up most. At an edge or corner, what is up tells little. UINT32_MAX: none is left.
+static uint32_t find_highest(const orienter* o)
 {
-    return (float)stp_leaf_width(o->octree->leaves[o->patches->all[patch].leaf].depth);
-}
-
-/// Of the patches of a piece about as high as the highest one, the one whose plane faces up most, less the farther below it is: a
-/// leaf may be as wide as a box is high. At an edge or corner, what is up tells little.
-static uint32_t find_highest(const orienter* o, uint32_t piece)
-{
-    const stp_patch* all = o->patches->all;
-    uint32_t highest = piece, best = piece;
-    float most = -HUGE_VALF;
-    for (uint32_t i = piece; i < o->patches->count; ++i) {
-        if (o->pieces[i] == piece && all[i].place.y > all[highest].place.y) {
+    uint32_t highest = UINT32_MAX, best = UINT32_MAX;
+    float most = -2.0f;
+    for (uint32_t i = 0; i < o->count; ++i) {
+        if (!o->done[i] &&
+            (highest == UINT32_MAX || o->facts[i].mean[1] > o->facts[highest].mean[1])) {
             highest = i;
         }
     }
-    float top = all[highest].place.y, width = width_of(o, highest);
-    for (uint32_t i = piece; i < o->patches->count; ++i) {
-        float below = (top - all[i].place.y) / width;
-        float up = fabsf(all[i].normal.y) - all[i].doubt - below;
-        if (o->pieces[i] == piece && below <= 1.0f && up > most) {
+    for (uint32_t i = 0; i < o->count && highest != UINT32_MAX; ++i) {
+        float width = (float)stp_leaf_width(o->octree->leaves[highest].depth);
+        float up = fabsf(o->facts[i].normal.y) - doubt(&o->facts[i]);
+        bool high = o->facts[i].mean[1] >= o->facts[highest].mean[1] - width;
+        if (!o->done[i] && high && o->pieces[i] == o->pieces[highest] && up > most) {
             most = up;
             best = i;
         }
@@ -156,35 +210,21 @@ static uint32_t find_highest(const orienter* o, uint32_t piece)
     return best;
 }
 
-/// The piece that is next to begin with: the highest one that is not oriented yet. UINT32_MAX: none is left.
-static uint32_t find_highest_piece(const orienter* o)
-{
-    uint32_t highest = UINT32_MAX;
-    for (uint32_t i = 0; i < o->patches->count; ++i) {
-        bool is_higher =
-            highest == UINT32_MAX || o->patches->all[i].place.y > o->patches->all[highest].place.y;
-        if (!o->done[i] && is_higher) {
-            highest = i;
-        }
-    }
-    return highest != UINT32_MAX ? o->pieces[highest] : UINT32_MAX;
-}
-
-/// Looks for the shortest way from oriented patches to a piece. @return whether it is short enough
+/// Looks for the shortest way from oriented leaves to a piece. @return whether it is short enough
 static bool find_bridge(const orienter* o, uint32_t piece, uint32_t* to, uint32_t* from)
 {
-    uint32_t size = 0, met = 0, count = o->patches->count;
+    uint32_t size = 0, met = 0;
     float least = HUGE_VALF;
-    for (uint32_t i = 0; i < count; ++i) {
+    for (uint32_t i = 0; i < o->count; ++i) {
         size += o->pieces[i] == piece;
     }
-    uint32_t stride = size / BRIDGE_PATCHES + 1;
-    for (uint32_t i = 0; i < count; ++i) {
+    uint32_t stride = size / BRIDGE_LEAVES + 1;
+    for (uint32_t i = 0; i < o->count; ++i) {
         if (o->pieces[i] != piece || met++ % stride != 0) {
             continue;
         }
-        for (uint32_t k = 0; k < count; ++k) {
-            stp_vec3 d = stp_sub(o->patches->all[i].place, o->patches->all[k].place);
+        for (uint32_t k = 0; k < o->count; ++k) {
+            stp_vec3 d = stp_sub(place_of(o, i), place_of(o, k));
             float squared = stp_dot(d, d);
             if (o->done[k] && squared < least) {
                 least = squared;
@@ -193,97 +233,66 @@ static bool find_bridge(const orienter* o, uint32_t piece, uint32_t* to, uint32_
             }
         }
     }
-    return least < HUGE_VALF && sqrtf(least) <= GAP * (width_of(o, *to) + width_of(o, *from));
+    if (!(least < HUGE_VALF)) {
+        return false;
+    }
+    float sides = (float)stp_leaf_width(o->octree->leaves[*to].depth) +
+                  (float)stp_leaf_width(o->octree->leaves[*from].depth);
+    return sqrtf(least) <= GAP * sides;
 }
 
-static stp_result orient_all(stp_context* context, orienter* o)
+static void orient_all(orienter* o)
 {
     find_pieces(o);
-    uint32_t met = 0;
-    for (uint32_t piece = find_highest_piece(o); piece != UINT32_MAX;
-         piece = find_highest_piece(o)) {
-        uint32_t to = 0, from = 0;
-        bool across = met > 0 && met <= BRIDGES_MOST && find_bridge(o, piece, &to, &from);
-        met += 1;
+    o->heap_count = 0;
+    uint32_t bridges = 0;
+    for (uint32_t highest = find_highest(o); highest != UINT32_MAX; highest = find_highest(o)) {
+        uint32_t to = highest, from = 0;
+        bool across = bridges > 0 && bridges <= BRIDGES_MOST &&
+                      find_bridge(o, o->pieces[highest], &to, &from);
+        bridges += 1;
         if (across) {
-            o->turned[to] = o->turned[from] != (stp_patch_agreement(&o->patches->all[from],
-                                                                    &o->patches->all[to]) < 0.0f);
-            spread_from(o, to, from);
-        } else {
-            uint32_t highest = find_highest(o, piece);
-            o->turned[highest] = o->patches->all[highest].normal.y < 0.0f;
-            spread_from(o, highest, highest);
+            turn(o, to, from);
+        } else if (o->facts[highest].normal.y < 0.0f) {
+            o->facts[highest].normal = stp_scale(o->facts[highest].normal, -1.0f);
         }
-    }
-    return stp_turn_subtrees(context, &o->links, &o->tree, o->turned);
-}
-
-/// Turns a tree of most patches whose volume is negative: that of a closed surface is the sum of heights times how
-/// far its parts face up. Where sides or bottom are open, what faces up still counts most.
-static void settle_trees(orienter* o, double* volumes)
-{
-    const stp_patch* all = o->patches->all;
-    double lowest = HUGE_VAL;
-    for (uint32_t i = 0; i < o->patches->count; ++i) {
-        lowest = fmin(lowest, (double)all[i].place.y);
-        volumes[i] = 0.0;
-        o->pieces[i] = 1; // now sizes of subtrees
-    }
-    for (uint32_t at = o->tree.count; at-- > 0;) {
-        uint32_t i = o->tree.sequence[at], parent = o->tree.parents[i];
-        double up = (double)all[i].count * (double)normal_of(o, i).y;
-        volumes[i] += up * ((double)all[i].place.y - lowest);
-        volumes[parent] += parent != i ? volumes[i] : 0.0;
-        o->pieces[parent] += parent != i ? o->pieces[i] : 0;
-    }
-    for (uint32_t at = 0; at < o->tree.count; ++at) {
-        uint32_t i = o->tree.sequence[at];
-        volumes[i] = volumes[o->tree.parents[i]]; // the root's
-        o->pieces[i] = o->pieces[o->tree.parents[i]];
-        bool is_most = o->pieces[i] > o->patches->count / 2;
-        o->turned[i] = o->turned[i] != (is_most && volumes[i] < 0.0);
+        spread_from(o, across ? to : highest);
     }
 }
 
-stp_result stp_orient_patches(stp_context* context, const stp_leaf_octree* octree,
-                              stp_patches* patches, uint32_t neighbours)
+stp_result stp_orient_leaves(stp_context* context, const stp_leaf_octree* octree,
+                             stp_leaf_facts* facts, uint32_t neighbours)
 {
-    size_t count = patches->count;
+    size_t count = octree->leaf_count, links = 2 * (size_t)neighbours * count;
     orienter o = {.octree = octree,
-                  .patches = patches,
-                  .tree = {.parents = STP_NEW_ARRAY(context, uint32_t, count + 1),
-                           .depths = STP_NEW_ARRAY(context, uint32_t, count + 1),
-                           .sequence = STP_NEW_ARRAY(context, uint32_t, count + 1)},
+                  .facts = facts,
+                  .count = octree->leaf_count,
+                  .near = neighbours,
+                  .places = STP_NEW_ARRAY(context, float, 3 * count + 1),
+                  .neighbours = STP_NEW_ARRAY(context, uint32_t, neighbours * count + 1),
+                  .begins = STP_NEW_ARRAY(context, uint32_t, count + 2),
+                  .links = STP_NEW_ARRAY(context, uint32_t, links + 1),
                   .pieces = STP_NEW_ARRAY(context, uint32_t, count + 1),
-                  .turned = STP_NEW_ZEROED(context, bool, count + 1),
-                  .done = STP_NEW_ZEROED(context, bool, count + 1)};
+                  .done = STP_NEW_ZEROED(context, bool, count + 1),
+                  .heap = STP_NEW_ARRAY(context, orient_step, links + 1)};
     stp_result result = STP_OK;
-    if (o.tree.parents == NULL || o.tree.depths == NULL || o.tree.sequence == NULL ||
-        o.pieces == NULL || o.turned == NULL || o.done == NULL) {
+    if (o.places == NULL || o.neighbours == NULL || o.begins == NULL || o.links == NULL ||
+        o.pieces == NULL || o.done == NULL || o.heap == NULL) {
         result = stp_fail_memory(context);
     }
-    result =
-        result == STP_OK ? stp_patch_links_make(context, patches, neighbours, &o.links) : result;
-    o.heap =
-        result == STP_OK ? STP_NEW_ARRAY(context, orient_step, o.links.count + count + 1) : NULL;
-    result = result == STP_OK && o.heap == NULL ? stp_fail_memory(context) : result;
-    result = result == STP_OK ? orient_all(context, &o) : result;
-    double* volumes = result == STP_OK ? STP_NEW_ARRAY(context, double, count + 1) : NULL;
-    result = result == STP_OK && volumes == NULL ? stp_fail_memory(context) : result;
-    if (result == STP_OK) {
-        settle_trees(&o, volumes);
-        for (uint32_t i = 0; i < count; ++i) {
-            patches->all[i].normal = normal_of(&o, i);
-        }
+    for (size_t i = 0; i < count && result == STP_OK; ++i) {
+        memcpy(o.places + 3 * i, facts[i].mean, sizeof(facts[i].mean));
     }
-    stp_free(context, volumes);
+    result = result == STP_OK && count > 0 ? link_leaves(context, &o) : result;
+    if (result == STP_OK) {
+        orient_all(&o);
+    }
     stp_free(context, o.heap);
-    stp_patch_links_destroy(context, &o.links);
     stp_free(context, o.done);
-    stp_free(context, o.turned);
     stp_free(context, o.pieces);
-    stp_free(context, o.tree.sequence);
-    stp_free(context, o.tree.depths);
-    stp_free(context, o.tree.parents);
+    stp_free(context, o.links);
+    stp_free(context, o.begins);
+    stp_free(context, o.neighbours);
+    stp_free(context, o.places);
     return result;
 }

@@ -43,8 +43,7 @@ typedef struct set_maker {
     uint16_t* places; ///< of candidates, on the grid
     stp_leaf_octree octree;
     stp_leaf_facts* facts;
-    stp_patches patches; ///< while the outside is looked for
-    float spacing;       ///< the usual one, steps
+    float spacing; ///< the usual one, steps
     stp_shape_directions directions;
 } set_maker;
 
@@ -152,43 +151,23 @@ static stp_result spread(set_maker* m)
     return STP_OK;
 }
 
-/// Gives points the sides of their patches, and leaves those of their points.
+/// Gives points the sides of their leaves.
 static void turn_some(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     const set_maker* m = user;
     for (size_t l = begin; l < end; ++l) {
         const stp_leaf_cell* leaf = &m->octree.leaves[l];
-        const stp_patch* patches = m->patches.all + m->patches.begins[l];
-        stp_vec3 sum = {0};
         for (uint32_t i = leaf->begin; i < leaf->end; ++i) {
             float* n = m->candidates->normals + 3 * (size_t)m->octree.order[i];
             stp_vec3 normal = {n[0], n[1], n[2]};
-            if (stp_dot(normal, patches[m->patches.of_points[i]].normal) < 0.0f) {
-                normal = stp_scale(normal, -1.0f);
-                memcpy(n, &normal, sizeof(normal));
+            if (stp_dot(normal, m->facts[l].normal) < 0.0f) {
+                n[0] = -n[0];
+                n[1] = -n[1];
+                n[2] = -n[2];
             }
-            sum = stp_add(sum, normal);
-        }
-        if (stp_dot(sum, m->facts[l].normal) < 0.0f) {
-            m->facts[l].normal = stp_scale(m->facts[l].normal, -1.0f);
         }
     }
-}
-
-/// Finds the outside of a cloud whose normals are estimated.
-static stp_result orient(set_maker* m, const stp_leaf_points* points)
-{
-    stp_context* context = m->context;
-    stp_result result = stp_patches_make(context, &m->octree, points, m->facts, &m->patches);
-    if (result == STP_OK) {
-        result = stp_orient_patches(context, &m->octree, &m->patches, m->desc->neighbours);
-    }
-    if (result == STP_OK) {
-        stp_parallel_for(context, m->octree.leaf_count, LEAF_GRAIN, turn_some, m);
-    }
-    stp_patches_destroy(context, &m->patches);
-    return result;
 }
 
 /// Chooses the points of each leaf, and finds what is known of them.
@@ -204,7 +183,6 @@ static stp_result find_facts(set_maker* m)
         float around = sqrtf((float)m->desc->normal_neighbours / 3.14159265f); // in spacings
         float radius = around * m->spacing * m->splats->step;
         result = stp_estimate_point_normals(context, m->candidates, radius);
-        result = result == STP_OK ? orient(m, &points) : result;
     }
     result = result == STP_OK ? spread(m) : result;
     if (result != STP_OK) {
@@ -213,6 +191,9 @@ static stp_result find_facts(set_maker* m)
     settle_spacings(m);
     if (oriented) {
         stp_leaf_facts_of_normals(context, &m->octree, &points, m->facts);
+    } else {
+        result = stp_orient_leaves(context, &m->octree, m->facts, m->desc->neighbours);
+        stp_parallel_for(context, m->octree.leaf_count, LEAF_GRAIN, turn_some, m);
     }
     stp_leaf_facts_of_bends(context, &m->octree, &points, m->facts);
     return result;
