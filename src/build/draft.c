@@ -5,6 +5,7 @@
 #include "base/context.h"
 #include "base/file.h"
 #include "build/draft_content.h"
+#include "build/normal_certainty.h"
 
 #include <pthread.h>
 #include <stdlib.h>
@@ -188,7 +189,7 @@ static void write_now(stp_build_draft* d)
     d->news = 0;
     pthread_mutex_unlock(&d->mutex);
     double start = stp_clock_ms();
-    if (taken) {
+    if (taken && stp_build_note_signs(d->context, d->scene, s.set_of_node, s.sets) == STP_OK) {
         goes_on = write_state(d, &(stp_draft_state){.scene = d->scene,
                                                     .coded = s.coded,
                                                     .sets = s.sets,

@@ -12,7 +12,7 @@ typedef struct node_certainty {
 } node_certainty;
 
 // Children come before their parents.
-static void look_at_nodes(const stp_scene* scene, node_certainty* nodes)
+static void look_for_unknown(const stp_scene* scene, node_certainty* nodes)
 {
     for (size_t i = 0; i < scene->node_count; ++i) {
         const stp_node* node = &scene->nodes[i];
@@ -26,6 +26,10 @@ static void look_at_nodes(const stp_scene* scene, node_certainty* nodes)
             nodes[i].unknown = nodes[i].unknown || nodes[child].unknown;
         }
     }
+}
+
+static void look_for_scales(const stp_scene* scene, node_certainty* nodes)
+{
     if (scene->root != STP_NONE) {
         nodes[scene->root].scale = 1.0;
     }
@@ -39,6 +43,11 @@ static void look_at_nodes(const stp_scene* scene, node_certainty* nodes)
     }
 }
 
+static bool has_unknown_signs(const stp_scene* scene, const node_certainty* nodes, size_t node)
+{
+    return nodes[node].unknown && scene->nodes[node].triangle_count == 0;
+}
+
 static void note_signs(const stp_scene* scene, const stp_store_directory* d,
                        const node_certainty* nodes, stp_splats* sets)
 {
@@ -49,11 +58,27 @@ static void note_signs(const stp_scene* scene, const stp_store_directory* d,
             uint32_t set = stp_store_set_of(d, m, i);
             if (set != STP_STORE_NONE) { // replaces the data of a previous output
                 sets[set].position_error = 0.0f;
-                sets[set].unknown_signs =
-                    !finds_signs && nodes[i].unknown && scene->nodes[i].triangle_count == 0;
+                sets[set].unknown_signs = !finds_signs && has_unknown_signs(scene, nodes, i);
             }
         }
     }
+}
+
+stp_result stp_build_note_signs(stp_context* context, const stp_scene* scene,
+                                const uint32_t* set_of_node, stp_splats* sets)
+{
+    node_certainty* nodes = STP_NEW_ZEROED(context, node_certainty, scene->node_count + 1);
+    if (nodes == NULL) {
+        return stp_fail_memory(context);
+    }
+    look_for_unknown(scene, nodes);
+    for (size_t i = 0; i < scene->node_count; ++i) {
+        if (set_of_node[i] != STP_NONE) {
+            sets[set_of_node[i]].unknown_signs = has_unknown_signs(scene, nodes, i);
+        }
+    }
+    stp_free(context, nodes);
+    return STP_OK;
 }
 
 stp_result stp_build_note_certainty(const stp_scene* scene, const stp_store_content* content,
@@ -65,7 +90,8 @@ stp_result stp_build_note_certainty(const stp_scene* scene, const stp_store_cont
     if (nodes == NULL) {
         return stp_fail_memory(scene->context);
     }
-    look_at_nodes(scene, nodes);
+    look_for_unknown(scene, nodes);
+    look_for_scales(scene, nodes);
     note_signs(scene, d, nodes, methods->sets);
     for (uint32_t i = 0; i < d->node_count; ++i) {
         const stp_store_node* node = &d->nodes[i];

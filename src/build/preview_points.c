@@ -174,6 +174,29 @@ bool stp_preview_mesh(stp_arena* arena, const stp_scene* scene, uint32_t index, 
     return made;
 }
 
+/// Takes the same points of each attribute that the set has.
+static bool preview_attributes(stp_arena* arena, const stp_point_set* from, uint32_t count,
+                               stp_store_point_set* points)
+{
+    for (int a = 0; a < STP_ATTRIBUTES; ++a) {
+        const unsigned char* values = from->attributes[a];
+        if (values == NULL) {
+            continue;
+        }
+        size_t size = stp_attribute_size((stp_attribute)a);
+        unsigned char* taken = stp_arena_alloc_array(arena, (size_t)count + 1, size);
+        if (taken == NULL) {
+            return false;
+        }
+        for (uint32_t i = 0; i < count; ++i) {
+            size_t k = (size_t)((uint64_t)i * from->point_count / count);
+            memcpy(taken + i * size, values + k * size, size);
+        }
+        points->attributes[a] = taken;
+    }
+    return true;
+}
+
 bool stp_preview_points(stp_arena* arena, const stp_point_set* from, uint32_t count,
                         stp_store_point_set* points)
 {
@@ -206,5 +229,5 @@ bool stp_preview_points(stp_arena* arena, const stp_point_set* from, uint32_t co
             memcpy(colors + 4 * (size_t)i, from->colors + 4 * k, 4);
         }
     }
-    return true;
+    return preview_attributes(arena, from, n, points);
 }

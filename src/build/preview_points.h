@@ -11,6 +11,7 @@
 bool stp_preview_mesh(stp_arena* arena, const stp_scene* scene, uint32_t mesh, uint32_t count,
                       stp_store_point_set* points);
 
-/// At most `count` of a point set's points, spread over it; all of them if there are no more.
+/// At most `count` of a point set's points with their attributes, spread over it; all of them if
+/// there are no more.
 bool stp_preview_points(stp_arena* arena, const stp_point_set* from, uint32_t count,
                         stp_store_point_set* points);

@@ -12,7 +12,7 @@ enum {
     SPT_VERSION = 6,          ///< increment when sets change
     SPT_BYTES = 2 * 120,      ///< per sample: two nodes in tree, sequence and columns
     SPT_TRIANGLE_BYTES = 100, ///< per large triangle: in boxes, and their order
-    PSP_VERSION = 2,
+    PSP_VERSION = 3,
     PSP_BYTES = 1000, ///< per sample
     STOCHASTIC_VERSION = 4,
     STOCHASTIC_BYTES = 120, ///< per sample
@@ -64,7 +64,7 @@ static stp_result make_psp(stp_context* context, const stp_method_source* source
                            const stp_method_options* options, stp_splats* splats)
 {
     (void)options;
-    return stp_psp_make(context, source->samples, splats);
+    return stp_psp_make(context, source->samples, source->two_sided, splats);
 }
 
 static stp_hash hash_stochastic(stp_hash key, const stp_method_options* options)

@@ -10,6 +10,7 @@
 #include "present/camera.h"
 #include "scene/scene_helpers.h"
 #include "scenes/scenes.h"
+#include "store/attribute_blocks.h"
 #include "store/store.h"
 
 #include <fcntl.h>
@@ -26,7 +27,8 @@ enum { DRAFTS = 64, WIDTH = 128, HEIGHT = 96, PIXELS = WIDTH * HEIGHT };
 // A draft as a viewer sees it.
 typedef struct seen_draft {
     bool whole; ///< it can be opened, checked and drawn
-    uint32_t meshes, point_sets, sets, objects;
+    uint32_t meshes, point_sets, sets, objects, unknown_signs;
+    uint64_t attributes; ///< a bit for each that any point has
     uint64_t triangles, points;
     char first_name[64]; ///< of the objects
     uint8_t pixels[4 * PIXELS];
@@ -73,6 +75,12 @@ static void look_at(const char* path, bool draws, seen_draft* seen)
                              .objects = d->object_count,
                              .triangles = d->nodes[d->root].triangle_count,
                              .points = d->nodes[d->root].point_count};
+        for (uint32_t i = 0; i < d->attribute_count; ++i) {
+            seen->attributes |= UINT64_C(1) << d->attributes[i].attribute;
+        }
+        for (uint32_t i = 0; i < d->surfels_count; ++i) {
+            seen->unknown_signs += stp_store_describe_surfels(store, i)->unknown_signs;
+        }
         snprintf(seen->first_name, sizeof(seen->first_name), "%s",
                  d->object_count > 0 && d->objects[0].name != NULL ? d->objects[0].name : "");
         seen->whole = !draws || draw(context, store, seen->pixels);
@@ -230,6 +238,15 @@ void test_drafts_show_scans_before_they_are_read(test_state* test)
     CHECK(o.count > 1 && o.drafts[0].whole && o.drafts[1].whole);
     CHECK_EQUAL(SAMPLE, o.drafts[0].points);
     CHECK_EQUAL(POINTS, o.drafts[1].points);
+    seen_draft done;
+    look_at(output, false, &done);
+    CHECK(done.attributes != 0 && done.sets > 0 && done.unknown_signs == done.sets);
+    uint32_t known = o.count < DRAFTS ? o.count : DRAFTS;
+    for (uint32_t i = 0; i < known; ++i) { // the same colours and shading as in the end
+        CHECK_EQUAL(done.attributes, o.drafts[i].attributes);
+        CHECK_EQUAL(o.drafts[i].sets, o.drafts[i].unknown_signs);
+    }
+    CHECK(o.drafts[known - 1].sets > 0);
     CHECK(strcmp(o.drafts[0].first_name, o.drafts[1].first_name) == 0);
     CHECK(same_files(output, plain));
     free(o.drafts);

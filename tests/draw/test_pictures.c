@@ -148,7 +148,7 @@ static stp_store* open_balls(stp_context* context, ball* b, stp_store_alpha alph
     }
     stp_splats merged = {0};
     if (method == STP_METHOD_PSP) {
-        if (stp_psp_make(context, &s.surfels[0], &merged) != STP_OK) {
+        if (stp_psp_make(context, &s.surfels[0], false, &merged) != STP_OK) {
             return NULL;
         }
         s.surfels[0] = merged;

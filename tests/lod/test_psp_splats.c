@@ -63,7 +63,7 @@ void test_psp_sets_imply_their_forest(test_state* test)
     CHECK(context != NULL);
     make_sphere(&from, SAMPLES);
     stp_splats s;
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, &s));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, &s));
     CHECK_EQUAL(2 * SAMPLES - 1, s.count);
     CHECK_EQUAL(STP_PSP_COLUMNS, s.columns);
     CHECK_EQUAL(STP_RANGE_INFINITE, s.ranges[0] >> 16);
@@ -106,7 +106,7 @@ void test_psp_sets_cover_at_every_level(test_state* test)
     CHECK(context != NULL);
     make_sphere(&from, SAMPLES);
     stp_splats s;
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, &s));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, &s));
     uint32_t before = UINT32_MAX;
     for (int round = 0; round < 24; ++round) {
         bool by_depth = round >= 12;
@@ -148,7 +148,7 @@ void test_psp_sets_of_all_points_have_no_holes(test_state* test)
     from.set.candidate_radius = (float)(0.4 * sqrt(12.0 / SAMPLES));
     from.set.table.radius[0] = 1e-4f;
     stp_splats s;
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, &s));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, &s));
     uint32_t whole = 0;
     for (uint32_t i = 0; i < 1000; ++i) {
         whole += s.coverages[i] == STP_COVERAGE_WHOLE;
@@ -169,6 +169,41 @@ static bool is_same(const stp_splats* a, const stp_splats* b)
            memcmp(&a->table, &b->table, sizeof(a->table)) == 0;
 }
 
+static uint32_t count_drawn(const stp_splats* s, float level)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < s->count; ++i) {
+        count += level >= lowest_of(s, i) && level <= highest_of(s, i);
+    }
+    return count;
+}
+
+// Where signs are a guess, neighbours merge whichever side they face: the same splats come of it.
+void test_psp_sets_of_guessed_signs_merge_alike(test_state* test)
+{
+    static samples from;
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    make_sphere(&from, SAMPLES);
+    stp_splats known, guessed;
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, &known));
+    for (uint32_t i = 0; i < SAMPLES; ++i) {
+        if (unit(9, i) < 0.5) {
+            stp_vec3 n = stp_octahedral_decode(from.normals[2 * i], from.normals[2 * i + 1]);
+            stp_octahedral_encode(stp_scale(n, -1.0f), from.normals + 2 * i);
+        }
+    }
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, true, &guessed));
+    CHECK_EQUAL(known.count, guessed.count);
+    for (float level = 0.03f; level < 0.5f; level *= 1.5f) {
+        uint32_t right = count_drawn(&known, level), drawn = count_drawn(&guessed, level);
+        CHECK(right < SAMPLES && 10 * drawn <= 11 * right && 10 * right <= 11 * drawn);
+    }
+    stp_splats_destroy(context, &guessed);
+    stp_splats_destroy(context, &known);
+    stp_context_destroy(context);
+}
+
 void test_psp_sets_do_not_depend_on_threads(test_state* test)
 {
     static samples from;
@@ -177,7 +212,7 @@ void test_psp_sets_do_not_depend_on_threads(test_state* test)
     make_sphere(&from, SAMPLES);
     for (uint32_t i = 0; i < 3; ++i) {
         contexts[i] = test_context(NULL, i + 1, NULL);
-        CHECK_EQUAL(STP_OK, stp_psp_make(contexts[i], &from.set, &sets[i]));
+        CHECK_EQUAL(STP_OK, stp_psp_make(contexts[i], &from.set, false, &sets[i]));
         CHECK(is_same(&sets[0], &sets[i]));
     }
     for (uint32_t i = 0; i < 3; ++i) {
@@ -200,7 +235,7 @@ void test_psp_sets_of_few_samples(test_state* test)
                 from.positions[i] = 7;
                 from.set.table.radius[0] = 0.0f;
             }
-            CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, &s));
+            CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, &s));
             CHECK_EQUAL(count > 0 ? 2 * count - 1 : 0, s.count);
             for (uint32_t i = 0; i < s.count; ++i) {
                 CHECK(stp_range_is_valid(s.ranges[i]) && stp_shape_is_valid(s.shapes[i]));
@@ -221,7 +256,7 @@ void test_psp_sets_survive_failing_allocator(test_state* test)
         stp_context* context = test_context(&heap, 1, NULL);
         stp_splats s = {0};
         if (context != NULL) {
-            made = stp_psp_make(context, &from.set, &s) == STP_OK && heap.count <= n;
+            made = stp_psp_make(context, &from.set, false, &s) == STP_OK && heap.count <= n;
             stp_splats_destroy(context, &s);
         }
         stp_context_destroy(context);

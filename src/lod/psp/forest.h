@@ -35,6 +35,9 @@ typedef struct stp_psp_desc {
     uint32_t neighbours; ///< per point, 1 to STP_NEIGHBOURS_MOST; the paper's k is 8
     /// Minimum cosine between normals of merged splats. Default 0: a right angle
     float least_cosine;
+    /// The signs of normals are a guess: splats that face away from each other are merged as if they
+    /// faced the same way
+    bool two_sided;
     /// A splat whose best merge became worse moves back in the queue immediately, not when it
     /// reaches the front. The result is the same.
     bool eager;

@@ -3,6 +3,8 @@
 
 #include "lod/psp/kd_tree.h"
 
+#include <string.h>
+
 const stp_psp_metric_table* stp_psp_metric_find(stp_psp_metric metric)
 {
     switch (metric) {
@@ -23,15 +25,58 @@ stp_vec3 stp_psp_point_at(const stp_psp_shared* shared, uint32_t point)
                       stp_kd_clean(p[2], shared->scale)};
 }
 
+/// A splat with its state, turned to the other side.
+typedef struct turned_splat {
+    stp_psp_splat splat;
+    union {
+        double aligned;
+        unsigned char bytes[STP_PSP_STATE_MOST];
+    } state;
+} turned_splat;
+
+/// Turns the second of two splats where they face away from each other, but signs are a guess.
+static void turn_alike(const stp_psp_shared* shared, const stp_psp_metric_table* metric,
+                       const stp_psp_splat* a, const stp_psp_splat** b, const void** b_state,
+                       turned_splat* room)
+{
+    if (!shared->desc.two_sided || stp_dot(a->ellipse.normal, (*b)->ellipse.normal) >= 0.0f) {
+        return;
+    }
+    room->splat = **b;
+    room->splat.ellipse.normal = stp_scale((*b)->ellipse.normal, -1.0f);
+    *b = &room->splat;
+    if (metric->turn != NULL) {
+        memcpy(room->state.bytes, *b_state, metric->state_bytes);
+        metric->turn(room->state.bytes);
+        *b_state = room->state.bytes;
+    }
+}
+
+/// The splat of the lower key is the first.
+static void sort_pair(const stp_psp_splat** a, const void** a_state, const stp_psp_splat** b,
+                      const void** b_state)
+{
+    if ((*b)->key < (*a)->key) {
+        const stp_psp_splat* splat = *a;
+        const void* state = *a_state;
+        *a = *b;
+        *a_state = *b_state;
+        *b = splat;
+        *b_state = state;
+    }
+}
+
 float stp_psp_pair_error(const stp_psp_shared* shared, const stp_psp_metric_table* metric,
                          const stp_psp_splat* a, const void* a_state, const stp_psp_splat* b,
                          const void* b_state)
 {
+    turned_splat turned;
+    sort_pair(&a, &a_state, &b, &b_state);
+    turn_alike(shared, metric, a, &b, &b_state, &turned);
     if (!(stp_dot(a->ellipse.normal, b->ellipse.normal) >= shared->desc.least_cosine)) {
         return HUGE_VALF;
     }
-    double error = a->key < b->key ? metric->error(shared, a, a_state, b, b_state)
-                                   : metric->error(shared, b, b_state, a, a_state);
+    double error = metric->error(shared, a, a_state, b, b_state);
     if (metric->by_length) {
         error *= (double)stp_length(stp_sub(b->ellipse.center, a->ellipse.center));
     }
@@ -42,14 +87,9 @@ void stp_psp_merge_pair(const stp_psp_shared* shared, const stp_psp_metric_table
                         const stp_psp_splat* a, const void* a_state, const stp_psp_splat* b,
                         const void* b_state, stp_psp_splat* merged, void* merged_state)
 {
-    if (b->key < a->key) {
-        const stp_psp_splat* splat = a;
-        const void* state = a_state;
-        a = b;
-        a_state = b_state;
-        b = splat;
-        b_state = state;
-    }
+    turned_splat turned;
+    sort_pair(&a, &a_state, &b, &b_state);
+    turn_alike(shared, metric, a, &b, &b_state, &turned);
     float share = a->area / (a->area + b->area);
     for (int k = 0; k < 3; ++k) {
         merged->color[k] = share * a->color[k] + (1.0f - share) * b->color[k];

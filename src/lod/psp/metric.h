@@ -57,6 +57,8 @@ typedef struct stp_psp_metric_table {
     void (*merge)(const stp_psp_shared* shared, const stp_psp_splat* a, const void* a_state,
                   const stp_psp_splat* b, const void* b_state, stp_psp_splat* merged,
                   void* merged_state);
+    /// Turns the normals in a state to the other side. NULL: it has none.
+    void (*turn)(void* state);
 } stp_psp_metric_table;
 
 extern const stp_psp_metric_table stp_psp_metric_normals, stp_psp_metric_distances,

@@ -55,10 +55,21 @@ static void merge(const stp_psp_shared* shared, const stp_psp_splat* a, const vo
     merged->area = (float)both.area;
 }
 
+static void turn(void* state)
+{
+    stp_psp_region region;
+    memcpy(&region, state, sizeof(region));
+    for (int k = 0; k < 3; ++k) {
+        region.normal[k] = -region.normal[k];
+    }
+    memcpy(state, &region, sizeof(region));
+}
+
 const stp_psp_metric_table stp_psp_metric_regions = {
     .state_bytes = sizeof(stp_psp_region),
     .power = 2,
     .begin = begin,
     .error = measure,
     .merge = merge,
+    .turn = turn,
 };

@@ -32,6 +32,7 @@ typedef struct psp_maker {
     stp_context* context;
     const stp_splats* samples;
     stp_psp_metric metric;
+    bool two_sided;
     stp_splats* splats;
     stp_method_samples points;
     float* areas; ///< per splat of the forest: represented surface area
@@ -68,6 +69,7 @@ static stp_result make_forest(psp_maker* m)
                                  .areas = m->areas};
     stp_psp_desc desc = stp_psp_desc_default();
     desc.metric = m->metric;
+    desc.two_sided = m->two_sided;
     desc.connect_components = true;
     return stp_psp_forest_make(m->context, &from, &desc, 1, &m->forest);
 }
@@ -170,15 +172,20 @@ static stp_result make(psp_maker* m)
     return result;
 }
 
-stp_result stp_psp_make(stp_context* context, const stp_splats* samples, stp_splats* splats)
+stp_result stp_psp_make(stp_context* context, const stp_splats* samples, bool two_sided,
+                        stp_splats* splats)
 {
-    return stp_psp_make_by(context, samples, STP_PSP_REGIONS, splats);
+    return stp_psp_make_by(context, samples, two_sided, STP_PSP_REGIONS, splats);
 }
 
-stp_result stp_psp_make_by(stp_context* context, const stp_splats* samples, stp_psp_metric metric,
-                           stp_splats* splats)
+stp_result stp_psp_make_by(stp_context* context, const stp_splats* samples, bool two_sided,
+                           stp_psp_metric metric, stp_splats* splats)
 {
-    psp_maker m = {.context = context, .samples = samples, .metric = metric, .splats = splats};
+    psp_maker m = {.context = context,
+                   .samples = samples,
+                   .metric = metric,
+                   .two_sided = two_sided,
+                   .splats = splats};
     *splats = (stp_splats){.columns = STP_PSP_COLUMNS};
     if (samples->count == 0) {
         return STP_OK;
