@@ -10,6 +10,7 @@
 #include <pthread.h>
 
 #define RELEASE_SPLATS (UINT64_C(4) << 20) // splats between releases of file pages
+#define SET_SPLATS 16384u // whose pages reading the beginning of a set's columns makes resident
 
 // State shared by the steps of a run.
 typedef struct run {
@@ -57,18 +58,6 @@ static void release_pages(const run* r)
     }
 }
 
-/// Number of splats that a step writes, and at most reads: those of its children.
-static uint64_t count_splats(const run* r, const stp_build_step* step, const stp_splats* set)
-{
-    const stp_node* node = &r->scene->nodes[step->node];
-    uint64_t count = set->count;
-    for (uint32_t i = 0; i < node->edge_count; ++i) {
-        const stp_splats* lower = r->sets[r->scene->edges[node->first_edge + i].node];
-        count += lower != NULL ? lower->count : 0;
-    }
-    return count;
-}
-
 static void end_step(run* r, uint32_t index, stp_result result, const stp_blue_report* report,
                      bool found)
 {
@@ -88,7 +77,7 @@ static void end_step(run* r, uint32_t index, stp_result result, const stp_blue_r
     while (r->done_count < plan->step_count && r->done[r->done_count]) {
         r->done_count += 1;
     }
-    r->unreleased += count_splats(r, step, &nodes->sets[index]);
+    r->unreleased += nodes->sets[index].count + SET_SPLATS * (uint64_t)report->source_sets;
     bool release = r->unreleased >= RELEASE_SPLATS;
     r->unreleased = release ? 0 : r->unreleased;
     pthread_cond_broadcast(&r->advanced);
