@@ -16,7 +16,7 @@
 enum { BUFFERS = 3 };                // one is drawn, one is ready, one is shown
 static const double rest_ms = 120.0; // the camera is at rest after this time without a request
 static const double loading_ms = 30.0;
-static const double finest_ms = 6000.0;  // no finer picture is started if it would take longer
+static const double finest_ms = 6000.0; // no finer picture is started if it would take longer
 
 /// Progress of a request's picture.
 typedef enum paint_stage { STAGE_MOVES, STAGE_RESTS, STAGE_ACCUMULATES, STAGE_DONE } paint_stage;
