@@ -57,6 +57,18 @@ static void release_pages(const run* r)
     }
 }
 
+/// Number of splats that a step writes, and at most reads: those of its children.
+static uint64_t count_splats(const run* r, const stp_build_step* step, const stp_splats* set)
+{
+    const stp_node* node = &r->scene->nodes[step->node];
+    uint64_t count = set->count;
+    for (uint32_t i = 0; i < node->edge_count; ++i) {
+        const stp_splats* lower = r->sets[r->scene->edges[node->first_edge + i].node];
+        count += lower != NULL ? lower->count : 0;
+    }
+    return count;
+}
+
 static void end_step(run* r, uint32_t index, stp_result result, const stp_blue_report* report,
                      bool found)
 {
@@ -76,7 +88,7 @@ static void end_step(run* r, uint32_t index, stp_result result, const stp_blue_r
     while (r->done_count < plan->step_count && r->done[r->done_count]) {
         r->done_count += 1;
     }
-    r->unreleased += nodes->sets[index].count;
+    r->unreleased += count_splats(r, step, &nodes->sets[index]);
     bool release = r->unreleased >= RELEASE_SPLATS;
     r->unreleased = release ? 0 : r->unreleased;
     pthread_cond_broadcast(&r->advanced);
