@@ -9,6 +9,8 @@
 #include <string.h>
 
 #define RELEASE_BYTES ((uint64_t)32 << 20)
+// Reading an octave makes whole groups of pages of each column resident, even if it is short
+#define OCTAVE_PAGES ((uint64_t)256 << 10)
 
 typedef struct source_column {
     const void* bytes; ///< start of the column in the content
@@ -136,7 +138,8 @@ stp_result stp_store_write_blocks(stp_store_writing* w)
                      : values         ? stp_store_write_values(w, &w->plan.blocks[i])
                                       : write_plain(w, &w->plan.blocks[i]);
         }
-        stp_store_count_read(w, stp_file_writer_size(w->file) - written);
+        uint64_t pages = w->plan.blocks[i].kind == STP_BLOCK_SURFELS ? OCTAVE_PAGES : 0;
+        stp_store_count_read(w, stp_file_writer_size(w->file) - written + pages);
         written = stp_file_writer_size(w->file);
     }
     result = result == STP_OK ? stp_store_batch_flush(batch) : result;
