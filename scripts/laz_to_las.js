@@ -1,7 +1,7 @@
 // Decodes a LAZ file with npm's laz-perf: node laz_to_las.js FOLDER-OF-laz-perf IN.laz OUT.las
 const fs = require("fs");
 const [, , folder, input, output] = process.argv;
-const { createLazPerf } = require(`${folder}/node_modules/laz-perf`);
+const { createLazPerf } = require(require("path").resolve(folder, "node_modules/laz-perf"));
 
 async function decode() {
   const perf = await createLazPerf();

@@ -16,8 +16,7 @@
 enum { BUFFERS = 3 };                // one is drawn, one is ready, one is shown
 static const double rest_ms = 120.0; // the camera is at rest after this time without a request
 static const double loading_ms = 30.0;
-static const double patience_ms = 1500.0; // slower frames are not accumulated
-static const double finest_ms = 6000.0;   // no finer picture is started if it would take longer
+static const double finest_ms = 6000.0; // no finer picture is started if it would take longer
 
 /// Progress of a request's picture.
 typedef enum paint_stage { STAGE_MOVES, STAGE_RESTS, STAGE_ACCUMULATES, STAGE_DONE } paint_stage;
@@ -116,7 +115,9 @@ static float choose_size(painter* p, const paint_request* request)
     return half > finest ? half : finest;
 }
 
-/// The stage after a frame, and the forecast of its time.
+/// The stage after a frame, and the forecast of its time. Samples are accumulated however long a
+/// frame takes: a machine that is busy for a moment, or a driver that compiles, must not decide
+/// what is seen at rest, and the next request stops it.
 static paint_stage next_stage(painter* p, const paint_request* request,
                               const paint_figures* figures)
 {
@@ -131,7 +132,7 @@ static paint_stage next_stage(painter* p, const paint_request* request,
         p->expected_ms = stp_budget_predict(&p->scene->budgets[p->uses_gl], next);
         return p->expected_ms < finest_ms ? STAGE_RESTS : STAGE_DONE;
     }
-    bool accumulates = request->samples > 1 && figures->frame_ms < patience_ms;
+    bool accumulates = request->samples > 1;
     if (!accumulates && p->stage == STAGE_MOVES && p->scene->transparent) {
         return STAGE_RESTS; // draw once more, with layers
     }

@@ -190,6 +190,9 @@ void report_write(viewer* v, bool last)
     if (path == NULL || (!last && now - v->report_ms < every_ms && rests == v->report_rests)) {
         return;
     }
+    if (rests) { // who waits for this looks at the screen next
+        window_finish(&v->window);
+    }
     v->report_ms = now;
     v->report_rests = rests;
     char aside[PATH_ROOM + 8];

@@ -21,6 +21,7 @@ struct window_gl {
     void (*viewport)(GLint, GLint, GLsizei, GLsizei);
     void (*clear_color)(GLfloat, GLfloat, GLfloat, GLfloat);
     void (*clear)(GLbitfield);
+    void (*finish)(void);
     void (*read_pixels)(GLint, GLint, GLsizei, GLsizei, GLenum, GLenum, void*);
     const GLubyte* (*get_string)(GLenum);
     GLenum (*get_error)(void);
@@ -41,6 +42,7 @@ static bool load_functions(window_gl* gl)
         {"glViewport", &gl->viewport},
         {"glClearColor", &gl->clear_color},
         {"glClear", &gl->clear},
+        {"glFinish", &gl->finish},
         {"glReadPixels", &gl->read_pixels},
         {"glGetString", &gl->get_string},
         {"glGetError", &gl->get_error},
@@ -314,6 +316,16 @@ void window_show(window* w)
     } else {
         SDL_RenderPresent(w->renderer);
     }
+}
+
+void window_finish(window* w)
+{
+    if (w->gl != NULL) {
+        w->functions->finish();
+    }
+    // the display's server handles requests in their order, and answers this one
+    int top, left, bottom, right;
+    (void)SDL_GetWindowBordersSize(w->handle, &top, &left, &bottom, &right);
 }
 
 bool window_read(window* w, uint8_t* pixels)

@@ -23,6 +23,7 @@ stp_hash stp_hash_steps(stp_hash chain, const void* bytes, size_t size,
 {
     const unsigned char* from = bytes;
     XXH3_state_t state;
+    XXH3_INITSTATE(&state); // otherwise it keeps what memory holds if that looks like the same seed
     (void)XXH3_128bits_reset_withSeed(&state, chain.low);
     for (size_t at = 0, step; at < size; at += step) {
         step = size - at < STEP ? size - at : STEP;

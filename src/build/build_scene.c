@@ -302,14 +302,19 @@ static stp_result code_meshes(build* b)
     return result;
 }
 
-static void release_pages(void* work)
+static void release_pages(void* user)
 {
-    stp_work_release_pages(work);
+    const build* b = user;
+    stp_work_release_pages(b->work);
+    if (b->spill != NULL) {
+        stp_spill_release_pages(b->spill); // attributes of points
+    }
 }
 
-static bool is_intact(void* work)
+static bool is_intact(void* user)
 {
-    return stp_work_is_intact(work);
+    const build* b = user;
+    return stp_work_is_intact(b->work);
 }
 
 static stp_result make_content(build* b)
@@ -326,7 +331,7 @@ static stp_result make_content(build* b)
         content->directory.method_count = b->methods.method_count;
         content->release_pages = release_pages;
         content->is_intact = is_intact;
-        content->release_user = b->work;
+        content->release_user = b;
         content->directory.shadings = b->shadings.shadings;
         content->directory.shading_count = b->shadings.count;
         content->directory.build_json = b->desc->parameters_json;

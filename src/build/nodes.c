@@ -10,6 +10,7 @@
 #include <pthread.h>
 
 #define RELEASE_SPLATS (UINT64_C(4) << 20) // splats between releases of file pages
+#define SET_SPLATS 16384u // whose pages reading the beginning of a set's columns makes resident
 
 // State shared by the steps of a run.
 typedef struct run {
@@ -76,7 +77,7 @@ static void end_step(run* r, uint32_t index, stp_result result, const stp_blue_r
     while (r->done_count < plan->step_count && r->done[r->done_count]) {
         r->done_count += 1;
     }
-    r->unreleased += nodes->sets[index].count;
+    r->unreleased += nodes->sets[index].count + SET_SPLATS * (uint64_t)report->source_sets;
     bool release = r->unreleased >= RELEASE_SPLATS;
     r->unreleased = release ? 0 : r->unreleased;
     pthread_cond_broadcast(&r->advanced);

@@ -48,14 +48,17 @@ static void release(void* memory)
 typedef struct stream {
     const unsigned char* bytes;
     size_t size, at;
-    bool is_short; ///< more was read than there is
+    bool is_short;      ///< more was read than there is
+    const char* buffer; ///< that stb_image fills ahead, perhaps beyond the end; NULL: not yet known
 } stream;
 
+// The first read fills the buffer. Rows that are read past it must be whole.
 static int read_bytes(void* user, char* out, int size)
 {
     stream* s = user;
     size_t left = s->size - s->at, wanted = (size_t)size, count = wanted < left ? wanted : left;
-    s->is_short |= count == 0 && wanted != 0;
+    s->buffer = s->buffer == NULL ? out : s->buffer;
+    s->is_short |= out == s->buffer ? count == 0 && wanted != 0 : count < wanted;
     if (count != 0) {
         memcpy(out, s->bytes + s->at, count);
     }
@@ -123,7 +126,7 @@ static unsigned char* fill_palette(stp_context* context, const plain* p, stream*
         memcpy(copy, s->bytes, p->start);
         memcpy(copy + p->start + p->palette_gap, s->bytes + p->start, s->size - p->start);
         stp_write_u32(copy + 10, (uint32_t)(p->start + p->palette_gap));
-        *s = (stream){copy, s->size + p->palette_gap, 0, false};
+        *s = (stream){copy, s->size + p->palette_gap, 0, false, NULL};
     }
     return copy;
 }
@@ -144,7 +147,7 @@ static stp_result decode(const plain* p, stream* s, stp_texture* texture, const 
     // A run of 128 equal pixels takes a byte and a pixel; anything else a pixel each.
     uint64_t bits = 8 * (uint64_t)s->size, least = p->pixel_bits;
     bool fits = p->runs ? pixels / 128 <= bits / (8 + least) : pixels <= bits / (least + !least);
-    *s = (stream){s->bytes, s->size, 0, false};
+    *s = (stream){s->bytes, s->size, 0, false, NULL};
     stbi_uc* texels = NULL;
     if (fits) {
         texels = stbi_load_from_callbacks(&callbacks, s, &width, &height, &channels, 4);
@@ -181,7 +184,7 @@ stp_result stp_image_decode_plain(stp_context* context, const unsigned char* byt
         *reason = unknown;
         return STP_ERROR_UNSUPPORTED;
     }
-    stream s = {bytes, size, 0, false};
+    stream s = {bytes, size, 0, false, NULL};
     unsigned char* copy = p.palette_gap != 0 ? fill_palette(context, &p, &s) : NULL;
     if (p.palette_gap != 0 && copy == NULL) {
         *reason = "out of memory";

@@ -50,8 +50,16 @@ static double find_percentile(const histogram* h, double share)
     return value_of_bin(h, bin);
 }
 
-static void measure_range(const stp_store_content* content, stp_store_attribute* figures)
+static void count_read(stp_store_writing* w, const stp_store_point_set* set, uint32_t a)
 {
+    if (set->attributes[a] != NULL) {
+        stp_store_count_read(w, (uint64_t)set->point_count * stp_attribute_size((stp_attribute)a));
+    }
+}
+
+static void measure_range(stp_store_writing* w, stp_store_attribute* figures)
+{
+    const stp_store_content* content = w->content;
     uint32_t a = figures->attribute;
     figures->low = HUGE_VAL;
     figures->high = -HUGE_VAL;
@@ -63,11 +71,13 @@ static void measure_range(const stp_store_content* content, stp_store_attribute*
             figures->high = value > figures->high ? value : figures->high;
             figures->count += 1;
         }
+        count_read(w, set, a);
     }
 }
 
-static void measure_attribute(const stp_store_content* content, histogram* h)
+static void measure_attribute(stp_store_writing* w, histogram* h)
 {
+    const stp_store_content* content = w->content;
     uint32_t a = h->figures.attribute;
     memset(h->bins, 0, BINS * sizeof(*h->bins));
     for (uint32_t i = 0; i < content->directory.point_set_count; ++i) {
@@ -75,6 +85,7 @@ static void measure_attribute(const stp_store_content* content, histogram* h)
         for (size_t k = 0; set->attributes[a] != NULL && k < set->point_count; ++k) {
             h->bins[bin_of(h, stp_attribute_number((stp_attribute)a, set->attributes[a], k))] += 1;
         }
+        count_read(w, set, a);
     }
     h->figures.low_percentile = find_percentile(h, 0.01 * PERCENT);
     h->figures.high_percentile = find_percentile(h, 1.0 - 0.01 * PERCENT);
@@ -97,7 +108,7 @@ stp_result stp_store_measure_attributes(stp_store_writing* w)
     histogram h = {.bins = NULL};
     for (uint32_t a = 0; a < STP_ATTRIBUTES; ++a) {
         h.figures = (stp_store_attribute){.attribute = a};
-        measure_range(w->content, &h.figures);
+        measure_range(w, &h.figures);
         if (h.figures.count == 0) {
             continue;
         }
@@ -109,7 +120,7 @@ stp_result stp_store_measure_attributes(stp_store_writing* w)
             stp_free(w->context, h.bins);
             return stp_fail_memory(w->context);
         }
-        measure_attribute(w->content, &h);
+        measure_attribute(w, &h);
         w->attributes[w->attribute_count++] = h.figures;
         if (a == STP_ATTRIBUTE_CLASS) {
             list_classes(&h, w);

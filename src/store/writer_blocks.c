@@ -111,11 +111,20 @@ static stp_result write_plain(stp_store_writing* w, stp_store_block* block)
     return result;
 }
 
+void stp_store_count_read(stp_store_writing* w, uint64_t bytes)
+{
+    w->unreleased_bytes += bytes;
+    if (w->content->release_pages != NULL && w->unreleased_bytes >= RELEASE_BYTES) {
+        w->unreleased_bytes = 0;
+        w->content->release_pages(w->content->release_user);
+    }
+}
+
 stp_result stp_store_write_blocks(stp_store_writing* w)
 {
     stp_store_batch* batch = NULL;
     stp_result result = stp_store_batch_create(w, &batch);
-    uint64_t released = 0;
+    uint64_t written = stp_file_writer_size(w->file);
     for (uint32_t i = 0; i < w->plan.block_count && result == STP_OK; ++i) {
         if (w->plan.blocks[i].kind == STP_BLOCK_SURFELS) {
             result = stp_store_batch_add(batch, i);
@@ -127,11 +136,8 @@ stp_result stp_store_write_blocks(stp_store_writing* w)
                      : values         ? stp_store_write_values(w, &w->plan.blocks[i])
                                       : write_plain(w, &w->plan.blocks[i]);
         }
-        uint64_t written = stp_file_writer_size(w->file);
-        if (w->content->release_pages != NULL && written - released >= RELEASE_BYTES) {
-            released = written;
-            w->content->release_pages(w->content->release_user);
-        }
+        stp_store_count_read(w, stp_file_writer_size(w->file) - written);
+        written = stp_file_writer_size(w->file);
     }
     result = result == STP_OK ? stp_store_batch_flush(batch) : result;
     stp_store_batch_destroy(batch);

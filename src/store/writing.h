@@ -28,6 +28,7 @@ typedef struct stp_store_writing {
     uint32_t attribute_count, attribute_value_count;
     uint32_t crc; ///< of the section or block being written
     stp_store_page_sums sums;
+    uint64_t unreleased_bytes;  ///< read from the content since its pages were last released
     stp_store_packing* packing; ///< of the section being written; NULL: not packed
 } stp_store_writing;
 
@@ -45,6 +46,10 @@ void stp_store_batch_destroy(stp_store_batch* batch);
 STP_MUST_USE stp_result stp_store_batch_add(stp_store_batch* batch, uint32_t block);
 /// Writes the remaining chunks.
 STP_MUST_USE stp_result stp_store_batch_flush(stp_store_batch* batch);
+
+/// Counts bytes that were read from the content, or written instead; releases its pages when there
+/// are many.
+void stp_store_count_read(stp_store_writing* w, uint64_t bytes);
 
 /// Computes the attribute statistics.
 STP_MUST_USE stp_result stp_store_measure_attributes(stp_store_writing* w);

@@ -105,15 +105,12 @@ wait_until 'r["stores"] > 0'
 kill -STOP $viewer # wherever it is by now
 "$stipple" view shared.obj --backend cpu --size 320x200 --report second.json > second.out 2> second.err &
 second=$!
-until python3 "$here/view_report.py" second.json 'r["shows"] > 0 and r["loading"] == "working"'; do
-    kill -0 $second 2> /dev/null || { fail "the second window ended: $(cat second.err)"; break; }
-    sleep 0.1
-done
+# it waits for the first, or finds what the first has just built
+"$python" -S -E "$here/view_report.py" second.json 'r["shows"] > 0 and r["loading"] in ("working", "done")' $second ||
+    fail "the second window ended: $(cat second.err)"
 kill -CONT $viewer
-until python3 "$here/view_report.py" second.json 'r["loading"] in ("done", "failed")'; do
-    kill -0 $second 2> /dev/null || { fail "the second window ended: $(cat second.err)"; break; }
-    sleep 0.1
-done
+"$python" -S -E "$here/view_report.py" second.json 'r["loading"] in ("done", "failed")' $second ||
+    fail "the second window ended: $(cat second.err)"
 python3 "$here/view_report.py" second.json 'r["loading"] == "done" and r["complete"]' || fail "the second: $(cat second.json)"
 kill $second
 wait $second

@@ -50,7 +50,7 @@ void test_image_plain_pictures(test_state* test)
 }
 
 static stp_result decode(stp_context* context, const unsigned char* bytes, size_t size,
-                         uint8_t texels[16])
+                         uint8_t* texels)
 {
     stp_texture texture = {0};
     const char* reason = NULL;
@@ -112,6 +112,20 @@ void test_image_plain_memory_is_limited(test_state* test)
     stp_result result = decode(context, square, sizeof(square), texels);
     stp_context_destroy(context);
     CHECK_EQUAL(STP_ERROR_OUT_OF_MEMORY, result);
+}
+
+// The last row is read in one piece, and a part of it is missing.
+void test_image_plain_last_rows_are_whole(test_state* test)
+{
+    enum { WIDTH = 100, SIZE = 18 + 3 * WIDTH };
+    static unsigned char row[SIZE] = {[2] = 2, [12] = WIDTH, [14] = 1, [16] = 24};
+    uint8_t texels[4 * WIDTH];
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK_EQUAL(STP_OK, decode(context, row, SIZE, texels));
+    for (size_t missing = 1; missing < 100; ++missing) {
+        CHECK_EQUAL(STP_ERROR_TRUNCATED, decode(context, row, SIZE - missing, texels));
+    }
+    stp_context_destroy(context);
 }
 
 void test_image_plain_heights_have_ends(test_state* test)

@@ -360,3 +360,55 @@ void test_viewer_painter_draws_on_where_opengl_is_lost(test_state* test)
     painter_destroy(p);
     unlink(path);
 }
+
+static atomic_int slow_finishes;
+static stp_gl_proc real_finish;
+
+/// glFinish of a driver that compiles in the first frame.
+static void finish_slowly(void)
+{
+    if (atomic_fetch_sub(&slow_finishes, 1) > 0) {
+        sleep_ms(1600.0);
+    }
+    real_finish();
+}
+
+static stp_gl_proc find_slow_function(const char* name, void* user)
+{
+    stp_gl_proc function = stp_headless_get_proc_address(name, user);
+    if (strcmp(name, "glFinish") != 0) {
+        return function;
+    }
+    real_finish = function;
+    return (stp_gl_proc)finish_slowly;
+}
+
+/// How long the first frame took does not decide whether samples are accumulated.
+void test_viewer_painter_accumulates_after_a_slow_frame(test_state* test)
+{
+    char path[64];
+    stp_headless headless;
+    if (!begin_gl(&headless)) {
+        SKIP("there is no OpenGL");
+    }
+    end_gl(&headless);
+    CHECK(boxes_build("painter", path));
+    painter_desc desc = {.thread_count = 1,
+                         .wake = do_nothing,
+                         .begin_gl = begin_gl,
+                         .end_gl = end_gl,
+                         .get_proc_address = find_slow_function,
+                         .gl_user = &headless};
+    atomic_store(&slow_finishes, 1);
+    painter* p = painter_create(&desc);
+    CHECK(p != NULL);
+    painter_open(p, path, 1);
+    (void)adopt(p);
+    paint_request request = ask(true);
+    request.samples = 2;
+    const painter_picture* picture = wait_for(p, painter_request(p, &request));
+    CHECK(atomic_load(&slow_finishes) <= 0 && picture->gl);
+    CHECK_EQUAL(4, (int)picture->figures.samples);
+    painter_destroy(p);
+    unlink(path);
+}

@@ -36,8 +36,10 @@ void test_viewer_recent_files_are_bounded_and_newest_first(test_state* test)
 
 void test_viewer_recent_files_are_kept(test_state* test)
 {
-    char folder_path[64], file[128];
-    snprintf(folder_path, sizeof(folder_path), "stp_recent_%ld", (long)getpid());
+    char here[4096], folder_path[4200], file[4300];
+    CHECK(getcwd(here, sizeof(here)) != NULL);
+    // an absolute path: relative ones in XDG variables are ignored
+    snprintf(folder_path, sizeof(folder_path), "%s/stp_recent_%ld", here, (long)getpid());
     setenv("XDG_STATE_HOME", folder_path, 1);
     recent_load(&list); // there is none yet
     CHECK_EQUAL(0, list.count);

@@ -272,6 +272,7 @@ static stp_result make(blue* b, uint32_t node, const uint8_t* shading_of_materia
     double captured = stp_clock_ms();
     report->capture_ms = captured - start;
     report->candidate_count = b->candidates.count;
+    report->source_sets = b->list.set_count;
     if (result != STP_OK || b->wanted == 0) {
         return result;
     }

@@ -30,6 +30,7 @@ uint64_t stp_default_surfel_count(uint64_t triangles, uint64_t points);
 typedef struct stp_blue_report {
     double capture_ms, order_ms, finish_ms;
     uint32_t candidate_count;
+    size_t source_sets; ///< number of lower sets that candidates were taken from
 } stp_blue_report;
 
 /// Makes the surfels of everything below a scene node, except moving parts. `materials` of the
