@@ -101,6 +101,16 @@ static stp_import_desc import_desc_of(const build* b)
     return import;
 }
 
+// Methods that find signs need whole surfaces, not pieces of them.
+static stp_result partition_scene(build* b)
+{
+    stp_partition_desc partition = b->desc->partition;
+    for (uint32_t i = 0; i < b->desc->method_count; ++i) {
+        partition.finds_signs = partition.finds_signs || b->desc->methods[i]->finds_signs;
+    }
+    return stp_scene_partition(b->scene, &partition);
+}
+
 // Somebody who watches sees a large scan before it is read.
 static stp_result sketch_sample(build* b)
 {
@@ -157,7 +167,7 @@ static stp_result import_inputs(build* b)
     }
     stp_spill_release_pages(b->spill);
     result = result != STP_OK ? result : stp_progress(b->context, "partition", 0.5);
-    result = result != STP_OK ? result : stp_scene_partition(b->scene, &b->desc->partition);
+    result = result != STP_OK ? result : partition_scene(b);
     stp_spill_release_pages(b->spill);
     stp_trim_heap();
     b->report->partition_s = (stp_clock_ms() - imported) * 1e-3;

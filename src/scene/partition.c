@@ -18,6 +18,8 @@
 // (docs/notes/2026-11-scan-spacing.md). Clouds of a few pieces stay whole.
 #define DEFAULT_POINTS 25000u
 #define DEFAULT_CLOUD 100000u
+// A piece is oriented without the others, so it should be a whole surface.
+#define DEFAULT_UNORIENTED 1000000u
 #define DEFAULT_CHILDREN 16u
 // Parts with fewer triangles or points get no approximation of their own (Brandt 5.2).
 #define SMALL_PART 1000u
@@ -38,7 +40,7 @@ typedef struct partition {
     stp_edge* old_edges;
     stp_part* old_parts;
     size_t old_count;
-    uint32_t cloud_points; ///< most points of a set that stays whole
+    bool has_limit;       ///< the caller gave the limit of pieces of point sets
     uint8_t* dissolved;   ///< of each old edge: the parent absorbs the child's content (dissolve.h)
     uint32_t* made;       ///< of each old node: the new one
     uint32_t* cut_meshes; ///< of each mesh: the node of its pieces; STP_NONE: not cut
@@ -282,6 +284,20 @@ static stp_result make_collected(partition* p, uint32_t flags, uint32_t* index)
     return result;
 }
 
+// The limit of a mesh or a point set: larger ones are cut. @param most limit of a piece
+static uint32_t limit_of(const partition* p, stp_part part, uint32_t* most)
+{
+    if (part.kind == STP_PART_MESH) {
+        return *most = p->desc.leaf_triangles;
+    }
+    bool oriented = p->scene->point_sets[part.index].normals != NULL;
+    if (!p->has_limit && p->desc.finds_signs && !oriented) {
+        return *most = DEFAULT_UNORIENTED;
+    }
+    *most = p->desc.leaf_points;
+    return p->has_limit ? *most : DEFAULT_CLOUD;
+}
+
 // Cuts the large meshes or point sets, and makes a node of each one's pieces.
 static stp_result cut_kind(partition* p, stp_part_kind kind, const uint8_t* uses, uint32_t* nodes)
 {
@@ -293,8 +309,8 @@ static stp_result cut_kind(partition* p, stp_part_kind kind, const uint8_t* uses
         uint32_t size =
             is_mesh ? scene->meshes[i].triangle_count : scene->point_sets[i].point_count;
         nodes[i] = STP_NONE;
-        uint32_t most = is_mesh ? p->desc.leaf_triangles : p->desc.leaf_points;
-        if (size <= (is_mesh ? most : p->cloud_points) || (uses[i] & STP_USED_RESTING) == 0) {
+        uint32_t most, limit = limit_of(p, (stp_part){kind, i}, &most);
+        if (size <= limit || (uses[i] & STP_USED_RESTING) == 0) {
             continue;
         }
         uint32_t first = 0, pieces = 0;
@@ -386,11 +402,10 @@ stp_result stp_scene_partition(stp_scene* scene, const stp_partition_desc* desc)
                    .old_parts = scene->node_parts,
                    .old_count = scene->node_count};
     p.desc.leaf_triangles = desc->leaf_triangles != 0 ? desc->leaf_triangles : DEFAULT_LEAF;
-    bool given = desc->leaf_points != 0 || desc->leaf_triangles != 0;
+    p.has_limit = desc->leaf_points != 0 || desc->leaf_triangles != 0;
     p.desc.leaf_points = desc->leaf_points != 0 ? desc->leaf_points
-                         : given                ? desc->leaf_triangles
+                         : p.has_limit          ? desc->leaf_triangles
                                                 : DEFAULT_POINTS;
-    p.cloud_points = given ? p.desc.leaf_points : DEFAULT_CLOUD;
     p.desc.child_count = desc->child_count != 0 ? desc->child_count : DEFAULT_CHILDREN;
     p.desc.child_count = p.desc.child_count < 2                 ? 2
                          : p.desc.child_count > STP_GROUP_LIMIT ? STP_GROUP_LIMIT

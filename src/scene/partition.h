@@ -25,6 +25,9 @@ typedef struct stp_partition_desc {
     /// Limit of a piece of a point set; default leaf_triangles where that is given, else 25,000,
     /// and sets of up to 100,000 points stay whole
     uint32_t leaf_points;
+    /// Finds which side of points without normals is outside: a closed surface should be in one
+    /// piece, so the default for such sets is 1,000,000 points
+    bool finds_signs;
 } stp_partition_desc;
 
 /// Call once, after stp_scene_finish. Deterministic for any number of threads.

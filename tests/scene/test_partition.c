@@ -627,19 +627,31 @@ void test_partitions_survive_failing_allocator(test_state* test)
     CHECK(made && failures > 100);
 }
 
-// Points of a large cloud are cut into small pieces; a small cloud stays whole.
+// Points of a large cloud are cut into small pieces; a small cloud stays whole, and so does a larger
+// one whose outside is to be found.
 void test_large_clouds_are_cut_finely(test_state* test)
 {
-    static const uint32_t counts[] = {100000, 100001};
-    for (int k = 0; k < 2; ++k) {
+    static const struct {
+        uint32_t points;
+        bool has_normals, finds_signs;
+        uint32_t pieces, most;
+    } cases[] = {{100000, false, false, 1, 100000},
+                 {100001, false, false, 5, 25000},
+                 {100001, false, true, 1, 1000000},
+                 {100001, true, true, 5, 25000},
+                 {1000001, false, true, 2, 1000000}};
+    for (size_t k = 0; k < sizeof(cases) / sizeof(cases[0]); ++k) {
+        size_t count = cases[k].points;
         stp_context* context = test_context(NULL, 2, NULL);
         stp_scene* scene = NULL;
         uint32_t object, index;
+        const stp_partition_desc desc = {.finds_signs = cases[k].finds_signs};
         CHECK(context != NULL && stp_scene_create(context, &scene) == STP_OK);
-        stp_point_set set = {.point_count = counts[k],
-                             .positions = STP_NEW_ARRAY(context, float, 3 * (size_t)counts[k])};
-        CHECK(set.positions != NULL);
-        for (uint32_t i = 0; i < counts[k]; ++i) {
+        stp_point_set set = {.point_count = cases[k].points,
+                             .positions = STP_NEW_ARRAY(context, float, 3 * count)};
+        set.normals = cases[k].has_normals ? STP_NEW_ZEROED(context, float, 3 * count) : NULL;
+        CHECK(set.positions != NULL && (set.normals != NULL) == cases[k].has_normals);
+        for (uint32_t i = 0; i < count; ++i) {
             set.positions[3 * i] = (float)(i % 400);
             set.positions[3 * i + 1] = 0.0f;
             set.positions[3 * i + 2] = (float)(i / 400);
@@ -648,17 +660,17 @@ void test_large_clouds_are_cut_finely(test_state* test)
         CHECK(add_object(scene, STP_NONE, stp_affine_identity(), 0, &object));
         CHECK_EQUAL(STP_OK, stp_scene_add_part(scene, (stp_part){STP_PART_POINTS, index}));
         CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
-        CHECK_EQUAL(STP_OK, stp_scene_partition(scene, &(stp_partition_desc){0}));
+        CHECK_EQUAL(STP_OK, stp_scene_partition(scene, &desc));
         uint64_t points = 0;
-        uint32_t pieces = 0, most = k == 0 ? 100000 : 25000;
+        uint32_t pieces = 0;
         for (size_t i = 0; i < scene->node_part_count; ++i) {
-            uint32_t count = scene->point_sets[scene->node_parts[i].index].point_count;
-            CHECK(count <= most);
-            points += count;
+            uint32_t size = scene->point_sets[scene->node_parts[i].index].point_count;
+            CHECK(size <= cases[k].most);
+            points += size;
             pieces += 1;
         }
-        CHECK_EQUAL(counts[k], points);
-        CHECK_EQUAL(k == 0 ? 1 : 5, pieces);
+        CHECK_EQUAL(count, points);
+        CHECK_EQUAL(cases[k].pieces, pieces);
         stp_scene_destroy(scene);
         stp_context_destroy(context);
     }

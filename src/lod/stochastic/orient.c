@@ -187,12 +187,13 @@ static void find_pieces(orienter* o)
 }
 
 /// Chooses the next start: among the unoriented leaves about as high as the highest one, the leaf
-/// whose plane faces up most, because the up direction is ambiguous at edges and corners.
-/// UINT32_MAX: none is left.
+/// whose plane faces up most, because the up direction is ambiguous at edges and corners. Lower
+/// leaves count less: a leaf of few points may be as wide as the whole piece is high. UINT32_MAX:
+/// none is left.
 static uint32_t find_highest(const orienter* o)
 {
     uint32_t highest = UINT32_MAX, best = UINT32_MAX;
-    float most = -2.0f;
+    float most = -HUGE_VALF;
     for (uint32_t i = 0; i < o->count; ++i) {
         if (!o->done[i] &&
             (highest == UINT32_MAX || o->facts[i].mean[1] > o->facts[highest].mean[1])) {
@@ -201,9 +202,9 @@ static uint32_t find_highest(const orienter* o)
     }
     for (uint32_t i = 0; i < o->count && highest != UINT32_MAX; ++i) {
         float width = (float)stp_leaf_width(o->octree->leaves[highest].depth);
-        float up = fabsf(o->facts[i].normal.y) - uncertainty(&o->facts[i]);
-        bool high = o->facts[i].mean[1] >= o->facts[highest].mean[1] - width;
-        if (!o->done[i] && high && o->pieces[i] == o->pieces[highest] && up > most) {
+        float below = (o->facts[highest].mean[1] - o->facts[i].mean[1]) / width;
+        float up = fabsf(o->facts[i].normal.y) - uncertainty(&o->facts[i]) - below;
+        if (!o->done[i] && below <= 1.0f && o->pieces[i] == o->pieces[highest] && up > most) {
             most = up;
             best = i;
         }
