@@ -27,6 +27,7 @@ typedef enum cloud_kind { BALL, CUBE, SHEETS, CROWD, CLOUD_KINDS } cloud_kind;
 typedef struct cloud {
     stp_candidates candidates;
     float positions[3 * POINTS], normals[3 * POINTS];
+    float truth[3 * POINTS]; ///< normals of a block
     uint8_t colors[4 * POINTS];
     uint32_t materials[POINTS];
     uint16_t intensities[POINTS]; ///< of point i: i
@@ -259,6 +260,73 @@ void test_stochastic_normals_face_outwards(test_state* test)
             CHECK(share_outwards(&set, (cloud_kind)kind) > 0.99);
             stp_splats_destroy(context, &set);
         }
+    }
+    stp_context_destroy(context);
+}
+
+/// Points of a flat block with a slot in its top, half as wide as the slot is deep.
+static void make_slotted_block(cloud* c, double height, uint64_t seed)
+{
+    // corner and sides of each face, and its normal
+    const double h = height, deep = 0.5 * h, a = 0.25 * h;
+    const struct {
+        stp_vec3d corner, u, v;
+        stp_vec3 normal;
+    } faces[] = {
+        {{-1, 0, -1}, {2, 0, 0}, {0, 0, 2}, {0, -1, 0}},
+        {{-1, h, -1}, {1 - a, 0, 0}, {0, 0, 2}, {0, 1, 0}},
+        {{a, h, -1}, {1 - a, 0, 0}, {0, 0, 2}, {0, 1, 0}},
+        {{-a, h - deep, -1}, {2 * a, 0, 0}, {0, 0, 2}, {0, 1, 0}},
+        {{-1, 0, -1}, {0, h, 0}, {0, 0, 2}, {-1, 0, 0}},
+        {{1, 0, -1}, {0, h, 0}, {0, 0, 2}, {1, 0, 0}},
+        {{-a, h - deep, -1}, {0, deep, 0}, {0, 0, 2}, {1, 0, 0}},
+        {{a, h - deep, -1}, {0, deep, 0}, {0, 0, 2}, {-1, 0, 0}},
+        {{-1, 0, -1}, {1 - a, 0, 0}, {0, h, 0}, {0, 0, -1}},
+        {{a, 0, -1}, {1 - a, 0, 0}, {0, h, 0}, {0, 0, -1}},
+        {{-a, 0, -1}, {2 * a, 0, 0}, {0, h - deep, 0}, {0, 0, -1}},
+        {{-1, 0, 1}, {1 - a, 0, 0}, {0, h, 0}, {0, 0, 1}},
+        {{a, 0, 1}, {1 - a, 0, 0}, {0, h, 0}, {0, 0, 1}},
+        {{-a, 0, 1}, {2 * a, 0, 0}, {0, h - deep, 0}, {0, 0, 1}},
+    };
+    enum { FACES = sizeof(faces) / sizeof(faces[0]) };
+    double areas[FACES], total = 0.0;
+    make_cloud(c, BALL, seed);
+    for (int f = 0; f < FACES; ++f) {
+        areas[f] = stp_lengthd(stp_crossd(faces[f].u, faces[f].v));
+        total += areas[f];
+    }
+    for (uint64_t i = 0; i < POINTS; ++i) {
+        double at = total * unit(seed, 3 * i), s = unit(seed, 3 * i + 1), t = unit(seed, 3 * i + 2);
+        int f = 0;
+        for (; f < FACES - 1 && at >= areas[f]; ++f) {
+            at -= areas[f];
+        }
+        stp_vec3 p = stp_to_float(stp_addd(
+            faces[f].corner, stp_addd(stp_scaled(faces[f].u, s), stp_scaled(faces[f].v, t))));
+        memcpy(c->positions + 3 * i, &p, sizeof(p));
+        memcpy(c->truth + 3 * i, &faces[f].normal, sizeof(p));
+    }
+}
+
+// The leaf from which orientation starts may be as wide as the block is high.
+void test_stochastic_normals_of_a_slotted_block_face_outwards(test_state* test)
+{
+    static cloud c;
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    for (uint64_t seed = 0; seed < 24; ++seed) {
+        stp_splats set;
+        make_slotted_block(&c, seed % 2 == 0 ? 1.0 : 0.6, seed);
+        CHECK_EQUAL(STP_OK, make_set(context, &c, POINTS, &set));
+        uint32_t right = 0;
+        for (uint32_t i = 0; i < set.count; ++i) {
+            const float* t = c.truth + 3 * (size_t)point_of(&set, i);
+            stp_vec3 n = stp_octahedral_decode(set.normals[2 * (size_t)i],
+                                               set.normals[2 * (size_t)i + 1]);
+            right += stp_dot(n, (stp_vec3){t[0], t[1], t[2]}) > 0.0f ? 1 : 0;
+        }
+        CHECK(right > 0.99 * set.count);
+        stp_splats_destroy(context, &set);
     }
     stp_context_destroy(context);
 }
