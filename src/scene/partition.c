@@ -17,7 +17,7 @@
 // Points of a piece have one spacing, so pieces are small where density may vary
 // (docs/notes/2026-11-scan-spacing.md). Clouds of a few pieces stay whole.
 #define DEFAULT_POINTS 25000u
-#define DEFAULT_CLOUD 100000u
+#define DEFAULT_CLOUD 400000u
 // A piece is oriented without the others, so it should be a whole surface.
 #define DEFAULT_UNORIENTED 1000000u
 #define DEFAULT_CHILDREN 16u

@@ -23,7 +23,7 @@ typedef struct stp_partition_desc {
     uint32_t leaf_triangles;
     uint32_t child_count; ///< maximum edges plus parts of a node; default 16
     /// Limit of a piece of a point set; default leaf_triangles where that is given, else 25,000,
-    /// and sets of up to 100,000 points stay whole
+    /// and sets of up to 400,000 points stay whole
     uint32_t leaf_points;
     /// Finds which side of points without normals is outside: a closed surface should be in one
     /// piece, so the default for such sets is 1,000,000 points

@@ -186,10 +186,10 @@ import random
 import struct
 some = random.Random(11)
 with open("ring.ply", "wb") as file:
-    file.write(b"ply\nformat binary_little_endian 1.0\nelement vertex 120000\n")
+    file.write(b"ply\nformat binary_little_endian 1.0\nelement vertex 410000\n")
     file.write(b"".join(b"property float %c\n" % axis for axis in b"xyz"))
     file.write(b"property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n")
-    for i in range(120000):
+    for i in range(410000):
         u, v = some.uniform(0, 2 * math.pi), some.uniform(0, 2 * math.pi)
         r = 1 + 0.1 * math.sin(9 * u) * math.cos(3 * v)
         p = ((3 + r * math.cos(v)) * math.cos(u), (3 + r * math.cos(v)) * math.sin(u), r * math.sin(v))
@@ -211,6 +211,6 @@ for number, normal in stochastic_normals.read_normals(pathlib.Path("ring.stip"))
     middle = (3 * x / across, 3 * y / across, 0) # of the tube
     count += 1
     inwards += sum(n * (p - m) for n, p, m in zip(normal, (x, y, z), middle)) < 0
-assert count >= 120000 and inwards < 0.005 * count, (count, inwards)
+assert count >= 410000 and inwards < 0.005 * count, (count, inwards)
 END
 echo ok

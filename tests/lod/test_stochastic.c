@@ -321,8 +321,8 @@ void test_stochastic_normals_of_a_slotted_block_face_outwards(test_state* test)
         uint32_t right = 0;
         for (uint32_t i = 0; i < set.count; ++i) {
             const float* t = c.truth + 3 * (size_t)point_of(&set, i);
-            stp_vec3 n = stp_octahedral_decode(set.normals[2 * (size_t)i],
-                                               set.normals[2 * (size_t)i + 1]);
+            stp_vec3 n =
+                stp_octahedral_decode(set.normals[2 * (size_t)i], set.normals[2 * (size_t)i + 1]);
             right += stp_dot(n, (stp_vec3){t[0], t[1], t[2]}) > 0.0f ? 1 : 0;
         }
         CHECK(right > 0.99 * set.count);

@@ -635,10 +635,10 @@ void test_large_clouds_are_cut_finely(test_state* test)
         uint32_t points;
         bool has_normals, finds_signs;
         uint32_t pieces, most;
-    } cases[] = {{100000, false, false, 1, 100000},
-                 {100001, false, false, 5, 25000},
-                 {100001, false, true, 1, 1000000},
-                 {100001, true, true, 5, 25000},
+    } cases[] = {{400000, false, false, 1, 400000},
+                 {400001, false, false, 17, 25000},
+                 {400001, false, true, 1, 1000000},
+                 {400001, true, true, 17, 25000},
                  {1000001, false, true, 2, 1000000}};
     for (size_t k = 0; k < sizeof(cases) / sizeof(cases[0]); ++k) {
         size_t count = cases[k].points;
