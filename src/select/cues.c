@@ -253,11 +253,6 @@ static double occlusion_of(double before, double pixels)
     return pixels > 0.0 ? fmin(STP_CUE_OCCLUSION * before / pixels, 1.0) : 0.0;
 }
 
-double stp_cue_occlusion(const stp_cue_view* view, const stp_leaf_node* node, double pixels)
-{
-    return occlusion_of(stp_cue_before(view, node, pixels / STP_CUE_OCCLUSION), pixels);
-}
-
 double stp_cue_enough(const stp_cue_view* view, const stp_leaf_node* node, const stp_sight* sight)
 {
     bool asks = (view->cues & STP_CUE_OCCLUSION_BIT) != 0;

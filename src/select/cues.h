@@ -71,9 +71,6 @@ double stp_cue_before(const stp_cue_view* view, const stp_leaf_node* node, doubl
 /// Number of splats before a cube beyond which more make no difference; 0 without the cue.
 double stp_cue_enough(const stp_cue_view* view, const stp_leaf_node* node, const stp_sight* sight);
 
-/// Occlusion of a cube, from 0 to 1: compares the splats before it with the pixels it covers.
-double stp_cue_occlusion(const stp_cue_view* view, const stp_leaf_node* node, double pixels);
-
 /// Applies all cues: the number of splats, at most all.
 /// @param before splats before it, as stp_cue_before finds them for it or for a cube around it
 double stp_cue_samples(const stp_cue_view* view, const stp_leaf_node* node, const stp_sight* sight,

@@ -196,7 +196,8 @@ void test_cues_find_what_stands_before(test_state* test)
                 continue;
             }
             double truth = march(&s, node, eye);
-            double q = stp_cue_occlusion(&view, node, 1000.0);
+            double before = stp_cue_before(&view, node, 1000.0 / STP_CUE_OCCLUSION);
+            double q = fmin(STP_CUE_OCCLUSION * before / 1000.0, 1.0);
             double expected = fmin(0.01 * truth / 1000.0, 1.0);
             CHECK(fabs(q - expected) <= 0.02 * expected + 1e-3); // steps may pass a corner
             hidden += q > 0.0 ? 1 : 0;
@@ -230,7 +231,7 @@ void test_cues_do_not_hide_a_surface_by_itself(test_state* test)
     s.tree.node_count = stp_leaf_tree_make(s.leaves, count, s.nodes);
     stp_cue_view view = look(&s, (stp_vec3d){-20.3, 4.0, 31.0}, STP_CUES_ALL);
     for (uint32_t i = 0; i < s.tree.node_count; ++i) {
-        CHECK(stp_cue_occlusion(&view, &s.nodes[i], 10.0) == 0.0);
+        CHECK(stp_cue_before(&view, &s.nodes[i], 1.0) == 0.0);
     }
     uint32_t across = 0;
     for (uint32_t l = 0; l < count; ++l) { // the cubes at x from 16 to 20 become a wall
@@ -246,7 +247,7 @@ void test_cues_do_not_hide_a_surface_by_itself(test_state* test)
         bool is_far = node->leaf_count == 1 && node->corner[0] > 0x6000 &&
                       node->corner[2] > 0x4000 && node->corner[2] < 0xB000;
         behind += is_far ? 1 : 0;
-        hidden += is_far && stp_cue_occlusion(&view, node, 5.0) == 1.0 ? 1 : 0;
+        hidden += is_far && stp_cue_before(&view, node, 500.0) >= 500.0 ? 1 : 0;
     }
     CHECK(behind > 20 && hidden == behind);
 }
