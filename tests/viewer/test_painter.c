@@ -320,27 +320,45 @@ void test_viewer_painter_answers_while_it_refines(test_state* test)
     unlink(path);
 }
 
+static bool has_gl(stp_headless* headless)
+{
+    bool has = begin_gl(headless);
+    if (has) {
+        end_gl(headless);
+    }
+    return has;
+}
+
+/// A painter that draws a file by OpenGL with these functions. NULL: out of memory.
+static painter* open_with_gl(const char* path, stp_headless* headless,
+                             stp_gl_proc (*find)(const char* name, void* user))
+{
+    painter_desc desc = {.thread_count = 1,
+                         .wake = do_nothing,
+                         .begin_gl = begin_gl,
+                         .end_gl = end_gl,
+                         .get_proc_address = find,
+                         .gl_user = headless};
+    painter* p = painter_create(&desc);
+    if (p != NULL) {
+        painter_open(p, path, 1);
+        (void)adopt(p);
+    }
+    return p;
+}
+
 void test_viewer_painter_draws_on_where_opengl_is_lost(test_state* test)
 {
     char path[64], message[512] = "";
     stp_headless headless;
     bool is_error = true;
-    if (!begin_gl(&headless)) {
+    if (!has_gl(&headless)) {
         SKIP("there is no OpenGL");
     }
-    end_gl(&headless);
     CHECK(boxes_build("painter", path));
-    painter_desc desc = {.thread_count = 1,
-                         .wake = do_nothing,
-                         .begin_gl = begin_gl,
-                         .end_gl = end_gl,
-                         .get_proc_address = find_function,
-                         .gl_user = &headless};
     atomic_store(&is_lost, false);
-    painter* p = painter_create(&desc);
+    painter* p = open_with_gl(path, &headless, find_function);
     CHECK(p != NULL);
-    painter_open(p, path, 1);
-    (void)adopt(p);
     paint_request request = ask(true);
     const painter_picture* picture = wait_for(p, painter_request(p, &request));
     CHECK(picture->gl && picture->texture != 0);
@@ -388,22 +406,13 @@ void test_viewer_painter_accumulates_after_a_slow_frame(test_state* test)
 {
     char path[64];
     stp_headless headless;
-    if (!begin_gl(&headless)) {
+    if (!has_gl(&headless)) {
         SKIP("there is no OpenGL");
     }
-    end_gl(&headless);
     CHECK(boxes_build("painter", path));
-    painter_desc desc = {.thread_count = 1,
-                         .wake = do_nothing,
-                         .begin_gl = begin_gl,
-                         .end_gl = end_gl,
-                         .get_proc_address = find_slow_function,
-                         .gl_user = &headless};
     atomic_store(&slow_finishes, 1);
-    painter* p = painter_create(&desc);
+    painter* p = open_with_gl(path, &headless, find_slow_function);
     CHECK(p != NULL);
-    painter_open(p, path, 1);
-    (void)adopt(p);
     paint_request request = ask(true);
     request.samples = 2;
     const painter_picture* picture = wait_for(p, painter_request(p, &request));
