@@ -7,6 +7,7 @@
 #include "build/shadings.h"
 #include "capture/capture.h"
 #include "lod/cloud_candidates.h"
+#include "lod/point_normals.h"
 #include "lod/psp/forest.h"
 #include "lod/psp/nearest_points.h"
 

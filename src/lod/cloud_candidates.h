@@ -14,11 +14,3 @@ STP_MUST_USE stp_result stp_candidates_of_cloud(const stp_scene* scene, const st
 
 /// Whether all point sets of a list have normals.
 bool stp_sources_have_normals(const stp_scene* scene, const stp_source_list* list);
-
-/// Estimates normals of candidates that are points from the candidates within `radius`; normals
-/// face up rather than down. With fewer than four, including the point itself, doubles the radius
-/// up to four times; if that does not help, the normal is straight up. Surfels of sets keep their
-/// normals.
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
-STP_MUST_USE stp_result stp_estimate_point_normals(stp_context* context, stp_candidates* candidates,
-                                                   float radius);

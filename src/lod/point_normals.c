@@ -1,97 +1,214 @@
 // SPDX-License-Identifier: MIT
-//
-// Estimates normals of a point cloud without normals: the direction of least spread among
-// neighbours (Hoppe et al. Surface Reconstruction from Unorganized Points. 1992). Does not
-// determine the outside.
+#include "lod/point_normals.h"
+
 #include "base/math.h"
 #include "base/processor.h"
-#include "lod/cloud_candidates.h"
 #include "lod/point_normals_kernels.h"
 
+#include <math.h>
 #include <string.h>
 
 enum {
-    GRAIN = 4096,
-    BATCH = 64, ///< points summed together
+    GRAIN = 1024,     ///< cells
+    POINT_GRAIN = 64, ///< points with few neighbours
+    BATCH = 64,       ///< points whose normals are computed together
+    LANES = STP_CELL_LANES,
+    CELL_POINTS = 16, ///< maximum points of a cell that are tested
     LEAST_NEIGHBOURS = 4,
     DOUBLINGS = 4, ///< maximum enlargement of the radius, for points with fewer neighbours
 };
 
-typedef struct normal_search {
-    const stp_grid* grid;
-    float radius;
-    const stp_normal_kernels* kernels;
-    stp_candidates* candidates;
-    uint32_t point_count; ///< number of points; surfels of sets follow
-    uint8_t* lonely;      ///< by candidate: 1 if it has too few neighbours so far
-} normal_search;
+// copies write whole vectors
+_Static_assert(27 * CELL_POINTS + LANES <= STP_NEAR_POINTS_MOST, "a window fits into a list");
 
-/// Extracts the remaining eigenvector of a matrix (stp_normal_kernels).
-static stp_vec3 direction_of(const double m[STP_NORMAL_MATRIX])
+typedef struct normal_loop {
+    const stp_cell_rows* rows;
+    float squared_radius;
+    const stp_normal_kernels* kernels;
+    float* normals;
+    uint8_t* missing;     ///< by candidate: 1 if it needs a normal
+    const uint32_t* list; ///< sorted points that need one, for estimate_listed
+    uint32_t reach;       ///< radius in cells
+} normal_loop;
+
+/// Sums of points whose normals are computed together.
+typedef struct sum_batch {
+    uint32_t count;
+    uint32_t index[BATCH]; ///< candidates
+    float sums[BATCH][STP_NORMAL_SUMS];
+} sum_batch;
+
+/// Extracts the remaining eigenvector of a matrix (stp_normal_kernels); 0 if there is none.
+static stp_vec3 direction_of(const float m[STP_NORMAL_MATRIX])
 {
     // the diagonal of a projection holds the squares of the direction's coordinates
-    double xx = m[0], yy = m[3], zz = m[5];
-    stp_vec3d n = {xx, m[1], m[2]};
+    float xx = m[0], yy = m[3], zz = m[5];
+    stp_vec3 n = {xx, m[1], m[2]};
     if (yy > xx && yy >= zz) {
-        n = (stp_vec3d){m[1], yy, m[4]};
+        n = (stp_vec3){m[1], yy, m[4]};
     } else if (zz > xx) {
-        n = (stp_vec3d){m[2], m[4], zz};
+        n = (stp_vec3){m[2], m[4], zz};
     }
-    stp_vec3 direction = stp_to_float(stp_normalized(n));
-    return direction.y < 0.0f ? stp_scale(direction, -1.0f) : direction;
+    n = stp_normalize(n);
+    return n.y < 0.0f ? stp_scale(n, -1.0f) : n;
 }
 
-/// Sets the normal of the candidate at a grid index, from the number of its neighbours and their
-/// matrix.
-static void take_normal(const normal_search* s, size_t at, float neighbours,
-                        const double matrix[STP_NORMAL_MATRIX])
+static void set_normals(const normal_loop* s, sum_batch* batch)
 {
-    uint32_t index = s->grid->index[at];
-    if (index >= s->point_count) {
-        return;
-    }
-    stp_vec3 normal = {0, 1, 0};
-    bool lonely = neighbours < (float)LEAST_NEIGHBOURS;
-    if (!lonely) {
-        normal = direction_of(matrix);
-        normal = stp_dot(normal, normal) > 0.0f ? normal : (stp_vec3){0, 1, 0};
-    }
-    memcpy(s->candidates->normals + 3 * (size_t)index, &normal, sizeof(normal));
-    s->lonely[index] = lonely ? 1 : 0;
-}
-
-/// Normals of at most BATCH consecutive points in the grid.
-static void estimate_batch(const normal_search* s, size_t begin, size_t end)
-{
-    float sums[BATCH][STP_NORMAL_SUMS];
-    double matrices[BATCH][STP_NORMAL_MATRIX];
-    s->kernels->sum_neighbours(s->grid, s->radius, begin, end, sums);
-    s->kernels->project((const float(*)[STP_NORMAL_SUMS])sums, end - begin, matrices);
-    for (size_t at = begin; at < end; ++at) {
-        take_normal(s, at, sums[at - begin][0], matrices[at - begin]);
-    }
-}
-
-static void estimate_normals(size_t begin, size_t end, uint32_t worker, void* user)
-{
-    (void)worker;
-    const normal_search* s = user;
-    for (size_t first = begin; first < end; first += BATCH) {
-        estimate_batch(s, first, first + BATCH < end ? first + BATCH : end);
-    }
-}
-
-/// The same for points with too few neighbours so far.
-static void estimate_lonely(size_t begin, size_t end, uint32_t worker, void* user)
-{
-    (void)worker;
-    const normal_search* s = user;
-    for (size_t at = begin; at < end; ++at) {
-        uint32_t index = s->grid->index[at];
-        if (index < s->point_count && s->lonely[index] != 0) {
-            estimate_batch(s, at, at + 1);
+    float matrices[BATCH][STP_NORMAL_MATRIX];
+    s->kernels->project((const float(*)[STP_NORMAL_SUMS])batch->sums, batch->count, matrices);
+    for (uint32_t i = 0; i < batch->count; ++i) {
+        uint32_t index = batch->index[i];
+        stp_vec3 normal = direction_of(matrices[i]);
+        if (stp_dot(normal, normal) > 0.0f) {
+            memcpy(s->normals + 3 * (size_t)index, &normal, sizeof(normal));
+            s->missing[index] = 0;
         }
     }
+    batch->count = 0;
+}
+
+static void copy_vectors(float* to, const float* from, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i += LANES) {
+        memcpy(to + i, from + i, LANES * sizeof(*to));
+    }
+}
+
+/// Adds the points of some cells to a list: all of a cell's points, or an even choice of them, so
+/// that dense cells neither take long nor hide sparse ones.
+static void add_cells(const stp_cell_rows* rows, uint32_t begin, uint32_t end,
+                      stp_near_points* near)
+{
+    uint32_t first = rows->starts[begin], size = rows->starts[end] - first;
+    if (size <= CELL_POINTS) {
+        copy_vectors(near->x + near->count, rows->x + first, size);
+        copy_vectors(near->y + near->count, rows->y + first, size);
+        copy_vectors(near->z + near->count, rows->z + first, size);
+        near->count += size;
+        return;
+    }
+    for (uint32_t cell = begin; cell < end; ++cell) {
+        uint32_t last = rows->starts[cell + 1];
+        uint32_t stride = (last - rows->starts[cell] + CELL_POINTS - 1) / CELL_POINTS;
+        for (uint32_t at = rows->starts[cell]; at < last; at += stride) {
+            near->x[near->count] = rows->x[at];
+            near->y[near->count] = rows->y[at];
+            near->z[near->count++] = rows->z[at];
+        }
+    }
+}
+
+/// Pads a list with points far away from everything.
+static void pad(stp_near_points* near)
+{
+    for (; near->count % LANES != 0; ++near->count) {
+        near->x[near->count] = near->y[near->count] = near->z[near->count] = INFINITY;
+    }
+}
+
+/// Counts the last sums of a batch in, unless they are of too few neighbours.
+static void keep_sums(const normal_loop* s, uint32_t index, sum_batch* batch)
+{
+    if (batch->sums[batch->count][0] >= (float)LEAST_NEIGHBOURS) {
+        batch->index[batch->count++] = index;
+        if (batch->count == BATCH) {
+            set_normals(s, batch);
+        }
+    }
+}
+
+static void list_around(stp_cell_window* window, uint32_t cell, stp_near_points* near)
+{
+    stp_cell_window_move(window, cell);
+    near->count = 0;
+    for (int r = 0; r < STP_CELL_ROWS; ++r) {
+        add_cells(window->rows, window->begins[r], window->ends[r], near);
+    }
+    pad(near);
+}
+
+static stp_vec3 point_of(const stp_cell_rows* rows, uint32_t at)
+{
+    return (stp_vec3){rows->x[at], rows->y[at], rows->z[at]};
+}
+
+static void estimate_cells(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const normal_loop* s = user;
+    const stp_cell_rows* rows = s->rows;
+    stp_cell_window window;
+    stp_near_points near;
+    sum_batch batch;
+    batch.count = 0;
+    stp_cell_window_start(rows, (uint32_t)begin, &window);
+    for (size_t cell = begin; cell < end; ++cell) {
+        bool listed = false;
+        for (uint32_t at = rows->starts[cell]; at < rows->starts[cell + 1]; ++at) {
+            if (s->missing[stp_cell_rows_index(rows, at)] == 0) {
+                continue;
+            }
+            if (!listed) {
+                list_around(&window, (uint32_t)cell, &near);
+                listed = true;
+            }
+            s->kernels->sum_near(&near, s->squared_radius, point_of(rows, at),
+                                 batch.sums[batch.count]);
+            keep_sums(s, stp_cell_rows_index(rows, at), &batch);
+        }
+    }
+    set_normals(s, &batch);
+}
+
+/// Adds what a list contributes to the sums of a point, and empties it.
+static void add_list(const normal_loop* s, uint32_t at, stp_near_points* near,
+                     float sums[STP_NORMAL_SUMS])
+{
+    float more[STP_NORMAL_SUMS];
+    pad(near);
+    s->kernels->sum_near(near, s->squared_radius, point_of(s->rows, at), more);
+    for (int i = 0; i < STP_NORMAL_SUMS; ++i) {
+        sums[i] += more[i];
+    }
+    near->count = 0;
+}
+
+/// Sums over the neighbours of a sorted point in any number of cells.
+static void sum_within_reach(const normal_loop* s, uint32_t at, float sums[STP_NORMAL_SUMS])
+{
+    const stp_cell_rows* rows = s->rows;
+    stp_near_points near;
+    near.count = 0;
+    memset(sums, 0, STP_NORMAL_SUMS * sizeof(*sums));
+    stp_cell_reach reach =
+        stp_cell_reach_around(rows, rows->items[at] >> rows->index_bits, s->reach);
+    for (int64_t z = reach.least[2]; z <= reach.largest[2]; ++z) {
+        for (int64_t y = reach.least[1]; y <= reach.largest[1]; ++y) {
+            uint32_t begin, end;
+            stp_cell_reach_row(rows, &reach, y, z, &begin, &end);
+            for (uint32_t cell = begin; cell < end; ++cell) {
+                if (near.count + CELL_POINTS + LANES > STP_NEAR_POINTS_MOST) {
+                    add_list(s, at, &near, sums);
+                }
+                add_cells(rows, cell, cell + 1, &near);
+            }
+        }
+    }
+    add_list(s, at, &near, sums);
+}
+
+static void estimate_listed(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const normal_loop* s = user;
+    sum_batch batch;
+    batch.count = 0;
+    for (size_t i = begin; i < end; ++i) {
+        sum_within_reach(s, s->list[i], batch.sums[batch.count]);
+        keep_sums(s, stp_cell_rows_index(s->rows, s->list[i]), &batch);
+    }
+    set_normals(s, &batch);
 }
 
 static const stp_normal_kernels* choose_kernels(void)
@@ -104,47 +221,113 @@ static const stp_normal_kernels* choose_kernels(void)
     return &stp_normal_kernels_portable;
 }
 
-static bool has_lonely(const normal_search* s)
+static normal_loop loop_of(const stp_normal_search* search, float radius)
 {
-    return memchr(s->lonely, 1, s->point_count) != NULL;
+    return (normal_loop){.rows = &search->rows,
+                         .squared_radius = radius * radius,
+                         .kernels = choose_kernels(),
+                         .normals = search->candidates->normals,
+                         .missing = search->missing};
 }
 
-/// One pass over all points, or over those with too few neighbours.
-static stp_result search_within(stp_context* context, normal_search* s, float radius, bool all)
+/// Sorts the candidates by cells of the size of a radius, and estimates missing normals within it.
+static stp_result search_all(stp_normal_search* search, float radius)
 {
-    const stp_candidates* c = s->candidates;
-    stp_grid grid;
-    stp_result result = stp_grid_create_uncrowded(context, c->positions, NULL, c->count,
-                                                  STP_NORMAL_CELL * radius, &grid);
-    if (result != STP_OK) {
-        return result;
+    const stp_candidates* c = search->candidates;
+    stp_cell_rows_destroy(search->context, &search->rows);
+    search->radius = radius;
+    stp_result result = stp_cell_rows_make(search->context, c->positions, c->count,
+                                           STP_NORMAL_CELL * radius, &search->rows);
+    if (result == STP_OK) {
+        normal_loop loop = loop_of(search, radius);
+        stp_parallel_for(search->context, search->rows.cell_count, GRAIN, estimate_cells, &loop);
     }
-    s->grid = &grid;
-    s->radius = grid.cell / STP_NORMAL_CELL;
-    stp_parallel_for(context, c->count, GRAIN, all ? estimate_normals : estimate_lonely, s);
-    stp_grid_destroy(context, &grid);
+    return result;
+}
+
+/// Estimates missing normals within some radii, without sorting again.
+static stp_result search_few(stp_normal_search* search, uint32_t count, uint32_t reach)
+{
+    uint32_t* list = STP_NEW_ARRAY(search->context, uint32_t, count);
+    if (list == NULL) {
+        return stp_fail_memory(search->context);
+    }
+    uint32_t listed = 0;
+    for (uint32_t at = 0; at < search->rows.count; ++at) {
+        if (search->missing[stp_cell_rows_index(&search->rows, at)] != 0) {
+            list[listed++] = at;
+        }
+    }
+    normal_loop loop = loop_of(search, search->radius * (float)reach);
+    loop.list = list;
+    loop.reach = reach;
+    stp_parallel_for(search->context, listed, POINT_GRAIN, estimate_listed, &loop);
+    stp_free(search->context, list);
     return STP_OK;
+}
+
+static uint32_t count_missing(const stp_normal_search* search)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < search->candidates->count; ++i) {
+        count += search->missing[i];
+    }
+    return count;
+}
+
+stp_result stp_normal_search_start(stp_context* context, stp_candidates* candidates, float radius,
+                                   stp_normal_search* search)
+{
+    *search = (stp_normal_search){.context = context, .candidates = candidates};
+    search->missing = STP_NEW_ZEROED(context, uint8_t, (size_t)candidates->count + 1);
+    if (search->missing == NULL) {
+        return stp_fail_memory(context);
+    }
+    memset(search->missing, 1, stp_first_of_sets(candidates));
+    return search_all(search, radius);
+}
+
+stp_result stp_normal_search_finish(stp_normal_search* search)
+{
+    stp_result result = STP_OK;
+    uint32_t missing = count_missing(search), reach = 1;
+    for (int i = 0; i < DOUBLINGS && missing > 0 && result == STP_OK; ++i) {
+        // to find a row takes about as long as to sort some points
+        reach *= 2;
+        uint64_t rows = (2 * reach + 1) * (2 * reach + 1);
+        if (missing * rows <= search->rows.count) {
+            result = search_few(search, missing, reach);
+        } else {
+            result = search_all(search, search->radius * (float)reach);
+            reach = 1;
+        }
+        missing = count_missing(search);
+    }
+    for (uint32_t i = 0; i < search->candidates->count && missing > 0; ++i) {
+        if (search->missing[i] != 0) {
+            const float up[3] = {0, 1, 0};
+            memcpy(search->candidates->normals + 3 * (size_t)i, up, sizeof(up));
+        }
+    }
+    return result;
+}
+
+void stp_normal_search_destroy(stp_normal_search* search)
+{
+    stp_cell_rows_destroy(search->context, &search->rows);
+    stp_free(search->context, search->missing);
+    *search = (stp_normal_search){0};
 }
 
 stp_result stp_estimate_point_normals(stp_context* context, stp_candidates* candidates,
                                       float radius)
 {
-    uint32_t point_count = stp_first_of_sets(candidates);
-    if (!(radius > 0.0f) || point_count == 0) {
+    if (!(radius > 0.0f) || stp_first_of_sets(candidates) == 0) {
         return STP_OK;
     }
-    normal_search search = {.kernels = choose_kernels(),
-                            .candidates = candidates,
-                            .point_count = point_count,
-                            .lonely = STP_NEW_ZEROED(context, uint8_t, point_count)};
-    if (search.lonely == NULL) {
-        return stp_fail_memory(context);
-    }
-    stp_result result = search_within(context, &search, radius, true);
-    for (int i = 0; i < DOUBLINGS && result == STP_OK && has_lonely(&search); ++i) {
-        radius *= 2.0f;
-        result = search_within(context, &search, radius, false);
-    }
-    stp_free(context, search.lonely);
+    stp_normal_search search;
+    stp_result result = stp_normal_search_start(context, candidates, radius, &search);
+    result = result == STP_OK ? stp_normal_search_finish(&search) : result;
+    stp_normal_search_destroy(&search);
     return result;
 }

@@ -3,6 +3,6 @@
 
 #include "lod/point_normals_kernel.h"
 
-const stp_normal_kernels stp_normal_kernels_avx2 = {sum_neighbours, project};
+const stp_normal_kernels stp_normal_kernels_avx2 = {sum_near, project};
 
 #endif

@@ -2,200 +2,75 @@
 // Sums over the neighbours of points, and normals from these sums, several at a time: compiled for
 // CPUs with vectors of 16 and 32 bytes. Each lane adds its own neighbours, so all variants give the
 // same bits.
-//
-// Points of one cell have their neighbours in the same 3 x 3 x 3 cells. These are copied once into
-// contiguous memory, and every point of the cell tests all of them.
 #pragma once
 
 #include "lod/point_normals_kernels.h"
 
-#include <math.h>
 #include <string.h>
-
-_Static_assert(STP_GRID_LANES >= 8, "columns may be read so far beyond their end");
 
 enum {
     LANES = 8,
-    FOUR = 4,            ///< doubles at a time
-    LIST_SIZE = 1024,    ///< neighbours copied at a time
-    MOST_TOGETHER = 64,  ///< points of a cell processed together
     MOST_SQUARINGS = 12, ///< of a matrix: its 4096th power
 };
-#define CONVERGED 1e-12 // share of the trace left by the other eigenvalues
+/// Twice the share of the other eigenvalues in the trace, before the last squaring squares it
+#define CONVERGED 1e-5f
+
+_Static_assert(STP_NEAR_POINTS_MOST % LANES == 0, "lists are read in whole vectors");
 
 typedef float lanes_float __attribute__((vector_size(4 * LANES)));
 typedef float half_float __attribute__((vector_size(2 * LANES)));
 typedef int32_t lanes_int __attribute__((vector_size(4 * LANES)));
-typedef double four_double __attribute__((vector_size(8 * FOUR)));
-typedef int64_t four_int __attribute__((vector_size(8 * FOUR)));
 
-/// Sums per lane: count, x, y, z, xx, xy, xz, yy, yz, zz.
-typedef struct lane_sums {
-    lanes_float of[STP_NORMAL_SUMS];
-} lane_sums;
-
-/// Candidate neighbours of the points [begin, begin + count) of the grid.
-typedef struct neighbour_list {
-    const stp_grid* grid;
-    float squared_radius;
-    size_t begin, count;
-    lane_sums sums[MOST_TOGETHER];
-    uint32_t size;
-    float x[LIST_SIZE + LANES], y[LIST_SIZE + LANES], z[LIST_SIZE + LANES];
-} neighbour_list;
-
-static inline void add_listed(const neighbour_list* list, size_t at, lane_sums* to)
+static inline float sum_lanes(const lanes_float* sums)
 {
-    const stp_grid* grid = list->grid;
-    const float px = grid->x[at], py = grid->y[at], pz = grid->z[at];
+    half_float lower, upper;
+    memcpy(&lower, sums, sizeof(lower));
+    memcpy(&upper, (const char*)sums + sizeof(lower), sizeof(upper));
+    lower += upper;
+    return (lower[0] + lower[2]) + (lower[1] + lower[3]);
+}
+
+static void sum_near(const stp_near_points* points, float squared_radius, stp_vec3 position,
+                     float out[STP_NORMAL_SUMS])
+{
     const lanes_float one = {1, 1, 1, 1, 1, 1, 1, 1};
-    lane_sums sums = *to;
-    for (uint32_t i = 0; i < list->size; i += LANES) {
+    lanes_float sums[STP_NORMAL_SUMS] = {0};
+    for (uint32_t i = 0; i < points->count; i += LANES) {
         lanes_float x, y, z;
-        memcpy(&x, list->x + i, sizeof(x));
-        memcpy(&y, list->y + i, sizeof(y));
-        memcpy(&z, list->z + i, sizeof(z));
-        x -= px;
-        y -= py;
-        z -= pz;
-        lanes_int near = (lanes_int)(x * x + y * y + z * z <= list->squared_radius);
+        memcpy(&x, points->x + i, sizeof(x));
+        memcpy(&y, points->y + i, sizeof(y));
+        memcpy(&z, points->z + i, sizeof(z));
+        x -= position.x;
+        y -= position.y;
+        z -= position.z;
+        lanes_int near = (lanes_int)(x * x + y * y + z * z <= squared_radius);
         x = (lanes_float)((lanes_int)x & near);
         y = (lanes_float)((lanes_int)y & near);
         z = (lanes_float)((lanes_int)z & near);
-        sums.of[0] += (lanes_float)((lanes_int)one & near);
-        sums.of[1] += x;
-        sums.of[2] += y;
-        sums.of[3] += z;
-        sums.of[4] += x * x;
-        sums.of[5] += x * y;
-        sums.of[6] += x * z;
-        sums.of[7] += y * y;
-        sums.of[8] += y * z;
-        sums.of[9] += z * z;
+        sums[0] += (lanes_float)((lanes_int)one & near);
+        sums[1] += x;
+        sums[2] += y;
+        sums[3] += z;
+        sums[4] += x * x;
+        sums[5] += x * y;
+        sums[6] += x * z;
+        sums[7] += y * y;
+        sums[8] += y * z;
+        sums[9] += z * z;
     }
-    *to = sums;
-}
-
-/// Tests the listed neighbours for all points.
-static void look_at_list(neighbour_list* list)
-{
-    for (uint32_t i = 0; i < LANES; ++i) { // padding far from everything
-        list->x[list->size + i] = list->y[list->size + i] = list->z[list->size + i] = INFINITY;
-    }
-    for (size_t i = 0; i < list->count; ++i) {
-        add_listed(list, list->begin + i, &list->sums[i]);
-    }
-    list->size = 0;
-}
-
-/// Copies whole vectors, past the end.
-static inline void copy_lanes(float* to, const float* from, uint32_t count)
-{
-    for (uint32_t i = 0; i < count; i += LANES) {
-        memcpy(to + i, from + i, sizeof(lanes_float));
-    }
-}
-
-static inline void list_points(neighbour_list* list, uint32_t begin, uint32_t end)
-{
-    const stp_grid* grid = list->grid;
-    while (begin < end) {
-        uint32_t room = LIST_SIZE - list->size, count = end - begin;
-        count = count < room ? count : room;
-        copy_lanes(list->x + list->size, grid->x + begin, count);
-        copy_lanes(list->y + list->size, grid->y + begin, count);
-        copy_lanes(list->z + list->size, grid->z + begin, count);
-        list->size += count;
-        begin += count;
-        if (list->size == LIST_SIZE) {
-            look_at_list(list);
-        }
-    }
-}
-
-static void find_cell(const stp_grid* grid, size_t at, int32_t cell[3])
-{
-    cell[0] = stp_grid_cell(grid, grid->x[at]);
-    cell[1] = stp_grid_cell(grid, grid->y[at]);
-    cell[2] = stp_grid_cell(grid, grid->z[at]);
-}
-
-static inline void prefetch_points(const stp_grid* grid, uint32_t begin)
-{
-    __builtin_prefetch(grid->x + begin);
-    __builtin_prefetch(grid->y + begin);
-    __builtin_prefetch(grid->z + begin);
-}
-
-/// Finds the 3 x 3 x 3 cells around one. No two of these share a bucket, and cells of a row are
-/// consecutive within a block. All are found before any is read, so that memory latencies overlap.
-static void list_cells(neighbour_list* list, const int32_t cell[3])
-{
-    enum { MOST = 3 * 3 * 2 };
-    const stp_grid* grid = list->grid;
-    uint32_t begins[MOST], ends[MOST], count = 0;
-    for (int32_t z = cell[2] - 1; z <= cell[2] + 1; ++z) {
-        for (int32_t y = cell[1] - 1; y <= cell[1] + 1; ++y) {
-            for (int32_t x = cell[0] - 1, last; x <= cell[0] + 1; x = last + 1) {
-                last = (x | 3) < cell[0] + 1 ? (x | 3) : cell[0] + 1;
-                uint32_t bucket = stp_grid_bucket(grid, x, y, z);
-                begins[count] = grid->starts[bucket];
-                ends[count] = grid->starts[bucket + (uint32_t)(last - x) + 1];
-                prefetch_points(grid, begins[count]);
-                count += 1;
-            }
-        }
-    }
-    for (uint32_t i = 0; i < count; ++i) {
-        list_points(list, begins[i], ends[i]);
-    }
-    look_at_list(list);
-}
-
-static inline void sum_lanes(const lane_sums* sums, float out[STP_NORMAL_SUMS])
-{
     for (int i = 0; i < STP_NORMAL_SUMS; ++i) {
-        half_float lower, upper;
-        memcpy(&lower, &sums->of[i], sizeof(lower));
-        memcpy(&upper, (const char*)&sums->of[i] + sizeof(lower), sizeof(upper));
-        lower += upper;
-        out[i] = (lower[0] + lower[2]) + (lower[1] + lower[3]);
+        out[i] = sum_lanes(&sums[i]);
     }
 }
 
-static void sum_neighbours(const stp_grid* grid, float radius, size_t begin, size_t end,
-                           float (*out)[STP_NORMAL_SUMS])
-{
-    neighbour_list list;
-    list.grid = grid;
-    list.squared_radius = radius * radius;
-    list.size = 0;
-    for (size_t at = begin; at < end; at += list.count) {
-        int32_t cell[3], other[3];
-        find_cell(grid, at, cell);
-        list.begin = at;
-        for (list.count = 1; list.count < MOST_TOGETHER && at + list.count < end; ++list.count) {
-            find_cell(grid, at + list.count, other);
-            if (memcmp(cell, other, sizeof(cell)) != 0) {
-                break;
-            }
-        }
-        memset(list.sums, 0, list.count * sizeof(list.sums[0]));
-        list_cells(&list, cell);
-        for (size_t i = 0; i < list.count; ++i) {
-            sum_lanes(&list.sums[i], out[at - begin + i]);
-        }
-    }
-}
+/// Symmetric matrices, one in each lane.
+typedef struct lanes_symmetric {
+    lanes_float xx, xy, xz, yy, yz, zz;
+} lanes_symmetric;
 
-/// Four symmetric matrices.
-typedef struct four_symmetric {
-    four_double xx, xy, xz, yy, yz, zz;
-} four_symmetric;
-
-static inline void square(const four_symmetric* m, four_symmetric* out)
+static inline void square(const lanes_symmetric* m, lanes_symmetric* out)
 {
-    *out = (four_symmetric){
+    *out = (lanes_symmetric){
         .xx = m->xx * m->xx + m->xy * m->xy + m->xz * m->xz,
         .xy = m->xx * m->xy + m->xy * m->yy + m->xz * m->yz,
         .xz = m->xx * m->xz + m->xy * m->yz + m->xz * m->zz,
@@ -206,52 +81,61 @@ static inline void square(const four_symmetric* m, four_symmetric* out)
 }
 
 /// Sets `to` to `from`, except in finished lanes.
-static inline void replace(four_double* to, const four_double* from, const four_int* done)
+static inline void replace(lanes_float* to, const lanes_float* from, const lanes_int* done)
 {
-    *to = (four_double)(((four_int)*to & *done) | ((four_int)*from & ~*done));
+    *to = (lanes_float)(((lanes_int)*to & *done) | ((lanes_int)*from & ~*done));
 }
 
-/// Loads columns of four sums; repeats the first one if there are fewer.
-static inline void load_four(const float (*sums)[STP_NORMAL_SUMS], size_t count,
-                             four_double out[STP_NORMAL_SUMS])
+/// Whether all lanes are -1.
+static inline bool are_all_set(const lanes_int* lanes)
 {
-    for (int i = 0; i < STP_NORMAL_SUMS; ++i) {
-        double lanes[FOUR];
-        for (size_t k = 0; k < FOUR; ++k) {
-            lanes[k] = (double)sums[k < count ? k : 0][i];
+    uint64_t parts[LANES / 2];
+    memcpy(parts, lanes, sizeof(parts));
+    return (parts[0] & parts[1] & parts[2] & parts[3]) == UINT64_MAX;
+}
+
+/// Loads columns of sums; repeats the first one if there are fewer than lanes.
+static inline void load_lanes(const float (*sums)[STP_NORMAL_SUMS], size_t count,
+                              lanes_float out[STP_NORMAL_SUMS])
+{
+    float columns[STP_NORMAL_SUMS][LANES];
+    for (size_t k = 0; k < LANES; ++k) {
+        const float* from = sums[k < count ? k : 0];
+        for (int i = 0; i < STP_NORMAL_SUMS; ++i) {
+            columns[i][k] = from[i];
         }
-        memcpy(&out[i], lanes, sizeof(lanes));
     }
+    memcpy(out, columns, sizeof(columns));
 }
 
 /// trace I - C, of the covariance C.
-static inline void complement_of_covariance(const four_double s[STP_NORMAL_SUMS],
-                                            four_symmetric* out)
+static inline void complement_of_covariance(const lanes_float s[STP_NORMAL_SUMS],
+                                            lanes_symmetric* out)
 {
-    four_double weight = 1.0 / s[0];
-    four_double x = s[1] * weight, y = s[2] * weight, z = s[3] * weight;
-    four_double xx = s[4] * weight - x * x, yy = s[7] * weight - y * y;
-    four_double zz = s[9] * weight - z * z;
-    *out = (four_symmetric){.xx = yy + zz,
-                            .xy = -(s[5] * weight - x * y),
-                            .xz = -(s[6] * weight - x * z),
-                            .yy = xx + zz,
-                            .yz = -(s[8] * weight - y * z),
-                            .zz = xx + yy};
+    lanes_float weight = 1.0f / s[0];
+    lanes_float x = s[1] * weight, y = s[2] * weight, z = s[3] * weight;
+    lanes_float xx = s[4] * weight - x * x, yy = s[7] * weight - y * y;
+    lanes_float zz = s[9] * weight - z * z;
+    *out = (lanes_symmetric){.xx = yy + zz,
+                             .xy = -(s[5] * weight - x * y),
+                             .xz = -(s[6] * weight - x * z),
+                             .yy = xx + zz,
+                             .yz = -(s[8] * weight - y * z),
+                             .zz = xx + yy};
 }
 
 /// Powers of the matrices, of trace 1, turn every column to the eigenvector of the largest
 /// eigenvalue: of C it is that of the least. Where only that one is left, the trace of the square
 /// is 1. Only products and sums: the same bits everywhere.
-static inline void raise_to_power(four_symmetric* m)
+static inline void raise_to_power(lanes_symmetric* m)
 {
-    four_int done = {0};
-    for (int i = 0; i < MOST_SQUARINGS; ++i) {
-        four_double trace = m->xx + m->yy + m->zz;
-        four_double scale = (four_double)((four_int)(1.0 / trace) & (four_int)(trace > 0.0));
-        four_symmetric scaled = {m->xx * scale, m->xy * scale, m->xz * scale,
-                                 m->yy * scale, m->yz * scale, m->zz * scale};
-        four_symmetric next;
+    lanes_int done = {0};
+    for (int i = 0; i < MOST_SQUARINGS && !are_all_set(&done); ++i) {
+        lanes_float trace = m->xx + m->yy + m->zz;
+        lanes_float scale = (lanes_float)((lanes_int)(1.0f / trace) & (lanes_int)(trace > 0.0f));
+        lanes_symmetric scaled = {m->xx * scale, m->xy * scale, m->xz * scale,
+                                  m->yy * scale, m->yz * scale, m->zz * scale};
+        lanes_symmetric next;
         square(&scaled, &next);
         replace(&m->xx, &next.xx, &done);
         replace(&m->xy, &next.xy, &done);
@@ -259,25 +143,22 @@ static inline void raise_to_power(four_symmetric* m)
         replace(&m->yy, &next.yy, &done);
         replace(&m->yz, &next.yz, &done);
         replace(&m->zz, &next.zz, &done);
-        done |= (four_int)(m->xx + m->yy + m->zz > 1.0 - CONVERGED);
-        if ((done[0] & done[1] & done[2] & done[3]) != 0) {
-            break;
-        }
+        done |= (lanes_int)(m->xx + m->yy + m->zz > 1.0f - CONVERGED);
     }
 }
 
 static void project(const float (*sums)[STP_NORMAL_SUMS], size_t count,
-                    double (*out)[STP_NORMAL_MATRIX])
+                    float (*out)[STP_NORMAL_MATRIX])
 {
-    for (size_t at = 0; at < count; at += FOUR) {
-        size_t left = count - at < FOUR ? count - at : FOUR;
-        four_double columns[STP_NORMAL_SUMS];
-        load_four(sums + at, left, columns);
-        four_symmetric m;
+    for (size_t at = 0; at < count; at += LANES) {
+        size_t left = count - at < LANES ? count - at : LANES;
+        lanes_float columns[STP_NORMAL_SUMS];
+        load_lanes(sums + at, left, columns);
+        lanes_symmetric m;
         complement_of_covariance(columns, &m);
         raise_to_power(&m);
         for (size_t k = 0; k < left; ++k) {
-            double* to = out[at + k];
+            float* to = out[at + k];
             to[0] = m.xx[k], to[1] = m.xy[k], to[2] = m.xz[k];
             to[3] = m.yy[k], to[4] = m.yz[k], to[5] = m.zz[k];
         }

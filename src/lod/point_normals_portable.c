@@ -1,4 +1,4 @@
 // SPDX-License-Identifier: MIT
 #include "lod/point_normals_kernel.h"
 
-const stp_normal_kernels stp_normal_kernels_portable = {sum_neighbours, project};
+const stp_normal_kernels stp_normal_kernels_portable = {sum_near, project};

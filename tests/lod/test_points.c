@@ -4,6 +4,7 @@
 #include "lod/blue/blue.h"
 #include "lod/candidate_helpers.h"
 #include "lod/cloud_candidates.h"
+#include "lod/point_normals.h"
 #include "lod/set_columns.h"
 #include "scene/scene.h"
 

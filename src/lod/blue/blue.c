@@ -7,6 +7,7 @@
 #include "lod/blue/children.h"
 #include "lod/blue/finish.h"
 #include "lod/cloud_candidates.h"
+#include "lod/point_normals.h"
 
 #include <string.h>
 

@@ -9,15 +9,26 @@
 enum {
     BRIDGE_LEAVES = 128, ///< leaves of a component from which a bridge across a gap is searched
     BRIDGES_MOST = 64,   ///< maximum number of components for which a bridge is searched
+    WORDS = 64,          ///< of 64 buckets each
 };
 #define ACROSS 0.5f // weight of a step perpendicular to a surface
+#define WEIGHT_MOST 3.5f // of a step
 #define GAP 4.0f    // maximum gap, relative to the sum of both leaves' sides
 
-/// A step from an oriented leaf to another one. Steps are ordered by weight, then by leaf index.
+/// A step from an oriented leaf to another one.
 typedef struct orient_step {
-    float weight;
     uint32_t to, from;
+    uint32_t next; ///< in the same bucket
 } orient_step;
+
+/// Steps in buckets of about the same weight; the last one that was added to a bucket comes first.
+typedef struct step_queue {
+    orient_step* steps;
+    uint32_t count;            ///< steps that were ever added
+    uint64_t filled;           ///< one bit per word
+    uint64_t words[WORDS];     ///< one bit per bucket that is not empty
+    uint32_t firsts[64 * WORDS]; ///< of each bucket
+} step_queue;
 
 typedef struct orienter {
     const stp_leaf_octree* octree;
@@ -29,45 +40,33 @@ typedef struct orienter {
     uint32_t* links;      ///< neighbours in both directions
     uint32_t* pieces;     ///< per leaf: first leaf of its component
     bool* done;
-    orient_step* heap;
-    size_t heap_count;
+    step_queue queue;
 } orienter;
 
-static bool comes_before(const orient_step* a, const orient_step* b)
+static void push(step_queue* q, float weight, uint32_t to, uint32_t from)
 {
-    if (a->weight < b->weight || a->weight > b->weight) {
-        return a->weight < b->weight;
-    }
-    return a->to != b->to ? a->to < b->to : a->from < b->from;
+    float place = weight * ((float)(64 * WORDS) / WEIGHT_MOST);
+    uint32_t bucket = place < (float)(64 * WORDS - 1) ? (uint32_t)place : 64 * WORDS - 1;
+    uint64_t bit = UINT64_C(1) << bucket % 64, word_bit = UINT64_C(1) << bucket / 64;
+    uint32_t next = (q->words[bucket / 64] & bit) != 0 ? q->firsts[bucket] : UINT32_MAX;
+    q->steps[q->count] = (orient_step){to, from, next};
+    q->firsts[bucket] = q->count++;
+    q->words[bucket / 64] |= bit;
+    q->filled |= word_bit;
 }
 
-static void push(orienter* o, orient_step step)
+/// A step of the least weight. The queue must not be empty.
+static orient_step pop(step_queue* q)
 {
-    size_t at = o->heap_count++;
-    while (at > 0 && comes_before(&step, &o->heap[(at - 1) / 2])) {
-        o->heap[at] = o->heap[(at - 1) / 2];
-        at = (at - 1) / 2;
+    uint32_t word = (uint32_t)__builtin_ctzll(q->filled);
+    uint32_t bucket = 64 * word + (uint32_t)__builtin_ctzll(q->words[word]);
+    orient_step step = q->steps[q->firsts[bucket]];
+    q->firsts[bucket] = step.next;
+    if (step.next == UINT32_MAX) {
+        q->words[word] &= q->words[word] - 1;
+        q->filled &= q->words[word] == 0 ? q->filled - 1 : UINT64_MAX;
     }
-    o->heap[at] = step;
-}
-
-static orient_step pop(orienter* o)
-{
-    orient_step first = o->heap[0], last = o->heap[--o->heap_count];
-    size_t at = 0, below = 1;
-    while (below < o->heap_count) {
-        if (below + 1 < o->heap_count && comes_before(&o->heap[below + 1], &o->heap[below])) {
-            below += 1;
-        }
-        if (!comes_before(&o->heap[below], &last)) {
-            break;
-        }
-        o->heap[at] = o->heap[below];
-        at = below;
-        below = 2 * at + 1;
-    }
-    o->heap[at] = last;
-    return first;
+    return step;
 }
 
 static stp_vec3 place_of(const orienter* o, uint32_t leaf)
@@ -115,7 +114,7 @@ static void reach(orienter* o, uint32_t leaf)
     for (uint32_t i = o->begins[leaf]; i < o->begins[leaf + 1]; ++i) {
         uint32_t to = o->links[i];
         if (!o->done[to]) {
-            push(o, (orient_step){weigh(o, leaf, to), to, leaf});
+            push(&o->queue, weigh(o, leaf, to), to, leaf);
         }
     }
 }
@@ -123,8 +122,8 @@ static void reach(orienter* o, uint32_t leaf)
 static void spread_from(orienter* o, uint32_t leaf)
 {
     reach(o, leaf);
-    while (o->heap_count > 0) {
-        orient_step step = pop(o);
+    while (o->queue.filled != 0) {
+        orient_step step = pop(&o->queue);
         if (!o->done[step.to]) {
             turn(o, step.to, step.from);
             reach(o, step.to);
@@ -161,10 +160,10 @@ static stp_result link_leaves(stp_context* context, orienter* o)
     return STP_OK;
 }
 
-/// Finds the component of each leaf; uses the heap's memory as a stack.
+/// Finds the component of each leaf; uses the queue's memory as a stack.
 static void find_pieces(orienter* o)
 {
-    uint32_t* stack = (uint32_t*)(void*)o->heap;
+    uint32_t* stack = (uint32_t*)(void*)o->queue.steps;
     for (uint32_t i = 0; i < o->count; ++i) {
         o->pieces[i] = UINT32_MAX;
     }
@@ -247,7 +246,6 @@ static bool find_bridge(const orienter* o, uint32_t piece, uint32_t* to, uint32_
 static void orient_all(orienter* o)
 {
     find_pieces(o);
-    o->heap_count = 0;
     uint32_t bridges = 0;
     for (uint32_t highest = find_highest(o); highest != UINT32_MAX; highest = find_highest(o)) {
         uint32_t to = highest, from = 0;
@@ -277,10 +275,10 @@ stp_result stp_orient_leaves(stp_context* context, const stp_leaf_octree* octree
                   .links = STP_NEW_ARRAY(context, uint32_t, links + 1),
                   .pieces = STP_NEW_ARRAY(context, uint32_t, count + 1),
                   .done = STP_NEW_ZEROED(context, bool, count + 1),
-                  .heap = STP_NEW_ARRAY(context, orient_step, links + 1)};
+                  .queue = {.steps = STP_NEW_ARRAY(context, orient_step, links + 1)}};
     stp_result result = STP_OK;
     if (o.places == NULL || o.neighbours == NULL || o.begins == NULL || o.links == NULL ||
-        o.pieces == NULL || o.done == NULL || o.heap == NULL) {
+        o.pieces == NULL || o.done == NULL || o.queue.steps == NULL) {
         result = stp_fail_memory(context);
     }
     for (size_t i = 0; i < count && result == STP_OK; ++i) {
@@ -290,7 +288,7 @@ stp_result stp_orient_leaves(stp_context* context, const stp_leaf_octree* octree
     if (result == STP_OK) {
         orient_all(&o);
     }
-    stp_free(context, o.heap);
+    stp_free(context, o.queue.steps);
     stp_free(context, o.done);
     stp_free(context, o.pieces);
     stp_free(context, o.links);

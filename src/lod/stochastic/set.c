@@ -8,6 +8,7 @@
 #include "base/rng.h"
 #include "lod/blue/finish.h"
 #include "lod/cloud_candidates.h"
+#include "lod/point_normals.h"
 #include "lod/samples.h"
 #include "lod/set_columns.h"
 #include "lod/shape_coding.h"
@@ -185,6 +186,47 @@ static stp_result find_features(set_maker* m, const stp_leaf_points* points)
     return STP_OK;
 }
 
+typedef struct leaf_normals {
+    const set_maker* maker;
+    uint8_t* missing; ///< by candidate: 1 if it has no normal yet
+} leaf_normals;
+
+/// Gives points without normals those of their leaves, if these have a plane.
+static void take_leaf_normals(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const leaf_normals* l = user;
+    const set_maker* m = l->maker;
+    for (size_t i = begin; i < end; ++i) {
+        const stp_leaf_cell* leaf = &m->octree.leaves[i];
+        const stp_leaf_facts* f = &m->facts[i];
+        for (uint32_t at = leaf->begin; at < leaf->end && f->known; ++at) {
+            uint32_t point = m->octree.order[at];
+            if (l->missing[point] != 0) {
+                memcpy(m->candidates->normals + 3 * (size_t)point, &f->normal, sizeof(f->normal));
+                l->missing[point] = 0;
+            }
+        }
+    }
+}
+
+/// Estimates normals of points from their neighbours, or else those in their leaf, or else those
+/// farther away.
+static stp_result estimate_normals(set_maker* m)
+{
+    float around = sqrtf((float)m->desc->normal_neighbours / 3.14159265f); // in spacings
+    float radius = around * m->spacing * m->splats->step;
+    stp_normal_search search;
+    stp_result result = stp_normal_search_start(m->context, m->candidates, radius, &search);
+    if (result == STP_OK) {
+        leaf_normals loop = {m, search.missing};
+        stp_parallel_for(m->context, m->octree.leaf_count, LEAF_GRAIN, take_leaf_normals, &loop);
+        result = stp_normal_search_finish(&search);
+    }
+    stp_normal_search_destroy(&search);
+    return result;
+}
+
 /// Chooses the points of each leaf, and computes its properties.
 static stp_result find_facts(set_maker* m)
 {
@@ -197,9 +239,7 @@ static stp_result find_facts(set_maker* m)
     }
     settle_areas(m);
     if (!oriented) {
-        float around = sqrtf((float)m->desc->normal_neighbours / 3.14159265f); // in spacings
-        float radius = around * m->spacing * m->splats->step;
-        result = stp_estimate_point_normals(context, m->candidates, radius);
+        result = estimate_normals(m);
     }
     result = result == STP_OK ? spread(m) : result;
     if (result != STP_OK) {
