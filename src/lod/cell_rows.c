@@ -176,10 +176,16 @@ void stp_cell_rows_destroy(stp_context* context, stp_cell_rows* rows)
     *rows = (stp_cell_rows){0};
 }
 
-/// First cell whose number is at least `number`.
-static uint32_t find_cell(const stp_cell_rows* rows, uint64_t number)
+/// First cell from `from` on whose number is at least `number`. Takes ever longer steps first,
+/// because it is usually close.
+static uint32_t find_cell(const stp_cell_rows* rows, uint32_t from, uint64_t number)
 {
-    uint32_t low = 0, high = rows->cell_count;
+    uint32_t low = from, step = 1, high;
+    while (step < rows->cell_count - low && rows->numbers[low + step - 1] < number) {
+        low += step;
+        step *= 2;
+    }
+    high = step < rows->cell_count - low ? low + step - 1 : rows->cell_count;
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
         if (rows->numbers[middle] < number) {
@@ -207,7 +213,7 @@ void stp_cell_window_start(const stp_cell_rows* rows, uint32_t cell, stp_cell_wi
 {
     window->rows = rows;
     for (int r = 0; r < STP_CELL_ROWS; ++r) {
-        window->begins[r] = find_cell(rows, rows->numbers[cell] + offset_of_row(rows, r) - 1);
+        window->begins[r] = find_cell(rows, 0, rows->numbers[cell] + offset_of_row(rows, r) - 1);
     }
 }
 
@@ -242,10 +248,11 @@ stp_cell_reach stp_cell_reach_around(const stp_cell_rows* rows, uint64_t number,
     return reach;
 }
 
-void stp_cell_reach_row(const stp_cell_rows* rows, const stp_cell_reach* reach, int64_t y,
-                        int64_t z, uint32_t* begin, uint32_t* end)
+void stp_cell_reach_row(const stp_cell_rows* rows, stp_cell_reach* reach, int64_t y, int64_t z,
+                        uint32_t* begin, uint32_t* end)
 {
     uint64_t middle = reach->number + row_offset(rows, y, z);
-    *begin = find_cell(rows, middle + (uint64_t)reach->least[0]);
-    *end = find_cell(rows, middle + (uint64_t)reach->largest[0] + 1);
+    *begin = find_cell(rows, reach->next, middle + (uint64_t)reach->least[0]);
+    *end = find_cell(rows, *begin, middle + (uint64_t)reach->largest[0] + 1);
+    reach->next = *end;
 }

@@ -52,10 +52,11 @@ void stp_cell_window_move(stp_cell_window* window, uint32_t cell);
 typedef struct stp_cell_reach {
     uint64_t number;              ///< of the cell
     int64_t least[3], largest[3]; ///< of x, y, z
+    uint32_t next;                ///< cells before this one are passed
 } stp_cell_reach;
 
 /// @param number of the cell that contains a point
 stp_cell_reach stp_cell_reach_around(const stp_cell_rows* rows, uint64_t number, uint32_t cells);
-/// Finds the cells of a row by searching: slower than a window.
-void stp_cell_reach_row(const stp_cell_rows* rows, const stp_cell_reach* reach, int64_t y,
-                        int64_t z, uint32_t* begin, uint32_t* end);
+/// Finds the cells of a row by searching from the previous row on: rows must ascend by z, then y.
+void stp_cell_reach_row(const stp_cell_rows* rows, stp_cell_reach* reach, int64_t y, int64_t z,
+                        uint32_t* begin, uint32_t* end);

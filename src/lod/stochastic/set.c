@@ -299,6 +299,20 @@ static void write_leaf(const set_maker* m, uint32_t index)
     stp_octahedral_encode(f->normal, out->normal);
 }
 
+/// Requests the data of the next points, which lie far apart in memory.
+static void prefetch_points(const set_maker* m, uint32_t begin, uint32_t count)
+{
+    const stp_candidates* c = m->candidates;
+    uint32_t end = m->splats->count - begin < count ? m->splats->count : begin + count;
+    for (uint32_t i = begin; i < end; ++i) {
+        size_t from = m->octree.order[i];
+        __builtin_prefetch(c->normals + 3 * from);
+        __builtin_prefetch(m->places + 3 * from);
+        __builtin_prefetch(c->colors + 4 * from);
+        __builtin_prefetch(c->materials + from);
+    }
+}
+
 /// Writes places [begin, end), at most BATCH, of one leaf.
 /// @param next next index in each octave
 static void write_batch(const set_maker* m, const stp_leaf_facts* f, uint32_t begin, uint32_t end,
@@ -307,6 +321,7 @@ static void write_batch(const set_maker* m, const stp_leaf_facts* f, uint32_t be
     float normals[3 * BATCH] = {0};
     int8_t codes[2 * BATCH];
     const uint32_t* from = m->octree.order + begin;
+    prefetch_points(m, end, BATCH);
     for (uint32_t i = 0; i < end - begin; ++i) {
         memcpy(normals + 3 * i, m->candidates->normals + 3 * (size_t)from[i], 3 * sizeof(float));
     }

@@ -12,6 +12,7 @@ enum {
     BLOCK = 2048,
     SHARE = 4, ///< one in this many points is spread
     LEAST = 4, ///< with fewer points, any order is good enough
+    WIDE = 16, ///< distances compared together
 };
 
 /// Points of a leaf. The cube's side is scaled to 16 bits, so that differences wrap around at
@@ -45,6 +46,9 @@ static void take_points(spread_block* b, const spread_loop* l, const stp_leaf_ce
         }
         b->far[i] = INT16_MAX;
     }
+    for (uint32_t i = b->count; i % WIDE != 0; ++i) {
+        b->far[i] = -1;
+    }
 }
 
 /// Lowers the distances of all points to include a chosen one. @return the largest remaining
@@ -68,11 +72,16 @@ static int16_t choose_point(spread_block* b, uint32_t chosen)
     return most;
 }
 
+/// First point at a distance that some point has.
 static uint32_t find_first(const spread_block* b, int16_t far)
 {
     uint32_t i = 0;
-    while (i + 1 < b->count && b->far[i] != far) {
-        i += 1;
+    for (bool found = false; !found; i += WIDE) {
+        for (uint32_t k = 0; k < WIDE; ++k) {
+            found |= b->far[i + k] == far;
+        }
+    }
+    for (i -= WIDE; b->far[i] != far; ++i) {
     }
     return i;
 }
