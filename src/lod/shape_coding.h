@@ -4,9 +4,12 @@
 
 #include "base/splat_codes.h"
 
+enum { STP_SHAPE_GUESSES = 256 };
+
 /// Directions of the smaller radius by their codes.
 typedef struct stp_shape_directions {
     stp_shape_axis smaller[STP_SHAPE_TURN];
+    uint8_t guesses[STP_SHAPE_GUESSES]; ///< codes from which to search, by the slope of the axis
 } stp_shape_directions;
 
 void stp_shape_directions_make(stp_shape_directions* directions);

@@ -325,7 +325,7 @@ static void write_batch(const set_maker* m, const stp_leaf_facts* f, uint32_t be
     for (uint32_t i = 0; i < end - begin; ++i) {
         memcpy(normals + 3 * i, m->candidates->normals + 3 * (size_t)from[i], 3 * sizeof(float));
     }
-    stp_octahedral_encode_many(normals, end - begin, codes);
+    stp_octahedral_encode_many(normals, (end - begin + 7) / 8 * 8, codes); // whole vectors
     for (uint32_t i = 0; i < end - begin; ++i) {
         uint32_t octave = stp_leaf_octave_of(begin + i + 1, m->splats->octave_count);
         write_splat(m, f, from[i], codes + 2 * i, next[octave]++);
