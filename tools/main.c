@@ -5,6 +5,7 @@
 #include "tool.h"
 
 #include <signal.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -97,8 +98,23 @@ static void end_without_file(int number)
     _exit(written >= 0 ? 1 : 2);
 }
 
+/// Keeps the arguments as given; commands reorder theirs.
+static bool keep_arguments(int argc, char** argv)
+{
+    size_t size = ((size_t)argc + 1) * sizeof(*argv);
+    char** copy = malloc(size);
+    if (copy != NULL) {
+        memcpy(copy, argv, size);
+    }
+    tool_settings_get()->arguments = copy;
+    return copy != NULL;
+}
+
 int main(int argc, char** argv)
 {
+    if (!keep_arguments(argc, argv)) {
+        return tool_error("out of memory");
+    }
     (void)signal(SIGPIPE, SIG_IGN); // a closed pipe is a failed write, with a message; so is a file
                                     // that must not grow
     (void)signal(SIGXFSZ, SIG_IGN); // and so is a file that may not grow further

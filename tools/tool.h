@@ -11,6 +11,7 @@
 typedef struct tool_settings {
     bool help, version, quiet, verbose;
     const char* command; ///< the command that runs; NULL: none yet
+    char** arguments;    ///< those of the process, as they were given
     const char* columns; ///< stp_import_desc.columns for imported models; NULL: not given
 } tool_settings;
 

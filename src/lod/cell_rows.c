@@ -7,7 +7,7 @@
 #include <math.h>
 
 #define GRAIN 16384
-#define AHEAD 24           // points to prefetch ahead
+#define AHEAD 24 // points to prefetch ahead
 #define LEAST_CELL 0x1p-100
 
 typedef struct row_sorter {
@@ -135,8 +135,8 @@ static stp_result sort_points(stp_context* context, row_sorter* s)
     if (result == STP_OK) {
         stp_parallel_for(context, rows->count, GRAIN, number_points, s);
         unsigned bits = rows->axis_bits[0] + rows->axis_bits[1] + rows->axis_bits[2];
-        uint64_t* sorted = stp_parallel_sort_u64(context, items, scratch, rows->count,
-                                                 rows->index_bits, bits);
+        uint64_t* sorted =
+            stp_parallel_sort_u64(context, items, scratch, rows->count, rows->index_bits, bits);
         result = sorted == NULL ? stp_fail_memory(context) : STP_OK;
         rows->items = sorted == scratch ? scratch : items;
     }

@@ -32,8 +32,7 @@ static uint32_t find_change(const stp_shape_directions* directions, stp_shape_ax
     while ((off_axis(directions, low, along) < 0.0f) != negative) {
         low -= 1;
     }
-    while (low + 1 < STP_SHAPE_TURN &&
-           (off_axis(directions, low + 1, along) < 0.0f) == negative) {
+    while (low + 1 < STP_SHAPE_TURN && (off_axis(directions, low + 1, along) < 0.0f) == negative) {
         low += 1;
     }
     return low;

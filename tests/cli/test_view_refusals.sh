@@ -21,4 +21,17 @@ env -u WAYLAND_DISPLAY DISPLAY=:4242 "$stipple" view > out 2> err
 [ $? -eq 2 ] && grep -q 'splats' err || fail "one splat: $(cat err)"
 "$stipple" view --splats 100 --budget-ms 20 > out 2> err
 [ $? -eq 2 ] && grep -q 'exclude each other' err || fail "a number of splats and a budget: $(cat err)"
+
+# the viewer is a program of its own, beside the tool or installed
+if ldd "$(readlink -f "$stipple")" | grep -q SDL; then
+    fail "every command loads the window system"
+fi
+mkdir -p alone/bin && cp "$(readlink -f "$stipple")" alone/bin/stipple
+alone/bin/stipple view > out 2> err
+[ $? -eq 1 ] && grep -q '^stipple: cannot start the viewer .*/alone/.*stipple-view: No such file' err ||
+    fail "without its viewer: $(cat err)"
+mkdir -p alone/libexec/stipple
+ln -s "$(dirname "$(readlink -f "$stipple")")/stipple-view" alone/libexec/stipple/stipple-view
+env -u DISPLAY -u WAYLAND_DISPLAY -u SDL_VIDEODRIVER alone/bin/stipple view > out 2> err
+[ $? -eq 1 ] && grep -q '^stipple: there is no display' err || fail "with an installed viewer: $(cat err)"
 [ $failures -eq 0 ]

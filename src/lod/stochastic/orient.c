@@ -11,9 +11,9 @@ enum {
     BRIDGES_MOST = 64,   ///< maximum number of components for which a bridge is searched
     WORDS = 64,          ///< of 64 buckets each
 };
-#define ACROSS 0.5f // weight of a step perpendicular to a surface
+#define ACROSS 0.5f      // weight of a step perpendicular to a surface
 #define WEIGHT_MOST 3.5f // of a step
-#define GAP 4.0f    // maximum gap, relative to the sum of both leaves' sides
+#define GAP 4.0f         // maximum gap, relative to the sum of both leaves' sides
 
 /// A step from an oriented leaf to another one.
 typedef struct orient_step {
@@ -24,9 +24,9 @@ typedef struct orient_step {
 /// Steps in buckets of about the same weight; the last one that was added to a bucket comes first.
 typedef struct step_queue {
     orient_step* steps;
-    uint32_t count;            ///< steps that were ever added
-    uint64_t filled;           ///< one bit per word
-    uint64_t words[WORDS];     ///< one bit per bucket that is not empty
+    uint32_t count;              ///< steps that were ever added
+    uint64_t filled;             ///< one bit per word
+    uint64_t words[WORDS];       ///< one bit per bucket that is not empty
     uint32_t firsts[64 * WORDS]; ///< of each bucket
 } step_queue;
 
