@@ -49,7 +49,7 @@ static stp_result draw(stp_context* context, const char* path, const char* view_
         result = stp_model_get_info(model, &info);
     }
     if (result == STP_OK) {
-        result = stp_model_look(model, view_name, &view);
+        result = stp_model_get_view(model, view_name, &view);
     }
     if (result == STP_OK) {
         result = stp_painter_create(model, NULL, &painter); // NULL: the CPU draws

@@ -66,7 +66,7 @@ static stp_result draw(stp_context* context, const void* bytes, size_t size, stp
     stp_model_desc opening = {.bytes = bytes, .size = size, .name = "torus"};
     stp_paint_desc paint = {.splat_size = 2, .background = true};
     stp_result result = stp_model_open(context, &opening, &model);
-    result = result == STP_OK ? stp_model_look(model, "iso", &view) : result;
+    result = result == STP_OK ? stp_model_get_view(model, "iso", &view) : result;
     result = result == STP_OK ? stp_painter_create(model, NULL, &painter) : result;
     result = result == STP_OK ? stp_painter_draw(painter, &view, &paint, image, NULL) : result;
     result = result == STP_OK ? stp_model_pick(model, &view, SIDE / 2.0, SIDE * 0.7, &hit) : result;

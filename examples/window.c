@@ -77,7 +77,7 @@ static stp_result run(stp_model* model, SDL_Window* window, long frames, const c
     stp_painter_desc on_gl = {.get_proc_address = get_function};
     stp_paint_desc paint = {.budget_ms = 33, .background = true, .background_color = {32, 34, 37}};
     stp_view view = {.width = (uint32_t)width, .height = (uint32_t)height};
-    stp_result result = stp_model_look(model, "iso", &view);
+    stp_result result = stp_model_get_view(model, "iso", &view);
     result = result == STP_OK ? stp_painter_create(model, &on_gl, &painter) : result;
     gen_framebuffers(1, &framebuffer);
     for (long frame = 0; result == STP_OK && (frames == 0 || frame < frames); ++frame) {

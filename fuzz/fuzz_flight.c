@@ -21,12 +21,12 @@ static void check_flight(const stp_flight* flight)
     for (size_t i = 0; i < flight->key_count; ++i) {
         const stp_flight_key* key = &flight->keys[i];
         stp_view view = {0};
-        stp_flight_look(flight, key->t, &view);
+        stp_flight_get_view(flight, key->t, &view);
         require(view.eye.x >= key->eye.x && view.eye.x <= key->eye.x);
         require(view.target.z >= key->target.z && view.target.z <= key->target.z);
         double next = i + 1 < flight->key_count ? key[1].t : key->t + 1.0;
         for (int k = 1; k < 4; ++k) {
-            stp_flight_look(flight, key->t + 0.25 * k * (next - key->t), &view);
+            stp_flight_get_view(flight, key->t + 0.25 * k * (next - key->t), &view);
             require(is_finite(view.eye) && is_finite(view.target));
             require(fabs(stp_dotd(view.up, view.up) - 1.0) < 1e-9);
         }

@@ -17,7 +17,7 @@ static void check_viewpoints(stp_context* context, const stp_viewpoints* viewpoi
         const stp_viewpoint* viewpoint = &viewpoints->views[i];
         stp_view view = {.fov_degrees = 60};
         require(stp_viewpoints_find(viewpoints, viewpoint->name) == viewpoint);
-        stp_viewpoint_look(viewpoint, &view);
+        stp_viewpoint_get_view(viewpoint, &view);
         require(isfinite(stp_dotd(view.eye, view.target)) && view.fov_degrees > 0.0);
         require(stp_sections_are_valid(&view.sections));
         require(stp_viewpoints_put(context, &copies, viewpoint) == STP_OK);

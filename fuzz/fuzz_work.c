@@ -17,14 +17,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { HEAD = STP_WORK_HEAD_SIZE, MOST_KEYS = 64, MOST_BYTES = 1 << 16, SEGMENT = 1 << 16 };
+enum { HEAD = STP_WORK_HEAD_SIZE, MAX_KEYS = 64, MAX_BYTES = 1 << 16, SEGMENT = 1 << 16 };
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 
 static const char magic[] = "STPwork\n", mark[] = "STPmade\n";
 
 // Turns bytes into a segment and records its keys. An odd first byte leaves the bytes unchanged.
-static size_t forge(unsigned char* bytes, size_t size, stp_hash keys[MOST_KEYS])
+static size_t forge(unsigned char* bytes, size_t size, stp_hash keys[MAX_KEYS])
 {
     size_t key_count = 0;
     if (size < HEAD || bytes[0] % 2 == 1) {
@@ -33,7 +33,7 @@ static size_t forge(unsigned char* bytes, size_t size, stp_hash keys[MOST_KEYS])
     memcpy(bytes, magic, 8);
     stp_write_u32(bytes + 8, bytes[8] % 8 == 0 ? 2 : STP_WORK_VERSION);
     stp_work_seal_head(bytes);
-    for (size_t at = HEAD; at + HEAD <= size && key_count < MOST_KEYS;) {
+    for (size_t at = HEAD; at + HEAD <= size && key_count < MAX_KEYS;) {
         unsigned char* head = bytes + at;
         memcpy(head, mark, 8);
         uint64_t wanted = stp_read_u64(head + 24);
@@ -85,10 +85,10 @@ static uint64_t use(stp_work* work, stp_hash key)
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {
-    static unsigned char bytes[MOST_BYTES];
+    static unsigned char bytes[MAX_BYTES];
     static char folder[64];
-    stp_hash keys[MOST_KEYS];
-    if (size > MOST_BYTES) {
+    stp_hash keys[MAX_KEYS];
+    if (size > MAX_BYTES) {
         return 0;
     }
     memcpy(bytes, data, size);

@@ -31,7 +31,7 @@ void test_fail(const char* file, int line, const char* format, ...)
     _exit(TEST_FAILED); // without exit handlers: the sanitizer looks for leaks in one of them
 }
 
-/// Removes a folder and what is in it; what a test mounted or linked elsewhere stays.
+/// Removes a folder and its contents; mounted or linked content stays.
 static void remove_folder(const char* path)
 {
     DIR* folder = opendir(path);

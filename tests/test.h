@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The whole test framework: a test is a function. Each test runs in a process and a folder of its
 // own (main.c). A failed check prints its place and ends that process at once, also from a helper
-// function or another thread: nothing that follows can hide the message, and no leak is reported.
+// function or another thread. So nothing can hide the message, and no leak is reported.
 #pragma once
 
 #include <stdio.h>
@@ -37,7 +37,7 @@ _Noreturn void test_fail(const char* file, int line, const char* format, ...)
         }                                                                                          \
     } while (0)
 
-/// Both sides are printed, so that a log alone tells what happened.
+/// Both sides are printed, so a log alone shows what happened.
 #define CHECK_EQUAL(expected, actual)                                                              \
     do {                                                                                           \
         unsigned long long e_ = (unsigned long long)(expected);                                    \

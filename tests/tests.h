@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What tests share: prototypes from the generated list, an allocator that counts and can fail, and a
-// context over it.
+// Shared by all tests: prototypes from the generated list, an allocator that counts and can fail,
+// and a context over it.
 #pragma once
 
 #include "test.h"
@@ -46,7 +46,7 @@ static inline void test_heap_free(void* memory, size_t size, void* user)
     free(memory);
 }
 
-/// The last message a context logged, for tests that check what is said.
+/// The last message that a context logged, for tests of messages.
 typedef struct test_log {
     char text[512]; ///< the last error
     int errors;
@@ -67,7 +67,7 @@ static inline void test_log_message(stp_log_level level, const char* message, vo
 }
 
 /// A context over `heap` (NULL: malloc) with `threads` workers that logs into `log` (may be NULL).
-/// NULL where the heap fails already here.
+/// NULL if the heap fails.
 static inline stp_context* test_context(test_heap* heap, uint32_t threads, test_log* log)
 {
     stp_context_desc desc = {.thread_count = threads};

@@ -59,8 +59,8 @@ typedef struct backends_bench {
     const char* model;
     const bench_options* options;
     json_t* results;
-    FILE* table;  ///< NULL: none is wanted
-    double least; ///< SSIM of both pictures, so far
+    FILE* table;    ///< NULL: none is wanted
+    double minimum; ///< SSIM of both pictures, so far
 } backends_bench;
 
 /// Makes ghosts of the root's children: every second thing, or all.
@@ -169,7 +169,7 @@ static stp_result compare_way(backends_bench* b, const picture_case* c, const ch
         bench_set_number(e.figures, "ssim_reference_cpu", own);
         bench_set_number(e.figures, "ssim_reference_gl", likeness);
     }
-    b->least = fmin(b->least, same);
+    b->minimum = fmin(b->minimum, same);
     if (b->table != NULL) {
         fprintf(b->table, way == 0 ? " %.4f" : same < 0.99995 ? " / %.4f" : " / 1", same);
     }
@@ -246,9 +246,9 @@ static void write_head(const backends_bench* b)
 static stp_result measure(backends_bench* b)
 {
     const stp_store_directory* d = stp_store_get_directory(b->store);
-    uint32_t most = b->options->quick ? QUICK_VIEWS : d->view_count, compared = 0;
+    uint32_t maximum = b->options->quick ? QUICK_VIEWS : d->view_count, compared = 0;
     stp_result result = make_ghosts(b);
-    for (uint32_t i = 0; i < d->view_count && compared < most && result == STP_OK; ++i) {
+    for (uint32_t i = 0; i < d->view_count && compared < maximum && result == STP_OK; ++i) {
         if (d->views[i].name != NULL) {
             result = compare_view(b, d->views[i].name);
             compared += 1;
@@ -312,7 +312,7 @@ static int run_backends(const bench_options* options, json_t* results)
                         .model = options->model != NULL ? options->model : "scene:boxes",
                         .options = options,
                         .results = results,
-                        .least = 1.0};
+                        .minimum = 1.0};
     if (b.context == NULL) {
         return tool_error("bench backends: out of memory");
     }
@@ -330,7 +330,7 @@ static int run_backends(const bench_options* options, json_t* results)
     }
     if (result == STP_OK) {
         bench_entry e = bench_result(results, "backends least");
-        bench_set_number(e.figures, "ssim", b.least);
+        bench_set_number(e.figures, "ssim", b.minimum);
     }
     close_all(&b);
     return result == STP_OK ? 0 : 1;

@@ -17,7 +17,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { REPEATS = 9, QUICK_REPEATS = 3, MOST_VIEWS = 16, QUICK_VIEWS = 2 };
+enum { REPEATS = 9, QUICK_REPEATS = 3, MAX_VIEWS = 16, QUICK_VIEWS = 2 };
 static const double budget_ms = 33.0, seconds_between = 2.0;
 
 typedef struct frame_bench {
@@ -29,8 +29,8 @@ typedef struct frame_bench {
     const bench_options* options;
     bool quick;
     float splat_size;
-    const char* names[MOST_VIEWS];
-    stp_view views[MOST_VIEWS];
+    const char* names[MAX_VIEWS];
+    stp_view views[MAX_VIEWS];
     uint32_t view_count;
     json_t* results;
 } frame_bench;
@@ -111,7 +111,7 @@ static stp_result measure_view(frame_bench* b, uint32_t view, const way* w)
 
 static stp_result measure_flight(frame_bench* b, const way* w)
 {
-    stp_flight_key keys[MOST_VIEWS];
+    stp_flight_key keys[MAX_VIEWS];
     for (uint32_t i = 0; i < b->view_count; ++i) {
         const stp_view* v = &b->views[i];
         keys[i] = (stp_flight_key){seconds_between * i, v->eye, v->target, stp_normalized(v->up)};
@@ -145,9 +145,9 @@ static void list_views(frame_bench* b)
 {
     static const char* const usual[] = {"front", "iso", "right"};
     const stp_store_directory* directory = stp_store_get_directory(b->store);
-    const char* names[MOST_VIEWS];
-    uint32_t count = 0, most = b->quick ? QUICK_VIEWS : MOST_VIEWS;
-    for (uint32_t i = 0; i < directory->view_count && count < most; ++i) {
+    const char* names[MAX_VIEWS];
+    uint32_t count = 0, maximum = b->quick ? QUICK_VIEWS : MAX_VIEWS;
+    for (uint32_t i = 0; i < directory->view_count && count < maximum; ++i) {
         if (directory->views[i].name != NULL) {
             names[count++] = directory->views[i].name;
         }
@@ -167,7 +167,7 @@ static void list_views(frame_bench* b)
 }
 
 // With a memory limit, the data for the first view is loaded before each flight.
-static stp_result renew_maker(frame_bench* b)
+static stp_result recreate_maker(frame_bench* b)
 {
     stp_draw_style style = {.transparency = STP_TRANSPARENCY_PATTERN};
     frame_maker_destroy(&b->maker);
@@ -185,7 +185,7 @@ static stp_result measure(frame_bench* b)
     if (!frame_image_create(b->context, width, height, &b->image)) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
-    stp_result result = renew_maker(b);
+    stp_result result = recreate_maker(b);
     list_views(b);
     for (uint32_t i = 0; i < b->view_count && result == STP_OK; ++i) {
         for (int w = 0; w < 2 && result == STP_OK; ++w) {
@@ -193,7 +193,7 @@ static stp_result measure(frame_bench* b)
         }
     }
     for (int w = 0; w < WAYS && result == STP_OK; ++w) {
-        result = b->options->memory > 0 ? renew_maker(b) : STP_OK;
+        result = b->options->memory > 0 ? recreate_maker(b) : STP_OK;
         if (result == STP_OK) {
             result = measure_flight(b, &ways[w]);
         }

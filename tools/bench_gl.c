@@ -17,10 +17,10 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { MOST_VIEWS = 5, QUICK_VIEWS = 2, REPEATS = 9, QUICK_REPEATS = 3, WARM = 2 };
+enum { MAX_VIEWS = 5, QUICK_VIEWS = 2, REPEATS = 9, QUICK_REPEATS = 3, WARM = 2 };
 static const uint64_t splat_bytes = 12; ///< read of each: place, normal, colour, coverage
 static const uint64_t copied_bytes = UINT64_C(256) << 20, quick_copied_bytes = UINT64_C(8) << 20;
-static const double geometry_most_ms = 90000.0; ///< then it is left out
+static const double geometry_max_ms = 90000.0; ///< then it is left out
 static const uint64_t hardware_memory = UINT64_C(12) << 30, software_memory = UINT64_C(2) << 30;
 
 typedef struct picture_size {
@@ -40,13 +40,13 @@ static const picture_size quick_sizes[] = {
     {2 * 112, 134, true, "2 x 112 x 134"},
 };
 
-typedef struct draw_way {
+typedef struct draw_path {
     const char* name;
     stp_gl_splats splats;
     bool reference;
-} draw_way;
+} draw_path;
 
-static const draw_way ways[] = {
+static const draw_path ways[] = {
     {"points", STP_GL_SPLATS_POINTS, false},
     {"compute", STP_GL_SPLATS_COMPUTE, false},
     {"auto", STP_GL_SPLATS_AUTO, false},
@@ -64,7 +64,7 @@ typedef struct gl_bench {
     const char* model;
     const bench_options* options;
     bool small; ///< few small pictures: requested, or drawn by a CPU
-    const char* names[MOST_VIEWS];
+    const char* names[MAX_VIEWS];
     uint32_t view_count;
     double copied;      ///< bytes a second, read and written
     double geometry_ms; ///< that full geometry has taken, by the clock
@@ -79,7 +79,7 @@ typedef struct frame_times {
     stp_draw_gl_stats gl;
 } frame_times;
 
-static stp_result measure_frames(gl_bench* b, const stp_view* view, const draw_way* w,
+static stp_result measure_frames(gl_bench* b, const stp_view* view, const draw_path* w,
                                  frame_times* times)
 {
     double draw[REPEATS], shade[REPEATS], select[REPEATS];
@@ -108,7 +108,7 @@ static stp_result measure_frames(gl_bench* b, const stp_view* view, const draw_w
 }
 
 static void write_row(const gl_bench* b, const picture_size* size, const char* view,
-                      const draw_way* w, const frame_times* t, double rate)
+                      const draw_path* w, const frame_times* t, double rate)
 {
     double frame = t->draw_ms + t->shade_ms;
     if (b->table == NULL) {
@@ -123,7 +123,7 @@ static void write_row(const gl_bench* b, const picture_size* size, const char* v
             t->stats.draw_calls);
 }
 
-static void report(gl_bench* b, const picture_size* size, const char* view, const draw_way* w,
+static void report(gl_bench* b, const picture_size* size, const char* view, const draw_path* w,
                    const frame_times* t)
 {
     static const char* const used[] = {"auto", "points", "compute"};
@@ -157,7 +157,7 @@ static void report(gl_bench* b, const picture_size* size, const char* view, cons
 
 /// A path that fails (full geometry may be too much) does not stop the others.
 static void report_failure(gl_bench* b, const picture_size* size, const char* view,
-                           const draw_way* w, const char* why)
+                           const draw_path* w, const char* why)
 {
     bench_entry e = bench_result(b->results, "gl");
     bench_set_text(e.params, "picture", size->name);
@@ -187,7 +187,7 @@ static stp_result measure_size(gl_bench* b, const picture_size* size)
         view.eye_distance = size->stereo ? 0.064 / (unit > 0.0 ? unit : 1.0) : 0.0;
         for (int w = 0; w < WAYS; ++w) {
             frame_times times;
-            if (ways[w].reference && b->geometry_ms > geometry_most_ms) {
+            if (ways[w].reference && b->geometry_ms > geometry_max_ms) {
                 report_failure(b, size, b->names[v], &ways[w], "skipped: it takes too long");
                 continue;
             }
@@ -237,8 +237,8 @@ static void report_device(gl_bench* b)
 static void list_views(gl_bench* b)
 {
     const stp_store_directory* d = stp_store_get_directory(b->store);
-    uint32_t most = b->small ? QUICK_VIEWS : MOST_VIEWS;
-    for (uint32_t i = 0; i < d->view_count && b->view_count < most; ++i) {
+    uint32_t maximum = b->small ? QUICK_VIEWS : MAX_VIEWS;
+    for (uint32_t i = 0; i < d->view_count && b->view_count < maximum; ++i) {
         if (d->views[i].name != NULL) {
             b->names[b->view_count++] = d->views[i].name;
         }

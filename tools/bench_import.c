@@ -16,7 +16,7 @@
 enum {
     RUNS = 5,
     QUICK_RUNS = 1,
-    MOST_RUNS = 64,
+    MAX_RUNS = 64,
     POINTS = 2000000,
     QUICK_POINTS = 20000,
     LINE = 64 // maximum bytes of a line of the text
@@ -120,11 +120,11 @@ static stp_result run_once(const import_bench* b, import_figures* f)
 
 static stp_result measure(const import_bench* b, json_t* results)
 {
-    double cpu[MOST_RUNS], wall[MOST_RUNS];
+    double cpu[MAX_RUNS], wall[MAX_RUNS];
     uint32_t runs = b->options->count > 0 ? b->options->count
                     : b->options->quick   ? QUICK_RUNS
                                           : RUNS;
-    runs = runs < MOST_RUNS ? runs : MOST_RUNS;
+    runs = runs < MAX_RUNS ? runs : MAX_RUNS;
     import_figures f = {0};
     stp_result result = STP_OK;
     for (uint32_t i = 0; i < runs && result == STP_OK; ++i) {

@@ -51,8 +51,8 @@ typedef struct quality_sums {
     double ssim[DIRECTION_COUNT], covered[DIRECTION_COUNT];
     uint32_t worst; ///< direction with the most holes and wrong depths
     uint64_t worst_errors;
-    double most_holes;            ///< of one picture, in 10,000 pixels of its interior
-    double least_area, most_area; ///< of one picture, over the reference's
+    double max_holes;            ///< of one picture, in 10,000 pixels of its interior
+    double min_area, area_limit; ///< of one picture, over the reference's
 } quality_sums;
 
 // The views of a series.
@@ -104,10 +104,10 @@ static void add_errors(quality_sums* sums, const stp_surface_errors* errors, uin
         return;
     }
     double interior = errors->interior > 0 ? (double)errors->interior : 1.0;
-    sums->most_holes = fmax(sums->most_holes, 1e4 * (double)errors->holes / interior);
+    sums->max_holes = fmax(sums->max_holes, 1e4 * (double)errors->holes / interior);
     double area = (double)errors->drawn / (double)errors->covered;
-    sums->most_area = fmax(sums->most_area, area);
-    sums->least_area = sums->least_area > 0.0 ? fmin(sums->least_area, area) : area;
+    sums->area_limit = fmax(sums->area_limit, area);
+    sums->min_area = sums->min_area > 0.0 ? fmin(sums->min_area, area) : area;
 }
 
 // Draws a view and adds its differences from the reference, which is already drawn, to the sums.
@@ -164,11 +164,11 @@ static void report_errors(json_t* figures, const quality_sums* sums)
     bench_set_number(figures, "wrong_depth_per_10k", 1e4 * (double)errors->wrong_depth / covered);
     bench_set_number(figures, "extra_per_10k", 1e4 * (double)errors->extra / covered);
     bench_set_number(figures, "interior_holes_per_10k", 1e4 * (double)errors->holes / interior);
-    bench_set_number(figures, "interior_holes_per_10k_most", sums->most_holes);
+    bench_set_number(figures, "interior_holes_per_10k_most", sums->max_holes);
     bench_set_number(figures, "wrong_depth_per_1k", 1e3 * (double)errors->wrong_depth / covered);
     bench_set_number(figures, "area_ratio", (double)errors->drawn / covered);
-    bench_set_number(figures, "area_ratio_least", sums->least_area);
-    bench_set_number(figures, "area_ratio_most", sums->most_area);
+    bench_set_number(figures, "area_ratio_least", sums->min_area);
+    bench_set_number(figures, "area_ratio_most", sums->area_limit);
     bench_set_count(figures, "worst_direction", sums->worst);
     bench_set_count(figures, "covered_pixels", errors->covered);
     bench_set_count(figures, "interior_pixels", errors->interior);
@@ -184,13 +184,13 @@ static void report_series(json_t* results, const char* model, const char* series
     bench_set_count(entry.params, "height", run->height);
     bench_set_number(entry.params, "splat_size", (double)sums->splat_size);
     bench_set_count(entry.params, "pictures", sums->pictures);
-    double least = sums->pictures > 0 ? sums->covered[0] : 0.0;
+    double minimum = sums->pictures > 0 ? sums->covered[0] : 0.0;
     for (uint32_t i = 1; i < sums->pictures; ++i) {
-        least = sums->covered[i] < least ? sums->covered[i] : least;
+        minimum = sums->covered[i] < minimum ? sums->covered[i] : minimum;
     }
     bench_set_number(entry.figures, "ssim", bench_median(sums->ssim, sums->pictures));
     bench_set_number(entry.figures, "ssim_covered", bench_median(sums->covered, sums->pictures));
-    bench_set_number(entry.figures, "ssim_covered_least", least);
+    bench_set_number(entry.figures, "ssim_covered_least", minimum);
     report_errors(entry.figures, sums);
     uint32_t pictures = sums->pictures > 0 ? sums->pictures : 1;
     bench_set_count(entry.figures, "splats", sums->splats / pictures);

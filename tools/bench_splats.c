@@ -17,14 +17,7 @@
 
 #include <string.h>
 
-enum {
-    WIDTH = 1920,
-    HEIGHT = 1080,
-    LEAST_REPEATS = 3,
-    REPEATS = 7,
-    PIECE = 16384,
-    MOST_THREADS = 2
-};
+enum { WIDTH = 1920, HEIGHT = 1080, MIN_REPEATS = 3, REPEATS = 7, PIECE = 16384, MAX_THREADS = 2 };
 static const double repeat_ms = 4000.0; // a size that has taken this long has enough repeats
 
 typedef struct splat_bench {
@@ -37,7 +30,7 @@ typedef struct splat_bench {
     uint64_t* buffers; ///< one picture a thread
     stp_raster_splats splats;
     stp_raster_camera camera;
-    uint64_t fragments[MOST_THREADS]; ///< of a worker
+    uint64_t fragments[MAX_THREADS]; ///< of a worker
     memory_speed memory;
 } splat_bench;
 
@@ -196,7 +189,7 @@ static void measure(splat_bench* b, software_gl* gl, float size, bool quick, jso
         software_gl_warm(gl, size, size > 1.0f);
     }
     double start = stp_clock_ms();
-    while (repeats < (quick ? 2 : LEAST_REPEATS) ||
+    while (repeats < (quick ? 2 : MIN_REPEATS) ||
            (!quick && repeats < REPEATS && stp_clock_ms() - start < repeat_ms)) {
         lap l = run_lap(b, gl, size);
         cpu[repeats] = (double)b->count / l.cpu * 1000.0;
@@ -230,7 +223,7 @@ static void measure(splat_bench* b, software_gl* gl, float size, bool quick, jso
 static int run(const bench_options* options, json_t* results)
 {
     static const float sizes[] = {1, 2, 3, 4, 8};
-    for (uint32_t threads = 1; threads <= MOST_THREADS; ++threads) {
+    for (uint32_t threads = 1; threads <= MAX_THREADS; ++threads) {
         splat_bench b;
         if (!create(&b, options->quick ? 300000 : 2000000, threads)) {
             return 1;

@@ -29,7 +29,7 @@ enum {
 
 #define PIXEL_ANGLE                                                                                \
     (2.0 * 0.57735026918962576 / 1080.0) // of 1080 pixels in 60 degrees, at distance 1
-#define MOST_ALLOWED (8.0 * PIXEL_ANGLE) // sequences are made for up to eight pixels
+#define MAX_ALLOWED (8.0 * PIXEL_ANGLE)  // sequences are made for up to eight pixels
 
 static const double distances[DISTANCES] = {0.75, 1.5, 3, 6, 12, 24, 48}; // in sizes of the model
 
@@ -80,8 +80,8 @@ static stp_result make_points(spt_bench* b, const stp_scene* scene, const bench_
     return result;
 }
 
-static void tell_build(const spt_bench* b, double tree_ms, double sequence_ms, double set_ms,
-                       json_t* results)
+static void report_build(const spt_bench* b, double tree_ms, double sequence_ms, double set_ms,
+                         json_t* results)
 {
     double points = (double)b->samples.points.count;
     bench_entry e = bench_result(results, "spt build");
@@ -115,7 +115,7 @@ static stp_result make_trees(spt_bench* b, json_t* results)
     double tree_ms = stp_clock_ms() - start;
     start = stp_clock_ms();
     if (result == STP_OK) {
-        result = stp_point_sequence_make(b->context, &b->by_error, MOST_ALLOWED, &b->sequence);
+        result = stp_point_sequence_make(b->context, &b->by_error, MAX_ALLOWED, &b->sequence);
     }
     double sequence_ms = stp_clock_ms() - start;
     result = result == STP_OK ? measure_set(b, &by_error, &set_ms) : result;
@@ -125,7 +125,7 @@ static stp_result make_trees(spt_bench* b, json_t* results)
     if (result != STP_OK) {
         return result;
     }
-    tell_build(b, tree_ms, sequence_ms, set_ms, results);
+    report_build(b, tree_ms, sequence_ms, set_ms, results);
     b->nodes = STP_NEW_ARRAY(b->context, uint32_t, (size_t)b->by_error.count + 1);
     return b->nodes != NULL ? STP_OK : stp_fail_memory(b->context);
 }
@@ -142,7 +142,7 @@ static stp_vec3d direction_of(uint32_t i, uint32_t count)
 static stp_result draw_view(spt_bench* b, const stp_tree_view* from, spt_times* times)
 {
     spt_view view;
-    if (!spt_model_look(&b->model, from, b->center, &view)) {
+    if (!spt_model_make_view(&b->model, from, b->center, &view)) {
         return STP_OK;
     }
     if (b->gl_drawing != NULL) {

@@ -25,9 +25,9 @@ typedef struct draw_job {
     bool* failed;       ///< one per thread
 } draw_job;
 
-static float jitter(uint64_t index, float most)
+static float jitter(uint64_t index, float maximum)
 {
-    return ((float)(stp_rng_hash(7, index) >> 40) / 8388608.0f - 1.0f) * most;
+    return ((float)(stp_rng_hash(7, index) >> 40) / 8388608.0f - 1.0f) * maximum;
 }
 
 static bool make_grid(stp_context* context, float size, grid* out)

@@ -59,11 +59,11 @@ const char* build_sizes_reason(uint64_t input_bytes, const scene_figures* figure
     if (input_bytes == 0 || (double)figures->file_bytes <= MANY_TIMES * (double)input_bytes) {
         return NULL;
     }
-    uint64_t most = figures->file_bytes / 2;
-    return f->splat_bytes > most      ? "splats; --surfels N keeps fewer of each node"
-           : f->texture_bytes > most  ? "textures, which the input holds compressed"
-           : f->triangle_bytes > most ? "triangles, which the input holds compressed"
-           : f->point_bytes > most    ? "points, which the input holds compressed"
+    uint64_t maximum = figures->file_bytes / 2;
+    return f->splat_bytes > maximum      ? "splats; --surfels N keeps fewer of each node"
+           : f->texture_bytes > maximum  ? "textures, which the input holds compressed"
+           : f->triangle_bytes > maximum ? "triangles, which the input holds compressed"
+           : f->point_bytes > maximum    ? "points, which the input holds compressed"
            : figures->file_bytes < 65536
                ? "the directory, tables and padding that any file has"
                : "neither splats nor triangles alone; the input is compressed";

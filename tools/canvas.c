@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FONT_BYTES_MOST = 1 << 24, LETTER_SIDE_MOST = 256 };
+enum { FONT_BYTES_MAX = 1 << 24, LETTER_SIDE_MAX = 256 };
 
 struct canvas_font {
     stbtt_fontinfo info;
@@ -26,10 +26,9 @@ static const char* const font_paths[] = {
 
 static bool load_font(struct canvas_font* font, const char* path)
 {
-    font->bytes = malloc(FONT_BYTES_MOST);
-    size_t size = font->bytes != NULL ? stp_file_peek(path, font->bytes, FONT_BYTES_MOST) : 0;
-    font->loaded =
-        size > 0 && size < FONT_BYTES_MOST && stbtt_InitFont(&font->info, font->bytes, 0);
+    font->bytes = malloc(FONT_BYTES_MAX);
+    size_t size = font->bytes != NULL ? stp_file_peek(path, font->bytes, FONT_BYTES_MAX) : 0;
+    font->loaded = size > 0 && size < FONT_BYTES_MAX && stbtt_InitFont(&font->info, font->bytes, 0);
     if (!font->loaded) {
         free(font->bytes);
         font->bytes = NULL;
@@ -40,10 +39,10 @@ static bool load_font(struct canvas_font* font, const char* path)
 stp_result canvas_create(stp_context* context, uint32_t width, uint32_t height, canvas* c)
 {
     *c = (canvas){.context = context, .image = {.width = width, .height = height}};
-    if (width > CANVAS_SIDE_MOST || height > CANVAS_SIDE_MOST) {
+    if (width > CANVAS_SIDE_MAX || height > CANVAS_SIDE_MAX) {
         return stp_fail(context, STP_ERROR_LIMIT,
                         "a sheet of %ux%u pixels exceeds the maximum of %d pixels per side", width,
-                        height, CANVAS_SIDE_MOST);
+                        height, CANVAS_SIDE_MAX);
     }
     size_t bytes = (size_t)width * height * 4;
     c->image.pixels = stp_alloc_array(context, bytes, 1);
@@ -146,13 +145,13 @@ static int next_point(const char** text)
 
 static void put_letter(canvas* c, double x, int y, float scale, canvas_color color, int point)
 {
-    unsigned char mask[LETTER_SIDE_MOST * LETTER_SIDE_MOST];
+    unsigned char mask[LETTER_SIDE_MAX * LETTER_SIDE_MAX];
     int box[4];
     float shift = (float)(x - floor(x));
     stbtt_GetCodepointBitmapBoxSubpixel(&c->font->info, point, scale, scale, shift, 0, &box[0],
                                         &box[1], &box[2], &box[3]);
     int width = box[2] - box[0], height = box[3] - box[1];
-    if (width <= 0 || height <= 0 || width > LETTER_SIDE_MOST || height > LETTER_SIDE_MOST) {
+    if (width <= 0 || height <= 0 || width > LETTER_SIDE_MAX || height > LETTER_SIDE_MAX) {
         return;
     }
     stbtt_MakeCodepointBitmapSubpixel(&c->font->info, mask, width, height, width, scale, scale,

@@ -16,7 +16,7 @@ typedef struct canvas {
     struct canvas_font* font;
 } canvas;
 
-enum { CANVAS_SIDE_MOST = 32768 };
+enum { CANVAS_SIDE_MAX = 32768 };
 
 /// Starts white. Text needs a system font (DejaVu, Noto or Liberation Sans); without one, text is
 /// skipped with a warning. @return STP_OK, STP_ERROR_LIMIT, STP_ERROR_OUT_OF_MEMORY; logged

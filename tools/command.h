@@ -29,9 +29,9 @@ typedef struct option_prefix {
     double percent; ///< above 0, at most 100; 0: see `bytes`
 } option_prefix;
 
-enum { OPTION_TEXTS_MOST = 256 };
+enum { OPTION_TEXTS_MAX = 256 };
 typedef struct option_texts {
-    const char* texts[OPTION_TEXTS_MOST];
+    const char* texts[OPTION_TEXTS_MAX];
     uint32_t count;
 } option_texts;
 

@@ -14,7 +14,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#define MOST_PARTS ((size_t)1 << 26)
+#define MAX_PARTS ((size_t)1 << 26)
 
 static struct {
     const char *output, *pictures;
@@ -178,7 +178,7 @@ static stp_result capture_scene(stp_context* context, const stp_scene* scene)
 {
     stp_placed_part* parts;
     size_t part_count, kept = 0;
-    stp_result result = stp_scene_flatten(scene, scene->root, MOST_PARTS, &parts, &part_count);
+    stp_result result = stp_scene_flatten(scene, scene->root, MAX_PARTS, &parts, &part_count);
     if (result != STP_OK) {
         return result;
     }

@@ -109,7 +109,7 @@ static stp_psp_desc make_desc(void)
     desc.piece_size = (uint32_t)args.piece_size;
     desc.connect_components = args.connect;
     if (args.has_angle) {
-        desc.least_cosine =
+        desc.min_cosine =
             args.merge_angle < 180.0 ? (float)cos(args.merge_angle * 0.017453292519943295) : -2.0f;
     }
     return desc;

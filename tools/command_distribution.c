@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_FILES = 6, MOST_PREFIXES = 32 };
+enum { MAX_FILES = 6, MAX_PREFIXES = 32 };
 
 static struct {
     const char* of;
@@ -52,13 +52,13 @@ static const option* options(void)
 
 typedef struct study {
     stp_context* context;
-    const char* paths[MOST_FILES];
+    const char* paths[MAX_FILES];
     size_t file_count;
-    uint32_t prefixes[MOST_PREFIXES];
+    uint32_t prefixes[MAX_PREFIXES];
     size_t prefix_count;
-    stp_distribution figures[MOST_FILES][MOST_PREFIXES];
-    float* spacings[MOST_FILES][MOST_PREFIXES]; // sorted and relative; kept for the plot
-    uint32_t spacing_counts[MOST_FILES][MOST_PREFIXES];
+    stp_distribution figures[MAX_FILES][MAX_PREFIXES];
+    float* spacings[MAX_FILES][MAX_PREFIXES]; // sorted and relative; kept for the plot
+    uint32_t spacing_counts[MAX_FILES][MAX_PREFIXES];
 } study;
 
 // @return 0, or the exit code with the message printed
@@ -69,10 +69,10 @@ static int read_prefixes(study* s)
         char* end = NULL;
         unsigned long long value = isdigit((unsigned char)*text) ? strtoull(text, &end, 10) : 0;
         if (value == 0 || value > UINT32_MAX || (*end != 0 && (*end != ',' || end[1] == 0)) ||
-            s->prefix_count == MOST_PREFIXES) {
+            s->prefix_count == MAX_PREFIXES) {
             return tool_usage_error(
                 "distribution: --prefix expects up to %d counts like 1000,5000, not %s",
-                MOST_PREFIXES, args.prefixes);
+                MAX_PREFIXES, args.prefixes);
         }
         s->prefixes[s->prefix_count++] = (uint32_t)value;
         text = *end == ',' ? end + 1 : end;
@@ -188,8 +188,8 @@ static void make_label(const char* path, char* label, size_t size)
 
 static stp_result plot(const study* s)
 {
-    static plot_violin violins[MOST_FILES * MOST_PREFIXES];
-    static char labels[MOST_FILES][20];
+    static plot_violin violins[MAX_FILES * MAX_PREFIXES];
+    static char labels[MAX_FILES][20];
     size_t count = 0;
     for (size_t i = 0; i < s->file_count; ++i) {
         make_label(s->paths[i], labels[i], sizeof(labels[i]));
@@ -206,9 +206,9 @@ static stp_result plot(const study* s)
 static int run(int argc, char** argv)
 {
     static study s;
-    if (argc < 1 || argc > MOST_FILES) {
+    if (argc < 1 || argc > MAX_FILES) {
         return tool_usage_error("distribution: expected one file of ordered points, or up to %d",
-                                MOST_FILES);
+                                MAX_FILES);
     }
     int code = overwrite_check(args.of, args.plot);
     for (int i = 0; i < argc && code == 0; ++i) {
@@ -231,8 +231,8 @@ static int run(int argc, char** argv)
         result = plot(&s);
     }
     code = result == STP_OK ? print_study(&s) : 1;
-    for (size_t i = 0; i < MOST_FILES; ++i) {
-        for (size_t k = 0; k < MOST_PREFIXES; ++k) {
+    for (size_t i = 0; i < MAX_FILES; ++i) {
+        for (size_t k = 0; k < MAX_PREFIXES; ++k) {
             stp_free(s.context, s.spacings[i][k]);
         }
     }

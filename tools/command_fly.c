@@ -119,9 +119,9 @@ static int make_plan(session* s)
                             .controller = (stp_controller)args.draw.controller,
                             .reference_every = (uint32_t)args.reference_every,
                             .popping = args.popping};
-    if (flight_count_frames(&s->plan) > FLIGHT_FRAMES_MOST) {
+    if (flight_count_frames(&s->plan) > FLIGHT_FRAMES_MAX) {
         return tool_error("%s: has %u frames, more than %d; choose fewer with --frames", args.path,
-                          flight_count_frames(&s->plan), FLIGHT_FRAMES_MOST);
+                          flight_count_frames(&s->plan), FLIGHT_FRAMES_MAX);
     }
     return 0;
 }

@@ -154,7 +154,7 @@ static int find_view(session* s, const char* path, const char* name)
     const stp_viewpoint* found = stp_viewpoints_find(&viewpoints, name);
     if (result == STP_OK && found != NULL) {
         double fov = view->fov_degrees;
-        stp_viewpoint_look(found, view);
+        stp_viewpoint_get_view(found, view);
         view->fov_degrees = fov > 0.0 ? fov : view->fov_degrees;
         result = scene_show_viewpoint(&s->drawing.show, found);
     }
@@ -234,11 +234,11 @@ static stp_result draw_frames(session* s)
     }
     size_t count = 0;
     // occlusion is known from the second frame on; a reference does not use it
-    size_t most = result != STP_OK || !args.draw.json ? 0
-                  : frames[0].frame_ms >= slow_ms     ? !args.draw.reference
-                  : args.once                         ? 1
-                                                      : REPEATS;
-    while (result == STP_OK && count < most && (count < 3 || total < repeat_ms)) {
+    size_t maximum = result != STP_OK || !args.draw.json ? 0
+                     : frames[0].frame_ms >= slow_ms     ? !args.draw.reference
+                     : args.once                         ? 1
+                                                         : REPEATS;
+    while (result == STP_OK && count < maximum && (count < 3 || total < repeat_ms)) {
         result = frame_draw(&s->drawing.maker, &s->view, &s->quality, &s->image, &frames[count]);
         result = tool_is_interrupted() ? STP_ERROR_CANCELLED : result;
         total += frames[count++].frame_ms;

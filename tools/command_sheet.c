@@ -10,7 +10,7 @@
 #include <string.h>
 
 enum {
-    CELLS_MOST = 256,
+    CELLS_MAX = 256,
     GAP = 10,
     CAPTION = 24,    ///< height of a line of a caption
     TITLE = 44,      ///< height of the title
@@ -78,9 +78,9 @@ typedef struct sheet_row {
 
 typedef struct sheet {
     stp_context* context;
-    cell cells[CELLS_MOST];
+    cell cells[CELLS_MAX];
     size_t cell_count;
-    sheet_row rows[CELLS_MOST];
+    sheet_row rows[CELLS_MAX];
     size_t row_count;
     int columns, cell_width; ///< columns that are in use
 } sheet;
@@ -139,8 +139,8 @@ static int count_lines(const char* text)
 static bool continues(const sheet* s, const sheet_row* row, size_t i)
 {
     cell_kind kind = s->cells[i].kind, first = s->cells[row->begin].kind;
-    size_t most = first == CELL_FLIGHT ? SHEET_FLIGHTS_MOST : (size_t)args.columns;
-    return kind == first && i - row->begin < most;
+    size_t maximum = first == CELL_FLIGHT ? SHEET_FLIGHTS_MAX : (size_t)args.columns;
+    return kind == first && i - row->begin < maximum;
 }
 
 static void make_rows(sheet* s)
@@ -181,7 +181,7 @@ static void draw_caption(canvas* c, int x, int y, const char* text)
 static void draw_row(canvas* c, const sheet* s, const sheet_row* row, int y)
 {
     if (s->cells[row->begin].kind == CELL_FLIGHT) {
-        sheet_flight flights[SHEET_FLIGHTS_MOST];
+        sheet_flight flights[SHEET_FLIGHTS_MAX];
         size_t count = row->end - row->begin;
         for (size_t i = 0; i < count; ++i) {
             flights[i] = s->cells[row->begin + i].flight;
@@ -242,8 +242,8 @@ static stp_result make(sheet* s, int argc, char** argv)
 
 static int check_arguments(int argc, char** argv)
 {
-    if (argc < 1 || argc > CELLS_MOST) {
-        return tool_usage_error("sheet needs 1 to %d pictures, but got %d", CELLS_MOST, argc);
+    if (argc < 1 || argc > CELLS_MAX) {
+        return tool_usage_error("sheet needs 1 to %d pictures, but got %d", CELLS_MAX, argc);
     }
     if (args.output == NULL) {
         return tool_usage_error("sheet needs -o SHEET.png");

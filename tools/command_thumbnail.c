@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // stipple thumbnail: draws a small picture of a model with few splats.
-#include "cloud_look.h"
+#include "cloud_style.h"
 #include "command.h"
 #include "draw_options.h"
 #include "frame.h"
@@ -21,7 +21,7 @@
 enum { DEFAULT_SPLATS = 2000, DEFAULT_SIZE = 256, SAMPLES = 16 };
 
 /// Triangles are not processed one by one if there are more than this, counting all instances.
-static const uint64_t most_triangles = UINT64_C(1) << 32;
+static const uint64_t max_triangles = UINT64_C(1) << 32;
 
 static struct {
     const char *output, *view;
@@ -73,11 +73,11 @@ static const option* options(void)
     return table;
 }
 
-typedef enum drawn_way {
+typedef enum drawn_path {
     WAY_CAPTURED, ///< splats were made for the view
     WAY_STORED,   ///< splats of the file
     WAY_BUILT,    ///< as render draws it
-} drawn_way;
+} drawn_path;
 
 /// State while a picture is made.
 typedef struct thumbnail {
@@ -87,7 +87,7 @@ typedef struct thumbnail {
     stp_quality quality;
     stp_store* store; ///< NULL: nothing is visible
     view_splats made; ///< holds the store if it was made for the view
-    drawn_way way;
+    drawn_path way;
     uint64_t drawn_splats;
     uint64_t drawn_triangles;
     const char* method; ///< of the splats; NULL: none were drawn
@@ -143,7 +143,7 @@ static stp_result open_model(thumbnail* t)
         result = stp_fail(t->context, STP_ERROR_FORMAT,
                           "%s: expected triangles or points, found none", t->path);
     }
-    bool large = any && root->triangle_count > most_triangles;
+    bool large = any && root->triangle_count > max_triangles;
     t->is_cloud = any && root->triangle_count == 0;
     if (result == STP_OK && !large) {
         frame_box(t, &root->bounds);
@@ -165,7 +165,7 @@ static stp_result open_any(thumbnail* t)
     t->quality = (stp_quality){.splat_size = 1.0f};
     stp_result result = tool_is_store_file(t->path) ? open_stored(t) : open_model(t);
     if (result == STP_OK && t->way != WAY_CAPTURED) {
-        t->is_cloud = cloud_look_is_cloud(t->store);
+        t->is_cloud = cloud_style_is_cloud(t->store);
         stp_boxd box = stp_visible_bounds(t->store, NULL);
         frame_box(t, &box);
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // stipple view: opens a window to fly through a scene.
-#include "cloud_look.h"
+#include "cloud_style.h"
 #include "command.h"
 #include "cue_names.h"
 #include "draw_options.h"
@@ -108,8 +108,8 @@ static int run(int argc, char** argv)
         return code;
     }
     cloud_point_size size = {0};
-    if (args.point_size != NULL && !cloud_look_read_size(args.point_size, &size)) {
-        return cloud_look_refuse_size(args.point_size);
+    if (args.point_size != NULL && !cloud_style_read_size(args.point_size, &size)) {
+        return cloud_style_refuse_size(args.point_size);
     }
     viewer_options o = {.colors = args.colors,
                         .point_size = size,

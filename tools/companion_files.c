@@ -14,7 +14,7 @@
 
 enum {
     SEARCHED_BYTES = 1 << 24,
-    LEAST_NAME = 3,
+    MIN_NAME = 3,
     NONE = -1,
 };
 
@@ -113,7 +113,7 @@ static bool list_folder(const char* path, folder* f)
     DIR* listing = opendir(path);
     bool good = true;
     for (struct dirent* entry; good && listing != NULL && (entry = readdir(listing)) != NULL;) {
-        good = strlen(entry->d_name) < LEAST_NAME || add_file(f, entry->d_name);
+        good = strlen(entry->d_name) < MIN_NAME || add_file(f, entry->d_name);
     }
     if (listing != NULL) {
         closedir(listing);
@@ -151,7 +151,7 @@ void neighbours_hash(const char* path, const stp_mapped_file* file, stp_hash* ha
     if (f != NULL && list_folder(*name != '\0' ? name : "/", f)) {
         link_names(f);
         size_t size = file->size < SEARCHED_BYTES ? file->size : SEARCHED_BYTES;
-        for (size_t i = 0; i + LEAST_NAME <= size; ++i) {
+        for (size_t i = 0; i + MIN_NAME <= size; ++i) {
             if (f->starts[start_of(file->bytes + i)] != 0) {
                 mark_names(f, file->bytes + i, size - i);
             }

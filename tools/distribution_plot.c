@@ -21,7 +21,7 @@ static const double top_value = 1.2; // of the largest even spacing
 static const char* const fills[] = {"#8da0cb", "#66c2a5", "#fc8d62",
                                     "#e78ac3", "#a6d854", "#ffd92f"};
 
-#define LEAST_DENSITY 0.002 // of the densest
+#define MIN_DENSITY 0.002 // of the densest
 
 static double y_of(double value)
 {
@@ -46,12 +46,12 @@ static void fill_bins(const plot_violin* v, double bins[BINS])
             before = here;
         }
     }
-    double most = 0.0;
+    double maximum = 0.0;
     for (int i = 0; i < BINS; ++i) {
-        most = bins[i] > most ? bins[i] : most;
+        maximum = bins[i] > maximum ? bins[i] : maximum;
     }
-    for (int i = 0; i < BINS && most > 0.0; ++i) {
-        bins[i] /= most;
+    for (int i = 0; i < BINS && maximum > 0.0; ++i) {
+        bins[i] /= maximum;
     }
 }
 
@@ -67,10 +67,10 @@ static void put_violin(svg* s, const plot_violin* v, double x, const char* fill)
     double bins[BINS], half = VIOLIN_WIDTH * 0.42;
     fill_bins(v, bins);
     int first = 0, last = BINS - 1; // no outline without samples
-    while (first < last && bins[first] < LEAST_DENSITY) {
+    while (first < last && bins[first] < MIN_DENSITY) {
         first += 1;
     }
-    while (last > first && bins[last] < LEAST_DENSITY) {
+    while (last > first && bins[last] < MIN_DENSITY) {
         last -= 1;
     }
     svg_put(s, "<path fill=\"%s\" stroke=\"#444\" stroke-width=\"0.7\" d=\"", fill);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "draw_options.h"
 
-#include "cloud_look.h"
+#include "cloud_style.h"
 #include "cue_names.h"
 
 #include "lod/method.h"
@@ -365,8 +365,8 @@ int draw_options_check(const draw_options* o)
         return tool_usage_error("--splat-texture requires --filter textured");
     }
     cloud_point_size size;
-    if (o->point_size != NULL && !cloud_look_read_size(o->point_size, &size)) {
-        return cloud_look_refuse_size(o->point_size);
+    if (o->point_size != NULL && !cloud_style_read_size(o->point_size, &size)) {
+        return cloud_style_refuse_size(o->point_size);
     }
     uint32_t cues_off;
     if (!cue_names_parse(o->cues, &cues_off)) {
@@ -385,7 +385,7 @@ int draw_options_check(const draw_options* o)
 static bool fixes_points(const draw_options* o)
 {
     cloud_point_size size;
-    return o->point_size != NULL && cloud_look_read_size(o->point_size, &size) && size.width > 0.0;
+    return o->point_size != NULL && cloud_style_read_size(o->point_size, &size) && size.width > 0.0;
 }
 
 stp_quality draw_options_quality(const draw_options* o)

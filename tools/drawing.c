@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "drawing.h"
 
-#include "cloud_look.h"
+#include "cloud_style.h"
 #include "picture.h"
 #include "tool.h"
 
@@ -76,11 +76,11 @@ stp_result drawing_make(drawing* d, const draw_options* options)
     style.coloring = d->coloring.pixels;
     style.elevation[0] = d->coloring.elevation[0];
     style.elevation[1] = d->coloring.elevation[1];
-    style.eye_dome = options->has_eye_dome ? style.eye_dome : cloud_look_eye_dome(d->store);
+    style.eye_dome = options->has_eye_dome ? style.eye_dome : cloud_style_eye_dome(d->store);
     if (options->point_size != NULL) {
         cloud_point_size size;
-        (void)cloud_look_read_size(options->point_size, &size);
-        cloud_look_set_size(&size, d->store, &style);
+        (void)cloud_style_read_size(options->point_size, &size);
+        cloud_style_set_size(&size, d->store, &style);
     }
     if (options->splat_texture != NULL) {
         result = read_splat_texture(d, options->splat_texture);

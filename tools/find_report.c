@@ -47,7 +47,7 @@ static stp_result find(stp_outline* outline, const char* text, json_t* list, boo
         uint32_t objects[AT_ONCE], count;
         result = stp_outline_search_on(outline, &search, SLICE, AT_ONCE, objects, &count);
         for (uint32_t i = 0; i < count && result == STP_OK && !*more; ++i) {
-            *more = told == FIND_MOST;
+            *more = told == FIND_MAX;
             result = *more ? STP_OK : report_object(outline, objects[i], list);
             told += 1;
         }
@@ -74,7 +74,7 @@ int find_print(stp_context* context, stp_store* store, const char* text, bool as
         return json != NULL ? tool_print_json(json) : tool_error("out of memory");
     }
     if (more) {
-        stp_warn(context, "more than %d objects match; the others are not listed", FIND_MOST);
+        stp_warn(context, "more than %d objects match; the others are not listed", FIND_MAX);
     }
     return tool_finish_output(0);
 }

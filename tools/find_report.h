@@ -6,7 +6,7 @@
 
 #include "store/store.h"
 
-enum { FIND_MOST = 1000 }; ///< maximum number of reported objects
+enum { FIND_MAX = 1000 }; ///< maximum number of reported objects
 
 /// Prints objects whose name or id contains the text. @return the exit code, with the message
 /// printed

@@ -37,11 +37,11 @@ static double value_of(const plot* p, const panel* shown, uint32_t frame)
 
 static double largest(const plot* p, const panel* shown)
 {
-    double most = shown->of_pictures ? 1.0 : shown->line;
+    double maximum = shown->of_pictures ? 1.0 : shown->line;
     for (uint32_t i = 0; i < p->record->frame_count && !shown->of_pictures; ++i) {
-        most = fmax(most, value_of(p, shown, i));
+        maximum = fmax(maximum, value_of(p, shown, i));
     }
-    return most;
+    return maximum;
 }
 
 static double x_of(const plot* p, double t)
@@ -109,15 +109,16 @@ static void put_line(const plot* p, const panel* shown, double top, double high)
     const flight_record* record = p->record;
     svg_put(p->s, "<path fill=\"none\" stroke=\"%s\" stroke-linejoin=\"round\" d=\"", shown->color);
     for (uint32_t i = 0; i < record->frame_count;) {
-        double x = floor(x_of(p, record->times[i]) + 0.5), least = HUGE_VAL, most = -HUGE_VAL;
+        double x = floor(x_of(p, record->times[i]) + 0.5), minimum = HUGE_VAL, maximum = -HUGE_VAL;
         uint32_t first = i;
         for (; i < record->frame_count && floor(x_of(p, record->times[i]) + 0.5) <= x; ++i) {
-            least = fmin(least, value_of(p, shown, i));
-            most = fmax(most, value_of(p, shown, i));
+            minimum = fmin(minimum, value_of(p, shown, i));
+            maximum = fmax(maximum, value_of(p, shown, i));
         }
-        svg_put(p->s, "%s%.0f %.2f", first == 0 ? "M" : "L", x, top + PANEL * (1.0 - least / high));
-        if (most > least) {
-            svg_put(p->s, "V%.2f", top + PANEL * (1.0 - most / high));
+        svg_put(p->s, "%s%.0f %.2f", first == 0 ? "M" : "L", x,
+                top + PANEL * (1.0 - minimum / high));
+        if (maximum > minimum) {
+            svg_put(p->s, "V%.2f", top + PANEL * (1.0 - maximum / high));
         }
     }
     svg_put(p->s, "h0.01\"/>\n"); // a single frame is seen, too

@@ -38,11 +38,11 @@ static json_t* describe_frames(const flight_record* record)
     return list;
 }
 
-static double part_within(const flight_record* record, double most_ms)
+static double part_within(const flight_record* record, double max_ms)
 {
     uint32_t within = 0;
     for (uint32_t i = 0; i < record->frame_count; ++i) {
-        within += record->frames[i].frame_ms <= most_ms;
+        within += record->frames[i].frame_ms <= max_ms;
     }
     return (double)within / (double)record->frame_count;
 }

@@ -52,7 +52,7 @@ void flight_record_destroy(stp_context* context, flight_record* record)
 static stp_view view_of_frame(const flight_plan* plan, const flight_record* record, uint32_t frame)
 {
     stp_view view = plan->view;
-    stp_flight_look(plan->flight, record->times[frame], &view);
+    stp_flight_get_view(plan->flight, record->times[frame], &view);
     view.fov_degrees = plan->view.fov_degrees > 0.0 ? plan->view.fov_degrees : view.fov_degrees;
     return view;
 }
@@ -88,7 +88,7 @@ static stp_result fly_timed(frame_maker* maker, const flight_plan* plan, flight_
         }
         result = frame_draw(maker, &view, &quality, image, &record->frames[i]);
         stp_frame_cost cost = frame_cost(&record->frames[i]);
-        stp_budget_learn(&budget, &cost);
+        stp_budget_update(&budget, &cost);
         if (result == STP_OK) {
             result =
                 stp_progress(maker->context, "fly", (double)(i + 1) / (double)record->frame_count);

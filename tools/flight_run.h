@@ -9,7 +9,7 @@
 #include "measure/image_compare.h"
 #include "present/flight.h"
 
-#define FLIGHT_FRAMES_MOST 1000000
+#define FLIGHT_FRAMES_MAX 1000000
 
 /// Receives the picture of a frame. Failures must be logged or printed.
 typedef stp_result (*flight_sink)(void* user, const stp_image* image, uint32_t frame);

@@ -161,7 +161,7 @@ stp_result frame_draw(frame_maker* maker, const stp_view* view, const stp_qualit
     uint32_t missing = 0;
     if (maker->residency != NULL && result == STP_OK && !quality->reference) {
         stp_residency_stats loaded;
-        stp_residency_update(maker->residency, maker->list.wants, maker->list.want_count);
+        stp_residency_update(maker->residency, maker->list.requests, maker->list.request_count);
         stp_residency_get_stats(maker->residency, &loaded);
         missing = loaded.missing;
     }
@@ -196,7 +196,7 @@ stp_result frame_draw_loaded(frame_maker* maker, const stp_view* view, const stp
         }
         int updates = 0;
         do {
-            stp_residency_update(maker->residency, maker->list.wants, maker->list.want_count);
+            stp_residency_update(maker->residency, maker->list.requests, maker->list.request_count);
             updates += 1;
         } while (updates < LOADED_FRAMES && stp_residency_wait(maker->residency));
         result = frame_draw(maker, view, quality, image, figures);
@@ -243,7 +243,7 @@ stp_result frame_settle(frame_maker* maker, const stp_view* view, stp_budget* bu
             return result;
         }
         stp_frame_cost cost = frame_cost(&figures);
-        stp_budget_learn(budget, &cost);
+        stp_budget_update(budget, &cost);
         float next = stp_budget_splat_size(budget);
         double change = fabs((double)next / (double)quality->splat_size - 1.0);
         steady = change <= steady_change ? steady + 1 : 0;

@@ -259,7 +259,7 @@ static bool set_vector(const option* o, const char* text, char* problem, size_t 
 static bool add_text(const option* o, const char* text, char* problem, size_t size)
 {
     option_texts* texts = o->value;
-    if (texts->count == OPTION_TEXTS_MOST) {
+    if (texts->count == OPTION_TEXTS_MAX) {
         return fail(problem, size, "exceeds the number of repetitions");
     }
     texts->texts[texts->count++] = text;

@@ -33,7 +33,7 @@ const char* options_argument(const option* o)
     return o->type == OPTION_CHOICE ? o->words : "";
 }
 
-static unsigned least(unsigned a, unsigned b)
+static unsigned minimum(unsigned a, unsigned b)
 {
     return a < b ? a : b;
 }
@@ -56,9 +56,9 @@ unsigned options_word_distance(const char* a, const char* b)
         row[0] = (unsigned)i;
         for (size_t j = 1; j <= b_length; ++j) {
             unsigned change = above[j - 1] + (a[i - 1] != b[j - 1]);
-            row[j] = least(change, least(above[j], row[j - 1]) + 1);
+            row[j] = minimum(change, minimum(above[j], row[j - 1]) + 1);
             if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
-                row[j] = least(row[j], above2[j - 2] + 1);
+                row[j] = minimum(row[j], above2[j - 2] + 1);
             }
         }
     }

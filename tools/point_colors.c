@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { HEIGHTS_MOST = 50000, CLASSES = 256 };
+enum { HEIGHTS_MAX = 50000, CLASSES = 256 };
 
 static const stp_attribute attributes[POINT_COLORS] = {
     [POINT_COLOR_RGB] = STP_ATTRIBUTES,
@@ -256,11 +256,9 @@ stp_result point_colors_elevations(stp_context* context, stp_store* store, uint3
         return STP_OK;
     }
     stp_splats splats;
-    uint32_t octaves = stp_store_octaves_for(stp_store_describe_surfels(store, set), HEIGHTS_MOST);
+    uint32_t octaves = stp_store_octaves_for(stp_store_describe_surfels(store, set), HEIGHTS_MAX);
     stp_result result = stp_store_get_surfels_prefix(store, set, octaves, &splats);
-    uint32_t count = result != STP_OK              ? 0
-                     : splats.count < HEIGHTS_MOST ? splats.count
-                                                   : HEIGHTS_MOST;
+    uint32_t count = result != STP_OK ? 0 : splats.count < HEIGHTS_MAX ? splats.count : HEIGHTS_MAX;
     uint16_t* heights = STP_NEW_ARRAY(context, uint16_t, (size_t)count + 1);
     if (result == STP_OK && heights == NULL) {
         result = stp_fail_memory(context);

@@ -11,7 +11,7 @@
 #define INTERVAL_MS 100.0
 #define SAMPLE_MS 50.0           // closer reports say little about speed
 #define ESTIMATE_AFTER_MS 1000.0 // an earlier guess of the time left would jump
-#define LEAST_MEMORY_MS 500.0
+#define MIN_MEMORY_MS 500.0
 #define MEMORY 0.3 // memory of the speed estimate, as a share of the elapsed time
 enum { BAR_WIDTH = 20 };
 
@@ -43,7 +43,7 @@ static void update_speed(progress_speed* speed, double now, double value)
         return;
     }
     double memory = MEMORY * (now - speed->start_ms);
-    memory = memory > LEAST_MEMORY_MS ? memory : LEAST_MEMORY_MS;
+    memory = memory > MIN_MEMORY_MS ? memory : MIN_MEMORY_MS;
     double latest = (value - speed->last_value) / passed;
     double weight = speed->per_ms > 0.0 ? passed / (passed + memory) : 1.0;
     speed->per_ms += weight * (latest - speed->per_ms);

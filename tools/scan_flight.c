@@ -5,7 +5,7 @@
 #define OVERLAP 1.25                        ///< swath of a line over the distance to the next
 #define RADIANS 0.017453292519943295
 
-enum { MOST_COLUMNS = 65535 };
+enum { MAX_COLUMNS = 65535 };
 
 stp_result scan_plan_flight(const scan_target* target, double height, double step, uint32_t count,
                             scan_settings* settings, scan_station* lines)
@@ -14,16 +14,16 @@ stp_result scan_plan_flight(const scan_target* target, double height, double ste
     stp_vec3d size = stp_subd(b.max, b.min);
     bool east = size.x >= size.y;
     double length = east ? size.x : size.y, width = east ? size.y : size.x;
-    double least = fmax(1e-6, 0.01 * (length + size.z)); // of a model without a plan
-    double apart = fmax(width, least) / count;
-    length = fmax(length, least);
+    double minimum = fmax(1e-6, 0.01 * (length + size.z)); // of a model without a plan
+    double apart = fmax(width, minimum) / count;
+    length = fmax(length, minimum);
     height = height > 0.0 ? height : OVERLAP * apart / SWATH_PER_HEIGHT;
     double columns = ceil(length / (height * step * RADIANS));
-    if (columns > (double)MOST_COLUMNS) {
+    if (columns > (double)MAX_COLUMNS) {
         return stp_fail(target->context, STP_ERROR_LIMIT,
                         "a flight of %.6g m at %.6g m needs %.0f lines of rays, more than the "
                         "maximum of %d: choose a coarser --resolution or a larger --height",
-                        length, height, columns, MOST_COLUMNS);
+                        length, height, columns, MAX_COLUMNS);
     }
     settings->columns = (uint32_t)columns;
     settings->half = height;

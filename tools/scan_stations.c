@@ -12,13 +12,13 @@
 enum {
     CELLS = 32, ///< of the box, along each axis
     WORDS = CELLS * CELLS * CELLS / 64,
-    TURN = 48,                 ///< test rays per horizontal turn
-    RISE = 20,                 ///< rows of test rays, from below to above
-    SIDES = 16,                ///< horizontal directions that must be free
-    RING = SCAN_MOST_STATIONS, ///< candidates around a model without floors
-    FLOOR_CANDIDATES = 256,    ///< candidates over the plan, besides those per station
+    TURN = 48,                ///< test rays per horizontal turn
+    RISE = 20,                ///< rows of test rays, from below to above
+    SIDES = 16,               ///< horizontal directions that must be free
+    RING = SCAN_MAX_STATIONS, ///< candidates around a model without floors
+    FLOOR_CANDIDATES = 256,   ///< candidates over the plan, besides those per station
     CANDIDATES_PER_STATION = 8,
-    MOST_FLOORS = 64, ///< maximum number of examined surfaces at one position of the plan
+    MAX_FLOORS = 64, ///< maximum number of examined surfaces at one position of the plan
 };
 
 #define FACES_UP 0.7    ///< minimum vertical component of a floor's normal
@@ -62,7 +62,7 @@ static bool find_floor(const chooser* c, double x, double y, double* z)
     double span = top - c->bounds.min.z + c->height, from = 0.0, lowest = 0.0;
     bool found = false;
     scan_surface s;
-    for (int i = 0; i < MOST_FLOORS; ++i) {
+    for (int i = 0; i < MAX_FLOORS; ++i) {
         if (!scan_target_intersect(c->target, (stp_vec3d){x, y, top}, down, from, span, &s)) {
             break;
         }
@@ -171,7 +171,7 @@ static uint32_t count_new(const candidate* at, const uint64_t* seen)
 static candidate* find_best(const chooser* c, uint32_t count, const uint64_t* seen)
 {
     candidate* best = NULL;
-    double most = 0.0;
+    double maximum = 0.0;
     for (uint32_t i = 0; i < count; ++i) {
         candidate* at = &c->candidates[i];
         if (!at->good || at->taken) {
@@ -179,9 +179,9 @@ static candidate* find_best(const chooser* c, uint32_t count, const uint64_t* se
         }
         double near = fmin(1.0, sqrt(at->apart) / c->spacing);
         double score = (double)count_new(at, seen) * near;
-        if (best == NULL || score > most || (score == most && at->apart > best->apart)) {
+        if (best == NULL || score > maximum || (score == maximum && at->apart > best->apart)) {
             best = at;
-            most = score;
+            maximum = score;
         }
     }
     return best;

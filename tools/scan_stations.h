@@ -4,10 +4,10 @@
 
 #include "scan_sweep.h"
 
-enum { SCAN_MOST_STATIONS = 256 };
+enum { SCAN_MAX_STATIONS = 256 };
 
 typedef struct scan_placing {
-    uint32_t count; ///< of stations, 1..SCAN_MOST_STATIONS
+    uint32_t count; ///< of stations, 1..SCAN_MAX_STATIONS
     double height;  ///< above the floor, metres; 0: 1.8, in small models a tenth of their diagonal
     double range;   ///< nothing farther is seen, metres
     uint64_t seed;

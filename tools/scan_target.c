@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-#define MOST_PARTS ((size_t)1 << 24)
+#define MAX_PARTS ((size_t)1 << 24)
 
 /// From a scene's space (y up, its own unit) to the scanner's.
 static stp_affine frame_of(double metres)
@@ -85,7 +85,7 @@ stp_result scan_target_of_scene(const stp_scene* scene, const char* name, scan_t
     size_t count = 0;
     stp_result result = STP_OK;
     if (scene->root != STP_NONE) {
-        result = stp_scene_flatten(scene, scene->root, MOST_PARTS, &placed, &count);
+        result = stp_scene_flatten(scene, scene->root, MAX_PARTS, &placed, &count);
     }
     result = result == STP_OK ? make_room(target, scene->mesh_count, scene->material_count, count)
                               : result;
@@ -204,9 +204,9 @@ stp_result scan_target_of_store(stp_context* context, stp_store* store, const ch
         (scan_target){.context = context, .metres = d->unit_metres > 0.0 ? d->unit_metres : 1.0};
     stp_draw_list items = {0};
     stp_result result = list_store(context, store, &items);
-    if (result == STP_OK && items.count > MOST_PARTS) {
+    if (result == STP_OK && items.count > MAX_PARTS) {
         result = stp_fail(context, STP_ERROR_LIMIT, "%s: expected at most %zu uses of parts", name,
-                          MOST_PARTS);
+                          MAX_PARTS);
     }
     result = result == STP_OK ? make_room(target, d->mesh_count, d->material_count, items.count)
                               : result;
@@ -273,7 +273,7 @@ static void color_of(const scan_target* t, const stp_cast_hit* hit, float out[4]
     }
 }
 
-static bool is_there(const stp_cast_hit* hit, void* user)
+static bool is_opaque_hit(const stp_cast_hit* hit, void* user)
 {
     const scan_target* t = user;
     const scan_material* m = &t->materials[t->columns[t->parts[hit->part].mesh].material];
@@ -290,8 +290,8 @@ bool scan_target_intersect(const scan_target* target, stp_vec3d origin, stp_vec3
 {
     stp_cast_hit hit;
     const stp_cast_ray ray = {origin, direction, nearest, farthest};
-    scan_target* t = (scan_target*)(uintptr_t)target; // is_there only reads it
-    if (!stp_caster_intersect(target->caster, &ray, is_there, t, &hit)) {
+    scan_target* t = (scan_target*)(uintptr_t)target; // is_opaque_hit only reads it
+    if (!stp_caster_intersect(target->caster, &ray, is_opaque_hit, t, &hit)) {
         return false;
     }
     stp_vec3d c[3];

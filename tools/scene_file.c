@@ -180,7 +180,7 @@ static bool decide_surfels(const stp_scene* scene, void* user)
     return d->with_surfels;
 }
 
-static void tell_drafted(void* user)
+static void report_draft(void* user)
 {
     wish* w = user;
     w->drafted = true; // by one thread at a time
@@ -211,7 +211,7 @@ static void prepare_watching(wish* w, char cached[SCENE_USES][PATH_MAX], stp_bui
     }
     if (w->watcher != NULL && name_draft(cached[w->use], w->draft)) {
         desc->draft = w->draft;
-        desc->drafted = tell_drafted;
+        desc->drafted = report_draft;
         desc->drafted_user = w;
     }
 }

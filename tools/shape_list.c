@@ -207,7 +207,7 @@ static bool is_drawn(const stp_splats* set, const stp_draw_item* item, uint32_t 
     if (set->ranges == NULL) {
         return true;
     }
-    uint32_t level = stp_bits_of_float(i < item->divide ? item->level_below : item->level_least);
+    uint32_t level = stp_bits_of_float(i < item->divide ? item->level_below : item->level_min);
     uint32_t range = set->ranges[i];
     return level >= (range & 0xFFFFu) << 15 && level <= range >> 16 << 15;
 }

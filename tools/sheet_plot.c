@@ -11,7 +11,7 @@ enum { LEFT = 70, RIGHT = 16, TOP = 36, BOTTOM = 30 };
 
 static const double text_size = 15.0, line_width = 2.0;
 static const canvas_color dark = {{34, 34, 34}}, faint = {{221, 221, 221}}, red = {{204, 0, 0}};
-static const canvas_color line_colors[SHEET_FLIGHTS_MOST] = {
+static const canvas_color line_colors[SHEET_FLIGHTS_MAX] = {
     {{76, 114, 176}}, {{221, 132, 82}}, {{85, 168, 104}},  {{129, 114, 179}},
     {{196, 78, 82}},  {{147, 120, 96}}, {{218, 139, 195}}, {{140, 140, 140}},
 };
@@ -154,7 +154,7 @@ void sheet_plot(canvas* c, int x, int y, int width, int height, const sheet_flig
     int legend = canvas_text(c, a.x, y + 22, text_size, dark, "frame time, ms") + 28;
     for (size_t f = 0; f < count; ++f) {
         const sheet_flight* flight = &flights[f];
-        canvas_color color = line_colors[f % SHEET_FLIGHTS_MOST];
+        canvas_color color = line_colors[f % SHEET_FLIGHTS_MAX];
         if (flight->budget_ms > 0.0) {
             for (int dash = a.x; dash < a.x + a.width; dash += 12) {
                 canvas_fill(c, dash, (int)place_y(&a, flight->budget_ms), 7, 1, red);

@@ -4,7 +4,7 @@
 
 #include "canvas.h"
 
-enum { SHEET_FLIGHTS_MOST = 8 };
+enum { SHEET_FLIGHTS_MAX = 8 };
 
 typedef struct sheet_flight {
     const char* path;

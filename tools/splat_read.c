@@ -23,8 +23,8 @@ enum {
     GREEN,
     BLUE,
     SLOTS,
-    HEADER_MOST = 65536,
-    LINE_MOST = 256,
+    HEADER_MAX = 65536,
+    MAX_LINE = 256,
 };
 
 static const char* const slot_names[SLOTS] = {
@@ -125,11 +125,11 @@ static stp_result read_line(reader* r, const char* line, int* elements, bool* en
 
 static stp_result read_header(reader* r)
 {
-    size_t limit = r->file.size < HEADER_MOST ? r->file.size : HEADER_MOST, at = 0;
+    size_t limit = r->file.size < HEADER_MAX ? r->file.size : HEADER_MAX, at = 0;
     int elements = 0;
     bool ends = false;
     while (!ends) {
-        char line[LINE_MOST];
+        char line[MAX_LINE];
         const unsigned char* bytes = r->file.bytes + at;
         const unsigned char* end = at < limit ? memchr(bytes, '\n', limit - at) : NULL;
         if (end == NULL || (size_t)(end - bytes) >= sizeof(line)) {

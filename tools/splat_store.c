@@ -62,10 +62,10 @@ static float choose_step(const store_maker* m)
 {
     stp_vec3d size = stp_subd(m->room.max, m->room.min);
     stp_vec3d whole = stp_subd(m->bounds.max, m->bounds.min);
-    double least = fmax(size.x, fmax(size.y, size.z)) / (double)(GRID_STEPS - 1);
-    least = fmax(least, fmax(whole.x, fmax(whole.y, whole.z)) * 0x1p-28);
+    double minimum = fmax(size.x, fmax(size.y, size.z)) / (double)(GRID_STEPS - 1);
+    minimum = fmax(minimum, fmax(whole.x, fmax(whole.y, whole.z)) * 0x1p-28);
     int exponent = 0;
-    (void)frexp(fmax(least, 0x1p-100), &exponent);
+    (void)frexp(fmax(minimum, 0x1p-100), &exponent);
     return (float)ldexp(1.0, exponent);
 }
 

@@ -86,7 +86,8 @@ static double find_nearest(const spt_model* m, const stp_raster_camera* camera)
     return nearest;
 }
 
-bool spt_model_look(const spt_model* m, const stp_tree_view* from, stp_vec3d target, spt_view* view)
+bool spt_model_make_view(const spt_model* m, const stp_tree_view* from, stp_vec3d target,
+                         spt_view* view)
 {
     static const float nowhere[3] = {0.0f, 0.0f, 0.0f};
     *view = (spt_view){.tree = *from,

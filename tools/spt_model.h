@@ -50,8 +50,8 @@ STP_MUST_USE stp_result spt_model_create(stp_context* context, const stp_point_t
 void spt_model_destroy(spt_model* model);
 
 /// @return false if the eye coincides with the target
-bool spt_model_look(const spt_model* model, const stp_tree_view* from, stp_vec3d target,
-                    spt_view* view);
+bool spt_model_make_view(const spt_model* model, const stp_tree_view* from, stp_vec3d target,
+                         spt_view* view);
 
 /// The prefix's splats, or those of a block.
 stp_raster_splats spt_model_splats(const stp_splats* set, uint32_t count);

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { NAMES_MOST = 32 }; ///< of the file; more are counted
+enum { NAMES_MAX = 32 }; ///< of the file; more are counted
 
 typedef struct name_list {
     char text[2048];
@@ -19,7 +19,7 @@ typedef struct name_list {
 static void add_name(name_list* list, const char* name)
 {
     size_t room = sizeof(list->text) - list->used;
-    if (list->count == NAMES_MOST || strlen(name) + 3 > room) {
+    if (list->count == NAMES_MAX || strlen(name) + 3 > room) {
         list->left_out += 1;
         return;
     }

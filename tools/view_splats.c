@@ -14,19 +14,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MOST_PARTS ((size_t)1 << 22)
-#define MOST_SAMPLES 4.0 // of a pixel along either axis
-#define CELL 1.2         // area of a sample, in squares of the radius that all samples cover to
-#define GROWTH 1.1f      // ellipses overlap a little, because outlines of regions are not ellipses
-#define MARGIN 0.38f     // of that radius: how far a sample's disk reaches beyond one of its area
-#define SCATTERED 0.3f   // share of an ellipse that is surface, below which pixels are left out
-#define LEAST_COSINE 0.3 // minimum cosine to which splats turn towards the viewer, to close rims
+#define MAX_PARTS ((size_t)1 << 22)
+#define MAX_SAMPLES 4.0 // of a pixel along either axis
+#define CELL 1.2        // area of a sample, in squares of the radius that all samples cover to
+#define GROWTH 1.1f     // ellipses overlap a little, because outlines of regions are not ellipses
+#define MARGIN 0.38f    // of that radius: how far a sample's disk reaches beyond one of its area
+#define SCATTERED 0.3f  // share of an ellipse that is surface, below which pixels are left out
+#define MIN_COSINE 0.3  // minimum cosine to which splats turn towards the viewer, to close rims
 #define FAR_NEIGHBOURS 4.0f // for clouds: maximum radius of a point, relative to the median
 #define LARGEST_POINT 0.05  // maximum radius of a point, relative to the picture's height
 #define PI 3.14159265358979323846
 
 enum {
-    LEAST_PIXELS = 1 << 18,
+    MIN_PIXELS = 1 << 18,
     PIXELS_EACH = 128,
     CLOUD_NEIGHBOURS = 8,
     OUTLINE_SIDE = 4,
@@ -53,8 +53,8 @@ typedef struct splat_maker {
 static double choose_pixel_size(const stp_view* view, uint32_t count)
 {
     double pixels = (double)view->width * view->height;
-    double wanted = fmax((double)LEAST_PIXELS, (double)PIXELS_EACH * count);
-    double samples = fmin(MOST_SAMPLES, sqrt(wanted / pixels));
+    double wanted = fmax((double)MIN_PIXELS, (double)PIXELS_EACH * count);
+    double samples = fmin(MAX_SAMPLES, sqrt(wanted / pixels));
     return view->ortho_height / view->height / samples;
 }
 
@@ -62,8 +62,7 @@ static stp_result capture(splat_maker* m, double pixel_size)
 {
     stp_placed_part* parts = NULL;
     size_t part_count = 0;
-    stp_result result =
-        stp_scene_flatten(m->scene, m->scene->root, MOST_PARTS, &parts, &part_count);
+    stp_result result = stp_scene_flatten(m->scene, m->scene->root, MAX_PARTS, &parts, &part_count);
     if (result == STP_OK) {
         const stp_capture_desc desc = {
             .directions = &m->toward, .direction_count = 1, .pixel_size = pixel_size};
@@ -129,15 +128,16 @@ static float measure_cloud(const splat_maker* m)
                                         near) == STP_OK;
     for (size_t i = 0; made && i < c->count; ++i) {
         const float* p = c->positions + 3 * i;
-        float most = 0.0f;
+        float maximum = 0.0f;
         for (size_t k = 0; k < CLOUD_NEIGHBOURS; ++k) {
             uint32_t other = near[CLOUD_NEIGHBOURS * i + k];
             if (other != UINT32_MAX) {
                 const float* q = c->positions + 3 * (size_t)other;
-                most = stp_max(most, stp_length((stp_vec3){p[0] - q[0], p[1] - q[1], p[2] - q[2]}));
+                maximum =
+                    stp_max(maximum, stp_length((stp_vec3){p[0] - q[0], p[1] - q[1], p[2] - q[2]}));
             }
         }
-        m->areas[i] = radii[i] = stp_max(most, 0.5f * (float)c->pixel_size);
+        m->areas[i] = radii[i] = stp_max(maximum, 0.5f * (float)c->pixel_size);
     }
     float median = -1.0f;
     if (made) {
@@ -165,11 +165,11 @@ static double face_viewer(const splat_maker* m, size_t i)
         normal = stp_scaled(normal, -1.0);
         cosine = -cosine;
     }
-    if (cosine < LEAST_COSINE) {
+    if (cosine < MIN_COSINE) {
         stp_vec3d across = stp_subd(normal, stp_scaled(m->toward, cosine));
         double length = sqrt(stp_dotd(across, across));
-        double sine = sqrt(1.0 - LEAST_COSINE * LEAST_COSINE);
-        cosine = LEAST_COSINE;
+        double sine = sqrt(1.0 - MIN_COSINE * MIN_COSINE);
+        cosine = MIN_COSINE;
         normal = length > 0.0
                      ? stp_addd(stp_scaled(m->toward, cosine), stp_scaled(across, sine / length))
                      : m->toward;

@@ -139,7 +139,7 @@ void camera_step(viewer* v, double seconds)
         }
     } else if (v->input.flies && v->picture != NULL && v->scene != NULL &&
                v->picture->scene == v->scene->serial) {
-        stp_navigator_see(&v->camera, seen_distance(v), seconds);
+        stp_navigator_adapt_speed(&v->camera, seen_distance(v), seconds);
     }
 }
 

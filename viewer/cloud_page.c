@@ -8,7 +8,7 @@ float cloud_page_eye_dome(const viewer* v)
     if (v->settings.eye_dome >= 0.0f) {
         return v->settings.eye_dome;
     }
-    return v->scene != NULL ? cloud_look_eye_dome(v->scene->store) : 0.0f;
+    return v->scene != NULL ? cloud_style_eye_dome(v->scene->store) : 0.0f;
 }
 
 static bool has_points(const viewer* v)
@@ -29,7 +29,7 @@ void cloud_page_give(const viewer* v, paint_request* request)
         return;
     }
     size.width = (double)(in_metres ? s->point_metres : s->point_pixels);
-    cloud_look_set_size(&size, v->scene->store, &request->style);
+    cloud_style_set_size(&size, v->scene->store, &request->style);
     request->quality.points_apart = true;
     if (request->quality.method == 0) { // its splats are points
         request->quality.method = STP_METHOD_BLUE;

@@ -101,7 +101,7 @@ static size_t insert_children(explorer* e, const stp_outline_item* parent, size_
             count == 0) {
             break;
         }
-        if (e->row_count + count > EXPLORER_ROWS_MOST) {
+        if (e->row_count + count > EXPLORER_ROWS_MAX) {
             e->cut_short = true;
             break;
         }
@@ -212,7 +212,7 @@ static bool search_on(explorer* e)
         e->searches = false;
         return true;
     }
-    for (uint32_t i = 0; i < count && e->found_count < EXPLORER_FOUND_MOST; ++i) {
+    for (uint32_t i = 0; i < count && e->found_count < EXPLORER_FOUND_MAX; ++i) {
         stp_outline_item item;
         void* found = e->found;
         bool room = grow(&found, &e->found_capacity, e->found_count + 1, sizeof(e->found[0]));
@@ -222,7 +222,7 @@ static bool search_on(explorer* e)
         }
     }
     e->searches = e->search.next < stp_outline_object_count(e->outline) &&
-                  e->found_count < EXPLORER_FOUND_MOST;
+                  e->found_count < EXPLORER_FOUND_MAX;
     return count > 0 || !e->searches;
 }
 

@@ -9,7 +9,7 @@
 #include "select/pick_ray.h"
 #include "store/outline.h"
 
-enum { EXPLORER_ROWS_MOST = 100000, EXPLORER_FOUND_MOST = 1000 };
+enum { EXPLORER_ROWS_MAX = 100000, EXPLORER_FOUND_MAX = 1000 };
 
 /// A row of the tree.
 typedef struct explorer_row {

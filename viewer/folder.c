@@ -94,7 +94,7 @@ bool folder_read(folder_list* f, const char* path, bool all)
         if (!is_folder && (!S_ISREG(status.st_mode) || !(all || folder_is_model(entry->d_name)))) {
             continue;
         }
-        if (read.count == FOLDER_ENTRIES_MOST ||
+        if (read.count == FOLDER_ENTRIES_MAX ||
             !add(&read, entry->d_name, is_folder, (uint64_t)status.st_size)) {
             read.cut_short = true;
             break;

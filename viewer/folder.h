@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { FOLDER_ENTRIES_MOST = 5000 };
+enum { FOLDER_ENTRIES_MAX = 5000 };
 
 typedef struct folder_entry {
     char* name; ///< malloc'ed

@@ -19,7 +19,7 @@ static bool is_always(uint32_t point)
 /// The code point at `text` and its length; 0 if it is invalid.
 static uint32_t read_point(const unsigned char* text, size_t* length)
 {
-    static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
+    static const uint32_t minimum[] = {0, 0, 0x80, 0x800, 0x10000};
     unsigned char c = text[0];
     size_t n = c < 0x80 ? 1 : c >= 0xF0 ? 4 : c >= 0xE0 ? 3 : c >= 0xC0 ? 2 : 0;
     *length = 1;
@@ -35,7 +35,7 @@ static uint32_t read_point(const unsigned char* text, size_t* length)
     }
     *length = n;
     bool half = point >= 0xD800 && point <= 0xDFFF;
-    return point < least[n] || half ? 0 : point;
+    return point < minimum[n] || half ? 0 : point;
 }
 
 static bool add(glyph_set* set, uint16_t point)
@@ -44,7 +44,7 @@ static bool add(glyph_set* set, uint16_t point)
     while (at > 0 && set->points[at - 1] >= point) {
         at -= 1;
     }
-    if ((at < set->count && set->points[at] == point) || set->count == GLYPHS_MOST) {
+    if ((at < set->count && set->points[at] == point) || set->count == GLYPHS_MAX) {
         return false;
     }
     memmove(set->points + at + 1, set->points + at, (set->count - at) * sizeof(set->points[0]));

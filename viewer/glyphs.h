@@ -8,12 +8,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { GLYPHS_MOST = 4096 };
+enum { GLYPHS_MAX = 4096 };
 
 typedef struct glyph_set {
-    uint16_t points[GLYPHS_MOST]; ///< ascending
+    uint16_t points[GLYPHS_MAX]; ///< ascending
     size_t count;
-    uint16_t ranges[2 * GLYPHS_MOST + 1]; ///< written by glyphs_make_ranges
+    uint16_t ranges[2 * GLYPHS_MAX + 1]; ///< written by glyphs_make_ranges
 } glyph_set;
 
 /// Pairs of first and last code point that are always available, ending with a zero.

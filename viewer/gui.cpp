@@ -15,7 +15,7 @@ SDL_Renderer* gui_software;
 namespace
 {
 
-void set_look(float scale)
+void set_style(float scale)
 {
     ImGuiStyle& style = ImGui::GetStyle();
     ImGui::StyleColorsDark();
@@ -91,7 +91,7 @@ bool gui_create(SDL_Window* window, void* gl, SDL_Renderer* renderer, float scal
     io.IniFilename = nullptr;
     gui_scale = scale;
     gui_software = gl != nullptr ? nullptr : renderer;
-    set_look(scale);
+    set_style(scale);
     bool has_fonts = gui_fonts_create();
     if (gl != nullptr) {
         return has_fonts && ImGui_ImplSDL2_InitForOpenGL(window, gl) &&
@@ -124,7 +124,7 @@ void gui_take_event(const SDL_Event* event)
 
 void gui_begin_frame(int width, int height, float density)
 {
-    gui_fonts_renew();
+    gui_fonts_rebuild();
     if (gui_software == nullptr) {
         ImGui_ImplOpenGL3_NewFrame();
     }
@@ -163,7 +163,7 @@ bool gui_wants_keys(void)
     return ImGui::GetIO().WantTextInput;
 }
 
-bool gui_waits(void)
+bool gui_awaits_tooltip(void)
 {
     const ImGuiContext& g = *ImGui::GetCurrentContext();
     return gui_fonts_are_old() || (g.HoveredId != 0 && g.HoveredIdTimer < gui_tooltip_after + 0.1f);

@@ -30,7 +30,7 @@ void gui_end_frame(void);
 bool gui_wants_mouse(void);
 bool gui_wants_keys(void);
 /// Whether the mouse rests on a widget whose tooltip will appear soon.
-bool gui_waits(void);
+bool gui_awaits_tooltip(void);
 /// Layout metrics: height of a line of widgets, height of a line of text, spacing of widgets.
 float gui_line_height(void);
 float gui_text_height(void);
@@ -58,8 +58,8 @@ bool gui_section(const char* label, bool open);
 
 // Text.
 void gui_text(const char* format, ...) __attribute__((format(printf, 1, 2)));
-void gui_faint(const char* format, ...) __attribute__((format(printf, 1, 2)));
-void gui_faint_paragraph(const char* format, ...) __attribute__((format(printf, 1, 2)));
+void gui_dim_text(const char* format, ...) __attribute__((format(printf, 1, 2)));
+void gui_dim_paragraph(const char* format, ...) __attribute__((format(printf, 1, 2)));
 void gui_paragraph(const char* format, ...) __attribute__((format(printf, 1, 2)));
 /// A name on the left and a value beside it.
 void gui_value(const char* name, const char* format, ...) __attribute__((format(printf, 2, 3)));
@@ -78,22 +78,22 @@ bool gui_toggle(const char* label, bool on, const char* tooltip);
 /// A toggle with a user-defined name, shortened to leave `beside` pixels to its right.
 bool gui_name_toggle(const char* name, bool on, float beside, const char* tooltip);
 bool gui_check(const char* label, bool* value, const char* tooltip);
-bool gui_slider(const char* label, float* value, float least, float most, const char* format,
+bool gui_slider(const char* label, float* value, float minimum, float maximum, const char* format,
                 const char* tooltip);
 /// Same, on a logarithmic scale.
-bool gui_log_slider(const char* label, float* value, float least, float most, const char* format,
-                    const char* tooltip);
-/// Same, for a whole number; `most` is at most 2^63 - 1.
-bool gui_log_count(const char* label, uint64_t* value, uint64_t least, uint64_t most,
+bool gui_log_slider(const char* label, float* value, float minimum, float maximum,
+                    const char* format, const char* tooltip);
+/// Same, for a whole number; `maximum` is at most 2^63 - 1.
+bool gui_log_count(const char* label, uint64_t* value, uint64_t minimum, uint64_t maximum,
                    const char* tooltip);
 /// A field for such a number, with buttons to increase and decrease it.
-bool gui_count(const char* label, uint64_t* value, uint64_t least, uint64_t most,
+bool gui_count(const char* label, uint64_t* value, uint64_t minimum, uint64_t maximum,
                const char* tooltip);
 /// Rectangle x0, y0, x1, y1 of the previous widget, without its label; all 0 if it is not visible.
 void gui_last_place(float place[4]);
 bool gui_number(const char* label, double* value, double step, const char* format,
                 const char* tooltip);
-bool gui_whole_number(const char* label, int* value, int least, int most, const char* tooltip);
+bool gui_whole_number(const char* label, int* value, int minimum, int maximum, const char* tooltip);
 bool gui_choice(const char* label, int* value, const char* const* words, int count,
                 const char* tooltip);
 bool gui_color(const char* label, float color[3], const char* tooltip);
@@ -130,7 +130,7 @@ void gui_scroll_to_row(int row); ///< in a list of rows
 
 void gui_progress(float fraction, const char* text);
 /// A bar chart of the last values, newest on the right, with a line at `mark`.
-void gui_graph(const float* values, int count, int newest, float most, float mark, float height,
+void gui_graph(const float* values, int count, int newest, float maximum, float mark, float height,
                const char* tooltip);
 
 // Drawing over the picture, under the panels. Colours are 0xRRGGBBAA.

@@ -10,7 +10,7 @@ static ImU32 color_of(uint32_t c)
     return IM_COL32(c >> 24, c >> 16 & 255, c >> 8 & 255, c & 255);
 }
 
-void gui_graph(const float* values, int count, int newest, float most, float mark, float height,
+void gui_graph(const float* values, int count, int newest, float maximum, float mark, float height,
                const char* tooltip)
 {
     ImVec2 start = ImGui::GetCursorScreenPos();
@@ -23,7 +23,7 @@ void gui_graph(const float* values, int count, int newest, float most, float mar
     float step = width / float(count);
     for (int i = 0; i < count; ++i) {
         float value = values[(newest + 1 + i) % count];
-        float part = value < most ? value / most : 1.0f;
+        float part = value < maximum ? value / maximum : 1.0f;
         if (part > 0.0f) {
             bool over = mark > 0.0f && value > 1.1f * mark;
             list->AddRectFilled(ImVec2(start.x + float(i) * step, end.y - part * height),
@@ -32,8 +32,8 @@ void gui_graph(const float* values, int count, int newest, float most, float mar
                                      : ImGui::GetColorU32(gui_mixed(gui_accent, 0.85f)));
         }
     }
-    if (mark > 0.0f && mark < most) {
-        float y = end.y - mark / most * height;
+    if (mark > 0.0f && mark < maximum) {
+        float y = end.y - mark / maximum * height;
         list->AddLine(ImVec2(start.x, y), ImVec2(end.x, y), IM_COL32(255, 255, 255, 110));
     }
 }

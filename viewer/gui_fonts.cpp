@@ -122,7 +122,7 @@ void gui_fonts_destroy()
     }
 }
 
-void gui_fonts_renew()
+void gui_fonts_rebuild()
 {
     if (!font_is_old) {
         return;

@@ -22,7 +22,7 @@ inline ImVec4 gui_mixed(const ImVec4& color, float alpha)
 bool gui_fonts_create();
 void gui_fonts_destroy();
 // Called between frames: rebuilds the fonts if texts need more glyphs.
-void gui_fonts_renew();
+void gui_fonts_rebuild();
 bool gui_fonts_are_old();
 SDL_Texture* gui_fonts_texture(); // without OpenGL
 // Every text from files or users passes through one of these.

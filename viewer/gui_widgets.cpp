@@ -16,7 +16,7 @@ void gui_text(const char* format, ...)
     va_end(list);
 }
 
-void gui_faint(const char* format, ...)
+void gui_dim_text(const char* format, ...)
 {
     va_list list;
     va_start(list, format);
@@ -25,7 +25,7 @@ void gui_faint(const char* format, ...)
     va_end(list);
 }
 
-void gui_faint_paragraph(const char* format, ...)
+void gui_dim_paragraph(const char* format, ...)
 {
     ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
     va_list list;
@@ -143,9 +143,9 @@ bool gui_name_toggle(const char* name, bool on, float beside, const char* toolti
     ImVec2 size = ImGui::CalcTextSize(name);
     float wanted = size.x + 2.0f * style.FramePadding.x;
     float room = ImGui::GetContentRegionAvail().x - beside;
-    float least = ImGui::GetFrameHeight();
+    float minimum = ImGui::GetFrameHeight();
     bool fits = wanted <= room;
-    float width = fits ? wanted : room > least ? room : least;
+    float width = fits ? wanted : room > minimum ? room : minimum;
     ImVec2 start = ImGui::GetCursorScreenPos();
     if (on) {
         ImGui::PushStyleColor(ImGuiCol_Button, gui_mixed(gui_accent, 0.55f));
@@ -172,28 +172,28 @@ bool gui_check(const char* label, bool* value, const char* tooltip)
     return changed;
 }
 
-bool gui_slider(const char* label, float* value, float least, float most, const char* format,
+bool gui_slider(const char* label, float* value, float minimum, float maximum, const char* format,
                 const char* tooltip)
 {
     bool changed =
-        ImGui::SliderFloat(label, value, least, most, format, ImGuiSliderFlags_AlwaysClamp);
+        ImGui::SliderFloat(label, value, minimum, maximum, format, ImGuiSliderFlags_AlwaysClamp);
     gui_tooltip(tooltip);
     return changed;
 }
 
-bool gui_log_slider(const char* label, float* value, float least, float most, const char* format,
-                    const char* tooltip)
+bool gui_log_slider(const char* label, float* value, float minimum, float maximum,
+                    const char* format, const char* tooltip)
 {
-    bool changed = ImGui::SliderFloat(label, value, least, most, format,
+    bool changed = ImGui::SliderFloat(label, value, minimum, maximum, format,
                                       ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic);
     gui_tooltip(tooltip);
     return changed;
 }
 
-bool gui_log_count(const char* label, uint64_t* value, uint64_t least, uint64_t most,
+bool gui_log_count(const char* label, uint64_t* value, uint64_t minimum, uint64_t maximum,
                    const char* tooltip)
 {
-    ImU64 number = *value, from = least, to = most;
+    ImU64 number = *value, from = minimum, to = maximum;
     bool changed = ImGui::SliderScalar(label, ImGuiDataType_U64, &number, &from, &to, "%llu",
                                        ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic);
     *value = number;
@@ -201,12 +201,12 @@ bool gui_log_count(const char* label, uint64_t* value, uint64_t least, uint64_t 
     return changed;
 }
 
-bool gui_count(const char* label, uint64_t* value, uint64_t least, uint64_t most,
+bool gui_count(const char* label, uint64_t* value, uint64_t minimum, uint64_t maximum,
                const char* tooltip)
 {
     ImU64 number = *value, step = 1, fast_step = 100;
     bool changed = ImGui::InputScalar(label, ImGuiDataType_U64, &number, &step, &fast_step, "%llu");
-    *value = number < least ? least : number > most ? most : number;
+    *value = number < minimum ? minimum : number > maximum ? maximum : number;
     gui_tooltip(tooltip);
     return changed;
 }
@@ -231,10 +231,10 @@ bool gui_number(const char* label, double* value, double step, const char* forma
     return changed;
 }
 
-bool gui_whole_number(const char* label, int* value, int least, int most, const char* tooltip)
+bool gui_whole_number(const char* label, int* value, int minimum, int maximum, const char* tooltip)
 {
     bool changed = ImGui::InputInt(label, value);
-    *value = *value < least ? least : *value > most ? most : *value;
+    *value = *value < minimum ? minimum : *value > maximum ? maximum : *value;
     gui_tooltip(tooltip);
     return changed;
 }

@@ -124,7 +124,7 @@ void page_measure(viewer* v)
     for (int i = 0; i < m->count; ++i) {
         char text[128];
         measure_print_point(v, m->points[i], text, sizeof(text));
-        gui_faint("Point %d", i + 1);
+        gui_dim_text("Point %d", i + 1);
         gui_paragraph("%s", text);
     }
     gui_space();

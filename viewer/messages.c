@@ -95,7 +95,7 @@ static bool box_is_in_view(const viewer* v, const stp_navigator* n)
     return false;
 }
 
-const char* messages_why_empty(const viewer* v)
+const char* messages_explain_empty(const viewer* v)
 {
     stp_navigator n;
     const painter_picture* p = v->picture;
@@ -119,7 +119,7 @@ const char* messages_why_empty(const viewer* v)
 void messages_overlay(const viewer* v)
 {
     viewer_area a = v->picture_area;
-    const char* why = messages_why_empty(v);
+    const char* why = messages_explain_empty(v);
     if (why != NULL) {
         gui_plate(a.x + 0.5f * a.width, a.y + 0.5f * a.height, why, 0xE6E8EBFF);
     }

@@ -10,7 +10,7 @@
 
 static const float half_edge = 23.0f; // of the cube, pixels at scale 1
 static const float margin = 14.0f;    // to the picture's edge
-static const float bar_most = 160.0f; // maximum width of the scale bar
+static const float bar_max = 160.0f;  // maximum width of the scale bar
 
 static const uint32_t face_color = 0xF4F5F7F0;
 static const uint32_t face_hovered = 0xA8D4F0F8;
@@ -191,8 +191,8 @@ stp_scale_bar orientation_scale_bar(const viewer* v, const stp_navigator* n)
 {
     stp_measuring m = measure_units(v);
     double factor = stp_measure_factor(&m);
-    float most = fminf(bar_most * v->window.scale, 0.4f * v->picture_area.width);
-    return is_shown(v) ? stp_scale_bar_make(scale_pixel(v, n) * factor, (double)most)
+    float maximum = fminf(bar_max * v->window.scale, 0.4f * v->picture_area.width);
+    return is_shown(v) ? stp_scale_bar_make(scale_pixel(v, n) * factor, (double)maximum)
                        : (stp_scale_bar){0};
 }
 

@@ -20,18 +20,18 @@ void overlay_line(const viewer* v, const stp_navigator* n, stp_vec3d a, stp_vec3
                   float width)
 {
     stp_navigator_axes axes = stp_navigator_get_axes(n);
-    double least = 1e-4 * n->reach; // clips everything behind the eye
+    double minimum = 1e-4 * n->reach; // clips everything behind the eye
     double da = -stp_dotd(axes.back, stp_subd(a, n->eye));
     double db = -stp_dotd(axes.back, stp_subd(b, n->eye));
     if (!(n->ortho_height > 0.0)) {
-        if (da < least && db < least) {
+        if (da < minimum && db < minimum) {
             return;
         }
         stp_vec3d way = stp_subd(b, a);
-        if (da < least) {
-            a = stp_addd(a, stp_scaled(way, (least - da) / (db - da)));
-        } else if (db < least) {
-            b = stp_addd(a, stp_scaled(way, (least - da) / (db - da)));
+        if (da < minimum) {
+            a = stp_addd(a, stp_scaled(way, (minimum - da) / (db - da)));
+        } else if (db < minimum) {
+            b = stp_addd(a, stp_scaled(way, (minimum - da) / (db - da)));
         }
     }
     float x0, y0, x1, y1;
@@ -86,7 +86,7 @@ void overlay_show(viewer* v)
     views_overlay(v, &n);
     show_pivot(v, &n);
     orientation_overlay(v, &n);
-    point_look_overlay(v);
+    point_style_overlay(v);
     messages_overlay(v);
     gui_unclip();
 }

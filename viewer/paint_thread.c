@@ -139,7 +139,7 @@ static paint_stage next_stage(painter* p, const paint_request* request,
     return accumulates ? STAGE_ACCUMULATES : STAGE_DONE;
 }
 
-static void learn(painter* p, const paint_request* request, const paint_figures* f)
+static void update_budget(painter* p, const paint_request* request, const paint_figures* f)
 {
     if (request->budget_ms != p->budget_ms || request->controller != p->controller) {
         p->budget_ms = request->budget_ms;
@@ -157,7 +157,7 @@ static void learn(painter* p, const paint_request* request, const paint_figures*
                                .covered_pixels = f->covered_pixels,
                                .draw_calls = (uint32_t)f->draw_calls,
                                .splat_size = f->splat_size};
-        stp_budget_learn(&p->scene->budgets[p->uses_gl], &cost);
+        stp_budget_update(&p->scene->budgets[p->uses_gl], &cost);
     }
 }
 
@@ -242,7 +242,7 @@ static void paint(painter* p)
     p->uses_gl = request.gl && !p->gl_lost && p->gl.functions != NULL && ready &&
                  paint_scene_use_gl(p->scene, &p->gl_desc, p->desc.gl_splats);
     paint_scene_set_stop(p->scene, p->refines ? &p->stop : NULL);
-    learn(p, &request, NULL);
+    update_budget(p, &request, NULL);
     bool accumulates = p->stage == STAGE_ACCUMULATES;
     float size = choose_size(p, &request);
     uint32_t texture = 0;
@@ -257,7 +257,7 @@ static void paint(painter* p)
         p->size = size;
         if (!p->refines) { // the budget does not learn from refinement, which uses another splat
                            // size and which nobody waits for
-            learn(p, &request, &figures);
+            update_budget(p, &request, &figures);
         }
         copy_depth(p, picture);
     }

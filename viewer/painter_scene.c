@@ -100,7 +100,7 @@ static bool same_coloring(const stp_store_coloring* a, const stp_store_coloring*
 }
 
 /// Whether points look the same: the range matters only for colours of attributes.
-static bool looks_same(const stp_store_coloring* a, const stp_store_coloring* b)
+static bool is_same_point_style(const stp_store_coloring* a, const stp_store_coloring* b)
 {
     bool plain = !a->by_attribute && !b->by_attribute && !a->hides && !b->hides;
     return plain || same_coloring(a, b);
@@ -108,7 +108,7 @@ static bool looks_same(const stp_store_coloring* a, const stp_store_coloring* b)
 
 bool paint_scene_color(paint_scene* s, const stp_store_coloring* points)
 {
-    if (s->renderers[0] != NULL && looks_same(stp_store_get_coloring(s->store), points)) {
+    if (s->renderers[0] != NULL && is_same_point_style(stp_store_get_coloring(s->store), points)) {
         return true;
     }
     for (int i = 0; i < 2; ++i) { // renderers cache scene data with the old colours
@@ -183,7 +183,7 @@ stp_result paint_scene_draw(paint_scene* s, const paint_request* request, float 
     if (s->residency != NULL && result == STP_OK) {
         stp_residency_stats before, loaded;
         stp_residency_get_stats(s->residency, &before);
-        stp_residency_update(s->residency, s->list.wants, s->list.want_count);
+        stp_residency_update(s->residency, s->list.requests, s->list.request_count);
         stp_residency_get_stats(s->residency, &loaded);
         figures->missing = loaded.missing > 0 && loaded.loading > 0 ? loaded.missing : 0;
         if (loaded.loaded != before.loaded) { // newly loaded data appears in the next frame
@@ -227,6 +227,6 @@ bool paint_is_same_request(const paint_request* a, const paint_request* b)
     return a->scene == b->scene && a->budget_ms == b->budget_ms && a->samples == b->samples &&
            a->controller == b->controller && a->gl == b->gl &&
            stp_resting_is_same_view(&a->view, &b->view) &&
-           stp_resting_is_same_style(&a->style, &b->style) && looks_same(&a->points, &b->points) &&
-           same_quality(&a->quality, &b->quality);
+           stp_resting_is_same_style(&a->style, &b->style) &&
+           is_same_point_style(&a->points, &b->points) && same_quality(&a->quality, &b->quality);
 }

@@ -201,7 +201,7 @@ static void show_place(const viewer* v)
         camera_seen(v, (float)ux * v->window.density, (float)uy * v->window.density, &point)) {
         measure_print_point(v, point, text, sizeof(text));
         gui_right_aligned(gui_text_width(text));
-        gui_faint("%s", text);
+        gui_dim_text("%s", text);
     }
 }
 
@@ -231,11 +231,11 @@ static void show_picture_line(const viewer* v)
         char drawn[32], all[32];
         splats_print(drawn, sizeof(drawn), f->splats);
         splats_print(all, sizeof(all), splats_all(v));
-        gui_faint("%u x %u   %.1f ms   %s of %s splats%s", width, height, f->frame_ms, drawn, all,
-                  more);
+        gui_dim_text("%u x %u   %.1f ms   %s of %s splats%s", width, height, f->frame_ms, drawn,
+                     all, more);
     } else {
-        gui_faint("%u x %u   %.1f ms   splat size %.1f px%s", width, height, f->frame_ms,
-                  (double)f->splat_size, more);
+        gui_dim_text("%u x %u   %.1f ms   splat size %.1f px%s", width, height, f->frame_ms,
+                     (double)f->splat_size, more);
     }
 }
 
@@ -253,7 +253,7 @@ static void show_status(viewer* v)
     } else if (v->picture != NULL && v->scene != NULL) {
         show_picture_line(v);
     } else {
-        gui_faint("Drop a model or a .stip file onto the window, or press Ctrl+O");
+        gui_dim_text("Drop a model or a .stip file onto the window, or press Ctrl+O");
     }
     show_place(v);
     gui_panel_end();
@@ -309,10 +309,10 @@ static void show_waiting(viewer* v)
         gui_text("Loading %s", file_name(v));
         gui_progress((float)part, text);
         if (v->news.total > 0) {
-            gui_faint("%s: %llu of %llu %s", name_stage(v), (unsigned long long)v->news.done,
-                      (unsigned long long)v->news.total, v->news.unit);
+            gui_dim_text("%s: %llu of %llu %s", name_stage(v), (unsigned long long)v->news.done,
+                         (unsigned long long)v->news.total, v->news.unit);
         } else {
-            gui_faint("%s", name_stage(v));
+            gui_dim_text("%s", name_stage(v));
         }
     }
     gui_panel_end();

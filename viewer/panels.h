@@ -19,7 +19,7 @@ bool messages_put_away(viewer* v);
 const char* messages_newest(const viewer* v); ///< NULL if it has expired or there is none
 const char* messages_error(const viewer* v);  ///< the newest error not dismissed; NULL: none
 /// Why the picture is empty; NULL if it is not.
-const char* messages_why_empty(const viewer* v);
+const char* messages_explain_empty(const viewer* v);
 void messages_overlay(const viewer* v);
 
 // statistics_pages.c
@@ -74,16 +74,16 @@ void measure_print(const viewer* v, double length, char* text, size_t size);
 /// Converts a point to the file's coordinates in the display unit.
 void measure_print_point(const viewer* v, stp_vec3d point, char* text, size_t size);
 
-// point_look.c
-void point_look_begin(viewer* v); ///< for a new file
+// point_style.c
+void point_style_begin(viewer* v); ///< for a new file
 /// Adds colours of points and pixels to the request.
-void point_look_give(viewer* v, paint_request* request);
+void point_style_give(viewer* v, paint_request* request);
 /// The method to draw (STP_METHOD_*): the selected one, or another one if it lacks the attribute
 /// that colours points.
 /// @param originals receives whether only original points have the attribute
-uint32_t point_look_method(const viewer* v, bool* originals);
-void point_look_show(viewer* v);    ///< draws the controls in the panel
-void point_look_overlay(viewer* v); ///< draws the colour scale beside the picture
+uint32_t point_style_method(const viewer* v, bool* originals);
+void point_style_show(viewer* v);    ///< draws the controls in the panel
+void point_style_overlay(viewer* v); ///< draws the colour scale beside the picture
 
 // cloud_page.c
 /// Strength of eye-dome lighting: the scene's default unless the user chose another.
@@ -113,8 +113,8 @@ void views_end(viewer* v);
 bool views_begin_at(viewer* v, const char* name);
 void views_save(viewer* v); ///< saves the current view as a new viewpoint
 /// Keeps the hidden parts for the next, finer scene of the same file, and restores them there.
-void views_carry(viewer* v);
-void views_bring(viewer* v);
+void views_keep_hidden(viewer* v);
+void views_restore_hidden(viewer* v);
 void views_overlay(const viewer* v, const stp_navigator* n);
 
 // record.c

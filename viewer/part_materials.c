@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "part_materials.h"
 
-enum { NODES_MOST = 256, PARTS_MOST = 4096 };
+enum { NODES_MAX = 256, PARTS_MAX = 4096 };
 
 static void add_material(part_materials* found, uint32_t material)
 {
@@ -13,7 +13,7 @@ static void add_material(part_materials* found, uint32_t material)
             return;
         }
     }
-    if (found->count == PART_MATERIALS_MOST) {
+    if (found->count == PART_MATERIALS_MAX) {
         found->more = true;
         return;
     }
@@ -21,14 +21,14 @@ static void add_material(part_materials* found, uint32_t material)
 }
 
 /// Adds a node to a queue, each node once.
-static void enqueue(uint32_t nodes[NODES_MOST], uint32_t* count, uint32_t node, bool* full)
+static void enqueue(uint32_t nodes[NODES_MAX], uint32_t* count, uint32_t node, bool* full)
 {
     for (uint32_t i = 0; i < *count; ++i) {
         if (nodes[i] == node) {
             return;
         }
     }
-    if (*count == NODES_MOST) {
+    if (*count == NODES_MAX) {
         *full = true;
         return;
     }
@@ -39,7 +39,7 @@ part_materials part_materials_find(const stp_store* store, uint32_t node)
 {
     const stp_store_directory* d = stp_store_get_directory(store);
     part_materials found = {0};
-    uint32_t nodes[NODES_MOST], count = 0, parts = 0;
+    uint32_t nodes[NODES_MAX], count = 0, parts = 0;
     if (node < d->node_count) {
         nodes[count++] = node;
     }
@@ -51,7 +51,7 @@ part_materials part_materials_find(const stp_store* store, uint32_t node)
             add_material(&found, is_mesh
                                      ? stp_store_describe_mesh(store, part.index)->material
                                      : stp_store_describe_point_set(store, part.index)->material);
-            found.more = found.more || ++parts >= PARTS_MOST;
+            found.more = found.more || ++parts >= PARTS_MAX;
         }
         for (uint32_t k = 0; k < n->edge_count && !found.more; ++k) {
             enqueue(nodes, &count, d->edges[n->first_edge + k].node, &found.more);

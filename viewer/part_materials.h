@@ -4,11 +4,11 @@
 
 #include "store/store.h"
 
-enum { PART_MATERIALS_MOST = 6 };
+enum { PART_MATERIALS_MAX = 6 };
 
 typedef struct part_materials {
     /// Indices in the store, each once, in the order of the file's
-    uint32_t materials[PART_MATERIALS_MOST];
+    uint32_t materials[PART_MATERIALS_MAX];
     /// parts
     uint32_t count;
     bool more; ///< there are more, or the part is too large to search completely

@@ -122,13 +122,13 @@ static void show_chosen(viewer* v)
     stp_outline_row row;
     char path[1024], text[64];
     if (e->chosen.depth == 0) {
-        gui_faint("Click a part here or in the picture");
+        gui_dim_text("Click a part here or in the picture");
         return;
     }
     const char* label = explorer_label(e, &e->chosen, &row);
     gui_paragraph("%s", label);
     if (stp_outline_path(e->outline, &e->chosen, path, sizeof(path)) == STP_OK) {
-        gui_faint_paragraph("%s", path);
+        gui_dim_paragraph("%s", path);
     }
     if (row.id != NULL && row.id[0] != 0) {
         gui_value("Id", "%s", row.id);
@@ -158,7 +158,7 @@ void parts_show(viewer* v, float x, float y, float width, float height)
     explorer* e = v->explorer;
     gui_panel_begin("parts", x, y, width, height);
     if (e == NULL) {
-        gui_faint("No parts yet");
+        gui_dim_text("No parts yet");
         gui_panel_end();
         return;
     }
@@ -183,18 +183,18 @@ void parts_show(viewer* v, float x, float y, float width, float height)
     details = details < 0.55f * height ? details : 0.55f * height;
     gui_list_begin("tree", -details);
     if (!e->ready) {
-        gui_faint(e->failed ? "Cannot read the parts" : "Reading the parts...");
+        gui_dim_text(e->failed ? "Cannot read the parts" : "Reading the parts...");
     } else if (v->search[0] != 0) {
         show_rows(v, false);
         if (e->found_count == 0 && !e->searches) {
-            gui_faint("No matches");
-        } else if (e->found_count == EXPLORER_FOUND_MOST) {
-            gui_faint("First %d of more matches", EXPLORER_FOUND_MOST);
+            gui_dim_text("No matches");
+        } else if (e->found_count == EXPLORER_FOUND_MAX) {
+            gui_dim_text("First %d of more matches", EXPLORER_FOUND_MAX);
         }
     } else {
         show_rows(v, true);
         if (e->cut_short) {
-            gui_faint("Too many parts to list: search to find more");
+            gui_dim_text("Too many parts to list: search to find more");
         }
     }
     gui_list_end();

@@ -8,7 +8,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum { TEXT_MOST = RECENT_MOST * PATH_MAX };
+enum { TEXT_MAX = RECENT_MAX * PATH_MAX };
 
 void recent_remove(recent_files* recent, const char* path)
 {
@@ -30,7 +30,7 @@ void recent_add(recent_files* recent, const char* path)
         return;
     }
     recent_remove(recent, path);
-    size_t kept = recent->count < RECENT_MOST ? recent->count : RECENT_MOST - 1;
+    size_t kept = recent->count < RECENT_MAX ? recent->count : RECENT_MAX - 1;
     memmove(recent->paths[1], recent->paths[0], kept * sizeof(recent->paths[0]));
     snprintf(recent->paths[0], PATH_MAX, "%s", path);
     recent->count = kept + 1;
@@ -38,7 +38,7 @@ void recent_add(recent_files* recent, const char* path)
 
 void recent_parse(recent_files* recent, const char* text)
 {
-    while (*text != 0 && recent->count < RECENT_MOST) {
+    while (*text != 0 && recent->count < RECENT_MAX) {
         size_t length = strcspn(text, "\n");
         if (text[0] == '/' && length < PATH_MAX) {
             char* place = recent->paths[recent->count];
@@ -81,9 +81,9 @@ void recent_load(recent_files* recent)
 {
     char path[PATH_MAX];
     *recent = (recent_files){0};
-    char* text = find_file(path) ? malloc(TEXT_MOST + 1) : NULL;
+    char* text = find_file(path) ? malloc(TEXT_MAX + 1) : NULL;
     if (text != NULL) {
-        text[stp_file_peek(path, text, TEXT_MOST)] = 0;
+        text[stp_file_peek(path, text, TEXT_MAX)] = 0;
         recent_parse(recent, text);
     }
     free(text);

@@ -7,10 +7,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { RECENT_MOST = 10 };
+enum { RECENT_MAX = 10 };
 
 typedef struct recent_files {
-    char paths[RECENT_MOST][PATH_MAX];
+    char paths[RECENT_MAX][PATH_MAX];
     size_t count;
 } recent_files;
 

@@ -118,7 +118,7 @@ void record_step(viewer* v)
                              .keys = r->keys,
                              .key_count = r->count};
         stp_view view = {0};
-        stp_flight_look(&flight, t, &view);
+        stp_flight_get_view(&flight, t, &view);
         stp_navigator_read_view(&v->camera, &view);
         if (t >= r->keys[r->count - 1].t) {
             r->plays = false;

@@ -138,7 +138,7 @@ static json_t* describe_method(const viewer* v)
     bool originals;
     return d != NULL && d->surfels_count > 0
                ? json_string(
-                     d->methods[stp_store_find_method(d, point_look_method(v, &originals))].name)
+                     d->methods[stp_store_find_method(d, point_style_method(v, &originals))].name)
                : json_null();
 }
 
@@ -168,25 +168,25 @@ static json_t* describe(const viewer* v)
         "{s:o, s:s, s:I, s:b, s:b, s:I, s:I, s:s, s:b, s:b, s:b, s:s, s:o, s:o, s:s, s:o, s:o, "
         "s:s, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:i}",
         "file", describe_json_text(v->file), "loading", states[v->news.state], "stores",
-        (json_int_t)v->news.serial, "rests", (int)(viewer_rests(v) && v->dirty <= 0), "complete",
+        (json_int_t)v->news.serial, "rests", (int)(viewer_is_idle(v) && v->dirty <= 0), "complete",
         (int)v->news.complete, "scene", (json_int_t)(v->scene != NULL ? v->scene->serial : 0),
         "shows", (json_int_t)v->shows, "page", page_names[v->settings.page], "panels",
         (int)v->shows_panels, "parts", (int)v->settings.parts, "help", (int)v->shows_help,
         "backend", v->picture != NULL && v->picture->gl ? "gl" : "cpu", "method",
         describe_method(v), "message", describe_json_text(v->messages[0].text), "hint",
-        messages_why_empty(v) != NULL ? messages_why_empty(v) : "", "camera", describe_camera(v),
-        "picture", describe_picture(v), "color", point_color_name(v->look.color), "hides",
-        (int)v->look.hides, "tools", describe_tools(v), "guides", describe_guides(v), "match",
-        describe_match(v), "start", describe_start(v), "handles", describe_handles(v), "splats",
-        describe_splats(v), "eye_dome", (double)cloud_page_eye_dome(v), "point_sizing",
-        v->settings.point_sizing);
+        messages_explain_empty(v) != NULL ? messages_explain_empty(v) : "", "camera",
+        describe_camera(v), "picture", describe_picture(v), "color",
+        point_color_name(v->look.color), "hides", (int)v->look.hides, "tools", describe_tools(v),
+        "guides", describe_guides(v), "match", describe_match(v), "start", describe_start(v),
+        "handles", describe_handles(v), "splats", describe_splats(v), "eye_dome",
+        (double)cloud_page_eye_dome(v), "point_sizing", v->settings.point_sizing);
 }
 
 void report_write(viewer* v, bool last)
 {
     const char* path = v->options.report;
     double now = stp_clock_ms();
-    bool rests = viewer_rests(v) && v->dirty <= 0;
+    bool rests = viewer_is_idle(v) && v->dirty <= 0;
     if (path == NULL || (!last && now - v->report_ms < every_ms && rests == v->report_rests)) {
         return;
     }

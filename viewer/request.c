@@ -54,6 +54,6 @@ paint_request request_make(viewer* v)
     stp_navigator_write_view(&v->camera, &request.view);
     request.view.sections = section_make(v);
     request.gl = viewer_uses_gl(v);
-    point_look_give(v, &request);
+    point_style_give(v, &request);
     return request;
 }

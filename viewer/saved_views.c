@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { THINGS_MOST = 1000 };
+enum { THINGS_MAX = 1000 };
 
 void views_begin(viewer* v)
 {
@@ -67,7 +67,7 @@ static size_t list_things(viewer* v, stp_shown_thing* things, char (*paths)[1024
                                       [EXPLORER_GHOST] = STP_SHOWN_GHOST};
     explorer* e = v->explorer;
     size_t count = 0, all = e != NULL && e->ready ? e->mark_count : 0;
-    for (size_t i = 0; i < all && count < THINGS_MOST; ++i) {
+    for (size_t i = 0; i < all && count < THINGS_MAX; ++i) {
         const explorer_mark* m = &e->marks[i];
         stp_outline_row row;
         if (find_path(e, &m->item, left_out != NULL, paths[count]) &&
@@ -98,10 +98,10 @@ static void name_view(const viewer* v, char* name, size_t size)
     } while (stp_viewpoints_find(&v->views, name) != NULL);
 }
 
-void views_carry(viewer* v)
+void views_keep_hidden(viewer* v)
 {
-    stp_shown_thing* things = calloc(THINGS_MOST, sizeof(*things));
-    char(*paths)[1024] = calloc(THINGS_MOST, sizeof(*paths));
+    stp_shown_thing* things = calloc(THINGS_MAX, sizeof(*things));
+    char(*paths)[1024] = calloc(THINGS_MAX, sizeof(*paths));
     stp_viewpoints_destroy(v->context, &v->carried);
     v->carried = (stp_viewpoints){0};
     if (things != NULL && paths != NULL) {
@@ -122,8 +122,8 @@ void views_save(viewer* v)
     }
     char name[128], path[1024];
     name_view(v, name, sizeof(name));
-    stp_shown_thing* things = calloc(THINGS_MOST, sizeof(*things));
-    char(*paths)[1024] = calloc(THINGS_MOST, sizeof(*paths));
+    stp_shown_thing* things = calloc(THINGS_MAX, sizeof(*things));
+    char(*paths)[1024] = calloc(THINGS_MAX, sizeof(*paths));
     stp_view view = {0};
     stp_navigator_write_view(&v->camera, &view);
     stp_viewpoint viewpoint = {.name = name,
@@ -186,7 +186,7 @@ static void restore_things(viewer* v, const stp_viewpoint* p)
     }
 }
 
-void views_bring(viewer* v)
+void views_restore_hidden(viewer* v)
 {
     if (v->carried.count > 0 && v->explorer->ready) {
         restore_things(v, &v->carried.views[0]);
@@ -199,7 +199,7 @@ static void go_to(viewer* v, const stp_viewpoint* p)
 {
     stp_view view = {.fov_degrees = v->camera.fov_degrees};
     stp_navigator to = v->camera;
-    stp_viewpoint_look(p, &view);
+    stp_viewpoint_get_view(p, &view);
     stp_navigator_read_view(&to, &view);
     camera_glide(v, &to);
     section_take(v, &p->sections);
@@ -214,7 +214,7 @@ bool views_begin_at(viewer* v, const char* name)
     if (p == NULL) {
         return false;
     }
-    stp_viewpoint_look(p, &view);
+    stp_viewpoint_get_view(p, &view);
     stp_navigator_read_view(&v->camera, &view);
     section_take(v, &p->sections);
     // applied when the parts are known
@@ -228,7 +228,7 @@ bool views_begin_at(viewer* v, const char* name)
 static void show_saved(viewer* v)
 {
     if (v->views.count == 0) {
-        gui_faint("None yet");
+        gui_dim_text("None yet");
     }
     for (size_t i = 0; i < v->views.count; ++i) {
         const stp_viewpoint* p = &v->views.views[i];
@@ -243,7 +243,7 @@ static void show_saved(viewer* v)
         gui_same_line();
         goes = gui_button("Remove", "Delete this viewpoint");
         if (p->note != NULL) {
-            gui_faint_paragraph("%s", p->note);
+            gui_dim_paragraph("%s", p->note);
         }
         gui_pop_id();
         if (goes) {
@@ -311,7 +311,7 @@ static void show_pictures(viewer* v)
 void page_views(viewer* v)
 {
     if (v->scene == NULL) {
-        gui_faint("Open a model first");
+        gui_dim_text("Open a model first");
         return;
     }
     gui_text("Viewpoints");

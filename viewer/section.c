@@ -160,7 +160,7 @@ void page_section(viewer* v)
     section_state* s = &v->section;
     stp_boxd scene = camera_scene_box(v);
     if (v->scene == NULL || stp_boxd_is_empty(scene)) {
-        gui_faint("Open a model first");
+        gui_dim_text("Open a model first");
         return;
     }
     show_box(v, &scene);

@@ -43,7 +43,7 @@ static int plane_corners(const viewer* v, const section_plane* p, stp_vec3d* cor
 static bool find_target(const viewer* v, int index, drag_target* target)
 {
     const section_state* s = &v->section;
-    stp_vec3d corners[STP_PLANE_CORNERS_MOST];
+    stp_vec3d corners[STP_PLANE_CORNERS_MAX];
     if (index < s->plane_count) {
         const section_plane* p = &s->planes[index];
         int count = p->on ? plane_corners(v, p, corners) : 0;
@@ -92,7 +92,7 @@ bool section_handle(const viewer* v, int index, float* x, float* y)
 static int find_at(const viewer* v, const stp_navigator* n, float x, float y)
 {
     int best = -1;
-    float least = handle_reach * v->window.scale;
+    float minimum = handle_reach * v->window.scale;
     for (int i = 0; i < v->section.plane_count + BOX_SIDES; ++i) {
         drag_target t;
         float ends[4];
@@ -103,8 +103,8 @@ static int find_at(const viewer* v, const stp_navigator* n, float x, float y)
         float part = square > 0.0f ? ((x - ends[0]) * dx + (y - ends[1]) * dy) / square : 0.0f;
         part = fminf(fmaxf(part, 0.0f), 1.0f);
         float away = hypotf(x - ends[0] - part * dx, y - ends[1] - part * dy);
-        if (away < least) {
-            least = away;
+        if (away < minimum) {
+            minimum = away;
             best = i;
         }
     }
@@ -133,7 +133,7 @@ void section_drag(viewer* v, float from_x, float from_y, float to_x, float to_y)
         // limited to the scene, so that the handle stays reachable
         section_plane* p = &s->planes[v->section_grabbed];
         section_plane moved = *p;
-        stp_vec3d corners[STP_PLANE_CORNERS_MOST];
+        stp_vec3d corners[STP_PLANE_CORNERS_MAX];
         moved.offset += (float)along;
         *p = plane_corners(v, &moved, corners) > 0 ? moved : *p;
         return;
@@ -171,7 +171,7 @@ void section_drag_overlay(const viewer* v, const stp_navigator* n)
             continue;
         }
         uint32_t color = i == hovered ? hovered_color : plane_color;
-        stp_vec3d corners[STP_PLANE_CORNERS_MOST];
+        stp_vec3d corners[STP_PLANE_CORNERS_MAX];
         int count =
             i < v->section.plane_count ? plane_corners(v, &v->section.planes[i], corners) : 0;
         for (int k = 0; k < count; ++k) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "settings.h"
 
-#include "cloud_look.h"
+#include "cloud_style.h"
 #include "splat_count.h"
 
 #include "base/file.h"
@@ -20,7 +20,7 @@ typedef struct field {
     const char* name;
     field_type type;
     size_t offset;
-    double least, most;
+    double minimum, maximum;
 } field;
 
 #define PLACE(member) offsetof(viewer_settings, member)
@@ -31,7 +31,7 @@ static const field fields[] = {
     {"adapts", FIELD_BOOL, PLACE(adapts), 0, 0},
     {"budget_ms", FIELD_FLOAT, PLACE(budget_ms), 4, 500},
     {"splat_size", FIELD_FLOAT, PLACE(splat_size), 1, 16},
-    {"splat_count", FIELD_WHOLE, PLACE(splat_count), 0, SPLAT_COUNT_MOST},
+    {"splat_count", FIELD_WHOLE, PLACE(splat_count), 0, SPLAT_COUNT_MAX},
     {"samples", FIELD_INT, PLACE(samples), 1, 8},
     {"method", FIELD_INT, PLACE(method), 0, METHOD_COUNT - 1},
     {"splats_by", FIELD_INT, PLACE(splats_by), 0, STP_METHOD_STOCHASTIC},
@@ -92,7 +92,7 @@ bool viewer_settings_parse(viewer_settings* settings, const char* text)
             memcpy(place, &on, sizeof(on));
         } else if (f->type != FIELD_BOOL && json_is_number(value)) {
             double number = json_number_value(value);
-            if (number >= f->least && number <= f->most) {
+            if (number >= f->minimum && number <= f->maximum) {
                 int whole = f->type == FIELD_INT ? (int)number : 0;
                 uint32_t count = f->type == FIELD_WHOLE ? (uint32_t)number : 0;
                 float real = (float)number;

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FRAMES_MOST = 200 }; // maximum frames while data for a picture is loaded
+enum { FRAMES_MAX = 200 }; // maximum frames while data for a picture is loaded
 
 struct shot {
     pthread_t thread;
@@ -46,12 +46,12 @@ static stp_result draw_loaded(shot* s, paint_scene* scene, stp_image* image)
     paint_figures figures;
     stp_result result = STP_OK;
     bool more = true;
-    for (int i = 0; i < FRAMES_MOST && more && result == STP_OK; ++i) {
+    for (int i = 0; i < FRAMES_MAX && more && result == STP_OK; ++i) {
         result =
             paint_scene_draw(scene, &request, s->quality.splat_size, false, false, image, &figures);
         more = loads != NULL && stp_residency_wait(loads);
-        for (int k = 0; k < FRAMES_MOST && loads != NULL && stp_residency_wait(loads); ++k) {
-            stp_residency_update(loads, scene->list.wants, scene->list.want_count);
+        for (int k = 0; k < FRAMES_MAX && loads != NULL && stp_residency_wait(loads); ++k) {
+            stp_residency_update(loads, scene->list.requests, scene->list.request_count);
         }
     }
     return result;

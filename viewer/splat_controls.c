@@ -30,7 +30,7 @@ uint32_t splats_count(const viewer* v)
 }
 
 /// The number of splats drawn at the moment.
-static uint32_t drawn_now(const viewer* v)
+static uint32_t drawn_splats(const viewer* v)
 {
     uint32_t all = splats_all(v);
     bool drawn = v->picture != NULL && v->picture->scene == v->scene->serial;
@@ -42,7 +42,7 @@ void splats_switch(viewer* v)
     if (v->settings.splat_count > 0) {
         v->settings.splat_count = 0;
     } else if (splats_all(v) > 0) {
-        v->settings.splat_count = drawn_now(v);
+        v->settings.splat_count = drawn_splats(v);
     } else {
         viewer_show_message(v, false, "There are no splats to draw by number");
     }
@@ -58,7 +58,8 @@ bool splats_take_key(viewer* v, SDL_Keycode key, bool fine)
     if (all == 0) {
         viewer_show_message(v, false, "There are no splats to draw by number");
     } else {
-        v->settings.splat_count = splat_count_step(count > 0 ? count : drawn_now(v), all, up, fine);
+        v->settings.splat_count =
+            splat_count_step(count > 0 ? count : drawn_splats(v), all, up, fine);
     }
     return true;
 }
@@ -84,12 +85,12 @@ static void show_number(viewer* v, uint32_t all)
     uint64_t count = splats_count(v);
     splats_print(whole, sizeof(whole), all);
     snprintf(label, sizeof(label), "of %s###splat_slider", whole);
-    bool changed = gui_log_count(label, &count, SPLAT_COUNT_LEAST, all,
+    bool changed = gui_log_count(label, &count, SPLAT_COUNT_MIN, all,
                                  "Total number of splats to draw, independent of distance. Page "
                                  "Up doubles it and Page Down halves it; with Shift, 5 % more or "
                                  "less");
     gui_last_place(v->splat_places[SPLAT_PLACE_SLIDER]);
-    changed = gui_count("Number", &count, SPLAT_COUNT_LEAST, all,
+    changed = gui_count("Number", &count, SPLAT_COUNT_MIN, all,
                         "Number of splats to draw, from 2 to all") ||
               changed;
     gui_last_place(v->splat_places[SPLAT_PLACE_NUMBER]);

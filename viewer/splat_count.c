@@ -14,7 +14,7 @@ typedef struct node_splats {
 
 static uint32_t add(uint32_t a, uint32_t b)
 {
-    return a > SPLAT_COUNT_MOST - b ? SPLAT_COUNT_MOST : a + b;
+    return a > SPLAT_COUNT_MAX - b ? SPLAT_COUNT_MAX : a + b;
 }
 
 /// Marks the sets that contribute to the root's count: sets of other nodes are not read.
@@ -49,7 +49,7 @@ static stp_result splats_of_node(stp_store* store, uint32_t method, uint32_t nod
         bool ends = false;
         result = stp_select_count_states(store, set, count, &ends);
     }
-    *count = *count < SPLAT_COUNT_MOST ? *count : SPLAT_COUNT_MOST;
+    *count = *count < SPLAT_COUNT_MAX ? *count : SPLAT_COUNT_MAX;
     return result;
 }
 
@@ -87,7 +87,7 @@ uint32_t splat_count_of_scene(stp_store* store, uint32_t method)
 
 uint32_t splat_count_within(uint64_t count, uint32_t all)
 {
-    count = count < SPLAT_COUNT_LEAST ? SPLAT_COUNT_LEAST : count;
+    count = count < SPLAT_COUNT_MIN ? SPLAT_COUNT_MIN : count;
     return count < all ? (uint32_t)count : all;
 }
 

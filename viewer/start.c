@@ -182,9 +182,9 @@ static void show_entries(viewer* v)
     }
     gui_rows_end(count, last);
     if (count == 0) {
-        gui_faint("No models in this folder");
+        gui_dim_text("No models in this folder");
     } else if (s->folder.cut_short) {
-        gui_faint("First %d entries; type a name to open another", FOLDER_ENTRIES_MOST);
+        gui_dim_text("First %d entries; type a name to open another", FOLDER_ENTRIES_MAX);
     }
     gui_list_end();
     if (opened[0] != 0) {
@@ -204,7 +204,7 @@ void start_dialog(viewer* v)
         go_to_folder(s, above);
     }
     gui_same_line();
-    gui_faint("%s", s->folder.path);
+    gui_dim_text("%s", s->folder.path);
     show_entries(v);
     gui_fill_width();
     if (s->focuses) {
@@ -278,7 +278,7 @@ void start_show(viewer* v)
     gui_dialog_begin("start", a.x + 0.5f * a.width, a.y + 0.5f * a.height,
                      520.0f * v->window.scale);
     gui_text("Stipple");
-    gui_faint("Drop a model onto this window, or open one");
+    gui_dim_text("Drop a model onto this window, or open one");
     gui_space();
     if (gui_wide_button("Open...", 1, "Choose a file (Ctrl+O)")) {
         start_show_dialog(v, true);
@@ -294,8 +294,8 @@ void start_show(viewer* v)
     }
     gui_space();
     gui_text("Formats");
-    gui_faint_paragraph("%s", folder_formats);
+    gui_dim_paragraph("%s", folder_formats);
     gui_space();
-    gui_faint("H: keys and mouse");
+    gui_dim_text("H: keys and mouse");
     gui_panel_end();
 }

@@ -5,7 +5,7 @@
 #include "explorer.h"
 #include "loader.h"
 #include "paint_thread.h"
-#include "point_look.h"
+#include "point_style.h"
 #include "start.h"
 #include "viewer.h"
 #include "window.h"
@@ -114,7 +114,7 @@ typedef struct viewer {
     bool finds;      ///< focus the search field
     bool has_picked; ///< something was clicked in this scene
     stp_pick picked;
-    point_look look;
+    point_style look;
     section_state section;
     int section_grabbed; ///< the dragged handle (section_drag.c)
     start_page* start;
@@ -146,7 +146,7 @@ void viewer_open(viewer* v, const char* path);
 void viewer_show_message(viewer* v, bool is_error, const char* format, ...)
     __attribute__((format(printf, 3, 4)));
 /// Whether everything is at rest: the picture is final.
-bool viewer_rests(const viewer* v);
+bool viewer_is_idle(const viewer* v);
 
 // camera_moves.c
 void camera_begin(viewer* v); ///< for a new scene

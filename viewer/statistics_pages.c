@@ -55,18 +55,18 @@ static uint64_t resident_bytes(void)
 
 static void show_times(const viewer* v)
 {
-    float most = 8.0f, sum = 0.0f;
+    float maximum = 8.0f, sum = 0.0f;
     int count = 0;
     for (int i = 0; i < FRAME_HISTORY; ++i) {
-        most = fmaxf(most, v->frame_times[i]);
+        maximum = fmaxf(maximum, v->frame_times[i]);
         if (v->frame_times[i] > 0.0f) {
             sum += v->frame_times[i];
             count += 1;
         }
     }
     float mark = v->settings.adapts ? v->settings.budget_ms : 0.0f;
-    most = 1.15f * fmaxf(most, mark);
-    gui_graph(v->frame_times, FRAME_HISTORY, v->newest_time, most, mark, 64.0f * v->window.scale,
+    maximum = 1.15f * fmaxf(maximum, mark);
+    gui_graph(v->frame_times, FRAME_HISTORY, v->newest_time, maximum, mark, 64.0f * v->window.scale,
               "Frame times; the line is the limit");
     float mean = count > 0 ? sum / (float)count : 0.0f;
     gui_value("Frame", "%.1f ms (mean %.0f)", (double)v->frame_times[v->newest_time], (double)mean);
@@ -110,20 +110,20 @@ void page_statistics(viewer* v)
 }
 
 static void show_effect(const char* label, const char* amount, float* value, float usual,
-                        float least, float most, const char* format, const char* tooltip)
+                        float minimum, float maximum, const char* format, const char* tooltip)
 {
     bool on = *value > 0.0f;
     if (gui_check(label, &on, tooltip)) {
         *value = on ? usual : 0.0f;
     }
     if (on) {
-        gui_push_id((int)(most * 100.0f));
-        gui_slider(amount, value, least, most, format, NULL);
+        gui_push_id((int)(maximum * 100.0f));
+        gui_slider(amount, value, minimum, maximum, format, NULL);
         gui_pop_id();
     }
 }
 
-static void show_look(viewer* v)
+static void show_style(viewer* v)
 {
     viewer_settings* s = &v->settings;
     static const char* const lights[] = {"Sun", "Headlight"};
@@ -220,9 +220,9 @@ void page_quality(viewer* v)
 {
     viewer_settings* s = &v->settings;
     if (gui_section("Look", true)) {
-        show_look(v);
+        show_style(v);
     }
-    point_look_show(v);
+    point_style_show(v);
     if (gui_section("Speed and quality", true)) {
         show_speed(v);
     }
@@ -235,6 +235,6 @@ void page_quality(viewer* v)
         fresh.page = s->page;
         fresh.parts = s->parts;
         *s = fresh;
-        v->look = (point_look){0};
+        v->look = (point_style){0};
     }
 }

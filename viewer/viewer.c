@@ -49,7 +49,7 @@ void viewer_open(viewer* v, const char* path)
     viewer_redraw(v);
 }
 
-bool viewer_rests(const viewer* v)
+bool viewer_is_idle(const viewer* v)
 {
     bool loads = v->news.state == LOADER_WORKING || v->news.state == LOADER_REFINING;
     bool shown = v->scene == NULL ||
@@ -69,7 +69,7 @@ static void explore(viewer* v, bool same_file)
 {
     explorer* before = v->explorer;
     if (same_file && before != NULL && before->mark_count > 0) {
-        views_carry(v);
+        views_keep_hidden(v);
     }
     v->explorer = explorer_create(v->scene->path);
     v->marks_version = 0;
@@ -96,7 +96,7 @@ static void step_explorer(viewer* v)
     if (explorer_step(e)) {
         viewer_redraw(v);
     }
-    views_bring(v);
+    views_restore_hidden(v);
     if (e->marks_version != v->marks_version) {
         shown_list list;
         v->marks_version = e->marks_version;
@@ -135,7 +135,7 @@ static void take_scene(viewer* v)
         v->shown_file_number = number;
         start_opened(v->start, v->file);
         camera_begin(v);
-        point_look_begin(v);
+        point_style_begin(v);
         if (stp_boxd_is_empty(v->scene->bounds)) {
             viewer_show_message(v, false, "%s: no visible content", v->file);
         } else if (lacks_method(v)) {
@@ -217,7 +217,7 @@ static int choose_wait(viewer* v)
     bool works = v->news.state == LOADER_WORKING || v->news.state == LOADER_REFINING;
     bool moves = v->input.flies || v->glide_start >= 0.0 || v->record.plays || v->record.on ||
                  (v->explorer != NULL && explorer_works(v->explorer));
-    if (v->dirty == 0 && gui_waits()) {
+    if (v->dirty == 0 && gui_awaits_tooltip()) {
         v->dirty = 1; // a tooltip is about to appear
         return WORKING_MS;
     }

@@ -2,7 +2,7 @@
 // The interactive viewer, for `stipple view`.
 #pragma once
 
-#include "cloud_look.h"
+#include "cloud_style.h"
 #include "point_colors.h"
 #include "settings.h"
 

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDTH_LEAST = 300, HEIGHT_LEAST = 200 };
+enum { WIDTH_MIN = 300, HEIGHT_MIN = 200 };
 
 // The OpenGL functions of the window, all of version 1.1.
 struct window_gl {
@@ -160,7 +160,7 @@ bool window_create(window* w, const window_desc* desc, char* reason, size_t reas
     if (w->gl != NULL && w->version >= 45) {
         create_worker(w);
     }
-    SDL_SetWindowMinimumSize(w->handle, WIDTH_LEAST, HEIGHT_LEAST);
+    SDL_SetWindowMinimumSize(w->handle, WIDTH_MIN, HEIGHT_MIN);
     (void)window_measure(w);
     w->scale = desc->scale > 0.0f ? desc->scale : fmaxf(display_scale(), w->density);
     return true;

@@ -148,8 +148,8 @@ STP_API const char* stp_model_get_view_name(const stp_model* model, uint32_t vie
 /// "iso"; NULL: the file's first view, else "iso". Set width, height, ortho_height and sections
 /// before the call. Standard views keep a fov_degrees above 0.
 /// @return STP_OK, STP_ERROR_ARGUMENT (no such view, or a size of 0)
-STP_API STP_MUST_USE stp_result stp_model_look(const stp_model* model, const char* name,
-                                               stp_view* view);
+STP_API STP_MUST_USE stp_result stp_model_get_view(const stp_model* model, const char* name,
+                                                   stp_view* view);
 
 /// A method: the algorithm that chose a file's splats.
 typedef struct stp_method_info {

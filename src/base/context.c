@@ -25,7 +25,7 @@
 #else
 #define LARGE_SIZE ((size_t)256 << 10)
 #endif
-#define MOST_KEPT (UINT64_C(160) << 20)
+#define MAX_KEPT (UINT64_C(160) << 20)
 
 const char* stp_result_string(stp_result result)
 {
@@ -40,12 +40,12 @@ const char* stp_result_string(stp_result result)
 }
 
 // Limit on kept freed blocks: allocated and kept bytes together stay within the memory limit.
-static size_t most_kept(const stp_context* context, size_t freed)
+static size_t max_kept(const stp_context* context, size_t freed)
 {
     uint64_t limit = context->desc.memory_limit_bytes;
     uint64_t live = atomic_load(&context->live_bytes) - freed;
-    uint64_t left = limit == 0 ? MOST_KEPT : limit > live ? limit - live : 0;
-    return (size_t)(left < MOST_KEPT ? left : MOST_KEPT);
+    uint64_t left = limit == 0 ? MAX_KEPT : limit > live ? limit - live : 0;
+    return (size_t)(left < MAX_KEPT ? left : MAX_KEPT);
 }
 
 static void* default_alloc(size_t size, size_t alignment, void* user)
@@ -54,7 +54,7 @@ static void* default_alloc(size_t size, size_t alignment, void* user)
     if (size < LARGE_SIZE) {
         return aligned_alloc(alignment, (size + alignment - 1) & ~(alignment - 1));
     }
-    return stp_large_alloc(&context->large_blocks, size, most_kept(context, 0));
+    return stp_large_alloc(&context->large_blocks, size, max_kept(context, 0));
 }
 
 static void default_free(void* memory, size_t size, void* user)
@@ -63,7 +63,7 @@ static void default_free(void* memory, size_t size, void* user)
     if (size < LARGE_SIZE) {
         free(memory);
     } else {
-        stp_large_free(&context->large_blocks, memory, size, most_kept(context, size));
+        stp_large_free(&context->large_blocks, memory, size, max_kept(context, size));
     }
 }
 
@@ -136,10 +136,10 @@ uint32_t stp_context_thread_count(const stp_context* context)
     return stp_jobs_thread_count(context->jobs);
 }
 
-static void raise_to(atomic_uint_fast64_t* most, uint64_t value)
+static void raise_to(atomic_uint_fast64_t* maximum, uint64_t value)
 {
-    uint64_t old = atomic_load(most);
-    while (value > old && !atomic_compare_exchange_weak(most, &old, value)) {
+    uint64_t old = atomic_load(maximum);
+    while (value > old && !atomic_compare_exchange_weak(maximum, &old, value)) {
     }
 }
 

@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 #define BUFFER_SIZE ((size_t)1 << 20)
-#define MOST_ATTEMPTS 100u
+#define MAX_ATTEMPTS 100u
 #define NAME_ROOM 48u // maximum length of a temporary file's suffix
 
 stp_result stp_file_map_open(stp_context* context, const char* path, stp_mapped_file* file,
@@ -164,7 +164,7 @@ static stp_result resolve_link(stp_file_writer* writer)
 // @return the descriptor; -1 on failure
 static int open_beside(const char* path, char* temporary, size_t size)
 {
-    for (unsigned attempt = 0; attempt < MOST_ATTEMPTS; ++attempt) {
+    for (unsigned attempt = 0; attempt < MAX_ATTEMPTS; ++attempt) {
         int length = snprintf(temporary, size, "%s.tmp-%ld-%u", path, (long)getpid(), attempt);
         if (length < 0 || (size_t)length >= size) {
             errno = ENAMETOOLONG;

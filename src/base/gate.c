@@ -67,7 +67,7 @@ static void admit(stp_gate* gate, stp_gate_ticket* ticket)
 }
 
 // Waits in the queue. Call with the mutex held.
-static stp_result wait_in_line(stp_gate* gate, const stp_gate_ticket* ticket)
+static stp_result wait_in_queue(stp_gate* gate, const stp_gate_ticket* ticket)
 {
     uint64_t number = gate->arrived++;
     stp_result result = STP_OK;
@@ -91,7 +91,7 @@ stp_result stp_gate_enter(stp_gate* gate, uint64_t bytes, stp_gate_ticket* ticke
     stp_result result = STP_OK;
     pthread_mutex_lock(&gate->mutex);
     if (!is_inside(gate, ticket->holder)) {
-        result = wait_in_line(gate, ticket);
+        result = wait_in_queue(gate, ticket);
     }
     if (result == STP_OK) {
         admit(gate, ticket);

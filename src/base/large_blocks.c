@@ -44,11 +44,11 @@ static stp_large_block take_kept(stp_large_blocks* blocks, size_t index)
 }
 
 // Frees the oldest kept blocks until the limits hold; the last one only in part. The mutex is held.
-static void trim(stp_large_blocks* blocks, size_t most_blocks, size_t most_bytes)
+static void trim(stp_large_blocks* blocks, size_t max_blocks, size_t max_bytes)
 {
-    while (blocks->kept_count > most_blocks || blocks->kept_bytes > most_bytes) {
-        bool many = blocks->kept_count > most_blocks;
-        size_t much = many ? SIZE_MAX : whole_pages(blocks->kept_bytes - most_bytes);
+    while (blocks->kept_count > max_blocks || blocks->kept_bytes > max_bytes) {
+        bool many = blocks->kept_count > max_blocks;
+        size_t much = many ? SIZE_MAX : whole_pages(blocks->kept_bytes - max_bytes);
         stp_large_block* first = &blocks->kept[0];
         if (first->size <= much) {
             unmap(take_kept(blocks, 0));
@@ -124,7 +124,7 @@ static void* map(size_t size)
     return mapped + before;
 }
 
-void* stp_large_alloc(stp_large_blocks* blocks, size_t size, size_t most_kept)
+void* stp_large_alloc(stp_large_blocks* blocks, size_t size, size_t max_kept)
 {
     if (size > SIZE_MAX / 2) {
         return NULL;
@@ -132,21 +132,21 @@ void* stp_large_alloc(stp_large_blocks* blocks, size_t size, size_t most_kept)
     size = whole_pages(size);
     pthread_mutex_lock(&blocks->mutex);
     stp_large_block block = reuse(blocks, size);
-    trim(blocks, STP_LARGE_KEPT_LIMIT, most_kept);
+    trim(blocks, STP_LARGE_KEPT_LIMIT, max_kept);
     pthread_mutex_unlock(&blocks->mutex);
     return block.memory != NULL ? block.memory : map(size);
 }
 
-void stp_large_free(stp_large_blocks* blocks, void* memory, size_t size, size_t most_kept)
+void stp_large_free(stp_large_blocks* blocks, void* memory, size_t size, size_t max_kept)
 {
     stp_large_block block = {memory, whole_pages(size)};
     pthread_mutex_lock(&blocks->mutex);
-    if (block.size <= most_kept) {
-        trim(blocks, STP_LARGE_KEPT_LIMIT - 1, most_kept - block.size);
+    if (block.size <= max_kept) {
+        trim(blocks, STP_LARGE_KEPT_LIMIT - 1, max_kept - block.size);
         keep(blocks, block);
         block.size = 0;
     } else {
-        trim(blocks, STP_LARGE_KEPT_LIMIT, most_kept);
+        trim(blocks, STP_LARGE_KEPT_LIMIT, max_kept);
     }
     pthread_mutex_unlock(&blocks->mutex);
     unmap(block);

@@ -29,11 +29,11 @@ void stp_large_blocks_open(stp_large_blocks* blocks);
 /// Frees all kept blocks. Blocks in use stay valid.
 void stp_large_blocks_close(stp_large_blocks* blocks);
 
-/// Uninitialised, page-aligned; NULL if the system is out of memory. Afterwards at most `most_kept`
+/// Uninitialised, page-aligned; NULL if the system is out of memory. Afterwards at most `max_kept`
 /// bytes are kept. Any thread.
-void* stp_large_alloc(stp_large_blocks* blocks, size_t size, size_t most_kept);
+void* stp_large_alloc(stp_large_blocks* blocks, size_t size, size_t max_kept);
 /// `size` as requested from stp_large_alloc. Any thread.
-void stp_large_free(stp_large_blocks* blocks, void* memory, size_t size, size_t most_kept);
+void stp_large_free(stp_large_blocks* blocks, void* memory, size_t size, size_t max_kept);
 
 /// Returns all whole pages in a range to the system. Their content is lost; the memory stays valid.
 /// The range must belong to the caller alone.

@@ -40,7 +40,7 @@ static inline uint32_t stp_leaf_depth(const stp_splat_leaf* leaf)
 /// Width of a cell at a depth, in grid steps.
 static inline uint32_t stp_leaf_width(uint32_t depth)
 {
-    return 1u << (STP_LEAF_DEPTH_MOST - depth);
+    return 1u << (STP_LEAF_DEPTH_MAX - depth);
 }
 
 /// Spreads the bits of a grid coordinate for a Morton code.

@@ -14,7 +14,7 @@
 #include <stdint.h>
 
 enum {
-    STP_LEAF_FIRST_MOST = 64, ///< an octave 0 is smaller than this
+    STP_LEAF_FIRST_MAX = 64, ///< an octave 0 is smaller than this
 };
 
 /// Number of octaves of a set of `count` splats, at least 1. Chosen so that the first has 16 to 63
@@ -22,7 +22,7 @@ enum {
 static inline uint32_t stp_leaf_octaves(uint32_t count)
 {
     uint32_t octaves = 1;
-    while (count >> 2 * (octaves - 1) >= STP_LEAF_FIRST_MOST) {
+    while (count >> 2 * (octaves - 1) >= STP_LEAF_FIRST_MAX) {
         octaves += 1;
     }
     return octaves;

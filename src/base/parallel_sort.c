@@ -6,8 +6,8 @@
 enum {
     DIGIT_BITS = 11,
     DIGIT_COUNT = 1 << DIGIT_BITS,
-    LEAST = 1 << 16,  ///< fewer items are sorted on one thread
-    MOST_PIECES = 64, ///< each has its own digit counts
+    LEAST = 1 << 16, ///< fewer items are sorted on one thread
+    MAX_PIECES = 64, ///< each has its own digit counts
 };
 
 typedef struct sorter {
@@ -70,7 +70,7 @@ uint64_t* stp_parallel_sort_u64(stp_context* context, uint64_t* items, uint64_t*
         return stp_sort_u64(items, scratch, count, first_bit, bit_count);
     }
     sorter s = {.count = count, .piece_size = LEAST / 2};
-    while (s.piece_size * MOST_PIECES < count) {
+    while (s.piece_size * MAX_PIECES < count) {
         s.piece_size *= 2;
     }
     size_t pieces = (count + s.piece_size - 1) / s.piece_size;

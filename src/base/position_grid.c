@@ -17,20 +17,20 @@ enum {
     // the step is at most 1/64 of the short edges, so that quantised triangles keep their normals
     MARGIN = 6,
     // 1/16 if edge lengths differ a lot, so that large triangles cost fewer bytes
-    LEAST_MARGIN = 4,
+    MIN_MARGIN = 4,
     // and 1/16384 of the mesh's size, as large triangles often touch small ones of other meshes
     SIZE_DIGITS = 14,
     WIDE = 7, // the margin shrinks from this many octaves between short and typical edges on
     FLOAT_DIGITS = 23,
-    NUMBER_BITS = 29,  // a coordinate is less than 2^30 steps
-    STEP_LEAST = -149, // exponent of the smallest float
+    NUMBER_BITS = 29, // a coordinate is less than 2^30 steps
+    STEP_MIN = -149,  // exponent of the smallest float
     // 2^31 steps stay finite; scenes need no larger numbers (scene/distance_limit.h)
-    STEP_MOST = 96,
+    STEP_MAX = 96,
 };
 
 typedef struct octave_counts {
-    uint32_t count[OCTAVES]; ///< squared lengths per exponent
-    uint32_t least, most;    ///< exponents counted so far
+    uint32_t count[OCTAVES];   ///< squared lengths per exponent
+    uint32_t minimum, maximum; ///< exponents counted so far
     uint64_t total;
 } octave_counts;
 
@@ -51,29 +51,29 @@ static double power_of_two(int exponent)
 
 static void add_all(octave_counts* sum, const octave_counts* counts)
 {
-    for (uint32_t i = counts->least; i <= counts->most && counts->total != 0; ++i) {
+    for (uint32_t i = counts->minimum; i <= counts->maximum && counts->total != 0; ++i) {
         sum->count[i] += counts->count[i];
     }
-    sum->least = counts->least < sum->least ? counts->least : sum->least;
-    sum->most = counts->most > sum->most ? counts->most : sum->most;
+    sum->minimum = counts->minimum < sum->minimum ? counts->minimum : sum->minimum;
+    sum->maximum = counts->maximum > sum->maximum ? counts->maximum : sum->maximum;
     sum->total += counts->total;
 }
 
 static void clear(octave_counts* counts)
 {
-    for (uint32_t i = counts->least; i <= counts->most && counts->total != 0; ++i) {
+    for (uint32_t i = counts->minimum; i <= counts->maximum && counts->total != 0; ++i) {
         counts->count[i] = 0;
     }
-    counts->least = OCTAVES - 1;
-    counts->most = 0;
+    counts->minimum = OCTAVES - 1;
+    counts->maximum = 0;
     counts->total = 0;
 }
 
 static void add(octave_counts* counts, uint32_t octave)
 {
     counts->count[octave] += 1;
-    counts->least = octave < counts->least ? octave : counts->least;
-    counts->most = octave > counts->most ? octave : counts->most;
+    counts->minimum = octave < counts->minimum ? octave : counts->minimum;
+    counts->maximum = octave > counts->maximum ? octave : counts->maximum;
     counts->total += 1;
 }
 
@@ -81,13 +81,13 @@ static void add(octave_counts* counts, uint32_t octave)
 static uint32_t octave_at(const octave_counts* counts, uint64_t rank)
 {
     uint64_t below = 0;
-    for (uint32_t i = counts->least; i < counts->most; ++i) {
+    for (uint32_t i = counts->minimum; i < counts->maximum; ++i) {
         below += counts->count[i];
         if (below > rank) {
             return i;
         }
     }
-    return counts->most;
+    return counts->maximum;
 }
 
 static void add_edge(octave_counts* run, const float* a, const float* b)
@@ -101,14 +101,14 @@ static void add_edge(octave_counts* run, const float* a, const float* b)
 }
 
 typedef struct reach {
-    float least[3], most[3];
+    float minimum[3], maximum[3];
 } reach;
 
 static void add_corner(reach* r, const float* p)
 {
     for (int k = 0; k < 3; ++k) {
-        r->least[k] = p[k] < r->least[k] ? p[k] : r->least[k];
-        r->most[k] = p[k] > r->most[k] ? p[k] : r->most[k];
+        r->minimum[k] = p[k] < r->minimum[k] ? p[k] : r->minimum[k];
+        r->maximum[k] = p[k] > r->maximum[k] ? p[k] : r->maximum[k];
     }
 }
 
@@ -116,8 +116,8 @@ static double largest_number(const reach* r)
 {
     double largest = 0.0;
     for (int k = 0; k < 3; ++k) {
-        largest = -(double)r->least[k] > largest ? -(double)r->least[k] : largest;
-        largest = (double)r->most[k] > largest ? (double)r->most[k] : largest;
+        largest = -(double)r->minimum[k] > largest ? -(double)r->minimum[k] : largest;
+        largest = (double)r->maximum[k] > largest ? (double)r->maximum[k] : largest;
     }
     return largest;
 }
@@ -126,7 +126,7 @@ static double longest_side(const reach* r)
 {
     double longest = 0.0;
     for (int k = 0; k < 3; ++k) {
-        double side = (double)r->most[k] - (double)r->least[k];
+        double side = (double)r->maximum[k] - (double)r->minimum[k];
         longest = side > longest ? side : longest;
     }
     return longest;
@@ -138,18 +138,18 @@ static double choose(int shortest, int typical, double size, double largest)
 {
     int wide = (typical - shortest) / 2 - WIDE; // octaves of lengths
     int margin = MARGIN - (wide > 0 ? (wide + 1) / 2 : 0);
-    margin = margin < LEAST_MARGIN ? LEAST_MARGIN : margin;
+    margin = margin < MIN_MARGIN ? MIN_MARGIN : margin;
     int low = (shortest - EXPONENT_BIAS - ((shortest - EXPONENT_BIAS) & 1)) / 2;
     int top = (int)exponent_of(largest) - EXPONENT_BIAS;
     int finest = (int)exponent_of(size) - EXPONENT_BIAS - SIZE_DIGITS;
     int step = size > 0.0 && finest < low - margin ? finest : low - margin;
     // finer than the float precision of the largest coordinate only as far as needed
     if (step < top - FLOAT_DIGITS) {
-        step = low - LEAST_MARGIN < top - FLOAT_DIGITS ? low - LEAST_MARGIN : top - FLOAT_DIGITS;
+        step = low - MIN_MARGIN < top - FLOAT_DIGITS ? low - MIN_MARGIN : top - FLOAT_DIGITS;
     }
     step = step > top - NUMBER_BITS ? step : top - NUMBER_BITS;
-    step = step < STEP_MOST ? step : STEP_MOST;
-    return power_of_two(step > STEP_LEAST ? step : STEP_LEAST);
+    step = step < STEP_MAX ? step : STEP_MAX;
+    return power_of_two(step > STEP_MIN ? step : STEP_MIN);
 }
 
 double stp_choose_grid_step(const float* positions, const uint32_t* indices,

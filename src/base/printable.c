@@ -9,7 +9,7 @@
 // invalid
 static size_t read_character(const unsigned char* text, uint32_t* code)
 {
-    static const uint32_t least[5] = {0, 0, 0x80, 0x800, 0x10000};
+    static const uint32_t minimum[5] = {0, 0, 0x80, 0x800, 0x10000};
     size_t length = text[0] < 0x80   ? 1
                     : text[0] < 0xC0 ? 0
                     : text[0] < 0xE0 ? 2
@@ -23,7 +23,7 @@ static size_t read_character(const unsigned char* text, uint32_t* code)
         }
         *code = *code << 6 | (text[i] & 0x3F);
     }
-    bool valid = length != 0 && *code >= least[length] && *code <= 0x10FFFF &&
+    bool valid = length != 0 && *code >= minimum[length] && *code <= 0x10FFFF &&
                  !(*code >= 0xD800 && *code < 0xE000);
     return valid ? length : 0;
 }

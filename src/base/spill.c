@@ -18,7 +18,7 @@
 #define PAGE_MULTIPLE ((size_t)64 << 10) // a multiple of every page size in use
 #define SMALLEST_CHUNK ((size_t)4 << 20)
 #define LARGEST_CHUNK ((size_t)256 << 20)
-#define MOST_ATTEMPTS 100u
+#define MAX_ATTEMPTS 100u
 #define NAME_ROOM 48u // maximum length of the file name after the folder
 
 typedef struct chunk_head {
@@ -45,7 +45,7 @@ static int open_nameless(const char* folder, char* path, size_t path_size)
 {
     int descriptor = open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
     bool cannot = errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL;
-    for (unsigned i = 0; descriptor < 0 && cannot && i < MOST_ATTEMPTS; ++i) {
+    for (unsigned i = 0; descriptor < 0 && cannot && i < MAX_ATTEMPTS; ++i) {
         snprintf(path, path_size, "%s/spill.tmp-%ld-%u", folder, (long)getpid(), i);
         descriptor = open(path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
         cannot = errno == EEXIST;

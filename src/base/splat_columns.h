@@ -90,7 +90,7 @@ typedef struct stp_splat_leaf {
 
 enum {
     STP_LEAF_DEPTH = 31, ///< bits of stp_splat_leaf.place
-    STP_LEAF_DEPTH_MOST = 16,
+    STP_LEAF_DEPTH_MAX = 16,
     STP_LEAF_EDGE = 32,     ///< contains an edge
     STP_LEAF_ORIENTED = 64, ///< the orientation of its normal is known
 };

@@ -17,7 +17,7 @@
 
 #define DEFAULT_THRESHOLD 1000u            // triangles (Brandt 5.2)
 #define RESERVE_BYTES (UINT64_C(64) << 20) // for the directory and its texts while writing the file
-#define LEAST_BUDGET (UINT64_C(64) << 20)  // one node at a time is processed whatever the limit
+#define MIN_BUDGET (UINT64_C(64) << 20)    // one node at a time is processed whatever the limit
 #define FILE_MEMORY_SHARE 4u // share of the limit for meshes in memory; more go to the spill file
 
 #define SAMPLE_POINTS 1000000u // of a scan that is shown before it is read
@@ -201,11 +201,11 @@ static uint64_t choose_threshold(const build* b)
 
 static uint64_t largest_step(const stp_build_plan* plan)
 {
-    uint64_t most = 0;
+    uint64_t maximum = 0;
     for (uint32_t i = 0; i < plan->step_count; ++i) {
-        most = plan->steps[i].bytes > most ? plan->steps[i].bytes : most;
+        maximum = plan->steps[i].bytes > maximum ? plan->steps[i].bytes : maximum;
     }
-    return most;
+    return maximum;
 }
 
 static stp_result plan_surfels(build* b)
@@ -249,7 +249,7 @@ static stp_result make_surfels(build* b)
         .shading_of_material = b->shadings.of_material,
         .shading_count = b->shadings.count,
         .from_triangles = desc->from_triangles,
-        .memory_bytes = usable > used + LEAST_BUDGET ? usable - used : LEAST_BUDGET,
+        .memory_bytes = usable > used + MIN_BUDGET ? usable - used : MIN_BUDGET,
         .work = b->work,
         .previous = b->previous,
         .draft = b->draft,
@@ -279,7 +279,7 @@ static stp_result make_methods(build* b)
         .method_count = desc->method_count != 0 ? desc->method_count : 1,
         .options = &desc->method_options,
         .shading_count = b->shadings.count,
-        .memory_bytes = usable > used + LEAST_BUDGET ? usable - used : LEAST_BUDGET,
+        .memory_bytes = usable > used + MIN_BUDGET ? usable - used : MIN_BUDGET,
         .work = b->work,
         .previous = b->previous,
     };

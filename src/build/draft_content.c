@@ -8,8 +8,8 @@
 #include <string.h>
 
 // Limits that keep a draft quick to draw: visited nodes, triangles and points with all instances.
-static const double visits_most = 4e6, triangles_most = 2.4e7, points_most = 1e6,
-                    own_points_most = 1.6e7;
+static const double visits_max = 4e6, triangles_max = 2.4e7, points_max = 1e6,
+                    own_points_max = 1.6e7;
 
 // How a mesh or point set is exposed: its uses outside the subtrees that surfels represent.
 typedef struct exposure {
@@ -21,7 +21,7 @@ typedef struct exposure {
 
 // Limits the weights: things can be stretched without bound along an axis in which they have no
 // extent.
-static const double area_most = 1e60;
+static const double area_max = 1e60;
 
 typedef struct draft_work {
     stp_context* context;
@@ -74,7 +74,7 @@ static void count_paths(draft_work* w)
 static double area_of(const draft_work* w, size_t mesh)
 {
     double area = w->meshes[mesh].weight * w->state->scene->meshes[mesh].area;
-    return area > 0.0 ? fmin(area, area_most) : 0.0;
+    return area > 0.0 ? fmin(area, area_max) : 0.0;
 }
 
 // A mesh and the area that its triangles show.
@@ -105,7 +105,7 @@ static bool choose_meshes(draft_work* w)
         order[i] = (candidate){triangles > 0.0 ? area_of(w, i) / triangles : 0.0, (uint32_t)i};
     }
     qsort(order, count, sizeof(*order), larger_first);
-    double left = triangles_most;
+    double left = triangles_max;
     for (size_t i = 0; i < count; ++i) {
         uint32_t mesh = order[i].mesh;
         exposure* x = &w->meshes[mesh];
@@ -142,10 +142,11 @@ static stp_result sample_meshes(draft_work* w, stp_arena* arena, stp_store_point
         if (!x->as_points || !(x->uses > 0.0)) {
             continue;
         }
-        double points = points_most * area_of(w, i) / (all * x->uses);
+        double points = points_max * area_of(w, i) / (all * x->uses);
         uint32_t count = share_of(points, i);
-        uint64_t most = 4 * (uint64_t)scene->meshes[i].triangle_count;
-        count = count < most || scene->meshes[i].triangle_count > 1000 ? count : (uint32_t)most;
+        uint64_t maximum = 4 * (uint64_t)scene->meshes[i].triangle_count;
+        count =
+            count < maximum || scene->meshes[i].triangle_count > 1000 ? count : (uint32_t)maximum;
         if (count == 0) {
             continue;
         }
@@ -165,7 +166,7 @@ static stp_result sample_points(draft_work* w, stp_arena* arena, stp_store_point
     for (size_t i = 0; i < scene->point_set_count; ++i) {
         all += w->point_sets[i].uses * (double)scene->point_sets[i].point_count;
     }
-    double share = all > own_points_most ? own_points_most / all : 1.0;
+    double share = all > own_points_max ? own_points_max / all : 1.0;
     for (size_t i = 0; i < scene->point_set_count; ++i) {
         const stp_point_set* from = &scene->point_sets[i];
         uint32_t count = (uint32_t)ceil(share * (double)from->point_count);
@@ -293,7 +294,7 @@ static stp_result make(draft_work* w, stp_build_content* content)
 {
     const stp_draft_state* s = w->state;
     count_paths(w);
-    if (!(w->visits <= visits_most)) {
+    if (!(w->visits <= visits_max)) {
         return STP_ERROR_LIMIT;
     }
     if (!choose_meshes(w)) {

@@ -14,7 +14,7 @@ typedef struct walk {
     uint32_t left;  ///< parts and nodes that may still be visited
 } walk;
 
-static void look_at_mesh(walk* w, const stp_mesh* mesh, const stp_affine* below)
+static void visit_mesh(walk* w, const stp_mesh* mesh, const stp_affine* below)
 {
     for (size_t i = 0; i < mesh->triangle_count; ++i) {
         float p[9];
@@ -37,7 +37,7 @@ static void look_at_mesh(walk* w, const stp_mesh* mesh, const stp_affine* below)
     }
 }
 
-static void look_at_node(walk* w, uint32_t index, const stp_affine* below)
+static void visit_node(walk* w, uint32_t index, const stp_affine* below)
 {
     const stp_node* node = &w->scene->nodes[index];
     for (uint32_t i = 0; i < node->part_count && w->left > 0; ++i) {
@@ -49,9 +49,10 @@ static void look_at_node(walk* w, uint32_t index, const stp_affine* below)
         const stp_mesh* mesh = &w->scene->meshes[part.index];
         stp_vec3d size = stp_subd(stp_to_double(mesh->bounds.max), stp_to_double(mesh->bounds.min));
         double scale = stp_affine_scale(below);
-        double most = 0.5 * scale * sqrt(size.x * size.x + size.y * size.y + size.z * size.z);
-        if (most > w->level && w->scene->materials[mesh->material].alpha_mode == STP_ALPHA_OPAQUE) {
-            look_at_mesh(w, mesh, below);
+        double maximum = 0.5 * scale * sqrt(size.x * size.x + size.y * size.y + size.z * size.z);
+        if (maximum > w->level &&
+            w->scene->materials[mesh->material].alpha_mode == STP_ALPHA_OPAQUE) {
+            visit_mesh(w, mesh, below);
         }
     }
     for (uint32_t i = 0; i < node->edge_count && w->left > 0; ++i) {
@@ -59,22 +60,22 @@ static void look_at_node(walk* w, uint32_t index, const stp_affine* below)
         stp_affine transform = stp_affine_multiply(*below, edge->transform);
         w->left -= 1;
         if ((w->scene->nodes[edge->node].flags & STP_OBJECT_MOVING) == 0) {
-            look_at_node(w, edge->node, &transform);
+            visit_node(w, edge->node, &transform);
         }
     }
 }
 
-static uint32_t look_below(const stp_scene* scene, uint32_t node, double level, float* corners)
+static uint32_t visit_subtree(const stp_scene* scene, uint32_t node, double level, float* corners)
 {
     walk w = {.scene = scene, .level = level, .corners = corners, .left = STP_LARGE_USES + 1};
     stp_affine here = stp_affine_identity();
-    look_at_node(&w, node, &here);
+    visit_node(&w, node, &here);
     return w.left > 0 && w.count < UINT32_MAX / 2 ? (uint32_t)w.count : 0;
 }
 
 uint32_t stp_count_node_triangles(const stp_scene* scene, uint32_t node, double level)
 {
-    return look_below(scene, node, level, NULL);
+    return visit_subtree(scene, node, level, NULL);
 }
 
 stp_result stp_take_node_triangles(const stp_scene* scene, uint32_t node, double level,
@@ -85,7 +86,7 @@ stp_result stp_take_node_triangles(const stp_scene* scene, uint32_t node, double
     if (triangles->corners == NULL) {
         return stp_fail_memory(scene->context);
     }
-    triangles->count = count > 0 ? look_below(scene, node, level, triangles->corners) : 0;
+    triangles->count = count > 0 ? visit_subtree(scene, node, level, triangles->corners) : 0;
     return STP_OK;
 }
 

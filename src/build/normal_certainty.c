@@ -12,7 +12,7 @@ typedef struct node_certainty {
 } node_certainty;
 
 // Children come before their parents.
-static void look_for_unknown(const stp_scene* scene, node_certainty* nodes)
+static void find_unknown(const stp_scene* scene, node_certainty* nodes)
 {
     for (size_t i = 0; i < scene->node_count; ++i) {
         const stp_node* node = &scene->nodes[i];
@@ -28,7 +28,7 @@ static void look_for_unknown(const stp_scene* scene, node_certainty* nodes)
     }
 }
 
-static void look_for_scales(const stp_scene* scene, node_certainty* nodes)
+static void find_scales(const stp_scene* scene, node_certainty* nodes)
 {
     if (scene->root != STP_NONE) {
         nodes[scene->root].scale = 1.0;
@@ -71,7 +71,7 @@ stp_result stp_build_note_signs(stp_context* context, const stp_scene* scene,
     if (nodes == NULL) {
         return stp_fail_memory(context);
     }
-    look_for_unknown(scene, nodes);
+    find_unknown(scene, nodes);
     for (size_t i = 0; i < scene->node_count; ++i) {
         if (set_of_node[i] != STP_NONE) {
             sets[set_of_node[i]].unknown_signs = has_unknown_signs(scene, nodes, i);
@@ -90,8 +90,8 @@ stp_result stp_build_note_certainty(const stp_scene* scene, const stp_store_cont
     if (nodes == NULL) {
         return stp_fail_memory(scene->context);
     }
-    look_for_unknown(scene, nodes);
-    look_for_scales(scene, nodes);
+    find_unknown(scene, nodes);
+    find_scales(scene, nodes);
     note_signs(scene, d, nodes, methods->sets);
     for (uint32_t i = 0; i < d->node_count; ++i) {
         const stp_store_node* node = &d->nodes[i];

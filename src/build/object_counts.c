@@ -172,7 +172,7 @@ static bool number_shapes(census_work* w)
     return true;
 }
 
-static bool meet(census_work* w, uint32_t object)
+static bool visit_object(census_work* w, uint32_t object)
 {
     if (object == STP_NONE || w->cursor[object] == w->walk) {
         return true;
@@ -191,9 +191,9 @@ static bool count_shapes(census_work* w, uint64_t* count)
             w->shapes_met[shape] = w->walk;
             *count += 1;
         }
-        made = meet(w, w->scene->objects[index].use);
+        made = visit_object(w, w->scene->objects[index].use);
         for (uint32_t c = w->first_child[index]; made && c != STP_NONE; c = w->next_sibling[c]) {
-            made = meet(w, c);
+            made = visit_object(w, c);
         }
     }
     return made;
@@ -269,7 +269,7 @@ static bool fill_part(census_work* w, stp_store_census_part* part)
         uint32_t member = part->members[i];
         part->objects = stp_add_saturated(part->objects, w->sums[member].objects);
         part->instances = stp_add_saturated(part->instances, w->sums[member].instances);
-        made = meet(w, member);
+        made = visit_object(w, member);
     }
     return made && count_shapes(w, &part->unique_objects);
 }
@@ -284,7 +284,7 @@ static bool fill_whole(census_work* w, stp_store_census* census)
         if (object->parent == STP_NONE && !is_prototype(object)) {
             census->objects = stp_add_saturated(census->objects, w->sums[i].objects);
             census->instances = stp_add_saturated(census->instances, w->sums[i].instances);
-            made = meet(w, (uint32_t)i);
+            made = visit_object(w, (uint32_t)i);
         }
     }
     return made && count_shapes(w, &census->unique_objects);

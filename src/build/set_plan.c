@@ -25,8 +25,8 @@
 #define CANDIDATE_BYTES 120.0
 #define POINT_BYTES 320.0
 #define CANDIDATES_PER_SURFEL 18.0
-#define LEAST_CANDIDATES 20000.0
-#define MOST_CANDIDATES 1750000.0
+#define MIN_CANDIDATES 20000.0
+#define MAX_CANDIDATES 1750000.0
 
 // Part of every key: increase when the same node and options give other surfels.
 static const char* const result_version = "stipple-surfels-13";
@@ -271,7 +271,7 @@ static stp_hash hash_options(const planning* p)
     return stp_hash_bytes(hash, numbers, sizeof(numbers));
 }
 
-static stp_hash hash_look(const planning* p, const stp_node* node)
+static stp_hash hash_shadings(const planning* p, const stp_node* node)
 {
     const stp_scene* scene = p->scene;
     stp_hash hash = {0};
@@ -312,7 +312,7 @@ static void address_results(planning* p)
             height = p->heights[child] > height ? p->heights[child] : height;
             below = stp_hash_bytes(below, &p->keys[child], sizeof(stp_hash));
         }
-        p->looks[i] = hash_look(p, node);
+        p->looks[i] = hash_shadings(p, node);
         p->heights[i] = height + (p->wanted[i] ? 1 : 0);
         p->keys[i] = below;
         if (p->wanted[i]) {
@@ -362,9 +362,9 @@ static uint64_t estimate_bytes(const planning* p, uint32_t index)
     if (p->resting[index].triangles != 0) {
         double wanted = (double)p->desc->blue->capture.wanted_candidates;
         double candidates = wanted > 0.0 ? wanted : surfels * CANDIDATES_PER_SURFEL;
-        double most = surfels > MOST_CANDIDATES ? surfels : MOST_CANDIDATES;
-        candidates = candidates < LEAST_CANDIDATES ? LEAST_CANDIDATES : candidates;
-        candidates = candidates > most ? most : candidates;
+        double maximum = surfels > MAX_CANDIDATES ? surfels : MAX_CANDIDATES;
+        candidates = candidates < MIN_CANDIDATES ? MIN_CANDIDATES : candidates;
+        candidates = candidates > maximum ? maximum : candidates;
         bytes = candidates * CANDIDATE_BYTES;
     }
     return FIXED_BYTES + (uint64_t)bytes;

@@ -186,15 +186,15 @@ static void choose_shadings(reduction* r, stp_shading_set* set)
         uint8_t index = (uint8_t)set->count;
         set->shadings[set->count++] = r->exact[next];
         size_t farthest = next;
-        float most = 0.0f;
+        float maximum = 0.0f;
         for (size_t i = 0; i < count; ++i) {
             float distance = shading_distance(&r->exact[i], &r->exact[next]);
             if (distance < r->distance[i]) {
                 r->distance[i] = distance;
                 set->of_material[i] = index;
             }
-            if (r->distance[i] > most) {
-                most = r->distance[i];
+            if (r->distance[i] > maximum) {
+                maximum = r->distance[i];
                 farthest = i;
             }
         }

@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #define SEGMENT_BYTES ((size_t)256 << 20)
-#define LEAST_SEGMENT_BYTES ((size_t)1024)
+#define MIN_SEGMENT_BYTES ((size_t)1024)
 #define NO_SEGMENT UINT32_MAX
 enum { LARGE_PART = 4 }; ///< results larger than 1/LARGE_PART of a segment get a separate segment
 
@@ -123,7 +123,7 @@ static void destroy(stp_work* work)
 stp_result stp_work_open_with(stp_context* context, const char* folder, bool fresh,
                               size_t segment_bytes, stp_work** work)
 {
-    assert(segment_bytes >= LEAST_SEGMENT_BYTES && segment_bytes % 64 == 0);
+    assert(segment_bytes >= MIN_SEGMENT_BYTES && segment_bytes % 64 == 0);
     *work = NULL;
     stp_work* made = STP_NEW_ZEROED(context, stp_work, 1);
     char* path = STP_NEW_ARRAY(context, char, strlen(folder) + 1);

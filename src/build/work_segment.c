@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 #define LARGEST_RESULT ((uint64_t)1 << 46)
-enum { HEAD = STP_WORK_HEAD_SIZE, SEALED = HEAD - 8, MAGIC_SIZE = 8, MOST_SEGMENTS = 1000000 };
+enum { HEAD = STP_WORK_HEAD_SIZE, SEALED = HEAD - 8, MAGIC_SIZE = 8, MAX_SEGMENTS = 1000000 };
 
 static const char segment_magic[MAGIC_SIZE + 1] = "STPwork\n";
 static const char result_mark[MAGIC_SIZE + 1] = "STPmade\n";
@@ -118,9 +118,9 @@ static stp_result map(const stp_work_place* place, size_t capacity, stp_work_seg
 stp_result stp_work_segment_create(const stp_work_place* place, uint32_t number, size_t capacity,
                                    stp_work_segment* segment)
 {
-    if (number >= MOST_SEGMENTS) {
+    if (number >= MAX_SEGMENTS) {
         return stp_fail(place->context, STP_ERROR_LIMIT, "%s: has more than %d segments",
-                        place->path, MOST_SEGMENTS);
+                        place->path, MAX_SEGMENTS);
     }
     char name[STP_WORK_NAME_SIZE];
     stp_work_segment_name(number, name);
@@ -237,8 +237,8 @@ stp_result stp_work_segment_scan(const stp_work_place* place, size_t capacity,
         ftruncate(segment->file, (off_t)segment->used) != 0) {
         result = fail_io(place, segment->number, "written");
     }
-    size_t most = segment->used > capacity ? segment->used : capacity;
-    return result != STP_OK ? result : map(place, most, segment);
+    size_t maximum = segment->used > capacity ? segment->used : capacity;
+    return result != STP_OK ? result : map(place, maximum, segment);
 }
 
 stp_result stp_work_segment_reserve(const stp_work_place* place, stp_work_segment* segment,

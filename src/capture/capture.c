@@ -13,12 +13,12 @@
 // Fraction of its box's outlines that an object usually covers.
 #define PROBE_COVERED 0.5
 // The probe view is kept if it promises between these multiples of the wanted candidates.
-#define PROBE_LEAST 0.75
-#define PROBE_MOST 1.35
+#define PROBE_MIN 0.75
+#define PROBE_MAX 1.35
 
 enum {
-    RESOLUTION_AUTO_MOST = 8192, ///< limit for nearly empty pictures
-    RESOLUTION_OF_SETS = 1024,   ///< default if a capture with sets gives none
+    RESOLUTION_AUTO_MAX = 8192, ///< limit for nearly empty pictures
+    RESOLUTION_OF_SETS = 1024,  ///< default if a capture with sets gives none
     ATTEMPTS = 3,
     EMPTIEST = 100, ///< a share of covered pixels below 1 in 100 does not raise the resolution
     FILL_ROOM = 4,  ///< the fill gets spare room for 1 / FILL_ROOM of the candidates
@@ -27,10 +27,10 @@ enum {
 /// Whether a box is valid. Parts with invalid boxes are not drawn.
 static bool is_usable(stp_boxd box)
 {
-    const double most = 1e30;
+    const double maximum = 1e30;
     return box.min.x <= box.max.x && box.min.y <= box.max.y && box.min.z <= box.max.z &&
-           box.min.x > -most && box.min.y > -most && box.min.z > -most && box.max.x < most &&
-           box.max.y < most && box.max.z < most;
+           box.min.x > -maximum && box.min.y > -maximum && box.min.z > -maximum &&
+           box.max.x < maximum && box.max.y < maximum && box.max.z < maximum;
 }
 
 static stp_result count_primitives(stp_capture_job* job, stp_boxd* box)
@@ -74,15 +74,15 @@ static double outline_area(const stp_capture_job* job, stp_vec3d toward)
            (fabs(toward.x) * h.y * h.z + fabs(toward.y) * h.x * h.z + fabs(toward.z) * h.x * h.y);
 }
 
-static double clamp_resolution(double resolution, double most)
+static double clamp_resolution(double resolution, double maximum)
 {
-    return stp_clampd(resolution, (double)STP_CAPTURE_RESOLUTION_LEAST, most);
+    return stp_clampd(resolution, (double)STP_CAPTURE_RESOLUTION_MIN, maximum);
 }
 
 /// Bounds for choosing the resolution.
 typedef struct frame {
     double widest;   ///< longer side of the widest view, in scene units
-    double most;     ///< highest resolution
+    double maximum;  ///< highest resolution
     double outlines; ///< of the box in all views: upper bound of the covered area, in square units
     uint64_t wanted; ///< candidates
 } frame;
@@ -94,8 +94,8 @@ static frame make_frame(const stp_capture_job* job, const stp_vec3d* directions,
     double area;
     f.widest = stp_capture_widest(job, directions, count, &area);
     double affordable =
-        area > 0.0 ? f.widest * sqrt(STP_CAPTURE_MOST_PIXELS_EACH * (double)wanted / area) : 0.0;
-    f.most = clamp_resolution(affordable, (double)RESOLUTION_AUTO_MOST);
+        area > 0.0 ? f.widest * sqrt(STP_CAPTURE_MAX_PIXELS_EACH * (double)wanted / area) : 0.0;
+    f.maximum = clamp_resolution(affordable, (double)RESOLUTION_AUTO_MAX);
     for (uint32_t i = 0; i < count; ++i) {
         f.outlines += outline_area(job, directions[i]);
     }
@@ -105,9 +105,9 @@ static frame make_frame(const stp_capture_job* job, const stp_vec3d* directions,
 /// Pixel size at which an area gives the wanted number of pixels. Resolutions are integers.
 static double choose_pixel_size(const frame* f, double area, double* resolution)
 {
-    double finest = f->widest / f->most;
+    double finest = f->widest / f->maximum;
     double pixel_size = area > 0.0 ? sqrt(area / (double)f->wanted) : finest;
-    *resolution = clamp_resolution(f->widest / pixel_size, f->most);
+    *resolution = clamp_resolution(f->widest / pixel_size, f->maximum);
     *resolution = (double)(uint32_t)(*resolution + 0.5);
     return f->widest / *resolution;
 }
@@ -140,7 +140,7 @@ static stp_result draw_wanted(stp_capture_job* job, const stp_vec3d* directions,
     double area = 0.0, before = 0.0;
     stp_result result = probe_area(job, directions, count, &f, resolution, &area);
     double probed = area * (*resolution / f.widest) * (*resolution / f.widest);
-    uint32_t drawn = probed > PROBE_LEAST * (double)wanted && probed < PROBE_MOST * (double)wanted;
+    uint32_t drawn = probed > PROBE_MIN * (double)wanted && probed < PROBE_MAX * (double)wanted;
     for (int attempt = 0; result == STP_OK && attempt < ATTEMPTS; ++attempt) {
         double pixel_size = f.widest / *resolution;
         bool sparse = area < f.outlines / EMPTIEST;
@@ -155,7 +155,7 @@ static stp_result draw_wanted(stp_capture_job* job, const stp_vec3d* directions,
         // the probe may have missed thin parts: then this drawing is the better probe
         double got = (double)job->covered_pixels;
         area = got * pixel_size * pixel_size;
-        bool capped = (sparse || *resolution >= floor(f.most)) && got < (double)wanted;
+        bool capped = (sparse || *resolution >= floor(f.maximum)) && got < (double)wanted;
         bool near_enough = got > 0.5 * (double)wanted && got < 2.0 * (double)wanted;
         bool no_more = attempt > 0 && got < (double)wanted && got < 1.5 * before; // no points left
         if (capped || near_enough || no_more || got < 16.0) {
@@ -192,7 +192,7 @@ static stp_result draw_views(stp_capture_job* job, const stp_capture_desc* desc,
         resolution = desc->pixel_size > 0.0  ? widest / desc->pixel_size
                      : desc->resolution != 0 ? (double)desc->resolution
                                              : (double)RESOLUTION_OF_SETS;
-        resolution = clamp_resolution(resolution, (double)STP_CAPTURE_RESOLUTION_MOST);
+        resolution = clamp_resolution(resolution, (double)STP_CAPTURE_RESOLUTION_MAX);
         stp_capture_set_views(job, directions, count, widest / resolution);
         result = stp_capture_draw(job, 0, count);
     } else {
@@ -276,7 +276,7 @@ static stp_result find_textures(stp_capture_job* job, const stp_capture_desc* de
     return result;
 }
 
-static void hand_over_silhouettes(stp_capture_job* job, stp_candidates* candidates)
+static void move_silhouettes(stp_capture_job* job, stp_candidates* candidates)
 {
     for (uint32_t v = 0; v < job->view_count && v < STP_SILHOUETTES; ++v) {
         stp_capture_view* view = &job->views[v];
@@ -349,7 +349,7 @@ stp_result stp_capture_all_in_passes(const stp_scene* scene, const stp_capture_s
         candidates->origin = job.centre;
         job.keeps_silhouettes = true;
         result = draw_views(&job, desc, candidates);
-        hand_over_silhouettes(&job, candidates);
+        move_silhouettes(&job, candidates);
         drawn = stp_clock_ms();
         result = result == STP_OK ? stp_progress(context, "capture", 0.5) : result;
         result = result == STP_OK ? find_textures(&job, desc, &own) : result;

@@ -14,7 +14,7 @@
 
 /// Limit on the pixels drawn per requested candidate when the resolution is automatic. Sparse
 /// scenes have mostly empty pixels; the limit bounds the cost.
-#define STP_CAPTURE_MOST_PIXELS_EACH 1024.0
+#define STP_CAPTURE_MAX_PIXELS_EACH 1024.0
 
 /// Mip levels of a scene's base colour textures. Making them takes as long as a small capture: make
 /// them once to capture many nodes of one scene.

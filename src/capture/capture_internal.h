@@ -11,8 +11,8 @@
 
 enum {
     STP_CAPTURE_DIRECTIONS = 8,
-    STP_CAPTURE_RESOLUTION_LEAST = 4,
-    STP_CAPTURE_RESOLUTION_MOST = 16384,
+    STP_CAPTURE_RESOLUTION_MIN = 4,
+    STP_CAPTURE_RESOLUTION_MAX = 16384,
 };
 
 struct stp_capture_textures {
@@ -61,9 +61,9 @@ typedef struct stp_capture_job {
     size_t band_count;
     stp_capture_band* bands;
     uint64_t covered_pixels;
-    bool keeps_silhouettes;               ///< of the first views
-    uint64_t room;                        ///< candidates that fit into the columns
-    const struct stp_fill_map* stand_ins; ///< drops pixels known to it; NULL: keep all
+    bool keeps_silhouettes;                 ///< of the first views
+    uint64_t room;                          ///< candidates that fit into the columns
+    const struct stp_fill_map* represented; ///< drops pixels known to it; NULL: keep all
 } stp_capture_job;
 
 /// From a part's own space to the captured space minus its centre.

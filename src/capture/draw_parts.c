@@ -12,7 +12,7 @@
 
 /// Thresholds of 8-bit alpha: opaque, and not fully transparent.
 #define ALPHA_OPAQUE (254.5f / 255.0f)
-#define ALPHA_LEAST (1.0f / 255.0f)
+#define ALPHA_MIN (1.0f / 255.0f)
 
 /// Projection of a part, relative to the middle of its box.
 typedef struct part_projection {
@@ -86,8 +86,7 @@ static bool keep_masked(const void* user, uint32_t triangle, float weight1, floa
         return true;
     }
     uint64_t pixel = (uint64_t)y << 32 | x;
-    return alpha >= ALPHA_LEAST &&
-           (stp_rng_hash(state->first_primitive + triangle, pixel) & 1) != 0;
+    return alpha >= ALPHA_MIN && (stp_rng_hash(state->first_primitive + triangle, pixel) & 1) != 0;
 }
 
 /// How a part's alpha mask behaves; alpha that is the same everywhere needs no test per pixel.
@@ -107,7 +106,7 @@ static mask_kind prepare_mask(const stp_capture_job* job, mask_state* mask)
     if (material->alpha_mode == STP_ALPHA_MASK) {
         return alpha >= material->alpha_cutoff ? MASK_ALL : MASK_NOTHING;
     }
-    return alpha >= ALPHA_OPAQUE ? MASK_ALL : alpha >= ALPHA_LEAST ? MASK_ASK : MASK_NOTHING;
+    return alpha >= ALPHA_OPAQUE ? MASK_ALL : alpha >= ALPHA_MIN ? MASK_ASK : MASK_NOTHING;
 }
 
 static stp_result draw_mesh(const stp_capture_job* job, size_t part,
@@ -152,8 +151,8 @@ static void draw_points(const stp_capture_job* job, size_t part, const part_proj
     const stp_point_set* points = &job->scene->point_sets[job->parts[part].part.index];
     uint32_t first_id = (uint32_t)(job->first_primitives[part] - pass_begin);
     for (uint32_t i = 0; i < points->point_count; ++i) {
-        if (job->stand_ins != NULL &&
-            stp_fill_knows_point(job->stand_ins, job->first_primitives[part] + i)) {
+        if (job->represented != NULL &&
+            stp_fill_knows_point(job->represented, job->first_primitives[part] + i)) {
             continue;
         }
         const float* p = points->positions + 3 * (size_t)i;

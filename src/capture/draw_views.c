@@ -90,9 +90,9 @@ static stp_result draw_in_passes(const stp_capture_job* job, const stp_capture_b
     return draw_sets_in_passes(job, band, &pass, pixel_count, worker);
 }
 
-static stp_result draw_at_once(const stp_capture_job* job, const stp_capture_band* band,
-                               const stp_raster_target* target, size_t pixel_count,
-                               draw_worker* worker)
+static stp_result draw_in_one_pass(const stp_capture_job* job, const stp_capture_band* band,
+                                   const stp_raster_target* target, size_t pixel_count,
+                                   draw_worker* worker)
 {
     memset(worker->pixels, 0xFF, pixel_count * sizeof(uint64_t));
     stp_result result = STP_OK;
@@ -147,8 +147,8 @@ static void mark_silhouette(const stp_capture_view* view, const stp_capture_band
 }
 
 /// Extracts the covered pixels of a band.
-static stp_result squeeze(stp_context* context, const draw_worker* worker, bool passes,
-                          size_t first, size_t pixel_count, stp_capture_band* band)
+static stp_result compact_pixels(stp_context* context, const draw_worker* worker, bool passes,
+                                 size_t first, size_t pixel_count, stp_capture_band* band)
 {
     const uint64_t* pixels = worker->pixels;
     size_t count = count_covered(pixels, pixel_count);
@@ -211,17 +211,18 @@ static void draw_bands(size_t begin, size_t end, uint32_t worker_index, void* us
             .stride = view->width,
             .pixels = worker->pixels,
         };
-        stp_result result = state->passes ? draw_in_passes(job, band, &target, pixel_count, worker)
-                                          : draw_at_once(job, band, &target, pixel_count, worker);
+        stp_result result = state->passes
+                                ? draw_in_passes(job, band, &target, pixel_count, worker)
+                                : draw_in_one_pass(job, band, &target, pixel_count, worker);
         if (result == STP_OK && view->silhouette != NULL) {
             mark_silhouette(view, band, target.pixels);
         }
         if (result == STP_OK) {
             stp_capture_take_surfels(job, band, &target, state->passes ? worker->primitives : NULL);
-            if (job->stand_ins != NULL) {
-                stp_fill_drop_known(job->stand_ins, view, band->row_begin, &target);
+            if (job->represented != NULL) {
+                stp_fill_drop_known(job->represented, view, band->row_begin, &target);
             }
-            result = squeeze(context, worker, state->passes, first, pixel_count, band);
+            result = compact_pixels(context, worker, state->passes, first, pixel_count, band);
         }
         if (result != STP_OK) {
             atomic_store(&state->failed, true);
@@ -241,9 +242,9 @@ static stp_result make_bands(stp_capture_job* job, uint32_t begin, uint32_t end,
     *band_pixels = 0;
     for (uint32_t v = begin; v < end; ++v) {
         const stp_capture_view* view = &job->views[v];
-        uint64_t most = BAND_BYTES / sizeof(uint64_t) / view->width;
+        uint64_t maximum = BAND_BYTES / sizeof(uint64_t) / view->width;
         uint64_t even = ((uint64_t)view->height + parallel - 1) / parallel;
-        uint32_t rows = (uint32_t)(even < most ? even : most);
+        uint32_t rows = (uint32_t)(even < maximum ? even : maximum);
         rows = rows > 0 ? rows : 1;
         for (uint32_t row = 0; row < view->height; row += rows) {
             stp_capture_band* grown = stp_grow_array(context, job->bands, &capacity,

@@ -152,7 +152,7 @@ void stp_fill_drop_known(const stp_fill_map* map, const stp_capture_view* view, 
 {
     stp_fill_query query = {
         .surface = map->surface,
-        .look_count = map->view_count,
+        .view_count = map->view_count,
     };
     stp_vec3d x = step_of(view->right), y = step_of(view->down), z = step_of(view->depth);
     stp_vec3d origin = stp_addd(stp_scaled(x, -view->shift_x), stp_scaled(y, -view->shift_y));
@@ -208,7 +208,7 @@ static stp_result draw_fill_views(stp_capture_job* job, const stp_fill_map* map,
     further.bands = NULL;
     further.band_count = 0;
     further.covered_pixels = 0;
-    further.stand_ins = map;
+    further.represented = map;
     stp_capture_set_views(&further, directions, count, candidates->pixel_size);
     stp_result result = stp_capture_draw(&further, 0, count);
     if (result == STP_OK) {

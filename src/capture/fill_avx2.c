@@ -60,7 +60,7 @@ typedef struct places {
     __m256 x, y, nearness;
 } places;
 
-static inline places look_from8(const stp_fill_view* look, const points* points8)
+static inline places project_eight(const stp_fill_view* look, const points* points8)
 {
     return (places){
         _mm256_add_ps(sum_of_products(look->x, points8->p), _mm256_set1_ps(look->x_shift)),
@@ -161,8 +161,8 @@ static void search_around(scan* s)
     unsigned asked;
     points points8 = pop(&s->alone, p, pixels, &asked);
     unsigned known = 0;
-    for (uint32_t i = 0; i < s->query->look_count && known != asked; ++i) {
-        places at = look_from8(&s->query->looks[i], &points8);
+    for (uint32_t i = 0; i < s->query->view_count && known != asked; ++i) {
+        places at = project_eight(&s->query->looks[i], &points8);
         for (int corner = 0; corner < 4 && known != asked; ++corner) {
             float dx = (corner & 1) != 0 ? 0.5f : -0.5f, dy = (corner & 2) != 0 ? 0.5f : -0.5f;
             known |= test_places(s->query, &s->query->looks[i], &at, dx, dy, asked & ~known);
@@ -180,12 +180,12 @@ static void search_views(scan* s)
     unsigned asked;
     points points8 = pop(&s->unseen, p, pixels, &asked);
     unsigned known = 0;
-    int most = 0;
-    for (uint32_t i = 0; i < s->query->look_count && known != asked; ++i) {
-        places at = look_from8(&s->query->looks[i], &points8);
+    int maximum = 0;
+    for (uint32_t i = 0; i < s->query->view_count && known != asked; ++i) {
+        places at = project_eight(&s->query->looks[i], &points8);
         unsigned more = test_places(s->query, &s->query->looks[i], &at, 0.0f, 0.0f, asked & ~known);
-        if (__builtin_popcount(more) > most) {
-            most = __builtin_popcount(more);
+        if (__builtin_popcount(more) > maximum) {
+            maximum = __builtin_popcount(more);
             s->favourite = i;
         }
         known |= more;
@@ -232,7 +232,7 @@ static inline void scan_eight(scan* s, uint64_t* pixels, unsigned there, float c
         sum = _mm256_add_ps(sum, _mm256_mul_ps(z, _mm256_set1_ps(q->z[k])));
         points8.p[k] = _mm256_add_ps(sum, _mm256_set1_ps(q->origin[k]));
     }
-    places at = look_from8(&q->looks[s->favourite], &points8);
+    places at = project_eight(&q->looks[s->favourite], &points8);
     unsigned known = test_places(q, &q->looks[s->favourite], &at, 0.0f, 0.0f, asked);
     for (unsigned left = known; left != 0; left &= left - 1) {
         pixels[__builtin_ctz(left)] = STP_RASTER_EMPTY;

@@ -20,7 +20,7 @@ typedef struct stp_fill_query {
     float x[3], y[3], z[3], origin[3];
     float toward[3];
     const stp_fill_surface* surface; ///< of the candidates
-    uint32_t look_count;
+    uint32_t view_count;
     stp_fill_view looks[STP_CAPTURE_FILL_DIRECTIONS];
 } stp_fill_query;
 
@@ -54,8 +54,8 @@ static inline float normal_part(uint32_t normal, int part)
 
 /// Whether the pixel at an offset from a point's place shows surface that represents the point:
 /// within a pixel's size, and facing the further view too.
-static inline bool stands_for(const stp_fill_query* q, const stp_fill_view* look,
-                              const stp_fill_place* place, float dx, float dy)
+static inline bool is_represented_at(const stp_fill_query* q, const stp_fill_view* look,
+                                     const stp_fill_place* place, float dx, float dy)
 {
     float x = place->x + dx, y = place->y + dy;
     if (!(x >= 0.0f && y >= 0.0f && x < look->width && y < look->height)) {
@@ -82,29 +82,32 @@ static inline bool stands_for(const stp_fill_query* q, const stp_fill_view* look
 static inline bool is_seen(const stp_fill_query* q, const stp_fill_view* look, const float p[3])
 {
     stp_fill_place place = project_point(look, p);
-    return stands_for(q, look, &place, 0.0f, 0.0f);
+    return is_represented_at(q, look, &place, 0.0f, 0.0f);
 }
 
 /// Tests the four surrounding pixels.
 static inline bool is_near(const stp_fill_query* q, const stp_fill_view* look, const float p[3])
 {
     stp_fill_place place = project_point(look, p);
-    return stands_for(q, look, &place, -0.5f, -0.5f) || stands_for(q, look, &place, 0.5f, -0.5f) ||
-           stands_for(q, look, &place, -0.5f, 0.5f) || stands_for(q, look, &place, 0.5f, 0.5f);
+    return is_represented_at(q, look, &place, -0.5f, -0.5f) ||
+           is_represented_at(q, look, &place, 0.5f, -0.5f) ||
+           is_represented_at(q, look, &place, -0.5f, 0.5f) ||
+           is_represented_at(q, look, &place, 0.5f, 0.5f);
 }
 
-static inline bool has_stand_in(const stp_fill_query* q, const float p[3], uint32_t* favourite)
+static inline bool has_representative(const stp_fill_query* q, const float p[3],
+                                      uint32_t* favourite)
 {
     if (is_seen(q, &q->looks[*favourite], p)) { // the view that saw the previous pixel sees most
         return true;
     }
-    for (uint32_t i = 0; i < q->look_count; ++i) {
+    for (uint32_t i = 0; i < q->view_count; ++i) {
         if (i != *favourite && is_seen(q, &q->looks[i], p)) {
             *favourite = i;
             return true;
         }
     }
-    for (uint32_t i = 0; i < q->look_count; ++i) {
+    for (uint32_t i = 0; i < q->view_count; ++i) {
         if (is_near(q, &q->looks[i], p)) {
             return true;
         }
@@ -127,7 +130,7 @@ static inline void drop_known(const stp_fill_query* q, uint32_t first_row,
             for (int k = 0; k < 3; ++k) {
                 p[k] = (x * q->x[k] + y * q->y[k]) + z * q->z[k] + q->origin[k];
             }
-            if (has_stand_in(q, p, &favourite)) {
+            if (has_representative(q, p, &favourite)) {
                 pixels[column] = STP_RASTER_EMPTY;
             }
         }

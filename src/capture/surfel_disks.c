@@ -152,7 +152,7 @@ static void draw_similar(const stp_capture_job* job, const stp_capture_band* ban
 {
     const stp_placed_set* placed = &job->sets[set];
     const stp_splats* surfels = placed->surfels;
-    stp_set_look look = stp_set_look_at(surfels, placed->prefix);
+    stp_set_entries look = stp_set_entries_of(surfels, placed->prefix);
     stp_raster_camera camera =
         make_camera(&job->views[band->view], &projection->placement, projection->origin);
     stp_raster_splats splats = {.positions = surfels->positions,
@@ -168,14 +168,14 @@ static void draw_similar(const stp_capture_job* job, const stp_capture_band* ban
 
 // Draws a set under a non-uniform transform, surfel by surfel. Disks stay round; their radius uses
 // the largest scale.
-static stp_result draw_squeezed(const stp_capture_job* job, const stp_capture_band* band,
-                                size_t set, const set_projection* projection,
-                                const stp_raster_target* target, uint32_t first_id,
-                                stp_arena* scratch)
+static stp_result draw_stretched(const stp_capture_job* job, const stp_capture_band* band,
+                                 size_t set, const set_projection* projection,
+                                 const stp_raster_target* target, uint32_t first_id,
+                                 stp_arena* scratch)
 {
     stp_affine identity = stp_affine_identity();
     const stp_placed_set* placed = &job->sets[set];
-    stp_set_look look = stp_set_look_at(placed->surfels, placed->prefix);
+    stp_set_entries look = stp_set_entries_of(placed->surfels, placed->prefix);
     stp_raster_camera camera = make_camera(&job->views[band->view], &identity, projection->origin);
     stp_arena_mark mark = stp_arena_get_mark(scratch);
     float* points = STP_ARENA_ARRAY(scratch, float, 3 * (size_t)CHUNK);
@@ -247,7 +247,7 @@ stp_result stp_capture_draw_sets(const stp_capture_job* job, const stp_capture_b
         if (is_similar(&projection.placement)) {
             draw_similar(job, band, set, &projection, &picture, id);
         } else {
-            result = draw_squeezed(job, band, set, &projection, &picture, id, scratch);
+            result = draw_stretched(job, band, set, &projection, &picture, id, scratch);
         }
     }
     stp_arena_rewind(scratch, mark);

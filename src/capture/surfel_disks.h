@@ -9,16 +9,16 @@
 #include <string.h>
 
 /// Entries of the colour pyramid that a prefix is drawn with (base/splat_columns.h).
-typedef struct stp_set_look {
+typedef struct stp_set_entries {
     size_t first;        ///< entry of surfel 0 in the prefix's octave
     size_t first_before; ///< same in the octave before
     uint32_t before;     ///< surfels that have entries there
     float share;         ///< weight of the prefix's own octave for those
-} stp_set_look;
+} stp_set_entries;
 
-static inline stp_set_look stp_set_look_at(const stp_splats* surfels, uint32_t prefix)
+static inline stp_set_entries stp_set_entries_of(const stp_splats* surfels, uint32_t prefix)
 {
-    stp_set_look look = {0};
+    stp_set_entries look = {0};
     uint32_t octave = 0;
     if ((surfels->columns & STP_SPLATS_FLAT_COLORS) != 0) { // one colour each
         look.share = 1.0f;

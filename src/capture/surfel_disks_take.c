@@ -6,7 +6,7 @@
 #include "base/splat_place.h"
 #include "capture/surfel_disks.h"
 
-#define LEAST_FACING 0.3     // cosine: views at flatter angles do not decide a centre's visibility
+#define MIN_FACING 0.3       // cosine: views at flatter angles do not decide a centre's visibility
 #define DEPTH_TOLERANCE 0.5  // maximum depth of a centre behind the visible surface, in radii
 #define WORDS_PER_PIECE 512u // words of bits resolved by one piece of a loop
 
@@ -143,7 +143,7 @@ static bool is_centre_visible(const sight* s, uint32_t surfel)
     }
     stp_vec3d n = stp_set_normal(&s->placing, surfel);
     double facing = stp_dotd(n, s->view->toward);
-    if ((s->two_sided ? fabs(facing) : facing) < LEAST_FACING) {
+    if ((s->two_sided ? fabs(facing) : facing) < MIN_FACING) {
         return false;
     }
     double across = stp_dotd(n, s->view->right) * s->pixel * ((double)column + 0.5 - at[0]);
@@ -250,7 +250,7 @@ typedef struct drawn_part {
     bool has_holes;
 } drawn_part;
 
-static drawn_part find_colour(const stp_splats* s, const stp_set_look* look, uint32_t surfel,
+static drawn_part find_colour(const stp_splats* s, const stp_set_entries* look, uint32_t surfel,
                               uint8_t rgba[4])
 {
     const uint8_t* own = s->colors + 3 * (look->first + surfel);
@@ -309,7 +309,7 @@ static set_area find_area(const stp_placed_set* set)
 }
 
 static void write_candidate(stp_candidates* out, size_t to, const stp_set_placing* placing,
-                            const stp_set_look* look, uint32_t surfel, set_area area)
+                            const stp_set_entries* look, uint32_t surfel, set_area area)
 {
     stp_vec3 at = stp_to_float(stp_set_position(placing, surfel));
     stp_vec3 normal = stp_to_float(stp_set_normal(placing, surfel));
@@ -332,7 +332,7 @@ static void resolve_pieces(size_t begin, size_t end, uint32_t worker, void* user
         uint64_t first = piece * WORDS_PER_PIECE, last = first + WORDS_PER_PIECE;
         size_t to = (size_t)r->starts[piece], set = SIZE_MAX;
         stp_set_placing placing = {0};
-        stp_set_look look = {0};
+        stp_set_entries look = {0};
         set_area area = {0};
         for (uint64_t word = first; word < (last < words ? last : words); ++word) {
             for (uint32_t bits = word_at(job, word); bits != 0; bits &= bits - 1) {
@@ -342,7 +342,7 @@ static void resolve_pieces(size_t begin, size_t end, uint32_t worker, void* user
                     set = own;
                     stp_affine placement = stp_capture_set_placement(job, set);
                     placing = stp_set_placing_make(job->sets[set].surfels, &placement);
-                    look = stp_set_look_at(job->sets[set].surfels, job->sets[set].prefix);
+                    look = stp_set_entries_of(job->sets[set].surfels, job->sets[set].prefix);
                     area = find_area(&job->sets[set]);
                 }
                 write_candidate(r->out, to++, &placing, &look,
@@ -409,7 +409,7 @@ static void place_whole_sets(size_t begin, size_t end, uint32_t worker, void* us
         const stp_placed_set* set = &p->sets[i];
         stp_affine placement = stp_affine_shifted(set->transform, p->out->origin);
         stp_set_placing placing = stp_set_placing_make(set->surfels, &placement);
-        stp_set_look look = stp_set_look_at(set->surfels, set->prefix);
+        stp_set_entries look = stp_set_entries_of(set->surfels, set->prefix);
         set_area area = find_area(set);
         for (uint32_t k = 0; k < set->prefix; ++k) {
             write_candidate(p->out, p->starts[i] + k, &placing, &look, k, area);

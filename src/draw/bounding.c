@@ -33,19 +33,19 @@ bool stp_bounding_misses(const stp_bounding* bounding, stp_box box)
     const double high[3] = {(double)box.max.x, (double)box.max.y, (double)box.max.z};
     bool outside = false;
     for (int i = 0; i < 5; ++i) {
-        double most = bounding->b[i], size = fabs(bounding->b[i]);
+        double maximum = bounding->b[i], size = fabs(bounding->b[i]);
         for (int c = 0; c < 3; ++c) {
             double a = bounding->a[i][c], offset = bounding->offset[c];
             double from = (low[c] - offset) * a, to = (high[c] - offset) * a;
-            most += from > to ? from : to;
+            maximum += from > to ? from : to;
             size += fmax(fabs(from), fabs(to));
         }
-        outside = outside || most < -1e-5 * size;
+        outside = outside || maximum < -1e-5 * size;
     }
     return outside;
 }
 
-float stp_bounding_least_depth(const stp_bounding* bounding, stp_box box)
+float stp_bounding_min_depth(const stp_bounding* bounding, stp_box box)
 {
     const float* w = bounding->depth;
     const float low[3] = {box.min.x, box.min.y, box.min.z};

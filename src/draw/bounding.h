@@ -21,4 +21,4 @@ stp_bounding stp_bounding_make(const float rows[4][4], float nearness_limit, con
 /// Whether the whole box lies behind one of the planes, with a margin for rounding.
 bool stp_bounding_misses(const stp_bounding* bounding, stp_box box);
 /// Minimum depth (W) of a box.
-float stp_bounding_least_depth(const stp_bounding* bounding, stp_box box);
+float stp_bounding_min_depth(const stp_bounding* bounding, stp_box box);

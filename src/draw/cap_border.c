@@ -9,9 +9,9 @@
 // maximum area enclosed by borders, relative to the surface: the ends of a pipe 200 radii long
 #define LARGEST_GAP 0.005
 enum {
-    LEAST_BUCKETS = 1 << 10,
-    MOST_BUCKETS = 1 << 22,
-    MOST_EDGES = 1 << 20, ///< edges of borders, and edges that share a bucket with one
+    MIN_BUCKETS = 1 << 10,
+    MAX_BUCKETS = 1 << 22,
+    MAX_EDGES = 1 << 20, ///< edges of borders, and edges that share a bucket with one
 };
 
 typedef struct edge {
@@ -32,8 +32,8 @@ struct stp_cap_border {
 
 stp_result stp_cap_border_create(stp_context* context, uint64_t triangles, stp_cap_border** border)
 {
-    uint32_t buckets = LEAST_BUCKETS;
-    while (buckets < MOST_BUCKETS && buckets < 2 * triangles) {
+    uint32_t buckets = MIN_BUCKETS;
+    while (buckets < MAX_BUCKETS && buckets < 2 * triangles) {
         buckets *= 2;
     }
     stp_cap_border* b = STP_NEW_ZEROED(context, stp_cap_border, 1);
@@ -73,7 +73,7 @@ uint64_t stp_cap_hash_corner(const float p[3])
 
 static stp_result keep_edge(stp_cap_border* b, const edge* e)
 {
-    if (b->overflows || b->count >= MOST_EDGES) {
+    if (b->overflows || b->count >= MAX_EDGES) {
         b->overflows = true;
         return STP_OK;
     }

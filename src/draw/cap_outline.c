@@ -6,14 +6,14 @@
 #include <string.h>
 
 enum {
-    SEGMENTS_MOST = 1 << 22,
+    SEGMENTS_MAX = 1 << 22,
     REACH = 512 ///< begin points compared with an end point, on either side along an axis
 };
 
 stp_result stp_cap_outline_add(stp_context* context, stp_cap_outline* o, const float from[3],
                                const float to[3])
 {
-    if (o->count >= SEGMENTS_MOST) {
+    if (o->count >= SEGMENTS_MAX) {
         return STP_OK;
     }
     stp_cap_segment* segments =
@@ -85,15 +85,15 @@ static double distance_squared(const place* a, const place* b)
 static size_t find_beginning(const place* places, size_t count, size_t end)
 {
     size_t best = count, seen = 0;
-    double least = HUGE_VAL;
+    double minimum = HUGE_VAL;
     for (size_t step = 1; step < count && (seen < REACH || best == count); ++step) {
         const size_t both[2] = {end + step, end - step};
         for (int k = 0; k < 2; ++k) {
             bool there = k == 0 ? end + step < count : step <= end;
             if (there && places[both[k]].begins > 0 && !places[both[k]].taken) {
                 double d = distance_squared(&places[end], &places[both[k]]);
-                best = d < least ? both[k] : best;
-                least = d < least ? d : least;
+                best = d < minimum ? both[k] : best;
+                minimum = d < minimum ? d : minimum;
                 seen += 1;
             }
         }

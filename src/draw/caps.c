@@ -82,14 +82,14 @@ static bool crosses(void* user, const stp_box* box)
     const float high[3] = {box->max.x, box->max.y, box->max.z};
     for (uint32_t bits = cut->planes; bits != 0; bits &= bits - 1) {
         const double* row = cut->rows[__builtin_ctz(bits)];
-        double least = row[3], most = row[3];
+        double minimum = row[3], maximum = row[3];
         for (int k = 0; k < 3; ++k) {
             double a = row[k] * (double)low[k], b = row[k] * (double)high[k];
-            least += fmin(a, b);
-            most += fmax(a, b);
+            minimum += fmin(a, b);
+            maximum += fmax(a, b);
         }
-        double slack = 1e-6 * (fabs(least) + fabs(most) + fabs(row[3]));
-        if (least <= slack && most >= -slack) {
+        double slack = 1e-6 * (fabs(minimum) + fabs(maximum) + fabs(row[3]));
+        if (minimum <= slack && maximum >= -slack) {
             return true;
         }
     }
@@ -304,12 +304,12 @@ static stp_vec3d turn(const stp_view_frame* f, stp_vec3d p)
 }
 
 /// End of a segment on the screen; points beyond the near plane lie where nothing is counted.
-static void project(const stp_view_frame* f, stp_vec3d p, stp_vec3d other, double least,
+static void project(const stp_view_frame* f, stp_vec3d p, stp_vec3d other, double minimum,
                     double out[2])
 {
-    if (!f->parallel && p.z < least) {
-        p = stp_addd(p, stp_scaled(stp_subd(other, p), (least - p.z) / (other.z - p.z)));
-        p.z = least;
+    if (!f->parallel && p.z < minimum) {
+        p = stp_addd(p, stp_scaled(stp_subd(other, p), (minimum - p.z) / (other.z - p.z)));
+        p.z = minimum;
     }
     double w = f->parallel ? 1.0 : p.z;
     out[0] = f->center_x + f->scale * p.x / w;
@@ -321,18 +321,18 @@ static void add_crossings(const stp_caps* c, const stp_view_frame* f, const stp_
                           int32_t* winding)
 {
     const float* points[2] = {s->from, s->to};
-    double least = f->parallel ? 0.0 : 1e-3 * f->near_distance, on[2][2];
+    double minimum = f->parallel ? 0.0 : 1e-3 * f->near_distance, on[2][2];
     size_t stride = (size_t)f->width + 1;
     stp_vec3d ends[2];
     for (int i = 0; i < 2; ++i) {
         stp_vec3d p = {(double)points[i][0], (double)points[i][1], (double)points[i][2]};
         ends[i] = turn(f, stp_subd(stp_addd(p, c->origin), f->eye));
     }
-    if (!f->parallel && ends[0].z < least && ends[1].z < least) {
+    if (!f->parallel && ends[0].z < minimum && ends[1].z < minimum) {
         return;
     }
-    project(f, ends[0], ends[1], least, on[0]);
-    project(f, ends[1], ends[0], least, on[1]);
+    project(f, ends[0], ends[1], minimum, on[0]);
+    project(f, ends[1], ends[0], minimum, on[1]);
     int top = on[1][1] > on[0][1] ? 0 : 1;
     const double *a = on[top], *b = on[1 - top];
     double begin = fmax(ceil(a[1] - 0.5), 0.0), end = fmin(ceil(b[1] - 0.5), f->height);

@@ -3,7 +3,7 @@
 
 #include "base/math.h"
 
-enum { DIRECTIONS = 6, CLOSE_LIMIT = 4, REACH_MOST = 4096 };
+enum { DIRECTIONS = 6, CLOSE_LIMIT = 4, REACH_MAX = 4096 };
 
 static int32_t nearest_whole(float value)
 {
@@ -37,13 +37,13 @@ static void add_ring(stp_effect_shape* shape, float reach, float whole, bool tur
 /// Sample pattern of occlusion: near pixels individually, farther ones in blocks.
 static void choose_pairs(stp_effect_shape* shape, float reach)
 {
-    reach = stp_clamp(reach, 2.0f, (float)REACH_MOST);
-    float most = (float)STP_EFFECT_NEAR_REACH, near = reach < most ? reach : most;
+    reach = stp_clamp(reach, 2.0f, (float)REACH_MAX);
+    float maximum = (float)STP_EFFECT_NEAR_REACH, near = reach < maximum ? reach : maximum;
     add_ring(shape, 0.25f * near, reach, false, false);
     add_ring(shape, 0.5f * near, reach, true, false);
     add_ring(shape, near, reach, false, false);
-    if (reach > most) {
-        add_ring(shape, 0.5f * (most + reach), reach, true, true);
+    if (reach > maximum) {
+        add_ring(shape, 0.5f * (maximum + reach), reach, true, true);
         add_ring(shape, reach, reach, false, true);
     }
 }
@@ -57,7 +57,7 @@ stp_effect_shape stp_effect_shape_make(const stp_draw_style* style, uint32_t hei
     }
     shape.light_step = shape.close > 2 ? 2 : 1; // wider spacing would give thin objects ghosts
     if (style->eye_dome > 0.0f) {
-        shape.light = stp_min(style->eye_dome, STP_EYE_DOME_MOST) * (STP_EYE_DOME_GAIN / 16.0f);
+        shape.light = stp_min(style->eye_dome, STP_EYE_DOME_MAX) * (STP_EYE_DOME_GAIN / 16.0f);
     }
     if (style->ambient_occlusion > 0.0f) {
         choose_pairs(&shape, style->ambient_occlusion * (float)height);

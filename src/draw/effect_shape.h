@@ -12,8 +12,8 @@ enum {
 };
 
 #define STP_OCCLUSION_STRENGTH 2.2f ///< darkening at full enclosure
-#define STP_OCCLUSION_LEAST 0.15f   ///< maximum darkening
-#define STP_EYE_DOME_MOST 1000.0f
+#define STP_OCCLUSION_MIN 0.15f     ///< maximum darkening
+#define STP_EYE_DOME_MAX 1000.0f
 #define STP_EYE_DOME_GAIN 0.22f ///< of mean rises, at strength 1
 
 /// Two opposite neighbours at (x, y) and (-x, -y).

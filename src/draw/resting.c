@@ -58,7 +58,7 @@ static stp_hash hash_list(const stp_draw_list* list)
             item->ghost ? 1 : 0,  item->large ? 1 : 0, item->beside_triangles ? 1 : 0,
             item->divide,         item->split_count};
         const float sizes[] = {item->shape_scale, item->radius,          item->fade_begin,
-                               item->fade_end,    item->level_per_depth, item->level_least,
+                               item->fade_end,    item->level_per_depth, item->level_min,
                                item->level_below};
         hash = stp_hash_bytes(hash, numbers, sizeof(numbers));
         hash = stp_hash_bytes(hash, sizes, sizeof(sizes));

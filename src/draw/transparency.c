@@ -23,20 +23,21 @@ void stp_transparency_of_shadings(const stp_store_directory* directory, uint8_t 
     }
 }
 
-stp_mesh_glass stp_transparency_of_mesh(const stp_store_material* material, bool varies)
+stp_mesh_transparency stp_transparency_of_mesh(const stp_store_material* material, bool varies)
 {
     if (material->alpha != STP_STORE_BLEND) {
-        return STP_GLASS_NONE;
+        return STP_TRANSPARENT_NOWHERE;
     }
     if (varies) {
-        return STP_GLASS_SOME;
+        return STP_TRANSPARENT_PARTLY;
     }
-    return material->base_color[3] >= STP_ALPHA_OPAQUE_FROM ? STP_GLASS_NONE : STP_GLASS_ALL;
+    return material->base_color[3] >= STP_ALPHA_OPAQUE_FROM ? STP_TRANSPARENT_NOWHERE
+                                                            : STP_TRANSPARENT_EVERYWHERE;
 }
 
 float stp_transparency_cells(stp_box box)
 {
     float x = box.max.x - box.min.x, y = box.max.y - box.min.y, z = box.max.z - box.min.z;
     float longest = stp_max(stp_max(x, y), z);
-    return longest > 0.0f ? STP_GLASS_CELLS / longest : 0.0f;
+    return longest > 0.0f ? STP_TRANSPARENT_CELLS / longest : 0.0f;
 }

@@ -6,12 +6,12 @@
 #include "draw/draw.h"
 #include "store/store.h"
 
-enum { STP_LAYERS_MOST = 64 }; ///< maximum layers per pixel; farther ones are left out
+enum { STP_LAYERS_MAX = 64 }; ///< maximum layers per pixel; farther ones are left out
 
 // Alphas of at least the first are opaque, below the second fully transparent (as capture rounds
 // them to bytes).
 #define STP_ALPHA_OPAQUE_FROM (254.5f / 255.0f)
-#define STP_ALPHA_LEAST (0.5f / 255.0f)
+#define STP_ALPHA_MIN (0.5f / 255.0f)
 // Below this transmittance, farther layers are skipped.
 #define STP_LAYERS_CLEAR (1.0f / 1024.0f)
 
@@ -22,16 +22,16 @@ bool stp_transparency_of_scene(const stp_store_directory* directory);
 void stp_transparency_of_shadings(const stp_store_directory* directory, uint8_t transparent[256]);
 
 /// Transparency of a mesh.
-typedef enum stp_mesh_glass {
-    STP_GLASS_NONE, ///< opaque or cut out
-    STP_GLASS_ALL,  ///< transparent everywhere
-    STP_GLASS_SOME, ///< parts may be opaque
-} stp_mesh_glass;
+typedef enum stp_mesh_transparency {
+    STP_TRANSPARENT_NOWHERE,    ///< opaque or cut out
+    STP_TRANSPARENT_EVERYWHERE, ///< transparent everywhere
+    STP_TRANSPARENT_PARTLY,     ///< parts may be opaque
+} stp_mesh_transparency;
 
 /// @param varies whether the material's alpha is multiplied by a texture or vertex colours
-stp_mesh_glass stp_transparency_of_mesh(const stp_store_material* material, bool varies);
+stp_mesh_transparency stp_transparency_of_mesh(const stp_store_material* material, bool varies);
 
 /// Cells along an axis of a mesh's box, for the keys of its surfaces (raster/blue_noise.h).
-#define STP_GLASS_CELLS 64.0f
+#define STP_TRANSPARENT_CELLS 64.0f
 /// Cells per unit of length of a mesh with this box.
 float stp_transparency_cells(stp_box box);

@@ -112,14 +112,14 @@ stp_result stp_builder_add_file(stp_builder* builder, const char* path)
     char** files = stp_grow_array(context, builder->files, &builder->file_capacity,
                                   builder->file_count + 1, sizeof(*files));
     builder->files = files != NULL ? files : builder->files;
-    bool looks_generated = strncmp(path, generated, sizeof(generated) - 1) == 0;
+    bool is_scene_name = strncmp(path, generated, sizeof(generated) - 1) == 0;
     size_t size = strlen(path) + 3;
     char* copy = files != NULL ? stp_alloc(context, size) : NULL;
     if (copy == NULL) {
         return stp_fail_memory(context);
     }
     copy[0] = '\0';
-    strcat(strcat(copy, looks_generated ? "./" : ""), path);
+    strcat(strcat(copy, is_scene_name ? "./" : ""), path);
     builder->files[builder->file_count++] = copy;
     return STP_OK;
 }

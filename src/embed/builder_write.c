@@ -16,14 +16,14 @@ enum {
     DEFAULT_THRESHOLD = 1000,
     PARAMETERS_ROOM = 256,
     NAME_ROOM = 32,
-    METHODS_MOST = sizeof(stp_methods) / sizeof(stp_methods[0]),
+    METHODS_MAX = sizeof(stp_methods) / sizeof(stp_methods[0]),
 };
 static const char collected[] = "scene:memory";
 
 /// Parses "blue,psp". @return number of methods; 0: an unknown or repeated name
-static uint32_t parse_methods(const char* text, const stp_method* methods[METHODS_MOST])
+static uint32_t parse_methods(const char* text, const stp_method* methods[METHODS_MAX])
 {
-    for (uint32_t count = 0; count < METHODS_MOST;) {
+    for (uint32_t count = 0; count < METHODS_MAX;) {
         char name[NAME_ROOM];
         size_t length = strcspn(text, ",");
         snprintf(name, sizeof(name), "%.*s", (int)(length < NAME_ROOM ? length : NAME_ROOM), text);
@@ -66,7 +66,7 @@ static stp_result list_inputs(const stp_builder* builder, const char*** inputs, 
 static stp_result build_to(stp_builder* builder, const stp_write_desc* desc, const char* path,
                            stp_build_report* report)
 {
-    const stp_method* methods[METHODS_MOST];
+    const stp_method* methods[METHODS_MAX];
     char parameters[PARAMETERS_ROOM];
     const char* names = desc->methods != NULL ? desc->methods : "blue";
     const char** inputs = NULL;

@@ -139,7 +139,7 @@ static const stp_store_view* find_view(const stp_store_directory* d, const char*
     return NULL;
 }
 
-stp_result stp_model_look(const stp_model* model, const char* name, stp_view* view)
+stp_result stp_model_get_view(const stp_model* model, const char* name, stp_view* view)
 {
     const stp_store_view* stored = find_view(stp_store_get_directory(model->store), name);
     if (view->width == 0 || view->height == 0) {

@@ -83,7 +83,7 @@ void stp_painter_destroy(stp_painter* painter)
 }
 
 /// Collects OpenGL's measurements of the previous picture, which is finished by now.
-static void learn_pending(stp_painter* painter)
+static void update_budget_pending(stp_painter* painter)
 {
     stp_draw_stats stats = {0};
     if (!painter->has_pending) {
@@ -94,26 +94,26 @@ static void learn_pending(stp_painter* painter)
     painter->pending.milliseconds += stats.draw_ms + stats.shade_ms;
     painter->pending.fragments = stats.fragments;
     painter->pending.covered_pixels = stats.covered_pixels;
-    stp_budget_learn(&painter->budget, &painter->pending);
+    stp_budget_update(&painter->budget, &painter->pending);
 }
 
 /// Splat size for a budget, at least the requested one.
-static float choose_size(stp_painter* painter, double budget_ms, float least)
+static float choose_size(stp_painter* painter, double budget_ms, float minimum)
 {
     if (!(budget_ms > 0.0)) {
         painter->has_pending = false;
-        return least;
+        return minimum;
     }
     if (painter->budget_ms != budget_ms) {
         stp_budget_init(&painter->budget, STP_CONTROLLER_PREDICT, budget_ms);
         painter->budget_ms = budget_ms;
         painter->has_pending = false;
     }
-    learn_pending(painter);
-    return stp_max(stp_budget_splat_size(&painter->budget), least);
+    update_budget_pending(painter);
+    return stp_max(stp_budget_splat_size(&painter->budget), minimum);
 }
 
-static void learn(stp_painter* painter, const picture* p)
+static void update_budget(stp_painter* painter, const picture* p)
 {
     stp_frame_cost cost = {.milliseconds = p->frame_ms,
                            .splats = p->stats.splats,
@@ -126,7 +126,7 @@ static void learn(stp_painter* painter, const picture* p)
         painter->pending = cost;
         painter->has_pending = true;
     } else {
-        stp_budget_learn(&painter->budget, &cost);
+        stp_budget_update(&painter->budget, &cost);
     }
 }
 
@@ -158,7 +158,7 @@ static stp_result draw_yielding(picture* p)
     return result;
 }
 
-/// Draws, and reports the data that the view wants.
+/// Draws, and reports whether it requests missing data.
 static stp_result draw_and_want(picture* p)
 {
     stp_painter* painter = p->painter;
@@ -168,7 +168,7 @@ static stp_result draw_and_want(picture* p)
     p->missing = p->coming = 0;
     if (result == STP_OK && residency != NULL) {
         stp_residency_stats stats;
-        stp_residency_update(residency, painter->list.wants, painter->list.want_count);
+        stp_residency_update(residency, painter->list.requests, painter->list.request_count);
         stp_residency_get_stats(residency, &stats);
         p->missing = stats.missing;
         p->coming = stats.loading;
@@ -192,7 +192,7 @@ static stp_result draw_complete(picture* p)
     for (int i = 0; i < COMPLETE_PICTURES && result == STP_OK && p->complete; ++i) {
         int updates = 0;
         while (residency != NULL && updates < COMPLETE_PICTURES && stp_residency_wait(residency)) {
-            stp_residency_update(residency, painter->list.wants, painter->list.want_count);
+            stp_residency_update(residency, painter->list.requests, painter->list.request_count);
             updates += 1;
         }
         bool uploads = painter->uses_gl && stp_draw_gl_get_stats(painter->renderer).coming > 0;
@@ -299,7 +299,7 @@ stp_result stp_painter_draw(stp_painter* painter, const stp_view* view, const st
     }
     painter->view = *view;
     if (desc.budget_ms > 0.0 && !p.accumulates) {
-        learn(painter, &p);
+        update_budget(painter, &p);
     }
     if (report != NULL) {
         report_picture(&p, report);

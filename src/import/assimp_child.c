@@ -466,7 +466,7 @@ static void put_axes(writer* w, const char* path)
 }
 
 // Dummy meshes that assimp adds to show a skeleton without a mesh.
-static int is_made_up(const struct aiScene* scene, const struct aiMesh* mesh)
+static int is_skeleton_dummy(const struct aiScene* scene, const struct aiMesh* mesh)
 {
     struct aiString name = {0};
     (void)aiGetMaterialString(scene->mMaterials[mesh->mMaterialIndex], AI_MATKEY_NAME, &name);
@@ -479,7 +479,7 @@ static void put_losses(writer* w)
     stp_assimp_losses losses = {.animations = scene->mNumAnimations, .lights = scene->mNumLights};
     for (unsigned i = 0; i < scene->mNumMeshes; ++i) {
         const struct aiMesh* mesh = scene->mMeshes[i];
-        losses.skins += mesh->mNumBones > 0 && !is_made_up(scene, mesh);
+        losses.skins += mesh->mNumBones > 0 && !is_skeleton_dummy(scene, mesh);
         losses.morphs += mesh->mNumAnimMeshes;
         losses.lines += mesh->mPrimitiveTypes == aiPrimitiveType_LINE;
     }

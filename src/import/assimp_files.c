@@ -111,7 +111,7 @@ static void note_refusal(stp_assimp_files* files, const char* reference, const c
 }
 
 // Extends the time for a file, once. Holes of sparse files do not count.
-static void allow_time(stp_assimp_files* files, const struct stat* status)
+static void extend_time(stp_assimp_files* files, const struct stat* status)
 {
     uint64_t stored = (uint64_t)status->st_blocks * 512, size = (uint64_t)status->st_size;
     uint64_t which = (uint64_t)status->st_ino ^ (uint64_t)status->st_dev << 40;
@@ -141,7 +141,7 @@ static struct aiFile* open_regular(stp_assimp_files* files, const char* path)
     struct aiFile* file = NULL;
     if (fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode)) {
         file = make_file(NULL, (size_t)status.st_size, descriptor);
-        allow_time(files, &status);
+        extend_time(files, &status);
     }
     if (file == NULL) {
         close(descriptor);

@@ -68,11 +68,11 @@ static stp_result take_text(reader* r, const char** text)
     return *text != NULL ? STP_OK : stp_fail_memory(r->context);
 }
 
-// The count of a list whose items take at least `least` bytes each, limited by the rest of the
+// The count of a list whose items take at least `minimum` bytes each, limited by the rest of the
 // stream.
-static bool take_count(reader* r, size_t least, uint32_t* count)
+static bool take_count(reader* r, size_t minimum, uint32_t* count)
 {
-    return take_u32(r, count) && *count <= (size_t)(r->end - r->at) / least;
+    return take_u32(r, count) && *count <= (size_t)(r->end - r->at) / minimum;
 }
 
 static bool all_finite(const float* numbers, size_t count)
@@ -524,7 +524,7 @@ stp_result stp_assimp_fail_memory(const stp_import* import)
 }
 
 // assimp's error message, on one line.
-static stp_result fail_as_told(reader* r)
+static stp_result fail_with_message(reader* r)
 {
     const char* told;
     stp_result result = take_text(r, &told);
@@ -582,7 +582,7 @@ stp_result stp_assimp_read_stream(stp_import* import, const unsigned char* bytes
         result = fail_stream(&r, "a beginning");
     }
     if (result == STP_OK) {
-        result = kind == STP_ASSIMP_SCENE ? read_scene(&r) : fail_as_told(&r);
+        result = kind == STP_ASSIMP_SCENE ? read_scene(&r) : fail_with_message(&r);
     }
     stp_pictures_destroy(&r.pictures);
     stp_free(r.context, r.textures);

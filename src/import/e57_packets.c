@@ -4,7 +4,7 @@
 
 #define SECTION_HEADER 32
 #define PACKET_HEADER 6
-#define STREAMS_MOST 4096
+#define STREAMS_MAX 4096
 
 enum { PACKET_INDEX, PACKET_DATA, PACKET_EMPTY };
 
@@ -49,7 +49,7 @@ static stp_result add_packet(finder* f, uint32_t size)
     stp_e57_scan* scan = f->scan;
     stp_context* context = f->e57->import->context;
     unsigned char head[PACKET_HEADER];
-    unsigned char lengths[2 * STREAMS_MOST];
+    unsigned char lengths[2 * STREAMS_MAX];
     (void)stp_e57_copy(f->e57, f->at, head, sizeof(head)); // was checked
     uint32_t count = stp_read_u16(head + 4);
     if (count != scan->stream_count ||
@@ -134,7 +134,7 @@ stp_result stp_e57_find_packets(const stp_e57* e57, uint32_t number, stp_e57_sca
             f.used[f.used_count++] = scan->fields[slot].stream;
         }
     }
-    if (scan->stream_count > STREAMS_MOST) {
+    if (scan->stream_count > STREAMS_MAX) {
         return fail(&f, "its records have more than 4096 fields");
     }
     stp_result result = scan->record_count > 0 ? open_section(&f) : STP_OK;

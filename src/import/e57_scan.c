@@ -172,11 +172,11 @@ static void read_limits(const stp_e57_node* node, const char* list, const char* 
                         const char* high, stp_e57_field* f)
 {
     const stp_e57_node* limits = stp_e57_child(node, list);
-    double least, most;
-    if (read_element(stp_e57_child(limits, low), &least) &&
-        read_element(stp_e57_child(limits, high), &most) && least < most) {
-        f->low = least;
-        f->high = most;
+    double low_value, high_value;
+    if (read_element(stp_e57_child(limits, low), &low_value) &&
+        read_element(stp_e57_child(limits, high), &high_value) && low_value < high_value) {
+        f->low = low_value;
+        f->high = high_value;
     }
 }
 

@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SIZE_MOST ((uint64_t)64 << 20) ///< bytes of the XML section
-#define DEPTH_MOST 64
-#define NODES_MOST ((size_t)1 << 20)
+#define MAX_SIZE ((uint64_t)64 << 20) ///< bytes of the XML section
+#define DEPTH_MAX 64
+#define NODES_MAX ((size_t)1 << 20)
 
 typedef struct parsing {
     stp_e57* e57;
@@ -60,8 +60,8 @@ static void XMLCALL begin_element(void* user, const XML_Char* name, const XML_Ch
     stp_arena* arena = &p->e57->arena;
     p->node_count += 1;
     p->depth += 1;
-    if (p->depth > DEPTH_MOST || p->node_count > NODES_MOST) {
-        stop(p, p->depth > DEPTH_MOST ? "is nested too deeply" : "has too many elements");
+    if (p->depth > DEPTH_MAX || p->node_count > NODES_MAX) {
+        stop(p, p->depth > DEPTH_MAX ? "is nested too deeply" : "has too many elements");
         return;
     }
     stp_e57_node* node = STP_ARENA_ARRAY(arena, stp_e57_node, 1);
@@ -169,10 +169,10 @@ static stp_result parse(parsing* p)
 stp_result stp_e57_read_tree(stp_e57* e57)
 {
     stp_context* context = e57->import->context;
-    if (e57->xml_length > SIZE_MOST) {
+    if (e57->xml_length > MAX_SIZE) {
         return stp_fail(context, STP_ERROR_LIMIT,
                         "%s: its XML section has %llu bytes, more than %llu", e57->import->path,
-                        (unsigned long long)e57->xml_length, (unsigned long long)SIZE_MOST);
+                        (unsigned long long)e57->xml_length, (unsigned long long)MAX_SIZE);
     }
     parsing p = {.e57 = e57, .parser = XML_ParserCreate(NULL)};
     if (p.parser == NULL) {

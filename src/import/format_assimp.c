@@ -65,10 +65,10 @@ static uint64_t used_address_space(void)
     return pages * (uint64_t)sysconf(_SC_PAGESIZE);
 }
 
-// The process may raise `now_most` up to `most` later.
-static void limit_softly(int resource, uint64_t now_most, uint64_t most)
+// The process may raise `max_now` up to `maximum` later.
+static void limit_softly(int resource, uint64_t max_now, uint64_t maximum)
 {
-    struct rlimit old, limits = {.rlim_cur = (rlim_t)now_most, .rlim_max = (rlim_t)most};
+    struct rlimit old, limits = {.rlim_cur = (rlim_t)max_now, .rlim_max = (rlim_t)maximum};
     if (getrlimit(resource, &old) == 0 && old.rlim_max < limits.rlim_max) {
         limits.rlim_max = old.rlim_max;
     }
@@ -76,9 +76,9 @@ static void limit_softly(int resource, uint64_t now_most, uint64_t most)
     (void)setrlimit(resource, &limits);
 }
 
-static void limit(int resource, uint64_t most)
+static void limit(int resource, uint64_t maximum)
 {
-    limit_softly(resource, most, most);
+    limit_softly(resource, maximum, maximum);
 }
 
 // Never returns.

@@ -183,7 +183,7 @@ static stp_result check_version(stp_gltf_scope* scope, const stp_gltf* gltf)
         return fail_version_1(scope);
     }
     const char* version = stp_gltf_text(asset, "version");
-    const char* least = stp_gltf_text(asset, "minVersion");
+    const char* minimum = stp_gltf_text(asset, "minVersion");
     if (!parse_version(version, &major, &minor)) {
         return stp_gltf_fail(scope, STP_ERROR_FORMAT, "asset.version is missing or invalid");
     }
@@ -191,9 +191,9 @@ static stp_result check_version(stp_gltf_scope* scope, const stp_gltf* gltf)
         return stp_gltf_fail(scope, major > 2 ? STP_ERROR_VERSION : STP_ERROR_UNSUPPORTED,
                              "it is glTF %u.%u, but only version 2 is supported", major, minor);
     }
-    if (least != NULL && (!parse_version(least, &major, &minor) || major != 2 || minor > 0)) {
+    if (minimum != NULL && (!parse_version(minimum, &major, &minor) || major != 2 || minor > 0)) {
         return stp_gltf_fail(scope, STP_ERROR_VERSION, "it requires a reader for glTF %.20s",
-                             least);
+                             minimum);
     }
     return STP_OK;
 }

@@ -28,11 +28,11 @@ static stp_result fail_line(const reader* r, uint64_t line, const char* what)
                     (unsigned long long)line + 1, what);
 }
 
-// Reads up to `most` numbers of a line; @return their number
-static int read_numbers_at(stp_text at, double* values, int most)
+// Reads up to `maximum` numbers of a line; @return their number
+static int read_numbers_at(stp_text at, double* values, int maximum)
 {
     int count = 0;
-    while (count < most && at != NULL) {
+    while (count < maximum && at != NULL) {
         at = stp_skip_blanks(at);
         at = *at != '\n' ? stp_read_number(at, &values[count]) : NULL;
         count += at != NULL;
@@ -40,9 +40,9 @@ static int read_numbers_at(stp_text at, double* values, int most)
     return count;
 }
 
-static int read_numbers(const reader* r, uint64_t line, double* values, int most)
+static int read_numbers(const reader* r, uint64_t line, double* values, int maximum)
 {
-    return read_numbers_at(stp_text_blocks_line(&r->blocks, line), values, most);
+    return read_numbers_at(stp_text_blocks_line(&r->blocks, line), values, maximum);
 }
 
 static bool is_blank_line(const reader* r, uint64_t line)

@@ -353,8 +353,8 @@ static stp_result add_texture(stp_gltf_scope* scope, stp_gltf_textures* textures
 static size_t end_batch(const stp_gltf* gltf, const stp_gltf_textures* textures, size_t begin)
 {
     size_t end = begin;
-    uint64_t pixels = 0, most = stp_gltf_batch(gltf, PIXELS_OF_BATCH, PIXEL_BYTES);
-    while (end < textures->request_count && (end == begin || pixels < most)) {
+    uint64_t pixels = 0, maximum = stp_gltf_batch(gltf, PIXELS_OF_BATCH, PIXEL_BYTES);
+    while (end < textures->request_count && (end == begin || pixels < maximum)) {
         const image_state* image = &textures->images[textures->requests[end].image];
         pixels += decodes(textures, end) ? (uint64_t)image->info.width * image->info.height : 0;
         end += 1;

@@ -100,8 +100,8 @@ static stp_result assemble(stp_gltf_scope* scope, stp_gltf_mode mode, uint32_t* 
         }
         return *indices != NULL ? STP_OK : STP_ERROR_OUT_OF_MEMORY;
     }
-    size_t most = count < 3 ? 0 : count - 2;
-    *indices = most <= SIZE_MAX / 3 ? STP_NEW_ARRAY(context, uint32_t, most * 3) : NULL;
+    size_t maximum = count < 3 ? 0 : count - 2;
+    *indices = maximum <= SIZE_MAX / 3 ? STP_NEW_ARRAY(context, uint32_t, maximum * 3) : NULL;
     if (*indices != NULL) {
         *triangle_count = unroll(stored, count, mode, *indices);
     }

@@ -91,11 +91,11 @@ uint64_t stp_gltf_primitive_elements(const stp_gltf* gltf, const stp_gltf_varian
     return variant_elements(gltf, variant, json_array_get(find_primitives(gltf, variant), index));
 }
 
-uint64_t stp_gltf_batch(const stp_gltf* gltf, uint64_t most, uint64_t bytes_each)
+uint64_t stp_gltf_batch(const stp_gltf* gltf, uint64_t maximum, uint64_t bytes_each)
 {
     const stp_scene* scene = gltf->import->scene;
-    uint64_t fits = scene->spill != NULL ? scene->spill_above / bytes_each : most;
-    return fits < most ? fits : most;
+    uint64_t fits = scene->spill != NULL ? scene->spill_above / bytes_each : maximum;
+    return fits < maximum ? fits : maximum;
 }
 
 stp_result stp_gltf_check_meshes(stp_gltf_scope* scope, const stp_gltf* gltf)

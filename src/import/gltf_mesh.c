@@ -122,8 +122,8 @@ static size_t end_batch(const stp_gltf* gltf, const stp_gltf_primitive* primitiv
                         size_t count)
 {
     size_t end = begin;
-    uint64_t elements = 0, most = stp_gltf_batch(gltf, ELEMENTS_OF_BATCH, ELEMENT_BYTES);
-    while (end < count && (end == begin || elements < most)) {
+    uint64_t elements = 0, maximum = stp_gltf_batch(gltf, ELEMENTS_OF_BATCH, ELEMENT_BYTES);
+    while (end < count && (end == begin || elements < maximum)) {
         const stp_gltf_variant* variant = &gltf->variants[primitives[end].variant];
         elements += stp_gltf_primitive_elements(gltf, variant, primitives[end].index);
         end += 1;

@@ -145,8 +145,9 @@ static stp_result decode(const plain* p, stream* s, stp_texture* texture, const 
         return STP_ERROR_UNSUPPORTED;
     }
     // A run of 128 equal pixels takes a byte and a pixel; anything else a pixel each.
-    uint64_t bits = 8 * (uint64_t)s->size, least = p->pixel_bits;
-    bool fits = p->runs ? pixels / 128 <= bits / (8 + least) : pixels <= bits / (least + !least);
+    uint64_t bits = 8 * (uint64_t)s->size, minimum = p->pixel_bits;
+    bool fits =
+        p->runs ? pixels / 128 <= bits / (8 + minimum) : pixels <= bits / (minimum + !minimum);
     *s = (stream){s->bytes, s->size, 0, false, NULL};
     stbi_uc* texels = NULL;
     if (fits) {

@@ -200,7 +200,7 @@ stp_result stp_import_file(stp_scene* scene, const char* path, const stp_import_
 }
 
 stp_result stp_import_sample(stp_scene* scene, const char* path, const stp_import_desc* desc,
-                             uint64_t most)
+                             uint64_t maximum)
 {
     stp_import import = {.context = scene->context, .scene = scene, .path = path, .desc = *desc};
     stp_result result = stp_file_map(import.context, path, &import.file);
@@ -208,7 +208,7 @@ stp_result stp_import_sample(stp_scene* scene, const char* path, const stp_impor
         return result;
     }
     const stp_importer* importer = find_importer(path, &import.file);
-    import.desc.sample_points = most;
+    import.desc.sample_points = maximum;
     if (importer != NULL && importer->samples) {
         result = read_with(importer, &import);
     }

@@ -71,11 +71,11 @@ STP_MUST_USE stp_result stp_import_file(stp_scene* scene, const char* path,
 STP_MUST_USE stp_result stp_import_memory(stp_scene* scene, const char* name, const void* bytes,
                                           size_t size, const stp_import_desc* desc);
 
-/// For a first picture: reads about `most` points spread over a file that has at least four times
-/// as many, much faster than the whole file. The scene stays empty if the format does not support
-/// this or the file is smaller. @return as stp_import_file
+/// For a first picture: reads about `maximum` points spread over a file that has at least four
+/// times as many, much faster than the whole file. The scene stays empty if the format does not
+/// support this or the file is smaller. @return as stp_import_file
 STP_MUST_USE stp_result stp_import_sample(stp_scene* scene, const char* path,
-                                          const stp_import_desc* desc, uint64_t most);
+                                          const stp_import_desc* desc, uint64_t maximum);
 
 /// All importers, NULL at the end. Files that none of them claims go to assimp, if the build
 /// includes it.

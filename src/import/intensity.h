@@ -28,9 +28,9 @@ static inline double stp_intensity_factor(stp_intensity_range range)
     return 65535.0 / (range.high - range.low);
 }
 
-/// Rounds to a whole number and clamps to `most`; NaN gives 0.
-static inline double stp_quantize(double value, double most)
+/// Rounds to a whole number and clamps to `maximum`; NaN gives 0.
+static inline double stp_quantize(double value, double maximum)
 {
     value = value > 0.0 ? value + 0.5 : 0.0;
-    return value < most ? value : most;
+    return value < maximum ? value : maximum;
 }

@@ -123,14 +123,14 @@ stp_point_columns_desc stp_las_columns(const stp_las* las, uint32_t point_count)
 
 /// Lists uncompressed records as chunks. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_las_list_records(stp_las* las);
-/// In a file with at least 4 times `most` points, limits the list of chunks to about that many
+/// In a file with at least 4 times `maximum` points, limits the list of chunks to about that many
 /// points: coarse nodes of COPC, else the first points of each compressed chunk, else short runs of
 /// records. For a smaller file, empties it. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
-STP_MUST_USE stp_result stp_las_sample(stp_las* las, uint64_t most);
-/// Marks the chunks of COPC levels 0 up to those that together have `most` points; other chunks
+STP_MUST_USE stp_result stp_las_sample(stp_las* las, uint64_t maximum);
+/// Marks the chunks of COPC levels 0 up to those that together have `maximum` points; other chunks
 /// read nothing. @return false if the file is not COPC or its hierarchy is damaged: nothing was
 /// changed
-bool stp_las_sample_copc(stp_las* las, uint64_t most);
+bool stp_las_sample_copc(stp_las* las, uint64_t maximum);
 /// Number of chunks from `first` on that form a set of at most `points_in_set` points, at least
 /// one, and their number of points.
 size_t stp_las_chunks_of_set(const stp_las* las, size_t first, uint64_t points_in_set,

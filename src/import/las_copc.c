@@ -13,7 +13,7 @@ enum {
     ENTRY_SIZE = 32,
     ROOT_OFFSET = 40,
     ROOT_SIZE = 48,
-    MOST_DEPTH = 64
+    MAX_DEPTH = 64
 };
 
 enum { LEVELS = 64 };
@@ -23,8 +23,8 @@ typedef struct hierarchy {
     uint8_t* levels_of;            ///< chunks; NULL: not needed
     uint64_t of_level[LEVELS + 1]; ///< points
     uint64_t points;               ///< of all entries so far
-    uint64_t entries;              ///< so far; a valid file has at most `most`
-    uint64_t most;
+    uint64_t entries;              ///< so far; a valid file has at most `maximum`
+    uint64_t maximum;
     uint64_t nodes;  ///< with points
     uint32_t levels; ///< of nodes with points
     const char* fault;
@@ -62,7 +62,7 @@ static void add_node(hierarchy* h, uint32_t level, uint64_t place, uint64_t coun
 static void read_page(hierarchy* h, uint64_t offset, uint64_t size, int depth)
 {
     const stp_mapped_file* file = &h->las->import->file;
-    if (depth > MOST_DEPTH || offset > file->size || size > file->size - offset ||
+    if (depth > MAX_DEPTH || offset > file->size || size > file->size - offset ||
         size % ENTRY_SIZE != 0) {
         h->fault = "a page of it lies outside the file";
         return;
@@ -72,7 +72,7 @@ static void read_page(hierarchy* h, uint64_t offset, uint64_t size, int depth)
         uint64_t place = stp_read_u64(at + 16);
         int32_t bytes = (int32_t)stp_read_u32(at + 24), count = (int32_t)stp_read_u32(at + 28);
         h->entries += 1;
-        if (h->entries > h->most) {
+        if (h->entries > h->maximum) {
             h->fault = "it has more entries than the file can hold";
         } else if (bytes < 0 || count < -1 || place > file->size ||
                    (uint64_t)bytes > file->size - place) {
@@ -90,7 +90,7 @@ static bool read_hierarchy(const stp_las* las, uint8_t* levels_of, hierarchy* h)
 {
     stp_las_record info;
     *h = (hierarchy){
-        .las = las, .levels_of = levels_of, .most = las->import->file.size / ENTRY_SIZE};
+        .las = las, .levels_of = levels_of, .maximum = las->import->file.size / ENTRY_SIZE};
     if (!stp_las_find_record(las, "copc", INFO_ID, &info) || info.size < INFO_SIZE) {
         return false;
     }
@@ -118,7 +118,7 @@ void stp_las_describe_copc(const stp_las* las, stp_scan_info* info)
     info->copc_nodes = h.nodes;
 }
 
-bool stp_las_sample_copc(stp_las* las, uint64_t most)
+bool stp_las_sample_copc(stp_las* las, uint64_t maximum)
 {
     hierarchy h;
     uint8_t* levels = stp_alloc(las->context, las->chunk_count);
@@ -129,7 +129,7 @@ bool stp_las_sample_copc(stp_las* las, uint64_t most)
     bool good = read_hierarchy(las, levels, &h) && h.fault == NULL;
     uint64_t points = 0;
     uint32_t end = 0; // of the levels that are read; always at least the first
-    while (good && end < LEVELS && (end == 0 || points + h.of_level[end] <= most)) {
+    while (good && end < LEVELS && (end == 0 || points + h.of_level[end] <= maximum)) {
         points += h.of_level[end++];
     }
     for (size_t i = 0; i < las->chunk_count && good; ++i) {

@@ -15,7 +15,7 @@ enum {
     RELEASE_EVERY = 64, // chunks, after which spilled pages are released
     PROBES = 16         // chunks whose first points say how wide colours are
 };
-#define MOST_IN_SET ((uint64_t)UINT32_MAX - 1)
+#define MAX_IN_SET ((uint64_t)UINT32_MAX - 1)
 
 typedef struct worker {
     stp_laz* laz; ///< NULL: not compressed
@@ -227,7 +227,7 @@ static stp_result read_sets(reading* r, uint64_t points_in_set)
     for (size_t first = 0; first < las->chunk_count && result == STP_OK && !needs_wide(r);) {
         uint64_t points;
         size_t count = stp_las_chunks_of_set(las, first, points_in_set, &points);
-        if (points > MOST_IN_SET) {
+        if (points > MAX_IN_SET) {
             return stp_fail(las->context, STP_ERROR_LIMIT,
                             "%s: chunk %zu has %llu points; at most 2^32 - 2 are supported",
                             las->import->path, first, (unsigned long long)points);
@@ -302,10 +302,10 @@ stp_result stp_las_list_records(stp_las* las)
 static stp_result read_all(reading* r, uint64_t points_in_set)
 {
     stp_las* las = r->las;
-    size_t most_sets = las->chunk_count;
+    size_t max_sets = las->chunk_count;
     r->worker_count = stp_context_thread_count(las->context);
     r->workers = STP_NEW_ZEROED(las->context, worker, r->worker_count);
-    r->sets = STP_NEW_ZEROED(las->context, stp_point_set, most_sets);
+    r->sets = STP_NEW_ZEROED(las->context, stp_point_set, max_sets);
     if (r->workers == NULL || r->sets == NULL) {
         return stp_fail_memory(las->context);
     }
@@ -326,9 +326,9 @@ static stp_result read_all(reading* r, uint64_t points_in_set)
 stp_result stp_las_read_points(stp_las* las, uint64_t points_in_set)
 {
     stp_result result = las->compressed ? stp_laz_read_table(las) : stp_las_list_records(las);
-    uint64_t most = las->import->desc.sample_points;
-    if (result == STP_OK && most != 0) {
-        result = stp_las_sample(las, most);
+    uint64_t maximum = las->import->desc.sample_points;
+    if (result == STP_OK && maximum != 0) {
+        result = stp_las_sample(las, maximum);
         if (result == STP_OK && las->chunk_count == 0) {
             return STP_OK;
         }

@@ -5,14 +5,14 @@
 #include <string.h>
 
 enum {
-    RUN = 64,        // uncompressed records that follow one another
-    LEAST_SAVING = 4 // a file with fewer times the points is soon read as a whole
+    RUN = 64,      // uncompressed records that follow one another
+    MIN_SAVING = 4 // a file with fewer times the points is soon read as a whole
 };
 
 // Uncompressed files: runs at even distances.
-static stp_result sample_records(stp_las* las, uint64_t most)
+static stp_result sample_records(stp_las* las, uint64_t maximum)
 {
-    uint64_t runs = (most + RUN - 1) / RUN, step = las->point_count / runs;
+    uint64_t runs = (maximum + RUN - 1) / RUN, step = las->point_count / runs;
     stp_las_chunk* chunks = STP_NEW_ARRAY(las->context, stp_las_chunk, (size_t)runs);
     if (chunks == NULL) {
         return stp_fail_memory(las->context);
@@ -21,7 +21,7 @@ static stp_result sample_records(stp_las* las, uint64_t most)
     las->chunks = chunks;
     las->chunk_count = (size_t)runs;
     for (uint64_t i = 0; i < runs;
-         ++i) { // step is larger than a run: there are more points than `most`
+         ++i) { // step is larger than a run: there are more points than `maximum`
         uint64_t first = i * step;
         uint64_t left = las->point_count - first, count = left < RUN ? left : RUN;
         chunks[i] = (stp_las_chunk){.offset = las->points + first * las->record_size,
@@ -33,11 +33,11 @@ static stp_result sample_records(stp_las* las, uint64_t most)
 }
 
 // The first points of each chunk; if there are many small chunks, of evenly spaced ones.
-static void sample_chunks(stp_las* las, uint64_t most)
+static void sample_chunks(stp_las* las, uint64_t maximum)
 {
-    uint64_t each = (most + las->chunk_count - 1) / las->chunk_count;
+    uint64_t each = (maximum + las->chunk_count - 1) / las->chunk_count;
     each = each < RUN ? RUN : each;
-    uint64_t wanted = (most + each - 1) / each;
+    uint64_t wanted = (maximum + each - 1) / each;
     size_t step = (size_t)(las->chunk_count / wanted);
     step = step > 0 ? step : 1;
     for (size_t i = 0; i < las->chunk_count; ++i) {
@@ -63,17 +63,17 @@ static void compact_chunks(stp_las* las)
     las->chunk_count = kept;
 }
 
-stp_result stp_las_sample(stp_las* las, uint64_t most)
+stp_result stp_las_sample(stp_las* las, uint64_t maximum)
 {
     stp_result result = STP_OK;
-    if (las->point_count / LEAST_SAVING < most || las->chunk_count == 0) {
+    if (las->point_count / MIN_SAVING < maximum || las->chunk_count == 0) {
         las->chunk_count = 0;
         return STP_OK;
     }
     if (!las->compressed) {
-        result = sample_records(las, most);
-    } else if (!stp_las_sample_copc(las, most)) {
-        sample_chunks(las, most);
+        result = sample_records(las, maximum);
+    } else if (!stp_las_sample_copc(las, maximum)) {
+        sample_chunks(las, maximum);
     }
     if (result == STP_OK) {
         compact_chunks(las);

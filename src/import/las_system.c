@@ -20,7 +20,7 @@ enum {
     LINEAR_SIZE = 3077,
     VERTICAL_UNIT = 4099,
     USER_DEFINED = 32767,
-    MOST_TEXT = 1 << 20
+    MAX_TEXT = 1 << 20
 };
 
 static const char user[] = "LASF_Projection";
@@ -33,7 +33,7 @@ typedef struct coordinate_system {
 static stp_result read_wkt(const stp_las* las, coordinate_system* s)
 {
     stp_las_record record;
-    if (!stp_las_find_record(las, user, WKT_ID, &record) || record.size > MOST_TEXT) {
+    if (!stp_las_find_record(las, user, WKT_ID, &record) || record.size > MAX_TEXT) {
         return STP_OK;
     }
     size_t size = strnlen((const char*)record.bytes, (size_t)record.size);

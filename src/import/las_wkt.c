@@ -4,7 +4,7 @@
 #include "import/las.h"
 #include "import/text.h"
 
-enum { MOST_DEPTH = 32 };
+enum { MAX_DEPTH = 32 };
 
 typedef enum word_kind {
     OTHER,
@@ -84,7 +84,7 @@ static double read_factor(stp_text at, stp_text end)
 }
 
 typedef struct scanner {
-    word_kind stack[MOST_DEPTH];
+    word_kind stack[MAX_DEPTH];
     int depth;
     bool cartesian, geodetic;
     stp_las_units units;
@@ -117,7 +117,7 @@ stp_las_units stp_las_wkt_units(const char* text, size_t size)
             }
             s.cartesian = s.cartesian || stp_word_is(word, at, "cartesian");
         } else if (*at == '[' || *at == '(') {
-            if (s.depth == MOST_DEPTH) {
+            if (s.depth == MAX_DEPTH) {
                 break;
             }
             open_word(&s, kind_of_word(word, at), at, end);

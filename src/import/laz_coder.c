@@ -4,7 +4,7 @@
 enum {
     SHARE_BITS = 15,
     BIT_SHARE_BITS = 13,
-    MOST_TABLE_BITS = 8, // shares reach 32768 + 64: one slot more holds them
+    MAX_TABLE_BITS = 8, // shares reach 32768 + 64: one slot more holds them
     ABOVE_ALL = UINT16_MAX,
     LINE = 64
 };
@@ -12,7 +12,7 @@ enum {
 static unsigned table_bits(unsigned symbols)
 {
     unsigned bits = 3;
-    while (bits < MOST_TABLE_BITS && symbols > 2u << bits) {
+    while (bits < MAX_TABLE_BITS && symbols > 2u << bits) {
         bits += 1;
     }
     return bits;
@@ -44,7 +44,7 @@ void stp_laz_integer_make(stp_laz_pool* pool, stp_laz_integer* integer, unsigned
                           unsigned contexts)
 {
     stp_laz_models_make(pool, integer->sizes, contexts, bits + 1);
-    for (unsigned k = 1; k <= bits && k < STP_LAZ_MOST_BITS; ++k) {
+    for (unsigned k = 1; k <= bits && k < STP_LAZ_MAX_BITS; ++k) {
         unsigned high = k < STP_LAZ_HIGH_BITS ? k : STP_LAZ_HIGH_BITS;
         stp_laz_model_make(pool, &integer->corrections[k], 1u << high);
     }
@@ -75,8 +75,8 @@ void stp_laz_model_update(stp_laz_model* m)
     for (; slot < slots; ++slot) {
         m->table[slot] = (uint16_t)(symbols - 1);
     }
-    uint32_t cycle = m->cycle * 5 / 4, most = (symbols + 6) * 8;
-    m->cycle = cycle < most ? cycle : most;
+    uint32_t cycle = m->cycle * 5 / 4, maximum = (symbols + 6) * 8;
+    m->cycle = cycle < maximum ? cycle : maximum;
     m->left = m->cycle;
 }
 

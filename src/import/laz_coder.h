@@ -24,8 +24,8 @@
 #define STP_LAZ_INLINE static inline __attribute__((always_inline))
 
 enum {
-    STP_LAZ_TAIL = 1024,       ///< bytes of the buffer in which the end of the input is read
-    STP_LAZ_MOST_ENSURED = 512 ///< maximum bytes per stp_laz_ensure
+    STP_LAZ_TAIL = 1024,      ///< bytes of the buffer in which the end of the input is read
+    STP_LAZ_MAX_ENSURED = 512 ///< maximum bytes per stp_laz_ensure
 };
 
 typedef struct stp_laz_decoder {
@@ -53,15 +53,15 @@ typedef struct stp_laz_bit {
     uint32_t epoch;
 } stp_laz_bit;
 
-enum { STP_LAZ_HIGH_BITS = 8, STP_LAZ_MOST_BITS = 32, STP_LAZ_MOST_CONTEXTS = 22 };
+enum { STP_LAZ_HIGH_BITS = 8, STP_LAZ_MAX_BITS = 32, STP_LAZ_MAX_CONTEXTS = 22 };
 
 /// Decodes differences of 16- or 32-bit integers from their predictions. The size k comes first, by
 /// context.
 typedef struct stp_laz_integer {
-    stp_laz_model sizes[STP_LAZ_MOST_CONTEXTS];
-    stp_laz_model corrections[STP_LAZ_MOST_BITS]; ///< by k, from 1 on
-    stp_laz_bit bit;                              ///< k = 0: 0 or 1
-    uint32_t k;                                   ///< of the difference decoded last
+    stp_laz_model sizes[STP_LAZ_MAX_CONTEXTS];
+    stp_laz_model corrections[STP_LAZ_MAX_BITS]; ///< by k, from 1 on
+    stp_laz_bit bit;                             ///< k = 0: 0 or 1
+    uint32_t k;                                  ///< of the difference decoded last
 } stp_laz_integer;
 
 /// Allocates the numbers of models. If `bytes` is NULL, it only counts them: models are made twice.
@@ -185,7 +185,7 @@ STP_LAZ_INLINE uint32_t stp_laz_difference(stp_laz_decoder* d, stp_laz_integer* 
     if (k == 0) {
         return stp_laz_bit_symbol(d, &m->bit);
     }
-    if (k >= STP_LAZ_MOST_BITS) {
+    if (k >= STP_LAZ_MAX_BITS) {
         return (uint32_t)1 << 31;
     }
     uint32_t c = stp_laz_symbol(d, &m->corrections[k]);

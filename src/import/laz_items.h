@@ -169,8 +169,8 @@ STP_LAZ_INLINE void stp_laz_rgb_next(stp_laz_decoder* d, stp_laz_rgb* m, const u
     }
 }
 
-/// Context of y by the size of x's difference, and of z by both: even sizes up to `most`.
-static inline unsigned stp_laz_size_context(uint32_t k, uint32_t most)
+/// Context of y by the size of x's difference, and of z by both: even sizes up to `maximum`.
+static inline unsigned stp_laz_size_context(uint32_t k, uint32_t maximum)
 {
-    return k < most ? k & ~1u : most;
+    return k < maximum ? k & ~1u : maximum;
 }

@@ -13,8 +13,8 @@ enum {
     COMPRESSOR_POINTWISE = 1,
     COMPRESSOR_CHUNKED = 2,
     COMPRESSOR_LAYERED = 3,
-    MOST_POINTS_PER_BYTE = 2048, // identical points take about 0.008 bits each
-    MOST_EXTRA = 1 << 14         // extra bytes per point: each needs a model of 1.3 KB
+    MAX_POINTS_PER_BYTE = 2048, // identical points take about 0.008 bits each
+    MAX_EXTRA = 1 << 14         // extra bytes per point: each needs a model of 1.3 KB
 };
 #define VARIABLE UINT32_MAX // a chunk size: each chunk has its own
 
@@ -38,10 +38,10 @@ typedef struct item {
     unsigned version;
 } item;
 
-enum { MOST_ITEMS = 5 };
+enum { MAX_ITEMS = 5 };
 
 // The items of a format.
-static size_t expect_items(const stp_las* las, item items[MOST_ITEMS])
+static size_t expect_items(const stp_las* las, item items[MAX_ITEMS])
 {
     size_t count = 0, extra = las->record_size - las->layout.size;
     bool layered = las->format >= 6;
@@ -66,13 +66,13 @@ static size_t expect_items(const stp_las* las, item items[MOST_ITEMS])
 
 static stp_result check_items(stp_las* las, const unsigned char* bytes, size_t count)
 {
-    item items[MOST_ITEMS];
+    item items[MAX_ITEMS];
     size_t expected = expect_items(las, items);
     const char* path = las->import->path;
-    if (las->record_size - las->layout.size > MOST_EXTRA) {
+    if (las->record_size - las->layout.size > MAX_EXTRA) {
         return stp_fail(las->context, STP_ERROR_LIMIT,
                         "%s: its compressed points have %zu bytes each; up to %d are supported",
-                        path, las->record_size, MOST_EXTRA);
+                        path, las->record_size, MAX_EXTRA);
     }
     if (count != expected) {
         return stp_fail(las->context, STP_ERROR_FORMAT,
@@ -169,7 +169,7 @@ static stp_result read_entries(stp_las* las, table_reader* t, uint32_t chunk_siz
         if (!stp_laz_is_good(&t->decoder)) {
             return fail_table(las, "is incomplete");
         }
-        if (size > end - at || count > left || count / MOST_POINTS_PER_BYTE > size) {
+        if (size > end - at || count > left || count / MAX_POINTS_PER_BYTE > size) {
             return stp_fail(
                 las->context, STP_ERROR_FORMAT,
                 "%s: chunk %zu of %zu has %u points in %u bytes by its table, which is impossible",
@@ -235,7 +235,7 @@ static stp_result make_single_chunk(stp_las* las)
     las->chunk_count = las->point_count > 0;
     las->chunks[0] = (stp_las_chunk){
         .offset = las->points, .size = size, .count = las->point_count, .read = las->point_count};
-    if (las->point_count / MOST_POINTS_PER_BYTE > size) {
+    if (las->point_count / MAX_POINTS_PER_BYTE > size) {
         return stp_fail(las->context, STP_ERROR_FORMAT,
                         "%s: its header says %llu points in %llu bytes, which is impossible",
                         las->import->path, (unsigned long long)las->point_count,

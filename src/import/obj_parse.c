@@ -391,9 +391,9 @@ static void parse_chunks(size_t begin, size_t end, uint32_t worker, void* user)
 static stp_result parse_into_scratch(stp_obj* obj)
 {
     stp_result result = STP_OK;
-    size_t most = CHUNKS_PER_THREAD * (size_t)stp_context_thread_count(obj->context);
+    size_t maximum = CHUNKS_PER_THREAD * (size_t)stp_context_thread_count(obj->context);
     while (result == STP_OK && obj->parsed < obj->chunk_count) {
-        size_t left = obj->chunk_count - obj->parsed, count = left < most ? left : most;
+        size_t left = obj->chunk_count - obj->parsed, count = left < maximum ? left : maximum;
         stp_parallel_for(obj->context, count, 1, parse_chunks, obj);
         for (size_t i = 0; result == STP_OK && i < count; ++i) {
             stp_obj_chunk* chunk = &obj->chunks[obj->parsed++];

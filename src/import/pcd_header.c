@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#define LINES_MOST 64 ///< of a header, comments included
+#define LINES_MAX 64 ///< of a header, comments included
 
 typedef struct header {
     stp_import* import;
@@ -153,7 +153,7 @@ stp_result stp_pcd_read_header(stp_import* import, stp_pcd* pcd)
     size_t size = import->file.size;
     *pcd = (stp_pcd){0};
     bool last = false;
-    for (h.line = 0; !last && h.line < LINES_MOST; ++h.line) {
+    for (h.line = 0; !last && h.line < LINES_MAX; ++h.line) {
         size_t left = size - pcd->body;
         stp_text at = bytes + pcd->body, end = left > 0 ? memchr(at, '\n', left) : NULL;
         if (end == NULL) {
@@ -170,5 +170,5 @@ stp_result stp_pcd_read_header(stp_import* import, stp_pcd* pcd)
     return last ? check_lists(&h)
                 : stp_fail(import->context, STP_ERROR_FORMAT,
                            "%s: none of its first %d lines begins with DATA", import->path,
-                           LINES_MOST);
+                           LINES_MAX);
 }

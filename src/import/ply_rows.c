@@ -78,10 +78,10 @@ void stp_ply_cursor_close(stp_ply_cursor* cursor)
 stp_result stp_ply_check_rows(const stp_ply_cursor* cursor, const stp_ply_element* element)
 {
     // each value of a text takes at least two bytes, a digit and a separator
-    size_t least =
+    size_t minimum =
         cursor->ply->encoding == STP_PLY_ASCII ? 2 * element->property_count : element->row_size;
     size_t left = (size_t)(cursor->end - cursor->at);
-    if (least != 0 && element->count > left / least) {
+    if (minimum != 0 && element->count > left / minimum) {
         return stp_fail(cursor->ply->context, STP_ERROR_TRUNCATED,
                         "%s: element %.60s: the header says %llu rows, but the file is too short",
                         cursor->ply->import->path, element->name,
@@ -128,8 +128,8 @@ bool stp_ply_next_list(stp_ply_cursor* cursor, const stp_ply_property* property,
         return false;
     }
     size_t left = (size_t)(cursor->end - cursor->at);
-    size_t least = cursor->text != NULL ? 2 : stp_ply_type_size(property->type);
-    if (count > (double)(left / least)) {
+    size_t minimum = cursor->text != NULL ? 2 : stp_ply_type_size(property->type);
+    if (count > (double)(left / minimum)) {
         cursor->at = cursor->end;
         return false;
     }

@@ -134,8 +134,8 @@ static void close_range_of(unsigned first, unsigned last)
     if (first > last || syscall(SYS_close_range, first, last, 0) == 0) {
         return;
     }
-    long most = sysconf(_SC_OPEN_MAX);
-    for (unsigned i = first; i <= last && (long)i < most; ++i) { // a kernel before 5.9
+    long maximum = sysconf(_SC_OPEN_MAX);
+    for (unsigned i = first; i <= last && (long)i < maximum; ++i) { // a kernel before 5.9
         close((int)i);
     }
 }

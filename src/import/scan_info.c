@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_DEPTH = 32 };
+enum { MAX_DEPTH = 32 };
 
 stp_scan_field* stp_scan_add_field(stp_scan_info* info, const char* name, size_t name_size,
                                    const char* type, bool kept)
@@ -71,8 +71,8 @@ static bool is_compound(stp_text at, stp_text end)
 }
 
 typedef struct wkt_scan {
-    bool systems[MOST_DEPTH], compounds[MOST_DEPTH]; ///< of the open words
-    int depth, best;                                 ///< best: of the code that was found
+    bool systems[MAX_DEPTH], compounds[MAX_DEPTH]; ///< of the open words
+    int depth, best;                               ///< best: of the code that was found
 } wkt_scan;
 
 // Uses a system's own code, or for a compound system without a code that of its first part. Codes
@@ -96,9 +96,9 @@ static void open_word(wkt_scan* s, stp_text word, stp_text end, const char* brac
 
 static void identify_wkt(const char* text, stp_system_identity* found)
 {
-    wkt_scan s = {.best = MOST_DEPTH};
+    wkt_scan s = {.best = MAX_DEPTH};
     const char *word = text, *end = text;
-    for (const char* at = text; *at != '\0' && s.depth < MOST_DEPTH; ++at) {
+    for (const char* at = text; *at != '\0' && s.depth < MAX_DEPTH; ++at) {
         if (is_letter(*at)) {
             word = at;
             at += strspn(at, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_") - 1;

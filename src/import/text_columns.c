@@ -6,15 +6,15 @@
 
 #define HEADER_LINES 100 ///< maximum number of lines before the points
 #define SAMPLES 500      ///< number of sampled lines
-#define LINE_LEAST 6     ///< bytes of a point and its line end
+#define MIN_LINE 6       ///< bytes of a point and its line end
 #define WINDOW 4096      ///< bytes in which a sampled line must begin
 
 typedef enum token_kind { TOKEN_WORD, TOKEN_INTEGER, TOKEN_FRACTION } token_kind;
 
 typedef struct row {
     uint32_t count, numbers;
-    double values[STP_COLUMNS_MOST];
-    uint8_t kinds[STP_COLUMNS_MOST];
+    double values[STP_COLUMNS_MAX];
+    uint8_t kinds[STP_COLUMNS_MAX];
 } row;
 
 typedef struct samples {
@@ -110,7 +110,7 @@ const char* stp_columns_parse(const char* names, stp_columns* columns)
             return "valid columns are x, y, z, r, g, b, intensity, nx, ny, nz, class, and - for "
                    "others";
         }
-        if (columns->count == STP_COLUMNS_MOST) {
+        if (columns->count == STP_COLUMNS_MAX) {
             return "more than 32 columns";
         }
         columns->roles[columns->count++] = column;
@@ -147,7 +147,7 @@ static stp_text end_of_token(stp_text at)
 static void read_row(stp_text at, row* r)
 {
     r->count = r->numbers = 0;
-    for (at = stp_skip_blanks(at); *at != '\n' && r->count < STP_COLUMNS_MOST;) {
+    for (at = stp_skip_blanks(at); *at != '\n' && r->count < STP_COLUMNS_MAX;) {
         stp_text end = end_of_token(at);
         double value = 0.0;
         stp_text next = end > at ? stp_read_number(at, &value) : NULL;
@@ -177,7 +177,7 @@ static bool read_header(stp_text at, uint32_t wanted, stp_columns* columns)
     for (at = line; *at != '\n'; ++at) {
         separated = separated || stp_separates(*at);
     }
-    for (at = line; *at != '\n' && columns->count < STP_COLUMNS_MOST;) {
+    for (at = line; *at != '\n' && columns->count < STP_COLUMNS_MAX;) {
         stp_text end = at;
         while (*end != '\n' && (separated ? !stp_separates(*end) : !stp_is_blank(*end))) {
             ++end;
@@ -214,11 +214,11 @@ static bool any_fraction(const samples* s, uint32_t column, uint32_t count)
     return false;
 }
 
-static bool are_colors(const samples* s, uint32_t column, double most)
+static bool are_colors(const samples* s, uint32_t column, double maximum)
 {
     bool whole = true, parts = true;
     for (uint32_t c = column; c < column + 3; ++c) {
-        whole = whole && all_within(s, c, TOKEN_INTEGER, 0.0, most);
+        whole = whole && all_within(s, c, TOKEN_INTEGER, 0.0, maximum);
         parts = parts && all_within(s, c, TOKEN_FRACTION, 0.0, 1.0);
     }
     return whole || (parts && any_fraction(s, column, 3));
@@ -313,7 +313,7 @@ static void take_samples(samples* s, const stp_text_blocks* blocks, size_t first
         const stp_text_block* b = &blocks->blocks[i];
         stp_text begin = i == first_block ? first : b->begin;
         size_t size = (size_t)(b->end - begin);
-        size_t places = size / LINE_LEAST < each ? size / LINE_LEAST + 1 : each;
+        size_t places = size / MIN_LINE < each ? size / MIN_LINE + 1 : each;
         for (size_t k = 0; k < places && s->count < SAMPLES; ++k) {
             stp_text at = begin + size / places * k;
             size_t window = (size_t)(b->end - at) < WINDOW ? (size_t)(b->end - at) : WINDOW;

@@ -22,12 +22,12 @@ typedef enum stp_column {
     STP_COLUMN_SKIP,
 } stp_column;
 
-enum { STP_COLUMN_SLOTS = STP_COLUMN_SKIP, STP_COLUMNS_MOST = 32 };
+enum { STP_COLUMN_SLOTS = STP_COLUMN_SKIP, STP_COLUMNS_MAX = 32 };
 
 typedef struct stp_columns {
-    uint8_t roles[STP_COLUMNS_MOST]; ///< an stp_column each
-    uint32_t count;                  ///< up to the last used one
-    uint32_t unused;                 ///< columns of the file that are not
+    uint8_t roles[STP_COLUMNS_MAX]; ///< an stp_column each
+    uint32_t count;                 ///< up to the last used one
+    uint32_t unused;                ///< columns of the file that are not
 } stp_columns;
 
 /// Minimum and maximum of each column.

@@ -8,7 +8,7 @@
 
 #define GRAIN 16384
 #define AHEAD 24 // points to prefetch ahead
-#define LEAST_CELL 0x1p-100
+#define MIN_CELL 0x1p-100
 
 typedef struct row_sorter {
     stp_cell_rows* rows;
@@ -59,7 +59,7 @@ static void choose_cells(row_sorter* s, float cell)
     stp_vec3d size = stp_subd(stp_to_double(box.max), s->corner);
     const double sizes[3] = {size.x, size.y, size.z};
     rows->index_bits = bits_of(rows->count);
-    double side = fmax((double)cell, LEAST_CELL);
+    double side = fmax((double)cell, MIN_CELL);
     for (;; side *= 2.0) {
         s->inverse_cell = 1.0 / side;
         unsigned bits = rows->index_bits;
@@ -239,10 +239,10 @@ stp_cell_reach stp_cell_reach_around(const stp_cell_rows* rows, uint64_t number,
     stp_cell_reach reach = {.number = number};
     unsigned shift = 0;
     for (int k = 0; k < 3; ++k) {
-        int64_t most = ((int64_t)1 << rows->axis_bits[k]) - 1;
-        int64_t at = (int64_t)(number >> shift) & most, far = (int64_t)cells;
-        reach.least[k] = at < far ? -at : -far;
-        reach.largest[k] = most - at < far ? most - at : far;
+        int64_t maximum = ((int64_t)1 << rows->axis_bits[k]) - 1;
+        int64_t at = (int64_t)(number >> shift) & maximum, far = (int64_t)cells;
+        reach.minimum[k] = at < far ? -at : -far;
+        reach.largest[k] = maximum - at < far ? maximum - at : far;
         shift += rows->axis_bits[k];
     }
     return reach;
@@ -252,7 +252,7 @@ void stp_cell_reach_row(const stp_cell_rows* rows, stp_cell_reach* reach, int64_
                         uint32_t* begin, uint32_t* end)
 {
     uint64_t middle = reach->number + row_offset(rows, y, z);
-    *begin = find_cell(rows, reach->next, middle + (uint64_t)reach->least[0]);
+    *begin = find_cell(rows, reach->next, middle + (uint64_t)reach->minimum[0]);
     *end = find_cell(rows, *begin, middle + (uint64_t)reach->largest[0] + 1);
     reach->next = *end;
 }

@@ -50,9 +50,9 @@ void stp_cell_window_move(stp_cell_window* window, uint32_t cell);
 
 /// Offsets of cells that are at most some cells away from one, within the grid.
 typedef struct stp_cell_reach {
-    uint64_t number;              ///< of the cell
-    int64_t least[3], largest[3]; ///< of x, y, z
-    uint32_t next;                ///< cells before this one are passed
+    uint64_t number;                ///< of the cell
+    int64_t minimum[3], largest[3]; ///< of x, y, z
+    uint32_t next;                  ///< cells before this one are passed
 } stp_cell_reach;
 
 /// @param number of the cell that contains a point

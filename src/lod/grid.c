@@ -8,9 +8,9 @@
 #include <string.h>
 
 // A bucket may hold this many points, on average over the points; exact orders stay far below.
-#define MOST_IN_BUCKET 200.0
-#define MOST_HALVINGS 32
-#define LEAST_CELL 0x1p-100f // its inverse is a float
+#define MAX_IN_BUCKET 200.0
+#define MAX_HALVINGS 32
+#define MIN_CELL 0x1p-100f // its inverse is a float
 #define GRAIN 32768
 #define AHEAD 24 // points to prefetch ahead
 
@@ -173,7 +173,7 @@ static stp_result fill_grid(stp_context* context, filling* f, uint32_t count, fl
                             float offset, double crowd)
 {
     stp_grid* grid = f->grid;
-    cell = cell > LEAST_CELL ? cell : LEAST_CELL;
+    cell = cell > MIN_CELL ? cell : MIN_CELL;
     count = count / f->stride + (count % f->stride != 0);
     *grid = (stp_grid){.count = count,
                        .cell = cell,
@@ -188,8 +188,8 @@ static stp_result fill_grid(stp_context* context, filling* f, uint32_t count, fl
         stp_grid_destroy(context, grid);
         return stp_fail_memory(context);
     }
-    for (int i = 0; count_points(context, f) > crowd * (double)count && i < MOST_HALVINGS &&
-                    grid->cell > LEAST_CELL;
+    for (int i = 0; count_points(context, f) > crowd * (double)count && i < MAX_HALVINGS &&
+                    grid->cell > MIN_CELL;
          ++i) {
         grid->cell *= 0.5f;
         grid->inverse_cell = 1.0f / grid->cell;
@@ -220,7 +220,7 @@ stp_result stp_grid_create_uncrowded(stp_context* context, const float* position
                                      stp_grid* grid)
 {
     filling f = fill_from_triples(grid, positions, normals);
-    return fill_grid(context, &f, count, cell, 0.0f, MOST_IN_BUCKET);
+    return fill_grid(context, &f, count, cell, 0.0f, MAX_IN_BUCKET);
 }
 
 stp_result stp_grid_thin(stp_context* context, const stp_grid* from, uint32_t stride, float cell,

@@ -70,7 +70,7 @@ static stp_result make_psp(stp_context* context, const stp_method_source* source
 static stp_hash hash_stochastic(stp_hash key, const stp_method_options* options)
 {
     const stp_leaf_desc* leaves = &options->leaves;
-    const uint32_t all[] = {STOCHASTIC_VERSION, leaves->budget,     leaves->least,
+    const uint32_t all[] = {STOCHASTIC_VERSION, leaves->budget,     leaves->minimum,
                             leaves->sample,     leaves->neighbours, leaves->normal_neighbours,
                             leaves->scales};
     key = stp_hash_bytes(key, "stochastic", 10);

@@ -67,7 +67,7 @@ void stp_nearest_search_run(stp_context* context, const stp_nearest_search* sear
     nearest_job job = {.search = search,
                        .kernels = stp_near_kernels_select(),
                        .rule = {.limit = search->radius * search->radius,
-                                .least_agreement = search->two_sided ? -2.0f : 0.0f}};
+                                .min_agreement = search->two_sided ? -2.0f : 0.0f}};
     stp_parallel_for(context, (size_t)search->samples->mask + 1, BUCKET_GRAIN, search_buckets,
                      &job);
 }
@@ -199,7 +199,7 @@ static stp_disk_query make_query(const stp_disk_search* s, uint32_t surfel)
                             .ny = n[1],
                             .nz = n[2],
                             .limit = limit * limit,
-                            .least_agreement = s->two_sided ? -2.0f : 0.0f,
+                            .min_agreement = s->two_sided ? -2.0f : 0.0f,
                             .footprint = s->footprint / s->radius,
                             .set_footprint = s->set_footprint / s->radius,
                             .first_of_sets = UINT32_MAX,

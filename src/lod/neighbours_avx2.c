@@ -78,7 +78,7 @@ typedef struct surfel_columns {
 // Eight samples and their nearest surfels so far.
 typedef struct eight_samples {
     vector3 place, normal;
-    __m256 least;
+    __m256 minimum;
     __m256i surfel;
 } eight_samples;
 
@@ -90,26 +90,26 @@ static inline eight_samples load_samples(const stp_grid* samples, uint32_t at, s
 }
 
 // Branch-free: whether one of eight samples is nearer cannot be predicted.
-static inline void look_at_surfel(eight_samples* e, vector3 place, const vector3* normal,
-                                  __m256i index, __m256 agreed)
+static inline void test_surfel(eight_samples* e, vector3 place, const vector3* normal,
+                               __m256i index, __m256 agreed)
 {
     vector3 d = subtract(e->place, place);
     __m256 squared = dot(d, d);
     __m256 lower =
         _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_min_epu32(index, e->surfel), index));
-    __m256 tie = _mm256_and_ps(_mm256_cmp_ps(squared, e->least, _CMP_EQ_OQ), lower);
-    __m256 nearer = _mm256_or_ps(_mm256_cmp_ps(squared, e->least, _CMP_LT_OQ), tie);
+    __m256 tie = _mm256_and_ps(_mm256_cmp_ps(squared, e->minimum, _CMP_EQ_OQ), lower);
+    __m256 nearer = _mm256_or_ps(_mm256_cmp_ps(squared, e->minimum, _CMP_LT_OQ), tie);
     if (normal != NULL) {
         __m256 facing = _mm256_cmp_ps(dot(e->normal, *normal), agreed, _CMP_GE_OQ);
         nearer = _mm256_and_ps(nearer, facing);
     }
-    e->least = _mm256_blendv_ps(e->least, squared, nearer);
+    e->minimum = _mm256_blendv_ps(e->minimum, squared, nearer);
     e->surfel = _mm256_castps_si256(
         _mm256_blendv_ps(_mm256_castsi256_ps(e->surfel), _mm256_castsi256_ps(index), nearer));
 }
 
-static inline void look_at_surfels(eight_samples* a, eight_samples* b, const surfel_columns* from,
-                                   uint32_t begin, uint32_t end, bool sides, __m256 agreed)
+static inline void test_surfels(eight_samples* a, eight_samples* b, const surfel_columns* from,
+                                uint32_t begin, uint32_t end, bool sides, __m256 agreed)
 {
     for (uint32_t i = begin; i < end; ++i) {
         vector3 place = repeat_vector(from->x[i], from->y[i], from->z[i]), facing;
@@ -119,9 +119,9 @@ static inline void look_at_surfels(eight_samples* a, eight_samples* b, const sur
             normal = &facing;
         }
         __m256i index = _mm256_set1_epi32((int)from->index[i]);
-        look_at_surfel(a, place, normal, index, agreed);
+        test_surfel(a, place, normal, index, agreed);
         if (b != NULL) {
-            look_at_surfel(b, place, normal, index, agreed);
+            test_surfel(b, place, normal, index, agreed);
         }
     }
 }
@@ -187,14 +187,13 @@ find_nearest_of(const stp_grid* surfels, const stp_near_ranges* ranges, const st
     } else {
         ranges = &whole;
     }
-    __m256 agreed = _mm256_set1_ps(rule.least_agreement);
+    __m256 agreed = _mm256_set1_ps(rule.min_agreement);
     uint32_t at = begin;
     for (; end - at > STP_NEAR_LANES; at += end - at < 16 ? end - at : 16) {
         eight_samples a = load_samples(samples, at, rule);
         eight_samples b = load_samples(samples, at + 8, rule);
         for (uint32_t range = 0; range < ranges->count; ++range) {
-            look_at_surfels(&a, &b, &from, ranges->begins[range], ranges->ends[range], sides,
-                            agreed);
+            test_surfels(&a, &b, &from, ranges->begins[range], ranges->ends[range], sides, agreed);
         }
         store_nearest(nearest + at, 8, a.surfel);
         store_nearest(nearest + at + 8, end - at - 8, b.surfel);
@@ -202,8 +201,8 @@ find_nearest_of(const stp_grid* surfels, const stp_near_ranges* ranges, const st
     if (at < end) {
         eight_samples a = load_samples(samples, at, rule);
         for (uint32_t range = 0; range < ranges->count; ++range) {
-            look_at_surfels(&a, NULL, &from, ranges->begins[range], ranges->ends[range], sides,
-                            agreed);
+            test_surfels(&a, NULL, &from, ranges->begins[range], ranges->ends[range], sides,
+                         agreed);
         }
         store_nearest(nearest + at, end - at, a.surfel);
     }
@@ -213,7 +212,7 @@ static void find_nearest(const stp_grid* surfels, const stp_near_ranges* ranges,
                          const stp_grid* samples, uint32_t begin, uint32_t end, stp_near_rule rule,
                          uint32_t* nearest)
 {
-    if (rule.least_agreement > ANY_AGREEMENT) {
+    if (rule.min_agreement > ANY_AGREEMENT) {
         find_nearest_of(surfels, ranges, samples, begin, end, rule, true, nearest);
     } else {
         find_nearest_of(surfels, ranges, samples, begin, end, rule, false, nearest);
@@ -301,8 +300,8 @@ static bool scan_disk(const stp_grid* samples, const stp_near_ranges* ranges,
     vector3 centre = repeat_vector(query->x, query->y, query->z);
     vector3 normal = repeat_vector(query->nx, query->ny, query->nz);
     vector3 across = repeat_vector(s->x, s->y, s->z), along = repeat_vector(t->x, t->y, t->z);
-    __m256 limit = _mm256_set1_ps(query->limit), agreed = _mm256_set1_ps(query->least_agreement);
-    bool sides = query->least_agreement > ANY_AGREEMENT;
+    __m256 limit = _mm256_set1_ps(query->limit), agreed = _mm256_set1_ps(query->min_agreement);
+    bool sides = query->min_agreement > ANY_AGREEMENT;
     __m256 footprint = _mm256_set1_ps(query->footprint);
     __m256i lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     for (uint32_t range = 0; range < ranges->count; ++range) {
@@ -342,20 +341,20 @@ static bool scan_disk(const stp_grid* samples, const stp_near_ranges* ranges,
     return false;
 }
 
-static float least_squared(const float* x, const float* y, const float* z, uint32_t count,
-                           stp_vec3 place)
+static float nearest_squared(const float* x, const float* y, const float* z, uint32_t count,
+                             stp_vec3 place)
 {
     vector3 centre = repeat_vector(place.x, place.y, place.z);
-    __m256 least = _mm256_set1_ps(FLT_MAX);
+    __m256 minimum = _mm256_set1_ps(FLT_MAX);
     for (uint32_t i = 0; i < count; i += STP_NEAR_LANES) {
         vector3 offset = subtract(centre, load_vectors(x + i, y + i, z + i));
-        least = _mm256_min_ps(least, dot(offset, offset));
+        minimum = _mm256_min_ps(minimum, dot(offset, offset));
     }
-    __m128 half = _mm_min_ps(_mm256_castps256_ps128(least), _mm256_extractf128_ps(least, 1));
+    __m128 half = _mm_min_ps(_mm256_castps256_ps128(minimum), _mm256_extractf128_ps(minimum, 1));
     half = _mm_min_ps(half, _mm_movehl_ps(half, half));
     return _mm_cvtss_f32(_mm_min_ss(half, _mm_movehdup_ps(half)));
 }
 
-const stp_near_kernels stp_near_kernels_avx2 = {find_run, find_nearest, scan_disk, least_squared};
+const stp_near_kernels stp_near_kernels_avx2 = {find_run, find_nearest, scan_disk, nearest_squared};
 
 #endif

@@ -24,18 +24,18 @@ static inline void stp_near_ranges_add(stp_near_ranges* ranges, uint32_t begin, 
 
 /// Search parameters for surfels near a sample.
 typedef struct stp_near_rule {
-    float limit;           ///< squared distance
-    float least_agreement; ///< of normals
+    float limit;         ///< squared distance
+    float min_agreement; ///< of normals
 } stp_near_rule;
 
 /// A disk whose samples are searched.
 typedef struct stp_disk_query {
     float x, y, z, nx, ny, nz;
-    float limit;           ///< squared distance
-    float least_agreement; ///< of normals
-    stp_vec3 tangents[2];  ///< over the disk's radius
-    float footprint;       ///< half the side of a sample's square, over the radius
-    float set_footprint;   ///< of those from `first_of_sets` on, by index
+    float limit;          ///< squared distance
+    float min_agreement;  ///< of normals
+    stp_vec3 tangents[2]; ///< over the disk's radius
+    float footprint;      ///< half the side of a sample's square, over the radius
+    float set_footprint;  ///< of those from `first_of_sets` on, by index
     uint32_t first_of_sets;
     uint32_t set_weight;
     const uint16_t* fractions; ///< by index, or NULL
@@ -57,8 +57,8 @@ typedef struct stp_near_kernels {
                       const stp_disk_query* query, stp_disk* disk);
     /// Minimum squared distance from a position to `count` points, a multiple of STP_NEAR_LANES; at
     /// most FLT_MAX.
-    float (*least_squared)(const float* x, const float* y, const float* z, uint32_t count,
-                           stp_vec3 place);
+    float (*nearest_squared)(const float* x, const float* y, const float* z, uint32_t count,
+                             stp_vec3 place);
 } stp_near_kernels;
 
 /// The kernels for this CPU.

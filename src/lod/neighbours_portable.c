@@ -23,16 +23,17 @@ static void find_nearest(const stp_grid* surfels, const stp_near_ranges* ranges,
         float x = samples->x[at], y = samples->y[at], z = samples->z[at];
         float nx = samples->nx[at], ny = samples->ny[at], nz = samples->nz[at];
         uint32_t surfel = UINT32_MAX;
-        float least = rule.limit;
+        float minimum = rule.limit;
         for (uint32_t range = 0; range < ranges->count; ++range) {
             for (uint32_t i = ranges->begins[range]; i < ranges->ends[range]; ++i) {
                 float dx = x - surfels->x[i], dy = y - surfels->y[i], dz = z - surfels->z[i];
                 float squared = dx * dx + dy * dy + dz * dz;
                 float agreement = nx * surfels->nx[i] + ny * surfels->ny[i] + nz * surfels->nz[i];
-                bool nearer = squared < least || (squared == least && surfels->index[i] < surfel);
-                if (nearer && agreement >= rule.least_agreement) {
+                bool nearer =
+                    squared < minimum || (squared == minimum && surfels->index[i] < surfel);
+                if (nearer && agreement >= rule.min_agreement) {
                     surfel = surfels->index[i];
-                    least = squared;
+                    minimum = squared;
                 }
             }
         }
@@ -45,7 +46,7 @@ static bool is_in_disk(const stp_grid* samples, uint32_t at, stp_vec3 offset,
 {
     float agreement =
         query->nx * samples->nx[at] + query->ny * samples->ny[at] + query->nz * samples->nz[at];
-    return stp_dot(offset, offset) <= query->limit && agreement >= query->least_agreement;
+    return stp_dot(offset, offset) <= query->limit && agreement >= query->min_agreement;
 }
 
 static bool scan_disk(const stp_grid* samples, const stp_near_ranges* ranges,
@@ -77,16 +78,16 @@ static bool scan_disk(const stp_grid* samples, const stp_near_ranges* ranges,
     return false;
 }
 
-static float least_squared(const float* x, const float* y, const float* z, uint32_t count,
-                           stp_vec3 place)
+static float nearest_squared(const float* x, const float* y, const float* z, uint32_t count,
+                             stp_vec3 place)
 {
-    float least = FLT_MAX;
+    float minimum = FLT_MAX;
     for (uint32_t i = 0; i < count; ++i) {
         stp_vec3 offset = {place.x - x[i], place.y - y[i], place.z - z[i]};
-        least = stp_min(least, stp_dot(offset, offset));
+        minimum = stp_min(minimum, stp_dot(offset, offset));
     }
-    return least;
+    return minimum;
 }
 
 const stp_near_kernels stp_near_kernels_portable = {find_run, find_nearest, scan_disk,
-                                                    least_squared};
+                                                    nearest_squared};

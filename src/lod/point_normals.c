@@ -14,12 +14,12 @@ enum {
     BATCH = 64,       ///< points whose normals are computed together
     LANES = STP_CELL_LANES,
     CELL_POINTS = 16, ///< maximum points of a cell that are tested
-    LEAST_NEIGHBOURS = 4,
+    MIN_NEIGHBOURS = 4,
     DOUBLINGS = 4, ///< maximum enlargement of the radius, for points with fewer neighbours
 };
 
 // copies write whole vectors
-_Static_assert(27 * CELL_POINTS + LANES <= STP_NEAR_POINTS_MOST, "a window fits into a list");
+_Static_assert(27 * CELL_POINTS + LANES <= STP_NEAR_POINTS_MAX, "a window fits into a list");
 
 typedef struct normal_loop {
     const stp_cell_rows* rows;
@@ -110,7 +110,7 @@ static void pad(stp_near_points* near)
 /// Counts the last sums of a batch in, unless they are of too few neighbours.
 static void keep_sums(const normal_loop* s, uint32_t index, sum_batch* batch)
 {
-    if (batch->sums[batch->count][0] >= (float)LEAST_NEIGHBOURS) {
+    if (batch->sums[batch->count][0] >= (float)MIN_NEIGHBOURS) {
         batch->index[batch->count++] = index;
         if (batch->count == BATCH) {
             set_normals(s, batch);
@@ -183,12 +183,12 @@ static void sum_within_reach(const normal_loop* s, uint32_t at, float sums[STP_N
     memset(sums, 0, STP_NORMAL_SUMS * sizeof(*sums));
     stp_cell_reach reach =
         stp_cell_reach_around(rows, rows->items[at] >> rows->index_bits, s->reach);
-    for (int64_t z = reach.least[2]; z <= reach.largest[2]; ++z) {
-        for (int64_t y = reach.least[1]; y <= reach.largest[1]; ++y) {
+    for (int64_t z = reach.minimum[2]; z <= reach.largest[2]; ++z) {
+        for (int64_t y = reach.minimum[1]; y <= reach.largest[1]; ++y) {
             uint32_t begin, end;
             stp_cell_reach_row(rows, &reach, y, z, &begin, &end);
             for (uint32_t cell = begin; cell < end; ++cell) {
-                if (near.count + CELL_POINTS + LANES > STP_NEAR_POINTS_MOST) {
+                if (near.count + CELL_POINTS + LANES > STP_NEAR_POINTS_MAX) {
                     add_list(s, at, &near, sums);
                 }
                 add_cells(rows, cell, cell + 1, &near);

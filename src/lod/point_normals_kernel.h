@@ -10,12 +10,12 @@
 
 enum {
     LANES = 8,
-    MOST_SQUARINGS = 12, ///< of a matrix: its 4096th power
+    MAX_SQUARINGS = 12, ///< of a matrix: its 4096th power
 };
 /// Twice the share of the other eigenvalues in the trace, before the last squaring squares it
 #define CONVERGED 1e-5f
 
-_Static_assert(STP_NEAR_POINTS_MOST % LANES == 0, "lists are read in whole vectors");
+_Static_assert(STP_NEAR_POINTS_MAX % LANES == 0, "lists are read in whole vectors");
 
 typedef float lanes_float __attribute__((vector_size(4 * LANES)));
 typedef float half_float __attribute__((vector_size(2 * LANES)));
@@ -130,7 +130,7 @@ static inline void complement_of_covariance(const lanes_float s[STP_NORMAL_SUMS]
 static inline void raise_to_power(lanes_symmetric* m)
 {
     lanes_int done = {0};
-    for (int i = 0; i < MOST_SQUARINGS && !are_all_set(&done); ++i) {
+    for (int i = 0; i < MAX_SQUARINGS && !are_all_set(&done); ++i) {
         lanes_float trace = m->xx + m->yy + m->zz;
         lanes_float scale = (lanes_float)((lanes_int)(1.0f / trace) & (lanes_int)(trace > 0.0f));
         lanes_symmetric scaled = {m->xx * scale, m->xy * scale, m->xz * scale,

@@ -9,7 +9,7 @@
 enum {
     STP_NORMAL_SUMS = 10,
     STP_NORMAL_MATRIX = 6,
-    STP_NEAR_POINTS_MOST = 448, ///< a multiple of 8
+    STP_NEAR_POINTS_MAX = 448, ///< a multiple of 8
 };
 
 /// Side of a cell over the radius of the search: slightly larger, to allow for rounding.
@@ -18,7 +18,7 @@ enum {
 /// Points that may be near others.
 typedef struct stp_near_points {
     uint32_t count; ///< a multiple of 8: padded with points that are infinitely far away
-    float x[STP_NEAR_POINTS_MOST], y[STP_NEAR_POINTS_MOST], z[STP_NEAR_POINTS_MOST];
+    float x[STP_NEAR_POINTS_MAX], y[STP_NEAR_POINTS_MAX], z[STP_NEAR_POINTS_MAX];
 } stp_near_points;
 
 /// Every variant gives the same bits.

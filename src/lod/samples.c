@@ -10,7 +10,7 @@
 stp_result stp_method_samples_take(stp_context* context, const stp_splats* set,
                                    stp_method_samples* samples)
 {
-    size_t count = set->count, finest = stp_set_look_at(set, set->count).first;
+    size_t count = set->count, finest = stp_set_entries_of(set, set->count).first;
     *samples = (stp_method_samples){
         .coverages = set->coverages + finest,
         .positions = STP_NEW_ARRAY(context, float, 3 * count),

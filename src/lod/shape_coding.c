@@ -66,12 +66,12 @@ uint32_t stp_shape_direction(const stp_shape_directions* directions, stp_shape_a
 uint32_t stp_shape_of_ellipse(const stp_shape_directions* directions, float larger, float smaller,
                               stp_vec3 major, const int8_t normal[2])
 {
-    uint32_t most = stp_shape_code(larger), least = stp_shape_code(smaller);
-    if (least >= most) {
-        return most | most << 12 | ANY_NORMALS;
+    uint32_t maximum = stp_shape_code(larger), minimum = stp_shape_code(smaller);
+    if (minimum >= maximum) {
+        return maximum | maximum << 12 | ANY_NORMALS;
     }
     stp_disk_axes axes = stp_disk_axes_of((float)normal[0], (float)normal[1]);
     stp_shape_axis along = {stp_dot(major, axes.x), stp_dot(major, axes.y)};
     uint32_t direction = stp_shape_direction(directions, along);
-    return most | least << 12 | direction << 24;
+    return maximum | minimum << 12 | direction << 24;
 }

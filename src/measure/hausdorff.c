@@ -4,10 +4,10 @@
 enum {
     GRAIN = 2048,
     EACH_TRIANGLE = 10,
-    LEAST_SAMPLES = 200000,
-    MOST_SAMPLES = 4000000,
+    MIN_SAMPLES = 200000,
+    MAX_SAMPLES = 4000000,
     PROOF_SAMPLES = 4, ///< extra measurements for the proof, per sample and in all
-    PROOF_LEAST = 65536,
+    PROOF_MIN = 65536,
 };
 
 // Fractions of 2^64: the plastic number's inverse and its square.
@@ -33,11 +33,11 @@ typedef struct measurement {
 
 uint64_t stp_hausdorff_samples(size_t triangle_count)
 {
-    if (triangle_count > MOST_SAMPLES / EACH_TRIANGLE) {
-        return MOST_SAMPLES;
+    if (triangle_count > MAX_SAMPLES / EACH_TRIANGLE) {
+        return MAX_SAMPLES;
     }
     uint64_t samples = EACH_TRIANGLE * (uint64_t)triangle_count;
-    return samples > LEAST_SAMPLES ? samples : LEAST_SAMPLES;
+    return samples > MIN_SAMPLES ? samples : MIN_SAMPLES;
 }
 
 static void add_place(piece* p, const stp_shape_tree* tree, stp_vec3d place, uint32_t* hint)
@@ -193,7 +193,7 @@ static stp_result measure(measurement* m, stp_hausdorff* hausdorff, double* area
         sum = of_vertices.sum;
     }
     hausdorff->mean = sum / (double)hausdorff->samples;
-    uint64_t places = PROOF_SAMPLES * m->samples + PROOF_LEAST;
+    uint64_t places = PROOF_SAMPLES * m->samples + PROOF_MIN;
     return result == STP_OK ? stp_hausdorff_prove(m->context, s, m->tree, places, hausdorff)
                             : result;
 }

@@ -15,7 +15,7 @@ typedef struct cell {
     stp_vec3d corners[3];
     stp_vec3d middle;
     double distance; ///< of the centre
-    double most;     ///< upper bound over the cell
+    double maximum;  ///< upper bound over the cell
 } cell;
 
 typedef struct prover {
@@ -44,7 +44,7 @@ static void measure_cell(const prover* p, cell* c, uint32_t* hint)
         farthest =
             fmax(farthest, stp_shape_tree_distance_squared_to(p->tree, *hint, c->corners[k]));
     }
-    c->most = fmin(c->distance + reach, sqrt(farthest));
+    c->maximum = fmin(c->distance + reach, sqrt(farthest));
 }
 
 // The fourth part is the central one.
@@ -99,7 +99,7 @@ static stp_result measure_cells(prover* p, size_t count)
         p->stack = stack;
     }
     for (size_t i = 0; i < count; ++i) {
-        if (p->block[i].most > limit_of(p)) {
+        if (p->block[i].maximum > limit_of(p)) {
             p->stack[p->count++] = p->block[i];
         }
     }
@@ -115,11 +115,11 @@ static stp_result cut_cells(prover* p)
         size_t taken = 0;
         while (p->count > 0 && taken < CUT) {
             const cell* c = &p->stack[--p->count];
-            if (c->most > limit_of(p) && p->places >= 4) {
+            if (c->maximum > limit_of(p) && p->places >= 4) {
                 parents[taken++] = *c;
                 p->places -= 4;
-            } else if (c->most > limit_of(p)) {
-                p->left_out = fmax(p->left_out, c->most);
+            } else if (c->maximum > limit_of(p)) {
+                p->left_out = fmax(p->left_out, c->maximum);
             }
         }
         p->parents = parents;

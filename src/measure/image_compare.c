@@ -23,7 +23,7 @@ typedef struct pictures {
     uint64_t* square_errors; ///< per piece of PIXEL_GRAIN pixels, over the three channels
 } pictures;
 
-static int over_black(const uint8_t* pixel, int channel)
+static int composite_on_black(const uint8_t* pixel, int channel)
 {
     return (pixel[channel] * pixel[3] + 127) / 255;
 }
@@ -50,8 +50,8 @@ static void prepare_pixels(size_t begin, size_t end, uint32_t worker, void* user
     for (size_t i = begin; i < end; ++i) {
         int a[3], b[3];
         for (int channel = 0; channel < 3; ++channel) {
-            a[channel] = over_black(p->a->pixels + 4 * i, channel);
-            b[channel] = over_black(p->b->pixels + 4 * i, channel);
+            a[channel] = composite_on_black(p->a->pixels + 4 * i, channel);
+            b[channel] = composite_on_black(p->b->pixels + 4 * i, channel);
             sum += (uint64_t)((a[channel] - b[channel]) * (a[channel] - b[channel]));
         }
         p->grey_a[i] = to_grey(a);

@@ -22,7 +22,7 @@ typedef struct pair {
     uint16_t* values;
 } pair;
 
-static uint32_t on_black(const uint8_t* pixel, int channel)
+static uint32_t composite_on_black(const uint8_t* pixel, int channel)
 {
     return (pixel[channel] * (uint32_t)pixel[3] + 127) / 255;
 }
@@ -33,7 +33,8 @@ static uint32_t sum_change(const uint8_t* before, const uint8_t* after, uint32_t
     uint32_t sum = 0;
     for (uint32_t i = 0; i < count; ++i, before += 4, after += 4) {
         for (int channel = 0; channel < 3; ++channel) {
-            uint32_t a = on_black(before, channel), b = on_black(after, channel);
+            uint32_t a = composite_on_black(before, channel),
+                     b = composite_on_black(after, channel);
             sum += a > b ? a - b : b - a;
         }
     }

@@ -258,12 +258,12 @@ static double distance_to_box(const stp_shape_box* box, const double point[3])
 }
 
 static double distance_to_shape(const stp_shape_tree* tree, uint32_t place, stp_vec3d point,
-                                double most)
+                                double maximum)
 {
     const stp_shapes* s = &tree->shapes;
     uint32_t shape = tree->order[place];
     if (shape < s->disk_count) {
-        return stp_disk_distance_squared(&s->disks[shape], point, most);
+        return stp_disk_distance_squared(&s->disks[shape], point, maximum);
     }
     stp_vec3d corners[3];
     stp_triangle_corners(s->positions, s->indices, shape - s->disk_count, corners);

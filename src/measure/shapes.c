@@ -34,7 +34,7 @@ static double boundary_distance_squared(double a, double b, double x, double y)
     return square(x - nearest_x) + square(y - nearest_y);
 }
 
-double stp_disk_distance_squared(const stp_disk_shape* disk, stp_vec3d point, double most)
+double stp_disk_distance_squared(const stp_disk_shape* disk, stp_vec3d point, double maximum)
 {
     stp_vec3d away = stp_subd(point, stp_to_double(disk->center));
     stp_vec3d larger = stp_to_double(disk->larger), smaller = stp_to_double(disk->smaller);
@@ -56,8 +56,9 @@ double stp_disk_distance_squared(const stp_disk_shape* disk, stp_vec3d point, do
         return height;
     }
     double beyond = sqrt(x * x + y * y) - a; // distance to a circle around the ellipse
-    double least = height + (beyond > 0.0 ? square(beyond) : 0.0);
-    return least * (1.0 - 1e-9) > most ? least : height + boundary_distance_squared(a, b, x, y);
+    double minimum = height + (beyond > 0.0 ? square(beyond) : 0.0);
+    return minimum * (1.0 - 1e-9) > maximum ? minimum
+                                            : height + boundary_distance_squared(a, b, x, y);
 }
 
 // Squared distance to the segment from `a` along `edge`.

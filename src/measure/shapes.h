@@ -28,8 +28,8 @@ typedef struct stp_shapes {
 /// the nearest place of the boundary is a root of a convex function (Eberly, Distance from a Point
 /// to an Ellipse, 2013); Newton's method approaches it from one side. Exact up to rounding, for any
 /// ratio of the axes.
-/// @param most a larger result need not be exact, only larger than this; infinity: always exact
-double stp_disk_distance_squared(const stp_disk_shape* disk, stp_vec3d point, double most);
+/// @param maximum a larger result need not be exact, only larger than this; infinity: always exact
+double stp_disk_distance_squared(const stp_disk_shape* disk, stp_vec3d point, double maximum);
 
 /// Squared distance from a point to the nearest place of a triangle, which may be degenerate
 /// (Ericson, Real-Time Collision Detection, 2005, 5.1.5).

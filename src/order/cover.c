@@ -25,7 +25,7 @@ static void cover_piece(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     const cover_job* job = user;
-    float positions[3 * BATCH], squared[BATCH], most = 0.0f;
+    float positions[3 * BATCH], squared[BATCH], maximum = 0.0f;
     for (size_t batch = begin; batch < end; batch += BATCH) {
         uint32_t count = (uint32_t)(end - batch < BATCH ? end - batch : BATCH);
         for (uint32_t i = 0; i < count; ++i) {
@@ -36,10 +36,10 @@ static void cover_piece(size_t begin, size_t end, uint32_t worker, void* user)
         }
         job->nearest(job->grid, positions, count, squared);
         for (uint32_t i = 0; i < count; ++i) {
-            most = stp_max(most, squared[i]);
+            maximum = stp_max(maximum, squared[i]);
         }
     }
-    job->farthest[begin / GRAIN] = most;
+    job->farthest[begin / GRAIN] = maximum;
 }
 
 stp_result stp_cover_radius(const stp_points* points, const stp_team* team,
@@ -52,11 +52,11 @@ stp_result stp_cover_radius(const stp_points* points, const stp_team* team,
     }
     cover_job job = {points, grid, stp_near_grid_nearest_select(), farthest};
     stp_team_run(team, points->count, GRAIN, cover_piece, &job);
-    float most = 0.0f;
+    float maximum = 0.0f;
     for (size_t i = 0; i < pieces; ++i) {
-        most = stp_max(most, farthest[i]);
+        maximum = stp_max(maximum, farthest[i]);
     }
     stp_free(team->context, farthest);
-    *radius = sqrtf(most) / points->scale;
+    *radius = sqrtf(maximum) / points->scale;
     return STP_OK;
 }

@@ -69,8 +69,8 @@ static void end_round(schedule* plan)
     if (plan->kind == STP_ORDER_PAPER_FAST && plan->round % plan->interval == 0) {
         uint32_t half = plan->samples / 2;
         plan->samples = half > FEWEST_SAMPLES ? half : FEWEST_SAMPLES;
-        uint32_t most = plan->samples * 3 / 10;
-        plan->accepted = plan->accepted + 1 < most ? plan->accepted + 1 : most;
+        uint32_t maximum = plan->samples * 3 / 10;
+        plan->accepted = plan->accepted + 1 < maximum ? plan->accepted + 1 : maximum;
     }
     plan->round += 1;
     if (plan->kind == STP_ORDER_PAPER_TEXT && plan->round % plan->interval == 0) {

@@ -89,7 +89,7 @@ static float catch_up(const stp_tree* tree, uint32_t index, const stp_chosen* ch
     stp_leaf* leaf = &tree->leaves[index];
     stp_pending* pending = &tree->pending[index];
     uint32_t count = pending->count, mixed = pending->mixed;
-    wide most = wide_set(-1.0f);
+    wide maximum = wide_set(-1.0f);
     for (int i = 0; i < STP_LEAF_SIZE; i += WIDE) {
         wide x = wide_load(leaf->x + i), y = wide_load(leaf->y + i), z = wide_load(leaf->z + i);
         wide gaps = wide_load(leaf->gap + i);
@@ -104,11 +104,11 @@ static float catch_up(const stp_tree* tree, uint32_t index, const stp_chosen* ch
             gaps = wide_min(gaps, squared);
         }
         wide_store(leaf->gap + i, gaps);
-        most = wide_max(most, gaps);
+        maximum = wide_max(maximum, gaps);
     }
     pending->count = 0;
     pending->mixed = 0;
-    return wide_highest(most);
+    return wide_highest(maximum);
 }
 
 // Removes from `mask` the leaves that face away as a whole and already have a nearer point that
@@ -124,11 +124,11 @@ static inline uint32_t exclude_facing(const stp_tree* tree, const stp_facing* fa
     eight y1 = eight_mul(eight_load(facing->high_y), normal_y);
     eight z0 = eight_mul(eight_load(facing->low_z), normal_z);
     eight z1 = eight_mul(eight_load(facing->high_z), normal_z);
-    eight most = eight_add(eight_add(eight_max(x0, x1), eight_max(y0, y1)), eight_max(z0, z1));
-    eight least = eight_add(eight_add(eight_min(x0, x1), eight_min(y0, y1)), eight_min(z0, z1));
-    uint32_t all_away = eight_less(most, eight_set(0.0f));
+    eight maximum = eight_add(eight_add(eight_max(x0, x1), eight_max(y0, y1)), eight_max(z0, z1));
+    eight minimum = eight_add(eight_add(eight_min(x0, x1), eight_min(y0, y1)), eight_min(z0, z1));
+    uint32_t all_away = eight_less(maximum, eight_set(0.0f));
     uint32_t waiting = eight_less(eight_set(tree->apart_squared), gap);
-    *mixed = eight_less(least, eight_set(0.0f));
+    *mixed = eight_less(minimum, eight_set(0.0f));
     return mask & ~(all_away & ~waiting);
 }
 
@@ -299,7 +299,7 @@ static uint32_t collect(stp_tree* tree, uint32_t level, uint32_t index, const st
 static float insert_in_leaf(const stp_tree* tree, uint32_t index, const stp_chosen* point)
 {
     stp_leaf* leaf = &tree->leaves[index];
-    wide most = wide_set(-1.0f);
+    wide maximum = wide_set(-1.0f);
     for (int i = 0; i < STP_LEAF_SIZE; i += WIDE) {
         wide squared = squared_distance(wide_load(leaf->x + i), wide_load(leaf->y + i),
                                         wide_load(leaf->z + i), point);
@@ -312,9 +312,9 @@ static float insert_in_leaf(const stp_tree* tree, uint32_t index, const stp_chos
         }
         gaps = wide_min(gaps, squared);
         wide_store(leaf->gap + i, gaps);
-        most = wide_max(most, gaps);
+        maximum = wide_max(maximum, gaps);
     }
-    return wide_highest(most);
+    return wide_highest(maximum);
 }
 
 static float insert_below(stp_tree* tree, uint32_t level, uint32_t index, const stp_chosen* point,
@@ -364,13 +364,13 @@ typedef struct child_bounds {
 
 static void bound_column(const float* values, float* low, float* high)
 {
-    wide least = wide_load(values), most = least;
+    wide minimum = wide_load(values), maximum = minimum;
     for (int i = WIDE; i < STP_LEAF_SIZE; i += WIDE) {
-        least = wide_min(least, wide_load(values + i));
-        most = wide_max(most, wide_load(values + i));
+        minimum = wide_min(minimum, wide_load(values + i));
+        maximum = wide_max(maximum, wide_load(values + i));
     }
-    *low = wide_lowest(least);
-    *high = wide_highest(most);
+    *low = wide_lowest(minimum);
+    *high = wide_highest(maximum);
 }
 
 static child_bounds bound_leaf(const stp_leaf* leaf)

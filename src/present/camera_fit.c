@@ -199,7 +199,7 @@ void stp_camera_fit(stp_view* view, const stp_boxd* box)
     }
     stp_vec3d diagonal = stp_subd(left.max, left.min);
     double size = sqrt(stp_dotd(diagonal, diagonal));
-    double least = size > 0.0 ? NEAREST * size : 1.0; // a single point is viewed from 1 unit away
+    double minimum = size > 0.0 ? NEAREST * size : 1.0; // a single point is viewed from 1 unit away
     double aspect = (double)view->width / (double)view->height;
     aspect = view->eye_distance > 0.0 ? 0.5 * aspect : aspect; // half the picture per eye
     stp_vec3d eye = {0};
@@ -210,7 +210,7 @@ void stp_camera_fit(stp_view* view, const stp_boxd* box)
     } else {
         double y = (1.0 - 2.0 * STP_CAMERA_MARGIN) * tan(view->fov_degrees * (STP_PI / 360.0));
         const double slope[2] = {y * aspect, y};
-        eye = fit_perspective(&set, slope, 0.5 * view->eye_distance, left.max.z + least);
+        eye = fit_perspective(&set, slope, 0.5 * view->eye_distance, left.max.z + minimum);
     }
     stp_vec3d aside = stp_addd(stp_scaled(axes.right, eye.x), stp_scaled(axes.up, eye.y));
     stp_vec3d on_axis = stp_addd(center, aside);

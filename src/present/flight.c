@@ -13,8 +13,8 @@
 
 #include <string.h>
 
-static const double most_coordinate = 1e12; // prevents overflow
-static const double least_span = 1e-6;      // seconds between keys
+static const double max_coordinate = 1e12; // prevents overflow
+static const double min_span = 1e-6;       // seconds between keys
 
 typedef struct reader {
     stp_context* context;
@@ -46,7 +46,7 @@ static stp_result read_vector(const reader* r, const json_t* key, const char* me
                               stp_vec3d* vector)
 {
     double values[3] = {0};
-    bool good = stp_json_numbers(json_object_get(key, member), 3, most_coordinate, values);
+    bool good = stp_json_numbers(json_object_get(key, member), 3, max_coordinate, values);
     *vector = (stp_vec3d){values[0], values[1], values[2]};
     return good ? STP_OK : fail_key(r, member, "three numbers of at most 1e12 in size");
 }
@@ -55,7 +55,7 @@ static stp_result read_key(const reader* r, const json_t* json, stp_flight_key* 
 {
     const json_t* time = json_object_get(json, "t");
     key->t = json_number_value(time);
-    if (!json_is_number(time) || fabs(key->t) > most_coordinate) {
+    if (!json_is_number(time) || fabs(key->t) > max_coordinate) {
         return fail_key(r, "t", "a number of seconds");
     }
     stp_result result = read_vector(r, json, "eye", &key->eye);
@@ -93,15 +93,15 @@ static stp_result read_keys(reader* r, const json_t* list, stp_flight* flight)
         if (result != STP_OK) {
             return result;
         }
-        if (r->key > 0 && !(key->t - key[-1].t >= least_span)) {
+        if (r->key > 0 && !(key->t - key[-1].t >= min_span)) {
             return fail_key(r, "t", "greater than that of the previous key");
         }
     }
     flight->key_count = count;
-    if (flight->keys[count - 1].t - flight->keys[0].t > STP_FLIGHT_SECONDS_MOST) {
+    if (flight->keys[count - 1].t - flight->keys[0].t > STP_FLIGHT_SECONDS_MAX) {
         return stp_fail(r->context, STP_ERROR_FORMAT,
                         "%s: the flight is longer than a day (%.0f s)", r->name,
-                        STP_FLIGHT_SECONDS_MOST);
+                        STP_FLIGHT_SECONDS_MAX);
     }
     return STP_OK;
 }
@@ -122,7 +122,7 @@ stp_result stp_flight_parse(stp_context* context, const char* name, const unsign
                             size_t size, stp_flight* flight)
 {
     *flight = (stp_flight){0};
-    stp_json_text text = {name, "a flight", bytes, size, STP_FLIGHT_BYTES_MOST};
+    stp_json_text text = {name, "a flight", bytes, size, STP_FLIGHT_BYTES_MAX};
     json_t* root;
     stp_result result = stp_json_parse(context, &text, &root);
     if (result != STP_OK) {
@@ -202,7 +202,7 @@ static void set_key_view(const stp_flight_key* key, stp_view* view)
     view->up = key->up;
 }
 
-void stp_flight_look(const stp_flight* flight, double t, stp_view* view)
+void stp_flight_get_view(const stp_flight* flight, double t, stp_view* view)
 {
     const stp_flight_key* first = flight->keys;
     const stp_flight_key* last = flight->keys + flight->key_count - 1;

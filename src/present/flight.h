@@ -2,7 +2,8 @@
 //
 // A camera path through a scene: keys at times, interpolated. As JSON:
 //
-//   { "fov": 60, "fps": 60, "keys": [ { "t": 0, "eye": [0, 2, 30], "target": [0, 2, 0], "up": [0, 1, 0] }, ... ] }
+//   { "fov": 60, "fps": 60, "keys": [ { "t": 0, "eye": [0, 2, 30], "target": [0, 2, 0], "up": [0,
+// 1, 0] }, ... ] }
 //
 // `t` is in seconds. Eye and target follow Catmull-Rom splines, also for keys unevenly spaced in
 // time. Up vectors are interpolated and normalised. fov (60), fps (60) and up (0, 1, 0) are
@@ -25,8 +26,8 @@ typedef struct stp_flight {
     size_t key_count;
 } stp_flight;
 
-#define STP_FLIGHT_BYTES_MOST ((size_t)1 << 24) ///< size limit of a file
-#define STP_FLIGHT_SECONDS_MOST 86400.0         ///< from the first key to the last
+#define STP_FLIGHT_BYTES_MAX ((size_t)1 << 24) ///< size limit of a file
+#define STP_FLIGHT_SECONDS_MAX 86400.0         ///< from the first key to the last
 
 /// @return STP_OK, STP_ERROR_IO, STP_ERROR_FORMAT (not JSON; a value missing, of the wrong type or
 /// out of range; times not ascending; an eye at its target), STP_ERROR_LIMIT (file too large),
@@ -47,4 +48,4 @@ uint32_t stp_flight_frame_count(const stp_flight* flight, double fps);
 
 /// Sets eye, target, up and the angle of `view`, and turns parallel projection off. Before the
 /// first key and after the last, the camera stays at that key.
-void stp_flight_look(const stp_flight* flight, double t, stp_view* view);
+void stp_flight_get_view(const stp_flight* flight, double t, stp_view* view);

@@ -17,7 +17,7 @@
     X(PFNEGLDESTROYCONTEXTPROC, eglDestroyContext)                                                 \
     X(PFNEGLMAKECURRENTPROC, eglMakeCurrent)
 
-enum { DEVICES_MOST = 16 };
+enum { DEVICES_MAX = 16 };
 
 typedef struct egl {
 #define X(type, name) type name;
@@ -120,12 +120,12 @@ static bool try_display(const egl* e, const stp_headless_desc* desc, EGLenum pla
 static bool try_devices(const egl* e, const stp_headless_desc* desc, bool software,
                         stp_headless* headless)
 {
-    EGLDeviceEXT devices[DEVICES_MOST];
+    EGLDeviceEXT devices[DEVICES_MAX];
     EGLint count = 0;
     stp_headless_desc kind = *desc;
     kind.software = software;
     kind.only_hardware = !software;
-    if (e->query_devices == NULL || !e->query_devices(DEVICES_MOST, devices, &count)) {
+    if (e->query_devices == NULL || !e->query_devices(DEVICES_MAX, devices, &count)) {
         return false;
     }
     for (EGLint i = 0; i < count; ++i) {

@@ -36,13 +36,13 @@ void stp_json_release(stp_context* context, const stp_json_text* text, json_t* r
     stp_release(context, (uint64_t)text->size * PARSED_BYTES);
 }
 
-bool stp_json_numbers(const json_t* json, size_t count, double most, double* numbers)
+bool stp_json_numbers(const json_t* json, size_t count, double maximum, double* numbers)
 {
     bool good = json_is_array(json) && json_array_size(json) == count;
     for (size_t i = 0; good && i < count; ++i) {
         const json_t* number = json_array_get(json, i);
         numbers[i] = json_number_value(number);
-        good = json_is_number(number) && fabs(numbers[i]) <= most;
+        good = json_is_number(number) && fabs(numbers[i]) <= maximum;
     }
     return good;
 }

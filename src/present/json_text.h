@@ -20,5 +20,6 @@ STP_MUST_USE stp_result stp_json_parse(stp_context* context, const stp_json_text
                                        json_t** root);
 void stp_json_release(stp_context* context, const stp_json_text* text, json_t* root);
 
-/// Reads an array of exactly `count` numbers, none beyond `most` in size. False if it is not one.
-bool stp_json_numbers(const json_t* json, size_t count, double most, double* numbers);
+/// Reads an array of exactly `count` numbers, none beyond `maximum` in size. False if it is not
+/// one.
+bool stp_json_numbers(const json_t* json, size_t count, double maximum, double* numbers);

@@ -6,7 +6,7 @@
 static const double quarter = 0.5 * STP_PI;
 static const double reaches_per_second = 0.6; // flight speed
 static const double seeing_seconds = 0.35;    // time to adapt to most of a new distance
-static const double speed_step = 1.25, speed_least = 0.01, speed_most = 100.0;
+static const double speed_step = 1.25, speed_min = 0.01, speed_max = 100.0;
 static const double alike = 3.0; // depths within this factor count as similar
 
 static double slope_of(const stp_navigator* n)
@@ -16,7 +16,7 @@ static double slope_of(const stp_navigator* n)
 
 static void clamp_reach(stp_navigator* n)
 {
-    n->reach = stp_clampd(n->reach, n->least_reach, n->most_reach);
+    n->reach = stp_clampd(n->reach, n->min_reach, n->max_reach);
 }
 
 stp_navigator_axes stp_navigator_get_axes(const stp_navigator* n)
@@ -51,8 +51,8 @@ void stp_navigator_init(stp_navigator* n, const stp_boxd* scene, uint32_t width,
     size = size > 0.0 ? size : 1.0;
     *n = (stp_navigator){.fov_degrees = 60.0,
                          .speed = 1.0,
-                         .least_reach = 1e-7 * size,
-                         .most_reach = 1e3 * size,
+                         .min_reach = 1e-7 * size,
+                         .max_reach = 1e3 * size,
                          .reach = size,
                          .width = width > 0 ? width : 1,
                          .height = height > 0 ? height : 1};
@@ -183,7 +183,7 @@ void stp_navigator_zoom(stp_navigator* n, stp_vec3d point, double factor)
 {
     stp_vec3d offset = stp_subd(n->eye, point);
     if (n->ortho_height > 0.0) {
-        double height = stp_clampd(n->ortho_height * factor, n->least_reach, n->most_reach);
+        double height = stp_clampd(n->ortho_height * factor, n->min_reach, n->max_reach);
         factor = height / n->ortho_height;
         n->ortho_height = height;
         // only sideways; the eye's distance matters only when switching back to perspective
@@ -193,8 +193,7 @@ void stp_navigator_zoom(stp_navigator* n, stp_vec3d point, double factor)
         n->reach *= factor;
     } else {
         double distance = stp_lengthd(offset);
-        double wanted =
-            stp_clampd(distance * factor, n->least_reach, fmax(n->most_reach, distance));
+        double wanted = stp_clampd(distance * factor, n->min_reach, fmax(n->max_reach, distance));
         factor = distance > 0.0 ? wanted / distance : 1.0;
         n->eye = stp_addd(point, stp_scaled(offset, factor));
         n->reach *= factor;
@@ -210,17 +209,17 @@ void stp_navigator_fly(stp_navigator* n, const double moves[3], double seconds, 
     by.y += moves[1] * step;
     if (n->ortho_height > 0.0) { // forward enlarges
         double height = n->ortho_height * exp(-moves[2] * step / n->reach);
-        n->ortho_height = stp_clampd(height, n->least_reach, n->most_reach);
+        n->ortho_height = stp_clampd(height, n->min_reach, n->max_reach);
     } else {
         by = stp_subd(by, stp_scaled(axes.back, moves[2] * step));
     }
     move(n, by);
 }
 
-void stp_navigator_see(stp_navigator* n, double distance, double seconds)
+void stp_navigator_adapt_speed(stp_navigator* n, double distance, double seconds)
 {
     if (distance > 0.0 && isfinite(distance)) {
-        double wanted = stp_clampd(distance, n->least_reach, n->most_reach);
+        double wanted = stp_clampd(distance, n->min_reach, n->max_reach);
         double part = 1.0 - exp(-seconds / seeing_seconds);
         n->reach *= pow(wanted / n->reach, part);
         clamp_reach(n);
@@ -229,7 +228,7 @@ void stp_navigator_see(stp_navigator* n, double distance, double seconds)
 
 void stp_navigator_change_speed(stp_navigator* n, double steps)
 {
-    n->speed = stp_clampd(n->speed * pow(speed_step, steps), speed_least, speed_most);
+    n->speed = stp_clampd(n->speed * pow(speed_step, steps), speed_min, speed_max);
 }
 
 void stp_navigator_frame(stp_navigator* n, const stp_boxd* box, const stp_sections* sections)
@@ -248,10 +247,10 @@ void stp_navigator_frame(stp_navigator* n, const stp_boxd* box, const stp_sectio
     stp_camera_fit(&view, box);
     double distance = stp_lengthd(stp_subd(view.eye, view.target));
     if (n->ortho_height > 0.0) {
-        n->ortho_height = stp_clampd(view.ortho_height, n->least_reach, n->most_reach);
+        n->ortho_height = stp_clampd(view.ortho_height, n->min_reach, n->max_reach);
         distance = 0.5 * n->ortho_height / slope_of(n);
     }
-    distance = stp_clampd(distance, n->least_reach, n->most_reach);
+    distance = stp_clampd(distance, n->min_reach, n->max_reach);
     n->eye = stp_addd(view.target, stp_scaled(axes.back, distance));
     n->reach = distance;
     n->pivot = stp_scaled(stp_addd(box->min, box->max), 0.5);
@@ -289,7 +288,7 @@ void stp_navigator_switch_projection(stp_navigator* n)
         n->reach = wanted;
     } else {
         bool before = stp_navigator_project(n, n->pivot, &x, &y, &depth);
-        depth = before && depth > n->least_reach ? depth : n->reach;
+        depth = before && depth > n->min_reach ? depth : n->reach;
         n->ortho_height = 2.0 * slope_of(n) * depth;
         n->reach = depth;
     }

@@ -22,7 +22,7 @@ typedef struct stp_navigator {
     stp_vec3d pivot;                 ///< centre of orbits
     bool pivot_chosen;               ///< the user chose it: it stays
     double speed;                    ///< flight speed factor; initially 1
-    double least_reach, most_reach;
+    double min_reach, max_reach;
     uint32_t width, height; ///< pixels
 } stp_navigator;
 
@@ -67,7 +67,7 @@ void stp_navigator_zoom(stp_navigator* n, stp_vec3d point, double factor);
 void stp_navigator_fly(stp_navigator* n, const double move[3], double seconds, double faster);
 /// Adapts to the distance of the visible surface, smoothly. `distance` not above 0: nothing is
 /// visible.
-void stp_navigator_see(stp_navigator* n, double distance, double seconds);
+void stp_navigator_adapt_speed(stp_navigator* n, double distance, double seconds);
 void stp_navigator_change_speed(stp_navigator* n, double steps);
 
 /// Moves, without turning, so that the box clipped by `sections` (NULL: none) fits the picture

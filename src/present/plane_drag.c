@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "present/plane_drag.h"
 
-static const double least_slant =
+static const double min_slant =
     0.15; // share of a direction's length that must be seen for a hand to follow it
 
 static double component(stp_vec3d v, int axis)
@@ -19,18 +19,18 @@ static stp_vec3d corner_of(const stp_boxd* box, int corner)
 /// Angle of a corner around the plane's normal, seen from a centre point.
 static double angle_around(stp_vec3d corner, stp_vec3d middle, stp_vec3d normal)
 {
-    int least = 0;
+    int minimum = 0;
     for (int i = 1; i < 3; ++i) {
-        least = fabs(component(normal, i)) < fabs(component(normal, least)) ? i : least;
+        minimum = fabs(component(normal, i)) < fabs(component(normal, minimum)) ? i : minimum;
     }
-    stp_vec3d side = {least == 0, least == 1, least == 2};
+    stp_vec3d side = {minimum == 0, minimum == 1, minimum == 2};
     stp_vec3d across = stp_normalized(stp_crossd(normal, side));
     stp_vec3d up = stp_crossd(normal, across), way = stp_subd(corner, middle);
     return atan2(stp_dotd(way, up), stp_dotd(way, across));
 }
 
 int stp_plane_cut_box(stp_vec3d point, stp_vec3d normal, const stp_boxd* box,
-                      stp_vec3d corners[STP_PLANE_CORNERS_MOST])
+                      stp_vec3d corners[STP_PLANE_CORNERS_MAX])
 {
     stp_vec3d found[12], middle = {0, 0, 0};
     int count = 0;
@@ -46,7 +46,7 @@ int stp_plane_cut_box(stp_vec3d point, stp_vec3d normal, const stp_boxd* box,
             }
         }
     }
-    if (count < 3 || count > STP_PLANE_CORNERS_MOST) {
+    if (count < 3 || count > STP_PLANE_CORNERS_MAX) {
         return 0;
     }
     middle = stp_scaled(middle, 1.0 / (double)count);
@@ -81,7 +81,7 @@ double stp_plane_drag(const stp_navigator* n, stp_vec3d anchor, stp_vec3d direct
         down -= (y - 0.5 * (double)n->height) * away / depth;
     }
     double square = right * right + down * down;
-    if (square * pixel * pixel < least_slant * least_slant) {
+    if (square * pixel * pixel < min_slant * min_slant) {
         return -dy * pixel * (away < 0.0 ? -1.0 : 1.0);
     }
     return (dx * right + dy * down) / square;

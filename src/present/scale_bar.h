@@ -7,6 +7,6 @@ typedef struct stp_scale_bar {
     double pixels; ///< its width
 } stp_scale_bar;
 
-/// The longest bar of at most `most_pixels`, if a pixel is `pixel` units wide. No bar if either is
+/// The longest bar of at most `max_pixels`, if a pixel is `pixel` units wide. No bar if either is
 /// not positive and finite.
-stp_scale_bar stp_scale_bar_make(double pixel, double most_pixels);
+stp_scale_bar stp_scale_bar_make(double pixel, double max_pixels);

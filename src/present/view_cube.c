@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "present/view_cube.h"
 
-static const double least_facing = 0.12;    // smaller faces are too narrow to click
+static const double min_facing = 0.12;      // smaller faces are too narrow to click
 static const double straight = 0.9999;      // the camera already looks at this side
 static const double handle_distance = 2.45; // from the centre, in half edges
 static const double handle_apart =
@@ -30,7 +30,7 @@ void stp_view_cube_make(const stp_navigator_axes* axes, stp_view_cube* cube)
         stp_vec3d normal = unit_of(axis, i % 2 == 0 ? 1.0 : -1.0);
         *s = (stp_view_cube_side){.view = views[i], .axis = axis, .positive = i % 2 == 0};
         s->facing = stp_dotd(normal, axes->back);
-        s->visible = s->facing > least_facing;
+        s->visible = s->facing > min_facing;
         project(axes, normal, s->center);
         project(axes, stp_scaled(normal, handle_distance), s->handle);
         s->has_handle = hypot(s->handle[0], s->handle[1]) > handle_apart;

@@ -105,15 +105,15 @@ stp_result stp_viewpoints_add(stp_context* context, stp_viewpoints* viewpoints,
                               stp_viewpoint* added)
 {
     stp_viewpoint* views = NULL;
-    if (viewpoints->count < STP_VIEWPOINTS_MOST) {
+    if (viewpoints->count < STP_VIEWPOINTS_MAX) {
         views = stp_grow_array(context, viewpoints->views, &viewpoints->capacity,
                                viewpoints->count + 1, sizeof(*views));
     }
     if (views == NULL) {
-        return viewpoints->count < STP_VIEWPOINTS_MOST
+        return viewpoints->count < STP_VIEWPOINTS_MAX
                    ? stp_fail_memory(context)
                    : stp_fail(context, STP_ERROR_LIMIT, "a file holds at most %d viewpoints",
-                              STP_VIEWPOINTS_MOST);
+                              STP_VIEWPOINTS_MAX);
     }
     viewpoints->views = views;
     views[viewpoints->count++] = *added;
@@ -166,7 +166,7 @@ const stp_viewpoint* stp_viewpoints_find(const stp_viewpoints* viewpoints, const
     return NULL;
 }
 
-void stp_viewpoint_look(const stp_viewpoint* viewpoint, stp_view* view)
+void stp_viewpoint_get_view(const stp_viewpoint* viewpoint, stp_view* view)
 {
     view->eye = viewpoint->eye;
     view->target = viewpoint->target;

@@ -45,10 +45,10 @@ typedef struct stp_viewpoints {
     size_t count, capacity;
 } stp_viewpoints;
 
-#define STP_VIEWPOINTS_BYTES_MOST ((size_t)1 << 24) ///< size limit of a file
+#define STP_VIEWPOINTS_BYTES_MAX ((size_t)1 << 24) ///< size limit of a file
 enum {
-    STP_VIEWPOINTS_MOST = 4096,
-    STP_VIEWPOINT_TEXT_MOST = 65536, ///< size limit of a text
+    STP_VIEWPOINTS_MAX = 4096,
+    STP_VIEWPOINT_TEXT_MAX = 65536, ///< size limit of a text
 };
 
 /// Path of a model's sidecar file: its last extension becomes ".views.json". From stp_alloc; NULL:
@@ -77,4 +77,4 @@ bool stp_viewpoints_remove(stp_context* context, stp_viewpoints* viewpoints, con
 /// NULL if there is none of that name.
 const stp_viewpoint* stp_viewpoints_find(const stp_viewpoints* viewpoints, const char* name);
 /// Sets eye, target, up, angle (if the viewpoint has one), projection and sections of `view`.
-void stp_viewpoint_look(const stp_viewpoint* viewpoint, stp_view* view);
+void stp_viewpoint_get_view(const stp_viewpoint* viewpoint, stp_view* view);

@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-static const double most_coordinate = 1e18;
+static const double max_coordinate = 1e18;
 
 typedef struct reader {
     stp_context* context;
@@ -25,7 +25,7 @@ static stp_result read_vector(const reader* r, const json_t* from, const char* m
                               stp_vec3d* vector)
 {
     double v[3] = {0};
-    if (!stp_json_numbers(json_object_get(from, member), 3, most_coordinate, v)) {
+    if (!stp_json_numbers(json_object_get(from, member), 3, max_coordinate, v)) {
         return fail_member(r, member, "three numbers");
     }
     *vector = (stp_vec3d){v[0], v[1], v[2]};
@@ -33,12 +33,12 @@ static stp_result read_vector(const reader* r, const json_t* from, const char* m
 }
 
 /// Reads an optional number (default 0).
-static stp_result read_number(const reader* r, const json_t* from, const char* member, double most,
-                              double* number)
+static stp_result read_number(const reader* r, const json_t* from, const char* member,
+                              double maximum, double* number)
 {
     const json_t* json = json_object_get(from, member);
     *number = json_number_value(json);
-    if (json != NULL && (!json_is_number(json) || !(*number > 0.0 && *number <= most))) {
+    if (json != NULL && (!json_is_number(json) || !(*number > 0.0 && *number <= maximum))) {
         return fail_member(r, member, "a number above 0");
     }
     return STP_OK;
@@ -54,7 +54,7 @@ static stp_result read_text(const reader* r, const json_t* from, const char* mem
         return STP_OK;
     }
     size_t length = json_string_length(json);
-    if (!json_is_string(json) || (needed && length == 0) || length > STP_VIEWPOINT_TEXT_MOST) {
+    if (!json_is_string(json) || (needed && length == 0) || length > STP_VIEWPOINT_TEXT_MAX) {
         return fail_member(r, member, "a text of at most 65536 bytes");
     }
     *text = stp_alloc(r->context, length + 1);
@@ -75,7 +75,7 @@ static stp_result read_sections(const reader* r, const json_t* from, stp_section
     for (size_t i = 0; i < count; ++i) {
         double p[4];
         stp_section_plane* plane = &sections->planes[i];
-        if (!stp_json_numbers(json_array_get(list, i), 4, most_coordinate, p) ||
+        if (!stp_json_numbers(json_array_get(list, i), 4, max_coordinate, p) ||
             !(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] > 1e-12)) {
             return fail_member(r, "sections", "planes: a normal of length 1, and its distance");
         }
@@ -156,7 +156,7 @@ static stp_result read_camera(const reader* r, const json_t* from, stp_viewpoint
     }
     result = result == STP_OK ? read_number(r, from, "fov", 179.0, &view->fov_degrees) : result;
     result = result == STP_OK
-                 ? read_number(r, from, "ortho_height", most_coordinate, &view->ortho_height)
+                 ? read_number(r, from, "ortho_height", max_coordinate, &view->ortho_height)
                  : result;
     stp_vec3d gaze = stp_subd(view->target, view->eye);
     if (result == STP_OK && !(stp_dotd(gaze, gaze) > 0.0)) {
@@ -183,10 +183,10 @@ static stp_result read_root(reader* r, const json_t* root, stp_viewpoints* viewp
 {
     const json_t* list = json_object_get(root, "views");
     const json_t* version = json_object_get(root, "version");
-    if (!json_is_array(list) || json_array_size(list) > STP_VIEWPOINTS_MOST) {
+    if (!json_is_array(list) || json_array_size(list) > STP_VIEWPOINTS_MAX) {
         return stp_fail(r->context, STP_ERROR_FORMAT,
                         "%s: \"views\" must be an array of at most %d views", r->name,
-                        STP_VIEWPOINTS_MOST);
+                        STP_VIEWPOINTS_MAX);
     }
     if (version != NULL && json_integer_value(version) != 1) {
         return stp_fail(r->context, STP_ERROR_VERSION, "%s: \"version\" must be 1", r->name);
@@ -210,7 +210,7 @@ stp_result stp_viewpoints_parse(stp_context* context, const char* name, const un
                                 size_t size, stp_viewpoints* viewpoints)
 {
     *viewpoints = (stp_viewpoints){0};
-    stp_json_text text = {name, "a viewpoints file", bytes, size, STP_VIEWPOINTS_BYTES_MOST};
+    stp_json_text text = {name, "a viewpoints file", bytes, size, STP_VIEWPOINTS_BYTES_MAX};
     json_t* root;
     stp_result result = stp_json_parse(context, &text, &root);
     if (result != STP_OK) {

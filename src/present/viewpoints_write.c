@@ -140,10 +140,10 @@ stp_result stp_viewpoints_write(stp_context* context, const char* path,
     stp_file_writer* writer;
     size_t size = strlen(text);
     stp_result result =
-        size <= STP_VIEWPOINTS_BYTES_MOST
+        size <= STP_VIEWPOINTS_BYTES_MAX
             ? stp_file_writer_open(context, path, &writer)
             : stp_fail(context, STP_ERROR_LIMIT, "%s: the viewpoints file would exceed %zu bytes",
-                       path, STP_VIEWPOINTS_BYTES_MOST);
+                       path, STP_VIEWPOINTS_BYTES_MAX);
     if (result == STP_OK) {
         result = stp_file_writer_append(writer, text, size);
         result = result == STP_OK ? stp_file_writer_append(writer, "\n", 1) : result;

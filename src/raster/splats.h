@@ -72,7 +72,7 @@ typedef struct stp_raster_camera {
 /// Level of detail of a view: the allowed error, in object space.
 typedef struct stp_raster_levels {
     float per_depth; ///< at depth 1 (W of the matrix)
-    float least;     ///< lower bound everywhere
+    float minimum;   ///< lower bound everywhere
     uint32_t divide; ///< splats before it use `below` at any depth; 0: none
     float below;
     /// NULL, or one per STP_GROUP_SPLATS splats (from splat 0 on): culls groups outside the picture

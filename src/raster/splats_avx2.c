@@ -64,8 +64,8 @@ static inline __m256i hash_fragments(uint32_t coverage, uint32_t index, __m256i 
     h = _mm256_mullo_epi32(h, _mm256_set1_epi32(0x2C1B3C6D));
     h = _mm256_xor_si256(h, _mm256_srli_epi32(h, 13));
     h = _mm256_mullo_epi32(h, _mm256_set1_epi32(0x297A2D39));
-    __m256i most = _mm256_set1_epi32((int)(coverage + (coverage >> 7)));
-    return _mm256_cmpgt_epi32(most, _mm256_srli_epi32(h, 24));
+    __m256i maximum = _mm256_set1_epi32((int)(coverage + (coverage >> 7)));
+    return _mm256_cmpgt_epi32(maximum, _mm256_srli_epi32(h, 24));
 }
 
 /// Evaluates disk `i` at eight pixels (u, v): all bits set for those inside, and their depth bits.
@@ -77,16 +77,16 @@ static inline __m256i evaluate(const stp_splat_frame* f, const splat_batch* t, i
     __m256 across = _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(a, u), _mm256_mul_ps(b, v)), p);
     __m256 down = _mm256_add_ps(_mm256_mul_ps(c, v), q);
     __m256 value = _mm256_add_ps(_mm256_mul_ps(u, across), _mm256_mul_ps(v, down));
-    __m256 most = _mm256_set1_ps(t->g_limit[i]);
+    __m256 maximum = _mm256_set1_ps(t->g_limit[i]);
     __m256 change = _mm256_add_ps(_mm256_mul_ps(_mm256_set1_ps(t->gx[i]), u),
                                   _mm256_mul_ps(_mm256_set1_ps(t->gy[i]), v));
-    __m256 least = _mm256_sub_ps(_mm256_setzero_ps(), most);
-    change = _mm256_blendv_ps(change, most, _mm256_cmp_ps(change, most, _CMP_GT_OQ));
-    change = _mm256_blendv_ps(change, least, _mm256_cmp_ps(change, least, _CMP_LT_OQ));
+    __m256 minimum = _mm256_sub_ps(_mm256_setzero_ps(), maximum);
+    change = _mm256_blendv_ps(change, maximum, _mm256_cmp_ps(change, maximum, _CMP_GT_OQ));
+    change = _mm256_blendv_ps(change, minimum, _mm256_cmp_ps(change, minimum, _CMP_LT_OQ));
     __m256 limit = _mm256_set1_ps(t->limit[i]);
     __m256 rim = _mm256_mul_ps(_mm256_min_ps(value, limit), _mm256_set1_ps(t->rim[i]));
     __m256 at = _mm256_sub_ps(_mm256_add_ps(_mm256_set1_ps(t->nearness[i]), change), rim);
-    at = _mm256_max_ps(at, _mm256_set1_ps(SPLAT_LEAST_NEARNESS));
+    at = _mm256_max_ps(at, _mm256_set1_ps(SPLAT_MIN_NEARNESS));
     at = _mm256_min_ps(at, _mm256_set1_ps(f->nearness_limit));
     *bits = _mm256_xor_si256(_mm256_castps_si256(at), _mm256_set1_epi32(-1));
     return _mm256_castps_si256(_mm256_cmp_ps(value, limit, _CMP_LE_OQ));

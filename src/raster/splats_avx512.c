@@ -49,8 +49,8 @@ static inline __mmask16 hash_fragments(uint32_t coverage, uint32_t index, __m512
     h = _mm512_mullo_epi32(h, _mm512_set1_epi32(0x2C1B3C6D));
     h = _mm512_xor_si512(h, _mm512_srli_epi32(h, 13));
     h = _mm512_mullo_epi32(h, _mm512_set1_epi32(0x297A2D39));
-    __m512i most = _mm512_set1_epi32((int)(coverage + (coverage >> 7)));
-    return _mm512_cmplt_epu32_mask(_mm512_srli_epi32(h, 24), most);
+    __m512i maximum = _mm512_set1_epi32((int)(coverage + (coverage >> 7)));
+    return _mm512_cmplt_epu32_mask(_mm512_srli_epi32(h, 24), maximum);
 }
 
 /// Evaluates disk `i` at sixteen pixels (u, v). Returns the mask of those inside, and their depth
@@ -63,16 +63,16 @@ static inline __mmask16 evaluate(const stp_splat_frame* f, const splat_batch* t,
     __m512 across = _mm512_add_ps(_mm512_add_ps(_mm512_mul_ps(a, u), _mm512_mul_ps(b, v)), p);
     __m512 down = _mm512_add_ps(_mm512_mul_ps(c, v), q);
     __m512 value = _mm512_add_ps(_mm512_mul_ps(u, across), _mm512_mul_ps(v, down));
-    __m512 most = _mm512_set1_ps(t->g_limit[i]);
+    __m512 maximum = _mm512_set1_ps(t->g_limit[i]);
     __m512 change = _mm512_add_ps(_mm512_mul_ps(_mm512_set1_ps(t->gx[i]), u),
                                   _mm512_mul_ps(_mm512_set1_ps(t->gy[i]), v));
-    __m512 least = _mm512_sub_ps(_mm512_setzero_ps(), most);
-    change = _mm512_mask_mov_ps(change, _mm512_cmp_ps_mask(change, most, _CMP_GT_OQ), most);
-    change = _mm512_mask_mov_ps(change, _mm512_cmp_ps_mask(change, least, _CMP_LT_OQ), least);
+    __m512 minimum = _mm512_sub_ps(_mm512_setzero_ps(), maximum);
+    change = _mm512_mask_mov_ps(change, _mm512_cmp_ps_mask(change, maximum, _CMP_GT_OQ), maximum);
+    change = _mm512_mask_mov_ps(change, _mm512_cmp_ps_mask(change, minimum, _CMP_LT_OQ), minimum);
     __m512 limit = _mm512_set1_ps(t->limit[i]);
     __m512 rim = _mm512_mul_ps(_mm512_min_ps(value, limit), _mm512_set1_ps(t->rim[i]));
     __m512 at = _mm512_sub_ps(_mm512_add_ps(_mm512_set1_ps(t->nearness[i]), change), rim);
-    at = _mm512_max_ps(at, _mm512_set1_ps(SPLAT_LEAST_NEARNESS));
+    at = _mm512_max_ps(at, _mm512_set1_ps(SPLAT_MIN_NEARNESS));
     at = _mm512_min_ps(at, _mm512_set1_ps(f->nearness_limit));
     *bits = _mm512_xor_si512(_mm512_castps_si512(at), _mm512_set1_epi32(-1));
     return _mm512_cmp_ps_mask(value, limit, _CMP_LE_OQ);

@@ -91,8 +91,8 @@ static void blend_fragment(blend_batch* b, uint32_t i, int32_t x, int32_t y, flo
         plane->down = down;
         return;
     }
-    float most = side * STP_BLEND_AWAY * (tiny ? 0.5f : t->radius[i]);
-    if (!(fabsf(nearness - plane->nearness) <= most)) {
+    float maximum = side * STP_BLEND_AWAY * (tiny ? 0.5f : t->radius[i]);
+    if (!(fabsf(nearness - plane->nearness) <= maximum)) {
         return;
     }
     float ray_x = ((float)x - b->frame->center_x) * b->frame->inverse_scale;
@@ -146,7 +146,7 @@ static void blend_textured(blend_batch* b, uint32_t i)
     const splat_batch* t = &b->t;
     splat_box box = clip_box(b->frame, t, (int)i);
     splat_map map = map_texture(b, (int)i);
-    float most = t->g_limit[i];
+    float maximum = t->g_limit[i];
     for (int32_t y = box.y0; y < box.y1; ++y) {
         for (int32_t x = box.x0; x < box.x1; ++x) {
             float u = t->u0[i] + (float)(x - t->x0[i]), v = t->v0[i] + (float)(y - t->y0[i]);
@@ -155,8 +155,8 @@ static void blend_textured(blend_batch* b, uint32_t i)
                 continue;
             }
             float change = t->gx[i] * u + t->gy[i] * v;
-            change = change > most ? most : change;
-            change = change < -most ? -most : change;
+            change = change > maximum ? maximum : change;
+            change = change < -maximum ? -maximum : change;
             blend_fragment(b, i, x, y, t->nearness[i] + change,
                            read_texture(b->blend->texture, &map, u, v));
         }
@@ -167,7 +167,7 @@ static void blend_disk(blend_batch* b, uint32_t i)
 {
     const splat_batch* t = &b->t;
     splat_box box = clip_box(b->frame, t, (int)i);
-    float limit = t->limit[i], most = t->g_limit[i], inverse = 1.0f / limit;
+    float limit = t->limit[i], maximum = t->g_limit[i], inverse = 1.0f / limit;
     for (int32_t y = box.y0; y < box.y1; ++y) {
         for (int32_t x = box.x0; x < box.x1; ++x) {
             float u = t->u0[i] + (float)(x - t->x0[i]), v = t->v0[i] + (float)(y - t->y0[i]);
@@ -176,8 +176,8 @@ static void blend_disk(blend_batch* b, uint32_t i)
                 continue;
             }
             float change = t->gx[i] * u + t->gy[i] * v;
-            change = change > most ? most : change;
-            change = change < -most ? -most : change;
+            change = change > maximum ? maximum : change;
+            change = change < -maximum ? -maximum : change;
             float share = 1.0f - (value > 0.0f ? value * inverse : 0.0f);
             share = share > 0.0f ? share : 0.0f; // squared: nearly exp(-2 q), and 0 at the rim
             blend_fragment(b, i, x, y, t->nearness[i] + change, share * share);

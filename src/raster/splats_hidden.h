@@ -10,7 +10,7 @@
 typedef struct splat_blocks {
     float left[SPLAT_BATCH], top[SPLAT_BATCH], right[SPLAT_BATCH], bottom[SPLAT_BATCH];
     float nearest[SPLAT_BATCH];
-    float least[SPLAT_BATCH]; ///< over the windows that it touches
+    float minimum[SPLAT_BATCH]; ///< over the windows that it touches
     int32_t asked[SPLAT_BATCH];
     int32_t first[SPLAT_BATCH], across[SPLAT_BATCH],
         down[SPLAT_BATCH]; ///< index of a window, and steps to the last ones
@@ -22,7 +22,7 @@ static inline void find_extents(const stp_splat_frame* restrict f, const splat_b
     const stp_raster_occluder* o = f->splats->occluder;
     float right = o->width - 1.0f, bottom = o->height - 1.0f, inverse_scale = 1.0f / o->pixel_scale;
     float apart = o->apart, half = 0.5f * inverse_scale; // splats count as at least half a pixel
-    float wider = 1.1f * o->corner, near = o->near_distance, least = near * o->behind;
+    float wider = 1.1f * o->corner, near = o->near_distance, minimum = near * o->behind;
     for (int i = 0; i < SPLAT_BATCH; ++i) {
         float x = t->px[i], y = t->py[i], z = t->pz[i];
         float X = ((f->occluder[0][0] * x + f->occluder[0][1] * y) + f->occluder[0][2] * z) +
@@ -37,7 +37,7 @@ static inline void find_extents(const stp_splat_frame* restrict f, const splat_b
         float ratio = radius * inverse_scale; // radius over depth
         float extent = radius * wider + 0.51f;
         // for a ratio up to a twelfth, 1 / (1 - ratio) is below 1 + 1.1 ratio and below 1.1
-        k->nearest[i] = least * inverse * (1.0f + 1.1f * ratio) * (1.0f + apart * (ratio + half));
+        k->nearest[i] = minimum * inverse * (1.0f + 1.1f * ratio) * (1.0f + apart * (ratio + half));
         float x0 = sx - extent, y0 = sy - extent, x1 = sx + extent, y1 = sy + extent;
         int32_t asked = (int32_t)(W > near) & (int32_t)(ratio < 0.08f) & (int32_t)(x1 >= 0.0f) &
                         (int32_t)(y1 >= 0.0f) & (int32_t)(x0 <= right) & (int32_t)(y0 <= bottom);
@@ -70,7 +70,7 @@ static inline void find_windows(const stp_raster_occluder* o, splat_blocks* rest
     }
 }
 
-static inline void look_up_windows(const stp_raster_occluder* o, splat_blocks* restrict k)
+static inline void find_in_windows(const stp_raster_occluder* o, splat_blocks* restrict k)
 {
     const float* windows = o->windows;
     int32_t wide = 0;
@@ -78,7 +78,7 @@ static inline void look_up_windows(const stp_raster_occluder* o, splat_blocks* r
         wide |= (k->across[i] | k->down[i]) & -k->asked[i];
     }
     for (int i = 0; i < SPLAT_BATCH; ++i) {
-        k->least[i] = windows[k->first[i]];
+        k->minimum[i] = windows[k->first[i]];
     }
     if (wide == 0) {
         return;
@@ -91,7 +91,7 @@ static inline void look_up_windows(const stp_raster_occluder* o, splat_blocks* r
         float a = at[k->across[i]], b = at[k->down[i]], c = at[k->down[i] + k->across[i]];
         a = a < b ? a : b;
         a = a < c ? a : c;
-        k->least[i] = a < k->least[i] ? a : k->least[i];
+        k->minimum[i] = a < k->minimum[i] ? a : k->minimum[i];
     }
 }
 
@@ -101,9 +101,9 @@ static inline void find_hidden(const stp_splat_frame* restrict f, const splat_ba
 {
     find_extents(f, t, k);
     find_windows(f->splats->occluder, k);
-    look_up_windows(f->splats->occluder, k);
+    find_in_windows(f->splats->occluder, k);
     for (int i = 0; i < SPLAT_BATCH; ++i) {
-        k->asked[i] &= (int32_t)(k->least[i] > k->nearest[i]);
+        k->asked[i] &= (int32_t)(k->minimum[i] > k->nearest[i]);
     }
 }
 

@@ -25,7 +25,7 @@ enum {
     SPLAT_EXTENT_LIMIT = 512 ///< half a side; larger disks are drawn in double precision
 };
 
-#define SPLAT_LEAST_NEARNESS 1e-30f
+#define SPLAT_MIN_NEARNESS 1e-30f
 #define SPLAT_FAR 1e6f ///< pixels: centres are clamped to it, so that they fit an integer
 
 typedef enum splat_kind {
@@ -61,8 +61,8 @@ typedef struct stp_splat_frame {
     float occluder[3][4];  ///< rows of the occluder's matrix after the position grid
     float occluder_radius; ///< projected radius times its W
     uint32_t seed;         ///< added to a splat's index in the hash for holes
-    /// NULL, or how transparent splats are drawn (splats_glass.c)
-    const struct stp_glass_splats* glass;
+    /// NULL, or how transparent splats are drawn (splats_transparent.c)
+    const struct stp_transparent_splats* glass;
 } stp_splat_frame;
 
 /// Sixteen splats. Lanes that are not drawn are undefined.
@@ -111,8 +111,8 @@ uint64_t stp_splats_draw_large(const stp_splat_frame* frame, uint32_t index);
 /// Draws all splats as squares.
 uint64_t stp_splats_draw_squares(const stp_splat_frame* frame);
 /// Draws a fragment of a transparent splat of `frame->glass`. @return whether it was kept
-bool stp_glass_store(const stp_splat_frame* frame, uint32_t index, int32_t x, int32_t y,
-                     float nearness);
+bool stp_transparent_store(const stp_splat_frame* frame, uint32_t index, int32_t x, int32_t y,
+                           float nearness);
 bool stp_splats_make_frame(stp_splat_frame* frame, const stp_raster_target* target,
                            uint32_t row_begin, uint32_t row_end, const stp_raster_camera* camera,
                            const stp_raster_splats* splats, uint32_t first_id);
@@ -178,7 +178,7 @@ static inline uint32_t splat_coverage(const stp_raster_splats* splats, uint32_t 
 
 /// Twice the radius, in pixels, that halving must leave. Varies per splat, so that not all shrink
 /// at the same depth.
-static inline float splat_least(uint32_t index)
+static inline float splat_min_diameter(uint32_t index)
 {
     return 1.5f + (float)(index * 0x9E3779B1u >> 24) * (1.5f / 256.0f);
 }
@@ -257,13 +257,15 @@ static inline splat_batch empty_batch(void)
     return batch;
 }
 
-/// Halves the radius of one splat, in pixels, as often as wanted while half of splat_least is left.
+/// Halves the radius of one splat, in pixels, as often as wanted while half of splat_min_diameter
+/// is left.
 static inline void halve_radius(const stp_splat_frame* f, uint32_t index, int i, splat_batch* t)
 {
     float W = ((f->w[0] * t->px[i] + f->w[1] * t->py[i]) + f->w[2] * t->pz[i]) + f->w[3];
-    float radius = (f->radius_px * (1.0f / W) + f->pixels) * t->own[i], least = splat_least(index);
+    float radius = (f->radius_px * (1.0f / W) + f->pixels) * t->own[i],
+          minimum = splat_min_diameter(index);
     int32_t wanted = t->halvings[i], done = 0;
-    while (done < wanted && radius * t->size[i] >= least) {
+    while (done < wanted && radius * t->size[i] >= minimum) {
         t->size[i] *= 0.5f;
         done += 1;
     }
@@ -397,7 +399,7 @@ static inline void drop_beside(const stp_splat_frame* restrict f, splat_batch* r
 /// Computes the conic of each disk, its slope of nearness, and its box.
 static inline void shape_batch(const stp_splat_frame* restrict f, splat_batch* restrict t)
 {
-    const float most = (float)SPLAT_EXTENT_LIMIT;
+    const float maximum = (float)SPLAT_EXTENT_LIMIT;
     int32_t facing = f->splats->normals == NULL;
     float depth[SPLAT_BATCH], away[SPLAT_BATCH];
     for (int i = 0; i < SPLAT_BATCH; ++i) {
@@ -416,10 +418,10 @@ static inline void shape_batch(const stp_splat_frame* restrict f, splat_batch* r
         nz = facing != 0 ? 1.0f : nz;
         float square = (nx * nx + ny * ny) + nz * nz;
         float D = (nx * ax + ny * ay) + nz;
-        float least = square * 1e-6f; // edge-on: at least a thousandth of the diameter wide
+        float minimum = square * 1e-6f; // edge-on: at least a thousandth of the diameter wide
         float D2 = D * D;
-        float fixed = sqrtf(least);
-        D = D2 < least ? (D < 0.0f ? -fixed : fixed) : D;
+        float fixed = sqrtf(minimum);
+        D = D2 < minimum ? (D < 0.0f ? -fixed : fixed) : D;
         D2 = D * D;
         float radius = t->radius[i], R2 = radius * radius;
         float ratio = radius * f->inverse_scale; // radius over depth
@@ -445,7 +447,7 @@ static inline void shape_batch(const stp_splat_frame* restrict f, splat_batch* r
         float ey = grow * sqrtf(ey2 > 0.0f ? ey2 : 0.0f) + 0.01f;
         t->u0[i] = ex;
         t->v0[i] = ey;
-        t->large[i] = 1 - ((int32_t)(ex < most) & (int32_t)(ey < most));
+        t->large[i] = 1 - ((int32_t)(ex < maximum) & (int32_t)(ey < maximum));
         t->sx[i] = t->sx[i] > -SPLAT_FAR ? t->sx[i] : -SPLAT_FAR; // also for NaN
         t->sy[i] = t->sy[i] > -SPLAT_FAR ? t->sy[i] : -SPLAT_FAR;
     }
@@ -482,8 +484,8 @@ static inline splat_line project_line(const stp_splat_frame* f, const splat_batc
     float dy = (f->turn[1][0] * d.x + f->turn[1][1] * d.y) + f->turn[1][2] * d.z;
     float dz = (f->turn[2][0] * d.x + f->turn[2][1] * d.y) + f->turn[2][2] * d.z;
     float D = (nx * ax + ny * ay) + nz;
-    float least = ((nx * nx + ny * ny) + nz * nz) * 1e-6f;
-    D = D * D < least ? (D < 0.0f ? -sqrtf(least) : sqrtf(least)) : D;
+    float minimum = ((nx * nx + ny * ny) + nz * nz) * 1e-6f;
+    D = D * D < minimum ? (D < 0.0f ? -sqrtf(minimum) : sqrtf(minimum)) : D;
     float slide = ((dx * ax + dy * ay) + dz) / D;
     return (splat_line){dx - slide * nx, dy - slide * ny, D * D};
 }
@@ -538,14 +540,14 @@ static inline bool splat_is_cut_away(const splat_batch* t, int i, float u, float
 /// empty.
 static inline void box_batch(splat_batch* restrict t)
 {
-    const float most = (float)SPLAT_EXTENT_LIMIT, far = SPLAT_FAR;
+    const float maximum = (float)SPLAT_EXTENT_LIMIT, far = SPLAT_FAR;
     for (int i = 0; i < SPLAT_BATCH; ++i) {
         float sx = t->sx[i], sy = t->sy[i];
         sx = sx < far ? sx : far;
         sy = sy < far ? sy : far;
         float ex = t->u0[i], ey = t->v0[i];
-        ex = ex < most ? ex : most;
-        ey = ey < most ? ey : most;
+        ex = ex < maximum ? ex : maximum;
+        ey = ey < maximum ? ey : maximum;
         t->cx[i] = (int32_t)floorf(sx);
         t->cy[i] = (int32_t)floorf(sy);
         t->x0[i] = (int32_t)floorf((sx - ex) + 0.5f);
@@ -593,12 +595,12 @@ static inline bool disk_fragment(const stp_splat_frame* f, const splat_batch* t,
 {
     float u = t->u0[i] + (float)column, v = t->v0[i] + (float)row;
     float value = u * ((t->a[i] * u + t->b[i] * v) + t->p[i]) + v * (t->c[i] * v + t->q[i]);
-    float change = t->gx[i] * u + t->gy[i] * v, most = t->g_limit[i];
-    change = change > most ? most : change;
-    change = change < -most ? -most : change;
+    float change = t->gx[i] * u + t->gy[i] * v, maximum = t->g_limit[i];
+    change = change > maximum ? maximum : change;
+    change = change < -maximum ? -maximum : change;
     float limit = t->limit[i];
     float at = (t->nearness[i] + change) - (value < limit ? value : limit) * t->rim[i];
-    at = at > SPLAT_LEAST_NEARNESS ? at : SPLAT_LEAST_NEARNESS;
+    at = at > SPLAT_MIN_NEARNESS ? at : SPLAT_MIN_NEARNESS;
     *nearness = at < f->nearness_limit ? at : f->nearness_limit;
     return value <= limit;
 }

@@ -251,7 +251,7 @@ uint64_t stp_splats_draw_large(const stp_splat_frame* frame, uint32_t index)
                 continue;
             }
             if (frame->glass != NULL) {
-                fragments += stp_glass_store(frame, index, x, y, (float)nearness);
+                fragments += stp_transparent_store(frame, index, x, y, (float)nearness);
                 continue;
             }
             if (coverage < 255 &&

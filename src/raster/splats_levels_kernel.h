@@ -25,7 +25,7 @@ static inline uint32_t pick_sixteen(const levels_frame* restrict f, const float*
     for (int i = 0; i < SPLAT_BATCH; ++i) {
         float W = ((f->w[0] * x[i] + f->w[1] * y[i]) + f->w[2] * z[i]) + f->w[3];
         float level = f->levels.per_depth * W;
-        level = level > f->levels.least ? level : f->levels.least;
+        level = level > f->levels.minimum ? level : f->levels.minimum;
         // the bits of positive floats sort like the floats
         int32_t bits = (int32_t)stp_bits_of_float(level);
         int32_t lowest = (int32_t)((ranges[i] & 0xFFFFu) << 15);

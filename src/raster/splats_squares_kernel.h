@@ -71,8 +71,7 @@ static inline void place_squares(const stp_splat_frame* f, splat_batch* t, splat
     cut_squares(f, t);
     int32_t width = (int32_t)f->target->width;
     for (int i = 0; i < SPLAT_BATCH; ++i) {
-        float nearness =
-            t->nearness[i] > SPLAT_LEAST_NEARNESS ? t->nearness[i] : SPLAT_LEAST_NEARNESS;
+        float nearness = t->nearness[i] > SPLAT_MIN_NEARNESS ? t->nearness[i] : SPLAT_MIN_NEARNESS;
         bool inside =
             t->x1[i] >= 0 && t->x0[i] < width && t->y1[i] >= f->row_begin && t->y0[i] < f->row_end;
         bool disk = t->kind[i] == SPLAT_DISK;

@@ -10,9 +10,9 @@
 enum { CHUNK_TRIANGLES = 4096, CHUNK_VERTICES = 3 * CHUNK_TRIANGLES };
 
 typedef struct chunk_memory {
-    int32_t x[CHUNK_VERTICES + STP_LANES_MOST];
-    int32_t y[CHUNK_VERTICES + STP_LANES_MOST];
-    float nearness[CHUNK_VERTICES + STP_LANES_MOST];
+    int32_t x[CHUNK_VERTICES + STP_LANES_MAX];
+    int32_t y[CHUNK_VERTICES + STP_LANES_MAX];
+    float nearness[CHUNK_VERTICES + STP_LANES_MAX];
     uint32_t clipped[CHUNK_TRIANGLES];
 } chunk_memory;
 
@@ -152,7 +152,7 @@ static void draw_clipped(const stp_triangle_kernels* kernels,
 {
     const float* positions[3];
     chunk_positions(mesh, triangle, positions);
-    stp_screen_vertex polygon[STP_CLIPPED_MOST];
+    stp_screen_vertex polygon[STP_CLIPPED_MAX];
     uint32_t count = stp_triangle_clip(transform, positions, polygon);
     if (mesh->keep != NULL) {
         draw_kept_triangle(transform, mesh, chunk, positions, polygon, count, triangle, first_id);
@@ -198,13 +198,13 @@ static bool transform_chunk(const stp_triangle_kernels* kernels,
 {
     const uint32_t* indices = mesh->indices + 3 * (size_t)begin;
     size_t corner_count = 3 * (size_t)chunk->triangle_count;
-    uint32_t least, most;
-    kernels->find_range(indices, corner_count, &least, &most);
-    if (most - least < corner_count) {
+    uint32_t minimum, maximum;
+    kernels->find_range(indices, corner_count, &minimum, &maximum);
+    if (maximum - minimum < corner_count) {
         chunk->indices = indices;
-        chunk->index_base = least;
-        kernels->transform(transform, mesh->positions + 3 * (size_t)least,
-                           (size_t)(most - least) + 1, chunk->x, chunk->y, chunk->nearness);
+        chunk->index_base = minimum;
+        kernels->transform(transform, mesh->positions + 3 * (size_t)minimum,
+                           (size_t)(maximum - minimum) + 1, chunk->x, chunk->y, chunk->nearness);
         return true;
     }
     if (*soup == NULL) {

@@ -28,13 +28,13 @@ uint32_t stp_triangle_outcode(float x, float y, float n, float w, float nearness
 {
     const float guard = (float)STP_GUARD_BAND;
     uint32_t code = 0;
-    code |= (uint32_t) !(w >= STP_LEAST_W) << PLANE_EYE;
-    if (w >= STP_LEAST_W) {
+    code |= (uint32_t) !(w >= STP_MIN_W) << PLANE_EYE;
+    if (w >= STP_MIN_W) {
         float inverse = 1.0f / w;
         float gx = (x * inverse) * (float)STP_SUBPIXEL, gy = (y * inverse) * (float)STP_SUBPIXEL;
         float gn = n * inverse;
         code |= (uint32_t) !(gn <= nearness_limit) << PLANE_NEAR;
-        code |= (uint32_t) !(gn >= STP_LEAST_NEARNESS) << PLANE_FAR;
+        code |= (uint32_t) !(gn >= STP_MIN_NEARNESS) << PLANE_FAR;
         code |= (uint32_t) !(gx >= -guard) << PLANE_LEFT;
         code |= (uint32_t) !(gx <= guard) << PLANE_RIGHT;
         code |= (uint32_t) !(gy >= -guard) << PLANE_TOP;
@@ -70,7 +70,7 @@ static double distance_to(int plane, const stp_screen_point* p, double nearness_
     case PLANE_NEAR:
         return nearness_limit * p->w - p->n;
     case PLANE_EYE:
-        return p->w - (double)STP_LEAST_W;
+        return p->w - (double)STP_MIN_W;
     case PLANE_FAR:
         return p->n;
     case PLANE_LEFT:
@@ -108,7 +108,7 @@ static uint32_t clip_to_plane(int plane, double nearness_limit, const clip_corne
                               uint32_t count, clip_corner* out)
 {
     uint32_t made = 0;
-    for (uint32_t i = 0; i < count && made + 2 <= STP_CLIPPED_MOST; ++i) {
+    for (uint32_t i = 0; i < count && made + 2 <= STP_CLIPPED_MAX; ++i) {
         const clip_corner *a = &in[i], *b = &in[(i + 1) % count];
         double da = distance_to(plane, &a->point, nearness_limit);
         double db = distance_to(plane, &b->point, nearness_limit);
@@ -137,15 +137,15 @@ static stp_screen_vertex finish_corner(const clip_corner* corner, double nearnes
 {
     const stp_screen_point* p = &corner->point;
     double nearness = p->n / p->w;
-    nearness = nearness > (double)STP_LEAST_NEARNESS ? nearness : (double)STP_LEAST_NEARNESS;
+    nearness = nearness > (double)STP_MIN_NEARNESS ? nearness : (double)STP_MIN_NEARNESS;
     nearness = nearness < nearness_limit ? nearness : nearness_limit;
     return (stp_screen_vertex){snap(p->x / p->w), snap(p->y / p->w), (float)nearness};
 }
 
 uint32_t stp_triangle_clip(const stp_triangle_transform* transform, const float* const corners[3],
-                           stp_screen_vertex polygon[STP_CLIPPED_MOST])
+                           stp_screen_vertex polygon[STP_CLIPPED_MAX])
 {
-    clip_corner buffers[2][STP_CLIPPED_MOST];
+    clip_corner buffers[2][STP_CLIPPED_MAX];
     float limit = transform->nearness_limit;
     double finite_limit = (double)(limit < FLT_MAX ? limit : FLT_MAX);
     uint32_t needed = 0;

@@ -17,13 +17,13 @@ enum {
     /// X of a vertex that may not be drawn unclipped; y holds its outcode
     STP_OUTSIDE = -(1 << 30),
     STP_SMALL_EXTENT = 1 << 15, ///< smaller triangles have edge functions of 32 bits: 128 pixels
-    STP_LANES_MOST = 16,
+    STP_LANES_MAX = 16,
 };
 
 /// Points with a smaller W do not count as in front of the eye.
-#define STP_LEAST_W 1e-30f
+#define STP_MIN_W 1e-30f
 /// Smallest nearness drawn: 0 marks an empty pixel.
-#define STP_LEAST_NEARNESS FLT_MIN
+#define STP_MIN_NEARNESS FLT_MIN
 
 typedef struct stp_screen_vertex {
     int32_t x, y; ///< sub-pixels
@@ -64,9 +64,9 @@ typedef struct stp_triangle_transform {
     float nearness_limit;
 } stp_triangle_transform;
 
-/// One variant. `transform` writes up to STP_LANES_MOST - 1 elements past `count`.
+/// One variant. `transform` writes up to STP_LANES_MAX - 1 elements past `count`.
 typedef struct stp_triangle_kernels {
-    void (*find_range)(const uint32_t* indices, size_t count, uint32_t* least, uint32_t* most);
+    void (*find_range)(const uint32_t* indices, size_t count, uint32_t* minimum, uint32_t* maximum);
     void (*transform)(const stp_triangle_transform* transform, const float* positions, size_t count,
                       int32_t* x, int32_t* y, float* nearness);
     void (*draw_chunk)(stp_triangle_chunk* chunk);
@@ -102,11 +102,11 @@ void stp_triangle_project(const stp_triangle_transform* transform, const float* 
 
 /// Three corners and one more for each of seven planes; the rest is for polygons that rounding made
 /// concave.
-enum { STP_CLIPPED_MOST = 16 };
+enum { STP_CLIPPED_MAX = 16 };
 
 /// Clips a triangle. @return corners of a convex polygon, 0 if nothing is left
 uint32_t stp_triangle_clip(const stp_triangle_transform* transform, const float* const corners[3],
-                           stp_screen_vertex polygon[STP_CLIPPED_MOST]);
+                           stp_screen_vertex polygon[STP_CLIPPED_MAX]);
 
 /// A triangle in the window, oriented so that its area is positive.
 typedef struct stp_triangle_setup {

@@ -40,8 +40,8 @@ static void transform_vertices(const stp_triangle_transform* transform, const fl
         lanes_float gy = (sy * inverse) * (float)STP_SUBPIXEL;
         lanes_float gn = sn * inverse;
         lanes_int inside = (gx >= -guard) & (gx <= guard) & (gy >= -guard) & (gy <= guard) &
-                           (gn >= STP_LEAST_NEARNESS) & (gn <= transform->nearness_limit) &
-                           (sw >= STP_LEAST_W);
+                           (gn >= STP_MIN_NEARNESS) & (gn <= transform->nearness_limit) &
+                           (sw >= STP_MIN_W);
         lanes_int grid_x = lanes_round(gx), grid_y = lanes_round(gy);
         memcpy(x + i, &grid_x, sizeof(grid_x));
         memcpy(y + i, &grid_y, sizeof(grid_y));
@@ -55,15 +55,15 @@ static void transform_vertices(const stp_triangle_transform* transform, const fl
     }
 }
 
-static void find_range(const uint32_t* indices, size_t count, uint32_t* least, uint32_t* most)
+static void find_range(const uint32_t* indices, size_t count, uint32_t* minimum, uint32_t* maximum)
 {
     uint32_t low = UINT32_MAX, high = 0;
     for (size_t i = 0; i < count; ++i) {
         low = indices[i] < low ? indices[i] : low;
         high = indices[i] > high ? indices[i] : high;
     }
-    *least = low;
-    *most = high;
+    *minimum = low;
+    *maximum = high;
 }
 
 /// Draws a single small triangle.

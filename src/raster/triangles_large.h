@@ -30,7 +30,7 @@ typedef struct large_rows {
     lanes_real first, last; ///< columns of the picture; empty if first > last
 } large_rows;
 
-static inline lanes_real least_real(lanes_real a, lanes_real b)
+static inline lanes_real min_real(lanes_real a, lanes_real b)
 {
     lanes_long mask = a < b;
     return (lanes_real)((mask & (lanes_long)a) | (~mask & (lanes_long)b));
@@ -83,17 +83,17 @@ static inline void find_columns(const large_walk* walk, int32_t row, large_rows*
     const double round = 6755399441055744.0; // adding and subtracting it rounds to an integer
     const lanes_real lines = count_rows() + (double)(row - setup->top);
     lanes_real first = {0}, last = first + (double)(setup->right - setup->left);
-    const lanes_real most = last + 2.0;
+    const lanes_real maximum = last + 2.0;
     for (int k = 0; k < 3; ++k) {
         const large_edge* edge = &walk->doubles[k];
         lanes_real ratio = ((lines * edge->down + edge->at) + 0.5) * edge->inverse;
-        ratio = least_real(ratio, most);
-        ratio = -least_real(-ratio, most);
+        ratio = min_real(ratio, maximum);
+        ratio = -min_real(-ratio, maximum);
         lanes_real column = ((ratio - 0.5) + round) - round;
         if (edge->fall < 0.0) {
-            first = -least_real(-first, column);
+            first = -min_real(-first, column);
         } else {
-            last = least_real(last, column);
+            last = min_real(last, column);
         }
     }
     rows->first = first + (double)setup->left;

@@ -58,8 +58,8 @@ static inline void narrow_spans(lanes_int value, int32_t fall, float inverse, in
     const lanes_float zero = {0};
     int32_t amount = fall < 0 ? -fall : fall;
     lanes_float ratio = (__builtin_convertvector(value, lanes_float) + 0.5f) * inverse;
-    const lanes_float most = zero + (float)(width + 2), least = -most;
-    ratio = lanes_min_float(lanes_max_float(ratio, least), most);
+    const lanes_float maximum = zero + (float)(width + 2), minimum = -maximum;
+    ratio = lanes_min_float(lanes_max_float(ratio, minimum), maximum);
     lanes_int column = __builtin_convertvector(ratio + 256.0f, lanes_int) - 256; // rounded down
     // within 128 pixels the estimate is less than one column off
     lanes_int rest = value - column * amount;

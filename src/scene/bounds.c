@@ -5,7 +5,7 @@
 // distances, so they are computed from the vertices if that takes reasonable time.
 #include "scene/bounds.h"
 
-#define MOST_ELEMENTS ((uint64_t)1 << 26) // triangles and points: about a second of one thread
+#define MAX_ELEMENTS ((uint64_t)1 << 26) // triangles and points: about a second of one thread
 
 typedef struct bounds_work {
     const stp_scene* scene;
@@ -41,14 +41,14 @@ static void measure_parts(size_t begin, size_t end, uint32_t worker, void* user)
 stp_result stp_scene_tighten_root(stp_scene* scene)
 {
     const stp_node* root = &scene->nodes[scene->root];
-    if (root->triangle_count > MOST_ELEMENTS ||
-        root->point_count > MOST_ELEMENTS - root->triangle_count) {
+    if (root->triangle_count > MAX_ELEMENTS ||
+        root->point_count > MAX_ELEMENTS - root->triangle_count) {
         return STP_OK; // each part has at least one element, so this limits the number of parts too
     }
     stp_placed_part* parts;
     size_t part_count;
     stp_result result =
-        stp_scene_flatten(scene, scene->root, (size_t)MOST_ELEMENTS, &parts, &part_count);
+        stp_scene_flatten(scene, scene->root, (size_t)MAX_ELEMENTS, &parts, &part_count);
     if (result != STP_OK) {
         return result;
     }

@@ -156,19 +156,19 @@ static stp_result add_group(stp_context* context, stp_grouping* grouping, const 
 }
 
 // Splits a group with too many boxes into children.
-static stp_result open_group(stp_context* context, const stp_boxd* boxes, uint32_t most,
+static stp_result open_group(stp_context* context, const stp_boxd* boxes, uint32_t maximum,
                              stp_grouping* grouping, size_t index)
 {
     range parts[STP_GROUP_LIMIT];
     stp_group* group = &grouping->groups[index];
     parts[0] = (range){group->first, group->count, group->depth};
     uint32_t part_count = 1;
-    while (part_count < most) {
+    while (part_count < maximum) {
         uint32_t largest = 0;
         for (uint32_t i = 1; i < part_count; ++i) {
             largest = parts[i].count > parts[largest].count ? i : largest;
         }
-        if (parts[largest].count <= most) {
+        if (parts[largest].count <= maximum) {
             break;
         }
         split(boxes, grouping->order, &parts[largest], &parts[part_count]);
@@ -184,9 +184,9 @@ static stp_result open_group(stp_context* context, const stp_boxd* boxes, uint32
 }
 
 stp_result stp_group_boxes(stp_context* context, const stp_boxd* boxes, uint32_t count,
-                           uint32_t most, stp_grouping* grouping)
+                           uint32_t maximum, stp_grouping* grouping)
 {
-    assert(count > 0 && most >= 2 && most <= STP_GROUP_LIMIT);
+    assert(count > 0 && maximum >= 2 && maximum <= STP_GROUP_LIMIT);
     uint32_t* order =
         stp_grow_array(context, grouping->order, &grouping->order_capacity, count, sizeof(*order));
     if (order == NULL) {
@@ -199,8 +199,8 @@ stp_result stp_group_boxes(stp_context* context, const stp_boxd* boxes, uint32_t
     }
     stp_result result = add_group(context, grouping, &(range){.count = count});
     for (size_t i = 0; result == STP_OK && i < grouping->group_count; ++i) {
-        if (grouping->groups[i].count > most) {
-            result = open_group(context, boxes, most, grouping, i);
+        if (grouping->groups[i].count > maximum) {
+            result = open_group(context, boxes, maximum, grouping, i);
         }
     }
     return result;

@@ -22,9 +22,9 @@ typedef struct stp_grouping {
 
 enum { STP_GROUP_LIMIT = 256 };
 
-/// Groups `count` boxes (at least 1), with at most `most` (2 to STP_GROUP_LIMIT) members or
+/// Groups `count` boxes (at least 1), with at most `maximum` (2 to STP_GROUP_LIMIT) members or
 /// children each. Boxes may coincide, have no volume, or have any size. Time O(count log count).
 /// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_group_boxes(stp_context* context, const stp_boxd* boxes, uint32_t count,
-                                        uint32_t most, stp_grouping* grouping);
+                                        uint32_t maximum, stp_grouping* grouping);
 void stp_grouping_destroy(stp_context* context, stp_grouping* grouping);

@@ -29,7 +29,7 @@ typedef struct cutting {
     bool in_spill;      ///< the places lie there
     run *from, *to;     ///< of this level and the next; two places for each run of this one
     stp_place* scratch; ///< room for the longest piece, for each thread
-    uint32_t most;      ///< places of a piece
+    uint32_t maximum;   ///< places of a piece
     uint32_t* ends;     ///< of the pieces
     unsigned index_bits;
 } cutting;
@@ -205,7 +205,7 @@ static void finish_piece(cutting* c, run r, stp_place* scratch)
 static void finish_runs(size_t begin, size_t end, uint32_t worker, void* user)
 {
     cutting* c = user;
-    stp_place* scratch = c->scratch + (size_t)worker * c->most;
+    stp_place* scratch = c->scratch + (size_t)worker * c->maximum;
     for (size_t i = begin; i < end; ++i) {
         run stack[DEPTH];
         uint32_t waiting = 1;
@@ -256,8 +256,8 @@ static stp_result cut_all(stp_context* context, cutting* c, uint32_t count, uint
     }
     uint32_t threads = stp_context_thread_count(context);
     threads = threads < run_count ? threads : run_count;
-    c->most = count / pieces + (count % pieces != 0);
-    c->scratch = STP_NEW_ARRAY(context, stp_place, (size_t)c->most * threads);
+    c->maximum = count / pieces + (count % pieces != 0);
+    c->scratch = STP_NEW_ARRAY(context, stp_place, (size_t)c->maximum * threads);
     if (c->scratch == NULL) {
         return stp_fail_memory(context);
     }

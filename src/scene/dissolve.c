@@ -5,9 +5,9 @@
 
 #define WIDTH 0.75       // minimum share of the parent's extent along each relevant axis
 #define THIN (1.0 / 16.) // relevant axes: minimum share of the parent's largest extent
-#define MOST_NESTED 8    // limit on nested dissolving: content is visited once per level
+#define MAX_NESTED 8     // limit on nested dissolving: content is visited once per level
 // A child with this many times the items of the rest is nearly its parent, and stays whole.
-#define MOST_ALONE 4
+#define MAX_ALONE 4
 
 typedef struct search {
     const stp_scene* scene;
@@ -45,7 +45,7 @@ static bool is_as_wide(stp_boxd child, stp_boxd parent)
 static bool is_layer(const search* s, const stp_node* node, const stp_edge* edge)
 {
     const stp_node* child = &s->scene->nodes[edge->node];
-    return child->flags == 0 && count_items(child) > 1 && s->nested[edge->node] < MOST_NESTED &&
+    return child->flags == 0 && count_items(child) > 1 && s->nested[edge->node] < MAX_NESTED &&
            is_as_wide(stp_affine_box(&edge->transform, child->bounds), node->bounds);
 }
 
@@ -77,7 +77,7 @@ static void mark_layers(search* s, uint32_t index)
         uint32_t child = edges[k].node;
         uint64_t size = s->sizes[child];
         if (found[k] == STP_DISSOLVED &&
-            (size > MOST_ALONE * (all - size) || !may_repeat(s, child))) {
+            (size > MAX_ALONE * (all - size) || !may_repeat(s, child))) {
             found[k] = 0;
         }
         if (found[k] == STP_DISSOLVED) {

@@ -11,8 +11,8 @@
 // Also false for NaN.
 static bool reaches(const float* p)
 {
-    const float most = (float)STP_SCENE_DISTANCE_LIMIT;
-    return fabsf(p[0]) <= most && fabsf(p[1]) <= most && fabsf(p[2]) <= most;
+    const float maximum = (float)STP_SCENE_DISTANCE_LIMIT;
+    return fabsf(p[0]) <= maximum && fabsf(p[1]) <= maximum && fabsf(p[2]) <= maximum;
 }
 
 static bool all_reach(const float* positions, size_t count)
@@ -26,10 +26,12 @@ static bool all_reach(const float* positions, size_t count)
 
 bool stp_is_within_distance_limit(stp_boxd box)
 {
-    const double most = STP_SCENE_DISTANCE_LIMIT * (1.0 + 1e-6); // tolerance for rounding to float
-    stp_vec3d low = box.min, high = box.max; // NaN coordinates leave an axis empty
-    return low.x <= high.x && low.y <= high.y && low.z <= high.z && low.x >= -most &&
-           low.y >= -most && low.z >= -most && high.x <= most && high.y <= most && high.z <= most;
+    const double maximum =
+        STP_SCENE_DISTANCE_LIMIT * (1.0 + 1e-6); // tolerance for rounding to float
+    stp_vec3d low = box.min, high = box.max;     // NaN coordinates leave an axis empty
+    return low.x <= high.x && low.y <= high.y && low.z <= high.z && low.x >= -maximum &&
+           low.y >= -maximum && low.z >= -maximum && high.x <= maximum && high.y <= maximum &&
+           high.z <= maximum;
 }
 
 uint32_t stp_mesh_drop_distant(stp_mesh* mesh)

@@ -56,7 +56,7 @@ static void hash_things(size_t begin, size_t end, uint32_t worker, void* user)
 }
 
 // Whether item i stays; it then becomes number *left - 1. Call in ascending order.
-static bool stays(merging* m, size_t i, size_t* left)
+static bool is_kept(merging* m, size_t i, size_t* left)
 {
     if (m->kept[i] != i) {
         m->kept[i] = m->kept[m->kept[i]];
@@ -67,7 +67,7 @@ static bool stays(merging* m, size_t i, size_t* left)
     return true;
 }
 
-static void renew_texture(const merging* m, stp_texture_use* use)
+static void remap_texture(const merging* m, stp_texture_use* use)
 {
     use->texture = use->texture != STP_NONE ? m->kept[use->texture] : STP_NONE;
 }
@@ -77,7 +77,7 @@ static void drop_textures(merging* m)
     stp_scene* scene = m->scene;
     size_t left = 0;
     for (size_t i = 0; i < m->count; ++i) {
-        if (stays(m, i, &left)) {
+        if (is_kept(m, i, &left)) {
             scene->textures[left - 1] = scene->textures[i];
         } else {
             stp_texture_free_arrays(scene, &scene->textures[i]);
@@ -85,9 +85,9 @@ static void drop_textures(merging* m)
     }
     scene->texture_count = left;
     for (size_t i = 0; i < scene->material_count; ++i) {
-        renew_texture(m, &scene->materials[i].base_color_texture);
-        renew_texture(m, &scene->materials[i].metallic_roughness_texture);
-        renew_texture(m, &scene->materials[i].emissive_texture);
+        remap_texture(m, &scene->materials[i].base_color_texture);
+        remap_texture(m, &scene->materials[i].metallic_roughness_texture);
+        remap_texture(m, &scene->materials[i].emissive_texture);
     }
 }
 
@@ -96,7 +96,7 @@ static void drop_materials(merging* m)
     stp_scene* scene = m->scene;
     size_t left = 0;
     for (size_t i = 0; i < m->count; ++i) {
-        if (stays(m, i, &left)) {
+        if (is_kept(m, i, &left)) {
             scene->materials[left - 1] = scene->materials[i];
         }
     }
@@ -109,7 +109,7 @@ static void drop_materials(merging* m)
     }
 }
 
-static void renew_parts(const merging* m, stp_part_kind kind)
+static void remap_parts(const merging* m, stp_part_kind kind)
 {
     for (size_t i = 0; i < m->scene->part_count; ++i) {
         stp_part* part = &m->scene->parts[i];
@@ -122,14 +122,14 @@ static void drop_meshes(merging* m)
     stp_scene* scene = m->scene;
     size_t left = 0;
     for (size_t i = 0; i < m->count; ++i) {
-        if (stays(m, i, &left)) {
+        if (is_kept(m, i, &left)) {
             scene->meshes[left - 1] = scene->meshes[i];
         } else {
             stp_mesh_free_arrays(scene, &scene->meshes[i]);
         }
     }
     scene->mesh_count = left;
-    renew_parts(m, STP_PART_MESH);
+    remap_parts(m, STP_PART_MESH);
 }
 
 static void drop_point_sets(merging* m)
@@ -137,14 +137,14 @@ static void drop_point_sets(merging* m)
     stp_scene* scene = m->scene;
     size_t left = 0;
     for (size_t i = 0; i < m->count; ++i) {
-        if (stays(m, i, &left)) {
+        if (is_kept(m, i, &left)) {
             scene->point_sets[left - 1] = scene->point_sets[i];
         } else {
             stp_points_free_arrays(scene, &scene->point_sets[i]);
         }
     }
     scene->point_set_count = left;
-    renew_parts(m, STP_PART_POINTS);
+    remap_parts(m, STP_PART_POINTS);
 }
 
 static stp_result merge_things(stp_scene* scene, merge_kind kind, size_t count,

@@ -284,18 +284,18 @@ static stp_result make_collected(partition* p, uint32_t flags, uint32_t* index)
     return result;
 }
 
-// The limit of a mesh or a point set: larger ones are cut. @param most limit of a piece
-static uint32_t limit_of(const partition* p, stp_part part, uint32_t* most)
+// The limit of a mesh or a point set: larger ones are cut. @param maximum limit of a piece
+static uint32_t limit_of(const partition* p, stp_part part, uint32_t* maximum)
 {
     if (part.kind == STP_PART_MESH) {
-        return *most = p->desc.leaf_triangles;
+        return *maximum = p->desc.leaf_triangles;
     }
     bool oriented = p->scene->point_sets[part.index].normals != NULL;
     if (!p->has_limit && p->desc.finds_signs && !oriented) {
-        return *most = DEFAULT_UNORIENTED;
+        return *maximum = DEFAULT_UNORIENTED;
     }
-    *most = p->desc.leaf_points;
-    return p->has_limit ? *most : DEFAULT_CLOUD;
+    *maximum = p->desc.leaf_points;
+    return p->has_limit ? *maximum : DEFAULT_CLOUD;
 }
 
 // Cuts the large meshes or point sets, and makes a node of each one's pieces.
@@ -309,15 +309,15 @@ static stp_result cut_kind(partition* p, stp_part_kind kind, const uint8_t* uses
         uint32_t size =
             is_mesh ? scene->meshes[i].triangle_count : scene->point_sets[i].point_count;
         nodes[i] = STP_NONE;
-        uint32_t most, limit = limit_of(p, (stp_part){kind, i}, &most);
+        uint32_t maximum, limit = limit_of(p, (stp_part){kind, i}, &maximum);
         if (size <= limit || (uses[i] & STP_USED_RESTING) == 0) {
             continue;
         }
         uint32_t first = 0, pieces = 0;
         result = stp_progress(scene->context, "partition", 0.5 * (double)i / (double)count);
         if (result == STP_OK) {
-            result = is_mesh ? stp_cut_mesh(scene, i, most, &first, &pieces)
-                             : stp_cut_points(scene, i, most, &first, &pieces);
+            result = is_mesh ? stp_cut_mesh(scene, i, maximum, &first, &pieces)
+                             : stp_cut_points(scene, i, maximum, &first, &pieces);
         }
         if (result == STP_OK && (uses[i] & STP_USED_MOVING) == 0) {
             stp_scene_release(scene, (stp_part){kind, i}); // never twice in memory
@@ -376,7 +376,7 @@ static stp_result make_nodes(partition* p)
 }
 
 // Points the objects and the root to their new nodes.
-static void renew_references(partition* p)
+static void remap_references(partition* p)
 {
     stp_scene* scene = p->scene;
     stp_boxd tight = p->old_nodes[scene->root].bounds;
@@ -418,7 +418,7 @@ stp_result stp_scene_partition(stp_scene* scene, const stp_partition_desc* desc)
     result = result != STP_OK ? result : cut_large(&p);
     result = result != STP_OK ? result : make_nodes(&p);
     if (result == STP_OK) {
-        renew_references(&p);
+        remap_references(&p);
         result = stp_drop_unused(scene);
     }
     stp_graph_destroy(&p.graph);

@@ -101,7 +101,7 @@ static void* grow(stp_context* context, void* array, size_t* capacity, size_t co
     return count >= STP_NONE ? NULL : stp_grow_array(context, array, capacity, count + 1, size);
 }
 
-static void give_index(uint32_t* index, size_t count)
+static void assign_indices(uint32_t* index, size_t count)
 {
     if (index != NULL) {
         *index = (uint32_t)count;
@@ -129,7 +129,7 @@ stp_result stp_scene_add_mesh(stp_scene* scene, const stp_mesh* mesh, uint32_t* 
         return stp_fail_memory(scene->context);
     }
     scene->meshes = meshes;
-    give_index(index, scene->mesh_count);
+    assign_indices(index, scene->mesh_count);
     stp_mesh* kept = &meshes[scene->mesh_count++];
     *kept = added;
     note_damage(scene, (stp_part){STP_PART_MESH, (uint32_t)(scene->mesh_count - 1)},
@@ -169,7 +169,7 @@ static stp_result add_points(stp_scene* scene, const stp_point_set* points, bool
         return stp_fail_memory(scene->context);
     }
     scene->point_sets = sets;
-    give_index(index, scene->point_set_count);
+    assign_indices(index, scene->point_set_count);
     stp_point_set* kept = &sets[scene->point_set_count++];
     *kept = added;
     note_damage(scene, (stp_part){STP_PART_POINTS, (uint32_t)(scene->point_set_count - 1)},
@@ -197,7 +197,7 @@ stp_result stp_scene_add_material(stp_scene* scene, const stp_material* material
         return stp_fail_memory(scene->context);
     }
     scene->materials = materials;
-    give_index(index, scene->material_count);
+    assign_indices(index, scene->material_count);
     stp_material* kept = &materials[scene->material_count++];
     *kept = *material;
     return keep_text(scene, &kept->name);
@@ -215,7 +215,7 @@ stp_result stp_scene_add_texture(stp_scene* scene, const stp_texture* texture, u
         return stp_fail_memory(scene->context);
     }
     scene->textures = textures;
-    give_index(index, scene->texture_count);
+    assign_indices(index, scene->texture_count);
     stp_texture* kept = &textures[scene->texture_count++];
     *kept = added;
     stp_result result = stp_texture_account(scene, (uint32_t)(scene->texture_count - 1));
@@ -230,7 +230,7 @@ stp_result stp_scene_add_object(stp_scene* scene, const stp_object* object, uint
         return stp_fail_memory(scene->context);
     }
     scene->objects = objects;
-    give_index(index, scene->object_count);
+    assign_indices(index, scene->object_count);
     stp_object* kept = &objects[scene->object_count++];
     *kept = (stp_object){
         .name = object->name,

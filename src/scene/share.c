@@ -63,7 +63,7 @@ static stp_result place_node(share* s, uint32_t object, uint32_t node, const stp
     return STP_OK;
 }
 
-static void tell_left_out(const share* s)
+static void warn_left_out(const share* s)
 {
     if (s->left_out > 0) {
         const char* name = s->scene->objects[s->first_left_out].name;
@@ -274,7 +274,7 @@ stp_result stp_scene_finish(stp_scene* scene)
     share s = {.scene = scene, .graph = {.scene = scene}};
     result = make_graph(&s);
     if (result == STP_OK) {
-        tell_left_out(&s);
+        warn_left_out(&s);
     }
     stp_graph_destroy(&s.graph);
     stp_free(scene->context, s.stack);

@@ -14,7 +14,7 @@
 #define GRAIN 65536
 #define RELEASE_SIZE ((size_t)128 << 20) // finished pieces, after which their pages are released
 #define RELEASE_COUNT (1u << 21)         // elements
-#define TOUCHED_MOST ((size_t)16 << 20)  // before it is counted
+#define TOUCHED_MAX ((size_t)16 << 20)   // before it is counted
 #define TOUCHED_SIZE ((size_t)64 << 10)  // that reading one element may make resident
 #define LARGE_SIZE ((size_t)64 << 20)    // larger working data is spilled if the mesh is
 
@@ -198,7 +198,7 @@ static void gather_points(cutter* c, const stp_bulk_array* from, const stp_bulk_
         size_t at = (size_t)c->places[first + p].index * element;
         touched += at / TOUCHED_SIZE != block ? TOUCHED_SIZE : 0;
         block = at / TOUCHED_SIZE;
-        if (touched >= TOUCHED_MOST) {
+        if (touched >= TOUCHED_MAX) {
             note_made(c, touched);
             touched = 0;
         }
@@ -270,9 +270,9 @@ static void finish_pieces(cutter* c)
 // Finds places in batches if they are in a file, so that little of it is resident.
 static void find_all_places(cutter* c, uint32_t count)
 {
-    uint32_t most = c->spilled ? RELEASE_COUNT : count;
+    uint32_t maximum = c->spilled ? RELEASE_COUNT : count;
     for (uint32_t first = 0, size; first < count; first += size) {
-        size = count - first < most ? count - first : most;
+        size = count - first < maximum ? count - first : maximum;
         c->first_place = first;
         stp_parallel_for(c->scene->context, size, GRAIN, find_places, c);
         if (c->spilled) {
@@ -321,11 +321,11 @@ static bool should_spill(const stp_scene* scene, bool spilled, uint64_t bytes)
     return spilled || (scene->spill != NULL && scene->bulk_bytes + bytes > scene->spill_above);
 }
 
-stp_result stp_cut_mesh(stp_scene* scene, uint32_t mesh, uint32_t most, uint32_t* first_piece,
+stp_result stp_cut_mesh(stp_scene* scene, uint32_t mesh, uint32_t maximum, uint32_t* first_piece,
                         uint32_t* piece_count)
 {
     uint32_t triangles = scene->meshes[mesh].triangle_count;
-    uint32_t pieces = triangles / most + (triangles % most != 0);
+    uint32_t pieces = triangles / maximum + (triangles % maximum != 0);
     size_t needed = scene->mesh_count + pieces;
     stp_mesh* meshes = needed < STP_NONE
                            ? stp_grow_array(scene->context, scene->meshes, &scene->mesh_capacity,
@@ -350,11 +350,11 @@ stp_result stp_cut_mesh(stp_scene* scene, uint32_t mesh, uint32_t most, uint32_t
     return result;
 }
 
-stp_result stp_cut_points(stp_scene* scene, uint32_t set, uint32_t most, uint32_t* first_piece,
+stp_result stp_cut_points(stp_scene* scene, uint32_t set, uint32_t maximum, uint32_t* first_piece,
                           uint32_t* piece_count)
 {
     uint32_t points = scene->point_sets[set].point_count;
-    uint32_t pieces = points / most + (points % most != 0);
+    uint32_t pieces = points / maximum + (points % maximum != 0);
     size_t needed = scene->point_set_count + pieces;
     stp_point_set* sets = needed < STP_NONE
                               ? stp_grow_array(scene->context, scene->point_sets,

@@ -36,7 +36,7 @@ void stp_scene_release(stp_scene* scene, stp_part part)
     }
 }
 
-static void renew_parts(stp_part* parts, size_t count, const uint32_t* meshes,
+static void remap_parts(stp_part* parts, size_t count, const uint32_t* meshes,
                         const uint32_t* points)
 {
     for (size_t i = 0; i < count; ++i) {
@@ -76,8 +76,8 @@ stp_result stp_drop_unused(stp_scene* scene)
             }
         }
         scene->point_set_count = left;
-        renew_parts(scene->node_parts, scene->node_part_count, meshes, points);
-        renew_parts(scene->parts, scene->part_count, meshes, points);
+        remap_parts(scene->node_parts, scene->node_part_count, meshes, points);
+        remap_parts(scene->parts, scene->part_count, meshes, points);
     }
     stp_free(context, point_uses);
     stp_free(context, mesh_uses);

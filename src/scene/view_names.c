@@ -17,7 +17,7 @@ typedef struct naming {
     size_t text_size;
 } naming;
 
-static stp_result look_up(naming* n, const char* name, uint32_t view, uint32_t* holder)
+static stp_result find_holder(naming* n, const char* name, uint32_t view, uint32_t* holder)
 {
     stp_hash hash = stp_hash_bytes((stp_hash){0}, name, strlen(name));
     return stp_content_table_find(n->scene->context, &n->names, hash, view, holder);
@@ -31,7 +31,7 @@ static stp_result find_holders(naming* n)
         n->holders[i] = i;
         n->next_numbers[i] = 2;
         if (scene->views[i].name != NULL) {
-            result = look_up(n, scene->views[i].name, i, &n->holders[i]);
+            result = find_holder(n, scene->views[i].name, i, &n->holders[i]);
         }
     }
     return result;
@@ -48,7 +48,7 @@ static stp_result number_view(naming* n, uint32_t view)
     do {
         snprintf(n->text, n->text_size, "%s-%u", *name, *number);
         *number += 1;
-        result = look_up(n, n->text, view, &holder);
+        result = find_holder(n, n->text, view, &holder);
     } while (result == STP_OK && holder != view);
     if (result == STP_OK) {
         *name = stp_arena_copy_text(&scene->text, n->text, strlen(n->text));

@@ -17,7 +17,7 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 // share of the logarithm moved into the prices per frame: only their product is known
 #define SPEED_FADES 0.05
 #define SCATTER_FOLLOWS 0.1 // learning rate of its scatter
-#define MOST_SCATTER 0.25
+#define MAX_SCATTER 0.25
 #define SIGMAS 1.6         // 19 of 20 frames should stay within OVERSHOOT
 #define OVERSHOOT 1.1      // of the budget
 #define FASTEST_FINER 0.92 // limit on shrinking per frame: shrinking too far makes a frame late
@@ -27,7 +27,7 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 #define SURE 0.05
 #define SLOWEST 0.4 // minimum share of the pace
 // exponent limit of the frame time as splats shrink: spare time may be used immediately
-#define MOST_EXPONENT 2.5
+#define MAX_EXPONENT 2.5
 #define FIRST_SPLAT_EXPONENT 2.0    // as splats cover the whole screen
 #define FIRST_FRAGMENT_EXPONENT 0.0 // fewer splats, each of them larger
 #define FIRST_TRIANGLE_EXPONENT 1.0
@@ -35,22 +35,22 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 #define SCENE_CHANGES 0.2 // of the logarithm of counts per frame, from changes of the scene
 // decay of an exponent towards its initial value while the size is constant
 #define EXPONENT_FADES 0.01
-#define LEAST_CHANGE 0.02 // changes of the logarithm of the size below this count as constant
-#define SLOW_FRAME 1.3    // limit relative to recent frames: a single frame teaches no more
-#define MOST_OFF 0.1      // the same limit for the scatter
+#define MIN_CHANGE 0.02 // changes of the logarithm of the size below this count as constant
+#define SLOW_FRAME 1.3  // limit relative to recent frames: a single frame teaches no more
+#define MAX_OFF 0.1     // the same limit for the scatter
 // If no size meets the goal: accepted time above the fastest size's, so that splats do not grow for
 // a negligible gain.
 #define LITTLE_GAIN 0.05
 #define HOPELESS 0.1 // applies in full if the fastest size misses the goal by this share
 #define TREND_FOLLOWS 0.5
-#define MOST_LATE 0.4 // logarithm: a larger difference means a different place
+#define MAX_LATE 0.4 // logarithm: a larger difference means a different place
 
 void stp_budget_init(stp_budget* budget, stp_controller controller, double budget_ms)
 {
     *budget = (stp_budget){
         .controller = controller,
         .budget_ms = budget_ms > 0.0 ? budget_ms : 1.0,
-        .splat_size = controller == STP_CONTROLLER_PAPER ? 1.0f : 0.5f * STP_SPLAT_SIZE_MOST,
+        .splat_size = controller == STP_CONTROLLER_PAPER ? 1.0f : 0.5f * STP_SPLAT_SIZE_MAX,
         .speed = 1.0,
         .scatter = 0.05,
         .splat_exponent = FIRST_SPLAT_EXPONENT,
@@ -69,9 +69,9 @@ float stp_budget_splat_size(const stp_budget* budget)
     return budget->splat_size;
 }
 
-static float clamp_size(double size, double most)
+static float clamp_size(double size, double maximum)
 {
-    return (float)stp_clampd(size, (double)STP_SPLAT_SIZE_LEAST, most);
+    return (float)stp_clampd(size, (double)STP_SPLAT_SIZE_MIN, maximum);
 }
 
 // Moving average of the last three sizes, weighted by the lateness of the last frame.
@@ -85,8 +85,7 @@ static void react(stp_budget* b, const stp_frame_cost* cost)
     }
     double deviation = cost->milliseconds / b->budget_ms;
     if (deviation < 1.0 - DEAD_BAND || deviation > 1.0 + DEAD_BAND) {
-        b->splat_size =
-            clamp_size((old * 3.0 + old * deviation) / 4.0, (double)STP_SPLAT_SIZE_MOST);
+        b->splat_size = clamp_size((old * 3.0 + old * deviation) / 4.0, (double)STP_SPLAT_SIZE_MAX);
     }
 }
 
@@ -126,14 +125,14 @@ double stp_budget_predict(const stp_budget* b, double splat_size)
 
 // A Kalman filter of drifting prices. Prices stay positive, and the uncertainty of unobserved terms
 // is bounded.
-static void learn_prices(stp_budget* b, const double terms[STP_BUDGET_TERMS], double milliseconds)
+static void update_prices(stp_budget* b, const double terms[STP_BUDGET_TERMS], double milliseconds)
 {
     double expected = price_of(b, terms), spread[STP_BUDGET_TERMS] = {0}, sum = 0.0;
     double error = milliseconds / b->speed - expected;
     error = stp_clampd(error, -OUTLIER * expected, OUTLIER * expected);
     for (int i = 0; i < STP_BUDGET_TERMS; ++i) {
-        double most = first_price[i] * FIRST_DOUBT, drift = first_price[i] * DRIFT;
-        b->covariance[i][i] += b->covariance[i][i] < most * most ? drift * drift : 0.0;
+        double maximum = first_price[i] * FIRST_DOUBT, drift = first_price[i] * DRIFT;
+        b->covariance[i][i] += b->covariance[i][i] < maximum * maximum ? drift * drift : 0.0;
         for (int k = 0; k < STP_BUDGET_TERMS; ++k) {
             spread[i] += b->covariance[i][k] * terms[k];
         }
@@ -142,9 +141,9 @@ static void learn_prices(stp_budget* b, const double terms[STP_BUDGET_TERMS], do
     double noise = NOISE * expected + 1e-3;
     double gain = 1.0 / (sum + noise * noise);
     for (int i = 0; i < STP_BUDGET_TERMS; ++i) {
-        double least = first_price[i] * 0.01;
+        double minimum = first_price[i] * 0.01;
         b->price[i] += spread[i] * gain * error;
-        b->price[i] = b->price[i] > least ? b->price[i] : least;
+        b->price[i] = b->price[i] > minimum ? b->price[i] : minimum;
         for (int k = 0; k < STP_BUDGET_TERMS; ++k) {
             b->covariance[i][k] -= spread[i] * spread[k] * gain;
         }
@@ -153,26 +152,26 @@ static void learn_prices(stp_budget* b, const double terms[STP_BUDGET_TERMS], do
 
 // Learns a count's exponent from its response to a size change. Weights larger changes more,
 // relative to changes of the scene.
-static double learn_exponent(double exponent, uint64_t before, uint64_t now, double change,
-                             double least, double most)
+static double update_exponent(double exponent, uint64_t before, uint64_t now, double change,
+                              double minimum, double maximum)
 {
     if (before < 1000 || now < 1000) {
         return exponent;
     }
     double seen = log((double)now / (double)before) / change, square = change * change;
     double follows = EXPONENT_FOLLOWS * square / (square + SCENE_CHANGES * SCENE_CHANGES);
-    return exponent + follows * (stp_clampd(seen, least, most) - exponent);
+    return exponent + follows * (stp_clampd(seen, minimum, maximum) - exponent);
 }
 
 // Learns from the response of counts to the last size change. While the size is constant, other
 // content comes into view and the exponents decay.
-static void learn_exponents(stp_budget* b, const stp_frame_cost* cost)
+static void update_exponents(stp_budget* b, const stp_frame_cost* cost)
 {
     double change = log((double)b->last.splat_size / (double)cost->splat_size);
     if (b->frames == 0) {
         return;
     }
-    if (fabs(change) < LEAST_CHANGE) {
+    if (fabs(change) < MIN_CHANGE) {
         b->splat_exponent += EXPONENT_FADES * (FIRST_SPLAT_EXPONENT - b->splat_exponent);
         b->fragment_exponent += EXPONENT_FADES * (FIRST_FRAGMENT_EXPONENT - b->fragment_exponent);
         b->triangle_exponent += EXPONENT_FADES * (FIRST_TRIANGLE_EXPONENT - b->triangle_exponent);
@@ -180,18 +179,18 @@ static void learn_exponents(stp_budget* b, const stp_frame_cost* cost)
     }
     const stp_frame_cost* last = &b->last;
     b->splat_exponent =
-        learn_exponent(b->splat_exponent, last->splats, cost->splats, change, 0.5, 2.5);
+        update_exponent(b->splat_exponent, last->splats, cost->splats, change, 0.5, 2.5);
     b->fragment_exponent =
-        learn_exponent(b->fragment_exponent, last->fragments, cost->fragments, change, -0.5, 1.0);
+        update_exponent(b->fragment_exponent, last->fragments, cost->fragments, change, -0.5, 1.0);
     b->triangle_exponent =
-        learn_exponent(b->triangle_exponent, last->triangles, cost->triangles, change, 0.0, 3.0);
+        update_exponent(b->triangle_exponent, last->triangles, cost->triangles, change, 0.0, 3.0);
 }
 
 // Size at which the model, which never rises with size, meets the goal. If no size does, does not
 // enlarge splats for a negligible gain.
 static double solve_size(const stp_budget* b, double goal)
 {
-    double low = (double)STP_SPLAT_SIZE_LEAST, high = (double)STP_SPLAT_SIZE_COARSEST;
+    double low = (double)STP_SPLAT_SIZE_MIN, high = (double)STP_SPLAT_SIZE_COARSEST;
     double fastest = stp_budget_predict(b, high);
     double beyond = stp_clampd((fastest / goal - 1.0) / HOPELESS, 0.0, 1.0);
     goal = fmax(goal, fastest * (1.0 + LITTLE_GAIN * beyond));
@@ -210,7 +209,7 @@ static double middle_of(const double v[STP_BUDGET_RATIOS])
 
 // Updates the machine's speed from the median of the last frames, so that one slow frame has little
 // effect. @return the time to learn from
-static double learn_speed(stp_budget* b, double milliseconds, double expected)
+static double update_speed(stp_budget* b, double milliseconds, double expected)
 {
     if (b->frames == 0 || !(expected > 0.0)) {
         return milliseconds;
@@ -240,17 +239,17 @@ static void settle_speed(stp_budget* b)
 
 // Updates the forecast error. In a flight towards something, content keeps coming into view;
 // measures this trend from the counts at the forecast's prices, independent of the machine's speed.
-static void learn_trend(stp_budget* b, const stp_frame_cost* cost,
-                        const double terms[STP_BUDGET_TERMS])
+static void update_trend(stp_budget* b, const stp_frame_cost* cost,
+                         const double terms[STP_BUDGET_TERMS])
 {
     double forecast = stp_budget_predict(b, (double)cost->splat_size);
     if (b->frames == 0 || !(forecast > 0.0)) {
         return;
     }
-    double late = stp_clampd(log(cost->milliseconds / forecast), -MOST_LATE, MOST_LATE);
+    double late = stp_clampd(log(cost->milliseconds / forecast), -MAX_LATE, MAX_LATE);
     double grown = log(b->speed * price_of(b, terms) / forecast);
-    b->growth[b->frames % STP_BUDGET_RATIOS] = stp_clampd(grown, -MOST_LATE, MOST_LATE);
-    double off = fmin(fabs(late - fmax(b->trend, 0.0)), fmax(MOST_OFF, 3.0 * b->scatter));
+    b->growth[b->frames % STP_BUDGET_RATIOS] = stp_clampd(grown, -MAX_LATE, MAX_LATE);
+    double off = fmin(fabs(late - fmax(b->trend, 0.0)), fmax(MAX_OFF, 3.0 * b->scatter));
     b->scatter += SCATTER_FOLLOWS * (off - b->scatter);
     b->trend += TREND_FOLLOWS * (middle_of(b->growth) - b->trend);
 }
@@ -268,7 +267,7 @@ static double find_finest(stp_budget* b, double milliseconds, double goal)
     }
     double steady = pow(FASTEST_FINER, stp_clampd(SURE / b->scatter, SLOWEST, 1.0));
     return known < STP_BUDGET_RATIOS ? steady
-                                     : fmin(steady, pow(slowest / goal, 1.0 / MOST_EXPONENT));
+                                     : fmin(steady, pow(slowest / goal, 1.0 / MAX_EXPONENT));
 }
 
 // Largest factor on the last size. A model that is still wrong after a slow period must not enlarge
@@ -276,7 +275,7 @@ static double find_finest(stp_budget* b, double milliseconds, double goal)
 static double find_coarsest(const stp_budget* b, double milliseconds)
 {
     double expected = milliseconds * exp(fmax(b->trend, 0.0));
-    double late = OVERSHOOT * (1.0 + SIGMAS * fmin(b->scatter, MOST_SCATTER)) * expected;
+    double late = OVERSHOOT * (1.0 + SIGMAS * fmin(b->scatter, MAX_SCATTER)) * expected;
     return stp_clampd(late / b->budget_ms, 1.0, FASTEST_COARSER);
 }
 
@@ -284,12 +283,12 @@ static void predict(stp_budget* b, const stp_frame_cost* cost)
 {
     double terms[STP_BUDGET_TERMS];
     list_terms(cost, terms);
-    learn_trend(b, cost, terms);
-    learn_prices(b, terms, learn_speed(b, cost->milliseconds, price_of(b, terms)));
+    update_trend(b, cost, terms);
+    update_prices(b, terms, update_speed(b, cost->milliseconds, price_of(b, terms)));
     settle_speed(b);
-    learn_exponents(b, cost);
+    update_exponents(b, cost);
     b->last = *cost;
-    double scatter = b->scatter < MOST_SCATTER ? b->scatter : MOST_SCATTER;
+    double scatter = b->scatter < MAX_SCATTER ? b->scatter : MAX_SCATTER;
     double margin = OVERSHOOT / (1.0 + SIGMAS * 1.25 * scatter); // converts mean deviation to sigma
     double goal = b->budget_ms * fmin(margin, 1.0) * exp(-fmax(b->trend, 0.0));
     double finer = find_finest(b, cost->milliseconds, goal);
@@ -299,7 +298,7 @@ static void predict(stp_budget* b, const stp_frame_cost* cost)
     b->splat_size = clamp_size(size, (double)STP_SPLAT_SIZE_COARSEST);
 }
 
-void stp_budget_learn(stp_budget* b, const stp_frame_cost* cost)
+void stp_budget_update(stp_budget* b, const stp_frame_cost* cost)
 {
     if (!(cost->milliseconds > 0.0 && cost->milliseconds < 1e9 && cost->splat_size > 0.0f)) {
         return;

@@ -12,8 +12,8 @@ typedef enum stp_controller {
     STP_CONTROLLER_PAPER, ///< Brandt 4.3 as printed
 } stp_controller;
 
-#define STP_SPLAT_SIZE_LEAST 1.0f
-#define STP_SPLAT_SIZE_MOST 8.0f ///< the paper's
+#define STP_SPLAT_SIZE_MIN 1.0f
+#define STP_SPLAT_SIZE_MAX 8.0f ///< the paper's
 /// for the predictive controller, if the budget cannot be met otherwise
 #define STP_SPLAT_SIZE_COARSEST 24.0f
 
@@ -56,12 +56,12 @@ typedef struct stp_budget {
 /// `budget_ms` above 0.
 void stp_budget_init(stp_budget* budget, stp_controller controller, double budget_ms);
 
-/// Size for the next frame: between STP_SPLAT_SIZE_LEAST and STP_SPLAT_SIZE_MOST, or
+/// Size for the next frame: between STP_SPLAT_SIZE_MIN and STP_SPLAT_SIZE_MAX, or
 /// STP_SPLAT_SIZE_COARSEST.
 float stp_budget_splat_size(const stp_budget* budget);
 
 /// Call after each frame. Ignores NaN and negative values.
-void stp_budget_learn(stp_budget* budget, const stp_frame_cost* cost);
+void stp_budget_update(stp_budget* budget, const stp_frame_cost* cost);
 
 /// Predicted time of a frame like the last one at another size, in milliseconds. 0 before the first
 /// frame.

@@ -10,11 +10,11 @@
 #include "base/prefix_table.h"
 #include "select/rule.h"
 
-#define LEAST_PART 1e-12 ///< minimum share of the total area per set
+#define MIN_PART 1e-12 ///< minimum share of the total area per set
 
 typedef struct stp_select_share {
     stp_select_entry at; ///< of the set's node
-    uint32_t most;       ///< splats available
+    uint32_t maximum;    ///< splats available
     uint32_t count;      ///< splats assigned
     double area;         ///< share of the total area
 } stp_select_share;
@@ -36,7 +36,7 @@ stp_result stp_select_note_set(stp_selection* s, const stp_select_entry* at)
     stp_draw_list* list = s->list;
     uint32_t set = stp_select_set_of(s, at->node);
     stp_select_share share = {.at = *at};
-    stp_result result = stp_select_count_most(s, at->node, &share.most);
+    stp_result result = stp_select_max_count(s, at->node, &share.maximum);
     if (result != STP_OK) {
         return result;
     }
@@ -62,35 +62,36 @@ static void normalize_areas(stp_select_share* shares, size_t count)
     }
     bool known = sum > 0.0 && sum < HUGE_VAL;
     for (size_t i = 0; i < count; ++i) {
-        shares[i].area = known ? fmax(shares[i].area / sum, LEAST_PART) : 1.0 / (double)count;
+        shares[i].area = known ? fmax(shares[i].area / sum, MIN_PART) : 1.0 / (double)count;
     }
 }
 
 /// Splats of a set if the total area has `density` of them.
-static uint32_t count_at(const stp_select_share* share, double density, uint32_t low, uint32_t most)
+static uint32_t count_at(const stp_select_share* share, double density, uint32_t low,
+                         uint32_t maximum)
 {
-    uint32_t high = share->most < most ? share->most : most;
+    uint32_t high = share->maximum < maximum ? share->maximum : maximum;
     double count = floor(share->area * density + 0.5);
     return count < (double)high ? (count > (double)low ? (uint32_t)count : low) : high;
 }
 
 static uint64_t count_all_at(const stp_select_share* shares, size_t count, double density,
-                             uint32_t low, uint32_t most)
+                             uint32_t low, uint32_t maximum)
 {
     uint64_t sum = 0;
     for (size_t i = 0; i < count; ++i) {
-        sum += count_at(&shares[i], density, low, most);
+        sum += count_at(&shares[i], density, low, maximum);
     }
     return sum;
 }
 
-/// Distributes `wanted` splats, at most those available: each set gets from `low` to `most`, within
-/// its own limit.
+/// Distributes `wanted` splats, at most those available: each set gets from `low` to `maximum`,
+/// within its own limit.
 static void share_out(stp_select_share* shares, size_t count, uint64_t wanted, uint32_t low,
-                      uint32_t most)
+                      uint32_t maximum)
 {
     double below = 0.0, density = (double)wanted + 1.0;
-    while (count_all_at(shares, count, density, low, most) < wanted) {
+    while (count_all_at(shares, count, density, low, maximum) < wanted) {
         below = density;
         density *= 2.0;
     }
@@ -99,7 +100,7 @@ static void share_out(stp_select_share* shares, size_t count, uint64_t wanted, u
         if (!(middle > below && middle < density)) {
             break;
         }
-        uint64_t sum = count_all_at(shares, count, middle, low, most);
+        uint64_t sum = count_all_at(shares, count, middle, low, maximum);
         *(sum < wanted ? &below : &density) = middle;
         if (sum == wanted) {
             break;
@@ -107,11 +108,11 @@ static void share_out(stp_select_share* shares, size_t count, uint64_t wanted, u
     }
     uint64_t left = wanted;
     for (size_t i = 0; i < count; ++i) {
-        shares[i].count = count_at(&shares[i], below, low, most);
+        shares[i].count = count_at(&shares[i], below, low, maximum);
         left -= shares[i].count;
     }
     for (size_t i = 0; i < count && left > 0; ++i) { // among equals, the first ones
-        uint32_t more = count_at(&shares[i], density, low, most) - shares[i].count;
+        uint32_t more = count_at(&shares[i], density, low, maximum) - shares[i].count;
         more = left < more ? (uint32_t)left : more;
         shares[i].count += more;
         left -= more;
@@ -124,8 +125,8 @@ static stp_result add_share(stp_selection* s, const stp_select_share* share)
     stp_set_use use = stp_select_begin_use(s, s->rule, stp_select_set_of(s, at->node));
     use.switch_depth = 0.0; // nothing below is drawn
     stp_boxd box = stp_select_place_box(&at->transform, &s->directory->nodes[at->node].bounds);
-    stp_sight sight;
-    (void)stp_select_see(s, &box, &sight); // whether in view or not
+    stp_box_visibility sight;
+    (void)stp_select_is_in_view(s, &box, &sight); // whether in view or not
     s->rule->use_count(&use, share->count);
     stp_result result = s->streams ? stp_select_limit_use(s, at, &sight, &use) : STP_OK;
     return result == STP_OK && use.count > 0 ? s->rule->add(s, at, &use, &sight) : result;
@@ -137,7 +138,7 @@ stp_result stp_select_add_count(stp_selection* s)
     size_t count = s->share_count;
     uint64_t wanted = s->quality->splat_count, all = 0;
     for (size_t i = 0; i < count; ++i) {
-        all += shares[i].most;
+        all += shares[i].maximum;
     }
     wanted = wanted < all ? wanted : all;
     normalize_areas(shares, count);

@@ -5,7 +5,7 @@
 #include "base/octahedral.h"
 
 // of the samples of a hidden region: some of it may be visible beside its occluders
-#define LEAST_SEEN 0.25
+#define MIN_SEEN 0.25
 #define POLISHED 0.4f  // surfaces below this roughness have highlights small enough to miss
 #define ALIKE 0.9f     // cosine between the normals of two parts of one surface
 #define STRAIGHT 1e-12 // of a direction's length: below, it counts as perpendicular to the axis
@@ -37,7 +37,7 @@ static bool is_polished(const stp_store_directory* d)
 
 stp_cue_view stp_cue_view_make(const stp_selection* s, const stp_select_entry* at,
                                const stp_splats* set, const stp_store_leaves* leaves,
-                               const stp_sight* sight)
+                               const stp_box_visibility* sight)
 {
     const stp_view_frame* frame = &s->frames[0];
     stp_cue_view view = {.s = s,
@@ -100,7 +100,8 @@ stp_boxd stp_cue_box(const stp_cue_view* view, const stp_leaf_node* node)
 }
 
 /// Pixels that a cube's surface covers at its nearest depth, if seen face-on.
-static double pixels_of(const stp_cue_view* view, const stp_leaf_node* node, const stp_sight* sight)
+static double pixels_of(const stp_cue_view* view, const stp_leaf_node* node,
+                        const stp_box_visibility* sight)
 {
     bool near = (view->cues & STP_CUE_COVERAGE_BIT) != 0;
     double depth = near ? sight->range.near : view->sight->range.near;
@@ -109,13 +110,14 @@ static double pixels_of(const stp_cue_view* view, const stp_leaf_node* node, con
     return (double)node->area * side * side;
 }
 
-static double size_of(const stp_cue_view* view, const stp_sight* sight)
+static double size_of(const stp_cue_view* view, const stp_box_visibility* sight)
 {
     bool near = (view->cues & STP_CUE_COVERAGE_BIT) != 0;
     return near ? sight->splat_size : view->sight->splat_size;
 }
 
-double stp_cue_nominal(const stp_cue_view* view, const stp_leaf_node* node, const stp_sight* sight)
+double stp_cue_nominal(const stp_cue_view* view, const stp_leaf_node* node,
+                       const stp_box_visibility* sight)
 {
     double size = size_of(view, sight);
     double covering = (view->cues & STP_CUE_ERROR_BIT) != 0 ? STP_CUE_COVERING : 1.0;
@@ -132,23 +134,23 @@ double stp_cue_shape(const stp_cue_view* view, const stp_leaf_node* node, double
 {
     double all = (double)node->count;
     if ((view->cues & STP_CUE_FLATNESS_BIT) != 0) {
-        double most = (view->cues & STP_CUE_ERROR_BIT) != 0 ? STP_CUE_ERROR_BENT - 1.0 : 1.0;
+        double maximum = (view->cues & STP_CUE_ERROR_BIT) != 0 ? STP_CUE_ERROR_BENT - 1.0 : 1.0;
         double bent = fmin((double)node->flatness / STP_CUE_FLATNESS, 1.0);
-        samples = fmin((1.0 + most * bent) * samples, all);
+        samples = fmin((1.0 + maximum * bent) * samples, all);
     }
     bool edge = node->edge && (view->cues & STP_CUE_EDGE_BIT) != 0;
     return fmin(edge ? feature_of(view) * samples : samples, all);
 }
 
 /// Unit vector from a cube's centre to the eye.
-static stp_vec3d way_to_eye(const stp_cue_view* view, const stp_leaf_node* node)
+static stp_vec3d direction_to_eye(const stp_cue_view* view, const stp_leaf_node* node)
 {
     return stp_normalized(view->flat_view ? view->eye : stp_subd(view->eye, middle_of(node)));
 }
 
 bool stp_cue_highlight(const stp_cue_view* view, const stp_leaf_node* node)
 {
-    stp_vec3d half = stp_normalized(stp_addd(view->light, way_to_eye(view, node)));
+    stp_vec3d half = stp_normalized(stp_addd(view->light, direction_to_eye(view, node)));
     stp_vec3 n = stp_octahedral_decode(node->normal[0], node->normal[1]);
     double cosine = fabs(stp_dotd(stp_to_double(n), half));
     double sine = sqrt(fmax(1.0 - cosine * cosine, 0.0));
@@ -253,14 +255,15 @@ static double occlusion_of(double before, double pixels)
     return pixels > 0.0 ? fmin(STP_CUE_OCCLUSION * before / pixels, 1.0) : 0.0;
 }
 
-double stp_cue_enough(const stp_cue_view* view, const stp_leaf_node* node, const stp_sight* sight)
+double stp_cue_occlusion_limit(const stp_cue_view* view, const stp_leaf_node* node,
+                               const stp_box_visibility* sight)
 {
     bool asks = (view->cues & STP_CUE_OCCLUSION_BIT) != 0;
-    return asks ? (1.0 - LEAST_SEEN) * pixels_of(view, node, sight) / STP_CUE_OCCLUSION : 0.0;
+    return asks ? (1.0 - MIN_SEEN) * pixels_of(view, node, sight) / STP_CUE_OCCLUSION : 0.0;
 }
 
-double stp_cue_samples(const stp_cue_view* view, const stp_leaf_node* node, const stp_sight* sight,
-                       double before)
+double stp_cue_samples(const stp_cue_view* view, const stp_leaf_node* node,
+                       const stp_box_visibility* sight, double before)
 {
     double all = (double)node->count, nominal = fmin(stp_cue_nominal(view, node, sight), all);
     double samples = stp_cue_shape(view, node, nominal);
@@ -271,7 +274,7 @@ double stp_cue_samples(const stp_cue_view* view, const stp_leaf_node* node, cons
         samples = fmin(feature_of(view) * samples, all);
     }
     if ((view->cues & STP_CUE_OCCLUSION_BIT) != 0) {
-        samples *= fmax(1.0 - occlusion_of(before, pixels_of(view, node, sight)), LEAST_SEEN);
+        samples *= fmax(1.0 - occlusion_of(before, pixels_of(view, node, sight)), MIN_SEEN);
     }
     return samples;
 }

@@ -29,19 +29,19 @@ typedef struct stp_cue_view {
     const stp_select_entry* at;
     const stp_splats* set;
     const stp_store_leaves* leaves;
-    const stp_sight* sight; ///< for the whole set
-    uint32_t cues;          ///< STP_CUE_*_BIT
-    double scale;           ///< scale of lengths, to scene space
-    stp_vec3d eye;          ///< grid position; in parallel projection the direction towards it
-    stp_vec3d light;        ///< towards the light, in set space
-    bool flat_view;         ///< parallel projection
-    bool polished;          ///< some materials may show highlights
+    const stp_box_visibility* sight; ///< for the whole set
+    uint32_t cues;                   ///< STP_CUE_*_BIT
+    double scale;                    ///< scale of lengths, to scene space
+    stp_vec3d eye;   ///< grid position; in parallel projection the direction towards it
+    stp_vec3d light; ///< towards the light, in set space
+    bool flat_view;  ///< parallel projection
+    bool polished;   ///< some materials may show highlights
 } stp_cue_view;
 
 /// @param sight of the node
 stp_cue_view stp_cue_view_make(const stp_selection* s, const stp_select_entry* at,
                                const stp_splats* set, const stp_store_leaves* leaves,
-                               const stp_sight* sight);
+                               const stp_box_visibility* sight);
 
 /// Box of an octree cube, in scene space. Splats are larger: see stp_cue_overhang.
 stp_boxd stp_cue_box(const stp_cue_view* view, const stp_leaf_node* node);
@@ -52,7 +52,8 @@ double stp_cue_overhang(const stp_cue_view* view, const stp_leaf_node* node, con
 
 /// Splats wanted for a cube's pixels alone: W over the square of the splat size, which is W / 4 at
 /// two pixels; STP_CUE_COVERING times as many for STP_CUE_ERROR_BIT.
-double stp_cue_nominal(const stp_cue_view* view, const stp_leaf_node* node, const stp_sight* sight);
+double stp_cue_nominal(const stp_cue_view* view, const stp_leaf_node* node,
+                       const stp_box_visibility* sight);
 
 /// Applies the view-independent cues, flatness and edges, to a number of samples.
 double stp_cue_shape(const stp_cue_view* view, const stp_leaf_node* node, double samples);
@@ -69,9 +70,10 @@ bool stp_cue_highlight(const stp_cue_view* view, const stp_leaf_node* node);
 double stp_cue_before(const stp_cue_view* view, const stp_leaf_node* node, double enough);
 
 /// Number of splats before a cube beyond which more make no difference; 0 without the cue.
-double stp_cue_enough(const stp_cue_view* view, const stp_leaf_node* node, const stp_sight* sight);
+double stp_cue_occlusion_limit(const stp_cue_view* view, const stp_leaf_node* node,
+                               const stp_box_visibility* sight);
 
 /// Applies all cues: the number of splats, at most all.
 /// @param before splats before it, as stp_cue_before finds them for it or for a cube around it
-double stp_cue_samples(const stp_cue_view* view, const stp_leaf_node* node, const stp_sight* sight,
-                       double before);
+double stp_cue_samples(const stp_cue_view* view, const stp_leaf_node* node,
+                       const stp_box_visibility* sight, double before);

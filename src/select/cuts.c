@@ -35,7 +35,7 @@ static stp_progressive_cut find(const uint32_t* ranges, uint32_t here, uint32_t 
     return count_drawn(ranges, &cut) == cut.splats ? cut : (stp_progressive_cut){0};
 }
 
-stp_result stp_select_count_states(stp_store* store, uint32_t set, uint32_t* most, bool* ends)
+stp_result stp_select_count_states(stp_store* store, uint32_t set, uint32_t* maximum, bool* ends)
 {
     const stp_splats* whole = stp_store_describe_surfels(store, set);
     uint32_t base = 0;
@@ -43,7 +43,7 @@ stp_result stp_select_count_states(stp_store* store, uint32_t set, uint32_t* mos
     for (uint32_t k = 1; k <= whole->octave_count && base == got.count; ++k) {
         stp_result result = stp_store_get_surfels_prefix(store, set, k, &got);
         if (result != STP_OK || got.ranges == NULL) {
-            *most = whole->count;
+            *maximum = whole->count;
             *ends = false;
             return result;
         }
@@ -52,22 +52,22 @@ stp_result stp_select_count_states(stp_store* store, uint32_t set, uint32_t* mos
         }
     }
     *ends = base < got.count || got.count == whole->count;
-    base = base > 0 ? base : 1;        // nothing of the set is loaded
-    *most = (whole->count + base) / 2; // each split replaces one splat by two
+    base = base > 0 ? base : 1;           // nothing of the set is loaded
+    *maximum = (whole->count + base) / 2; // each split replaces one splat by two
     return STP_OK;
 }
 
-stp_result stp_select_count_most(stp_selection* s, uint32_t node, uint32_t* most)
+stp_result stp_select_max_count(stp_selection* s, uint32_t node, uint32_t* maximum)
 {
-    uint32_t* known = &s->list->graph->most[node];
+    uint32_t* known = &s->list->graph->maximum[node];
     uint32_t set = stp_select_set_of(s, node);
-    *most = *known > 0 ? *known : stp_store_describe_surfels(s->store, set)->count;
+    *maximum = *known > 0 ? *known : stp_store_describe_surfels(s->store, set)->count;
     if (*known > 0 || s->rule != &stp_select_rule_splits) {
         return STP_OK;
     }
     bool ends = false;
-    stp_result result = stp_select_count_states(s->store, set, most, &ends);
-    *known = result == STP_OK && ends ? *most : 0;
+    stp_result result = stp_select_count_states(s->store, set, maximum, &ends);
+    *known = result == STP_OK && ends ? *maximum : 0;
     return result;
 }
 
@@ -118,7 +118,7 @@ stp_result stp_select_cut_item(stp_selection* s, uint32_t wanted, stp_draw_item*
     item->split_count = cut->end - cut->splats;
     item->divide = cut->divide;
     item->level_below = cut->below;
-    item->level_least = cut->level;
+    item->level_min = cut->level;
     item->radius = stp_max(cut->level, known->candidate_radius);
     return STP_OK;
 }

@@ -3,7 +3,7 @@
 
 #include "base/context.h"
 
-enum { MOST_BLOCKS = 4, ROWS_AT_ONCE = 8 };
+enum { MAX_BLOCKS = 4, ROWS_AT_ONCE = 8 };
 
 #define ROUNDING 1e-5 ///< relative margin of nearness: rounding error on either side
 
@@ -54,8 +54,8 @@ static void reduce_pixels(size_t begin, size_t end, uint32_t worker, void* user)
                 for (uint32_t k = 0; k < 4; ++k) {
                     pairs[k] = stp_min(in[8 * i + k], in[8 * i + 4 + k]);
                 }
-                float most = stp_min(stp_min(pairs[0], pairs[1]), stp_min(pairs[2], pairs[3]));
-                out[i] = stp_min(out[i], most);
+                float maximum = stp_min(stp_min(pairs[0], pairs[1]), stp_min(pairs[2], pairs[3]));
+                out[i] = stp_min(out[i], maximum);
             }
             for (uint32_t x = whole * STP_DEPTH_PYRAMID_BLOCK; x < b->width; ++x) {
                 out[whole] = stp_min(out[whole], in[x]);
@@ -184,7 +184,7 @@ bool stp_depth_pyramid_hides_placed(const stp_depth_pyramid* p, const double row
     uint32_t x1 = (uint32_t)at.x1 / STP_DEPTH_PYRAMID_BLOCK;
     uint32_t y1 = (uint32_t)at.y1 / STP_DEPTH_PYRAMID_BLOCK;
     uint32_t level = 0;
-    while (level + 1 < p->level_count && (x1 - x0 >= MOST_BLOCKS || y1 - y0 >= MOST_BLOCKS)) {
+    while (level + 1 < p->level_count && (x1 - x0 >= MAX_BLOCKS || y1 - y0 >= MAX_BLOCKS)) {
         level += 1;
         x0 /= 2;
         y0 /= 2;

@@ -5,7 +5,7 @@
 
 #include <stipple/view.h>
 
-enum { STP_EYES_MOST = 2 };
+enum { STP_EYES_MAX = 2 };
 
 /// Number of eyes of a view.
 static inline uint32_t stp_view_eye_count(const stp_view* view)

@@ -27,7 +27,7 @@ double stp_fovea_factor(const stp_fovea* f, double radius)
 }
 
 void stp_fovea_bound(const stp_fovea* f, const stp_view_frame* frame,
-                     const stp_view_rectangle* rectangle, double* least, double* greatest)
+                     const stp_view_rectangle* rectangle, double* minimum, double* greatest)
 {
     double half = 0.5 * sqrt(frame->width * frame->width + frame->height * frame->height);
     double x = 0.5 * frame->width + (double)f->center[0] * half;
@@ -40,12 +40,12 @@ void stp_fovea_bound(const stp_fovea* f, const stp_view_frame* frame,
     dy = fmax(-y0, y1);
     double farthest = sqrt(dx * dx + dy * dy) / half;
     double a = stp_fovea_factor(f, nearest), b = stp_fovea_factor(f, farthest);
-    *least = fmin(a, b);
+    *minimum = fmin(a, b);
     *greatest = fmax(a, b);
     for (uint32_t i = 0; i < f->count; ++i) {
         double radius = (double)f->zones[i].radius, factor = (double)f->zones[i].factor;
         if (radius >= nearest && radius <= farthest) {
-            *least = fmin(*least, factor);
+            *minimum = fmin(*minimum, factor);
             *greatest = fmax(*greatest, factor);
         }
     }

@@ -28,4 +28,4 @@ double stp_fovea_factor(const stp_fovea* fovea, double radius);
 
 /// Minimum and maximum factor in a rectangle of an eye's picture.
 void stp_fovea_bound(const stp_fovea* fovea, const stp_view_frame* frame,
-                     const stp_view_rectangle* rectangle, double* least, double* greatest);
+                     const stp_view_rectangle* rectangle, double* minimum, double* greatest);

@@ -8,10 +8,10 @@
 static double max_overhang(stp_box box, stp_boxd of)
 {
     stp_vec3d low = stp_to_double(box.min), high = stp_to_double(box.max);
-    double most = stp_maxd(stp_maxd(of.min.x - low.x, high.x - of.max.x), 0.0);
-    most = stp_maxd(stp_maxd(of.min.y - low.y, high.y - of.max.y), most);
-    most = stp_maxd(stp_maxd(of.min.z - low.z, high.z - of.max.z), most);
-    return most * 1.7320508075688773; // the diagonal of a cube
+    double maximum = stp_maxd(stp_maxd(of.min.x - low.x, high.x - of.max.x), 0.0);
+    maximum = stp_maxd(stp_maxd(of.min.y - low.y, high.y - of.max.y), maximum);
+    maximum = stp_maxd(stp_maxd(of.min.z - low.z, high.z - of.max.z), maximum);
+    return maximum * 1.7320508075688773; // the diagonal of a cube
 }
 
 static double find_margin(const stp_selection* s, const stp_select_graph* graph, uint32_t index)
@@ -52,14 +52,14 @@ static double coverage_radius(const stp_splats* surfels)
 /// Factor by which a node is opened earlier than its radius requires. From one surfel per
 /// STP_TRIANGLES_PER_SURFEL triangles on, triangles look better for their cost, so larger sets are
 /// used only up to that ratio.
-static double find_spare(const stp_store_node* node, const stp_splats* surfels)
+static double find_early_switch(const stp_store_node* node, const stp_splats* surfels)
 {
     double triangles = (double)node->triangle_count;
     if (!(triangles > 0.0)) {
         return 1.0;
     }
-    double spare = sqrt(STP_TRIANGLES_PER_SURFEL * (double)surfels->count / triangles);
-    return fmin(fmax(spare, 1.0), STP_SPARE_MOST);
+    double factor = sqrt(STP_TRIANGLES_PER_SURFEL * (double)surfels->count / triangles);
+    return fmin(fmax(factor, 1.0), STP_EARLY_SWITCH_MAX);
 }
 
 /// Upper bound of the work of triangles and sets drawn when a node is opened; children come first.
@@ -104,7 +104,7 @@ static void analyze_nodes(const stp_selection* s, stp_select_graph* graph)
             set != STP_STORE_NONE ? stp_store_describe_surfels(s->store, set) : NULL;
         graph->has_sets[i] = graph->has_sets[i] || surfels != NULL;
         graph->reaches[i] = surfels != NULL ? coverage_radius(surfels) : 0.0;
-        graph->spares[i] = surfels != NULL ? (float)find_spare(node, surfels) : 1.0f;
+        graph->early_switches[i] = surfels != NULL ? (float)find_early_switch(node, surfels) : 1.0f;
         graph->works[i] = (float)fmin(find_work(s, graph, node), (double)FLT_MAX);
     }
 }
@@ -143,16 +143,16 @@ stp_result stp_select_find_graph(stp_selection* s)
     graph->moving = STP_NEW_ARRAY(s->context, uint8_t, (size_t)directory->node_count + 1);
     graph->margins = STP_NEW_ARRAY(s->context, float, (size_t)directory->node_count + 1);
     graph->reaches = STP_NEW_ARRAY(s->context, double, (size_t)directory->node_count + 1);
-    graph->spares = STP_NEW_ARRAY(s->context, float, (size_t)directory->node_count + 1);
+    graph->early_switches = STP_NEW_ARRAY(s->context, float, (size_t)directory->node_count + 1);
     graph->works = STP_NEW_ARRAY(s->context, float, (size_t)directory->node_count + 1);
     graph->repeated = STP_NEW_ZEROED(s->context, uint8_t, (size_t)directory->part_count / 8 + 1);
     graph->has_sets = STP_NEW_ZEROED(s->context, bool, (size_t)directory->node_count + 1);
-    graph->most = STP_NEW_ZEROED(s->context, uint32_t, (size_t)directory->node_count + 1);
+    graph->maximum = STP_NEW_ZEROED(s->context, uint32_t, (size_t)directory->node_count + 1);
     uint32_t* last = STP_NEW_ZEROED(s->context, uint32_t,
                                     (size_t)directory->mesh_count + directory->point_set_count + 1);
     if (graph->moving == NULL || graph->margins == NULL || graph->reaches == NULL ||
-        graph->spares == NULL || graph->works == NULL || graph->repeated == NULL ||
-        graph->has_sets == NULL || graph->most == NULL || last == NULL) {
+        graph->early_switches == NULL || graph->works == NULL || graph->repeated == NULL ||
+        graph->has_sets == NULL || graph->maximum == NULL || last == NULL) {
         stp_free(s->context, last);
         return stp_fail_memory(s->context); // the next call does not find it, and rebuilds it
     }
@@ -176,11 +176,11 @@ void stp_select_destroy_graph(stp_context* context, stp_select_graph* graph)
         stp_free(context, graph->moving);
         stp_free(context, graph->margins);
         stp_free(context, graph->reaches);
-        stp_free(context, graph->spares);
+        stp_free(context, graph->early_switches);
         stp_free(context, graph->works);
         stp_free(context, graph->repeated);
         stp_free(context, graph->has_sets);
-        stp_free(context, graph->most);
+        stp_free(context, graph->maximum);
         stp_free(context, graph);
     }
 }

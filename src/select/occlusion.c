@@ -4,7 +4,7 @@
 
 /// Radius in pixels of the largest splat: half the splat size, plus the growth of a set that fades
 /// out.
-static double splat_margin(const stp_sight* sight)
+static double splat_margin(const stp_box_visibility* sight)
 {
     return 0.5 * STP_LEVELS_LACK * sight->largest_size;
 }
@@ -26,7 +26,7 @@ static stp_result set_aside(stp_selection* s, const stp_select_entry* at)
 }
 
 stp_result stp_select_hide(stp_selection* s, const stp_select_entry* at, const stp_boxd* box,
-                           const stp_sight* sight, bool* hidden)
+                           const stp_box_visibility* sight, bool* hidden)
 {
     *hidden = false;
     if (s->quality->occlusion == NULL) {

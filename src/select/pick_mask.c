@@ -7,10 +7,10 @@ stp_result stp_pick_mask_make(stp_store* store, const stp_store_material* materi
                               stp_pick_mask* mask)
 {
     *mask = (stp_pick_mask){.material = material};
-    float least = material->alpha == STP_STORE_MASK ? material->alpha_cutoff : 0.0f;
+    float minimum = material->alpha == STP_STORE_MASK ? material->alpha_cutoff : 0.0f;
     const stp_store_texture_use* use = &material->base_color_texture;
     if (material->alpha == STP_STORE_OPAQUE ||
-        (use->texture == STP_STORE_NONE && !colors && material->base_color[3] > least)) {
+        (use->texture == STP_STORE_NONE && !colors && material->base_color[3] > minimum)) {
         return STP_OK;
     }
     mask->asks = true;

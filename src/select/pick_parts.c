@@ -135,7 +135,8 @@ static stp_pick_corner read_corner(const mask_source* source, uint32_t vertex)
     return out;
 }
 
-static bool is_there(const mask_source* source, const uint32_t vertices[3], const double share[3])
+static bool is_opaque_at(const mask_source* source, const uint32_t vertices[3],
+                         const double share[3])
 {
     if (!source->mask.asks) {
         return true;
@@ -155,7 +156,7 @@ static void test_triangle(stp_pick_work* work, const corner* a, const corner* b,
     double t, share[3];
     work->pick->tests += 1;
     if (intersects(a, b, c, &t, share) && counts(work, t, point_at(&work->desc->ray, t)) &&
-        is_there(source, vertices, share)) {
+        is_opaque_at(source, vertices, share)) {
         *nearest = (nearest_element){.found = true, .index = index, .t = t};
         work->nearest = t;
     }

@@ -4,8 +4,8 @@
 #include "base/context.h"
 #include "select/pick_internal.h"
 
-enum { MOST_RECORDS = 1 << 20 };
-static const uint64_t most_tests = UINT64_C(1) << 28;
+enum { MAX_RECORDS = 1 << 20 };
+static const uint64_t max_tests = UINT64_C(1) << 28;
 
 /// Stored positions are rounded, by at most an eighth of an edge: boxes are enlarged by this much.
 #define WIDER 0.125
@@ -47,17 +47,17 @@ static void sift_up(waiting* heap, size_t at)
 static void sift_down(waiting* heap, size_t count)
 {
     for (size_t at = 0;;) {
-        size_t least = at, left = 2 * at + 1;
+        size_t minimum = at, left = 2 * at + 1;
         for (size_t child = left; child < count && child <= left + 1; ++child) {
-            least = comes_before(&heap[child], &heap[least]) ? child : least;
+            minimum = comes_before(&heap[child], &heap[minimum]) ? child : minimum;
         }
-        if (least == at) {
+        if (minimum == at) {
             return;
         }
         waiting swap = heap[at];
-        heap[at] = heap[least];
-        heap[least] = swap;
-        at = least;
+        heap[at] = heap[minimum];
+        heap[minimum] = swap;
+        at = minimum;
     }
 }
 
@@ -112,10 +112,10 @@ static stp_result push(walk* w, const record* added)
         !stp_pick_enters(work, &added->transform, &node->bounds, WIDER, points, &entry.near)) {
         return STP_OK;
     }
-    if (w->record_count >= MOST_RECORDS) {
+    if (w->record_count >= MAX_RECORDS) {
         return stp_fail(work->context, STP_ERROR_LIMIT,
                         "pick: the ray passes more than %d nodes before the first hit",
-                        MOST_RECORDS);
+                        MAX_RECORDS);
     }
     record* records = stp_grow_array(work->context, w->records, &w->record_capacity,
                                      w->record_count + 1, sizeof(*records));
@@ -165,7 +165,7 @@ static stp_result open_record(walk* w, uint32_t index)
                         .transform = stp_affine_multiply(at.transform, edge->transform)};
         result = push(w, &below);
     }
-    if (result == STP_OK && work->pick->tests > most_tests) {
+    if (result == STP_OK && work->pick->tests > max_tests) {
         result = stp_fail(work->context, STP_ERROR_LIMIT, "pick: too many triangles near the ray");
     }
     return result;

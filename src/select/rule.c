@@ -30,11 +30,11 @@ bool stp_select_is_complete(const stp_store_node* node, const stp_splats* surfel
 double stp_select_reach(const stp_selection* s, uint32_t node)
 {
     return s->graph->reaches[node] *
-           fmin((double)s->graph->spares[node], stp_select_spare(s->quality));
+           fmin((double)s->graph->early_switches[node], stp_select_early_switch(s->quality));
 }
 
 double stp_select_radius_per_depth(const stp_selection* s, const stp_select_entry* at,
-                                   const stp_sight* sight)
+                                   const stp_box_visibility* sight)
 {
     double pixel = stp_view_frame_pixel_size(&s->frames[0], 1.0);
     double per_depth = 0.5 * sight->splat_size * pixel; // r = s d_p / 2
@@ -43,7 +43,8 @@ double stp_select_radius_per_depth(const stp_selection* s, const stp_select_entr
 }
 
 bool stp_select_find_nearest(const stp_selection* s, const stp_select_entry* at,
-                             const stp_sight* sight, bool cloud, stp_set_use* use, double* nearest)
+                             const stp_box_visibility* sight, bool cloud, stp_set_use* use,
+                             double* nearest)
 {
     double suffices_from = stp_select_reach(s, at->node) / use->per_depth;
     stp_depth_range range = sight->range;
@@ -80,8 +81,8 @@ uint32_t stp_select_coarse_method(const stp_store_directory* directory, const st
     return found;
 }
 
-void stp_select_use_coarse(stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
-                           stp_set_use* use)
+void stp_select_use_coarse(stp_selection* s, const stp_select_entry* at,
+                           const stp_box_visibility* sight, stp_set_use* use)
 {
     uint32_t set = s->coarse_method != STP_STORE_NONE
                        ? stp_store_set_of(s->directory, s->coarse_method, at->node)
@@ -95,13 +96,13 @@ void stp_select_use_coarse(stp_selection* s, const stp_select_entry* at, const s
     stp_set_use other = stp_select_begin_use(s, rule, set);
     other.per_depth = use->per_depth;
     rule->use(s, at, sight, false, &other);
-    if (other.count > 0 && (!s->streams || stp_select_want_coarse(s, at, sight, &other))) {
+    if (other.count > 0 && (!s->streams || stp_select_request_coarse(s, at, sight, &other))) {
         *use = other;
     }
 }
 
 stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* at,
-                               const stp_sight* sight)
+                               const stp_box_visibility* sight)
 {
     const stp_store_node* node = &s->directory->nodes[at->node];
     stp_set_use use = stp_select_begin_use(s, s->rule, stp_select_set_of(s, at->node));

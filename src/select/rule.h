@@ -9,7 +9,7 @@
 typedef struct stp_select_rule {
     /// Decides by size how to use a node's set. Called if the eye is outside the node's box. On
     /// entry `use` holds the set, opens the node, and has per_depth > 0.
-    void (*use)(const stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
+    void (*use)(const stp_selection* s, const stp_select_entry* at, const stp_box_visibility* sight,
                 bool cloud, stp_set_use* use);
     /// Uses the first `count` splats at any depth, or more if `use` already has more.
     void (*use_count)(stp_set_use* use, uint32_t count);
@@ -18,7 +18,7 @@ typedef struct stp_select_rule {
     void (*limit)(const stp_select_entry* at, double nearest, uint32_t here, stp_set_use* use);
     /// Appends the item of a set, with its runs.
     stp_result (*add)(stp_selection* s, const stp_select_entry* at, const stp_set_use* use,
-                      const stp_sight* sight);
+                      const stp_box_visibility* sight);
 } stp_select_rule;
 
 extern const stp_select_rule stp_select_rule_blue, stp_select_rule_levels, stp_select_rule_splits,
@@ -31,23 +31,25 @@ const stp_select_rule* stp_select_rule_of(uint32_t id);
 // its own meshes and of all meshes below, if these are few (rule_triangles.c).
 /// Whether they are drawn: they replace splats of the set, and all of them are resident.
 stp_result stp_select_use_triangles(stp_selection* s, const stp_select_entry* at,
-                                    const stp_set_use* use, const stp_sight* sight, bool* uses);
+                                    const stp_set_use* use, const stp_box_visibility* sight,
+                                    bool* uses);
 /// Appends their items; the set's item is the last one so far.
 stp_result stp_select_add_triangles(stp_selection* s, const stp_select_entry* at,
-                                    const stp_set_use* use, const stp_sight* sight);
+                                    const stp_set_use* use, const stp_box_visibility* sight);
 
 /// For a set whose splats have levels, finds the nearest depth at which it is drawn: the node's
 /// nearest depth if the set suffices there, else the depth beyond which it does. Sets the switch
 /// depth. @return false: the set is not drawn
 bool stp_select_find_nearest(const stp_selection* s, const stp_select_entry* at,
-                             const stp_sight* sight, bool cloud, stp_set_use* use, double* nearest);
+                             const stp_box_visibility* sight, bool cloud, stp_set_use* use,
+                             double* nearest);
 /// Initial use of a set: draws nothing of it, and opens the node.
 stp_set_use stp_select_begin_use(const stp_selection* s, const stp_select_rule* rule, uint32_t set);
 /// Switches to the coarse method's set if only a small share of this set is used and the other one
 /// is resident.
-void stp_select_use_coarse(stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
-                           stp_set_use* use);
+void stp_select_use_coarse(stp_selection* s, const stp_select_entry* at,
+                           const stp_box_visibility* sight, stp_set_use* use);
 
 /// Decides how to use the set of a node, which has one, when splats are drawn by size.
 stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* at,
-                               const stp_sight* sight);
+                               const stp_box_visibility* sight);

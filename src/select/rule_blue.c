@@ -66,9 +66,9 @@ static double switch_depth_factor(double lacks, stp_depth_range range)
 static void use_beside(stp_set_use* use, uint32_t count, double size, double below, double grown)
 {
     double own = STP_SPLAT_WORK * (double)count;
-    double most = STP_TRANSITION_WORK * fmax(own, below) - grown * below;
-    if (most < own) {
-        double part = (double)count * (most / own);
+    double maximum = STP_TRANSITION_WORK * fmax(own, below) - grown * below;
+    if (maximum < own) {
+        double part = (double)count * (maximum / own);
         count = part > 1.0 ? (uint32_t)part : 1;
     }
     use_count(use, count, size);
@@ -76,8 +76,9 @@ static void use_beside(stp_set_use* use, uint32_t count, double size, double bel
 
 /// Chooses by insertion radius: the surfels that cover at the nearest depth, or all if they do not
 /// suffice. Opens the node if the wanted radius is finer than its surfels are used for.
-static void use_by_insertion(stp_set_use* use, const stp_selection* s, const stp_sight* sight,
-                             const stp_select_entry* at, bool cloud)
+static void use_by_insertion(stp_set_use* use, const stp_selection* s,
+                             const stp_box_visibility* sight, const stp_select_entry* at,
+                             bool cloud)
 {
     const stp_splats* surfels = use->surfels;
     stp_depth_range range = sight->range;
@@ -180,7 +181,7 @@ static stp_result add_runs(stp_selection* s, const stp_select_entry* at, const s
 }
 
 static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_set_use* use,
-                      const stp_sight* sight)
+                      const stp_box_visibility* sight)
 {
     stp_depth_range range = sight->range;
     double part = stp_select_growth(at->ceiling, range.near);
@@ -213,8 +214,8 @@ static void use_prefix(stp_set_use* use, uint32_t count)
     use_count(use, count, 0.0);
 }
 
-static void use_set(const stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
-                    bool cloud, stp_set_use* use)
+static void use_set(const stp_selection* s, const stp_select_entry* at,
+                    const stp_box_visibility* sight, bool cloud, stp_set_use* use)
 {
     if (s->quality->policy == STP_POLICY_PAPER) {
         use_estimate(use, use->per_depth * sight->range.near, cloud);

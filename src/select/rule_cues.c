@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Method `stochastic`, sets built leaf by leaf. The cues decide how many splats a view takes from
 // each leaf. These are the first of the leaf's order, so they stay the same while the eye rests
-// (Bhakar, Luo, Mudur 2004, 3.2). Distant content is taken by whole octree cubes. If all splats of a
-// set do not suffice, the node is opened.
+// (Bhakar, Luo, Mudur 2004, 3.2). Distant content is taken by whole octree cubes. If all splats of
+// a set do not suffice, the node is opened.
 #include "base/leaf_runs.h"
 #include "base/prefix_table.h"
 #include "select/cue_cells.h"
@@ -10,7 +10,7 @@
 #include "select/rule.h"
 
 #define CELL_SAMPLES 0.5 // maximum splats per leaf of a cube that is not opened
-#define CUES_MOST 8.0    // factor on nominal samples: a bent region with an edge or a silhouette
+#define CUES_MAX 8.0     // factor on nominal samples: a bent region with an edge or a silhouette
 
 enum {
     /// Cubes of at most this many leaves share one ray (docs/notes/2026-11-stochastic-speed.md).
@@ -38,12 +38,12 @@ static void use_from(double nearest, stp_set_use* use)
 {
     double wanted = use->per_depth * nearest, all = reach_of(use->surfels, use->surfels->count);
     double share = wanted > all ? all / wanted : 1.0;
-    use->count = round_count(use->surfels, CUES_MOST * share * share * (double)use->surfels->count);
+    use->count = round_count(use->surfels, CUES_MAX * share * share * (double)use->surfels->count);
     use->radius = fmax(wanted, all);
 }
 
-static void use_set(const stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
-                    bool cloud, stp_set_use* use)
+static void use_set(const stp_selection* s, const stp_select_entry* at,
+                    const stp_box_visibility* sight, bool cloud, stp_set_use* use)
 {
     double nearest;
     if (stp_select_find_nearest(s, at, sight, cloud, use, &nearest)) {
@@ -55,7 +55,7 @@ static void use_set(const stp_selection* s, const stp_select_entry* at, const st
 static void use_count(stp_set_use* use, uint32_t count)
 {
     use->state = count < use->surfels->count ? count : use->surfels->count;
-    use->count = round_count(use->surfels, (double)use->state * CUES_MOST);
+    use->count = round_count(use->surfels, (double)use->state * CUES_MAX);
     use->radius = reach_of(use->surfels, count);
 }
 
@@ -90,8 +90,8 @@ static stp_result add_cell(stp_selection* s, size_t* count, stp_cue_cell cell)
     return STP_OK;
 }
 
-/// Chooses the splats of a cube for a number of samples: whole octaves for several leaves, the exact
-/// number for one.
+/// Chooses the splats of a cube for a number of samples: whole octaves for several leaves, the
+/// exact number for one.
 static stp_cue_cell cell_of(const stp_splats* set, const stp_leaf_node* node, double samples,
                             uint32_t here)
 {
@@ -99,9 +99,9 @@ static stp_cue_cell cell_of(const stp_splats* set, const stp_leaf_node* node, do
     double share = samples / (double)node->count;
     uint32_t octaves =
         node->leaf_count > 1 ? stp_cue_octaves(set, share, here) : stp_cue_octaves(set, 1.0, here);
-    uint32_t most = stp_cue_count(set, cell.first, cell.last, octaves);
-    uint32_t wanted = samples < (double)most ? (uint32_t)(samples + 0.5) : most;
-    cell.count = node->leaf_count > 1 ? most : wanted;
+    uint32_t maximum = stp_cue_count(set, cell.first, cell.last, octaves);
+    uint32_t wanted = samples < (double)maximum ? (uint32_t)(samples + 0.5) : maximum;
+    cell.count = node->leaf_count > 1 ? maximum : wanted;
     return cell;
 }
 
@@ -116,45 +116,45 @@ static double round_leaf(const stp_leaf_node* node, double samples, double* carr
 }
 
 /// One splat of a cube, if the loaded octaves contain one.
-static stp_cue_cell least_cell(const stp_splats* set, const stp_leaf_node* node, uint32_t here)
+static stp_cue_cell single_splat(const stp_splats* set, const stp_leaf_node* node, uint32_t here)
 {
     stp_cue_cell cell = {.first = node->first, .last = node->first + node->count};
-    uint32_t most = stp_cue_count(set, cell.first, cell.last, stp_cue_octaves(set, 1.0, here));
-    cell.count = most > 0 ? 1 : 0;
+    uint32_t maximum = stp_cue_count(set, cell.first, cell.last, stp_cue_octaves(set, 1.0, here));
+    cell.count = maximum > 0 ? 1 : 0;
     return cell;
 }
 
 /// State of a visit to the cubes of a set.
 typedef struct cue_walk {
-    double carried;     ///< rounding error so far
-    double before;      ///< splats between the eye and the cube of the last ray
-    uint32_t ray_until; ///< first node outside that cube
-    stp_cue_cell least; ///< one splat of a visible cube
+    double carried;       ///< rounding error so far
+    double before;        ///< splats between the eye and the cube of the last ray
+    uint32_t ray_until;   ///< first node outside that cube
+    stp_cue_cell minimum; ///< one splat of a visible cube
 } cue_walk;
 
-/// Whether any splat of a cube may be in view. Splats extend beyond the cube, and all its points may
-/// lie on the face next to the picture.
-static bool sees_cube(const stp_selection* s, const stp_cue_view* view, const stp_leaf_node* node,
-                      stp_sight* sight)
+/// Whether any splat of a cube may be in view. Splats extend beyond the cube, and all its points
+/// may lie on the face next to the picture.
+static bool is_cube_in_view(const stp_selection* s, const stp_cue_view* view,
+                            const stp_leaf_node* node, stp_box_visibility* sight)
 {
     stp_boxd box = stp_cue_box(view, node);
-    if (stp_select_see(s, &box, sight)) {
+    if (stp_select_is_in_view(s, &box, sight)) {
         return true;
     }
     double reach = stp_cue_overhang(view, node, &box);
     stp_vec3d margin = {reach, reach, reach};
     box = (stp_boxd){stp_subd(box.min, margin), stp_addd(box.max, margin)};
-    return stp_select_see(s, &box, sight);
+    return stp_select_is_in_view(s, &box, sight);
 }
 
 /// Traces a ray to the eye from a cube that is not opened, or from one of few leaves, which share
 /// it.
-static void look_ahead(cue_walk* walk, const stp_cue_view* view, uint32_t index, bool opens,
-                       const stp_sight* sight)
+static void trace_to_eye(cue_walk* walk, const stp_cue_view* view, uint32_t index, bool opens,
+                         const stp_box_visibility* sight)
 {
     const stp_leaf_node* node = &view->leaves->nodes[index];
     if (index >= walk->ray_until && (!opens || node->leaf_count <= RAY_LEAVES)) {
-        walk->before = stp_cue_before(view, node, stp_cue_enough(view, node, sight));
+        walk->before = stp_cue_before(view, node, stp_cue_occlusion_limit(view, node, sight));
         walk->ray_until = node->next;
     }
 }
@@ -169,23 +169,24 @@ static stp_result choose_cells(stp_selection* s, const stp_cue_view* view, uint3
     cue_walk walk = {0};
     for (uint32_t i = 0; i < view->leaves->node_count && result == STP_OK;) {
         const stp_leaf_node* node = &nodes[i];
-        stp_sight sight;
-        if (!sees_cube(s, view, node, &sight)) {
+        stp_box_visibility sight;
+        if (!is_cube_in_view(s, view, node, &sight)) {
             i = node->next;
             continue;
         }
         bool opens = node->leaf_count > 1 &&
                      stp_cue_nominal(view, node, &sight) > CELL_SAMPLES * (double)node->leaf_count;
-        look_ahead(&walk, view, i, opens, &sight);
+        trace_to_eye(&walk, view, i, opens, &sight);
         if (!opens) {
             double samples = stp_cue_samples(view, node, &sight, walk.before);
             samples = node->leaf_count == 1 ? round_leaf(node, samples, &walk.carried) : samples;
             result = add_cell(s, count, cell_of(view->set, node, samples, here));
-            walk.least = walk.least.count == 0 ? least_cell(view->set, node, here) : walk.least;
+            walk.minimum =
+                walk.minimum.count == 0 ? single_splat(view->set, node, here) : walk.minimum;
         }
         i = opens ? i + 1 : node->next;
     }
-    return result == STP_OK && *count == 0 ? add_cell(s, count, walk.least) : result;
+    return result == STP_OK && *count == 0 ? add_cell(s, count, walk.minimum) : result;
 }
 
 /// Weight of a leaf when a splat count is distributed: the view-independent cues, or the area alone
@@ -209,7 +210,7 @@ typedef struct cue_share {
     double density;   ///< splats per unit of weight
 } cue_share;
 
-static uint32_t most_of(const cue_share* share, uint32_t first, uint32_t count)
+static uint32_t find_max_worth(const cue_share* share, uint32_t first, uint32_t count)
 {
     return stp_cue_count(share->view->set, first, first + count, share->octaves);
 }
@@ -218,11 +219,11 @@ static uint32_t most_of(const cue_share* share, uint32_t first, uint32_t count)
 /// few splats give all; the others share the difference, repeatedly.
 static void find_density(cue_share* share, double wanted)
 {
-    enum { ROUNDS_MOST = 64 };
+    enum { ROUNDS_MAX = 64 };
     const stp_store_leaves* leaves = share->view->leaves;
     bool grows = true;
     share->density = 0.0;
-    for (int round = 0; round < ROUNDS_MOST && grows; ++round) {
+    for (int round = 0; round < ROUNDS_MAX && grows; ++round) {
         double given = 0.0, worth = 0.0;
         for (uint32_t i = 0; i < leaves->node_count; ++i) {
             const stp_leaf_node* node = &leaves->nodes[i];
@@ -230,9 +231,9 @@ static void find_density(cue_share* share, double wanted)
                 continue;
             }
             double mine = worth_of(share->view, node);
-            double most = (double)most_of(share, node->first, node->count);
-            bool all = share->density * mine >= most;
-            given += all ? most : 0.0;
+            double maximum = (double)find_max_worth(share, node->first, node->count);
+            bool all = share->density * mine >= maximum;
+            given += all ? maximum : 0.0;
             worth += all ? 0.0 : mine;
         }
         double next = worth > 0.0 ? (wanted - given) / worth : share->density;
@@ -259,9 +260,9 @@ static stp_result share_out(stp_selection* s, const stp_cue_view* view, uint32_t
         if (node->leaf_count > 1) {
             continue;
         }
-        double most = (double)most_of(&share, node->first, node->count);
-        carried += fmin(share.density * worth_of(view, node), most);
-        double whole = fmin(fmin(floor(carried + 0.5), most), (double)left);
+        double maximum = (double)find_max_worth(&share, node->first, node->count);
+        carried += fmin(share.density * worth_of(view, node), maximum);
+        double whole = fmin(fmin(floor(carried + 0.5), maximum), (double)left);
         uint32_t drawn = whole > 0.0 ? (uint32_t)whole : 0;
         carried -= (double)drawn;
         left -= drawn;
@@ -270,7 +271,7 @@ static stp_result share_out(stp_selection* s, const stp_cue_view* view, uint32_t
     }
     for (size_t i = 0; i < *count && left > 0; ++i) { // remainder of rounding
         stp_cue_cell* cell = &s->list->cells[i];
-        uint32_t more = most_of(&share, cell->first, cell->last - cell->first) - cell->count;
+        uint32_t more = find_max_worth(&share, cell->first, cell->last - cell->first) - cell->count;
         more = more < left ? more : left;
         cell->count += more;
         left -= more;
@@ -306,10 +307,10 @@ static stp_result add_plain(stp_selection* s, const stp_set_use* use, stp_draw_i
 }
 
 static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_set_use* use,
-                      const stp_sight* sight)
+                      const stp_box_visibility* sight)
 {
     stp_store_leaves leaves = {0};
-    stp_select_want_leaves(s, at, sight, use->set);
+    stp_select_request_leaves(s, at, sight, use->set);
     stp_result result = stp_store_get_leaves(s->store, use->set, &leaves);
     if (result != STP_OK) {
         return result;

@@ -34,8 +34,8 @@ static double find_level(const stp_splats* surfels, uint32_t count)
 static void use_count(stp_set_use* use, uint32_t count)
 {
     use->count = count;
-    use->level_least = find_level(use->surfels, count);
-    use->radius = fmax(use->level_least, (double)use->surfels->candidate_radius);
+    use->level_min = find_level(use->surfels, count);
+    use->radius = fmax(use->level_min, (double)use->surfels->candidate_radius);
 }
 
 /// Uses the state with `count` splats. It is contained in the first 2 count - base splats, and a
@@ -53,10 +53,10 @@ static void use_from(const stp_select_entry* at, double nearest, stp_set_use* us
     use->count = find_prefix(use->surfels, use->per_depth * nearest);
     use->radius = use->per_depth * nearest;
     use->level_per_depth = use->per_depth;
-    use->level_least = 0.0;
+    use->level_min = 0.0;
     if (use->per_depth * stp_affine_scale(&at->transform) > (double)STP_LEVEL_SLOPE) {
         use->level_per_depth = 0.0; // ranges do not overlap so far
-        use->level_least = use->per_depth * nearest;
+        use->level_min = use->per_depth * nearest;
     }
 }
 
@@ -67,13 +67,13 @@ static void limit(const stp_select_entry* at, double nearest, uint32_t here, stp
     }
     if (use->count > here || use->count == 0) {
         use->count = here;
-        use->level_least = fmax(use->level_least, find_level(use->surfels, here));
-        use->radius = fmax(use->radius, use->level_least);
+        use->level_min = fmax(use->level_min, find_level(use->surfels, here));
+        use->radius = fmax(use->radius, use->level_min);
     }
 }
 
-static void use_set(const stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
-                    bool cloud, stp_set_use* use)
+static void use_set(const stp_selection* s, const stp_select_entry* at,
+                    const stp_box_visibility* sight, bool cloud, stp_set_use* use)
 {
     double nearest;
     if (stp_select_find_nearest(s, at, sight, cloud, use, &nearest)) {
@@ -92,12 +92,12 @@ static stp_draw_item make_item(const stp_selection* s, const stp_select_entry* a
 {
     stp_draw_item item = stp_select_splat_item(s, at, use);
     item.level_per_depth = (float)use->level_per_depth;
-    item.level_least = (float)use->level_least;
+    item.level_min = (float)use->level_min;
     return item;
 }
 
 static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_set_use* use,
-                      const stp_sight* sight)
+                      const stp_box_visibility* sight)
 {
     stp_draw_item item = make_item(s, at, use);
     bool found = true;

@@ -4,8 +4,8 @@
 #include "select/rule.h"
 
 // Half of a view's limit: content that splats can represent must not make a view fail.
-#define IDS_MOST (UINT64_C(1) << 31)
-#define ITEMS_MOST (UINT64_C(1) << 18)
+#define IDS_MAX (UINT64_C(1) << 31)
+#define ITEMS_MAX (UINT64_C(1) << 18)
 /// clusters are slightly smaller or larger than the triangles that the build used
 #define ROUNDED 0.95
 
@@ -14,7 +14,7 @@ typedef struct walk {
     stp_selection* s;
     const stp_select_entry* at;
     const stp_set_use* use;
-    const stp_sight* sight;
+    const stp_box_visibility* sight;
     enum { WALK_COUNTS, WALK_ASKS, WALK_ADDS } does;
     uint32_t left;  ///< parts and nodes that may still be visited
     uint32_t items; ///< items to add
@@ -62,14 +62,14 @@ static stp_result add_item(const walk* w, uint32_t mesh, const stp_affine* below
 {
     stp_selection* s = w->s;
     const stp_set_use* use = w->use;
-    double from = fmax(use->level_per_depth * w->sight->range.near, use->level_least);
+    double from = fmax(use->level_per_depth * w->sight->range.near, use->level_min);
     stp_draw_item item = {.kind = STP_DRAW_MESH,
                           .index = mesh,
                           .large = true,
-                          .large_least = (float)(s->graph->reaches[w->at->node] / scale),
+                          .large_min = (float)(s->graph->reaches[w->at->node] / scale),
                           .large_from = (float)(from / scale),
                           .level_per_depth = (float)(use->level_per_depth / scale),
-                          .level_least = (float)(use->level_least / scale),
+                          .level_min = (float)(use->level_min / scale),
                           .fade_begin = (float)(use->switch_depth * (1.0 - 1e-6)),
                           .transform = stp_affine_multiply(w->at->transform, *below)};
     return stp_select_add_item(s, item, stp_store_describe_mesh(s->store, mesh)->triangle_count);
@@ -94,7 +94,7 @@ static stp_result add_node(walk* w, uint32_t index, const stp_affine* below)
         if (w->does == WALK_ADDS) {
             result = add_item(w, part.index, below, scale);
         } else if (w->does == WALK_ASKS) {
-            w->all = stp_select_want_extra(s, part.index) && w->all;
+            w->all = stp_select_request_extra(s, part.index) && w->all;
         }
     }
     for (uint32_t i = 0; i < node->edge_count && w->left > 0 && result == STP_OK; ++i) {
@@ -109,17 +109,18 @@ static stp_result add_node(walk* w, uint32_t index, const stp_affine* below)
 }
 
 static walk begin_walk(stp_selection* s, const stp_select_entry* at, const stp_set_use* use,
-                       const stp_sight* sight)
+                       const stp_box_visibility* sight)
 {
     return (walk){
         .s = s, .at = at, .use = use, .sight = sight, .left = STP_LARGE_USES + 1, .all = true};
 }
 
 stp_result stp_select_use_triangles(stp_selection* s, const stp_select_entry* at,
-                                    const stp_set_use* use, const stp_sight* sight, bool* uses)
+                                    const stp_set_use* use, const stp_box_visibility* sight,
+                                    bool* uses)
 {
     const stp_quality* q = s->quality;
-    bool by_level = use->level_per_depth > 0.0 || use->level_least > 0.0;
+    bool by_level = use->level_per_depth > 0.0 || use->level_min > 0.0;
     *uses = false;
     if (q->splats_only || q->nodes_only || q->splat_count != 0 || !by_level || at->sections != 0 ||
         at->shown == STP_SHOW_GHOST) {
@@ -132,8 +133,8 @@ stp_result stp_select_use_triangles(stp_selection* s, const stp_select_entry* at
     if (result == STP_OK && replaced) {
         result = add_node(&w, at->node, &here);
     }
-    bool fits = s->list->id_count + w.ids + use->surfels->count < IDS_MOST &&
-                s->list->count + w.items < ITEMS_MOST;
+    bool fits = s->list->id_count + w.ids + use->surfels->count < IDS_MAX &&
+                s->list->count + w.items < ITEMS_MAX;
     if (result != STP_OK || w.left == 0 || w.items == 0 || !fits) {
         return result;
     }
@@ -145,7 +146,7 @@ stp_result stp_select_use_triangles(stp_selection* s, const stp_select_entry* at
 }
 
 stp_result stp_select_add_triangles(stp_selection* s, const stp_select_entry* at,
-                                    const stp_set_use* use, const stp_sight* sight)
+                                    const stp_set_use* use, const stp_box_visibility* sight)
 {
     walk w = begin_walk(s, at, use, sight);
     w.does = WALK_ADDS;

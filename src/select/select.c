@@ -39,7 +39,7 @@ static stp_result begin(stp_selection* s, stp_context* context, stp_store* store
                         "view: a section is a plane with a normal, and there are at most %d",
                         STP_SECTION_PLANES);
     }
-    stp_result result = stp_select_begin_wants(s);
+    stp_result result = stp_select_begin_requests(s);
     return result != STP_OK || s->directory->root == STP_STORE_NONE ? result
                                                                     : stp_select_find_graph(s);
 }
@@ -90,8 +90,8 @@ void stp_draw_list_destroy(stp_context* context, stp_draw_list* list)
     stp_free(context, list->runs);
     stp_free(context, list->stack);
     stp_free(context, list->rejected);
-    stp_free(context, list->wants);
-    stp_free(context, list->want_slots);
+    stp_free(context, list->requests);
+    stp_free(context, list->request_slots);
     stp_free(context, list->cuts);
     stp_free(context, list->shares);
     stp_free(context, list->cells);

@@ -58,7 +58,7 @@ typedef struct stp_quality {
     stp_fovea fovea;   ///< all zero: splats are of one size
     /// A node may be opened while its surfels could still cover this many times better than
     /// required, if they number at least 1/STP_TRIANGLES_PER_SURFEL of its triangles: 1 to 8; 0: 8.
-    float spare;
+    float early_switch;
     /// Optional occluders, one pyramid per eye of the view. Nodes occluded for every eye that sees
     /// them are left out. See stp_select_rejected.
     const stp_depth_pyramid* occlusion;
@@ -84,7 +84,7 @@ typedef struct stp_draw_item {
     float radius; ///< of each splat, in item space; for splats with shapes, a typical one
     /// Levels compared with splat ranges: the error in item space allowed at depth 1, and the error
     /// allowed anywhere. Unused for sets without ranges.
-    float level_per_depth, level_least;
+    float level_per_depth, level_min;
     // State of a set refined by splits (base/progressive.h): splats before `divide` are compared
     // with another level.
     uint32_t divide;   ///< 0: one level for all, as in all other sets
@@ -96,7 +96,7 @@ typedef struct stp_draw_item {
     /// Mesh: draws triangles whose level (store/large_triangles.h) is at least the item's level at
     /// their nearest corner. Such items follow the item of the set beside which they are drawn.
     bool large;
-    float large_least;     ///< no view draws triangles of a lower level beside this set
+    float large_min;       ///< no view draws triangles of a lower level beside this set
     float large_from;      ///< this view draws no triangles of a lower level
     bool beside_triangles; ///< surfels: omits those that large triangles replace
     /// Mesh: all triangles are drawn nearer than fade_begin, none beyond fade_end (stp_draw_share).
@@ -136,10 +136,10 @@ typedef struct stp_draw_list {
     bool mixes; ///< splats and triangles may occur together, in this list or in another view's
     /// Streaming store: items that the view would draw, loaded or not, each once
     /// (stp_residency_update).
-    stp_want* wants;
-    size_t want_count;
+    stp_data_request* requests;
+    size_t request_count;
     // reused between calls
-    uint32_t* want_slots; ///< per item of the store: 1 + index of its want; 0: none
+    uint32_t* request_slots; ///< per item of the store: 1 + index of its request; 0: none
     size_t want_capacity;
     struct stp_select_entry *stack, *rejected;
     size_t stack_capacity, rejected_count, rejected_capacity;
@@ -217,8 +217,8 @@ void stp_draw_list_destroy(stp_context* context, stp_draw_list* list);
 
 /// Number of splats in the largest state of a set of `psp`: the whole set less the parents. Reads
 /// octaves until the base set ends.
-/// @param most receives the number; the set's count if it has no ranges or nothing can be read
+/// @param maximum receives the number; the set's count if it has no ranges or nothing can be read
 /// @param ends whether the end of the base set is known; else more octaves may give another count
 /// @return STP_OK, or as stp_store_get_surfels_prefix
-STP_MUST_USE stp_result stp_select_count_states(stp_store* store, uint32_t set, uint32_t* most,
+STP_MUST_USE stp_result stp_select_count_states(stp_store* store, uint32_t set, uint32_t* maximum,
                                                 bool* ends);

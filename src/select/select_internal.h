@@ -19,13 +19,13 @@
 /// Limit on the work of a node in transition, relative to the more expensive of its two levels.
 #define STP_TRANSITION_WORK 1.2
 
-/// Maximum and default of stp_quality.spare.
-#define STP_SPARE_MOST 8.0
+/// Maximum and default of stp_quality.early_switch.
+#define STP_EARLY_SWITCH_MAX 8.0
 
-static inline double stp_select_spare(const stp_quality* quality)
+static inline double stp_select_early_switch(const stp_quality* quality)
 {
-    double spare = (double)quality->spare;
-    return !(spare > 0.0) ? STP_SPARE_MOST : fmin(fmax(spare, 1.0), STP_SPARE_MOST);
+    double factor = (double)quality->early_switch;
+    return !(factor > 0.0) ? STP_EARLY_SWITCH_MAX : fmin(fmax(factor, 1.0), STP_EARLY_SWITCH_MAX);
 }
 
 /// A node to visit.
@@ -50,12 +50,12 @@ typedef struct stp_select_graph {
     uint8_t* moving; ///< STP_NODE_MOVES, STP_MOVES_BELOW
     /// Overhang of a node's drawn content beyond its box, without pixels; node units
     float* margins;
-    double* reaches;   ///< coverage radius of all surfels of its own, node units
-    float* spares;     ///< factor on that radius: lower limit of their use
-    float* works;      ///< maximum work of the content drawn instead of them, in triangles
-    uint8_t* repeated; ///< per part, one bit: whether its node listed it before
-    bool* has_sets;    ///< it or a node below it has a set
-    uint32_t* most;    ///< splats available in its set; 0: not known yet
+    double* reaches;       ///< coverage radius of all surfels of its own, node units
+    float* early_switches; ///< factor on that radius: lower limit of their use
+    float* works;          ///< maximum work of the content drawn instead of them, in triangles
+    uint8_t* repeated;     ///< per part, one bit: whether its node listed it before
+    bool* has_sets;        ///< it or a node below it has a set
+    uint32_t* maximum;     ///< splats available in its set; 0: not known yet
 } stp_select_graph;
 
 enum { STP_NODE_MOVES = 1, STP_MOVES_BELOW = 2 };
@@ -71,7 +71,7 @@ typedef struct stp_selection {
     const struct stp_select_rule* rule;
     uint32_t coarse_method; ///< the same for the coarse method; STP_STORE_NONE: none
     const stp_select_graph* graph;
-    stp_view_frame frames[STP_EYES_MOST]; ///< per eye, with common direction, scale and near plane
+    stp_view_frame frames[STP_EYES_MAX]; ///< per eye, with common direction, scale and near plane
     uint32_t eye_count;
     size_t stack_count;
     uint64_t visits;
@@ -87,13 +87,13 @@ typedef struct stp_depth_range {
 } stp_depth_range;
 
 /// Visibility of a box in a view.
-typedef struct stp_sight {
+typedef struct stp_box_visibility {
     stp_depth_range range; ///< combined over the eyes that see it
     uint32_t eyes;         ///< bits of the eyes that may see it
     bool is_inside;        ///< an eye is inside
     double splat_size;     ///< pixels: minimum wanted size in view
     double largest_size;   ///< maximum size in view, at least that at the gaze point
-} stp_sight;
+} stp_box_visibility;
 
 /// How a node's surfels are used. They are drawn beyond switch_depth; the node's content is drawn
 /// nearer.
@@ -104,7 +104,7 @@ typedef struct stp_set_use {
     uint32_t count; ///< prefix; 0: not drawn
     uint32_t state; ///< splats of the drawn state of a progressive set; 0: by levels
     double radius;  ///< of its splats, node units
-    double level_per_depth, level_least; ///< of the item
+    double level_per_depth, level_min; ///< of the item
     double per_depth;    ///< the wanted coverage radius at depth 1, node units; 0: not by depth
     double switch_depth; ///< 0: nothing below is drawn; infinite: everything
     bool extra;          ///< not drawn without blending between levels
@@ -117,7 +117,7 @@ static inline uint32_t stp_select_set_of(const stp_selection* s, uint32_t node)
 }
 
 /// @return whether any eye may see part of the box
-bool stp_select_see(const stp_selection* s, const stp_boxd* box, stp_sight* sight);
+bool stp_select_is_in_view(const stp_selection* s, const stp_boxd* box, stp_box_visibility* sight);
 
 /// Bounding box of a transformed box.
 stp_boxd stp_select_place_box(const stp_affine* transform, const stp_boxd* box);
@@ -126,26 +126,26 @@ stp_boxd stp_select_part_box(const stp_selection* s, stp_store_part part,
                              const stp_affine* transform);
 
 // Streaming stores (resident.c).
-/// Clears the list's wants, except in the second pass.
-STP_MUST_USE stp_result stp_select_begin_wants(stp_selection* s);
+/// Clears the list's requests, except in the second pass.
+STP_MUST_USE stp_result stp_select_begin_requests(stp_selection* s);
 /// Requests the part of an optional set that a use needs. @return whether it is resident
-bool stp_select_want_coarse(stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
-                            const stp_set_use* use);
+bool stp_select_request_coarse(stp_selection* s, const stp_select_entry* at,
+                               const stp_box_visibility* sight, const stp_set_use* use);
 /// Requests a mesh or points of a node. @return whether they are resident
-bool stp_select_want_part(stp_selection* s, stp_store_part part, const stp_select_entry* at,
-                          const stp_sight* sight);
+bool stp_select_request_part(stp_selection* s, stp_store_part part, const stp_select_entry* at,
+                             const stp_box_visibility* sight);
 /// Requests the leaves of a node's set. stp_store_get_leaves returns the resident ones.
-void stp_select_want_leaves(stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
-                            uint32_t set);
+void stp_select_request_leaves(stp_selection* s, const stp_select_entry* at,
+                               const stp_box_visibility* sight, uint32_t set);
 /// Requests a mesh that only improves the picture, with the lowest priority. @return whether it is
 /// resident
-bool stp_select_want_extra(stp_selection* s, uint32_t mesh);
+bool stp_select_request_extra(stp_selection* s, uint32_t mesh);
 /// Turns the entry of a node with a set into the entry of its children.
-void stp_select_cover(const stp_selection* s, const stp_splats* surfels, const stp_sight* sight,
-                      stp_select_entry* at);
+void stp_select_cover(const stp_selection* s, const stp_splats* surfels,
+                      const stp_box_visibility* sight, stp_select_entry* at);
 /// Limits the use of a node's surfels to resident data, and requests what is missing.
 STP_MUST_USE stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
-                                             const stp_sight* sight, stp_set_use* use);
+                                             const stp_box_visibility* sight, stp_set_use* use);
 
 /// Whether a set holds all points of a node without triangles: such a node is never opened, since
 /// points have no size of their own. A cloud with points in one place is not complete: its set has
@@ -167,7 +167,7 @@ STP_MUST_USE stp_result stp_select_add_item(stp_selection* s, stp_draw_item item
 double stp_select_reach(const stp_selection* s, uint32_t node);
 /// The wanted coverage radius at depth 1, in node units; 0: none.
 double stp_select_radius_per_depth(const stp_selection* s, const stp_select_entry* at,
-                                   const stp_sight* sight);
+                                   const stp_box_visibility* sight);
 /// Appends a run of the next item: splats [begin, end) are drawn between two depths.
 STP_MUST_USE stp_result stp_select_add_run(stp_selection* s, uint32_t begin, uint32_t end,
                                            stp_depth_range range);
@@ -181,7 +181,7 @@ STP_MUST_USE stp_result stp_select_cut_item(stp_selection* s, uint32_t wanted, s
 
 /// Number of splats that can be drawn at once from the set of a node, which has one. @return
 /// STP_OK, or as stp_store_get_surfels_prefix
-STP_MUST_USE stp_result stp_select_count_most(stp_selection* s, uint32_t node, uint32_t* most);
+STP_MUST_USE stp_result stp_select_max_count(stp_selection* s, uint32_t node, uint32_t* maximum);
 
 /// Share of a node's content that is drawn at a depth, given the depth beyond which the node's set
 /// suffices.
@@ -199,4 +199,5 @@ STP_MUST_USE stp_result stp_select_traverse(stp_selection* s);
 
 /// Whether the pyramid occludes a node. In the first pass, occluded nodes are deferred.
 STP_MUST_USE stp_result stp_select_hide(stp_selection* s, const stp_select_entry* at,
-                                        const stp_boxd* box, const stp_sight* sight, bool* hidden);
+                                        const stp_boxd* box, const stp_box_visibility* sight,
+                                        bool* hidden);

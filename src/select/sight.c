@@ -4,27 +4,27 @@
 
 /// Splat sizes wanted in an eye's picture of the box.
 static void choose_sizes(const stp_selection* s, uint32_t eye, const stp_boxd* box,
-                         stp_sight* sight)
+                         stp_box_visibility* sight)
 {
     const stp_fovea* fovea = &s->quality->fovea;
-    double base = (double)s->list->splat_size, least = 1.0, greatest = 1.0;
+    double base = (double)s->list->splat_size, minimum = 1.0, greatest = 1.0;
     if (fovea->count > 0) {
         stp_view_rectangle seen = stp_view_frame_cover(&s->frames[eye], box);
-        stp_fovea_bound(fovea, &s->frames[eye], &seen, &least, &greatest);
+        stp_fovea_bound(fovea, &s->frames[eye], &seen, &minimum, &greatest);
     }
-    sight->splat_size = fmin(sight->splat_size, fmax(base * least, 1.0));
+    sight->splat_size = fmin(sight->splat_size, fmax(base * minimum, 1.0));
     sight->largest_size = fmax(sight->largest_size, base * greatest);
 }
 
-bool stp_select_see(const stp_selection* s, const stp_boxd* box, stp_sight* sight)
+bool stp_select_is_in_view(const stp_selection* s, const stp_boxd* box, stp_box_visibility* sight)
 {
-    *sight = (stp_sight){.range = {HUGE_VAL, 0.0},
-                         .splat_size = HUGE_VAL,
-                         .largest_size = (double)s->list->splat_size};
+    *sight = (stp_box_visibility){.range = {HUGE_VAL, 0.0},
+                                  .splat_size = HUGE_VAL,
+                                  .largest_size = (double)s->list->splat_size};
     for (uint32_t i = 0; i < s->eye_count; ++i) {
         const stp_view_frame* frame = &s->frames[i];
         double near, far;
-        if (!stp_view_frame_sees_range(frame, box, &near, &far)) {
+        if (!stp_view_frame_depths(frame, box, &near, &far)) {
             continue;
         }
         sight->eyes |= 1u << i;

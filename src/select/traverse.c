@@ -126,13 +126,13 @@ static stp_result add_part(stp_selection* s, stp_store_part part, const stp_sele
         count = points->point_count;
     }
     stp_boxd box = stp_select_part_box(s, part, &at->transform);
-    stp_sight sight;
-    if (shown == STP_SHOW_NOT || !stp_select_see(s, &box, &sight) ||
+    stp_box_visibility sight;
+    if (shown == STP_SHOW_NOT || !stp_select_is_in_view(s, &box, &sight) ||
         !stp_sections_test(s->sections, &box, 0.0, &item.sections) ||
         !(stp_select_growth(at->ceiling, sight.range.near) > 0.0)) {
         return STP_OK;
     }
-    if (s->streams && !stp_select_want_part(s, part, at, &sight)) {
+    if (s->streams && !stp_select_request_part(s, part, at, &sight)) {
         return STP_OK;
     }
     stp_depth_range range = sight.range;
@@ -242,8 +242,8 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
     }
     s->list->node_count += 1;
     stp_boxd box = stp_select_place_box(&at->transform, &node->bounds);
-    stp_sight sight;
-    bool seen = stp_select_see(s, &box, &sight);
+    stp_box_visibility sight;
+    bool seen = stp_select_is_in_view(s, &box, &sight);
     if (s->quality->splat_count > 0 && !s->quality->reference) {
         return is_left(s, at, &box) ? visit_by_count(s, at, seen) : STP_OK;
     }

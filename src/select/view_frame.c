@@ -96,8 +96,8 @@ static double distance_to(const stp_view_frame* frame, const stp_boxd* box)
     return sqrt(x * x + y * y + z * z);
 }
 
-bool stp_view_frame_sees_range(const stp_view_frame* frame, const stp_boxd* box,
-                               double* nearest_depth, double* farthest_depth)
+bool stp_view_frame_depths(const stp_view_frame* frame, const stp_boxd* box, double* nearest_depth,
+                           double* farthest_depth)
 {
     stp_vec3d half = stp_scaled(stp_subd(box->max, box->min), 0.5);
     stp_vec3d center = stp_subd(stp_addd(box->min, half), frame->eye);
@@ -107,8 +107,8 @@ bool stp_view_frame_sees_range(const stp_view_frame* frame, const stp_boxd* box,
         return false;
     }
     for (int i = 0; i < 4; ++i) {
-        double least = stp_dotd(frame->sides[i], center) - reach_along(frame->sides[i], half);
-        if (least > frame->side_limits[i]) {
+        double minimum = stp_dotd(frame->sides[i], center) - reach_along(frame->sides[i], half);
+        if (minimum > frame->side_limits[i]) {
             return false;
         }
     }
@@ -121,10 +121,11 @@ bool stp_view_frame_sees_range(const stp_view_frame* frame, const stp_boxd* box,
     return true;
 }
 
-bool stp_view_frame_sees(const stp_view_frame* frame, const stp_boxd* box, double* nearest_depth)
+bool stp_view_frame_intersects(const stp_view_frame* frame, const stp_boxd* box,
+                               double* nearest_depth)
 {
     double farthest_depth;
-    return stp_view_frame_sees_range(frame, box, nearest_depth, &farthest_depth);
+    return stp_view_frame_depths(frame, box, nearest_depth, &farthest_depth);
 }
 
 static void widen(const stp_view_frame* f, stp_view_rectangle* r, double x, double y, double z)

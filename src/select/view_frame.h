@@ -27,11 +27,12 @@ bool stp_view_frame_make(const stp_view* view, stp_view_frame* frame);
 
 /// Whether part of the box may be in the picture, and its nearest depth: a lower bound, at least
 /// the near distance.
-bool stp_view_frame_sees(const stp_view_frame* frame, const stp_boxd* box, double* nearest_depth);
+bool stp_view_frame_intersects(const stp_view_frame* frame, const stp_boxd* box,
+                               double* nearest_depth);
 
 /// The same, with the farthest depth of the box too.
-bool stp_view_frame_sees_range(const stp_view_frame* frame, const stp_boxd* box,
-                               double* nearest_depth, double* farthest_depth);
+bool stp_view_frame_depths(const stp_view_frame* frame, const stp_boxd* box, double* nearest_depth,
+                           double* farthest_depth);
 
 /// Pixels from x0 to x1 and from y0 to y1; within the picture.
 typedef struct stp_view_rectangle {

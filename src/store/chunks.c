@@ -11,7 +11,7 @@ enum {
     COLOR_BYTES = 4,  ///< a surfel's colour and coverage
     PLACE_BYTES = 9,  ///< a surfel's position, normal and material
     OPTION_BYTES = 4, ///< a surfel's shape, or its range
-    COLORS_MOST = STP_STORE_PIECE_BYTES / COLOR_BYTES,
+    COLORS_MAX = STP_STORE_PIECE_BYTES / COLOR_BYTES,
 };
 
 stp_store_octave_span stp_store_span_of(const stp_splats* surfels, uint32_t octave,
@@ -46,14 +46,14 @@ static uint32_t surfel_bytes(const stp_store_octave_span* span)
 /// Chunks that hold only colours, of surfels of earlier octaves.
 static uint32_t color_chunks(const stp_store_octave_span* span)
 {
-    return (span->first - span->begin) / COLORS_MOST;
+    return (span->first - span->begin) / COLORS_MAX;
 }
 
 /// End of the next chunk: the remaining colours of earlier octaves, then surfels. Not yet limited
 /// to the octave.
 static uint64_t mixed_end(const stp_store_octave_span* span)
 {
-    uint32_t colors = (span->first - span->begin) % COLORS_MOST;
+    uint32_t colors = (span->first - span->begin) % COLORS_MAX;
     return (uint64_t)span->first +
            (STP_STORE_PIECE_BYTES - COLOR_BYTES * colors) / surfel_bytes(span);
 }
@@ -65,8 +65,8 @@ uint32_t stp_store_chunk_count(const stp_store_octave_span* span)
         return 1;
     }
     uint64_t left = span->end > mixed ? span->end - mixed : 0;
-    uint64_t most = STP_STORE_PIECE_BYTES / surfel_bytes(span);
-    return (uint32_t)(color_chunks(span) + 1 + (left + most - 1) / most);
+    uint64_t maximum = STP_STORE_PIECE_BYTES / surfel_bytes(span);
+    return (uint32_t)(color_chunks(span) + 1 + (left + maximum - 1) / maximum);
 }
 
 uint32_t stp_store_chunk_end(const stp_store_octave_span* span, uint32_t chunk)
@@ -74,10 +74,10 @@ uint32_t stp_store_chunk_end(const stp_store_octave_span* span, uint32_t chunk)
     uint32_t colors = color_chunks(span);
     uint64_t end = span->end;
     if (span->encoding != STP_STORE_ENCODING_PLAIN && chunk < colors) {
-        end = span->begin + (chunk + 1) * (uint64_t)COLORS_MOST;
+        end = span->begin + (chunk + 1) * (uint64_t)COLORS_MAX;
     } else if (span->encoding != STP_STORE_ENCODING_PLAIN) {
-        uint32_t most = STP_STORE_PIECE_BYTES / surfel_bytes(span);
-        end = mixed_end(span) + (uint64_t)(chunk - colors) * most;
+        uint32_t maximum = STP_STORE_PIECE_BYTES / surfel_bytes(span);
+        end = mixed_end(span) + (uint64_t)(chunk - colors) * maximum;
     }
     return end < span->end ? (uint32_t)end : span->end;
 }
@@ -134,8 +134,8 @@ bool stp_store_can_hold(const stp_store_octave_span* span, uint64_t size)
     if (span->encoding == STP_STORE_ENCODING_PLAIN) {
         return size == decoded;
     }
-    uint64_t least = decoded / STP_STORE_PIECE_RATIO, rounded = stp_store_chunk_count(span);
-    return size >= table && size - table <= decoded && size - table + rounded >= least;
+    uint64_t minimum = decoded / STP_STORE_PIECE_RATIO, rounded = stp_store_chunk_count(span);
+    return size >= table && size - table <= decoded && size - table + rounded >= minimum;
 }
 
 const char* const stp_store_unreadable = "bytes";

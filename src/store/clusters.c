@@ -82,8 +82,8 @@ static bool are_parts(const clusters_entry* entry)
 
 static bool is_channel(const clusters_channel* channel, uint32_t group)
 {
-    return channel->width <= 32 && channel->own_width <= CLUSTERS_MOST_OWN &&
-           channel->shift <= CLUSTERS_MOST_SHIFT && channel->layout <= STP_CLUSTER_REPEATED &&
+    return channel->width <= 32 && channel->own_width <= CLUSTERS_MAX_OWN &&
+           channel->shift <= CLUSTERS_MAX_SHIFT && channel->layout <= STP_CLUSTER_REPEATED &&
            (channel->layout == STP_CLUSTER_PLAIN ? channel->own_width == 0 : group != 0);
 }
 
@@ -168,7 +168,7 @@ const char* stp_clusters_open(const void* bytes, size_t size, stp_clusters* clus
                     (size - CLUSTERS_HEADER_BYTES - CLUSTERS_PADDING_BYTES) / CLUSTERS_ENTRY_BYTES;
     for (int k = 0; k < 3; ++k) {
         int exponent = read_exponent(p + 14 + 2 * k);
-        good = good && exponent >= CLUSTERS_EXPONENT_LEAST && exponent <= CLUSTERS_EXPONENT_MOST;
+        good = good && exponent >= CLUSTERS_EXPONENT_MIN && exponent <= CLUSTERS_EXPONENT_MAX;
     }
     if (!good) {
         return "has invalid counts, columns or steps of clusters";
@@ -214,9 +214,9 @@ static void get_nothing(stp_cluster* cluster)
 /// Whether a cluster's counts, widths and offset are valid. Extra channels are checked elsewhere.
 static bool is_entry(const stp_clusters* c, const clusters_entry* entry)
 {
-    uint64_t least = CLUSTERS_HEADER_BYTES + (uint64_t)c->cluster_count * CLUSTERS_ENTRY_BYTES;
+    uint64_t minimum = CLUSTERS_HEADER_BYTES + (uint64_t)c->cluster_count * CLUSTERS_ENTRY_BYTES;
     uint64_t begin = 4 * (uint64_t)entry->offset;
-    bool good = begin >= least && begin <= c->size - CLUSTERS_PADDING_BYTES &&
+    bool good = begin >= minimum && begin <= c->size - CLUSTERS_PADDING_BYTES &&
                 entry->triangle_count >= 1 && entry->triangle_count <= STP_CLUSTER_TRIANGLES &&
                 entry->first_triangle <= c->triangle_count &&
                 entry->triangle_count <= c->triangle_count - entry->first_triangle &&

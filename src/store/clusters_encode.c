@@ -18,16 +18,16 @@ typedef struct encoding {
     unsigned char* data;
     size_t entry_count, entry_capacity, data_size, data_capacity;
     int step_exponent, texcoord_exponents[2];
-    int32_t least[3], most[3];
+    int32_t minimum[3], maximum[3];
     uint64_t vertex_count;
 } encoding;
 
 /// @return false if memory runs out
 static bool append_cluster(encoding* e, uint32_t first_triangle)
 {
-    if (e->data_capacity - e->data_size < CLUSTER_MOST_BYTES) {
+    if (e->data_capacity - e->data_size < CLUSTER_MAX_BYTES) {
         unsigned char* data = stp_grow_array(e->context, e->data, &e->data_capacity,
-                                             e->data_size + CLUSTER_MOST_BYTES, 1);
+                                             e->data_size + CLUSTER_MAX_BYTES, 1);
         e->data = data != NULL ? data : e->data;
         if (data == NULL) {
             return false;
@@ -48,8 +48,8 @@ static bool append_cluster(encoding* e, uint32_t first_triangle)
     for (int k = 0; k < 3; ++k) {
         const int32_t* values = e->maker->values[k];
         for (uint32_t v = 0; v < e->maker->vertex_count; ++v) {
-            e->least[k] = values[v] < e->least[k] ? values[v] : e->least[k];
-            e->most[k] = values[v] > e->most[k] ? values[v] : e->most[k];
+            e->minimum[k] = values[v] < e->minimum[k] ? values[v] : e->minimum[k];
+            e->maximum[k] = values[v] > e->maximum[k] ? values[v] : e->maximum[k];
         }
     }
     e->vertex_count += e->maker->vertex_count;
@@ -64,15 +64,15 @@ static uint32_t gather_parts(encoding* e, const uint64_t* order, uint32_t at, ui
 {
     uint32_t part_class = (uint32_t)(order[at] >> 32);
     uint32_t part = clusters_part_triangles(part_class);
-    uint32_t most = STP_CLUSTER_TRIANGLES / part;
+    uint32_t maximum = STP_CLUSTER_TRIANGLES / part;
     uint32_t other = STP_CLUSTER_VERTICES / clusters_part_vertices(part_class);
-    most = part * (other < most ? other : most);
-    most = end - at < most ? end - at : most;
-    if (cluster_maker_take_parts(e->maker, order + at, most, part_class)) {
-        return at + most;
+    maximum = part * (other < maximum ? other : maximum);
+    maximum = end - at < maximum ? end - at : maximum;
+    if (cluster_maker_take_parts(e->maker, order + at, maximum, part_class)) {
+        return at + maximum;
     }
     cluster_maker_begin(e->maker);
-    uint32_t stop = at + most;
+    uint32_t stop = at + maximum;
     while (at < stop && cluster_maker_add(e->maker, (uint32_t)order[at])) {
         at += 1;
     }
@@ -94,12 +94,12 @@ static void prefetch(const cluster_maker* m, const uint64_t* order, uint32_t at,
 /// Gathers triangles one by one. @return the start of the next cluster
 static uint32_t gather_triangles(encoding* e, const uint64_t* order, uint32_t at, uint32_t end)
 {
-    uint32_t first = at, left = end - at, most = STP_CLUSTER_TRIANGLES;
-    if (left > most && left < 2 * most) {
-        most = (left + 1) / 2; // avoids a last cluster of few triangles
+    uint32_t first = at, left = end - at, maximum = STP_CLUSTER_TRIANGLES;
+    if (left > maximum && left < 2 * maximum) {
+        maximum = (left + 1) / 2; // avoids a last cluster of few triangles
     }
     cluster_maker_begin(e->maker);
-    for (; at < end && at - first < most; ++at) {
+    for (; at < end && at - first < maximum; ++at) {
         if (order != NULL) {
             prefetch(e->maker, order, at, end);
         }
@@ -123,7 +123,7 @@ static stp_result cut_clusters(encoding* e, const uint64_t* order, uint32_t tria
         if (!append_cluster(e, first)) {
             return stp_fail_memory(e->context);
         }
-        if (e->data_size / 4 > UINT32_MAX - CLUSTER_MOST_BYTES - e->entry_count * 8) {
+        if (e->data_size / 4 > UINT32_MAX - CLUSTER_MAX_BYTES - e->entry_count * 8) {
             return stp_fail(e->context, STP_ERROR_LIMIT,
                             "a mesh of %u triangles does not fit into one block", triangle_count);
         }
@@ -165,7 +165,7 @@ static stp_result join(const encoding* e, uint32_t triangle_count, stp_coded_mes
                               .vertex_count = (uint32_t)e->vertex_count};
     if (e->entry_count != 0) {
         float step = clusters_power_of_two(e->step_exponent);
-        const int32_t *a = e->least, *b = e->most;
+        const int32_t *a = e->minimum, *b = e->maximum;
         coded->bounds = (stp_box){
             {(float)a[0] * step, (float)a[1] * step, (float)a[2] * step},
             {(float)b[0] * step, (float)b[1] * step, (float)b[2] * step},
@@ -197,16 +197,16 @@ static bool prepare(encoding* e, const stp_store_mesh* mesh, double step)
     cluster_maker* m = e->maker;
     e->step_exponent = exponent_of(step);
     double largest = (double)find_largest(mesh->positions, 3 * (size_t)mesh->vertex_count);
-    if (!(step > 0.0) || e->step_exponent < CLUSTERS_EXPONENT_LEAST ||
-        e->step_exponent > CLUSTERS_EXPONENT_MOST ||
+    if (!(step > 0.0) || e->step_exponent < CLUSTERS_EXPONENT_MIN ||
+        e->step_exponent > CLUSTERS_EXPONENT_MAX ||
         !(largest / step <= (double)CLUSTERS_NUMBER_LIMIT)) {
         return false;
     }
     m->mesh = mesh;
     m->inverse_step = 1.0 / step;
     for (uint32_t k = 0; k < 3; ++k) {
-        e->least[k] = INT32_MAX;
-        e->most[k] = INT32_MIN;
+        e->minimum[k] = INT32_MAX;
+        e->maximum[k] = INT32_MIN;
     }
     m->present = mesh->normals != NULL ? STP_COLUMN_NORMALS : 0;
     for (uint32_t set = 0; set < 2; ++set) {
@@ -217,7 +217,7 @@ static bool prepare(encoding* e, const stp_store_mesh* mesh, double step)
         double size = (double)find_largest(mesh->texcoords[set], 2 * (size_t)mesh->vertex_count);
         int exponent = exponent_of(size) - FLOAT_DIGITS;
         exponent = exponent > TEXCOORD_EXPONENT ? exponent : TEXCOORD_EXPONENT;
-        exponent = exponent < CLUSTERS_EXPONENT_MOST ? exponent : CLUSTERS_EXPONENT_MOST;
+        exponent = exponent < CLUSTERS_EXPONENT_MAX ? exponent : CLUSTERS_EXPONENT_MAX;
         e->texcoord_exponents[set] = exponent;
         m->texcoord_inverses[set] = 1.0 / (double)clusters_power_of_two(exponent);
         m->extra_channels[m->extra_count++] = STP_CLUSTER_TEXCOORDS + 2 * set;

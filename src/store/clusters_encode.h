@@ -99,7 +99,7 @@ void cluster_maker_finish(cluster_maker* maker, clusters_entry* entry);
 
 /// Maximum size that clusters_pack writes.
 enum {
-    CLUSTER_MOST_BYTES =
+    CLUSTER_MAX_BYTES =
         3 * STP_CLUSTER_TRIANGLES + STP_CLUSTER_CHANNELS * (8 * STP_CLUSTER_VERTICES + 16)
 };
 /// Writes a finished cluster and the origin of its positions. @return bytes written, a multiple of

@@ -282,7 +282,7 @@ bool cluster_maker_add(cluster_maker* m, uint32_t triangle)
 /// none.
 static int32_t shortest_octave(const cluster_maker* m, const uint64_t* triangles, uint32_t count)
 {
-    double least = DBL_MAX;
+    double minimum = DBL_MAX;
     for (uint32_t i = 0; i < count; ++i) {
         const uint32_t* vertex = m->mesh->indices + 3 * (size_t)(uint32_t)triangles[i];
         for (int k = 0; k < 3; ++k) {
@@ -292,12 +292,12 @@ static int32_t shortest_octave(const cluster_maker* m, const uint64_t* triangles
                            ((double)b[1] - (double)a[1]) * m->inverse_step,
                            ((double)b[2] - (double)a[2]) * m->inverse_step};
             double square = dot(d, d);
-            least = square > 0.0 && square < least ? square : least;
+            minimum = square > 0.0 && square < minimum ? square : minimum;
         }
     }
     uint64_t bits;
-    memcpy(&bits, &least, sizeof(bits));
-    return least < DBL_MAX ? (int32_t)(bits >> 52) - 1023 : INT32_MAX;
+    memcpy(&bits, &minimum, sizeof(bits));
+    return minimum < DBL_MAX ? (int32_t)(bits >> 52) - 1023 : INT32_MAX;
 }
 
 /// Number of low bits that positions of loose parts can drop: short edges keep 2^PART_BITS steps.
@@ -317,7 +317,7 @@ static uint32_t choose_shift(const cluster_maker* m, const uint64_t* triangles, 
     }
     int32_t low = octaves[sorted / SHORT_PARTS];
     int32_t shift = low == INT32_MAX ? 0 : low / 2 - PART_BITS;
-    shift = shift < CLUSTERS_MOST_SHIFT ? shift : CLUSTERS_MOST_SHIFT;
+    shift = shift < CLUSTERS_MAX_SHIFT ? shift : CLUSTERS_MAX_SHIFT;
     return shift > 0 ? (uint32_t)shift : 0;
 }
 

@@ -11,12 +11,12 @@ enum {
     CLUSTERS_ENTRY_BYTES = 32,
     /// After the last cluster: reading a value touches up to 7 bytes beyond it.
     CLUSTERS_PADDING_BYTES = 8,
-    CLUSTERS_EXPONENT_LEAST = -149,
-    CLUSTERS_EXPONENT_MOST = 96, ///< any 32-bit multiple of such a step is finite
+    CLUSTERS_EXPONENT_MIN = -149,
+    CLUSTERS_EXPONENT_MAX = 96, ///< any 32-bit multiple of such a step is finite
     CLUSTERS_NUMBER_LIMIT = (1 << 30) - 1,
     CLUSTERS_CHANNEL_BYTES = 8, ///< of the table entry of an extra channel
-    CLUSTERS_MOST_SHIFT = 24,
-    CLUSTERS_MOST_OWN = 32,
+    CLUSTERS_MAX_SHIFT = 24,
+    CLUSTERS_MAX_OWN = 32,
 };
 
 static inline uint32_t clusters_read_present(const void* bytes)

@@ -41,21 +41,21 @@ typedef struct packing {
 /// Finds the origin, the width, and the low bits that all values share.
 static void measure_values(packing* p, const int32_t* values)
 {
-    int32_t least = values[0];
-    uint32_t all = 0, most = 0;
+    int32_t minimum = values[0];
+    uint32_t all = 0, maximum = 0;
     for (uint32_t i = 1; i < p->count; ++i) {
-        least = values[i] < least ? values[i] : least;
+        minimum = values[i] < minimum ? values[i] : minimum;
     }
     for (uint32_t i = 0; i < p->count; ++i) {
-        p->values[i] = (uint32_t)values[i] - (uint32_t)least;
+        p->values[i] = (uint32_t)values[i] - (uint32_t)minimum;
         all |= p->values[i];
-        most = p->values[i] > most ? p->values[i] : most;
+        maximum = p->values[i] > maximum ? p->values[i] : maximum;
     }
-    uint32_t shift = all != 0 ? (uint32_t)__builtin_ctz(all) : CLUSTERS_MOST_SHIFT;
+    uint32_t shift = all != 0 ? (uint32_t)__builtin_ctz(all) : CLUSTERS_MAX_SHIFT;
     p->channel = (clusters_channel){
-        .origin = least,
-        .width = width_of(most),
-        .shift = (uint8_t)(shift < CLUSTERS_MOST_SHIFT ? shift : CLUSTERS_MOST_SHIFT)};
+        .origin = minimum,
+        .width = width_of(maximum),
+        .shift = (uint8_t)(shift < CLUSTERS_MAX_SHIFT ? shift : CLUSTERS_MAX_SHIFT)};
 }
 
 static void drop_bits(packing* p, uint32_t shift)
@@ -71,22 +71,22 @@ static void drop_bits(packing* p, uint32_t shift)
 /// all parts
 static bool split_values(packing* p)
 {
-    uint32_t most = 0;
+    uint32_t maximum = 0;
     bool alike = true;
     for (uint32_t first = 0, part = 0; first < p->count; first += p->group, ++part) {
         uint32_t end = p->count - first > p->group ? first + p->group : p->count;
-        uint32_t least = p->values[first];
+        uint32_t minimum = p->values[first];
         for (uint32_t i = first + 1; i < end; ++i) {
-            least = p->values[i] < least ? p->values[i] : least;
+            minimum = p->values[i] < minimum ? p->values[i] : minimum;
         }
         for (uint32_t i = first; i < end; ++i) {
-            uint32_t own = p->values[i] - least;
-            most = own > most ? own : most;
+            uint32_t own = p->values[i] - minimum;
+            maximum = own > maximum ? own : maximum;
             alike = alike && (part == 0 || own == p->values[i - first] - p->bases[0]);
         }
-        p->bases[part] = least;
+        p->bases[part] = minimum;
     }
-    p->channel.own_width = width_of(most);
+    p->channel.own_width = width_of(maximum);
     return alike;
 }
 
@@ -122,7 +122,7 @@ static unsigned char* pack_positions(const cluster_maker* m, clusters_entry* ent
                                      unsigned char* out)
 {
     packing axes[3];
-    uint32_t shift = CLUSTERS_MOST_SHIFT, plain = 0, grouped = 0;
+    uint32_t shift = CLUSTERS_MAX_SHIFT, plain = 0, grouped = 0;
     for (uint32_t k = 0; k < 3; ++k) {
         axes[k].count = m->vertex_count;
         axes[k].group = entry->group;

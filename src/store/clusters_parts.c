@@ -9,13 +9,13 @@
 #include "store/clusters_encode.h"
 
 enum {
-    MOST_TRIANGLES = 32, // per part
-    MOST_VERTICES = 32,
-    CLASSES = MOST_TRIANGLES * MOST_VERTICES,
-    LEAST_OF_CLASS = 64, // smaller classes get no clusters of their own
+    MAX_TRIANGLES = 32, // per part
+    MAX_VERTICES = 32,
+    CLASSES = MAX_TRIANGLES * MAX_VERTICES,
+    MIN_OF_CLASS = 64,   // smaller classes get no clusters of their own
     WINDOW = 32,         // consecutive triangles along the curve that a sample examines,
     WINDOW_EVERY = 2048, // one sample per this many triangles
-    LEAST_SHARE = 16,    // meshes with fewer loose triangles than one in this many stay unsorted
+    MIN_SHARE = 16,      // meshes with fewer loose triangles than one in this many stay unsorted
 };
 
 typedef struct part_finder {
@@ -23,7 +23,7 @@ typedef struct part_finder {
     const cluster_place* places;
     uint32_t* parents;   ///< union-find forest of vertices; parents have lower indices
     uint32_t* triangles; ///< per root
-    uint32_t* vertices;  ///< per root; more than MOST_VERTICES: not loose
+    uint32_t* vertices;  ///< per root; more than MAX_VERTICES: not loose
     uint32_t* slots;     ///< vertices by position: index + 1; 0: none
     uint32_t slot_bits;
     uint32_t* next; ///< the next triangle of the same part, index + 1
@@ -39,7 +39,7 @@ static uint32_t find_root(uint32_t* parents, uint32_t v)
     return v;
 }
 
-static uint32_t least_of(uint32_t a, uint32_t b)
+static uint32_t min_u32(uint32_t a, uint32_t b)
 {
     return a < b ? a : b;
 }
@@ -48,9 +48,9 @@ static void join(uint32_t* parents, uint32_t a, uint32_t b)
 {
     a = find_root(parents, a);
     b = find_root(parents, b);
-    uint32_t least = least_of(a, b);
-    parents[a] = least;
-    parents[b] = least;
+    uint32_t minimum = min_u32(a, b);
+    parents[a] = minimum;
+    parents[b] = minimum;
 }
 
 /// Points every vertex at its root.
@@ -72,7 +72,7 @@ static uint32_t count_small(const part_finder* f)
     }
     uint32_t small = 0;
     for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
-        small += f->triangles[v] <= MOST_TRIANGLES ? f->triangles[v] : 0;
+        small += f->triangles[v] <= MAX_TRIANGLES ? f->triangles[v] : 0;
     }
     return small;
 }
@@ -91,9 +91,9 @@ static void join_triangles(const part_finder* f)
             a = find_root(parents, a);
             b = find_root(parents, b);
             c = find_root(parents, c);
-            uint32_t least = least_of(a, least_of(b, c));
-            parents[a] = parents[b] = parents[c] = least;
-            parents[corner[0]] = parents[corner[1]] = parents[corner[2]] = least;
+            uint32_t minimum = min_u32(a, min_u32(b, c));
+            parents[a] = parents[b] = parents[c] = minimum;
+            parents[corner[0]] = parents[corner[1]] = parents[corner[2]] = minimum;
         }
     }
 }
@@ -164,14 +164,14 @@ static void join_vertices(const part_finder* f)
     // first mark used vertices, then those that coincide; both end up as sums of the root
     for (uint32_t v = 0; v < count; ++v) {
         bool used = f->triangles[find_root(f->parents, v)] != 0;
-        f->vertices[v] = used ? (is_joined(f, v) ? MOST_VERTICES + 1 : 1) : 0;
+        f->vertices[v] = used ? (is_joined(f, v) ? MAX_VERTICES + 1 : 1) : 0;
     }
     for (uint32_t v = count;
          v-- > 0;) { // roots have the lowest indices of their trees, so children come first
         uint32_t parent = f->parents[v];
         if (parent != v) {
             uint32_t sum = f->vertices[parent] + f->vertices[v];
-            f->vertices[parent] = sum <= MOST_VERTICES ? sum : MOST_VERTICES + 1;
+            f->vertices[parent] = sum <= MAX_VERTICES ? sum : MAX_VERTICES + 1;
         }
     }
 }
@@ -181,14 +181,14 @@ static uint32_t classify(const part_finder* f, uint32_t triangle, uint32_t* root
 {
     *root = find_root(f->parents, f->mesh->indices[3 * (size_t)triangle]);
     uint32_t triangles = f->triangles[*root], vertices = f->vertices[*root];
-    bool loose = triangles <= MOST_TRIANGLES && vertices <= MOST_VERTICES;
+    bool loose = triangles <= MAX_TRIANGLES && vertices <= MAX_VERTICES;
     return loose ? clusters_part_class(triangles, vertices) : 0;
 }
 
 static uint32_t bucket_of(uint32_t class)
 {
     return class == 0 ? 0
-                      : (clusters_part_triangles(class) - 1) * MOST_VERTICES +
+                      : (clusters_part_triangles(class) - 1) * MAX_VERTICES +
                             clusters_part_vertices(class);
 }
 
@@ -203,15 +203,15 @@ static void sort_parts(const part_finder* f, const uint64_t* order, uint64_t* ou
     }
     uint32_t begin = sizes[0], places[CLASSES + 1] = {0};
     for (uint32_t i = 1; i <= CLASSES; ++i) {
-        begin += sizes[i] < LEAST_OF_CLASS ? sizes[i] : 0;
+        begin += sizes[i] < MIN_OF_CLASS ? sizes[i] : 0;
     }
     for (uint32_t i = 1; i <= CLASSES; ++i) {
         places[i] = begin;
-        begin += sizes[i] < LEAST_OF_CLASS ? 0 : sizes[i];
+        begin += sizes[i] < MIN_OF_CLASS ? 0 : sizes[i];
     }
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t t = (uint32_t)order[i], class = classify(f, t, &root), bucket = bucket_of(class);
-        if (bucket == 0 || sizes[bucket] < LEAST_OF_CLASS) {
+        if (bucket == 0 || sizes[bucket] < MIN_OF_CLASS) {
             out[places[0]++] = t;
             continue;
         }
@@ -248,7 +248,7 @@ stp_result clusters_sort_parts(stp_context* context, const stp_store_mesh* mesh,
     }
     if (made) {
         join_triangles(&f);
-        if (count_small(&f) >= mesh->triangle_count / LEAST_SHARE && !is_soup(&f, *order)) {
+        if (count_small(&f) >= mesh->triangle_count / MIN_SHARE && !is_soup(&f, *order)) {
             made = allocate(context, &f);
             if (made) {
                 join_vertices(&f);

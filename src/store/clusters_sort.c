@@ -17,7 +17,7 @@ typedef float lanes_float __attribute__((vector_size(16)));
 
 /// Maps positions to cells of the curve.
 typedef struct curve {
-    lanes_uint least;
+    lanes_uint minimum;
     lanes_float scale; ///< for the sum of three corners; 0 in the last lane
     uint32_t shift;
 } curve;
@@ -65,29 +65,29 @@ static lanes_int load(const cluster_place* place)
 /// Cells that span the longest side of the vertices' box.
 static curve choose_cells(const cluster_place* places, uint32_t count)
 {
-    lanes_int least = load(&places[0]), most = least;
+    lanes_int minimum = load(&places[0]), maximum = minimum;
     for (uint32_t v = 1; v < count; ++v) {
-        lanes_int place = load(&places[v]), less = place<least, more = place> most;
-        least = (place & less) | (least & ~less);
-        most = (place & more) | (most & ~more);
+        lanes_int place = load(&places[v]), less = place<minimum, more = place> maximum;
+        minimum = (place & less) | (minimum & ~less);
+        maximum = (place & more) | (maximum & ~more);
     }
     uint32_t extent = 1, shift = 0;
     for (int k = 0; k < 3; ++k) {
-        uint32_t side = (uint32_t)most[k] - (uint32_t)least[k];
+        uint32_t side = (uint32_t)maximum[k] - (uint32_t)minimum[k];
         extent = side > extent ? side : extent;
     }
     while (extent >> shift >= 1u << SUM_BITS) {
         shift += 1;
     }
     float scale = (float)((1 << CURVE_BITS) - 1) / (float)(3 * (extent >> shift));
-    return (curve){(lanes_uint)least, {scale, scale, scale, 0.0f}, shift};
+    return (curve){(lanes_uint)minimum, {scale, scale, scale, 0.0f}, shift};
 }
 
 static lanes_int find_cell(const curve* c, const cluster_place* places, const uint32_t* corner)
 {
     lanes_uint sum = {0};
     for (int k = 0; k < 3; ++k) {
-        sum += ((lanes_uint)load(&places[corner[k]]) - c->least) >> c->shift;
+        sum += ((lanes_uint)load(&places[corner[k]]) - c->minimum) >> c->shift;
     }
     lanes_float scaled = __builtin_convertvector((lanes_int)sum, lanes_float) * c->scale;
     return __builtin_convertvector(scaled, lanes_int);

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-enum { LEAST_COVERAGE = 1 }; ///< smallest code that is drawn where 0 hides a splat
+enum { MIN_COVERAGE = 1 }; ///< smallest code that is drawn where 0 hides a splat
 
 bool stp_attribute_is_distinct(stp_attribute attribute)
 {
@@ -130,7 +130,7 @@ const char* stp_store_color_octave(const stp_store* store, uint32_t index, uint3
     size_t begin = flat ? 0 : stp_store_octave_begin(surfels, octave);
     for (size_t i = entry; c->hides && i < end; ++i) {
         surfels->coverages[i] =
-            surfels->coverages[i] > LEAST_COVERAGE ? surfels->coverages[i] : LEAST_COVERAGE;
+            surfels->coverages[i] > MIN_COVERAGE ? surfels->coverages[i] : MIN_COVERAGE;
     }
     stp_store_values values = stp_store_values_of(store, STP_BLOCK_ATTRIBUTES, index, octave);
     if (!flat && octave > 0) {

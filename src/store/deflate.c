@@ -20,7 +20,7 @@ void stp_store_packer_destroy(stp_store_packer* packer)
 
 size_t stp_store_pack(stp_store_packer* packer, const void* bytes, size_t size, void* out)
 {
-    size_t least = size / STP_STORE_PIECE_RATIO;
+    size_t minimum = size / STP_STORE_PIECE_RATIO;
     size_t made = packer != NULL && size > 1
                       ? libdeflate_deflate_compress(packer, bytes, size, out, size - 1)
                       : 0;
@@ -28,9 +28,9 @@ size_t stp_store_pack(stp_store_packer* packer, const void* bytes, size_t size, 
         memcpy(out, bytes, size);
         return size;
     }
-    if (made < least) { // zero padding: bounds a reader's memory by the file size
-        memset((unsigned char*)out + made, 0, least - made);
-        made = least;
+    if (made < minimum) { // zero padding: bounds a reader's memory by the file size
+        memset((unsigned char*)out + made, 0, minimum - made);
+        made = minimum;
     }
     return made;
 }

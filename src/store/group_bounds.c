@@ -40,7 +40,7 @@ static void add_cone(const stp_splats* s, uint32_t begin, uint32_t end, stp_spla
     }
     stp_vec3 rounded = stp_normalize(
         (stp_vec3){(float)group->axis[0], (float)group->axis[1], (float)group->axis[2]});
-    float least = 1.0f;
+    float minimum = 1.0f;
     for (uint32_t i = begin; i < end; ++i) {
         const int8_t* code = s->normals + 2 * (size_t)i;
         float cosine = stp_dot(stp_octahedral_decode(code[0], code[1]), rounded);
@@ -48,10 +48,10 @@ static void add_cone(const stp_splats* s, uint32_t begin, uint32_t end, stp_spla
         // cosine of the sum of both angles
         float both = cosine * sqrtf(1.0f - spread * spread) -
                      spread * sqrtf(fmaxf(1.0f - cosine * cosine, 0.0f));
-        least = both < least ? both : least;
+        minimum = both < minimum ? both : minimum;
     }
-    if (least > 0.0f) {
-        float sine = 255.0f * sqrtf(1.0f - least * least) + 1.0f;
+    if (minimum > 0.0f) {
+        float sine = 255.0f * sqrtf(1.0f - minimum * minimum) + 1.0f;
         group->sine = sine < 255.0f ? (uint8_t)sine : 255;
     }
 }

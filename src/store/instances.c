@@ -45,13 +45,13 @@ bool stp_instance_is_same(const stp_boxd* bounds, const stp_affine* a, const stp
         stp_addd(bounds->min, (stp_vec3d){0, 0, size.z}),
     };
     stp_vec3d first = stp_affine_point(a, corners[0]);
-    double width = 0.0, apart = 0.0, most = largest_of(first);
+    double width = 0.0, apart = 0.0, maximum = largest_of(first);
     for (int k = 0; k < 4; ++k) {
         stp_vec3d p = stp_affine_point(a, corners[k]), q = stp_affine_point(b, corners[k]);
         width = fmax(width, largest_of(stp_subd(p, first)));
         apart = fmax(apart, largest_of(stp_subd(p, q)));
     }
-    return apart <= SAME_PART * width + SAME_ROUND * most;
+    return apart <= SAME_PART * width + SAME_ROUND * maximum;
 }
 
 bool stp_instance_may_hold(const stp_boxd* bounds, const stp_affine* transform, stp_vec3d point)

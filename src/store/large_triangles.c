@@ -11,7 +11,7 @@
 // A mesh's list. Shorter lists that callers may still use are chained behind it.
 struct stp_store_large {
     stp_store_large* older;
-    float least;
+    float minimum;
     uint32_t count;
     uint32_t* triangles;
     float* levels;
@@ -31,7 +31,7 @@ static uint32_t find_band(float level)
     return (0x7F800000u - bits) >> 22;
 }
 
-static void search_cluster(const stp_clusters* clusters, uint32_t index, float least,
+static void search_cluster(const stp_clusters* clusters, uint32_t index, float minimum,
                            found_triangles* found)
 {
     float positions[3 * STP_CLUSTER_VERTICES];
@@ -48,7 +48,7 @@ static void search_cluster(const stp_clusters* clusters, uint32_t index, float l
         float level = stp_triangle_level(corners[0], corners[1], corners[2]);
         uint32_t triangle = cluster.first_triangle + i;
         // a file that changes while open may have more triangles
-        if (level >= least && level < HUGE_VALF && triangle < clusters->triangle_count &&
+        if (level >= minimum && level < HUGE_VALF && triangle < clusters->triangle_count &&
             found->count < clusters->triangle_count) {
             found->keys[found->count++] = (uint64_t)find_band(level) << 32 | triangle;
             found->levels[triangle] = level;
@@ -85,14 +85,14 @@ static void free_large(stp_context* context, stp_store_large* large)
 }
 
 // The largest power of four not above the value, so that a mesh used at many scales gets few lists.
-static float round_least(float least)
+static float round_to_power_of_four(float minimum)
 {
     int power;
-    (void)frexpf(least, &power);
-    return least > 0.0f ? ldexpf(1.0f, (power - 1) / 2 * 2 - (power < 1 ? 2 : 0)) : 0.0f;
+    (void)frexpf(minimum, &power);
+    return minimum > 0.0f ? ldexpf(1.0f, (power - 1) / 2 * 2 - (power < 1 ? 2 : 0)) : 0.0f;
 }
 
-static stp_result make_list(stp_store* store, const stp_clusters* clusters, float least,
+static stp_result make_list(stp_store* store, const stp_clusters* clusters, float minimum,
                             stp_store_large** lists)
 {
     stp_context* context = store->context;
@@ -102,13 +102,13 @@ static stp_result make_list(stp_store* store, const stp_clusters* clusters, floa
     uint64_t* scratch = STP_NEW_ARRAY(context, uint64_t, count + 1);
     bool made = found.keys != NULL && found.levels != NULL && scratch != NULL;
     for (uint32_t i = 0; made && i < clusters->cluster_count; ++i) {
-        search_cluster(clusters, i, least, &found);
+        search_cluster(clusters, i, minimum, &found);
     }
     stp_store_large* large = made ? STP_NEW_ZEROED(context, stp_store_large, 1) : NULL;
     stp_result result =
         large != NULL ? keep_found(store, &found, scratch, large) : stp_fail_memory(context);
     if (result == STP_OK) {
-        large->least = least;
+        large->minimum = minimum;
         large->older = *lists;
         *lists = large;
     } else {
@@ -120,7 +120,7 @@ static stp_result make_list(stp_store* store, const stp_clusters* clusters, floa
     return result;
 }
 
-stp_result stp_store_get_large_triangles(stp_store* store, uint32_t mesh, float least,
+stp_result stp_store_get_large_triangles(stp_store* store, uint32_t mesh, float minimum,
                                          stp_large_triangles* list)
 {
     stp_clusters clusters;
@@ -137,8 +137,8 @@ stp_result stp_store_get_large_triangles(stp_store* store, uint32_t mesh, float 
         }
     }
     stp_store_large** lists = &store->large[mesh];
-    if (*lists == NULL || !((*lists)->least <= least)) {
-        result = make_list(store, &clusters, round_least(least), lists);
+    if (*lists == NULL || !((*lists)->minimum <= minimum)) {
+        result = make_list(store, &clusters, round_to_power_of_four(minimum), lists);
     }
     if (result == STP_OK) {
         const stp_store_large* large = *lists;

@@ -16,12 +16,12 @@ typedef struct stp_large_triangles {
     const float* levels;
 } stp_large_triangles;
 
-/// Lists the triangles of a coded mesh whose level is at least `least`, and perhaps some smaller
+/// Lists the triangles of a coded mesh whose level is at least `minimum`, and perhaps some smaller
 /// ones. The store owns the arrays until it is closed. One thread at a time. @return STP_OK;
 /// STP_ERROR_FORMAT, STP_ERROR_TRUNCATED, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_ARGUMENT (as
 /// stp_store_get_clusters; logged)
-STP_MUST_USE stp_result stp_store_get_large_triangles(stp_store* store, uint32_t mesh, float least,
-                                                      stp_large_triangles* list);
+STP_MUST_USE stp_result stp_store_get_large_triangles(stp_store* store, uint32_t mesh,
+                                                      float minimum, stp_large_triangles* list);
 
 /// Length of the prefix that contains all triangles with a level of at least `level`.
 uint32_t stp_large_triangles_find(const stp_large_triangles* list, float level);

@@ -6,7 +6,7 @@
 #include "base/octahedral.h"
 
 enum {
-    STACK = 8 * (STP_LEAF_DEPTH_MOST + 1),
+    STACK = 8 * (STP_LEAF_DEPTH_MAX + 1),
     RESERVED = 128, ///< flag bit of a leaf's position
 };
 
@@ -32,14 +32,14 @@ static stp_leaf_node node_of_leaf(const stp_splat_leaf* leaf)
 static uint32_t common_depth(uint64_t a, uint64_t b)
 {
     uint32_t bit = 63u - (uint32_t)__builtin_clzll(a ^ b);
-    return STP_LEAF_DEPTH_MOST - 1 - bit / 3;
+    return STP_LEAF_DEPTH_MAX - 1 - bit / 3;
 }
 
 /// Pushes the leaves of each octant of a cube of this depth, last one first.
 static uint32_t push_parts(const stp_splat_leaf* leaves, leaf_range range, uint32_t depth,
                            leaf_range* stack, uint32_t height)
 {
-    uint32_t shift = 3 * (STP_LEAF_DEPTH_MOST - 1 - depth);
+    uint32_t shift = 3 * (STP_LEAF_DEPTH_MAX - 1 - depth);
     uint32_t end = range.end;
     while (end > range.begin) {
         uint64_t part = stp_leaf_morton(leaves[end - 1].corner) >> shift;
@@ -141,7 +141,7 @@ uint32_t stp_leaf_tree_make(const stp_splat_leaf* leaves, uint32_t leaf_count, s
 static bool is_leaf_sound(const stp_splat_leaf* leaf)
 {
     uint32_t depth = stp_leaf_depth(leaf);
-    bool sound = depth <= STP_LEAF_DEPTH_MOST && (leaf->place & RESERVED) == 0 && leaf->count > 0 &&
+    bool sound = depth <= STP_LEAF_DEPTH_MAX && (leaf->place & RESERVED) == 0 && leaf->count > 0 &&
                  leaf->extent > 0;
     for (int k = 0; k < 3 && sound; ++k) {
         sound = (leaf->corner[k] & (stp_leaf_width(depth) - 1)) == 0;
@@ -161,7 +161,7 @@ const char* stp_store_leaves_fault(const stp_splats* set, const stp_splat_leaf* 
         if (code < end) {
             return "its leaves overlap or are out of order";
         }
-        end = code + (UINT64_C(1) << 3 * (STP_LEAF_DEPTH_MOST - stp_leaf_depth(&leaves[i])));
+        end = code + (UINT64_C(1) << 3 * (STP_LEAF_DEPTH_MAX - stp_leaf_depth(&leaves[i])));
         sum += leaves[i].count;
     }
     if (leaf_count == 0 || sum != set->count) {

@@ -25,13 +25,13 @@ typedef struct stp_leaf_node {
 } stp_leaf_node;
 
 /// Maximum number of nodes of a tree.
-static inline size_t stp_leaf_tree_most(uint32_t leaf_count)
+static inline size_t stp_leaf_tree_max_nodes(uint32_t leaf_count)
 {
     return leaf_count > 0 ? 2 * (size_t)leaf_count - 1 : 0;
 }
 
 /// Builds the tree. The leaves must be valid (stp_store_leaves_fault).
-/// @param nodes room for stp_leaf_tree_most.
+/// @param nodes room for stp_leaf_tree_max_nodes.
 /// @return the number of nodes
 uint32_t stp_leaf_tree_make(const stp_splat_leaf* leaves, uint32_t leaf_count,
                             stp_leaf_node* nodes);

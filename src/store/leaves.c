@@ -30,7 +30,7 @@ const stp_store_block* stp_store_leaves_block(const stp_store* store, uint32_t s
 uint64_t stp_store_leaves_bytes(uint32_t leaf_count)
 {
     return STP_STORE_LEAF_BYTES * (uint64_t)leaf_count +
-           sizeof(stp_leaf_node) * (uint64_t)stp_leaf_tree_most(leaf_count);
+           sizeof(stp_leaf_node) * (uint64_t)stp_leaf_tree_max_nodes(leaf_count);
 }
 
 const char* stp_store_open_leaves(const stp_store* store, uint32_t set, void* memory,

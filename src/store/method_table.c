@@ -4,7 +4,7 @@
 #include "store/internal.h"
 #include "store/writing.h"
 
-enum { METHODS_MOST = 16 };
+enum { METHODS_MAX = 16 };
 
 static const stp_store_method only_blue = {.name = "blue", .id = STP_METHOD_BLUE};
 
@@ -219,9 +219,9 @@ stp_result stp_store_read_method_names(stp_store* store, stp_store_text* text)
     }
     uint32_t count = told ? store->counts[STP_SECTION_METHODS] : 1;
     const stp_store_method_record* records = store->tables[STP_SECTION_METHODS];
-    if (count == 0 || count > METHODS_MOST) {
+    if (count == 0 || count > METHODS_MAX) {
         return stp_fail(store->context, STP_ERROR_FORMAT, "%s: has %u methods, expected 1 to %d",
-                        store->path, count, METHODS_MOST);
+                        store->path, count, METHODS_MAX);
     }
     store->methods = STP_NEW_ARRAY(store->context, stp_store_method, count);
     if (store->methods == NULL) {

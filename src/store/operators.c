@@ -22,7 +22,7 @@ enum {
     LEAVES = KINDS, ///< offset of the models of leaves
     /// Contexts: kinds; second children by how much the first one differs, 0 to 8 bits.
     CHANGES = KIND_SECOND + 9,
-    SHARE_MOST = 16,
+    SHARE_MAX = 16,
     COLOR_WHOLE = 255,
 };
 
@@ -308,7 +308,7 @@ static void code_splat(codec* c, const context* x, splat* s)
     double share = 0.0;
     if (x->kind == KIND_SECOND) {
         share = area_of(x->first.shape) / area_of(s->shape);
-        share = share < (double)SHARE_MOST ? share : (double)SHARE_MOST;
+        share = share < (double)SHARE_MAX ? share : (double)SHARE_MAX;
     }
     code_position(c, x, share, s);
     code_range(c, x, leaf, s);

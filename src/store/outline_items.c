@@ -6,7 +6,7 @@
 #include <string.h>
 
 static const uint64_t visit_limit = UINT64_C(1) << 25;
-enum { PLACES_MOST = 1 << 20 }; ///< placed prototypes per item
+enum { PLACES_MAX = 1 << 20 }; ///< placed prototypes per item
 
 stp_outline_item stp_outline_root(const stp_outline* outline)
 {
@@ -64,7 +64,7 @@ static void walk_places(place_walk* w, uint32_t node, const stp_affine* transfor
 {
     const stp_store_directory* d = w->outline->directory;
     const stp_store_node* n = &d->nodes[node];
-    if (w->visits == 0 || depth >= STP_INSTANCE_DEPTH || w->seen >= PLACES_MOST) {
+    if (w->visits == 0 || depth >= STP_INSTANCE_DEPTH || w->seen >= PLACES_MAX) {
         return;
     }
     w->visits -= 1;

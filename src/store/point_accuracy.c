@@ -37,9 +37,9 @@ stp_result stp_store_link_certainty(stp_store* store)
 double stp_store_position_error(const stp_store* store)
 {
     const stp_store_certainty* records = store->tables[STP_SECTION_CERTAINTY];
-    float most = 0.0f;
+    float maximum = 0.0f;
     for (uint32_t i = 0; i < store->counts[STP_SECTION_CERTAINTY]; ++i) {
-        most = records[i].position_error > most ? records[i].position_error : most;
+        maximum = records[i].position_error > maximum ? records[i].position_error : maximum;
     }
-    return (double)most;
+    return (double)maximum;
 }

@@ -9,7 +9,7 @@
 
 enum { ALLOCATION_BYTES = 64 }; ///< context overhead per allocation
 
-static const uint64_t batch_bytes = 16 << 20, most_pinned = 1 << 20;
+static const uint64_t batch_bytes = 16 << 20, max_pinned = 1 << 20;
 
 /// The block of a thing, or of one octave.
 static const stp_store_block* block_of(const stp_store* store, stp_resident_kind kind,
@@ -140,10 +140,10 @@ static stp_result create_tables(stp_residency* r)
     for (uint32_t i = 0; i < count; ++i) {
         if (i < r->firsts[STP_RESIDENT_MESH]) {
             const stp_store_surfels_record* sets = r->store->tables[STP_SECTION_SURFELS];
-            r->things[i].most = (uint8_t)sets[i].whole;
+            r->things[i].maximum = (uint8_t)sets[i].whole;
         } else {
             stp_resident_kind kind = stp_residency_kind(r, i);
-            r->things[i].most = is_in_file(r->store, kind, i - r->firsts[kind]);
+            r->things[i].maximum = is_in_file(r->store, kind, i - r->firsts[kind]);
         }
     }
     return STP_OK;
@@ -168,7 +168,7 @@ static stp_result find_uppermost(stp_residency* r, uint32_t method)
             continue;
         }
         uint32_t set = stp_store_set_of(directory, method, i);
-        if (set != STP_STORE_NONE && r->things[set].most > 0) {
+        if (set != STP_STORE_NONE && r->things[set].maximum > 0) {
             if ((below & UPPERMOST) != 0 && r->things[set].pinned == 0) {
                 r->things[set].pinned = 1;
                 r->pins[r->pin_count++] = set;
@@ -191,7 +191,7 @@ static void choose_pins(stp_residency* r)
 {
     uint64_t whole = stp_memory_limit(r->context), limit = r->desc.limit_bytes;
     limit = limit == 0 || (whole != 0 && whole < limit) ? whole : limit;
-    uint64_t left = limit != 0 && limit / 16 < most_pinned ? limit / 16 : most_pinned;
+    uint64_t left = limit != 0 && limit / 16 < max_pinned ? limit / 16 : max_pinned;
     for (uint32_t i = 0; i < r->pin_count; ++i) {
         uint64_t bytes = stp_residency_bytes(r, r->pins[i], 1);
         left = left > bytes ? left - bytes : 0;
@@ -199,7 +199,7 @@ static void choose_pins(stp_residency* r)
     for (uint32_t level = 2; level <= STP_OCTAVE_LIMIT && left > 0; ++level) {
         for (uint32_t i = 0; i < r->first_pins && left > 0; ++i) {
             stp_resident* t = &r->things[r->pins[i]];
-            if (level > t->most) {
+            if (level > t->maximum) {
                 continue;
             }
             uint64_t bytes = stp_residency_bytes(r, r->pins[i], level);
@@ -222,7 +222,7 @@ static void take_arrived(stp_residency* r)
     }
 }
 
-static uint64_t least_margin(const stp_residency* r)
+static uint64_t min_margin(const stp_residency* r)
 {
     uint64_t part = stp_memory_limit(r->context) / 8;
     return part > 1 << 20 ? part : 1 << 20;
@@ -232,8 +232,8 @@ bool stp_residency_yield(stp_residency* r)
 {
     uint64_t before = r->bytes;
     take_arrived(r);
-    r->margin += least_margin(r);
-    stp_residency_make_way(r);
+    r->margin += min_margin(r);
+    stp_residency_evict_all(r);
     r->stats.limit_bytes = r->limit;
     r->stats.resident_bytes = r->bytes;
     return r->bytes < before;
@@ -274,7 +274,7 @@ stp_result stp_residency_create(stp_store* store, const stp_residency_desc* desc
         r->desc.read_user = store;
     }
     r->worth = 1.0f;
-    r->margin = least_margin(r);
+    r->margin = min_margin(r);
     count_things(store, r->firsts);
     pthread_mutex_init(&r->mutex, NULL);
     pthread_cond_init(&r->work, NULL);
@@ -333,11 +333,11 @@ void stp_residency_destroy(stp_residency* r)
     stp_free(r->context, r);
 }
 
-void stp_residency_update(stp_residency* r, const stp_want* wants, size_t count)
+void stp_residency_update(stp_residency* r, const stp_data_request* requests, size_t count)
 {
     r->updates += 1;
     take_arrived(r);
-    stp_residency_plan(r, wants, count);
+    stp_residency_plan(r, requests, count);
     stp_residency_start(r);
     r->stats.limit_bytes = r->limit;
     r->stats.resident_bytes = r->bytes;

@@ -24,17 +24,17 @@ typedef enum stp_resident_kind {
 /// What a view would draw, resident or not.
 ///
 /// Needs are relative: the apparent size of the coarser stand-in, in splats of the wanted size.
-typedef struct stp_want {
+typedef struct stp_data_request {
     stp_resident_kind kind;
     uint32_t index;
     uint32_t octaves; ///< number of octaves, for surfels
     float need;       ///< without any of it
     /// Surfels: the need of an octave is this times the radius covered without it.
     float octave_need;
-    uint32_t thing; ///< stp_store_thing, for callers that keep lists of wants; ignored here
-} stp_want;
+    uint32_t thing; ///< stp_store_thing, for callers that keep lists of requests; ignored here
+} stp_data_request;
 
-#define STP_NEED_MOST 1e30f
+#define STP_NEED_MAX 1e30f
 
 typedef struct stp_residency stp_residency;
 
@@ -73,10 +73,10 @@ STP_MUST_USE stp_result stp_residency_create(stp_store* store, const stp_residen
 void stp_residency_destroy(stp_residency* residency);
 
 /// Call between frames. Publishes finished loads, drops less needed data if memory runs out, and
-/// starts loading the missing part of `wants` (each thing at most once), most needed first. Never
-/// waits and never fails: without memory, less is resident. A damaged block causes one warning and
-/// is never loaded.
-void stp_residency_update(stp_residency* residency, const stp_want* wants, size_t count);
+/// starts loading the missing part of `requests` (each thing at most once), most needed first.
+/// Never waits and never fails: without memory, less is resident. A damaged block causes one
+/// warning and is never loaded.
+void stp_residency_update(stp_residency* residency, const stp_data_request* requests, size_t count);
 
 /// Call between frames if other code ran out of the context's memory. Reserves more of it from now
 /// on, and drops the least needed data to free it. @return false if there was nothing to drop

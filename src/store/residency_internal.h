@@ -38,10 +38,10 @@ typedef struct stp_resident {
     uint64_t used;    ///< number of the update that last wanted it
     uint64_t arrival; ///< the store's arrival counter
     float need, octave_need;
-    uint8_t level;  ///< resident octaves; of other things 0 or 1
-    uint8_t most;   ///< maximum possible level
-    uint8_t pinned; ///< octaves that are never dropped
-    uint8_t wanted; ///< wanted by update `used`
+    uint8_t level;   ///< resident octaves; of other things 0 or 1
+    uint8_t maximum; ///< maximum possible level
+    uint8_t pinned;  ///< octaves that are never dropped
+    uint8_t wanted;  ///< wanted by update `used`
 } stp_resident;
 
 /// A heap entry: smallest order first, then smallest thing.
@@ -123,11 +123,11 @@ static inline void stp_residency_count(stp_residency* r, uint64_t bytes)
     r->stats.peak_bytes = r->bytes > r->stats.peak_bytes ? r->bytes : r->stats.peak_bytes;
 }
 
-/// Plans an update: registers wants, makes room, prepares loads for stp_residency_start.
-void stp_residency_plan(stp_residency* r, const stp_want* wants, size_t count);
+/// Plans an update: registers requests, makes room, prepares loads for stp_residency_start.
+void stp_residency_plan(stp_residency* r, const stp_data_request* requests, size_t count);
 
 /// Drops the least needed data if the limit fell below the resident size.
-void stp_residency_make_way(stp_residency* r);
+void stp_residency_evict_all(stp_residency* r);
 
 /// Allocates the memory of a planned load. @return false if there is none
 bool stp_residency_prepare(stp_residency* r, stp_load* load);

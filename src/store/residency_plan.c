@@ -11,7 +11,7 @@
 // Minimum ratio of a step's need to the need of wanted data that it replaces. Without it, they
 // would replace each other in turns. The wanted data depends on the resident data, so that can
 // still happen: each update that drops wanted data raises the factor.
-static const float least_worth = 2.0f, most_worth = 1e6f, worth_rises = 1.25f, worth_falls = 0.99f;
+static const float min_worth = 2.0f, max_worth = 1e6f, worth_rises = 1.25f, worth_falls = 0.99f;
 static const uint64_t smallest_batch = 1 << 16; ///< smaller octaves are read together
 
 enum {
@@ -22,7 +22,7 @@ enum {
 
 static uint64_t bits_of(float need)
 {
-    float bounded = need > 0.0f ? (need < STP_NEED_MOST ? need : STP_NEED_MOST) : 0.0f;
+    float bounded = need > 0.0f ? (need < STP_NEED_MAX ? need : STP_NEED_MAX) : 0.0f;
     uint32_t bits;
     memcpy(&bits, &bounded, sizeof(bits));
     return bits; // compares like the floats
@@ -32,7 +32,7 @@ float stp_residency_need(const stp_residency* r, uint32_t thing, uint32_t level)
 {
     const stp_resident* t = &r->things[thing];
     if (level < t->pinned) {
-        return STP_NEED_MOST;
+        return STP_NEED_MAX;
     }
     if (level == 0 || stp_residency_kind(r, thing) != STP_RESIDENT_SURFELS) {
         return t->need;
@@ -47,7 +47,7 @@ static uint32_t find_target(const stp_residency* r, const stp_resident* t)
 {
     uint32_t wanted = t->used == r->updates ? t->wanted : 0;
     wanted = wanted > t->pinned ? wanted : t->pinned;
-    return wanted < t->most ? wanted : t->most;
+    return wanted < t->maximum ? wanted : t->maximum;
 }
 
 static void note(stp_residency* r, uint32_t thing, uint32_t wanted, float need, float octave_need)
@@ -81,19 +81,20 @@ static void note_textures(stp_residency* r, uint32_t mesh, float need)
     }
 }
 
-static void note_wants(stp_residency* r, const stp_want* wants, size_t count)
+static void note_requests(stp_residency* r, const stp_data_request* requests, size_t count)
 {
     for (uint32_t i = 0; i < r->pin_count; ++i) {
         r->steps[r->step_count++].thing = r->pins[i];
     }
     for (size_t i = 0; i < count; ++i) {
-        const stp_want* want = &wants[i];
-        uint32_t thing = r->firsts[want->kind] + want->index;
-        bool surfels = want->kind == STP_RESIDENT_SURFELS;
-        uint32_t octaves = want->octaves < STP_OCTAVE_LIMIT ? want->octaves : STP_OCTAVE_LIMIT;
-        note(r, thing, surfels ? octaves : 1, want->need, want->octave_need);
-        if (want->kind == STP_RESIDENT_MESH) {
-            note_textures(r, want->index, want->need);
+        const stp_data_request* request = &requests[i];
+        uint32_t thing = r->firsts[request->kind] + request->index;
+        bool surfels = request->kind == STP_RESIDENT_SURFELS;
+        uint32_t octaves =
+            request->octaves < STP_OCTAVE_LIMIT ? request->octaves : STP_OCTAVE_LIMIT;
+        note(r, thing, surfels ? octaves : 1, request->need, request->octave_need);
+        if (request->kind == STP_RESIDENT_MESH) {
+            note_textures(r, request->index, request->need);
         }
     }
 }
@@ -168,7 +169,7 @@ static void drop_victim(stp_residency* r)
 /// Makes room for `bytes` bytes of a step. @return false if nothing less needed is left to drop
 static bool make_room(stp_residency* r, uint64_t bytes, float need, uint64_t limit)
 {
-    uint64_t most_given = UINT64_C(1) << 63 | bits_of(need / r->worth);
+    uint64_t max_given = UINT64_C(1) << 63 | bits_of(need / r->worth);
     while (bytes > limit || r->bytes > limit - bytes) {
         if (bytes > limit) {
             return false;
@@ -176,7 +177,7 @@ static bool make_room(stp_residency* r, uint64_t bytes, float need, uint64_t lim
         if (!r->victims_found) {
             find_victims(r);
         }
-        if (r->victim_count == 0 || r->victims[0].order >= most_given) {
+        if (r->victim_count == 0 || r->victims[0].order >= max_given) {
             return false;
         }
         if (r->things[r->victims[0].thing].load != NULL) { // planned after the victims were found
@@ -294,24 +295,24 @@ static void prepare_loads(stp_residency* r)
     }
 }
 
-void stp_residency_make_way(stp_residency* r)
+void stp_residency_evict_all(stp_residency* r)
 {
     r->limit = find_limit(r);
     r->victims_found = false;
     (void)make_room(r, 0, INFINITY, r->limit);
 }
 
-void stp_residency_plan(stp_residency* r, const stp_want* wants, size_t count)
+void stp_residency_plan(stp_residency* r, const stp_data_request* requests, size_t count)
 {
     uint32_t skips = 0;
     r->step_count = 0;
-    note_wants(r, wants, count);
+    note_requests(r, requests, count);
     sort_steps(r);
-    stp_residency_make_way(r); // other uses may have grown
+    stp_residency_evict_all(r); // other uses may have grown
     r->dropped_wanted = false;
     while (r->step_count > 0 && plan_step(r, &skips)) {
     }
     float worth = r->worth * (r->dropped_wanted ? worth_rises : worth_falls);
-    r->worth = fminf(fmaxf(worth, least_worth), most_worth);
+    r->worth = fminf(fmaxf(worth, min_worth), max_worth);
     prepare_loads(r);
 }

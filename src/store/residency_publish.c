@@ -162,7 +162,7 @@ void stp_residency_take(stp_residency* r, stp_load* load)
     r->stats.read_bytes += load->read_bytes;
     r->stats.loaded += load->reached - load->from;
     if (load->reached < load->to && !atomic_load(&r->ending)) {
-        t->most = (uint8_t)load->reached;
+        t->maximum = (uint8_t)load->reached;
         r->stats.damaged += 1;
     }
     if (load->reached <= load->from) {

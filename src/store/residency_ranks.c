@@ -10,17 +10,17 @@ static bool is_before(const stp_rank* a, const stp_rank* b)
 void stp_ranks_sink(stp_rank* ranks, size_t count, size_t at)
 {
     for (;;) {
-        size_t least = at;
+        size_t minimum = at;
         for (size_t child = 2 * at + 1; child <= 2 * at + 2 && child < count; ++child) {
-            least = is_before(&ranks[child], &ranks[least]) ? child : least;
+            minimum = is_before(&ranks[child], &ranks[minimum]) ? child : minimum;
         }
-        if (least == at) {
+        if (minimum == at) {
             return;
         }
         stp_rank moved = ranks[at];
-        ranks[at] = ranks[least];
-        ranks[least] = moved;
-        at = least;
+        ranks[at] = ranks[minimum];
+        ranks[minimum] = moved;
+        at = minimum;
     }
 }
 

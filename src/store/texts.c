@@ -11,8 +11,8 @@
 const char* stp_store_use_text(stp_store_text* text, const char* at)
 {
     size_t left = text->size - (size_t)(at - text->stored);
-    size_t most = left < STP_STORE_TEXT_LIMIT + 1 ? left : STP_STORE_TEXT_LIMIT + 1;
-    size_t length = strnlen(at, most);
+    size_t maximum = left < STP_STORE_TEXT_LIMIT + 1 ? left : STP_STORE_TEXT_LIMIT + 1;
+    size_t length = strnlen(at, maximum);
     if (length > STP_STORE_TEXT_LIMIT) {
         return "has a text of more than 4095 bytes";
     }
@@ -38,7 +38,7 @@ stp_result stp_store_verify_text(stp_store* store, uint32_t type, stp_store_text
     }
     const char* first = (const char*)content;
     uint64_t begin = (uint64_t)(text - first), size = stp_store_content_bytes(section);
-    uint64_t most = begin + STP_STORE_TEXT_LIMIT + 1, end = size < most ? size : most;
+    uint64_t maximum = begin + STP_STORE_TEXT_LIMIT + 1, end = size < maximum ? size : maximum;
     bool ended = false;
     for (uint64_t at = begin; at < end && !ended && result == STP_OK;) {
         uint64_t next = (at / STP_STORE_PAGE_BYTES + 1) * STP_STORE_PAGE_BYTES;

@@ -10,8 +10,8 @@
 #include <string.h>
 
 enum {
-    BATCH = 32,                                   ///< chunks compressed at once
-    SPLITS_MOST = STP_STORE_PIECE_BYTES / 42 + 2, ///< splits in a chunk: two splats take 42 bytes
+    BATCH = 32,                                  ///< chunks compressed at once
+    SPLITS_MAX = STP_STORE_PIECE_BYTES / 42 + 2, ///< splits in a chunk: two splats take 42 bytes
 };
 
 typedef struct packed_chunk {
@@ -26,7 +26,7 @@ struct stp_store_batch {
     packed_chunk chunks[BATCH];
     size_t count;
     unsigned char* bytes; ///< room for BATCH chunks
-    uint32_t* parents;    ///< operators: SPLITS_MOST per chunk
+    uint32_t* parents;    ///< operators: SPLITS_MAX per chunk
     unsigned char* table; ///< of the block being written
     size_t table_capacity;
     stp_store_packer** packers; ///< one per thread, created on first use
@@ -108,15 +108,15 @@ static size_t pack_operators(const stp_store_batch* b, size_t index, const unsig
         .end = stp_store_chunk_end(&span, chunk->chunk),
         .base = chunk->base,
     };
-    size_t least = size / STP_STORE_PIECE_RATIO;
-    size_t made = stp_operators_encode(&run, b->parents + index * SPLITS_MOST, out, size - 1);
+    size_t minimum = size / STP_STORE_PIECE_RATIO;
+    size_t made = stp_operators_encode(&run, b->parents + index * SPLITS_MAX, out, size - 1);
     if (made == 0) {
         memcpy(out, columns, size);
         return size;
     }
-    if (made < least) { // as stp_store_pack does
-        memset(out + made, 0, least - made);
-        made = least;
+    if (made < minimum) { // as stp_store_pack does
+        memset(out + made, 0, minimum - made);
+        made = minimum;
     }
     return made;
 }
@@ -215,7 +215,7 @@ static stp_result find_order(stp_store_batch* b, const stp_splats* set, uint32_t
         return STP_OK;
     }
     if (b->parents == NULL) {
-        b->parents = STP_NEW_ARRAY(context, uint32_t, (size_t)BATCH * SPLITS_MOST);
+        b->parents = STP_NEW_ARRAY(context, uint32_t, (size_t)BATCH * SPLITS_MAX);
     }
     uint32_t* found = STP_NEW_ARRAY(context, uint32_t, set->count);
     uint32_t* scratch = STP_NEW_ARRAY(context, uint32_t, set->count);
@@ -241,7 +241,7 @@ static void take_parents(stp_store_batch* b, uint32_t base, uint32_t begin, uint
     chunk->base = begin < base ? begin : base;
     if (end > base) {
         uint32_t first = begin > base ? (begin - base) / 2 : 0, last = (end - base + 1) / 2;
-        memcpy(b->parents + b->count * SPLITS_MOST, order + first, (last - first) * sizeof(*order));
+        memcpy(b->parents + b->count * SPLITS_MAX, order + first, (last - first) * sizeof(*order));
     }
 }
 

@@ -45,7 +45,7 @@ static const uint8_t section_order[] = {
 
 enum {
     SECTION_LIMIT = sizeof(section_order),
-    LEAST_PACKED = 256, ///< minimum size of a packed section
+    MIN_PACKED = 256, ///< minimum size of a packed section
 };
 
 _Static_assert(sizeof(section_order) <= STP_SECTION_END, "each type of section is written once");
@@ -56,7 +56,7 @@ static bool is_to_be_packed(const stp_store_writing* w, uint32_t type, uint64_t 
 {
     bool patched = type == STP_SECTION_SUMMARY || type == STP_SECTION_SCENE_PARTS ||
                    type == STP_SECTION_BLOCKS || type == STP_SECTION_PAGES;
-    return !patched && type != STP_SECTION_KEYS && bytes >= LEAST_PACKED && !w->content->passing;
+    return !patched && type != STP_SECTION_KEYS && bytes >= MIN_PACKED && !w->content->passing;
 }
 
 // Sections needed to interpret the others.

@@ -34,13 +34,13 @@ void test_context_limit_refuses_and_recovers(test_state* test)
         .thread_count = 2, .memory_limit_bytes = 100000, .log = test_log_message, .log_user = &log};
     stp_context* context = NULL;
     CHECK_EQUAL(STP_OK, stp_context_create(&context, &desc));
-    void* most = stp_alloc(context, 90000);
-    CHECK(most != NULL);
+    void* maximum = stp_alloc(context, 90000);
+    CHECK(maximum != NULL);
     uint64_t live = stp_context_live_bytes(context);
     CHECK(stp_alloc(context, 20000) == NULL);
     CHECK_EQUAL(live, stp_context_live_bytes(context)); // refused bytes are not counted
     CHECK(stp_context_peak_bytes(context) <= 100000);
-    stp_free(context, most);
+    stp_free(context, maximum);
     void* again = stp_alloc(context, 90000);
     CHECK(again != NULL);
     stp_free(context, again);

@@ -48,7 +48,7 @@ static void work(size_t begin, size_t end, uint32_t worker, void* user)
         if (i % 16 == 0) {
             stp_parallel_for(y->context, 5, 2, count_inner, y);
         }
-        for (unsigned k = 0; k < 2000; ++k) { // lets others meet it inside
+        for (unsigned k = 0; k < 2000; ++k) { // lets others enter meanwhile
             atomic_fetch_add(&y->bad, 0);
         }
         atomic_fetch_sub(&y->jobs, 1);
@@ -101,7 +101,7 @@ static int count_report(const stp_progress_report* report, void* user)
 }
 
 // The first ticket stays until the loop has reported a few more times: the calling thread reports
-// although it waits in line, or is itself inside.
+// while it waits in the queue or is inside the gate itself.
 static void stay_long(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;

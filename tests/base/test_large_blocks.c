@@ -45,15 +45,15 @@ void test_large_blocks_never_overlap_and_keep_their_limit(test_state* test)
     stp_large_blocks_open(&large);
     uint32_t state = 7;
     for (int round = 0; round < ROUNDS; ++round) {
-        size_t at = next_random(&state) % SLOTS, most = next_random(&state) % (8 * MEGABYTE);
+        size_t at = next_random(&state) % SLOTS, maximum = next_random(&state) % (8 * MEGABYTE);
         if (blocks[at] != NULL) {
             CHECK(is_filled(blocks[at], sizes[at], (unsigned char)at));
-            stp_large_free(&large, blocks[at], sizes[at], most);
+            stp_large_free(&large, blocks[at], sizes[at], maximum);
             blocks[at] = NULL;
         } else {
             size_t scale = (size_t)1 << next_random(&state) % 14;
             sizes[at] = 1 + next_random(&state) % (KILOBYTE * scale);
-            blocks[at] = stp_large_alloc(&large, sizes[at], most);
+            blocks[at] = stp_large_alloc(&large, sizes[at], maximum);
             CHECK(blocks[at] != NULL);
             CHECK_EQUAL(0, (uintptr_t)blocks[at] % (size_t)sysconf(_SC_PAGESIZE));
             fill(blocks[at], sizes[at], (unsigned char)at);
@@ -63,7 +63,7 @@ void test_large_blocks_never_overlap_and_keep_their_limit(test_state* test)
             sum += large.kept[i].size;
         }
         CHECK_EQUAL(sum, large.kept_bytes);
-        CHECK(large.kept_bytes <= most);
+        CHECK(large.kept_bytes <= maximum);
         CHECK(large.kept_count <= STP_LARGE_KEPT_LIMIT);
     }
     for (size_t i = 0; i < SLOTS; ++i) {
@@ -84,16 +84,16 @@ void test_large_blocks_are_used_again(test_state* test)
     CHECK(all != NULL);
     stp_large_free(&large, all, 12 * MEGABYTE, SIZE_MAX);
     CHECK_EQUAL(12 * MEGABYTE, large.kept_bytes);
-    // what is too much stays kept
+    // what exceeds the request stays cached
     CHECK(stp_large_alloc(&large, 5 * MEGABYTE, SIZE_MAX) == all);
     CHECK(stp_large_alloc(&large, 3 * MEGABYTE, SIZE_MAX) == all + 5 * MEGABYTE);
     CHECK_EQUAL(4 * MEGABYTE, large.kept_bytes);
     stp_large_free(&large, all, 5 * MEGABYTE, SIZE_MAX);
     CHECK_EQUAL(2, large.kept_count);
-    // the smallest that will do
+    // the smallest sufficient block
     CHECK(stp_large_alloc(&large, 4 * MEGABYTE, SIZE_MAX) == all + 8 * MEGABYTE);
     CHECK_EQUAL(5 * MEGABYTE, large.kept_bytes);
-    // what lies together is one block again
+    // adjacent blocks are joined again
     stp_large_free(&large, all + 8 * MEGABYTE, 4 * MEGABYTE, SIZE_MAX);
     stp_large_free(&large, all + 5 * MEGABYTE, 3 * MEGABYTE, SIZE_MAX);
     CHECK_EQUAL(1, large.kept_count);
@@ -101,7 +101,7 @@ void test_large_blocks_are_used_again(test_state* test)
     CHECK_EQUAL(0, large.kept_bytes);
     CHECK(stp_large_alloc(&large, SIZE_MAX, 0) == NULL);
     CHECK(stp_large_alloc(&large, SIZE_MAX - 1, SIZE_MAX) == NULL);
-    // no more is given back than has to be
+    // no more is returned to the system than necessary
     stp_large_free(&large, all, 12 * MEGABYTE, SIZE_MAX);
     CHECK(stp_large_alloc(&large, 2 * MEGABYTE, 7 * MEGABYTE) == all);
     CHECK_EQUAL(7 * MEGABYTE, large.kept_bytes);
@@ -118,7 +118,7 @@ void test_large_blocks_can_be_forgotten_in_part(test_state* test)
     unsigned char* block = stp_large_alloc(&large, size, 0);
     CHECK(block != NULL);
     memset(block, 7, size);
-    stp_large_discard(block + 1, 3 * page); // two pages lie within
+    stp_large_discard(block + 1, 3 * page); // it contains two whole pages
     stp_large_discard(block + 5 * page + 1, page);
     for (size_t i = 0; i < size; ++i) {
         CHECK(block[i] == (i >= page && i < 3 * page ? 0 : 7));
@@ -162,10 +162,10 @@ void test_contexts_keep_freed_blocks_within_their_limit(test_state* test)
         allocate_some(i, i + 1, 0, &h);
         size_t live = (size_t)stp_context_live_bytes(context);
         CHECK(live + context->large_blocks.kept_bytes <= limit);
-        void* most = stp_alloc(context, limit - live - KILOBYTE); // kept blocks give way
-        CHECK(most != NULL);
+        void* maximum = stp_alloc(context, limit - live - KILOBYTE); // kept blocks give way
+        CHECK(maximum != NULL);
         CHECK(context->large_blocks.kept_bytes <= KILOBYTE);
-        stp_free(context, most);
+        stp_free(context, maximum);
     }
     CHECK_EQUAL(0, h.failed[0]);
     stp_context_destroy(context);

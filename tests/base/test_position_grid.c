@@ -7,8 +7,8 @@
 
 enum { SIDE = 8 }; // cells
 
-/// A ground of SIDE x SIDE cells of two large triangles, `width` wide, from a corner on. Indices
-/// are of 2 * SIDE * SIDE triangles.
+/// Ground of SIDE x SIDE cells with two large triangles each, `width` wide, from a corner on. The
+/// caller has space for the indices of 2 * SIDE * SIDE triangles.
 static void make_ground(float cell, float height, float corner, float* positions, uint32_t* indices)
 {
     for (uint32_t row = 0; row <= SIDE; ++row) {

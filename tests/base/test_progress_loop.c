@@ -142,7 +142,7 @@ void test_reported_loop_stops_when_told_to(test_state* test)
             CHECK(result == STP_OK || w.reports == stops[i]); // nothing is reported afterwards
             CHECK(count_prefix(&w) <= PIECES);
             CHECK(i > 0 || count_prefix(&w) == 0);
-            // a later loop starts anew
+            // a later loop is not affected
             w.stop_at = 0;
             w.last = (stp_progress_report){.overall = -1.0};
             for (size_t k = 0; k < PIECES; ++k) {

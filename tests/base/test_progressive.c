@@ -85,7 +85,7 @@ void test_progressive_order_is_that_of_levels(test_state* test)
     }
 }
 
-// A reader's queue gives the same parents, wherever it starts.
+// A reader's queue gives the same parents from any start.
 void test_progressive_queue_gives_the_same_parents(test_state* test)
 {
     for (size_t n = 0; n < SAMPLES; ++n) {
@@ -139,11 +139,11 @@ void test_progressive_cuts_have_any_count(test_state* test)
     for (size_t n = 0; n < SAMPLES; ++n) {
         fixture f;
         CHECK(set_up(&f, n));
-        uint32_t most = f.counts.base + f.counts.splits;
-        for (uint32_t wanted = 0; wanted <= most + 2; ++wanted) {
+        uint32_t maximum = f.counts.base + f.counts.splits;
+        for (uint32_t wanted = 0; wanted <= maximum + 2; ++wanted) {
             uint8_t alive[MOST];
             uint32_t expected = wanted < f.counts.base ? f.counts.base : wanted, drawn = 0;
-            expected = expected < most ? expected : most;
+            expected = expected < maximum ? expected : maximum;
             stp_progressive_cut cut = stp_progressive_find_cut(f.set.ranges, f.set.count, wanted);
             mark_state(&f, expected, alive);
             CHECK_EQUAL(expected, cut.splats);

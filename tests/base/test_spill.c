@@ -153,7 +153,8 @@ void test_spill_without_room_is_an_error(test_state* test)
     CHECK_EQUAL(0, rmdir(folder));
 }
 
-// What is written stays, for a range at any place, and its hash is that of the same bytes in memory.
+// Written bytes stay unchanged at any offset, and their hash equals that of the same bytes in
+// memory.
 void test_spill_forgets_pages_alone(test_state* test)
 {
     enum { SIZE = (17 << 20) + 12345 }; // more than one step
@@ -182,7 +183,7 @@ void test_spill_forgets_pages_alone(test_state* test)
     stp_context_destroy(context);
 }
 
-// Leaves other bytes in a part of the stack frames of earlier calls.
+// Overwrites part of the stack frames of earlier calls.
 static __attribute__((noinline)) void scribble(size_t begin, size_t size)
 {
     unsigned char frame[4096];
@@ -197,7 +198,7 @@ static void ignore(const void* bytes, size_t size)
     (void)bytes, (void)size;
 }
 
-// What an earlier call with the same chain left on the stack does not matter.
+// Stale stack contents of an earlier call with the same chain have no effect.
 void test_hash_in_steps_does_not_depend_on_the_stack(test_state* test)
 {
     static unsigned char bytes[1000];

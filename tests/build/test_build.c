@@ -62,7 +62,7 @@ static void close_workshop(const workshop* w)
     unlink(w->points);
     unlink(w->output);
     unlink(w->other);
-    rmdir(w->folder); // fails if something was left behind; tests check this
+    rmdir(w->folder); // fails if files were left behind; tests check this
 }
 
 static bool folder_is_gone(const workshop* w)
@@ -340,7 +340,7 @@ void test_builds_notice_results_that_somebody_changed(test_state* test)
 }
 
 // The n-th allocation fails, for n along a geometric series and for each of the first ones.
-// Whichever fails, nothing is left over. `methods` as for build_methods; 200 surfels if there are
+// No failure leaves files behind. `methods` as for build_methods; 200 surfels if there are
 // none.
 static void check_failing_allocations(test_state* test, const stp_method* const* methods,
                                       uint32_t count)
@@ -468,7 +468,7 @@ void test_point_clouds_keep_every_point_among_others(test_state* test)
             }
         }
     }
-    CHECK_EQUAL(1, clouds); // the same one twice
+    CHECK_EQUAL(1, clouds); // the same input twice
     stp_store_close(store);
     stp_context_destroy(context);
     close_workshop(&w);

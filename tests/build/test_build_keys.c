@@ -40,7 +40,7 @@ static bool close_place(const place* p)
 {
     unlink(p->model);
     unlink(p->output);
-    return rmdir(p->folder) == 0; // fails if something was left behind
+    return rmdir(p->folder) == 0; // fails if files were left behind
 }
 
 static stp_build_desc describe(const place* p, const char* const* inputs)
@@ -111,7 +111,7 @@ static bool holds(stp_context* context, const char* path, const unsigned char* b
     return same;
 }
 
-// However the previous output is damaged, the new one does not depend on it.
+// The new output does not depend on a damaged previous one.
 void test_damaged_former_outputs_do_no_harm(test_state* test)
 {
     place p;

@@ -102,7 +102,7 @@ void test_census_counts_every_use(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
-    uint64_t most = 0, parts = 0, finished = 0;
+    uint64_t maximum = 0, parts = 0, finished = 0;
     for (uint64_t seed = 0; seed < 400; ++seed) {
         stp_scene* scene = NULL;
         stp_store_census census;
@@ -136,12 +136,12 @@ void test_census_counts_every_use(test_state* test)
             sum += one.objects;
         }
         CHECK_EQUAL(whole.objects, sum);
-        most = sum > most ? sum : most;
+        maximum = sum > maximum ? sum : maximum;
         parts += census.part_count > 1;
         stp_store_census_destroy(context, &census);
         stp_scene_destroy(scene);
     }
-    CHECK(most > 20 && parts > 100 && finished > 200);
+    CHECK(maximum > 20 && parts > 100 && finished > 200);
     stp_context_destroy(context);
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Clouds from a file to a picture: the same points as LAS, LAZ, E57 and XYZ are built with all four
-// methods and drawn. A picture shows what the original points show, whatever the format.
+// methods and drawn. For every format, a picture shows what the original points show.
 #include "build/build_scene.h"
 #include "draw/draw.h"
 #include "import/e57_writer.h"

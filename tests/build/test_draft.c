@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Drafts: what is visible of a scene during its build.
+// Drafts: the visible part of a scene during its build.
 #define _GNU_SOURCE // unshare
 #include "tests.h"
 
@@ -387,8 +387,8 @@ void test_drafts_of_endless_areas_have_few_points(test_state* test)
 
 enum { NOT_ALLOWED = 77 };
 
-// On a small separate disk that just suffices for a build: whether drafts leave it the room. In a
-// separate process.
+// On a small separate disk that is just large enough for a build: whether drafts leave enough
+// space. In a separate process.
 static int fill_disk(const char* folder, const char* model)
 {
     char options[64], output[80], draft[80];

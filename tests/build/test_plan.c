@@ -168,7 +168,7 @@ static bool has_step(const stp_scene* scene, const stp_build_plan* plan, uint32_
     return plan->step_of[scene->objects[object].node] != STP_NONE;
 }
 
-// A set holds the resting content of its node and is sized by it; without any there is none.
+// A set represents the static content of its node and is sized by it; no static content, no set.
 void test_plans_make_no_sets_of_what_only_moves(test_state* test)
 {
     for (uint32_t with_hall = 0; with_hall < 2; ++with_hall) {
@@ -187,8 +187,8 @@ void test_plans_make_no_sets_of_what_only_moves(test_state* test)
         CHECK(make_plan(scene, 1000, 0, &plan));
         CHECK(has_step(scene, &plan, arm) && has_step(scene, &plan, other));
         CHECK(has_step(scene, &plan, lamp));
-        CHECK(!has_step(scene, &plan, line)); // nothing rests in it
-        CHECK(!has_step(scene, &plan, hall)); // the root's set holds all resting content
+        CHECK(!has_step(scene, &plan, line)); // it has no static content
+        CHECK(!has_step(scene, &plan, hall)); // the root's set represents all static content
         CHECK_EQUAL(3 + with_hall, plan.step_count);
         CHECK(waits_for_what_it_uses(scene, &plan));
         uint32_t root = plan.step_of[scene->root];

@@ -131,7 +131,7 @@ void test_pieces_that_make_no_sense_are_made_anew(test_state* test)
     stp_splats found;
     uint32_t unused;
     CHECK(!stp_work_find_surfels(work, work_key(0), 4, &found, &unused)); // shading 4 is used
-    // any header with a valid checksum: whatever is found is readable to its end
+    // any header with a valid checksum: a result that is found can be read to its end
     uint64_t sum = 0, refused = 0;
     for (uint32_t round = 1; round < 1500; ++round) {
         unsigned char bytes[2048];

@@ -48,7 +48,8 @@ void test_work_keeps_the_first_content_of_a_key(test_state* test)
     CHECK_EQUAL(STP_OK, stp_work_store(work, work_key(1), &first, 1, &a));
     CHECK_EQUAL(STP_OK, stp_work_store(work, work_key(1), &second, 1, &b));
     CHECK(a == b && memcmp(a, "first", 5) == 0);
-    CHECK_EQUAL(STP_OK, stp_work_store(work, work_key(2), NULL, 0, NULL)); // no pieces: no bytes
+    CHECK_EQUAL(STP_OK,
+                stp_work_store(work, work_key(2), NULL, 0, NULL)); // without pieces, no bytes
     size_t size = 1;
     CHECK(stp_work_find(work, work_key(2), &size) != NULL);
     CHECK_EQUAL(0, size);
@@ -190,7 +191,7 @@ void test_work_is_shared_by_jobs(test_state* test)
             CHECK_EQUAL(0, c.bad);
             stp_work_report report;
             stp_work_get_report(c.work, &report);
-            CHECK_EQUAL(round == 0 ? CROWD_RESULTS : 0, report.stored); // none of them twice
+            CHECK_EQUAL(round == 0 ? CROWD_RESULTS : 0, report.stored); // none is stored twice
             CHECK_EQUAL(round == 0 ? 0 : CROWD_RESULTS, report.found);
             stp_work_close(c.work, round == 1);
         }

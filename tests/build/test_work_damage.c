@@ -10,11 +10,11 @@
 #include <sys/wait.h>
 #include <time.h>
 
-enum { FEW = 7, MOST_BYTES = 4096 };
+enum { FEW = 7, MAX_BYTES = 4096 };
 
 // The single segment of results 0..FEW-1, and where each result ends in it.
 static size_t make_segment(stp_context* context, const work_place* place,
-                           unsigned char bytes[MOST_BYTES], size_t ends[FEW])
+                           unsigned char bytes[MAX_BYTES], size_t ends[FEW])
 {
     stp_work* work = open_work(context, place);
     bool stored = work != NULL;
@@ -25,7 +25,7 @@ static size_t make_segment(stp_context* context, const work_place* place,
         used += stp_work_record_bytes(work_size(i));
     }
     stp_work_close(work, false);
-    return stored ? read_segment(place, 0, bytes, MOST_BYTES) : 0;
+    return stored ? read_segment(place, 0, bytes, MAX_BYTES) : 0;
 }
 
 // Stores what is missing. @return 0 if all results are right now and were right or missing before
@@ -61,7 +61,7 @@ void test_work_survives_truncation_at_every_byte(test_state* test)
     test_log log = {0};
     stp_context* context = test_context(NULL, 1, &log);
     CHECK(context != NULL && make_work_place(&place));
-    unsigned char bytes[MOST_BYTES];
+    unsigned char bytes[MAX_BYTES];
     size_t ends[FEW];
     size_t size = make_segment(context, &place, bytes, ends);
     CHECK_EQUAL(ends[FEW - 1], size);
@@ -87,7 +87,7 @@ void test_work_never_gives_flipped_bits(test_state* test)
     test_log log = {0};
     stp_context* context = test_context(NULL, 1, &log);
     CHECK(context != NULL && make_work_place(&place));
-    unsigned char bytes[MOST_BYTES];
+    unsigned char bytes[MAX_BYTES];
     size_t ends[FEW];
     size_t size = make_segment(context, &place, bytes, ends);
     CHECK(size > 0);
@@ -103,7 +103,7 @@ void test_work_never_gives_flipped_bits(test_state* test)
         damaged += report.damaged;
         CHECK(report.damaged <= 1);
         bytes[at] ^= (unsigned char)(1U << at % 8);
-        if (at < 8) { // with another magic it is not ours, and stays
+        if (at < 8) { // a file with another magic number is not ours, and stays
             CHECK(access(path, F_OK) == 0 && unlink(path) == 0 && rmdir(place.folder) == 0);
         }
     }
@@ -120,7 +120,7 @@ void test_work_of_another_version_is_emptied(test_state* test)
     work_place place;
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL && make_work_place(&place));
-    unsigned char bytes[MOST_BYTES];
+    unsigned char bytes[MAX_BYTES];
     size_t ends[FEW];
     for (uint32_t version = 0; version < 4; ++version) {
         size_t size = make_segment(context, &place, bytes, ends);
@@ -148,7 +148,7 @@ void test_work_refuses_sizes_that_lie(test_state* test)
     work_place place;
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL && make_work_place(&place));
-    unsigned char bytes[MOST_BYTES];
+    unsigned char bytes[MAX_BYTES];
     size_t ends[FEW];
     size_t size = make_segment(context, &place, bytes, ends);
     unsigned char* head = bytes + STP_WORK_HEAD_SIZE;
@@ -196,7 +196,7 @@ void test_work_survives_kills(test_state* test)
     work_place place;
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL && make_work_place(&place));
-    uint32_t least = 0;
+    uint32_t minimum = 0;
     for (int round = 0; round < 8; ++round) {
         int ends[2];
         CHECK(pipe(ends) == 0);
@@ -221,11 +221,11 @@ void test_work_survives_kills(test_state* test)
             CHECK(found != WORK_WRONG);
             there += found == WORK_RIGHT;
         }
-        CHECK(there >= least); // nothing once present is lost
-        least = there;
+        CHECK(there >= minimum); // no stored result is lost
+        minimum = there;
         stp_work_close(work, round == 7);
     }
-    CHECK(least > 0);
+    CHECK(minimum > 0);
     CHECK(remove_work_place(&place));
     stp_context_destroy(context);
 }
@@ -245,7 +245,7 @@ static int fill_disk(const work_place* place)
     writers w = {.work = work};
     stp_parallel_for(context, 100, 1, write_some, &w);
     if (log.errors != 1 || strstr(log.text, place->folder) != log.text) {
-        return 3; // reported once, by whichever job noticed first
+        return 3; // reported once, by the first job that notices it
     }
     uint32_t there = 0;
     for (uint32_t i = 0; i < 100; ++i) {

@@ -112,7 +112,7 @@ static inline bool write_segment(const work_place* place, uint32_t number,
     return written;
 }
 
-/// Whether nothing is left of the directory, and its outer folder could be removed.
+/// Whether no file of the directory is left, and its outer folder could be removed.
 static inline bool remove_work_place(const work_place* place)
 {
     return access(place->folder, F_OK) != 0 && rmdir(place->outer) == 0;

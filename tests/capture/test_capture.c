@@ -468,7 +468,7 @@ void test_capture_costs_what_is_there(test_state* test)
         stp_candidates c;
         CHECK_EQUAL(STP_OK, capture(&t, wanted, 0, &c));
         double pixels = (double)c.resolution * (double)c.resolution * c.direction_count;
-        CHECK(pixels < 8.0 * STP_CAPTURE_MOST_PIXELS_EACH * (double)wanted);
+        CHECK(pixels < 8.0 * STP_CAPTURE_MAX_PIXELS_EACH * (double)wanted);
         stp_candidates_destroy(context, &c);
     }
     stp_scene_destroy(t.scene);
@@ -708,7 +708,8 @@ void test_capture_fills_what_the_corners_miss(test_state* test)
         deep[i >= corners.count] += inside && clear && height < 0.4 && height > 0.05;
     }
     CHECK_EQUAL(0, deep[0]);
-    // both walls, 4 long and 0.35 high, seen from above at a slope of 5: about a row of pixels in five
+    // both walls, 4 long and 0.35 high, seen from above at a slope of 5: about a row of pixels in
+    // five
     double pixels = 2.0 * 4.0 * 0.35 / (all.pixel_size * all.pixel_size);
     CHECK((double)deep[1] > 0.15 * pixels && (double)deep[1] < 1.5 * pixels);
     stp_candidates_destroy(context, &corners);

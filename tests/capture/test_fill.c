@@ -27,7 +27,7 @@ static void make_case(fill_case* c, uint64_t seed)
 {
     memset(c, 0, sizeof(*c));
     c->query = (stp_fill_query){
-        .x = {1, 0, 0}, .y = {0, 1, 0}, .z = {0, 0, 100}, .toward = {0, 0, 1}, .look_count = 2};
+        .x = {1, 0, 0}, .y = {0, 1, 0}, .z = {0, 0, 100}, .toward = {0, 0, 1}, .view_count = 2};
     c->query.surface = c->surface;
     uint32_t count = 0;
     for (int v = 0; v < 2; ++v) {

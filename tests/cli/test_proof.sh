@@ -63,9 +63,9 @@ grep -q "ratio | 30 x" out || fail "the table is $(cat out)"
 rm stop
 proof 0 --only splats,positions
 grep -q "splats .* measured before" err || fail "splats are measured again: $(cat err)"
-grep -q -- "--first 0" calls && fail "positions begin anew: $(cat calls)"
-grep -q -- "--first 20" calls || fail "positions do not go on: $(cat calls)"
-grep -q "| Overview | 50 | 200 | 50.0 | 100.0 |" out || fail "the pieces are not the whole: $(cat out)"
+grep -q -- "--first 0" calls && fail "finished positions are repeated: $(cat calls)"
+grep -q -- "--first 20" calls || fail "positions do not continue: $(cat calls)"
+grep -q "| Overview | 50 | 200 | 50.0 | 100.0 |" out || fail "the pieces do not add up: $(cat out)"
 touch stipple # another program
 proof 0 --only positions
 grep -q -- "--first 0" calls || fail "another program's positions go on: $(cat calls)"

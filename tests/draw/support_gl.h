@@ -13,19 +13,19 @@ typedef struct made_gl {
     uint8_t pixels[PICTURE_SIDE * PICTURE_SIDE * 4];
 } made_gl;
 
-/// Intersecting sheets of surfels, some with holes, and one square without surfels; or only the first,
-/// which is of one colour.
+/// Intersecting sheets of surfels, some with holes, and one square without surfels; or only the
+/// first sheet, which has one colour.
 /// @return false if there is no OpenGL, or on failure, with *failed true
 bool made_gl_begin(made_gl* m, bool one, bool* failed);
-/// The same of another scene, which `add` makes (NULL: all the sheets), with other settings than the default ones (NULL: none;
-/// its function loader is ignored), and memory of `heap`.
+/// The same for another scene, made by `add` (NULL: all the sheets), with other settings (NULL: the
+/// default ones; its function loader is ignored), and memory from `heap`.
 bool made_gl_begin_with(made_gl* m, void (*add)(made_picture* p), const stp_draw_gl_desc* settings,
                         test_heap* heap, bool* failed);
 /// Destroys the renderer and creates another.
 stp_result made_gl_renew(made_gl* m, const stp_draw_gl_desc* settings);
-/// Draws with OpenGL into `pixels`; a debug message of an error fails it.
+/// Draws with OpenGL into `pixels`; fails on a debug message about an error.
 stp_result made_gl_draw(made_gl* m);
 void made_gl_end(made_gl* m);
 
-/// Pixels that differ by more than so many levels in some channel.
+/// Number of pixels that differ by more than `levels` in any channel.
 int made_count_different(const uint8_t* a, const uint8_t* b, int levels);

@@ -12,14 +12,14 @@ static uint32_t count_different(const stp_image* a, const stp_image* b, stp_imag
 {
     uint32_t different = 0;
     for (size_t i = 0; i < (size_t)a->width * a->height; ++i) {
-        int most = 0;
+        int maximum = 0;
         for (size_t k = 0; k < 4; ++k) {
             int d = abs(a->pixels[4 * i + k] - b->pixels[4 * i + k]);
-            most = d > most ? d : most;
+            maximum = d > maximum ? d : maximum;
         }
-        memset(difference->pixels + 4 * i, most, 3);
+        memset(difference->pixels + 4 * i, maximum, 3);
         difference->pixels[4 * i + 3] = 255;
-        different += most > TOLERATED_LEVELS;
+        different += maximum > TOLERATED_LEVELS;
     }
     return different;
 }
@@ -41,7 +41,7 @@ static void write_pictures(stp_context* context, const char* name, stp_image* co
 
 const char* golden_compare(stp_context* context, const char* name, stp_image* got)
 {
-    static uint8_t pixels[4 * GOLDEN_MOST];
+    static uint8_t pixels[4 * GOLDEN_MAX];
     char path[512];
     snprintf(path, sizeof(path), STP_TEST_SOURCE_DIR "/tests/golden/draw/%s.png", name);
     const char* write = getenv("STP_WRITE_GOLDEN");
@@ -54,7 +54,7 @@ const char* golden_compare(stp_context* context, const char* name, stp_image* go
     if (stp_png_read(context, path, &expected) != STP_OK) {
         wrong = "cannot be read";
     } else if (expected.width != got->width || expected.height != got->height ||
-               size > GOLDEN_MOST) {
+               size > GOLDEN_MAX) {
         wrong = "has another size";
     } else {
         uint64_t different = count_different(&expected, got, &difference);
@@ -74,16 +74,16 @@ const char* golden_compare(stp_context* context, const char* name, stp_image* go
 const char* golden_draw(stp_context* context, stp_store* store, const char* name, stp_view view,
                         stp_quality quality, stp_draw_style style)
 {
-    static uint8_t pixels[4 * GOLDEN_MOST];
+    static uint8_t pixels[4 * GOLDEN_MAX];
     stp_image image = {view.width, view.height, pixels};
     stp_renderer* renderer = NULL;
     stp_draw_list list = {0};
     stp_draw_stats stats;
-    if (view.width == 0 || (uint64_t)view.width * view.height > GOLDEN_MOST) {
+    if (view.width == 0 || (uint64_t)view.width * view.height > GOLDEN_MAX) {
         return "is too large";
     }
     stp_result result = stp_draw_cpu_create(context, store, &renderer);
-    quality.spare = 1; // few triangles stand for many splats
+    quality.early_switch = 1; // one surfel replaces few triangles
     if (result == STP_OK) {
         result = stp_select(context, store, &view, &quality, &list);
     }

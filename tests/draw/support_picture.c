@@ -16,8 +16,8 @@ bool made_picture_begin(made_picture* p, test_heap* heap, uint32_t threads)
                          .width = PICTURE_SIDE,
                          .height = PICTURE_SIDE};
     p->image = (stp_image){PICTURE_SIDE, PICTURE_SIDE, p->pixels};
-    p->quality.spare =
-        1; // few triangles stand for many splats: these are drawn as long as they suffice
+    p->quality.early_switch =
+        1; // there are few triangles per splat: splats are drawn as long as they cover
     return p->context != NULL;
 }
 

@@ -23,10 +23,11 @@ typedef struct made_picture {
     uint8_t pixels[PICTURE_SIDE * PICTURE_SIDE * 4];
 } made_picture;
 
-/// An empty scene of unlit white, seen from (0, 0, 5) in perspective: a square from -1 to 1 in the plane z = 0
-/// fills the middle half of the picture. @return false where memory runs out
+/// An empty, unlit white scene, seen from (0, 0, 5) in perspective: a square from -1 to 1 in the
+/// plane z = 0 fills the middle half of the picture. @return false if out of memory
 bool made_picture_begin(made_picture* p, test_heap* heap, uint32_t threads);
-/// A square from -1 to 1, turned about x by an angle and moved; with surfels of a colour (NULL: triangles only).
+/// A square from -1 to 1, rotated about x and translated; with surfels of one colour (NULL:
+/// triangles only).
 void made_picture_add(made_picture* p, double angle, stp_vec3d move, const uint8_t* color);
 /// Writes and opens the scene, and makes the renderer.
 stp_result made_picture_open(made_picture* p);

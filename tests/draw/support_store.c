@@ -48,7 +48,7 @@ stp_splats made_square_surfels(stp_context* context, uint32_t log_side, const ui
     s.coverages = STP_NEW_ZEROED(context, uint8_t, count);
     if (s.positions == NULL || s.normals == NULL || s.materials == NULL || s.colors == NULL ||
         s.coverages == NULL) {
-        abort(); // a test without memory
+        abort(); // the test has no memory
     }
     s.octave_count = 1;
     s.octave_ends[0] = count;

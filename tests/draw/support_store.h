@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Small scenes made by hand, written to a temporary file and opened.
+// Small handmade scenes, written to a temporary file and opened.
 #pragma once
 
 #include "store/writer.h"
 
 enum { MADE_LIMIT = 8 };
 
-/// Fill the arrays and counts (directory's counts are taken from here), then made_open().
+/// Fill the arrays and counts (they become the directory's), then call made_open().
 typedef struct made_scene {
     stp_store_node nodes[MADE_LIMIT];
     stp_store_edge edges[MADE_LIMIT];
@@ -27,17 +27,18 @@ typedef struct made_scene {
 /// A white, rough, opaque material without textures.
 stp_store_material made_material(void);
 
-/// A square of two triangles in the plane z = 0, from -1 to 1, with texture coordinates (v down), facing +z.
-/// Memory is static.
+/// A square of two triangles in the plane z = 0, from -1 to 1, with texture coordinates (v down),
+/// facing +z. Memory is static.
 stp_store_mesh made_square(uint32_t material);
 
-/// Surfels over the front of that square: a grid of side x side, in an order in which every prefix of 4^k is
-/// spread evenly; prefix table and colours (all `color`) with it. The arrays come from `context` (stp_free
-/// through made_free_surfels).
+/// Surfels on the front of that square: a grid of side x side, ordered so that every prefix of 4^k
+/// is evenly spread; with prefix table and colours (all `color`). The arrays come from `context`
+/// (free them with made_free_surfels).
 stp_splats made_square_surfels(stp_context* context, uint32_t log_side, const uint8_t color[3]);
 void made_free_surfels(stp_context* context, stp_splats* surfels);
 
-/// Makes the scene one node over the square from -1 to 1 that stands for a million triangles: the mesh, with a set of `spt`.
+/// Makes the scene one node over the square from -1 to 1 with a nominal million triangles: the
+/// mesh, with a set of `spt`.
 void made_one_node(made_scene* scene, const stp_store_mesh* mesh, const stp_splats* set);
 
 /// Writes and opens the scene; the last node is the root. NULL on failure.

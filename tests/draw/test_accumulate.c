@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Frames of a view at rest: their mean is the supersampled picture.
+// Frames of a resting view: their mean is the supersampled picture.
 #include "tests.h"
 
 #include "draw/cpu/accumulate.h"
@@ -15,7 +15,7 @@ static void make_scene(made_picture* p)
 {
     made_picture_add(p, 0.2, (stp_vec3d){0, 0.3, 0}, orange);
     made_picture_add(p, 0.9, (stp_vec3d){-0.7, 0, 0.4}, NULL);
-    p->scene.materials[0].alpha = STP_STORE_BLEND; // its dither is that of the sample
+    p->scene.materials[0].alpha = STP_STORE_BLEND; // its dither equals that of the sample
     p->scene.materials[0].base_color[3] = 0.6f;
     p->view.eye = (stp_vec3d){1, 2, 5};
     p->quality.splat_size = 2;
@@ -37,15 +37,15 @@ void test_accumulation_takes_every_place_once(test_state* test)
 
 static int largest_difference(const uint8_t* a, const uint8_t* b)
 {
-    int most = 0;
+    int maximum = 0;
     for (int i = 0; i < SIDE * SIDE * 4; ++i) {
         int difference = abs(a[i] - b[i]);
-        most = difference > most ? difference : most;
+        maximum = difference > maximum ? difference : maximum;
     }
-    return most;
+    return maximum;
 }
 
-// The bytes of each frame are rounded, so the mean of a dark pixel may differ by a level or two.
+// Each frame is rounded to bytes, so the mean of a dark pixel may differ by a level or two.
 void test_accumulation_becomes_the_supersampled_picture(test_state* test)
 {
     static uint8_t whole[SIDE * SIDE * 4];
@@ -132,7 +132,7 @@ void test_accumulation_begins_anew_when_something_changes(test_state* test)
     CHECK_EQUAL(STP_OK, made_picture_draw(&other));
     CHECK_EQUAL(STP_OK, made_picture_accumulate(&p));
     CHECK_EQUAL(3, p.stats.samples);
-    other.style.eye_dome = 1; // but one that needs the sums does
+    other.style.eye_dome = 1; // but a change that needs the sums does
     CHECK_EQUAL(STP_OK, made_picture_draw(&other));
     CHECK_EQUAL(STP_OK, made_picture_accumulate(&p));
     CHECK_EQUAL(1, p.stats.samples);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Overlapping splats are blended within a surface, and not beyond it.
+// Overlapping splats are blended within a surface, but not across surfaces.
 #include "tests.h"
 
 #include "base/coverage.h"
@@ -62,8 +62,8 @@ void test_blend_takes_noise_away(test_state* test)
     }
 }
 
-// Two sheets behind each other and one perpendicular to them, red and blue: each pixel is red or blue,
-// or white where triangles are drawn.
+// Two parallel sheets, one behind the other, and a perpendicular one, red and blue: each pixel is
+// red or blue, or white where triangles are drawn.
 void test_blend_keeps_surfaces_apart(test_state* test)
 {
     static uint8_t plain[BYTES];

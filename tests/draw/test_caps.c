@@ -12,7 +12,7 @@
 
 enum { SIDES = 12, SHAPE_VERTICES = 16, SHAPE_INDICES = 2 * 3 * SIDES };
 
-/// A box from -1 to 1: triangles of its sides, those of -z and +z last.
+/// Triangles of a box from -1 to 1; the sides -z and +z come last.
 static const float corners[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
                                     {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
 static const uint32_t sides[SIDES][3] = {{0, 1, 5}, {0, 5, 4}, {1, 2, 6}, {1, 6, 5},
@@ -24,7 +24,7 @@ static struct {
     uint32_t indices[MADE_LIMIT][SHAPE_INDICES];
 } made;
 
-/// Appends triangles [begin, end) of a box to a mesh, turned inside out or not.
+/// Appends triangles [begin, end) of a box to a mesh, optionally inside out.
 static void append(stp_store_mesh* mesh, int number, float size, int begin, int end, bool turned)
 {
     uint32_t base = mesh->vertex_count, at = 3 * mesh->triangle_count;
@@ -42,7 +42,7 @@ static void append(stp_store_mesh* mesh, int number, float size, int begin, int 
     mesh->triangle_count += (uint32_t)(end - begin);
 }
 
-/// Adds an empty mesh at a place.
+/// Adds an empty mesh with a transform.
 static stp_store_mesh* add_mesh(made_picture* p, double scale_x, stp_vec3d move)
 {
     made_scene* s = &p->scene;
@@ -87,7 +87,7 @@ static void add_walls(made_picture* p)
     append(mesh, 0, 0.5f, 0, SIDES, true);
 }
 
-/// A solid within a solid, and through its side another.
+/// A solid inside a solid, and another one through its side.
 static void add_nested(made_picture* p)
 {
     add_box(p);
@@ -102,7 +102,8 @@ static void add_pieces(made_picture* p)
     append(add_mesh(p, 1.0, (stp_vec3d){0, 0, 0}), 1, 1.0f, 5, SIDES, false);
 }
 
-/// A box with a crack through the plane: an edge of one side has an additional vertex, slightly displaced.
+/// A box with a crack through the plane: an edge of one side has an additional vertex, slightly
+/// displaced.
 static void add_cracked(made_picture* p)
 {
     static const uint32_t side[3][3] = {{0, 1, 8}, {0, 8, 5}, {0, 5, 4}};
@@ -114,7 +115,7 @@ static void add_cracked(made_picture* p)
     mesh->triangle_count += 3;
 }
 
-/// Nothing behind the cap shows through it.
+/// The cap hides everything behind it.
 static void add_glass(made_picture* p)
 {
     add_box(p);
@@ -177,7 +178,7 @@ void test_caps_fill_closed_solids_only(test_state* test)
         float at_plane = (float)(1e-4 * 5.0 / 5.0), at_wall = (float)(1e-4 * 5.0 / 5.5);
         float wanted = cases[i].middle ? at_plane : cases[i].add == add_walls ? at_wall : near;
         CHECK(fabsf(near - wanted) < 1e-3f * wanted);
-        p.style.ambient_occlusion = 0.05f; // works on what is filled, too
+        p.style.ambient_occlusion = 0.05f; // works on filled pixels, too
         CHECK_EQUAL(STP_OK, made_picture_draw(&p));
         CHECK(abs(cases[i].caps - count_caps(p.pixels)) < 150);
         p.style.ambient_occlusion = 0.0f;
@@ -243,15 +244,15 @@ static stp_vec3d random_vector(uint64_t seed, double reach)
     return (stp_vec3d){v[0], v[1], v[2]};
 }
 
-/// How far a point is within the box; below 0: outside.
+/// Depth of a point inside the box; negative outside.
 static double depth_in_box(stp_vec3d p)
 {
     return 1.0 - fmax(fmax(fabs(p.x), fabs(p.y)), fabs(p.z));
 }
 
-/// The point of a plane that a pixel shows. @return false if none is in front of the eye
-static bool meet(const stp_view_frame* f, const stp_section_plane* plane, int x, int y,
-                 stp_vec3d* point)
+/// Intersection of a pixel's ray with a plane. @return false if it is not in front of the eye
+static bool visit_object(const stp_view_frame* f, const stp_section_plane* plane, int x, int y,
+                         stp_vec3d* point)
 {
     stp_vec3d aside = stp_addd(stp_scaled(f->right, (x + 0.5 - f->center_x) / f->scale),
                                stp_scaled(f->down, (y + 0.5 - f->center_y) / f->scale));
@@ -262,7 +263,8 @@ static bool meet(const stp_view_frame* f, const stp_section_plane* plane, int x,
     return isfinite(t) && (t > f->near_distance);
 }
 
-/// From random eyes, also inside the solid and next to the plane, a pixel shows a cap if its point of the plane is in the box.
+/// From random eyes, also inside the solid and next to the plane, a pixel shows a cap if its point
+/// of the plane is in the box.
 void test_caps_are_where_planes_go_through_solids(test_state* test)
 {
     made_picture p;
@@ -291,7 +293,7 @@ void test_caps_are_where_planes_go_through_solids(test_state* test)
         for (int y = 0; y < PICTURE_SIDE; ++y) {
             for (int x = 0; x < PICTURE_SIDE; ++x) {
                 stp_vec3d point;
-                bool meets = seen && meet(&f, plane, x, y, &point);
+                bool meets = seen && visit_object(&f, plane, x, y, &point);
                 double within = meets ? depth_in_box(point) : -1.0;
                 bool cap = picture.any && picture.nearness[y * PICTURE_SIDE + x] > 0.0f;
                 CHECK(cap || within < 1e-4);

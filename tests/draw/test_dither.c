@@ -24,7 +24,7 @@ static void make_pair(made_picture* p, const uint8_t* color, uint8_t coverage)
     p->quality.splat_size = 4;
 }
 
-// The list without its first item, and with other ids.
+// The list without its first item and with different ids.
 static void drop_first(stp_draw_list* list)
 {
     list->count -= 1;
@@ -62,7 +62,8 @@ void test_dither_does_not_depend_on_what_else_is_drawn(test_state* test)
     }
 }
 
-// Two copies of a mesh have different holes: through two panes of half coverage, a quarter is visible.
+// Two copies of a mesh have different holes: through two panes of half coverage, a quarter is
+// visible.
 void test_dither_of_instances_differs(test_state* test)
 {
     made_picture p;
@@ -122,7 +123,7 @@ void test_dither_is_the_same_in_two_passes(test_state* test)
     memcpy(once, p.pixels, BYTES);
     uint64_t all = p.stats.fragments;
     int hidden = 0;
-    for (int i = 0; i < 6; ++i) { // back and forth: pyramids of other views
+    for (int i = 0; i < 6; ++i) { // two views in turn: the pyramid is of the other one
         CHECK_EQUAL(STP_OK, made_picture_draw(&p));
         CHECK_EQUAL(0, memcmp(once, p.pixels, BYTES));
         hidden += p.stats.fragments < all ? 1 : 0;

@@ -28,8 +28,8 @@ typedef struct fixture {
     uint8_t pixels[SIDE * SIDE * 4];
 } fixture;
 
-// An empty scene, seen from the front in parallel projection: the square from -1 to 1 fills the middle
-// half of the picture.
+// An empty scene, seen from the front in parallel projection: the square from -1 to 1 fills the
+// middle half of the picture.
 static bool begin(fixture* f, test_heap* heap, uint32_t threads)
 {
     *f = (fixture){.context = test_context(heap, threads, NULL)};
@@ -40,8 +40,8 @@ static bool begin(fixture* f, test_heap* heap, uint32_t threads)
     f->view = (stp_view){
         .eye = {0, 0, 5}, .up = {0, 1, 0}, .ortho_height = 4, .width = SIDE, .height = SIDE};
     f->image = (stp_image){SIDE, SIDE, f->pixels};
-    f->quality.spare =
-        1; // few triangles stand for many splats: these are drawn as long as they suffice
+    f->quality.early_switch =
+        1; // there are few triangles per splat: splats are drawn as long as they cover
     return f->context != NULL;
 }
 
@@ -126,7 +126,7 @@ void test_draw_cpu_textures_are_the_right_way_up(test_state* test)
     CHECK(has_color(pixel(&f, 44, 44), 255, 255, 255, 255));
     CHECK(has_color(pixel(&f, 8, 20), 0, 0, 0, 0));
     CHECK_EQUAL(32 * 32, f.stats.covered_pixels);
-    f.view.eye.z = -5; // from behind, left and right change places; both sides are drawn
+    f.view.eye.z = -5; // from behind, left and right are swapped; both sides are drawn
     CHECK_EQUAL(STP_OK, draw(&f));
     CHECK(has_color(pixel(&f, 20, 20), 0, 255, 0, 255));
     CHECK(has_color(pixel(&f, 20, 44), 255, 255, 255, 255));
@@ -156,7 +156,8 @@ void test_draw_cpu_surfels_fill_the_square(test_state* test)
     end(&f);
 }
 
-// A sheet of surfels in z = 0, and a square of triangles at `z`, seen as in begin(), also in perspective.
+// A sheet of surfels in z = 0 and a square of triangles at `z`, with the view of begin() or in
+// perspective.
 static bool begin_paving(fixture* f, bool perspective, double z)
 {
     if (!begin(f, NULL, 1)) {
@@ -164,7 +165,7 @@ static bool begin_paving(fixture* f, bool perspective, double z)
     }
     if (perspective) {
         f->view.ortho_height = 0;
-        f->view.fov_degrees = 2.0 * 21.8014094863518; // the same picture of z = 0
+        f->view.fov_degrees = 2.0 * 21.8014094863518; // the same picture of the plane z = 0
     }
     made_scene* s = &f->scene;
     s->surfels[s->surfels_count++] = made_square_surfels(f->context, 5, red);
@@ -184,8 +185,8 @@ static bool begin_paving(fixture* f, bool perspective, double z)
     return true;
 }
 
-// Thin paving that is drawn as splats covers the ground right below it, which is drawn as triangles, and does not show
-// through what lies well in front of it. Depths are those of the triangles themselves.
+// Thin paving drawn as splats covers the ground right below it, drawn as triangles, and does not
+// show through objects well in front of it. Depths are those of the triangles themselves.
 void test_draw_cpu_paving_covers_the_ground(test_state* test)
 {
     for (int variant = 0; variant < 4; ++variant) {
@@ -233,7 +234,7 @@ void test_draw_cpu_colors_blend_between_octaves(test_state* test)
     add_node(&f, STP_STORE_PART_MESH, 0, 0);
     const struct {
         uint32_t splats;
-        int expected; // of the surfels that were there before
+        int expected; // of the earlier surfels
     } cases[] = {{200, 0}, {256, 0}, {640, 188}, {1024, 255}};
     for (int i = 0; i < 4; ++i) {
         f.quality.splat_count = cases[i].splats;
@@ -291,7 +292,7 @@ void test_draw_cpu_masks_and_blends(test_state* test)
 void test_draw_cpu_mirrored_parts_are_lit_alike(test_state* test)
 {
     static const int16_t normals[] = {6000, 6000, 6000, 6000,
-                                      6000, 6000, 6000, 6000}; // +z, a little aside
+                                      6000, 6000, 6000, 6000}; // +z, slightly tilted
     uint8_t plain[4] = {0};
     for (int round = 0; round < 4; ++round) {
         fixture f;
@@ -430,7 +431,7 @@ void test_draw_cpu_is_the_same_for_any_number_of_threads(test_state* test)
     }
 }
 
-// Each worker has a buffer as large as the picture, and a megabyte beside it.
+// Each worker has a buffer of the size of the picture, plus a megabyte.
 void test_draw_cpu_needs_no_more_memory_for_more_threads_than_processors(test_state* test)
 {
     static uint8_t first[SIDE * SIDE * 4];
@@ -483,7 +484,7 @@ void test_draw_cpu_survives_failing_allocator(test_state* test)
         stp_result result = stp_draw_cpu_create(f.context, f.store, &f.renderer);
         result = result != STP_OK ? result : draw(&f);
         heap.fail_at = -1;
-        if (f.renderer != NULL && result != STP_OK) { // after a failure the next frame is right
+        if (f.renderer != NULL && result != STP_OK) { // after a failure the next frame is correct
             CHECK_EQUAL(STP_OK, draw(&f));
             CHECK(f.stats.covered_pixels > 300);
         }

@@ -32,7 +32,7 @@ typedef struct fixture {
     float nearness[PIXELS];
 } fixture;
 
-// A wall of triangles, and behind it, before it and beside it squares with surfels over triangles.
+// A wall of triangles; behind, in front of and beside it, squares with surfels over triangles.
 static bool set_up(fixture* f, uint64_t round)
 {
     static const uint8_t colors[2][3] = {{200, 60, 20}, {30, 90, 220}};
@@ -152,7 +152,7 @@ void test_draw_occlusion_changes_no_pixel(test_state* test)
         stp_depth_pyramid_destroy(f.context, &pyramid);
         tear_down(&f);
     }
-    CHECK(hidden > 40 && repaired > 3); // otherwise the test shows nothing
+    CHECK(hidden > 40 && repaired > 3); // otherwise the test proves nothing
 }
 
 void test_draw_selected_is_the_whole_picture(test_state* test)
@@ -166,7 +166,7 @@ void test_draw_selected_is_the_whole_picture(test_state* test)
         stp_draw_style style = {.splat_scale = 1.0f};
         stp_image image = {WIDTH, HEIGHT, f.pixels};
         stp_draw_stats stats;
-        for (int frame = 0; frame < 4; ++frame) { // the eye moves, and rests
+        for (int frame = 0; frame < 4; ++frame) { // the eye moves, then rests
             stp_view view = view_at(round, frame == 0 ? 2.0 : frame == 1 ? 0.3 : 0.0);
             CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &quality, &f.list));
             CHECK_EQUAL(STP_OK, draw(&f, &view));
@@ -182,5 +182,5 @@ void test_draw_selected_is_the_whole_picture(test_state* test)
         }
         tear_down(&f);
     }
-    CHECK(hidden > 40 && repaired > 3); // otherwise the test shows nothing
+    CHECK(hidden > 40 && repaired > 3); // otherwise the test proves nothing
 }

@@ -18,7 +18,7 @@ static double uniform(uint64_t round, uint64_t number, double low, double high)
     return low + (high - low) * ((double)(stp_rng_hash(round, number) >> 11) * 0x1p-53);
 }
 
-/// A wall of triangles, and squares of surfels and triangles behind it, beside it and before it.
+/// A wall of triangles; behind, beside and in front of it, squares of surfels and triangles.
 static void make_scene(made_picture* p, uint64_t round)
 {
     made_picture_add(p, 0.0, (stp_vec3d){uniform(round, 1, -0.3, 0.3), 0, 1.2}, NULL);
@@ -41,7 +41,7 @@ static void choose_style(made_picture* p, int style)
     p->style.background = style == 4;
 }
 
-/// The eye moves, and rests.
+/// The eye moves, then rests.
 static void choose_view(made_picture* p, uint64_t round, int frame, bool two_eyes)
 {
     double step = frame == 0 ? 1.5 : frame == 1 ? 0.2 : 0.0;
@@ -58,7 +58,7 @@ typedef struct whole_picture {
     float depth[PIXELS];
 } whole_picture;
 
-/// Draws each eye by itself, in one pass.
+/// Draws each eye separately, in one pass.
 static stp_result draw_whole(made_picture* p, whole_picture* whole)
 {
     static uint8_t pixels[4 * PIXELS];
@@ -121,7 +121,7 @@ void test_draw_passes_give_the_whole_picture(test_state* test)
         end_whole(&p, &whole);
         made_picture_end(&p);
     }
-    CHECK(nodes > 50 && 20 * fragments < 19 * all_fragments); // otherwise the test shows nothing
+    CHECK(nodes > 50 && 20 * fragments < 19 * all_fragments); // otherwise the test proves nothing
 }
 
 void test_draw_passes_accumulate_the_whole_picture(test_state* test)
@@ -134,7 +134,7 @@ void test_draw_passes_accumulate_the_whole_picture(test_state* test)
         make_scene(&p, round);
         CHECK_EQUAL(STP_OK, made_picture_open(&p));
         CHECK_EQUAL(STP_OK, stp_draw_cpu_create(p.context, p.store, &whole.renderer));
-        choose_style(&p, 3); // with effects: sums of bytes, both times
+        choose_style(&p, 3); // with effects: sums of bytes in both
         p.style.filter = round % 3 == 2 ? STP_FILTER_EWA : STP_FILTER_NONE;
         p.style.supersample = 3;
         choose_view(&p, round, 2, round % 2 == 0);

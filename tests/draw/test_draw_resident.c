@@ -25,7 +25,7 @@ typedef struct fixture {
     uint8_t pixels[4 * PIXELS], expected[4 * PIXELS];
 } fixture;
 
-/// Gives a set of one octave as many as its prefixes of 4^k.
+/// Splits a set of one octave into octaves that end at its prefixes of 4^k.
 static void divide(stp_context* context, stp_splats* s)
 {
     uint64_t entries = 0;
@@ -45,7 +45,8 @@ static void divide(stp_context* context, stp_splats* s)
     }
 }
 
-/// A square with a coarse red set, over four squares that have a finer green one and a white, textured mesh.
+/// A square with a coarse red set, over four squares that have a finer green one and a white,
+/// textured mesh.
 static void make_scene(stp_context* context, made_scene* s)
 {
     static const uint8_t colors[2][3] = {{200, 20, 20}, {20, 200, 20}};
@@ -115,7 +116,7 @@ static void tear_down(fixture* f)
     stp_store_close(f->other);
 }
 
-static stp_view look_from(double x, double y, double distance)
+static stp_view close_in_view(double x, double y, double distance)
 {
     return (stp_view){.eye = {x, y, distance},
                       .target = {x, y, 0},
@@ -163,20 +164,20 @@ void test_resident_first_frame_is_the_coarser_prefix(test_state* test)
     CHECK(context != NULL);
     fixture f;
     CHECK(set_up(&f, context));
-    CHECK_EQUAL(STP_OK, stream(&f, true, 24000)); // of which the coarsest octaves are pinned
+    CHECK_EQUAL(STP_OK, stream(&f, true, 24000)); // the coarsest octaves of these are pinned
     residency_settle(f.residency, NULL, 0);
     uint32_t here = stp_store_resident_surfels(f.store, 0);
     CHECK(here >= 4 && here < 256);
     CHECK_EQUAL(0, stp_store_resident_surfels(f.store, 1));
-    f.reader.open = false; // from here on, reads block
+    f.reader.open = false; // reads block from here on
     const double distances[] = {12.0, 3.0, 1.0, 0.3};
     for (int i = 0; i < 4; ++i) {
-        stp_view view = look_from(0.05, 0.02, distances[i]);
+        stp_view view = close_in_view(0.05, 0.02, distances[i]);
         stp_quality quality = {.splat_size = 1};
         CHECK_EQUAL(STP_OK, draw_streamed(&f, &view, &quality));
-        stp_residency_update(f.residency, f.list.wants, f.list.want_count);
+        stp_residency_update(f.residency, f.list.requests, f.list.request_count);
         CHECK_EQUAL(1, f.list.count);
-        CHECK(f.list.want_count > 0);
+        CHECK(f.list.request_count > 0);
         stp_quality prefix = {.splat_size = 1, .splat_count = here};
         CHECK_EQUAL(STP_OK, draw_whole(&f, &view, &prefix));
         CHECK(is_same(&f));
@@ -202,25 +203,25 @@ void test_resident_pictures_have_no_holes(test_state* test)
         stp_policy policy = (stp_policy)(round % 4 == 3 ? STP_POLICY_SWITCH : STP_POLICY_INSERTION);
         for (uint64_t frame = 0; frame < 24; ++frame) {
             uint64_t h =
-                stp_rng_hash(round / 2, frame / 8); // at rest for a while, then at another place
+                stp_rng_hash(round / 2, frame / 8); // rests for a while, then moves elsewhere
             stp_view view =
-                look_from(0.1 * (double)(h % 13) - 0.6, 0.1 * (double)(h >> 8 & 7) - 0.4,
-                          0.1 * (double)(1 << (h >> 16 & 7)));
+                close_in_view(0.1 * (double)(h % 13) - 0.6, 0.1 * (double)(h >> 8 & 7) - 0.4,
+                              0.1 * (double)(1 << (h >> 16 & 7)));
             stp_quality quality = {.splat_size = (float)(1 + (h >> 24 & 1)), .policy = policy};
             stp_quality reference = {.splat_size = 1, .reference = true};
             CHECK_EQUAL(STP_OK, draw_streamed(&f, &view, &quality));
             CHECK_EQUAL(STP_OK, draw_whole(&f, &view, &reference));
             CHECK_EQUAL(0, count_holes(&f));
-            stp_residency_update(f.residency, f.list.wants, f.list.want_count);
+            stp_residency_update(f.residency, f.list.requests, f.list.request_count);
             slow_reader_let_go(&f.reader, (uint32_t)(stp_rng_hash(round, 99 + frame) % 3));
         }
         // everything that fits is loaded
         slow_reader_let_go(&f.reader, UINT32_MAX);
-        stp_view view = look_from(0.1, 0.1, 0.8);
+        stp_view view = close_in_view(0.1, 0.1, 0.8);
         stp_quality quality = {.splat_size = 1, .policy = policy};
         for (int i = 0; i < 40; ++i) {
             CHECK_EQUAL(STP_OK, draw_streamed(&f, &view, &quality));
-            residency_settle(f.residency, f.list.wants, f.list.want_count);
+            residency_settle(f.residency, f.list.requests, f.list.request_count);
         }
         stp_residency_stats stats;
         stp_residency_get_stats(f.residency, &stats);
@@ -246,23 +247,23 @@ void test_resident_selection_is_pure(test_state* test)
     CHECK(set_up(&f, context));
     CHECK_EQUAL(STP_OK, stream(&f, true, 0));
     stp_quality quality = {.splat_size = 1};
-    stp_view view = look_from(0.2, 0.1, 1.5);
+    stp_view view = close_in_view(0.2, 0.1, 1.5);
     stp_draw_list lists[2] = {{0}, {0}};
     for (int i = 0; i < 6; ++i) {
-        for (int k = 0; k < 2; ++k) { // whatever is loaded meanwhile
+        for (int k = 0; k < 2; ++k) { // regardless of data loaded meanwhile
             CHECK_EQUAL(STP_OK, stp_select(context, f.store, &view, &quality, &lists[k]));
             (void)stp_residency_wait(f.residency);
         }
         CHECK_EQUAL(lists[0].count, lists[1].count);
-        CHECK_EQUAL(lists[0].want_count, lists[1].want_count);
-        for (size_t w = 0; w < lists[0].want_count; ++w) {
-            CHECK_EQUAL(lists[0].wants[w].thing, lists[1].wants[w].thing);
-            CHECK_EQUAL(lists[0].wants[w].octaves, lists[1].wants[w].octaves);
-            for (size_t v = 0; v < w; ++v) { // each of them once
-                CHECK(lists[0].wants[v].thing != lists[0].wants[w].thing);
+        CHECK_EQUAL(lists[0].request_count, lists[1].request_count);
+        for (size_t w = 0; w < lists[0].request_count; ++w) {
+            CHECK_EQUAL(lists[0].requests[w].thing, lists[1].requests[w].thing);
+            CHECK_EQUAL(lists[0].requests[w].octaves, lists[1].requests[w].octaves);
+            for (size_t v = 0; v < w; ++v) { // each exactly once
+                CHECK(lists[0].requests[v].thing != lists[0].requests[w].thing);
             }
         }
-        stp_residency_update(f.residency, lists[0].wants, lists[0].want_count);
+        stp_residency_update(f.residency, lists[0].requests, lists[0].request_count);
     }
     CHECK_EQUAL(8, lists[0].triangle_count); // the final picture is that of the whole file
     stp_draw_list_destroy(context, &lists[0]);
@@ -282,10 +283,10 @@ void test_resident_damage_stays_coarse(test_state* test)
     const stp_store_texture_record* textures = f.store->tables[STP_SECTION_TEXTURES];
     f.reader.wrong_at = stp_store_block_at(f.store, textures[0].block)->offset;
     stp_quality quality = {.splat_size = 1}, reference = {.splat_size = 1, .reference = true};
-    stp_view view = look_from(0.1, 0.1, 0.4);
+    stp_view view = close_in_view(0.1, 0.1, 0.4);
     for (int i = 0; i < 10; ++i) {
         CHECK_EQUAL(STP_OK, draw_streamed(&f, &view, &quality));
-        residency_settle(f.residency, f.list.wants, f.list.want_count);
+        residency_settle(f.residency, f.list.requests, f.list.request_count);
     }
     CHECK_EQUAL(1, log.warnings);
     CHECK_EQUAL(0, log.errors);
@@ -304,21 +305,21 @@ void test_resident_textures_come_and_go(test_state* test)
     fixture f;
     CHECK(set_up(&f, context));
     stp_quality quality = {.splat_size = 1};
-    stp_view near = look_from(0.1, 0.1, 0.4);
+    stp_view near = close_in_view(0.1, 0.1, 0.4);
     CHECK_EQUAL(STP_OK, draw_whole(&f, &near, &quality));
     CHECK(f.whole_list.triangle_count > 0);
     for (int round = 0; round < 3; ++round) { // mipmaps are freed with the texels
         CHECK_EQUAL(STP_OK, stream(&f, true, 0));
         for (int i = 0; i < 6; ++i) {
             CHECK_EQUAL(STP_OK, draw_streamed(&f, &near, &quality));
-            residency_settle(f.residency, f.list.wants, f.list.want_count);
+            residency_settle(f.residency, f.list.requests, f.list.request_count);
         }
         CHECK(is_same(&f));
         stp_residency_destroy(f.residency);
         slow_reader_destroy(&f.reader);
         f.residency = NULL;
         if (round !=
-            1) { // the next residency's texels are others, whether there was a picture between or not
+            1) { // the next residency has different texels, with and without a picture in between
             CHECK_EQUAL(STP_OK, draw_streamed(&f, &near, &quality));
             CHECK(is_same(&f));
         }
@@ -342,11 +343,11 @@ void test_resident_survives_failing_allocator(test_state* test)
         heap.fail_at = fail_at;
         stp_result result = stream(&f, true, 24000);
         stp_quality quality = {.splat_size = 1};
-        stp_view view = look_from(0.1, 0.1, 0.7);
+        stp_view view = close_in_view(0.1, 0.1, 0.7);
         for (int i = 0; i < 4 && result == STP_OK; ++i) {
             result = draw_streamed(&f, &view, &quality);
             if (result == STP_OK) {
-                residency_settle(f.residency, f.list.wants, f.list.want_count);
+                residency_settle(f.residency, f.list.requests, f.list.request_count);
             }
         }
         CHECK(result == STP_OK || result == STP_ERROR_OUT_OF_MEMORY);

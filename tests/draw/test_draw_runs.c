@@ -11,7 +11,8 @@ typedef struct run_list {
     stp_draw_run runs[RUNS];
 } run_list;
 
-// The first 64 splats, none of the next, then some of the rest; a gap is a gap between runs, or a run outside all depths.
+// The first 64 splats, a gap, then some of the rest. The gap lies between runs, or is a run outside
+// all depths.
 static run_list make_list(const stp_draw_item* item, bool gaps)
 {
     run_list l = {.item = *item};

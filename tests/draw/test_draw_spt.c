@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Sets of Sequential Point Trees in a view: what is selected of them, and that pictures of a closed surface have no holes.
+// Sets of Sequential Point Trees in a view: selected splats, and pictures of a closed surface
+// without holes.
 #include "tests.h"
 
 #include "base/splat_codes.h"
@@ -24,7 +25,7 @@ typedef struct fixture {
     uint8_t pixels[SIDE * SIDE * 4];
 } fixture;
 
-// The square from -1 to 1 of 4,096 samples and two triangles that stand for a million.
+// The square from -1 to 1 with 4,096 samples and two triangles that count as a million.
 static bool set_up(fixture* f)
 {
     static const uint8_t red[3] = {255, 0, 0};
@@ -39,7 +40,7 @@ static bool set_up(fixture* f)
     f->store = made_open(f->context, &f->scene);
     f->view = (stp_view){
         .eye = {0, 0, 5}, .up = {0, 1, 0}, .fov_degrees = 60, .width = SIDE, .height = SIDE};
-    f->quality = (stp_quality){.splat_size = 1.0f, .spare = 1};
+    f->quality = (stp_quality){.splat_size = 1.0f, .early_switch = 1};
     return f->store != NULL && stp_draw_cpu_create(f->context, f->store, &f->renderer) == STP_OK;
 }
 
@@ -95,9 +96,8 @@ void test_spt_draws_without_holes(test_state* test)
         if (f.list.count == 1 && item->kind == STP_DRAW_SURFELS) {
             drawn += 1;
             // the prefix contains all that a level needs
-            double level =
-                fmax((double)item->level_per_depth * distance, (double)item->level_least);
-            CHECK(item->level_per_depth > 0.0f || item->level_least > 0.0f);
+            double level = fmax((double)item->level_per_depth * distance, (double)item->level_min);
+            CHECK(item->level_per_depth > 0.0f || item->level_min > 0.0f);
             for (uint32_t k = item->prefix; k < f.set.count; ++k) {
                 CHECK((double)stp_range_level(f.set.ranges[k] >> 16) <= level * (1.0 + 1e-6));
             }
@@ -107,7 +107,8 @@ void test_spt_draws_without_holes(test_state* test)
     tear_down(&f);
 }
 
-// From near the samples do not suffice: triangles are drawn. Farther away there are fewer and fewer splats.
+// Near the eye the samples are too coarse: triangles are drawn. Farther away, fewer and fewer
+// splats are drawn.
 void test_spt_needs_fewer_splats_from_afar(test_state* test)
 {
     fixture f;
@@ -124,7 +125,7 @@ void test_spt_needs_fewer_splats_from_afar(test_state* test)
         before = f.list.splat_count;
     }
     CHECK(before < 300);
-    // at most so many; they still cover
+    // with a limit; they still cover
     f.view.eye.z = 12.0;
     for (uint64_t count = 20; count < 4000; count *= 3) {
         f.quality.splat_count = count;

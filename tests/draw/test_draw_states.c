@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Views of a number of splats of progressive sets: the picture shows the splats of that state, no more and no fewer, by both
-// backends. Each splat is a dot of its own colour and place, so the picture shows which are drawn.
+// Views of a given number of splats of progressive sets: the picture shows exactly the splats of
+// that state, with both backends. Each splat is a dot with its own colour and place, so the picture
+// tells which are drawn.
 #include "tests.h"
 
 #include "base/prefix_table.h"
@@ -21,7 +22,7 @@ enum {
 
 static const progressive_desc descs[SETS] = {{.seed = 3, .base = 7, .splits = 60},
                                              {.seed = 4, .base = 3, .splits = 50, .coarse = true}};
-enum { STATE_MOST = 67 + 53 };
+enum { STATE_MAX = 67 + 53 };
 
 /// The sets; the second one's node moves.
 typedef struct two_sets {
@@ -82,7 +83,8 @@ static void add_sets(made_picture* p)
     p->quality.all_sides = true;
 }
 
-/// Splats of the state of a set, by walking to it; of fewer than the base set has, the first ones.
+/// Splats of a state of a set, found by walking to it; the first ones if there are fewer than in
+/// the base set.
 static uint32_t mark_state(int which, uint32_t wanted, uint32_t prefix, bool* marks)
 {
     const stp_splats* set = &made.sets[which];
@@ -105,21 +107,22 @@ static double area_of(const stp_splats* set)
     return quarter * radius * radius;
 }
 
-/// Distributes splats one by one: each set gets one, then the set with the fewest per area, if it has more.
+/// Distributes splats one by one: each set gets one; then always the set with the fewest per area
+/// that has more.
 static void share_out(uint64_t wanted, uint32_t shares[SETS])
 {
-    static const uint32_t most[SETS] = {67, 53};
+    static const uint32_t maximum[SETS] = {67, 53};
     shares[0] = wanted > 0;
     shares[1] = wanted > 1;
     double areas[SETS] = {area_of(&made.sets[0]), area_of(&made.sets[1])};
-    for (uint32_t n = 2; n < wanted && n < STATE_MOST; ++n) {
+    for (uint32_t n = 2; n < wanted && n < STATE_MAX; ++n) {
         bool first = (2 * shares[0] + 1) * areas[1] < (2 * shares[1] + 1) * areas[0];
-        first = shares[1] == most[1] || (first && shares[0] < most[0]);
+        first = shares[1] == maximum[1] || (first && shares[0] < maximum[0]);
         shares[first ? 0 : 1] += 1;
     }
 }
 
-/// The splats that a view of so many draws, of both sets. @return how many
+/// The splats of both sets that a view of `wanted` splats draws. @return their number
 static uint32_t mark_both(uint64_t wanted, uint32_t prefix, bool marks[ALL])
 {
     uint32_t shares[SETS], sum = 0;
@@ -131,7 +134,8 @@ static uint32_t mark_both(uint64_t wanted, uint32_t prefix, bool marks[ALL])
     return sum;
 }
 
-/// Compares the dots of a picture with those marked, right of the middle only if `half`. @return dots that are wrong
+/// Compares the dots of a picture with the marked ones; if `half`, only right of the middle.
+/// @return wrong dots
 static int compare(const uint8_t* pixels, const bool marks[ALL], bool half)
 {
     bool seen[ALL] = {false};
@@ -166,7 +170,7 @@ static void tear_down(made_gl* m)
     free_sets();
 }
 
-/// Draws a number of splats by either backend and compares the dots, and the reported count.
+/// Draws a number of splats with either backend; compares the dots and the reported count.
 static void check_count(test_state* test, made_gl* m, bool gl, uint64_t wanted)
 {
     made_picture* p = &m->picture;
@@ -174,27 +178,27 @@ static void check_count(test_state* test, made_gl* m, bool gl, uint64_t wanted)
     p->quality.splat_count = wanted;
     CHECK_EQUAL(STP_OK, gl ? made_gl_draw(m) : made_picture_draw(p));
     uint32_t expected = mark_both(wanted, MOST, marks);
-    CHECK_EQUAL(wanted < STATE_MOST ? wanted : STATE_MOST, expected);
+    CHECK_EQUAL(wanted < STATE_MAX ? wanted : STATE_MAX, expected);
     CHECK_EQUAL(expected, p->stats.splats);
     CHECK_EQUAL(0, compare(gl ? m->pixels : p->pixels, marks, half));
 }
 
-// All counts in turn, then random ones: refinement and coarsening.
+// All counts in turn, then random ones: refines and coarsens.
 void test_states_are_drawn_splat_by_splat(test_state* test)
 {
     static made_gl m;
     CHECK(made_picture_begin(&m.picture, NULL, 2));
     add_sets(&m.picture);
     CHECK_EQUAL(STP_OK, made_picture_open(&m.picture));
-    for (uint64_t n = 1; n < STATE_MOST + 4; ++n) {
+    for (uint64_t n = 1; n < STATE_MAX + 4; ++n) {
         check_count(test, &m, false, n);
     }
     for (uint64_t n = UINT64_MAX; n > 0; n /= 3) {
         check_count(test, &m, false, n);
     }
-    // a section keeps one half
+    // a section that keeps one half
     m.picture.view.sections = (stp_sections){.count = 1, .planes = {{{-1, 0, 0}, 0}}};
-    for (uint64_t n = 5; n < STATE_MOST; n += 13) {
+    for (uint64_t n = 5; n < STATE_MAX; n += 13) {
         check_count(test, &m, false, n);
     }
     m.picture.scene.surfels_count = 0;
@@ -213,15 +217,16 @@ static void add_broken(made_picture* p)
     }
 }
 
-// Sets whose ranges are no split sequence have no states: at most so many splats are drawn.
+// Sets whose ranges are not a split sequence have no states: at most the given number of splats is
+// drawn.
 void test_states_of_sets_that_have_none(test_state* test)
 {
     static made_picture p;
     CHECK(made_picture_begin(&p, NULL, 2));
     add_broken(&p);
     CHECK_EQUAL(STP_OK, made_picture_open(&p));
-    enum { MANY = 86 }; // of fewer, some are the splats of a state by chance
-    for (uint64_t n = 1; n < STATE_MOST; ++n) {
+    enum { MANY = 86 }; // smaller counts may be states by chance
+    for (uint64_t n = 1; n < STATE_MAX; ++n) {
         p.quality.splat_count = n;
         CHECK_EQUAL(STP_OK, made_picture_draw(&p));
         CHECK(p.stats.splats > 0 && p.stats.splats <= n);
@@ -279,7 +284,7 @@ void test_gl_states_are_drawn_splat_by_splat(test_state* test)
     }
     for (int i = 0; i < 2; ++i) {
         stp_draw_gl_set_splats(m.renderer, ways[i]);
-        for (uint64_t n = 1; n < STATE_MOST + 4; n += 3) {
+        for (uint64_t n = 1; n < STATE_MAX + 4; n += 3) {
             check_count(test, &m, true, n);
         }
     }
@@ -288,7 +293,7 @@ void test_gl_states_are_drawn_splat_by_splat(test_state* test)
     tear_down(&m);
 }
 
-// While octaves are still to come, what is there is a state of fewer splats, without gaps.
+// While octaves are missing, the loaded splats are a state with fewer splats, without gaps.
 void test_gl_states_are_coarser_until_octaves_come(test_state* test)
 {
     const stp_draw_gl_desc settings = {.upload_bytes = 1};
@@ -301,7 +306,7 @@ void test_gl_states_are_coarser_until_octaves_come(test_state* test)
     m.picture.quality.splat_count = 110;
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));
     CHECK(stp_draw_gl_get_stats(m.renderer).missing > 0);
-    bool part = false; // the first octave, or it and the next one, of each
+    bool part = false; // the first octave, or the first two, of each
     uint32_t shares[SETS];
     share_out(110, shares);
     for (uint32_t i = 0; i < 4; ++i) {

@@ -23,7 +23,7 @@ typedef struct rows {
     float out[9][ROW];
 } rows;
 
-// Everything the kernels do with random rows.
+// All kernels, applied to random rows.
 static void run_kernels(const cpu_effect_kernels* k, rows* r)
 {
     uint64_t state = 0;
@@ -57,15 +57,15 @@ void test_effect_kernels_agree(test_state* test)
     static rows expected, got;
     run_kernels(&cpu_effect_kernels_portable, &expected);
     for (int i = 0; i < ROW; ++i) { // against the expected values
-        float most = -2.0f, least = 2.0f, found;
+        float maximum = -2.0f, minimum = 2.0f, found;
         for (int k = -3; k <= 3; ++k) {
             float v = expected.near[0][PAD + i + k];
-            most = v > most ? v : most;
-            least = v < least ? v : least;
+            maximum = v > maximum ? v : maximum;
+            minimum = v < minimum ? v : minimum;
         }
-        CHECK(expected.out[7][i] == most);
-        cpu_effect_kernels_portable.least(expected.near[0] + PAD + i, 3, &found, 1);
-        CHECK(found == least);
+        CHECK(expected.out[7][i] == maximum);
+        cpu_effect_kernels_portable.minimum(expected.near[0] + PAD + i, 3, &found, 1);
+        CHECK(found == minimum);
         CHECK(expected.out[3][i] > 0.0f && expected.out[3][i] <= 1.0f);
         CHECK(expected.out[4][i] >= 0.0f && expected.out[4][i] <= 1.0f);
     }
@@ -121,7 +121,7 @@ void test_effects_leave_planes_alone(test_state* test)
     }
 }
 
-// Where a wall meets a floor both are darker than elsewhere; what is in front of them is unchanged.
+// Where a wall meets a floor both are darker than elsewhere; content in front of them is unchanged.
 void test_ambient_occlusion_darkens_corners(test_state* test)
 {
     for (int variant = 0; variant < 4; ++variant) {
@@ -157,7 +157,8 @@ void test_ambient_occlusion_darkens_corners(test_state* test)
     }
 }
 
-// What lies behind an edge is darkened along it; the edge itself, what is far from it and the background are not.
+// A surface behind an edge is darkened along it; the edge itself, distant pixels and the background
+// are not.
 void test_eye_dome_darkens_behind_edges(test_state* test)
 {
     for (int variant = 0; variant < 2; ++variant) {
@@ -171,7 +172,7 @@ void test_eye_dome_darkens_behind_edges(test_state* test)
         p.style.eye_dome = 1;
         CHECK_EQUAL(STP_OK, made_picture_open(&p));
         CHECK_EQUAL(STP_OK, made_picture_draw(&p));
-        int edge = 32; // of the square in front: the first pixel behind it
+        int edge = 32; // edge of the front square: the first pixel behind it
         CHECK_EQUAL(255, brightness(&p, edge - 3, 32));
         CHECK_EQUAL(255, brightness(&p, edge - 1, 32));
         CHECK(brightness(&p, edge, 32) < 200);
@@ -192,7 +193,7 @@ static void make_corner(made_picture* p)
     made_picture_add(p, 0.3, (stp_vec3d){-1, 0.5, 0.7}, NULL);
     p->view.eye = (stp_vec3d){1, 4, 5};
     p->quality.splat_size = 3;
-    p->style.ambient_occlusion = 0.5f; // farther than single pixels are sampled: the pyramid too
+    p->style.ambient_occlusion = 0.5f; // beyond the reach of single pixels: uses the pyramid too
     p->style.eye_dome = 1;
 }
 
@@ -217,7 +218,7 @@ void test_effects_are_the_same_for_any_number_of_threads(test_state* test)
     }
 }
 
-// In consecutive frames, and after pictures of other sizes and kinds.
+// Consecutive frames, and frames after pictures of other sizes and kinds.
 void test_effects_remember_nothing(test_state* test)
 {
     static uint8_t first[SIDE * SIDE * 4], small[24 * 24 * 4];
@@ -262,7 +263,7 @@ void test_effects_survive_failing_allocator(test_state* test)
         stp_result result = made_picture_draw(&p);
         heap.fail_at = -1;
         CHECK(result == STP_OK || result == STP_ERROR_OUT_OF_MEMORY);
-        CHECK_EQUAL(STP_OK, made_picture_draw(&p)); // after a failure the next frame is right
+        CHECK_EQUAL(STP_OK, made_picture_draw(&p)); // after a failure the next frame is correct
         CHECK(p.stats.covered_pixels > 300 && p.stats.samples == 4);
         made_picture_end(&p);
         CHECK_EQUAL(0, heap.live_bytes);

@@ -7,10 +7,10 @@
 
 #include <string.h>
 
-/// An OpenGL context in which some functions give other results.
+/// An OpenGL context in which some functions return wrong results.
 typedef struct faulty {
     made_gl made;
-    stp_context* context; ///< whose log has the errors
+    stp_context* context; ///< its log has the errors
     test_log log;
     const char* lacks; ///< name of a missing function
 } faulty;
@@ -35,7 +35,7 @@ static stp_gl_proc find_function(const char* name, void* user)
     return lacking ? NULL : stp_headless_get_proc_address(name, &f->made.headless);
 }
 
-/// @return false if there is nothing to test
+/// @return false if OpenGL is not available
 static bool begin(test_state* test, faulty* f)
 {
     bool failed;
@@ -73,7 +73,7 @@ static stp_result make(faulty* f)
     return stp_draw_gl_create(f->context, f->made.picture.store, &desc, &f->made.renderer);
 }
 
-/// The list is the made picture's, and so is its memory.
+/// The list and its memory belong to the picture.
 static stp_result draw(faulty* f)
 {
     made_picture* p = &f->made.picture;
@@ -155,7 +155,7 @@ void test_gl_fails_where_a_debug_context_complains(test_state* test)
     CHECK_EQUAL(STP_OK, make(&f));
     CHECK_EQUAL(STP_OK, draw(&f));
     gl_renderer* r = (gl_renderer*)f.made.renderer;
-    r->gl.Enable(GL_TEXTURE_BUFFER_BINDING); // nothing that can be enabled
+    r->gl.Enable(GL_TEXTURE_BUFFER_BINDING); // not a capability
     CHECK_EQUAL(STP_ERROR_UNSUPPORTED, draw(&f));
     CHECK(f.log.errors == 1 && strncmp(f.log.text, "gl: ", 4) == 0);
     CHECK_EQUAL(STP_OK, draw(&f)); // once

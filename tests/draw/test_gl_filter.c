@@ -42,7 +42,7 @@ void test_gl_filter_looks_as_the_processors(test_state* test)
         }
         m.picture.style.filter = STP_FILTER_NONE;
         CHECK_EQUAL(STP_OK, made_gl_draw(&m));
-        CHECK(compare(&m) < 0.97); // which is not easy
+        CHECK(compare(&m) < 0.97); // difficult: all sheets intersect
     }
     made_gl_end(&m);
 }
@@ -71,7 +71,7 @@ void test_gl_filter_keeps_a_constant_colour(test_state* test)
     made_gl_end(&m);
 }
 
-// What is hidden by splats that are too large for points has no effect.
+// Splats hidden by splats too large for points have no effect.
 void test_gl_blend_leaves_nothing_behind_large_splats(test_state* test)
 {
     static const struct {

@@ -13,7 +13,8 @@
 
 enum { SAMPLES = 40000, PIXELS = PICTURE_SIDE * PICTURE_SIDE, VIEWS = 8 };
 
-// A ball of radius 1, seen from outside or, with `faces_in`, from inside. Samples lie along a spiral.
+// A ball of radius 1, seen from outside or, with `faces_in`, from inside. Samples lie along a
+// spiral.
 static void make_ball(made_picture* p, bool faces_in)
 {
     static uint16_t positions[3 * SAMPLES];
@@ -72,8 +73,8 @@ static void add_room(made_picture* p)
 
 typedef struct fixture {
     made_gl gl;
-    stp_draw_item item; ///< all that is drawn
-    stp_draw_run* runs; ///< NULL, or of the item
+    stp_draw_item item; ///< all items
+    stp_draw_run* runs; ///< NULL, or the item's
     uint8_t pixels[4 * PIXELS];
 } fixture;
 
@@ -99,7 +100,7 @@ static bool set_up(fixture* f, void (*add)(made_picture* p), bool* failed)
 static void tear_down(fixture* f)
 {
     stp_splats* set = &f->gl.picture.scene.surfels[0];
-    f->gl.picture.scene.surfels_count = 0; // freed here: it has more columns
+    f->gl.picture.scene.surfels_count = 0; // freed here, because it has more columns
     stp_splats_destroy(f->gl.picture.context, set);
     made_gl_end(&f->gl);
 }
@@ -117,7 +118,7 @@ static stp_result draw_by(fixture* f, stp_renderer* renderer)
     return stp_renderer_draw(renderer, &p->view, &list, &p->style, &image, &p->stats);
 }
 
-/// Splats that the last picture's commands draw, of its last eye.
+/// Number of splats that the commands of the last picture draw for its last eye.
 static uint64_t count_splats(const fixture* f)
 {
     const gl_commands* c =
@@ -129,7 +130,8 @@ static uint64_t count_splats(const fixture* f)
     return count;
 }
 
-/// From outside at several distances, or from within; the last views have two eyes, samples, or are parallel.
+/// From outside at several distances, or from inside; the last views have two eyes, samples, or
+/// parallel projection.
 static void choose_view(fixture* f, int i, bool within)
 {
     stp_view* view = &f->gl.picture.view;
@@ -143,7 +145,7 @@ static void choose_view(fixture* f, int i, bool within)
     f->gl.picture.style.supersample = i == VIEWS - 4 || i == VIEWS - 1 ? 2 : 1;
 }
 
-/// OpenGL draws fewer splats, by few commands.
+/// OpenGL draws fewer splats, with few commands.
 static void check_commands(test_state* test, const fixture* f)
 {
     const gl_renderer* r = (const gl_renderer*)f->gl.renderer;
@@ -190,7 +192,8 @@ static void compare_views(test_state* test, fixture* f, bool within)
         CHECK_EQUAL(0, made_count_different(whole, by_gl, 0));
         compare_sides(test, f, by_gl, fragments);
     }
-    CHECK(within || 20 * fragments[0] < 19 * fragments[1]); // each picture's depend on the threads
+    CHECK(within || 20 * fragments[0] <
+                        19 * fragments[1]); // the fragments of each picture depend on the threads
 }
 
 void test_gl_groups_that_are_left_out_change_no_pixel(test_state* test)
@@ -209,7 +212,7 @@ void test_gl_groups_that_are_left_out_change_no_pixel(test_state* test)
     }
 }
 
-// Ghosts and sections show what faces away, and so do views that ask for all sides.
+// Ghosts and sections show back faces, and so do views that request all sides.
 void test_gl_groups_that_face_away_stay_where_they_show(test_state* test)
 {
     static fixture f;
@@ -231,16 +234,17 @@ void test_gl_groups_that_face_away_stay_where_they_show(test_state* test)
         f.item.sections = i == 1 ? 1 : 0;
         f.item.one_sided = i != 2;
         CHECK_EQUAL(STP_OK, draw_by(&f, f.gl.renderer));
-        CHECK_EQUAL(f.item.prefix, count_splats(&f)); // all of it is in the picture
+        CHECK_EQUAL(f.item.prefix, count_splats(&f)); // the whole ball is in the picture
     }
-    // outside the picture only the group of the largest splats is drawn, which surrounds the eye
+    // outside the picture, only the group with the largest splats is drawn, because it surrounds
+    // the eye
     f.gl.picture.view.target = stp_scaled(f.gl.picture.view.eye, 2.0);
     CHECK_EQUAL(STP_OK, draw_by(&f, f.gl.renderer));
     CHECK(count_splats(&f) <= STP_GROUP_SPLATS);
     tear_down(&f);
 }
 
-// Runs end between groups, whose commands keep to the depths of their run.
+// Runs end between groups; each command keeps to the depths of its run.
 void test_gl_groups_keep_to_runs(test_state* test)
 {
     static fixture f;

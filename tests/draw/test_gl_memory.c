@@ -63,7 +63,7 @@ static bool begin(test_state* test, made_gl* m, const stp_draw_gl_desc* settings
 
 void test_gl_uploads_keep_to_their_budget(test_state* test)
 {
-    // a set's finest octave alone is more than the budget, and is uploaded nevertheless
+    // the finest octave alone exceeds the budget, but is uploaded anyway
     enum { BUDGET = 2048, LARGEST = 768 * 9, URGENT = 6 * (64 * 4 + 64 * 9) };
     const stp_draw_gl_desc settings = {.upload_bytes = BUDGET};
     static uint8_t whole[4 * PIXELS], first[4 * PIXELS];
@@ -82,7 +82,7 @@ void test_gl_uploads_keep_to_their_budget(test_state* test)
     stp_draw_gl_stats stats = stp_draw_gl_get_stats(m.renderer);
     CHECK(stats.missing > 0);
     CHECK(stats.uploaded_bytes <= LARGEST + URGENT);
-    // it is coarser, and has no holes
+    // the picture is coarser, without holes
     CHECK(m.picture.stats.covered_pixels >= covered);
     int frames = 0;
     for (; stats.missing > 0 && frames < 100; ++frames) {
@@ -114,7 +114,7 @@ void test_gl_counts_what_is_missing_of_both_eyes(test_state* test)
     m.picture.view.eye_distance = 0.3;
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));
     memcpy(whole, m.pixels, sizeof(whole));
-    for (uint64_t budget = 2048; budget <= 16384; budget += 2048) { // either eye may be the last
+    for (uint64_t budget = 2048; budget <= 16384; budget += 2048) { // either eye may be drawn last
         const stp_draw_gl_desc settings = {.upload_bytes = budget};
         CHECK_EQUAL(STP_OK, made_gl_renew(&m, &settings));
         stp_draw_gl_stats stats = {.missing = 1};
@@ -130,7 +130,7 @@ void test_gl_counts_what_is_missing_of_both_eyes(test_state* test)
 
 void test_gl_uploads_keep_to_their_budget_for_both_eyes(test_state* test)
 {
-    enum { BUDGET = 8192, FRAMES_MOST = 100 }; // no octave is larger
+    enum { BUDGET = 8192, FRAMES_MAX = 100 }; // no octave is larger
     const stp_draw_gl_desc settings = {.upload_bytes = BUDGET};
     made_gl m;
     if (!begin(test, &m, NULL, NULL)) {
@@ -139,10 +139,10 @@ void test_gl_uploads_keep_to_their_budget_for_both_eyes(test_state* test)
     m.picture.view.eye_distance = 0.3;
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));
     uint64_t whole = stp_draw_gl_get_stats(m.renderer).uploaded_bytes, sum = 0;
-    CHECK(whole > 4 * BUDGET); // of both, although the second uploads nothing
+    CHECK(whole > 4 * BUDGET); // of both eyes, although the second uploads nothing
     CHECK_EQUAL(STP_OK, made_gl_renew(&m, &settings));
     stp_draw_gl_stats stats = {.missing = 1};
-    for (int frames = 0; stats.missing > 0 && frames < FRAMES_MOST; ++frames) {
+    for (int frames = 0; stats.missing > 0 && frames < FRAMES_MAX; ++frames) {
         uint64_t before = stats.resident_bytes;
         CHECK_EQUAL(STP_OK, made_gl_draw(&m));
         stats = stp_draw_gl_get_stats(m.renderer);
@@ -154,7 +154,7 @@ void test_gl_uploads_keep_to_their_budget_for_both_eyes(test_state* test)
     made_gl_end(&m);
 }
 
-/// What is seen of one sheet, whole.
+/// A view of one whole sheet.
 static void look_at(made_gl* m, int sheet)
 {
     double x = 3 * (sheet % 3) - 3, y = 3 * (sheet / 3) - 1.5;
@@ -209,7 +209,7 @@ void test_gl_pictures_come_coarser_where_memory_is_short(test_state* test)
     stp_draw_gl_stats stats = stp_draw_gl_get_stats(m.renderer);
     CHECK(stats.missing > 0 && stats.coming == 0); // it is not uploaded either
     CHECK(m.picture.stats.covered_pixels >= covered);
-    // so the mean is of coarser frames
+    // so it is the mean of coarser frames
     made_picture* p = &m.picture;
     stp_image image = {PICTURE_SIDE, PICTURE_SIDE, m.pixels};
     p->style.supersample = 2;
@@ -237,7 +237,7 @@ void test_gl_survives_failing_memory(test_state* test)
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));
     memcpy(whole, m.pixels, sizeof(whole));
     int failures = 0;
-    for (int fail = 0; fail < 200; ++fail) { // each allocation of making a renderer
+    for (int fail = 0; fail < 200; ++fail) { // every allocation in the creation of a renderer
         heap.fail_at = heap.count + fail;
         stp_result result = made_gl_renew(&m, NULL);
         bool reached = heap.fail_at >= 0 && heap.count > heap.fail_at;
@@ -249,7 +249,7 @@ void test_gl_survives_failing_memory(test_state* test)
         }
     }
     CHECK(failures > 3);
-    m.picture.style.supersample = 2; // and of the first frame after that
+    m.picture.style.supersample = 2; // and in the first frame
     for (int fail = 0; fail < 200; fail += 1 + fail / 4) {
         heap.fail_at = heap.count + fail;
         stp_result result = made_gl_draw(&m);

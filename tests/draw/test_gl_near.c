@@ -11,7 +11,7 @@
 
 enum { WIDTH = 320, HEIGHT = 200, PIXELS = WIDTH * HEIGHT, VIEWS = 16 };
 
-/// A floor, and much larger dark ground slightly below it.
+/// A floor, and a much larger dark ground slightly below it.
 static void add_floor(made_picture* p)
 {
     static const double sides[] = {60.0, 3000.0}, heights[] = {-5.0, -5.1};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Two OpenGL passes give a picture bit-identical to a single pass, whatever the previous picture
-// was.
+// Two OpenGL passes give a picture bit-identical to a single pass, for any previous
+// picture.
 #include "tests.h"
 
 #include "base/rng.h"
@@ -16,7 +16,8 @@ static double uniform(uint64_t round, uint64_t number, double low, double high)
     return low + (high - low) * ((double)(stp_rng_hash(round, number) >> 11) * 0x1p-53);
 }
 
-/// A wall of triangles and one of surfels, and squares of both, most of them behind.
+/// A wall of triangles and one of surfels, and squares of both kinds, most of them behind the
+/// walls.
 static void add_walls(made_picture* p)
 {
     static const uint8_t colors[SQUARES][3] = {
@@ -32,7 +33,7 @@ static void add_walls(made_picture* p)
     p->view.near_distance = 0.01;
 }
 
-/// The eye jumps, moves, and rests.
+/// The eye jumps, moves, then rests.
 static void choose_view(made_picture* p, uint64_t round, int frame)
 {
     double step = frame == 0 ? 1.5 : frame == 1 ? 0.2 : 0.0;
@@ -86,8 +87,8 @@ void test_gl_occlusion_changes_no_pixel(test_state* test)
             }
         }
     }
-    CHECK(first > ROUNDS && both > ROUNDS); // something was hidden
-    CHECK(seen_after_all > 3);              // and something only by the picture before
+    CHECK(first > ROUNDS && both > ROUNDS); // some commands were hidden
+    CHECK(seen_after_all > 3);              // and some only by the previous picture
     made_gl_end(&m);
 }
 
@@ -102,10 +103,10 @@ void test_gl_occlusion_leaves_out_what_it_cannot_tell(test_state* test)
     }
     gl_renderer* r = (gl_renderer*)m.renderer;
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));
-    CHECK(r->occlusion.known && !r->occlusion.culls); // there was no picture before
+    CHECK(r->occlusion.known && !r->occlusion.culls); // there was no previous picture
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));
     CHECK(r->occlusion.culls);
-    m.picture.style.filter = STP_FILTER_EWA; // which blends what is hidden
+    m.picture.style.filter = STP_FILTER_EWA; // it blends hidden splats too
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));
     CHECK(!r->occlusion.culls);
     m.picture.style.filter = STP_FILTER_NONE;

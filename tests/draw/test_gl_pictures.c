@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-enum { PIXELS = PICTURE_SIDE * PICTURE_SIDE, POINTS = 2000, MOST_CALLS = 8 };
+enum { PIXELS = PICTURE_SIDE * PICTURE_SIDE, POINTS = 2000, MAX_CALLS = 8 };
 
 /// Draws both, and compares.
 static void compare(test_state* test, made_gl* m)
@@ -21,7 +21,7 @@ static void compare(test_state* test, made_gl* m)
     uint64_t more = m->picture.stats.covered_pixels;
     CHECK_EQUAL(splats, m->picture.stats.splats);
     CHECK(more + 4 >= covered && covered + 4 >= more);
-    CHECK(m->picture.stats.draw_calls >= 1 && m->picture.stats.draw_calls <= MOST_CALLS);
+    CHECK(m->picture.stats.draw_calls >= 1 && m->picture.stats.draw_calls <= MAX_CALLS);
     int different = made_count_different(m->pixels, m->picture.pixels, 6);
     CHECK(different <= PIXELS / 100);
 }
@@ -72,7 +72,7 @@ void test_gl_pictures_have_two_eyes(test_state* test)
     compare(test, &m);
     m.picture.style.supersample = 2;
     compare(test, &m);
-    int different = 0; // the eyes do not see the same
+    int different = 0; // the eyes see different pictures
     for (int y = 0; y < PICTURE_SIDE; ++y) {
         const uint8_t* row = m.pixels + (size_t)4 * PICTURE_SIDE * (size_t)y;
         different += memcmp(row, row + 2 * PICTURE_SIDE, 2 * PICTURE_SIDE) != 0 ? 1 : 0;
@@ -115,7 +115,7 @@ void test_gl_pictures_accumulate(test_state* test)
     made_gl_end(&m);
 }
 
-/// What both backends draw of one list.
+/// Pictures of one list by both backends.
 static void compare_list(test_state* test, made_gl* m)
 {
     made_picture* p = &m->picture;
@@ -154,7 +154,7 @@ void test_gl_pictures_have_sections_and_ghosts(test_state* test)
 
 static uint8_t texels[3][4 * 16 * 16];
 
-/// Squares with every kind of material that triangles have.
+/// Squares with every kind of triangle material.
 static void add_materials(made_picture* p)
 {
     static const int16_t normals[] = {0, 0, 9000, 0, 0, 12000, -9000, 4000};
@@ -204,7 +204,7 @@ void test_gl_pictures_have_materials(test_state* test)
     }
     compare(test, &m);
     CHECK(m.picture.stats.draw_calls >= 2);     // one more with per-fragment tests
-    m.picture.view.eye = (stp_vec3d){2, 1, 12}; // from afar: smaller levels
+    m.picture.view.eye = (stp_vec3d){2, 1, 12}; // from far away: smaller mip levels
     m.picture.style.supersample = 2;
     compare(test, &m);
     made_gl_end(&m);
@@ -231,12 +231,12 @@ void test_gl_pictures_of_all_kinds_for_two_eyes_take_no_more_calls(test_state* t
     m.picture.style.transparency = STP_TRANSPARENCY_PATTERN;
     for (int i = 0; i < 3; ++i) {
         m.picture.style.filter = filters[i];
-        if (filters[i] != STP_FILTER_BLEND) { // which the CPU does not draw
+        if (filters[i] != STP_FILTER_BLEND) { // the CPU does not draw these
             compare(test, &m);
         }
         CHECK_EQUAL(STP_OK, made_gl_draw(&m));
         CHECK(m.picture.stats.splats > 50 && m.picture.stats.triangles >= 10);
-        CHECK_EQUAL(MOST_CALLS, m.picture.stats.draw_calls);
+        CHECK_EQUAL(MAX_CALLS, m.picture.stats.draw_calls);
     }
     made_gl_end(&m);
 }
@@ -244,7 +244,7 @@ void test_gl_pictures_of_all_kinds_for_two_eyes_take_no_more_calls(test_state* t
 static made_mesh wave;
 static stp_coded_mesh coded;
 
-/// A sheet of clusters with all that vertices can have.
+/// A sheet of clusters with all vertex attributes.
 static void add_clusters(made_picture* p)
 {
     made_scene* s = &p->scene;

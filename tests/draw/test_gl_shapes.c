@@ -22,7 +22,7 @@ static bool begin(test_state* test, made_gl* m)
     return false;
 }
 
-/// Few splats, so that some are too large for points, or near; or as many as fit.
+/// Few splats, so that some are near or too large for points; or as many as fit.
 static void look(made_picture* p, int variant)
 {
     p->quality.splat_size = variant == 0 ? 4 : 40;

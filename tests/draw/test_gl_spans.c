@@ -26,7 +26,7 @@ static uint8_t* words_at(shared* s, uint32_t first, uint32_t count)
             return s->taken[i] + (first - region_firsts[i]);
         }
     }
-    return NULL; // outside, or across an end
+    return NULL; // outside a region, or across its end
 }
 
 static bool has_room(const shared* s, uint32_t count)
@@ -89,7 +89,7 @@ void test_gl_spans_are_those_of_a_map(test_state* test)
     }
     for (uint32_t step = 0; step < STEPS; ++step) {
         uint64_t bits = stp_rng_hash(7, step);
-        // alternately mostly taking and mostly returning; sizes of all powers of two
+        // phases of mostly allocations and mostly releases; sizes of all powers of two
         bool takes = stp_rng_below(8, step, 100) < (step / 500 % 2 != 0 ? 35u : 65u);
         if (s.count == 0 || (takes && s.count < KEPT)) {
             take_one(test, &s, 1 + (uint32_t)(bits >> 20) % (1u << (bits % 13)));
@@ -105,7 +105,7 @@ void test_gl_spans_are_those_of_a_map(test_state* test)
     while (s.count > 0) {
         give_one(test, &s, s.count / 2);
     }
-    for (int i = 0; i < REGIONS; ++i) { // all neighbours are one again
+    for (int i = 0; i < REGIONS; ++i) { // all neighbours are joined again
         CHECK(gl_spans_take(&s.spans, WORDS) != SPANS_NONE);
     }
     CHECK_EQUAL(SPANS_NONE, gl_spans_take(&s.spans, 1));

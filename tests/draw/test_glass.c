@@ -24,7 +24,7 @@ static void add_material(made_picture* p, uint32_t index, const float color[4])
     s->material_count = s->shading_count = index + 1;
 }
 
-/// A square of that material; with surfels of the same opacity if `splats`.
+/// A square with that material; with surfels of the same opacity if `splats`.
 static void add_sheet(made_picture* p, uint32_t material, double angle, stp_vec3d move, bool splats)
 {
     made_scene* s = &p->scene;
@@ -43,7 +43,7 @@ static void add_sheet(made_picture* p, uint32_t material, double angle, stp_vec3
     }
 }
 
-/// A chequered wall behind two sheets of glass, one before the other and turned.
+/// A chequered wall behind two sheets of glass, the front one rotated.
 static void add_scene(made_picture* p, bool splats)
 {
     static const float dark[4] = {0.05f, 0.06f, 0.1f, 1.0f}, green[4] = {0.1f, 0.7f, 0.3f, 0.35f};
@@ -229,7 +229,7 @@ void test_glass_patterns_stay_and_are_even(test_state* test)
         CHECK(memcmp(first, p.pixels, BYTES) == 0);
     }
     int all = 0;
-    for (int block = 0; block < 64; ++block) { // chance would leave 25.6 +- 3.9 of 64
+    for (int block = 0; block < 64; ++block) { // a random pattern would leave 25.6 +- 3.9 of 64
         int there = 0;
         for (int i = 0; i < 64; ++i) {
             there += made_picture_pixel(&p, block % 8 * 8 + i % 8, block / 8 * 8 + i / 8)[3] != 0;
@@ -284,7 +284,7 @@ void test_glass_of_opengl_is_that_of_the_processor(test_state* test)
         CHECK_EQUAL(covered, p->stats.covered_pixels);
         CHECK_EQUAL(layers, p->stats.layers);
         CHECK(made_count_different(m.pixels, p->pixels, 2) <= PIXELS / 200);
-        if (variant == 0) { // and as accumulated
+        if (variant == 0) { // and the same as when accumulated
             CHECK_EQUAL(STP_OK, made_picture_accumulate(p));
             CHECK_EQUAL(STP_OK, stp_renderer_accumulate(m.renderer, &p->view, &p->quality,
                                                         &p->style, &p->list, &p->image, &p->stats));

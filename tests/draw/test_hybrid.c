@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Large triangles drawn beside splats: which splats they replace, that pictures keep no holes, and both backends.
+// Large triangles drawn beside splats: which splats they replace, and pictures without holes on
+// both backends.
 #include "tests.h"
 
 #include "base/position_grid.h"
@@ -17,7 +18,7 @@
 
 enum { SIDE = 128, LOG_SIDE = 6, ROWS = 40, SMALL = 2 * ROWS * ROWS };
 
-// The square from -1 to 1: two triangles left of x = 0, thousands right of it.
+// The square from -1 to 1: two triangles left of x = 0, thousands to its right.
 typedef struct half_and_half {
     float positions[3 * (4 + (ROWS + 1) * (ROWS + 1))];
     uint32_t indices[3 * (2 + SMALL)];
@@ -70,8 +71,8 @@ static void make_mesh(half_and_half* m)
     }
 }
 
-/// @param away how far from the triangles the set's large ones are, so that they replace no splat and no flat part ends the
-/// tree; 0: they are the same
+/// @param away distance of the set's large triangles from the mesh. Above 0, they replace no splat,
+/// and no flat part ends the tree; 0: they are the same
 static bool set_up_away(fixture* f, float away)
 {
     static const uint8_t red[3] = {255, 0, 0};
@@ -100,7 +101,7 @@ static bool set_up_away(fixture* f, float away)
     f->store = made_open(f->context, &f->scene);
     f->view = (stp_view){
         .eye = {0, 0, 6}, .up = {0, 1, 0}, .fov_degrees = 60, .width = SIDE, .height = SIDE};
-    f->quality = (stp_quality){.splat_size = 1.0f, .spare = 1};
+    f->quality = (stp_quality){.splat_size = 1.0f, .early_switch = 1};
     return f->store != NULL;
 }
 
@@ -130,7 +131,7 @@ static stp_result select_items(fixture* f)
     return stp_select(f->context, f->store, &f->view, &f->quality, &f->list);
 }
 
-// Uncovered pixels of a half of the square, without its outer edge.
+// Number of uncovered pixels of one half of the square, without its outer edge.
 static int count_holes(const fixture* f, const uint8_t* pixels, bool left)
 {
     double half = 0.5 * SIDE / (f->view.eye.z * 0.57735026918962576); // of the square, pixels
@@ -155,7 +156,8 @@ void test_hybrid_marks_splats_amid_large_triangles(test_state* test)
         float x = f.set.origin.x + f.set.step * (float)f.set.positions[3 * (size_t)i];
         float highest = stp_range_level(f.set.ranges[i] >> 16);
         bool replaced = stp_shape_is_replaced(f.set.shapes[i]);
-        // beside small triangles splats stay, and so do those of which any level needs that they are drawn without triangles
+        // splats beside small triangles stay, and so do splats that any level draws without
+        // triangles
         CHECK(!replaced || (x < 0.0f && highest < level));
         left += x < -0.35f && highest < 0.1f ? 1 : 0;
         marked += replaced && x < -0.35f && highest < 0.1f ? 1 : 0;
@@ -169,7 +171,7 @@ void test_hybrid_lists_large_triangles(test_state* test)
     static fixture f;
     CHECK(set_up(&f));
     stp_large_triangles list;
-    // of a lower level more of them, each as large as it is; what was listed before stays
+    // a lower level lists more, each with its own size; listed triangles stay
     uint32_t before = 0;
     stp_large_triangles first = {0};
     static const float leasts[] = {2.0f, 1.0f, 0.5f, 0.02f, 0.005f, 0.0f};
@@ -193,7 +195,7 @@ void test_hybrid_lists_large_triangles(test_state* test)
                                          (stp_vec3){p[6], p[7], p[8]});
         CHECK(level == list.levels[i] && seen[list.triangles[i]]++ == 0);
     }
-    // a search finds all of them, and few others
+    // a search finds them all, and few others
     for (float level = 0.001f; level < 3.0f; level *= 1.3f) {
         uint32_t count = stp_large_triangles_find(&list, level);
         for (uint32_t i = 0; i < list.count; ++i) {
@@ -224,7 +226,7 @@ void test_hybrid_draws_without_holes(test_state* test)
         CHECK(count_holes(&f, pixels, true) == 0 && count_holes(&f, pixels, false) == 0);
         bool large = f.list.count == 2 && f.list.items[1].large;
         CHECK(f.list.items[0].beside_triangles == large);
-        if (large) { // the two alone: without them their half is open, and the other half is not
+        if (large) { // the two large triangles alone cover their half, and nothing of the other one
             beside += 1;
             CHECK_EQUAL(2, stats.triangles);
             f.list.count = 1;
@@ -242,13 +244,13 @@ void test_hybrid_draws_without_holes(test_state* test)
     tear_down(&f);
 }
 
-// Which splats triangles replace is known for octaves that no earlier picture has read.
+// The replaced splats are known even for octaves that no earlier picture has read.
 void test_hybrid_reads_octaves_it_looks_at(test_state* test)
 {
     static fixture f;
-    CHECK(set_up_away(&f, 100.0f)); // no splat is replaced, so all are looked at
+    CHECK(set_up_away(&f, 100.0f)); // no splat is replaced, so all are examined
     CHECK(f.set.octave_count > 3 && (f.set.columns & STP_SPLATS_REPLACED) != 0);
-    uint32_t most = 0;
+    uint32_t maximum = 0;
     for (int i = 0; i < 24; ++i) {
         f.view.eye.z = 2.0 * pow(1.3, i);
         for (uint32_t k = 0; k <= f.set.octave_count; ++k) {
@@ -257,14 +259,14 @@ void test_hybrid_reads_octaves_it_looks_at(test_state* test)
             CHECK_EQUAL(STP_OK, stp_store_get_surfels_prefix(f.store, 0, k, &got));
             CHECK_EQUAL(STP_OK, select_items(&f));
             CHECK(f.list.count == 1 && !f.list.items[0].beside_triangles);
-            most = f.list.items[0].prefix > most ? f.list.items[0].prefix : most;
+            maximum = f.list.items[0].prefix > maximum ? f.list.items[0].prefix : maximum;
         }
     }
-    CHECK(most > f.set.octave_ends[1]);
+    CHECK(maximum > f.set.octave_ends[1]);
     tear_down(&f);
 }
 
-// Nothing is drawn twice where not all of a node is drawn by its set, or not as it is.
+// Nothing is drawn twice where a set draws only part of its node, or draws it modified.
 void test_hybrid_leaves_out_what_it_may_not_draw(test_state* test)
 {
     static fixture f;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How much a picture changes because the levels that are drawn do: on the way towards a square through its levels, each of
-// another colour, two selections, of one frame and of the next, are drawn from one place.
+// How much a picture changes when the drawn levels change: approaches a square through its levels,
+// each of another colour, and draws the selections of two consecutive frames from one place.
 #include "tests.h"
 
 #include "draw/draw.h"
@@ -34,7 +34,7 @@ static stp_store* open_levels(stp_context* context, made_scene* s)
     return made_open(context, s);
 }
 
-/// How much the blocks of a picture change from one frame's selection to the next.
+/// Change of the picture's blocks between the selections of consecutive frames.
 static stp_result approach(stp_context* context, stp_store* store, stp_policy policy,
                            stp_popping* popping)
 {
@@ -44,7 +44,7 @@ static stp_result approach(stp_context* context, stp_store* store, stp_policy po
     stp_draw_list list = {0};
     stp_draw_style style = {0};
     stp_draw_stats stats;
-    stp_quality quality = {.splat_size = 3, .policy = policy, .spare = 2};
+    stp_quality quality = {.splat_size = 3, .policy = policy, .early_switch = 2};
     stp_result result = stp_draw_cpu_create(context, store, &renderer);
     bool first = true;
     for (double distance = 24.0; distance > 3.0 && result == STP_OK; distance *= 0.996) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A mapped file is overwritten while it is drawn: with any content, nothing is read or written
-// out of bounds, and everything ends. The pictures are undefined.
+// out of bounds, and all calls return. The pictures are undefined.
 #include "tests.h"
 
 #include "base/position_grid.h"
@@ -132,10 +132,10 @@ static void end(overwritten* o)
     stp_context_destroy(o->context);
 }
 
-/// Splats, triangles, caps of a section, and a ray. Any of them may fail.
+/// Splats, triangles, section caps, and a ray. Each may fail.
 static bool use(overwritten* o, bool reference, bool sections)
 {
-    stp_quality quality = {.splat_size = 3, .reference = reference, .spare = 1};
+    stp_quality quality = {.splat_size = 3, .reference = reference, .early_switch = 1};
     stp_draw_style style = {.caps = sections};
     stp_draw_list list = {0};
     stp_draw_stats stats;
@@ -157,7 +157,7 @@ static bool use(overwritten* o, bool reference, bool sections)
     return result == STP_OK && picked == STP_OK;
 }
 
-/// Writes over `length` bytes at a time, draws, and puts back what was there.
+/// Overwrites `length` bytes at a time, draws, and restores them.
 static bool overwrite(overwritten* o, size_t length, int pattern)
 {
     unsigned char other[256];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Pictures of two balls, of triangles and of splats, against those in tests/golden/draw: opaque, cut
-// out, of glass, cut open and capped, in all styles of drawing.
+// Pictures of two balls, of triangles and of splats, against those in tests/golden/draw: opaque,
+// cut out, of glass, cut open and capped, in all drawing styles.
 #include "tests.h"
 
 #include "base/octahedral.h"
@@ -130,7 +130,8 @@ static bool make_ball_surfels(stp_context* context, ball* b, stp_splats* s)
     return true;
 }
 
-// Two balls side by side: triangles on the left, surfels on the right, or those merged by a method.
+// Two balls side by side: triangles on the left; on the right surfels, or splats merged by a
+// method.
 static stp_store* open_balls(stp_context* context, ball* b, stp_store_alpha alpha, uint32_t method)
 {
     static made_scene s;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Points of a fixed size: in pixels, in units of the scene, on both backends; and signs of normals that are not known.
+// Points of a fixed size, in pixels or scene units, on both backends; and normals of unknown sign.
 #include "tests.h"
 
 #include "draw/support_gl.h"
@@ -11,7 +11,7 @@ static const uint8_t red[3] = {255, 0, 0}, green[3] = {0, 255, 0};
 
 enum { POINTS = 16 };
 
-/// Sixteen points, half a unit apart, far and near: a quarter of a square's surfels each.
+/// Sixteen points, half a unit apart, far and near: a quarter of a square's surfels per distance.
 static void add_points(made_picture* p)
 {
     made_picture_add(p, 0.0, (stp_vec3d){0, 0, 0}, red);
@@ -34,7 +34,7 @@ static uint32_t count_covered(const uint8_t* pixels)
     return count;
 }
 
-/// Pixels that the points cover from a distance; 0 where they cannot be drawn.
+/// Number of pixels that the points cover from a distance; 0 if they cannot be drawn.
 static uint32_t covered_from(made_picture* p, double distance)
 {
     p->view.eye.z = distance;
@@ -52,11 +52,12 @@ static void check_sizes(test_state* test, made_picture* p)
     p->style.point_sizing = STP_POINTS_PIXELS;
     p->style.point_size = 6.0f;
     CHECK(is_about(covered_from(p, 5.0), POINTS * disk * 36.0));
-    CHECK(is_about(covered_from(p, 7.0), POINTS * disk * 36.0)); // as many from farther away
+    CHECK(
+        is_about(covered_from(p, 7.0), POINTS * disk * 36.0)); // the same number from farther away
     p->style.point_size = 1.0f;
     CHECK_EQUAL(POINTS, covered_from(p, 5.0)); // the pixels of their centres
     p->style.point_sizing = STP_POINTS_UNITS;
-    p->style.point_size = 0.4f; // 16 pixels a unit from 5 away
+    p->style.point_size = 0.4f; // 16 pixels per unit at distance 5
     uint32_t near = covered_from(p, 5.0), far = covered_from(p, 10.0);
     CHECK(is_about(near, POINTS * disk * 6.4 * 6.4));
     CHECK(far > near / 6 && far < near / 2);
@@ -70,7 +71,7 @@ void test_points_have_fixed_sizes(test_state* test)
     add_points(&p);
     CHECK_EQUAL(STP_OK, made_picture_open(&p));
     check_sizes(test, &p);
-    for (int ortho = 0; ortho < 2; ++ortho) { // squares and parallel pictures take them, too
+    for (int ortho = 0; ortho < 2; ++ortho) { // also for squares and in parallel projection
         p.view.ortho_height = ortho != 0 ? 4.0 : 0.0;
         p.style.point_sizing = STP_POINTS_PIXELS;
         p.style.point_size = 6.0f;
@@ -127,7 +128,7 @@ void test_gl_points_have_fixed_sizes(test_state* test)
     made_gl_end(&m);
 }
 
-/// A red sheet that faces away, a little before a green one that faces the eye.
+/// A red sheet that faces away, slightly in front of a green one that faces the eye.
 static void add_sheets(made_picture* p, bool unknown)
 {
     made_picture_add(p, 3.14159265358979, (stp_vec3d){0, 0, 0.02}, red);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Golden pictures of what users build: a CAD model, foliage, and a cloud, at splat sizes 1, 4 and 16,
-// and a section with caps.
+// Golden pictures of typical inputs: a CAD model, foliage, and a cloud, at splat sizes 1, 4 and 16,
+// plus a section with caps.
 #include "tests.h"
 
 #include "base/rng.h"
@@ -21,7 +21,7 @@ static const uint32_t sizes[] = {1, 4, 16};
 
 static const stp_draw_style daylight = {.background = true, .background_color = {219, 224, 230}};
 
-/// Builds an input, the largest nodes with splats, and opens the file; NULL on failure.
+/// Builds an input, with splats for the largest nodes, and opens the file; NULL on failure.
 static stp_store* build_and_open(stp_context* context, const char* input, const char* method)
 {
     stp_store* store = NULL;
@@ -42,7 +42,7 @@ static stp_store* build_and_open(stp_context* context, const char* input, const 
                : NULL;
 }
 
-/// The view of that name of a file. @return false if it has none
+/// A view of a file, by name. @return false if the file has no such view
 static bool find_view(const stp_store* store, const char* name, stp_view* view)
 {
     const stp_store_directory* d = stp_store_get_directory(store);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures cut open, and pictures of ghosts.
+// Pictures with sections, and with ghosts.
 #include "draw/support_picture.h"
 #include "select/sections.h"
 #include "store/clusters.h"
@@ -52,9 +52,9 @@ void test_sections_cut_triangles_clusters_and_splats_alike(test_state* test)
         CHECK_EQUAL(STP_OK, made_picture_draw(&p));
         CHECK(memcmp(whole, p.pixels, sizeof(whole)) == 0);
         for (size_t i = 0; i < p.list.count; ++i) {
-            CHECK_EQUAL(0, p.list.items[i].sections); // and nothing to test
+            CHECK_EQUAL(0, p.list.items[i].sections); // and no tests of fragments
         }
-        // a slanted one, exactly for triangles, within a splat's radius for splats
+        // a slanted plane: exact for triangles, within a splat's radius for splats
         CHECK(
             stp_sections_add_plane(&p.view.sections, (stp_vec3d){0.2, 0, 0}, (stp_vec3d){2, 1, 0}));
         CHECK_EQUAL(STP_OK, made_picture_draw(&p));
@@ -72,7 +72,7 @@ void test_sections_cut_triangles_clusters_and_splats_alike(test_state* test)
             }
         }
         CHECK(gone > 200);
-        // beyond another plane nothing is left, and no node is looked into
+        // beyond another plane nothing is left, and no node is opened
         CHECK(
             stp_sections_add_plane(&p.view.sections, (stp_vec3d){0, 0, -1}, (stp_vec3d){0, 0, 1}));
         CHECK_EQUAL(STP_OK, made_picture_draw(&p));
@@ -109,7 +109,7 @@ void test_sections_do_not_depend_on_threads_nor_passes(test_state* test)
     }
 }
 
-/// What part of the square's pixels is drawn, whatever they are drawn with.
+/// Share of the square's pixels that is drawn, with any kind of content.
 static double covered_part(const made_picture* p, double* weight)
 {
     uint32_t covered = 0;
@@ -128,7 +128,8 @@ void test_ghosts_cover_a_part_and_become_smooth_at_rest(test_state* test)
     for (int kind = 0; kind < OF_KINDS; ++kind) {
         made_picture p;
         stp_visibility* visibility;
-        double weight, most = kind == OF_SPLATS ? 0.65 : 0.3; // this grid's disks overlap sixfold
+        double weight,
+            maximum = kind == OF_SPLATS ? 0.65 : 0.3; // this grid's disks overlap sixfold
         CHECK(open_square(&p, (made_of)kind, 2));
         CHECK_EQUAL(STP_OK, stp_visibility_create(p.context, p.store, &visibility));
         stp_visibility_reset(visibility, STP_SHOW_GHOST);
@@ -136,21 +137,21 @@ void test_ghosts_cover_a_part_and_become_smooth_at_rest(test_state* test)
         static uint8_t before[sizeof(p.pixels)];
         CHECK_EQUAL(STP_OK, made_picture_draw(&p));
         double part = covered_part(&p, &weight);
-        CHECK(part > 0.12 && part < most);
+        CHECK(part > 0.12 && part < maximum);
         memcpy(before, p.pixels, sizeof(before));
         CHECK_EQUAL(STP_OK, made_picture_draw(&p));
         CHECK(memcmp(before, p.pixels, sizeof(before)) == 0); // no flicker
         p.style.ghost = 0.6f;
         CHECK_EQUAL(STP_OK, made_picture_draw(&p));
         part = covered_part(&p, &weight);
-        CHECK(part > 0.45 && part < 0.4 + 1.1 * most);
+        CHECK(part > 0.45 && part < 0.4 + 1.1 * maximum);
         p.style.ghost = 0.0f;
         p.style.supersample = 8;
         for (int i = 0; i < 64; ++i) {
             CHECK_EQUAL(STP_OK, made_picture_accumulate(&p));
         }
         part = covered_part(&p, &weight);
-        CHECK(part > 0.95 && weight > 0.12 && weight < most);
+        CHECK(part > 0.95 && weight > 0.12 && weight < maximum);
         stp_visibility_reset(visibility, STP_SHOW_NOT);
         CHECK_EQUAL(STP_OK, made_picture_accumulate(&p)); // another list: starts again
         CHECK_EQUAL(0, p.list.count);
@@ -183,7 +184,7 @@ void test_cut_pictures_of_ghosts_survive_any_allocation_failing(test_state* test
         failed = result != STP_OK;
         CHECK(!failed || result == STP_ERROR_OUT_OF_MEMORY);
         heap.fail_at = -1;
-        CHECK_EQUAL(STP_OK, made_picture_draw(&p)); // the next one is whole
+        CHECK_EQUAL(STP_OK, made_picture_draw(&p)); // the next picture is complete
         CHECK(!is_covered(&p, PICTURE_SIDE / 2 + 8, 20) && p.stats.covered_pixels > 50);
         stp_visibility_destroy(visibility);
         made_picture_end(&p);

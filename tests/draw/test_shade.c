@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Lighting and merging in vectors against pixels one by one, and what is remembered of surfaces.
+// Vectorised lighting and merging against single pixels, and cached surfaces.
 #include "tests.h"
 
 #include "base/color.h"
@@ -106,7 +106,7 @@ static float gloss_one(const stp_lighting* light, stp_vec3 eye, float toward, fl
     float along = stp_max(toward + facing, 0.0f);
     float squared = square > 0.0f ? along * along / square : 0.0f;
     float d = squared * (m->a2 - 1.0f) + 1.0f;
-    return stp_max(toward, 0.0f) * stp_min(m->a2 / (d * d) * m->gloss, LIGHT_GLOSS_MOST) *
+    return stp_max(toward, 0.0f) * stp_min(m->a2 / (d * d) * m->gloss, LIGHT_GLOSS_MAX) *
            (1.0f - m->rough);
 }
 
@@ -217,14 +217,14 @@ static bool is_merged(uint64_t made[BUFFERS][ROW], uint32_t at, uint32_t size,
     bool good = true;
     uint32_t before = 0;
     for (uint32_t i = 0; i < SHADE_WIDTH; ++i) {
-        uint64_t least = STP_RASTER_EMPTY;
+        uint64_t minimum = STP_RASTER_EMPTY;
         for (int k = 0; k < BUFFERS && i < size; ++k) {
-            least = made[k][at + i] < least ? made[k][at + i] : least;
+            minimum = made[k][at + i] < minimum ? made[k][at + i] : minimum;
         }
-        float nearness = least == STP_RASTER_EMPTY ? 0.0f : stp_raster_nearness(least);
-        uint32_t id = stp_raster_id(least);
+        float nearness = minimum == STP_RASTER_EMPTY ? 0.0f : stp_raster_nearness(minimum);
+        uint32_t id = stp_raster_id(minimum);
         good = good && row->ids[i + 1] == id && memcmp(&row->nearness[i], &nearness, 4) == 0;
-        good = good && (row->there >> i & 1) == (least != STP_RASTER_EMPTY);
+        good = good && (row->there >> i & 1) == (minimum != STP_RASTER_EMPTY);
         good = good && (row->starts >> i & 1) == (i == 0 || id != before);
         before = id;
     }
@@ -263,10 +263,10 @@ void test_shade_merges_the_nearest_and_empties(test_state* test)
     }
 }
 
-/// Spreading against pixels one by one.
+/// Spreading against single pixels.
 void test_shade_spreads_runs(test_state* test)
 {
-    enum { SPACE = SHADE_WIDTH + SHADE_LANES_MOST, LANES = 2 * SHADE_WIDTH + SHADE_LANES_MOST };
+    enum { SPACE = SHADE_WIDTH + SHADE_LANES_MAX, LANES = 2 * SHADE_WIDTH + SHADE_LANES_MAX };
     dice rng = {10, 0};
     const cpu_shade_kernels* variants[3];
     int count = list_variants(variants);
@@ -305,7 +305,7 @@ void test_shade_spreads_runs(test_state* test)
     }
 }
 
-/// Neither does a tile take a surface's place from the tile before, which is not lit yet.
+/// Nor does a tile overwrite a surface of the previous tile, which is not lit yet.
 void test_shade_keeps_all_surfaces_of_two_tiles(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
@@ -332,7 +332,7 @@ void test_shade_keeps_all_surfaces_of_two_tiles(test_state* test)
         }
         bool made[SHADE_KEPT] = {false};
         CHECK(tile->miss_count <= SHADE_PIXELS);
-        for (uint32_t i = 0; i < tile->miss_count; ++i) { // each is made once
+        for (uint32_t i = 0; i < tile->miss_count; ++i) { // each surface is made once
             CHECK(!made[tile->misses[i]]);
             made[tile->misses[i]] = true;
         }

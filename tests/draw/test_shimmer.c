@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Something far away with a fine pattern, moved by parts of a pixel: with the colours of the pyramid, each the mean of what a
-// surfel stands for, pictures change less than with the surfels' own.
+// A distant fine pattern, moved by fractions of a pixel: with the colours of the pyramid, each the
+// mean over the area of a surfel, pictures change less than with the surfels' own colours.
 #include "tests.h"
 
 #include "base/color.h"
@@ -16,7 +16,7 @@ static uint8_t pattern(uint32_t x, uint32_t y)
     return stp_rng_hash(9, y << LOG_SIDE | x) % 2 == 0 ? 20 : 235;
 }
 
-/// The mean of the pattern over a cell of (1 << (LOG_SIDE - level)) squares a side, in linear light.
+/// Mean of the pattern over a cell of (1 << (LOG_SIDE - level)) squares per side, in linear light.
 static uint8_t mean(uint32_t x, uint32_t y, uint32_t level)
 {
     uint32_t size = 1u << (LOG_SIDE - level);
@@ -56,7 +56,7 @@ static bool color_octaves(stp_context* context, stp_splats* s, bool pyramid)
     return true;
 }
 
-/// The mean change of a pixel from step to step.
+/// Mean change of a pixel between steps.
 static double measure_change(bool pyramid, stp_filter filter)
 {
     static uint8_t before[BYTES];

@@ -8,13 +8,14 @@
 
 enum { EMBED_SIDE = 96, EMBED_POINTS = 1500 };
 
-/// Adds to a builder: object "town" with "box" (a cube of side 2 around the origin), "balls" (3 places, 1,152 triangles
-/// each, at y = 4) and, where wanted, loose points ("scan", at z = -6, with intensity and classes 2 and 6).
+/// Adds to a builder: object "town" with "box" (a cube of side 2 around the origin), "balls" (3
+/// places, 1,152 triangles each, at y = 4) and, where wanted, loose points ("scan", at z = -6, with
+/// intensity and classes 2 and 6).
 stp_result embed_add_town(stp_builder* builder, bool points);
 
-/// The town as a `.stip`, in memory of malloc that is aligned to 64 bytes; NULL on failure.
+/// The town as a `.stip`, in malloc memory aligned to 64 bytes; NULL on failure.
 void* embed_build_town(bool points, size_t* size);
-/// The same on so many threads.
+/// The same with a number of threads.
 void* embed_build_town_on(uint32_t threads, bool points, size_t* size);
 
 /// From the front, far enough to see everything.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whichever allocation fails, a call says so once and leaves nothing behind; limits hold; contexts do not meet.
+// Any failed allocation is reported once and leaks nothing; limits hold; contexts are independent.
 #include "embed/support_embed.h"
 #include "present/headless.h"
 
@@ -10,7 +10,7 @@
 
 enum { PIXELS = EMBED_SIDE * EMBED_SIDE * 4 };
 
-/// Opens, asks for everything, draws and picks.
+/// Opens, calls every query, draws and picks.
 static stp_result use_model(stp_context* context, const stp_model_desc* desc, uint8_t* pixels)
 {
     stp_model* model = NULL;
@@ -30,7 +30,7 @@ static stp_result use_model(stp_context* context, const stp_model_desc* desc, ui
     return result;
 }
 
-/// Fails each allocation in turn, every `stride`th at last. @return NULL, or what went wrong
+/// Fails each allocation in turn, later only every `stride`-th. @return NULL, or the problem
 static const char* fail_allocations(stp_result (*use)(stp_context*, void*), void* user, int stride)
 {
     bool done = false;
@@ -249,7 +249,8 @@ static stp_gl_function get_function(const char* name, void* user)
     return stp_headless_get_proc_address(name, user);
 }
 
-/// Draws with both backends. @return how many pixels differ by more than 2 levels; -1: something failed
+/// Draws with both backends. @return how many pixels differ by more than 2 levels; -1: something
+/// failed
 static int compare_backends(stp_model* model, stp_headless* headless, uint8_t pixels[2][PIXELS],
                             float* depths, uint32_t* texture)
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A scene built in memory, opened in every way, described and drawn.
+// A scene built in memory, opened in every possible way, described and drawn.
 #include "embed/support_embed.h"
 
 #include <string.h>
@@ -10,7 +10,7 @@ enum { PIXELS = EMBED_SIDE * EMBED_SIDE * 4 };
 typedef struct file_in_memory {
     const unsigned char* bytes;
     size_t size;
-    uint64_t fails_from; ///< reads that end beyond fail
+    uint64_t fails_from; ///< reads beyond it fail
 } file_in_memory;
 
 static int read_memory(void* user, uint64_t offset, void* bytes, size_t size)
@@ -39,7 +39,7 @@ static int covered(const uint8_t* pixels)
     return count;
 }
 
-/// Opens, draws all that a view wants, and closes.
+/// Opens, draws a view completely, and closes.
 static stp_result draw_opened(const stp_model_desc* desc, const stp_paint_desc* paint,
                               uint8_t* pixels)
 {
@@ -143,7 +143,7 @@ void test_embed_a_download_is_drawn_as_far_as_it_goes(test_state* test)
     CHECK_EQUAL(STP_ERROR_TRUNCATED, refused);
 }
 
-/// A town that is open.
+/// An open town.
 typedef struct opened_town {
     void* bytes;
     test_log log;
@@ -201,8 +201,9 @@ static const char* fault_of_info(const stp_model* model)
         stp_model_get_attribute(model, STP_ATTRIBUTE_TIME, &intensity) != STP_ERROR_ARGUMENT) {
         return "attributes";
     }
-    if (stp_model_get_view_name(model, 0) != NULL || stp_model_look(model, NULL, &view) != STP_OK ||
-        view.fov_degrees != 60.0 || stp_model_look(model, "nowhere", &view) != STP_ERROR_ARGUMENT) {
+    if (stp_model_get_view_name(model, 0) != NULL ||
+        stp_model_get_view(model, NULL, &view) != STP_OK || view.fov_degrees != 60.0 ||
+        stp_model_get_view(model, "nowhere", &view) != STP_ERROR_ARGUMENT) {
         return "views";
     }
     return NULL;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Structs of other versions: callers that know less, or more.
+// Structs of other versions: callers with older or newer headers.
 #include "tests.h"
 
 #include "base/desc.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The test framework itself: what a failing, a leaking, a crashing and a skipped test say, and what
+// The test framework itself: messages of failing, leaking, crashing and skipped tests, and what
 // they leave behind.
 #include "tests.h"
 
@@ -49,7 +49,7 @@ static void fails_in_helper(test_state* test, int value)
     CHECK_EQUAL(3, value);
 }
 
-/// With memory, a thread's worth of state, a file and a folder that nothing after the check frees.
+/// Has memory, a context, a file and a folder that nothing frees after the failed check.
 static void fails(test_state* test)
 {
     stp_context* context = test_context(NULL, 3, NULL);
@@ -81,7 +81,7 @@ static void crashes(test_state* test)
     CHECK(raise(SIGKILL) != 0);
 }
 
-/// Runs a test as `main` does. @return its code; `text`: all that it printed, on both streams
+/// Runs a test as `main` does. @return its code; `text`: its output on both streams
 static int run(test_function* function, char text[], size_t size)
 {
     FILE* file = tmpfile();

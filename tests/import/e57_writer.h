@@ -44,10 +44,10 @@ static inline size_t e57_pack(const e57_stream* s, size_t count, unsigned char* 
     return (count * s->bits + 7) / 8;
 }
 
-/// Appends a section of points in packets with about `most` bytes of each stream, after an index
+/// Appends a section of points in packets with about `maximum` bytes of each stream, after an index
 /// packet. @return its physical offset
 static inline uint64_t e57_add_points(e57_file* f, const e57_stream* streams, size_t stream_count,
-                                      size_t count, size_t most)
+                                      size_t count, size_t maximum)
 {
     unsigned char* packed[E57_STREAMS];
     size_t sizes[E57_STREAMS], done[E57_STREAMS] = {0}, section = f->size, left = 0;
@@ -64,7 +64,7 @@ static inline uint64_t e57_add_points(e57_file* f, const e57_stream* streams, si
     for (size_t packet = 0; left > 0; ++packet) {
         size_t begin = f->size, at = begin + 6 + 2 * stream_count;
         for (size_t s = 0; s < stream_count; ++s) {
-            size_t part = most + (packet + s) % 3; // makes the streams drift apart
+            size_t part = maximum + (packet + s) % 3; // makes the streams drift apart
             part = part < sizes[s] - done[s] ? part : sizes[s] - done[s];
             memcpy(f->bytes + at, packed[s] + done[s], part);
             stp_write_u16(f->bytes + begin + 6 + 2 * s, (uint16_t)part);

@@ -26,7 +26,7 @@ static inline stp_scene* import_bytes(stp_context* context, const char* name, co
     return NULL;
 }
 
-/// Tests every truncation of the bytes: a valid scene, or an error with exactly one sentence.
+/// Tests every truncation of the bytes: gives a valid scene, or an error with exactly one message.
 static inline int survives_truncation(const char* name, const void* bytes, size_t size)
 {
     for (size_t cut = 0; cut < size; ++cut) {

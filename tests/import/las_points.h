@@ -19,7 +19,7 @@ static inline void las_make_points(las_point* points, size_t count, unsigned for
 {
     uint32_t s = seed;
     bool old = format < 6;
-    unsigned most = old ? 8 : 16;
+    unsigned maximum = old ? 8 : 16;
     double time = 1e9;
     las_point p = {.position = {100000, -200000, 5000}, .return_number = 1, .return_count = 1};
     for (size_t i = 0; i < count; ++i) {
@@ -29,8 +29,8 @@ static inline void las_make_points(las_point* points, size_t count, unsigned for
             p.position[k] = (int32_t)((uint32_t)p.position[k] + step);
         }
         if (las_random(&s, 3) == 0) {
-            p.return_count = (uint8_t)las_random(&s, most);
-            p.return_number = (uint8_t)las_random(&s, most);
+            p.return_count = (uint8_t)las_random(&s, maximum);
+            p.return_number = (uint8_t)las_random(&s, maximum);
         }
         p.channel = (uint8_t)(las_random(&s, 5) == 0 && !old ? las_random(&s, 4) : p.channel);
         p.intensity = (uint16_t)(las_random(&s, 4) == 0 ? las_random(&s, 65536) : p.intensity + 3u);
@@ -114,8 +114,9 @@ static inline bool las_set_is_right(const las_desc* desc, const stp_point_set* s
         double x = n[0] * scale + desc->offset, y = n[1] * scale + desc->offset,
                z = n[2] * scale + desc->offset;
         double error = fabs(at.x - x) + fabs(at.y - z) + fabs(at.z + y);
-        double most = 1e-6 + 1e-7 * (fabs((double)p[0]) + fabs((double)p[1]) + fabs((double)p[2]));
-        good = error <= most;
+        double maximum =
+            1e-6 + 1e-7 * (fabs((double)p[0]) + fabs((double)p[1]) + fabs((double)p[2]));
+        good = error <= maximum;
         for (int k = 0; k < 3 && has_rgb; ++k) {
             good = good && set->colors[4 * i + (size_t)k] == points[i].rgb[k] >> 8;
         }

@@ -222,7 +222,7 @@ static inline void laz_put_rgb(laz_encoder* e, stp_laz_rgb* m, const uint16_t la
     }
 }
 
-static inline unsigned laz_even(unsigned k, unsigned most)
+static inline unsigned laz_even(unsigned k, unsigned maximum)
 {
-    return k < most ? k & ~1u : most;
+    return k < maximum ? k & ~1u : maximum;
 }

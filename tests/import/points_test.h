@@ -89,7 +89,7 @@ static inline stp_vec3d place_of(const stp_scene* scene, size_t object, size_t s
     return scene->up[0] == 'z' ? (stp_vec3d){at.x, -at.z, at.y} : at;
 }
 
-static inline int is_near(stp_vec3d a, double x, double y, double z, double most)
+static inline int is_near(stp_vec3d a, double x, double y, double z, double maximum)
 {
-    return fabs(a.x - x) <= most && fabs(a.y - y) <= most && fabs(a.z - z) <= most;
+    return fabs(a.x - x) <= maximum && fabs(a.y - y) <= maximum && fabs(a.z - z) <= maximum;
 }

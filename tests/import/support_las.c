@@ -210,8 +210,8 @@ static void put_table(las_buffer* b, const las_desc* desc, const size_t* counts,
 
 static void put_chunks(las_buffer* b, const las_desc* desc)
 {
-    enum { MOST_CHUNKS = 4096 };
-    static size_t counts[MOST_CHUNKS], sizes[MOST_CHUNKS];
+    enum { MAX_CHUNKS = 4096 };
+    static size_t counts[MAX_CHUNKS], sizes[MAX_CHUNKS];
     size_t chunks = 0, pointer = b->size;
     bool single = desc->coding == LAZ_SINGLE;
     if (!single) {

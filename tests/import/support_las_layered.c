@@ -49,7 +49,7 @@ static void make(stp_laz_pool* pool, layered* l)
     }
 }
 
-static void meet(channel* c, const las_point* last)
+static void visit_object(channel* c, const las_point* last)
 {
     c->met = true;
     c->last = *last;
@@ -94,7 +94,7 @@ static channel* put_xy(layered* l, const las_point* p, bool* new_time)
     if (p->channel != l->at) {
         laz_put_symbol(e, &before->channel, (p->channel - l->at - 1) & 3);
         if (!c->met) {
-            meet(c, b);
+            visit_object(c, b);
         }
         l->at = p->channel;
     }
@@ -229,7 +229,7 @@ void laz_write_layered(const las_desc* desc, size_t first, size_t count, las_buf
     }
     l->at = l->color_at = p->channel;
     channel* c = &l->channels[p->channel];
-    meet(c, p);
+    visit_object(c, p);
     c->color_met = true;
     memcpy(c->color, p->rgb, sizeof(p->rgb));
     c->color[3] = p->nir;

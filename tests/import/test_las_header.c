@@ -130,8 +130,8 @@ void test_las_headers_tell_without_points(test_state* test)
 }
 
 // Whether each point of the sample is one of the file's, in order.
-static bool is_sample(const stp_scene* sample, const stp_scene* whole, uint32_t least,
-                      uint32_t most)
+static bool is_sample(const stp_scene* sample, const stp_scene* whole, uint32_t minimum,
+                      uint32_t maximum)
 {
     if (sample == NULL || sample->point_set_count != 1 || whole->point_set_count != 1) {
         return false;
@@ -148,10 +148,11 @@ static bool is_sample(const stp_scene* sample, const stp_scene* whole, uint32_t 
             return false;
         }
     }
-    return s->point_count >= least && s->point_count <= most && at > w->point_count / 2;
+    return s->point_count >= minimum && s->point_count <= maximum && at > w->point_count / 2;
 }
 
-static bool sample_is_right(const las_desc* desc, uint64_t wanted, uint32_t least, uint32_t most)
+static bool sample_is_right(const las_desc* desc, uint64_t wanted, uint32_t minimum,
+                            uint32_t maximum)
 {
     las_buffer file = las_write(desc);
     test_log log = {0};
@@ -159,7 +160,7 @@ static bool sample_is_right(const las_desc* desc, uint64_t wanted, uint32_t leas
     stp_context* heard = test_context(NULL, 2, &log);
     stp_scene* whole = read_as(context, &file, &(stp_import_desc){0});
     stp_scene* sample = read_as(heard, &file, &(stp_import_desc){.sample_points = wanted});
-    bool good = whole != NULL && is_sample(sample, whole, least, most) && log.warnings == 0;
+    bool good = whole != NULL && is_sample(sample, whole, minimum, maximum) && log.warnings == 0;
     stp_scene_destroy(sample);
     sample = read_as(heard, &file, &(stp_import_desc){.sample_points = desc->count / 3});
     good = good && sample != NULL && sample->point_set_count == 0; // too small for a sample

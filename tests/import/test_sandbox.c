@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #define _GNU_SOURCE // syscall
-// What a process can still do that gave its rights away.
+// What a sandboxed process can still do.
 #include "tests.h"
 
 #include "import/sandbox.h"

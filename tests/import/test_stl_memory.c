@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A large STL file is read where it lies: what is in memory is the mesh, and a table that is small
-// beside it.
+// A large STL file is read in place: memory holds only the mesh, and a table that is small
+// in comparison.
 #include "base/bytes.h"
 #include "import/formats_test.h"
 

@@ -188,7 +188,7 @@ void test_xyz_far_places_keep_their_digits(test_state* test)
     stp_context_destroy(context);
 }
 
-// Many lines in several blocks, some of them comments; only the last line reveals the scale.
+// Many lines in several blocks, including comments; only the last line reveals the scale.
 static char* write_many(size_t* size)
 {
     char* text = malloc(5 << 20);
@@ -338,7 +338,7 @@ void test_text_scan_reads_what_strtod_reads(test_state* test)
     }
 }
 
-// Lines that are no points, in any of the blocks that are read together, and blanks of every kind.
+// Lines without points, in any of the blocks that are read together, and blanks of every kind.
 void test_xyz_blocks_with_other_lines(test_state* test)
 {
     enum { LINES = 150000 };

@@ -55,8 +55,8 @@ static inline void maker_add(maker* m, stp_vec3 p, stp_vec3 n, uint32_t rgba)
     }
 }
 
-/// Where the plane z = 0 is met by the pixels of four views from above its corners; `inside` says
-/// where there is surface, and its colour (alpha 0: none).
+/// Intersections of the plane z = 0 with the pixels of four views from above its corners; `inside`
+/// tells where there is surface, and its colour (alpha 0: no surface).
 static inline void maker_add_plane(maker* m, double half_extent,
                                    uint32_t (*inside)(double x, double y, void* user), void* user)
 {
@@ -143,7 +143,8 @@ static inline size_t octave_start(const stp_splats* s, uint32_t octave)
     return start;
 }
 
-/// The chance with which a disk is drawn at a place, `offset` from its centre over its radius. `entry`: of its octave.
+/// Probability that a disk is drawn at a place, `offset` (over its radius) from its centre.
+/// `entry`: of its octave.
 static inline double drawn_chance(const stp_splats* s, size_t entry, uint32_t surfel,
                                   stp_vec3 offset)
 {

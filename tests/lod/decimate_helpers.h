@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Models for the tests of decimators, and what holds for all of them.
+// Models for the tests of decimators, and properties of all decimators.
 #pragma once
 
 #include "tests.h"
@@ -72,7 +72,7 @@ static inline bool decimate_is_covered_by(const stp_ellipse* e, stp_vec3 p, floa
     return u * u + v * v <= 1.001f && fabsf(stp_dot(d, e->normal)) <= away;
 }
 
-/// How many points lie in no splat.
+/// Number of points that lie in no splat.
 static inline uint32_t decimate_count_bare(const stp_decimate_input* input,
                                            const stp_decimate_output* output, float away)
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Scenes of copies of copies, and the surfels of their nodes from the bottom up.
+// Scenes with nested instances, and the surfels of their nodes, bottom-up.
 #pragma once
 
 #include "lod/blue/blue.h"
@@ -69,7 +69,8 @@ static inline bool add_grid(stp_scene* scene, uint32_t faces, uint32_t cells, bo
     return stp_scene_add_mesh(scene, &mesh, index) == STP_OK;
 }
 
-/// A scene with one prototype: a unit sphere of 12 cells^2 triangles, or the faces z = 1 and z = -1 of a cube.
+/// A scene with one prototype: a unit sphere of 12 cells^2 triangles, or the faces z = 1 and z = -1
+/// of a cube.
 static inline bool hierarchy_begin(stp_context* context, hierarchy* h, bool sphere, uint32_t cells)
 {
     *h = (hierarchy){0};
@@ -82,7 +83,7 @@ static inline bool hierarchy_begin(stp_context* context, hierarchy* h, bool sphe
            stp_scene_add_part(h->scene, (stp_part){STP_PART_MESH, mesh}) == STP_OK;
 }
 
-/// Adds an object that shows copies of another; a prototype where `prototype` says so.
+/// Adds an object that shows copies of another one; optionally a prototype.
 static inline bool add_copies(hierarchy* h, uint32_t used, const stp_affine* copies, uint32_t count,
                               bool prototype, uint32_t* index)
 {
@@ -109,7 +110,7 @@ static inline bool hierarchy_finish(hierarchy* h)
     return h->made != NULL && h->sets != NULL && h->shading_of_material != NULL;
 }
 
-/// The surfels of one node; `candidates` wanted of its capture.
+/// Surfels of one node, from a capture of about `candidates` candidates.
 static inline stp_result hierarchy_make(hierarchy* h, uint32_t node, uint32_t surfels,
                                         uint32_t candidates, stp_blue_report* report)
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A set of method blue on a sphere, for tests of the methods that make their sets from samples.
+// A set of method blue on a sphere, for tests of methods that start from samples.
 #pragma once
 
 #include "base/octahedral.h"
@@ -59,7 +59,7 @@ static inline stp_vec3d place_of(const stp_splats* s, uint32_t i)
                        (double)s->origin.z + (double)s->step * p[2]};
 }
 
-/// A number from 0 to 1.
+/// A random number from 0 to 1.
 static inline double unit(uint64_t seed, uint64_t at)
 {
     return (double)(stp_rng_hash(seed, at) >> 11) * 0x1p-53;

@@ -24,11 +24,11 @@ static void make_points(float positions[3 * POINTS], float scale)
 /// Cell of a point on an axis, counted from the lowest one.
 static int64_t cell_of(const float* positions, uint32_t point, uint32_t axis, double cell)
 {
-    float least = positions[axis];
+    float minimum = positions[axis];
     for (uint32_t i = 0; i < POINTS; ++i) {
-        least = stp_min(least, positions[3 * i + axis]);
+        minimum = stp_min(minimum, positions[3 * i + axis]);
     }
-    return (int64_t)(((double)positions[3 * point + axis] - (double)least) * (1.0 / cell));
+    return (int64_t)(((double)positions[3 * point + axis] - (double)minimum) * (1.0 / cell));
 }
 
 /// Marks the points of some cells.
@@ -63,8 +63,8 @@ static void check_reach(test_state* test, const stp_cell_rows* rows, const float
 {
     bool seen[POINTS] = {false};
     stp_cell_reach reach = stp_cell_reach_around(rows, rows->numbers[cell], cells);
-    for (int64_t z = reach.least[2]; z <= reach.largest[2]; ++z) {
-        for (int64_t y = reach.least[1]; y <= reach.largest[1]; ++y) {
+    for (int64_t z = reach.minimum[2]; z <= reach.largest[2]; ++z) {
+        for (int64_t y = reach.minimum[1]; y <= reach.largest[1]; ++y) {
             uint32_t begin, end;
             stp_cell_reach_row(rows, &reach, y, z, &begin, &end);
             see_cells(test, rows, begin, end, seen);

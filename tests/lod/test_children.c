@@ -6,7 +6,8 @@
 #include "lod/blue/children.h"
 #include "lod/hierarchy_helpers.h"
 
-// A row of spheres over a plate of triangles that has no set of its own: sets and triangles in one picture.
+// A row of spheres over a plate of triangles that has no set of its own: sets and triangles in one
+// picture.
 static bool make_mixed(stp_context* context, hierarchy* h, uint32_t* root)
 {
     enum { COUNT = 6 };
@@ -97,7 +98,8 @@ void test_hierarchy_survives_failing_allocator(test_state* test)
     }
 }
 
-// A node over point clouds is captured from their surfels; one that holds the points itself keeps them all.
+// A node over point clouds is captured from their surfels; a node that holds the points itself
+// keeps them all.
 void test_points_below_a_node(test_state* test)
 {
     enum { POINTS = 4000 };
@@ -144,7 +146,7 @@ void test_points_below_a_node(test_state* test)
     stp_context_destroy(context);
 }
 
-// Colours, materials and coverage of an upper node are those of what is below.
+// An upper node has the colours, materials and coverage of its content.
 void test_appearance_goes_up(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
@@ -163,7 +165,7 @@ void test_appearance_goes_up(test_state* test)
     for (uint32_t i = 0; i < below->octave_count; ++i) {
         entries += below->octave_ends[i];
     }
-    for (size_t i = 0; i < entries; ++i) { // all that is below is one colour, and half there
+    for (size_t i = 0; i < entries; ++i) { // the content below has one colour and half coverage
         below->colors[3 * i] = 200;
         below->colors[3 * i + 1] = 100;
         below->colors[3 * i + 2] = 50;
@@ -187,7 +189,8 @@ void test_appearance_goes_up(test_state* test)
         sum += stp_coverage_share(s->coverages[last + i]);
     }
     double mean = (double)sum / s->count;
-    // shares are an eighth apart; where layers of spheres hide the background, disks are closed
+    // shares have steps of an eighth; disks have no holes where layers of spheres hide the
+    // background
     CHECK(mean > 68.0 && mean < 84.0);
     hierarchy_destroy(&h);
     stp_context_destroy(context);
@@ -226,7 +229,7 @@ void test_pictures_of_far_apart_sets_cost_what_is_there(test_state* test)
     bool captured;
     CHECK_EQUAL(STP_OK, stp_capture_children(h.scene, node, &desc, 100, &c, &captured));
     double pixels = (double)c.resolution * (double)c.resolution * c.direction_count;
-    CHECK(captured && pixels < 2.0 * STP_CAPTURE_MOST_PIXELS_EACH * 3000.0);
+    CHECK(captured && pixels < 2.0 * STP_CAPTURE_MAX_PIXELS_EACH * 3000.0);
     stp_candidates_destroy(context, &c);
     hierarchy_destroy(&h);
     stp_context_destroy(context);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Decimators (src/lod/decimate): what holds for all of them.
+// Properties of all decimators (src/lod/decimate).
 #include "decimate_helpers.h"
 
 static decimate_model model;
@@ -7,7 +7,7 @@ static decimate_model model;
 typedef struct decimator {
     stp_decimate_function run;
     bool covers;     ///< all points
-    uint32_t behind; ///< how many splats fewer than asked for may come back
+    uint32_t behind; ///< tolerated shortfall of splats
 } decimator;
 
 static const decimator decimators[] = {{stp_decimate_by_octree, true, 6},
@@ -23,11 +23,11 @@ void test_decimators_stand_for_a_torus(test_state* test)
     stp_context* context = test_context(NULL, 2, NULL);
     for (int d = 0; d < DECIMATORS; ++d) {
         for (size_t t = 0; t < sizeof(targets) / sizeof(targets[0]); ++t) {
-            uint32_t most = targets[t] < DECIMATE_POINTS ? targets[t] : DECIMATE_POINTS;
+            uint32_t maximum = targets[t] < DECIMATE_POINTS ? targets[t] : DECIMATE_POINTS;
             stp_decimate_output out;
             CHECK_EQUAL(STP_OK, decimators[d].run(context, &input, targets[t], &out));
             if (decimators[d].behind != UINT32_MAX) {
-                CHECK(out.count <= most && out.count + decimators[d].behind >= most);
+                CHECK(out.count <= maximum && out.count + decimators[d].behind >= maximum);
             }
             double area = 0.0, red = 0.0;
             for (uint32_t i = 0; i < out.count; ++i) {
@@ -80,7 +80,7 @@ void test_decimators_do_not_depend_on_threads(test_state* test)
     }
 }
 
-// Points of some shape: in one place, in a line, on a parabola, in a few places, on a coarse grid.
+// Points of some shape: at one place, on a line, on a parabola, at a few places, on a coarse grid.
 // Some have no known normal.
 static void place_points(uint32_t shape, uint32_t count, float scale)
 {
@@ -125,7 +125,7 @@ void test_decimators_take_any_points(test_state* test)
     stp_context_destroy(context);
 }
 
-// Places that several points share are one splat each.
+// Points at the same place give one splat.
 void test_decimators_merge_coincident_points(test_state* test)
 {
     place_points(3, 300, 1.0f);

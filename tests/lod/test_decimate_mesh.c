@@ -14,7 +14,8 @@ static bool is_sound_mesh(const stp_decimate_output* out)
         }
         used[out->triangles[i]] = 1;
     }
-    for (uint32_t i = 0; i < out->vertex_count; ++i) { // all are used, and vertices of the input
+    for (uint32_t i = 0; i < out->vertex_count;
+         ++i) { // all are used, and are vertices of the input
         const float* p = out->vertices + 3 * (size_t)i;
         bool found = false;
         for (uint32_t v = 0; v < DECIMATE_POINTS && !found; ++v) {
@@ -45,7 +46,7 @@ void test_decimate_mesh_reaches_vertices(test_state* test)
     stp_context_destroy(context);
 }
 
-// Triangles with corners of their own are joined first: else nothing could collapse.
+// Triangles without shared vertices are welded first: otherwise no edge could collapse.
 void test_decimate_mesh_welds_vertices(test_state* test)
 {
     static float positions[18 * DECIMATE_POINTS];
@@ -65,7 +66,7 @@ void test_decimate_mesh_welds_vertices(test_state* test)
     CHECK_EQUAL(200, out.vertex_count);
     CHECK_EQUAL(400, out.triangle_count);
     stp_decimate_output_destroy(context, &out);
-    // and triangles without area at a corner are left out
+    // and degenerate triangles at a corner are left out
     for (uint32_t i = 0; i < 3 * DECIMATE_POINTS; ++i) {
         model.triangles[i] = 7;
     }
@@ -111,7 +112,7 @@ void test_decimate_mesh_survives_failing_allocator(test_state* test)
         CHECK_EQUAL(0, heap.live_bytes);
     }
     CHECK(made);
-    // the memory of the simplifier counts as well
+    // the simplifier's memory is counted too
     stp_context* context = NULL;
     test_log log = {0};
     stp_context_desc desc = {.thread_count = 1,

@@ -37,21 +37,21 @@ void test_decimate_quadrics_measure_planes(test_state* test)
         stp_quadric all = stp_quadric_sum(&parts[0], &parts[1]);
         CHECK(fabs(stp_quadric_at(&all, at) - sum) < 1e-12);
         CHECK(fabs(stp_quadric_planes(&all) - PLANES) < 1e-12);
-        // no point beside the least one is much better
-        stp_vec3d least = stp_quadric_least(&all, at, 100.0);
-        double value = stp_quadric_at(&all, least);
+        // no point near the minimum is much better
+        stp_vec3d minimum = stp_quadric_minimum(&all, at, 100.0);
+        double value = stp_quadric_at(&all, minimum);
         for (uint64_t i = 0; i < 50; ++i) {
-            stp_vec3d other = stp_addd(least, stp_scaled(random_vector(seed, 100 + i), 0.2));
+            stp_vec3d other = stp_addd(minimum, stp_scaled(random_vector(seed, 100 + i), 0.2));
             CHECK(stp_quadric_at(&all, other) >= value - 1e-3);
         }
         // out of reach: the start
-        stp_vec3d start = stp_quadric_least(&all, at, 0.0);
+        stp_vec3d start = stp_quadric_minimum(&all, at, 0.0);
         CHECK(start.x == at.x && start.y == at.y && start.z == at.z);
     }
-    // of one plane, the point below the start
+    // for one plane, the projection of the start
     stp_quadric one = {0};
     stp_quadric_add_plane(&one, (stp_vec3d){0.0, 2.0, 0.0}, (stp_vec3d){0.0, 1.0, 0.0});
-    stp_vec3d foot = stp_quadric_least(&one, (stp_vec3d){3.0, 5.0, 1.0}, 10.0);
+    stp_vec3d foot = stp_quadric_minimum(&one, (stp_vec3d){3.0, 5.0, 1.0}, 10.0);
     CHECK(fabs(foot.x - 3.0) < 1e-12 && fabs(foot.y - 2.0) < 0.01 && fabs(foot.z - 1.0) < 1e-12);
 }
 
@@ -61,14 +61,14 @@ static int compare_numbers(const void* a, const void* b)
     return x < y ? -1 : x > y ? 1 : 0;
 }
 
-// Lists of neighbours are those of a matrix, in which rows and columns are united.
+// Neighbour lists match a matrix whose rows and columns are merged.
 void test_decimate_links_follow_unions(test_state* test)
 {
     enum { COUNT = 40, K = 3 };
     static uint8_t linked[COUNT][COUNT];
     uint32_t neighbours[COUNT * K], listed[COUNT];
     memset(linked, 0, sizeof(linked));
-    for (uint32_t i = 0; i < COUNT; ++i) { // the last two points have fewer
+    for (uint32_t i = 0; i < COUNT; ++i) { // the last two points have fewer neighbours
         for (uint32_t k = 0; k < K; ++k) {
             uint32_t other = (i + 1 + k * k * 3 + i % 2) % COUNT;
             bool none = i >= COUNT - 2 && k > 0;
@@ -115,7 +115,7 @@ void test_decimate_links_follow_unions(test_state* test)
     stp_context_destroy(context);
 }
 
-/// The error of a pair, as the paper has it.
+/// The error of a pair, as defined in the paper.
 static double error_of(const stp_contraction* c, uint32_t a, uint32_t b)
 {
     stp_quadric both = stp_quadric_sum(&c->quadrics[a], &c->quadrics[b]);
@@ -123,7 +123,7 @@ static double error_of(const stp_contraction* c, uint32_t a, uint32_t b)
     stp_vec3d mean = stp_addd(stp_scaled(c->positions[a], wa / (wa + wb)),
                               stp_scaled(c->positions[b], wb / (wa + wb)));
     stp_vec3d d = stp_subd(c->positions[a], c->positions[b]);
-    return stp_quadric_at(&both, stp_quadric_least(&both, mean, sqrt(stp_dotd(d, d))));
+    return stp_quadric_at(&both, stp_quadric_minimum(&both, mean, sqrt(stp_dotd(d, d))));
 }
 
 void test_decimate_contracts_the_best_pair(test_state* test)
@@ -145,7 +145,7 @@ void test_decimate_contracts_the_best_pair(test_state* test)
     stp_contraction c = {.context = context, .points = &points, .disks = disks};
     CHECK_EQUAL(STP_OK, stp_contraction_make(&c, neighbours, STP_DECIMATE_NEIGHBOURS));
     for (;; --left) {
-        double least = HUGE_VAL;
+        double minimum = HUGE_VAL;
         for (uint32_t i = 0; i < COUNT; ++i) {
             if (c.links.kept[i] != i) {
                 continue;
@@ -153,15 +153,15 @@ void test_decimate_contracts_the_best_pair(test_state* test)
             uint32_t count = stp_point_links_list(&c.links, i, listed);
             for (uint32_t n = 0; n < count; ++n) {
                 double error = error_of(&c, i, listed[n]);
-                least = error < least ? error : least;
+                minimum = error < minimum ? error : minimum;
             }
         }
         CHECK_EQUAL(left, c.left);
-        if (least == HUGE_VAL) {
+        if (minimum == HUGE_VAL) {
             break;
         }
         double taken = c.pairs[c.heap[0]].error;
-        CHECK(fabs(taken - least) <= 1e-9 * least + 1e-12);
+        CHECK(fabs(taken - minimum) <= 1e-9 * minimum + 1e-12);
         CHECK(stp_contraction_step(&c));
     }
     CHECK(!stp_contraction_step(&c) && left < 5);
@@ -172,7 +172,7 @@ void test_decimate_contracts_the_best_pair(test_state* test)
     stp_context_destroy(context);
 }
 
-/// How many cells of a level hold points, by sorting them.
+/// Number of occupied cells at a level, by sorting.
 static uint32_t count_cells(const stp_decimate_input* input, uint32_t level)
 {
     static uint64_t cells[DECIMATE_POINTS];
@@ -232,8 +232,8 @@ void test_decimate_octree_chooses_cells(test_state* test)
         CHECK_EQUAL(STP_OK, stp_octree_cells_make(&tree));
         CHECK_EQUAL(STP_OK, stp_octree_cells_open(&tree, target));
         CHECK(is_partition(&tree));
-        uint32_t most = target < DECIMATE_POINTS ? target : DECIMATE_POINTS;
-        CHECK(tree.count <= most && tree.count + 6 >= most);
+        uint32_t maximum = target < DECIMATE_POINTS ? target : DECIMATE_POINTS;
+        CHECK(tree.count <= maximum && tree.count + 6 >= maximum);
         stp_octree_cells_destroy(&tree);
         CHECK_EQUAL(STP_OK, stp_octree_cells_make(&tree));
         CHECK_EQUAL(STP_OK, stp_octree_cells_take_level(&tree, target));
@@ -252,7 +252,7 @@ void test_decimate_octree_chooses_cells(test_state* test)
     stp_context_destroy(context);
 }
 
-// Two sheets, back to back: each point goes to the nearest chosen one of its own side.
+// Two sheets, back to back: each point is assigned to the nearest chosen one on its own side.
 void test_decimate_cells_know_sides(test_state* test)
 {
     enum { SIDE = 30, COUNT = 2 * SIDE * SIDE, CHOSEN = 150 };
@@ -278,16 +278,16 @@ void test_decimate_cells_know_sides(test_state* test)
         CHECK_EQUAL(STP_OK,
                     stp_decimate_cells_make(context, &input, chosen, count, radius, &cells));
         for (uint32_t i = 0; i < COUNT; ++i) {
-            float least = HUGE_VALF, own = HUGE_VALF;
+            float minimum = HUGE_VALF, own = HUGE_VALF;
             for (uint32_t c = 0; c < count; ++c) {
                 bool same = sides == 0 || (i < COUNT / 2) == (chosen[c] < COUNT / 2);
                 stp_vec3 d = stp_sub(stp_decimate_vector(input.positions, i),
                                      stp_decimate_vector(input.positions, chosen[c]));
                 float away = stp_length(d);
-                least = same && away < least ? away : least;
+                minimum = same && away < minimum ? away : minimum;
                 own = same && cells.owners[i] == c ? away : own;
             }
-            CHECK(own <= least * 1.00001f);
+            CHECK(own <= minimum * 1.00001f);
         }
         uint32_t listed = 0;
         for (uint32_t c = 0; c < count; ++c) {
@@ -302,8 +302,8 @@ void test_decimate_cells_know_sides(test_state* test)
     stp_context_destroy(context);
 }
 
-// Points in one place share a disk, whose neighbours are in other places; each faces as its own
-// normal does.
+// Points at one place share a disk, whose neighbours are at other places; each point faces along
+// its own normal.
 void test_decimate_disks_of_shared_places(test_state* test)
 {
     enum { PLACES = 200, COUNT = 3 * PLACES };
@@ -314,7 +314,7 @@ void test_decimate_disks_of_shared_places(test_state* test)
             model.normals[3 * i + k] = k != 1 ? 0.0f : i < PLACES ? -1.0f : 1.0f;
         }
     }
-    // two of a place face up, one down
+    // two points of a place face up, one down
     stp_decimate_input input = {COUNT, model.positions, model.normals, NULL, NULL, 0};
     stp_context* context = test_context(NULL, 2, NULL);
     stp_distinct distinct;

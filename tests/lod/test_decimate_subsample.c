@@ -51,7 +51,7 @@ static stp_vec3 vector_at(const float* values, uint32_t i)
     return (stp_vec3){values[3 * (size_t)i], values[3 * (size_t)i + 1], values[3 * (size_t)i + 2]};
 }
 
-/// Distance of a point to the plane of a splat that covers it; infinite where it does not.
+/// Distance of a point to the plane of a splat that covers it; infinite if it does not.
 static float reach(const stp_ellipse* e, const stp_decimate_input* input, uint32_t point)
 {
     stp_vec3 d = stp_sub(vector_at(input->positions, point), e->center);
@@ -63,18 +63,18 @@ static float reach(const stp_ellipse* e, const stp_decimate_input* input, uint32
     return !away && u * u + v * v <= 1.001f ? fabsf(stp_dot(d, e->normal)) : HUGE_VALF;
 }
 
-/// The greatest distance of a point to the nearest splat that covers it.
+/// Maximum distance of a point to the nearest splat that covers it.
 static float measure(const stp_ellipse* ellipses, uint32_t count, const stp_decimate_input* input)
 {
-    float most = 0.0f;
+    float maximum = 0.0f;
     for (uint32_t i = 0; i < input->count; ++i) {
-        float least = HUGE_VALF;
+        float minimum = HUGE_VALF;
         for (uint32_t e = 0; e < count; ++e) {
-            least = stp_min(least, reach(&ellipses[e], input, i));
+            minimum = stp_min(minimum, reach(&ellipses[e], input, i));
         }
-        most = stp_max(most, least);
+        maximum = stp_max(maximum, minimum);
     }
-    return most;
+    return maximum;
 }
 
 static bool is_sound(const stp_decimate_output* output)
@@ -91,8 +91,8 @@ static bool is_sound(const stp_decimate_output* output)
     return true;
 }
 
-// Every member of a candidate lies in its ellipse and slab, and faces its side; each point is in
-// one.
+// Every member of a candidate lies in its ellipse and slab, and faces its side; each point belongs
+// to a candidate.
 void test_subsample_candidates_stay_within_tolerance(test_state* test)
 {
     stp_decimate_input input = make_ellipsoid(1500);
@@ -135,8 +135,8 @@ static stp_cover_problem make_sets(uint64_t seed, uint32_t point_count)
     static float areas[SETS + POINTS];
     size_t count = 0;
     for (uint32_t s = 0; s < SETS; ++s) {
-        uint32_t most = point_count < 120 ? point_count / 4 + 1 : 40;
-        uint32_t size = 1 + stp_rng_below(seed, s, most),
+        uint32_t maximum = point_count < 120 ? point_count / 4 + 1 : 40;
+        uint32_t size = 1 + stp_rng_below(seed, s, maximum),
                  first = stp_rng_below(seed + 1, s, 1 << 20);
         starts[s] = count;
         areas[s] = (float)size;
@@ -159,24 +159,24 @@ static stp_cover_problem make_sets(uint64_t seed, uint32_t point_count)
                                .areas = areas};
 }
 
-/// Lists what a greedy choice takes, by trying all sets each time.
+/// Lists the sets of a greedy choice, by trying all sets in each step.
 static uint32_t cover_slowly(const stp_cover_problem* p, uint32_t* chosen)
 {
     static uint8_t covered[POINTS];
     memset(covered, 0, sizeof(covered));
     for (uint32_t count = 0;; ++count) {
-        uint64_t most = 0;
+        uint64_t maximum = 0;
         for (uint32_t s = 0; s < p->set_count; ++s) {
             uint64_t gain = 0;
             for (size_t i = p->starts[s]; i < p->starts[s + 1]; ++i) {
                 gain += covered[p->members[i]] == 0 ? p->weights[p->members[i]] : 0;
             }
-            if (gain > most) {
-                most = gain;
+            if (gain > maximum) {
+                maximum = gain;
                 chosen[count] = s;
             }
         }
-        if (most == 0) {
+        if (maximum == 0) {
             return count;
         }
         for (size_t i = p->starts[chosen[count]]; i < p->starts[chosen[count] + 1]; ++i) {
@@ -185,7 +185,7 @@ static uint32_t cover_slowly(const stp_cover_problem* p, uint32_t* chosen)
     }
 }
 
-/// Whether the chosen sets cover all points, and depths and places are right.
+/// Whether the chosen sets cover all points, with correct depths and places.
 static bool is_cover(const stp_cover_problem* p, const stp_cover* cover)
 {
     static uint32_t depths[POINTS];
@@ -296,7 +296,7 @@ void test_subsample_keeps_a_tolerance(test_state* test)
     stp_context_destroy(context);
 }
 
-// As many splats as wanted, or at most one in a hundred fewer; more splats are nearer to the
+// As many splats as requested, or at most 1 % fewer; more splats are closer to the
 // surface.
 void test_subsample_reaches_counts(test_state* test)
 {
@@ -309,9 +309,9 @@ void test_subsample_reaches_counts(test_state* test)
         uint32_t target = targets[t] < input.count ? targets[t] : input.count;
         CHECK_EQUAL(STP_OK, stp_decimate_by_subsample(context, &input, targets[t], &out));
         CHECK(out.count <= target && 100 * out.count >= 99 * target - 100 && is_sound(&out));
-        float most = measure(out.ellipses, out.count, &input);
-        CHECK(most < last || most == 0.0f); // own disks pass through their points
-        last = most;
+        float maximum = measure(out.ellipses, out.count, &input);
+        CHECK(maximum < last || maximum == 0.0f); // own disks pass through their points
+        last = maximum;
         double area = 0.0;
         for (uint32_t i = 0; i < out.count; ++i) {
             area += (double)stp_ellipse_area(&out.ellipses[i]);
@@ -346,8 +346,8 @@ void test_subsample_is_the_same_on_any_threads(test_state* test)
     stp_context_destroy(keeper);
 }
 
-// Two sheets close together that face apart, red and blue: no splat mixes them. Without normals,
-// splats stand for both.
+// Two close sheets with opposite normals, red and blue: no splat mixes them. Without normals,
+// splats represent both.
 void test_subsample_keeps_sides_apart(test_state* test)
 {
     enum { SIDE = 16 };
@@ -384,7 +384,7 @@ void test_subsample_keeps_sides_apart(test_state* test)
     stp_context_destroy(context);
 }
 
-// Colours are means in linear light: black and white make 188, not 128.
+// Colours are means in linear light: black and white give 188, not 128.
 void test_subsample_mixes_colors_in_linear_light(test_state* test)
 {
     static const float two[] = {0, 0, 0, 1, 0, 0};
@@ -396,8 +396,8 @@ void test_subsample_mixes_colors_in_linear_light(test_state* test)
     CHECK(out.count == 1 && out.colors[0] == 188 && out.colors[2] == 188);
     CHECK(measure(out.ellipses, 1, &input) == 0.0f);
     destroy(context, &out);
-    // copies of a point count, though they are one point for everything else: a third of white
-    // makes 156
+    // copies of a point count for colours, although they are one point otherwise: a third of white
+    // gives 156
     static const float three[] = {0, 0, 0, 1, 0, 0, -0.0f, 0, 0};
     static const uint8_t with_copy[] = {0, 0, 0, 255, 255, 255, 0, 0, 0};
     input = (stp_decimate_input){.count = 3, .positions = three, .colors = with_copy};
@@ -416,12 +416,12 @@ static void place_point(int shape, uint32_t i)
     p[0] = 5.0f;
     p[1] = p[2] = 1.0f;
     switch (shape) {
-    case 0: // all in one place
+    case 0: // all at one place
         break;
     case 1: // in a line
         p[0] = (float)i;
         break;
-    case 2: // in groups of twelve, all of one place and far from the next
+    case 2: // in groups of twelve coincident points, far apart
         p[0] = (float)(i / 12 % 10) * 100.0f;
         p[1] = (float)(i / 120) * 100.0f;
         break;
@@ -477,7 +477,7 @@ void test_subsample_survives_failing_allocator(test_state* test)
         CHECK_EQUAL(0, heap.live_bytes);
     }
     CHECK(made);
-    // separate parts that have to be connected
+    // separate parts that must be connected
     for (uint32_t i = 0; i < 48; ++i) {
         place_point(2, i);
     }

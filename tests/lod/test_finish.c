@@ -47,7 +47,7 @@ static int count_holes(const stp_splats* s, uint32_t octave)
     return count;
 }
 
-// To what an octave's prefix covers.
+// Radius to which an octave's prefix covers.
 static float octave_radius(const maker* m, const stp_splats* s, uint32_t octave)
 {
     uint32_t end = s->octave_ends[octave];
@@ -79,7 +79,7 @@ void test_solid_plates_are_fully_covered(test_state* test)
     stp_context_destroy(context);
 }
 
-// Light from everything drawn: each pixel is covered with the chance that one of its disks is.
+// Expected picture: each pixel is covered with the probability that one of its disks is drawn.
 static double drawn_area(const maker* m, const stp_splats* s, uint32_t octave, float radius)
 {
     enum { SIZE = 256 };
@@ -133,7 +133,7 @@ void test_wires_keep_their_projected_area(test_state* test)
             }
             if ((double)radius > 8.0 * half_width && s.octave_ends[octave] > 4) {
                 CHECK(area < 3.5 * truth && area > 0.4 * truth);
-                CHECK(area < 0.2 * fat); // what the disks would draw
+                CHECK(area < 0.2 * fat); // expected result of drawing the disks
             }
         }
         stp_splats_destroy(context, &s);
@@ -236,7 +236,7 @@ void test_spheres_are_solid_and_face_outwards(test_state* test)
     stp_context* context = test_context(NULL, 1, NULL);
     enum { COUNT = 30000 };
     maker* m = maker_create(
-        sqrt(2.0 * 4.0 * 3.14159 / COUNT)); // two candidates a square pixel, as eight views give
+        sqrt(2.0 * 4.0 * 3.14159 / COUNT)); // two candidates per square pixel, as from eight views
     add_sphere(m, COUNT, (stp_vec3){0, 0, 0});
     maker_order(m, 2000, 10.0f);
     m->candidates.origin = (stp_vec3d){400000.0, -3.0, 7e6}; // far out: precision must not suffer
@@ -267,8 +267,8 @@ void test_spheres_are_solid_and_face_outwards(test_state* test)
     stp_context_destroy(context);
 }
 
-// What the prefix table promises, with the positions as they are stored: the promise the renderer
-// relies on.
+// The guarantee of the prefix table, with positions as stored: the renderer
+// relies on it.
 void test_prefixes_cover_what_the_table_promises(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);

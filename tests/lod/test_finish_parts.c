@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The parts of finishing, each against its definition.
+// Each part of finishing, against its definition.
 #include "tests.h"
 
 #include "lod/candidate_helpers.h"
@@ -35,7 +35,7 @@ void test_position_grids_hold_their_box(test_state* test)
             CHECK(floor((high[axis] - start[axis]) / (double)step + 0.5) <= 65535.0);
             widest = high[axis] - low[axis] > widest ? high[axis] - low[axis] : widest;
         }
-        // no finer one would have done, unless floats cannot place it
+        // a finer grid would not fit, or floats are too coarse for it
         CHECK(widest / (double)step > 65535.0 / 4.0 || fabs(offset) / (double)step > 1e4);
         CHECK((double)step >= widest / 65535.0);
     }
@@ -75,7 +75,7 @@ void test_octaves_halve_the_radius(test_state* test)
     CHECK(entries < COUNT * 4 / 3 + 10);
 }
 
-// Points of a scan that nearly coincide have tiny insertion radii; their disks are no smaller for that.
+// Nearly coincident points of a scan have tiny insertion radii; their disks are not smaller.
 void test_octaves_end_where_disks_do_not_shrink(test_state* test)
 {
     enum { COUNT = 3000 };
@@ -92,7 +92,7 @@ void test_octaves_end_where_disks_do_not_shrink(test_state* test)
     CHECK(size >= 3 && entries < 2 * COUNT);
 }
 
-// Of a random order, nearly all points may still cover with large disks only.
+// In a random order, even nearly all points may need large disks to cover.
 void test_octaves_leave_crowded_prefixes_out(test_state* test)
 {
     enum { COUNT = 5000 };
@@ -104,14 +104,14 @@ void test_octaves_leave_crowded_prefixes_out(test_state* test)
         envelope[i] = i < 20 ? 100.0f / (float)i : envelope[i];
     }
     uint32_t ends[STP_OCTAVE_LIMIT], crowded = 0;
-    const double most = 1e4;
+    const double maximum = 1e4;
     for (int limited = 0; limited < 2; ++limited) {
         uint32_t size =
-            stp_choose_octaves(envelope, 0.0f, limited != 0 ? most : HUGE_VAL, COUNT, ends);
+            stp_choose_octaves(envelope, 0.0f, limited != 0 ? maximum : HUGE_VAL, COUNT, ends);
         CHECK(size >= 2 && ends[size - 1] == COUNT);
         for (uint32_t i = 0; i + 1 < size; ++i) {
             double disk = (double)envelope[ends[i]];
-            bool over = STP_PI * disk * disk * ends[i] > most;
+            bool over = STP_PI * disk * disk * ends[i] > maximum;
             crowded += over ? 1 : 0;
             CHECK(!over || limited == 0);
             CHECK(ends[i] < ends[i + 1]);
@@ -133,7 +133,7 @@ void test_octaves_of_odd_orders(test_state* test)
     float zeros[] = {INFINITY, 0, 0};
     CHECK_EQUAL(1, stp_choose_octaves(zeros, 0.0f, HUGE_VAL, 3, ends));
     CHECK_EQUAL(3, ends[0]);
-    float jump[] = {INFINITY, 1e30f, 1e-30f, 1e-30f}; // more halvings than there may be octaves
+    float jump[] = {INFINITY, 1e30f, 1e-30f, 1e-30f}; // more halvings than octaves are allowed
     uint32_t size = stp_choose_octaves(jump, 0.0f, HUGE_VAL, 4, ends);
     CHECK(size >= 2 && size <= STP_OCTAVE_LIMIT);
     for (uint32_t i = 1; i < size; ++i) {
@@ -160,7 +160,8 @@ void test_stencil_squares_touch_the_right_cells(test_state* test)
             float u0 = (float)(cell % 8) * 0.25f - 1.0f, v0 = (float)(cell / 8) * 0.25f - 1.0f;
             float centre = fmaxf(fabsf(u - u0 - 0.125f), fabsf(v - v0 - 0.125f)), margin = 1e-5f;
             bool clearly = centre < half - margin || centre < 0.125f - margin;
-            // where only one axis reaches a centre, the cell beside on the other one counts as its own
+            // if only one axis reaches a centre, the neighbouring cell on the other axis counts as
+            // the own one
             bool perhaps = centre < fmaxf(half, 0.125f) + margin;
             bool got = (cells >> cell & 1) != 0;
             CHECK(!clearly || got);
@@ -270,7 +271,7 @@ void test_grids_hold_each_point_in_its_cell(test_state* test)
         stp_grid_destroy(context, &grid);
         CHECK_EQUAL(STP_OK, stp_grid_create_uncrowded(context, points.positions, points.normals,
                                                       points.count, cell, &grid));
-        // a clump asks for smaller cells
+        // a cluster requires smaller cells
         CHECK(variant == 2 ? grid.cell < 0.01f : grid.cell == cell);
         stp_grid plain;
         CHECK_EQUAL(STP_OK, stp_grid_create(context, points.positions, NULL, points.count,
@@ -336,7 +337,7 @@ void test_nearest_surfels_agree_with_brute_force(test_state* test)
     static cloud surfels, samples;
     static uint32_t nearest[3000];
     for (int variant = 0; variant < 6; ++variant) {
-        // with 1: nearly all in one block, more than are looked at together
+        // with 1: nearly all in one block, more than one batch
         make_cloud(&surfels, 5, 900, variant % 3 == 1 ? 1e-2 : 1.0);
         make_cloud(&samples, 6, 3000, variant % 3 == 1 ? 1e-2 : 1.0);
         float radius = variant % 3 == 2 ? 1.2f : 0.15f, cell = 2.002f * radius;
@@ -352,12 +353,12 @@ void test_nearest_surfels_agree_with_brute_force(test_state* test)
         stp_nearest_search_run(context, &search);
         for (uint32_t at = 0; at < samples.count; ++at) {
             uint32_t best = UINT32_MAX, i = sample_grid.index[at];
-            float least = radius * radius;
+            float minimum = radius * radius;
             for (uint32_t k = 0; k < surfels.count; ++k) {
                 float squared = squared_between(&samples, i, &surfels, k);
-                if (squared <= least && (squared < least || best == UINT32_MAX) &&
+                if (squared <= minimum && (squared < minimum || best == UINT32_MAX) &&
                     agreement_of(&samples, i, &surfels, k) >= 0.0f) {
-                    least = squared;
+                    minimum = squared;
                     best = k;
                 }
             }
@@ -402,18 +403,18 @@ void test_disks_agree_with_brute_force(test_state* test)
         stp_disk_search_run(context, &search);
         uint32_t total = 0;
         for (uint32_t k = 0; k < surfels.count; ++k) {
-            uint32_t least = 0, most = 0;
+            uint32_t minimum = 0, maximum = 0;
             uint64_t sum = 0;
             for (uint32_t i = 0; i < samples.count; ++i) {
                 float distance = sqrtf(squared_between(&samples, i, &surfels, k));
                 if (agreement_of(&samples, i, &surfels, k) >= 0.0f) {
-                    least += distance < 0.2299f;
-                    most += distance < 0.2301f;
+                    minimum += distance < 0.2299f;
+                    maximum += distance < 0.2301f;
                     sum += distance < 0.23f ? fractions[i] : 0;
                 }
             }
-            CHECK(disks[k].count >= least && disks[k].count <= most);
-            CHECK(least != most || disks[k].count != least || disks[k].fractions == sum);
+            CHECK(disks[k].count >= minimum && disks[k].count <= maximum);
+            CHECK(minimum != maximum || disks[k].count != minimum || disks[k].fractions == sum);
             CHECK((disks[k].cells == 0) == (disks[k].count == 0) || disks[k].cells == 0);
             CHECK((disks[k].cells & ~stencil.disk) == 0);
             total += disks[k].count;

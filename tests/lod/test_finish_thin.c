@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// With what chance disks are drawn that stand over what is thin or small, and that others are whole.
+// Probabilities of disks that extend beyond thin or small content; other disks have no holes.
 #include "tests.h"
 
 #include "lod/blue/blue.h"
 #include "lod/candidate_helpers.h"
 
-// What an octave's disks draw where none hides another: the sum of their areas, each times its chance.
+// Expected area of an octave's disks if none hides another: the sum of area times probability.
 static double drawn_of(const maker* m, const stp_splats* s, uint32_t octave,
                        bool (*counts)(stp_vec3 normal))
 {
@@ -45,8 +45,8 @@ static uint32_t paint_bars(double x, double y, void* user)
     return fmod(x + 100.0, 0.1) < 0.016 || fmod(y + 100.0, 0.25) < 0.016 ? 0x808080ff : 0;
 }
 
-// Bars that cross, seen from both sides. Both sides' disks are met from either side, so together they draw twice
-// half of the area: as much as there is.
+// Crossing bars, seen from both sides. Rays from either side meet the disks of both, so together
+// they draw twice half of the area: the true area.
 void test_lattices_keep_their_area(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
@@ -88,7 +88,7 @@ static uint32_t paint_ground(double x, double y, void* user)
     return 0x336633ff;
 }
 
-// The four sides of an upright pole, two candidates a square pixel.
+// The four sides of an upright pole, two candidates per square pixel.
 static void add_pole(maker* m, double width, double height)
 {
     double step = m->candidates.pixel_size / sqrt(2.0);
@@ -115,7 +115,7 @@ void test_poles_stay_small_and_their_ground_whole(test_state* test)
     CHECK(context != NULL && m->candidates.count < MAKER_LIMIT);
     stp_splats s;
     CHECK_EQUAL(STP_OK, maker_finish(m, context, m->candidates.count / 9, &s));
-    double half = 0.5 * 4.0 * width * height; // both sides' disks are met
+    double half = 0.5 * 4.0 * width * height; // rays meet the disks of both sides
     for (uint32_t octave = 0; octave < s.octave_count; ++octave) {
         float reach = reach_of(m, &s, octave);
         if (reach > 0.4f) {
@@ -165,7 +165,7 @@ void test_boxes_are_whole_at_edges_and_corners(test_state* test)
         for (uint32_t i = 0; reach_of(m, &s, octave) < 0.4f && i < s.octave_ends[octave]; ++i) {
             lower += !is_without_holes(s.coverages[octave_start(&s, octave) + i]);
         }
-        // of the finest octave, a surfel squeezed into a corner: others' disks cover its place
+        // a surfel of the finest octave, squeezed into a corner: disks of others cover its place
         CHECK(lower <= (octave + 1 < s.octave_count ? 0u : 2u));
     }
     stp_splats_destroy(context, &s);

@@ -26,14 +26,14 @@ static float final_radius(const stp_splats* s)
 static const double flake[6][3] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
                                    {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
 
-// How far a point lies from the surface of a flake of spheres: six copies at half the size, so many levels down.
+// Distance of a point from a sphere flake: six copies of half the size, `levels` levels deep.
 static double flake_distance(stp_vec3d p, int level, double best)
 {
     double length = sqrt(stp_dotd(p, p));
     if (level == 0) {
         return fabs(length - 1.0);
     }
-    if (length - 2.0 > best) { // all of it lies within twice the unit
+    if (length - 2.0 > best) { // the whole flake lies within radius 2
         return best;
     }
     for (int i = 0; i < 6; ++i) {
@@ -55,9 +55,9 @@ static double largest_distance(const stp_splats* s, int level)
     return largest;
 }
 
-// A sphere of spheres of spheres: each level is captured from the surfels of the one below. Surfels stay on the
-// spheres, which in the end are a thousandth of the whole: only the position grids' rounding adds up. And what the
-// surface may be away from candidates stays below the spacing of surfels.
+// Nested sphere flake: each level is captured from the surfels of the level below. Surfels stay on
+// the spheres, whose smallest is a thousandth of the whole: only the rounding of the position grids
+// adds up. The distance from surface to candidates stays below the spacing of surfels.
 void test_ten_levels_of_spheres_do_not_grow(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
@@ -82,7 +82,7 @@ void test_ten_levels_of_spheres_do_not_grow(test_state* test)
         const stp_splats* s = &h.made[node];
         CHECK(s->count > PER_LEVEL * 9 / 10);
         CHECK(report.candidate_count > 5 * s->count);
-        // the mesh lies inside of the sphere by 0.02; each grid rounds by half a step on each axis
+        // the mesh lies up to 0.02 inside the sphere; each grid rounds by half a step on each axis
         rounding = 0.5 * rounding + 0.8661 * (double)s->step;
         double allowed = 0.02 * ldexp(1.0, -level) + rounding + 1e-6;
         CHECK(largest_distance(s, level) <= allowed);
@@ -94,7 +94,8 @@ void test_ten_levels_of_spheres_do_not_grow(test_state* test)
 
 enum { PICTURE = 128 };
 
-// Draws all surfels from +z and counts the pixels covered inside and outside of the square [-half, half]^2.
+// Draws all surfels from +z and counts the covered pixels inside and outside the square [-half,
+// half]^2.
 static void draw_from_above(const stp_splats* s, double half, uint32_t* inside, uint32_t* outside,
                             double margin)
 {
@@ -133,8 +134,8 @@ static void draw_from_above(const stp_splats* s, double half, uint32_t* inside, 
     }
 }
 
-// Thin plates side by side, four times as many at each level: no holes after ten captures, no plates beyond the
-// border but by a disk's radius, and both sides are there.
+// Thin plates side by side, four times as many at each level: no holes after ten captures, no
+// overhang beyond the border above a disk's radius, and both sides are covered.
 void test_ten_levels_of_plates_stay_whole(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);

@@ -12,7 +12,8 @@ enum { POINT_COUNT = 400 };
 
 static void make_points(uint64_t seed, float* positions, float* normals)
 {
-    for (uint32_t i = 0; i < 3 * POINT_COUNT; ++i) { // on a lattice, so that many are as near
+    for (uint32_t i = 0; i < 3 * POINT_COUNT;
+         ++i) { // on a lattice, so that many distances are equal
         positions[i] = 0.05f * (float)stp_rng_below(seed, 2 * i, 40);
         normals[i] = (float)stp_rng_below(seed, 2 * i + 1, 3) - 1.0f;
     }
@@ -20,10 +21,10 @@ static void make_points(uint64_t seed, float* positions, float* normals)
 
 #if defined(__x86_64__)
 
-// @return how many samples have a surfel near; UINT32_MAX where kernels differ
+// @return number of samples with a surfel nearby; UINT32_MAX if kernels differ
 static uint32_t compare_nearest(const stp_grid* grid, const stp_near_ranges* ranges)
 {
-    stp_near_rule rule = {.limit = 0.04f, .least_agreement = 0.0f};
+    stp_near_rule rule = {.limit = 0.04f, .min_agreement = 0.0f};
     uint32_t near = 0;
     for (uint32_t at = 0; at < POINT_COUNT; at += 7) {
         uint32_t end = at + 1 + at % 40 < POINT_COUNT ? at + 1 + at % 40 : POINT_COUNT;
@@ -32,7 +33,7 @@ static uint32_t compare_nearest(const stp_grid* grid, const stp_near_ranges* ran
             return UINT32_MAX;
         }
         uint32_t a[POINT_COUNT], b[POINT_COUNT];
-        memset(a, 7, sizeof(a)); // nothing but what was asked for may be written
+        memset(a, 7, sizeof(a)); // only the requested entries may be written
         memset(b, 7, sizeof(b));
         stp_near_kernels_portable.find_nearest(grid, ranges, grid, at, end, rule, a);
         stp_near_kernels_avx2.find_nearest(grid, ranges, grid, at, end, rule, b);
@@ -53,7 +54,7 @@ static bool are_equal(const stp_disk* a, const stp_disk* b, bool until_full)
             (a->cells == b->cells && a->count == b->count && a->fractions == b->fractions));
 }
 
-// @return how many disks hold samples; UINT32_MAX where kernels differ
+// @return number of disks with samples; UINT32_MAX if kernels differ
 static uint32_t compare_disks(const stp_grid* grid, const stp_near_ranges* ranges,
                               const stp_stencil* stencil)
 {
@@ -128,8 +129,9 @@ void test_near_kernels_of_all_processors_agree(test_state* test)
         for (uint32_t i = 0; i < POINT_COUNT; ++i) {
             stp_vec3 place = {0.01f * (float)i, 1.0f, 0.5f};
             uint32_t count = i / STP_NEAR_LANES * STP_NEAR_LANES;
-            float a = stp_near_kernels_portable.least_squared(grid.x, grid.y, grid.z, count, place);
-            float b = stp_near_kernels_avx2.least_squared(grid.x, grid.y, grid.z, count, place);
+            float a =
+                stp_near_kernels_portable.nearest_squared(grid.x, grid.y, grid.z, count, place);
+            float b = stp_near_kernels_avx2.nearest_squared(grid.x, grid.y, grid.z, count, place);
             CHECK(a == b);
         }
         stp_grid_destroy(context, &grid);

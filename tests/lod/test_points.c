@@ -38,7 +38,7 @@ void test_normals_of_lonely_points_face_up(test_state* test)
     stp_context* context = test_context(NULL, 1, NULL);
     maker* m = maker_create(0.1);
     CHECK(context != NULL);
-    for (int i = 0; i < 10; ++i) { // the last five coincide: no direction is flattest
+    for (int i = 0; i < 10; ++i) { // the last five coincide: they define no plane
         maker_add(m, (stp_vec3){i < 5 ? (float)i : 9.0f, 0, 0}, (stp_vec3){1, 0, 0}, 0x808080ff);
     }
     CHECK_EQUAL(STP_OK, stp_estimate_point_normals(context, &m->candidates, 0.1f));
@@ -50,7 +50,8 @@ void test_normals_of_lonely_points_face_up(test_state* test)
     stp_context_destroy(context);
 }
 
-// A slope with few points beside many: where four neighbours are not within the radius, they are sought farther away.
+// A slope with a sparse and a dense half: if fewer than four neighbours lie within the radius, the
+// search widens.
 void test_normals_of_sparse_points_are_those_of_their_surroundings(test_state* test)
 {
     stp_context* context = test_context(NULL, 2, NULL);
@@ -72,7 +73,7 @@ void test_normals_of_sparse_points_are_those_of_their_surroundings(test_state* t
 
 enum { SCANNED = 300 };
 
-// A point set along x, with intensities that tell where points are, and a class where asked for.
+// A point set along x, with intensities that identify points, and optional classes.
 static bool add_scan(stp_scene* scene, float y, bool classed)
 {
     stp_context* context = scene->context;
@@ -105,7 +106,7 @@ static bool add_scan(stp_scene* scene, float y, bool classed)
            stp_scene_add_part(scene, (stp_part){STP_PART_POINTS, index}) == STP_OK;
 }
 
-// Whether each surfel has the intensity and class of the point that it is.
+// Whether each surfel has the intensity and class of its point.
 static bool has_own_attributes(const stp_splats* s)
 {
     const uint16_t* intensity = s->attributes[STP_ATTRIBUTE_INTENSITY];
@@ -148,7 +149,7 @@ void test_surfels_of_clouds_have_the_attributes_of_their_points(test_state* test
     }
 }
 
-// Where a twelfth of the points, eight times as far apart, has 0.85 of the area, disks are larger
+// If a twelfth of the points, eight times as far apart, has 0.85 of the area, disks are larger
 // than the dense part alone needs: twice as large in the exact order.
 void test_disks_grow_where_parts_are_sparse(test_state* test)
 {
@@ -184,8 +185,8 @@ void test_disks_grow_where_parts_are_sparse(test_state* test)
         stp_splats s;
         CHECK_EQUAL(STP_OK, stp_blue_make(scene, scene->root, shading, &desc, &s, NULL));
         CHECK_EQUAL(dense + sparse, s.count);
-        float least = even ? 0.06f : round == 0 ? 0.16f : 0.115f, most = even ? 0.12f : 0.5f;
-        CHECK(s.candidate_radius > least && s.candidate_radius < most);
+        float minimum = even ? 0.06f : round == 0 ? 0.16f : 0.115f, maximum = even ? 0.12f : 0.5f;
+        CHECK(s.candidate_radius > minimum && s.candidate_radius < maximum);
         stp_splats_destroy(context, &s);
         stp_scene_destroy(scene);
         stp_context_destroy(context);

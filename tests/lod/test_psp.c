@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Progressive splats (src/lod/psp): neighbours and ellipses against brute force, forests, and what is merged first.
+// Progressive splats (src/lod/psp): neighbours and ellipses against brute force, forests, merge
+// order.
 #include "tests.h"
 
 #include "base/rng.h"
@@ -20,7 +21,7 @@ static double unit(uint64_t seed, uint64_t at)
     return (double)(stp_rng_hash(seed, at) >> 11) * 0x1p-53;
 }
 
-// A sphere of radius 1, half of it red: along a spiral.
+// Points on a sphere of radius 1 along a spiral, half of them red.
 static stp_psp_points make_sphere(void)
 {
     for (uint32_t i = 0; i < POINTS; ++i) {
@@ -43,7 +44,7 @@ static stp_psp_points make_sphere(void)
 
 static void make_random(uint64_t seed)
 {
-    for (uint32_t i = 0; i < 3 * POINTS; ++i) { // some in one place
+    for (uint32_t i = 0; i < 3 * POINTS; ++i) { // some coincide
         positions[i] = (float)(floor(unit(seed, i / 6 * 3 + i % 3) * 64.0) / 64.0);
     }
 }
@@ -79,19 +80,20 @@ void test_psp_finds_nearest_points(test_state* test)
                 closer += n != i && d < last ? 1 : 0;
                 as_near += n != i && d == last ? 1 : 0;
             }
-            CHECK(closer < K && closer + as_near >= K); // of equally near ones any may be listed
+            CHECK(closer < K &&
+                  closer + as_near >= K); // among equally near ones, any may be listed
         }
         stp_context_destroy(context);
     }
-    // fewer than there are places for
+    // fewer than requested
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK_EQUAL(STP_OK, stp_find_nearest_points(context, positions, 3, K, near));
     CHECK(near[0] != UINT32_MAX && near[1] != UINT32_MAX && near[2] == UINT32_MAX);
     stp_context_destroy(context);
 }
 
-/// A bound from below on the area of ellipses around points of a plane: that of the ellipse whose scatter has the largest
-/// determinant over all weights of the points.
+/// Lower bound on the area of ellipses around points of a plane: the ellipse whose scatter matrix
+/// has the largest determinant over all point weights.
 static float bound_area(const stp_vec3* points, uint32_t count, stp_vec3 x, stp_vec3 y)
 {
     double u[16], v[16], weight[16], det = 0.0;
@@ -120,7 +122,7 @@ static float bound_area(const stp_vec3* points, uint32_t count, stp_vec3 x, stp_
     return (float)(2.0 * 3.14159265358979 * sqrt(det));
 }
 
-/// The ellipse around two others is almost the smallest there is.
+/// The ellipse around two others has almost minimal area.
 void test_psp_ellipses_are_small(test_state* test)
 {
     for (uint64_t seed = 0; seed < 300; ++seed) {
@@ -156,16 +158,16 @@ void test_psp_ellipses_cover(test_state* test)
         }
         stp_vec3 center = {0.5f, 0.5f * stretch, 0.5f * stretch};
         stp_ellipse e = stp_ellipse_cover(center, n, points, 16, 1e-6f);
-        float length = stp_length(e.major), most = 0.0f;
+        float length = stp_length(e.major), maximum = 0.0f;
         CHECK(e.minor > 0.0f && e.minor <= length * 1.0001f && fabsf(stp_dot(e.major, n)) < 1e-5f);
         stp_vec3 x = stp_scale(e.major, 1.0f / length), y = stp_cross(n, x);
         for (uint32_t i = 0; i < 16; ++i) {
             stp_vec3 d = stp_sub(points[i], e.center);
             float u = stp_dot(d, x) / length, v = stp_dot(d, y) / e.minor;
             CHECK(u * u + v * v <= 1.0005f);
-            most = fmaxf(most, u * u + v * v);
+            maximum = fmaxf(maximum, u * u + v * v);
         }
-        CHECK(most > 0.999f); // one lies on the boundary
+        CHECK(maximum > 0.999f); // one lies on the boundary
         stp_vec3 samples[STP_ELLIPSE_SAMPLES];
         stp_ellipse_sample(&e, samples);
         for (int i = 0; i < STP_ELLIPSE_SAMPLES; ++i) {
@@ -176,13 +178,13 @@ void test_psp_ellipses_cover(test_state* test)
         float area = stp_ellipse_area(&e) / (3.14159265f * length * e.minor);
         CHECK(fabsf(area - 1.0f) < 1e-5f);
     }
-    // the eigenvector of the least eigenvalue
+    // the eigenvector of the smallest eigenvalue
     for (uint64_t seed = 0; seed < 200; ++seed) {
         double m[6], values[3];
         for (uint64_t i = 0; i < 6; ++i) {
             m[i] = unit(seed + 1000, i) - 0.3;
         }
-        stp_vec3d v = stp_least_direction(m, values);
+        stp_vec3d v = stp_scatter_eigenvector(m, values);
         double value = values[0];
         CHECK(values[0] <= values[1] && values[1] <= values[2]);
         const double applied[3] = {m[0] * v.x + m[1] * v.y + m[2] * v.z,
@@ -225,12 +227,13 @@ void test_psp_merges_a_sphere(test_state* test)
         desc.metric = (stp_psp_metric)metric;
         CHECK_EQUAL(STP_OK, stp_psp_forest_make(context, &points, &desc, 60, &f));
         CHECK(f.merge_count == POINTS - 60 && is_forest(&f));
-        // what leaves the queue when changes nothing
+        // the order of removal from the queue has no effect
         desc.eager = !desc.eager;
         CHECK_EQUAL(STP_OK, stp_psp_forest_make(context, &points, &desc, 60, &eager));
         CHECK(memcmp(f.merges, eager.merges, f.merge_count * sizeof(*f.merges)) == 0);
         CHECK(memcmp(f.ellipses, eager.ellipses, sizeof(*f.ellipses) * (2 * POINTS - 60)) == 0);
-        // any number of splats is a sphere: near its surface, facing out, about its area, half red
+        // any number of splats shows the sphere: near its surface, facing outwards, about its area,
+        // half red
         for (uint32_t count = 60; count <= POINTS;
              count = count * 2 < POINTS ? count * 2 : POINTS) {
             double area = 0.0, red = 0.0;
@@ -245,13 +248,13 @@ void test_psp_merges_a_sphere(test_state* test)
             }
             double ratio = area / (4.0 * 3.14159265358979);
             CHECK(ratio > (metric == 0 ? 1.0 : 0.2) &&
-                  ratio < 10.0); // of distances splats end at points
+                  ratio < 10.0); // with metric `distances`, splats end at points
             CHECK(red > 0.4 * area && red < 0.6 * area);
             if (count == POINTS) {
                 break;
             }
         }
-        // each point is in one splat of a cut
+        // each point belongs to one splat of a cut
         CHECK_EQUAL(500, stp_psp_forest_cut(&f, 500, cut));
         uint32_t seen = 0;
         for (uint32_t p = 0; p < POINTS; ++p) {
@@ -269,7 +272,8 @@ void test_psp_merges_a_sphere(test_state* test)
     stp_context_destroy(context);
 }
 
-// Two sheets a little apart that face away from each other: never merged at a right angle, merged where any angle is allowed.
+// Two close sheets with opposite normals: never merged with a limit of 90 degrees, merged without a
+// limit.
 void test_psp_keeps_sides_apart(test_state* test)
 {
     enum { SIDE = 20 };
@@ -291,14 +295,14 @@ void test_psp_keeps_sides_apart(test_state* test)
     }
     CHECK(f.merge_count == 2 * SIDE * SIDE - 2);
     stp_psp_forest_destroy(context, &f);
-    desc.least_cosine = -1.0f;
+    desc.min_cosine = -1.0f;
     CHECK_EQUAL(STP_OK, stp_psp_forest_make(context, &points, &desc, 1, &f));
     CHECK_EQUAL(2 * SIDE * SIDE - 1, f.merge_count);
     stp_psp_forest_destroy(context, &f);
     stp_context_destroy(context);
 }
 
-// None, one, two, many in one place, many in a line.
+// No points, one, two, many at one place, many on a line.
 void test_psp_takes_any_points(test_state* test)
 {
     stp_context* context = test_context(NULL, 2, NULL);

@@ -45,12 +45,12 @@ static stp_psp_points make_bumps(uint32_t count, uint64_t seed)
         .count = count, .positions = positions, .normals = normals, .colors = colors};
 }
 
-// The greedy merge, as slowly and plainly as can be.
+// The greedy merge, implemented naively.
 typedef struct plain {
     stp_psp_shared shared;
     const stp_psp_metric_table* metric;
     stp_psp_splat splats[FEW];
-    double states[FEW + 1][STP_PSP_STATE_MOST / sizeof(double)];
+    double states[FEW + 1][STP_PSP_STATE_MAX / sizeof(double)];
     bool linked[FEW][FEW], dead[FEW];
 } plain;
 
@@ -60,31 +60,32 @@ static float plain_error(plain* p, uint32_t a, uint32_t b)
                               p->states[b]);
 }
 
-// Merges the linked pair of least error, of equal ones that of the lower keys. The lower one stands
-// for both.
+// Merges the linked pair with the smallest error; among equal ones, the pair with the lower keys.
+// The lower one represents both.
 static bool plain_merge(plain* p, uint32_t id, stp_psp_merge* made)
 {
-    float least = HUGE_VALF;
+    float minimum = HUGE_VALF;
     uint32_t left = 0, right = 0;
     for (uint32_t a = 0; a < FEW; ++a) {
         for (uint32_t b = a + 1; b < FEW; ++b) {
             float error =
                 p->linked[a][b] && !p->dead[a] && !p->dead[b] ? plain_error(p, a, b) : HUGE_VALF;
-            if (error < least) {
-                least = error;
+            if (error < minimum) {
+                minimum = error;
                 left = a;
                 right = b;
             }
         }
     }
-    if (!(least < HUGE_VALF)) {
+    if (!(minimum < HUGE_VALF)) {
         return false;
     }
     stp_psp_splat merged = {0};
     stp_psp_merge_pair(&p->shared, p->metric, &p->splats[left], p->states[left], &p->splats[right],
                        p->states[right], &merged, p->states[FEW]);
     uint32_t l = p->splats[left].id, r = p->splats[right].id;
-    *made = (stp_psp_merge){.left = l < r ? l : r, .right = l < r ? r : l, .error = (double)least};
+    *made =
+        (stp_psp_merge){.left = l < r ? l : r, .right = l < r ? r : l, .error = (double)minimum};
     merged.id = id;
     p->splats[left] = merged;
     memcpy(p->states[left], p->states[FEW], sizeof(p->states[left]));
@@ -118,7 +119,7 @@ static bool begin_plain(stp_context* context, const stp_psp_points* points,
                                   .points = points,
                                   .desc = *desc,
                                   .scale = scale,
-                                  .least = 1e-9f * (scale * diagonal)};
+                                  .minimum = 1e-9f * (scale * diagonal)};
     all.shared.middle =
         stp_scale(stp_add(stp_scale(box.min, 0.5f), stp_scale(box.max, 0.5f)), scale);
     if (all.metric->open != NULL && !all.metric->open(&all.shared)) {
@@ -196,7 +197,7 @@ static bool is_forest(const stp_psp_forest* f)
     return true;
 }
 
-// Whether the splats of a cut are those that decimation leaves, in any order.
+// Whether a cut has the same splats as decimation, in any order.
 static bool same_splats(const stp_psp_forest* f, const uint32_t* cut, uint32_t count,
                         const stp_psp_splats* s)
 {
@@ -221,7 +222,7 @@ static bool same_splats(const stp_psp_forest* f, const uint32_t* cut, uint32_t c
     return sums[0] == sums[1];
 }
 
-// Pieces of any size: exactly as many splats as asked for, the same for any number of threads and
+// Pieces of any size: exactly as many splats as requested, the same for any number of threads and
 // either queue.
 void test_psp_pieces_do_not_depend_on_threads(test_state* test)
 {
@@ -264,7 +265,7 @@ void test_psp_pieces_do_not_depend_on_threads(test_state* test)
     }
 }
 
-// The surface that splats stand for is that of the points, and each point is of one splat.
+// Splats represent the points' surface, and each point belongs to one splat.
 void test_psp_splats_keep_the_area_of_their_points(test_state* test)
 {
     enum { COUNT = 900, TARGET = 40 };
@@ -297,7 +298,7 @@ void test_psp_splats_keep_the_area_of_their_points(test_state* test)
     stp_context_destroy(context);
 }
 
-// The mean distance of points from the splats that stand for them.
+// Mean distance of points from the splats that represent them.
 static double mean_distance(const stp_psp_forest* f, uint32_t count)
 {
     uint32_t done = f->point_count - count;
@@ -314,7 +315,7 @@ static double mean_distance(const stp_psp_forest* f, uint32_t count)
     return sum / f->point_count;
 }
 
-// Pieces give about what one queue gives, also before the last merge. Where few merges are made,
+// Pieces give about the result of one queue, also before the last merge. If there are few merges,
 // seams of small pieces count most.
 void test_psp_pieces_are_as_good_as_one_queue(test_state* test)
 {
@@ -339,7 +340,7 @@ void test_psp_pieces_are_as_good_as_one_queue(test_state* test)
     stp_context_destroy(context);
 }
 
-// Pairs of points far apart, and points alone in one place: with `connect_components` one splat is
+// Pairs of points far apart, and isolated points: with `connect_components` one splat is
 // left.
 void test_psp_connects_components(test_state* test)
 {
@@ -372,7 +373,7 @@ void test_psp_connects_components(test_state* test)
         CHECK_EQUAL(STP_OK, stp_psp_forest_make(context, &points, &desc, 30, &f));
         CHECK_EQUAL(COUNT - 30, f.merge_count);
         stp_psp_forest_destroy(context, &f);
-        // those that face apart stay apart where that is asked for
+        // splats that face apart stay separate if requested
         desc.keep_angle = true;
         CHECK_EQUAL(STP_OK, stp_psp_forest_make(context, &points, &desc, 1, &f));
         CHECK(f.merge_count < COUNT - 1 && f.merge_count > COUNT / 2);
@@ -386,7 +387,7 @@ void test_psp_connects_components(test_state* test)
     stp_context_destroy(context);
 }
 
-// None to many points: in one place, in a line, far out, not numbers; in pieces and in one.
+// No to many points: at one place, on a line, far out, NaN; in pieces and in one queue.
 void test_psp_pieces_take_any_points(test_state* test)
 {
     static const uint32_t counts[] = {0, 1, 2, 3, 9, 400, 3000};
@@ -434,7 +435,7 @@ void test_psp_pieces_survive_failing_allocator(test_state* test)
             desc.metric = (stp_psp_metric)(n % 2);
             desc.piece_size = 48;
             desc.connect_components = true;
-            desc.least_cosine = 0.99f;
+            desc.min_cosine = 0.99f;
             if (context != NULL && history != 0) {
                 stp_psp_forest f = {0};
                 made = stp_psp_forest_make(context, &points, &desc, 3, &f) == STP_OK &&
@@ -453,7 +454,7 @@ void test_psp_pieces_survive_failing_allocator(test_state* test)
     }
 }
 
-// What Newton's method finds is what turning finds.
+// Newton's method finds the same as Jacobi rotations.
 void test_psp_normals_of_scatters(test_state* test)
 {
     for (uint64_t seed = 0; seed < 500; ++seed) {
@@ -470,10 +471,10 @@ void test_psp_normals_of_scatters(test_state* test)
                 }
             }
         }
-        stp_vec3d turned = stp_least_direction(m, values), found = stp_scatter_normal(m);
+        stp_vec3d turned = stp_scatter_eigenvector(m, values), found = stp_scatter_normal(m);
         CHECK(fabs(stp_dotd(found, found) - 1.0) < 1e-9);
-        CHECK(fabs(stp_least_eigenvalue(m) - values[0]) <= 1e-9 * values[2]);
-        // how steep the form is along what was found is as little as can be
+        CHECK(fabs(stp_scatter_eigenvalue(m) - values[0]) <= 1e-9 * values[2]);
+        // the quadratic form along the found direction is minimal
         const stp_vec3d rows[3] = {{m[0], m[1], m[2]}, {m[1], m[3], m[4]}, {m[2], m[4], m[5]}};
         stp_vec3d applied = {stp_dotd(rows[0], found), stp_dotd(rows[1], found),
                              stp_dotd(rows[2], found)};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Progressive splats of points that lie in files (src/lod/psp/room.h): the same as in memory, for any
+// Progressive splats of points in files (src/lod/psp/room.h): the same as in memory, for any
 // number of threads; a failure is reported once.
 #include "tests.h"
 
@@ -68,7 +68,7 @@ void test_psp_spilled_splats_are_the_same(test_state* test)
             CHECK_EQUAL(STP_OK, stp_spill_create(context, ".", &desc.spill));
             CHECK_EQUAL(STP_OK, stp_psp_decimate(context, &points, &desc, 300, &spilled));
             CHECK(are_equal(&in_memory, &spilled));
-            // what is left in memory are pieces, of each thread
+            // only the pieces of each thread stay in memory
             CHECK(desc.piece_size == 0 || stp_context_peak_bytes(context) < plain_bytes / 2);
             stp_psp_splats_destroy(context, &spilled);
             stp_spill_destroy(desc.spill);
@@ -106,7 +106,7 @@ void test_psp_spilled_splats_survive_failing_allocator(test_state* test)
     CHECK(made);
 }
 
-// A limit on the size of files stands for a full disk: at the tree, or later, in pieces on all
+// A limit on the size of files simulates a full disk: at the tree, or later, in pieces on all
 // threads. One message reports it.
 void test_psp_spilled_splats_say_that_the_disk_is_full(test_state* test)
 {

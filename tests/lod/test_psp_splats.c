@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Sets of method psp (src/lod/psp/psp_set.c): the implied forest, levels, coverage, and determinism.
+// Sets of method psp (src/lod/psp/psp_set.c): the implied forest, levels, coverage, and
+// determinism.
 #include "tests.h"
 
 #include "base/coverage.h"
@@ -11,7 +12,7 @@
 
 #include <string.h>
 
-/// Half of the sphere is red. Samples cover as evenly spread ones do.
+/// Half of the sphere is red. Samples cover like evenly spread ones.
 static void make_sphere(samples* s, uint32_t count)
 {
     make_sphere_samples(s, count, (float)(0.9 * sqrt(12.0 / (double)count)));
@@ -40,7 +41,7 @@ static float highest_of(const stp_splats* s, uint32_t i)
     return stp_range_level(s->ranges[i] >> 16);
 }
 
-/// The splat that is split next: of those before `end` that are not split yet, the one with the
+/// The next splat to split: among the unsplit ones before `end`, the one with the
 /// highest lowest level.
 static uint32_t find_next(const stp_splats* s, uint32_t end, const bool* is_split)
 {
@@ -54,7 +55,7 @@ static uint32_t find_next(const stp_splats* s, uint32_t end, const bool* is_spli
     return best;
 }
 
-// One root; split by split, two splats replace an earlier one, in the order that ranges imply.
+// One root; each split replaces an earlier splat by two, in the order given by the ranges.
 void test_psp_sets_imply_their_forest(test_state* test)
 {
     static samples from;
@@ -80,7 +81,8 @@ void test_psp_sets_imply_their_forest(test_state* test)
         uint32_t parent = find_next(&s, child, is_split);
         CHECK(parent != UINT32_MAX);
         is_split[parent] = true;
-        for (uint32_t k = 0; k < 2; ++k) { // a child may be drawn wherever its parent is not
+        for (uint32_t k = 0; k < 2;
+             ++k) { // a child may be drawn at every level at which its parent is not
             CHECK(lowest_of(&s, child + k) <= lowest_of(&s, parent));
             float apart =
                 distance_of(place_of(&s, child + k), place_of(&s, parent)) - 2.0f * s.step;
@@ -97,7 +99,7 @@ void test_psp_sets_imply_their_forest(test_state* test)
     stp_context_destroy(context);
 }
 
-// Seen from anywhere, each sample has a splat that is drawn near it, and far fewer splats are drawn
+// From any viewpoint, a splat is drawn near each sample, and far fewer splats are drawn
 // at a high level.
 void test_psp_sets_cover_at_every_level(test_state* test)
 {
@@ -138,7 +140,7 @@ void test_psp_sets_cover_at_every_level(test_state* test)
     stp_context_destroy(context);
 }
 
-// Where all points of a cloud are samples, they cover to nothing; merged splats are whole all the same.
+// If all points of a cloud are samples, their radius is 0; merged splats still have no holes.
 void test_psp_sets_of_all_points_have_no_holes(test_state* test)
 {
     static samples from;
@@ -178,7 +180,7 @@ static uint32_t count_drawn(const stp_splats* s, float level)
     return count;
 }
 
-// Where signs are a guess, neighbours merge whichever side they face: the same splats come of it.
+// If the signs of normals are unknown, neighbours merge regardless of sign, into the same splats.
 void test_psp_sets_of_guessed_signs_merge_alike(test_state* test)
 {
     static samples from;
@@ -221,7 +223,7 @@ void test_psp_sets_do_not_depend_on_threads(test_state* test)
     }
 }
 
-// None, one, two samples, and samples in one place.
+// No samples, one, two, and coincident ones.
 void test_psp_sets_of_few_samples(test_state* test)
 {
     static samples from;
@@ -265,7 +267,7 @@ void test_psp_sets_survive_failing_allocator(test_state* test)
     CHECK(made);
 }
 
-// Sums of parts are the sums of all samples; an ellipse that is sampled evenly is found again.
+// Sums of parts equal the sums of all samples; fitting recovers an evenly sampled ellipse.
 void test_psp_regions_find_their_ellipse(test_state* test)
 {
     const float major = 3.0f, minor = 0.5f;

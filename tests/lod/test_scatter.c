@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Eigenvalues of scatter (src/lod/stochastic/scatter.c) against an iterative reference.
+// Eigenvalues of scatter matrices (src/lod/stochastic/scatter.c) against an iterative reference.
 #include "tests.h"
 
 #include "base/rng.h"
@@ -11,7 +11,7 @@ static double unit(uint64_t seed, uint64_t index)
     return (double)(stp_rng_hash(seed, index) >> 11) * 0x1p-53;
 }
 
-/// The scatter of points in a box, turned, whose sides are as given.
+/// Scatter matrix of points in a rotated box with the given sides.
 static void make_matrix(uint64_t seed, const double sides[3], double matrix[6])
 {
     stp_vec3d x =
@@ -39,9 +39,9 @@ void test_scatter_eigenvalues_are_those_of_jacobi(test_state* test)
         }
         make_matrix(seed, sides, m);
         stp_symmetric_eigenvalues(m, ours);
-        stp_vec3d direction = stp_least_direction(m, theirs);
+        stp_vec3d direction = stp_scatter_eigenvector(m, theirs);
         double sum = m[0] + m[3] + m[5];
-        // two roots that are nearly one are known to half of the digits
+        // two nearly equal roots are accurate to half of the digits
         bool apart = theirs[1] - theirs[0] > 1e-3 * sum && theirs[2] - theirs[1] > 1e-3 * sum;
         for (int k = 0; k < 3; ++k) {
             CHECK(fabs(ours[k] - theirs[k]) <= (apart ? 1e-12 : 1e-7) * sum);
@@ -71,24 +71,25 @@ void test_scatter_eigenvalues_of_special_matrices(test_state* test)
     CHECK(fabs(e[0]) < 1e-7 && fabs(e[1]) < 1e-7 && fabs(e[2] - 5.0) < 1e-7);
     CHECK(stp_scatter_is_flat(none, 0.005)); // one place
     CHECK(!stp_scatter_is_flat(equal, 0.005));
-    stp_vec3d n = stp_symmetric_eigenvector(equal, 2.0); // no direction stands out
+    stp_vec3d n = stp_symmetric_eigenvector(equal, 2.0); // all directions are equal
     CHECK(n.x == 0.0 && n.y == 1.0 && n.z == 0.0);
 }
 
-// The sum of reciprocals gives the least root where it is far below the others, and is found out where it is not.
+// The sum of reciprocals gives the smallest root if it is far below the others; otherwise the
+// function returns false.
 void test_scatter_shortcut_is_checked_by_substitution(test_state* test)
 {
     uint32_t flat = 0, not_flat = 0;
     for (uint64_t seed = 0; seed < 4000; ++seed) {
         const double sides[3] = {1.0, 0.2 + unit(seed, 3000),
                                  0.5 * unit(seed, 3001) * unit(seed, 3002)};
-        double m[6], theirs[3], least, sum;
+        double m[6], theirs[3], minimum, sum;
         make_matrix(seed, sides, m);
-        (void)stp_least_direction(m, theirs);
+        (void)stp_scatter_eigenvector(m, theirs);
         sum = theirs[0] + theirs[1] + theirs[2];
-        bool found = stp_smallest_eigenvalue(m, &least);
+        bool found = stp_smallest_eigenvalue(m, &minimum);
         if (found) { // never above the root, and not far below
-            CHECK(least <= theirs[0] * (1.0 + 1e-6) && least >= 0.75 * theirs[0]);
+            CHECK(minimum <= theirs[0] * (1.0 + 1e-6) && minimum >= 0.75 * theirs[0]);
         } else {
             CHECK(theirs[0] > 0.04 * theirs[1]);
         }
@@ -104,7 +105,8 @@ void test_scatter_shortcut_is_checked_by_substitution(test_state* test)
     CHECK(flat > 500 && not_flat > 500);
 }
 
-// Scatters of parts, each from a choice of its points, make that of the whole wherever their coordinates begin.
+// Scatter matrices of parts, each from a sample of its points, add up to that of the whole, for any
+// origin.
 void test_scatter_of_parts_is_that_of_the_whole(test_state* test)
 {
     for (uint64_t seed = 0; seed < 200; ++seed) {

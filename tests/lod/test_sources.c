@@ -41,7 +41,7 @@ void test_stretch_is_the_largest_scale(test_state* test)
     CHECK(stp_affine_stretch(&flat) == 0.0);
 }
 
-// Spheres: one as it is, one mirrored, one squeezed, one inside of the first.
+// Spheres: one unchanged, one mirrored, one squeezed, one inside the first.
 enum { SPHERES = 4, SURFELS = 2500 };
 
 static bool make_spheres(stp_context* context, hierarchy* h, uint32_t* root)
@@ -96,8 +96,9 @@ static void captured_destroy(captured* c)
     }
 }
 
-// By brute force: each candidate is a surfel of one of the lists' prefixes, bit by bit, and none twice; the
-// outer spheres' are there, as hardly anything hides them; none of the inner sphere's.
+// By brute force: each candidate is bit-identical to a surfel in a listed prefix, and none occurs
+// twice; the outer spheres' surfels occur, as hardly anything hides them; the inner sphere's do
+// not.
 void test_candidates_of_sets_are_surfels_once(test_state* test)
 {
     stp_context* context = test_context(NULL, 2, NULL);
@@ -116,7 +117,7 @@ void test_candidates_of_sets_are_surfels_once(test_state* test)
         placement.m[2][3] -= c.candidates.origin.z;
         stp_set_placing placing = stp_set_placing_make(placed->surfels, &placement);
         stp_vec3d middle = {placement.m[0][3], placement.m[1][3], placement.m[2][3]};
-        for (uint32_t i = 0; i < placed->prefix; ++i) { // candidates come in this order
+        for (uint32_t i = 0; i < placed->prefix; ++i) { // candidates are in this order
             stp_vec3 at = stp_to_float(stp_set_position(&placing, i));
             const float* p = c.candidates.positions + 3 * (size_t)next;
             if (next < c.candidates.count && memcmp(p, &at, sizeof(at)) == 0) {
@@ -139,7 +140,7 @@ void test_candidates_of_sets_are_surfels_once(test_state* test)
     stp_context_destroy(context);
 }
 
-// Normals of a squeezed sphere stand on its surface, not on its radius.
+// Normals of a squeezed sphere are perpendicular to its surface, not along its radius.
 void test_normals_of_squeezed_sets(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
@@ -247,8 +248,8 @@ void test_captures_of_sets_do_not_depend_on_threads(test_state* test)
     }
 }
 
-// A thousand small spheres around a large one, without sets: of the small ones, so many are left out that the limit
-// holds, evenly; the large one stays.
+// A thousand small spheres around a large one, without sets: small ones are left out evenly to meet
+// the limit; the large one stays.
 void test_uses_smaller_than_a_pixel_are_thinned(test_state* test)
 {
     enum { MANY = 1000, LIMIT = 200 };
@@ -276,7 +277,7 @@ void test_uses_smaller_than_a_pixel_are_thinned(test_state* test)
         CHECK(step == list.parts[2].transform.m[0][3] - list.parts[1].transform.m[0][3]);
     }
     stp_source_list_destroy(context, &list);
-    // all larger than a pixel: the size below which they are thinned grows
+    // all larger than a pixel: the size below which spheres are thinned grows
     CHECK_EQUAL(STP_OK, stp_list_sources(h.scene, h.scene->root, NULL, 1e-4, LIMIT, &list));
     CHECK(list.part_count > LIMIT / 3 && list.part_count <= LIMIT);
     CHECK(list.parts[0].transform.m[0][0] == 10.0);

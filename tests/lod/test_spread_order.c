@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The order within leaves, and which points of a set are kept (src/lod/stochastic/spread_order.c, trim.c), against brute force.
+// The order within leaves, and the points of a set that are kept
+// (src/lod/stochastic/spread_order.c, trim.c), against brute force.
 #include "tests.h"
 
 #include "base/leaf_codes.h"
@@ -18,7 +19,7 @@ static uint32_t place(uint64_t seed, uint64_t index)
     return (uint32_t)(stp_rng_hash(seed, index) & 0xFFFFu);
 }
 
-/// A sheet; of odd seeds, all but a tenth in one corner.
+/// A sheet; for odd seeds, nine tenths of it in one corner.
 static void make_points(uint16_t* at, uint64_t seed)
 {
     for (uint64_t i = 0; i < POINTS; ++i) {
@@ -29,7 +30,7 @@ static void make_points(uint16_t* at, uint64_t seed)
     }
 }
 
-/// Squared distance across opposite sides of a leaf, in sides of it.
+/// Squared distance in a leaf with periodic boundaries, in units of its side.
 static double distance(const uint16_t* a, const uint16_t* b, const stp_leaf_cell* leaf)
 {
     double sum = 0.0, width = (double)stp_leaf_width(leaf->depth);
@@ -41,13 +42,13 @@ static double distance(const uint16_t* a, const uint16_t* b, const stp_leaf_cell
     return sum;
 }
 
-// Each of the first points of a leaf is the farthest from those before it.
+// Each of the first points of a leaf is the farthest from the previous ones.
 void test_spread_order_takes_the_farthest(test_state* test)
 {
     static uint16_t at[3 * POINTS];
     static uint32_t ranked[POINTS];
     static bool met[POINTS];
-    const double close = 3.0 / 65536.0 * 4.0; // squares are kept in 15 bits
+    const double close = 3.0 / 65536.0 * 4.0; // squared distances have 15 bits
     stp_context* context = test_context(NULL, 2, NULL);
     CHECK(context != NULL);
     for (uint64_t seed = 0; seed < 4; ++seed) {
@@ -59,8 +60,8 @@ void test_spread_order_takes_the_farthest(test_state* test)
         for (uint32_t l = 0; l < o.leaf_count; ++l) {
             const stp_leaf_cell* leaf = &o.leaves[l];
             const uint32_t* mine = ranked + leaf->begin;
-            uint32_t count = leaf->end - leaf->begin, most = count > 4 ? count / 4 : 0;
-            for (uint32_t n = 1; n < most; n += 1 + n / 8) {
+            uint32_t count = leaf->end - leaf->begin, maximum = count > 4 ? count / 4 : 0;
+            for (uint32_t n = 1; n < maximum; n += 1 + n / 8) {
                 double farthest = 0.0, taken = 0.0;
                 for (uint32_t i = n; i < count; ++i) {
                     double nearest = 3.0;
@@ -75,7 +76,7 @@ void test_spread_order_takes_the_farthest(test_state* test)
                 CHECK(taken >= farthest - close);
             }
         }
-        // placed, the octaves draw each leaf's points in that order
+        // after placement, the octaves draw each leaf's points in that order
         memset(met, 0, sizeof(met));
         uint32_t octaves = stp_leaf_octaves(POINTS);
         stp_spread_order_place(context, ranked, POINTS, &o);
@@ -96,21 +97,22 @@ void test_spread_order_takes_the_farthest(test_state* test)
     stp_context_destroy(context);
 }
 
-// Exactly as many as are wanted, the first of each leaf; sparse leaves keep all before dense ones keep more.
+// Exactly the requested number, the first points of each leaf; sparse leaves keep all before dense
+// ones keep more.
 void test_trimmed_leaves_are_as_dense_as_they_can_be(test_state* test)
 {
     enum { LEAVES = 50 };
     for (uint64_t seed = 0; seed < 8; ++seed) {
         stp_leaf_cell leaves[LEAVES];
-        static stp_leaf_facts facts[LEAVES];
+        static stp_leaf_properties properties[LEAVES];
         static uint32_t ranked[LEAVES * 100];
         uint32_t all = 0;
         for (uint32_t l = 0; l < LEAVES; ++l) {
             uint32_t count = 1 + (uint32_t)(stp_rng_hash(seed, l) % 99);
             leaves[l] = (stp_leaf_cell){.begin = all, .end = all + count, .depth = 3};
-            facts[l] = (stp_leaf_facts){.normal = {0, 1, 0}};
-            facts[l].area = (float)(10 + stp_rng_hash(seed, 100 + l) % 500);
-            facts[l].flatness = (float)l;
+            properties[l] = (stp_leaf_properties){.normal = {0, 1, 0}};
+            properties[l].area = (float)(10 + stp_rng_hash(seed, 100 + l) % 500);
+            properties[l].flatness = (float)l;
             for (uint32_t i = 0; i < count; ++i) {
                 ranked[all + i] = 1000 * l + i;
             }
@@ -123,10 +125,11 @@ void test_trimmed_leaves_are_as_dense_as_they_can_be(test_state* test)
         for (uint32_t l = 0; l < LEAVES; ++l) {
             had[l] = leaves[l].end - leaves[l].begin;
         }
-        stp_leaf_trim(&o, facts, ranked, wanted);
-        double thickest = 0.0, thinnest = HUGE_VAL; // of leaves that kept all, and of others
+        stp_leaf_trim(&o, properties, ranked, wanted);
+        double thickest = 0.0, thinnest = HUGE_VAL; // of leaves that kept all points, and of others
         for (uint32_t l = 0; l < o.leaf_count; ++l) {
-            uint32_t was = (uint32_t)facts[l].flatness, count = leaves[l].end - leaves[l].begin;
+            uint32_t was = (uint32_t)properties[l].flatness,
+                     count = leaves[l].end - leaves[l].begin;
             CHECK_EQUAL(kept, leaves[l].begin);
             CHECK(count > 0 && count <= had[was]);
             for (uint32_t i = 0; i < count; ++i) {
@@ -134,9 +137,9 @@ void test_trimmed_leaves_are_as_dense_as_they_can_be(test_state* test)
             }
             kept += count;
             if (count == had[was]) {
-                thickest = fmax(thickest, ((double)count - 1.0) / (double)facts[l].area);
+                thickest = fmax(thickest, ((double)count - 1.0) / (double)properties[l].area);
             } else {
-                thinnest = fmin(thinnest, ((double)count + 1.0) / (double)facts[l].area);
+                thinnest = fmin(thinnest, ((double)count + 1.0) / (double)properties[l].area);
             }
         }
         CHECK_EQUAL(wanted, kept);

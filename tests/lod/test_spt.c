@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Point trees and their sequences (src/lod/spt), against hand-computed disks and against the recursive traversal.
+// Point trees and their sequences (src/lod/spt), against hand-computed disks and against the
+// recursive traversal.
 #include "tests.h"
 
 #include "base/rng.h"
@@ -22,7 +23,8 @@ void test_spt_disks_have_the_errors_of_the_paper(test_state* test)
 {
     static const float weights[] = {1, 1, 1, 1};
     const stp_vec3 up = {0, 0, 1}, right = {1, 0, 0};
-    // two disks in one plane, 3 apart: enclosed by one of radius 2.5, which is 2 x 2.5 - 2 = 3 too wide one way
+    // two disks in one plane, 3 apart: enclosed by one of radius 2.5, whose diameter exceeds theirs
+    // by 2 x 2.5 - 2 = 3 on one axis
     stp_disk flat[] = {{{0, 0, 0}, up, 1}, {{3, 0, 0}, up, 1}};
     stp_disk disk = stp_disk_enclose(flat, weights, 2);
     CHECK(is_near(disk.radius, 2.5, 1e-5) && is_near(disk.center.x, 1.5, 1e-5));
@@ -30,26 +32,27 @@ void test_spt_disks_have_the_errors_of_the_paper(test_state* test)
     CHECK(is_near(error.perpendicular, 0.0, 1e-6));
     CHECK(is_near(error.tangential, 3.0, 1e-4));
     CHECK(is_near(error.geometric, 3.0, 1e-4));
-    // one of them half a unit higher: planes that enclose both are half a unit apart
+    // one of them half a unit higher: the enclosing planes are half a unit apart
     flat[1].center.z = 0.5f;
     disk = stp_disk_enclose(flat, weights, 2);
     error = stp_disk_measure(&disk, flat, 2);
     CHECK(is_near(disk.center.z, 0.25, 1e-6) && is_near(error.perpendicular, 0.5, 1e-6));
     CHECK(is_near(error.geometric, sqrt(0.25 + 9.0), 1e-4));
-    // at a right angle they face half way in between, and each reaches r sin 45 degrees to either side of the plane
+    // perpendicular disks: the normal is half way between theirs, and each extends r sin 45 degrees
+    // to either side of the plane
     stp_disk corner[] = {{{0, 0, 0}, up, 1}, {{0, 0, 0}, right, 1}};
     disk = stp_disk_enclose(corner, weights, 2);
     error = stp_disk_measure(&disk, corner, 2);
     CHECK(is_near(disk.normal.x, sqrt(0.5), 1e-6) && is_near(disk.normal.z, sqrt(0.5), 1e-6));
     CHECK(is_near(error.perpendicular, 2.0 * sqrt(0.5), 1e-5));
-    // four around a square: the enclosing disk reaches from the middle to their far sides
+    // four around a square: the enclosing disk extends from the middle to their far sides
     stp_disk square[] = {
         {{0, 0, 0}, up, 1}, {{2, 0, 0}, up, 1}, {{0, 2, 0}, up, 1}, {{2, 2, 0}, up, 1}};
     disk = stp_disk_enclose(square, weights, 4);
     CHECK(is_near(disk.radius, 1.0 + sqrt(2.0), 0.02));
     error = stp_disk_measure(&disk, square, 4);
     CHECK(is_near(error.tangential, 2.0 * (double)disk.radius - 4.0, 1e-3));
-    // normals that cancel out, and none at all: a sphere, with its diameter as error
+    // normals that cancel out, or no normals: a sphere, with its diameter as error
     stp_disk apart[] = {{{0, 0, 0}, up, 1}, {{0, 0, 2}, {0, 0, -1}, 1}};
     disk = stp_disk_enclose(apart, weights, 2);
     error = stp_disk_measure(&disk, apart, 2);
@@ -60,7 +63,7 @@ void test_spt_disks_have_the_errors_of_the_paper(test_state* test)
     disk = stp_disk_enclose(far, weights, 2);
     CHECK(disk.radius >=
           fmaxf(fabsf(disk.center.x - far[0].center.x), fabsf(disk.center.x - far[1].center.x)));
-    // a child that lies within another
+    // a child inside another
     stp_disk inner[] = {{{0, 0, 0}, up, 3}, {{1, 0, 0}, up, 1}};
     disk = stp_disk_enclose(inner, weights, 2);
     CHECK(is_near(disk.radius, 3.0, 0.05));
@@ -106,7 +109,7 @@ typedef struct cloud {
     stp_tree_points points;
 } cloud;
 
-/// Points on a wavy floor, a ball above it, and some in one place.
+/// Points on a wavy floor, on a ball above it, and some coincident ones.
 static void fill(cloud* c, uint64_t seed, uint32_t count)
 {
     for (uint32_t i = 0; i < count; ++i) {
@@ -186,7 +189,7 @@ void test_spt_trees_are_sound(test_state* test)
     stp_context_destroy(context);
 }
 
-/// All points in one place, and normals that nobody knows.
+/// All points at one place, and unknown normals.
 void test_spt_trees_of_coincident_points(test_state* test)
 {
     static const float positions[3 * 50] = {0};
@@ -201,7 +204,7 @@ void test_spt_trees_of_coincident_points(test_state* test)
     stp_context_destroy(context);
 }
 
-/// How a tree's nodes are seen from an eye: the nearest and the farthest of their centres.
+/// The nearest and farthest depth of a tree's nodes, by their centres.
 static void find_distances(const stp_point_tree* tree, stp_vec3d eye, double* nearest,
                            double* farthest)
 {
@@ -215,20 +218,21 @@ static void find_distances(const stp_point_tree* tree, stp_vec3d eye, double* ne
     }
 }
 
-/// The sequence selects what the traversal does, and besides only nodes whose parent or child is selected, too.
+/// The sequence selects the nodes of the traversal, plus only nodes whose parent or child is
+/// selected too.
 void test_spt_sequences_select_what_the_traversal_does(test_state* test)
 {
     static cloud c;
     static uint32_t nodes[2 * POINTS], sequential[2 * POINTS];
     static uint8_t taken[2 * POINTS];
-    const double most_allowed = 1.0 / 64;
+    const double max_allowed = 1.0 / 64;
     stp_context* context = test_context(NULL, 1, NULL);
     stp_point_tree tree;
     stp_point_sequence sequence;
     stp_tree_desc desc = {.color_threshold = 255};
     fill(&c, 7, POINTS);
     CHECK_EQUAL(STP_OK, stp_point_tree_make(context, &c.points, &desc, &tree));
-    CHECK_EQUAL(STP_OK, stp_point_sequence_make(context, &tree, most_allowed, &sequence));
+    CHECK_EQUAL(STP_OK, stp_point_sequence_make(context, &tree, max_allowed, &sequence));
     for (uint32_t i = 1; i < sequence.count; ++i) {
         CHECK(sequence.highest[i] <= sequence.highest[i - 1]);
     }
@@ -239,7 +243,7 @@ void test_spt_sequences_select_what_the_traversal_does(test_state* test)
                                       (double)(away * (unit(view_seed, 2) - 0.5f)),
                                       (double)(away * (unit(view_seed, 3) - 0.5f))},
                               .allowed =
-                                  most_allowed * (double)(0.01f + 0.99f * unit(view_seed, 4))};
+                                  max_allowed * (double)(0.01f + 0.99f * unit(view_seed, 4))};
         double nearest, farthest;
         find_distances(&tree, view.eye, &nearest, &farthest);
         uint32_t count = stp_point_tree_traverse(&tree, &view, nodes);
@@ -256,7 +260,7 @@ void test_spt_sequences_select_what_the_traversal_does(test_state* test)
             CHECK(taken[nodes[i]] == 1);
             taken[nodes[i]] = 2;
         }
-        // what is selected besides lies below a node of the traversal: the two overlap
+        // additional nodes lie below a node of the traversal: the two overlap
         for (uint32_t i = 0, end = 0; i < tree.count; ++i) {
             end = taken[i] == 2 ? tree.ends[i] : end;
             CHECK(taken[i] != 1 || i < end);
@@ -264,7 +268,7 @@ void test_spt_sequences_select_what_the_traversal_does(test_state* test)
         more += found - count;
         all += count;
     }
-    CHECK(more * 2 < all); // and it is not many
+    CHECK(more * 2 < all); // and there are few
     stp_point_sequence_destroy(context, &sequence);
     stp_point_tree_destroy(context, &tree);
     stp_context_destroy(context);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Sets of Sequential Point Trees (src/lod/spt/spt_set.c): order, ranges and table, and that any level is a picture.
+// Sets of Sequential Point Trees (src/lod/spt/spt_set.c): order, ranges, table, and coverage at any
+// level.
 #include "tests.h"
 
 #include "base/coverage.h"
@@ -49,12 +50,12 @@ void test_spt_sets_are_sequences(test_state* test)
         CHECK(stp_range_is_valid(s.ranges[i]) && stp_shape_is_valid(s.shapes[i]));
         leaves += (s.ranges[i] & 0xFFFFu) == 0;
         seams += s.colors[3 * i + 1] != 0 && s.colors[3 * i + 1] != 255;
-        CHECK(s.colors[3 * i] == 200 && s.colors[3 * i + 2] == 10); // means of what is alike
+        CHECK(s.colors[3 * i] == 200 && s.colors[3 * i + 2] == 10); // means of equal values
         CHECK(s.materials[i] < 3 && s.coverages[i] != 0);
     }
     CHECK_EQUAL(SAMPLES, leaves);
     CHECK(seams > 0 && seams < s.count / 4);
-    // to what a prefix reaches is the most that any splat after it is drawn at
+    // the level of a prefix is the maximum level of all later splats
     for (uint32_t k = 0; k < s.table.size; ++k) {
         for (uint32_t i = s.table.count[k]; i < s.count; ++i) {
             CHECK(stp_range_level(s.ranges[i] >> 16) <= s.table.radius[k]);
@@ -66,7 +67,7 @@ void test_spt_sets_are_sequences(test_state* test)
     stp_context_destroy(context);
 }
 
-// At any level, of a view or of all the set, each sample lies in a disk that is drawn.
+// At any level, of a view or of the whole set, each sample lies in a drawn disk.
 void test_spt_sets_cover_at_every_level(test_state* test)
 {
     static samples from;
@@ -98,7 +99,7 @@ void test_spt_sets_cover_at_every_level(test_state* test)
                 double reach = (double)s.step * (double)stp_shape_radius(s.shapes[i] & 0xFFFu);
                 stp_vec3d d = stp_subd(place_of(&from.set, k), place_of(&s, i));
                 double square = d.x * d.x + d.y * d.y + d.z * d.z;
-                // disks enclose what they stand for seen along their normals: across, not along them
+                // disks enclose their samples seen along the normal: across, not along it
                 covered = drawn[i] && square <= 1.5 * reach * reach + 1e-6;
             }
             CHECK(covered);
@@ -130,7 +131,7 @@ void test_spt_sets_are_the_same_for_any_number_of_threads(test_state* test)
     }
 }
 
-// One sample, samples in one place, and none.
+// One sample, coincident samples, and no samples.
 void test_spt_sets_of_little(test_state* test)
 {
     static samples from;
@@ -153,7 +154,7 @@ void test_spt_sets_of_little(test_state* test)
     stp_context_destroy(context);
 }
 
-// Whichever allocation fails, nothing is left over.
+// No failed allocation leaks memory.
 void test_spt_sets_survive_failing_allocator(test_state* test)
 {
     static samples from;

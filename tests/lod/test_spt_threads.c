@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Point trees, sequences and sets of many points (src/lod/spt): the same for any number of threads, and shaped as an octree
-// that is divided point by point.
+// Point trees, sequences and sets of many points (src/lod/spt): the same for any number of threads,
+// and equal to an octree that is built by its definition.
 #include "tests.h"
 
 #include "base/octahedral.h"
@@ -28,7 +28,7 @@ typedef struct cloud {
     stp_splats set;
 } cloud;
 
-/// A wavy floor; some points in one place, and some so close together that only deep levels part them.
+/// A wavy floor; some points coincide, and some are so close that only deep levels separate them.
 static void fill(cloud* c)
 {
     for (uint32_t i = 0; i < POINTS; ++i) {
@@ -144,7 +144,8 @@ void test_spt_threads_change_nothing(test_state* test)
     made within[2] = {together, together};
     make(&alone);
     make(&together);
-    stp_parallel_for(several, 2, 1, make_some, within); // as a build makes nodes at once
+    stp_parallel_for(several, 2, 1, make_some,
+                     within); // like a build that makes several nodes at once
     check_same(test, &alone, &together);
     check_same(test, &alone, &within[0]);
     check_same(test, &alone, &within[1]);
@@ -157,7 +158,7 @@ void test_spt_threads_change_nothing(test_state* test)
     free(c);
 }
 
-/// A box of the octree, as the definition divides it: points are moved, and nodes are counted.
+/// Divides a box of the octree by definition: moves points and counts nodes.
 typedef struct division {
     const float* positions;
     uint32_t order[POINTS], scratch[POINTS];

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Method stochastic: the octree, its leaves' normals, and sets (src/lod/stochastic), against brute force.
+// Method stochastic: the octree, its leaves' normals, and sets (src/lod/stochastic), against brute
+// force.
 #include "tests.h"
 
 #include "base/leaf_codes.h"
@@ -34,7 +35,8 @@ typedef struct cloud {
     double times[POINTS];         ///< and 0.5 i
 } cloud;
 
-/// The true direction outwards of a point of a ball or a cube; of sheets, away from the middle between them.
+/// True outward direction at a point of a ball or a cube; for sheets, away from the plane between
+/// them.
 static stp_vec3 outwards(cloud_kind kind, const float* p)
 {
     if (kind == SHEETS) {
@@ -50,7 +52,7 @@ static stp_vec3 outwards(cloud_kind kind, const float* p)
     return (stp_vec3){n[0], n[1], n[2]};
 }
 
-/// A crowd has most of its points in a few places.
+/// Most points of a crowd lie at a few places.
 static void make_cloud(cloud* c, cloud_kind kind, uint64_t seed)
 {
     c->candidates = (stp_candidates){
@@ -72,8 +74,9 @@ static void make_cloud(cloud* c, cloud_kind kind, uint64_t seed)
             double* axes[3] = {&p.x, &p.y, &p.z};
             *axes[face / 2] = face % 2 == 0 ? 1.0 : -1.0;
         } else if (kind == SHEETS) {
-            p.y =
-                y > 0.0 ? 0.15 : -0.15; // closer than leaves with as many points as may be are wide
+            p.y = y > 0.0
+                      ? 0.15
+                      : -0.15; // closer than the width of leaves with the maximum number of points
         } else if (i % 4 != 0) {
             p = (stp_vec3d){x > 0.0 ? 0.5 : -0.5, 0.25, 0.0};
         }
@@ -95,7 +98,7 @@ static const uint8_t shadings[2] = {0, 3};
 static stp_result make_set(stp_context* context, cloud* c, uint32_t wanted, stp_splats* set)
 {
     const stp_leaf_desc desc = {.budget = 300,
-                                .least = 20,
+                                .minimum = 20,
                                 .flatness = 0.005f,
                                 .neighbours = 12,
                                 .normal_neighbours = 20,
@@ -105,7 +108,7 @@ static stp_result make_set(stp_context* context, cloud* c, uint32_t wanted, stp_
     return stp_stochastic_make_set(context, &source, &desc, set);
 }
 
-/// Which point a splat is. @return POINTS where its attributes are another's
+/// The point of a splat. @return POINTS if its attributes are those of another point
 static uint32_t point_of(const stp_splats* s, uint32_t splat)
 {
     uint32_t point = s->colors[3 * (size_t)splat] | (uint32_t)s->colors[3 * (size_t)splat + 1] << 8;
@@ -114,7 +117,7 @@ static uint32_t point_of(const stp_splats* s, uint32_t splat)
     return intensities[splat] == point && times[splat] == 0.5 * (double)point ? point : POINTS;
 }
 
-/// Whether a cube with these points is to be divided.
+/// Whether a cube with these points must be divided.
 static bool is_divided(const uint16_t* at, const uint32_t* order, uint32_t begin, uint32_t end,
                        const stp_leaf_desc* desc)
 {
@@ -127,7 +130,7 @@ static bool is_divided(const uint16_t* at, const uint32_t* order, uint32_t begin
     stp_scatter_matrix(&scatter, matrix);
     uint32_t count = end - begin;
     return count > desc->budget ||
-           (count > desc->least && !stp_scatter_is_flat(matrix, (double)desc->flatness));
+           (count > desc->minimum && !stp_scatter_is_flat(matrix, (double)desc->flatness));
 }
 
 void test_leaf_octree_divides_what_it_should(test_state* test)
@@ -137,13 +140,14 @@ void test_leaf_octree_divides_what_it_should(test_state* test)
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
     for (uint64_t seed = 0; seed < 6; ++seed) {
-        for (uint64_t i = 0; i < 3 * POINTS; ++i) { // a bent sheet, a plane, all in a few places
+        for (uint64_t i = 0; i < 3 * POINTS; ++i) { // a bent sheet, a plane, all at a few places
             double x = unit(seed, i - i % 3), z = unit(seed, i - i % 3 + 1);
             double y = seed % 3 == 0 ? 0.2 * x * x + 0.1 * z : 0.3 * x + 0.2 * z;
             double v = i % 3 == 0 ? x : i % 3 == 1 ? y : z;
             at[i] = (uint16_t)(seed % 3 == 2 ? 1000.0 * floor(3.0 * v) : 60000.0 * v);
         }
-        const stp_leaf_desc desc = {.budget = 200, .least = 12, .flatness = 0.002f, .sample = 200};
+        const stp_leaf_desc desc = {
+            .budget = 200, .minimum = 12, .flatness = 0.002f, .sample = 200};
         stp_leaf_octree o;
         CHECK_EQUAL(STP_OK, stp_leaf_octree_make(context, at, POINTS, &desc, seed, &o));
         uint64_t next = 0;
@@ -175,7 +179,7 @@ void test_leaf_octree_divides_what_it_should(test_state* test)
                  ++last) {
             }
             uint32_t all = o.leaves[last].end - o.leaves[first].begin;
-            CHECK(leaf->depth == 0 || all > desc.sample || // where a choice of points decided
+            CHECK(leaf->depth == 0 || all > desc.sample || // where a sample of points decided
                   is_divided(at, o.order, o.leaves[first].begin, o.leaves[last].end, &desc));
         }
         CHECK_EQUAL(POINTS, o.leaves[o.leaf_count - 1].end);
@@ -184,7 +188,7 @@ void test_leaf_octree_divides_what_it_should(test_state* test)
     stp_context_destroy(context);
 }
 
-// Octaves and runs of leaves against the row of all splats, place by place.
+// Octaves and runs of leaves against the list of all splats, position by position.
 void test_leaf_runs_are_those_of_the_row(test_state* test)
 {
     for (uint32_t count = 1; count < 6000; count += 1 + count / 3) {
@@ -229,7 +233,7 @@ void test_leaf_codes_keep_their_order(test_state* test)
     CHECK_EQUAL(1, stp_leaf_extent_code(0.0f));
 }
 
-/// The share of splats whose normal is on the right side.
+/// Share of splats with an outward normal.
 static double share_outwards(const stp_splats* s, cloud_kind kind)
 {
     uint32_t right = 0;
@@ -246,7 +250,8 @@ static double share_outwards(const stp_splats* s, cloud_kind kind)
     return (double)right / (double)s->count;
 }
 
-// From the highest leaf around balls and edges, and not from a sheet to one that nearly touches it.
+// Orientation propagates from the highest leaf around balls and edges, but not between sheets that
+// nearly touch.
 void test_stochastic_normals_face_outwards(test_state* test)
 {
     static cloud c;
@@ -308,7 +313,7 @@ static void make_slotted_block(cloud* c, double height, uint64_t seed)
     }
 }
 
-// The leaf from which orientation starts may be as wide as the block is high.
+// The first oriented leaf may be as wide as the block is high.
 void test_stochastic_normals_of_a_slotted_block_face_outwards(test_state* test)
 {
     static cloud c;
@@ -369,7 +374,7 @@ void test_stochastic_sets_hold_every_point_once(test_state* test)
     stp_context_destroy(context);
 }
 
-// Edges are marked near the edges of a cube alone. Flat leaves have about the area of the surface in them.
+// Edges are marked only near the edges of a cube. Flat leaves have about the area of their surface.
 void test_stochastic_leaves_know_their_surface(test_state* test)
 {
     static cloud c;
@@ -386,7 +391,7 @@ void test_stochastic_leaves_know_their_surface(test_state* test)
             area += step * step * (double)stp_leaf_area(leaf);
             const double origin[3] = {(double)set.origin.x - 3.0, (double)set.origin.y,
                                       (double)set.origin.z + 2.0};
-            int outer = 0; // axes along which the leaf reaches a face
+            int outer = 0; // axes along which the leaf touches a face
             for (int k = 0; k < 3; ++k) {
                 double low = origin[k] + step * leaf->corner[k], high = low + width;
                 outer += low < -0.9 || high > 0.9 ? 1 : 0;
@@ -403,11 +408,11 @@ void test_stochastic_leaves_know_their_surface(test_state* test)
     stp_context_destroy(context);
 }
 
-/// Leaves marked as edges in a set of so many scales.
+/// Number of leaves marked as edges with a number of scales.
 static uint32_t count_edges(stp_context* context, cloud* c, uint32_t scales, uint32_t* leaves)
 {
     const stp_leaf_desc desc = {.budget = 300,
-                                .least = 20,
+                                .minimum = 20,
                                 .flatness = 0.005f,
                                 .neighbours = 12,
                                 .normal_neighbours = 20,
@@ -428,7 +433,8 @@ static uint32_t count_edges(stp_context* context, cloud* c, uint32_t scales, uin
     return edges;
 }
 
-// Noise makes edges on a ball at the finest scale, of which most do not last. Those of a cube last.
+// At the finest scale, noise marks edges on a ball; most disappear at larger scales. Those of a
+// cube stay.
 void test_stochastic_features_last_over_scales(test_state* test)
 {
     static cloud c;
@@ -459,7 +465,7 @@ void test_stochastic_features_last_over_scales(test_state* test)
     stp_context_destroy(context);
 }
 
-/// The flatness of all points in the cube of a depth around a leaf, by going through all of them.
+/// Flatness of the points in the cube of a depth around a leaf, by testing all points.
 static double flatness_around(const uint16_t* at, const stp_leaf_cell* leaf, uint32_t depth)
 {
     uint32_t width = stp_leaf_width(depth);
@@ -493,15 +499,15 @@ void test_stochastic_scales_are_those_of_all_points(test_state* test)
         at[3 * i + 1] = (uint16_t)(60000.0 * y);
         at[3 * i + 2] = (uint16_t)(60000.0 * z);
     }
-    const stp_leaf_desc desc = {.budget = 200, .least = 30, .flatness = 0.002f, .sample = 200};
+    const stp_leaf_desc desc = {.budget = 200, .minimum = 30, .flatness = 0.002f, .sample = 200};
     stp_leaf_octree o;
     CHECK_EQUAL(STP_OK, stp_leaf_octree_make(context, at, POINTS, &desc, 3, &o));
-    static stp_leaf_facts own[POINTS], facts[POINTS];
+    static stp_leaf_properties own[POINTS], properties[POINTS];
     static stp_scatter scatters[POINTS];
     const stp_leaf_points points = {at, normals, true};
-    stp_leaf_facts_of_places(context, &o, &points, own, scatters);
-    memcpy(facts, own, sizeof(*own) * o.leaf_count);
-    stp_leaf_facts_of_scales(context, &o, scatters, 3, facts);
+    stp_leaf_measure_planes(context, &o, &points, own, scatters);
+    memcpy(properties, own, sizeof(*own) * o.leaf_count);
+    stp_leaf_measure_scales(context, &o, scatters, 3, properties);
     uint32_t less = 0, ended = 0;
     for (uint32_t l = 0; l < o.leaf_count; ++l) {
         double lasting = (double)own[l].flatness, last = lasting;
@@ -512,9 +518,9 @@ void test_stochastic_scales_are_those_of_all_points(test_state* test)
             edge = edge && next >= 0.5 * last;
             last = next;
         }
-        CHECK(fabs((double)facts[l].lasting - lasting) <= 1e-6 + 1e-4 * lasting);
-        CHECK(facts[l].flatness == own[l].flatness && facts[l].edge == edge);
-        less += facts[l].lasting < own[l].flatness ? 1 : 0;
+        CHECK(fabs((double)properties[l].lasting - lasting) <= 1e-6 + 1e-4 * lasting);
+        CHECK(properties[l].flatness == own[l].flatness && properties[l].edge == edge);
+        less += properties[l].lasting < own[l].flatness ? 1 : 0;
         ended += own[l].edge && !edge ? 1 : 0;
     }
     CHECK(less > 10 && ended > 0);
@@ -573,7 +579,7 @@ void test_stochastic_sets_survive_failing_allocator(test_state* test)
     CHECK(made);
 }
 
-// What inner cubes sum up, and which leaves they hold.
+// Sums of inner cubes, and the leaves they contain.
 void test_leaf_tree_sums_up_its_leaves(test_state* test)
 {
     static cloud c;
@@ -585,7 +591,7 @@ void test_leaf_tree_sums_up_its_leaves(test_state* test)
         make_cloud(&c, (cloud_kind)kind, 3);
         CHECK_EQUAL(STP_OK, make_set(context, &c, POINTS, &set));
         uint32_t count = stp_leaf_tree_make(set.leaves, set.leaf_count, nodes), leaves = 0;
-        CHECK(count >= set.leaf_count && count <= stp_leaf_tree_most(set.leaf_count));
+        CHECK(count >= set.leaf_count && count <= stp_leaf_tree_max_nodes(set.leaf_count));
         CHECK(nodes[0].next == count && nodes[0].leaf_count == set.leaf_count);
         for (uint32_t i = 0; i < count; ++i) {
             const stp_leaf_node* node = &nodes[i];

@@ -77,21 +77,21 @@ void test_distribution_agrees_with_trying_all(test_state* test)
         stp_distribution d;
         CHECK_EQUAL(STP_OK,
                     stp_distribution_measure(context, points, count, points, MOST, spacings, &d));
-        double least = (double)INFINITY, most = 0.0;
+        double minimum = (double)INFINITY, maximum = 0.0;
         uint32_t below_median = 0, above_median = 0, uncovered = 0;
         for (uint32_t i = 0; i < count; ++i) {
             double spacing = sqrt(search_all(count, points + 3 * i, i));
             CHECK(spacings[i] == (float)spacing);
-            least = spacing < least ? spacing : least;
+            minimum = spacing < minimum ? spacing : minimum;
             below_median += (double)spacings[i] <= d.spacing_median;
             above_median += (double)spacings[i] >= d.spacing_median;
         }
         for (uint32_t i = 0; i < MOST; ++i) {
             double distance = (double)(float)sqrt(search_all(count, points + 3 * i, UINT32_MAX));
-            most = distance > most ? distance : most;
+            maximum = distance > maximum ? distance : maximum;
             uncovered += distance > d.spacing_median;
         }
-        CHECK(d.spacing_min == (double)(float)least && d.coverage_max == most);
+        CHECK(d.spacing_min == (double)(float)minimum && d.coverage_max == maximum);
         CHECK(below_median >= count / 2 && above_median >= count / 2);
         CHECK(d.coverage_p50 <= d.coverage_p99 && d.coverage_p99 <= d.coverage_max);
         CHECK(d.uncovered_fraction == (double)uncovered / MOST);

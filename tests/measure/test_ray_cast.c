@@ -56,7 +56,7 @@ static void make_world(world* w)
     memset(w->parts[7].transform.m[1], 0, 3 * sizeof(double)); // flattened: never hit
 }
 
-/// A ray that starts among the parts or beside them.
+/// A ray that starts between or beside the parts.
 static stp_cast_ray make_ray(uint64_t index)
 {
     double spread = index % 3 == 0 ? 12.0 : 5.0;

@@ -29,7 +29,7 @@ void test_surface_compare_counts_each_error_once(test_state* test)
     other[2 * SIZE + 8] = 0.0f;    // missing at the silhouette: not a hole
     other[5 * SIZE + 5] = 0.4f;    // a surface behind
     other[6 * SIZE + 5] = 0.4996f; // behind by less than two pixels' size: allowed
-    other[7 * SIZE + 5] = 0.6f;    // in front: not this error
+    other[7 * SIZE + 5] = 0.6f;    // in front: not this kind of error
     other[0] = 0.5f;               // outside
     stp_surface_compare(&a, &b, 0.001, 2.0, &errors);
     CHECK_EQUAL(144, errors.covered);

@@ -26,7 +26,7 @@ static bool is_at(stp_vec3d p, double x, double y, double z)
 static stp_view look(const stp_flight* flight, double t)
 {
     stp_view view = {.width = 7, .height = 5, .ortho_height = 3, .near_distance = 2};
-    stp_flight_look(flight, t, &view);
+    stp_flight_get_view(flight, t, &view);
     return view;
 }
 
@@ -47,9 +47,10 @@ void test_flight_follows_curves_worked_out_by_hand(test_state* test)
     CHECK(is_at(view.eye, 1, 0, 5) && is_at(view.target, 0, 4, 0) && is_at(view.up, 1, 0, 0));
     CHECK(view.fov_degrees == 45.0 && view.ortho_height == 0.0);
     CHECK(view.width == 7 && view.height == 5 && view.near_distance == 2.0); // unchanged
-    // The span from 2 s to 4 s, h = 1, 2, 1. Slopes of the eye: before (1, 0, 0), in it (1, 4, 0), after (0, 0, 4).
-    // At its start (2 (1, 0, 0) + 1 (1, 4, 0)) / 3 = (1, 4/3, 0), at its end (1 (1, 4, 0) + 2 (0, 0, 4)) / 3 =
-    // (1/3, 4/3, 8/3). In the middle (p1 + p2) / 2 + 2 (m1 - m2) / 8.
+    // The span from 2 s to 4 s, h = 1, 2, 1. Slopes of the eye: before (1, 0, 0), in it (1, 4, 0),
+    // after (0, 0, 4). At its start (2 (1, 0, 0) + 1 (1, 4, 0)) / 3 = (1, 4/3, 0), at its end (1
+    // (1, 4, 0) + 2 (0, 0, 4)) / 3 = (1/3, 4/3, 8/3). In the middle (p1 + p2) / 2 + 2 (m1 - m2) /
+    // 8.
     view = look(&flight, 3.0);
     CHECK(is_at(view.eye, 2.0 + 1.0 / 6.0, 4.0, 5.0 - 2.0 / 3.0));
     // the target: slopes (0, 4, 0), 0 and (9, 0, 0); m1 = (0, 8/3, 0), m2 = (6, 0, 0)
@@ -159,7 +160,7 @@ void test_flight_refuses_what_is_none(test_state* test)
     stp_flight flight;
     unsigned char byte = ' ';
     CHECK_EQUAL(STP_ERROR_LIMIT,
-                stp_flight_parse(context, "f", &byte, STP_FLIGHT_BYTES_MOST + 1, &flight));
+                stp_flight_parse(context, "f", &byte, STP_FLIGHT_BYTES_MAX + 1, &flight));
     CHECK_EQUAL(STP_ERROR_IO, stp_flight_read(context, "/nowhere/f.json", &flight));
     CHECK_EQUAL(before, stp_context_live_bytes(context));
     stp_context_destroy(context);

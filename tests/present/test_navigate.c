@@ -10,7 +10,7 @@
 static const stp_vec3d places[] = {{0, 0, 0}, {512345.25, 312.5, -5412345.75}};
 enum { PLACES = 2, ROUNDS = 200 };
 
-/// Random numbers, one after the other.
+/// A sequence of random numbers.
 typedef struct dice {
     uint64_t seed, index;
 } dice;
@@ -131,7 +131,7 @@ void test_navigate_zoom_keeps_the_point_under_the_cursor(test_state* test)
             stp_navigator_zoom(&n, point, 0.8);
         }
         CHECK(stp_navigator_project(&n, point, &px, &py, &depth));
-        CHECK(isfinite(n.eye.x) && n.reach >= n.least_reach);
+        CHECK(isfinite(n.eye.x) && n.reach >= n.min_reach);
     }
 }
 
@@ -176,12 +176,12 @@ void test_navigate_flight_scales_with_what_is_seen(test_state* test)
     CHECK(again.eye.x == start.x && again.eye.z == start.z && again.eye.y > start.y);
     // distances are adapted smoothly, by their ratio; without a visible surface, nothing changes
     double before = n.reach;
-    stp_navigator_see(&n, 0.0, 1.0);
+    stp_navigator_adapt_speed(&n, 0.0, 1.0);
     CHECK(n.reach == before);
-    stp_navigator_see(&n, 0.01 * before, 0.05);
+    stp_navigator_adapt_speed(&n, 0.01 * before, 0.05);
     CHECK(n.reach < before && n.reach > 0.02 * before);
     for (int i = 0; i < 100; ++i) {
-        stp_navigator_see(&n, 0.01 * before, 0.05);
+        stp_navigator_adapt_speed(&n, 0.01 * before, 0.05);
     }
     CHECK(fabs(n.reach / (0.01 * before) - 1.0) < 0.01);
     stp_navigator_change_speed(&n, 1000.0);
@@ -190,10 +190,10 @@ void test_navigate_flight_scales_with_what_is_seen(test_state* test)
     CHECK(n.speed >= 0.01);
 }
 
-static bool shows_box(const stp_navigator* n, const stp_boxd* box, double* most)
+static bool shows_box(const stp_navigator* n, const stp_boxd* box, double* maximum)
 {
     bool inside = true;
-    *most = 0.0;
+    *maximum = 0.0;
     for (int corner = 0; corner < 8; ++corner) {
         stp_vec3d p = {(corner & 1) != 0 ? box->max.x : box->min.x,
                        (corner & 2) != 0 ? box->max.y : box->min.y,
@@ -201,9 +201,9 @@ static bool shows_box(const stp_navigator* n, const stp_boxd* box, double* most)
         double x, y, depth;
         inside = stp_navigator_project(n, p, &x, &y, &depth) && inside;
         double part = fmax(fabs(x / 320.0 - 1.0), fabs(y / 200.0 - 1.0));
-        *most = fmax(*most, part);
+        *maximum = fmax(*maximum, part);
     }
-    return inside && *most <= 1.0;
+    return inside && *maximum <= 1.0;
 }
 
 void test_navigate_frames_boxes_from_any_direction(test_state* test)
@@ -212,9 +212,9 @@ void test_navigate_frames_boxes_from_any_direction(test_state* test)
     for (int i = 0; i < PLACES * ROUNDS; ++i) {
         stp_navigator n = any_camera(&rng, places[i % PLACES]);
         stp_boxd box = box_at(places[i % PLACES]);
-        double azimuth = n.azimuth, most;
+        double azimuth = n.azimuth, maximum;
         stp_navigator_frame(&n, &box, NULL);
-        CHECK(n.azimuth == azimuth && shows_box(&n, &box, &most) && most > 0.9);
+        CHECK(n.azimuth == azimuth && shows_box(&n, &box, &maximum) && maximum > 0.9);
         CHECK(distance(n.pivot, places[i % PLACES]) < 1e-6);
     }
     stp_navigator n = any_camera(&rng, places[0]), before = n;

@@ -7,7 +7,7 @@ static const stp_boxd box = {{-1, -2, -3}, {1, 2, 3}};
 
 void test_planes_cut_boxes_into_polygons(test_state* test)
 {
-    stp_vec3d corners[STP_PLANE_CORNERS_MOST];
+    stp_vec3d corners[STP_PLANE_CORNERS_MAX];
     CHECK_EQUAL(4, stp_plane_cut_box((stp_vec3d){0.5, 9, 9}, (stp_vec3d){1, 0, 0}, &box, corners));
     for (int i = 0; i < 4; ++i) { // a rectangle in order: neighbours differ in one coordinate
         stp_vec3d way = stp_subd(corners[i], corners[(i + 1) % 4]);

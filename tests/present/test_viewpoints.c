@@ -20,7 +20,7 @@ static char path_of_wall[] = "house/wall", text_of_crack[] = "a crack",
             long_name[] = "K\xC3\xBC"
                           "che";
 
-/// One of everything.
+/// One of each kind.
 static stp_viewpoint make_view(char* name)
 {
     static char note[] = "look \"here\"\n";
@@ -99,7 +99,7 @@ void test_viewpoints_come_back_as_they_were_written(test_state* test)
     const stp_viewpoint* found = stp_viewpoints_find(&back, long_name);
     CHECK(found == &back.views[7]);
     stp_view view = {.width = 5, .fov_degrees = 60, .near_distance = 1};
-    stp_viewpoint_look(found, &view);
+    stp_viewpoint_get_view(found, &view);
     CHECK(view.fov_degrees == 35 && view.ortho_height == 2.5 && view.sections.count == 2);
     CHECK(view.width == 5 && view.near_distance == 1 && view.up.z == 1);
     // another of the same name replaces it
@@ -108,7 +108,7 @@ void test_viewpoints_come_back_as_they_were_written(test_state* test)
     CHECK_EQUAL(STP_OK, stp_viewpoints_put(context, &back, &other));
     CHECK(back.count == 20 && back.views[7].fov_degrees == 0);
     view.fov_degrees = 60;
-    stp_viewpoint_look(&back.views[7], &view);
+    stp_viewpoint_get_view(&back.views[7], &view);
     CHECK(view.fov_degrees == 60);
     CHECK(stp_viewpoints_remove(context, &back, long_name));
     CHECK(!stp_viewpoints_remove(context, &back, long_name));

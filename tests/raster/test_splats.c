@@ -125,8 +125,8 @@ static double stretch_of(const splat_scene* s, uint32_t index, const double offs
 // Distance from the splat's centre, in its own radii, at which the ray through a screen point meets
 // its plane, in view units, and the nearness there; HUGE_VAL if it misses. Uses only the camera, in
 // double.
-static double meet(const splat_scene* s, uint32_t index, double x, double y, double center[3],
-                   double* nearness)
+static double visit_object(const splat_scene* s, uint32_t index, double x, double y,
+                           double center[3], double* nearness)
 {
     double n[3] = {0}, dir[3], from[3] = {0}, object[3];
     stp_vec3 normal = stp_octahedral_decode(s->normals[2 * index], s->normals[2 * index + 1]);
@@ -174,7 +174,8 @@ static bool near_edge(const splat_scene* s, uint32_t index, double x, double y, 
 {
     for (int k = 0; k < 8; ++k) {
         double angle = k * (STP_PI / 4), center[3], nearness;
-        double d = meet(s, index, x + 0.05 * cos(angle), y + 0.05 * sin(angle), center, &nearness);
+        double d =
+            visit_object(s, index, x + 0.05 * cos(angle), y + 0.05 * sin(angle), center, &nearness);
         if ((d <= radius) != inside) {
             return true;
         }
@@ -193,7 +194,7 @@ static int count_wrong(splat_scene* s, uint32_t index)
     int wrong = 0;
     for (uint32_t at = 0; at < WIDTH * HEIGHT; ++at) {
         double x = at % WIDTH + 0.5, y = at / WIDTH + 0.5, center[3], nearness = 0.0;
-        double distance = meet(s, index, x, y, center, &nearness);
+        double distance = visit_object(s, index, x, y, center, &nearness);
         double z = s->camera.parallel ? 1.0 : center[2], focal = (double)s->camera.pixel_scale;
         bool ahead = s->camera.parallel || center[2] > 0.0;
         double sx = 0.5 * WIDTH + focal * center[0] / z, sy = 0.5 * HEIGHT + focal * center[1] / z;
@@ -270,7 +271,7 @@ void test_splats_within_levels(test_state* test)
         bool parallel = round % 4 == 3;
         place_camera(&s, 0.4 * round, round % 3 == 0 ? 0.8 : 2.5, 60.0, parallel, false);
         stp_raster_levels levels = {.per_depth = (float)uniform(5, (uint64_t)round, 0.05, 0.6),
-                                    .least = round % 2 == 0 ? 0.0f : 0.4f};
+                                    .minimum = round % 2 == 0 ? 0.0f : 0.4f};
         uint16_t wanted[SPLATS / 16], bits[SPLATS / 16] = {0};
         for (int i = 0; i < SPLATS / 16; ++i) {
             wanted[i] = (uint16_t)stp_rng_hash(9, (uint64_t)i);
@@ -286,7 +287,7 @@ void test_splats_within_levels(test_state* test)
                 depth += (double)s.camera.matrix.m[3][c] *
                          ((double)s.positions[3 * i + c] * (double)s.splats.step);
             }
-            double level = fmax((double)levels.per_depth * depth, (double)levels.least);
+            double level = fmax((double)levels.per_depth * depth, (double)levels.minimum);
             double low = (double)stp_range_level(s.ranges[i] & 0xFFFFu);
             double high = (double)stp_range_level(s.ranges[i] >> 16);
             bool expected = level >= low && level <= high &&
@@ -341,7 +342,7 @@ void test_splats_that_groups_leave_out_cannot_be_seen(test_state* test)
             s.ranges[i] = (uint32_t)STP_RANGE_ANY;
         }
         uint16_t bits[SPLATS / 16 + 1] = {0};
-        stp_raster_levels levels = {.least = 0.1f,
+        stp_raster_levels levels = {.minimum = 0.1f,
                                     .groups = groups,
                                     .one_sided = round % 3 != 0,
                                     .width = WIDTH,
@@ -353,7 +354,7 @@ void test_splats_that_groups_leave_out_cannot_be_seen(test_state* test)
             }
             dropped += 1;
             double center[3], towards = 0.0, nearness;
-            (void)meet(&s, i, 0.0, 0.0, center, &nearness);
+            (void)visit_object(&s, i, 0.0, 0.0, center, &nearness);
             stp_vec3 n = stp_octahedral_decode(s.normals[2 * i], s.normals[2 * i + 1]);
             for (int r = 0; r < 3; ++r) {
                 double turned = 0.0;
@@ -387,7 +388,7 @@ void test_splats_within_levels_by_all_variants(test_state* test)
         s.splats.end = SPLATS - (uint32_t)round;
         levels_frame frame = {.splats = &s.splats,
                               .ranges = s.ranges,
-                              .levels = {.per_depth = 0.2f, .least = 0.1f * (float)(round % 3)}};
+                              .levels = {.per_depth = 0.2f, .minimum = 0.1f * (float)(round % 3)}};
         stp_splats_fold_row(s.camera.matrix.m[3], &s.splats, frame.w);
         uint16_t expected[SPLATS / 16 + 1] = {0}, bits[SPLATS / 16 + 1] = {0};
         bool any = stp_splats_pick_portable(&frame, expected);
@@ -562,7 +563,7 @@ void test_splats_of_which_little_is_drawn_are_smaller(test_state* test)
     const int levels[] = {2, 3, 5, 15, 21, 63}, halvings[] = {3, 3, 2, 2, 1, 1};
     const double focal = 40.0;
     for (int level = 0; level < 6; ++level) {
-        double area = 0.0, drawn = 0.0, most = 0.0;
+        double area = 0.0, drawn = 0.0, maximum = 0.0;
         make_scene(&s, 15, 8.0 / focal); // the view is twice as large: sixteen pixels
         place_camera(&s, 0.3, 4.0, focal, true, false);
         s.splats.normals = NULL;
@@ -585,11 +586,11 @@ void test_splats_of_which_little_is_drawn_are_smaller(test_state* test)
             drawn += (double)stp_raster_draw_splats(&s.target, 0, HEIGHT, &s.camera, &s.splats, 0);
             find_columns(&s, &inner_left, &inner_right);
             double width = (double)(inner_right - inner_left + 1) / (right - left + 1);
-            most = width > most ? width : most;
+            maximum = width > maximum ? width : maximum;
         }
         double size = 1.0 / (1 << halvings[level]);
         CHECK(area > 100.0 && fabs(drawn - area) < 0.05 * area);
-        CHECK(most > 0.8 * size && most < 1.2 * size);
+        CHECK(maximum > 0.8 * size && maximum < 1.2 * size);
     }
 }
 
@@ -631,7 +632,7 @@ void test_splats_cover_their_area(test_state* test)
                     (double)stp_raster_draw_splats(&s.target, 0, HEIGHT, &s.camera, &s.splats, 0);
                 double center[3], nearness, facing = 0.0, length = 0.0;
                 double sx = 0.0, sy = 0.0;
-                meet(&s, i, 0.0, 0.0, center, &nearness);
+                visit_object(&s, i, 0.0, 0.0, center, &nearness);
                 sx = 0.5 * WIDTH + 0.5 * focal * center[0];
                 sy = 0.5 * HEIGHT + 0.5 * focal * center[1];
                 stp_vec3 n = stp_octahedral_decode(s.normals[2 * i], s.normals[2 * i + 1]);
@@ -642,7 +643,8 @@ void test_splats_cover_their_area(test_state* test)
                     length += axis * axis;
                 }
                 area += STP_PI * radii[k] * radii[k] * fabs(facing) / sqrt(length);
-                double distance = meet(&s, i, floor(sx) + 0.5, floor(sy) + 0.5, center, &nearness);
+                double distance =
+                    visit_object(&s, i, floor(sx) + 0.5, floor(sy) + 0.5, center, &nearness);
                 added += k == 0 && distance * 0.5 * focal > radii[k] ? 1.0 : 0.0;
             }
         }
@@ -713,10 +715,11 @@ void test_splats_cover_a_plane_without_holes(test_state* test)
         draw_prefix(&s, &f, prefixes[round % 5], sqrt(2.0) / side);
         place_camera(&s, 0.25 * round, 2.0 + round, 70.0, round % 2 == 1, false);
         stp_raster_draw_splats(&s.target, 0, HEIGHT, &s.camera, &s.splats, 0);
-        // the plane itself, as one splat with the largest extent: pixels that meet it inside the square
+        // the plane itself, as one splat with the largest extent: pixels that meet it inside the
+        // square
         for (uint32_t at = 0; at < WIDTH * HEIGHT; ++at) {
             double center[3], nearness = 0.0, x = at % WIDTH + 0.5, y = at / WIDTH + 0.5;
-            if (meet(&s, 0, x, y, center, &nearness) == HUGE_VAL ||
+            if (visit_object(&s, 0, x, y, center, &nearness) == HUGE_VAL ||
                 s.pixels[at] != STP_RASTER_EMPTY) {
                 continue;
             }

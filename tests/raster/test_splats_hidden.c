@@ -53,7 +53,7 @@ static void make_wall(hidden_scene* s, uint64_t seed)
     stp_raster_make_windows(s->blocks, COLUMNS, ROWS, s->windows);
 }
 
-/// Splats in a cube around the eye and before it, of a radius.
+/// Splats of one radius in a cube around and in front of the eye.
 static void make_scene(hidden_scene* s, uint64_t seed, double radius)
 {
     for (uint64_t i = 0; i < 3 * SPLATS; ++i) {
@@ -133,7 +133,7 @@ static void check_kernel(test_state* test, splat_kernel kernel, ask_kernel ask, 
         CHECK_EQUAL(0, memcmp(s.expected, s.pixels, sizeof(s.pixels)));
         int count = count_bits(s.hidden);
         CHECK(count < SPLATS && (count == 0 || fewer < whole));
-        // asked again with the same occluder or none, everything or nothing is hidden
+        // drawn again, with the same occluder everything is hidden, with none nothing
         stp_splat_frame frame;
         memcpy(wanted, s.hidden, sizeof(wanted));
         stp_splats_test_frame(&frame, &s.splats);
@@ -155,7 +155,7 @@ static void check_kernel(test_state* test, splat_kernel kernel, ask_kernel ask, 
 }
 
 #if defined(__x86_64__)
-/// Draws the wanted splats before the wall by a kernel.
+/// Draws the wanted splats in front of the wall with a kernel.
 static void draw_wanted(hidden_scene* s, splat_kernel kernel, uint16_t hidden[WORDS])
 {
     memcpy(s->pixels, s->wall, sizeof(s->wall));
@@ -164,7 +164,8 @@ static void draw_wanted(hidden_scene* s, splat_kernel kernel, uint16_t hidden[WO
     memcpy(hidden, s->hidden, sizeof(s->hidden));
 }
 
-// Splats that wait until there are sixteen: the same pixels and hidden ones as word by word, however many are wanted.
+// Queued batches of sixteen give the same pixels and hidden splats as single words, for any number
+// of wanted splats.
 void test_splats_hidden_among_the_wanted(test_state* test)
 {
     static hidden_scene s;
@@ -205,7 +206,7 @@ void test_splats_hidden_cannot_be_seen(test_state* test)
 {
     int hidden[3] = {0};
     check_kernel(test, stp_splats_draw_portable, stp_splats_test_portable, &hidden[0]);
-    CHECK(hidden[0] > 500); // otherwise nothing was tested
+    CHECK(hidden[0] > 500); // otherwise the test proves nothing
 #if defined(__x86_64__)
     stp_processor processor = stp_processor_detect();
     if (processor >= STP_PROCESSOR_AVX2) {

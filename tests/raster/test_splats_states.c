@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The range test selects the splats of a state of a progressive set, in every variant, wherever the
-// splats are.
+// The range test selects the splats of a state of a progressive set, in every variant, for any
+// positions of the splats.
 #include "tests.h"
 
 #include "base/processor.h"
@@ -43,10 +43,11 @@ static void tear_down(fixture* f)
 static levels_frame frame_of(const fixture* f, const stp_raster_splats* splats, uint32_t wanted)
 {
     stp_progressive_cut cut = stp_progressive_find_cut(f->set.ranges, f->set.count, wanted);
-    return (levels_frame){.splats = splats,
-                          .ranges = f->set.ranges,
-                          .w = {0.5f, -0.25f, 1e-3f, 7.0f}, // on both sides of the eye
-                          .levels = {.least = cut.level, .below = cut.below, .divide = cut.divide}};
+    return (levels_frame){
+        .splats = splats,
+        .ranges = f->set.ranges,
+        .w = {0.5f, -0.25f, 1e-3f, 7.0f}, // on both sides of the eye
+        .levels = {.minimum = cut.level, .below = cut.below, .divide = cut.divide}};
 }
 
 /// Walks to a state and compares its splats with those the kernels select, in two pieces.

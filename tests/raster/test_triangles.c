@@ -293,8 +293,8 @@ static void draw_variant(const stp_triangle_kernels* kernels, uint64_t* pixels,
                          const stp_raster_matrix* matrix)
 {
     enum { MOST = 300 };
-    static int32_t x[3 * MOST + STP_LANES_MOST], y[3 * MOST + STP_LANES_MOST];
-    static float nearness[3 * MOST + STP_LANES_MOST];
+    static int32_t x[3 * MOST + STP_LANES_MAX], y[3 * MOST + STP_LANES_MAX];
+    static float nearness[3 * MOST + STP_LANES_MAX];
     static uint32_t indices[3 * MOST], clipped[MOST];
     uint64_t fragments = 0;
     stp_triangle_transform transform = {.nearness_limit = 2.0f};

@@ -10,10 +10,10 @@
 
 enum { WIDTH = 300, HEIGHT = 170, PIXELS = WIDTH * HEIGHT, EACH = 40 };
 
-static int32_t number(uint64_t seed, uint64_t index, int64_t most)
+static int32_t number(uint64_t seed, uint64_t index, int64_t maximum)
 {
-    uint64_t range = (uint64_t)(2 * most + 1);
-    return (int32_t)((int64_t)(stp_rng_hash(seed, index) % range) - most);
+    uint64_t range = (uint64_t)(2 * maximum + 1);
+    return (int32_t)((int64_t)(stp_rng_hash(seed, index) % range) - maximum);
 }
 
 /// A triangle in sub-pixels that touches the picture: its longest edge, and the distance of the

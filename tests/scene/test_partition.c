@@ -5,7 +5,8 @@
 #include "scene/partition.h"
 #include "scene/scene_helpers.h"
 
-// All coordinates are multiples of 1/2 and all transforms exact, so triangles can be compared bit for bit.
+// All coordinates are multiples of 1/2 and all transforms exact, so triangles can be compared bit
+// for bit.
 
 typedef struct triangles {
     uint64_t* keys; ///< sorted hashes of placed triangles and points
@@ -225,7 +226,7 @@ void test_partitions_keep_every_triangle_once(test_state* test)
         CHECK(memcmp(&box, &scene->nodes[scene->root].bounds, sizeof(box)) == 0);
         stp_free(context, after.keys);
         stp_free(context, root.keys);
-        for (size_t i = 0; i < scene->object_count; ++i) { // whatever was dissolved
+        for (size_t i = 0; i < scene->object_count; ++i) { // regardless of dissolved layers
             CHECK(list_triangles(scene, scene->objects[i].node, &after));
             CHECK(same_triangles(&before[i], &after));
             stp_free(context, after.keys);
@@ -346,8 +347,8 @@ static bool add_use(stp_scene* scene, uint32_t parent, uint32_t used, double z)
            stp_scene_add_use(scene, used) == STP_OK;
 }
 
-// Build results are cached by content: other content of the scene that uses the same items must not
-// change how something is cut, or all of it would be rebuilt.
+// Build results are cached by content: other users of the same items must not
+// change a cut, because it would invalidate the cached results.
 void test_partition_of_a_subtree_is_a_function_of_its_content(test_state* test)
 {
     stp_hash contents[3];
@@ -439,11 +440,11 @@ void test_shared_meshes_are_cut_once(test_state* test)
     double step = scene->meshes[0].grid_step;
     CHECK_EQUAL(STP_OK, stp_scene_partition(scene, &(stp_partition_desc){.leaf_triangles = 100}));
     CHECK_EQUAL(12, scene->mesh_count); // whole, and 11 pieces
-    uint32_t least = UINT32_MAX, most = 0;
+    uint32_t minimum = UINT32_MAX, maximum = 0;
     for (size_t i = 1; i < scene->mesh_count; ++i) {
         const stp_mesh* piece = &scene->meshes[i];
-        least = piece->triangle_count < least ? piece->triangle_count : least;
-        most = piece->triangle_count > most ? piece->triangle_count : most;
+        minimum = piece->triangle_count < minimum ? piece->triangle_count : minimum;
+        maximum = piece->triangle_count > maximum ? piece->triangle_count : maximum;
         CHECK_EQUAL(piece->triangle_count + 2, piece->vertex_count); // compacted
         CHECK(strcmp(piece->name, "strip") == 0 && piece->grid_step == step);
         CHECK(piece->texcoords[0] == NULL);
@@ -453,7 +454,7 @@ void test_shared_meshes_are_cut_once(test_state* test)
             CHECK_EQUAL((uint16_t)(2.0f * x), piece->colors[4 * v + 3]);
         }
     }
-    CHECK(least == 91 && most == 91);
+    CHECK(minimum == 91 && maximum == 91);
     const stp_node* cut = &scene->nodes[scene->objects[still].node];
     CHECK_EQUAL(11, cut->edge_count);
     CHECK_EQUAL(1, scene->nodes[scene->objects[moving].node].part_count);
@@ -480,7 +481,7 @@ void test_degenerate_scenes_are_partitioned(test_state* test)
         }
         CHECK_EQUAL(STP_OK, stp_scene_add_mesh(scene, &strip, &mesh));
         CHECK(add_object(scene, STP_NONE, stp_affine_identity(), 0, &top));
-        for (int i = 0; i < COUNT; ++i) { // all at one place, or farther and farther out
+        for (int i = 0; i < COUNT; ++i) { // all at one place, or ever farther out
             double at =
                 variant == 3 ? (double)(UINT64_C(1) << (i % 60)) * (i > 150 ? 1e-30 : 0.5) : 0;
             stp_affine transform = make_translation(at, 0, 0);
@@ -627,14 +628,14 @@ void test_partitions_survive_failing_allocator(test_state* test)
     CHECK(made && failures > 100);
 }
 
-// Points of a large cloud are cut into small pieces; a small cloud stays whole, and so does a larger
-// one whose outside is to be found.
+// Points of a large cloud are cut into small pieces; a small cloud stays whole, and so does a
+// larger one whose outside must be found.
 void test_large_clouds_are_cut_finely(test_state* test)
 {
     static const struct {
         uint32_t points;
         bool has_normals, finds_signs;
-        uint32_t pieces, most;
+        uint32_t pieces, maximum;
     } cases[] = {{400000, false, false, 1, 400000},
                  {400001, false, false, 17, 25000},
                  {400001, false, true, 1, 1000000},
@@ -665,7 +666,7 @@ void test_large_clouds_are_cut_finely(test_state* test)
         uint32_t pieces = 0;
         for (size_t i = 0; i < scene->node_part_count; ++i) {
             uint32_t size = scene->point_sets[scene->node_parts[i].index].point_count;
-            CHECK(size <= cases[k].most);
+            CHECK(size <= cases[k].maximum);
             points += size;
             pieces += 1;
         }

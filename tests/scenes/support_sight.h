@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Rays through a scene, triangle by triangle: what stands before an eye, and whether it is inside of something.
+// Rays through a scene, by brute force over triangles: tests whether an eye is inside a solid.
 #pragma once
 
 #include "tests.h"
@@ -14,17 +14,18 @@ typedef struct sight {
 } sight;
 
 typedef struct sight_hit {
-    double distance; ///< in lengths of the direction; INFINITY: nothing is hit
+    double distance; ///< in lengths of the direction; INFINITY: no hit
     bool from_behind;
 } sight_hit;
 
-/// @return false where that fails
+/// @return false on failure
 bool sight_open(sight* s, const stp_scene* scene);
 void sight_close(sight* s);
 
 /// The nearest triangle that a ray hits.
 sight_hit sight_look(const sight* s, stp_vec3d eye, stp_vec3d direction);
 
-/// Whether the first thing above is seen from behind, and the first below, too, or there is none: inside of what is
-/// solid. `ground`: and below all else lies a floor, so that who has nothing below is under it.
+/// Whether the first triangle above is hit from behind, and so is the first below, or there is
+/// none: inside a solid. `ground`: the scene has a floor, so a point without anything below lies
+/// under it.
 bool sight_is_inside(const sight* s, bool ground, stp_vec3d eye);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Named views, and the flights of scenes/flights: each scene has them, and nobody stands in a wall.
+// Named views, and the flights of scenes/flights: each scene has them, and no eye is inside a wall.
 #include "present/flight.h"
 #include "scenes/support_scenes.h"
 #include "scenes/support_sight.h"
@@ -7,14 +7,14 @@
 #include <math.h>
 #include <string.h>
 
-enum { STEPS = 5 }; // positions looked at between two keys
+enum { STEPS = 5 }; // positions tested between two keys
 
-// Where it is tried: the whole would take too long. `reach` is how far from the scene made an eye may stand, as
-// a part of its diagonal.
+// Scene to test: the full scene takes too long. `reach` is the maximum distance of an eye from that
+// scene, as a fraction of its diagonal.
 typedef struct trial {
     const char *name, *made; ///< `made` stands at the same places
     double scale, reach;
-    bool ground; ///< there is one everywhere below
+    bool ground; ///< the ground extends everywhere
 } trial;
 
 static const trial trials[] = {
@@ -41,7 +41,7 @@ static stp_result read_flight(stp_context* context, const char* name, stp_flight
     return stp_flight_read(context, path, f);
 }
 
-// What is wrong with standing there and looking that way; NULL: nothing.
+// Fault of a camera at this position and direction; NULL: none.
 static const char* judge_stand(const sight* s, const trial* tried, stp_vec3d eye, stp_vec3d target)
 {
     const stp_boxd* box = &s->scene->nodes[s->scene->root].bounds;
@@ -86,8 +86,8 @@ static void check_trial(test_state* test, const trial* tried)
     for (size_t i = 0; i + 1 < f.key_count; ++i) {
         for (int k = 0; k <= STEPS; ++k) {
             stp_view view = {0};
-            stp_flight_look(&f, f.keys[i].t + (f.keys[i + 1].t - f.keys[i].t) * (double)k / STEPS,
-                            &view);
+            stp_flight_get_view(
+                &f, f.keys[i].t + (f.keys[i + 1].t - f.keys[i].t) * (double)k / STEPS, &view);
             check_stand(test, &s, tried, "flight", view.eye, view.target);
         }
     }

@@ -16,8 +16,8 @@ static void make_box(mesh_builder* builder, const void* parameters)
     solid_box(builder, point3(0, 0, 0), point3(1, 2, 3));
 }
 
-// A prototype with a child, used at two places, one of them within another use; instances that lean, which are no
-// rotation; an object of two parts; a name that needs escapes.
+// A prototype with a child, used at two places, one of them within another use; sheared instances,
+// which are no rotation; an object with two parts; a name that needs escapes.
 static bool make_difficult_scene(stp_scene* scene)
 {
     uint32_t mesh, first, second;

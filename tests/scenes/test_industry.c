@@ -16,8 +16,8 @@ typedef struct industry_part {
     void (*plan)(assembly_plan* plan);
     const plan_counts* counts;
     part_adder add;
-    double width, depth, height; ///< of the area it may fill
-    uint64_t hash;               ///< of all its meshes at the small scale
+    double width, depth, height; ///< of the area available to it
+    uint64_t hash;               ///< total of its meshes at the small scale
 } industry_part;
 
 static const industry_part power_plants = {
@@ -79,7 +79,7 @@ static void check_mesh(test_state* test, const stp_mesh* mesh)
     CHECK(50 * flat <= mesh->triangle_count);
 }
 
-// The lengths of all edges, as whole micrometres.
+// Lengths of all edges, in whole micrometres.
 static uint64_t edge_length(const stp_mesh* mesh, size_t edge)
 {
     const uint32_t* c = mesh->indices + edge / 3 * 3;
@@ -89,7 +89,7 @@ static uint64_t edge_length(const stp_mesh* mesh, size_t edge)
     return (uint64_t)((double)stp_length(way) * 1e6);
 }
 
-// The ratio of the 95th to the 5th percentile of all edges, at least: by powers of two.
+// Lower bound on the ratio of the 95th to the 5th percentile of all edges, by powers of two.
 static double edge_ratio(const stp_scene* scene)
 {
     uint64_t counts[64] = {0}, total = 0, below = 0;
@@ -153,7 +153,7 @@ static void check_small(test_state* test, const industry_part* part)
     plan_counts got = plan_count(&plan);
     CHECK(within(got.triangles, (double)part->counts->triangles * SMALL, 0.02));
     CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
-    CHECK_EQUAL(part->counts->unique_objects, scene->mesh_count); // no two are alike
+    CHECK_EQUAL(part->counts->unique_objects, scene->mesh_count); // all are different
     const stp_node* root = &scene->nodes[scene->root];
     CHECK_EQUAL(got.triangles, root->triangle_count);
     CHECK(root->bounds.min.x >= -0.5 * part->width && root->bounds.max.x <= 0.5 * part->width);
@@ -169,7 +169,7 @@ void test_industry_power_plants_counts(test_state* test)
     check_full_counts(test, &power_plants);
 }
 
-// Without any instancing the counts must fit as well.
+// The counts must fit without instancing, too.
 void test_industry_twenty_million_counts(test_state* test)
 {
     static const plan_counts counts = {566, 566, 20000000, 20000000};
@@ -202,7 +202,7 @@ void test_industry_car_factory_small(test_state* test)
     check_small(test, &car_factory);
 }
 
-// Every shape is closed, and its faces and normals look outwards: the volume that its faces enclose is that
+// Every shape is closed, and its faces and normals point outwards: its faces enclose the volume
 // of the shape.
 static double volume(const mesh_builder* b, bool* agree)
 {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What the views of `paper` hold, from plans: no triangles are made.
+// Content of the views of `paper`, from plans, without making triangles.
 #include "scenes/compose.h"
 #include "scenes/mesh_builder.h"
 #include "scenes/paper.h"
@@ -13,7 +13,8 @@
 
 #define ASPECT (16.0 / 9.0)
 
-// Whether a ball may be seen: it reaches into all four sides of the frustum, which has no far plane.
+// Whether a sphere may be visible: it intersects all four half spaces of the frustum, which has no
+// far plane.
 static bool is_seen(const paper_view* view, stp_vec3d center, double radius)
 {
     stp_vec3d gaze = stp_normalized(stp_subd(view->target, view->eye));
@@ -25,7 +26,7 @@ static bool is_seen(const paper_view* view, stp_vec3d center, double radius)
            y - tall * z < radius * sqrt(1.0 + tall * tall);
 }
 
-// A part's triangles, taken as spread evenly over its site.
+// A part's triangles, assumed to be evenly distributed over its site.
 static double seen_of_site(const paper_view* view, const terrain_site* site, double triangles)
 {
     int seen = 0;
@@ -83,7 +84,8 @@ void test_paper_huge_views_hold_100_g_triangles(test_state* test)
     }
 }
 
-// Table 1's totals over those of its rows: 0.08 M unique triangles more, 305 objects, one of them unique.
+// Table 1's totals exceed the sums of its rows: by 0.08 M unique triangles, and 305 objects, one of
+// them unique.
 void test_pylons_make_up_the_totals_of_table1(test_state* test)
 {
     size_t triangles = count_triangles(pylon_make, NULL);

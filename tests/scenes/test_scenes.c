@@ -11,7 +11,7 @@
 
 #define TEST_SCALE (1.0 / 4096.0)
 
-// Scenes of machines stay large at any scale; they have tests of their own.
+// Scenes with machines are large at any scale; they have separate tests.
 static const scene_recipe* next_quick(const scene_recipe* recipe)
 {
     static const char* const slow[] = {"power-plant", "bakery-line", "paper",         "paper-huge",
@@ -25,7 +25,7 @@ static const scene_recipe* next_quick(const scene_recipe* recipe)
     return recipe;
 }
 
-// Scenes whose smallest form is too large for a quick test say so here.
+// Scenes whose smallest form is too large for a quick test.
 static double test_scale(const char* name)
 {
     return strcmp(name, "boxes") == 0 ? 1.0 : TEST_SCALE;
@@ -151,7 +151,7 @@ void test_scene_inputs_carry_settings(test_state* test)
     stp_context_destroy(context);
 }
 
-// A scene is in metres, whatever the inputs before it are in.
+// A scene is in metres, regardless of the units of earlier inputs.
 void test_scenes_keep_their_size_among_other_inputs(test_state* test)
 {
     static const struct {
@@ -170,7 +170,7 @@ void test_scenes_keep_their_size_among_other_inputs(test_state* test)
         CHECK(stp_scene_finish(scene) == STP_OK);
         CHECK(scene->unit_metres == cases[i].after);
         CHECK_EQUAL(cases[i].warnings, log.warnings);
-        // the boxes are four metres wide, and a view stands before them
+        // the boxes are four metres wide, and a view shows them from the front
         const stp_boxd* bounds = &scene->nodes[scene->root].bounds;
         CHECK(fabs((bounds->max.x - bounds->min.x) * scene->unit_metres - 4.0) < 1e-9);
         double away = scene->views[0].eye.z * scene->unit_metres;

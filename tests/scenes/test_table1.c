@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The numbers of Table 1 of Brandt et al. 2019, of parts of the scene `paper`.
+// The numbers of Table 1 of Brandt et al. 2019, for parts of the scene `paper`.
 #include "scenes/city.h"
 #include "scenes/support_scenes.h"
 #include "scenes/terrain.h"
@@ -62,7 +62,7 @@ void test_city_meshes_are_as_planned_and_all_different(test_state* test)
     stp_context_destroy(context);
 }
 
-// Every kind of piece, also those that a small city has no room for.
+// Every kind of piece, also those missing in a small city.
 void test_city_pieces_are_counted_as_made(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);

@@ -85,7 +85,7 @@ static stp_result generate(stp_scene* scene, const char* name, void* user)
             object.parent = i - 2;
         } else if (i > 6 && stp_rng_below(seed, 50, 4) != 0) {
             object.parent = 4 + stp_rng_below(seed, 51, i - 4);
-            if (stp_rng_below(seed, 52, 3) == 0) { // a layer: as wide as what it is in
+            if (stp_rng_below(seed, 52, 3) == 0) { // a layer: as wide as its parent
                 object.transform = stp_affine_identity();
             }
         }

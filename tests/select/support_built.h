@@ -9,7 +9,8 @@
 #include "store/instances.h"
 #include "store/outline.h"
 
-/// Builds the scene of a seed into a temporary file and opens it; NULL on failure. With surfels, each node has some.
+/// Builds the scene of a seed into a temporary file and opens it; NULL on failure. With surfels,
+/// each node has some.
 stp_store* built_open(stp_context* context, uint64_t seed, bool surfels);
 
 enum { BUILT_PLACES = 4096 };
@@ -20,7 +21,7 @@ typedef struct built_places {
     stp_instance places[BUILT_PLACES];
 } built_places;
 
-/// Adds everything below a node at a place. @return false if there is no room
+/// Adds all instances below a placed node. @return false if the array is full
 bool built_unfold(const stp_store* store, uint32_t node, const stp_affine* transform,
                   built_places* out);
 /// Whether one of them is the same part at the same place.

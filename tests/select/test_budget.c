@@ -9,18 +9,19 @@
 
 enum { FRAMES = 1200, WARM_UP = 30 };
 
-// A scene along a flight: its visible content grows and shrinks by `swing`, and frame times have noise.
+// A scene along a flight: its visible content grows and shrinks by `swing`, and frame times have
+// noise.
 typedef struct machine {
     double splats, triangles; ///< at size 1, millions
     double swing;
     double noise;
-    double slow; ///< how much slower the second half of the flight is
-    /// Exponent of splats; 0: 2, which covers the screen. Less if larger splats open fewer nodes; as many pixels are
-    /// covered.
+    double slow; ///< slowdown of the second half of the flight
+    /// Exponent of the splat count; 0: 2, constant screen coverage. Smaller if larger splats open
+    /// fewer nodes; the same pixels are covered.
     double splat_exponent;
     double rate;  ///< growth of the content per frame (logarithm), which then shrinks
-    int leg;      ///< frames of either. 0: never
-    double rough; ///< random change of the content (logarithm), every so many frames
+    int leg;      ///< frames of each phase; 0: constant
+    double rough; ///< random change of the content (logarithm), every `period` frames
     int knot;
 } machine;
 
@@ -85,7 +86,7 @@ static outcome fly(const machine* m, stp_controller controller, double budget_ms
     outcome out = {0};
     for (int i = 0; i < FRAMES; ++i) {
         stp_frame_cost cost = run_frame(m, i, stp_budget_splat_size(&budget));
-        stp_budget_learn(&budget, &cost);
+        stp_budget_update(&budget, &cost);
         if (i >= WARM_UP) {
             times[count++] = cost.milliseconds / budget_ms;
             out.size += (double)cost.splat_size;
@@ -129,7 +130,7 @@ void test_budget_prediction_takes_the_coarsest_where_nothing_helps(test_state* t
     stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 2.0);
     for (int i = 0; i < 50; ++i) {
         stp_frame_cost cost = run_frame(&m, i, stp_budget_splat_size(&budget));
-        stp_budget_learn(&budget, &cost);
+        stp_budget_update(&budget, &cost);
     }
     CHECK(stp_budget_splat_size(&budget) > 7.99f);
     CHECK(stp_budget_splat_size(&budget) <
@@ -167,19 +168,19 @@ void test_budget_prediction_forgives_one_slow_frame(test_state* test)
     machine m = {.splats = 10.0, .triangles = 4.0, .swing = 0.0, .noise = 0.02, .slow = 1.0};
     stp_budget budget;
     stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 25.0);
-    float before = 0.0f, most = 0.0f;
+    float before = 0.0f, maximum = 0.0f;
     for (int i = 0; i < 80; ++i) {
         stp_frame_cost cost = run_frame(&m, i, stp_budget_splat_size(&budget));
         if (i == 60) {
             before = cost.splat_size;
             cost.milliseconds *= 4.0;
         }
-        stp_budget_learn(&budget, &cost);
+        stp_budget_update(&budget, &cost);
         float size = stp_budget_splat_size(&budget);
-        most = i >= 60 && size > most ? size : most;
+        maximum = i >= 60 && size > maximum ? size : maximum;
         CHECK(i < 66 || size < 1.1f * before); // and the picture is not coarse for long
     }
-    CHECK(before > 1.1f && most < 1.25f * before);
+    CHECK(before > 1.1f && maximum < 1.25f * before);
 }
 
 void test_budget_prediction_knows_where_a_flight_goes(test_state* test)
@@ -235,7 +236,7 @@ void test_budget_prediction_never_expects_larger_splats_to_be_slower(test_state*
                                .covered_pixels = 1500000,
                                .draw_calls = 300,
                                .splat_size = size};
-        stp_budget_learn(&budget, &cost);
+        stp_budget_update(&budget, &cost);
     }
     double before = stp_budget_predict(&budget, (double)budget.last.splat_size);
     for (double size = (double)budget.last.splat_size; size < 24.0; size *= 1.2) {
@@ -247,20 +248,20 @@ void test_budget_prediction_never_expects_larger_splats_to_be_slower(test_state*
 
 void test_budget_prediction_tells_a_busy_machine_from_a_growing_scene(test_state* test)
 {
-    // four frames of the same scene take a third longer: another program ran meanwhile
+    // four frames of the same scene take a third longer: another program was running
     machine m = {
         .splats = 14.0, .triangles = 10.0, .noise = 0.02, .slow = 1.0, .splat_exponent = 1.0};
     stp_budget budget;
     stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 40.0);
-    float before = 0.0f, most = 0.0f;
+    float before = 0.0f, maximum = 0.0f;
     for (int i = 0; i < 90; ++i) {
         stp_frame_cost cost = run_frame(&m, i, stp_budget_splat_size(&budget));
         before = i == 60 ? cost.splat_size : before;
         cost.milliseconds *= i >= 60 && i < 64 ? 1.33 : 1.0;
-        stp_budget_learn(&budget, &cost);
-        most = fmaxf(i >= 60 ? stp_budget_splat_size(&budget) : 0.0f, most);
+        stp_budget_update(&budget, &cost);
+        maximum = fmaxf(i >= 60 ? stp_budget_splat_size(&budget) : 0.0f, maximum);
     }
-    CHECK(most < 2.2f * before); // 1.6 would meet the budget
+    CHECK(maximum < 2.2f * before); // 1.6 would meet the budget
     CHECK(budget.trend < 0.02);
 }
 
@@ -278,20 +279,20 @@ void test_budget_of_the_paper_is_the_printed_formula(test_state* test)
     stp_budget_init(&budget, STP_CONTROLLER_PAPER, 20.0);
     CHECK(stp_budget_splat_size(&budget) == 1.0f);
     stp_frame_cost cost = {.milliseconds = 40.0, .splat_size = 2.0f};
-    stp_budget_learn(&budget, &cost); // average 2, twice too late: (2 * 3 + 2 * 2) / 4
+    stp_budget_update(&budget, &cost); // average 2, twice too late: (2 * 3 + 2 * 2) / 4
     CHECK(fabsf(stp_budget_splat_size(&budget) - 2.5f) < 1e-6f);
     cost = (stp_frame_cost){.milliseconds = 30.0, .splat_size = 4.0f};
-    stp_budget_learn(&budget, &cost); // average 3: (9 + 4.5) / 4
+    stp_budget_update(&budget, &cost); // average 3: (9 + 4.5) / 4
     CHECK(fabsf(stp_budget_splat_size(&budget) - 3.375f) < 1e-6f);
     cost.milliseconds = 21.9; // within the dead band
-    stp_budget_learn(&budget, &cost);
+    stp_budget_update(&budget, &cost);
     CHECK(fabsf(stp_budget_splat_size(&budget) - 3.375f) < 1e-6f);
     cost.milliseconds = 2000.0;
-    stp_budget_learn(&budget, &cost);
+    stp_budget_update(&budget, &cost);
     CHECK(stp_budget_splat_size(&budget) == 8.0f);
     cost = (stp_frame_cost){.milliseconds = 1.0, .splat_size = 1.0f};
     for (int i = 0; i < 4; ++i) {
-        stp_budget_learn(&budget, &cost);
+        stp_budget_update(&budget, &cost);
     }
     CHECK(stp_budget_splat_size(&budget) == 1.0f);
 }
@@ -306,7 +307,7 @@ void test_budget_learns_nothing_from_nonsense(test_state* test)
         float before = stp_budget_splat_size(&budget);
         for (size_t i = 0; i < sizeof(times) / sizeof(times[0]); ++i) {
             stp_frame_cost cost = {.milliseconds = times[i], .splats = 1000, .splat_size = 2.0f};
-            stp_budget_learn(&budget, &cost);
+            stp_budget_update(&budget, &cost);
         }
         CHECK(stp_budget_splat_size(&budget) == before);
         stp_frame_cost huge = {.milliseconds = 5.0,
@@ -316,14 +317,15 @@ void test_budget_learns_nothing_from_nonsense(test_state* test)
                                .draw_calls = UINT32_MAX,
                                .splat_size = 8.0f};
         for (int i = 0; i < 100; ++i) {
-            stp_budget_learn(&budget, &huge);
+            stp_budget_update(&budget, &huge);
             float size = stp_budget_splat_size(&budget);
             CHECK(size >= 1.0f && size <= (k == 1 ? 8.0f : 24.0f));
         }
     }
 }
 
-// A cold first frame does not tell the machine's speed: however long a view rests, the forecast stays right, and the size recovers.
+// A cold first frame says nothing about the machine's speed: for any duration of rest, the forecast
+// stays right and the size recovers.
 void test_budget_prediction_stays_right_after_a_cold_frame(test_state* test)
 {
     const double colds[] = {1.0, 6.0, 30.0};
@@ -335,7 +337,7 @@ void test_budget_prediction_stays_right_after_a_cold_frame(test_state* test)
         for (int frame = 0; frame < FRAMES; ++frame) {
             stp_frame_cost cost = run_frame(&m, frame, stp_budget_splat_size(&budget));
             cost.milliseconds *= frame == 0 ? colds[i] : 1.0;
-            stp_budget_learn(&budget, &cost);
+            stp_budget_update(&budget, &cost);
             if (frame > 150) {
                 double forecast = stp_budget_predict(&budget, (double)cost.splat_size);
                 CHECK(fabs(forecast / cost.milliseconds - 1.0) < 0.15);
@@ -356,18 +358,18 @@ static int frames_to_recover(double slower, int slow_frames)
     stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 33.0);
     for (; frame < 60; ++frame) {
         stp_frame_cost cost = run_frame(&m, frame, stp_budget_splat_size(&budget));
-        stp_budget_learn(&budget, &cost);
+        stp_budget_update(&budget, &cost);
     }
-    for (int i = 0; i < slow_frames; ++i, ++frame) { // another program, a file being read
+    for (int i = 0; i < slow_frames; ++i, ++frame) { // another program, or reading a file
         stp_frame_cost cost = run_frame(&m, frame, stp_budget_splat_size(&budget));
         cost.milliseconds *= slower;
-        stp_budget_learn(&budget, &cost);
+        stp_budget_update(&budget, &cost);
     }
     int first = frame;
     double used = 0.0;
     while (used < 0.6 && frame < first + 200) {
         stp_frame_cost cost = run_frame(&m, frame++, stp_budget_splat_size(&budget));
-        stp_budget_learn(&budget, &cost);
+        stp_budget_update(&budget, &cost);
         used = cost.milliseconds / 33.0;
     }
     return frame - first;
@@ -392,8 +394,8 @@ void test_budget_prediction_uses_the_time_at_the_start(test_state* test)
         stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 33.0);
         for (int frame = 0; frame < 12; ++frame) {
             cost = run_frame(&m, frame, stp_budget_splat_size(&budget));
-            cost.milliseconds *= frame == 0 ? 5.0 : 1.0; // nothing is in memory yet
-            stp_budget_learn(&budget, &cost);
+            cost.milliseconds *= frame == 0 ? 5.0 : 1.0; // no data is in memory yet
+            stp_budget_update(&budget, &cost);
         }
         CHECK(cost.milliseconds > 0.6 * 33.0 || cost.splat_size < 1.05f);
         CHECK(cost.milliseconds < 1.2 * 33.0);

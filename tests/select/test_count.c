@@ -131,7 +131,7 @@ void test_count_is_shared_by_area(test_state* test)
     tear_down(&p);
 }
 
-// The square that has no set, and only that.
+// The square without a set, alone.
 void test_count_leaves_triangles_where_there_are_no_splats(test_state* test)
 {
     static parts p;

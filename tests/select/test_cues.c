@@ -23,7 +23,7 @@ typedef struct scene {
     stp_draw_list list;
     stp_selection selection;
     stp_select_entry at;
-    stp_sight sight;
+    stp_box_visibility sight;
 } scene;
 
 /// Leaves of depth 4 in some of the cubes, in the order of the curve, flat and facing up.
@@ -66,11 +66,12 @@ static stp_cue_view look(scene* s, stp_vec3d eye, uint32_t cues)
     s->quality.cues_off = STP_CUES_ALL & ~cues;
     (void)stp_view_frame_make(&view, &s->selection.frames[0]);
     const stp_boxd all = {{0, 0, 0}, {64, 64, 64}};
-    (void)stp_select_see(&s->selection, &all, &s->sight);
+    (void)stp_select_is_in_view(&s->selection, &all, &s->sight);
     return stp_cue_view_make(&s->selection, &s->at, &s->set, &s->tree, &s->sight);
 }
 
-// Table 1: W / 4 samples at two pixels; up to twice as many where the surface bends; four times at edges and silhouettes.
+// Table 1: W / 4 samples at two pixels; up to twice as many where the surface bends; four times at
+// edges and silhouettes.
 void test_cues_are_those_of_table_1(test_state* test)
 {
     static scene s;
@@ -80,8 +81,8 @@ void test_cues_are_those_of_table_1(test_state* test)
     stp_cue_view view =
         look(&s, (stp_vec3d){32, 300, 32}, STP_CUES_PAPER & ~(uint32_t)STP_CUE_OCCLUSION_BIT);
     stp_boxd box = stp_cue_box(&view, &node);
-    stp_sight sight;
-    CHECK(stp_select_see(&s.selection, &box, &sight));
+    stp_box_visibility sight;
+    CHECK(stp_select_is_in_view(&s.selection, &box, &sight));
     CHECK(fabs(box.max.x - box.min.x - 4.0) < 1e-9);
     // 4 units at the depth of its top, of 1000 pixels for twice the depth
     double depth = 300.0 - box.max.y, side = 4.0 * 1000.0 / (2.0 * depth), w = side * side;
@@ -105,7 +106,8 @@ void test_cues_are_those_of_table_1(test_state* test)
     CHECK(stp_cue_samples(&view, &node, &sight, 0.0) == 10.0);
 }
 
-// The error rule: samples whose disks of 1.05 sides of their squares are as wide as the splat size; features add half.
+// The error rule: samples whose disks of 1.05 sides of their squares are as wide as the splat size;
+// features add half.
 void test_cues_cover_with_splats_of_the_size(test_state* test)
 {
     static scene s;
@@ -116,8 +118,8 @@ void test_cues_cover_with_splats_of_the_size(test_state* test)
                           STP_CUE_EDGE_BIT | STP_CUE_FLATNESS_BIT;
     stp_cue_view view = look(&s, (stp_vec3d){32, 300, 32}, cues);
     stp_boxd box = stp_cue_box(&view, &node);
-    stp_sight sight;
-    CHECK(stp_select_see(&s.selection, &box, &sight));
+    stp_box_visibility sight;
+    CHECK(stp_select_is_in_view(&s.selection, &box, &sight));
     double side = 4.0 * 1000.0 / (2.0 * (300.0 - box.max.y)), w = side * side;
     double flat = stp_cue_samples(&view, &node, &sight, 0.0);
     CHECK(fabs(2.0 * 1.05 * sqrt(w / flat) - 2.0) < 0.01); // pixels, of splats of 2
@@ -156,7 +158,7 @@ void test_cues_cover_with_splats_of_the_size(test_state* test)
     CHECK(!stp_cue_highlight(&view, &node));
 }
 
-/// Occluders of a leaf: all leaves that contain one of many places between it and the eye.
+/// Occluders of a leaf: all leaves that contain one of many sample points between it and the eye.
 static double march(const scene* s, const stp_leaf_node* node, stp_vec3d eye)
 {
     enum { STEPS = 200000 };
@@ -174,7 +176,7 @@ static double march(const scene* s, const stp_leaf_node* node, stp_vec3d eye)
     }
     for (uint32_t l = 0; l < s->tree.leaf_count; ++l) {
         const stp_splat_leaf* leaf = &s->leaves[l];
-        // all face up: what lies as high, or next to that, may be the same surface
+        // all face up: leaves at the same or a neighbouring height may be the same surface
         bool near = abs((int)leaf->corner[1] - (int)node->corner[1]) <= 4096;
         bool there = met[leaf->corner[0] >> 12][leaf->corner[1] >> 12][leaf->corner[2] >> 12];
         sum += there && !near ? (double)leaf->count * up : 0.0;
@@ -199,14 +201,15 @@ void test_cues_find_what_stands_before(test_state* test)
             double before = stp_cue_before(&view, node, 1000.0 / STP_CUE_OCCLUSION);
             double q = fmin(STP_CUE_OCCLUSION * before / 1000.0, 1.0);
             double expected = fmin(0.01 * truth / 1000.0, 1.0);
-            CHECK(fabs(q - expected) <= 0.02 * expected + 1e-3); // steps may pass a corner
+            CHECK(fabs(q - expected) <= 0.02 * expected + 1e-3); // steps may miss a corner
             hidden += q > 0.0 ? 1 : 0;
         }
     }
     CHECK(hidden > 50);
 }
 
-// A floor whose points all lie on the lower faces of its cubes, seen along it, does not hide itself. A wall across it does.
+// A floor whose points all lie on the lower faces of its cubes does not hide itself at grazing
+// angles. A wall across it hides it.
 void test_cues_do_not_hide_a_surface_by_itself(test_state* test)
 {
     static scene s;
@@ -252,7 +255,8 @@ void test_cues_do_not_hide_a_surface_by_itself(test_state* test)
     CHECK(behind > 20 && hidden == behind);
 }
 
-// Splats that a view makes as large as this reach over a cube by at most that much, and far cubes get the larger ones.
+// Splats of the wanted size extend beyond a cube by at most the overhang, and distant cubes get
+// larger ones.
 void test_cues_know_how_far_splats_extend(test_state* test)
 {
     static scene s;
@@ -270,7 +274,8 @@ void test_cues_know_how_far_splats_extend(test_state* test)
     CHECK(stp_cue_overhang(&view, &node, &box) >= 1.05 * 4.0);
 }
 
-// Cells of any counts become items whose runs ascend, hold each splat at most once, and as many as were asked for.
+// Cells with any counts become items whose runs ascend, hold each splat at most once, and in the
+// requested number.
 void test_cue_cells_draw_what_is_asked(test_state* test)
 {
     static scene s;

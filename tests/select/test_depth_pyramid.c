@@ -9,14 +9,14 @@
 
 #include <string.h>
 
-enum { MOST_WIDTH = 201, MOST_HEIGHT = 133 };
+enum { MAX_WIDTH = 201, MAX_HEIGHT = 133 };
 
 static double uniform(uint64_t round, uint64_t number, double low, double high)
 {
     return low + (high - low) * ((double)(stp_rng_hash(round, number) >> 11) * 0x1p-53);
 }
 
-// Rectangles at several depths before a back wall, and sometimes holes to the background.
+// Rectangles at several depths in front of a back wall, sometimes with holes to the background.
 static void make_picture(uint64_t round, const stp_view* view, float* nearness)
 {
     for (uint32_t i = 0; i < view->width * view->height; ++i) {
@@ -37,7 +37,8 @@ static void make_picture(uint64_t round, const stp_view* view, float* nearness)
     }
 }
 
-// Whether a point and its surroundings of `margin` pixels are behind the picture moved away by that distance.
+// Whether a point and its surroundings of `margin` pixels are farther than the picture's depth plus
+// a distance.
 static bool is_hidden(const stp_view_frame* f, const float* nearness, stp_vec3d p, double margin)
 {
     stp_vec3d q = stp_subd(p, f->eye);
@@ -62,7 +63,7 @@ static bool is_hidden(const stp_view_frame* f, const float* nearness, stp_vec3d 
 
 void test_depth_pyramid_never_hides_what_can_be_seen(test_state* test)
 {
-    static float nearness[MOST_WIDTH * MOST_HEIGHT];
+    static float nearness[MAX_WIDTH * MAX_HEIGHT];
     stp_context* context = test_context(NULL, 2, NULL);
     CHECK(context != NULL);
     stp_depth_pyramid pyramid = {0};
@@ -74,8 +75,8 @@ void test_depth_pyramid_never_hides_what_can_be_seen(test_state* test)
                          .up = {0, 1, 0},
                          .fov_degrees = 70,
                          .near_distance = 0.01,
-                         .width = round % 3 == 0 ? 64 : MOST_WIDTH - (uint32_t)round % 7,
-                         .height = round % 3 == 0 ? 8 : MOST_HEIGHT - (uint32_t)round % 11};
+                         .width = round % 3 == 0 ? 64 : MAX_WIDTH - (uint32_t)round % 7,
+                         .height = round % 3 == 0 ? 8 : MAX_HEIGHT - (uint32_t)round % 11};
         make_picture(round, &view, nearness);
         CHECK_EQUAL(STP_OK, stp_depth_pyramid_make(context, &view, nearness, &pyramid));
         const stp_view_frame* f = &pyramid.frame;
@@ -153,13 +154,13 @@ void test_depth_pyramid_hides_nothing_it_cannot_know(test_state* test)
 // Any number of threads; out of memory; and a second frame allocates nothing.
 void test_depth_pyramid_memory_and_threads(test_state* test)
 {
-    static float nearness[MOST_WIDTH * MOST_HEIGHT];
+    static float nearness[MAX_WIDTH * MAX_HEIGHT];
     stp_view view = {.target = {0, 0, 1},
                      .up = {0, 1, 0},
                      .fov_degrees = 60,
                      .near_distance = 0.01,
-                     .width = MOST_WIDTH,
-                     .height = MOST_HEIGHT};
+                     .width = MAX_WIDTH,
+                     .height = MAX_HEIGHT};
     make_picture(4, &view, nearness);
     float first[26 * 17];
     for (uint32_t threads = 1; threads <= 3; ++threads) {

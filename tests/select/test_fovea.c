@@ -92,8 +92,8 @@ void test_fovea_bounds_are_those_of_all_pixels(test_state* test)
                                 .y0 = uniform(round, 11, 0.0, 150.0)};
         r.x1 = r.x0 + uniform(round, 12, 0.0, 50.0);
         r.y1 = r.y0 + uniform(round, 13, 0.0, 50.0);
-        double least, greatest, low = HUGE_VAL, high = 0.0;
-        stp_fovea_bound(&fovea, &frame, &r, &least, &greatest);
+        double minimum, greatest, low = HUGE_VAL, high = 0.0;
+        stp_fovea_bound(&fovea, &frame, &r, &minimum, &greatest);
         double half = 0.5 * sqrt(300.0 * 300.0 + 200.0 * 200.0);
         for (int i = 0; i < 101 * 101; ++i) {
             double x = r.x0 + (r.x1 - r.x0) * 0.01 * (i % 101);
@@ -101,12 +101,12 @@ void test_fovea_bounds_are_those_of_all_pixels(test_state* test)
             double dx = (x - 150.0) / half - (double)fovea.center[0];
             double dy = (y - 100.0) / half - (double)fovea.center[1];
             double factor = stp_fovea_factor(&fovea, sqrt(dx * dx + dy * dy));
-            CHECK(factor >= least - 1e-9 && factor <= greatest + 1e-9);
+            CHECK(factor >= minimum - 1e-9 && factor <= greatest + 1e-9);
             low = fmin(low, factor);
             high = fmax(high, factor);
         }
-        // at most one step of the samples off
-        CHECK(low - least < 275.0 * 0.71 / half && greatest - high < 275.0 * 0.71 / half);
+        // off by at most one sampling step
+        CHECK(low - minimum < 275.0 * 0.71 / half && greatest - high < 275.0 * 0.71 / half);
     }
 }
 
@@ -151,10 +151,10 @@ void test_fovea_rectangle_holds_the_picture_of_a_box(test_state* test)
             view.eye.x += 1e-6;
             CHECK(stp_view_frame_make(&view, &f));
             stp_view_rectangle next = stp_view_frame_cover(&f, &box);
-            double most = fmax(fmax(fabs(next.x0 - r.x0), fabs(next.x1 - r.x1)),
-                               fmax(fabs(next.y0 - r.y0), fabs(next.y1 - r.y1)));
-            CHECK(most < 0.6); // near points move that fast: 1e-6 of 0.05 at 1e3 pixels a unit
-            moved += most > 0.0;
+            double maximum = fmax(fmax(fabs(next.x0 - r.x0), fabs(next.x1 - r.x1)),
+                                  fmax(fabs(next.y0 - r.y0), fabs(next.y1 - r.y1)));
+            CHECK(maximum < 0.6); // near points move that fast: 1e-6 of 0.05 at 1e3 pixels a unit
+            moved += maximum > 0.0;
             r = next;
         }
     }
@@ -165,13 +165,13 @@ void test_eyes_look_in_parallel_from_beside_the_view(test_state* test)
 {
     for (uint64_t round = 1; round < 50; ++round) {
         stp_view view = random_view(round);
-        stp_view_frame whole, eyes[STP_EYES_MOST];
+        stp_view_frame whole, eyes[STP_EYES_MAX];
         CHECK_EQUAL(1, stp_view_eye_count(&view));
         stp_view same = stp_view_of_eye(&view, 0);
         CHECK(memcmp(&same.eye, &view.eye, sizeof(view.eye)) == 0 && same.width == view.width);
         CHECK(stp_view_frame_make(&view, &whole));
         view.eye_distance = 0.2;
-        CHECK(!stp_view_frame_make(&view, &whole)); // each eye has its own
+        CHECK(!stp_view_frame_make(&view, &whole)); // each eye has its own gaze
         CHECK_EQUAL(2, stp_view_eye_count(&view));
         for (uint32_t i = 0; i < 2; ++i) {
             stp_view one = stp_view_of_eye(&view, i);
@@ -217,11 +217,11 @@ void test_fovea_thins_what_lies_at_the_border(test_state* test)
     stp_store* store = open_square(context, &scene);
     CHECK(store != NULL);
     stp_draw_list list = {0};
-    stp_quality quality = {
-        .splat_size = 2, .spare = 2, .fovea = {.count = 2, .zones = {{0.25f, 2}, {1.0f, 4}}}};
+    stp_quality quality = {.splat_size = 2,
+                           .early_switch = 2,
+                           .fovea = {.count = 2, .zones = {{0.25f, 2}, {1.0f, 4}}}};
     uint32_t last = 0, first = 0;
-    for (int i = 0; i <= 400;
-         ++i) { // a parallel gaze: the same depth, and further and further aside
+    for (int i = 0; i <= 400; ++i) { // parallel to the gaze: at one depth, ever further to the side
         stp_view view = {.eye = {-0.06 * i, 0, 50},
                          .target = {-0.06 * i, 0, 0},
                          .up = {0, 1, 0},
@@ -233,7 +233,7 @@ void test_fovea_thins_what_lies_at_the_border(test_state* test)
         uint32_t count = list.items[0].prefix;
         CHECK(list.splat_size == 2.0f);
         if (i == 0) {
-            stp_quality flat = {.splat_size = 2, .spare = 2};
+            stp_quality flat = {.splat_size = 2, .early_switch = 2};
             first = count;
             CHECK_EQUAL(STP_OK, stp_select(context, store, &view, &flat, &list));
             CHECK_EQUAL(list.items[0].prefix, count);
@@ -262,7 +262,8 @@ void test_fovea_thins_what_lies_at_the_border(test_state* test)
     stp_context_destroy(context);
 }
 
-// Seen by one eye only, or by both: it is in the list. What the pyramid of one eye hides is not hidden.
+// Content seen by one or both eyes is in the list. Content hidden by the pyramid of only one eye is
+// not hidden.
 void test_eyes_share_what_either_sees(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
@@ -304,7 +305,7 @@ void test_eyes_share_what_either_sees(test_state* test)
     stp_context_destroy(context);
 }
 
-// Each eye has a wall in front of it or not: only what is behind both is left out.
+// Each eye may have a wall in front of it: only content behind the walls of both is left out.
 void test_eyes_hide_what_is_hidden_from_both(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
@@ -325,7 +326,7 @@ void test_eyes_hide_what_is_hidden_from_both(test_state* test)
         air[i] = 0.0f;
     }
     for (int walls = 0; walls < 4; ++walls) {
-        stp_depth_pyramid pyramids[STP_EYES_MOST] = {{.level_count = 0}};
+        stp_depth_pyramid pyramids[STP_EYES_MAX] = {{.level_count = 0}};
         for (uint32_t i = 0; i < 2; ++i) {
             stp_view one = stp_view_of_eye(&view, i);
             CHECK_EQUAL(STP_OK,

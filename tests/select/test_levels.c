@@ -24,7 +24,8 @@ typedef struct fixture {
     stp_fovea fovea; ///< of the next selection
 } fixture;
 
-// A square with 1,024 surfels, below it the same one with 16,384, below that (or in the same node) its triangles.
+// A square with 1,024 surfels, below it the same one with 16,384, below that (or in the same node)
+// its triangles.
 static bool set_up(fixture* f, bool points)
 {
     *f = (fixture){.context = test_context(NULL, 1, NULL)};
@@ -77,7 +78,8 @@ static void tear_down(fixture* f)
 
 static stp_result look(fixture* f, const stp_view* view, float size, stp_policy policy)
 {
-    stp_quality quality = {.splat_size = size, .policy = policy, .fovea = f->fovea, .spare = 1};
+    stp_quality quality = {
+        .splat_size = size, .policy = policy, .fovea = f->fovea, .early_switch = 1};
     stp_view eye = stp_view_of_eye(view, 0);
     stp_view_frame frame;
     f->scale = stp_view_frame_make(&eye, &frame) ? frame.scale : 0.0;
@@ -95,7 +97,7 @@ static const stp_draw_item* find_item(const fixture* f, stp_draw_kind kind, uint
     return NULL;
 }
 
-// Splats of a set drawn at a depth: the index of the first that is not drawn.
+// Number of splats of a set drawn at a depth: the index of the first that is not drawn.
 static uint32_t count_drawn(const fixture* f, uint32_t set, double depth, uint32_t* first_missing)
 {
     const stp_draw_item* item = find_item(f, STP_DRAW_SURFELS, set);
@@ -120,8 +122,8 @@ static double radius_drawn(const fixture* f, uint32_t set)
     return (double)find_item(f, STP_DRAW_SURFELS, set)->radius;
 }
 
-// Whether a set covers to the required radius at a depth, with sufficiently large splats: up to two pixels candidates are covered
-// with their whole area, from four pixels on with half of it.
+// Whether a set covers to the required radius at a depth, with sufficiently large splats: up to two
+// pixels candidates are covered with their whole area, from four pixels on with half of it.
 static bool is_complete(const fixture* f, uint32_t set, double depth)
 {
     const stp_splats* surfels = stp_store_describe_surfels(f->store, set);
@@ -149,7 +151,8 @@ static double uniform(uint64_t round, uint64_t number, double low, double high)
     return low + (high - low) * ((double)(stp_rng_hash(round, number) >> 11) * 0x1p-53);
 }
 
-// Views from all sides and distances, most of them flat over the square, so that it spans a range of depths.
+// Views from all sides and distances, most of them flat over the square, so that it spans a range
+// of depths.
 static stp_view random_view(uint64_t round)
 {
     double distance = exp(uniform(round, 0, -1.0, 4.5)), turn = uniform(round, 1, 0.0, 6.3);
@@ -163,7 +166,7 @@ static stp_view random_view(uint64_t round)
                       .height = 200};
 }
 
-// The depth of each of 25 points of the square that an eye sees, and what the size of splats is multiplied by there.
+// Depth of each of 25 visible points of the square, and the factor on the splat size there.
 static int list_seen(const stp_view* view, const stp_fovea* fovea, double depths[25],
                      double factors[25])
 {
@@ -196,7 +199,8 @@ static int find_complete(const fixture* f, double depth)
                                            : -1;
 }
 
-// Every point of the square that an eye sees, in any view, with and without zones: one level is complete at its depth.
+// For every visible point of the square, in any view, with and without zones, one level is complete
+// at its depth.
 void test_levels_leave_no_depth_without_a_complete_one(test_state* test)
 {
     fixture f;
@@ -225,7 +229,7 @@ void test_levels_leave_no_depth_without_a_complete_one(test_state* test)
     tear_down(&f);
 }
 
-// What each of two eyes gets of the list for both is at least as fine as what it would get alone.
+// From the list for two eyes, each eye gets content at least as fine as from its own list.
 void test_levels_of_two_eyes_are_those_of_the_nearer(test_state* test)
 {
     fixture f;
@@ -264,14 +268,14 @@ void test_levels_of_two_eyes_are_those_of_the_nearer(test_state* test)
     tear_down(&f);
 }
 
-// Towards the square in steps of 0.25 %: at the depth of a point on it, the drawn share of each level
-// changes gradually; switching changes all of it.
+// Towards the square in steps of 0.25 %: at the depth of a point on it, the drawn share of each
+// level changes gradually; switching changes all of it.
 void test_levels_come_and_go_by_degrees(test_state* test)
 {
     fixture f;
     CHECK(set_up(&f, false));
     for (int policy = 0; policy < 2; ++policy) {
-        double most = 0.0, last[3] = {-1};
+        double maximum = 0.0, last[3] = {-1};
         for (double distance = 100.0; distance > 6.0; distance *= 0.9975) {
             stp_view view = {.eye = {0, -0.8 * distance, 0.6 * distance},
                              .up = {0, 0, 1},
@@ -289,16 +293,17 @@ void test_levels_come_and_go_by_degrees(test_state* test)
                 mesh != NULL ? (double)stp_draw_share(mesh, (float)distance) : 0.0,
             };
             for (int k = 0; k < 3; ++k) {
-                most = last[0] < 0.0 ? most : fmax(most, fabs(now[k] - last[k]));
+                maximum = last[0] < 0.0 ? maximum : fmax(maximum, fabs(now[k] - last[k]));
                 last[k] = now[k];
             }
         }
-        CHECK(policy == 0 ? most < 0.2 : most > 0.9);
+        CHECK(policy == 0 ? maximum < 0.2 : maximum > 0.9);
     }
     tear_down(&f);
 }
 
-// At one depth the numbers are exact: what is drawn in addition to switching is what the list says, and is little in total.
+// At one depth the numbers are exact: the content drawn in addition to switching is what the list
+// says, and little in total.
 void test_levels_count_what_is_drawn_twice(test_state* test)
 {
     fixture f;
@@ -326,7 +331,8 @@ void test_levels_count_what_is_drawn_twice(test_state* test)
     tear_down(&f);
 }
 
-// A part of a cloud would not be spread evenly: original points appear all at once, when surfels cover them.
+// A part of a cloud would not be spread evenly: original points appear all at once, when surfels
+// cover them.
 void test_levels_show_original_points_at_once(test_state* test)
 {
     fixture f;
@@ -346,7 +352,8 @@ void test_levels_show_original_points_at_once(test_state* test)
     tear_down(&f);
 }
 
-// Triangles are ordered: a larger share contains the smaller ones, and has that fraction of them.
+// Triangles are ordered: a larger share contains the smaller shares, and has that fraction of the
+// triangles.
 void test_levels_shares_of_triangles_are_nested(test_state* test)
 {
     int kept[11] = {0};

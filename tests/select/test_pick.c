@@ -14,8 +14,9 @@ static double random_between(uint64_t seed, uint64_t index, double low, double h
     return low + (high - low) * (double)(stp_rng_hash(seed, index) >> 11) * 0x1p-53;
 }
 
-/// Moeller and Trumbore 1997: an algorithm that differs from the library's. @return the distance, or infinity
-static double meet(const stp_ray* ray, const stp_vec3d c[3])
+/// Moeller and Trumbore 1997: an algorithm that differs from the library's. @return the distance,
+/// or infinity
+static double visit_object(const stp_ray* ray, const stp_vec3d c[3])
 {
     stp_vec3d a = stp_subd(c[1], c[0]), b = stp_subd(c[2], c[0]);
     stp_vec3d p = stp_crossd(ray->direction, b);
@@ -26,7 +27,7 @@ static double meet(const stp_ray* ray, const stp_vec3d c[3])
     return fabs(det) > 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 ? t : HUGE_VAL;
 }
 
-/// The nearest hit over all triangles of all shown places.
+/// Nearest hit over all shown triangles.
 static double meet_all(stp_context* context, stp_store* store, const built_places* places,
                        const built_places* hidden, const stp_pick_desc* desc)
 {
@@ -47,7 +48,7 @@ static double meet_all(stp_context* context, stp_store* store, const built_place
                 stp_vec3d local = {(double)p[0], (double)p[1], (double)p[2]};
                 c[k] = stp_affine_point(&place->transform, local);
             }
-            double at = meet(&desc->ray, c);
+            double at = visit_object(&desc->ray, c);
             stp_vec3d p = stp_addd(desc->ray.origin, stp_scaled(desc->ray.direction, at));
             if (at >= desc->ray.nearest && at <= desc->ray.farthest && at < nearest &&
                 !stp_sections_cut(desc->sections, p)) {
@@ -119,7 +120,7 @@ void test_picks_are_the_nearest_of_all_triangles(test_state* test)
                 continue;
             }
             CHECK(fabs(pick.distance - nearest) < 1e-7);
-            CHECK(fabs(meet(&desc.ray, pick.corners) - nearest) < 1e-7);
+            CHECK(fabs(visit_object(&desc.ray, pick.corners) - nearest) < 1e-7);
             CHECK(stp_dotd(pick.normal, desc.ray.direction) <= 0.0);
             // the object found contains the part, and so does the node at the end of the path
             stp_instance place = stp_instance_of_part(store, pick.part, &pick.thing.transform);

@@ -12,7 +12,7 @@ static uint8_t texels[4 * TEXELS * TEXELS];
 static stp_coded_mesh coded[2];
 static const float texcoords[] = {0, 0, 1, 0, 0, 1, 1, 1};
 
-/// A red square of a chequered alpha before a green one.
+/// A red square with chequered alpha in front of a green one.
 static bool make_scene(made_picture* p, stp_store_alpha alpha, bool clustered)
 {
     if (!made_picture_begin(p, NULL, 1)) {
@@ -54,7 +54,7 @@ static int shown(const made_picture* p, int x, int y)
     return pixel[3] == 0 ? 0 : pixel[0] > pixel[1] ? 1 : 2;
 }
 
-/// What is picked in every pixel of a picture of originals.
+/// The picked part in every pixel of a picture of the originals.
 static void pick_all(test_state* test, made_picture* p)
 {
     p->quality.reference = true;

@@ -9,8 +9,8 @@
 
 static const uint8_t grey[3] = {128, 128, 128};
 
-// A root with surfels over a square and, below it, the square itself twice: where the surfels are and, moving, a
-// little higher.
+// A root with surfels over a square and, below it, the square itself twice: at the surfels and,
+// moving, a little above.
 static void make_scene(stp_context* context, made_scene* s)
 {
     *s = (made_scene){.node_count = 3,
@@ -78,12 +78,13 @@ void test_select_prefix_follows_the_pixel(test_state* test)
 {
     fixture f;
     CHECK(set_up(&f));
-    // a pixel at depth z is z / 100 units wide here; r = s d_p / 2 with the depth of the box's nearest face
+    // a pixel at depth z is z / 100 units wide here; r = s d_p / 2 with the depth of the box's
+    // nearest face
     const stp_splats* surfels = stp_store_describe_surfels(f.store, 0);
     for (int step = 0; step < 30; ++step) {
         double distance = 4.0 + 3.0 * step;
         stp_view view = view_from(distance);
-        stp_quality quality = {.splat_size = (float)(2 + step % 4), .spare = 1};
+        stp_quality quality = {.splat_size = (float)(2 + step % 4), .early_switch = 1};
         CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &quality, &f.list));
         double r = 0.5 * (2 + step % 4) * (distance - 0.5) / 100.0;
         bool enough = r >= (double)surfels->table.radius[surfels->table.size - 1];
@@ -108,8 +109,9 @@ void test_select_prefix_follows_the_pixel(test_state* test)
     tear_down(&f);
 }
 
-// A node is opened where its triangles are fewer than eight for each surfel that is needed, and at most where its surfels could
-// cover eight times, or a given number of times, better than necessary.
+// A node is opened where its triangles are fewer than eight for each surfel that is needed, and at
+// most where its surfels could cover eight times, or a given number of times, better than
+// necessary.
 void test_select_opens_sooner_where_triangles_are_few(test_state* test)
 {
     const struct {
@@ -128,19 +130,20 @@ void test_select_opens_sooner_where_triangles_are_few(test_state* test)
         f.store = made_open(f.context, &f.scene);
         CHECK(f.store != NULL);
         const stp_splats* surfels = stp_store_describe_surfels(f.store, 0);
-        double least = (double)surfels->table.radius[surfels->table.size - 1] * cases[i].times;
+        double minimum = (double)surfels->table.radius[surfels->table.size - 1] * cases[i].times;
         int own = 0, opened = 0;
         for (double distance = 4.0; distance < 200.0; distance *= 1.02) {
             stp_view view = view_from(distance);
-            stp_quality quality = {
-                .splat_size = 4, .policy = STP_POLICY_SWITCH, .spare = cases[i].spare};
+            stp_quality quality = {.splat_size = 4,
+                                   .policy = STP_POLICY_SWITCH,
+                                   .early_switch = cases[i].early_switch};
             CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &quality, &f.list));
             double r = 0.5 * 4 * (distance - 0.5) / 100.0;
-            if (fabs(r - least) < 1e-3 * least) {
+            if (fabs(r - minimum) < 1e-3 * minimum) {
                 continue;
             }
             bool has_own = f.list.items[0].kind == STP_DRAW_SURFELS;
-            CHECK_EQUAL(r > least, has_own);
+            CHECK_EQUAL(r > minimum, has_own);
             own += has_own;
             opened += !has_own;
         }
@@ -195,8 +198,8 @@ void test_select_keeps_clouds_around_the_eye(test_state* test)
     }
 }
 
-// Moving nodes are drawn by their own surfels, also below drawn nodes: once each, in their place, together with their
-// descendants.
+// Moving nodes are drawn by their own surfels, also below drawn nodes: once each, in their place,
+// together with their descendants.
 void test_select_draws_what_moves_by_its_own_surfels(test_state* test)
 {
     for (int variant = 0; variant < 4; ++variant) {
@@ -237,8 +240,9 @@ void test_select_draws_what_moves_by_its_own_surfels(test_state* test)
         f.store = made_open(f.context, s);
         CHECK(f.store != NULL);
         stp_view view = view_from(40);
-        CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view,
-                                       &(stp_quality){.splat_size = 4, .spare = 1}, &f.list));
+        CHECK_EQUAL(STP_OK,
+                    stp_select(f.context, f.store, &view,
+                               &(stp_quality){.splat_size = 4, .early_switch = 1}, &f.list));
         uint32_t resting = 0, moving[2] = {0};
         for (size_t i = 0; i < f.list.count; ++i) {
             const stp_draw_item* item = &f.list.items[i];
@@ -258,7 +262,7 @@ void test_select_draws_what_moves_by_its_own_surfels(test_state* test)
     }
 }
 
-// A requested number of splats is that of all sets together.
+// A requested number of splats is the total over all sets.
 void test_select_counts_splats_of_what_moves(test_state* test)
 {
     fixture f = {.context = test_context(NULL, 1, NULL)};
@@ -269,7 +273,8 @@ void test_select_counts_splats_of_what_moves(test_state* test)
     f.scene.nodes[1].surfels = 1;
     f.store = made_open(f.context, &f.scene);
     CHECK(f.store != NULL);
-    // squares of one size, of 1,024 and 64 splats: while both have splats left, their shares are equal
+    // squares of one size, of 1,024 and 64 splats: while both have splats left, their shares are
+    // equal
     const uint32_t counts[] = {1, 2, 3, 50, 51, 127, 1023, 1024, 1025, 1088, 5000};
     for (int i = 0; i < 11; ++i) {
         for (int turned = 0; turned < 2; ++turned) { // shares are equal if nothing is visible
@@ -424,7 +429,7 @@ void test_select_depth_bounds_what_is_seen(test_state* test)
         stp_view_frame frame;
         CHECK(stp_view_frame_make(&view, &frame));
         double depth = 0.0;
-        bool sees = stp_view_frame_sees(&frame, &box, &depth);
+        bool sees = stp_view_frame_intersects(&frame, &box, &depth);
         for (int i = 0; i < 500; ++i) {
             stp_vec3d p = {box.min.x + 0.5 * (i % 8) / 7, box.min.y + (i / 8 % 8) / 7.0,
                            box.min.z + 0.2 * (i / 64) / 7};

@@ -14,7 +14,7 @@
 #include <string.h>
 #include <unistd.h>
 
-// Work in triangles; as select_internal.h and docs/notes/2026-11-proportion.md have it.
+// Work in triangles, as in select_internal.h and docs/notes/2026-11-proportion.md.
 #define SPLAT 1.5
 #define MOST 1.2
 
@@ -40,7 +40,7 @@ static stp_view random_view(const stp_store* store, uint64_t seed)
                       .height = 360};
 }
 
-// The nearest depth of a node at a place, and the prefix of its set that covers there.
+// Nearest depth of a placed node, and the prefix of its set that covers there.
 static bool find_wanted(const stp_store* store, const stp_view* view, float splat_size,
                         const stp_store_node* node, const stp_affine* place, double* depth,
                         uint32_t* wanted)
@@ -55,7 +55,7 @@ static bool find_wanted(const stp_store* store, const stp_view* view, float spla
         box.min = (stp_vec3d){fmin(box.min.x, p.x), fmin(box.min.y, p.y), fmin(box.min.z, p.z)};
         box.max = (stp_vec3d){fmax(box.max.x, p.x), fmax(box.max.y, p.y), fmax(box.max.z, p.z)};
     }
-    if (!stp_view_frame_make(view, &frame) || !stp_view_frame_sees(&frame, &box, depth)) {
+    if (!stp_view_frame_make(view, &frame) || !stp_view_frame_intersects(&frame, &box, depth)) {
         return false;
     }
     double radius = 0.5 * (double)splat_size * stp_view_frame_pixel_size(&frame, *depth);
@@ -70,7 +70,7 @@ static double triangles_drawn(const stp_draw_item* item, const stp_store* store,
     return count * (double)stp_draw_share(item, (float)depth);
 }
 
-// Triangles drawn of a node's own parts at the place of its set.
+// Number of triangles drawn of a node's own parts at the place of its set.
 static double triangles_beside(const stp_store* store, const stp_draw_list* list,
                                const stp_store_node* node, const stp_affine* place, double depth)
 {
@@ -90,7 +90,8 @@ static double triangles_beside(const stp_store* store, const stp_draw_list* list
     return sum;
 }
 
-// Whether each part of a node is listed once at the place of its set: other nodes may be opened there, or have sets.
+// Whether each part of a node is listed once at the place of its set: other nodes may be opened
+// there, or have sets.
 static bool stands_alone(const stp_store* store, const stp_draw_list* originals,
                          const stp_store_node* node, const stp_affine* place)
 {
@@ -109,7 +110,8 @@ static bool stands_alone(const stp_store* store, const stp_draw_list* originals,
     return true;
 }
 
-// Checks every leaf whose set is listed. @return how many of them are in transition; -1: one costs too much
+// Checks every leaf whose set is listed. @return how many of them are in transition; -1: one costs
+// too much
 static int check_leaves(const stp_store* store, const stp_view* view, float splat_size,
                         const stp_draw_list* list, const stp_draw_list* originals)
 {
@@ -151,7 +153,7 @@ void test_transitions_of_random_graphs_cost_little(test_state* test)
         for (uint64_t round = 0; round < 150; ++round) {
             stp_view view = random_view(store, 1000 * seed + round);
             stp_quality quality = {.splat_size = (float)(1 + round % 9),
-                                   .spare = round % 2 == 0 ? 0.0f : 1.0f};
+                                   .early_switch = round % 2 == 0 ? 0.0f : 1.0f};
             stp_quality reference = {.splat_size = 1, .reference = true};
             CHECK_EQUAL(STP_OK, stp_select(context, store, &view, &reference, &originals));
             CHECK_EQUAL(STP_OK, stp_select(context, store, &view, &quality, &list));
@@ -178,7 +180,7 @@ static stp_result generate_model(stp_scene* scene, const char* name, void* user)
     mesh.positions = STP_NEW_ARRAY(scene->context, float, (size_t)3 * row * row);
     mesh.indices = STP_NEW_ARRAY(scene->context, uint32_t, (size_t)6 * SIDE * SIDE);
     if (mesh.positions == NULL || mesh.indices == NULL) {
-        abort(); // a test without memory
+        abort(); // the test has no memory
     }
     for (uint32_t i = 0; i < row * row; ++i) {
         float x = (float)(i % row), z = (float)(i / row);
@@ -241,8 +243,8 @@ static double work_of(const stp_store* store, const stp_view* view, const stp_dr
     return work;
 }
 
-// For models built with default options, a whole picture costs at most a fifth more than all of its triangles, and much
-// less from afar; triangles are drawn if they are fewer than eight per splat.
+// For models built with default options, a whole picture costs at most a fifth more than all of its
+// triangles, and much less from afar; triangles are drawn if they are fewer than eight per splat.
 void test_transitions_of_models_cost_little(test_state* test)
 {
     stp_context* context = test_context(NULL, 2, NULL);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A graph of a few shared nodes that expands beyond any memory: each traversal ends soon, with an
+// A graph of a few shared nodes that expands beyond any memory: each traversal ends soon with an
 // error message.
 #include "tests.h"
 

@@ -119,7 +119,7 @@ void test_hidden_objects_are_found_wherever_partition_put_them(test_state* test)
             bool placed;
             CHECK(set_object(s, i, STP_SHOW_NOT, &placed));
             CHECK(agrees(s));
-            for (uint32_t k = 0; k < s->own->count; ++k) { // nothing of it is left
+            for (uint32_t k = 0; k < s->own->count; ++k) { // it has no effect any more
                 CHECK(built_has(s->all, &s->own->places[k]));
             }
             seen += placed ? 1 : 0;
@@ -156,7 +156,8 @@ void test_visibility_is_what_was_set_last(test_state* test)
     }
 }
 
-/// Whether an item draws exactly its expected parts: no hidden part is below the node of a surfel set.
+/// Whether an item draws exactly the expected parts: no hidden part is below the node of a surfel
+/// set.
 static bool item_is_right(const shown* s, const stp_draw_item* item)
 {
     const stp_store_directory* d = stp_store_get_directory(s->store);

@@ -17,15 +17,15 @@ uint8_t pictures_value(uint32_t x, uint32_t y, uint32_t channel)
 
 int pictures_error(const stp_store_texture* texture)
 {
-    int most = 0;
+    int maximum = 0;
     for (uint32_t i = 0; i < texture->width * texture->height; ++i) {
         for (uint32_t c = 0; c < 4; ++c) {
             int wanted = pictures_value(i % texture->width, i / texture->width, c);
             int error = abs(wanted - texture->texels[4 * i + c]);
-            most = error > most ? error : most;
+            maximum = error > maximum ? error : maximum;
         }
     }
-    return most;
+    return maximum;
 }
 
 static bool keep(stp_arena* arena, stp_store_texture* texture, uint32_t encoding, const void* bytes,

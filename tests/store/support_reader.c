@@ -57,7 +57,7 @@ bool slow_reader_read(void* user, uint64_t offset, void* bytes, size_t size)
     return true;
 }
 
-uint32_t residency_settle(stp_residency* residency, const stp_want* wants, size_t count)
+uint32_t residency_settle(stp_residency* residency, const stp_data_request* wants, size_t count)
 {
     uint32_t updates = 1;
     stp_residency_update(residency, wants, count);

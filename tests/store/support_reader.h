@@ -26,5 +26,5 @@ void slow_reader_await(slow_reader* reader, uint32_t waiting);
 /// Read callback for stp_residency_desc.
 bool slow_reader_read(void* user, uint64_t offset, void* bytes, size_t size);
 
-/// Updates with the same wants until nothing more arrives. @return the number of updates
-uint32_t residency_settle(stp_residency* residency, const stp_want* wants, size_t count);
+/// Updates with the same requests until nothing more arrives. @return the number of updates
+uint32_t residency_settle(stp_residency* residency, const stp_data_request* wants, size_t count);

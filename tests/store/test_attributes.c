@@ -353,8 +353,9 @@ void test_store_coloring_replaces_colors_and_hides_classes(test_state* test)
 
     // the same with data loaded by threads
     stp_residency* residency = NULL;
-    const stp_want wants[] = {{.kind = STP_RESIDENT_SURFELS, .octaves = OCTAVES, .need = 1.0f},
-                              {.kind = STP_RESIDENT_POINTS, .need = 1.0f}};
+    const stp_data_request wants[] = {
+        {.kind = STP_RESIDENT_SURFELS, .octaves = OCTAVES, .need = 1.0f},
+        {.kind = STP_RESIDENT_POINTS, .need = 1.0f}};
     CHECK_EQUAL(STP_OK, stp_residency_create(store, &(stp_residency_desc){0}, &residency));
     CHECK_EQUAL(STP_ERROR_ARGUMENT, stp_store_set_coloring(store, NULL));
     do {

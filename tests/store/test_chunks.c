@@ -192,7 +192,7 @@ void test_chunks_never_stand_for_much_more_than_they_take(test_state* test)
     stp_context_destroy(context);
 }
 
-// Changes bytes of blocks and reseals the checksums. Whatever the result, nothing is accessed out
+// Changes bytes of blocks and reseals the checksums. In all cases nothing is accessed out
 // of bounds, and no content of another size is accepted.
 void test_chunks_that_are_forged_are_refused(test_state* test)
 {

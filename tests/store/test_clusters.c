@@ -45,15 +45,15 @@ static rounded make_rounded(const float* const corners[3], double step, uint32_t
             q[k][c] = (int64_t)floor(x + 0.5);
         }
     }
-    rounded least = {0};
+    rounded minimum = {0};
     for (uint32_t turn = 0; turn < 3; ++turn) {
         rounded r = {.triangle = triangle, .turn = turn};
         for (uint32_t k = 0; k < 3; ++k) {
             memcpy(r.corner[k], q[(turn + k) % 3], sizeof(q[0]));
         }
-        least = turn == 0 || compare_rounded(&r, &least) < 0 ? r : least;
+        minimum = turn == 0 || compare_rounded(&r, &minimum) < 0 ? r : minimum;
     }
-    return least;
+    return minimum;
 }
 
 /// The triangles of both meshes, sorted. The caller frees them.
@@ -99,7 +99,7 @@ static bool code_and_decode(stp_context* context, const stp_store_mesh* view, do
 }
 
 /// Every source triangle occurs once, with its winding. Each position is the grid point nearest to
-/// the source's, in whatever cluster, so no cracks appear.
+/// the source's, in every cluster, so no cracks appear.
 static const char* find_position_fault(const made_mesh* m, const stp_decoded_mesh* decoded,
                                        double step)
 {

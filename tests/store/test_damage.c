@@ -143,7 +143,7 @@ void test_store_opens_newer_minor_versions(test_state* test)
 }
 
 // Replaces every 32-bit word of header, section table and tables by misleading numbers and reseals
-// the checksums. Whatever the result, nothing is read out of bounds and memory stays bounded.
+// the checksums. In all cases nothing is read out of bounds and memory stays bounded.
 static void check_forged_numbers(test_state* test, const char* path)
 {
     static const uint32_t forged[] = {0,          1,       0x7FFFFFFF, 0xFFFFFFFE,

@@ -46,7 +46,7 @@ static bool make_set(fixture* f)
                                  .normals = normals,
                                  .colors = colors,
                                  .materials = materials};
-    const stp_leaf_desc desc = {.budget = 100, .least = 20, .flatness = 0.005f, .sample = 100};
+    const stp_leaf_desc desc = {.budget = 100, .minimum = 20, .flatness = 0.005f, .sample = 100};
     const stp_stochastic_source source = {.candidates = &candidates,
                                           .shading_of_material = shadings,
                                           .wanted = POINTS,
@@ -160,7 +160,7 @@ void test_leaves_come_with_a_residency(test_state* test)
     stp_store_leaves leaves;
     CHECK_EQUAL(STP_OK, stp_store_get_leaves(store, 0, &leaves));
     CHECK_EQUAL(0, leaves.leaf_count); // not requested
-    const stp_want want = {.kind = STP_RESIDENT_LEAVES, .index = 0, .need = 2.0f};
+    const stp_data_request want = {.kind = STP_RESIDENT_LEAVES, .index = 0, .need = 2.0f};
     do {
         stp_residency_update(residency, &want, 1);
     } while (stp_residency_wait(residency));

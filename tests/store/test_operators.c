@@ -148,7 +148,7 @@ void test_operators_lose_nothing(test_state* test)
     }
 }
 
-// Truncated, extended, or with a flipped bit: no access out of bounds, and whatever is accepted is
+// Truncated, extended, or with a flipped bit: no access out of bounds, and accepted data is
 // a valid prefix.
 void test_operators_that_are_damaged_do_no_harm(test_state* test)
 {
@@ -206,9 +206,9 @@ void test_operators_take_less_than_a_third_of_the_papers(test_state* test)
     fixture f;
     CHECK(set_up(&f, NULL, 24000));
     size_t bytes = 0;
-    uint32_t most = STP_STORE_PIECE_BYTES / 21;
-    for (uint32_t begin = 0; begin < f.set.count; begin += most) {
-        uint32_t end = begin + most < f.set.count ? begin + most : f.set.count;
+    uint32_t maximum = STP_STORE_PIECE_BYTES / 21;
+    for (uint32_t begin = 0; begin < f.set.count; begin += maximum) {
+        uint32_t end = begin + maximum < f.set.count ? begin + maximum : f.set.count;
         size_t size = encode(&f, begin, end, RUN_BYTES);
         CHECK(size > 0);
         bytes += size;
@@ -403,7 +403,7 @@ void test_operators_of_short_files_are_prefixes(test_state* test)
     file_fixture f;
     CHECK(file_set_up(&f, 1, false));
     size_t data = (size_t)stp_read_u64(f.bytes + 24);
-    uint64_t most = 0;
+    uint64_t maximum = 0;
     for (size_t size = data; size < f.size; size += 1 + (f.size - data) / 23) {
         stp_store* store = NULL;
         uint64_t splats = 0;
@@ -414,11 +414,11 @@ void test_operators_of_short_files_are_prefixes(test_state* test)
             CHECK(got.count == 0 || progressive_sample_is_same(&f.sets[i], &got, got.count));
             splats += got.count;
         }
-        CHECK(splats >= most);
-        most = splats;
+        CHECK(splats >= maximum);
+        maximum = splats;
         stp_store_close(store);
     }
-    CHECK(most > 0);
+    CHECK(maximum > 0);
     file_tear_down(&f);
 }
 
@@ -451,7 +451,7 @@ void test_operators_are_streamed(test_state* test)
         stp_store* store = NULL;
         stp_residency* residency;
         stp_residency_stats stats;
-        stp_want wants[SETS];
+        stp_data_request wants[SETS];
         // none, enough for all, and not enough
         stp_residency_desc desc = {.limit_bytes = limit == 0   ? 0
                                                   : limit == 1 ? (uint64_t)4 << 20
@@ -459,11 +459,11 @@ void test_operators_are_streamed(test_state* test)
         CHECK_EQUAL(STP_OK, open_bytes(&f, f.bytes, f.size, false, &store));
         CHECK_EQUAL(STP_OK, stp_residency_create(store, &desc, &residency));
         for (uint32_t i = 0; i < SETS; ++i) {
-            wants[i] = (stp_want){.kind = STP_RESIDENT_SURFELS,
-                                  .index = i,
-                                  .octaves = STP_OCTAVE_LIMIT,
-                                  .need = 10.0f,
-                                  .octave_need = 1.0f};
+            wants[i] = (stp_data_request){.kind = STP_RESIDENT_SURFELS,
+                                          .index = i,
+                                          .octaves = STP_OCTAVE_LIMIT,
+                                          .need = 10.0f,
+                                          .octave_need = 1.0f};
         }
         residency_settle(residency, wants, SETS);
         for (uint32_t i = 0; i < SETS; ++i) {
@@ -480,7 +480,7 @@ void test_operators_are_streamed(test_state* test)
     file_tear_down(&f);
 }
 
-// Changes bytes and reseals the checksums. Whatever is read afterwards are valid splats.
+// Changes bytes and reseals the checksums. All splats read afterwards are valid.
 void test_operators_that_are_forged_are_refused(test_state* test)
 {
     test_log log = {.errors = 0};

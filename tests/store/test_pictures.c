@@ -254,9 +254,10 @@ void test_store_loads_pictures_within_a_limit(test_state* test)
     stp_context* context = test_context(NULL, 1, &log);
     fixture f;
     CHECK(context != NULL && set_up(&f, context, 16)); // 256 KiB each, decoded
-    stp_want wants[PICTURE_TEXTURES];
+    stp_data_request wants[PICTURE_TEXTURES];
     for (uint32_t i = 0; i < PICTURE_TEXTURES; ++i) {
-        wants[i] = (stp_want){.kind = STP_RESIDENT_TEXTURE, .index = i, .need = 10.0f - (float)i};
+        wants[i] =
+            (stp_data_request){.kind = STP_RESIDENT_TEXTURE, .index = i, .need = 10.0f - (float)i};
     }
     for (uint64_t limit = 1 << 20; limit <= 4 << 20; limit *= 4) {
         stp_residency* r = NULL;

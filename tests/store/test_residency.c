@@ -11,7 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { OCTAVES = 5, LEAST = 40, WANTS = 64 };
+enum { OCTAVES = 5, LEAST = 40, REQUESTS = 64 };
 
 /// A random sample with long sets, written, read into memory and opened.
 typedef struct fixture {
@@ -23,8 +23,8 @@ typedef struct fixture {
     stp_store* store;
     stp_residency* residency;
     slow_reader reader;
-    stp_want wants[WANTS];
-    size_t want_count;
+    stp_data_request requests[REQUESTS];
+    size_t request_count;
 } fixture;
 
 static void lengthen(stp_arena* arena, stp_splats* s, uint64_t seed)
@@ -70,14 +70,15 @@ static void want_all(fixture* f)
     const stp_store_directory* d = stp_store_get_directory(f->store);
     uint32_t counts[] = {d->surfels_count, d->mesh_count, d->point_set_count, d->texture_count};
     enum { KINDS = sizeof(counts) / sizeof(counts[0]) }; // leaves: test_leaves.c
-    f->want_count = 0;
+    f->request_count = 0;
     for (uint32_t kind = 0; kind < KINDS; ++kind) {
-        for (uint32_t i = 0; i < counts[kind] && f->want_count < WANTS; ++i) {
-            f->wants[f->want_count++] = (stp_want){.kind = (stp_resident_kind)kind,
-                                                   .index = i,
-                                                   .octaves = STP_OCTAVE_LIMIT,
-                                                   .need = 10.0f + (float)i,
-                                                   .octave_need = 1.0f + 0.1f * (float)i};
+        for (uint32_t i = 0; i < counts[kind] && f->request_count < REQUESTS; ++i) {
+            f->requests[f->request_count++] =
+                (stp_data_request){.kind = (stp_resident_kind)kind,
+                                   .index = i,
+                                   .octaves = STP_OCTAVE_LIMIT,
+                                   .need = 10.0f + (float)i,
+                                   .octave_need = 1.0f + 0.1f * (float)i};
         }
     }
 }
@@ -153,7 +154,7 @@ void test_residency_brings_what_the_file_holds(test_state* test)
         seed = rich_seed(context, seed + 1);
         CHECK(set_up(&f, context, seed, true));
         CHECK_EQUAL(STP_OK, stream(&f, 0, 1 + (uint32_t)round));
-        residency_settle(f.residency, f.wants, f.want_count);
+        residency_settle(f.residency, f.requests, f.request_count);
         stp_residency_stats stats;
         stp_residency_get_stats(f.residency, &stats);
         const char* difference = sample_difference(&f.made.content, f.store);
@@ -177,7 +178,7 @@ void test_residency_never_waits_for_the_disk(test_state* test)
     CHECK(set_up(&f, context, rich_seed(context, 5), false));
     CHECK_EQUAL(STP_OK, stream(&f, 0, 2));
     for (int i = 0; i < 3; ++i) { // returns though nothing was read
-        stp_residency_update(f.residency, f.wants, f.want_count);
+        stp_residency_update(f.residency, f.requests, f.request_count);
     }
     const stp_store_directory* d = stp_store_get_directory(f.store);
     stp_splats surfels;
@@ -192,7 +193,7 @@ void test_residency_never_waits_for_the_disk(test_state* test)
     slow_reader_let_go(&f.reader, UINT32_MAX);
     CHECK(stp_residency_wait(f.residency));
     CHECK_EQUAL(0, stp_store_resident_surfels(f.store, 0));
-    residency_settle(f.residency, f.wants, f.want_count);
+    residency_settle(f.residency, f.requests, f.request_count);
     CHECK_EQUAL(stp_store_describe_surfels(f.store, 0)->count,
                 stp_store_resident_surfels(f.store, 0));
     CHECK(sample_difference(&f.made.content, f.store) == NULL);
@@ -217,16 +218,16 @@ void test_residency_coarse_comes_first(test_state* test)
     // one at a time: the coarsest octaves of all sets come before the finest of any
     bool finest = false;
     for (int i = 0; i < 1000; ++i) {
-        stp_residency_update(f.residency, f.wants, f.want_count);
-        uint32_t least = OCTAVES, most = 0;
+        stp_residency_update(f.residency, f.requests, f.request_count);
+        uint32_t minimum = OCTAVES, maximum = 0;
         for (uint32_t set = 0; set < d->surfels_count; ++set) {
             uint32_t level = stp_store_octaves_for(stp_store_describe_surfels(f.store, set),
                                                    stp_store_resident_surfels(f.store, set));
-            least = level < least ? level : least;
-            most = level > most ? level : most;
+            minimum = level < minimum ? level : minimum;
+            maximum = level > maximum ? level : maximum;
         }
-        CHECK(most < OCTAVES || least > 0);
-        finest = finest || most == OCTAVES;
+        CHECK(maximum < OCTAVES || minimum > 0);
+        finest = finest || maximum == OCTAVES;
         if (!stp_residency_wait(f.residency)) {
             break;
         }
@@ -253,17 +254,17 @@ static uint64_t fingerprint(const fixture* f)
     return hash;
 }
 
-/// The wants of a round: some things, some octaves.
-static size_t choose_wants(const fixture* f, uint64_t round, stp_want* wants)
+/// The requests of a round: some things, some octaves.
+static size_t choose_requests(const fixture* f, uint64_t round, stp_data_request* requests)
 {
     size_t count = 0;
-    for (size_t i = 0; i < f->want_count; ++i) {
+    for (size_t i = 0; i < f->request_count; ++i) {
         uint64_t h = stp_rng_hash(round, i);
         if (h % 3 == 0) {
-            wants[count] = f->wants[i];
-            wants[count].octaves = (uint32_t)(h >> 8) % (OCTAVES + 1);
-            wants[count].need = (float)((h >> 16) % 100);
-            wants[count++].octave_need = (float)((h >> 32) % 100);
+            requests[count] = f->requests[i];
+            requests[count].octaves = (uint32_t)(h >> 8) % (OCTAVES + 1);
+            requests[count].need = (float)((h >> 16) % 100);
+            requests[count++].octave_need = (float)((h >> 32) % 100);
         }
     }
     return count;
@@ -313,12 +314,12 @@ void test_residency_keeps_to_its_limit(test_state* test)
         stp_residency_stats stats;
         bool dropped = false, full = false;
         for (uint64_t round = 0; round < ROUNDS; ++round) {
-            stp_want wants[WANTS];
-            size_t count = choose_wants(&f, round, wants);
-            residency_settle(f.residency, wants, count);
+            stp_data_request requests[REQUESTS];
+            size_t count = choose_requests(&f, round, requests);
+            residency_settle(f.residency, requests, count);
             stp_residency_get_stats(f.residency, &stats);
             prints[round] = threads == 1 ? fingerprint(&f) : prints[round];
-            CHECK_EQUAL(prints[round], fingerprint(&f)); // whichever thread read it
+            CHECK_EQUAL(prints[round], fingerprint(&f)); // for any assignment of reads to threads
             CHECK(compare_prefixes(&f, other) == NULL);
             dropped = dropped || stats.dropped > 0;
             full = full || stats.missing > 0;
@@ -343,13 +344,13 @@ void test_residency_needed_most_stays(test_state* test)
     CHECK(set_up(&f, context, rich_seed(context, 33), true));
     uint64_t one = stp_store_columns_bytes(stp_store_describe_surfels(f.store, 0), OCTAVES);
     CHECK_EQUAL(STP_OK, stream(&f, 2 * one, 2));
-    stp_want a = {STP_RESIDENT_SURFELS, 0, OCTAVES, 10.0f, 10.0f, 0};
-    stp_want b = {STP_RESIDENT_SURFELS, 1, OCTAVES, 1.0f, 1.0f, 0};
+    stp_data_request a = {STP_RESIDENT_SURFELS, 0, OCTAVES, 10.0f, 10.0f, 0};
+    stp_data_request b = {STP_RESIDENT_SURFELS, 1, OCTAVES, 1.0f, 1.0f, 0};
     residency_settle(f.residency, &a, 1);
     uint32_t all = stp_store_describe_surfels(f.store, 0)->count;
     CHECK_EQUAL(all, stp_store_resident_surfels(f.store, 0));
     // both do not fit: the more needed one stays whole, and they do not replace each other in turns
-    stp_want both[] = {b, a};
+    stp_data_request both[] = {b, a};
     residency_settle(f.residency, both, 2);
     CHECK_EQUAL(all, stp_store_resident_surfels(f.store, 0));
     uint32_t rest = stp_store_resident_surfels(f.store, 1);
@@ -381,7 +382,7 @@ void test_residency_damaged_block_is_said_once(test_state* test)
     f.reader.wrong_at = block->offset + block->size / 2;
     CHECK_EQUAL(STP_OK, stream(&f, 0, 2));
     for (int i = 0; i < 3; ++i) {
-        residency_settle(f.residency, f.wants, f.want_count);
+        residency_settle(f.residency, f.requests, f.request_count);
     }
     stp_residency_stats stats;
     stp_residency_get_stats(f.residency, &stats);
@@ -410,8 +411,8 @@ void test_residency_of_a_truncated_file(test_state* test)
         f.reader.size = begin + (f.size - begin) * part / 8;
         log.warnings = log.errors = 0;
         CHECK_EQUAL(STP_OK, stream(&f, 0, 1));
-        residency_settle(f.residency, f.wants, f.want_count);
-        residency_settle(f.residency, f.wants, f.want_count);
+        residency_settle(f.residency, f.requests, f.request_count);
+        residency_settle(f.residency, f.requests, f.request_count);
         stp_residency_stats stats;
         stp_residency_get_stats(f.residency, &stats);
         CHECK_EQUAL(stats.damaged, (uint64_t)log.warnings);
@@ -440,9 +441,9 @@ void test_residency_without_memory_is_coarser(test_state* test)
         CHECK(result == STP_OK || result == STP_ERROR_OUT_OF_MEMORY);
         if (result == STP_OK) {
             for (uint64_t round = 0; round < 4; ++round) {
-                stp_want wants[WANTS];
-                size_t count = choose_wants(&f, round, wants);
-                residency_settle(f.residency, wants, count);
+                stp_data_request requests[REQUESTS];
+                size_t count = choose_requests(&f, round, requests);
+                residency_settle(f.residency, requests, count);
             }
             CHECK_EQUAL(0, log.errors);
         } else {
@@ -453,7 +454,7 @@ void test_residency_without_memory_is_coarser(test_state* test)
         if (result == STP_OK) { // with memory available again, everything works
             stp_residency_destroy(f.residency);
             CHECK_EQUAL(STP_OK, stream(&f, 0, 2));
-            residency_settle(f.residency, f.wants, f.want_count);
+            residency_settle(f.residency, f.requests, f.request_count);
             CHECK(sample_difference(&f.made.content, f.store) == NULL);
         }
         tear_down(&f);
@@ -481,7 +482,7 @@ void test_residency_ends_while_it_loads(test_state* test)
         pthread_t helper;
         f.reader.open = false;
         CHECK_EQUAL(STP_OK, stream(&f, 0, 2));
-        stp_residency_update(f.residency, f.wants, f.want_count);
+        stp_residency_update(f.residency, f.requests, f.request_count);
         slow_reader_await(&f.reader, 2);
         slow_reader_let_go(&f.reader, round); // during a read
         CHECK_EQUAL(0, pthread_create(&helper, NULL, let_go_later, &f.reader));
@@ -523,7 +524,7 @@ void test_residency_yields_to_others(test_state* test)
     fixture f;
     CHECK(set_up(&f, context, rich_seed(context, 91), true));
     CHECK_EQUAL(STP_OK, stream(&f, 0, 2)); // under the context's limit
-    residency_settle(f.residency, f.wants, f.want_count);
+    residency_settle(f.residency, f.requests, f.request_count);
     stp_residency_stats stats;
     stp_residency_get_stats(f.residency, &stats);
     uint64_t limit = stats.limit_bytes, loaded = stats.resident_bytes;
@@ -539,7 +540,7 @@ void test_residency_yields_to_others(test_state* test)
     CHECK(yielded && stats.resident_bytes < loaded && stats.limit_bytes < limit);
     CHECK(stats.resident_bytes <= stats.limit_bytes + (1 << 20)); // pinned data stays
     stp_free(context, block);
-    residency_settle(f.residency, f.wants, f.want_count);
+    residency_settle(f.residency, f.requests, f.request_count);
     CHECK(sample_difference(&f.made.content, f.store) == NULL); // there is room again
     tear_down(&f);
     stp_context_destroy(context);

@@ -273,7 +273,7 @@ void test_store_census_sums_small_parts(test_state* test)
         CHECK_EQUAL(STP_OK, stp_store_census_create(context, candidates, count, &census));
         CHECK_EQUAL(count > 64 ? 65 : count, census.part_count);
         bool seen[COUNT] = {false};
-        uint64_t least = UINT64_MAX;
+        uint64_t minimum = UINT64_MAX;
         uint32_t members = 0;
         for (uint32_t i = 0; i < census.part_count; ++i) {
             const stp_store_census_part* part = &census.parts[i];
@@ -283,8 +283,8 @@ void test_store_census_sums_small_parts(test_state* test)
                 CHECK(which < count && !seen[which]);
                 seen[which] = true;
                 uint64_t triangles = candidates[which].triangles;
-                CHECK(i == 64 ? triangles <= least : part->member_count == 1);
-                least = i < 64 && triangles < least ? triangles : least;
+                CHECK(i == 64 ? triangles <= minimum : part->member_count == 1);
+                minimum = i < 64 && triangles < minimum ? triangles : minimum;
             }
             CHECK(i == 0 || i == 64 || part->members[0] > census.parts[i - 1].members[0]);
         }

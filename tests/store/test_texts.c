@@ -93,14 +93,14 @@ void test_store_refuses_texts_that_are_too_long(test_state* test)
 }
 
 // How often a text of a length can be used, up to a limit, if it is the whole section.
-static uint64_t count_uses(size_t length, uint64_t most)
+static uint64_t count_uses(size_t length, uint64_t maximum)
 {
     static char bytes[LONGEST + 1];
     memset(bytes, 'a', length);
     bytes[length] = '\0';
     stp_store_text text = {.stored = bytes, .size = length + 1, .checked = true};
     uint64_t uses = 0;
-    while (uses < most && stp_store_use_text(&text, bytes) == NULL) {
+    while (uses < maximum && stp_store_use_text(&text, bytes) == NULL) {
         uses += 1;
     }
     return uses;
@@ -108,7 +108,8 @@ static uint64_t count_uses(size_t length, uint64_t most)
 
 void test_store_bounds_the_use_of_texts(test_state* test)
 {
-    CHECK_EQUAL(10000000, count_uses(200, 10000000)); // names like "bolt", of any number of things
+    CHECK_EQUAL(10000000,
+                count_uses(200, 10000000)); // names like "bolt", for any number of objects
     uint64_t uses = count_uses(LONGEST, 10000000);
     CHECK(uses * LONGEST >= UINT64_C(1) << 24 && uses * LONGEST < UINT64_C(1) << 25);
 }

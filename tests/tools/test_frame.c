@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which backend draws where OpenGL has a context that lacks what is needed.
+// The backend that draws if the OpenGL context lacks required functions.
 #include "tests.h"
 
 #include "draw/support_gl.h"
@@ -7,9 +7,9 @@
 
 #include <string.h>
 
-/// As a driver of fewer extensions: not all functions are there.
+/// Simulates a driver with fewer extensions: some functions are missing.
 static void (*(*find_all)(const char* name))(void);
-static void (*find_most(const char* name))(void)
+static void (*find_max(const char* name))(void)
 {
     return strcmp(name, "glDispatchCompute") == 0 ? NULL : find_all(name);
 }
@@ -22,7 +22,7 @@ static stp_result create(made_gl* m, frame_backend backend, stp_context* context
         return STP_ERROR_IO;
     }
     find_all = headless.get_proc_address;
-    headless.get_proc_address = find_most;
+    headless.get_proc_address = find_max;
     return frame_maker_create_in(context, m->picture.store, &m->picture.style, backend, &headless,
                                  maker);
 }
@@ -36,7 +36,7 @@ void test_frames_are_drawn_by_the_processor_where_a_context_lacks_something(test
         CHECK(!failed);
         SKIP("there is no OpenGL");
     }
-    stp_renderer_destroy(m.renderer); // another context comes in its place
+    stp_renderer_destroy(m.renderer); // replaced by another context
     m.renderer = NULL;
     made_picture* p = &m.picture;
     test_log log = {0};
@@ -49,7 +49,7 @@ void test_frames_are_drawn_by_the_processor_where_a_context_lacks_something(test
     CHECK_EQUAL(STP_OK, frame_draw(&maker, &p->view, &p->quality, &image, &figures));
     CHECK(figures.covered_pixels > 100);
     frame_maker_destroy(&maker);
-    // who asks for OpenGL hears why not
+    // a request for OpenGL fails with the reason
     log.errors = 0;
     CHECK_EQUAL(STP_ERROR_UNSUPPORTED, create(&m, FRAME_BACKEND_GL, context, &maker));
     CHECK(log.errors == 1 && strstr(log.text, "glDispatchCompute") != NULL);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which files beside a model its text names, against looking for each name.
+// Files beside a model that its text names, against a search for each name.
 #include "companion_files.h"
 #include "tests.h"
 
@@ -12,7 +12,7 @@
 
 enum { FILES = 24, TEXTS = 40, TEXT_SIZE = 90 };
 
-// Names of few letters: many begin others, and stand in texts of the same letters.
+// Names of few letters: many are prefixes of others, and occur in texts of the same letters.
 static void make_name(uint32_t number, char name[16])
 {
     size_t length = 1 + stp_rng_below(7, number, 6);

@@ -13,7 +13,7 @@ void test_option_fields_become_options(test_state* test)
     CHECK(strcmp(text, "memory_limit") == 0);
     option_fields_name("", text, sizeof(text));
     CHECK(text[0] == 0);
-    // cut, but always ended
+    // truncated, but always terminated
     option_fields_name("use unit_metres", text, 8);
     CHECK(strcmp(text, "use --u") == 0);
     memset(text, 'x', sizeof(text));

@@ -13,7 +13,7 @@ static bool set(option_type type, const char* words, void* value, const char* te
     return ok && problem[0] == 0;
 }
 
-// A refused text leaves the value alone, and says why.
+// A rejected text leaves the value unchanged and gives the reason.
 static bool refuses(option_type type, const char* words, const char* text)
 {
     char problem[256] = "";

@@ -5,7 +5,7 @@
 #include <jansson.h>
 #include <string.h>
 
-// What was printed so far.
+// Output so far.
 static size_t read_back(FILE* stream, char* text, size_t size)
 {
     fflush(stream);
@@ -97,7 +97,7 @@ void test_progress_is_silent_where_nobody_looks(test_state* test)
     }
 }
 
-// A build of a minute as the tool sees it: what was found in the work directory goes fast, the rest slowly.
+// A simulated build of a minute: results found in the work directory are fast, the rest is slow.
 static stp_progress_report report_at(double second)
 {
     double found = second < 2.0 ? second / 2.0 * 0.25 : 0.25;
@@ -122,8 +122,8 @@ void test_progress_estimates_what_is_left(test_state* test)
         stp_progress_report report = report_at(second);
         progress_report_at(&state, &report, 5000.0 + 1e3 * second);
         double left = progress_remaining_s(&state);
-        CHECK((left >= 0.0) == (second >= 1.0)); // the first second tells nothing
-        // soon it is right although the beginning misled, and it does not jump
+        CHECK((left >= 0.0) == (second >= 1.0)); // no estimate in the first second
+        // soon the estimate is right despite the misleading start, and it does not jump
         double true_left = 60.0 - second;
         CHECK(second < 15.0 || (left > 0.9 * true_left - 0.1 && left < 1.1 * true_left + 0.1));
         CHECK(second < 10.0 || (left < before + 0.5 && left > before - 0.5));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Simulated scans: points lie where the scanner looks, on the surface, as far off as the noise
-// says; files without memory.
+// Simulated scans: points lie in the scanner's directions, on the surface, off by the noise;
+// files without memory.
 #include "scan_file.h"
 #include "scan_stations.h"
 #include "tests.h"
@@ -31,10 +31,10 @@ static stp_scene* make_boxes(stp_context* context)
     return scene;
 }
 
-/// The distance from a place to the triangles of an object, or of all (UINT32_MAX).
+/// Distance from a position to the triangles of one object, or of all (UINT32_MAX).
 static double distance_to(const scan_target* t, uint32_t object, stp_vec3d place)
 {
-    double least = (double)INFINITY;
+    double minimum = (double)INFINITY;
     for (uint32_t part = 0; part < t->part_count; ++part) {
         if (object != UINT32_MAX && object != part) {
             continue;
@@ -42,10 +42,10 @@ static double distance_to(const scan_target* t, uint32_t object, stp_vec3d place
         for (uint32_t i = 0; i < t->meshes[t->parts[part].mesh].triangle_count; ++i) {
             stp_vec3d corners[3];
             stp_caster_corners(t->caster, part, i, corners);
-            least = fmin(least, stp_triangle_distance_squared(corners, place));
+            minimum = fmin(minimum, stp_triangle_distance_squared(corners, place));
         }
     }
-    return sqrt(least);
+    return sqrt(minimum);
 }
 
 static stp_vec3d place_of(const scan_point* p)
@@ -102,7 +102,7 @@ void test_scan_points_lie_on_the_surface(test_state* test)
     stp_context_destroy(context);
 }
 
-// Darker where it is farther, slanted, or of a darker colour.
+// The intensity is lower at larger distance or slant, or for darker colours.
 void test_scan_intensity_falls(test_state* test)
 {
     static const float square[12] = {-9, 0, -9, 9, 0, -9, 9, 0, 9, -9, 0, 9};
@@ -142,7 +142,7 @@ void test_scan_intensity_falls(test_state* test)
     stp_context_destroy(context);
 }
 
-/// All of a small scan into a file. @return the first failure
+/// Writes a whole small scan into a file. @return the first failure
 static stp_result write_all(stp_context* context, const stp_scene* scene, const char* path)
 {
     static scan_point points[COLUMNS * ROWS];
@@ -222,8 +222,8 @@ void test_scan_refuses_what_las_cannot_hold(test_state* test)
     stp_context_destroy(context);
 }
 
-// From the air, parallel lines see every place from above, at angles up to 30 degrees; those
-// overlap.
+// Airborne scans: parallel flight lines scan every place from above, at angles up to 30 degrees,
+// and overlap.
 void test_scan_flies_over_all(test_state* test)
 {
     static scan_point points[64 * 64];
@@ -268,7 +268,7 @@ void test_scan_flies_over_all(test_state* test)
     stp_context_destroy(context);
 }
 
-// A lone box is scanned from around it, since its sides cannot be seen from its top.
+// A single box is scanned from around it, because its sides are not visible from its top.
 void test_scan_stands_around_what_is_alone(test_state* test)
 {
     stp_context* context = test_context(NULL, 2, NULL);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The tree of parts as the viewer shows it: rows that fold, search, what is chosen, hidden,
-// isolated.
+// The viewer's tree of parts: rows that fold, search, selection, and hidden and
+// isolated parts.
 #include "tests.h"
 
 #include "base/context.h"
@@ -84,7 +84,7 @@ void test_viewer_explorer_goes_on_after_a_failure(test_state* test)
     char path[64];
     explorer* e = open_boxes(path);
     CHECK(e != NULL);
-    // a click on more than a pick examines
+    // a click on more content than a pick examines
     (void)!stp_fail(e->context, STP_ERROR_LIMIT, "pick: too much lies on the ray");
     CHECK(strcmp(e->message, "pick: too much lies on the ray") == 0);
     explorer_search(e, "box 15");
@@ -203,8 +203,8 @@ void test_viewer_part_materials_are_found(test_state* test)
     part_materials one = part_materials_find(e->store, e->rows[1].item.node);
     CHECK(one.count == 1 && !one.more && one.materials[0] < d->material_count);
     part_materials all = part_materials_find(e->store, d->root);
-    CHECK(all.count >= one.count && all.count <= PART_MATERIALS_MOST);
-    CHECK(all.more == (d->material_count > PART_MATERIALS_MOST));
+    CHECK(all.count >= one.count && all.count <= PART_MATERIALS_MAX);
+    CHECK(all.more == (d->material_count > PART_MATERIALS_MAX));
     for (uint32_t i = 0; i < all.count; ++i) {
         for (uint32_t k = 0; k < i; ++k) {
             CHECK(all.materials[i] != all.materials[k]);

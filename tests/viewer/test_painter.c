@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The thread that draws for the window: what makes another picture, and what happens when OpenGL is
-// lost.
+// The thread that draws for the window: which requests make a new picture, and what happens when
+// OpenGL is lost.
 #include "tests.h"
 
 #include "base/clock.h"
@@ -140,9 +140,9 @@ enum { PICTURE_BYTES = 4 * 100 * 80 };
 /// Stops a frame after some time.
 typedef struct stopper {
     atomic_bool stop;
-    atomic_int frame; ///< that is drawn
+    atomic_int frame; ///< that picture is drawn
     int after_ms;
-    int last_frame; ///< that may have begun before the stop
+    int last_frame; ///< that picture may have begun before the stop
 } stopper;
 
 static void* stop_later(void* user)
@@ -329,7 +329,7 @@ static bool has_gl(stp_headless* headless)
     return has;
 }
 
-/// A painter that draws a file by OpenGL with these functions. NULL: out of memory.
+/// A painter that draws a file with OpenGL and these functions. NULL: out of memory.
 static painter* open_with_gl(const char* path, stp_headless* headless,
                              stp_gl_proc (*find)(const char* name, void* user))
 {
@@ -362,7 +362,7 @@ void test_viewer_painter_draws_on_where_opengl_is_lost(test_state* test)
     paint_request request = ask(true);
     const painter_picture* picture = wait_for(p, painter_request(p, &request));
     CHECK(picture->gl && picture->texture != 0);
-    const paint_figures* f = &picture->figures; // of this frame, although nothing was read
+    const paint_figures* f = &picture->figures; // of this frame, although no file was read
     CHECK(f->covered_pixels > 100 && f->draw_ms > 0.0 && f->shade_ms > 0.0);
     CHECK(f->work_ms <= f->frame_ms);
     CHECK(f->work_ms + 1e-9 >= fmin(f->frame_ms, f->draw_ms + f->shade_ms));
@@ -401,7 +401,7 @@ static stp_gl_proc find_slow_function(const char* name, void* user)
     return (stp_gl_proc)finish_slowly;
 }
 
-/// How long the first frame took does not decide whether samples are accumulated.
+/// The duration of the first frame does not decide whether samples are accumulated.
 void test_viewer_painter_accumulates_after_a_slow_frame(test_state* test)
 {
     char path[64];

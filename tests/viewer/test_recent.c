@@ -17,17 +17,17 @@ void test_viewer_recent_files_are_bounded_and_newest_first(test_state* test)
 {
     char path[64];
     list = (recent_files){0};
-    for (int i = 0; i < 3 * RECENT_MOST; ++i) {
+    for (int i = 0; i < 3 * RECENT_MAX; ++i) {
         snprintf(path, sizeof(path), "/models/%d.glb", i);
         recent_add(&list, path);
-        CHECK(list.count <= RECENT_MOST && strcmp(list.paths[0], path) == 0);
+        CHECK(list.count <= RECENT_MAX && strcmp(list.paths[0], path) == 0);
     }
-    CHECK_EQUAL(RECENT_MOST, list.count);
+    CHECK_EQUAL(RECENT_MAX, list.count);
     recent_add(&list, "/models/25.glb"); // opened again: it moves to the front
-    CHECK(list.count == RECENT_MOST && strcmp(list.paths[0], "/models/25.glb") == 0);
+    CHECK(list.count == RECENT_MAX && strcmp(list.paths[0], "/models/25.glb") == 0);
     CHECK(strcmp(list.paths[1], "/models/29.glb") == 0);
     recent_remove(&list, "/models/29.glb");
-    CHECK(list.count == RECENT_MOST - 1 && strcmp(list.paths[1], "/models/28.glb") == 0);
+    CHECK(list.count == RECENT_MAX - 1 && strcmp(list.paths[1], "/models/28.glb") == 0);
     size_t before = list.count;
     recent_add(&list, "relative.glb");
     recent_add(&list, "/with\nline.glb");

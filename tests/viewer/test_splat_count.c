@@ -16,7 +16,7 @@ enum { SPLATS_OF_ROOT = 1024, SPLATS_BELOW = 64 };
 static uint64_t count_drawn(stp_context* context, stp_store* store, const stp_view* view)
 {
     stp_draw_list list = {0};
-    stp_quality quality = {.splat_count = SPLAT_COUNT_MOST};
+    stp_quality quality = {.splat_count = SPLAT_COUNT_MAX};
     bool drawn = stp_select(context, store, view, &quality, &list) == STP_OK;
     uint64_t count = drawn ? list.splat_count : UINT64_MAX;
     stp_draw_list_destroy(context, &list);
@@ -166,18 +166,18 @@ void test_viewer_splat_count_steps_from_two_to_all(test_state* test)
     CHECK_EQUAL(95, splat_count_step(100, 1000, false, true));
     CHECK_EQUAL(3, splat_count_step(2, 1000, true, true)); // at least one
     CHECK_EQUAL(2, splat_count_step(3, 1000, false, true));
-    CHECK_EQUAL(SPLAT_COUNT_MOST,
-                splat_count_step(SPLAT_COUNT_MOST - 1, SPLAT_COUNT_MOST, true, false));
+    CHECK_EQUAL(SPLAT_COUNT_MAX,
+                splat_count_step(SPLAT_COUNT_MAX - 1, SPLAT_COUNT_MAX, true, false));
     for (int fine = 0; fine < 2; ++fine) { // repeated steps up reach all, steps down two
         uint32_t count = 2;
-        for (int i = 0; i < 600 && count < SPLAT_COUNT_MOST; ++i) {
-            uint32_t next = splat_count_step(count, SPLAT_COUNT_MOST, true, fine == 1);
+        for (int i = 0; i < 600 && count < SPLAT_COUNT_MAX; ++i) {
+            uint32_t next = splat_count_step(count, SPLAT_COUNT_MAX, true, fine == 1);
             CHECK(next > count);
             count = next;
         }
-        CHECK_EQUAL(SPLAT_COUNT_MOST, count);
+        CHECK_EQUAL(SPLAT_COUNT_MAX, count);
         for (int i = 0; i < 600 && count > 2; ++i) {
-            uint32_t next = splat_count_step(count, SPLAT_COUNT_MOST, false, fine == 1);
+            uint32_t next = splat_count_step(count, SPLAT_COUNT_MAX, false, fine == 1);
             CHECK(next < count);
             count = next;
         }

@@ -105,7 +105,7 @@ typedef struct splat_lighter {
     const cpu_shade_kernels* kernels;
     cpu_shade_scene scene;
     cpu_shade_lanes lanes;
-    _Alignas(64) cpu_shade_surface surfaces[SHADE_LANES_MOST];
+    _Alignas(64) cpu_shade_surface surfaces[SHADE_LANES_MAX];
 } splat_lighter;
 
 /// Lights splats like pixels at their centres.
@@ -113,7 +113,7 @@ static void light_splats(void* user, uint32_t first, uint32_t count, const float
                          uint32_t (*out)[3])
 {
     splat_lighter* s = user;
-    for (uint32_t i = 0; i < SHADE_LANES_MOST; ++i) {
+    for (uint32_t i = 0; i < SHADE_LANES_MAX; ++i) {
         uint32_t there = i < count ? i : 0;
         s->lanes.surface[i] = there;
         s->lanes.x[i] = x[there];

@@ -98,7 +98,7 @@ bool cpu_draw_clusters(const cpu_renderer* r, const cpu_item* item, cpu_cluster_
         keep.cut_mask = 0;
         while (i < range->end && b->cluster_count < BATCH_CLUSTERS) {
             stp_box box = stp_clusters_bounds(&item->clusters, i);
-            float share = stp_draw_share(item->draw, stp_bounding_least_depth(&bounding, box));
+            float share = stp_draw_share(item->draw, stp_bounding_min_depth(&bounding, box));
             bool seen = share > 0.0f && !cpu_cuts_drop(&cuts, item, box, &keep.cut_mask) &&
                         is_seen(r, item, &bounding, box, 1u << (i - range->begin), range);
             if (!seen && b->cluster_count != 0) {

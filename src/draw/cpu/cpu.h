@@ -83,8 +83,8 @@ typedef struct cpu_item {
     bool reads_texcoords[2];
     stp_store_point_set points;
     const stp_store_material* material;
-    stp_mesh_glass glass; ///< of meshes
-    float cells;          ///< for a transparent mesh, per item unit (raster/blue_noise.h)
+    stp_mesh_transparency glass; ///< of meshes
+    float cells;                 ///< for a transparent mesh, per item unit (raster/blue_noise.h)
     const stp_texture_pyramid* base_color;
     const stp_texture_pyramid* metallic_roughness;
     const stp_texture_pyramid* emissive;
@@ -208,9 +208,9 @@ typedef struct cpu_renderer {
     size_t item_count, item_capacity;
     uint64_t large_count; ///< triangles tested for drawing together with splats
     uint32_t piece_count;
-    cpu_eye eyes[STP_EYES_MOST];
-    stp_depth_pyramid pyramids[STP_EYES_MOST]; ///< of the eyes' last pictures; no levels: none
-    size_t late_count;                         ///< of bits of all items, in units of 16
+    cpu_eye eyes[STP_EYES_MAX];
+    stp_depth_pyramid pyramids[STP_EYES_MAX]; ///< of the eyes' last pictures; no levels: none
+    size_t late_count;                        ///< of bits of all items, in units of 16
     cpu_effects effects;
     cpu_accumulation accumulation;
     cpu_blend blend;

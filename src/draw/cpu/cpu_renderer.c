@@ -21,7 +21,7 @@ static void destroy(stp_renderer* renderer)
         stp_free(context, r->workers[i].memory);
         stp_arena_destroy(&r->workers[i].scratch);
     }
-    for (int i = 0; i < STP_EYES_MOST; ++i) {
+    for (int i = 0; i < STP_EYES_MAX; ++i) {
         stp_depth_pyramid_destroy(context, &r->pyramids[i]);
         stp_free(context, r->eyes[i].late);
         stp_free(context, r->eyes[i].late_pieces);

@@ -7,7 +7,7 @@
 
 #include <stdlib.h>
 
-enum { SCRATCH_ROWS = 3, BLUR_REACH = 2, CLOSE_MOST = 4 };
+enum { SCRATCH_ROWS = 3, BLUR_REACH = 2, CLOSE_MAX = 4 };
 
 #define BLUR_SLOPE 4.0f ///< neighbours that rise more steeply belong to another surface
 
@@ -85,11 +85,11 @@ static void widen_rows(size_t begin, size_t end, uint32_t worker, void* user)
         memcpy(padded, row_of(f, f->spare, y), width * sizeof(float));
         for (int64_t k = -f->shape.close; k <= f->shape.close; ++k) {
             if (y + k >= 0 && y + k < (int64_t)f->r->height) {
-                f->kernels->add_greatest(row_of(f, f->spare, y + k), padded, width);
+                f->kernels->add_max(row_of(f, f->spare, y + k), padded, width);
             }
         }
         fill_pads(f, padded, FLT_MAX);
-        f->kernels->least(padded, f->shape.close, row_of(f, f->far, y), width);
+        f->kernels->minimum(padded, f->shape.close, row_of(f, f->far, y), width);
     }
 }
 
@@ -105,7 +105,7 @@ static void narrow_rows(size_t begin, size_t end, uint32_t worker, void* user)
         memcpy(out, in, width * sizeof(float));
         for (int64_t k = -f->shape.close; k <= f->shape.close; ++k) {
             if (k != 0 && y + k >= 0 && y + k < (int64_t)f->r->height) {
-                f->kernels->add_least(row_of(f, f->far, y + k), out, width);
+                f->kernels->add_min(row_of(f, f->far, y + k), out, width);
             }
         }
         fill_pads(f, out, -1.0f);
@@ -242,7 +242,7 @@ static void darken_rows(size_t begin, size_t end, uint32_t worker, void* user)
             float factor = 1.0f;
             if (f->shape.pair_count > 0) {
                 factor = 1.0f - occlusion[x] * share;
-                factor = factor > STP_OCCLUSION_LEAST ? factor : STP_OCCLUSION_LEAST;
+                factor = factor > STP_OCCLUSION_MIN ? factor : STP_OCCLUSION_MIN;
             }
             factor *= r->style->eye_dome > 0.0f ? light[x] : 1.0f;
             for (int k = 0; k < 3; ++k) {
@@ -255,7 +255,7 @@ static void darken_rows(size_t begin, size_t end, uint32_t worker, void* user)
 static stp_result make_room(cpu_renderer* r, effect_frame* f)
 {
     cpu_effects* e = &r->effects;
-    int32_t reach = 3 * CLOSE_MOST;
+    int32_t reach = 3 * CLOSE_MAX;
     for (uint32_t i = 0; i < f->shape.pair_count; ++i) {
         int32_t x = abs(f->shape.pairs[i].x);
         reach = x > reach ? x : reach;

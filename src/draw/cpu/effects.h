@@ -21,9 +21,9 @@ enum {
 typedef struct cpu_effect_kernels {
     /// Maximum (minimum) of values at offsets -reach .. reach.
     void (*greatest)(const float* in, int32_t reach, float* out, uint32_t count);
-    void (*least)(const float* in, int32_t reach, float* out, uint32_t count);
-    void (*add_greatest)(const float* in, float* out, uint32_t count);
-    void (*add_least)(const float* in, float* out, uint32_t count);
+    void (*minimum)(const float* in, int32_t reach, float* out, uint32_t count);
+    void (*add_max)(const float* in, float* out, uint32_t count);
+    void (*add_min)(const float* in, float* out, uint32_t count);
     /// Gains: scale / nearness, or `scale` if constant; 0 for background.
     void (*gain)(const float* nearness, float scale, bool constant, float* out, uint32_t count);
     /// Adds the slopes by which opposite neighbours rise above each pixel.

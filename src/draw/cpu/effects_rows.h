@@ -4,25 +4,25 @@
 
 #include "draw/cpu/effects.h"
 
-static void add_greatest(const float* restrict in, float* restrict out, uint32_t count)
+static void add_max(const float* restrict in, float* restrict out, uint32_t count)
 {
     for (uint32_t x = 0; x < count; ++x) {
         out[x] = stp_max(out[x], in[x]);
     }
 }
 
-static void add_least(const float* restrict in, float* restrict out, uint32_t count)
+static void add_min(const float* restrict in, float* restrict out, uint32_t count)
 {
     for (uint32_t x = 0; x < count; ++x) {
         out[x] = stp_min(out[x], in[x]);
     }
 }
 
-static void find_greatest(const float* in, int32_t reach, float* out, uint32_t count)
+static void find_max(const float* in, int32_t reach, float* out, uint32_t count)
 {
     memcpy(out, in - reach, count * sizeof(*out));
     for (int32_t k = 1 - reach; k <= reach; ++k) {
-        add_greatest(in + k, out, count);
+        add_max(in + k, out, count);
     }
 }
 
@@ -30,7 +30,7 @@ static void find_least(const float* in, int32_t reach, float* out, uint32_t coun
 {
     memcpy(out, in - reach, count * sizeof(*out));
     for (int32_t k = 1 - reach; k <= reach; ++k) {
-        add_least(in + k, out, count);
+        add_min(in + k, out, count);
     }
 }
 
@@ -142,6 +142,6 @@ static void spread_blocks(const float* const rows[2], float share, float* restri
 
 #define EFFECT_KERNELS                                                                             \
     {                                                                                              \
-        find_greatest, find_least, add_greatest, add_least, find_gain, add_rise, make_eye_dome,    \
-            add_pair, add_blur, spread_blocks                                                      \
+        find_max, find_least, add_max, add_min, find_gain, add_rise, make_eye_dome, add_pair,      \
+            add_blur, spread_blocks                                                                \
     }

@@ -18,7 +18,7 @@ stp_result cpu_find_large(cpu_renderer* r, cpu_item* item)
 {
     const stp_draw_item* draw = item->draw;
     stp_result result =
-        stp_store_get_large_triangles(r->store, draw->index, draw->large_least, &item->large);
+        stp_store_get_large_triangles(r->store, draw->index, draw->large_min, &item->large);
     item->unit_count = 0;
     item->piece_units = CPU_PIECE_TRIANGLES;
     if (result == STP_OK) {
@@ -48,7 +48,7 @@ static bool is_wanted(const cpu_item* item, const float corners[9], float level)
                                  w[2] * (p[2] - item->offset[2]) + w[3]);
     }
     return (!(from > 0.0f) || nearest >= from) &&
-           level >= stp_max(item->draw->level_per_depth * nearest, item->draw->level_least);
+           level >= stp_max(item->draw->level_per_depth * nearest, item->draw->level_min);
 }
 
 static bool draw_batch(const cpu_renderer* r, const cpu_item* item, batch* b,

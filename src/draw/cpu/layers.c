@@ -2,7 +2,7 @@
 #include "draw/cpu/layers.h"
 
 #include "draw/transparency.h"
-#include "raster/splats_glass.h"
+#include "raster/splats_transparent.h"
 
 #include <string.h>
 
@@ -74,7 +74,7 @@ void cpu_keep_opaque(cpu_renderer* r)
 /// Whether an item may have transparent parts.
 static bool may_have(const cpu_renderer* r, const cpu_item* item)
 {
-    return item->kind == STP_DRAW_MESH ? item->glass != STP_GLASS_NONE
+    return item->kind == STP_DRAW_MESH ? item->glass != STP_TRANSPARENT_NOWHERE
                                        : item->kind == STP_DRAW_SURFELS && r->layers.of_splats;
 }
 
@@ -127,7 +127,8 @@ static void shade_bands(size_t begin, size_t end, uint32_t worker, void* user)
 /// Minimum nearness of splats that belong to the surface of a splat.
 static float find_below(const cpu_renderer* r, const cpu_item* item, float nearness)
 {
-    double thickness = (double)STP_GLASS_THICKNESS * (double)item->radius * (double)item->scale;
+    double thickness =
+        (double)STP_TRANSPARENT_THICKNESS * (double)item->radius * (double)item->scale;
     double scale = r->nearness_scale;
     return (float)(r->frame.parallel ? (double)nearness + scale * thickness
                                      : scale / (scale / (double)nearness + thickness));
@@ -225,7 +226,7 @@ stp_result cpu_draw_layers(cpu_renderer* r)
     l->stage = CPU_LAYERS_PEEL;
     r->occluding = NULL;
     count_pixels(r);
-    for (l->count = 0; any && l->count < STP_LAYERS_MOST && result == STP_OK; ++l->count) {
+    for (l->count = 0; any && l->count < STP_LAYERS_MAX && result == STP_OK; ++l->count) {
         size_t grain = r->piece_count / ((size_t)r->team.threads * 64);
         stp_team_run(&r->team, r->piece_count, grain > 0 ? grain : 1, draw_pieces, r);
         for (uint32_t i = 0; i < r->team.threads; ++i) {
@@ -258,8 +259,8 @@ void cpu_destroy_layers(cpu_renderer* r)
     l->capacity = 0;
 }
 
-uint32_t cpu_pick_glass(const cpu_renderer* r, const cpu_item* item, bool transparent,
-                        stp_raster_splats* splats, cpu_worker* worker)
+uint32_t cpu_pick_transparent(const cpu_renderer* r, const cpu_item* item, bool transparent,
+                              stp_raster_splats* splats, cpu_worker* worker)
 {
     uint32_t others = 0, left = 0;
     size_t words = ((size_t)splats->end + 15) / 16;
@@ -290,14 +291,16 @@ uint32_t cpu_pick_glass(const cpu_renderer* r, const cpu_item* item, bool transp
     return left;
 }
 
-void cpu_draw_glass(const cpu_renderer* r, const cpu_item* item, const stp_raster_splats* splats,
-                    const stp_raster_target* target, cpu_worker* worker)
+void cpu_draw_transparent(const cpu_renderer* r, const cpu_item* item,
+                          const stp_raster_splats* splats, const stp_raster_target* target,
+                          cpu_worker* worker)
 {
     const stp_raster_layer layer = cpu_make_layer(r, worker);
-    const stp_raster_glass glass = {.layer = r->layers.stage == CPU_LAYERS_PEEL ? &layer : NULL,
-                                    .seed = item->seed,
-                                    .sample = r->pattern,
-                                    .share = item->draw->ghost ? cpu_ghost_share(r) : 1.0f};
+    const stp_raster_transparency glass = {.layer =
+                                               r->layers.stage == CPU_LAYERS_PEEL ? &layer : NULL,
+                                           .seed = item->seed,
+                                           .sample = r->pattern,
+                                           .share = item->draw->ghost ? cpu_ghost_share(r) : 1.0f};
     worker->fragments +=
-        stp_raster_draw_glass(target, &item->camera, splats, item->first_id, &glass);
+        stp_raster_draw_transparent(target, &item->camera, splats, item->first_id, &glass);
 }

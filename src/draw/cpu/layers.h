@@ -39,8 +39,9 @@ static inline uint8_t cpu_coverage_share(const cpu_item* item, uint8_t coverage)
 /// Filters splats by material and coverage: keeps the transparent ones, or the opaque ones. Sets
 /// `wanted`, in the worker's scratch memory, if there are both. @return number of kept splats; sets
 /// the worker's `failed` if out of memory
-uint32_t cpu_pick_glass(const cpu_renderer* r, const cpu_item* item, bool transparent,
-                        stp_raster_splats* splats, cpu_worker* worker);
+uint32_t cpu_pick_transparent(const cpu_renderer* r, const cpu_item* item, bool transparent,
+                              stp_raster_splats* splats, cpu_worker* worker);
 /// Draws the transparent surfels of a range.
-void cpu_draw_glass(const cpu_renderer* r, const cpu_item* item, const stp_raster_splats* splats,
-                    const stp_raster_target* target, cpu_worker* worker);
+void cpu_draw_transparent(const cpu_renderer* r, const cpu_item* item,
+                          const stp_raster_splats* splats, const stp_raster_target* target,
+                          cpu_worker* worker);

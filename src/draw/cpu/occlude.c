@@ -6,7 +6,7 @@
 #include "draw/placement.h"
 
 /// Pyramid levels used for splats: blocks of up to 64 pixels.
-enum { MOST_SHIFT = 6, FIRST_SHIFT = 3 };
+enum { MAX_SHIFT = 6, FIRST_SHIFT = 3 };
 
 stp_result cpu_grow(stp_context* context, void** memory, size_t* capacity, size_t wanted,
                     size_t size)
@@ -65,11 +65,11 @@ bool cpu_is_any_late(const cpu_renderer* r, const cpu_eye* eye)
 uint32_t cpu_choose_level(const cpu_renderer* r, const stp_view_frame* frame, uint32_t level_count)
 {
     double width = 2.0 * (1.1 * (double)r->splat_size * frame->corner + 0.51);
-    double most = (double)(STP_DEPTH_PYRAMID_BLOCK * (STP_RASTER_OCCLUDER_BLOCKS - 1));
+    double maximum = (double)(STP_DEPTH_PYRAMID_BLOCK * (STP_RASTER_OCCLUDER_BLOCKS - 1));
     uint32_t level = 0;
-    while (level + 1 < level_count && level < MOST_SHIFT - FIRST_SHIFT && most < width) {
+    while (level + 1 < level_count && level < MAX_SHIFT - FIRST_SHIFT && maximum < width) {
         level += 1;
-        most *= 2.0;
+        maximum *= 2.0;
     }
     return level;
 }

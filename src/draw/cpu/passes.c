@@ -73,7 +73,7 @@ stp_result cpu_select_sample(cpu_renderer* r)
     cpu_two_passes* passes = r->two_passes;
     double start = stp_clock_ms();
     bool known = false;
-    for (uint32_t i = 0; i < STP_EYES_MOST; ++i) {
+    for (uint32_t i = 0; i < STP_EYES_MAX; ++i) {
         known = known || r->pyramids[i].level_count > 0;
     }
     passes->quality.occlusion = known && passes->hides_nodes ? r->pyramids : NULL;

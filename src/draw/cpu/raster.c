@@ -107,7 +107,7 @@ static void draw_both(cpu_renderer* r, const cpu_item* item, stp_raster_splats* 
         return;
     }
     if (r->layers.stage != CPU_LAYERS_PEEL) {
-        cpu_pick_glass(r, item, false, &opaque, worker);
+        cpu_pick_transparent(r, item, false, &opaque, worker);
         draw_runs(r, item, &opaque, target, worker, draw_range);
     }
     if (r->layers.stage == CPU_LAYERS_OPAQUE || r->blend.stage != CPU_BLEND_NONE || late) {
@@ -115,8 +115,8 @@ static void draw_both(cpu_renderer* r, const cpu_item* item, stp_raster_splats* 
     }
     glass.hidden = NULL;
     glass.occluder = NULL;
-    if (cpu_pick_glass(r, item, true, &glass, worker) > 0) {
-        draw_runs(r, item, &glass, target, worker, cpu_draw_glass);
+    if (cpu_pick_transparent(r, item, true, &glass, worker) > 0) {
+        draw_runs(r, item, &glass, target, worker, cpu_draw_transparent);
     }
 }
 
@@ -133,7 +133,7 @@ static bool pick_levels(const cpu_renderer* r, const cpu_item* item, stp_raster_
         return true;
     }
     stp_raster_levels levels = {.per_depth = item->draw->level_per_depth,
-                                .least = item->draw->level_least,
+                                .minimum = item->draw->level_min,
                                 .divide = item->draw->divide,
                                 .below = item->draw->level_below,
                                 .groups = item->surfels.groups,
@@ -289,7 +289,7 @@ static void draw_triangles(cpu_renderer* r, const cpu_item* item, uint32_t begin
     }
     stp_box box = item->mesh.bounds;
     stp_bounding bounding = cpu_bound(r, item);
-    float share = stp_draw_share(item->draw, stp_bounding_least_depth(&bounding, box));
+    float share = stp_draw_share(item->draw, stp_bounding_min_depth(&bounding, box));
     stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
     size_t corners = 3 * (size_t)(end - begin);
     uint32_t* kept = STP_ARENA_ARRAY(&worker->scratch, uint32_t, corners);
@@ -320,7 +320,7 @@ bool cpu_draw_piece(cpu_renderer* r, const cpu_item* item, uint32_t piece, bool 
     if (r->blend.stage != CPU_BLEND_NONE && item->kind == STP_DRAW_MESH) {
         return false;
     }
-    if (r->layers.stage == CPU_LAYERS_OPAQUE && item->glass == STP_GLASS_ALL) {
+    if (r->layers.stage == CPU_LAYERS_OPAQUE && item->glass == STP_TRANSPARENT_EVERYWHERE) {
         return false;
     }
     if (item->draw->large) {

@@ -49,18 +49,18 @@ bool cpu_cuts_drop(const cpu_cuts* cuts, const cpu_item* item, stp_box box, uint
     const float high[3] = {box.max.x, box.max.y, box.max.z};
     for (uint32_t i = 0; i < cuts->count; ++i) {
         const float* row = cuts->rows[i];
-        float least = row[3], most = row[3], size = fabsf(row[3]);
+        float minimum = row[3], maximum = row[3], size = fabsf(row[3]);
         for (int c = 0; c < 3; ++c) {
             float from = row[c] * (low[c] - item->offset[c]);
             float to = row[c] * (high[c] - item->offset[c]);
-            least += stp_min(from, to);
-            most += stp_max(from, to);
+            minimum += stp_min(from, to);
+            maximum += stp_max(from, to);
             size += stp_max(fabsf(from), fabsf(to));
         }
-        if (least > 1e-5f * size) { // float rounding
+        if (minimum > 1e-5f * size) { // float rounding
             return true;
         }
-        if (most > -1e-5f * size) {
+        if (maximum > -1e-5f * size) {
             *mask |= 1u << i;
         }
     }

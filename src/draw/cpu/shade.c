@@ -206,7 +206,7 @@ static void light_tile(shader* s, cpu_shade_tile* tile)
     for (uint32_t row = 0; row < tile->height; ++row) {
         add_lanes(s, tile, row);
     }
-    for (uint32_t i = 0; i < SHADE_LANES_MOST; ++i) {
+    for (uint32_t i = 0; i < SHADE_LANES_MAX; ++i) {
         lanes->surface[lanes->count + i] = SHADE_EMPTY;
     }
     s->kernels->light(&s->scene, s->memory->surfaces, lanes);
@@ -240,10 +240,10 @@ static void spread_row(const shader* s, const cpu_shade_tile* tile, uint32_t row
 {
     cpu_renderer* r = s->r;
     const cpu_shade_memory* memory = s->memory;
-    uint8_t own_colors[4 * (SHADE_WIDTH + SHADE_LANES_MOST)];
-    float own_depth[SHADE_WIDTH + SHADE_LANES_MOST];
+    uint8_t own_colors[4 * (SHADE_WIDTH + SHADE_LANES_MAX)];
+    float own_depth[SHADE_WIDTH + SHADE_LANES_MAX];
     size_t at = (size_t)(tile->y + row) * r->width + tile->x;
-    bool last = tile->x + SHADE_WIDTH + SHADE_LANES_MOST > r->width, sums = r->sample_count > 1;
+    bool last = tile->x + SHADE_WIDTH + SHADE_LANES_MAX > r->width, sums = r->sample_count > 1;
     uint8_t* colors = last || sums ? own_colors : r->image->pixels + 4 * at;
     float* depth = last ? own_depth : r->depth + at;
     s->kernels->spread(tile->runs + tile->row_runs[row], tile->runs + tile->row_runs[row + 1],
@@ -375,11 +375,11 @@ void cpu_find_depths(cpu_renderer* r, uint32_t begin, uint32_t end, cpu_worker* 
 {
     uint32_t count = find_buffers(r, worker->buffers);
     for (size_t at = (size_t)begin * r->width; at < (size_t)end * r->width; ++at) {
-        uint64_t least = STP_RASTER_EMPTY;
+        uint64_t minimum = STP_RASTER_EMPTY;
         for (uint32_t k = 0; k < count; ++k) {
-            least = worker->buffers[k][at] < least ? worker->buffers[k][at] : least;
+            minimum = worker->buffers[k][at] < minimum ? worker->buffers[k][at] : minimum;
         }
-        r->depth[at] = least == STP_RASTER_EMPTY ? 0.0f : stp_raster_nearness(least);
+        r->depth[at] = minimum == STP_RASTER_EMPTY ? 0.0f : stp_raster_nearness(minimum);
     }
 }
 

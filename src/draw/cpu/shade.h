@@ -20,9 +20,9 @@ enum {
     SHADE_WIDTH = 64,           ///< pixels of a tile's row
     SHADE_ROWS = CPU_BAND_ROWS, ///< of a tile
     SHADE_PIXELS = SHADE_WIDTH * SHADE_ROWS,
-    SHADE_REACH = 16,      ///< maximum pixels of a row lit as one
-    SHADE_LANES_MOST = 16, ///< maximum vector width of all variants
-    SHADE_LANES = SHADE_PIXELS + SHADE_LANES_MOST,
+    SHADE_REACH = 16,     ///< maximum pixels of a row lit as one
+    SHADE_LANES_MAX = 16, ///< maximum vector width of all variants
+    SHADE_LANES = SHADE_PIXELS + SHADE_LANES_MAX,
     SHADE_EMPTY_LANE = SHADE_LANES, ///< first lane of the colour of background pixels
     SHADE_CACHE_BITS = 10,
     SHADE_CACHE = 1 << SHADE_CACHE_BITS,
@@ -81,14 +81,14 @@ typedef struct cpu_shade_lanes {
     bool wants_linear;
     uint32_t surface[SHADE_LANES];
     float x[SHADE_LANES], y[SHADE_LANES]; ///< of the tile
-    uint32_t bytes[SHADE_LANES + SHADE_WIDTH + SHADE_LANES_MOST];
+    uint32_t bytes[SHADE_LANES + SHADE_WIDTH + SHADE_LANES_MAX];
     float linear[3][SHADE_LANES]; ///< only if requested
 } cpu_shade_lanes;
 
 /// A row of a tile. Pixels beyond the picture are empty.
 typedef struct cpu_shade_merged {
     uint32_t ids[1 + SHADE_WIDTH]; ///< following ones; UINT32_MAX: none
-    float nearness[SHADE_WIDTH + SHADE_LANES_MOST];
+    float nearness[SHADE_WIDTH + SHADE_LANES_MAX];
     uint64_t there;  ///< covered pixels: bit i is pixel i
     uint64_t starts; ///< pixels whose id differs from the previous pixel
 } cpu_shade_merged;
@@ -110,7 +110,7 @@ typedef struct cpu_shade_kernels {
                   cpu_shade_merged* row);
     void (*light)(const cpu_shade_scene* scene, const cpu_shade_surface* surfaces,
                   cpu_shade_lanes* lanes);
-    /// Writes colours and true nearness of runs, up to SHADE_LANES_MOST - 1 pixels past the end.
+    /// Writes colours and true nearness of runs, up to SHADE_LANES_MAX - 1 pixels past the end.
     void (*spread)(const cpu_shade_run* run, const cpu_shade_run* end,
                    const cpu_shade_nearness* surfaces, const uint32_t* lanes, const float* nearness,
                    uint8_t* colors, float* depth);

@@ -44,12 +44,12 @@ static inline lanes_int spread_int(int32_t value)
     return value - (lanes_int){0};
 }
 
-static inline lanes_float least(lanes_float a, lanes_float b)
+static inline lanes_float minimum(lanes_float a, lanes_float b)
 {
     return lanes_select(a < b, a, b);
 }
 
-static inline lanes_float most(lanes_float a, lanes_float b)
+static inline lanes_float maximum(lanes_float a, lanes_float b)
 {
     return lanes_select(a > b, a, b);
 }
@@ -80,7 +80,7 @@ static inline void direct_to_eye(const cpu_shade_scene* s, lanes_float x, lanes_
 /// Smoothstep: from 0 to 1 for x from 0 to 1.
 static inline lanes_float smooth(lanes_float x)
 {
-    x = least(most(x, spread(0.0f)), spread(1.0f));
+    x = minimum(maximum(x, spread(0.0f)), spread(1.0f));
     return x * x * (3.0f - 2.0f * x);
 }
 
@@ -94,7 +94,7 @@ static inline void mirror_lanes(const stp_lighting* light, const lanes_float r[3
     lanes_float width = MIRROR_BLUR + MIRROR_BLUR_ROUGH * rough, sharp = 1.0f / width;
     lanes_float height = dot_with(r, light->up);
     lanes_float above = smooth(height * sharp + 0.5f);
-    lanes_float fade = 1.0f - (1.0f - MIRROR_ZENITH) * most(height, spread(0.0f));
+    lanes_float fade = 1.0f - (1.0f - MIRROR_ZENITH) * maximum(height, spread(0.0f));
     lanes_float left = dot_with(r, light->left_box) - MIRROR_LEFT_EDGE;
     lanes_float right = dot_with(r, light->right_box) - MIRROR_RIGHT_EDGE;
     lanes_float boxes = (MIRROR_BOX_LEFT * smooth(left * sharp + 0.5f) +
@@ -114,11 +114,11 @@ static inline lanes_float gloss_lanes(const stp_lighting* light, const lanes_flo
     // of the vector halfway between light and eye, which are of unit length: its square is 2 + 2
     // light . eye
     lanes_float square = 2.0f + 2.0f * dot_with(eye, light->key);
-    lanes_float along = most(toward + facing, spread(0.0f));
+    lanes_float along = maximum(toward + facing, spread(0.0f));
     lanes_float squared = lanes_select(square > 0.0f, along * along / square, spread(0.0f));
     lanes_float d = squared * (a2 - 1.0f) + 1.0f;
-    lanes_float bounded = least(a2 / (d * d) * material[3], spread(LIGHT_GLOSS_MOST));
-    return most(toward, spread(0.0f)) * bounded * (1.0f - material[1]);
+    lanes_float bounded = minimum(a2 / (d * d) * material[3], spread(LIGHT_GLOSS_MAX));
+    return maximum(toward, spread(0.0f)) * bounded * (1.0f - material[1]);
 }
 
 /// Light from key, sky and ground, and reflections. Visible surfaces face the eye. A surface that
@@ -141,7 +141,7 @@ static inline void light_lanes(const stp_lighting* light, const lanes_float eye[
         r[k] = 2.0f * facing * n[k] - eye[k];
     }
     mirror_lanes(light, r, rough, mirrored);
-    lanes_float toward = dot_with(n, light->key), lambert = most(toward, spread(0.0f));
+    lanes_float toward = dot_with(n, light->key), lambert = maximum(toward, spread(0.0f));
     lanes_float gloss = gloss_lanes(light, eye, toward, facing, material);
     lanes_float height = 0.5f + 0.5f * dot_with(n, light->up), fill = LIGHT_FILL * facing * facing;
     lanes_float aside = 1.0f - facing, polish = 1.0f - rough, square = aside * aside;

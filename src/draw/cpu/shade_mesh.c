@@ -122,7 +122,7 @@ static void make_lines(const cpu_renderer* r, const cpu_item* item, const cpu_tr
                        double line[3][3])
 {
     static const int rows[3] = {0, 1, 3};
-    double corner[3][3], most = 0.0, sign = 0.0;
+    double corner[3][3], maximum = 0.0, sign = 0.0;
     for (int k = 0; k < 3; ++k) {
         const float* p = triangle->position[k];
         for (int i = 0; i < 3; ++i) {
@@ -136,12 +136,12 @@ static void make_lines(const cpu_renderer* r, const cpu_item* item, const cpu_tr
         line[k][0] = a[0] * b[1] - b[0] * a[1];
         line[k][1] = a[1] * b[2] - b[1] * a[2];
         line[k][2] = a[2] * b[0] - b[2] * a[0];
-        most = stp_maxd(most, fabs(line[k][0]));
-        most = stp_maxd(most, fabs(line[k][1]) * r->width);
-        most = stp_maxd(most, fabs(line[k][2]) * r->height);
+        maximum = stp_maxd(maximum, fabs(line[k][0]));
+        maximum = stp_maxd(maximum, fabs(line[k][1]) * r->width);
+        maximum = stp_maxd(maximum, fabs(line[k][2]) * r->height);
         sign += corner[k][2] * line[k][0]; // determinant of all three: the orientation
     }
-    double factor = most > 0.0 && most <= DBL_MAX ? (sign < 0.0 ? -1.0 : 1.0) / most : 0.0;
+    double factor = maximum > 0.0 && maximum <= DBL_MAX ? (sign < 0.0 ? -1.0 : 1.0) / maximum : 0.0;
     for (int k = 0; k < 9; ++k) {
         line[k / 3][k % 3] *= factor;
     }

@@ -4,7 +4,7 @@
 // slot. If a tile needs a slot twice, it uses private extra slots.
 #include "draw/cpu/layers.h"
 #include "draw/cpu/shade.h"
-#include "raster/splats_glass.h"
+#include "raster/splats_transparent.h"
 
 #include <string.h>
 
@@ -69,9 +69,10 @@ static float cpu_find_opacity(const cpu_renderer* r, const cpu_shade_item* shade
     const cpu_item* item = &r->items[shade - r->shade_items];
     float opacity = 1.0f;
     if (item->coverages != NULL) {
-        opacity = stp_glass_opacity(cpu_coverage_share(item, item->coverages[index]));
+        opacity = stp_transparent_opacity(cpu_coverage_share(item, item->coverages[index]));
         if (index < shade->low_count) {
-            float before = stp_glass_opacity(cpu_coverage_share(item, item->low_coverages[index]));
+            float before =
+                stp_transparent_opacity(cpu_coverage_share(item, item->low_coverages[index]));
             opacity = before + (opacity - before) * item->blend;
         }
     }

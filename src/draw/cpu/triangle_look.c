@@ -82,9 +82,9 @@ bool cpu_item_needs_keep(const cpu_item* item)
     if (material->alpha == STP_STORE_OPAQUE) {
         return false;
     }
-    float least = material->alpha == STP_STORE_MASK ? material->alpha_cutoff : 1.0f;
+    float minimum = material->alpha == STP_STORE_MASK ? material->alpha_cutoff : 1.0f;
     bool colors = item->mesh.colors != NULL || (item->clusters.present & STP_COLUMN_COLORS) != 0;
-    return item->base_color != NULL || colors || material->base_color[3] < least;
+    return item->base_color != NULL || colors || material->base_color[3] < minimum;
 }
 
 /// Pseudo-random number 0..1 from identity and place; the same for the same picture.
@@ -104,7 +104,8 @@ static uint32_t find_pattern(const cpu_item* item, const cpu_triangle* triangle)
     uint32_t axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
     float along = axis == 0 ? across.x : axis == 1 ? across.y : across.z;
     float middle = (a[axis] + b[axis] + c[axis]) * (1.0f / 3.0f);
-    float cell = floorf(stp_clamp(middle * item->cells, -STP_GLASS_CELLS, STP_GLASS_CELLS));
+    float cell =
+        floorf(stp_clamp(middle * item->cells, -STP_TRANSPARENT_CELLS, STP_TRANSPARENT_CELLS));
     return stp_blue_noise_key(item->seed, 2 * axis + (along < 0.0f ? 1 : 0), (int32_t)cell);
 }
 
@@ -152,7 +153,7 @@ static bool keeps_alpha(const cpu_keep* keep, float alpha, uint32_t x, uint32_t 
     case CPU_LAYERS_OPAQUE:
         return alpha >= STP_ALPHA_OPAQUE_FROM;
     case CPU_LAYERS_PEEL:
-        return alpha >= STP_ALPHA_LEAST && alpha < STP_ALPHA_OPAQUE_FROM;
+        return alpha >= STP_ALPHA_MIN && alpha < STP_ALPHA_OPAQUE_FROM;
     default:
         return alpha >= STP_ALPHA_OPAQUE_FROM ||
                alpha > stp_blue_noise_threshold(keep->memory->pattern, x, y, r->pattern);

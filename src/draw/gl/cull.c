@@ -30,9 +30,9 @@ static bool needs_keep(const gl_renderer* r, const item_block* item, uint32_t pr
     if (material->alpha == STP_STORE_OPAQUE) {
         return false;
     }
-    float least = material->alpha == STP_STORE_MASK ? material->alpha_cutoff : 1.0f;
+    float minimum = material->alpha == STP_STORE_MASK ? material->alpha_cutoff : 1.0f;
     return item->base_color != NO_ADDRESS || (present & STP_COLUMN_COLORS) != 0 ||
-           material->base_color[3] < least;
+           material->base_color[3] < minimum;
 }
 
 /// Commands that draw the clusters of a mesh.
@@ -46,12 +46,12 @@ static cluster_kinds choose_kinds(const gl_renderer* r, const item_block* item, 
     cluster_kinds kinds = {.kind = GL_COMMANDS_TRIANGLES};
     const stp_store_material* material = &r->directory->materials[item->material];
     bool varies = item->base_color != NO_ADDRESS || (present & STP_COLUMN_COLORS) != 0;
-    stp_mesh_glass glass = stp_transparency_of_mesh(material, varies);
-    if (r->layer_pass.active && glass == STP_GLASS_ALL) {
+    stp_mesh_transparency glass = stp_transparency_of_mesh(material, varies);
+    if (r->layer_pass.active && glass == STP_TRANSPARENT_EVERYWHERE) {
         kinds.kind = GL_COMMANDS_GLASS_TRIANGLES;
     } else if (needs_keep(r, item, present)) {
         kinds.kind = GL_COMMANDS_KEEP;
-        kinds.again = r->layer_pass.active && glass == STP_GLASS_SOME;
+        kinds.again = r->layer_pass.active && glass == STP_TRANSPARENT_PARTLY;
     }
     return kinds;
 }
@@ -80,7 +80,7 @@ static stp_result add_columns(gl_renderer* r, uint32_t index, stp_store_mesh* me
         (mesh->triangle_count + UPLOAD_CLUSTER_TRIANGLES - 1) / UPLOAD_CLUSTER_TRIANGLES;
     cluster_kinds kind = choose_kinds(r, item, present);
     stp_bounding bounding = bound(r, item);
-    float share = stp_draw_share(draw, stp_bounding_least_depth(&bounding, mesh->bounds));
+    float share = stp_draw_share(draw, stp_bounding_min_depth(&bounding, mesh->bounds));
     for (uint32_t i = 0; i < item->cluster_count && share > 0.0f; ++i) {
         uint32_t left = mesh->triangle_count - i * UPLOAD_CLUSTER_TRIANGLES;
         uint32_t count = left < UPLOAD_CLUSTER_TRIANGLES ? left : UPLOAD_CLUSTER_TRIANGLES;
@@ -120,7 +120,7 @@ stp_result gl_cull_mesh(gl_renderer* r, uint32_t index)
     stp_bounding bounding = bound(r, item);
     for (uint32_t i = 0; i < clusters.cluster_count; ++i) {
         stp_box box = stp_clusters_bounds(&clusters, i);
-        float share = stp_draw_share(draw, stp_bounding_least_depth(&bounding, box));
+        float share = stp_draw_share(draw, stp_bounding_min_depth(&bounding, box));
         if (!(share > 0.0f) || stp_bounding_misses(&bounding, box)) {
             continue;
         }
@@ -138,7 +138,7 @@ static stp_result mark_clusters(gl_renderer* r, const stp_draw_item* draw,
     gl_frame* f = &r->frame;
     stp_large_triangles large;
     stp_result result =
-        stp_store_get_large_triangles(r->store, draw->index, draw->large_least, &large);
+        stp_store_get_large_triangles(r->store, draw->index, draw->large_min, &large);
     size_t words = (size_t)clusters->cluster_count / 32 + 1;
     uint32_t* marks = f->marks;
     if (result == STP_OK && words > f->mark_capacity) {
@@ -174,7 +174,7 @@ stp_result gl_cull_large(gl_renderer* r, uint32_t index)
     item->flags |= ITEM_LARGE | ((clusters.present & STP_COLUMN_COLORS) != 0 ? ITEM_HAS_COLORS : 0);
     item->cluster_count = clusters.cluster_count;
     item->level_per_depth = draw->level_per_depth;
-    item->level_least = draw->level_least;
+    item->level_min = draw->level_min;
     item->large_from = draw->fade_begin > 0.0f ? draw->fade_begin : -HUGE_VALF;
     cluster_kinds kind = choose_kinds(r, item, clusters.present);
     stp_bounding bounding = bound(r, item);

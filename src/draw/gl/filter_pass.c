@@ -130,9 +130,9 @@ static stp_result make_targets(gl_renderer* r, bool pixels)
     }
     if (pixels && pass->pixels == 0) {
         uint64_t needed = (uint64_t)t->width * t->height * sizeof(tolerant_pixel);
-        GLint64 most = 0;
-        gl->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
-        if ((int64_t)needed > most) {
+        GLint64 maximum = 0;
+        gl->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &maximum);
+        if ((int64_t)needed > maximum) {
             return fail(r);
         }
         gl->CreateBuffers(1, &pass->pixels);

@@ -4,12 +4,12 @@
 #include "draw/gl/gl_renderer.h"
 #include "draw/transparency.h"
 #include "raster/blue_noise.h"
-#include "raster/splats_glass.h"
+#include "raster/splats_transparent.h"
 
 #include <string.h>
 
 _Static_assert(STP_BLUE_NOISE_SIDE == NOISE_SIDE, "as shaders have it");
-_Static_assert(STP_GLASS_CELL_SHIFT == GLASS_CELL_SHIFT, "as shaders have it");
+_Static_assert(STP_TRANSPARENT_CELL_SHIFT == GLASS_CELL_SHIFT, "as shaders have it");
 
 stp_result gl_layer_pass_create(gl_renderer* r)
 {
@@ -223,7 +223,7 @@ stp_result gl_layer_pass_draw(gl_renderer* r)
     gl->ClearNamedFramebufferuiv(pass->layers[1].framebuffer, GL_COLOR, 0, first);
     gl->ClearNamedFramebufferfv(pass->layers[1].framebuffer, GL_DEPTH, 0, &near);
     uint32_t pixels = 1;
-    for (; pixels > 0 && pass->count < STP_LAYERS_MOST; ++pass->count) {
+    for (; pixels > 0 && pass->count < STP_LAYERS_MAX; ++pass->count) {
         result = draw_layer(r, (int)(pass->count & 1));
         if (result != STP_OK) {
             return result;

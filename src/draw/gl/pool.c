@@ -6,19 +6,19 @@
 enum {
     WORD = 4,
     RING_BYTES = 1 << 24,
-    PAGE_SHIFT_LEAST = 18, ///< words: 1 MiB
-    PAGE_SHIFT_MOST = 29,  ///< eight pages fill the addresses
+    PAGE_SHIFT_MIN = 18, ///< words: 1 MiB
+    PAGE_SHIFT_MAX = 29, ///< eight pages fill the addresses
 };
 
 /// Smallest page size with which eight pages hold `limit`; at most the size of a block that shaders
 /// can read.
 static uint32_t choose_shift(const stp_gl* gl, uint64_t limit)
 {
-    GLint64 most = 0;
-    uint32_t shift = PAGE_SHIFT_LEAST;
-    gl->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
-    while (shift < PAGE_SHIFT_MOST && (int64_t)8 << shift <= most &&
-           ((uint64_t)WORD * POOL_PAGES_MOST << shift) < limit) {
+    GLint64 maximum = 0;
+    uint32_t shift = PAGE_SHIFT_MIN;
+    gl->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &maximum);
+    while (shift < PAGE_SHIFT_MAX && (int64_t)8 << shift <= maximum &&
+           ((uint64_t)WORD * POOL_PAGES_MAX << shift) < limit) {
         shift += 1;
     }
     return shift;
@@ -34,8 +34,8 @@ stp_result gl_pool_create(stp_context* context, const stp_gl* gl, size_t entry_c
                       .first_used = POOL_NONE,
                       .last_used = POOL_NONE};
     pool->page_shift = choose_shift(gl, limit_bytes);
-    uint64_t most = (uint64_t)POOL_PAGES_MOST << pool->page_shift;
-    pool->limit_words = limit_bytes / WORD < most ? limit_bytes / WORD : most;
+    uint64_t maximum = (uint64_t)POOL_PAGES_MAX << pool->page_shift;
+    pool->limit_words = limit_bytes / WORD < maximum ? limit_bytes / WORD : maximum;
     pool->entries = STP_NEW_ARRAY(context, gl_entry, entry_count + 1);
     if (pool->entries == NULL) {
         return stp_fail_memory(context);
@@ -120,7 +120,7 @@ static bool add_page(gl_pool* pool)
     uint64_t left = pool->limit_words -
                     (pool->limit_words < pool->spans.total ? pool->limit_words : pool->spans.total);
     uint32_t count = left < size ? (uint32_t)left / SPANS_UNIT * SPANS_UNIT : size;
-    if (count == 0 || pool->page_count == POOL_PAGES_MOST) {
+    if (count == 0 || pool->page_count == POOL_PAGES_MAX) {
         return false;
     }
     const stp_gl* gl = pool->gl;

@@ -11,7 +11,7 @@
 #include "draw/gl/ring.h"
 #include "draw/gl/spans.h"
 
-enum { POOL_PAGES_MOST = 8 };
+enum { POOL_PAGES_MAX = 8 };
 
 #define POOL_NONE UINT32_MAX
 
@@ -27,7 +27,7 @@ typedef struct gl_pool {
     stp_context* context;
     const stp_gl* gl;
     gl_spans spans;
-    GLuint pages[POOL_PAGES_MOST];
+    GLuint pages[POOL_PAGES_MAX];
     uint32_t page_count, page_shift; ///< words of a page: 2^page_shift
     uint64_t limit_words;
     gl_entry* entries;

@@ -4,7 +4,7 @@
 #include "draw/gl/gl_renderer.h"
 
 static const uint64_t portion_vertices = 100000; // a few milliseconds on a CPU, much less on a GPU
-static const GLuint64 look_every = 1000000;      // nanoseconds
+static const GLuint64 check_every = 1000000;     // nanoseconds
 
 stp_result gl_portion_wait(gl_renderer* r)
 {
@@ -16,7 +16,7 @@ stp_result gl_portion_wait(gl_renderer* r)
     GLenum state = GL_TIMEOUT_EXPIRED;
     while (state == GL_TIMEOUT_EXPIRED && !stp_renderer_is_stopped(&r->base) &&
            gl->GetGraphicsResetStatus() == GL_NO_ERROR) {
-        state = gl->ClientWaitSync(sync, GL_SYNC_FLUSH_COMMANDS_BIT, look_every);
+        state = gl->ClientWaitSync(sync, GL_SYNC_FLUSH_COMMANDS_BIT, check_every);
     }
     gl->DeleteSync(sync);
     return stp_renderer_is_stopped(&r->base) ? STP_ERROR_CANCELLED : STP_OK;

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { INCLUDES_MOST = 16, PATH_MOST = 4096, LOG_MOST = 2048, FILE_MOST = 1 << 20 };
+enum { INCLUDES_MAX = 16, MAX_PATH_BYTES = 4096, LOG_MAX = 2048, MAX_FILE = 1 << 20 };
 
 static const char version[] = "#version 450 core\n";
 
@@ -17,7 +17,7 @@ typedef struct text_maker {
     stp_context* context;
     char* text;
     size_t size, capacity;
-    const char* included[INCLUDES_MOST]; ///< names in the embedded table
+    const char* included[INCLUDES_MAX]; ///< names in the embedded table
     size_t included_count;
     bool failed;
 } text_maker;
@@ -57,14 +57,14 @@ static size_t find_shader(const char* name, size_t length)
 static char* read_override(stp_context* context, const char* name)
 {
     const char* folder = getenv("STP_SHADER_DIR");
-    char path[PATH_MOST];
-    if (folder == NULL || snprintf(path, sizeof(path), "%s/%s", folder, name) >= PATH_MOST) {
+    char path[MAX_PATH_BYTES];
+    if (folder == NULL || snprintf(path, sizeof(path), "%s/%s", folder, name) >= MAX_PATH_BYTES) {
         return NULL;
     }
     FILE* file = fopen(path, "rb");
-    char* text = file != NULL ? stp_alloc(context, FILE_MOST) : NULL;
+    char* text = file != NULL ? stp_alloc(context, MAX_FILE) : NULL;
     if (text != NULL) {
-        text[fread(text, 1, FILE_MOST - 1, file)] = 0;
+        text[fread(text, 1, MAX_FILE - 1, file)] = 0;
     }
     if (file != NULL) {
         fclose(file);
@@ -104,7 +104,7 @@ static void add_file(text_maker* maker, const char* name, size_t length)
             return;
         }
     }
-    if (maker->included_count < INCLUDES_MOST) {
+    if (maker->included_count < INCLUDES_MAX) {
         maker->included[maker->included_count++] = shaders[found].name;
     }
     char* text = read_override(maker->context, shaders[found].name);
@@ -148,7 +148,7 @@ static stp_result compile(stp_context* context, const stp_gl* gl, GLenum stage, 
     gl->GetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
     stp_result result = STP_OK;
     if (!compiled) {
-        char log[LOG_MOST] = "";
+        char log[LOG_MAX] = "";
         gl->GetShaderInfoLog(shader, sizeof(log), NULL, log);
         result =
             stp_fail(context, STP_ERROR_UNSUPPORTED, "gl: %s: %.*s", name, first_line(log), log);
@@ -168,7 +168,7 @@ static stp_result link_program(stp_context* context, const stp_gl* gl, const cha
     gl->GetProgramiv(program, GL_LINK_STATUS, &linked);
     gl->ObjectLabel(GL_PROGRAM, program, -1, name);
     if (!linked) {
-        char log[LOG_MOST] = "";
+        char log[LOG_MAX] = "";
         gl->GetProgramInfoLog(program, sizeof(log), NULL, log);
         return stp_fail(context, STP_ERROR_UNSUPPORTED, "gl: %s: %.*s", name, first_line(log), log);
     }

@@ -44,17 +44,17 @@ static stp_result make_pixels(gl_renderer* r)
     gl_raster_pass* pass = &r->raster;
     const stp_gl* gl = &r->gl;
     uint64_t needed = (uint64_t)r->target.width * r->target.height * sizeof(uint64_t);
-    GLint64 most = 0;
+    GLint64 maximum = 0;
     if (needed <= pass->bytes) {
         return STP_OK;
     }
     gl->DeleteBuffers(1, &pass->pixels);
     pass->pixels = 0;
     pass->bytes = 0;
-    gl->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
+    gl->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &maximum);
     while (gl->GetError() != GL_NO_ERROR) { // discard errors of earlier calls
     }
-    if ((int64_t)needed <= most) {
+    if ((int64_t)needed <= maximum) {
         gl->CreateBuffers(1, &pass->pixels);
         gl->NamedBufferStorage(pass->pixels, (GLsizeiptr)needed, NULL, 0);
     }

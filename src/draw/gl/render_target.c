@@ -78,12 +78,12 @@ stp_result gl_target_make(gl_renderer* r, const stp_view* view, bool sums)
     gl_target* t = &r->target;
     stp_view one = stp_view_of_eye(view, 0);
     uint32_t eyes = stp_view_eye_count(view);
-    GLint most = 0;
-    gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
-    if (view->width > (uint32_t)most || (uint64_t)one.height * eyes > (uint64_t)most) {
+    GLint maximum = 0;
+    gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &maximum);
+    if (view->width > (uint32_t)maximum || (uint64_t)one.height * eyes > (uint64_t)maximum) {
         return stp_fail(r->base.context, STP_ERROR_LIMIT,
-                        "gl: pictures of this device have at most %dx%d pixels, not %ux%u", most,
-                        most, view->width, view->height);
+                        "gl: pictures of this device have at most %dx%d pixels, not %ux%u", maximum,
+                        maximum, view->width, view->height);
     }
     while (gl->GetError() != GL_NO_ERROR) { // discard errors of earlier calls
     }

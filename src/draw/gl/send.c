@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-enum { PART_ALIGNMENT = 256, RING_LEAST = 1 << 20, RING_FRAMES = 6 };
+enum { PART_ALIGNMENT = 256, RING_MIN = 1 << 20, RING_FRAMES = 6 };
 
 /// Blocks written consecutively.
 typedef struct layout {
@@ -55,7 +55,7 @@ static bool make_ring(gl_renderer* r, uint64_t needed)
     if (needed <= ring->size / 3) {
         return true;
     }
-    uint64_t size = RING_LEAST;
+    uint64_t size = RING_MIN;
     while (size < RING_FRAMES * needed) {
         size *= 2;
     }

@@ -143,7 +143,7 @@ static stp_result cut_shorter(gl_renderer* r, const stp_draw_item* draw, uint32_
     uint32_t here = *prefix < got.count ? *prefix : got.count;
     stp_progressive_cut cut =
         stp_progressive_find_cut(got.ranges, here, draw->prefix - draw->split_count);
-    item->level_least = cut.level;
+    item->level_min = cut.level;
     item->level_below = cut.below;
     item->divide = cut.divide;
     *prefix = cut.end;
@@ -159,15 +159,16 @@ static stp_result begin_item(gl_renderer* r, uint32_t index, const set_octaves* 
     const stp_splats* known = stp_store_describe_surfels(r->store, draw->index);
     item_block* item = &r->frame.items[index];
     stp_octave_choice choice = octaves->choice;
-    uint32_t most = known->octave_ends[octaves->here.places - 1];
-    most = most < known->octave_ends[choice.octave] ? most : known->octave_ends[choice.octave];
-    if (most < *prefix) { // fewer, larger splats
-        *prefix = most;
-        float reached = stp_prefix_table_radius(&known->table, most);
+    uint32_t maximum = known->octave_ends[octaves->here.places - 1];
+    maximum =
+        maximum < known->octave_ends[choice.octave] ? maximum : known->octave_ends[choice.octave];
+    if (maximum < *prefix) { // fewer, larger splats
+        *prefix = maximum;
+        float reached = stp_prefix_table_radius(&known->table, maximum);
         bool own = (item->flags & ITEM_SHAPES) != 0;
         placed->radius =
             own ? placed->radius : stp_max(placed->radius, reached + known->candidate_radius);
-        item->level_least = stp_max(item->level_least, reached);
+        item->level_min = stp_max(item->level_min, reached);
         stp_result result = draw->split_count > 0
                                 ? cut_shorter(r, draw, octaves->here.places, prefix, item)
                                 : STP_OK;
@@ -233,7 +234,7 @@ stp_result gl_set_item_make(gl_renderer* r, uint32_t index)
     if ((known->columns & STP_SPLATS_RANGES) != 0) {
         item->flags |= ITEM_RANGES;
         item->level_per_depth = draw->level_per_depth;
-        item->level_least = draw->level_least;
+        item->level_min = draw->level_min;
         item->level_below = draw->level_below;
         item->divide = draw->divide;
     }

@@ -122,7 +122,7 @@ static void bind_splats(gl_renderer* r, const made_splats* s)
                         s->commands * (GLsizeiptr)sizeof(record_block));
 }
 
-static stp_result draw_way(gl_renderer* r, stp_gl_splats way, const gl_splat_source* source)
+static stp_result draw_path(gl_renderer* r, stp_gl_splats way, const gl_splat_source* source)
 {
     stp_result result = STP_OK;
     if (way == STP_GL_SPLATS_POINTS) {
@@ -159,8 +159,8 @@ static double read_time(const gl_renderer* r, GLuint query)
 }
 
 /// Minimum of several runs in nanoseconds, after a warm-up.
-static stp_result time_way(gl_renderer* r, stp_gl_splats way, const gl_splat_source* source,
-                           const GLuint queries[2], double* best)
+static stp_result time_path(gl_renderer* r, stp_gl_splats way, const gl_splat_source* source,
+                            const GLuint queries[2], double* best)
 {
     const stp_gl* gl = &r->gl;
     const GLfloat far = 0.0f;
@@ -171,7 +171,7 @@ static stp_result time_way(gl_renderer* r, stp_gl_splats way, const gl_splat_sou
         double begin = r->is_software ? read_time(r, 0) : 0.0;
         gl->QueryCounter(queries[0], GL_TIMESTAMP);
         gl_splat_pass_begin(r);
-        result = draw_way(r, way, source);
+        result = draw_path(r, way, source);
         gl->QueryCounter(queries[1], GL_TIMESTAMP);
         begin = r->is_software ? begin : read_time(r, queries[0]);
         double took = read_time(r, queries[1]) - begin;
@@ -180,8 +180,8 @@ static stp_result time_way(gl_renderer* r, stp_gl_splats way, const gl_splat_sou
     return result;
 }
 
-static stp_result measure_way(gl_renderer* r, stp_gl_splats way, const made_splats* s,
-                              const GLuint queries[2])
+static stp_result measure_path(gl_renderer* r, stp_gl_splats way, const made_splats* s,
+                               const GLuint queries[2])
 {
     gl_splat_choice* c = &r->splat_choice;
     int at = (int)way - 1;
@@ -190,13 +190,13 @@ static stp_result measure_way(gl_renderer* r, stp_gl_splats way, const made_spla
         gl_splat_source nothing = s->source;
         nothing.groups = 0;
         bind_splats(r, s);
-        result = time_way(r, way, &nothing, queries, &c->fixed_ns[at]);
+        result = time_path(r, way, &nothing, queries, &c->fixed_ns[at]);
     }
     for (int i = 0; i < SPLAT_SIZES && result == STP_OK; ++i) {
         double all = 0.0;
         set_size(r, s, gl_splat_sizes[i]);
         bind_splats(r, s);
-        result = time_way(r, way, &s->source, queries, &all);
+        result = time_path(r, way, &s->source, queries, &all);
         // nothing is free
         c->splat_ns[at][i] = fmax(all - c->fixed_ns[at], 1.0) / (double)s->count;
     }
@@ -221,7 +221,7 @@ stp_result gl_splat_choice_measure(gl_renderer* r)
     gl->CreateQueries(GL_TIMESTAMP, 2, queries);
     gl_set_visible_state(r);
     for (int way = STP_GL_SPLATS_POINTS; way <= STP_GL_SPLATS_COMPUTE && result == STP_OK; ++way) {
-        result = measure_way(r, (stp_gl_splats)way, &splats, queries);
+        result = measure_path(r, (stp_gl_splats)way, &splats, queries);
     }
     gl->DeleteQueries(2, queries);
     gl->DeleteBuffers(1, &splats.buffer);
@@ -253,12 +253,12 @@ stp_gl_splats gl_splat_choice_find(const gl_renderer* r, uint64_t splats, float 
     }
     stp_gl_splats best = STP_GL_SPLATS_POINTS;
     double pixels = (double)r->target.width * (double)r->target.height / (double)c->pixels;
-    double least = HUGE_VAL;
+    double minimum = HUGE_VAL;
     for (int way = STP_GL_SPLATS_POINTS; way <= STP_GL_SPLATS_COMPUTE; ++way) {
         double took =
             c->fixed_ns[way - 1] * pixels + (double)splats * price(c->splat_ns[way - 1], size);
-        if (took < least) {
-            least = took;
+        if (took < minimum) {
+            minimum = took;
             best = (stp_gl_splats)way;
         }
     }
@@ -312,7 +312,7 @@ stp_result gl_splat_choice_draw(gl_renderer* r, bool late)
     }
     // the second pass is small, and an undrawn point costs less than a group that draws nothing
     stp_gl_splats way = late ? STP_GL_SPLATS_POINTS : c->used;
-    result = result == STP_OK ? draw_way(r, way, &c->source) : result;
+    result = result == STP_OK ? draw_path(r, way, &c->source) : result;
     gl_bind_frame(r);
     return result;
 }

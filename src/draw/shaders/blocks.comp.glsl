@@ -14,11 +14,11 @@ void main()
     if (any(greaterThanEqual(first, size))) {
         return;
     }
-    float least = texelFetch(from, first + ivec2(0, from_row), 0).r;
+    float minimum = texelFetch(from, first + ivec2(0, from_row), 0).r;
     for (int y = first.y; y < end.y; ++y) {
         for (int x = first.x; x < end.x; ++x) {
-            least = min(least, texelFetch(from, ivec2(x, y + from_row), 0).r);
+            minimum = min(minimum, texelFetch(from, ivec2(x, y + from_row), 0).r);
         }
     }
-    imageStore(plane, block, vec4(least, 0.0, 0.0, 0.0));
+    imageStore(plane, block, vec4(minimum, 0.0, 0.0, 0.0));
 }

@@ -58,7 +58,7 @@
 #define NO_ADDRESS 0xFFFFFFFFu
 // pixels: splats that extend farther from their centre's pixel are drawn as two triangles
 #define POINT_EXTENT 60
-#define LARGE_MOST 262144
+#define LARGE_MAX 262144
 #define SHADINGS 256
 #define SRGB_STEPS 16384 // linear values are truncated to such steps before encoding
 
@@ -114,7 +114,7 @@
 #define GLASS_CELL_SHIFT 10
 #define GLASS_CELLS 64.0
 #define ALPHA_OPAQUE_FROM (254.5 / 255.0)
-#define ALPHA_LEAST (0.5 / 255.0)
+#define ALPHA_MIN (0.5 / 255.0)
 #define LAYERS_CLEAR (1.0 / 1024.0)
 
 // Header of a triangle cluster, at the beginning of its mesh, in words. Offsets are relative to the
@@ -175,7 +175,7 @@ struct item_block {
     float glass_radius;     // of splats, scene units
     float level_per_depth;  // level compared with ranges: this times the depth,
     vec4 box_low, box_high; // of drawn splats, in the rows' input space
-    float level_least;      // minimum level
+    float level_min;        // minimum level
     float large_from;       // of large triangles: minimum depth of the nearest corner
     float level_below;      // level of splats before `divide`, at any depth
     uint divide;
@@ -281,7 +281,7 @@ typedef struct view_block view_block;
 /// each splat's record and index in it.
 typedef struct large_block {
     uint32_t vertex_count, instance_count, first, base;
-    uint32_t places[LARGE_MOST][2];
+    uint32_t places[LARGE_MAX][2];
 } large_block;
 _Static_assert(sizeof(item_block) == 384, "layout of items");
 _Static_assert(sizeof(record_block) == 32, "layout of records");

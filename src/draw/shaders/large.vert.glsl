@@ -37,7 +37,7 @@ void main()
     range = vec2(-1.0, 1.0);
     smaller = vec4(0.0);
     hashed = uvec3(0u);
-    if (number >= uint(LARGE_MOST)) {
+    if (number >= uint(LARGE_MAX)) {
         return;
     }
     record_block record = records[large_places[number].x];

@@ -20,7 +20,7 @@ void main()
     center = conic = conic2 = cut = vec4(0.0);
     depths = vec2(0.0);
     hashed = uvec3(0u);
-    if (number >= uint(LARGE_MOST)) {
+    if (number >= uint(LARGE_MAX)) {
         return;
     }
     record_block record = records[large_places[number].x];

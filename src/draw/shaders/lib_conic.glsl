@@ -45,9 +45,9 @@ uint shape_splat(const record_block record, const item_block item, const splat_p
     bool facing = (item.flags & ITEM_FACING) != 0u;
     precise vec3 n = facing ? vec3(a, 1.0) : turn_normal(item, splat.code);
     precise float square = (n.x * n.x + n.y * n.y) + n.z * n.z;
-    precise float D = (n.x * a.x + n.y * a.y) + n.z, least = square * 1e-6, D2 = D * D;
-    if (D2 < least) { // edge-on: at least a thousandth of the diameter wide
-        D = D < 0.0 ? -sqrt(least) : sqrt(least);
+    precise float D = (n.x * a.x + n.y * a.y) + n.z, minimum = square * 1e-6, D2 = D * D;
+    if (D2 < minimum) { // edge-on: at least a thousandth of the diameter wide
+        D = D < 0.0 ? -sqrt(minimum) : sqrt(minimum);
         D2 = D * D;
     }
     precise float R2 = radius * radius, ratio = radius * item.inverse_scale;

@@ -1,4 +1,4 @@
-// Transparent surfaces: src/raster/blue_noise.c, splats_glass.h.
+// Transparent surfaces: src/raster/blue_noise.c, splats_transparent.h.
 #include "interface.h"
 #include "lib_hash.glsl"
 

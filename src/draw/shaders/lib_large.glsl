@@ -9,7 +9,7 @@ layout(std430, binding = BINDING_LARGE) buffer Large {
 void leave(uint record, uint local)
 {
     uint at = atomicAdd(large_count, 1u);
-    if (at < uint(LARGE_MOST)) {
+    if (at < uint(LARGE_MAX)) {
         large_places[at] = uvec2(record, local);
     }
 }

@@ -55,7 +55,7 @@ vec3 light_surface(vec3 color, vec3 normal, vec3 eye, surface_light m)
     float square = 2.0 + 2.0 * dot(eye, view.light.xyz), along = max(toward + facing, 0.0);
     float squared = square > 0.0 ? along * along / square : 0.0;
     float d = squared * (m.surface.z - 1.0) + 1.0;
-    float gloss = lambert * min(m.surface.z / (d * d) * m.surface.w, LIGHT_GLOSS_MOST) * (1.0 - rough);
+    float gloss = lambert * min(m.surface.z / (d * d) * m.surface.w, LIGHT_GLOSS_MAX) * (1.0 - rough);
     float height = 0.5 + 0.5 * dot(n, view.up.xyz), aside = 1.0 - facing, polish = 1.0 - rough;
     vec3 diffuse = ground + (sky - ground) * height + key * lambert + LIGHT_FILL * facing * facing;
     vec3 front = LIGHT_DIELECTRIC + (color - LIGHT_DIELECTRIC) * metallic;

@@ -16,8 +16,8 @@ vec4 map_texture(const item_block item, const splat_place splat, const splat_sha
     }
     vec2 a = (s.center.xy - vec2(item.center_x, item.center_y)) * item.inverse_scale;
     vec3 n = turn_normal(item, splat.code);
-    float D = dot(n.xy, a) + n.z, least = dot(n, n) * 1e-6;
-    D = D * D < least ? (D < 0.0 ? -sqrt(least) : sqrt(least)) : D;
+    float D = dot(n.xy, a) + n.z, minimum = dot(n, n) * 1e-6;
+    D = D * D < minimum ? (D < 0.0 ? -sqrt(minimum) : sqrt(minimum)) : D;
     bool stretched = splat.shape != 0u && (splat.shape & 0xFFFu) != (splat.shape >> 12 & 0xFFFu);
     float turn = stretched ? float(splat.shape >> 24) * (3.14159265 / 256.0) : 0.0;
     vec2 smaller = vec2(-sin(turn), cos(turn));

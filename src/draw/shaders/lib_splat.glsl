@@ -117,7 +117,7 @@ void find_options(const record_block record, const item_block item, uint local, 
     }
     if (ranges) {
         uint range = fetch(at);
-        precise float level = max(item.level_per_depth * splat.w, item.level_least);
+        precise float level = max(item.level_per_depth * splat.w, item.level_min);
         // in increasing order
         int bits = floatBitsToInt(record.first + local < item.divide ? item.level_below : level);
         splat.there = splat.there && bits >= int((range & 0xFFFFu) << 15) && bits <= int(range >> 16 << 15);
@@ -146,10 +146,10 @@ splat_place place_splat(const record_block record, const item_block item, uint l
     uint index = record.first + local;
     splat.part = hidden ? 0u : splat_part(item, index);
     uint wanted = splat.glass ? 0u : splat_halvings(splat.part);
-    // same as splat_least: splats shrink at different depths
-    float least = 1.5 + float(index * 0x9E3779B1u >> 24) * (1.5 / 256.0);
+    // same as splat_min_diameter: splats shrink at different depths
+    float minimum = 1.5 + float(index * 0x9E3779B1u >> 24) * (1.5 / 256.0);
     splat.halvings = 0u;
-    while (splat.halvings < wanted && radius >= least) {
+    while (splat.halvings < wanted && radius >= minimum) {
         radius *= 0.5;
         splat.halvings += 1u;
     }

@@ -34,8 +34,8 @@ uint shape_splat(const record_block record, const item_block item, const splat_p
     s.conic = vec4(min(floor(low), middle), max(floor(high), middle));
     if (splat.part > SPLAT_CUT && !facing && !splat.glass) {
         vec4 cut = coverage_cut(splat.part - SPLAT_CUT);
-        precise float least = ((n.x * n.x + n.y * n.y) + n.z * n.z) * 1e-6;
-        D = D * D < least ? (D < 0.0 ? -sqrt(least) : sqrt(least)) : D;
+        precise float minimum = ((n.x * n.x + n.y * n.y) + n.z * n.z) * 1e-6;
+        D = D * D < minimum ? (D < 0.0 ? -sqrt(minimum) : sqrt(minimum)) : D;
         precise vec3 d = turn_vector(item, cut_direction(splat.code, cut));
         precise float slide = ((d.x * a.x + d.y * a.y) + d.z) / D;
         precise vec2 lines = (d.xy - slide * n.xy) * (1.0 / radius);

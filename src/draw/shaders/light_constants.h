@@ -37,7 +37,7 @@
 
 #define LIGHT_DIELECTRIC 0.04f // reflectance at normal incidence
 #define LIGHT_GRAZING 0.5f     // additional reflectance at grazing angles on polished surfaces
-#define LIGHT_GLOSS_MOST 3.0f  // upper bound of the key light's highlight
+#define LIGHT_GLOSS_MAX 3.0f   // upper bound of the key light's highlight
 
 // Directions of soft boxes: right, up and back of the view.
 #define MIRROR_LEFT_BOX -0.62f, 0.55f, 0.56f

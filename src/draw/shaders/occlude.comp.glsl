@@ -15,7 +15,7 @@ layout(location = 0) uniform uint command_count;
 layout(location = 1) uniform uint stage; // 0: tests the previous picture, 1: this one
 
 const float SLACK = 1.0 + 1e-4;  // triangles' depths differ in the fifth digit
-const int MOST_BLOCKS = 8;       // maximum size of a box; larger ones are rarely occluded
+const int MAX_BLOCKS = 8;       // maximum size of a box; larger ones are rarely occluded
 
 // From X, Y, N, W of this view to those of the previous picture.
 vec4 to_earlier(const item_block item, vec4 at)
@@ -40,7 +40,7 @@ bool is_covered(vec2 low, vec2 high, float near)
     }
     int shift = PYRAMID_SHIFT + level, columns = count_blocks(size, level).x, offset = find_level(size, level);
     ivec2 begin = first >> shift, end = last >> shift;
-    if (any(greaterThanEqual(end - begin, ivec2(MOST_BLOCKS)))) {
+    if (any(greaterThanEqual(end - begin, ivec2(MAX_BLOCKS)))) {
         return false;
     }
     bool covered = true;
@@ -55,7 +55,7 @@ bool is_covered(vec2 low, vec2 high, float near)
 bool is_hidden(const item_block item, float reach, vec3 box_low, vec3 box_high)
 {
     vec2 low = vec2(1e30), high = vec2(-1e30);
-    float least = 1e30, near = 0.0;
+    float minimum = 1e30, near = 0.0;
     for (int i = 0; i < 8; ++i) {
         vec4 p = vec4((i & 1) != 0 ? box_high.x : box_low.x, (i & 2) != 0 ? box_high.y : box_low.y,
                       (i & 4) != 0 ? box_high.z : box_low.z, 1.0);
@@ -64,13 +64,13 @@ bool is_hidden(const item_block item, float reach, vec3 box_low, vec3 box_high)
         vec2 screen = at.xy / at.w;
         low = min(low, screen);
         high = max(high, screen);
-        least = min(least, at.w);
+        minimum = min(minimum, at.w);
         near = max(near, at.z);
     }
     // maximum nearness of disks centred in the box, and their overhang beyond it on the screen
     float radius = item.kind == KIND_MESH ? 0.0 : item.radius_px * reach;
-    float front = least - radius * item.inverse_scale;
-    if (!(front > 0.1 * least) || !(least > 0.0)) {
+    float front = minimum - radius * item.inverse_scale;
+    if (!(front > 0.1 * minimum) || !(minimum > 0.0)) {
         return false;
     }
     float beyond = radius / front * (1.0 + view.corner) + 2.0;

@@ -13,21 +13,21 @@ shared float blocks[GROUP_SIDE * GROUP_SIDE];
 float find_block(ivec2 block, ivec2 size)
 {
     ivec2 first = block * PYRAMID_BLOCK, end = min(first + PYRAMID_BLOCK, size);
-    float least = 1e30; // nothing is visible outside the picture
+    float minimum = 1e30; // nothing is visible outside the picture
     for (int y = first.y; y < end.y; ++y) {
         for (int x = first.x; x < end.x; ++x) {
-            least = min(least, texelFetch(visible_nearness, ivec2(x, y), 0).r);
+            minimum = min(minimum, texelFetch(visible_nearness, ivec2(x, y), 0).r);
         }
     }
-    return least;
+    return minimum;
 }
 
 void main()
 {
     ivec2 size = ivec2(view.size.xy), block = ivec2(gl_GlobalInvocationID.xy), local = ivec2(gl_LocalInvocationID.xy);
     int at = GROUP_SIDE * local.y + local.x;
-    float least = find_block(block, size);
-    blocks[at] = least;
+    float minimum = find_block(block, size);
+    blocks[at] = minimum;
     for (int level = 0; level < PYRAMID_LEVELS; ++level) {
         int step = 1 << level;
         ivec2 count = count_blocks(size, level), place = block >> level;
@@ -35,14 +35,14 @@ void main()
         barrier();
         if (mine && level > 0) {
             int half_step = step / 2;
-            least = min(min(blocks[at], blocks[at + half_step]),
+            minimum = min(min(blocks[at], blocks[at + half_step]),
                         min(blocks[at + GROUP_SIDE * half_step], blocks[at + GROUP_SIDE * half_step + half_step]));
         }
         barrier();
         if (mine) {
-            blocks[at] = least;
+            blocks[at] = minimum;
             if (all(lessThan(place, count))) {
-                nearest[find_level(size, level) + place.y * count.x + place.x] = least;
+                nearest[find_level(size, level) + place.y * count.x + place.x] = minimum;
             }
         }
     }

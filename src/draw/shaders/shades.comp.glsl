@@ -43,9 +43,9 @@ float read_blocks(ivec2 pixel)
     if (!is_inside(pixel)) {
         return -1.0;
     }
-    ivec2 most = (ivec2(view.size.xy) + EFFECT_BLOCK - 1) / EFFECT_BLOCK - 1;
-    vec2 at = clamp((vec2(pixel) + 0.5) / float(EFFECT_BLOCK) - 0.5, vec2(0.0), vec2(most));
-    ivec2 first = ivec2(at), second = min(first + 1, most);
+    ivec2 maximum = (ivec2(view.size.xy) + EFFECT_BLOCK - 1) / EFFECT_BLOCK - 1;
+    vec2 at = clamp((vec2(pixel) + 0.5) / float(EFFECT_BLOCK) - 0.5, vec2(0.0), vec2(maximum));
+    ivec2 first = ivec2(at), second = min(first + 1, maximum);
     vec2 share = at - vec2(first);
     float above = mix(texelFetch(blocks, first, 0).r, texelFetch(blocks, ivec2(second.x, first.y), 0).r, share.x);
     float below = mix(texelFetch(blocks, ivec2(first.x, second.y), 0).r, texelFetch(blocks, second, 0).r, share.x);

@@ -30,7 +30,7 @@ uint find_pattern(const item_block item, const triangle_place t)
 bool keeps_alpha(const item_block item, const triangle_place t, float alpha, ivec2 pixel)
 {
 #ifdef LAYER
-    return alpha >= ALPHA_LEAST && alpha < ALPHA_OPAQUE_FROM;
+    return alpha >= ALPHA_MIN && alpha < ALPHA_OPAQUE_FROM;
 #else
     if (alpha >= ALPHA_OPAQUE_FROM || view.glass == GLASS_LAYERS) {
         return alpha >= ALPHA_OPAQUE_FROM;

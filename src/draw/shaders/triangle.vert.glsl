@@ -21,7 +21,7 @@ bool is_large(const item_block item, const triangle_place t)
         nearest = min(nearest, dot(item.rows[3], vec4(p[k] - item.offset.xyz, 1.0)));
     }
     float level = 0.5 * max(distance(p[0], p[1]), max(distance(p[1], p[2]), distance(p[2], p[0])));
-    return nearest >= item.large_from && level >= max(item.level_per_depth * nearest, item.level_least);
+    return nearest >= item.large_from && level >= max(item.level_per_depth * nearest, item.level_min);
 }
 
 void main()

@@ -13,14 +13,14 @@
 
 // a quarter of Brandt 5.2: blue.h. More give pictures of the same SSIM
 // (docs/notes/2026-11-candidates.md, 2026-11-proportion.md).
-#define MOST_SURFELS 50000u
+#define MAX_SURFELS 50000u
 #define CANDIDATES_PER_SURFEL 12u
-#define LEAST_CANDIDATES 6000u   // small objects must keep their shape
-#define MOST_CANDIDATES 1750000u // Brandt, Table 2
-#define FINE_PIXEL 0x1p-7        // of triangles, in coarse ones: for a diagonal of 1,024
-#define NORMAL_SPACINGS 2.5f     // radius for estimating a point's normal
-#define SPARSE_PART 128u         // sparse parts of a cloud count if they have this share of points
-#define LEAST_EXTENT 0x1p-60     // scene units; squared distances below it underflow
+#define MIN_CANDIDATES 6000u    // small objects must keep their shape
+#define MAX_CANDIDATES 1750000u // Brandt, Table 2
+#define FINE_PIXEL 0x1p-7       // of triangles, in coarse ones: for a diagonal of 1,024
+#define NORMAL_SPACINGS 2.5f    // radius for estimating a point's normal
+#define SPARSE_PART 128u        // sparse parts of a cloud count if they have this share of points
+#define MIN_EXTENT 0x1p-60      // scene units; squared distances below it underflow
 
 typedef struct blue {
     const stp_scene* scene;
@@ -49,7 +49,7 @@ static stp_result list_sources(blue* b, uint32_t node, const stp_splats* const* 
 uint64_t stp_default_surfel_count(uint64_t triangles, uint64_t points)
 {
     uint64_t count = stp_add_saturated(triangles, points) / STP_TRIANGLES_PER_SURFEL;
-    return count < 1 ? 1 : count < MOST_SURFELS ? count : MOST_SURFELS;
+    return count < 1 ? 1 : count < MAX_SURFELS ? count : MAX_SURFELS;
 }
 
 // A point cloud keeps every point.
@@ -69,8 +69,8 @@ static stp_result capture_parts(blue* b, uint64_t count)
     stp_capture_desc capture = b->desc->capture;
     if (capture.wanted_candidates == 0) {
         uint64_t wanted = count * CANDIDATES_PER_SURFEL;
-        wanted = wanted < LEAST_CANDIDATES ? LEAST_CANDIDATES : wanted;
-        capture.wanted_candidates = wanted > MOST_CANDIDATES ? MOST_CANDIDATES : wanted;
+        wanted = wanted < MIN_CANDIDATES ? MIN_CANDIDATES : wanted;
+        capture.wanted_candidates = wanted > MAX_CANDIDATES ? MAX_CANDIDATES : wanted;
     }
     return stp_capture_parts(b->scene, b->list.parts, b->list.part_count, &capture, &b->candidates);
 }
@@ -262,7 +262,7 @@ static bool is_measurable(const stp_scene* scene, uint32_t node)
 {
     stp_boxd box = scene->nodes[node].bounds;
     stp_vec3d size = stp_subd(box.max, box.min);
-    return size.x >= LEAST_EXTENT || size.y >= LEAST_EXTENT || size.z >= LEAST_EXTENT;
+    return size.x >= MIN_EXTENT || size.y >= MIN_EXTENT || size.z >= MIN_EXTENT;
 }
 
 static stp_result make(blue* b, uint32_t node, const uint8_t* shading_of_material,

@@ -2,15 +2,15 @@
 #include "lod/blue/children.h"
 
 #define WANTED_EACH 5.0 // candidates per surfel: already evenly spread, without duplicates
-#define LEAST_EACH 4.0
-#define LEAST_CANDIDATES 6000.0
-#define MOST_CANDIDATES 1750000.0
+#define MIN_EACH 4.0
+#define MIN_CANDIDATES 6000.0
+#define MAX_CANDIDATES 1750000.0
 #define PROBE_CANDIDATES 30000.0
 #define COARSE_RESOLUTION 8.0
-#define MOST_RESOLUTION 16384.0
+#define MAX_RESOLUTION 16384.0
 #define VIEWS 8.0 // about
 #define TOO_MANY_TRIANGLES UINT64_C(8000000)
-#define LEAST_SHARE 0.02 // share of candidates from sets below which only triangles are captured
+#define MIN_SHARE 0.02 // share of candidates from sets below which only triangles are captured
 #define NEAR_ENOUGH 1.1
 #define TRIES 6
 
@@ -52,18 +52,18 @@ static double wanted(const children* c, double each)
     if (c->desc->capture.wanted_candidates != 0) {
         return (double)c->desc->capture.wanted_candidates;
     }
-    double count = c->surfel_count * each, most = c->surfel_count * LEAST_EACH;
-    double least = LEAST_CANDIDATES * each / WANTED_EACH;
-    most = most > MOST_CANDIDATES ? most : MOST_CANDIDATES;
-    count = count < least ? least : count;
-    return count < most ? count : most;
+    double count = c->surfel_count * each, maximum = c->surfel_count * MIN_EACH;
+    double minimum = MIN_CANDIDATES * each / WANTED_EACH;
+    maximum = maximum > MAX_CANDIDATES ? maximum : MAX_CANDIDATES;
+    count = count < minimum ? minimum : count;
+    return count < maximum ? count : maximum;
 }
 
 // Smallest pixel size that keeps a picture's cost proportional to its candidates.
 static double finest_pixel(double widest, double candidates)
 {
-    double affordable = sqrt(STP_CAPTURE_MOST_PIXELS_EACH / VIEWS * candidates);
-    return widest / (affordable < MOST_RESOLUTION ? affordable : MOST_RESOLUTION);
+    double affordable = sqrt(STP_CAPTURE_MAX_PIXELS_EACH / VIEWS * candidates);
+    return widest / (affordable < MAX_RESOLUTION ? affordable : MAX_RESOLUTION);
 }
 
 // Searches the pixel size that yields this many candidates, and lists its sources. Candidates grow
@@ -129,7 +129,7 @@ typedef struct density {
 static stp_result choose_pixel(children* c)
 {
     static const density tries[] = {
-        {WANTED_EACH, 2000000, 1.5e6}, {4.5, 2000000, 1.5e6}, {LEAST_EACH, UINT64_MAX, HUGE_VAL}};
+        {WANTED_EACH, 2000000, 1.5e6}, {4.5, 2000000, 1.5e6}, {MIN_EACH, UINT64_MAX, HUGE_VAL}};
     stp_result result = STP_OK;
     double finest = 0.0;
     for (int i = 0; result == STP_OK; ++i) {
@@ -156,7 +156,7 @@ static stp_result capture_once(children* c, stp_candidates* candidates)
 
 static bool uses_sets(const children* c)
 {
-    return c->list.surfels > LEAST_SHARE * estimate(c) ||
+    return c->list.surfels > MIN_SHARE * estimate(c) ||
            (c->list.set_count != 0 && c->list.triangle_count > TOO_MANY_TRIANGLES);
 }
 

@@ -9,8 +9,8 @@
 
 #define PAPER_COUNT 1000u // p_m, as in Brandt 4.1
 #define GRAIN 16384
-#define AHEAD 24u         // candidates to prefetch ahead
-#define OVERLAP_MOST 64.0 // disks of an octave over each place
+#define AHEAD 24u        // candidates to prefetch ahead
+#define OVERLAP_MAX 64.0 // disks of an octave over each place
 
 typedef struct finish {
     const stp_finish_input* input;
@@ -83,17 +83,17 @@ static void choose_grid(finish* f)
                        stp_addd(centre, stp_to_double(box.max))};
     // a step far below the capture's pixel would only waste bits; it also gives a single point a
     // grid
-    double least_step = f->input->candidates->pixel_size * 0x1p-10;
-    stp_choose_position_grid(placed, least_step, &f->surfels->origin, &f->surfels->step);
+    double min_step = f->input->candidates->pixel_size * 0x1p-10;
+    stp_choose_position_grid(placed, min_step, &f->surfels->origin, &f->surfels->step);
 }
 
 // Coverage radius of each prefix: the maximum distance of all later and all unchosen candidates.
 static void make_envelope(finish* f)
 {
-    float most = f->input->final_radius;
+    float maximum = f->input->final_radius;
     for (uint32_t i = f->input->count; i > 0; --i) {
-        most = stp_max(most, f->input->radii[i - 1]);
-        f->envelope[i - 1] = most;
+        maximum = stp_max(maximum, f->input->radii[i - 1]);
+        f->envelope[i - 1] = maximum;
     }
 }
 
@@ -167,11 +167,11 @@ static void make_tables(finish* f)
 
 // Disks of an even order overlap about seven times. Only clouds are limited: a capture's pixels do
 // not tell its area.
-static double most_area(const finish* f)
+static double area_limit(const finish* f)
 {
     const stp_candidates* c = f->input->candidates;
     bool known = c->direction_count == 0 && c->pixel_size > 0.0;
-    return known ? OVERLAP_MOST * (double)c->count * c->pixel_size * c->pixel_size : HUGE_VAL;
+    return known ? OVERLAP_MAX * (double)c->count * c->pixel_size * c->pixel_size : HUGE_VAL;
 }
 
 static stp_result finish_surfels(stp_context* context, finish* f)
@@ -191,7 +191,7 @@ static stp_result finish_surfels(stp_context* context, finish* f)
     double radius = f->input->candidates->surface_radius;
     radius = radius > 0.0 ? radius : f->input->candidates->pixel_size * 0.70710678118654752;
     s->candidate_radius = (float)radius;
-    s->octave_count = stp_choose_octaves(f->envelope, s->candidate_radius, most_area(f), s->count,
+    s->octave_count = stp_choose_octaves(f->envelope, s->candidate_radius, area_limit(f), s->count,
                                          s->octave_ends);
     stp_result result = allocate_columns(context, s);
     result = result == STP_OK ? take_attributes(context, f->input, s) : result;

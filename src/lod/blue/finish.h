@@ -26,14 +26,14 @@ STP_MUST_USE stp_result stp_finish_surfels(stp_context* context, const stp_finis
 /// Grid for positions in a box of node space: the smallest power-of-two step with which 65,535
 /// steps span the box, and an origin on the grid that a float represents exactly. Neighbouring
 /// pieces with the same step therefore round to the same positions.
-void stp_choose_position_grid(stp_boxd box, double least_step, stp_vec3* origin, float* step);
+void stp_choose_position_grid(stp_boxd box, double min_step, stp_vec3* origin, float* step);
 
 /// Cuts an order into octaves, from its end: the last octave ends with the last surfel, the
 /// previous one where disks are twice as large, and so on. `envelope[i]` is the coverage radius of
 /// the first i; disks are larger by `margin`. Leaves out octaves whose disks have more than
-/// `most_area` together: in an uneven order, a prefix of most points may still cover with large
+/// `area_limit` together: in an uneven order, a prefix of most points may still cover with large
 /// disks only, each of which would hold most of the surface. @return the number of octaves
-uint32_t stp_choose_octaves(const float* envelope, float margin, double most_area, uint32_t count,
+uint32_t stp_choose_octaves(const float* envelope, float margin, double area_limit, uint32_t count,
                             uint32_t ends[STP_OCTAVE_LIMIT]);
 
 /// Median distance to the nearest neighbour (Brandt 4.1), of 200 points.

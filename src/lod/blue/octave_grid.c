@@ -10,10 +10,10 @@
 #define SPACING_SAMPLES 200u
 #define SPACING_PIECE 512u // points at a time
 
-void stp_choose_position_grid(stp_boxd box, double least_step, stp_vec3* origin, float* step)
+void stp_choose_position_grid(stp_boxd box, double min_step, stp_vec3* origin, float* step)
 {
     double low[3] = {box.min.x, box.min.y, box.min.z}, high[3] = {box.max.x, box.max.y, box.max.z};
-    double extent = least_step * GRID_STEPS;
+    double extent = min_step * GRID_STEPS;
     for (int axis = 0; axis < 3; ++axis) {
         extent = high[axis] - low[axis] > extent ? high[axis] - low[axis] : extent;
     }
@@ -41,7 +41,7 @@ void stp_choose_position_grid(stp_boxd box, double least_step, stp_vec3* origin,
     *step = (float)size;
 }
 
-uint32_t stp_choose_octaves(const float* envelope, float margin, double most_area, uint32_t count,
+uint32_t stp_choose_octaves(const float* envelope, float margin, double area_limit, uint32_t count,
                             uint32_t ends[STP_OCTAVE_LIMIT])
 {
     uint32_t last = count - 1; // the last surfel with a disk
@@ -60,7 +60,7 @@ uint32_t stp_choose_octaves(const float* envelope, float margin, double most_are
             break;
         }
         double disk = (double)(envelope[end] + margin);
-        bool crowded = STP_PI * disk * disk * (double)end > most_area;
+        bool crowded = STP_PI * disk * disk * (double)end > area_limit;
         if (end < reversed[size - 1] && !crowded) {
             reversed[size++] = end;
         }
@@ -122,9 +122,9 @@ float stp_median_spacing(const float* positions, uint32_t count)
             if (inside) { // not its own neighbour
                 columns.x[i - begin] = INFINITY;
             }
-            float least = kernels->least_squared(columns.x, columns.y, columns.z, filled,
-                                                 (stp_vec3){p[0], p[1], p[2]});
-            nearest[s] = stp_min(nearest[s], least);
+            float minimum = kernels->nearest_squared(columns.x, columns.y, columns.z, filled,
+                                                     (stp_vec3){p[0], p[1], p[2]});
+            nearest[s] = stp_min(nearest[s], minimum);
             if (inside) {
                 columns.x[i - begin] = own;
             }

@@ -96,7 +96,7 @@ static inline uint16_t stp_pyramid_fraction(double value)
 
 /// Minimum point spacings per disk radius: with fewer points, the border of their surface is
 /// unknown.
-#define STP_LEAST_SPACINGS 3.0
+#define STP_MIN_SPACINGS 3.0
 
 /// Whether all disks of an octave are drawn whole regardless of their surroundings: for clouds
 /// whose disks contain few points, or with all points in one place.

@@ -40,10 +40,10 @@
 #define FULL_NARROW_CELLS 0.4
 // Surface whose mean normal is beyond this cosine is a different object, such as the ground below a
 // tree.
-#define LEAST_FACING 0.3
+#define MIN_FACING 0.3
 // Candidates examined per disk.
 #define DISK_SAMPLES 128.0
-#define MOST_STRIDE 4096.0
+#define MAX_STRIDE 4096.0
 // Surface counts as opaque from this mean opacity. Opacities of children are averaged level by
 // level: border disks with a few holes must not open the whole surface at coarser levels.
 #define OPAQUE 0.99
@@ -95,7 +95,7 @@ static double overlapping_chance(uint16_t fraction)
 // Share of the nearest surface that counts as the surfel's own.
 static double own_part(double cosine)
 {
-    double part = stp_clampd(cosine / LEAST_FACING, 0.0, 1.0);
+    double part = stp_clampd(cosine / MIN_FACING, 0.0, 1.0);
     return part * part * part * part;
 }
 
@@ -122,7 +122,7 @@ static chooser make_chooser(stp_pyramid* p, uint32_t octave, const stp_octave_pl
     double density = p->input->finish->candidates->direction_count != 0 ? 2.0 : 1.0;
     double stride = ceil(density * STP_PI * disk * disk / DISK_SAMPLES);
     stride = stride > 1.0 ? stride : 1.0;
-    stride = stride < MOST_STRIDE ? stride : MOST_STRIDE;
+    stride = stride < MAX_STRIDE ? stride : MAX_STRIDE;
     return (chooser){
         .p = p,
         .octave = octave,
@@ -184,11 +184,11 @@ static size_t choose_whole(const chooser* c, uint32_t* doubtful)
 // other views are no less solid, and a lattice finer than the pixels looks equally open in all.
 static double ray_share(const chooser* c, const stp_surroundings* found)
 {
-    float most = 0.0f;
+    float maximum = 0.0f;
     for (int k = 0; k < STP_VIEWS_TOLD; ++k) {
-        most = stp_max(most, found->views[k]);
+        maximum = stp_max(maximum, found->views[k]);
     }
-    return (double)most + (double)found->others / c->disk;
+    return (double)maximum + (double)found->others / c->disk;
 }
 
 // Chooses the drawn part of a disk from its surroundings.
@@ -229,8 +229,8 @@ static uint8_t choose(const chooser* c, uint32_t surfel, const stp_surroundings*
         share * solid + thin_share(c, surfel, (double)found->area / c->disk) * (1.0 - solid));
 }
 
-static stp_result look_around(const chooser* c, const uint32_t* doubtful, size_t count,
-                              stp_surroundings* found)
+static stp_result search_surroundings(const chooser* c, const uint32_t* doubtful, size_t count,
+                                      stp_surroundings* found)
 {
     stp_pyramid* p = c->p;
     stp_surroundings_search search = {.pyramid = p,
@@ -266,7 +266,7 @@ static stp_result choose_all(const chooser* c, uint32_t* doubtful)
     stp_context* context = c->p->context;
     stp_surroundings* found = STP_NEW_ARRAY(context, stp_surroundings, count);
     stp_result result =
-        found != NULL ? look_around(c, doubtful, count, found) : stp_fail_memory(context);
+        found != NULL ? search_surroundings(c, doubtful, count, found) : stp_fail_memory(context);
     for (size_t i = 0; result == STP_OK && i < count; ++i) {
         c->entries[doubtful[i]].coverage = choose(c, doubtful[i], &found[i]);
     }
@@ -278,7 +278,7 @@ bool stp_pyramid_is_whole(const stp_pyramid* p, const stp_octave_plan* plan)
 {
     const stp_candidates* c = p->input->finish->candidates;
     double spacings = (double)plan->disk_radius / c->pixel_size;
-    return !(c->pixel_size > 0.0) || (c->direction_count == 0 && spacings < STP_LEAST_SPACINGS);
+    return !(c->pixel_size > 0.0) || (c->direction_count == 0 && spacings < STP_MIN_SPACINGS);
 }
 
 stp_result stp_pyramid_choose_chances(stp_pyramid* p, uint32_t octave, const stp_octave_plan* plan)

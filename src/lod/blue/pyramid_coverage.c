@@ -16,9 +16,9 @@
 // so large that it never counts.
 #define SET_WEIGHT 1024u
 // Cells that a disk extends to each side; only orders with huge gaps would need more.
-#define MOST_CELLS 12.0f
+#define MAX_CELLS 12.0f
 // Share of a seen fraction that is trusted regardless of counts.
-#define LEAST_BELIEVED 0.4
+#define MIN_BELIEVED 0.4
 
 static float pixel_size(const stp_pyramid* p)
 {
@@ -107,7 +107,7 @@ static double opacity(const stp_pyramid_entry* e)
 }
 
 // Candidates per square pixel of surface, from all views that face it.
-static double usual_density(const stp_candidates* candidates)
+static double typical_density(const stp_candidates* candidates)
 {
     return candidates->direction_count != 0 ? 0.25 * candidates->direction_count : 1.0;
 }
@@ -117,8 +117,8 @@ static double usual_density(const stp_candidates* candidates)
 // either.
 static void cover_captured(stp_pyramid* p, uint32_t octave, double pixels, uint32_t stride)
 {
-    double full_count = usual_density(p->input->finish->candidates) * pixels / stride;
-    double believed = LEAST_BELIEVED / sqrt((double)stride);
+    double full_count = typical_density(p->input->finish->candidates) * pixels / stride;
+    double believed = MIN_BELIEVED / sqrt((double)stride);
     for (uint32_t i = 0; i < p->surfels->octave_ends[octave]; ++i) {
         double fraction = (double)stp_stencil_fraction(&p->stencil, p->disks[i].cells);
         if (fraction < 1.0) {
@@ -163,15 +163,15 @@ static stp_disk_search begin_disk_search(stp_pyramid* p, uint32_t octave,
         .normals = p->input->normals,
         .visit = p->visit,
         .count = p->surfels->octave_ends[octave],
-        .radius = stp_min(plan->disk_radius, MOST_CELLS * samples->cell),
+        .radius = stp_min(plan->disk_radius, MAX_CELLS * samples->cell),
         .two_sided = p->input->finish->two_sided,
         .stencil = &p->stencil,
         .disks = p->disks,
     };
 }
 
-static void look_at_surfels(stp_pyramid* p, uint32_t octave, const stp_octave_plan* plan,
-                            const stp_grid* samples)
+static void cover_by_surfels(stp_pyramid* p, uint32_t octave, const stp_octave_plan* plan,
+                             const stp_grid* samples)
 {
     stp_disk_search search = begin_disk_search(p, octave, plan, samples);
     uint32_t finer = octave + 1;
@@ -183,8 +183,8 @@ static void look_at_surfels(stp_pyramid* p, uint32_t octave, const stp_octave_pl
     cover_sampled(p, octave);
 }
 
-static void look_at_candidates(stp_pyramid* p, uint32_t octave, const stp_octave_plan* plan,
-                               const stp_grid* samples)
+static void cover_by_candidates(stp_pyramid* p, uint32_t octave, const stp_octave_plan* plan,
+                                const stp_grid* samples)
 {
     stp_disk_search search = begin_disk_search(p, octave, plan, samples);
     const stp_candidates* c = p->input->finish->candidates;
@@ -198,32 +198,32 @@ static void look_at_candidates(stp_pyramid* p, uint32_t octave, const stp_octave
     cover_captured(p, octave, disk_pixels(p, search.radius), plan->stride);
 }
 
-static stp_result look_at_some_candidates(stp_pyramid* p, uint32_t octave,
-                                          const stp_octave_plan* plan)
+static stp_result cover_by_thinned_candidates(stp_pyramid* p, uint32_t octave,
+                                              const stp_octave_plan* plan)
 {
     float cell = plan->disk_radius + candidate_footprint(p, plan);
-    if (plan->stride == 1 && cell <= MOST_CELLS * p->candidates.cell) {
-        look_at_candidates(p, octave, plan, &p->candidates);
+    if (plan->stride == 1 && cell <= MAX_CELLS * p->candidates.cell) {
+        cover_by_candidates(p, octave, plan, &p->candidates);
         return STP_OK;
     }
     stp_grid samples;
     stp_result result = stp_grid_thin(p->context, &p->candidates, plan->stride, cell, &samples);
     if (result == STP_OK) {
-        look_at_candidates(p, octave, plan, &samples);
+        cover_by_candidates(p, octave, plan, &samples);
         stp_grid_destroy(p->context, &samples);
     }
     return result;
 }
 
-static stp_result look_at_dense_surfels(stp_pyramid* p, uint32_t octave,
-                                        const stp_octave_plan* plan)
+static stp_result cover_by_dense_surfels(stp_pyramid* p, uint32_t octave,
+                                         const stp_octave_plan* plan)
 {
     stp_grid samples;
     const float* normals = p->input->finish->two_sided ? NULL : p->input->normals;
     stp_result result = stp_grid_create(p->context, p->input->positions, normals, plan->dense_count,
                                         plan->cell, 0.0f, &samples);
     if (result == STP_OK) {
-        look_at_surfels(p, octave, plan, &samples);
+        cover_by_surfels(p, octave, plan, &samples);
         stp_grid_destroy(p->context, &samples);
     }
     return result;
@@ -263,9 +263,9 @@ stp_result stp_pyramid_cover(stp_pyramid* p, uint32_t octave, const stp_octave_p
         return result;
     }
     if (octave + 1 == p->surfels->octave_count) {
-        look_at_candidates(p, octave, plan, &p->candidates);
+        cover_by_candidates(p, octave, plan, &p->candidates);
         return STP_OK;
     }
-    return plan->dense_count != 0 ? look_at_dense_surfels(p, octave, plan)
-                                  : look_at_some_candidates(p, octave, plan);
+    return plan->dense_count != 0 ? cover_by_dense_surfels(p, octave, plan)
+                                  : cover_by_thinned_candidates(p, octave, plan);
 }

@@ -8,15 +8,15 @@
 #include "base/octahedral.h"
 #include "lod/blue/pyramid.h"
 
-#define RADIUS 3.0       // minimum pixels of a disk in a picture, if silhouettes have that many
-#define LEAST_FACING 0.2 // cosine: disks are not seen from flatter directions
+#define RADIUS 3.0     // minimum pixels of a disk in a picture, if silhouettes have that many
+#define MIN_FACING 0.2 // cosine: disks are not seen from flatter directions
 // Share of a disk's pixels outside a silhouette: closed up to the first value, not from the second.
 #define OUTER_FEW 0.0f
-#define OUTER_MOST 0.1f
+#define OUTER_MAX 0.1f
 // Mean probability that a disk's pixels stay open: kept up to the first value, closed from the
 // second.
 #define OPEN_FEW 0.0f
-#define OPEN_MOST 0.01f
+#define MAX_OPEN 0.01f
 #define GRAIN 4096
 
 // A disk's centre, normal and axes, in scene units.
@@ -58,9 +58,9 @@ typedef struct outline {
     uint32_t left, right, top, bottom; ///< pixels, within the picture
 } outline;
 
-static uint32_t clamp_to(double value, uint32_t most)
+static uint32_t clamp_to(double value, uint32_t maximum)
 {
-    return value > 0.0 ? value < (double)most ? (uint32_t)value : most : 0;
+    return value > 0.0 ? value < (double)maximum ? (uint32_t)value : maximum : 0;
 }
 
 static bool make_outline(const closer* c, const picture* view, uint32_t surfel, outline* out)
@@ -69,7 +69,7 @@ static bool make_outline(const closer* c, const picture* view, uint32_t surfel, 
     const stp_silhouette* s = view->from;
     stp_vec3d place = stp_to_double(disk->at), x = stp_to_double(disk->x);
     stp_vec3d y = stp_to_double(disk->y);
-    if (stp_dotd(s->toward, stp_to_double(disk->normal)) < LEAST_FACING) {
+    if (stp_dotd(s->toward, stp_to_double(disk->normal)) < MIN_FACING) {
         return false;
     }
     double reach = (double)c->radius * view->scale;
@@ -199,7 +199,7 @@ static verdict classify_disk(const picture* view, const outline* o)
     return (verdict){.outer = count != 0 ? 1.0f - seen * each : 0.0f, .open = open * each};
 }
 
-static void look_from(const closer* c, uint32_t index, const picture* view)
+static void close_in_view(const closer* c, uint32_t index, const picture* view)
 {
     outline o;
     for (uint32_t i = 0; i < c->count; ++i) {
@@ -229,7 +229,7 @@ static void place_disks(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-static void look_from_views(size_t begin, size_t end, uint32_t worker, void* user)
+static void close_in_views(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     closer* c = user;
@@ -240,7 +240,7 @@ static void look_from_views(size_t begin, size_t end, uint32_t worker, void* use
         bool made = begin_picture(c, &c->p->input->finish->candidates->silhouettes[i], &view);
         c->failed[i] = !made || c->verdicts[i] == NULL;
         if (!c->failed[i]) {
-            look_from(c, (uint32_t)i, &view);
+            close_in_view(c, (uint32_t)i, &view);
         }
         stp_free(context, view.seen);
     }
@@ -260,7 +260,7 @@ static float closing(const closer* c, uint32_t views, uint32_t surfel)
         outer = stp_max(outer, c->verdicts[v][surfel].outer);
         open = stp_max(open, c->verdicts[v][surfel].open);
     }
-    return ramp(open, OPEN_FEW, OPEN_MOST) * (1.0f - ramp(outer, OUTER_FEW, OUTER_MOST));
+    return ramp(open, OPEN_FEW, MAX_OPEN) * (1.0f - ramp(outer, OUTER_FEW, OUTER_MAX));
 }
 
 static void close_disks(const closer* c, uint32_t views, stp_pyramid_entry* entries)
@@ -301,7 +301,7 @@ stp_result stp_pyramid_close_holes(stp_pyramid* p, uint32_t octave, const stp_oc
         return stp_fail_memory(p->context);
     }
     stp_parallel_for(p->context, c.count, GRAIN, place_disks, &c);
-    stp_parallel_for(p->context, views, 1, look_from_views, &c);
+    stp_parallel_for(p->context, views, 1, close_in_views, &c);
     bool failed = false;
     for (uint32_t v = 0; v < views; ++v) {
         failed = failed || c.failed[v];

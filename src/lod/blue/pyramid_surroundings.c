@@ -13,7 +13,7 @@
 // Depth range in which candidates count, behind and in front of the disk, relative to the radius.
 #define BEHIND 0.6f
 #define BEFORE 1.0f
-#define LEAST_VIEW_FACING 0.3f // cosine: flatter views say little about a disk
+#define MIN_VIEW_FACING 0.3f // cosine: flatter views say little about a disk
 
 enum { LANES = 8 };
 _Static_assert(LANES <= (int)STP_GRID_LANES, "columns may be read so far beyond their end");
@@ -59,11 +59,11 @@ static void extend_reach(const stp_surroundings_search* s, disk* d, float u, flo
         less[k] = less[k] < less[k + PART] ? less[k] : less[k + PART];
         less[k] = less[k] < less[k + 2 * PART] ? less[k] : less[k + 2 * PART];
     }
-    float least = 1.0f;
+    float minimum = 1.0f;
     for (int k = 0; k < PART; ++k) {
-        least = least < less[k] ? least : less[k];
+        minimum = minimum < less[k] ? minimum : less[k];
     }
-    d->known = least > 0.0f ? least * least : 0.0f;
+    d->known = minimum > 0.0f ? minimum * minimum : 0.0f;
 }
 
 static uint32_t find_view(const uint32_t starts[STP_VIEWS_TOLD + 1], uint32_t index)
@@ -160,7 +160,7 @@ static void add_candidates(const stp_surroundings_search* s, disk* d, uint32_t b
 
 // Cells are at least as wide as the disk's radius, so a cylinder spans at most four of them on each
 // axis: no two of these share a bucket. Cells of a row are consecutive within a block.
-static void look_around(const stp_surroundings_search* s, disk* d)
+static void search_cylinder(const stp_surroundings_search* s, disk* d)
 {
     const stp_grid* g = s->samples;
     float n[3] = {fabsf(d->normal.x), fabsf(d->normal.y), fabsf(d->normal.z)};
@@ -189,13 +189,13 @@ static void search_disks(size_t begin, size_t end, uint32_t worker, void* user)
     const stp_surroundings_search* s = user;
     for (size_t i = begin; i < end; ++i) {
         disk d = make_disk(s, s->visit[i]);
-        look_around(s, &d);
+        search_cylinder(s, &d);
         d.found.area *= (float)s->stride;
         d.found.others *= (float)s->stride;
         for (int k = 0; k < STP_VIEWS_TOLD; ++k) {
             float facing = fabsf(stp_dot(d.normal, s->views[k]));
             float covered = d.found.views[k] * (float)s->stride * s->pixel / facing;
-            d.found.views[k] = facing >= LEAST_VIEW_FACING ? covered : 0.0f;
+            d.found.views[k] = facing >= MIN_VIEW_FACING ? covered : 0.0f;
         }
         d.found.total = stp_max(d.found.total * (float)s->stride, 1.0f);
         s->found[i] = d.found;

@@ -110,8 +110,8 @@ stp_result stp_decimate_by_blue(stp_context* context, const stp_decimate_input* 
         result = stp_decimate_make_disks(context, input, &disks, &neighbours);
     }
     if (result == STP_OK) {
-        uint32_t most = target < input->count ? target : input->count;
-        chosen = STP_NEW_ARRAY(context, uint32_t, (size_t)most + 1);
+        uint32_t maximum = target < input->count ? target : input->count;
+        chosen = STP_NEW_ARRAY(context, uint32_t, (size_t)maximum + 1);
         result = chosen != NULL ? STP_OK : stp_fail_memory(context);
     }
     if (result == STP_OK) {

@@ -10,13 +10,13 @@
 #define ROUNDING 1e-7f ///< of coordinates
 
 /// Minimum radius for grids: limited by the precision of coordinates.
-static float least_radius(const stp_decimate_input* input)
+static float min_radius(const stp_decimate_input* input)
 {
-    float most = 0.0f;
+    float maximum = 0.0f;
     for (size_t i = 0; i < 3 * (size_t)input->count; ++i) {
-        most = fmaxf(most, fabsf(input->positions[i]));
+        maximum = fmaxf(maximum, fabsf(input->positions[i]));
     }
-    return fmaxf(ROUNDING * most, FLT_MIN);
+    return fmaxf(ROUNDING * maximum, FLT_MIN);
 }
 
 /// Searches on the same side; points without an owner then search on both.
@@ -104,7 +104,7 @@ stp_result stp_decimate_cells_make(stp_context* context, const stp_decimate_inpu
                    3 * sizeof(float));
             memcpy(normals + 3 * (size_t)i, from + 3 * (size_t)chosen[i], 3 * sizeof(float));
         }
-        radius = fmaxf(SLACK * radius, least_radius(input));
+        radius = fmaxf(SLACK * radius, min_radius(input));
         result = find_owners(context, input, positions, normals, count, radius, cells);
     }
     if (result == STP_OK && count > 0) {

@@ -15,7 +15,7 @@ static stp_vec3d place_of(const stp_contraction* c, const stp_quadric* both, uin
                    (c->points->means[low].weight + c->points->means[high].weight);
     stp_vec3d mean =
         stp_addd(stp_scaled(c->positions[low], share), stp_scaled(c->positions[high], 1.0 - share));
-    return stp_quadric_least(both, mean, length);
+    return stp_quadric_minimum(both, mean, length);
 }
 
 static double length_of(const stp_contraction* c, uint32_t low, uint32_t high)
@@ -31,7 +31,7 @@ static stp_contraction_pair measure(const stp_contraction* c, uint32_t point, ui
     double length = length_of(c, low, high);
     double error = stp_quadric_at(&both, place_of(c, &both, low, high, length));
     return (stp_contraction_pair){
-        .error = error > c->least * stp_quadric_planes(&both) ? error : 0.0,
+        .error = error > c->minimum * stp_quadric_planes(&both) ? error : 0.0,
         .weight = length * length * (c->points->means[low].weight * c->points->means[high].weight),
         .partner = partner};
 }
@@ -65,7 +65,7 @@ static void put(stp_contraction* c, uint32_t place, uint32_t point)
     c->places[point] = place;
 }
 
-static void sink(stp_contraction* c, uint32_t place)
+static void sift_down(stp_contraction* c, uint32_t place)
 {
     uint32_t point = c->heap[place];
     for (uint32_t child; (child = 2 * place + 1) < c->heap_count; place = child) {
@@ -80,7 +80,7 @@ static void sink(stp_contraction* c, uint32_t place)
     put(c, place, point);
 }
 
-static void rise(stp_contraction* c, uint32_t place)
+static void sift_up(stp_contraction* c, uint32_t place)
 {
     uint32_t point = c->heap[place];
     for (; place > 0 && comes_first(c, point, c->heap[(place - 1) / 2]); place = (place - 1) / 2) {
@@ -99,8 +99,8 @@ static void remove_point(stp_contraction* c, uint32_t point)
     uint32_t moved = c->heap[--c->heap_count];
     if (moved != point) {
         put(c, place, moved);
-        rise(c, place);
-        sink(c, c->places[moved]);
+        sift_up(c, place);
+        sift_down(c, c->places[moved]);
     }
 }
 
@@ -111,8 +111,8 @@ static void set_pair(stp_contraction* c, uint32_t point, stp_contraction_pair pa
         remove_point(c, point);
         return;
     }
-    rise(c, c->places[point]);
-    sink(c, c->places[point]);
+    sift_up(c, c->places[point]);
+    sift_down(c, c->places[point]);
 }
 
 static stp_contraction_pair best_of(const stp_contraction* c, uint32_t point, const uint32_t* near,
@@ -215,7 +215,7 @@ static void begin_positions(stp_contraction* c)
     stp_box box = stp_decimate_box(&places);
     stp_vec3d low = stp_to_double(box.min), size = stp_subd(stp_to_double(box.max), low);
     c->middle = stp_addd(low, stp_scaled(size, 0.5));
-    c->least = ROUNDING * stp_dotd(size, size);
+    c->minimum = ROUNDING * stp_dotd(size, size);
     for (uint32_t i = 0; i < places.count; ++i) {
         stp_vec3d p = stp_to_double(stp_decimate_vector(places.positions, i));
         c->positions[i] = stp_subd(p, c->middle);
@@ -252,7 +252,7 @@ stp_result stp_contraction_make(stp_contraction* c, const uint32_t* neighbours, 
         }
     }
     for (uint32_t i = c->heap_count / 2; i > 0; --i) {
-        sink(c, i - 1);
+        sift_down(c, i - 1);
     }
     return STP_OK;
 }

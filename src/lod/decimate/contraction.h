@@ -21,7 +21,7 @@ typedef struct stp_contraction {
     const stp_ellipse* disks; ///< initially the points' normals
     stp_point_links links;
     stp_vec3d middle; ///< origin of positions
-    double least;     ///< error of a plane, below which it is rounding noise
+    double minimum;   ///< error of a plane, below which it is rounding noise
     stp_vec3d* positions;
     stp_quadric* quadrics;
     stp_contraction_pair* pairs; ///< of points

@@ -150,7 +150,7 @@ static bool is_larger(const stp_octree_cell* a, const stp_octree_cell* b)
     return a->size > b->size || (a->size == b->size && a->begin < b->begin);
 }
 
-static void sink(stp_octree_cell* heap, uint32_t count, stp_octree_cell cell)
+static void sift_down(stp_octree_cell* heap, uint32_t count, stp_octree_cell cell)
 {
     uint32_t at = 0;
     for (uint32_t child; (child = 2 * at + 1) < count; at = child) {
@@ -174,10 +174,10 @@ static void push(stp_octree_cell* heap, uint32_t* count, stp_octree_cell cell)
 
 stp_result stp_octree_cells_open(stp_octree_cells* t, uint32_t target)
 {
-    uint32_t count = t->input->count, most = target < count ? target : count, waiting = 0;
+    uint32_t count = t->input->count, maximum = target < count ? target : count, waiting = 0;
     // cells that may be opened form a heap at the front; final ones are stored separately
-    stp_octree_cell* heap = STP_NEW_ARRAY(t->context, stp_octree_cell, (size_t)most + 1);
-    t->cells = STP_NEW_ARRAY(t->context, stp_octree_cell, (size_t)most + 1);
+    stp_octree_cell* heap = STP_NEW_ARRAY(t->context, stp_octree_cell, (size_t)maximum + 1);
+    t->cells = STP_NEW_ARRAY(t->context, stp_octree_cell, (size_t)maximum + 1);
     bool made = heap != NULL && t->cells != NULL;
     if (made && count > 0) {
         push(heap, &waiting, make_cell(t, 0, count, 0));
@@ -185,9 +185,9 @@ stp_result stp_octree_cells_open(stp_octree_cells* t, uint32_t target)
     while (made && waiting > 0) {
         stp_octree_cell cell = heap[0], children[CHILDREN];
         waiting -= 1;
-        sink(heap, waiting, heap[waiting]);
+        sift_down(heap, waiting, heap[waiting]);
         uint32_t found = find_children(t, &cell, children);
-        if (found == 1 || waiting + t->count + found > most) {
+        if (found == 1 || waiting + t->count + found > maximum) {
             t->cells[t->count++] = cell;
             continue;
         }
@@ -215,8 +215,8 @@ stp_result stp_octree_cells_take_level(stp_octree_cells* t, uint32_t target)
     for (uint32_t level = 1; level <= STP_OCTREE_LEVELS; ++level) {
         counts[level] += counts[level - 1];
         uint32_t away = counts[level] > target ? counts[level] - target : target - counts[level];
-        uint32_t least = counts[best] > target ? counts[best] - target : target - counts[best];
-        best = away < least ? level : best;
+        uint32_t minimum = counts[best] > target ? counts[best] - target : target - counts[best];
+        best = away < minimum ? level : best;
     }
     t->cells = STP_NEW_ARRAY(t->context, stp_octree_cell, (size_t)counts[best] + 1);
     if (t->cells == NULL) {

@@ -11,7 +11,7 @@ enum { GRAIN = 32 };
 typedef struct ellipse_maker {
     const stp_octree_cells* tree;
     stp_decimate_output* output;
-    float least; ///< length of an axis
+    float minimum; ///< length of an axis
 } ellipse_maker;
 
 /// Sums over the disks of a cell, weighted by area.
@@ -69,7 +69,7 @@ static stp_ellipse cover_cell(const ellipse_maker* m, const stp_octree_cell* cel
     fit.xx = xx;
     fit.xy = xy;
     fit.yy = yy;
-    stp_ellipse_fit_orient(&fit, m->least);
+    stp_ellipse_fit_orient(&fit, m->minimum);
     for (uint32_t i = cell->begin; i < cell->end; ++i) {
         stp_vec3 samples[STP_ELLIPSE_SAMPLES];
         stp_ellipse disk = t->disks[t->order[i]];
@@ -119,7 +119,8 @@ static stp_result decimate(stp_context* context, const stp_decimate_input* input
         stp_box box = stp_decimate_box(input);
         ellipse_maker m = {.tree = &tree,
                            .output = output,
-                           .least = fmaxf(1e-9f * stp_length(stp_sub(box.max, box.min)), FLT_MIN)};
+                           .minimum =
+                               fmaxf(1e-9f * stp_length(stp_sub(box.max, box.min)), FLT_MIN)};
         stp_parallel_for(context, tree.count, GRAIN, make_some, &m);
     }
     stp_octree_cells_destroy(&tree);

@@ -4,13 +4,13 @@
 #include "base/color.h"
 #include "lod/psp/initial.h"
 
-enum { POINTS_MOST = 1 << 30 };
+enum { POINTS_MAX = 1 << 30 };
 
 stp_result stp_decimate_check(stp_context* context, const stp_decimate_input* input)
 {
-    if (input->count > POINTS_MOST) {
+    if (input->count > POINTS_MAX) {
         return stp_fail(context, STP_ERROR_LIMIT, "decimation: %u points, at most %d", input->count,
-                        POINTS_MOST);
+                        POINTS_MAX);
     }
     return STP_OK;
 }

@@ -42,7 +42,7 @@ double stp_quadric_planes(const stp_quadric* q)
     return q->a[0] + q->a[3] + q->a[5];
 }
 
-stp_vec3d stp_quadric_least(const stp_quadric* q, stp_vec3d start, double reach)
+stp_vec3d stp_quadric_minimum(const stp_quadric* q, stp_vec3d start, double reach)
 {
     double planes = stp_quadric_planes(q), extra = FLAT / 3.0 * planes;
     if (!(planes > 0.0)) {

@@ -22,4 +22,4 @@ double stp_quadric_planes(const stp_quadric* quadric);
 /// Point of minimum value. Stays near `start` along directions in which the value hardly changes
 /// (less than a thousandth of the mean); returns `start` if the minimum is farther away than
 /// `reach`.
-stp_vec3d stp_quadric_least(const stp_quadric* quadric, stp_vec3d start, double reach);
+stp_vec3d stp_quadric_minimum(const stp_quadric* quadric, stp_vec3d start, double reach);

@@ -9,7 +9,7 @@ enum {
 };
 #define START 1e-3       ///< first tolerance, of the diagonal
 #define LEAST 1e-7       ///< least tolerance, of the diagonal: about the rounding of positions
-#define STEP_MOST 8.0    ///< maximum change of the tolerance per step
+#define STEP_MAX 8.0     ///< maximum change of the tolerance per step
 #define GREEDY_MORE 1.12 ///< sets of a greedy cover that is worth relaxing, of the target
 #define GREEDY_NEAR 0.04 ///< accepted deviation from that
 #define FINE_RATIO 1.02  ///< final ratio of the two tolerances
@@ -33,7 +33,7 @@ typedef struct search {
 static stp_result search_coarse(search* s, stp_subsample_attempt* attempt)
 {
     double wanted = GREEDY_MORE * (double)s->target, low = 0.0, high = 0.0;
-    double least = LEAST * s->field.diagonal, most = s->field.diagonal;
+    double minimum = LEAST * s->field.diagonal, maximum = s->field.diagonal;
     double tolerance = START * s->field.diagonal;
     for (int step = 0;; ++step) {
         stp_result result =
@@ -44,18 +44,18 @@ static stp_result search_coarse(search* s, stp_subsample_attempt* attempt)
         double count = (double)attempt->cover.count;
         bool near = fabs(count - wanted) <= GREEDY_NEAR * wanted;
         bool above = count > wanted;
-        if (result != STP_OK || near || step == COARSE_STEPS || (above && tolerance >= most) ||
-            (!above && tolerance <= least)) {
+        if (result != STP_OK || near || step == COARSE_STEPS || (above && tolerance >= maximum) ||
+            (!above && tolerance <= minimum)) {
             return result;
         }
         low = above ? tolerance : low;
         high = above ? high : tolerance;
-        double next = tolerance * stp_clampd(count / wanted, 1.0 / STEP_MOST, STEP_MOST);
+        double next = tolerance * stp_clampd(count / wanted, 1.0 / STEP_MAX, STEP_MAX);
         if (low > 0.0 && high > 0.0) { // stay inside, and approach from both ends
             double inside = 0.1 * (high - low);
             next = step % 3 == 2 ? sqrt(low * high) : stp_clampd(next, low + inside, high - inside);
         }
-        tolerance = stp_clampd(next, least, most);
+        tolerance = stp_clampd(next, minimum, maximum);
         stp_subsample_attempt_destroy(s->context, attempt);
     }
 }
@@ -81,7 +81,7 @@ static void keep(search* s, stp_subsample_attempt* attempt)
 /// Relaxes covers until the minimum tolerance is known accurately, or the maximum does not help.
 static stp_result search_fine(search* s, stp_subsample_attempt* attempt)
 {
-    double least = LEAST * s->field.diagonal, most = s->field.diagonal;
+    double minimum = LEAST * s->field.diagonal, maximum = s->field.diagonal;
     for (int step = 0;; ++step) {
         stp_result result = stp_subsample_attempt_relax(s->context, s->target, attempt);
         if (result == STP_OK) {
@@ -96,18 +96,18 @@ static stp_result search_fine(search* s, stp_subsample_attempt* attempt)
         if (s->low > 0.0 && s->high > 0.0) {
             next = sqrt(s->low * s->high);
         } else if (s->low > 0.0) {
-            next = tolerance * stp_clampd(1.02 * count / (double)s->target, 1.0, STEP_MOST);
-            next = step >= FINE_STEPS ? STEP_MOST * tolerance : next;
+            next = tolerance * stp_clampd(1.02 * count / (double)s->target, 1.0, STEP_MAX);
+            next = step >= FINE_STEPS ? STEP_MAX * tolerance : next;
         } else {
-            next = tolerance * stp_clampd(count / (double)s->target, 1.0 / STEP_MOST, 0.94);
+            next = tolerance * stp_clampd(count / (double)s->target, 1.0 / STEP_MAX, 0.94);
         }
         bool known = s->low > 0.0 && s->high > 0.0 && s->high < FINE_RATIO * s->low;
-        bool ended = s->high > 0.0 ? step >= FINE_STEPS || s->high <= least
-                                   : step >= FINE_STEPS + PATIENCE || s->low >= most;
+        bool ended = s->high > 0.0 ? step >= FINE_STEPS || s->high <= minimum
+                                   : step >= FINE_STEPS + PATIENCE || s->low >= maximum;
         if (known || ended) {
             return STP_OK;
         }
-        next = stp_clampd(next, least, most);
+        next = stp_clampd(next, minimum, maximum);
         result = stp_subsample_attempt_make(s->context, &s->field, next, s->target, attempt);
         if (result != STP_OK) {
             return result;
@@ -201,10 +201,10 @@ stp_result stp_decimate_by_subsample(stp_context* context, const stp_decimate_in
         return stp_fail(context, STP_ERROR_ARGUMENT,
                         "splat sub-sampling: at least one splat must be wanted");
     }
-    if (input->count >= STP_SUBSAMPLE_POINTS_MOST) {
+    if (input->count >= STP_SUBSAMPLE_POINTS_MAX) {
         return stp_fail(context, STP_ERROR_LIMIT,
                         "splat sub-sampling: %u points (fewer than %d are allowed)", input->count,
-                        STP_SUBSAMPLE_POINTS_MOST);
+                        STP_SUBSAMPLE_POINTS_MAX);
     }
     stp_result result = stp_subsample_unique_make(context, input, &points);
     if (result == STP_OK) {

@@ -2,21 +2,21 @@
 #include "lod/decimate/subsample_attempt.h"
 
 enum {
-    CANDIDATES = 24,  ///< per wanted splat
-    CROWD = 8,        ///< points of a candidate, of the mean number per wanted splat
-    CROWD_LEAST = 16, ///< plus this constant
-    PASSES_MOST = 24, ///< of the relaxation
+    CANDIDATES = 24, ///< per wanted splat
+    CROWD = 8,       ///< points of a candidate, of the mean number per wanted splat
+    CROWD_MIN = 16,  ///< plus this constant
+    PASSES_MAX = 24, ///< of the relaxation
 };
 
 stp_result stp_subsample_attempt_make(stp_context* context, const stp_subsample_field* field,
                                       double tolerance, uint32_t target, stp_subsample_attempt* a)
 {
     uint64_t seeds = (uint64_t)CANDIDATES * target;
-    uint64_t most = (uint64_t)CROWD * field->count / target + CROWD_LEAST;
+    uint64_t maximum = (uint64_t)CROWD * field->count / target + CROWD_MIN;
     *a = (stp_subsample_attempt){.made = true, .tolerance = tolerance};
     stp_result result = stp_subsample_grow(
         context, field, tolerance, seeds < field->count ? (uint32_t)seeds : field->count,
-        most < field->count ? (uint32_t)most : field->count, &a->candidates);
+        maximum < field->count ? (uint32_t)maximum : field->count, &a->candidates);
     if (result != STP_OK) {
         return result;
     }
@@ -41,7 +41,7 @@ stp_result stp_subsample_attempt_make(stp_context* context, const stp_subsample_
 stp_result stp_subsample_attempt_relax(stp_context* context, uint32_t enough,
                                        stp_subsample_attempt* a)
 {
-    return stp_cover_relax(context, &a->problem, enough, PASSES_MOST, &a->cover);
+    return stp_cover_relax(context, &a->problem, enough, PASSES_MAX, &a->cover);
 }
 
 void stp_subsample_attempt_destroy(stp_context* context, stp_subsample_attempt* a)

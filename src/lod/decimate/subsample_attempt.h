@@ -5,7 +5,7 @@
 
 #include "lod/decimate/subsample_fit.h"
 
-enum { STP_SUBSAMPLE_POINTS_MOST = 1 << 27 };
+enum { STP_SUBSAMPLE_POINTS_MAX = 1 << 27 };
 
 typedef struct stp_subsample_attempt {
     bool made;

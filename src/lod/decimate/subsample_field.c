@@ -10,8 +10,8 @@
 enum {
     NEIGHBOURS = 8, ///< k of the paper
     WEIGHT_ONE = 256,
-    WEIGHT_MOST = 1 << 16,
-    ROUNDS_MOST = 32, ///< rounds of connecting parts: each halves their number
+    WEIGHT_MAX = 1 << 16,
+    ROUNDS_MAX = 32, ///< rounds of connecting parts: each halves their number
 };
 #define MARGIN 0.5f ///< of the distance to the farthest neighbour
 
@@ -82,9 +82,7 @@ static void weigh(stp_subsample_field* field)
     }
     for (uint32_t i = 0; i < field->count; ++i) {
         double r = (double)field->own[i].minor, share = WEIGHT_ONE * (r * r / mean);
-        field->weights[i] = !(share > 1.0)        ? 1
-                            : share < WEIGHT_MOST ? (uint32_t)share
-                                                  : WEIGHT_MOST;
+        field->weights[i] = !(share > 1.0) ? 1 : share < WEIGHT_MAX ? (uint32_t)share : WEIGHT_MAX;
         field->margins[i] = MARGIN * field->own[i].minor;
     }
 }
@@ -255,7 +253,7 @@ stp_result stp_subsample_field_connect(stp_context* context, stp_subsample_field
     uint32_t* parts = STP_NEW_ARRAY(context, uint32_t, 3 * (size_t)field->count + 1);
     stp_result result = parts != NULL ? STP_OK : stp_fail_memory(context);
     uint32_t before = field->starts[field->count];
-    for (int round = 0; result == STP_OK && round < ROUNDS_MOST; ++round) {
+    for (int round = 0; result == STP_OK && round < ROUNDS_MAX; ++round) {
         uint32_t *first = parts + field->count, *stack = first + field->count;
         uint32_t count = number_parts(field, parts, first, stack);
         if (count < 2) {

@@ -5,7 +5,7 @@ enum {
     ROUNDS = 4,        ///< rounds of assigning points and moving splats
     CENTER_STEPS = 48, ///< towards the centre of the smallest circle around points
 };
-#define RATIO_MOST 4.0f
+#define RATIO_MAX 4.0f
 
 /// A splat while it is fitted. Its plane stays that of the candidate, so no distance grows beyond
 /// the tolerance.
@@ -33,21 +33,21 @@ static double measure(const fit* f, const shape* s, uint32_t point)
 }
 
 /// Assigns each point to the splat with the nearest centre, relative to the splat's size.
-static void give_points(size_t begin, size_t end, uint32_t worker, void* user)
+static void assign_points(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const fit* f = user;
     const stp_cover_problem* p = f->choice->problem;
     (void)worker;
     for (size_t point = begin; point < end; ++point) {
-        double least = 0.0;
+        double minimum = 0.0;
         uint32_t owner = UINT32_MAX;
         for (size_t i = p->set_starts[point]; i < p->set_starts[point + 1]; ++i) {
             uint32_t place = f->choice->cover->places[p->sets[i]];
             if (place != UINT32_MAX) {
                 const shape* s = &f->shapes[place];
                 double share = measure(f, s, (uint32_t)point) / (s->reach * s->reach);
-                if (owner == UINT32_MAX || share < least || (share == least && place < owner)) {
-                    least = share;
+                if (owner == UINT32_MAX || share < minimum || (share == minimum && place < owner)) {
+                    minimum = share;
                     owner = place;
                 }
             }
@@ -82,15 +82,15 @@ static void center_shape(const fit* f, shape* s, const uint32_t* points, uint32_
     double low = 0.0, high = 0.0;
     for (int step = 1; step <= CENTER_STEPS; ++step) {
         uint32_t far = 0;
-        double most = -1.0;
+        double maximum = -1.0;
         for (uint32_t i = 0; i < count; ++i) {
             double square = measure(f, s, points[i]);
-            far = square > most ? i : far;
-            most = square > most ? square : most;
+            far = square > maximum ? i : far;
+            maximum = square > maximum ? square : maximum;
         }
-        if (step == 1 || most < best.reach * best.reach) {
+        if (step == 1 || maximum < best.reach * best.reach) {
             best = *s;
-            best.reach = sqrt(most);
+            best.reach = sqrt(maximum);
         }
         stp_vec3d d =
             stp_subd(stp_to_double(stp_subsample_position(field, points[far])), s->center);
@@ -136,7 +136,7 @@ static void turn_shape(const fit* f, shape* s, const uint32_t* points, uint32_t 
     double half = 0.5 * (xx - yy), root = sqrt(half * half + xy * xy), mean = 0.5 * (xx + yy);
     double along = half >= 0.0 ? half + root : xy, beside = half >= 0.0 ? xy : root - half;
     double length = sqrt(along * along + beside * beside);
-    const double most = (double)(RATIO_MOST * RATIO_MOST);
+    const double maximum = (double)(RATIO_MAX * RATIO_MAX);
     if (!(mean > 0.0) || !(length > 0.0)) {
         s->ratio = 1.0;
         return;
@@ -145,8 +145,8 @@ static void turn_shape(const fit* f, shape* s, const uint32_t* points, uint32_t 
     s->center = stp_addd(s->center, stp_addd(stp_scaled(s->x, x / n), stp_scaled(s->y, y / n)));
     s->x = major;
     s->y = stp_crossd(s->normal, major);
-    s->ratio = mean + root > most * (mean - root) ? (double)RATIO_MOST
-                                                  : sqrt((mean + root) / (mean - root));
+    s->ratio = mean + root > maximum * (mean - root) ? (double)RATIO_MAX
+                                                     : sqrt((mean + root) / (mean - root));
 }
 
 static void move_shapes(size_t begin, size_t end, uint32_t worker, void* user)
@@ -227,7 +227,7 @@ stp_result stp_subsample_fit(stp_context* context, const stp_subsample_choice* c
         begin_shapes(&f);
     }
     for (int round = 0; made && round < ROUNDS; ++round) {
-        stp_parallel_for(context, points, 1024, give_points, &f);
+        stp_parallel_for(context, points, 1024, assign_points, &f);
         list_owned(&f);
         stp_parallel_for(context, splats, 16, move_shapes, &f);
     }

@@ -19,7 +19,7 @@ typedef struct growth {
     stp_context* context;
     const stp_subsample_field* field;
     double tolerance;
-    uint32_t most;
+    uint32_t maximum;
     const uint32_t* seeds;
     uint32_t seed_count;
     stp_subsample_candidate* shapes; ///< of the seeds
@@ -52,7 +52,7 @@ static void grow_blocks(size_t begin, size_t end, uint32_t worker, void* user)
             const uint32_t* members;
             uint32_t count =
                 stp_subsample_find_region(g->field, &g->scratch[worker], g->seeds[i], g->tolerance,
-                                          g->most, &g->shapes[i], &members);
+                                          g->maximum, &g->shapes[i], &members);
             g->counts[i] = count;
             if (count == 0 || !append(g->context, b, members, count)) {
                 b->failed = true;
@@ -169,15 +169,18 @@ static void free_scratch(growth* g, const stp_team* team)
 }
 
 stp_result stp_subsample_grow(stp_context* context, const stp_subsample_field* field,
-                              double tolerance, uint32_t wanted, uint32_t most,
+                              double tolerance, uint32_t wanted, uint32_t maximum,
                               stp_subsample_candidates* candidates)
 {
     uint32_t count = field->count, seed_count = wanted < count ? wanted : count;
     stp_team team = stp_team_create_useful(context);
     uint32_t* seeds = STP_NEW_ARRAY(context, uint32_t, (size_t)count + 1);
     uint8_t* covered = STP_NEW_ZEROED(context, uint8_t, (size_t)count + 1);
-    growth g = {
-        .context = context, .field = field, .tolerance = tolerance, .most = most, .seeds = seeds};
+    growth g = {.context = context,
+                .field = field,
+                .tolerance = tolerance,
+                .maximum = maximum,
+                .seeds = seeds};
     *candidates = (stp_subsample_candidates){.starts = STP_NEW_ZEROED(context, size_t, 1)};
     stp_result result = STP_OK;
     if (seeds == NULL || covered == NULL || candidates->starts == NULL) {

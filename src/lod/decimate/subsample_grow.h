@@ -26,11 +26,11 @@ typedef struct stp_subsample_candidates {
 /// points. Uses all threads; results do not depend on their number.
 /// @param tolerance half the thickness of the slab that contains the points of a splat; 0 or more
 /// @param wanted number of initial seeds
-/// @param most      caps the points of a candidate; 1 or more
+/// @param maximum      caps the points of a candidate; 1 or more
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_subsample_candidates_destroy,
 ///         also after a failure
 STP_MUST_USE stp_result stp_subsample_grow(stp_context* context, const stp_subsample_field* field,
-                                           double tolerance, uint32_t wanted, uint32_t most,
+                                           double tolerance, uint32_t wanted, uint32_t maximum,
                                            stp_subsample_candidates* candidates);
 void stp_subsample_candidates_destroy(stp_context* context, stp_subsample_candidates* candidates);
 

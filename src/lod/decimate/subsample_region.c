@@ -8,9 +8,9 @@
 enum {
     UNKNOWNS = 6, ///< of a quadric over a plane
     ROUNDS = 3,   ///< of fitting and growing
-    FIT_LEAST = 8 ///< points that a quadric is fitted to
+    FIT_MIN = 8   ///< points that a quadric is fitted to
 };
-#define RATIO_MOST 4.0f ///< of the axes of a candidate
+#define RATIO_MAX 4.0f ///< of the axes of a candidate
 
 /// A frame of unit vectors at a point, and the weight of distances across x.
 typedef struct frame {
@@ -89,7 +89,7 @@ static uint64_t make_item(const stp_subsample_field* field, const frame* f, uint
 
 /// Takes points by distance as long as they fit in the slab.
 static bool grow(const stp_subsample_field* field, stp_subsample_scratch* s, uint32_t seed,
-                 const frame* f, double width, uint32_t most, int list, region* r)
+                 const frame* f, double width, uint32_t maximum, int list, region* r)
 {
     stp_vec3 facing = stp_to_float(f->normal);
     *r = (region){0};
@@ -98,7 +98,7 @@ static bool grow(const stp_subsample_field* field, stp_subsample_scratch* s, uin
     if (!push(s, 0)) {
         return false;
     }
-    while (s->heap_count > 0 && r->count < most) {
+    while (s->heap_count > 0 && r->count < maximum) {
         uint32_t after = (uint32_t)pop(s), left = field->count - seed;
         uint32_t point = after < left ? seed + after : after - left;
         stp_vec3d d = stp_subd(stp_to_double(stp_subsample_position(field, point)), f->origin);
@@ -167,7 +167,7 @@ static bool fit_quadric(const stp_subsample_field* field, const uint32_t* member
                         const frame* f, double q[UNKNOWNS])
 {
     double m[UNKNOWNS][UNKNOWNS + 1] = {{0}};
-    if (r->count < FIT_LEAST || !(r->reach > 0.0)) {
+    if (r->count < FIT_MIN || !(r->reach > 0.0)) {
         return false;
     }
     for (uint32_t i = 0; i < r->count; ++i) {
@@ -212,8 +212,8 @@ static bool turn_frame(const double q[UNKNOWNS], frame* f)
     if (!(stp_dotd(n, n) > 0.5) || !(stp_dotd(y, y) > 0.5)) {
         return false;
     }
-    const double most = (double)(RATIO_MOST * RATIO_MOST);
-    f->ratio = large > small * most ? (double)RATIO_MOST : sqrt(large / small);
+    const double maximum = (double)(RATIO_MAX * RATIO_MAX);
+    f->ratio = large > small * maximum ? (double)RATIO_MAX : sqrt(large / small);
     f->normal = n;
     f->y = y;
     f->x = stp_crossd(y, n);
@@ -221,13 +221,13 @@ static bool turn_frame(const double q[UNKNOWNS], frame* f)
 }
 
 uint32_t stp_subsample_find_region(const stp_subsample_field* field, stp_subsample_scratch* s,
-                                   uint32_t seed, double tolerance, uint32_t most,
+                                   uint32_t seed, double tolerance, uint32_t maximum,
                                    stp_subsample_candidate* shape, const uint32_t** members)
 {
     region best, other;
     frame f = make_frame(field, seed), turned = f;
     double q[UNKNOWNS];
-    if (!grow(field, s, seed, &f, 2.0 * tolerance, most, 0, &best)) {
+    if (!grow(field, s, seed, &f, 2.0 * tolerance, maximum, 0, &best)) {
         return 0;
     }
     for (int round = 0; round < ROUNDS; ++round) {
@@ -236,7 +236,7 @@ uint32_t stp_subsample_find_region(const stp_subsample_field* field, stp_subsamp
             !stp_subsample_same_side(field, seed, stp_to_float(turned.normal))) {
             break;
         }
-        if (!grow(field, s, seed, &turned, 2.0 * tolerance, most, 1, &other)) {
+        if (!grow(field, s, seed, &turned, 2.0 * tolerance, maximum, 1, &other)) {
             return 0;
         }
         if (other.area <= best.area) {

@@ -22,5 +22,5 @@ typedef struct stp_subsample_scratch {
 /// @param members receives the covered points, in scratch memory valid until the next call
 /// @return the number of points, the seed first; 0: out of memory (not logged)
 uint32_t stp_subsample_find_region(const stp_subsample_field* field, stp_subsample_scratch* scratch,
-                                   uint32_t seed, double tolerance, uint32_t most,
+                                   uint32_t seed, double tolerance, uint32_t maximum,
                                    stp_subsample_candidate* shape, const uint32_t** members);

@@ -6,9 +6,9 @@
 #include <string.h>
 
 enum {
-    GROUP_LEAST = 3, ///< sets removed together
-    GROUP_MOST = 10,
-    BATCH_MOST = 64,  ///< proposals made against the same cover
+    GROUP_MIN = 3, ///< sets removed together
+    GROUP_MAX = 10,
+    BATCH_MAX = 64,   ///< proposals made against the same cover
     BATCH_SHARE = 48, ///< a batch has at most one proposal per this many sets
     IDLE_PASSES = 3,  ///< passes without a gain before the end
     NOISE = 256,      ///< maximum change of a weight, of 1024
@@ -17,7 +17,7 @@ enum {
 /// Sets that may leave the cover, and their replacements.
 typedef struct proposal {
     uint32_t removed_count, added_count;
-    uint32_t removed[GROUP_MOST], added[GROUP_MOST];
+    uint32_t removed[GROUP_MAX], added[GROUP_MAX];
 } proposal;
 
 /// Memory of one worker. `gains` and `missing` are zero between proposals.
@@ -40,9 +40,9 @@ typedef struct relaxation {
 
 /// Lists a set and chosen ones that share points with it, in point order from a random start.
 static uint32_t pick_group(const stp_cover_problem* p, const stp_cover* cover, uint32_t set,
-                           uint64_t seed, uint32_t group[GROUP_MOST])
+                           uint64_t seed, uint32_t group[GROUP_MAX])
 {
-    uint32_t wanted = GROUP_LEAST + stp_rng_below(seed, 0, GROUP_MOST - GROUP_LEAST + 1);
+    uint32_t wanted = GROUP_MIN + stp_rng_below(seed, 0, GROUP_MAX - GROUP_MIN + 1);
     size_t begin = p->starts[set], size = p->starts[set + 1] - begin;
     size_t from = stp_rng_below(seed, 1, (uint32_t)size);
     uint32_t count = 0;
@@ -101,12 +101,12 @@ static uint32_t touch_sets(const stp_cover_problem* p, relax_scratch* s, uint32_
 static uint32_t find_best(const relax_scratch* s, uint32_t touched_count, uint64_t seed)
 {
     uint32_t best = UINT32_MAX;
-    uint64_t most = 0;
+    uint64_t maximum = 0;
     for (uint32_t i = 0; i < touched_count; ++i) {
         uint32_t set = s->touched[i];
         uint64_t gain = s->gains[set] * (1024 + stp_rng_below(seed, set, NOISE));
-        if (gain > most || (gain == most && gain > 0 && set < best)) {
-            most = gain;
+        if (gain > maximum || (gain == maximum && gain > 0 && set < best)) {
+            maximum = gain;
             best = set;
         }
     }
@@ -260,7 +260,7 @@ static uint32_t run_pass(const stp_team* team, relaxation* r, stp_cover* cover, 
                          uint32_t* seeds, uint64_t seed)
 {
     uint32_t count = cover->count, taken = 0;
-    uint32_t batch = count / BATCH_SHARE < BATCH_MOST ? count / BATCH_SHARE + 1 : BATCH_MOST;
+    uint32_t batch = count / BATCH_SHARE < BATCH_MAX ? count / BATCH_SHARE + 1 : BATCH_MAX;
     memcpy(seeds, cover->chosen, count * sizeof(*seeds));
     shuffle(seeds, count, seed);
     for (uint32_t at = 0; at < count && (r->tighten || cover->count > enough);) {
@@ -291,7 +291,7 @@ static bool make_scratch(stp_context* context, const stp_cover_problem* p, const
                          relaxation* r)
 {
     r->scratch = STP_NEW_ZEROED(context, relax_scratch, team->threads);
-    r->proposals = STP_NEW_ARRAY(context, proposal, BATCH_MOST);
+    r->proposals = STP_NEW_ARRAY(context, proposal, BATCH_MAX);
     bool made = r->scratch != NULL && r->proposals != NULL;
     for (uint32_t w = 0; made && w < team->threads; ++w) {
         relax_scratch* s = &r->scratch[w];

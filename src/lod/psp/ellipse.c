@@ -13,7 +13,7 @@
 /// Minimum determinant relative to the squared variances; below it, points form a line
 #define LINE 1e-6f
 
-enum { SWEEPS_MOST = 32, NEWTON_MOST = 16, ROUNDS = 6 };
+enum { SWEEPS_MAX = 32, NEWTON_MAX = 16, ROUNDS = 6 };
 
 float stp_ellipse_area(const stp_ellipse* ellipse)
 {
@@ -55,7 +55,7 @@ void stp_ellipse_fit_scatter(stp_ellipse_fit* fit, stp_vec3 point)
     scatter(fit, point);
 }
 
-void stp_ellipse_fit_orient(stp_ellipse_fit* f, float least)
+void stp_ellipse_fit_orient(stp_ellipse_fit* f, float minimum)
 {
     // eigenvalues of the scatter, and the direction of the larger one
     double half = 0.5 * (f->xx - f->yy), root = sqrt(half * half + f->xy * f->xy);
@@ -69,7 +69,7 @@ void stp_ellipse_fit_orient(stp_ellipse_fit* f, float least)
     f->ratio = ratio < THIN ? THIN : ratio;
     f->major = stp_add(stp_scale(f->x, c), stp_scale(f->y, s));
     f->minor = stp_cross(f->normal, f->major);
-    f->scale = least / f->ratio;
+    f->scale = minimum / f->ratio;
 }
 
 /// Squared scale at which the ellipse passes through a point.
@@ -94,7 +94,7 @@ stp_ellipse stp_ellipse_fit_end(const stp_ellipse_fit* f)
                          .minor = f->scale * f->ratio};
 }
 
-enum { MOST = STP_ELLIPSE_COVER_MOST };
+enum { MOST = STP_ELLIPSE_COVER_MAX };
 
 enum { LANES = 4, FOURS = MOST / LANES };
 
@@ -127,9 +127,9 @@ static inline float add_up(const four a[FOURS])
 
 static inline float find_least(const four a[FOURS])
 {
-    four least = lesser(lesser(a[0], a[2]), lesser(a[1], a[3]));
-    float x = least[0] < least[2] ? least[0] : least[2];
-    float y = least[1] < least[3] ? least[1] : least[3];
+    four minimum = lesser(lesser(a[0], a[2]), lesser(a[1], a[3]));
+    float x = minimum[0] < minimum[2] ? minimum[0] : minimum[2];
+    float y = minimum[1] < minimum[3] ? minimum[1] : minimum[3];
     return x < y ? x : y;
 }
 
@@ -208,20 +208,20 @@ static void find_smallest(stp_ellipse_fit* f, const stp_vec3* points, size_t cou
 }
 
 stp_ellipse stp_ellipse_cover(stp_vec3 center, stp_vec3 normal, const stp_vec3* points,
-                              size_t count, float least)
+                              size_t count, float minimum)
 {
     stp_ellipse_fit fit = stp_ellipse_fit_begin(center, normal);
     if (count > 0) {
         find_smallest(&fit, points, count);
     }
-    stp_ellipse_fit_orient(&fit, least);
-    float most = 0.0f;
+    stp_ellipse_fit_orient(&fit, minimum);
+    float maximum = 0.0f;
     for (size_t i = 0; i < count; ++i) {
         float square = squared_scale(&fit, points[i]);
-        most = square > most ? square : most;
+        maximum = square > maximum ? square : maximum;
     }
-    most = sqrtf(most);
-    fit.scale = most > fit.scale ? most : fit.scale;
+    maximum = sqrtf(maximum);
+    fit.scale = maximum > fit.scale ? maximum : fit.scale;
     return stp_ellipse_fit_end(&fit);
 }
 
@@ -250,11 +250,11 @@ static void turn(double a[3][3], double v[3][3], int p, int q)
     }
 }
 
-stp_vec3d stp_least_direction(const double m[6], double eigenvalues[3])
+stp_vec3d stp_scatter_eigenvector(const double m[6], double eigenvalues[3])
 {
     double a[3][3] = {{m[0], m[1], m[2]}, {m[1], m[3], m[4]}, {m[2], m[4], m[5]}};
     double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    for (int sweep = 0; sweep < SWEEPS_MOST; ++sweep) {
+    for (int sweep = 0; sweep < SWEEPS_MAX; ++sweep) {
         double off = fabs(a[0][1]) + fabs(a[0][2]) + fabs(a[1][2]);
         if (!(off > 1e-18 * (fabs(a[0][0]) + fabs(a[1][1]) + fabs(a[2][2])))) {
             break;
@@ -263,20 +263,21 @@ stp_vec3d stp_least_direction(const double m[6], double eigenvalues[3])
         turn(a, v, 0, 2);
         turn(a, v, 1, 2);
     }
-    int least = a[1][1] < a[0][0] ? 1 : 0;
-    least = a[2][2] < a[least][least] ? 2 : least;
-    double low = a[(least + 1) % 3][(least + 1) % 3], high = a[(least + 2) % 3][(least + 2) % 3];
-    eigenvalues[0] = a[least][least];
+    int minimum = a[1][1] < a[0][0] ? 1 : 0;
+    minimum = a[2][2] < a[minimum][minimum] ? 2 : minimum;
+    double low = a[(minimum + 1) % 3][(minimum + 1) % 3],
+           high = a[(minimum + 2) % 3][(minimum + 2) % 3];
+    eigenvalues[0] = a[minimum][minimum];
     eigenvalues[1] = low < high ? low : high;
     eigenvalues[2] = low < high ? high : low;
-    return (stp_vec3d){v[0][least], v[1][least], v[2][least]};
+    return (stp_vec3d){v[0][minimum], v[1][minimum], v[2][minimum]};
 }
 
 /// Smallest root of the characteristic polynomial of a positive semidefinite matrix, by Newton's
 /// method from 0. Left of all roots the polynomial is concave, so the steps never overshoot.
 /// @return false if convergence is slow or precision is lost: two eigenvalues are almost equal, or
 ///         two are almost 0
-static bool find_least_root(const double m[6], double* root)
+static bool find_smallest_root(const double m[6], double* root)
 {
     double sum = m[0] + m[3] + m[5];
     double squares =
@@ -287,7 +288,7 @@ static bool find_least_root(const double m[6], double* root)
     if (!(squares > CERTAIN * sum * sum)) {
         return false;
     }
-    for (int step = 0; step < NEWTON_MOST; ++step) {
+    for (int step = 0; step < NEWTON_MAX; ++step) {
         double value = ((x - sum) * x + squares) * x - det;
         double slope = (3.0 * x - 2.0 * sum) * x + squares;
         double next = x - value / slope;
@@ -300,22 +301,23 @@ static bool find_least_root(const double m[6], double* root)
     return false;
 }
 
-double stp_least_eigenvalue(const double m[6])
+double stp_scatter_eigenvalue(const double m[6])
 {
     double eigenvalues[3];
-    if (!find_least_root(m, &eigenvalues[0])) {
-        (void)stp_least_direction(m, eigenvalues);
+    if (!find_smallest_root(m, &eigenvalues[0])) {
+        (void)stp_scatter_eigenvector(m, eigenvalues);
     }
     return eigenvalues[0];
 }
 
 stp_vec3d stp_scatter_normal(const double m[6])
 {
-    double least, eigenvalues[3];
-    if (find_least_root(m, &least)) {
+    double minimum, eigenvalues[3];
+    if (find_smallest_root(m, &minimum)) {
         // normal of two rows of (matrix - eigenvalue)
-        const stp_vec3d rows[3] = {
-            {m[0] - least, m[1], m[2]}, {m[1], m[3] - least, m[4]}, {m[2], m[4], m[5] - least}};
+        const stp_vec3d rows[3] = {{m[0] - minimum, m[1], m[2]},
+                                   {m[1], m[3] - minimum, m[4]},
+                                   {m[2], m[4], m[5] - minimum}};
         stp_vec3d best = {0};
         for (int i = 0; i < 3; ++i) {
             stp_vec3d across = stp_crossd(rows[i], rows[(i + 1) % 3]);
@@ -326,5 +328,5 @@ stp_vec3d stp_scatter_normal(const double m[6])
             return stp_normalized(best);
         }
     }
-    return stp_least_direction(m, eigenvalues);
+    return stp_scatter_eigenvector(m, eigenvalues);
 }

@@ -8,7 +8,7 @@
 #include "lod/psp/scale.h"
 
 enum {
-    POINTS_MOST = 1 << 30,
+    POINTS_MAX = 1 << 30,
     STRIPE = 1 << 20,   ///< pages are released after this many points
     POINT_BYTES = 85,   ///< peak memory per point in bytes; measured
     DISTANCE_BYTES = 70 ///< additional bytes per point for STP_PSP_DISTANCES
@@ -37,16 +37,16 @@ static stp_box find_box(const stp_psp_rounds* r, const stp_psp_points* points)
 static stp_result merge_points(stp_psp_rounds* r, const stp_psp_points* points)
 {
     stp_context* context = r->shared.context;
-    if (points->count > POINTS_MOST) {
+    if (points->count > POINTS_MAX) {
         return stp_fail(context, STP_ERROR_LIMIT, "progressive splats: %u points, at most %d",
-                        points->count, POINTS_MOST);
+                        points->count, POINTS_MAX);
     }
     stp_box box = find_box(r, points);
     float scale = stp_psp_choose_scale(stp_length(stp_sub(box.max, box.min)));
     float size = scale * stp_length(stp_sub(box.max, box.min));
     stp_vec3 middle = stp_scale(stp_add(stp_scale(box.min, 0.5f), stp_scale(box.max, 0.5f)), scale);
     r->shared.scale = scale;
-    r->shared.least = size > 0.0f && size < HUGE_VALF ? 1e-9f * size : 1e-3f;
+    r->shared.minimum = size > 0.0f && size < HUGE_VALF ? 1e-9f * size : 1e-3f;
     r->shared.middle = middle;
     r->alone = size > 0.0f ? stp_psp_radius_alone(size) : 1.0f;
     const stp_psp_room* room = &r->rooms[STP_PSP_ROOM_TREE];
@@ -74,11 +74,11 @@ stp_result stp_psp_forest_make(stp_context* context, const stp_psp_points* point
     in_memory.spill = NULL;
     stp_psp_rounds_begin(&r, context, points, &in_memory, target);
     r.keep_history = true;
-    size_t most = 2 * (size_t)points->count + 1;
+    size_t maximum = 2 * (size_t)points->count + 1;
     stp_result result = STP_OK;
-    if (points->count <= POINTS_MOST) { // larger counts are rejected below
-        forest->ellipses = STP_NEW_ARRAY(context, stp_ellipse, most);
-        forest->colors = STP_NEW_ARRAY(context, uint8_t, 3 * most);
+    if (points->count <= POINTS_MAX) { // larger counts are rejected below
+        forest->ellipses = STP_NEW_ARRAY(context, stp_ellipse, maximum);
+        forest->colors = STP_NEW_ARRAY(context, uint8_t, 3 * maximum);
         result =
             forest->ellipses != NULL && forest->colors != NULL ? STP_OK : stp_fail_memory(context);
     }

@@ -32,9 +32,9 @@ typedef enum stp_psp_metric {
 
 typedef struct stp_psp_desc {
     stp_psp_metric metric;
-    uint32_t neighbours; ///< per point, 1 to STP_NEIGHBOURS_MOST; the paper's k is 8
+    uint32_t neighbours; ///< per point, 1 to STP_NEIGHBOURS_MAX; the paper's k is 8
     /// Minimum cosine between normals of merged splats. Default 0: a right angle
-    float least_cosine;
+    float min_cosine;
     /// The signs of normals are a guess: splats that face away from each other are merged as if they
     /// faced the same way
     bool two_sided;
@@ -43,7 +43,7 @@ typedef struct stp_psp_desc {
     bool eager;
     /// If no merge is possible while more splats than the target are left, links each splat with
     /// its nearest ones again and continues. So the target is always reached, unless `keep_angle`
-    /// is set. From then on `least_cosine` applies only with `keep_angle`.
+    /// is set. From then on `min_cosine` applies only with `keep_angle`.
     bool connect_components;
     bool keep_angle;
     /// Maximum splats per queue, at least 8; 0: default. Larger inputs are merged in pieces

@@ -73,7 +73,7 @@ static void make_some(size_t begin, size_t end, uint32_t worker, void* user)
     stp_kd_path path = {.leaf = UINT32_MAX};
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
-        uint32_t place = (uint32_t)i, places[STP_NEIGHBOURS_MOST];
+        uint32_t place = (uint32_t)i, places[STP_NEIGHBOURS_MAX];
         uint32_t count = stp_kd_nearest(in->tree, &path, place, in->k, places);
         uint32_t point = stp_kd_index(in->tree, place);
         const float* n =

@@ -6,8 +6,8 @@
 #include <string.h>
 
 enum {
-    SAMPLES_MOST = 31, ///< maximum number of sampled pivot candidates
-    SAMPLED_LEAST = 64,
+    SAMPLES_MAX = 31, ///< maximum number of sampled pivot candidates
+    SAMPLED_MIN = 64,
     SPREAD_SAMPLES = 64,
     SMALL = 12,       ///< ranges up to this size are sorted by insertion
     STRIPE = 1 << 20, ///< pages are released after this many points
@@ -57,9 +57,9 @@ static void sort_small(stp_kd_point* points, size_t count, int axis)
 /// Position of a pivot: the sampled point whose rank is expected to be close to `place`.
 static size_t choose_pivot(const stp_kd_point* points, size_t count, size_t place, int axis)
 {
-    size_t samples = count < SAMPLED_LEAST ? 3 : count < 1024 ? 9 : SAMPLES_MOST;
-    uint64_t keys[SAMPLES_MOST];
-    size_t places[SAMPLES_MOST];
+    size_t samples = count < SAMPLED_MIN ? 3 : count < 1024 ? 9 : SAMPLES_MAX;
+    uint64_t keys[SAMPLES_MAX];
+    size_t places[SAMPLES_MAX];
     for (size_t s = 0; s < samples; ++s) {
         size_t from = (size_t)(stp_rng_hash(count, s) % count);
         uint64_t key = key_of(&points[from], axis);

@@ -179,7 +179,7 @@ stp_box stp_kd_box(const stp_kd_tree* tree)
 typedef struct found {
     uint32_t count, k;
     float limit; ///< squared distance of the farthest, once there are k
-    float squares[STP_NEIGHBOURS_MOST + 1];
+    float squares[STP_NEIGHBOURS_MAX + 1];
     uint32_t* places;
 } found;
 

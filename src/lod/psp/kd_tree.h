@@ -6,7 +6,7 @@
 #include "base/context.h"
 #include "lod/psp/kd_split.h"
 
-enum { STP_KD_LEAF = 8, STP_KD_DEPTH = 40, STP_NEIGHBOURS_MOST = 32 };
+enum { STP_KD_LEAF = 8, STP_KD_DEPTH = 40, STP_NEIGHBOURS_MAX = 32 };
 
 /// Points of a leaf, one array per coordinate. The last leaf is padded with points at infinity.
 typedef struct stp_kd_leaf {
@@ -76,7 +76,7 @@ typedef struct stp_kd_path {
 /// points are found depends on the tree alone.
 /// @param path one per thread, initialised with leaf UINT32_MAX. Searches in order of places are
 ///         faster
-/// @param k 1 to STP_NEIGHBOURS_MOST
+/// @param k 1 to STP_NEIGHBOURS_MAX
 /// @param places receives them, nearest first
 /// @return number found: k, or all other points if there are fewer
 uint32_t stp_kd_nearest(const stp_kd_tree* tree, stp_kd_path* path, uint32_t place, uint32_t k,

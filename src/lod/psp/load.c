@@ -93,15 +93,15 @@ static bool load_points(const stp_psp_rounds* r, stp_psp_piece* p, uint32_t begi
 {
     uint32_t k = neighbours_of(r);
     stp_kd_path path = {.leaf = UINT32_MAX};
-    size_t most = (size_t)p->count * k + 1;
-    if (p->near_room < most) {
+    size_t maximum = (size_t)p->count * k + 1;
+    if (p->near_room < maximum) {
         p->near_room = 0;
         stp_free(r->shared.context, p->near);
-        p->near = STP_NEW_ARRAY(r->shared.context, uint32_t, most);
+        p->near = STP_NEW_ARRAY(r->shared.context, uint32_t, maximum);
         if (p->near == NULL) {
             return false;
         }
-        p->near_room = most;
+        p->near_room = maximum;
     }
     for (uint32_t i = 0; i < p->count; ++i) {
         uint32_t* near = p->near + (size_t)i * k;
@@ -319,7 +319,7 @@ bool stp_psp_unload(stp_psp_piece* p, const stp_psp_room* room, stp_psp_block* b
 
 static float best_of_point(const stp_psp_rounds* r, uint32_t place, void* states[2])
 {
-    uint32_t near[STP_NEIGHBOURS_MOST], others[STP_NEIGHBOURS_MOST], k = neighbours_of(r);
+    uint32_t near[STP_NEIGHBOURS_MAX], others[STP_NEIGHBOURS_MAX], k = neighbours_of(r);
     stp_psp_splat own, other;
     stp_kd_path path = {.leaf = UINT32_MAX};
     float best = HUGE_VALF;
@@ -360,10 +360,10 @@ static int compare_floats(const void* a, const void* b)
     return x < y ? -1 : x > y ? 1 : 0;
 }
 
-uint32_t stp_psp_sample_errors(const stp_psp_rounds* r, float* errors, uint32_t most)
+uint32_t stp_psp_sample_errors(const stp_psp_rounds* r, float* errors, uint32_t maximum)
 {
-    uint32_t samples = most < r->live ? most : r->live, count = 0;
-    double states[2][STP_PSP_STATE_MOST / sizeof(double)];
+    uint32_t samples = maximum < r->live ? maximum : r->live, count = 0;
+    double states[2][STP_PSP_STATE_MAX / sizeof(double)];
     void* places[2] = {states[0], states[1]};
     for (uint32_t s = 0; s < samples; ++s) {
         uint32_t slot = (uint32_t)((uint64_t)s * r->live / samples);

@@ -124,8 +124,8 @@ static bool tidy_links(stp_psp_piece* p)
 /// Gives splat a the links of both, without those between them.
 static bool join_links(stp_psp_piece* p, uint32_t a, uint32_t b)
 {
-    size_t most = (size_t)p->spans[a].count + p->spans[b].count;
-    if (p->link_room - p->link_count < most && !tidy_links(p)) {
+    size_t maximum = (size_t)p->spans[a].count + p->spans[b].count;
+    if (p->link_room - p->link_count < maximum && !tidy_links(p)) {
         return false;
     }
     stp_psp_link* joined = p->links + p->link_count;
@@ -267,7 +267,7 @@ static bool merge(stp_psp_piece* p, uint32_t a, uint32_t b, float limit)
     return true;
 }
 
-bool stp_psp_piece_run(stp_psp_piece* p, float limit, uint32_t least)
+bool stp_psp_piece_run(stp_psp_piece* p, float limit, uint32_t minimum)
 {
     for (uint32_t i = 0; i < p->count; ++i) {
         p->bests[i] = find_best(p, i);
@@ -276,7 +276,7 @@ bool stp_psp_piece_run(stp_psp_piece* p, float limit, uint32_t least)
         }
     }
     stp_psp_queue_order(&p->queue);
-    while (p->live > least && p->queue.count > 0) {
+    while (p->live > minimum && p->queue.count > 0) {
         stp_psp_queue_entry first = p->queue.heap[0];
         stp_psp_best best = p->bests[first.splat];
         if (p->forward[first.splat] != first.splat) {

@@ -64,8 +64,8 @@ bool stp_psp_piece_make_links(stp_psp_piece* piece, size_t count);
 void stp_psp_piece_destroy(stp_psp_piece* piece);
 
 /// Merges pairs within the piece, least error first, until the next error is above `limit` or
-/// `least` splats are left. Links must have their errors. @return false if out of memory
-bool stp_psp_piece_run(stp_psp_piece* piece, float limit, uint32_t least);
+/// `minimum` splats are left. Links must have their errors. @return false if out of memory
+bool stp_psp_piece_run(stp_psp_piece* piece, float limit, uint32_t minimum);
 
 static inline void* stp_psp_state(const stp_psp_piece* piece, uint32_t splat)
 {

@@ -30,7 +30,7 @@ typedef struct turned_splat {
     stp_psp_splat splat;
     union {
         double aligned;
-        unsigned char bytes[STP_PSP_STATE_MOST];
+        unsigned char bytes[STP_PSP_STATE_MAX];
     } state;
 } turned_splat;
 
@@ -73,7 +73,7 @@ float stp_psp_pair_error(const stp_psp_shared* shared, const stp_psp_metric_tabl
     turned_splat turned;
     sort_pair(&a, &a_state, &b, &b_state);
     turn_alike(shared, metric, a, &b, &b_state, &turned);
-    if (!(stp_dot(a->ellipse.normal, b->ellipse.normal) >= shared->desc.least_cosine)) {
+    if (!(stp_dot(a->ellipse.normal, b->ellipse.normal) >= shared->desc.min_cosine)) {
         return HUGE_VALF;
     }
     double error = metric->error(shared, a, a_state, b, b_state);

@@ -25,7 +25,7 @@ typedef struct stp_psp_shared {
     const stp_psp_room* room; ///< storage of per-point arrays; NULL: in memory
     stp_psp_desc desc;
     float scale;     ///< from model units to merge units
-    float least;     ///< minimum length of axes
+    float minimum;   ///< minimum length of axes
     stp_vec3 middle; ///< centre of the points' bounding box
     void* own;       ///< metric's data, from `open`
 } stp_psp_shared;
@@ -33,12 +33,12 @@ typedef struct stp_psp_shared {
 /// Position of a point in merge units.
 stp_vec3 stp_psp_point_at(const stp_psp_shared* shared, uint32_t point);
 
-enum { STP_PSP_STATE_MOST = 512 }; ///< bytes of a state
+enum { STP_PSP_STATE_MAX = 512 }; ///< bytes of a state
 
 /// An error metric. Splats may have a metric-specific state. Functions are called from several
 /// threads concurrently, for different splats.
 typedef struct stp_psp_metric_table {
-    /// Of a splat's state, a multiple of 8, at most STP_PSP_STATE_MOST; may be 0
+    /// Of a splat's state, a multiple of 8, at most STP_PSP_STATE_MAX; may be 0
     size_t state_bytes;
     int power;      ///< errors, including the distance weight, have unit length^power
     bool by_length; ///< errors are weighted by the distance between the centres (formulas 1 and 2)
@@ -67,7 +67,7 @@ extern const stp_psp_metric_table stp_psp_metric_normals, stp_psp_metric_distanc
 const stp_psp_metric_table* stp_psp_metric_find(stp_psp_metric metric);
 
 /// Error of a merge as the queue orders it: weighted, a float of at most FLT_MAX. Infinite if the
-/// merge is not allowed (stp_psp_desc.least_cosine). Symmetric in `a` and `b`.
+/// merge is not allowed (stp_psp_desc.min_cosine). Symmetric in `a` and `b`.
 float stp_psp_pair_error(const stp_psp_shared* shared, const stp_psp_metric_table* metric,
                          const stp_psp_splat* a, const void* a_state, const stp_psp_splat* b,
                          const void* b_state);

@@ -78,7 +78,7 @@ static stp_vec3 find_normal(const moments* m)
 {
     double scatter[6], sums[3];
     find_scatter(m, scatter);
-    stp_vec3d normal = stp_least_direction(scatter, sums);
+    stp_vec3d normal = stp_scatter_eigenvector(scatter, sums);
     return sums[1] > LINE * sums[2] ? stp_to_float(normal) : (stp_vec3){0};
 }
 
@@ -89,7 +89,7 @@ static double measure(const stp_psp_shared* shared, const stp_psp_splat* a, cons
     double scatter[6];
     moments both = add_moments(a_state, b_state);
     find_scatter(&both, scatter);
-    double sum = stp_least_eigenvalue(scatter);
+    double sum = stp_scatter_eigenvalue(scatter);
     return (sum > 0.0 ? sum : 0.0) + FLAT * sqrt((double)a->area * (double)b->area);
 }
 
@@ -117,7 +117,7 @@ static void merge(const stp_psp_shared* shared, const stp_psp_splat* a, const vo
     for (uint32_t p = both->first; p != UINT32_MAX; p = next[p]) {
         stp_ellipse_fit_scatter(&fit, stp_psp_point_at(shared, p));
     }
-    stp_ellipse_fit_orient(&fit, shared->least);
+    stp_ellipse_fit_orient(&fit, shared->minimum);
     for (uint32_t p = both->first; p != UINT32_MAX; p = next[p]) {
         stp_ellipse_fit_expand(&fit, stp_psp_point_at(shared, p));
     }

@@ -34,7 +34,7 @@ static void merge(const stp_psp_shared* shared, const stp_psp_splat* a, const vo
     stp_ellipse_sample(l, samples);
     stp_ellipse_sample(r, samples + STP_ELLIPSE_SAMPLES);
     merged->ellipse =
-        stp_ellipse_cover(center, normal, samples, 2 * STP_ELLIPSE_SAMPLES, shared->least);
+        stp_ellipse_cover(center, normal, samples, 2 * STP_ELLIPSE_SAMPLES, shared->minimum);
     merged->area = stp_ellipse_area(&merged->ellipse);
 }
 

@@ -19,7 +19,7 @@ void stp_list_neighbours(const stp_kd_tree* tree, uint32_t place, const uint32_t
                          uint32_t count, uint32_t k, uint32_t* neighbours)
 {
     stp_vec3 p = stp_kd_at(tree, place);
-    float squares[STP_NEIGHBOURS_MOST];
+    float squares[STP_NEIGHBOURS_MAX];
     for (uint32_t n = 0; n < count; ++n) {
         uint32_t point = stp_kd_index(tree, places[n]), at = n;
         float square = square_between(stp_kd_at(tree, places[n]), p);
@@ -42,7 +42,7 @@ static void search_some(size_t begin, size_t end, uint32_t worker, void* user)
     stp_kd_path path = {.leaf = UINT32_MAX};
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
-        uint32_t place = (uint32_t)i, places[STP_NEIGHBOURS_MOST];
+        uint32_t place = (uint32_t)i, places[STP_NEIGHBOURS_MAX];
         uint32_t count = stp_kd_nearest(s->tree, &path, place, s->k, places);
         size_t point = stp_kd_index(s->tree, place);
         stp_list_neighbours(s->tree, place, places, count, s->k, s->neighbours + s->k * point);

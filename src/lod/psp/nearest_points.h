@@ -12,7 +12,7 @@ void stp_list_neighbours(const stp_kd_tree* tree, uint32_t place, const uint32_t
 /// tie for the last entry, any of them may be listed; which one depends on the points alone. Runs
 /// on all threads; results do not depend on their number.
 /// @param positions 3 floats per point, read as stp_kd_tree_make does
-/// @param k 1 to STP_NEIGHBOURS_MOST
+/// @param k 1 to STP_NEIGHBOURS_MAX
 /// @param neighbours receives k entries per point; UINT32_MAX for missing ones
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_find_nearest_points(stp_context* context, const float* positions,

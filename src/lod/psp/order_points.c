@@ -19,14 +19,14 @@ typedef struct column {
     size_t size; ///< bytes per point
 } column;
 
-enum { COLUMNS_MOST = 4 };
+enum { COLUMNS_MAX = 4 };
 
 typedef struct copier {
     const stp_psp_rounds* rounds;
     uint64_t *items, *scratch; ///< index << 32 | place, for a window
     const uint64_t* sorted;
     uint32_t first; ///< first place of the window
-    column columns[COLUMNS_MOST];
+    column columns[COLUMNS_MAX];
     uint32_t column_count;
 } copier;
 

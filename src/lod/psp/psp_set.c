@@ -25,8 +25,8 @@ enum { GRAIN = 1024 }; ///< splats
 /// Extent of a sample's disk beyond a disk of its area, relative to that radius
 #define MARGIN 0.38f
 #define SCATTERED 0.3f ///< minimum surface share of an ellipse; below it, pixels are skipped
-#define LEAST_SHARE (1.0f / 255.0f) ///< minimum surface share of a sample's disk
-#define HALF_DIAGONAL 0.8660254f    ///< of a unit cube
+#define MIN_SHARE (1.0f / 255.0f) ///< minimum surface share of a sample's disk
+#define HALF_DIAGONAL 0.8660254f  ///< of a unit cube
 
 typedef struct psp_maker {
     stp_context* context;
@@ -60,7 +60,7 @@ static stp_result make_forest(psp_maker* m)
         return stp_fail_memory(m->context);
     }
     for (uint32_t i = 0; i < p->count; ++i) {
-        m->areas[i] = m->cell * fmaxf(stp_coverage_area(m->points.coverages[i]), LEAST_SHARE);
+        m->areas[i] = m->cell * fmaxf(stp_coverage_area(m->points.coverages[i]), MIN_SHARE);
     }
     const stp_psp_points from = {.count = p->count,
                                  .positions = p->positions,

@@ -27,15 +27,15 @@ static void move_up(stp_psp_queue* q, uint32_t place, stp_psp_queue_entry entry)
 static void move_down(stp_psp_queue* q, uint32_t place, stp_psp_queue_entry entry)
 {
     for (uint32_t first = CHILDREN * place + 1; first < q->count; first = CHILDREN * place + 1) {
-        uint32_t end = first + CHILDREN < q->count ? first + CHILDREN : q->count, least = first;
+        uint32_t end = first + CHILDREN < q->count ? first + CHILDREN : q->count, minimum = first;
         for (uint32_t child = first + 1; child < end; ++child) {
-            least = is_before(q, q->heap[child], q->heap[least]) ? child : least;
+            minimum = is_before(q, q->heap[child], q->heap[minimum]) ? child : minimum;
         }
-        if (!is_before(q, q->heap[least], entry)) {
+        if (!is_before(q, q->heap[minimum], entry)) {
             break;
         }
-        put(q, place, q->heap[least]);
-        place = least;
+        put(q, place, q->heap[minimum]);
+        place = minimum;
     }
     put(q, place, entry);
 }

@@ -24,8 +24,8 @@ static uint32_t cut_of(const cutter* c, stp_psp_range of)
 
 static bool is_small(const cutter* c, stp_psp_range of)
 {
-    uint32_t least = c->piece_size > STP_KD_LEAF ? c->piece_size : STP_KD_LEAF;
-    return of.end - of.begin <= least;
+    uint32_t minimum = c->piece_size > STP_KD_LEAF ? c->piece_size : STP_KD_LEAF;
+    return of.end - of.begin <= minimum;
 }
 
 static void cut_some(size_t begin, size_t end, uint32_t worker, void* user)
@@ -52,11 +52,11 @@ stp_result stp_psp_cut_pieces(stp_psp_rounds* r, uint32_t piece_size, stp_psp_ra
                               uint32_t* count)
 {
     // each piece holds more than a third of `piece_size`
-    size_t most = 4 + 2 * (3 * (size_t)r->live / piece_size + 1);
+    size_t maximum = 4 + 2 * (3 * (size_t)r->live / piece_size + 1);
     stp_context* context = r->shared.context;
     cutter c = {.rounds = r, .piece_size = piece_size, .count = 1};
-    c.ranges = STP_NEW_ARRAY(context, stp_psp_range, most);
-    c.next = STP_NEW_ARRAY(context, stp_psp_range, most);
+    c.ranges = STP_NEW_ARRAY(context, stp_psp_range, maximum);
+    c.next = STP_NEW_ARRAY(context, stp_psp_range, maximum);
     if (c.ranges == NULL || c.next == NULL) {
         stp_free(context, c.ranges);
         stp_free(context, c.next);

@@ -13,7 +13,7 @@ enum {
 };
 
 /// Maximum share of splats whose best merge is allowed in one round.
-#define PART_MOST 0.9
+#define PART_MAX 0.9
 /// Merges per splat whose best merge is within the limit; measured, used only for an estimate.
 #define MERGES_EACH 0.6
 
@@ -36,10 +36,10 @@ static bool run_piece(pass* t, uint32_t number, stp_psp_piece* piece)
     stp_psp_range of = t->ranges[number];
     uint64_t count = of.end - of.begin;
     // all pieces together never leave fewer splats than the target
-    uint64_t least = (count * r->target + r->live - 1) / r->live;
+    uint64_t minimum = (count * r->target + r->live - 1) / r->live;
     stp_psp_rounds_release(r, number);
     if (!stp_psp_load(r, piece, of.begin, of.end) ||
-        !stp_psp_piece_run(piece, t->limit, (uint32_t)least) ||
+        !stp_psp_piece_run(piece, t->limit, (uint32_t)minimum) ||
         !stp_psp_unload(piece, &r->rooms[STP_PSP_ROOM_NEXT], &t->blocks[number],
                         t->survivors + of.begin)) {
         return false;
@@ -247,7 +247,7 @@ static stp_result choose_limit(stp_psp_rounds* r, float* limit)
     }
     uint32_t count = stp_psp_sample_errors(r, errors, SAMPLES);
     double part = (double)(r->live - r->target) / (MERGES_EACH * (double)r->live);
-    part = part < PART_MOST ? part : PART_MOST;
+    part = part < PART_MAX ? part : PART_MAX;
     *limit = count > 0 ? errors[(uint32_t)(part * (count - 1))] : FLT_MAX;
     stp_free(r->shared.context, errors);
     return STP_OK;
@@ -334,7 +334,7 @@ stp_result stp_psp_rounds_run(stp_psp_rounds* r)
         if (more && one) {
             more = r->shared.desc.connect_components && (!linked || r->live < before);
             if (more && !r->shared.desc.keep_angle) {
-                r->shared.desc.least_cosine = -2.0f;
+                r->shared.desc.min_cosine = -2.0f;
             }
             result = more ? stp_psp_relink(r) : STP_OK;
             if (result != STP_OK) {

@@ -8,9 +8,9 @@
 #include <stdlib.h>
 
 /// Minimum level of a merge: the smallest normal float
-#define LEAST_CODE 0x100u
+#define MIN_CODE 0x100u
 #define PI 3.14159265358979323846
-#define LEVEL_MOST 1e30f ///< finite
+#define LEVEL_MAX 1e30f ///< finite
 
 /// A remaining splat.
 typedef struct root {
@@ -31,7 +31,7 @@ static float level_of(const stp_psp_forest* f, uint32_t splat)
     if (splat < f->point_count) {
         return 0.0f;
     }
-    return fminf((float)sqrt(f->merges[splat - f->point_count].level / PI), LEVEL_MOST);
+    return fminf((float)sqrt(f->merges[splat - f->point_count].level / PI), LEVEL_MAX);
 }
 
 /// Appends a splat.
@@ -42,11 +42,11 @@ static void append(splitter* s, uint32_t splat, float highest)
     stp_psp_sequence* q = s->sequence;
     bool merged = splat >= f->point_count;
     uint32_t code = stp_range_code(level_of(f, splat), highest);
-    if (merged && (code & 0xFFFFu) < LEAST_CODE) {
-        code = (code & 0xFFFF0000u) | LEAST_CODE;
+    if (merged && (code & 0xFFFFu) < MIN_CODE) {
+        code = (code & 0xFFFF0000u) | MIN_CODE;
     }
-    if (code >> 16 < LEAST_CODE) {
-        code = (code & 0xFFFFu) | LEAST_CODE << 16;
+    if (code >> 16 < MIN_CODE) {
+        code = (code & 0xFFFFu) | MIN_CODE << 16;
     }
     q->splats[q->count] = splat;
     q->ranges[q->count] = code;

@@ -108,18 +108,18 @@ static inline void measure_extents(const flat_children* f, stp_vec3d center, uin
 // Maximum distance from a centre to the far side of a child, and that child.
 static double max_extent(const flat_children* f, stp_vec3d center, uint32_t* farthest)
 {
-    double extents[STP_DISK_CHILDREN], most = -1.0;
+    double extents[STP_DISK_CHILDREN], maximum = -1.0;
     measure_extents(f, center, 0, extents);
     if (f->count > STP_DISK_CHILDREN / 2) {
         measure_extents(f, center, STP_DISK_CHILDREN / 2, extents);
     }
     for (uint32_t i = 0; i < f->count; ++i) {
-        if (extents[i] > most) {
-            most = extents[i];
+        if (extents[i] > maximum) {
+            maximum = extents[i];
             *farthest = i;
         }
     }
-    return most;
+    return maximum;
 }
 
 /// Relative to the lower bound on the radius: the disk around the two farthest children
@@ -138,8 +138,8 @@ static void find_enclosing(const flat_children* f, stp_vec3d* center)
     *center = at;
     double best = max_extent(f, at, &farthest);
     double apart = stp_lengthd(stp_subd(place_of(f, second), place_of(f, first)));
-    double least = 0.5 * (apart + f->radii[first] + f->radii[second]) * CLOSE_ENOUGH;
-    for (int round = 1; round <= ROUNDS && best > least; ++round) {
+    double minimum = 0.5 * (apart + f->radii[first] + f->radii[second]) * CLOSE_ENOUGH;
+    for (int round = 1; round <= ROUNDS && best > minimum; ++round) {
         stp_vec3d offset = stp_subd(place_of(f, farthest), at);
         double distance = stp_lengthd(offset);
         double step = distance > 0.0 ? fmin(best / (distance * (double)(round + 2)), 0.5) : 0.0;

@@ -29,15 +29,16 @@ typedef struct splat_maker {
 static uint8_t find_spread(const stp_point_tree* tree, uint32_t node)
 {
     stp_vec3 normal = tree->disks[node].normal;
-    float least = stp_dot(normal, normal) > 0.0f ? 1.0f : 0.0f;
-    for (uint32_t i = node + 1; i < tree->ends[node] && least > 0.0f; ++i) {
+    float minimum = stp_dot(normal, normal) > 0.0f ? 1.0f : 0.0f;
+    for (uint32_t i = node + 1; i < tree->ends[node] && minimum > 0.0f; ++i) {
         float cosine = stp_dot(normal, tree->disks[i].normal);
-        least = tree->points[i] != UINT32_MAX && cosine < least ? cosine : least;
+        minimum = tree->points[i] != UINT32_MAX && cosine < minimum ? cosine : minimum;
     }
-    if (!(least > 0.0f)) {
+    if (!(minimum > 0.0f)) {
         return STP_SHAPE_SPREAD_ANY;
     }
-    float sine = sqrtf(fmaxf(1.0f - least * least, 0.0f)) * (float)STP_SHAPE_SPREAD_ANY + 0.999f;
+    float sine =
+        sqrtf(fmaxf(1.0f - minimum * minimum, 0.0f)) * (float)STP_SHAPE_SPREAD_ANY + 0.999f;
     return sine < (float)STP_SHAPE_SPREAD_ANY ? (uint8_t)sine : STP_SHAPE_SPREAD_ANY;
 }
 
@@ -150,11 +151,11 @@ static void find_replaced(const splat_maker* m)
     const stp_point_tree* t = m->tree;
     for (uint32_t i = t->count; i-- > 0;) {
         uint32_t point = t->points[i];
-        float least = point != UINT32_MAX ? m->desc->replaced[point] : HUGE_VALF;
+        float minimum = point != UINT32_MAX ? m->desc->replaced[point] : HUGE_VALF;
         for (uint32_t c = i + 1; c < t->ends[i]; c = t->ends[c]) {
-            least = fminf(least, m->splats[c].replaced);
+            minimum = fminf(minimum, m->splats[c].replaced);
         }
-        m->splats[i].replaced = least;
+        m->splats[i].replaced = minimum;
     }
 }
 

@@ -7,8 +7,8 @@
 
 enum {
     LEAF_TRIANGLES = 4,
-    DEPTH_MOST = 33,
-    LOOKS_MOST = 1000, ///< maximum visited tree nodes per sample
+    DEPTH_MAX = 33,
+    LOOKS_MAX = 1000, ///< maximum visited tree nodes per sample
 };
 
 /// Maximum distance of a sample from its triangle caused by rounding, in grid steps of the set
@@ -116,13 +116,13 @@ static float find_on(const replaced* r, stp_vec3 p)
     struct {
         uint32_t node;
         range of;
-    } stack[DEPTH_MOST] = {{0, {0, r->count}}};
+    } stack[DEPTH_MAX] = {{0, {0, r->count}}};
     uint32_t size = 1, looked = 0;
     float level = 0.0f;
     while (size > 0) {
         uint32_t node = stack[--size].node;
         range of = stack[size].of;
-        if (++looked > LOOKS_MOST) {
+        if (++looked > LOOKS_MAX) {
             return 0.0f;
         }
         if (!(r->tree[node].level > level) || is_outside(r->tree[node].box, p, r->near)) {
@@ -161,7 +161,8 @@ static void find_all_on(size_t begin, size_t end, uint32_t worker, void* user)
 }
 
 /// Minimum level of the samples in a bucket whose surface a sample's disk may cover.
-static float look_at_bucket(const replaced* r, uint32_t bucket, stp_vec3 p, stp_vec3 n, float level)
+static float min_level_in_bucket(const replaced* r, uint32_t bucket, stp_vec3 p, stp_vec3 n,
+                                 float level)
 {
     const stp_grid* g = r->grid;
     float reach = BESIDE * r->samples->points.radius;
@@ -187,7 +188,7 @@ static void find_levels(size_t begin, size_t end, uint32_t worker, void* user)
         for (int32_t k = 0; k < 27 && level > 0.0f; ++k) {
             uint32_t bucket =
                 stp_grid_bucket(r->grid, low[0] + k % 3, low[1] + k / 3 % 3, low[2] + k / 9);
-            level = look_at_bucket(r, bucket, p, n, level);
+            level = min_level_in_bucket(r, bucket, p, n, level);
         }
         r->levels[i] = level;
     }

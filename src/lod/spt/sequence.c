@@ -30,7 +30,7 @@ enum { GRAIN = 8192 }; ///< nodes
 
 typedef struct maker {
     const stp_point_tree* tree;
-    double most_allowed;
+    double max_allowed;
     stp_point_sequence* sequence;
     float* highest;           ///< per node
     uint64_t *keys, *scratch; ///< per node
@@ -49,7 +49,7 @@ static void find_highest(size_t begin, size_t end, uint32_t worker, void* user)
                                             stp_to_double(tree->disks[parent].center));
             // slightly more, to allow for the rounding of levels
             m->highest[c] =
-                round_up(((double)tree->errors[parent] + apart * m->most_allowed) * (1.0 + 1e-9));
+                round_up(((double)tree->errors[parent] + apart * m->max_allowed) * (1.0 + 1e-9));
             m->keys[c] = (uint64_t)~bits_of(m->highest[c]) << 32 | c;
         }
     }
@@ -88,7 +88,7 @@ static stp_result fill(stp_context* context, maker* m)
 }
 
 stp_result stp_point_sequence_make(stp_context* context, const stp_point_tree* tree,
-                                   double most_allowed, stp_point_sequence* sequence)
+                                   double max_allowed, stp_point_sequence* sequence)
 {
     size_t count = tree->count;
     *sequence = (stp_point_sequence){
@@ -100,7 +100,7 @@ stp_result stp_point_sequence_make(stp_context* context, const stp_point_tree* t
     };
     maker m = {
         .tree = tree,
-        .most_allowed = most_allowed,
+        .max_allowed = max_allowed,
         .sequence = sequence,
         .highest = STP_NEW_ARRAY(context, float, count + 1),
         .keys = STP_NEW_ARRAY(context, uint64_t, count + 1),

@@ -18,10 +18,10 @@ typedef struct stp_point_sequence {
     float *lowest, *highest;
 } stp_point_sequence;
 
-/// @param most_allowed maximum stp_tree_view.allowed of any view; larger values cause more overlap
+/// @param max_allowed maximum stp_tree_view.allowed of any view; larger values cause more overlap
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_point_sequence_make(stp_context* context, const stp_point_tree* tree,
-                                                double most_allowed, stp_point_sequence* sequence);
+                                                double max_allowed, stp_point_sequence* sequence);
 void stp_point_sequence_destroy(stp_context* context, stp_point_sequence* sequence);
 
 /// The part of a sequence that a view may select from.

@@ -14,7 +14,7 @@ enum {
     SCALES = 2,
     NEIGHBOURS = 12,
     NORMAL_NEIGHBOURS = 20,
-    STACK = 8 * STP_LEAF_DEPTH_MOST + 1,
+    STACK = 8 * STP_LEAF_DEPTH_MAX + 1,
     SIDES = 8,
 };
 #define FLATNESS 0.005f
@@ -23,7 +23,7 @@ stp_leaf_desc stp_leaf_desc_default(void)
 {
     return (stp_leaf_desc){
         .budget = BUDGET,
-        .least = LEAST,
+        .minimum = LEAST,
         .flatness = FLATNESS,
         .neighbours = NEIGHBOURS,
         .normal_neighbours = NORMAL_NEIGHBOURS,
@@ -68,7 +68,7 @@ static void scatter_of(const octree_maker* m, const stp_leaf_cell* cell, double 
 static bool is_leaf(const octree_maker* m, const stp_leaf_cell* cell)
 {
     uint32_t count = cell->end - cell->begin;
-    if (cell->depth == STP_LEAF_DEPTH_MOST || count <= m->desc->least) {
+    if (cell->depth == STP_LEAF_DEPTH_MAX || count <= m->desc->minimum) {
         return true;
     }
     if (count > m->desc->budget) {
@@ -82,7 +82,7 @@ static bool is_leaf(const octree_maker* m, const stp_leaf_cell* cell)
 /// Octant of a cell at this depth that contains a position.
 static uint32_t side_of(const uint16_t at[3], uint32_t depth)
 {
-    uint32_t shift = STP_LEAF_DEPTH_MOST - 1 - depth;
+    uint32_t shift = STP_LEAF_DEPTH_MAX - 1 - depth;
     return (at[0] >> shift & 1u) | (at[1] >> shift & 1u) << 1 | (at[2] >> shift & 1u) << 2;
 }
 

@@ -6,20 +6,20 @@
 #include "base/context.h"
 #include "base/splat_columns.h"
 
-enum { STP_LEAF_NEIGHBOURS_MOST = 32 };
+enum { STP_LEAF_NEIGHBOURS_MAX = 32 };
 
 /// Parameters of the octree and of normal estimation.
 typedef struct stp_leaf_desc {
-    uint32_t budget; ///< maximum points of a leaf, at least `least`: the paper's max_point_budget
-    uint32_t least;  ///< cubes with at most this many points are not divided
+    uint32_t budget; ///< maximum points of a leaf, at least `minimum`: the paper's max_point_budget
+    uint32_t minimum; ///< cubes with at most this many points are not divided
     /// Maximum l0 / (l0 + l1 + l2) of a flat leaf; 0.005 or 0.001 (Table 1, Figure 1)
     float flatness;
-    /// K, 1 to STP_LEAF_NEIGHBOURS_MOST: neighbouring leaves to which a leaf's orientation spreads
+    /// K, 1 to STP_LEAF_NEIGHBOURS_MAX: neighbouring leaves to which a leaf's orientation spreads
     uint32_t neighbours;
     /// K1: approximate number of neighbours from which the normal of a point without one is
     /// estimated
     uint32_t normal_neighbours;
-    /// 1 to STP_LEAF_SCALES_MOST: number of region sizes that must show a feature
+    /// 1 to STP_LEAF_SCALES_MAX: number of region sizes that must show a feature
     /// (lod/stochastic/scales.h)
     uint32_t scales;
     uint32_t sample; ///< maximum size of the random sample that represents a region

@@ -8,12 +8,12 @@
 
 enum {
     BRIDGE_LEAVES = 128, ///< leaves of a component from which a bridge across a gap is searched
-    BRIDGES_MOST = 64,   ///< maximum number of components for which a bridge is searched
+    BRIDGES_MAX = 64,    ///< maximum number of components for which a bridge is searched
     WORDS = 64,          ///< of 64 buckets each
 };
-#define ACROSS 0.5f      // weight of a step perpendicular to a surface
-#define WEIGHT_MOST 3.5f // of a step
-#define GAP 4.0f         // maximum gap, relative to the sum of both leaves' sides
+#define ACROSS 0.5f     // weight of a step perpendicular to a surface
+#define WEIGHT_MAX 3.5f // of a step
+#define GAP 4.0f        // maximum gap, relative to the sum of both leaves' sides
 
 /// A step from an oriented leaf to another one.
 typedef struct orient_step {
@@ -32,7 +32,7 @@ typedef struct step_queue {
 
 typedef struct orienter {
     const stp_leaf_octree* octree;
-    stp_leaf_facts* facts;
+    stp_leaf_properties* properties;
     uint32_t count, near;
     float* places;        ///< 3 per leaf
     uint32_t* neighbours; ///< `near` entries per leaf
@@ -45,7 +45,7 @@ typedef struct orienter {
 
 static void push(step_queue* q, float weight, uint32_t to, uint32_t from)
 {
-    float place = weight * ((float)(64 * WORDS) / WEIGHT_MOST);
+    float place = weight * ((float)(64 * WORDS) / WEIGHT_MAX);
     uint32_t bucket = place < (float)(64 * WORDS - 1) ? (uint32_t)place : 64 * WORDS - 1;
     uint64_t bit = UINT64_C(1) << bucket % 64, word_bit = UINT64_C(1) << bucket / 64;
     uint32_t next = (q->words[bucket / 64] & bit) != 0 ? q->firsts[bucket] : UINT32_MAX;
@@ -76,15 +76,15 @@ static stp_vec3 place_of(const orienter* o, uint32_t leaf)
 }
 
 /// Predicts the normal at another leaf, if the surface bends evenly between the two.
-static stp_vec3 carry(const orienter* o, uint32_t from, uint32_t to, stp_vec3* way)
+static stp_vec3 predict_normal(const orienter* o, uint32_t from, uint32_t to, stp_vec3* way)
 {
     *way = stp_normalize(stp_sub(place_of(o, to), place_of(o, from)));
-    stp_vec3 n = o->facts[from].normal;
+    stp_vec3 n = o->properties[from].normal;
     return stp_sub(n, stp_scale(*way, 2.0f * stp_dot(*way, n)));
 }
 
 /// Uncertainty of a leaf's normal: 0 if it is flat, 1 if it has few points.
-static float uncertainty(const stp_leaf_facts* f)
+static float uncertainty(const stp_leaf_properties* f)
 {
     return f->known ? 3.0f * f->flatness : 1.0f;
 }
@@ -92,19 +92,19 @@ static float uncertainty(const stp_leaf_facts* f)
 /// Weight of a step: small if the sign is certain, and along a surface rather than to another one.
 static float weigh(const orienter* o, uint32_t a, uint32_t b)
 {
-    stp_vec3 way, carried = carry(o, a, b, &way);
-    stp_vec3 n = o->facts[a].normal, m = o->facts[b].normal;
+    stp_vec3 way, carried = predict_normal(o, a, b, &way);
+    stp_vec3 n = o->properties[a].normal, m = o->properties[b].normal;
     float across = stp_max(fabsf(stp_dot(way, n)), fabsf(stp_dot(way, m)));
     return 1.0f - fabsf(stp_dot(carried, m)) + ACROSS * across * across +
-           uncertainty(&o->facts[a]) + uncertainty(&o->facts[b]);
+           uncertainty(&o->properties[a]) + uncertainty(&o->properties[b]);
 }
 
 /// Turns the normal of a leaf to match another one.
 static void turn(orienter* o, uint32_t to, uint32_t from)
 {
-    stp_vec3 way, carried = carry(o, from, to, &way);
-    if (stp_dot(carried, o->facts[to].normal) < 0.0f) {
-        o->facts[to].normal = stp_scale(o->facts[to].normal, -1.0f);
+    stp_vec3 way, carried = predict_normal(o, from, to, &way);
+    if (stp_dot(carried, o->properties[to].normal) < 0.0f) {
+        o->properties[to].normal = stp_scale(o->properties[to].normal, -1.0f);
     }
 }
 
@@ -192,19 +192,19 @@ static void find_pieces(orienter* o)
 static uint32_t find_highest(const orienter* o)
 {
     uint32_t highest = UINT32_MAX, best = UINT32_MAX;
-    float most = -HUGE_VALF;
+    float maximum = -HUGE_VALF;
     for (uint32_t i = 0; i < o->count; ++i) {
         if (!o->done[i] &&
-            (highest == UINT32_MAX || o->facts[i].mean[1] > o->facts[highest].mean[1])) {
+            (highest == UINT32_MAX || o->properties[i].mean[1] > o->properties[highest].mean[1])) {
             highest = i;
         }
     }
     for (uint32_t i = 0; i < o->count && highest != UINT32_MAX; ++i) {
         float width = (float)stp_leaf_width(o->octree->leaves[highest].depth);
-        float below = (o->facts[highest].mean[1] - o->facts[i].mean[1]) / width;
-        float up = fabsf(o->facts[i].normal.y) - uncertainty(&o->facts[i]) - below;
-        if (!o->done[i] && below <= 1.0f && o->pieces[i] == o->pieces[highest] && up > most) {
-            most = up;
+        float below = (o->properties[highest].mean[1] - o->properties[i].mean[1]) / width;
+        float up = fabsf(o->properties[i].normal.y) - uncertainty(&o->properties[i]) - below;
+        if (!o->done[i] && below <= 1.0f && o->pieces[i] == o->pieces[highest] && up > maximum) {
+            maximum = up;
             best = i;
         }
     }
@@ -216,7 +216,7 @@ static uint32_t find_highest(const orienter* o)
 static bool find_bridge(const orienter* o, uint32_t piece, uint32_t* to, uint32_t* from)
 {
     uint32_t size = 0, met = 0;
-    float least = HUGE_VALF;
+    float minimum = HUGE_VALF;
     for (uint32_t i = 0; i < o->count; ++i) {
         size += o->pieces[i] == piece;
     }
@@ -228,19 +228,19 @@ static bool find_bridge(const orienter* o, uint32_t piece, uint32_t* to, uint32_
         for (uint32_t k = 0; k < o->count; ++k) {
             stp_vec3 d = stp_sub(place_of(o, i), place_of(o, k));
             float squared = stp_dot(d, d);
-            if (o->done[k] && squared < least) {
-                least = squared;
+            if (o->done[k] && squared < minimum) {
+                minimum = squared;
                 *to = i;
                 *from = k;
             }
         }
     }
-    if (!(least < HUGE_VALF)) {
+    if (!(minimum < HUGE_VALF)) {
         return false;
     }
     float sides = (float)stp_leaf_width(o->octree->leaves[*to].depth) +
                   (float)stp_leaf_width(o->octree->leaves[*from].depth);
-    return sqrtf(least) <= GAP * sides;
+    return sqrtf(minimum) <= GAP * sides;
 }
 
 static void orient_all(orienter* o)
@@ -249,24 +249,24 @@ static void orient_all(orienter* o)
     uint32_t bridges = 0;
     for (uint32_t highest = find_highest(o); highest != UINT32_MAX; highest = find_highest(o)) {
         uint32_t to = highest, from = 0;
-        bool across = bridges > 0 && bridges <= BRIDGES_MOST &&
-                      find_bridge(o, o->pieces[highest], &to, &from);
+        bool across =
+            bridges > 0 && bridges <= BRIDGES_MAX && find_bridge(o, o->pieces[highest], &to, &from);
         bridges += 1;
         if (across) {
             turn(o, to, from);
-        } else if (o->facts[highest].normal.y < 0.0f) {
-            o->facts[highest].normal = stp_scale(o->facts[highest].normal, -1.0f);
+        } else if (o->properties[highest].normal.y < 0.0f) {
+            o->properties[highest].normal = stp_scale(o->properties[highest].normal, -1.0f);
         }
         spread_from(o, across ? to : highest);
     }
 }
 
 stp_result stp_orient_leaves(stp_context* context, const stp_leaf_octree* octree,
-                             stp_leaf_facts* facts, uint32_t neighbours)
+                             stp_leaf_properties* properties, uint32_t neighbours)
 {
     size_t count = octree->leaf_count, links = 2 * (size_t)neighbours * count;
     orienter o = {.octree = octree,
-                  .facts = facts,
+                  .properties = properties,
                   .count = octree->leaf_count,
                   .near = neighbours,
                   .places = STP_NEW_ARRAY(context, float, 3 * count + 1),
@@ -282,7 +282,7 @@ stp_result stp_orient_leaves(stp_context* context, const stp_leaf_octree* octree
         result = stp_fail_memory(context);
     }
     for (size_t i = 0; i < count && result == STP_OK; ++i) {
-        memcpy(o.places + 3 * i, facts[i].mean, sizeof(facts[i].mean));
+        memcpy(o.places + 3 * i, properties[i].mean, sizeof(properties[i].mean));
     }
     result = result == STP_OK && count > 0 ? link_leaves(context, &o) : result;
     if (result == STP_OK) {

@@ -10,14 +10,14 @@ typedef struct scale_loop {
     const stp_leaf_octree* octree;
     const stp_scatter* scatters;
     uint32_t scales;
-    stp_leaf_facts* facts;
+    stp_leaf_properties* properties;
 } scale_loop;
 
 /// The last measured cube of each depth. Leaves of a cube are consecutive.
 typedef struct cube_memory {
-    uint64_t codes[STP_LEAF_DEPTH_MOST + 1];
-    float flatness[STP_LEAF_DEPTH_MOST + 1];
-    bool known[STP_LEAF_DEPTH_MOST + 1];
+    uint64_t codes[STP_LEAF_DEPTH_MAX + 1];
+    float flatness[STP_LEAF_DEPTH_MAX + 1];
+    bool known[STP_LEAF_DEPTH_MAX + 1];
 } cube_memory;
 
 /// First leaf whose Morton code is at least `code`.
@@ -38,7 +38,7 @@ static uint32_t find_leaf(const stp_leaf_octree* octree, uint64_t code)
 /// Flatness of all points in the cube of this depth around a leaf.
 static float measure_cube(const scale_loop* l, const stp_leaf_cell* leaf, uint32_t depth)
 {
-    uint32_t shift = 3 * (STP_LEAF_DEPTH_MOST - depth);
+    uint32_t shift = 3 * (STP_LEAF_DEPTH_MAX - depth);
     uint64_t begin = stp_leaf_morton(leaf->corner) >> shift << shift;
     uint64_t end = begin + (UINT64_C(1) << shift);
     uint32_t mask = ~(stp_leaf_width(depth) - 1);
@@ -62,7 +62,7 @@ static float measure_cube(const scale_loop* l, const stp_leaf_cell* leaf, uint32
 static float flatness_of_cube(const scale_loop* l, cube_memory* memory, const stp_leaf_cell* leaf,
                               uint32_t depth)
 {
-    uint64_t code = stp_leaf_morton(leaf->corner) >> 3 * (STP_LEAF_DEPTH_MOST - depth);
+    uint64_t code = stp_leaf_morton(leaf->corner) >> 3 * (STP_LEAF_DEPTH_MAX - depth);
     if (!memory->known[depth] || memory->codes[depth] != code) {
         memory->flatness[depth] = measure_cube(l, leaf, depth);
         memory->codes[depth] = code;
@@ -78,7 +78,7 @@ static void limit_some(size_t begin, size_t end, uint32_t worker, void* user)
     cube_memory memory = {.known = {false}};
     for (size_t i = begin; i < end; ++i) {
         const stp_leaf_cell* leaf = &l->octree->leaves[i];
-        stp_leaf_facts* f = &l->facts[i];
+        stp_leaf_properties* f = &l->properties[i];
         float last = f->flatness;
         for (uint32_t up = 1; up < l->scales && up <= leaf->depth; ++up) {
             float next = flatness_of_cube(l, &memory, leaf, leaf->depth - up);
@@ -89,10 +89,11 @@ static void limit_some(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-void stp_leaf_facts_of_scales(stp_context* context, const stp_leaf_octree* octree,
-                              const stp_scatter* scatters, uint32_t scales, stp_leaf_facts* facts)
+void stp_leaf_measure_scales(stp_context* context, const stp_leaf_octree* octree,
+                             const stp_scatter* scatters, uint32_t scales,
+                             stp_leaf_properties* properties)
 {
-    scale_loop loop = {octree, scatters, scales, facts};
+    scale_loop loop = {octree, scatters, scales, properties};
     if (scales > 1) {
         stp_parallel_for(context, octree->leaf_count, GRAIN, limit_some, &loop);
     }

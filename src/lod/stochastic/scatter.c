@@ -146,11 +146,11 @@ double stp_scatter_flatness(const double matrix[6])
 
 bool stp_scatter_is_flat(const double matrix[6], double threshold)
 {
-    double least, sum = matrix[0] + matrix[3] + matrix[5];
+    double minimum, sum = matrix[0] + matrix[3] + matrix[5];
     if (!(sum > 0.0)) {
         return true; // all points coincide
     }
-    return stp_smallest_eigenvalue(matrix, &least) && least <= threshold * sum;
+    return stp_smallest_eigenvalue(matrix, &minimum) && minimum <= threshold * sum;
 }
 
 bool stp_scatter_is_edge(const double e[3])

@@ -12,7 +12,7 @@
 #include "lod/samples.h"
 #include "lod/set_columns.h"
 #include "lod/shape_coding.h"
-#include "lod/stochastic/facts.h"
+#include "lod/stochastic/leaf_properties.h"
 #include "lod/stochastic/orient.h"
 #include "lod/stochastic/scales.h"
 #include "lod/stochastic/spread_order.h"
@@ -23,8 +23,8 @@
 enum {
     GRAIN = 16384, ///< points
     LEAF_GRAIN = 32,
-    BATCH = 64,        ///< splats whose normals are encoded together
-    OCTAVES_MOST = 16, ///< of 2^32 points
+    BATCH = 64,       ///< splats whose normals are encoded together
+    OCTAVES_MAX = 16, ///< of 2^32 points
 };
 #define SEED UINT64_C(0x42686B72)
 #define LARGEST 2.0f // maximum radius of isolated points' splats, relative to the median spacing
@@ -44,7 +44,7 @@ typedef struct set_maker {
     stp_splats* splats;
     uint16_t* places; ///< candidates' positions on the grid
     stp_leaf_octree octree;
-    stp_leaf_facts* facts;
+    stp_leaf_properties* properties;
     float spacing; ///< median spacing, in steps
     stp_shape_directions directions;
 } set_maker;
@@ -111,10 +111,10 @@ static void place_some(size_t begin, size_t end, uint32_t worker, void* user)
 /// Leaves with too few points get the median spacing; outliers are clamped to a factor of it.
 static void settle_areas(set_maker* m)
 {
-    m->spacing = stp_leaf_median_spacing(&m->octree, m->facts);
+    m->spacing = stp_leaf_median_spacing(&m->octree, m->properties);
     m->spacing = m->spacing > 0.0f ? m->spacing : 1.0f;
     for (uint32_t i = 0; i < m->octree.leaf_count; ++i) {
-        stp_leaf_facts* f = &m->facts[i];
+        stp_leaf_properties* f = &m->properties[i];
         uint32_t count = m->octree.leaves[i].end - m->octree.leaves[i].begin;
         float ratio = f->spacing > 0.0f ? f->spacing / m->spacing : 1.0f;
         float spacing = m->spacing * stp_clamp(ratio, 1.0f / OUTLIER, OUTLIER);
@@ -127,11 +127,11 @@ static void settle_spacings(set_maker* m)
 {
     for (uint32_t i = 0; i < m->octree.leaf_count; ++i) {
         uint32_t count = m->octree.leaves[i].end - m->octree.leaves[i].begin;
-        m->facts[i].spacing = sqrtf(m->facts[i].area / (float)count);
+        m->properties[i].spacing = sqrtf(m->properties[i].area / (float)count);
     }
-    m->spacing = stp_leaf_median_spacing(&m->octree, m->facts);
+    m->spacing = stp_leaf_median_spacing(&m->octree, m->properties);
     for (uint32_t i = 0; i < m->octree.leaf_count; ++i) {
-        m->facts[i].spacing = stp_min(m->facts[i].spacing, m->spacing * LARGEST);
+        m->properties[i].spacing = stp_min(m->properties[i].spacing, m->spacing * LARGEST);
     }
 }
 
@@ -146,7 +146,7 @@ static stp_result spread(set_maker* m)
     }
     stp_spread_order_make(context, m->places, &m->octree, ranked);
     if (kept < all) {
-        stp_leaf_trim(&m->octree, m->facts, ranked, kept);
+        stp_leaf_trim(&m->octree, m->properties, ranked, kept);
     }
     stp_spread_order_place(context, ranked, kept, &m->octree);
     stp_free(context, ranked);
@@ -163,7 +163,7 @@ static void turn_some(size_t begin, size_t end, uint32_t worker, void* user)
         for (uint32_t i = leaf->begin; i < leaf->end; ++i) {
             float* n = m->candidates->normals + 3 * (size_t)m->octree.order[i];
             stp_vec3 normal = {n[0], n[1], n[2]};
-            if (stp_dot(normal, m->facts[l].normal) < 0.0f) {
+            if (stp_dot(normal, m->properties[l].normal) < 0.0f) {
                 n[0] = -n[0];
                 n[1] = -n[1];
                 n[2] = -n[2];
@@ -180,8 +180,8 @@ static stp_result find_features(set_maker* m, const stp_leaf_points* points)
     if (scatters == NULL) {
         return stp_fail_memory(context);
     }
-    stp_leaf_facts_of_places(context, &m->octree, points, m->facts, scatters);
-    stp_leaf_facts_of_scales(context, &m->octree, scatters, m->desc->scales, m->facts);
+    stp_leaf_measure_planes(context, &m->octree, points, m->properties, scatters);
+    stp_leaf_measure_scales(context, &m->octree, scatters, m->desc->scales, m->properties);
     stp_free(context, scatters);
     return STP_OK;
 }
@@ -199,7 +199,7 @@ static void take_leaf_normals(size_t begin, size_t end, uint32_t worker, void* u
     const set_maker* m = l->maker;
     for (size_t i = begin; i < end; ++i) {
         const stp_leaf_cell* leaf = &m->octree.leaves[i];
-        const stp_leaf_facts* f = &m->facts[i];
+        const stp_leaf_properties* f = &m->properties[i];
         for (uint32_t at = leaf->begin; at < leaf->end && f->known; ++at) {
             uint32_t point = m->octree.order[at];
             if (l->missing[point] != 0) {
@@ -228,7 +228,7 @@ static stp_result estimate_normals(set_maker* m)
 }
 
 /// Chooses the points of each leaf, and computes its properties.
-static stp_result find_facts(set_maker* m)
+static stp_result find_properties(set_maker* m)
 {
     stp_context* context = m->context;
     bool oriented = m->source->has_normals;
@@ -247,24 +247,24 @@ static stp_result find_facts(set_maker* m)
     }
     settle_spacings(m);
     if (oriented) {
-        stp_leaf_facts_of_normals(context, &m->octree, &points, m->facts);
+        stp_leaf_measure_normals(context, &m->octree, &points, m->properties);
     } else {
-        result = stp_orient_leaves(context, &m->octree, m->facts, m->desc->neighbours);
+        result = stp_orient_leaves(context, &m->octree, m->properties, m->desc->neighbours);
         stp_parallel_for(context, m->octree.leaf_count, LEAF_GRAIN, turn_some, m);
     }
-    stp_leaf_facts_of_bends(context, &m->octree, &points, m->facts);
+    stp_leaf_measure_curvature(context, &m->octree, &points, m->properties);
     return result;
 }
 
 /// The ellipse of a splat with this normal, with the area of its leaf's disks.
-static uint32_t shape_of(const set_maker* m, const stp_leaf_facts* f, const int8_t normal[2])
+static uint32_t shape_of(const set_maker* m, const stp_leaf_properties* f, const int8_t normal[2])
 {
     float radius = stp_max(GROWTH * f->spacing, HALF_DIAGONAL);
     float ratio = f->ratio < DISK_RATIO ? sqrtf(f->ratio) : 1.0f;
     return stp_shape_of_ellipse(&m->directions, radius / ratio, radius * ratio, f->stretch, normal);
 }
 
-static void write_splat(const set_maker* m, const stp_leaf_facts* f, uint32_t from,
+static void write_splat(const set_maker* m, const stp_leaf_properties* f, uint32_t from,
                         const int8_t normal[2], uint32_t at)
 {
     stp_splats* s = m->splats;
@@ -286,7 +286,7 @@ static void write_splat(const set_maker* m, const stp_leaf_facts* f, uint32_t fr
 static void write_leaf(const set_maker* m, uint32_t index)
 {
     const stp_leaf_cell* leaf = &m->octree.leaves[index];
-    const stp_leaf_facts* f = &m->facts[index];
+    const stp_leaf_properties* f = &m->properties[index];
     stp_splat_leaf* out = &m->splats->leaves[index];
     bool edge = f->edge;
     *out = (stp_splat_leaf){
@@ -315,8 +315,8 @@ static void prefetch_points(const set_maker* m, uint32_t begin, uint32_t count)
 
 /// Writes places [begin, end), at most BATCH, of one leaf.
 /// @param next next index in each octave
-static void write_batch(const set_maker* m, const stp_leaf_facts* f, uint32_t begin, uint32_t end,
-                        uint32_t next[OCTAVES_MOST])
+static void write_batch(const set_maker* m, const stp_leaf_properties* f, uint32_t begin,
+                        uint32_t end, uint32_t next[OCTAVES_MAX])
 {
     float normals[3 * BATCH] = {0};
     int8_t codes[2 * BATCH];
@@ -339,13 +339,13 @@ static void write_some(size_t begin, size_t end, uint32_t worker, void* user)
     uint32_t octaves = m->splats->octave_count, count = m->splats->count;
     for (size_t l = begin; l < end; ++l) {
         const stp_leaf_cell* leaf = &m->octree.leaves[l];
-        uint32_t next[OCTAVES_MOST];
+        uint32_t next[OCTAVES_MAX];
         for (uint32_t k = 0; k < octaves; ++k) {
             next[k] = stp_leaf_run_of(leaf->begin, leaf->begin, k, octaves, count).begin;
         }
         for (uint32_t i = leaf->begin; i < leaf->end; i += BATCH) {
             uint32_t last = leaf->end - i < BATCH ? leaf->end : i + BATCH;
-            write_batch(m, &m->facts[l], i, last, next);
+            write_batch(m, &m->properties[l], i, last, next);
         }
         write_leaf(m, (uint32_t)l);
     }
@@ -386,8 +386,8 @@ static stp_result make_set(set_maker* m)
     if (result != STP_OK) {
         return result;
     }
-    m->facts = STP_NEW_ARRAY(context, stp_leaf_facts, m->octree.leaf_count);
-    result = m->facts == NULL ? stp_fail_memory(context) : find_facts(m);
+    m->properties = STP_NEW_ARRAY(context, stp_leaf_properties, m->octree.leaf_count);
+    result = m->properties == NULL ? stp_fail_memory(context) : find_properties(m);
     s->leaf_count = m->octree.leaf_count;
     s->leaves = STP_NEW_ARRAY(context, stp_splat_leaf, s->leaf_count);
     result = result == STP_OK && s->leaves == NULL ? stp_fail_memory(context) : result;
@@ -414,7 +414,7 @@ stp_result stp_stochastic_make_set(stp_context* context, const stp_stochastic_so
         return STP_OK;
     }
     stp_result result = make_set(&m);
-    stp_free(context, m.facts);
+    stp_free(context, m.properties);
     stp_leaf_octree_destroy(context, &m.octree);
     stp_free(context, m.places);
     if (result != STP_OK) {

@@ -55,7 +55,7 @@ static void take_points(spread_block* b, const spread_loop* l, const stp_leaf_ce
 /// distance
 static int16_t choose_point(spread_block* b, uint32_t chosen)
 {
-    int16_t x = b->at[0][chosen], y = b->at[1][chosen], z = b->at[2][chosen], most = -1;
+    int16_t x = b->at[0][chosen], y = b->at[1][chosen], z = b->at[2][chosen], maximum = -1;
     b->far[chosen] = -1;
     for (uint32_t i = 0; i < b->count; ++i) {
         int16_t dx = (int16_t)(b->at[0][i] - x), dy = (int16_t)(b->at[1][i] - y);
@@ -67,9 +67,9 @@ static int16_t choose_point(spread_block* b, uint32_t chosen)
         int16_t d = (int16_t)(sum >> 1);
         int16_t far = b->far[i] < d ? b->far[i] : d;
         b->far[i] = far;
-        most = far > most ? far : most;
+        maximum = far > maximum ? far : maximum;
     }
-    return most;
+    return maximum;
 }
 
 /// First point at a distance that some point has.
@@ -89,7 +89,7 @@ static uint32_t find_first(const spread_block* b, int16_t far)
 /// The point nearest to the mean.
 static uint32_t find_middle(const spread_block* b)
 {
-    int64_t mean[3] = {0}, least = INT64_MAX;
+    int64_t mean[3] = {0}, minimum = INT64_MAX;
     uint32_t best = 0;
     for (int k = 0; k < 3; ++k) {
         for (uint32_t i = 0; i < b->count; ++i) {
@@ -103,8 +103,8 @@ static uint32_t find_middle(const spread_block* b)
             int64_t d = b->at[k][i] - mean[k];
             squared += d * d;
         }
-        best = squared < least ? i : best;
-        least = squared < least ? squared : least;
+        best = squared < minimum ? i : best;
+        minimum = squared < minimum ? squared : minimum;
     }
     return best;
 }
@@ -112,11 +112,11 @@ static uint32_t find_middle(const spread_block* b)
 /// @param ranked receives the points of the block
 static void spread_points(spread_block* b, uint32_t* ranked)
 {
-    uint32_t most = b->count / SHARE < STP_SPREAD_MOST ? b->count / SHARE : STP_SPREAD_MOST;
+    uint32_t maximum = b->count / SHARE < STP_SPREAD_MAX ? b->count / SHARE : STP_SPREAD_MAX;
     uint32_t done = 0;
     if (b->count > LEAST) {
         uint32_t next = find_middle(b);
-        for (int16_t far = 1; done < most && far > 0; ++done) {
+        for (int16_t far = 1; done < maximum && far > 0; ++done) {
             ranked[done] = b->index[next];
             far = choose_point(b, next);
             next = far > 0 ? find_first(b, far) : 0;

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { ROUNDS_MOST = 64 };
+enum { ROUNDS_MAX = 64 };
 
 static double count_of(const stp_leaf_octree* octree, uint32_t leaf)
 {
@@ -13,17 +13,17 @@ static double count_of(const stp_leaf_octree* octree, uint32_t leaf)
 
 /// Number of points per square grid step that keeps about `wanted` in total. Leaves with fewer keep
 /// all of them, and the others share the rest; this repeats until no more leaves run short.
-static double find_density(const stp_leaf_octree* octree, const stp_leaf_facts* facts,
+static double find_density(const stp_leaf_octree* octree, const stp_leaf_properties* properties,
                            double wanted)
 {
     double density = 0.0;
     bool grows = true;
-    for (int round = 0; round < ROUNDS_MOST && grows; ++round) {
+    for (int round = 0; round < ROUNDS_MAX && grows; ++round) {
         double given = 0.0, area = 0.0;
         for (uint32_t l = 0; l < octree->leaf_count; ++l) {
-            bool all = density * (double)facts[l].area >= count_of(octree, l);
+            bool all = density * (double)properties[l].area >= count_of(octree, l);
             given += all ? count_of(octree, l) : 0.0;
-            area += all ? 0.0 : (double)facts[l].area;
+            area += all ? 0.0 : (double)properties[l].area;
         }
         double next = area > 0.0 ? (wanted - given) / area : density;
         grows = next > density;
@@ -32,10 +32,10 @@ static double find_density(const stp_leaf_octree* octree, const stp_leaf_facts* 
     return density;
 }
 
-void stp_leaf_trim(stp_leaf_octree* octree, stp_leaf_facts* facts, uint32_t* ranked,
+void stp_leaf_trim(stp_leaf_octree* octree, stp_leaf_properties* properties, uint32_t* ranked,
                    uint32_t wanted)
 {
-    double density = find_density(octree, facts, (double)wanted), carried = 0.5;
+    double density = find_density(octree, properties, (double)wanted), carried = 0.5;
     uint32_t leaves = 0, kept = 0, all = 0;
     for (uint32_t l = 0; l < octree->leaf_count; ++l) {
         all += octree->leaves[l].end - octree->leaves[l].begin;
@@ -43,7 +43,7 @@ void stp_leaf_trim(stp_leaf_octree* octree, stp_leaf_facts* facts, uint32_t* ran
     for (uint32_t l = 0; l < octree->leaf_count; ++l) {
         stp_leaf_cell leaf = octree->leaves[l];
         uint32_t has = leaf.end - leaf.begin;
-        carried += fmin(density * (double)facts[l].area, (double)has);
+        carried += fmin(density * (double)properties[l].area, (double)has);
         uint32_t count = carried > 0.0 ? (uint32_t)fmin(floor(carried), (double)has) : 0;
         all -= has;
         uint32_t left = wanted - kept; // later leaves may have too few, or none may be left
@@ -54,7 +54,7 @@ void stp_leaf_trim(stp_leaf_octree* octree, stp_leaf_facts* facts, uint32_t* ran
             memmove(ranked + kept, ranked + leaf.begin, count * sizeof(*ranked));
             leaf.begin = kept;
             leaf.end = kept += count;
-            facts[leaves] = facts[l];
+            properties[leaves] = properties[l];
             octree->leaves[leaves++] = leaf;
         }
     }

@@ -34,17 +34,17 @@ enum { CLOUD_POINT_PIXELS = 64 }; ///< most
     }
 
 /// Reads 3, 3px, 0.05m or adaptive. @return false if the text is not such a size
-bool cloud_look_read_size(const char* text, cloud_point_size* size);
+bool cloud_style_read_size(const char* text, cloud_point_size* size);
 
 /// Prints the valid sizes. @return 2
-int cloud_look_refuse_size(const char* text);
+int cloud_style_refuse_size(const char* text);
 
 /// Whether the scene has only points.
-bool cloud_look_is_cloud(const stp_store* store);
+bool cloud_style_is_cloud(const stp_store* store);
 
 /// Default strength of eye-dome lighting: that of clouds, or 0.
-float cloud_look_eye_dome(const stp_store* store);
+float cloud_style_eye_dome(const stp_store* store);
 
 /// Sets the point size. If the scene has no unit, its units count as metres.
-void cloud_look_set_size(const cloud_point_size* size, const stp_store* store,
-                         stp_draw_style* style);
+void cloud_style_set_size(const cloud_point_size* size, const stp_store* store,
+                          stp_draw_style* style);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "point_look.h"
+#include "point_style.h"
 
 #include "gui.h"
 #include "panels.h"
@@ -28,9 +28,9 @@ static bool has_scale(int color)
 }
 
 /// Default range of the scale. Elevations are read from the window's own file, once per scene.
-static void usual_range(viewer* v, double range[2])
+static void default_range(viewer* v, double range[2])
 {
-    point_look* look = &v->look;
+    point_style* look = &v->look;
     const stp_store_attribute* a =
         stp_store_find_attribute(v->scene->store, point_color_attribute(look->color));
     if (a != NULL) {
@@ -56,18 +56,18 @@ static void usual_range(viewer* v, double range[2])
 
 static void find_range(viewer* v, double range[2])
 {
-    usual_range(v, range);
+    default_range(v, range);
     if (v->look.has_range) {
         range[0] = v->look.low;
         range[1] = v->look.high;
     }
 }
 
-void point_look_begin(viewer* v)
+void point_style_begin(viewer* v)
 {
-    v->look = (point_look){.color = v->scene != NULL && is_offered(v, v->options.colors.color)
-                                        ? v->options.colors.color
-                                        : POINT_COLOR_RGB};
+    v->look = (point_style){.color = v->scene != NULL && is_offered(v, v->options.colors.color)
+                                         ? v->options.colors.color
+                                         : POINT_COLOR_RGB};
     const point_color_options* o = &v->options.colors;
     if (o->color != v->look.color) {
         viewer_show_message(v, false, "%s: its points have no %s", v->file,
@@ -78,9 +78,9 @@ void point_look_begin(viewer* v)
     v->look.hides = o->classes != NULL && point_colors_read_classes(o->classes, v->look.shown);
 }
 
-void point_look_give(viewer* v, paint_request* request)
+void point_style_give(viewer* v, paint_request* request)
 {
-    const point_look* look = &v->look;
+    const point_style* look = &v->look;
     stp_attribute a = point_color_attribute(look->color);
     double range[2] = {0.0, 1.0};
     if (has_scale(look->color)) {
@@ -105,7 +105,7 @@ void point_look_give(viewer* v, paint_request* request)
     const point_color_options o = {.color = look->color, .classes = look->hides ? "" : NULL};
     request->quality.points_apart = request->quality.points_apart || point_colors_need_points(&o);
     if (!request->quality.reference) {
-        uint32_t method = point_look_method(v, &request->quality.reference);
+        uint32_t method = point_style_method(v, &request->quality.reference);
         request->quality.method = method != 0 ? method : request->quality.method;
         if (request->quality.reference && request->style.point_sizing == STP_POINTS_ADAPTIVE) {
             request->style.point_sizing = STP_POINTS_PIXELS;
@@ -114,9 +114,9 @@ void point_look_give(viewer* v, paint_request* request)
     }
 }
 
-uint32_t point_look_method(const viewer* v, bool* originals)
+uint32_t point_style_method(const viewer* v, bool* originals)
 {
-    const point_look* look = &v->look;
+    const point_style* look = &v->look;
     const point_color_options o = {.color = look->color, .classes = look->hides ? "" : NULL};
     uint32_t chosen = (uint32_t)v->settings.splats_by;
     *originals = false;
@@ -137,14 +137,14 @@ uint32_t point_look_method(const viewer* v, bool* originals)
 static void show_other_method(const viewer* v)
 {
     bool originals;
-    uint32_t chosen = (uint32_t)v->settings.splats_by, drawn = point_look_method(v, &originals);
+    uint32_t chosen = (uint32_t)v->settings.splats_by, drawn = point_style_method(v, &originals);
     const stp_store_directory* d = v->scene->directory;
     if (originals) {
-        gui_faint_paragraph("Showing original points: splats lack this attribute.");
+        gui_dim_paragraph("Showing original points: splats lack this attribute.");
     } else if (drawn != 0 && d->method_count > 1 &&
                stp_store_find_method(d, chosen) != stp_store_find_method(d, drawn)) {
-        gui_faint_paragraph("Showing splats of %s: other splats lack this attribute.",
-                            stp_method_by_id(drawn)->title);
+        gui_dim_paragraph("Showing splats of %s: other splats lack this attribute.",
+                          stp_method_by_id(drawn)->title);
     }
 }
 
@@ -211,7 +211,7 @@ static void show_classes(viewer* v)
         }
         gui_right_aligned(gui_text_width(count) + gui_text_height() + gui_gap());
         gui_square(color);
-        gui_faint("%s", count);
+        gui_dim_text("%s", count);
         gui_pop_id();
     }
     if (v->look.hides &&
@@ -225,17 +225,17 @@ static void show_picked(const viewer* v)
 {
     const stp_pick* pick = &v->picked;
     if (!v->has_picked || v->explorer == NULL || pick->part.kind != STP_STORE_PART_POINTS) {
-        gui_faint_paragraph("Click a point for its coordinates and attributes.");
+        gui_dim_paragraph("Click a point for its coordinates and attributes.");
         return;
     }
     char text[128];
     stp_store* store = v->explorer->store;
     const char* system = stp_store_coordinate_system(store);
     measure_print_point(v, pick->position, text, sizeof(text));
-    gui_faint("Picked point");
+    gui_dim_text("Picked point");
     gui_paragraph("%s", text);
     if (system != NULL) {
-        gui_faint_paragraph("%.120s", system);
+        gui_dim_paragraph("%.120s", system);
     }
     uint32_t mask = pick->part.index < v->scene->directory->point_set_count
                         ? stp_store_point_attributes(store, pick->part.index)
@@ -254,7 +254,7 @@ static void show_picked(const viewer* v)
     }
 }
 
-void point_look_show(viewer* v)
+void point_style_show(viewer* v)
 {
     if (v->scene == NULL || !gui_section("Colours", true)) {
         return;
@@ -273,7 +273,7 @@ void point_look_show(viewer* v)
     }
 }
 
-void point_look_overlay(viewer* v)
+void point_style_overlay(viewer* v)
 {
     if (v->scene == NULL || !v->settings.guides || !v->shows_panels || !has_scale(v->look.color)) {
         return;

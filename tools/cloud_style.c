@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cloud_look.h"
+#include "cloud_style.h"
 
 #include "tool.h"
 
@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double most_metres = 1e6, least_pixels = 1.0;
+static const double max_metres = 1e6, min_pixels = 1.0;
 
-bool cloud_look_read_size(const char* text, cloud_point_size* size)
+bool cloud_style_read_size(const char* text, cloud_point_size* size)
 {
     *size = (cloud_point_size){0};
     if (strcmp(text, "adaptive") == 0) {
@@ -22,34 +22,34 @@ bool cloud_look_read_size(const char* text, cloud_point_size* size)
     }
     if (strcmp(end, "m") == 0) {
         *size = (cloud_point_size){.in_metres = true, .width = width};
-        return width <= most_metres;
+        return width <= max_metres;
     }
     *size = (cloud_point_size){.width = width};
-    return (*end == '\0' || strcmp(end, "px") == 0) && width >= least_pixels &&
+    return (*end == '\0' || strcmp(end, "px") == 0) && width >= min_pixels &&
            width <= CLOUD_POINT_PIXELS;
 }
 
-int cloud_look_refuse_size(const char* text)
+int cloud_style_refuse_size(const char* text)
 {
     return tool_usage_error("--point-size must be 1 to %d pixels (3 or 3px), metres (0.05m) or "
                             "adaptive, not %s",
                             CLOUD_POINT_PIXELS, text);
 }
 
-bool cloud_look_is_cloud(const stp_store* store)
+bool cloud_style_is_cloud(const stp_store* store)
 {
     const stp_store_directory* d = stp_store_get_directory(store);
     return d->root != STP_STORE_NONE && d->nodes[d->root].triangle_count == 0 &&
            d->nodes[d->root].point_count > 0;
 }
 
-float cloud_look_eye_dome(const stp_store* store)
+float cloud_style_eye_dome(const stp_store* store)
 {
-    return cloud_look_is_cloud(store) ? CLOUD_EYE_DOME : 0.0f;
+    return cloud_style_is_cloud(store) ? CLOUD_EYE_DOME : 0.0f;
 }
 
-void cloud_look_set_size(const cloud_point_size* size, const stp_store* store,
-                         stp_draw_style* style)
+void cloud_style_set_size(const cloud_point_size* size, const stp_store* store,
+                          stp_draw_style* style)
 {
     double unit = stp_store_get_directory(store)->unit_metres;
     style->point_sizing = !(size->width > 0.0) ? STP_POINTS_ADAPTIVE

@@ -14,7 +14,7 @@ typedef struct stp_leaf_points {
 } stp_leaf_points;
 
 /// Properties of a leaf. Lengths are in grid steps.
-typedef struct stp_leaf_facts {
+typedef struct stp_leaf_properties {
     float mean[3]; ///< mean position of its points
     /// Representative normal: of the plane through its points, or the mean of oriented normals
     stp_vec3 normal;
@@ -31,24 +31,24 @@ typedef struct stp_leaf_facts {
     stp_vec3 stretch;
     bool known; ///< it has enough points for a plane
     bool edge;  ///< it may contain an edge
-} stp_leaf_facts;
+} stp_leaf_properties;
 
 /// Computes plane, flatness, area and edge of each leaf, on all threads. Leaves with few points use
 /// the median spacing.
 /// @param scatters NULL, or receives the scatter of each leaf's sample, relative to its corner
-void stp_leaf_facts_of_places(stp_context* context, const stp_leaf_octree* octree,
-                              const stp_leaf_points* points, stp_leaf_facts* facts,
-                              stp_scatter* scatters);
+void stp_leaf_measure_planes(stp_context* context, const stp_leaf_octree* octree,
+                             const stp_leaf_points* points, stp_leaf_properties* properties,
+                             stp_scatter* scatters);
 
 /// Median spacing over all points. 0 without leaves.
-float stp_leaf_median_spacing(const stp_leaf_octree* octree, const stp_leaf_facts* facts);
+float stp_leaf_median_spacing(const stp_leaf_octree* octree, const stp_leaf_properties* properties);
 
 /// Sets the representative normals if signs are known; otherwise they stay as
-/// stp_leaf_facts_of_places left them. On all threads.
-void stp_leaf_facts_of_normals(stp_context* context, const stp_leaf_octree* octree,
-                               const stp_leaf_points* points, stp_leaf_facts* facts);
+/// stp_leaf_measure_planes left them. On all threads.
+void stp_leaf_measure_normals(stp_context* context, const stp_leaf_octree* octree,
+                              const stp_leaf_points* points, stp_leaf_properties* properties);
 
 /// Computes spread and curvature. The signs of normals may be arbitrary: each is turned to the side
 /// of the leaf's normal. On all threads.
-void stp_leaf_facts_of_bends(stp_context* context, const stp_leaf_octree* octree,
-                             const stp_leaf_points* points, stp_leaf_facts* facts);
+void stp_leaf_measure_curvature(stp_context* context, const stp_leaf_octree* octree,
+                                const stp_leaf_points* points, stp_leaf_properties* properties);

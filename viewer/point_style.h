@@ -5,7 +5,7 @@
 #include "point_colors.h"
 
 /// Settings of one file; all zero: own colours, all classes.
-typedef struct point_look {
+typedef struct point_style {
     int color;          ///< point_color
     bool has_range;     ///< the user chose a range
     double low, high;   ///< of the colour scale
@@ -13,4 +13,4 @@ typedef struct point_look {
     uint8_t shown[256]; ///< visible classes, if `hides`
     uint32_t scene;     ///< serial of the scene that the elevations belong to; 0: unknown
     double elevation[2];
-} point_look;
+} point_style;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lod/stochastic/facts.h"
+#include "lod/stochastic/leaf_properties.h"
 
 #include "base/leaf_codes.h"
 #include "lod/stochastic/scatter.h"
@@ -15,41 +15,42 @@ enum {
     BEND_SAMPLE = 48,
     /// Reciprocal share of outlier normals that the spread ignores
     OUTLYING = 10,
-    LEAST_POINTS = 6, ///< minimum points from which plane and area are estimated
+    MIN_POINTS = 6, ///< minimum points from which plane and area are estimated
 };
 // a rectangle has an area of 12 sqrt(l1 l2), a disk of 4 pi sqrt(l1 l2)
 #define AREA_OF_SCATTER 12.5
 /// Squared length of a line over l2. Points on a line represent squares as wide as their distance
 #define LINE_OF_SCATTER 12.0
 #define AREA_OF_FOLD 4.0 // additional area of a folded surface, relative to its flatness
-#define LEAST_RATIO 0.5f // minimum ratio of a splat's radii
+#define MIN_RATIO 0.5f   // minimum ratio of a splat's radii
 /// Radius of a splat among few, relative to the radius of curvature, below which it stays a disk
-#define LEAST_BEND 0.1f
+#define MIN_CURVATURE 0.1f
 #define FEW 6.0f // growth of splats if few are drawn
 
-typedef struct fact_loop {
+typedef struct property_loop {
     const stp_leaf_octree* octree;
     const stp_leaf_points* points;
-    stp_leaf_facts* facts;
+    stp_leaf_properties* properties;
     stp_scatter* scatters; ///< NULL: not wanted
-} fact_loop;
+} property_loop;
 
-static const uint32_t* points_of(const fact_loop* l, size_t leaf, uint32_t most, uint32_t* count)
+static const uint32_t* points_of(const property_loop* l, size_t leaf, uint32_t maximum,
+                                 uint32_t* count)
 {
     const stp_leaf_cell* at = &l->octree->leaves[leaf];
     uint32_t all = at->end - at->begin;
-    *count = all < most ? all : most;
+    *count = all < maximum ? all : maximum;
     return l->octree->order + at->begin;
 }
 
-static stp_vec3 normal_of(const fact_loop* l, uint32_t point)
+static stp_vec3 normal_of(const property_loop* l, uint32_t point)
 {
     const float* n = l->points->normals + 3 * (size_t)point;
     return (stp_vec3){n[0], n[1], n[2]};
 }
 
 /// A point relative to the corner of its leaf: whole numbers, so sums are exact.
-static stp_vec3d place_of(const fact_loop* l, size_t leaf, uint32_t point)
+static stp_vec3d place_of(const property_loop* l, size_t leaf, uint32_t point)
 {
     const uint16_t* p = l->points->positions + 3 * (size_t)point;
     const uint16_t* c = l->octree->leaves[leaf].corner;
@@ -107,7 +108,7 @@ static bool is_edge_point(const edge_points* among, uint32_t point)
 
 /// Tests some points of a leaf: if none lies on an edge, the leaf has no edge (2, Edge
 /// Containment).
-static bool has_edge(const fact_loop* l, size_t leaf)
+static bool has_edge(const property_loop* l, size_t leaf)
 {
     edge_points among;
     const uint32_t* order = points_of(l, leaf, EDGE_AMONG, &among.count);
@@ -128,10 +129,10 @@ static bool has_edge(const fact_loop* l, size_t leaf)
 static void measure_places(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
-    const fact_loop* l = user;
+    const property_loop* l = user;
     for (size_t i = begin; i < end; ++i) {
         const stp_leaf_cell* leaf = &l->octree->leaves[i];
-        stp_leaf_facts* f = &l->facts[i];
+        stp_leaf_properties* f = &l->properties[i];
         uint32_t count;
         const uint32_t* order = points_of(l, i, PLANE_SAMPLE, &count);
         stp_scatter scatter = {0};
@@ -151,27 +152,27 @@ static void measure_places(size_t begin, size_t end, uint32_t worker, void* user
         area = fmax(area, LINE_OF_SCATTER * e[2] / (double)(leaf->end - leaf->begin));
         area *=
             (1.0 + AREA_OF_FOLD * flatness) * (double)count / (double)(count > 1 ? count - 1 : 1);
-        bool known = count >= LEAST_POINTS && area > 0.0;
-        *f =
-            (stp_leaf_facts){.mean = {(float)(scatter.x / (double)count + (double)leaf->corner[0]),
-                                      (float)(scatter.y / (double)count + (double)leaf->corner[1]),
-                                      (float)(scatter.z / (double)count + (double)leaf->corner[2])},
-                             .normal = stp_to_float(stp_symmetric_eigenvector(matrix, e[0])),
-                             .flatness = (float)flatness,
-                             .lasting = (float)flatness,
-                             .area = known ? (float)area : 0.0f,
-                             .ratio = 1.0f,
-                             .known = known,
-                             .edge = flatness > 0.0 && (stp_scatter_is_edge(e) || has_edge(l, i))};
+        bool known = count >= MIN_POINTS && area > 0.0;
+        *f = (stp_leaf_properties){
+            .mean = {(float)(scatter.x / (double)count + (double)leaf->corner[0]),
+                     (float)(scatter.y / (double)count + (double)leaf->corner[1]),
+                     (float)(scatter.z / (double)count + (double)leaf->corner[2])},
+            .normal = stp_to_float(stp_symmetric_eigenvector(matrix, e[0])),
+            .flatness = (float)flatness,
+            .lasting = (float)flatness,
+            .area = known ? (float)area : 0.0f,
+            .ratio = 1.0f,
+            .known = known,
+            .edge = flatness > 0.0 && (stp_scatter_is_edge(e) || has_edge(l, i))};
         f->spacing = sqrtf(f->area / (float)(leaf->end - leaf->begin));
     }
 }
 
-void stp_leaf_facts_of_places(stp_context* context, const stp_leaf_octree* octree,
-                              const stp_leaf_points* points, stp_leaf_facts* facts,
-                              stp_scatter* scatters)
+void stp_leaf_measure_planes(stp_context* context, const stp_leaf_octree* octree,
+                             const stp_leaf_points* points, stp_leaf_properties* properties,
+                             stp_scatter* scatters)
 {
-    fact_loop loop = {octree, points, facts, scatters};
+    property_loop loop = {octree, points, properties, scatters};
     stp_parallel_for(context, octree->leaf_count, GRAIN, measure_places, &loop);
 }
 
@@ -185,15 +186,15 @@ static uint32_t class_of(float spacing)
     return code < lowest ? 0 : code - lowest < SPACINGS ? code - lowest : SPACINGS - 1;
 }
 
-float stp_leaf_median_spacing(const stp_leaf_octree* octree, const stp_leaf_facts* facts)
+float stp_leaf_median_spacing(const stp_leaf_octree* octree, const stp_leaf_properties* properties)
 {
     uint64_t counts[SPACINGS] = {0}, all = 0, below = 0;
     double sums[SPACINGS] = {0};
     for (uint32_t i = 0; i < octree->leaf_count; ++i) {
         uint32_t count = octree->leaves[i].end - octree->leaves[i].begin;
-        if (facts[i].spacing > 0.0f) {
-            counts[class_of(facts[i].spacing)] += count;
-            sums[class_of(facts[i].spacing)] += (double)facts[i].spacing * (double)count;
+        if (properties[i].spacing > 0.0f) {
+            counts[class_of(properties[i].spacing)] += count;
+            sums[class_of(properties[i].spacing)] += (double)properties[i].spacing * (double)count;
             all += count;
         }
     }
@@ -209,7 +210,7 @@ float stp_leaf_median_spacing(const stp_leaf_octree* octree, const stp_leaf_fact
 static void measure_normals(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
-    const fact_loop* l = user;
+    const property_loop* l = user;
     for (size_t i = begin; i < end; ++i) {
         uint32_t count;
         const uint32_t* order = points_of(l, i, BEND_SAMPLE, &count);
@@ -217,36 +218,37 @@ static void measure_normals(size_t begin, size_t end, uint32_t worker, void* use
         for (uint32_t k = 0; k < count; ++k) {
             sum = stp_add(sum, normal_of(l, order[k]));
         }
-        stp_vec3 mean = stp_normalize(sum), plane = l->facts[i].normal;
+        stp_vec3 mean = stp_normalize(sum), plane = l->properties[i].normal;
         // otherwise the normals face away from each other
         if (stp_length(sum) > 0.25f * (float)count) {
-            l->facts[i].normal = mean;
+            l->properties[i].normal = mean;
         } else if (stp_dot(mean, plane) < 0.0f) {
-            l->facts[i].normal = stp_scale(plane, -1.0f);
+            l->properties[i].normal = stp_scale(plane, -1.0f);
         }
     }
 }
 
-void stp_leaf_facts_of_normals(stp_context* context, const stp_leaf_octree* octree,
-                               const stp_leaf_points* points, stp_leaf_facts* facts)
+void stp_leaf_measure_normals(stp_context* context, const stp_leaf_octree* octree,
+                              const stp_leaf_points* points, stp_leaf_properties* properties)
 {
-    fact_loop loop = {octree, points, facts, NULL};
+    property_loop loop = {octree, points, properties, NULL};
     if (points->are_oriented) {
         stp_parallel_for(context, octree->leaf_count, GRAIN, measure_normals, &loop);
     }
 }
 
 /// A symmetric 2 x 2 matrix.
-typedef struct bend {
+typedef struct shape_operator {
     double uu, uv, vv;
-} bend;
+} shape_operator;
 
 /// Fits the change of normals along a surface by least squares: the matrix S with dn = S dp.
-static bool fit_bend(const fact_loop* l, size_t leaf, stp_vec3 u, stp_vec3 v, bend* out)
+static bool fit_shape_operator(const property_loop* l, size_t leaf, stp_vec3 u, stp_vec3 v,
+                               shape_operator* out)
 {
     uint32_t count;
     const uint32_t* order = points_of(l, leaf, BEND_SAMPLE, &count);
-    const stp_leaf_facts* f = &l->facts[leaf];
+    const stp_leaf_properties* f = &l->properties[leaf];
     double pp[3] = {0}, np[4] = {0}; // p p^t; n p^t
     for (uint32_t k = 0; k < count; ++k) {
         const uint16_t* at = l->points->positions + 3 * (size_t)order[k];
@@ -265,26 +267,26 @@ static bool fit_bend(const fact_loop* l, size_t leaf, stp_vec3 u, stp_vec3 v, be
         np[3] += nv * pv;
     }
     double det = pp[0] * pp[2] - pp[1] * pp[1];
-    if (count < LEAST_POINTS || !(det > 1e-6 * (pp[0] + pp[2]) * (pp[0] + pp[2]))) {
+    if (count < MIN_POINTS || !(det > 1e-6 * (pp[0] + pp[2]) * (pp[0] + pp[2]))) {
         return false;
     }
     double i0 = pp[2] / det, i1 = -pp[1] / det, i2 = pp[0] / det;
-    *out = (bend){.uu = np[0] * i0 + np[1] * i1,
-                  .uv = 0.5 * (np[0] * i1 + np[1] * i2 + np[2] * i0 + np[3] * i1),
-                  .vv = np[2] * i1 + np[3] * i2};
+    *out = (shape_operator){.uu = np[0] * i0 + np[1] * i1,
+                            .uv = 0.5 * (np[0] * i1 + np[1] * i2 + np[2] * i0 + np[3] * i1),
+                            .vv = np[2] * i1 + np[3] * i2};
     return true;
 }
 
 /// Chooses the ellipse of a leaf's splats: its axes have the ratio of the principal curvatures; the
 /// long one lies along the smaller curvature.
-static void find_ellipse(const fact_loop* l, size_t leaf)
+static void find_ellipse(const property_loop* l, size_t leaf)
 {
-    stp_leaf_facts* f = &l->facts[leaf];
+    stp_leaf_properties* f = &l->properties[leaf];
     stp_vec3 n = f->normal;
     stp_vec3 other = fabsf(n.x) < 0.6f ? (stp_vec3){1, 0, 0} : (stp_vec3){0, 1, 0};
     stp_vec3 u = stp_normalize(stp_cross(n, other)), v = stp_cross(n, u);
-    bend b;
-    if (!fit_bend(l, leaf, u, v, &b)) {
+    shape_operator b;
+    if (!fit_shape_operator(l, leaf, u, v, &b)) {
         return;
     }
     double mean = 0.5 * (b.uu + b.vv), half = 0.5 * (b.uu - b.vv);
@@ -293,7 +295,7 @@ static void find_ellipse(const fact_loop* l, size_t leaf)
     bool first_is_larger = fabs(first) >= fabs(second);
     double larger = first_is_larger ? fabs(first) : fabs(second);
     double smaller = first_is_larger ? fabs(second) : fabs(first);
-    if (!((float)larger * f->spacing * FEW > LEAST_BEND)) {
+    if (!((float)larger * f->spacing * FEW > MIN_CURVATURE)) {
         return; // flat
     }
     // eigenvector of the first, from the longer row
@@ -309,21 +311,21 @@ static void find_ellipse(const fact_loop* l, size_t leaf)
         along_u = -along_v;
         along_v = kept;
     }
-    f->ratio = stp_max((float)(smaller / larger), LEAST_RATIO);
+    f->ratio = stp_max((float)(smaller / larger), MIN_RATIO);
     f->stretch = stp_normalize(stp_add(stp_scale(u, (float)along_u), stp_scale(v, (float)along_v)));
 }
 
-static void measure_bends(size_t begin, size_t end, uint32_t worker, void* user)
+static void measure_curvatures(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
-    const fact_loop* l = user;
+    const property_loop* l = user;
     for (size_t i = begin; i < end; ++i) {
         uint32_t count;
         const uint32_t* order = points_of(l, i, BEND_SAMPLE, &count);
         float lowest[BEND_SAMPLE / OUTLYING + 1];
         uint32_t kept = count / OUTLYING + 1, found = 0;
         for (uint32_t k = 0; k < count; ++k) { // the lowest cosines, ascending
-            float cosine = stp_dot(normal_of(l, order[k]), l->facts[i].normal);
+            float cosine = stp_dot(normal_of(l, order[k]), l->properties[i].normal);
             cosine = l->points->are_oriented ? cosine : fabsf(cosine);
             if (found == kept && cosine >= lowest[kept - 1]) {
                 continue;
@@ -334,15 +336,16 @@ static void measure_bends(size_t begin, size_t end, uint32_t worker, void* user)
             }
             lowest[at] = cosine;
         }
-        float least = lowest[kept - 1];
-        l->facts[i].spread = least > 0.0f ? sqrtf(stp_max(1.0f - least * least, 0.0f)) : 1.0f;
+        float minimum = lowest[kept - 1];
+        l->properties[i].spread =
+            minimum > 0.0f ? sqrtf(stp_max(1.0f - minimum * minimum, 0.0f)) : 1.0f;
         find_ellipse(l, i);
     }
 }
 
-void stp_leaf_facts_of_bends(stp_context* context, const stp_leaf_octree* octree,
-                             const stp_leaf_points* points, stp_leaf_facts* facts)
+void stp_leaf_measure_curvature(stp_context* context, const stp_leaf_octree* octree,
+                                const stp_leaf_points* points, stp_leaf_properties* properties)
 {
-    fact_loop loop = {octree, points, facts, NULL};
-    stp_parallel_for(context, octree->leaf_count, GRAIN, measure_bends, &loop);
+    property_loop loop = {octree, points, properties, NULL};
+    stp_parallel_for(context, octree->leaf_count, GRAIN, measure_curvatures, &loop);
 }
