@@ -12,7 +12,7 @@ struct stp_gate {
     pthread_mutex_t mutex;
     pthread_cond_t moved;     ///< a ticket left, or the queue advanced
     stp_gate_ticket* inside;  ///< tickets inside
-    uint64_t bytes, peak;     ///< announced by the tickets inside
+    uint64_t bytes;           ///< announced by the tickets inside
     uint64_t jobs;            ///< number of tickets inside that loop pieces entered
     uint64_t arrived, called; ///< position in the queue: next to assign, next to enter
 };
@@ -62,7 +62,6 @@ static void admit(stp_gate* gate, stp_gate_ticket* ticket)
     ticket->next = gate->inside;
     gate->inside = ticket;
     gate->bytes += ticket->bytes;
-    gate->peak = gate->bytes > gate->peak ? gate->bytes : gate->peak;
     gate->jobs += ticket->in_loop;
 }
 
@@ -71,7 +70,7 @@ static stp_result wait_in_queue(stp_gate* gate, const stp_gate_ticket* ticket)
 {
     uint64_t number = gate->arrived++;
     stp_result result = STP_OK;
-    // a waiter that gives up keeps its place until it is called, so that the line advances
+    // a waiter that gives up keeps its place until it is called, so that the queue advances
     while (number != gate->called || (result == STP_OK && !has_room(gate, ticket))) {
         stp_result told = stp_condition_wait_reported(gate->context, &gate->moved, &gate->mutex);
         result = result != STP_OK ? result : told;
@@ -112,12 +111,4 @@ void stp_gate_leave(stp_gate* gate, stp_gate_ticket* ticket)
     gate->jobs -= ticket->in_loop;
     pthread_cond_broadcast(&gate->moved);
     pthread_mutex_unlock(&gate->mutex);
-}
-
-uint64_t stp_gate_peak_bytes(stp_gate* gate)
-{
-    pthread_mutex_lock(&gate->mutex);
-    uint64_t peak = gate->peak;
-    pthread_mutex_unlock(&gate->mutex);
-    return peak;
 }

@@ -32,6 +32,3 @@ void stp_gate_destroy(stp_gate* gate);
 STP_MUST_USE stp_result stp_gate_enter(stp_gate* gate, uint64_t bytes, stp_gate_ticket* ticket);
 /// Call on the thread that entered.
 void stp_gate_leave(stp_gate* gate, stp_gate_ticket* ticket);
-
-/// Peak of the bytes inside.
-uint64_t stp_gate_peak_bytes(stp_gate* gate);

@@ -23,7 +23,7 @@ typedef struct stp_draw_gl_desc {
     void* user;
     uint64_t memory_bytes; ///< limit on GPU memory for scene data; default 1 GiB
     /// Upload limit in bytes per frame, for data that a coarser level can replace; 0: uploads
-    /// everything before drawing, as a single picture needs. See stp_draw_gl_set_upload_bytes.
+    /// everything before drawing, as a single picture needs.
     uint64_t upload_bytes;
     /// Receives the messages of a debug context: the first error fails the call in which it occurs.
     bool debug;
@@ -49,9 +49,6 @@ uint32_t stp_draw_gl_texture(const stp_renderer* renderer);
 /// glFinish, or the call waits. Leaves the other fields of `stats` unchanged, as set by the drawing
 /// call.
 void stp_draw_gl_finish_stats(stp_renderer* renderer, stp_draw_stats* stats);
-
-/// See stp_draw_gl_desc.upload_bytes.
-void stp_draw_gl_set_upload_bytes(stp_renderer* renderer, uint64_t bytes);
 
 /// How splats are drawn; the picture is the same.
 typedef enum stp_gl_splats {

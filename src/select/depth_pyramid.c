@@ -80,21 +80,6 @@ static void reduce_level(stp_depth_pyramid* p, uint32_t level)
     }
 }
 
-stp_result stp_depth_pyramid_make(stp_context* context, const stp_view* view, const float* nearness,
-                                  stp_depth_pyramid* pyramid)
-{
-    pyramid->level_count = 0;
-    if (!stp_view_frame_make(view, &pyramid->frame)) {
-        return stp_fail(context, STP_ERROR_ARGUMENT,
-                        "view: invalid combination of eye, target, angle and size");
-    }
-    if (pyramid->frame.parallel) {
-        return STP_OK; // nearness there is private to the backend
-    }
-    stp_view_frame frame = pyramid->frame;
-    return stp_depth_pyramid_fill(context, &frame, nearness, pyramid);
-}
-
 stp_result stp_depth_pyramid_fill(stp_context* context, const stp_view_frame* frame,
                                   const float* nearness, stp_depth_pyramid* pyramid)
 {

@@ -26,14 +26,9 @@ typedef struct stp_depth_pyramid {
 } stp_depth_pyramid;
 
 /// Builds the pyramid from the nearness of each pixel (stp_renderer_depth; one sample per pixel).
-/// Zero-initialize it; memory is reused between calls. In parallel projection the pyramid occludes
-/// nothing.
-/// @return STP_OK, STP_ERROR_ARGUMENT (no view), STP_ERROR_OUT_OF_MEMORY; logged
-STP_MUST_USE stp_result stp_depth_pyramid_make(stp_context* context, const stp_view* view,
-                                               const float* nearness, stp_depth_pyramid* pyramid);
-
-/// The same for an existing view frame, also in parallel projection: there the blocks may be read,
-/// but stp_depth_pyramid_hides must not be called.
+/// Zero-initialize it; memory is reused between calls. In parallel projection the blocks may be
+/// read, but stp_depth_pyramid_hides must not be called. @return STP_OK, STP_ERROR_OUT_OF_MEMORY
+/// (logged)
 STP_MUST_USE stp_result stp_depth_pyramid_fill(stp_context* context, const stp_view_frame* frame,
                                                const float* nearness, stp_depth_pyramid* pyramid);
 

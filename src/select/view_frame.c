@@ -121,13 +121,6 @@ bool stp_view_frame_depths(const stp_view_frame* frame, const stp_boxd* box, dou
     return true;
 }
 
-bool stp_view_frame_intersects(const stp_view_frame* frame, const stp_boxd* box,
-                               double* nearest_depth)
-{
-    double farthest_depth;
-    return stp_view_frame_depths(frame, box, nearest_depth, &farthest_depth);
-}
-
 static void widen(const stp_view_frame* f, stp_view_rectangle* r, double x, double y, double z)
 {
     double factor = f->parallel ? f->scale : f->scale / z;

@@ -25,12 +25,8 @@ typedef struct stp_view_frame {
 /// two eyes (each has its own frame: select/eyes.h)
 bool stp_view_frame_make(const stp_view* view, stp_view_frame* frame);
 
-/// Whether part of the box may be in the picture, and its nearest depth: a lower bound, at least
-/// the near distance.
-bool stp_view_frame_intersects(const stp_view_frame* frame, const stp_boxd* box,
-                               double* nearest_depth);
-
-/// The same, with the farthest depth of the box too.
+/// Whether part of the box may be in the picture, and its depths: nearest, a lower bound, at least
+/// the near distance; and farthest, of the whole box.
 bool stp_view_frame_depths(const stp_view_frame* frame, const stp_boxd* box, double* nearest_depth,
                            double* farthest_depth);
 

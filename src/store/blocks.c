@@ -105,18 +105,6 @@ bool stp_store_is_clustered(const stp_store* store, uint32_t index)
     return stp_store_block_at(store, records[index].block)->kind == STP_BLOCK_CLUSTERS;
 }
 
-uint32_t stp_store_cluster_count(const stp_store* store, uint32_t index)
-{
-    const stp_store_clusters_record* records = store->tables[STP_SECTION_CLUSTERS];
-    return stp_store_is_clustered(store, index) ? records[index].cluster_count : 0;
-}
-
-uint64_t stp_store_mesh_bytes(const stp_store* store, uint32_t index)
-{
-    const stp_store_mesh_record* records = store->tables[STP_SECTION_MESHES];
-    return stp_store_block_at(store, records[index].block)->size;
-}
-
 const char* stp_store_find_clusters(const stp_store* store, uint32_t index,
                                     const unsigned char* bytes, stp_clusters* clusters)
 {

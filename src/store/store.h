@@ -229,10 +229,6 @@ const stp_store_texture* stp_store_describe_texture(const stp_store* store, uint
 const stp_splats* stp_store_describe_surfels(const stp_store* store, uint32_t index);
 /// Whether a mesh is stored as clusters (store/clusters.h); then stp_store_get_mesh fails.
 bool stp_store_is_clustered(const stp_store* store, uint32_t index);
-/// 0 for a mesh stored as columns.
-uint32_t stp_store_cluster_count(const stp_store* store, uint32_t index);
-/// Size of a mesh's data in the file, without directory entries.
-uint64_t stp_store_mesh_bytes(const stp_store* store, uint32_t index);
 
 // Each function verifies the data on first use and returns pointers into the file, or to decoded
 // texels. They are valid as long as the store. One thread at a time. Wrong checksum or index:

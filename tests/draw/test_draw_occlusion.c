@@ -6,6 +6,7 @@
 #include "base/rng.h"
 #include "draw/draw.h"
 #include "draw/support_store.h"
+#include "select/pyramid_helpers.h"
 
 #include <string.h>
 
@@ -125,8 +126,8 @@ void test_draw_occlusion_changes_no_pixel(test_state* test)
         // what an earlier frame hid
         CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &before, &quality, &f.list));
         CHECK_EQUAL(STP_OK, draw(&f, &before));
-        CHECK_EQUAL(STP_OK, stp_depth_pyramid_make(f.context, &before,
-                                                   stp_renderer_depth(f.renderer), &pyramid));
+        CHECK_EQUAL(STP_OK,
+                    make_pyramid(f.context, &before, stp_renderer_depth(f.renderer), &pyramid));
         // the expected picture
         CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &quality, &f.list));
         CHECK_EQUAL(STP_OK, draw(&f, &view));
@@ -140,8 +141,8 @@ void test_draw_occlusion_changes_no_pixel(test_state* test)
         CHECK(f.list.count + f.list.hidden_count == 0 || f.list.count < whole + 1);
         size_t first = f.list.count;
         CHECK_EQUAL(STP_OK, draw(&f, &view));
-        CHECK_EQUAL(STP_OK, stp_depth_pyramid_make(f.context, &view, stp_renderer_depth(f.renderer),
-                                                   &pyramid));
+        CHECK_EQUAL(STP_OK,
+                    make_pyramid(f.context, &view, stp_renderer_depth(f.renderer), &pyramid));
         CHECK_EQUAL(STP_OK, stp_select_rejected(f.context, f.store, &view, &quality, &f.list));
         CHECK_EQUAL(first, f.list.first_pass_count);
         CHECK_EQUAL(STP_OK, draw(&f, &view));

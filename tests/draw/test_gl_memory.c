@@ -95,8 +95,7 @@ void test_gl_uploads_keep_to_their_budget(test_state* test)
     CHECK_EQUAL(0, made_count_different(whole, m.pixels, 0));
     CHECK(made_count_different(first, whole, 0) > 20);
     // without a budget everything is uploaded at once
-    CHECK_EQUAL(STP_OK, made_gl_renew(&m, &settings));
-    stp_draw_gl_set_upload_bytes(m.renderer, 0);
+    CHECK_EQUAL(STP_OK, made_gl_renew(&m, NULL));
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));
     CHECK_EQUAL(0, made_count_different(whole, m.pixels, 0));
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Progressive splats (src/lod/psp): neighbours and ellipses against brute force, forests, merge
 // order.
-#include "tests.h"
-
 #include "base/rng.h"
-#include "lod/psp/forest.h"
 #include "lod/psp/initial.h"
 #include "lod/psp/nearest_points.h"
+#include "lod/psp_helpers.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -204,18 +202,6 @@ static int compare_numbers(const void* a, const void* b)
     return x < y ? -1 : x > y ? 1 : 0;
 }
 
-static bool is_forest(const stp_psp_forest* f)
-{
-    for (uint32_t i = 0; i < f->merge_count; ++i) {
-        stp_psp_merge m = f->merges[i];
-        if (m.left >= m.right || m.right >= f->point_count + i || f->parents[m.left] != i ||
-            f->parents[m.right] != i || !(m.error >= 0.0)) {
-            return false;
-        }
-    }
-    return true;
-}
-
 void test_psp_merges_a_sphere(test_state* test)
 {
     static uint32_t cut[POINTS], other[POINTS];
@@ -226,7 +212,7 @@ void test_psp_merges_a_sphere(test_state* test)
         stp_psp_forest f, eager;
         desc.metric = (stp_psp_metric)metric;
         CHECK_EQUAL(STP_OK, stp_psp_forest_make(context, &points, &desc, 60, &f));
-        CHECK(f.merge_count == POINTS - 60 && is_forest(&f));
+        CHECK(f.merge_count == POINTS - 60 && psp_is_forest(&f));
         // the order of removal from the queue has no effect
         desc.eager = !desc.eager;
         CHECK_EQUAL(STP_OK, stp_psp_forest_make(context, &points, &desc, 60, &eager));
@@ -237,7 +223,7 @@ void test_psp_merges_a_sphere(test_state* test)
         for (uint32_t count = 60; count <= POINTS;
              count = count * 2 < POINTS ? count * 2 : POINTS) {
             double area = 0.0, red = 0.0;
-            CHECK_EQUAL(count, stp_psp_forest_cut(&f, count, cut));
+            CHECK_EQUAL(count, psp_cut(&f, count, cut));
             for (uint32_t i = 0; i < count; ++i) {
                 const stp_ellipse* e = &f.ellipses[cut[i]];
                 float away = stp_length(e->center), own = stp_ellipse_area(e);
@@ -255,7 +241,7 @@ void test_psp_merges_a_sphere(test_state* test)
             }
         }
         // each point belongs to one splat of a cut
-        CHECK_EQUAL(500, stp_psp_forest_cut(&f, 500, cut));
+        CHECK_EQUAL(500, psp_cut(&f, 500, cut));
         uint32_t seen = 0;
         for (uint32_t p = 0; p < POINTS; ++p) {
             uint32_t s = p;
@@ -265,7 +251,7 @@ void test_psp_merges_a_sphere(test_state* test)
             seen += bsearch(&s, cut, 500, sizeof(s), compare_numbers) != NULL ? 1 : 0;
         }
         CHECK_EQUAL(POINTS, seen);
-        CHECK_EQUAL(60, stp_psp_forest_cut(&f, 2, other)); // there are no fewer
+        CHECK_EQUAL(60, psp_cut(&f, 2, other)); // there are no fewer
         stp_psp_forest_destroy(context, &f);
         stp_psp_forest_destroy(context, &eager);
     }
@@ -323,7 +309,7 @@ void test_psp_takes_any_points(test_state* test)
                 desc.metric = (stp_psp_metric)metric;
                 desc.connect_components = metric == STP_PSP_REGIONS;
                 CHECK_EQUAL(STP_OK, stp_psp_forest_make(context, &points, &desc, 1, &f));
-                CHECK(is_forest(&f));
+                CHECK(psp_is_forest(&f));
                 CHECK(!desc.connect_components || counts[c] == 0 || f.merge_count == counts[c] - 1);
                 for (uint32_t i = 0; i < counts[c] + f.merge_count; ++i) {
                     const stp_ellipse* e = &f.ellipses[i];

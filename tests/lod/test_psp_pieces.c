@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Progressive splats (src/lod/psp): one queue against brute force, and pieces against one queue.
-#include "tests.h"
-
 #include "base/rng.h"
 #include "lod/psp/initial.h"
 #include "lod/psp/metric.h"
 #include "lod/psp/nearest_points.h"
 #include "lod/psp/scale.h"
+#include "lod/psp_helpers.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -177,26 +176,6 @@ void test_psp_one_queue_is_greedy(test_state* test)
     stp_context_destroy(context);
 }
 
-static bool is_forest(const stp_psp_forest* f)
-{
-    for (uint32_t i = 0; i < f->merge_count; ++i) {
-        stp_psp_merge m = f->merges[i];
-        if (m.left >= m.right || m.right >= f->point_count + i || f->parents[m.left] != i ||
-            f->parents[m.right] != i || !(m.error >= 0.0) || m.level < m.error ||
-            (i > 0 && m.level < f->merges[i - 1].level)) {
-            return false;
-        }
-    }
-    for (uint32_t i = 0; i < f->point_count + f->merge_count; ++i) {
-        const stp_ellipse* e = &f->ellipses[i];
-        if (!stp_is_finite(e->center) || !stp_is_finite(e->major) || !(e->minor > 0.0f) ||
-            !(fabsf(stp_length(e->normal) - 1.0f) < 1e-3f)) {
-            return false;
-        }
-    }
-    return true;
-}
-
 // Whether a cut has the same splats as decimation, in any order.
 static bool same_splats(const stp_psp_forest* f, const uint32_t* cut, uint32_t count,
                         const stp_psp_splats* s)
@@ -243,8 +222,8 @@ void test_psp_pieces_do_not_depend_on_threads(test_state* test)
             desc.eager = threads != 2;
             CHECK_EQUAL(STP_OK, stp_psp_forest_make(context, &points, &desc, target, &f));
             CHECK_EQUAL(COUNT - target, f.merge_count);
-            CHECK(is_forest(&f));
-            CHECK_EQUAL(target, stp_psp_forest_cut(&f, target, cut));
+            CHECK(psp_is_forest(&f));
+            CHECK_EQUAL(target, psp_cut(&f, target, cut));
             CHECK_EQUAL(STP_OK, stp_psp_decimate(context, &points, &desc, target, &left));
             CHECK(same_splats(&f, cut, target, &left));
             stp_psp_splats_destroy(context, &left);
@@ -368,7 +347,7 @@ void test_psp_connects_components(test_state* test)
         desc.connect_components = true;
         CHECK_EQUAL(STP_OK, stp_psp_forest_make(context, &points, &desc, 1, &f));
         CHECK_EQUAL(COUNT - 1, f.merge_count);
-        CHECK(is_forest(&f));
+        CHECK(psp_is_forest(&f));
         stp_psp_forest_destroy(context, &f);
         CHECK_EQUAL(STP_OK, stp_psp_forest_make(context, &points, &desc, 30, &f));
         CHECK_EQUAL(COUNT - 30, f.merge_count);
@@ -414,7 +393,7 @@ void test_psp_pieces_take_any_points(test_state* test)
                 desc.connect_components = true;
                 desc.piece_size = 16;
                 CHECK_EQUAL(STP_OK, stp_psp_forest_make(context, &points, &desc, 1, &f));
-                CHECK(is_forest(&f));
+                CHECK(psp_is_forest(&f));
                 CHECK_EQUAL(counts[c] > 0 ? counts[c] - 1 : 0, f.merge_count);
                 stp_psp_forest_destroy(context, &f);
             }

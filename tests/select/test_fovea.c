@@ -5,8 +5,8 @@
 #include "base/math.h"
 #include "base/rng.h"
 #include "draw/support_store.h"
+#include "select/pyramid_helpers.h"
 #include "select/select.h"
-#include "select/view_frame.h"
 
 static double uniform(uint64_t round, uint64_t number, double low, double high)
 {
@@ -329,9 +329,8 @@ void test_eyes_hide_what_is_hidden_from_both(test_state* test)
         stp_depth_pyramid pyramids[STP_EYES_MAX] = {{.level_count = 0}};
         for (uint32_t i = 0; i < 2; ++i) {
             stp_view one = stp_view_of_eye(&view, i);
-            CHECK_EQUAL(STP_OK,
-                        stp_depth_pyramid_make(context, &one, (walls >> i & 1) != 0 ? wall : air,
-                                               &pyramids[i]));
+            CHECK_EQUAL(STP_OK, make_pyramid(context, &one, (walls >> i & 1) != 0 ? wall : air,
+                                             &pyramids[i]));
         }
         stp_quality quality = {.splat_size = 1, .occlusion = pyramids};
         CHECK_EQUAL(STP_OK, stp_select(context, store, &view, &quality, &list));

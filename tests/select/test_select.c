@@ -116,7 +116,7 @@ void test_select_opens_sooner_where_triangles_are_few(test_state* test)
 {
     const struct {
         uint32_t triangles; // below the node
-        float spare;
+        float early_switch;
         double times;
     } cases[] = {{100, 0, 8},       {2000, 1, 1}, {200, 3, 3},
                  {1022, 0, 2.8284}, {2046, 0, 2}, {4094, 0, 1.41421},
@@ -428,8 +428,8 @@ void test_select_depth_bounds_what_is_seen(test_state* test)
         stp_boxd box = {{v[6], v[7], v[8]}, {v[6] + 0.5, v[7] + 1.0, v[8] + 0.2}};
         stp_view_frame frame;
         CHECK(stp_view_frame_make(&view, &frame));
-        double depth = 0.0;
-        bool sees = stp_view_frame_intersects(&frame, &box, &depth);
+        double depth = 0.0, farthest = 0.0;
+        bool sees = stp_view_frame_depths(&frame, &box, &depth, &farthest);
         for (int i = 0; i < 500; ++i) {
             stp_vec3d p = {box.min.x + 0.5 * (i % 8) / 7, box.min.y + (i / 8 % 8) / 7.0,
                            box.min.z + 0.2 * (i / 64) / 7};

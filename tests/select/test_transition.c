@@ -55,7 +55,9 @@ static bool find_wanted(const stp_store* store, const stp_view* view, float spla
         box.min = (stp_vec3d){fmin(box.min.x, p.x), fmin(box.min.y, p.y), fmin(box.min.z, p.z)};
         box.max = (stp_vec3d){fmax(box.max.x, p.x), fmax(box.max.y, p.y), fmax(box.max.z, p.z)};
     }
-    if (!stp_view_frame_make(view, &frame) || !stp_view_frame_intersects(&frame, &box, depth)) {
+    double farthest;
+    if (!stp_view_frame_make(view, &frame) ||
+        !stp_view_frame_depths(&frame, &box, depth, &farthest)) {
         return false;
     }
     double radius = 0.5 * (double)splat_size * stp_view_frame_pixel_size(&frame, *depth);

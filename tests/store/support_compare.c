@@ -129,11 +129,9 @@ static bool same_clusters(const stp_store_content* content, stp_store* store, ui
     stp_clusters b;
     return stp_store_is_clustered(store, index) &&
            stp_store_get_clusters(store, index, &b) == STP_OK && a->size == b.size &&
-           memcmp(a->bytes, b.bytes, a->size) == 0 &&
-           stp_store_cluster_count(store, index) == a->cluster_count &&
-           stp_store_mesh_bytes(store, index) == a->size && same_text(mesh->name, known->name) &&
-           mesh->material == known->material && known->vertex_count == a->vertex_count &&
-           known->triangle_count == a->triangle_count &&
+           memcmp(a->bytes, b.bytes, a->size) == 0 && b.cluster_count == a->cluster_count &&
+           same_text(mesh->name, known->name) && mesh->material == known->material &&
+           known->vertex_count == a->vertex_count && known->triangle_count == a->triangle_count &&
            memcmp(&known->bounds, &a->bounds, sizeof(a->bounds)) == 0;
 }
 

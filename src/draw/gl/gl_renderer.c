@@ -391,11 +391,6 @@ uint32_t stp_draw_gl_texture(const stp_renderer* renderer)
     return ((const gl_renderer*)renderer)->target.picture;
 }
 
-void stp_draw_gl_set_upload_bytes(stp_renderer* renderer, uint64_t bytes)
-{
-    ((gl_renderer*)renderer)->upload_bytes = bytes;
-}
-
 stp_draw_gl_stats stp_draw_gl_get_stats(const stp_renderer* renderer)
 {
     const gl_renderer* r = (const gl_renderer*)renderer;

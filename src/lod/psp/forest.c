@@ -101,19 +101,6 @@ void stp_psp_forest_destroy(stp_context* context, stp_psp_forest* forest)
     *forest = (stp_psp_forest){0};
 }
 
-uint32_t stp_psp_forest_cut(const stp_psp_forest* forest, uint32_t count, uint32_t* splats)
-{
-    uint32_t points = forest->point_count, merges = forest->merge_count, found = 0;
-    uint32_t done = count < points ? points - count : 0;
-    done = done < merges ? done : merges;
-    for (uint32_t i = 0; i < points + done; ++i) {
-        if (forest->parents[i] >= done) {
-            splats[found++] = i;
-        }
-    }
-    return found;
-}
-
 /// Lists the remaining splats, by key.
 static stp_result list_splats(const stp_psp_rounds* r, stp_psp_splats* splats)
 {

@@ -87,11 +87,6 @@ STP_MUST_USE stp_result stp_psp_forest_make(stp_context* context, const stp_psp_
                                             stp_psp_forest* forest);
 void stp_psp_forest_destroy(stp_context* context, stp_psp_forest* forest);
 
-/// Lists the splats at the time when `count` are left, ascending.
-/// @param splats space for `count` or the number of roots, whichever is larger
-/// @return `count`, clamped to at least the number of roots and at most the number of points
-uint32_t stp_psp_forest_cut(const stp_psp_forest* forest, uint32_t count, uint32_t* splats);
-
 /// The remaining splats, without the merge history.
 typedef struct stp_psp_splats {
     uint32_t count;
@@ -104,8 +99,7 @@ typedef struct stp_psp_splats {
 /// Approximate peak memory of stp_psp_decimate in bytes, without `spill` and without the points.
 uint64_t stp_psp_decimate_bytes(uint32_t count, const stp_psp_desc* desc);
 
-/// Merges as stp_psp_forest_make does, but keeps only the remaining splats: those of
-/// stp_psp_forest_cut at the target, ordered by the smallest index of their points. Needs far less
+/// Merges as stp_psp_forest_make does, but keeps only the splats that are left at the target, ordered by the smallest index of their points. Needs far less
 /// memory (docs/algorithms/progressive-splatting.md).
 /// @return as stp_psp_forest_make; with `spill` also STP_ERROR_IO (logged). Freed by
 ///         stp_psp_splats_destroy, also after a failure
