@@ -2,6 +2,7 @@
 #define _DEFAULT_SOURCE // _SC_PHYS_PAGES
 #include "base/context.h"
 
+#include "base/atomic_limits.h"
 #include "base/context_internal.h"
 #include "base/desc.h"
 #include "base/printable.h"
@@ -136,23 +137,16 @@ uint32_t stp_context_thread_count(const stp_context* context)
     return stp_jobs_thread_count(context->jobs);
 }
 
-static void raise_to(atomic_uint_fast64_t* maximum, uint64_t value)
-{
-    uint64_t old = atomic_load(maximum);
-    while (value > old && !atomic_compare_exchange_weak(maximum, &old, value)) {
-    }
-}
-
 // Adds to the count of live bytes; false if that would exceed the limit.
 static bool count_bytes(stp_context* context, uint64_t size)
 {
     uint64_t live = atomic_fetch_add(&context->live_bytes, size) + size;
     if (context->desc.memory_limit_bytes != 0 && live > context->desc.memory_limit_bytes) {
         atomic_fetch_sub(&context->live_bytes, size);
-        raise_to(&context->refused_bytes, live);
+        stp_atomic_max(&context->refused_bytes, live);
         return false;
     }
-    raise_to(&context->peak_bytes, live);
+    stp_atomic_max(&context->peak_bytes, live);
     return true;
 }
 

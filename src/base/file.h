@@ -4,6 +4,10 @@
 
 #include "base/context.h"
 
+/// A read of one byte of a mapped file may make this much resident: Linux maps all cached pages in
+/// an aligned range around a page fault (`fault_around_bytes`).
+enum { STP_FAULT_AROUND = 64 << 10 };
+
 /// A whole file in memory. `bytes` is NULL for an empty file.
 typedef struct stp_mapped_file {
     const unsigned char* bytes;

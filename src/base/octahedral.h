@@ -7,16 +7,21 @@
 
 #include <stddef.h>
 
-/// Decodes two signed bytes, each -127..127.
-static inline stp_vec3 stp_octahedral_decode(int8_t u8, int8_t v8)
+/// Direction of a point of the unfolded octahedron; u and v from -1 to 1.
+static inline stp_vec3 stp_octahedral_direction(float u, float v)
 {
-    float u = (float)u8 / 127.0f, v = (float)v8 / 127.0f;
     float z = 1.0f - fabsf(u) - fabsf(v);
     float fold = z < 0.0f ? -z : 0.0f;
     u += u >= 0.0f ? -fold : fold;
     v += v >= 0.0f ? -fold : fold;
     float length = sqrtf(u * u + v * v + z * z);
     return (stp_vec3){u / length, v / length, z / length};
+}
+
+/// Decodes two signed bytes, each -127..127.
+static inline stp_vec3 stp_octahedral_decode(int8_t u, int8_t v)
+{
+    return stp_octahedral_direction((float)u / 127.0f, (float)v / 127.0f);
 }
 
 /// Encodes a direction of any length. Chooses the best of the four codes around it; zero encodes as
@@ -26,15 +31,9 @@ void stp_octahedral_encode(stp_vec3 n, int8_t out[2]);
 void stp_octahedral_encode_many(const float* normals, size_t count, int8_t* out);
 
 /// 16 bits per number, 32767 is 1: for vertex normals.
-static inline stp_vec3 stp_octahedral_decode16(int16_t u16, int16_t v16)
+static inline stp_vec3 stp_octahedral_decode16(int16_t u, int16_t v)
 {
-    float u = (float)u16 / 32767.0f, v = (float)v16 / 32767.0f;
-    float z = 1.0f - fabsf(u) - fabsf(v);
-    float fold = z < 0.0f ? -z : 0.0f;
-    u += u >= 0.0f ? -fold : fold;
-    v += v >= 0.0f ? -fold : fold;
-    float length = sqrtf(u * u + v * v + z * z);
-    return (stp_vec3){u / length, v / length, z / length};
+    return stp_octahedral_direction((float)u / 32767.0f, (float)v / 32767.0f);
 }
 
 /// Rounds each axis to the nearest code: the error is below a hundredth of a degree.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "build/nodes.h"
 
+#include "base/file.h"
 #include "base/gate.h"
 #include "base/wait.h"
 #include "build/found_results.h"
@@ -10,7 +11,8 @@
 #include <pthread.h>
 
 #define RELEASE_SPLATS (UINT64_C(4) << 20) // splats between releases of file pages
-#define SET_SPLATS 16384u // whose pages reading the beginning of a set's columns makes resident
+// What reading the first splats of a set makes resident, in splats: about 4 bytes each per column.
+#define SET_SPLATS (STP_FAULT_AROUND / 4u)
 
 // State shared by the steps of a run.
 typedef struct run {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "base/atomic_limits.h"
 #include "base/bytes.h"
 #include "base/crc32c.h"
 #include "import/e57.h"
@@ -11,7 +12,7 @@
 
 typedef struct checking {
     const unsigned char* bytes;
-    atomic_size_t first_bad;
+    atomic_uint_fast64_t first_bad;
 } checking;
 
 static uint32_t read_big_endian(const unsigned char* p)
@@ -26,9 +27,7 @@ static void check_pages(size_t begin, size_t end, uint32_t worker, void* user)
     for (size_t i = begin; i < end; ++i) {
         const unsigned char* page = c->bytes + i * STP_E57_PAGE;
         if (stp_crc32c(page, STP_E57_PAYLOAD) != read_big_endian(page + STP_E57_PAYLOAD)) {
-            size_t old = atomic_load(&c->first_bad);
-            while (i < old && !atomic_compare_exchange_weak(&c->first_bad, &old, i)) {
-            }
+            stp_atomic_min(&c->first_bad, i);
             return;
         }
     }

@@ -3,6 +3,7 @@
 // PCD, the format of the Point Cloud Library: ascii, binary and compressed. Empty cells of
 // organised clouds are skipped. VIEWPOINT is ignored: points stay in their original frame. The
 // default up axis is z, as in maps; camera frames use -y up.
+#include "base/atomic_limits.h"
 #include "base/bytes.h"
 #include "import/cloud.h"
 #include "import/intensity.h"
@@ -252,9 +253,7 @@ static void read_blocks(size_t begin, size_t end, uint32_t worker, void* user)
         stp_text at = b->begin;
         for (uint64_t line = b->first_line; at < b->end && line < last; ++line) {
             if (line >= first && !read_line(r, at, (size_t)(line - first), worker)) {
-                uint_fast64_t old = atomic_load(&r->bad_line);
-                while (line < old && !atomic_compare_exchange_weak(&r->bad_line, &old, line)) {
-                }
+                stp_atomic_min(&r->bad_line, line);
                 break;
             }
             at = stp_next_line(at);

@@ -3,6 +3,7 @@
 //
 // Colours have 16 bits, but many writers store values up to 255. A sample of points decides; if a
 // larger value appears although 8 bits were expected, everything is read again.
+#include "base/atomic_limits.h"
 #include "base/bytes.h"
 #include "import/laz.h"
 
@@ -33,7 +34,7 @@ typedef struct reading {
     // one set
     stp_point_set* set;
     const stp_las_chunk* chunks;
-    atomic_size_t bad_chunk; ///< index of the first that is damaged; SIZE_MAX: none
+    atomic_uint_fast64_t bad_chunk; ///< index of the first that is damaged; SIZE_MAX: none
     atomic_bool no_memory;
     atomic_uint seen;
 } reading;
@@ -90,9 +91,7 @@ static void read_chunk(reading* r, worker* w, size_t index)
     for (uint64_t done = 0; done < chunk->read;) {
         size_t count = block_size(chunk->read - done);
         if (!next_block(r->las, w, chunk, done, count)) {
-            size_t bad = atomic_load(&r->bad_chunk);
-            while (index < bad && !atomic_compare_exchange_weak(&r->bad_chunk, &bad, index)) {
-            }
+            stp_atomic_min(&r->bad_chunk, index);
             stop(r);
             return;
         }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Joins chunks: elements in file order, corners resolved, faces sorted by mesh.
+#include "base/atomic_limits.h"
 #include "import/obj.h"
 #include "import/surface.h"
 
@@ -13,8 +14,8 @@ typedef struct chunk_base {
 
 typedef struct stitch {
     stp_obj* obj;
-    chunk_base* bases;          ///< one more than chunks: the last holds the totals
-    _Atomic size_t bad_polygon; ///< the first polygon of the file with an invalid index
+    chunk_base* bases;                ///< one more than chunks: the last holds the totals
+    atomic_uint_fast64_t bad_polygon; ///< the first polygon of the file with an invalid index
 } stitch;
 
 static void copy_items(void* target, size_t first, const stp_obj_array* array, size_t size)
@@ -274,13 +275,6 @@ static uint32_t resolve(uint32_t index, size_t base, size_t count, bool* good)
     return exists ? (uint32_t)absolute : STP_OBJ_ABSENT;
 }
 
-static void note_bad_polygon(stitch* s, size_t polygon)
-{
-    size_t first = atomic_load(&s->bad_polygon);
-    while (polygon < first && !atomic_compare_exchange_weak(&s->bad_polygon, &first, polygon)) {
-    }
-}
-
 static void resolve_run(stitch* s, const stp_obj_run* run)
 {
     stp_obj* obj = s->obj;
@@ -305,7 +299,7 @@ static void resolve_run(stitch* s, const stp_obj_run* run)
             good = good && here;
         }
         if (!good) {
-            note_bad_polygon(s, base->polygon + run->polygon + polygon);
+            stp_atomic_min(&s->bad_polygon, base->polygon + run->polygon + polygon);
         }
         obj->polygons[run->target_polygon + polygon] = (uint32_t)(ends[polygon] + shift);
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "import/text_points.h"
 
+#include "base/atomic_limits.h"
 #include "import/intensity.h"
 #include "import/text_scan.h"
 
@@ -171,26 +172,12 @@ static line_kind classify_line(stp_text at, uint64_t* count)
     return LINE_COUNT;
 }
 
-static void lower_to(atomic_uint_fast64_t* place, uint64_t value)
-{
-    uint_fast64_t old = atomic_load(place);
-    while (value < old && !atomic_compare_exchange_weak(place, &old, value)) {
-    }
-}
-
-static void raise_to(atomic_uint_fast64_t* place, uint64_t value)
-{
-    uint_fast64_t old = atomic_load(place);
-    while (value > old && !atomic_compare_exchange_weak(place, &old, value)) {
-    }
-}
-
 // A block's contribution to the totals.
-typedef struct tally {
+typedef struct line_counts {
     uint64_t lines, not_finite, last_full, first_bad;
-} tally;
+} line_counts;
 
-static void read_other_line(reading* r, stp_text at, uint64_t line, tally* t)
+static void read_other_line(reading* r, stp_text at, uint64_t line, line_counts* t)
 {
     const stp_text_points* p = r->points;
     uint64_t count = 0;
@@ -217,7 +204,7 @@ static void merge_ranges(stp_column_ranges* all, const stp_column_ranges* more)
 typedef struct cursor {
     stp_text at, end;
     uint64_t line, end_line;
-    tally tally;
+    line_counts counts;
 } cursor;
 
 static cursor begin_block(const reading* r, const stp_text_block* b)
@@ -227,7 +214,7 @@ static cursor begin_block(const reading* r, const stp_text_block* b)
                 .end = b->end,
                 .line = b->first_line,
                 .end_line = p->first_line + p->cloud->set.point_count,
-                .tally = {.first_bad = UINT64_MAX}};
+                .counts = {.first_bad = UINT64_MAX}};
     for (; c.line < p->first_line; ++c.line) {
         c.at = stp_next_line(c.at);
     }
@@ -246,20 +233,20 @@ static inline void take_line(reading* r, cursor* c, stp_text rest, const double*
     const stp_text_points* p = r->points;
     size_t cell = (size_t)(c->line - p->first_line);
     if (rest == NULL) {
-        read_other_line(r, c->at, c->line, &c->tally);
+        read_other_line(r, c->at, c->line, &c->counts);
         c->at = stp_next_line(c->at);
         c->line += 1;
         return;
     }
-    c->tally.last_full = c->line;
+    c->counts.last_full = c->line;
     if (p->zero_is_empty && v[0] == 0.0 && v[1] == 0.0 && v[2] == 0.0) {
         stp_cloud_leave_empty(p->cloud, cell);
     } else if (stp_cloud_place(p->cloud, cell, v)) {
         fill_columns(r, cell, v, ranges);
-        c->tally.lines += 1;
+        c->counts.lines += 1;
     } else {
-        c->tally.lines += 1;
-        c->tally.not_finite += 1;
+        c->counts.lines += 1;
+        c->counts.not_finite += 1;
     }
     c->at = stp_next_line(rest);
     c->line += 1;
@@ -272,10 +259,10 @@ static void finish_block(reading* r, cursor* c, stp_column_ranges* ranges)
         stp_text rest = read_values(&r->points->columns, c->at, v);
         take_line(r, c, rest, v, ranges);
     }
-    atomic_fetch_add(&r->lines, c->tally.lines);
-    atomic_fetch_add(&r->not_finite, c->tally.not_finite);
-    lower_to(&r->first_bad, c->tally.first_bad);
-    raise_to(&r->last_full, c->tally.last_full);
+    atomic_fetch_add(&r->lines, c->counts.lines);
+    atomic_fetch_add(&r->not_finite, c->counts.not_finite);
+    stp_atomic_min(&r->first_bad, c->counts.first_bad);
+    stp_atomic_max(&r->last_full, c->counts.last_full);
 }
 
 static void read_two_blocks(reading* r, const stp_text_block blocks[2], stp_column_ranges* all)
@@ -309,7 +296,7 @@ static void read_blocks(size_t begin, size_t end, uint32_t worker, void* user)
             cursor last = begin_block(r, &r->points->blocks->blocks[block]);
             finish_block(r, &last, &r->ranges[worker]);
         }
-        stp_progress_add(r->points->cloud->import->context, 1);
+        stp_progress_add(r->points->cloud->import->context, block + 1 < r->end_block ? 2 : 1);
     }
 }
 
@@ -332,9 +319,10 @@ static stp_result read_once(reading* r, stp_column_ranges* all)
     atomic_init(&r->last_full, 0);
     atomic_init(&r->first_bad, UINT64_MAX);
     r->first_block = stp_text_blocks_find(p->blocks, p->first_line);
-    size_t pairs = (r->end_block - r->first_block + 1) / 2;
-    stp_loop_report report = {.stage = "import", .unit = "blocks", .total = pairs};
-    stp_result result = stp_parallel_for_reported(context, pairs, 1, read_blocks, r, &report);
+    size_t blocks = r->end_block - r->first_block;
+    stp_loop_report report = {.stage = "import", .unit = "blocks", .total = blocks};
+    stp_result result =
+        stp_parallel_for_reported(context, (blocks + 1) / 2, 1, read_blocks, r, &report);
     *all = stp_column_ranges_empty();
     for (uint32_t i = 0; i < workers; ++i) {
         merge_ranges(all, &r->ranges[i]);

@@ -62,15 +62,20 @@ uint32_t stp_mesh_drop_distant(stp_mesh* mesh)
     return dropped;
 }
 
-// As all_reach; pages of what lies in the spill are left behind.
-static bool all_points_reach(const stp_point_set* points)
+// Computes the bounds. Releases spilled pages. @return whether all points are within the limit
+static bool measure_points(stp_point_set* points)
 {
     size_t count = points->point_count, step;
     bool all = true;
-    for (size_t i = 0; i < count && all; i += step) {
+    points->bounds = stp_box_empty();
+    for (size_t i = 0; i < count; i += step) {
         const float* positions = points->positions + 3 * i;
         step = count - i < STEP ? count - i : STEP;
-        all = all_reach(positions, step);
+        for (size_t k = 0; k < step; ++k) {
+            const float* p = positions + 3 * k;
+            all = reaches(p) && all;
+            stp_box_add(&points->bounds, (stp_vec3){p[0], p[1], p[2]});
+        }
         if (points->spilled) {
             stp_spill_forget(positions, 3 * step * sizeof(float));
         }
@@ -78,11 +83,9 @@ static bool all_points_reach(const stp_point_set* points)
     return all;
 }
 
-uint32_t stp_points_drop_distant(stp_point_set* points)
+// Compacts all columns. @return number of dropped points
+static uint32_t drop_distant(stp_point_set* points)
 {
-    if (all_points_reach(points)) {
-        return 0;
-    }
     stp_bulk_array arrays[STP_POINT_ARRAYS];
     stp_points_get_arrays(points, arrays);
     uint32_t kept = 0;
@@ -101,6 +104,16 @@ uint32_t stp_points_drop_distant(stp_point_set* points)
     }
     uint32_t dropped = points->point_count - kept;
     points->point_count = kept;
+    return dropped;
+}
+
+uint32_t stp_point_set_measure(stp_point_set* points)
+{
+    uint32_t dropped = 0;
+    if (!measure_points(points)) {
+        dropped = drop_distant(points);
+        measure_points(points);
+    }
     return dropped;
 }
 

@@ -14,10 +14,11 @@
 bool stp_is_within_distance_limit(stp_boxd box);
 
 /// Drops triangles with a corner beyond the limit and moves such vertices to the origin.
-/// @return how many
+/// @return number of dropped triangles
 uint32_t stp_mesh_drop_distant(stp_mesh* mesh);
-/// Drops points beyond the limit. @return how many
-uint32_t stp_points_drop_distant(stp_point_set* points);
+/// Computes the bounds of a point set, after dropping points beyond the limit. @return number of
+/// dropped points
+uint32_t stp_point_set_measure(stp_point_set* points);
 
 /// Warns once, naming the first object, if parts of meshes or point sets were dropped when they
 /// were added (scene->damaged). Call before identical items are merged.

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #define TEXT_BLOCK_SIZE ((size_t)64 << 10)
-#define POINTS_STEP ((size_t)1 << 20)
 
 stp_texture_use stp_texture_use_none(void)
 {
@@ -143,19 +142,6 @@ stp_result stp_scene_add_mesh(stp_scene* scene, const stp_mesh* mesh, uint32_t* 
     return result != STP_OK ? result : keep_text(scene, &kept->name);
 }
 
-// Pages of what lies in the spill are left behind.
-static void measure_points(stp_point_set* points)
-{
-    points->bounds = stp_box_empty();
-    for (size_t i = 0; i < points->point_count; ++i) {
-        const float* p = points->positions + 3 * i;
-        stp_box_add(&points->bounds, (stp_vec3){p[0], p[1], p[2]});
-        if (points->spilled && (i + 1) % POINTS_STEP == 0) {
-            stp_spill_forget(p + 3 - 3 * POINTS_STEP, 3 * POINTS_STEP * sizeof(float));
-        }
-    }
-}
-
 static stp_result add_points(stp_scene* scene, const stp_point_set* points, bool spilled,
                              uint32_t* index)
 {
@@ -173,8 +159,7 @@ static stp_result add_points(stp_scene* scene, const stp_point_set* points, bool
     stp_point_set* kept = &sets[scene->point_set_count++];
     *kept = added;
     note_damage(scene, (stp_part){STP_PART_POINTS, (uint32_t)(scene->point_set_count - 1)},
-                stp_points_drop_distant(kept));
-    measure_points(kept);
+                stp_point_set_measure(kept));
     stp_result result = stp_points_account(scene, (uint32_t)(scene->point_set_count - 1));
     return result != STP_OK ? result : keep_text(scene, &kept->name);
 }

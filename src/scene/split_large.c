@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "scene/split_large.h"
 
+#include "base/file.h"
 #include "base/large_blocks.h"
 #include "base/sort.h"
 #include "scene/bulk.h"
@@ -15,7 +16,6 @@
 #define RELEASE_SIZE ((size_t)128 << 20) // finished pieces, after which their pages are released
 #define RELEASE_COUNT (1u << 21)         // elements
 #define TOUCHED_MAX ((size_t)16 << 20)   // before it is counted
-#define TOUCHED_SIZE ((size_t)64 << 10)  // that reading one element may make resident
 #define LARGE_SIZE ((size_t)64 << 20)    // larger working data is spilled if the mesh is
 
 // State shared by the jobs. New pieces follow the scene's own items and count only once all are
@@ -196,8 +196,8 @@ static void gather_points(cutter* c, const stp_bulk_array* from, const stp_bulk_
     size_t element = from->size / c->points->point_count, block = SIZE_MAX, touched = 0;
     for (size_t p = 0; p < count; ++p) {
         size_t at = (size_t)c->places[first + p].index * element;
-        touched += at / TOUCHED_SIZE != block ? TOUCHED_SIZE : 0;
-        block = at / TOUCHED_SIZE;
+        touched += at / STP_FAULT_AROUND != block ? STP_FAULT_AROUND : 0;
+        block = at / STP_FAULT_AROUND;
         if (touched >= TOUCHED_MAX) {
             note_made(c, touched);
             touched = 0;

@@ -9,8 +9,8 @@
 #include <string.h>
 
 #define RELEASE_BYTES ((uint64_t)32 << 20)
-// Reading an octave makes whole groups of pages of each column resident, even if it is short
-#define OCTAVE_PAGES ((uint64_t)256 << 10)
+// What reading a short octave makes resident: it has about 4 columns.
+#define OCTAVE_PAGES ((uint64_t)4 * STP_FAULT_AROUND)
 
 typedef struct source_column {
     const void* bytes; ///< start of the column in the content
