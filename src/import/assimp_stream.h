@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Between the child process that runs assimp (assimp_child.c) and us (assimp_reader.c): a private
-// stream in the machine's own byte order. The child works on untrusted input with code we do not
-// answer for, so what it writes is checked like a file.
+// A private stream from the child process that runs assimp (assimp_child.c) to its parent
+// (assimp_reader.c), in the machine's byte order. Untrusted input may make assimp write anything,
+// so the stream is checked like a file.
 //
 //   stream    magic, refusals, then either  FAILED, text
 //             or  SCENE, up, unit, textures, materials, meshes, nodes, views, losses, END

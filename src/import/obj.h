@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
 // Inside the OBJ reader. The text is split into chunks of whole lines that are parsed in parallel
-// (obj_parse.c); their content is put in order (obj_stitch.c); corners with the same position,
-// texture coordinate and normal become one vertex (obj_mesh.c). Data that is large compared to the
-// memory limit goes to a temporary file (obj_scratch.c).
+// (obj_parse.c, obj_lines.c); their content is put in order (obj_stitch.c); corners with the same
+// position, texture coordinate and normal become one vertex (obj_mesh.c). Data that is large
+// compared to the memory limit goes to a temporary file (obj_scratch.c).
 #pragma once
 
 #include "import/import.h"
@@ -118,7 +118,16 @@ static inline float stp_obj_color(const stp_obj* obj, size_t index)
     return value < 0.0f ? 1.0f : value * obj->color_scale;
 }
 
-/// Room for `count` more items; NULL if memory runs out. The caller adds to `count`.
+/// Whether the line continues: its last non-blank character is a backslash.
+static inline bool stp_obj_is_continued(stp_text line, stp_text end)
+{
+    while (end > line && stp_is_blank(end[-1])) {
+        --end;
+    }
+    return end > line && end[-1] == '\\';
+}
+
+/// Space for `count` more items; NULL if memory runs out. The caller adds to `count`.
 void* stp_obj_grow(stp_context* context, stp_obj_array* array, size_t count, size_t size);
 
 /// Creates `scratch` if the file is large compared to the memory limit of the scene.
@@ -133,6 +142,8 @@ void* stp_obj_alloc(stp_obj* obj, size_t count, size_t size);
 STP_MUST_USE stp_result stp_obj_no_room(const stp_obj* obj);
 void stp_obj_free(const stp_obj* obj, void* memory);
 
+/// Parses a chunk, up to its first error. Positions are relative to `origin`.
+void stp_obj_parse_chunk(stp_context* context, stp_obj_chunk* chunk, const double origin[3]);
 /// Splits the file into chunks of about `chunk_size` bytes and parses them.
 STP_MUST_USE stp_result stp_obj_parse(stp_obj* obj, size_t chunk_size);
 /// Joins the chunks and sorts the faces by mesh. Material libraries were read before.
