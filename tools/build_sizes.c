@@ -53,7 +53,9 @@ uint64_t build_sizes_input(const char* const* inputs, size_t count)
     return sum;
 }
 
-const char* build_sizes_reason(uint64_t input_bytes, const scene_figures* figures)
+/// Explains why a file is more than three times as large as its inputs, as an English sentence
+/// without a full stop; NULL if it is not, or if the inputs have no size.
+static const char* explain_size(uint64_t input_bytes, const scene_figures* figures)
 {
     const stp_store_figures* f = &figures->summary.figures;
     if (input_bytes == 0 || (double)figures->file_bytes <= MANY_TIMES * (double)input_bytes) {
@@ -79,7 +81,7 @@ void build_sizes_print(uint64_t input_bytes, const scene_figures* figures)
 {
     const stp_store_figures* f = &figures->summary.figures;
     char in[32], out[32], splats[32], triangles[32], textures[32], count[32];
-    const char* reason = build_sizes_reason(input_bytes, figures);
+    const char* reason = explain_size(input_bytes, figures);
     if (build_sizes_needs_no_splats(figures)) {
         printf("  %-12s the model is so small that its %s triangles suffice: --threshold %llu "
                "leaves out the splats\n",

@@ -9,10 +9,6 @@
 /// scenes and unreadable files count as 0.
 uint64_t build_sizes_input(const char* const* inputs, size_t count);
 
-/// Explains why a file is more than three times as large as its inputs, as an English sentence
-/// without a full stop; NULL if it is not, or if the inputs have no size.
-const char* build_sizes_reason(uint64_t input_bytes, const scene_figures* figures);
-
 /// Whether the scene has no points and so few triangles (counting all uses) that drawing all of
 /// them is quick.
 bool build_sizes_needs_no_splats(const scene_figures* figures);

@@ -287,7 +287,8 @@ json_t* frame_describe(const frame_figures* f)
                      (json_int_t)f->layers);
 }
 
-void frame_read_device(const frame_maker* maker, char* name, size_t size)
+/// Name of the renderer's device: the CPU, or the OpenGL device.
+static void read_device(const frame_maker* maker, char* name, size_t size)
 {
     if (maker->uses_gl) {
         snprintf(name, size, "%s", maker->headless.device);
@@ -311,7 +312,7 @@ void frame_read_device(const frame_maker* maker, char* name, size_t size)
 json_t* frame_maker_describe(const frame_maker* maker, uint32_t width, uint32_t height)
 {
     char device[200];
-    frame_read_device(maker, device, sizeof(device));
+    read_device(maker, device, sizeof(device));
     return json_pack("{s:s, s:s, s:I, s:I}", "backend", frame_backend_name(maker), "device", device,
                      "width", (json_int_t)width, "height", (json_int_t)height);
 }

@@ -101,6 +101,3 @@ json_t* frame_describe(const frame_figures* figures);
 json_t* frame_maker_describe(const frame_maker* maker, uint32_t width, uint32_t height);
 /// Bytes in memory: the context's count, or without a limit the size of the mapped file.
 uint64_t frame_maker_resident_bytes(const frame_maker* maker);
-
-/// Name of the renderer's device: the CPU, or the OpenGL device.
-void frame_read_device(const frame_maker* maker, char* name, size_t size);

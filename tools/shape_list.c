@@ -245,8 +245,12 @@ static stp_result add_splats(const placing* p, stp_store* store, const stp_draw_
     return STP_OK;
 }
 
-stp_result tool_shapes_add_items(stp_context* context, tool_shape_list* list, stp_store* store,
-                                 const stp_draw_list* items)
+/// Adds the drawn content of a list of items: splats as ellipses at their drawn size, triangles,
+/// and points. Coverage (cuts, holes, opacity) is ignored: an ellipse counts as a whole. Ranges of
+/// levels hold for an error that is the same everywhere, as in lists of a number of
+/// splats.
+static stp_result add_items(stp_context* context, tool_shape_list* list, stp_store* store,
+                            const stp_draw_list* items)
 {
     placing p = {.context = context, .list = list, .up = stp_store_get_directory(store)->up};
     stp_result result = STP_OK;
@@ -282,7 +286,7 @@ stp_result tool_shapes_add_store(stp_context* context, tool_shape_list* list, st
     }
     (void)stp_camera_frame("iso", &d->nodes[d->root].bounds, &view);
     stp_result result = stp_select(context, store, &view, &all, &items);
-    result = result == STP_OK ? tool_shapes_add_items(context, list, store, &items) : result;
+    result = result == STP_OK ? add_items(context, list, store, &items) : result;
     stp_draw_list_destroy(context, &items);
     return result;
 }

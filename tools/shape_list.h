@@ -26,13 +26,6 @@ typedef struct tool_shape_list {
 /// Adds the triangles and points of a scene. @return STP_OK, or a failure that was logged
 STP_MUST_USE stp_result tool_shapes_add_scene(tool_shape_list* list, const stp_scene* scene);
 
-/// Adds the drawn content of a list of items: splats as ellipses at their drawn size, triangles,
-/// and points. Coverage (cuts, holes, opacity) is ignored: an ellipse counts as a whole. Ranges of
-/// levels hold for an error that is the same everywhere, as in lists of a number of
-/// splats.
-STP_MUST_USE stp_result tool_shapes_add_items(stp_context* context, tool_shape_list* list,
-                                              stp_store* store, const stp_draw_list* items);
-
 /// Adds everything that a file shows, independent of a view: `splats` of a method (0: all), or its
 /// triangles and points.
 STP_MUST_USE stp_result tool_shapes_add_store(stp_context* context, tool_shape_list* list,

@@ -21,7 +21,8 @@ static const char* const suffixes[] = {
     "amf",  "wrl",  "e57", "ptx", "pts", "pcd",  "xyz", "csv",  "asc", "hgt",
 };
 
-bool folder_is_model(const char* name)
+/// Whether a file's name has the extension of a supported format, ignoring case.
+static bool is_model(const char* name)
 {
     const char* dot = strrchr(name, '.');
     for (size_t i = 0; dot != NULL && i < sizeof(suffixes) / sizeof(suffixes[0]); ++i) {
@@ -91,7 +92,7 @@ bool folder_read(folder_list* f, const char* path, bool all)
             continue;
         }
         bool is_folder = S_ISDIR(status.st_mode);
-        if (!is_folder && (!S_ISREG(status.st_mode) || !(all || folder_is_model(entry->d_name)))) {
+        if (!is_folder && (!S_ISREG(status.st_mode) || !(all || is_model(entry->d_name)))) {
             continue;
         }
         if (read.count == FOLDER_ENTRIES_MAX ||

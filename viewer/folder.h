@@ -25,9 +25,6 @@ typedef struct folder_list {
 /// Supported formats, as text for people.
 extern const char folder_formats[];
 
-/// Whether a file's name has the extension of a supported format, ignoring case.
-bool folder_is_model(const char* name);
-
 /// Lists a folder without hidden entries, and without unsupported files unless `all`. @return false
 /// if it cannot be read: `f` stays unchanged
 bool folder_read(folder_list* f, const char* path, bool all);

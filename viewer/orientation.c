@@ -53,7 +53,8 @@ static int find_side(const viewer* v, const stp_view_cube* cube, float x, float 
     return stp_view_cube_hit(cube, (double)((x - cx) / unit), (double)((y - cy) / unit));
 }
 
-int orientation_side(const viewer* v, float x, float y)
+/// The side of the view cube (present/view_cube.h) at a position of the window; -1: none.
+static int side_at(const viewer* v, float x, float y)
 {
     stp_navigator n;
     if (!is_shown(v) || !camera_of_picture(v, &n)) {
@@ -90,7 +91,7 @@ const char* orientation_place(const viewer* v, int side, float* x, float* y)
 
 bool orientation_click(viewer* v, float x, float y)
 {
-    int side = orientation_side(v, x, y);
+    int side = side_at(v, x, y);
     if (side >= 0) {
         stp_navigator_axes axes = stp_navigator_get_axes(&v->camera);
         stp_view_cube cube;

@@ -93,8 +93,6 @@ void cloud_page_give(const viewer* v, paint_request* request);
 void cloud_page_show(viewer* v); ///< draws the controls in the panel
 
 // orientation.c
-/// The side of the view cube (present/view_cube.h) at a position of the window; -1: none.
-int orientation_side(const viewer* v, float x, float y);
 /// Where a side (of STP_VIEW_CUBE_SIDES) of the cube can be clicked. @return its view; NULL: it is
 /// not clickable
 const char* orientation_place(const viewer* v, int side, float* x, float* y);

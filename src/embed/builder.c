@@ -5,7 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-char* stp_builder_copy_text(stp_context* context, const char* text)
+/// A copy of a text, from stp_alloc; NULL if out of memory (not logged).
+static char* copy_text(stp_context* context, const char* text)
 {
     size_t size = strlen(text) + 1;
     char* copy = stp_alloc(context, size);
@@ -44,7 +45,7 @@ static stp_result fill_builder(stp_builder* builder)
 {
     stp_context* context = builder->context;
     const char* name = builder->desc.name != NULL ? builder->desc.name : "memory";
-    builder->name = stp_builder_copy_text(context, name);
+    builder->name = copy_text(context, name);
     builder->desc.name = NULL;
     if (builder->name == NULL) {
         return stp_fail_memory(context);

@@ -25,7 +25,5 @@ struct stp_builder {
     size_t size;
 };
 
-/// A copy of a text, from stp_alloc; NULL if out of memory (not logged).
-char* stp_builder_copy_text(stp_context* context, const char* text);
 /// Logs that adding is no longer possible, or that a number is unknown to the builder.
 STP_MUST_USE stp_result stp_builder_check(const stp_builder* builder, uint32_t material);

@@ -42,9 +42,6 @@ bool stp_model_source_read(void* user, uint64_t offset, void* bytes, size_t size
 
 /// Returns the object tree, built on first use.
 STP_MUST_USE stp_result stp_model_use_outline(stp_model* model, stp_outline** outline);
-/// Finds a placed object. Logs STP_ERROR_ARGUMENT if there is no such object.
-STP_MUST_USE stp_result stp_model_find_item(stp_model* model, uint32_t object,
-                                            stp_outline_item* item);
 /// Whether an item itself is placed in the scene.
 static inline bool stp_model_is_placed(const stp_outline_item* item)
 {

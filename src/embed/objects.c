@@ -22,7 +22,8 @@ stp_result stp_model_use_outline(stp_model* model, stp_outline** outline)
     return result;
 }
 
-stp_result stp_model_find_item(stp_model* model, uint32_t object, stp_outline_item* item)
+/// Finds a placed object. Logs STP_ERROR_ARGUMENT if there is no such object.
+static stp_result find_item(stp_model* model, uint32_t object, stp_outline_item* item)
 {
     stp_outline* outline;
     stp_result result = stp_model_use_outline(model, &outline);
@@ -46,7 +47,7 @@ stp_result stp_model_get_object(stp_model* model, uint32_t object, stp_object_in
     stp_outline_item item;
     stp_outline_row row;
     stp_store_object record = {.parent = STP_NO_OBJECT};
-    stp_result result = stp_model_find_item(model, object, &item);
+    stp_result result = find_item(model, object, &item);
     if (result == STP_OK) {
         result = stp_outline_describe(model->outline, &item, &row);
     }
@@ -74,7 +75,7 @@ stp_result stp_model_get_children(stp_model* model, uint32_t object, uint64_t fi
 {
     stp_outline_item item, children[CHILDREN_AT_ONCE];
     *count = 0;
-    stp_result result = stp_model_find_item(model, object, &item);
+    stp_result result = find_item(model, object, &item);
     uint32_t given = 1;
     while (result == STP_OK && *count < room && given > 0) {
         uint32_t left = room - *count;
@@ -125,7 +126,7 @@ stp_result stp_model_set_appearance(stp_model* model, uint32_t object, stp_appea
         return STP_OK;
     }
     stp_outline_item item;
-    result = stp_model_find_item(model, object, &item);
+    result = find_item(model, object, &item);
     if (result == STP_OK && !stp_model_is_placed(&item)) {
         return stp_fail(model->context, STP_ERROR_ARGUMENT,
                         "object %u is not placed in the scene itself", object);

@@ -39,7 +39,8 @@ static uint64_t name_extra_bytes(const stp_las* las, char text[TEXT_SIZE])
     return count;
 }
 
-void stp_las_report_losses(stp_las* las)
+/// Counts content that is not kept, and lists extra bytes in one notice.
+static void report_losses(stp_las* las)
 {
     size_t extra = las->record_size - las->layout.size;
     char names[TEXT_SIZE];
@@ -58,7 +59,7 @@ static stp_result read_file(stp_las* las, uint64_t points_in_set)
     stp_result result = stp_las_read_header(las);
     result = result == STP_OK ? stp_las_read_system(las) : result;
     if (result == STP_OK && las->import->desc.sample_points == 0) {
-        stp_las_report_losses(las);
+        report_losses(las);
         stp_las_check_copc(las);
     }
     if (result == STP_OK && las->import->desc.scan != NULL) {

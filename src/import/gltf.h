@@ -129,7 +129,6 @@ stp_result stp_gltf_logged(stp_gltf_scope* scope, stp_result result);
 stp_result stp_gltf_scope_end(stp_gltf_scope* scope, stp_result result);
 
 size_t stp_gltf_count(const stp_gltf* gltf, stp_gltf_list list);
-const char* stp_gltf_list_name(stp_gltf_list list);
 STP_MUST_USE stp_result stp_gltf_find_lists(stp_gltf_scope* scope, stp_gltf* gltf);
 /// The object at an index of a top-level list.
 STP_MUST_USE stp_result stp_gltf_item(stp_gltf_scope* scope, stp_gltf_list list, size_t index,

@@ -69,7 +69,7 @@ stp_result stp_gltf_logged(stp_gltf_scope* scope, stp_result result)
     return result;
 }
 
-const char* stp_gltf_list_name(stp_gltf_list list)
+static const char* list_name(stp_gltf_list list)
 {
     static const char* const names[] = {
 #define X(name, text) text,
@@ -94,7 +94,7 @@ static const json_t* find(const json_t* object, const char* key)
 stp_result stp_gltf_find_lists(stp_gltf_scope* scope, stp_gltf* gltf)
 {
     for (int i = 0; i < STP_GLTF_LIST_COUNT; ++i) {
-        const char* name = stp_gltf_list_name((stp_gltf_list)i);
+        const char* name = list_name((stp_gltf_list)i);
         stp_result result = stp_gltf_array(scope, gltf->root, name, &gltf->lists[i]);
         if (result != STP_OK) {
             return result;
@@ -112,8 +112,8 @@ stp_result stp_gltf_item(stp_gltf_scope* scope, stp_gltf_list list, size_t index
     *item = json_array_get(scope->gltf->lists[list], index);
     if (!json_is_object(*item)) {
         scope->place[0] = '\0'; // the item itself is the location
-        return stp_gltf_fail(scope, STP_ERROR_FORMAT, "%s[%zu] is not an object",
-                             stp_gltf_list_name(list), index);
+        return stp_gltf_fail(scope, STP_ERROR_FORMAT, "%s[%zu] is not an object", list_name(list),
+                             index);
     }
     return STP_OK;
 }
@@ -179,7 +179,7 @@ stp_result stp_gltf_index(stp_gltf_scope* scope, const json_t* object, const cha
     size_t count = stp_gltf_count(scope->gltf, list);
     if (value >= count) {
         return stp_gltf_fail(scope, STP_ERROR_FORMAT, "%s is %zu, but there are %zu %s", key, value,
-                             count, stp_gltf_list_name(list));
+                             count, list_name(list));
     }
     *index = (uint32_t)value;
     return STP_OK;

@@ -68,7 +68,6 @@ typedef struct stp_las_records {
     uint64_t index, at;
     bool damaged; ///< a record does not fit: iteration stops before it
 } stp_las_records;
-bool stp_las_next_record(const stp_las* las, stp_las_records* records, stp_las_record* record);
 /// The first record of a user and id. @return whether it exists
 bool stp_las_find_record(const stp_las* las, const char* user, unsigned id, stp_las_record* record);
 
@@ -140,9 +139,6 @@ size_t stp_las_chunks_of_set(const stp_las* las, size_t first, uint64_t points_i
 STP_MUST_USE stp_result stp_las_read_points(stp_las* las, uint64_t points_in_set);
 /// The whole reader; see stp_las_read_points.
 STP_MUST_USE stp_result stp_las_import(stp_import* import, uint64_t points_in_set);
-
-/// Counts content that is not kept, and lists extra bytes in one notice.
-void stp_las_report_losses(stp_las* las);
 
 /// Checks COPC's hierarchy and warns if it is damaged. Reading points does not need it.
 void stp_las_check_copc(const stp_las* las);

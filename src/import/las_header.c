@@ -150,7 +150,7 @@ stp_result stp_las_read_header(stp_las* las)
     return result == STP_OK ? check_count(las) : result;
 }
 
-bool stp_las_next_record(const stp_las* las, stp_las_records* records, stp_las_record* record)
+static bool next_record(const stp_las* las, stp_las_records* records, stp_las_record* record)
 {
     const unsigned char* bytes = las->import->file.bytes;
     uint64_t size = las->import->file.size;
@@ -186,7 +186,7 @@ bool stp_las_next_record(const stp_las* las, stp_las_records* records, stp_las_r
 bool stp_las_find_record(const stp_las* las, const char* user, unsigned id, stp_las_record* record)
 {
     stp_las_records records = {0};
-    while (stp_las_next_record(las, &records, record)) {
+    while (next_record(las, &records, record)) {
         if (record->id == id && strncmp(record->user, user, 16) == 0) {
             return true;
         }

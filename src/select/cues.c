@@ -130,7 +130,8 @@ static double feature_of(const stp_cue_view* view)
     return (view->cues & STP_CUE_ERROR_BIT) != 0 ? STP_CUE_ERROR_FEATURE : STP_CUE_FEATURE;
 }
 
-double stp_cue_shape(const stp_cue_view* view, const stp_leaf_node* node, double samples)
+/// Applies the view-independent cues, flatness and edges, to a number of samples.
+static double apply_shape(const stp_cue_view* view, const stp_leaf_node* node, double samples)
 {
     double all = (double)node->count;
     if ((view->cues & STP_CUE_FLATNESS_BIT) != 0) {
@@ -266,7 +267,7 @@ double stp_cue_samples(const stp_cue_view* view, const stp_leaf_node* node,
                        const stp_box_visibility* sight, double before)
 {
     double all = (double)node->count, nominal = fmin(stp_cue_nominal(view, node, sight), all);
-    double samples = stp_cue_shape(view, node, nominal);
+    double samples = apply_shape(view, node, nominal);
     bool marked = node->edge && (view->cues & STP_CUE_EDGE_BIT) != 0;
     bool outline = (view->cues & STP_CUE_SILHOUETTE_BIT) != 0 && stp_cue_silhouette(view, node);
     bool shines = (view->cues & STP_CUE_SPECULAR_BIT) != 0 && stp_cue_highlight(view, node);

@@ -55,9 +55,6 @@ double stp_cue_overhang(const stp_cue_view* view, const stp_leaf_node* node, con
 double stp_cue_nominal(const stp_cue_view* view, const stp_leaf_node* node,
                        const stp_box_visibility* sight);
 
-/// Applies the view-independent cues, flatness and edges, to a number of samples.
-double stp_cue_shape(const stp_cue_view* view, const stp_leaf_node* node, double samples);
-
 /// Whether some of a cube may face the eye and some may face away.
 bool stp_cue_silhouette(const stp_cue_view* view, const stp_leaf_node* node);
 

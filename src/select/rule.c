@@ -18,7 +18,10 @@ const stp_select_rule* stp_select_rule_of(uint32_t id)
     }
 }
 
-bool stp_select_is_complete(const stp_store_node* node, const stp_splats* surfels)
+/// Whether a set holds all points of a node without triangles: such a node is never opened, since
+/// points have no size of their own. A cloud with points in one place is not complete: its set has
+/// one of them.
+static bool is_complete(const stp_store_node* node, const stp_splats* surfels)
 {
     // coincident points share one surfel, so all surfels together cover to within position
     // precision
@@ -33,8 +36,9 @@ double stp_select_reach(const stp_selection* s, uint32_t node)
            fmin((double)s->graph->early_switches[node], stp_select_early_switch(s->quality));
 }
 
-double stp_select_radius_per_depth(const stp_selection* s, const stp_select_entry* at,
-                                   const stp_box_visibility* sight)
+/// The wanted coverage radius at depth 1, in node units; 0: none.
+static double radius_per_depth(const stp_selection* s, const stp_select_entry* at,
+                               const stp_box_visibility* sight)
 {
     double pixel = stp_view_frame_pixel_size(&s->frames[0], 1.0);
     double per_depth = 0.5 * sight->splat_size * pixel; // r = s d_p / 2
@@ -110,11 +114,11 @@ stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* a
     if (surfels->count == 0) {
         return use;
     }
-    bool cloud = s->quality->splats_only || stp_select_is_complete(node, surfels);
+    bool cloud = s->quality->splats_only || is_complete(node, surfels);
     if (sight->is_inside && !cloud) {
         return use;
     }
-    use.per_depth = stp_select_radius_per_depth(s, at, sight);
+    use.per_depth = radius_per_depth(s, at, sight);
     if (!(use.per_depth > 0.0)) {
         if (cloud) {
             s->rule->use_count(&use, surfels->count);

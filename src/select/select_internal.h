@@ -147,11 +147,6 @@ void stp_select_cover(const stp_selection* s, const stp_splats* surfels,
 STP_MUST_USE stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
                                              const stp_box_visibility* sight, stp_set_use* use);
 
-/// Whether a set holds all points of a node without triangles: such a node is never opened, since
-/// points have no size of their own. A cloud with points in one place is not complete: its set has
-/// one of them.
-bool stp_select_is_complete(const stp_store_node* node, const stp_splats* surfels);
-
 /// Whether there are only points below a node. Sets of `blue` and `stochastic` then have original
 /// points as splats.
 bool stp_select_is_of_points(const stp_selection* s, uint32_t node);
@@ -165,9 +160,6 @@ STP_MUST_USE stp_result stp_select_add_item(stp_selection* s, stp_draw_item item
                                             uint64_t id_count);
 /// The coverage radius down to which a node's own set is used.
 double stp_select_reach(const stp_selection* s, uint32_t node);
-/// The wanted coverage radius at depth 1, in node units; 0: none.
-double stp_select_radius_per_depth(const stp_selection* s, const stp_select_entry* at,
-                                   const stp_box_visibility* sight);
 /// Appends a run of the next item: splats [begin, end) are drawn between two depths.
 STP_MUST_USE stp_result stp_select_add_run(stp_selection* s, uint32_t begin, uint32_t end,
                                            stp_depth_range range);

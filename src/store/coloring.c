@@ -14,7 +14,8 @@ bool stp_attribute_is_distinct(stp_attribute attribute)
            attribute == STP_ATTRIBUTE_RETURNS || attribute == STP_ATTRIBUTE_SOURCE;
 }
 
-void stp_store_color_value(const stp_store_coloring* coloring, double value, uint8_t color[3])
+/// The colour of a value, in sRGB.
+static void color_value(const stp_store_coloring* coloring, double value, uint8_t color[3])
 {
     const uint8_t* found;
     if (coloring->attribute == STP_ATTRIBUTE_CLASS) {
@@ -66,7 +67,7 @@ static void take_colors(void* user, uint64_t first, const void* values, size_t c
     const paint* p = user;
     for (size_t i = 0; i < count; ++i) {
         double value = stp_attribute_number(p->coloring->attribute, values, i);
-        stp_store_color_value(p->coloring, value, p->colors + (first + i) * p->stride);
+        color_value(p->coloring, value, p->colors + (first + i) * p->stride);
     }
 }
 

@@ -22,9 +22,6 @@ typedef struct stp_store_coloring {
 /// Whether an attribute is categorical (distinct colours) rather than continuous.
 bool stp_attribute_is_distinct(stp_attribute attribute);
 
-/// The colour of a value, in sRGB.
-void stp_store_color_value(const stp_store_coloring* coloring, double value, uint8_t color[3]);
-
 /// Sets how a store's points are coloured; NULL or all zero: as stored. Drops loaded data and
 /// invalidates pointers to it. Not allowed while a residency is attached. @return STP_OK,
 /// STP_ERROR_ARGUMENT (logged)

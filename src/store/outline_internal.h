@@ -38,6 +38,3 @@ STP_MUST_USE stp_result stp_outline_range(stp_outline* outline, uint32_t parent,
                                           uint32_t* end);
 /// The first prototype with this node; STP_STORE_NONE if there is none.
 uint32_t stp_outline_prototype_of(const stp_outline* outline, uint32_t node);
-/// Makes the item of a child. @return false if it is too deep
-bool stp_outline_descend(const stp_outline_item* item, uint32_t object, uint32_t node,
-                         const stp_affine* transform, stp_outline_item* child);

@@ -13,8 +13,9 @@ stp_outline_item stp_outline_root(const stp_outline* outline)
     return (stp_outline_item){.node = outline->directory->root, .transform = stp_affine_identity()};
 }
 
-bool stp_outline_descend(const stp_outline_item* item, uint32_t object, uint32_t node,
-                         const stp_affine* transform, stp_outline_item* child)
+/// Makes the item of a child. @return false if it is too deep
+static bool make_child(const stp_outline_item* item, uint32_t object, uint32_t node,
+                       const stp_affine* transform, stp_outline_item* child)
 {
     if (item->depth >= STP_OUTLINE_DEPTH) {
         return false;
@@ -80,7 +81,7 @@ static void walk_places(place_walk* w, uint32_t node, const stp_affine* transfor
             continue;
         }
         if (w->seen >= w->first && w->given < w->room &&
-            stp_outline_descend(w->item, prototype, edge->node, &below, &w->items[w->given])) {
+            make_child(w->item, prototype, edge->node, &below, &w->items[w->given])) {
             w->items[w->given++].transform = below;
         }
         w->seen += 1;
@@ -122,7 +123,7 @@ stp_result stp_outline_children(stp_outline* outline, const stp_outline_item* it
         uint32_t index = outline->order[i];
         result = stp_store_read_object_place(outline->store, index, &object);
         if (result == STP_OK &&
-            stp_outline_descend(item, index, object.node, &object.transform, &items[*count])) {
+            make_child(item, index, object.node, &object.transform, &items[*count])) {
             *count += 1;
         }
     }
@@ -191,7 +192,7 @@ static stp_result descend(stp_outline* outline, const uint32_t* above, size_t de
             memmove(item->objects, item->objects + 1, item->depth * sizeof(item->objects[0]));
         }
         stp_outline_item upper = *item;
-        (void)stp_outline_descend(&upper, at, record.node, &record.transform, item);
+        (void)make_child(&upper, at, record.node, &record.transform, item);
     }
     item->node = nowhere ? STP_STORE_NONE : item->node;
     return STP_OK;

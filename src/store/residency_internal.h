@@ -114,8 +114,6 @@ uint64_t stp_residency_decoder_bytes(const stp_residency* r, uint32_t thing);
 /// Extra memory during loading: the image file of a texture and its decoder; for operators, the
 /// queue of parents.
 uint64_t stp_residency_transient(const stp_residency* r, uint32_t thing, uint32_t level);
-/// The need of the octave after `level`.
-float stp_residency_need(const stp_residency* r, uint32_t thing, uint32_t level);
 
 static inline void stp_residency_count(stp_residency* r, uint64_t bytes)
 {

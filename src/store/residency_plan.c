@@ -28,7 +28,8 @@ static uint64_t bits_of(float need)
     return bits; // compares like the floats
 }
 
-float stp_residency_need(const stp_residency* r, uint32_t thing, uint32_t level)
+/// The need of the octave after `level`.
+static float need_after(const stp_residency* r, uint32_t thing, uint32_t level)
 {
     const stp_resident* t = &r->things[thing];
     if (level < t->pinned) {
@@ -115,7 +116,7 @@ static void sort_steps(stp_residency* r)
             r->stats.loading += 1;
             continue;
         }
-        float need = stp_residency_need(r, thing, t->level);
+        float need = need_after(r, thing, t->level);
         r->steps[kept++] = (stp_rank){.order = UINT64_MAX - bits_of(need), .thing = thing};
     }
     r->step_count = kept;
@@ -130,7 +131,7 @@ static uint64_t order_of_victim(const stp_residency* r, uint32_t thing)
         return t->used;
     }
     uint64_t kind = t->level > target ? UINT64_C(1) << 62 : UINT64_C(1) << 63;
-    return kind | bits_of(stp_residency_need(r, thing, t->level - 1u));
+    return kind | bits_of(need_after(r, thing, t->level - 1u));
 }
 
 static void find_victims(stp_residency* r)
@@ -252,7 +253,7 @@ static bool plan_step(stp_residency* r, uint32_t* skips)
     if (load == NULL && r->spare == NULL) {
         return false;
     }
-    float need = stp_residency_need(r, thing, from);
+    float need = need_after(r, thing, from);
     // a load must not drop its own thing
     load = load != NULL ? load : new_load(r, thing);
     bool fits = make_room(r, bytes, need, r->limit - r->limit / SHORTENS);
@@ -263,7 +264,7 @@ static bool plan_step(stp_residency* r, uint32_t* skips)
         r->under_way += bytes;
     }
     if (fits && to < target) {
-        r->steps[0].order = UINT64_MAX - bits_of(stp_residency_need(r, thing, to));
+        r->steps[0].order = UINT64_MAX - bits_of(need_after(r, thing, to));
         stp_ranks_sink(r->steps, r->step_count, 0);
     } else {
         r->step_count = stp_ranks_pop(r->steps, r->step_count);

@@ -45,7 +45,8 @@ stp_result stp_store_measure_picture(const stp_store_texture* texture, const uns
     return STP_OK;
 }
 
-bool stp_store_texels_are_plausible(uint64_t texels, uint64_t file_bytes)
+/// Whether a file of this size may hold pictures with this many texels in total.
+static bool are_plausible(uint64_t texels, uint64_t file_bytes)
 {
     return texels <= TEXELS_ALWAYS_BELIEVED || texels / TEXELS_PER_BYTE <= file_bytes;
 }
@@ -117,7 +118,7 @@ stp_result stp_store_validate_pictures(const stp_store_validator* validator,
         texels += count_texels(texture);
         bytes += texture->encoded_size;
     }
-    return stp_store_texels_are_plausible(texels, bytes)
+    return are_plausible(texels, bytes)
                ? STP_OK
                : stp_fail(validator->context, validator->failure,
                           "%s: the pictures claim %llu texels in %llu bytes", validator->path,
@@ -171,7 +172,7 @@ stp_result stp_store_link_textures(stp_store* store)
         bool decoded = result == STP_OK && texture->encoding != 0 && block_of(store, i)->owner == i;
         texels += decoded ? count_texels(texture) : 0;
     }
-    if (result == STP_OK && !stp_store_texels_are_plausible(texels, store->file_bytes)) {
+    if (result == STP_OK && !are_plausible(texels, store->file_bytes)) {
         return stp_fail(store->context, STP_ERROR_LIMIT,
                         "%s: the pictures claim %llu texels in a file of %llu bytes", store->path,
                         (unsigned long long)texels, (unsigned long long)store->file_bytes);

@@ -13,9 +13,6 @@ STP_MUST_USE stp_result stp_store_measure_picture(const stp_store_texture* textu
                                                   const unsigned char* bytes, size_t size,
                                                   stp_image_info* info);
 
-/// Whether a file of this size may hold pictures with this many texels in total.
-bool stp_store_texels_are_plausible(uint64_t texels, uint64_t file_bytes);
-
 /// For each texture of `content`, the first one with the same image file: they share a block.
 /// Others map to themselves.
 STP_MUST_USE stp_result stp_store_find_texture_owners(stp_context* context,

@@ -19,7 +19,8 @@ uint64_t stp_store_values_chunks(uint32_t attributes, uint64_t count)
     return chunks;
 }
 
-uint64_t stp_store_values_bytes(uint32_t attributes, uint64_t count)
+/// Uncompressed size of all values.
+static uint64_t values_bytes(uint32_t attributes, uint64_t count)
 {
     uint64_t bytes = 0;
     for (uint32_t a = 0; a < STP_ATTRIBUTES; ++a) {
@@ -36,7 +37,7 @@ static uint64_t table_bytes(uint32_t attributes, uint64_t count)
 
 bool stp_store_can_hold_values(uint32_t attributes, uint64_t count, uint64_t size)
 {
-    uint64_t content = stp_store_values_bytes(attributes, count);
+    uint64_t content = values_bytes(attributes, count);
     uint64_t chunks = stp_store_values_chunks(attributes, count);
     uint64_t table = table_bytes(attributes, count);
     return size >= table && size - table <= content &&

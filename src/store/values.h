@@ -39,9 +39,6 @@ static inline bool stp_store_has_bit(uint32_t attributes, uint32_t attribute)
 /// Number of chunks for this many values per attribute.
 uint64_t stp_store_values_chunks(uint32_t attributes, uint64_t count);
 
-/// Uncompressed size of all values.
-uint64_t stp_store_values_bytes(uint32_t attributes, uint64_t count);
-
 /// Whether a block of this size can hold them.
 bool stp_store_can_hold_values(uint32_t attributes, uint64_t count, uint64_t size);
 

@@ -78,7 +78,8 @@ void gl_writer_turn(gl_writer* writer)
     writer->room = (uint32_t)room;
 }
 
-bool gl_writer_end(gl_writer* writer)
+/// @return false if the context is lost
+static bool end_writer(gl_writer* writer)
 {
     send(writer);
     return !writer->failed && writer->left == 0;
@@ -97,7 +98,7 @@ gl_upload gl_upload_begin(gl_renderer* r, uint32_t entry, uint64_t words, bool u
 
 gl_upload gl_upload_end(gl_renderer* r, uint32_t entry, gl_writer* writer, bool good)
 {
-    bool written = gl_writer_end(writer);
+    bool written = end_writer(writer);
     if (good && written) {
         return GL_UPLOAD_THERE;
     }

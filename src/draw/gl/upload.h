@@ -60,8 +60,6 @@ typedef struct gl_writer {
 gl_writer gl_writer_begin(gl_renderer* r, uint32_t entry, uint64_t words);
 /// Sends the written words and gets more space.
 void gl_writer_turn(gl_writer* writer);
-/// @return false if the context is lost
-bool gl_writer_end(gl_writer* writer);
 
 static inline void gl_write(gl_writer* writer, uint32_t word)
 {

@@ -279,7 +279,8 @@ void stp_point_tree_destroy(stp_context* context, stp_point_tree* tree)
     *tree = (stp_point_tree){0};
 }
 
-bool stp_point_tree_suffices(const stp_point_tree* tree, uint32_t node, const stp_tree_view* view)
+/// Whether a node's error is within the allowed error at its distance from the eye.
+static bool suffices(const stp_point_tree* tree, uint32_t node, const stp_tree_view* view)
 {
     const stp_disk* disk = &tree->disks[node];
     stp_vec3d v = stp_subd(view->eye, stp_to_double(disk->center));
@@ -302,7 +303,7 @@ uint32_t stp_point_tree_traverse(const stp_point_tree* tree, const stp_tree_view
     uint32_t count = 0;
     for (uint32_t node = 0; node < tree->count;) {
         bool is_leaf = tree->ends[node] == node + 1;
-        if (is_leaf || stp_point_tree_suffices(tree, node, view)) {
+        if (is_leaf || suffices(tree, node, view)) {
             nodes[count++] = node;
             node = tree->ends[node]; // skips the subtree
         } else {

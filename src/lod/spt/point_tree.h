@@ -59,9 +59,6 @@ typedef struct stp_tree_view {
     bool split;
 } stp_tree_view;
 
-/// Whether a node's error is within the allowed error at its distance from the eye.
-bool stp_point_tree_suffices(const stp_point_tree* tree, uint32_t node, const stp_tree_view* view);
-
 /// Recursive traversal (3.5): selects the topmost nodes within the allowed error, and leaves.
 /// @param nodes space for tree->leaf_count; ascending.
 /// @return number of selected nodes
