@@ -18,7 +18,7 @@ refused()
     PATH=${programs:-$PATH} "$stipple" "$@" > out 2> err
     got=$?
     [ $got -eq "$wanted" ] || fail "$* exits with $got, not $wanted"
-    grep -q -- "$word" err || fail "$* does not say $word: $(cat err)"
-    [ "$(grep -c '^stipple: ' err)" -eq 1 ] || fail "$* says not one sentence: $(cat err)"
+    grep -q -- "$word" err || fail "$* does not print $word: $(cat err)"
+    [ "$(grep -c '^stipple: ' err)" -eq 1 ] || fail "$* does not print exactly one sentence: $(cat err)"
     [ ! -s out ] || fail "$* writes on stdout"
 }

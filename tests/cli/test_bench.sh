@@ -95,8 +95,8 @@ refused 2 "--count" bench positions --count 0
 refused 2 "--first" bench positions --first -1
 refused 2 "--memory" bench frame --memory much
 "$stipple" bench frame --model nothing.stip --quick > out 2> err
-[ $? -eq 1 ] || fail "a model that is not there is not refused"
-grep -q "nothing.stip" err || fail "a model that is not there is not named: $(cat err)"
+[ $? -eq 1 ] || fail "a missing model is not refused"
+grep -q "nothing.stip" err || fail "a missing model is not named: $(cat err)"
 bench psp psp --quick --threads 2
 python3 - << 'END' || fail "figures of psp"
 import json

@@ -55,13 +55,13 @@ done
     || fail "figures: $(cat out)"
 [ "$(figure "d['input_bytes'], d['triangles_alone_would_do']")" = "($(stat -c %s ball.obj), True)" ] || fail "input: $(cat out)"
 [ "$(figure "d['file_bytes']")" = "$(stat -c %s one.stip)" ] || fail "file_bytes: $(cat out)"
-[ "$(figure "d['splat_bytes'] / d['unique_surfels'] < 15.5")" = True ] || fail "surfels are fat: $(cat out)"
+[ "$(figure "d['splat_bytes'] / d['unique_surfels'] < 15.5")" = True ] || fail "surfels are too large: $(cat out)"
 
 run 0 build ball.obj -o three.stip --threads 3 --memory 2G --progress none
 cmp -s one.stip three.stip || fail "the file depends on threads or memory"
 grep -q '^  total .* 4,512 .* 564 ' out || fail "no figures: $(cat out)"
 tail -n 1 out | grep -Eq '^  bytes +[0-9.]+ KB in, [0-9.]+ KB out: [0-9.]+ KB splats, [0-9.]+ KB triangles, 0 B textures$' \
-    || fail "the last line does not say where bytes went: $(cat out)"
+    || fail "the last line does not list the sizes: $(cat out)"
 grep -q 'its 4,512 triangles suffice: --threshold 4512 leaves' out || fail "a small model: $(cat out)"
 grep -q 'times the input' out && fail "too large: $(cat out)"
 STP_PROCESSOR=baseline "$stipple" build ball.obj -o base.stip --quiet > out 2> err || fail "baseline: $(cat err)"
@@ -88,13 +88,13 @@ cp one.stip kept.stip
 printf 'glTF\002\000\000\000' > broken.glb
 run 1 build broken.glb -o kept.stip
 [ "$(wc -l < err)" = 1 ] || fail "not one sentence: $(cat err)"
-cmp -s one.stip kept.stip || fail "a failed build touched its output"
+cmp -s one.stip kept.stip || fail "a failed build changed its output"
 run 1 build missing.obj -o kept.stip
 run 1 build ball.obj -o no/such/folder.stip
 run 1 build ball.obj -o /dev/null
 [ -c /dev/null ] || fail "/dev/null was replaced"
 run 1 build ball.obj -o kept.stip --memory 100K
-cmp -s one.stip kept.stip || fail "a build without memory touched its output"
+cmp -s one.stip kept.stip || fail "a build without memory changed its output"
 [ -z "$(find . -name '*.tmp-*')" ] || fail "left behind: $(find . -name '*.tmp-*')"
 run 1 info broken.glb
 run 1 info missing.stip

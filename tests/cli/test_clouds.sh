@@ -57,7 +57,7 @@ alike() # A B LEAST
     python3 -c '
 import json, sys
 psnr = json.load(open("compare.json"))["psnr"]
-sys.exit(psnr is not None and psnr < float(sys.argv[1]))' "$3" || fail "$1 is not like $2: $(cat compare.json)"
+sys.exit(psnr is not None and psnr < float(sys.argv[1]))' "$3" || fail "$1 differs from $2: $(cat compare.json)"
 }
 both() # FILE OUT ARGUMENTS...: by the processor, and the same by OpenGL where there is one
 {
@@ -112,17 +112,17 @@ python3 -c 'import json; f = json.load(open("draw.json")); assert f["splats"] >=
 
 # choice of a method with the attribute
 draw methods.stip methods.png --backend cpu --color intensity --once --json
-grep -q "drawn by stochastic: splats by psp have no intensity" err || fail "no word of the other method: $(cat err)"
+grep -q "drawn by stochastic: splats by psp have no intensity" err || fail "no message about the other method: $(cat err)"
 python3 -c 'import json; assert json.load(open("draw.json"))["method"] == "stochastic"' || fail "stochastic is not named"
 draw merged.stip merged.png --backend cpu --classes 6
-grep -q "original points are drawn: splats have no class" err || fail "no word of original points: $(cat err)"
+grep -q "original points are drawn: splats have no class" err || fail "no message about original points: $(cat err)"
 refused 1 "by psp have no intensity" render methods.stip -o a.png --color intensity --method psp
 
 # signs and positions
 python3 "$source/scripts/read_store.py" ball.stip > ball.json || fail "ball.stip by the other reader"
 python3 "$source/scripts/read_store.py" lit.stip > lit.json || fail "lit.stip by the other reader"
 "$stipple" info ball.stip --json > info.json || fail "info"
-"$stipple" info both.stip | grep -q "positions *exact to .* [mun]*m$" || fail "info does not say how exact places are"
+"$stipple" info both.stip | grep -q "positions *exact to .* [mun]*m$" || fail "info does not print the accuracy of positions"
 python3 - << 'END' || fail "certainty"
 import json
 ball, lit, info = (json.load(open(f"{n}.json")) for n in ("ball", "lit", "info"))

@@ -43,14 +43,14 @@ for size in 8; do
         fail "drawn by $(value mixed.json method) and $(value mixed.json coarse_method)"
     for one in blue psp; do
         [ "$(value $one.json coarse_method)" = None ] || fail "$one is drawn with another method"
-        cmp -s mixed.png $one.png && fail "the default draws what $one draws"
+        cmp -s mixed.png $one.png && fail "the default draws the same as $one"
     done
     a=$(likeness mixed truth) b=$(likeness blue truth)
     holds "ellipses make the picture less alike" "$a >= $b"
     draw threads both.stip --splat-size $size --backend cpu --threads 3
-    cmp -s mixed.png threads.png || fail "three threads draw another picture"
+    cmp -s mixed.png threads.png || fail "three threads draw a different picture"
     draw streamed both.stip --splat-size $size --backend cpu --memory 64M
-    cmp -s mixed.png streamed.png || fail "under a limit of memory the picture differs"
+    cmp -s mixed.png streamed.png || fail "with a memory limit the picture differs"
     draw gl both.stip --splat-size $size --backend gl
     a=$(likeness mixed gl)
     holds "OpenGL draws another picture" "$a >= 0.99"
@@ -60,7 +60,7 @@ done
 draw by_policy both.stip --splat-size 6 --policy paper
 draw counted both.stip --splats 500 --backend cpu
 draw counted_blue both.stip --splats 500 --backend cpu --method blue
-cmp -s counted.png counted_blue.png || fail "so many splats are not those of the first method"
+cmp -s counted.png counted_blue.png || fail "a splat count does not use the first method"
 draw first both.stip --splat-size 6 --prefix 40%
 draw turned turned.stip --splat-size 6
 for one in by_policy counted turned truth; do

@@ -48,7 +48,7 @@ near 28.130803608679102 "$(figure psnr ab.json)" || fail "psnr $(figure psnr ab.
 
 "$stipple" compare a.png a.png --json > aa.json || fail "compare with itself"
 [ "$(figure ssim aa.json) $(figure ms_ssim aa.json) $(figure psnr aa.json)" = "1.0 1.0 200.0" ] ||
-    fail "a picture is not like itself: $(cat aa.json)"
+    fail "a picture differs from itself: $(cat aa.json)"
 "$stipple" compare a.png a.png | grep -q '^psnr .*infinite' || fail "text of equal pictures"
 "$stipple" compare a.png b.png | grep -q '^psnr  *28.131 dB$' || fail "text of psnr"
 
@@ -62,18 +62,18 @@ near 1 "$(figure ssim_covered unmasked.json)" && fail "without --mask all counts
 "$stipple" compare --map map.png --difference difference.png a.png half.png > text || fail "--map"
 "$stipple" compare map.png difference.png > text || fail "the map and the difference have one size"
 "$stipple" compare - a.png --json < a.png > piped.json || fail "standard input"
-cmp -s aa.json piped.json || fail "a pipe gives other figures"
+cmp -s aa.json piped.json || fail "a pipe gives different figures"
 "$stipple" compare difference.png difference.png --map map2.png > text || fail "difference.png"
 "$stipple" compare --map=map3.png -- a.png half.png > text || fail "--map=FILE"
-cmp -s map.png map3.png || fail "the map is not the same twice"
+cmp -s map.png map3.png || fail "two maps differ"
 for threads in 1 2 3; do
     "$stipple" compare a.png half.png --threads $threads --json | cmp -s - unmasked.json ||
-        fail "$threads threads give other figures"
+        fail "$threads threads give different figures"
 done
 
 # inputs that cannot be compared
 "$stipple" compare a.png small.png > out 2> err
-[ $? -eq 1 ] && [ ! -s out ] || fail "other sizes should fail, with nothing on stdout"
+[ $? -eq 1 ] && [ ! -s out ] || fail "different sizes should fail, without output on stdout"
 grep -qx 'stipple: pictures of 200 x 180 and 20 x 18 cannot be compared' err || fail "sizes: $(cat err)"
 head -c 60 a.png > cut.png
 "$stipple" compare a.png cut.png > out 2> err

@@ -138,7 +138,7 @@ figures middle.json 'near(d["hausdorff_mean_percent"], 100 * (0.3825978 - 0.25 +
 "$stipple" compare-splats above.ply square.ply --no-pictures > text || fail "text"
 grep -q '^area .*6.283 times' text || fail "text: $(cat text)"
 
-# a drawn ellipse lies where its triangles do, in each view
+# a drawn ellipse covers the same pixels as its triangles, in each view
 "$stipple" compare-splats tilted.ply fan.ply --size 160x160 --json > tilted.json || fail "tilted"
 figures tilted.json 'd["hausdorff_max_percent"] < 0.2 and d["hausdorff_bound_percent"] < 0.21 and near(d["area_ratio"], 1, 2e-3)'
 figures tilted.json 'all(v["ssim"] > 0.9 and v["ssim_covered"] > 0.9 for v in d["views"])'
@@ -156,7 +156,7 @@ figures same.json 'd["splats"] == 0 and d["triangles"] == 2 and d["hausdorff_max
 "$stipple" compare-splats stone-psp.ply stone.ply --size 160x160 --json > stone-psp.json || fail "decimated splats"
 for threads in 1 2 3; do
     "$stipple" compare-splats stone-psp.ply stone.ply --samples 50000 --no-pictures --threads $threads --json > threads$threads.json || fail "--threads $threads"
-    cmp -s threads1.json threads$threads.json || fail "$threads threads give other figures"
+    cmp -s threads1.json threads$threads.json || fail "$threads threads give different figures"
 done
 figures stone-psp.json 'd["splats"] == 90 and 0.1 < d["hausdorff_max_percent"] < 20 and 0.001 < d["hausdorff_mean_percent"] < 1 and 1 < d["area_ratio"] < 9'
 figures stone-psp.json '0.5 < d["ssim"] < 1 and d["samples"] == 200000 and d["hausdorff_max_percent"] <= d["hausdorff_bound_percent"] < 1.0011 * d["hausdorff_max_percent"]'
@@ -179,9 +179,9 @@ done
 
 # the same splats as a .stip, with rounding; whole and in part
 "$stipple" -q decimate stone.ply -o stone-psp.stip --splats 90 > out || fail "decimate to a .stip"
-"$stipple" check stone-psp.stip > out || fail "the .stip of splats is no good file"
+"$stipple" check stone-psp.stip > out || fail "the .stip of splats is invalid"
 "$stipple" compare-splats stone-psp.stip stone.ply --size 160x160 --json > stip.json || fail "a .stip of splats"
-python3 - << 'END' || fail "a .stip gives other figures than the PLY: $(cat stip.json)"
+python3 - << 'END' || fail "a .stip gives different figures from the PLY: $(cat stip.json)"
 import json
 a, b = json.load(open("stone-psp.json")), json.load(open("stip.json"))
 for key, part in (("hausdorff_max_percent", 0.03), ("hausdorff_mean_percent", 0.03), ("area_ratio", 0.02), ("ssim", 0.001)):
@@ -216,7 +216,7 @@ figures blue100.json 'd["splats"] == 100'
 "$stipple" compare-splats stone-psp.ply turned.stip --size 160x160 --json > turned.json || fail "another up axis"
 figures turned.json 'd["splats"] == 90'
 python3 -c 'import json; a, b = (json.load(open(f)) for f in ("stone-psp.json", "turned.json")); assert all(abs(a[k] - b[k]) < 0.02 * a[k] for k in ("hausdorff_max_percent", "hausdorff_mean_percent", "area_ratio", "ssim")), (a, b)' ||
-    fail "another up axis gives other figures: $(cat turned.json)"
+    fail "another up axis gives different figures: $(cat turned.json)"
 
 # an independent program (GNU Triangulated Surface Library): for ellipses as fans of triangles, and
 # for a mesh
@@ -231,7 +231,7 @@ import json, re, sys
 d = json.load(open(sys.argv[1]))
 text = open("gts.txt").read().split("Distance between faces")[1].split("boundaries")[0]
 mean, most = (float(re.search(name + r":\s*(\S+)", text)[1]) * 100 / d["diagonal"] for name in (r"Average", "Maximum"))
-# it samples every 0.5 % of the diagonal, so it may miss the maximum by as much as a place lies from the next sample
+# it samples every 0.5 % of the diagonal, so it may miss the maximum by up to the sample spacing
 assert -0.02 * most < d["hausdorff_max_percent"] - most < 0.02 * most + 0.5 * 0.71, (most, d)
 assert abs(mean - d["hausdorff_mean_percent"]) < 0.02 * mean, (mean, d)
 END

@@ -65,7 +65,7 @@ done
 cmp -s normals-lazy.ply distances-lazy.ply && fail "the metric changes nothing"
 for threads in 1 3; do
     "$stipple" -q decimate ball.ply -o threads.ply --splats 200 --threads $threads > out || fail "--threads $threads"
-    cmp -s threads.ply normals-lazy.ply || fail "$threads threads give other splats"
+    cmp -s threads.ply normals-lazy.ply || fail "$threads threads give different splats"
 done
 # the methods for comparison with psp
 refused 2 'need --by psp' decimate ball.ply -o a.ply --by octree --metric distances
@@ -86,7 +86,7 @@ for by in octree octree-level quadric blue; do
     check $by.ply "$count"
     "$stipple" -q decimate ball.ply -o threads.ply --splats 200 --by $by --threads 1 > out || fail "$by with one thread"
     grep -q "^$count splats for 3000 points" out || fail "$by prints $(cat out)"
-    cmp -s threads.ply $by.ply || fail "one thread gives other splats of $by"
+    cmp -s threads.ply $by.ply || fail "one thread gives different splats with $by"
 done
 "$stipple" order ball.ply -o ordered.ply --count 200 > out || fail "order"
 python3 - << 'END' || fail "blue does not take the first points of the order"
@@ -107,7 +107,7 @@ with open("sheet.obj", "w") as file:
             file.write(f"f {i + 1} {i + 2} {i + 32}\nf {i + 1} {i + 32} {i + 31}\n")
 END
 "$stipple" -q decimate sheet.obj -o mesh.ply --splats 100 --by mesh --json > mesh.json || fail "decimate --by mesh"
-python3 - << 'END' || fail "mesh is not as it says: $(cat mesh.json)"
+python3 - << 'END' || fail "the figures of mesh are wrong: $(cat mesh.json)"
 import json, struct
 figures = json.load(open("mesh.json"))
 head, body = open("mesh.ply", "rb").read().split(b"end_header\n", 1)
@@ -131,7 +131,7 @@ for threads in 1 3; do
     "$stipple" -q decimate ball.ply -o pieces-$threads.ply --splats 200 --piece-size 128 --threads $threads --json > pieces.json || fail "--piece-size"
 done
 check pieces-1.ply 200
-cmp -s pieces-1.ply pieces-3.ply || fail "3 threads give other pieces"
+cmp -s pieces-1.ply pieces-3.ply || fail "3 threads give different pieces"
 cmp -s pieces-1.ply normals-lazy.ply && fail "--piece-size changes nothing"
 python3 -c 'import json; d = json.load(open("pieces.json")); assert d["points_per_second"] > 0 and d["peak_bytes"] > 36000, d' || fail "figures: $(cat pieces.json)"
 # two balls far apart: two splats remain, or one with --connect
@@ -168,7 +168,7 @@ for metric in normals distances; do
     for threads in 1 2; do
         "$stipple" -q decimate many.ply -o spills/$metric.ply --splats 500 --metric $metric --memory 10M --threads $threads --json > spilled.json ||
             fail "$metric in 10 MB by $threads threads"
-        cmp -s whole-$metric.ply spills/$metric.ply || fail "$metric: $threads threads give other splats where memory is small"
+        cmp -s whole-$metric.ply spills/$metric.ply || fail "$metric: $threads threads give different splats where memory is small"
         python3 -c 'import json; assert json.load(open("spilled.json"))["peak_bytes"] <= 10 << 20' || fail "peak: $(cat spilled.json)"
     done
 done

@@ -23,7 +23,7 @@ for row in "^boxes.glb .* triangles" "^frame time, median .* ms .* ms" "^likenes
 done
 "$stipple" compare build/demo/sheet.png build/demo/sheet.png > sheet || fail "the sheet is no picture"
 [ -s build/demo/far-difference.png ] && [ -s build/demo/near-splats.png ] || fail "pictures are missing"
-PATH=$PWD/bin:$PATH scripts/demo missing.glb > out 2> err && fail "a demo of nothing ends well"
+PATH=$PWD/bin:$PATH scripts/demo missing.glb > out 2> err && fail "a demo without a model succeeds"
 grep -q "missing.glb: no such file" err || fail "a missing model is not named: $(cat err)"
 
 # the plant: 200 machines of 27 boxes a hall, on shelves and a floor

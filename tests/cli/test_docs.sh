@@ -85,5 +85,5 @@ for options in "--splats 1000" "--splats 20000" "--splats 2000 --splat-scale 0.3
 done
 ssim() { "$stipple" compare "$1" truth.png --json | python3 -c "import json, sys; print(json.load(sys.stdin)['ssim'])"; }
 python3 -c "import sys; few, many, dots = map(float, sys.argv[1:]); assert dots < many and few < many, sys.argv" \
-    "$(ssim few.png)" "$(ssim many.png)" "$(ssim dots.png)" || fail "more splats are not more alike"
+    "$(ssim few.png)" "$(ssim many.png)" "$(ssim dots.png)" || fail "more splats are not more similar"
 exit $((failures > 0))

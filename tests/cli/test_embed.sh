@@ -38,7 +38,7 @@ for match in re.finditer(r"STP_API\b(?!\s+__attribute__)([^;{]*)\(", text):
 END_PYTHON
 sort -o declared declared
 nm -D --defined-only "$library" | awk '{ print $3 }' | sort > exported
-[ "$(wc -l < exported)" -ge 30 ] || fail "the library exports next to nothing"
+[ "$(wc -l < exported)" -ge 30 ] || fail "the library exports too few symbols"
 diff declared exported > differences || fail "declared (<) and exported (>) functions differ: $(cat differences)"
 
 # each header alone, in either language, by clang (by the compiler of the build: tests header.*)
@@ -53,7 +53,7 @@ done
 
 # examples, both ways
 export PKG_CONFIG_PATH=$lib/pkgconfig LD_LIBRARY_PATH=$lib
-[ "$(pkg-config --modversion stipple)" = "$("$stipple" --version | tr -dc '0-9.')" ] || fail "pkg-config tells another version"
+[ "$(pkg-config --modversion stipple)" = "$("$stipple" --version | tr -dc '0-9.')" ] || fail "pkg-config prints a different version"
 window=no
 pkg-config --exists sdl2 gl && window=yes
 [ $window = yes ] || echo "SDL2 is not installed: examples/window.c is not built"
@@ -94,7 +94,7 @@ done
 cmp by-pkg-config.ppm by-cmake.ppm || fail "pictures of both builds differ"
 [ "$(shown by-cmake.ppm 255,255,255)" -ge 10 ] || fail "the picture is empty"
 ./by-cmake/points points.ppm torus.stip > points.out || fail "points fails"
-grep -q '^500 of 20000 points cover all within' points.out || fail "points says: $(cat points.out)"
+grep -q '^500 of 20000 points cover all within' points.out || fail "output of points: $(cat points.out)"
 [ "$(shown points.ppm 0,0,0)" -ge 10 ] || fail "the picture of points is empty"
 if [ $window = yes ]; then
     SDL_VIDEODRIVER=offscreen LIBGL_ALWAYS_SOFTWARE=1 ./by-cmake/window boxes.stip --frames 3 window.ppm 2> window.err
@@ -109,6 +109,6 @@ if [ $window = yes ]; then
 fi
 "$stipple" check torus.stip > /dev/null || fail "the file of points is damaged"
 "$stipple" info torus.stip | grep -q '20,000\|20000' || fail "the file has not all points"
-./by-cmake/picture nothing.stip none.ppm 2> err && fail "a file that is not there is drawn"
-grep -q '^picture: error: nothing.stip' err || fail "a missing file is told as: $(cat err)"
+./by-cmake/picture nothing.stip none.ppm 2> err && fail "a missing file is drawn"
+grep -q '^picture: error: nothing.stip' err || fail "message about a missing file: $(cat err)"
 exit $((failures > 0))

@@ -102,7 +102,7 @@ cat > flight.json << 'END'
 END
 "$stipple" fly ball.stip --path flight.json --size 128x96 --splat-size 1.5 --fovea 0.1:2,1:6 --stereo -o pictures/ --popping \
     --json > fly.json 2> err || fail "fly: $(cat err)"
-cmp -s stereo.png pictures/frame-000000.png || fail "a frame of two eyes is not what render draws"
+cmp -s stereo.png pictures/frame-000000.png || fail "a frame of two eyes differs from render's picture"
 python3 -c 'import json; f = json.load(open("fly.json")); assert f["popping"]["max"] > 0 and f["width"] == 128' || fail "fly's figures"
 
 for command in render fly; do

@@ -100,7 +100,7 @@ assert load("policy")["splat_size"]["p50"] == 6 and load("policy")["extra_splats
 assert load("one")["frames"] == 1
 END
 
-# pictures equal those of render, whatever else is measured
+# pictures equal those of render, with all measurements
 "$stipple" fly ball.stip --path flight.json --size 64x48 --splat-size 3 -o pictures/ --reference-every 5 --popping > text ||
     fail "pictures"
 [ "$(ls pictures)" = "$(seq -f 'frame-%06.0f.png' 0 10)" ] || fail "pictures are $(ls pictures)"
@@ -108,7 +108,7 @@ for word in "frame ms" popping SSIM; do
     grep -q "$word" text || fail "the table lacks $word: $(cat text)"
 done
 "$stipple" render ball.stip -o one.png --size 64x48 --splat-size 3 --eye 9,1,8 --target 0,0,0 --fov 40 || fail "render"
-cmp -s one.png pictures/frame-000004.png || fail "a frame is not what render draws"
+cmp -s one.png pictures/frame-000004.png || fail "a frame differs from render's picture"
 mkdir -p again
 "$stipple" fly ball.stip --path flight.json --size 64x48 --splat-size 3 -o again --frames 11 -q > text || fail "again"
 cmp -s pictures/frame-000007.png again/frame-000007.png || fail "the same flight has other pictures"
@@ -194,7 +194,7 @@ echo '{"keys": [{"t": 0}]}' > bad.json
 refused 1 'bad.json: key 0: "eye"' fly ball.stip --path bad.json
 refused 1 "no/plot.svg" fly ball.stip --path flight.json --size 8x8 --frames 1 --plot no/plot.svg
 refused 1 "no/plot.svg" fly ball.stip --path flight.json --size 8x8 --plot no/plot.svg -o never/
-[ ! -e never ] || fail "what cannot be plotted is flown"
+[ ! -e never ] || fail "a flight that cannot be plotted is flown"
 refused 2 "standard output" fly ball.stip --path flight.json --plot -
 for plot in both.mp4 plot.png plot; do # a plot in place of the film that was just written would be a loss
     refused 2 "--plot needs a name OUT.svg, not $plot" fly ball.stip --path flight.json --size 8x8 -o both.mp4 --plot "$plot"

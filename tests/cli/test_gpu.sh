@@ -16,7 +16,7 @@ grep -q "nothing is measured" err && exit 77 # there is no OpenGL
 bash "$source/bench/gpu.sh" --scene boxes --scale 1 --stipple "$stipple" --output out > said 2> err || fail "gpu.sh: $(cat err)"
 grep -q "do not represent a GPU" err || fail "gpu.sh does not warn that this is not a GPU"
 json=$(grep 'gpu.json$' said) markdown=$(grep 'gpu.md$' said)
-[ -s "$json" ] && [ -s "$markdown" ] || fail "gpu.sh does not say what it wrote: $(cat said)"
+[ -s "$json" ] && [ -s "$markdown" ] || fail "gpu.sh does not print its output files: $(cat said)"
 python3 - "$json" << 'END' || fail "$json is not what is expected"
 import json, sys
 results = json.load(open(sys.argv[1]))["results"]

@@ -29,7 +29,7 @@ PY
 "$stipple" info a.las --json > info.json 2> info.err || fail "info of a LAS file"
 grep -q '"points": 10000' info.json || fail "info does not count the points"
 grep -q '"up": "z"' info.json || fail "info does not say that z is up"
-python3 - <<'PY' || fail "what info says of the points: $(cat info.json)"
+python3 - <<'PY' || fail "info of the points: $(cat info.json)"
 import json
 scan = json.load(open("info.json"))["scan"]
 assert scan["points"] == 10000 and scan["point_format"] == 2 and scan["version"] == "1.2", scan
@@ -44,8 +44,8 @@ PY
 grep -q '"points": 10000' bench.json && grep -q '"format": "las"' bench.json || fail "bench import: $(cat bench.json)"
 grep -q 'its unit of length is unknown (set it with --unit)' info.err || fail "no word on the unit"
 "$stipple" build a.las -o a.stip --unit ft --progress none > build.out 2> build.err || fail "build of a LAS file"
-"$stipple" check a.stip > check.out || fail "check of what was built"
-"$stipple" info a.stip --json | grep -q '"unit": "ft"' || fail "the unit that was asked for"
+"$stipple" check a.stip > check.out || fail "check of the built file"
+"$stipple" info a.stip --json | grep -q '"unit": "ft"' || fail "the requested unit"
 refused 1 "cut.las: ends after 9999 of the 10000 points in its header" \
     build cut.las -o cut.stip --progress none
 [ ! -e cut.stip ] || fail "a failed build leaves a file"

@@ -48,7 +48,7 @@ said rich.gltf "1 animation (drawn in the stored pose); 1 morph target (drawn at
 1 camera without perspective; 1 additional scene; extensions KHR_lights_punctual, EXT_x"
 said lines.obj "2 line elements"
 "$stipple" build plain.gltf -o out.stip > out 2> err || fail "plain: $(cat err)"
-[ ! -s err ] || fail "a model that is kept whole warns: $(cat err)"
+[ ! -s err ] || fail "a completely imported model warns: $(cat err)"
 "$stipple" build rich.gltf -o out.stip -q > out 2> err || fail "quiet: $(cat err)"
 [ ! -s err ] || fail "-q warns: $(cat err)"
 "$stipple" build many.gltf -o out.stip > out 2> err || fail "many: $(cat err)"
@@ -58,7 +58,7 @@ skinned=/usr/share/assimp/models/FBX/animation_with_skeleton.fbx
 if [ -e $skinned ]; then
     "$stipple" build $skinned -o out.stip > out 2> err || fail "skinned: $(cat err)"
     grep -q "not kept: 1 animation (drawn in the stored pose); 1 skin (drawn in the stored pose); 1 light$" err ||
-        fail "a skinned FBX does not say what is lost: $(cat err)"
+        fail "a skinned FBX does not list its losses: $(cat err)"
 fi
 
 for old in old.gltf old.glb; do

@@ -51,7 +51,7 @@ draw blue.stip alone
 [ "$(value only.json method)" = spt ] || fail "of a file of spt: $(value only.json method)"
 cmp -s first.png first_blue.png || fail "the default is not the first method"
 cmp -s first.png alone.png || fail "blue beside spt is not blue alone"
-cmp -s first.png first_spt.png && fail "spt draws what blue draws"
+cmp -s first.png first_spt.png && fail "spt draws the same as blue"
 # a model that is not built yet is built with the requested method
 "$stipple" -q render scene:spheres,scale=0.2 --method spt -o model.png --size 64x48 --once --json > model.json ||
     fail "no picture of a model by spt"

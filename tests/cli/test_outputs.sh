@@ -24,13 +24,13 @@ draw -o a.jpg
 draw -o b.jpeg
 draw -o a.webp
 draw -o a
-python3 - << 'END' || fail "a picture is not of the format that its name says"
+python3 - << 'END' || fail "a picture does not have the format of its name"
 for name, start, at in (("a.png", b"\x89PNG", 0), ("a.PNG", b"\x89PNG", 0), ("a.jpg", b"\xff\xd8\xff", 0),
                         ("b.jpeg", b"\xff\xd8\xff", 0), ("a.webp", b"WEBPVP8L", 8), ("a", b"\x89PNG", 0)):
     data = open(name, "rb").read()
     assert data[at:at + len(start)] == start, (name, data[:16])
 END
-cmp -s a.jpg b.jpeg || fail "the same picture gives other JPEG bytes"
+cmp -s a.jpg b.jpeg || fail "the same picture gives different JPEG bytes"
 for name in a.bmp a.tiff a.exr a.stip a.glb; do
     refused 2 "must end in .png, .jpg, .jpeg or .webp" render box.stip -o $name
     [ ! -e $name ] || fail "$name was written"

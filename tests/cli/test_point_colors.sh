@@ -56,7 +56,7 @@ build hill.ply merged.stip --method psp
 "$stipple" check hill.stip > log 2>&1 || fail "check: $(cat log)"
 
 "$stipple" info hill.stip --json > info.json || fail "info fails"
-python3 - << 'END' || fail "info does not tell attributes"
+python3 - << 'END' || fail "info does not list attributes"
 import json
 found = json.load(open("info.json"))
 named = {a["name"]: a for a in found["attributes"]}
@@ -114,7 +114,7 @@ python3 -c 'import json; assert json.load(open("draw.json"))["range"] == [1000.0
 
 # a picked point has its attributes
 "$stipple" render hill.stip --pick 100,70 --size 200x140 --view top > pick.json || fail "no pick"
-python3 - << 'END' || fail "a pick tells no attributes: $(cat pick.json)"
+python3 - << 'END' || fail "a pick lists no attributes: $(cat pick.json)"
 import json
 pick = json.load(open("pick.json"))
 assert pick["hit"] and set(pick["attributes"]) == {"intensity", "class", "class name", "return", "time"}, pick

@@ -78,5 +78,5 @@ refused 2 "named twice" render ball.xyz -o out.png --columns x,y,z,x
 refused 1 "line 2" build bad.xyz -o out.stip
 refused 1 "bad.e57: has version" build bad.e57 -o out.stip
 refused 1 "has 6 columns, not 7" info ball.xyz --columns x,y,z,r,g,b,class
-[ -e out.stip ] && fail "what was refused leaves a file"
+[ -e out.stip ] && fail "a refused input leaves a file"
 exit $((failures > 0))

@@ -123,7 +123,7 @@ for length in [0, 1, 3, 4, 7, 8, 60, 127, 128, 129, 500, 2000, 5000, *range(1000
     if run("check", "any.stip").returncode == 0:
         fail(f"check takes {length} bytes of {size} for the whole file")
 
-# a reference needs the whole file; sizes and parts that are none are refused
+# a reference needs the whole file; invalid sizes and parts are refused
 done = run("render", "cut.stip", "--reference", "-o", "any.png", *SIZE)
 if done.returncode != 1 or "ends after" not in done.stderr:
     fail(f"a reference of a cut file: {done.stderr}")

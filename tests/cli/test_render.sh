@@ -28,7 +28,7 @@ for view in front back left right top bottom iso d0 d25; do
     "$stipple" render "$file" -o "$view.png" --view "$view" --size 32x32 || fail "view $view"
 done
 "$stipple" render "$file" -o - --size 32x32 > stdout.png || fail "to standard output"
-cmp -s stdout.png iso.png || fail "standard output has another picture"
+cmp -s stdout.png iso.png || fail "standard output gets a different picture"
 "$stipple" render "$file" -o threads.png --size 32x32 --threads 1 || fail "--threads"
 cmp -s threads.png iso.png || fail "threads change the picture"
 # useless threads get no picture of their own: 1024 of these would take 8 GB
@@ -90,7 +90,7 @@ grep -q "from the cache" err || fail "built twice: $(cat err)"
 cmp -s ball.png again.png || fail "the cache changes the picture"
 "$stipple" render ball.obj -o small.png --size 64x64 --splats 200 --json > small.json || fail "splats of a model"
 grep -q '"splats": 200' small.json || fail "exactly 200 splats: $(cat small.json)"
-grep -q '"drawn": "splats"' small.json || fail "what is drawn: $(cat small.json)"
+grep -q '"drawn": "splats"' small.json || fail "drawn content: $(cat small.json)"
 echo "v 9 9 9" >> ball.obj
 "$stipple" render ball.obj -o third.png --size 64x64 -q || fail "a changed model"
 [ "$(ls cache/stipple | wc -l)" -eq 2 ] || fail "a changed model was not built"
@@ -109,7 +109,7 @@ rm -rf cache
 sheet=scene:one-mesh,scale=0.15
 "$stipple" render ball.obj -o original.png --size 64x64 --reference --json > original.json || fail "--reference of a model"
 grep -q '"splats": 0' original.json || fail "--reference draws splats: $(cat original.json)"
-grep -q '"drawn": "triangles"' original.json || fail "what is drawn: $(cat original.json)"
+grep -q '"drawn": "triangles"' original.json || fail "drawn content: $(cat original.json)"
 ls cache/stipple/*-originals.stip > /dev/null || fail "--reference made $(ls cache/stipple)"
 "$stipple" render ball.obj -o splats.png --size 64x64 --splats 200 --json > small.json || fail "splats after --reference"
 grep -q '"splats": 200' small.json || fail "no splats after --reference: $(cat small.json)"
@@ -145,7 +145,7 @@ f 7 8 9
 f 8 7 10
 END
 "$stipple" build far.obj -o far.stip --fresh --threshold 1 2> err || fail "far.obj: $(cat err)"
-grep -q "object [0-9]* (away)" err || fail "who is left out is not named: $(cat err)"
+grep -q "object [0-9]* (away)" err || fail "the omitted object is not named: $(cat err)"
 for how in "" --reference; do
     "$stipple" render far.stip -o far.png --size 40x30 --view front $how --json > far.json 2> err
     [ ! -s err ] || fail "far.stip: $(cat err)"

@@ -153,11 +153,11 @@ sed -i "s|PREFIX|$prefix|" street.views.json
 show street.stip -o v.png --size 120x40 --view cut --json > v.json 2> err || fail "viewpoint: $(cat err)"
 grep -q '"covered_pixels": 200' v.json || fail "the viewpoint shows something else: $(cat v.json)"
 show street.stip -o v.png --size 120x40 --view gone 2> err || fail "viewpoint: $(cat err)"
-grep -q "no such thing" err || fail "an object that is gone is not named: $(cat err)"
+grep -q "no such thing" err || fail "a missing object is not named: $(cat err)"
 echo '{' > street.views.json
 show street.stip -o v.png --size 120x40 --view cut 2> err
 [ $? -eq 1 ] && grep -q "street.views.json: line" err || fail "a broken sidecar: $(cat err)"
-show street.stip -o v.png --size 120x40 --view front || fail "a broken sidecar is in the way of others"
+show street.stip -o v.png --size 120x40 --view front || fail "a broken sidecar affects other views"
 
 # objects by parts of their names
 "$stipple" info street.stip --find DOO > found 2> err || fail "find: $(cat err)"
@@ -165,14 +165,14 @@ show street.stip -o v.png --size 120x40 --view front || fail "a broken sidecar i
 "$stipple" info street.stip --find roo --json > pick.json || fail "find as JSON"
 same 'len(p["found"]) == 2 and p["found"][0]["name"] == "room" and p["found"][0]["triangles"] == 4 and not p["more"]'
 same 'p["found"][1]["children"] == 1 and p["found"][1]["index"] == 5'
-"$stipple" info street.stip --find nowhere > found || fail "finding nothing is no failure"
-[ ! -s found ] || fail "finds what is not there"
+"$stipple" info street.stip --find nowhere > found || fail "a search without results should succeed"
+[ ! -s found ] || fail "finds a missing object"
 # names may hold any bytes: JSON is UTF-8, and nothing controls a terminal
 printf 'o caf\351\033[2J\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > bytes.obj
 "$stipple" build bytes.obj -o bytes.stip --fresh > /dev/null 2> err || fail "bytes: $(cat err)"
 "$stipple" info bytes.stip --find caf > found || fail "find of any bytes"
 LC_ALL=C grep -q 'bytes.obj/caf' found || fail "finds $(cat -v found)"
-LC_ALL=C grep -q $'\033' found && fail "tells a terminal what to do: $(cat -v found)"
+LC_ALL=C grep -q $'\033' found && fail "prints terminal escapes: $(cat -v found)"
 "$stipple" info bytes.stip --find caf --json > found.json || fail "find of any bytes as JSON"
 "$stipple" render bytes.stip --pick 16,20 --size 32x32 --view front > pick.json || fail "pick of any bytes"
 python3 - << 'END' || fail "names of any bytes: $(cat found.json pick.json)"

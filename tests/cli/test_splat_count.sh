@@ -141,7 +141,7 @@ if [ "$drawn" -lt 100 ] || [ "$drawn" -ge 6000 ]; then
 fi
 draw spheres.stip part 50 --prefix 10%
 draw spheres.stip whole 50
-cmp -s part.png whole.png || fail "50 splats of a tenth of a file are others"
+cmp -s part.png whole.png || fail "50 splats of a tenth of a file differ"
 
 # compare-splats and fly
 "$stipple" compare-splats balls.stip balls.gltf --splats 1234 --json > compare.json || fail "compare-splats"

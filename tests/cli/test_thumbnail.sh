@@ -58,7 +58,7 @@ alike more.png reference.png 0.92
 alike t.png top.png 0.9
 "$stipple" -q thumbnail scene:boxes -o t.webp --background white || fail "WebP"
 "$stipple" -q thumbnail scene:boxes -o - > piped.png || fail "to standard output"
-cmp -s piped.png boxes-1.png || fail "standard output gets another picture"
+cmp -s piped.png boxes-1.png || fail "standard output gets a different picture"
 
 # a .stip: splats of psp if it has them, else of the first method
 python3 - << 'END'

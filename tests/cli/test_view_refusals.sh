@@ -14,7 +14,7 @@ env -u DISPLAY -u WAYLAND_DISPLAY -u SDL_VIDEODRIVER "$stipple" view > out 2> er
 grep -q '^stipple: there is no display' err || fail "no display: $(cat err)"
 [ "$(wc -l < err)" -eq 1 ] && [ ! -s out ] || fail "no display: not one sentence"
 env -u WAYLAND_DISPLAY DISPLAY=:4242 "$stipple" view > out 2> err
-[ $? -eq 1 ] && grep -q '^stipple: there is no display' err || fail "a display that is none: $(cat err)"
+[ $? -eq 1 ] && grep -q '^stipple: there is no display' err || fail "an invalid display: $(cat err)"
 "$stipple" view a b > out 2> err
 [ $? -eq 2 ] || fail "two files are shown"
 "$stipple" view --splats 1 > out 2> err

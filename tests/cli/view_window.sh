@@ -55,7 +55,7 @@ wait_until()
     "$python" -S -E "$here/view_report.py" report.json "$1" "$viewer"
     case $? in
     0) return ;;
-    2) fail "the viewer rests, and this does not come: $1: $(cat report.json)" ;;
+    2) fail "the viewer is at rest, but this did not happen: $1: $(cat report.json)" ;;
     3) fail "the viewer ended before: $1: $(cat viewer.err)" ;;
     *) fail "no condition: $1" ;;
     esac
