@@ -38,7 +38,7 @@ enum {
 /// Purpose of opening a scene, and its watcher.
 typedef struct wish {
     scene_use use;
-    const scene_watcher* watcher; ///< NULL: nobody looks on
+    const scene_watcher* watcher; ///< NULL: no watcher
     char* draft;                  ///< of the watcher
     bool drafted;                 ///< one was written
 } wish;
@@ -243,7 +243,7 @@ static stp_result build_cached(stp_context* context, const char* path, wish* w,
     if (result != STP_OK) {
         return result;
     }
-    // if renaming fails, the file is rebuilt when somebody needs surfels
+    // if renaming fails, the file is rebuilt when surfels are needed
     bool renamed = d.with_surfels && use > SCENE_FOR_SPLATS &&
                    rename(cached[use], cached[SCENE_FOR_SPLATS]) == 0;
     memcpy(located, cached[renamed ? SCENE_FOR_SPLATS : use], PATH_MAX);

@@ -18,7 +18,7 @@ static stp_boxd bounds_of(const stp_splats* set)
 
 stp_result spt_store_open(stp_context* context, const stp_splats* set, stp_store** store)
 {
-    static const float positions[9] = {0}; // a node has triangles, which nobody draws here
+    static const float positions[9] = {0}; // a node has triangles, which are not drawn here
     static const uint32_t indices[3] = {0, 1, 2};
     const stp_store_texture_use none = {.texture = STP_STORE_NONE,
                                         .transform = {{1, 0, 0}, {0, 1, 0}}};

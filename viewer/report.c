@@ -190,7 +190,7 @@ void report_write(viewer* v, bool last)
     if (path == NULL || (!last && now - v->report_ms < every_ms && rests == v->report_rests)) {
         return;
     }
-    if (rests) { // who waits for this looks at the screen next
+    if (rests) { // a test that waits for this reads the screen next
         window_finish(&v->window);
     }
     v->report_ms = now;

@@ -53,7 +53,7 @@ static bool is_inside(const stp_gate* gate, pthread_t thread)
 static bool has_room(const stp_gate* gate, const stp_gate_ticket* ticket)
 {
     bool fits = ticket->bytes <= gate->budget && gate->bytes <= gate->budget - ticket->bytes;
-    // nobody is inside except the thread that started the loop and waits for it
+    // no thread is inside except the thread that started the loop and waits for it
     return fits || gate->jobs == 0;
 }
 

@@ -17,7 +17,7 @@
 
 #define DEFAULT_THRESHOLD 1000u            // triangles (Brandt 5.2)
 #define RESERVE_BYTES (UINT64_C(64) << 20) // for the directory and its texts while writing the file
-#define MIN_BUDGET (UINT64_C(64) << 20)    // one node at a time is processed whatever the limit
+#define MIN_BUDGET (UINT64_C(64) << 20)    // one node at a time is processed at any limit
 #define FILE_MEMORY_SHARE 4u // share of the limit for meshes in memory; more go to the spill file
 
 #define SAMPLE_POINTS 1000000u // of a scan that is shown before it is read
@@ -111,7 +111,7 @@ static stp_result partition_scene(build* b)
     return stp_scene_partition(b->scene, &partition);
 }
 
-// Somebody who watches sees a large scan before it is read.
+// Shows a sample of a large scan in the draft before the scan is read.
 static stp_result sketch_sample(build* b)
 {
     stp_scene* scene = NULL;

@@ -54,7 +54,7 @@ static bool has_points(const stp_capture_job* job)
     return false;
 }
 
-// Also marks triangles, which nobody queries.
+// Also marks triangles, which are never queried.
 static stp_result mark_points(const stp_capture_job* job, stp_fill_map* map)
 {
     size_t words = (size_t)(stp_capture_primitive_count(job) / 64) + 1;

@@ -44,7 +44,7 @@ void stp_cloud_set_origin(stp_cloud* cloud, const double place[3])
     }
 }
 
-// Moves runs of filled cells at once. Pages of what is spilled are left behind.
+// Moves runs of filled cells at once. Releases spilled pages.
 static void drop_empty(stp_cloud* cloud)
 {
     stp_bulk_array arrays[STP_POINT_ARRAYS];

@@ -226,7 +226,7 @@ static inline bool has_line(const cursor* c)
     return c->at < c->end && c->line < c->end_line;
 }
 
-// Takes over what was read of the cursor's line. `rest` is behind its columns, or NULL.
+// Stores the values read from the cursor's line. `rest` is behind its columns, or NULL.
 static inline void take_line(reading* r, cursor* c, stp_text rest, const double* v,
                              stp_column_ranges* ranges)
 {

@@ -76,7 +76,7 @@ static bool get_room(cutter* c, stp_bulk_array* arrays, size_t count)
     return made;
 }
 
-// `bytes` more may be resident. Of what was copied, nothing need stay so where it lies in a file.
+// Counts `bytes` more resident bytes. Beyond a limit, releases pages of the spill.
 static void note_made(cutter* c, size_t bytes)
 {
     pthread_mutex_lock(&c->mutex);
