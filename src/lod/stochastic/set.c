@@ -153,25 +153,6 @@ static stp_result spread(set_maker* m)
     return STP_OK;
 }
 
-/// Turns the normals of points to the side of their leaf's.
-static void turn_some(size_t begin, size_t end, uint32_t worker, void* user)
-{
-    (void)worker;
-    const set_maker* m = user;
-    for (size_t l = begin; l < end; ++l) {
-        const stp_leaf_cell* leaf = &m->octree.leaves[l];
-        for (uint32_t i = leaf->begin; i < leaf->end; ++i) {
-            float* n = m->candidates->normals + 3 * (size_t)m->octree.order[i];
-            stp_vec3 normal = {n[0], n[1], n[2]};
-            if (stp_dot(normal, m->properties[l].normal) < 0.0f) {
-                n[0] = -n[0];
-                n[1] = -n[1];
-                n[2] = -n[2];
-            }
-        }
-    }
-}
-
 /// Computes the planes of leaves and the features in them.
 static stp_result find_features(set_maker* m, const stp_leaf_points* points)
 {
@@ -250,7 +231,6 @@ static stp_result find_properties(set_maker* m)
         stp_leaf_measure_normals(context, &m->octree, &points, m->properties);
     } else {
         result = stp_orient_leaves(context, &m->octree, m->properties, m->desc->neighbours);
-        stp_parallel_for(context, m->octree.leaf_count, LEAF_GRAIN, turn_some, m);
     }
     stp_leaf_measure_curvature(context, &m->octree, &points, m->properties);
     return result;
@@ -299,6 +279,15 @@ static void write_leaf(const set_maker* m, uint32_t index)
     stp_octahedral_encode(f->normal, out->normal);
 }
 
+/// Normal of a candidate. If its sign was a guess, it faces the side that its leaf's does.
+static stp_vec3 normal_of(const set_maker* m, const stp_leaf_properties* f, uint32_t from)
+{
+    const float* n = m->candidates->normals + 3 * (size_t)from;
+    stp_vec3 normal = {n[0], n[1], n[2]};
+    bool against = !m->source->has_normals && stp_dot(normal, f->normal) < 0.0f;
+    return against ? stp_scale(normal, -1.0f) : normal;
+}
+
 /// Requests the data of the next points, which lie far apart in memory.
 static void prefetch_points(const set_maker* m, uint32_t begin, uint32_t count)
 {
@@ -323,7 +312,8 @@ static void write_batch(const set_maker* m, const stp_leaf_properties* f, uint32
     const uint32_t* from = m->octree.order + begin;
     prefetch_points(m, end, BATCH);
     for (uint32_t i = 0; i < end - begin; ++i) {
-        memcpy(normals + 3 * i, m->candidates->normals + 3 * (size_t)from[i], 3 * sizeof(float));
+        stp_vec3 n = normal_of(m, f, from[i]);
+        memcpy(normals + 3 * i, &n, sizeof(n));
     }
     stp_octahedral_encode_many(normals, (end - begin + 7) / 8 * 8, codes); // whole vectors
     for (uint32_t i = 0; i < end - begin; ++i) {
