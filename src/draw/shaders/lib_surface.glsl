@@ -161,13 +161,13 @@ surface find_triangle_surface(const item_block item, uint index, ivec2 pixel, fl
         opacity *= color.a;
     }
 #ifdef TEXTURES
-    uint textures[3] = uint[3](item.base_color, item.metallic_roughness, item.emissive);
-    for (uint n = 0u; n < 3u; ++n) {
-        if (textures[n] == NO_ADDRESS) {
+    for (uint n = 0u; n < 3u; ++n) { // an array of them seems to be read wrongly by an NVIDIA driver
+        uint map = n == 0u ? item.base_color : n == 1u ? item.metallic_roughness : item.emissive;
+        if (map == NO_ADDRESS) {
             continue;
         }
-        vec4 texel = sample_texture(textures[n], find_uv(t, item.material, n, weight),
-                                    find_density(t, item.material, n, textures[n]) * size);
+        vec4 texel = sample_texture(map, find_uv(t, item.material, n, weight),
+                                    find_density(t, item.material, n, map) * size);
         if (n == 0u) {
             s.color *= texel.rgb;
             opacity *= texel.a;

@@ -10,8 +10,8 @@ int wrap(int i, int size, uint how)
     if (how == 1u) {
         return clamp(i, 0, size - 1);
     }
-    int period = how == 2u ? 2 * size : size, r = i % period;
-    r = r < 0 ? r + period : r;
+    int period = how == 2u ? 2 * size : size;
+    int r = i >= 0 ? i % period : period - 1 - (-1 - i) % period; // % of negative numbers is undefined
     return r < size ? r : period - 1 - r;
 }
 
