@@ -84,7 +84,10 @@ typedef struct stp_draw_gl_stats {
     uint32_t dispatches;  ///< compute dispatches of the last frame (one sample)
     bool is_software;     ///< software renderer on a CPU
     stp_gl_splats splats; ///< splat path of the last frame
-    const char* device;   ///< name of the context's renderer
+    /// CPU times of the last picture: preparing its data (uploads included), issuing its commands,
+    /// and, with an image, waiting for the GPU and reading the pixels
+    double prepare_ms, issue_ms, read_ms;
+    const char* device; ///< name of the context's renderer
 } stp_draw_gl_stats;
 
 stp_draw_gl_stats stp_draw_gl_get_stats(const stp_renderer* renderer);

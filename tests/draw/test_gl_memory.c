@@ -283,3 +283,39 @@ void test_gl_warm_frames_allocate_nothing(test_state* test)
     CHECK_EQUAL(before, heap.count);
     made_gl_end(&m);
 }
+
+/// Only the second query finds an error: that after the first buffer.
+static GLenum first_buffer_fails(void)
+{
+    static int calls;
+    return ++calls == 2 ? GL_OUT_OF_MEMORY : GL_NO_ERROR;
+}
+
+void test_gl_scenes_lie_in_one_page(test_state* test)
+{
+    enum { LIMIT = 64 << 20, SCENE = 20 << 20, WORDS = 1000 };
+    made_gl m;
+    gl_pool pool;
+    if (!begin(test, &m, NULL, NULL)) {
+        return;
+    }
+    stp_gl gl = ((gl_renderer*)m.renderer)->gl;
+    CHECK_EQUAL(STP_OK, gl_pool_create(m.picture.context, &gl, 1, LIMIT, SCENE, &pool));
+    uint32_t shift = pool.page_shift; // 32 MiB: the next power of two
+    CHECK_EQUAL(32 << 20, 4 << shift);
+    CHECK(gl_pool_take(&pool, 0, WORDS));
+    CHECK_EQUAL(1, pool.page_count);
+    gl_pool_destroy(&pool);
+    // eight pages hold the limit, however small the scene is
+    CHECK_EQUAL(STP_OK, gl_pool_create(m.picture.context, &gl, 1, LIMIT, 1, &pool));
+    CHECK_EQUAL(LIMIT / 8, 4 << pool.page_shift);
+    gl_pool_destroy(&pool);
+    // where memory is short, a page is smaller
+    gl.GetError = first_buffer_fails;
+    CHECK_EQUAL(STP_OK, gl_pool_create(m.picture.context, &gl, 1, LIMIT, SCENE, &pool));
+    CHECK(gl_pool_take(&pool, 0, WORDS));
+    CHECK_EQUAL(shift - 1, pool.page_shift);
+    CHECK_EQUAL(1, pool.page_count);
+    gl_pool_destroy(&pool);
+    made_gl_end(&m);
+}

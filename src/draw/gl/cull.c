@@ -117,14 +117,10 @@ stp_result gl_cull_mesh(gl_renderer* r, uint32_t index)
     item->flags |= colors ? ITEM_HAS_COLORS : 0u;
     item->cluster_count = clusters.cluster_count;
     cluster_kinds kind = choose_kinds(r, item, clusters.present);
-    stp_bounding bounding = bound(r, item);
+    const float* shares = gl_cluster_shares_get(&r->frame.shares, index);
     for (uint32_t i = 0; i < clusters.cluster_count; ++i) {
-        stp_box box = stp_clusters_bounds(&clusters, i);
-        float share = stp_draw_share(draw, stp_bounding_min_depth(&bounding, box));
-        if (!(share > 0.0f) || stp_bounding_misses(&bounding, box)) {
-            continue;
-        }
-        if (!add_cluster(r, index, kind, i, count_triangles(&clusters, i), share)) {
+        if (shares[i] > 0.0f &&
+            !add_cluster(r, index, kind, i, count_triangles(&clusters, i), shares[i])) {
             return stp_fail_memory(r->base.context);
         }
     }

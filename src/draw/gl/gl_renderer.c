@@ -10,7 +10,10 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SUPERSAMPLE_LIMIT = 64 };
+enum {
+    SUPERSAMPLE_LIMIT = 64,
+    SCENE_TO_FILE = 3, ///< bytes in the pool over those of the file, which is coded: at most about
+};
 static const uint64_t default_memory = UINT64_C(1) << 30;
 static const uint64_t band_bytes = UINT64_C(1) << 30; // OpenGL's counts per call have 31 bits
 
@@ -134,7 +137,7 @@ static void read_times(gl_renderer* r, bool done, stp_draw_stats* stats)
     gl_timer_read(&r->gl, &r->timer, done);
     // estimate: each takes as long as the last
     double parts = (double)r->counted_samples * r->target.eye_count;
-    stats->covered_pixels = done ? gl_shade_pass_covered(r) : 0;
+    stats->covered_pixels = done ? gl_shade_pass_read(r, GL_COUNTER_COVERED) : 0;
     stats->fragments = r->target.eye_count * r->timer.fragments;
     stats->draw_ms = r->timer.known ? parts * r->timer.draw_ms : stats->draw_ms;
     stats->shade_ms = parts * r->timer.shade_ms;
@@ -174,14 +177,18 @@ static stp_result draw_range(gl_renderer* r, const stp_view* view, const stp_dra
 {
     double start = stp_clock_ms();
     *stats = (stp_draw_stats){0};
+    r->clock = (gl_clock){0};
     stp_result result = begin_picture(r, view, list, style, image, range->side);
     for (uint32_t i = 0; i < stp_view_eye_count(view) && result == STP_OK; ++i) {
         result = gl_draw_eye(r, i, range);
     }
     gl_leave_state(r);
+    double issued = stp_clock_ms();
     if (result == STP_OK) {
         result = image != NULL ? read_picture(r, image) : check(r);
     }
+    r->clock.issue = issued - start - r->clock.prepare;
+    r->clock.read = stp_clock_ms() - issued;
     if (result == STP_OK) {
         uint32_t samples = range->end - range->first;
         count_picture(r, samples, stp_clock_ms() - start, image != NULL, stats);
@@ -368,7 +375,8 @@ stp_result stp_draw_gl_create(stp_context* context, stp_store* store, const stp_
     result = result == STP_OK ? gl_things_create(r) : result;
     if (result == STP_OK) {
         uint64_t memory = desc->memory_bytes > 0 ? desc->memory_bytes : default_memory;
-        result = gl_pool_create(context, &r->gl, r->things.count, memory, &r->pool);
+        uint64_t scene = SCENE_TO_FILE * stp_store_file_bytes(store);
+        result = gl_pool_create(context, &r->gl, r->things.count, memory, scene, &r->pool);
     }
     if (result == STP_OK) {
         gl_timer_create(&r->gl, &r->timer);
@@ -403,5 +411,8 @@ stp_draw_gl_stats stp_draw_gl_get_stats(const stp_renderer* renderer)
                                .dispatches = r->dispatches,
                                .is_software = r->is_software,
                                .splats = r->splat_choice.used,
+                               .prepare_ms = r->clock.prepare,
+                               .issue_ms = r->clock.issue,
+                               .read_ms = r->clock.read,
                                .device = r->device};
 }

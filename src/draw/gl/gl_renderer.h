@@ -14,6 +14,7 @@
 #pragma once
 
 #include "draw/gl/cap_pass.h"
+#include "draw/gl/cluster_shares.h"
 #include "draw/gl/effect_pass.h"
 #include "draw/gl/filter_pass.h"
 #include "draw/gl/gl.h"
@@ -45,6 +46,7 @@ typedef struct gl_triangle_pass {
 typedef struct gl_shade_pass {
     GLuint shade, sums, average, add; ///< all but the first are created on first use
     GLuint counters;                  ///< covered pixels
+    GLuint copied; ///< of the counters: drivers move a buffer that is read to the CPU's memory
 } gl_shade_pass;
 
 /// Render targets. Sizes are those of the last picture.
@@ -58,7 +60,7 @@ typedef struct gl_target {
     GLuint sums;                       ///< RGBA32F, of the picture's size; 0: not needed yet
 } gl_target;
 
-/// Commands of one multi-draw, and their place in this frame's part of the ring.
+/// Commands of one multi-draw, and their place in the frame's buffer.
 typedef struct gl_commands {
     struct gl_command {
         uint32_t count, instance_count, first, base;
@@ -66,6 +68,9 @@ typedef struct gl_commands {
     size_t count, capacity;
     GLintptr offset, count_offset;
 } gl_commands;
+
+/// Counters of the shaders: pixels of the picture, and of transparent layers.
+typedef enum gl_counter { GL_COUNTER_COVERED, GL_COUNTER_LAYERS, GL_COUNTERS = 4 } gl_counter;
 
 typedef enum gl_command_kind {
     GL_COMMANDS_SPLATS,
@@ -101,12 +106,19 @@ typedef struct gl_frame {
     size_t lookup_count, lookup_capacity;
     uint32_t id_shift;
     gl_commands commands[GL_COMMAND_KINDS];
-    gl_ring ring; ///< ring for uploading all of it
+    gl_ring ring; ///< for uploading all of it
+    /// What shaders read: a copy of the ring's part in the GPU's own memory. Reading mapped memory
+    /// for every vertex crosses the bus each time.
+    GLuint buffer;
+    uint64_t buffer_size;
     GLintptr items_offset, records_offset, chunks_offset, lookup_offset, view_offset;
-    uint32_t missing; ///< items coarser than the list wants, for all eyes
-    uint32_t coming;  ///< uploads postponed to later frames
-    bool beside;      ///< large triangles of the previous set are drawn
+    GLintptr groups_offset; ///< of the compute rasteriser: the first group of each splat command
+    uint64_t group_count;   ///< in all
+    uint32_t missing;       ///< items coarser than the list wants, for all eyes
+    uint32_t coming;        ///< uploads postponed to later frames
+    bool beside;            ///< large triangles of the previous set are drawn
     uint64_t large_count;
+    gl_cluster_shares shares;
     uint32_t* marks; ///< of clusters that contain some: one bit each
     size_t mark_capacity;
 } gl_frame;
@@ -135,6 +147,11 @@ typedef struct gl_readback {
     size_t capacity;
     bool has_depth; ///< of the last picture
 } gl_readback;
+
+/// CPU times of a picture's steps in milliseconds: see stp_draw_gl_stats.
+typedef struct gl_clock {
+    double prepare, issue, read;
+} gl_clock;
 
 /// Messages of a debug context.
 typedef struct gl_debug {
@@ -180,6 +197,7 @@ struct gl_renderer {
     gl_frame frame;
     GLuint light_materials, materials; ///< constant storage buffers
     gl_readback* readback;
+    gl_clock clock;
     gl_accumulation accumulation;
     float point_extent; ///< maximum radius of a point in pixels
     // this picture
@@ -233,8 +251,8 @@ STP_MUST_USE stp_result gl_shade_pass_add(gl_renderer* r);
 STP_MUST_USE stp_result gl_shade_pass_average(gl_renderer* r);
 /// Resets the counter.
 void gl_shade_pass_clear(gl_renderer* r);
-/// Waits for the GPU. @return pixels covered since the reset
-uint32_t gl_shade_pass_covered(gl_renderer* r);
+/// Waits for the GPU. @return a counter since the reset
+uint32_t gl_shade_pass_read(gl_renderer* r, gl_counter counter);
 
 /// Creates textures and framebuffer of the view's size. @return STP_OK, STP_ERROR_LIMIT,
 /// STP_ERROR_OUT_OF_MEMORY; logged

@@ -382,6 +382,7 @@ stp_result gl_frame_make(gl_renderer* r)
     }
     gl_pool_begin_frame(&r->pool);
     stp_result result = upload_urgent(r);
+    result = result == STP_OK ? gl_cluster_shares_find(r) : result;
     for (size_t i = 0; i < count && result == STP_OK; ++i) {
         result = make_item(r, (uint32_t)i);
         f->item_count = i + 1;
@@ -394,6 +395,8 @@ void gl_frame_destroy(gl_renderer* r)
     gl_frame* f = &r->frame;
     stp_context* context = r->base.context;
     gl_ring_destroy(&r->gl, &f->ring);
+    r->gl.DeleteBuffers(1, &f->buffer);
+    gl_cluster_shares_destroy(context, &f->shares);
     for (int i = 0; i < GL_COMMAND_KINDS; ++i) {
         stp_free(context, f->commands[i].commands);
     }

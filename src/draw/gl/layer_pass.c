@@ -160,8 +160,8 @@ static stp_result draw_layer(gl_renderer* r, int number)
     gl->BindTextureUnit(UNIT_BELOW, pass->below);
     // without caps, opaque surfaces occlude as much
     gl->BindTextureUnit(UNIT_CAPS, r->cap_pass.shows ? r->cap_pass.nearness : r->target.nearness);
-    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, r->frame.ring.buffer);
-    gl->BindBuffer(GL_PARAMETER_BUFFER_ARB, r->frame.ring.buffer);
+    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, r->frame.buffer);
+    gl->BindBuffer(GL_PARAMETER_BUFFER_ARB, r->frame.buffer);
     const gl_commands* triangles = &r->frame.commands[GL_COMMANDS_GLASS_TRIANGLES];
     stp_result result = STP_OK;
     if (triangles->count > 0) {
@@ -188,8 +188,7 @@ static uint32_t take_layer(gl_renderer* r, int number)
 {
     const stp_gl* gl = &r->gl;
     gl_layer_pass* pass = &r->layer_pass;
-    uint32_t counts[2] = {0};
-    gl->GetNamedBufferSubData(r->shade.counters, sizeof(uint32_t), sizeof(uint32_t), &counts[0]);
+    uint32_t before = gl_shade_pass_read(r, GL_COUNTER_LAYERS);
     gl_bind_frame(r);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_COUNTERS, r->shade.counters);
     gl->BindTextureUnit(UNIT_IDS, pass->layers[number].ids);
@@ -199,8 +198,7 @@ static uint32_t take_layer(gl_renderer* r, int number)
     gl_dispatch_pixels(r, pass->take, r->target.width, r->target.height);
     gl->MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                       GL_BUFFER_UPDATE_BARRIER_BIT);
-    gl->GetNamedBufferSubData(r->shade.counters, sizeof(uint32_t), sizeof(uint32_t), &counts[1]);
-    return counts[1] - counts[0];
+    return gl_shade_pass_read(r, GL_COUNTER_LAYERS) - before;
 }
 
 stp_result gl_layer_pass_draw(gl_renderer* r)

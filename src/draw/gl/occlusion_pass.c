@@ -114,7 +114,7 @@ stp_result gl_occlusion_pass_cull(gl_renderer* r, bool late)
         const gl_commands* c = &r->frame.commands[i];
         if (c->count > 0) {
             gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, BINDING_OCCLUDED_COMMANDS,
-                                r->frame.ring.buffer, c->offset,
+                                r->frame.buffer, c->offset,
                                 (GLsizeiptr)(c->count * sizeof(*c->commands)));
             gl->Uniform1ui(0, (GLuint)c->count);
             gl->DispatchCompute(((GLuint)c->count + OCCLUDE_GROUP - 1) / OCCLUDE_GROUP, 1, 1);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Samples of a picture: each is drawn and shaded; several are summed.
+#include "base/clock.h"
 #include "base/color.h"
 #include "base/context.h"
 #include "draw/gl/gl_renderer.h"
@@ -268,7 +269,9 @@ stp_result gl_draw_eye(gl_renderer* r, uint32_t eye, const gl_sample_range* rang
     }
     stp_placement_make(&r->placement, r->directory, r->list);
     gl_layer_pass_begin(r);
+    double start = stp_clock_ms();
     stp_result result = gl_frame_make(r);
+    r->clock.prepare += stp_clock_ms() - start;
     result = result == STP_OK ? gl_make_programs(r) : result;
     // otherwise the picture stays unchanged
     if (result == STP_OK && eye == 0 && range->first < range->end) {

@@ -10,22 +10,25 @@ enum {
     PAGE_SHIFT_MAX = 29, ///< eight pages fill the addresses
 };
 
-/// Smallest page size with which eight pages hold `limit`; at most the size of a block that shaders
-/// can read.
-static uint32_t choose_shift(const stp_gl* gl, uint64_t limit)
+/// Smallest page size with which one page holds the whole scene, and eight hold `limit`; at most
+/// the size of a block that shaders can read. Shaders read one page fastest, and must be compiled
+/// again for more.
+static uint32_t choose_shift(const stp_gl* gl, uint64_t limit, uint64_t scene_bytes)
 {
     GLint64 maximum = 0;
+    uint64_t wanted = scene_bytes < limit ? scene_bytes : limit;
     uint32_t shift = PAGE_SHIFT_MIN;
     gl->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &maximum);
-    while (shift < PAGE_SHIFT_MAX && (int64_t)8 << shift <= maximum &&
-           ((uint64_t)WORD * POOL_PAGES_MAX << shift) < limit) {
+    while (
+        shift < PAGE_SHIFT_MAX && (int64_t)8 << shift <= maximum &&
+        ((uint64_t)WORD << shift < wanted || ((uint64_t)WORD * POOL_PAGES_MAX << shift) < limit)) {
         shift += 1;
     }
     return shift;
 }
 
 stp_result gl_pool_create(stp_context* context, const stp_gl* gl, size_t entry_count,
-                          uint64_t limit_bytes, gl_pool* pool)
+                          uint64_t limit_bytes, uint64_t scene_bytes, gl_pool* pool)
 {
     *pool = (gl_pool){.context = context,
                       .gl = gl,
@@ -33,7 +36,7 @@ stp_result gl_pool_create(stp_context* context, const stp_gl* gl, size_t entry_c
                       .entry_count = entry_count,
                       .first_used = POOL_NONE,
                       .last_used = POOL_NONE};
-    pool->page_shift = choose_shift(gl, limit_bytes);
+    pool->page_shift = choose_shift(gl, limit_bytes, scene_bytes);
     uint64_t maximum = (uint64_t)POOL_PAGES_MAX << pool->page_shift;
     pool->limit_words = limit_bytes / WORD < maximum ? limit_bytes / WORD : maximum;
     pool->entries = STP_NEW_ARRAY(context, gl_entry, entry_count + 1);
@@ -113,16 +116,9 @@ void gl_pool_drop(gl_pool* pool, uint32_t entry)
     dropped->address = POOL_NONE;
 }
 
-/// Adds a buffer if the limit allows one.
-static bool add_page(gl_pool* pool)
+/// Creates a buffer of `count` words.
+static bool make_page(gl_pool* pool, uint32_t count)
 {
-    uint32_t size = 1u << pool->page_shift;
-    uint64_t left = pool->limit_words -
-                    (pool->limit_words < pool->spans.total ? pool->limit_words : pool->spans.total);
-    uint32_t count = left < size ? (uint32_t)left / SPANS_UNIT * SPANS_UNIT : size;
-    if (count == 0 || pool->page_count == POOL_PAGES_MAX) {
-        return false;
-    }
     const stp_gl* gl = pool->gl;
     GLuint* page = &pool->pages[pool->page_count];
     while (gl->GetError() != GL_NO_ERROR) { // discard errors of earlier calls
@@ -132,12 +128,40 @@ static bool add_page(gl_pool* pool)
     if (gl->GetError() != GL_NO_ERROR ||
         !gl_spans_add_region(&pool->spans, pool->page_count << pool->page_shift, count)) {
         gl->DeleteBuffers(1, page);
-        pool->limit_words = pool->spans.total; // out of memory: continue with the existing pages
         return false;
     }
     gl->ObjectLabel(GL_BUFFER, *page, -1, "page");
     pool->page_count += 1;
     return true;
+}
+
+/// Words of another page: 0 if the limit allows none.
+static uint32_t find_page_words(const gl_pool* pool)
+{
+    uint32_t size = 1u << pool->page_shift;
+    uint64_t left = pool->limit_words -
+                    (pool->limit_words < pool->spans.total ? pool->limit_words : pool->spans.total);
+    uint32_t count = left < size ? (uint32_t)left / SPANS_UNIT * SPANS_UNIT : size;
+    return pool->page_count < POOL_PAGES_MAX ? count : 0;
+}
+
+/// Adds a buffer if the limit allows one. Where memory is short, the first and all later ones
+/// become smaller.
+static bool add_page(gl_pool* pool)
+{
+    uint32_t count = find_page_words(pool);
+    if (count == 0) {
+        return false;
+    }
+    bool made = make_page(pool, count);
+    while (!made && pool->page_count == 0 && pool->page_shift > PAGE_SHIFT_MIN) {
+        pool->page_shift -= 1;
+        made = make_page(pool, find_page_words(pool));
+    }
+    if (!made) {
+        pool->limit_words = pool->spans.total; // out of memory: continue with the existing pages
+    }
+    return made;
 }
 
 bool gl_pool_take(gl_pool* pool, uint32_t entry, uint64_t words)

@@ -40,9 +40,10 @@ typedef struct gl_pool {
     uint64_t dropped;        ///< evicted entries, in total
 } gl_pool;
 
-/// Creates no page yet. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+/// Creates no page yet. `scene_bytes`: estimate of everything that may be stored.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result gl_pool_create(stp_context* context, const stp_gl* gl, size_t entry_count,
-                                       uint64_t limit_bytes, gl_pool* pool);
+                                       uint64_t limit_bytes, uint64_t scene_bytes, gl_pool* pool);
 void gl_pool_destroy(gl_pool* pool);
 
 void gl_pool_begin_frame(gl_pool* pool);

@@ -10,8 +10,12 @@ stp_result gl_shade_pass_create(gl_renderer* r)
     char defines[256];
     *pass = (gl_shade_pass){0};
     r->gl.CreateBuffers(1, &pass->counters);
-    r->gl.NamedBufferStorage(pass->counters, 4 * sizeof(uint32_t), NULL, GL_DYNAMIC_STORAGE_BIT);
+    r->gl.NamedBufferStorage(pass->counters, GL_COUNTERS * sizeof(uint32_t), NULL,
+                             GL_DYNAMIC_STORAGE_BIT);
     r->gl.ObjectLabel(GL_BUFFER, pass->counters, -1, "counters");
+    r->gl.CreateBuffers(1, &pass->copied);
+    r->gl.NamedBufferStorage(pass->copied, GL_COUNTERS * sizeof(uint32_t), NULL,
+                             GL_CLIENT_STORAGE_BIT);
     return gl_program_create_compute(context, &r->gl, "shade.comp.glsl",
                                      gl_page_defines(r, "", defines, sizeof(defines)),
                                      &pass->shade);
@@ -33,6 +37,7 @@ void gl_shade_pass_destroy(gl_renderer* r)
     r->gl.DeleteProgram(pass->average);
     r->gl.DeleteProgram(pass->add);
     r->gl.DeleteBuffers(1, &pass->counters);
+    r->gl.DeleteBuffers(1, &pass->copied);
     *pass = (gl_shade_pass){0};
 }
 
@@ -98,13 +103,16 @@ stp_result gl_shade_pass_average(gl_renderer* r)
 
 void gl_shade_pass_clear(gl_renderer* r)
 {
-    const uint32_t none[4] = {0};
+    const uint32_t none[GL_COUNTERS] = {0};
     r->gl.NamedBufferSubData(r->shade.counters, 0, sizeof(none), none);
 }
 
-uint32_t gl_shade_pass_covered(gl_renderer* r)
+uint32_t gl_shade_pass_read(gl_renderer* r, gl_counter counter)
 {
-    uint32_t covered = 0;
-    r->gl.GetNamedBufferSubData(r->shade.counters, 0, sizeof(covered), &covered);
-    return covered;
+    const stp_gl* gl = &r->gl;
+    GLintptr at = (GLintptr)counter * (GLintptr)sizeof(uint32_t);
+    uint32_t value = 0;
+    gl->CopyNamedBufferSubData(r->shade.counters, r->shade.copied, at, at, sizeof(value));
+    gl->GetNamedBufferSubData(r->shade.copied, at, sizeof(value), &value);
+    return value;
 }

@@ -268,30 +268,13 @@ stp_gl_splats gl_splat_choice_find(const gl_renderer* r, uint64_t splats, float 
 bool gl_splat_source_find(const gl_renderer* r, gl_splat_source* source)
 {
     const gl_commands* commands = &r->frame.commands[GL_COMMANDS_SPLATS];
-    *source = (gl_splat_source){.buffer = r->frame.ring.buffer,
+    *source = (gl_splat_source){.buffer = r->frame.buffer,
                                 .offset = commands->offset,
                                 .count_offset = commands->count_offset,
+                                .groups_offset = r->frame.groups_offset,
+                                .groups = r->frame.group_count,
                                 .count = (uint32_t)commands->count};
     return commands->count > 0;
-}
-
-/// Uploads the first group of each command.
-static stp_result send_groups(gl_renderer* r, gl_splat_source* source)
-{
-    const gl_commands* commands = &r->frame.commands[GL_COMMANDS_SPLATS];
-    gl_ring_part part;
-    if (!gl_ring_take(&r->gl, &r->frame.ring, commands->count * sizeof(uint32_t), &part)) {
-        return stp_fail(r->base.context, STP_ERROR_OUT_OF_MEMORY,
-                        "gl: not enough graphics memory for a frame's %zu commands",
-                        commands->count);
-    }
-    uint32_t* first = part.memory;
-    for (size_t i = 0; i < commands->count; ++i) {
-        first[i] = (uint32_t)source->groups;
-        source->groups += gl_raster_groups(commands->commands[i].count);
-    }
-    source->groups_offset = part.offset;
-    return STP_OK;
 }
 
 stp_result gl_splat_choice_draw(gl_renderer* r, bool late)
@@ -307,7 +290,6 @@ stp_result gl_splat_choice_draw(gl_renderer* r, bool late)
     if (!late) {
         float scale = r->style->splat_scale > 0.0f ? r->style->splat_scale : 1.0f;
         c->used = gl_splat_choice_find(r, r->list->splat_count, r->list->splat_size * scale);
-        result = c->used != STP_GL_SPLATS_POINTS ? send_groups(r, &c->source) : STP_OK;
         gl_splat_pass_begin(r);
     }
     // the second pass is small, and an undrawn point costs less than a group that draws nothing

@@ -75,7 +75,7 @@ stp_result gl_splat_pass_points(gl_renderer* r, const gl_splat_source* source, G
     gl->BindBuffer(GL_PARAMETER_BUFFER_ARB, source->buffer);
     stp_result result = STP_OK;
     const gl_commands* commands = &r->frame.commands[GL_COMMANDS_SPLATS];
-    if (source->buffer == r->frame.ring.buffer) {
+    if (source->buffer == r->frame.buffer) {
         result = gl_portion_draw(r, GL_POINTS, commands, source->offset, source->count_offset);
     } else { // created for measuring
         gl->MultiDrawArraysIndirectCount(GL_POINTS, (const void*)source->offset,

@@ -42,8 +42,8 @@ stp_result gl_triangle_pass_draw(gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
     gl->BindVertexArray(r->triangles.vertex_array);
-    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, r->frame.ring.buffer);
-    gl->BindBuffer(GL_PARAMETER_BUFFER_ARB, r->frame.ring.buffer);
+    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, r->frame.buffer);
+    gl->BindBuffer(GL_PARAMETER_BUFFER_ARB, r->frame.buffer);
     stp_result result = draw(r, r->triangles.plain, &r->frame.commands[GL_COMMANDS_TRIANGLES]);
     return result == STP_OK ? draw(r, r->triangles.keep, &r->frame.commands[GL_COMMANDS_KEEP])
                             : result;

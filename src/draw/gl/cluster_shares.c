@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+#include "draw/gl/cluster_shares.h"
+
+#include "base/context.h"
+#include "draw/bounding.h"
+#include "draw/gl/gl_renderer.h"
+
+enum { GRAIN = 1024 }; ///< clusters of a piece
+
+struct gl_share_item {
+    size_t item;  ///< of the list
+    size_t first; ///< of its shares
+    const stp_draw_item* draw;
+    stp_clusters clusters;
+    stp_bounding bounding;
+};
+
+static gl_share_item* add_item(gl_renderer* r)
+{
+    gl_cluster_shares* s = &r->frame.shares;
+    if (s->count == s->capacity) {
+        gl_share_item* items =
+            stp_grow_array(r->base.context, s->items, &s->capacity, s->count + 1, sizeof(*items));
+        if (items == NULL) {
+            return NULL;
+        }
+        s->items = items;
+    }
+    return &s->items[s->count++];
+}
+
+static stp_result list_items(gl_renderer* r, size_t* cluster_count)
+{
+    stp_placed_item where;
+    *cluster_count = 0;
+    for (size_t i = 0; i < r->list->count; ++i) {
+        const stp_draw_item* draw = &r->list->items[i];
+        if (draw->kind != STP_DRAW_MESH || draw->large ||
+            !stp_store_is_clustered(r->store, draw->index)) {
+            continue;
+        }
+        gl_share_item* item = add_item(r);
+        if (item == NULL) {
+            return stp_fail_memory(r->base.context);
+        }
+        stp_box box = stp_store_describe_mesh(r->store, draw->index)->bounds;
+        const float offset[3] = {0.5f * (box.min.x + box.max.x), 0.5f * (box.min.y + box.max.y),
+                                 0.5f * (box.min.z + box.max.z)};
+        stp_result result = stp_store_get_clusters(r->store, draw->index, &item->clusters);
+        if (result != STP_OK) {
+            return result;
+        }
+        stp_placement_place(&r->placement, draw, offset, &where);
+        item->item = i;
+        item->first = *cluster_count;
+        item->draw = draw;
+        item->bounding =
+            stp_bounding_make((const float(*)[4])where.camera.matrix.m, where.camera.nearness_limit,
+                              offset, r->target.width, r->target.height);
+        *cluster_count += item->clusters.cluster_count;
+    }
+    return STP_OK;
+}
+
+/// Shares of clusters [begin, end) of all items.
+static void find_shares(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    gl_cluster_shares* s = user;
+    (void)worker;
+    size_t low = 0, high = s->count;
+    while (high - low > 1) { // the last item that begins at or before `begin`
+        size_t middle = low + (high - low) / 2;
+        *(s->items[middle].first <= begin ? &low : &high) = middle;
+    }
+    for (size_t i = begin; i < end; ++i) {
+        while (i - s->items[low].first >= s->items[low].clusters.cluster_count) {
+            low += 1;
+        }
+        const gl_share_item* item = &s->items[low];
+        stp_box box = stp_clusters_bounds(&item->clusters, (uint32_t)(i - item->first));
+        float share = stp_draw_share(item->draw, stp_bounding_min_depth(&item->bounding, box));
+        bool drawn = share > 0.0f && !stp_bounding_misses(&item->bounding, box);
+        s->shares[i] = drawn ? share : 0.0f;
+    }
+}
+
+stp_result gl_cluster_shares_find(gl_renderer* r)
+{
+    gl_cluster_shares* s = &r->frame.shares;
+    size_t count;
+    s->count = s->next = 0;
+    stp_result result = list_items(r, &count);
+    if (result == STP_OK && count > s->share_capacity) {
+        float* shares =
+            stp_grow_array(r->base.context, s->shares, &s->share_capacity, count, sizeof(*shares));
+        if (shares == NULL) {
+            return stp_fail_memory(r->base.context);
+        }
+        s->shares = shares;
+    }
+    if (result != STP_OK || count == 0) {
+        return result;
+    }
+    if (count <= GRAIN) { // waking the threads would take longer
+        find_shares(0, count, 0, s);
+    } else {
+        stp_parallel_for(r->base.context, count, GRAIN, find_shares, s);
+    }
+    return STP_OK;
+}
+
+const float* gl_cluster_shares_get(gl_cluster_shares* s, size_t item)
+{
+    while (s->items[s->next].item < item) {
+        s->next += 1;
+    }
+    return s->shares + s->items[s->next].first;
+}
+
+void gl_cluster_shares_destroy(stp_context* context, gl_cluster_shares* s)
+{
+    stp_free(context, s->items);
+    stp_free(context, s->shares);
+    *s = (gl_cluster_shares){0};
+}

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// The drawn share of each cluster of a frame's meshes, found by all threads before commands are
+// made: there may be hundreds of thousands.
+#pragma once
+
+#include "select/select.h"
+
+struct gl_renderer;
+
+typedef struct gl_share_item gl_share_item;
+
+typedef struct gl_cluster_shares {
+    gl_share_item* items; ///< meshes of the list, in its order
+    size_t count, capacity;
+    float* shares; ///< of all their clusters; 0: not drawn
+    size_t share_capacity;
+    size_t next; ///< the first item not found yet
+} gl_cluster_shares;
+
+/// Finds the shares for the renderer's list and placement.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, or as the store's functions; logged
+STP_MUST_USE stp_result gl_cluster_shares_find(struct gl_renderer* r);
+/// Shares of a mesh of the list that is clustered and not of large triangles. Ask in the list's
+/// order.
+const float* gl_cluster_shares_get(gl_cluster_shares* shares, size_t item);
+void gl_cluster_shares_destroy(stp_context* context, gl_cluster_shares* shares);
