@@ -66,14 +66,15 @@ json_t* flight_describe(const flight_record* record)
                                       record->popping_p999, "max", record->popping_max)
                           : json_null();
     return json_pack(
-        "{s:I, s:{s:f, s:f, s:f, s:f}, s:{s:f, s:f}, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}",
+        "{s:I, s:{s:f, s:f, s:f, s:f}, s:{s:f, s:f}, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}",
         "frames", (json_int_t)record->frame_count, "frame_ms", "p50", ms.p50, "p95", ms.p95, "p99",
         ms.p99, "max", ms.max, "splat_size", "p50", size.p50, "max", size.max, "splats",
         describe_counts(record, flight_splats), "triangles",
         describe_counts(record, flight_triangles), "draw_calls",
         describe_counts(record, flight_draw_calls), "extra_splats",
         describe_counts(record, flight_extra_splats), "budget", describe_budget(record), "popping",
-        popping, "quality", describe_qualities(record), "per_frame", describe_frames(record));
+        popping, "quality", describe_qualities(record), "first_frame",
+        frame_describe(&record->first), "per_frame", describe_frames(record));
 }
 
 json_t* flight_describe_residency(const flight_record* record, const stp_residency* residency)

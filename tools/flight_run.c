@@ -58,17 +58,20 @@ static stp_view view_of_frame(const flight_plan* plan, const flight_record* reco
 }
 
 // Before the flight: the first view, until it is warm, or its size of splats found.
-static stp_result warm_up(frame_maker* maker, const flight_plan* plan, const flight_record* record,
+static stp_result warm_up(frame_maker* maker, const flight_plan* plan, flight_record* record,
                           stp_budget* budget, stp_image* image)
 {
     stp_view view = view_of_frame(plan, record, 0);
     stp_quality quality = plan->quality;
     frame_figures figures;
-    stp_result result = STP_OK;
     if (plan->budget_ms > 0.0) {
+        quality.splat_size = stp_budget_splat_size(budget);
+    }
+    stp_result result = frame_draw(maker, &view, &quality, image, &record->first);
+    if (plan->budget_ms > 0.0 && result == STP_OK) {
         return frame_settle(maker, &view, budget, &quality, image);
     }
-    for (int i = 0; i < WARM_FRAMES && result == STP_OK; ++i) {
+    for (int i = 1; i < WARM_FRAMES && result == STP_OK; ++i) {
         result = frame_draw(maker, &view, &quality, image, &figures);
     }
     return result;
@@ -202,12 +205,13 @@ stp_result flight_run(frame_maker* maker, const flight_plan* plan, flight_record
 {
     stp_result result = create_record(maker->context, plan, record);
     stp_image image = {0};
-    if (result == STP_OK &&
+    // what OpenGL draws stays on the GPU, as in the viewer: no frame waits for its pixels
+    if (result == STP_OK && !maker->uses_gl &&
         !frame_image_create(maker->context, plan->view.width, plan->view.height, &image)) {
         result = STP_ERROR_OUT_OF_MEMORY;
     }
     if (result == STP_OK) {
-        result = fly_timed(maker, plan, record, &image);
+        result = fly_timed(maker, plan, record, maker->uses_gl ? NULL : &image);
     }
     stp_free(maker->context, image.pixels);
     bool again = plan->sink != NULL || plan->popping || plan->reference_every > 0;

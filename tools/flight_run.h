@@ -40,7 +40,8 @@ typedef struct flight_ranks {
 
 typedef struct flight_record {
     uint32_t frame_count;
-    double* times; ///< of the flight, seconds
+    double* times;       ///< of the flight, seconds
+    frame_figures first; ///< the first picture of all, before the flight
     frame_figures* frames;
     flight_quality* qualities;
     uint32_t quality_count;

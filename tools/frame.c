@@ -138,8 +138,12 @@ typedef struct drawing_task {
 static stp_result draw_once(void* user)
 {
     drawing_task* t = user;
-    return stp_renderer_draw_selected(t->maker->renderer, t->view, t->quality, t->style,
-                                      &t->maker->list, t->image, &t->stats);
+    stp_result result = stp_renderer_draw_selected(t->maker->renderer, t->view, t->quality,
+                                                   t->style, &t->maker->list, t->image, &t->stats);
+    if (result == STP_OK && t->image == NULL) {
+        stp_draw_gl_finish_stats(t->maker->renderer, &t->stats);
+    }
+    return result;
 }
 
 static stp_result accumulate_once(void* user)
@@ -147,6 +151,18 @@ static stp_result accumulate_once(void* user)
     drawing_task* t = user;
     return stp_renderer_accumulate(t->maker->renderer, t->view, t->quality, t->style,
                                    &t->maker->list, t->image, &t->stats);
+}
+
+static void add_gl_figures(const frame_maker* maker, frame_figures* figures)
+{
+    stp_draw_gl_stats stats = stp_draw_gl_get_stats(maker->renderer);
+    figures->on_gl = true;
+    figures->prepare_ms = stats.prepare_ms;
+    figures->issue_ms = stats.issue_ms;
+    figures->read_ms = stats.read_ms;
+    figures->uploaded_bytes = stats.uploaded_bytes;
+    figures->gl_bytes = stats.resident_bytes;
+    figures->missing += stats.missing;
 }
 
 stp_result frame_draw(frame_maker* maker, const stp_view* view, const stp_quality* quality,
@@ -181,6 +197,9 @@ stp_result frame_draw(frame_maker* maker, const stp_view* view, const stp_qualit
                                .layers = stats->layers};
     for (size_t i = 0; i < maker->list.count; ++i) {
         figures->clusters += maker->list.items[i].kind == STP_DRAW_MESH ? eyes : 0;
+    }
+    if (maker->uses_gl) {
+        add_gl_figures(maker, figures);
     }
     return result;
 }
@@ -275,16 +294,25 @@ bool frame_maker_create_image(frame_maker* maker, uint32_t width, uint32_t heigh
     return create_image(maker->context, maker->residency, width, height, image);
 }
 
+static json_t* describe_gl(const frame_figures* f)
+{
+    return f->on_gl ? json_pack("{s:f, s:f, s:f, s:I, s:I, s:I}", "prepare_ms", f->prepare_ms,
+                                "issue_ms", f->issue_ms, "read_ms", f->read_ms, "uploaded_bytes",
+                                (json_int_t)f->uploaded_bytes, "resident_bytes",
+                                (json_int_t)f->gl_bytes, "missing", (json_int_t)f->missing)
+                    : json_null();
+}
+
 json_t* frame_describe(const frame_figures* f)
 {
-    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}",
+    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}",
                      "splat_size", (double)f->splat_size, "frame_ms", f->frame_ms, "select_ms",
                      f->select_ms, "draw_ms", f->draw_ms, "shade_ms", f->shade_ms, "splats",
                      (json_int_t)f->splats, "fragments", (json_int_t)f->fragments, "clusters",
                      (json_int_t)f->clusters, "triangles", (json_int_t)f->triangles, "nodes",
                      (json_int_t)f->nodes, "draw_calls", (json_int_t)f->draw_calls,
                      "covered_pixels", (json_int_t)f->covered_pixels, "layers",
-                     (json_int_t)f->layers);
+                     (json_int_t)f->layers, "gl", describe_gl(f));
 }
 
 /// Name of the renderer's device: the CPU, or the OpenGL device.

@@ -17,6 +17,9 @@ typedef struct frame_figures {
     uint64_t clusters, nodes, draw_calls;
     uint32_t layers;  ///< of transparent surfaces
     uint32_t missing; ///< things the view wants that were not, or not wholly, loaded
+    bool on_gl;       ///< drawn by OpenGL, which fills these (stp_draw_gl_stats):
+    double prepare_ms, issue_ms, read_ms;
+    uint64_t uploaded_bytes, gl_bytes; ///< the latter: used for scene data
 } frame_figures;
 
 /// All zero at first.
@@ -58,6 +61,7 @@ STP_MUST_USE stp_result frame_maker_stream(frame_maker* maker);
 void frame_maker_destroy(frame_maker* maker);
 
 /// Draws a view for one eye or two; `image` has its size. Failures are logged by the context.
+/// With OpenGL, `image` may be NULL: the picture stays on the GPU, and this waits for it.
 STP_MUST_USE stp_result frame_draw(frame_maker* maker, const stp_view* view,
                                    const stp_quality* quality, stp_image* image,
                                    frame_figures* figures);

@@ -53,7 +53,9 @@ END
 python3 -c "
 import json
 f = json.load(open('fly.json'))
-assert f['backend'] == 'gl' and f['frames'] == 3 and f['draw_calls']['max'] <= 8, f" || fail "fly's figures"
+assert f['backend'] == 'gl' and f['frames'] == 3 and f['draw_calls']['max'] <= 8, f
+assert all(p['gl']['issue_ms'] > 0 and p['gl']['missing'] == 0 and p['covered_pixels'] > 0 for p in f['per_frame']), f
+assert f['first_frame']['gl']['uploaded_bytes'] > 0 and f['per_frame'][-1]['gl']['resident_bytes'] > 0, f" || fail "fly's figures"
 
 # every option that changes pictures, with point splats and with compute shaders
 "$stipple" bench backends --quick --model city-small.stip --json > backends.json 2> err || fail "bench backends: $(cat err)"

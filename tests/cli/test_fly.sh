@@ -53,7 +53,7 @@ import json
 def load(name):
     f = json.load(open(name + ".json"))
     expected = """truncated file_bytes whole_bytes backend device width height threads frames frame_ms splats triangles splat_size draw_calls extra_splats
-    budget popping quality per_frame method coarse_method""".split()
+    budget popping quality first_frame per_frame method coarse_method""".split()
     assert sorted(f) == sorted(expected), (name, sorted(f))
     assert sorted(f["frame_ms"]) == ["max", "p50", "p95", "p99"], f["frame_ms"]
     for key in "splats", "triangles", "splat_size", "draw_calls", "extra_splats":
@@ -62,7 +62,8 @@ def load(name):
     for frame in f["per_frame"]:
         assert ("popping" in frame) == (f["popping"] is not None) and frame.pop("popping", 0) >= 0
         assert sorted(frame) == sorted("""t frame_ms select_ms draw_ms shade_ms splat_size splats extra_splats fragments
-            clusters triangles nodes draw_calls covered_pixels layers""".split()), frame
+            clusters triangles nodes draw_calls covered_pixels layers gl""".split()), frame
+        assert frame["gl"] is None and sorted(f["first_frame"]) == sorted(set(frame) - {"t", "extra_splats"}), frame
         assert 0 < frame["select_ms"] + frame["draw_ms"] + frame["shade_ms"] <= frame["frame_ms"] + 1e-6, frame
     for key in "frame_ms", "splats", "triangles", "splat_size":
         values = sorted(frame[key] for frame in f["per_frame"])
