@@ -353,6 +353,44 @@ static void find_beginning(const stp_text_blocks* blocks, beginning* b)
     }
 }
 
+static bool is_digit(unsigned char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+// Whether words have one comma between digits each, as in "1,5;2,5;3" or "1,5 2,5 3".
+static bool has_decimal_commas(stp_text at)
+{
+    uint32_t words = 0, commas = 0;
+    for (at = stp_skip_blanks(at); *at != '\n'; ++words) {
+        uint32_t own = 0;
+        unsigned char before = ' ';
+        for (; *at != '\n' && *at != ';' && !stp_is_blank(*at); before = *at++) {
+            bool inside = is_digit(before) && is_digit(at[1]);
+            if (*at == '.' || (*at == ',' && (!inside || own > 0))) {
+                return false;
+            }
+            own += *at == ',';
+        }
+        commas += own;
+        at = stp_skip_blanks(at);
+        at = *at == ';' ? stp_skip_blanks(at + 1) : at;
+    }
+    return words >= 3 && commas >= 2;
+}
+
+// Detects a line of points that would be read wrongly. @return NULL, or the rest of a sentence
+static const char* find_misreading(stp_text at)
+{
+    for (stp_text c = at; *c != '\n'; ++c) {
+        if (*c == '\r' && *stp_skip_blanks(c) != '\n') {
+            return "contains carriage returns: expected a line feed after each point";
+        }
+    }
+    return has_decimal_commas(at) ? "its numbers have decimal commas: expected decimal points"
+                                  : NULL;
+}
+
 static void choose_columns(const stp_text_blocks* blocks, const beginning* b, const samples* s,
                            bool intensity_first, stp_columns* columns)
 {
@@ -394,6 +432,11 @@ stp_result stp_columns_find(stp_import* import, const stp_text_blocks* blocks, b
         return stp_fail(context, STP_ERROR_FORMAT,
                         "%s: none of its first %d lines contains a point (three numbers or more)",
                         import->path, HEADER_LINES);
+    }
+    const char* misread = find_misreading(b.at);
+    if (misread != NULL) {
+        return stp_fail(context, STP_ERROR_FORMAT, "%s: line %llu: %s", import->path,
+                        (unsigned long long)b.line + 1, misread);
     }
     const char* wrong = named != NULL ? stp_columns_parse(named, &found->columns) : NULL;
     if (wrong != NULL) {

@@ -98,6 +98,17 @@ void test_xyz_columns_are_found(test_state* test)
          -1},
         {"nan.xyz", "0 0 0\n1 2 3\nnan nan nan\n5 5 5\n", 3, NO_COLOR, -1, 2, -1},
         {"signs.xyz", "-0 +0 .0\n+1 2. 3e0\n", 2, NO_COLOR, -1, 2, -1},
+        {"mark.xyz",
+         "\xef\xbb\xbf"
+         "0 0 0\n1 2 3\n",
+         2, NO_COLOR, -1, 2, -1},
+        {"mark.csv", "\xef\xbb\xbfZ,Y,X\r\n0,0,0\r\n3,2,1\r\n", 2, NO_COLOR, -1, 2, -1},
+        {"mark.pts",
+         "\xef\xbb\xbf"
+         "2\n0 0 0\n1 2 3\n",
+         2, NO_COLOR, -1, 2, -1},
+        {"semicolon.txt", "0,0,0;5\n1,2,3;255\n", 2, NO_COLOR, 65535, 2, -1},
+        {"returns.xyz", "0 0 0\r\r\n1 2 3\r\r\n", 2, NO_COLOR, -1, 2, -1},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); ++i) {
         CHECK(is_as_wanted(&cases[i]));
@@ -144,6 +155,10 @@ void test_xyz_bad_input_is_one_sentence(test_state* test)
         {"a.xyz", "0 0 0\n1 2 three\n3 3 3\n", STP_ERROR_FORMAT, "line 2"},
         {"a.xyz", "0 0 0\n1 2 3x\n3 3 3\n", STP_ERROR_FORMAT, "line 2"},
         {"a.csv", "0,0,0\n1,,3\n3,3,3\n", STP_ERROR_FORMAT, "line 2"},
+        {"a.csv", "x;y;z\n0,5;1,5;2,5\n1,5;2,5;3,5\n", STP_ERROR_FORMAT,
+         "line 2: its numbers have decimal commas"},
+        {"a.xyz", "12 1,5\t-2,5 255\n", STP_ERROR_FORMAT, "decimal commas"},
+        {"a.xyz", "0 0 0\r1 2 3\r", STP_ERROR_FORMAT, "line 1: contains carriage returns"},
         {"a.pts", "3\n0 0 0\n1 2 3\n", STP_ERROR_TRUNCATED, "say 3 points, but it has 2"},
         {"a.pts", "1\n0 0 0\n2\n1 2 3\n", STP_ERROR_TRUNCATED, "say 3 points, but it has 2"},
     };
