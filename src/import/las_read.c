@@ -336,7 +336,6 @@ stp_result stp_las_read_points(stp_las* las, uint64_t points_in_set)
         return result;
     }
     if (las->chunk_count == 0 || las->point_count == 0) {
-        stp_warn(las->context, "%s: has no points", las->import->path);
         return STP_OK;
     }
     if (las->chunks[0].size < las->record_size) {
