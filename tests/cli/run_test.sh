@@ -5,6 +5,8 @@
 # Arguments: script, executable, scratch folder, source folder.
 export XDG_CACHE_HOME=$3-cache
 rm -rf "$XDG_CACHE_HOME"
+# shaders that Mesa compiled are shared: compiling them takes as long as many tests
+export MESA_SHADER_CACHE_DIR=${MESA_SHADER_CACHE_DIR:-$(dirname "$3")/mesa}
 bash "$@"
 code=$?
 rm -rf "$XDG_CACHE_HOME"

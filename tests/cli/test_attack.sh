@@ -17,17 +17,25 @@ grep -q '^| stip | ' table && grep -q '^| race: ' table && grep -q ', 0 found$' 
 "$source/scripts/attack" --rounds 1 --only nothing --stipple "$stipple" --keep "$PWD/kept" > table 2> err &&
     fail "a campaign without files succeeds"
 
-# a program that crashes, one without an error message, one that prints terminal escapes, and one
-# that leaves files behind
-for wrong in 'kill -SEGV $$' 'exit 1' 'printf "stipple: \033[2J\n" >&2; exit 1' 'touch left-behind; echo "stipple: no" >&2; exit 1'; do
-    printf '#!/bin/bash\n[ "$1" = info ] || exec "%s" "$@"\n%s\n' "$stipple" "$wrong" > program
-    chmod +x program
-    "$source/scripts/attack" --rounds 1 --only stip --stipple "$PWD/program" --keep "$PWD/kept" > table 2> err &&
-        fail "$wrong is not detected"
-    grep -q '^found: ' table || fail "$wrong: no finding is reported: $(cat table err)"
-    [ "$(find kept -name '*.txt' | wc -l)" -gt 0 ] || fail "$wrong: no file is kept"
-    rm -rf kept
+# a program whose first calls of "info" crash, say nothing, print terminal escapes, and leave files
+# behind: each fault is found and kept. mkdir counts, as two threads call.
+cat > program << END
+#!/bin/bash
+[ "\$1" = info ] || exec "$stipple" "\$@"
+mkdir "$PWD/crash" 2> /dev/null && kill -SEGV \$\$
+mkdir "$PWD/silent" 2> /dev/null && exit 1
+mkdir "$PWD/escapes" 2> /dev/null && { printf "stipple: \033[2J\n" >&2; exit 1; }
+mkdir "$PWD/leaves" 2> /dev/null && { touch left-behind; echo "stipple: no" >&2; exit 1; }
+exec "$stipple" "\$@"
+END
+chmod +x program
+"$source/scripts/attack" --rounds 1 --only stip --stipple "$PWD/program" --keep "$PWD/kept" > table 2> err &&
+    fail "a faulty program passes"
+for fault in 'ends with -11' 'ends with 1 without a message' 'control characters' "leaves \['left-behind'\]"; do
+    grep -q "^found: stip: $fault" table || fail "not found: $fault: $(cat table err)"
+    grep -q "$fault" kept/*.txt || fail "not kept: $fault"
 done
+grep -q '^| stip | 4 |' table || fail "not all files were tried: $(cat table)"
 
 [ $failures -eq 0 ] || exit 1
 echo "all well"

@@ -24,10 +24,16 @@ check_page()
 # required sections of man pages: none is empty, each example is a separate command
 check_sections()
 {
-    for section in SYNOPSIS DESCRIPTION OPTIONS FILES "EXIT STATUS" EXAMPLES; do
-        sed -n "/^\.Sh $section\$/,/^\.Sh /p" "$1" | grep -v '^\.Sh' > section
-        [ -s section ] || fail "$1: no $section"
-    done
+    awk -v page="$1" '
+        /^\.Sh / { section = substr($0, 5); next }
+        { filled[section] = 1 }
+        END {
+            count = split("SYNOPSIS,DESCRIPTION,OPTIONS,FILES,EXIT STATUS,EXAMPLES", wanted, ",")
+            for (i = 1; i <= count; ++i) {
+                if (!(wanted[i] in filled)) { print page ": no " wanted[i]; bad = 1 }
+            }
+            exit bad
+        }' "$1" > section || fail "$(cat section)"
     sed -n '/^\.Sh EXAMPLES$/,/^\.Sh /p' "$1" | grep -q '^\.Dl \$ .*stipple' || fail "$1: no example"
     for code in 0 1 2 130; do
         grep -q "^\.It $code\$" "$1" || fail "$1: no exit status $code"
@@ -53,13 +59,13 @@ for name in $names; do
     grep -q "^Examples:" text && grep -q "^Files:" text || fail "help $name: no examples or files"
     grep -q "Xr stipple.-$(echo "$name" | sed 's/-/.-/g') 1" stipple.1 || fail "stipple.1 does not name $name"
     # each option in the man page is in help
-    for option in $(sed -n 's/^\.It.* Fl \\-\([a-z\\-]*\).*/\1/p' "stipple-$name.1" | tr -d '\\'); do
-        grep -q -- "--$option\b" text || fail "help of $name: --$option"
-    done
+    grep -oE -- '--[a-z0-9-]+' text | sort -u > named
+    sed -n 's/^\.It.* Fl \\-\([a-z\\-]*\).*/--\1/p' "stipple-$name.1" | tr -d '\\' | sort -u | comm -23 - named > missing
+    [ ! -s missing ] || fail "help of $name: $(cat missing)"
     # each option in help is in the man page and the completions
-    for option in $(sed -n 's/^  \(-., \|    \)--\([a-z0-9-]*\).*/\2/p' text); do
-        grep -q -- "Fl .-$(echo "$option" | sed 's/-/.-/g')" "stipple-$name.1" || fail "man page of $name: --$option"
-    done
+    grep -oE 'Fl \\-[a-z0-9\\-]+' "stipple-$name.1" | sed 's/^Fl \\-/--/' | tr -d '\\' | sort -u > named
+    sed -n 's/^  \(-., \|    \)--\([a-z0-9-]*\).*/--\2/p' text | sort -u | comm -23 - named > missing
+    [ ! -s missing ] || fail "man page of $name: $(cat missing)"
 done
 
 for shell in bash zsh fish; do

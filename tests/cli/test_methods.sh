@@ -21,9 +21,13 @@ refused 2 'list of blue, spt, psp and stochastic' build scene:spheres -o a.stip 
 refused 2 'method' render a.stip -o a.png --method zebra
 [ ! -e a.stip ] || fail "a refused build left a file"
 
-"$stipple" -q build scene:spheres,scale=0.2 -o both.stip --method blue,spt || fail "no build of two methods"
-"$stipple" -q build scene:spheres,scale=0.2 -o blue.stip || fail "no build"
-"$stipple" -q build scene:spheres,scale=0.2 -o spt.stip --method spt --error qsplat --color-threshold 0 ||
+small="scene:spheres,scale=0.02 --surfels 3000"
+# shellcheck disable=SC2086
+"$stipple" -q build $small -o both.stip --method blue,spt || fail "no build of two methods"
+# shellcheck disable=SC2086
+"$stipple" -q build $small -o blue.stip || fail "no build"
+# shellcheck disable=SC2086
+"$stipple" -q build $small -o spt.stip --method spt --error qsplat --color-threshold 0 ||
     fail "no build of spt"
 for file in both blue spt; do
     "$stipple" -q check $file.stip || fail "$file.stip is wrong"

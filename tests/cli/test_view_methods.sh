@@ -3,7 +3,7 @@
 # and the choice is kept. Arguments: executable, scratch folder.
 set -u
 . "$(dirname "$0")/view_window.sh"
-"$stipple" -q build scene:spheres,scale=0.2 -o both.stip --method blue,spt || exit 1
+"$stipple" -q build scene:spheres,scale=0.02 --surfels 3000 -o both.stip --method blue,spt || exit 1
 open_viewer both.stip --method spt --backend cpu
 wait_until 'r["rests"] and r["method"] == "spt"'
 xdotool key n
@@ -19,7 +19,7 @@ open_viewer both.stip --backend cpu
 wait_until 'r["rests"] and r["method"] == "spt"'
 close_viewer
 # a file without the method gives a message
-"$stipple" -q build scene:spheres,scale=0.2 -o blue.stip || exit 1
+"$stipple" -q build scene:spheres,scale=0.02 --surfels 3000 -o blue.stip || exit 1
 open_viewer blue.stip --method spt --backend cpu
 wait_until 'r["rests"] and r["method"] == "blue" and "not by spt" in r["message"]'
 close_viewer
