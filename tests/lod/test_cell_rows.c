@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Points sorted by cell: every point once, and the points around each cell as a plain search finds them.
+// Points sorted by cell: every point once, and around each cell the points that a plain search
+// finds.
 #include "tests.h"
 
 #include "base/math.h"
