@@ -7,7 +7,9 @@
 #include <dlfcn.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #define EGL_FUNCTIONS(X)                                                                           \
     X(PFNEGLGETPROCADDRESSPROC, eglGetProcAddress)                                                 \
@@ -24,7 +26,8 @@ typedef struct egl {
     EGL_FUNCTIONS(X)
 #undef X
     PFNEGLGETPLATFORMDISPLAYEXTPROC get_display;
-    PFNEGLQUERYDEVICESEXTPROC query_devices; ///< NULL: devices cannot be listed
+    PFNEGLQUERYDEVICESEXTPROC query_devices;     ///< NULL: devices cannot be listed
+    PFNEGLQUERYDEVICESTRINGEXTPROC query_device; ///< NULL: devices cannot be described
 } egl;
 
 static bool find_functions(void* library, egl* e)
@@ -39,6 +42,8 @@ static bool find_functions(void* library, egl* e)
     e->get_display =
         (PFNEGLGETPLATFORMDISPLAYEXTPROC)e->eglGetProcAddress("eglGetPlatformDisplayEXT");
     e->query_devices = (PFNEGLQUERYDEVICESEXTPROC)e->eglGetProcAddress("eglQueryDevicesEXT");
+    e->query_device =
+        (PFNEGLQUERYDEVICESTRINGEXTPROC)e->eglGetProcAddress("eglQueryDeviceStringEXT");
     return e->get_display != NULL;
 }
 
@@ -52,6 +57,34 @@ static bool is_software_name(const char* name)
         software = software || strstr(name, names[i]) != NULL;
     }
     return software;
+}
+
+/// Whether a device is Mesa's software renderer. Creating a context on it would tell the same, but
+/// takes longer than a small picture. Its drivers for WSL and by variable can use a GPU.
+static bool is_software_device(const egl* e, EGLDeviceEXT device)
+{
+    const char* extensions = NULL;
+    if (e->query_device != NULL && getenv("GALLIUM_DRIVER") == NULL &&
+        access("/dev/dxg", F_OK) != 0) {
+        extensions = e->query_device(device, EGL_EXTENSIONS);
+    }
+    return extensions != NULL && strstr(extensions, "EGL_MESA_device_software") != NULL;
+}
+
+/// Lists the devices that may be a GPU (or all); returns false if devices cannot be listed.
+static bool list_devices(const egl* e, bool software, EGLDeviceEXT* devices, EGLint* count)
+{
+    EGLint all = 0;
+    *count = 0;
+    if (e->query_devices == NULL || !e->query_devices(DEVICES_MAX, devices, &all) || all == 0) {
+        return false;
+    }
+    for (EGLint i = 0; i < all; ++i) {
+        if (software || !is_software_device(e, devices[i])) {
+            devices[(*count)++] = devices[i];
+        }
+    }
+    return true;
 }
 
 /// Contexts report their loss only on request.
@@ -121,19 +154,25 @@ static bool try_devices(const egl* e, const stp_headless_desc* desc, bool softwa
                         stp_headless* headless)
 {
     EGLDeviceEXT devices[DEVICES_MAX];
-    EGLint count = 0;
+    EGLint count;
     stp_headless_desc kind = *desc;
     kind.software = software;
     kind.only_hardware = !software;
-    if (e->query_devices == NULL || !e->query_devices(DEVICES_MAX, devices, &count)) {
-        return false;
-    }
+    list_devices(e, software, devices, &count);
     for (EGLint i = 0; i < count; ++i) {
         if (try_display(e, &kind, EGL_PLATFORM_DEVICE_EXT, devices[i], headless)) {
             return true;
         }
     }
     return false;
+}
+
+/// Whether anything but Mesa's software renderer may be there.
+static bool may_have_gpu(const egl* e)
+{
+    EGLDeviceEXT devices[DEVICES_MAX];
+    EGLint count;
+    return !list_devices(e, false, devices, &count) || count > 0;
 }
 
 const char* stp_headless_create(const stp_headless_desc* desc, stp_headless* headless)
@@ -150,8 +189,9 @@ const char* stp_headless_create(const stp_headless_desc* desc, stp_headless* hea
     }
     headless->get_proc_address = e.eglGetProcAddress;
     bool made = !desc->software && try_devices(&e, desc, false, headless);
-    made =
-        made || try_display(&e, desc, EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, headless);
+    made = made ||
+           ((!desc->only_hardware || may_have_gpu(&e)) &&
+            try_display(&e, desc, EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, headless));
     made = made || (!desc->only_hardware && try_devices(&e, desc, true, headless));
     if (made) {
         return NULL;
