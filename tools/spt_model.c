@@ -16,7 +16,7 @@ static void place_nodes(spt_model* m)
 {
     const float origin[3] = {m->set.origin.x, m->set.origin.y, m->set.origin.z};
     for (size_t i = 0; i < m->tree->count; ++i) {
-        const stp_disk* disk = &m->tree->disks[i];
+        const stp_tree_disk* disk = &m->tree->disks[i];
         const float center[3] = {disk->center.x, disk->center.y, disk->center.z};
         for (size_t k = 0; k < 3; ++k) {
             float at = (center[k] - origin[k]) / m->set.step + 0.5f;

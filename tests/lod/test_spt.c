@@ -25,8 +25,8 @@ void test_spt_disks_have_the_errors_of_the_paper(test_state* test)
     const stp_vec3 up = {0, 0, 1}, right = {1, 0, 0};
     // two disks in one plane, 3 apart: enclosed by one of radius 2.5, whose diameter exceeds theirs
     // by 2 x 2.5 - 2 = 3 on one axis
-    stp_disk flat[] = {{{0, 0, 0}, up, 1}, {{3, 0, 0}, up, 1}};
-    stp_disk disk = stp_disk_enclose(flat, weights, 2);
+    stp_tree_disk flat[] = {{{0, 0, 0}, up, 1}, {{3, 0, 0}, up, 1}};
+    stp_tree_disk disk = stp_disk_enclose(flat, weights, 2);
     CHECK(is_near(disk.radius, 2.5, 1e-5) && is_near(disk.center.x, 1.5, 1e-5));
     stp_disk_error error = stp_disk_measure(&disk, flat, 2);
     CHECK(is_near(error.perpendicular, 0.0, 1e-6));
@@ -40,31 +40,31 @@ void test_spt_disks_have_the_errors_of_the_paper(test_state* test)
     CHECK(is_near(error.geometric, sqrt(0.25 + 9.0), 1e-4));
     // perpendicular disks: the normal is half way between theirs, and each extends r sin 45 degrees
     // to either side of the plane
-    stp_disk corner[] = {{{0, 0, 0}, up, 1}, {{0, 0, 0}, right, 1}};
+    stp_tree_disk corner[] = {{{0, 0, 0}, up, 1}, {{0, 0, 0}, right, 1}};
     disk = stp_disk_enclose(corner, weights, 2);
     error = stp_disk_measure(&disk, corner, 2);
     CHECK(is_near(disk.normal.x, sqrt(0.5), 1e-6) && is_near(disk.normal.z, sqrt(0.5), 1e-6));
     CHECK(is_near(error.perpendicular, 2.0 * sqrt(0.5), 1e-5));
     // four around a square: the enclosing disk extends from the middle to their far sides
-    stp_disk square[] = {
+    stp_tree_disk square[] = {
         {{0, 0, 0}, up, 1}, {{2, 0, 0}, up, 1}, {{0, 2, 0}, up, 1}, {{2, 2, 0}, up, 1}};
     disk = stp_disk_enclose(square, weights, 4);
     CHECK(is_near(disk.radius, 1.0 + sqrt(2.0), 0.02));
     error = stp_disk_measure(&disk, square, 4);
     CHECK(is_near(error.tangential, 2.0 * (double)disk.radius - 4.0, 1e-3));
     // normals that cancel out, or no normals: a sphere, with its diameter as error
-    stp_disk apart[] = {{{0, 0, 0}, up, 1}, {{0, 0, 2}, {0, 0, -1}, 1}};
+    stp_tree_disk apart[] = {{{0, 0, 0}, up, 1}, {{0, 0, 2}, {0, 0, -1}, 1}};
     disk = stp_disk_enclose(apart, weights, 2);
     error = stp_disk_measure(&disk, apart, 2);
     CHECK(stp_length(disk.normal) == 0.0f && is_near(disk.radius, 2.0, 1e-5));
     CHECK(is_near(error.geometric, 4.0, 1e-5) && error.perpendicular == error.tangential);
     // far from the origin, where floats are coarser than the disk
-    stp_disk far[] = {{{1000000.0f, 0, 0}, up, 0}, {{1000000.0625f, 0, 0}, up, 0}};
+    stp_tree_disk far[] = {{{1000000.0f, 0, 0}, up, 0}, {{1000000.0625f, 0, 0}, up, 0}};
     disk = stp_disk_enclose(far, weights, 2);
     CHECK(disk.radius >=
           fmaxf(fabsf(disk.center.x - far[0].center.x), fabsf(disk.center.x - far[1].center.x)));
     // a child inside another
-    stp_disk inner[] = {{{0, 0, 0}, up, 3}, {{1, 0, 0}, up, 1}};
+    stp_tree_disk inner[] = {{{0, 0, 0}, up, 3}, {{1, 0, 0}, up, 1}};
     disk = stp_disk_enclose(inner, weights, 2);
     CHECK(is_near(disk.radius, 3.0, 0.05));
 }
@@ -72,20 +72,20 @@ void test_spt_disks_have_the_errors_of_the_paper(test_state* test)
 void test_spt_disks_enclose_their_children(test_state* test)
 {
     for (uint64_t seed = 0; seed < 3000; ++seed) {
-        stp_disk children[STP_DISK_CHILDREN];
+        stp_tree_disk children[STP_DISK_CHILDREN];
         float weights[STP_DISK_CHILDREN];
         uint32_t count = 1 + stp_rng_below(seed, 0, STP_DISK_CHILDREN);
         for (uint32_t i = 0; i < count; ++i) {
             uint64_t at = 10 * i + 1;
             stp_vec3 normal = {unit(seed, at) - 0.5f, unit(seed, at + 1) - 0.5f,
                                unit(seed, at + 2) + (seed % 3 == 0 ? -0.5f : 0.5f)};
-            children[i] = (stp_disk){
+            children[i] = (stp_tree_disk){
                 .center = {unit(seed, at + 3), unit(seed, at + 4), unit(seed, at + 5) * 0.2f},
                 .normal = stp_normalize(normal),
                 .radius = 0.3f * unit(seed, at + 6)};
             weights[i] = 1.0f + unit(seed, at + 7);
         }
-        stp_disk disk = stp_disk_enclose(children, weights, count);
+        stp_tree_disk disk = stp_disk_enclose(children, weights, count);
         stp_disk_error error = stp_disk_measure(&disk, children, count);
         stp_vec3d n = stp_to_double(disk.normal);
         for (uint32_t i = 0; i < count; ++i) {

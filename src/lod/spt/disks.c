@@ -58,7 +58,7 @@ static frame make_frame(stp_vec3 normal)
     return (frame){{1.0 + sign * x * x * a, sign * b, -sign * x}, {b, sign + y * y * a, -y}};
 }
 
-static bool is_sphere(const stp_disk* disk)
+static bool is_sphere(const stp_tree_disk* disk)
 {
     return stp_dot(disk->normal, disk->normal) == 0.0f;
 }
@@ -152,7 +152,7 @@ static void find_enclosing(const flat_children* f, stp_vec3d* center)
     }
 }
 
-stp_disk stp_disk_enclose(const stp_disk* children, const float* weights, uint32_t count)
+stp_tree_disk stp_disk_enclose(const stp_tree_disk* children, const float* weights, uint32_t count)
 {
     stp_vec3d middle = {0}, normal = {0};
     double sum = 0.0;
@@ -163,7 +163,7 @@ stp_disk stp_disk_enclose(const stp_disk* children, const float* weights, uint32
         sum += weight;
     }
     middle = stp_scaled(middle, 1.0 / sum);
-    stp_disk disk = {.normal = {(float)normal.x, (float)normal.y, (float)normal.z}};
+    stp_tree_disk disk = {.normal = {(float)normal.x, (float)normal.y, (float)normal.z}};
     // normals that cancel out have no direction
     bool turned = stp_lengthd(normal) > 1e-3 * sum;
     disk.normal = turned ? stp_normalize(disk.normal) : (stp_vec3){0};
@@ -187,7 +187,7 @@ stp_disk stp_disk_enclose(const stp_disk* children, const float* weights, uint32
 }
 
 // Extent of a child along a unit direction, on either side of its centre.
-static double half_width(const stp_disk* child, stp_vec3d direction)
+static double half_width(const stp_tree_disk* child, stp_vec3d direction)
 {
     double turned = stp_dotd(stp_to_double(child->normal), direction);
     double part = 1.0 - turned * turned;
@@ -195,7 +195,7 @@ static double half_width(const stp_disk* child, stp_vec3d direction)
 }
 
 // Width of all children along a direction.
-static double width_along(const stp_disk* disk, const stp_disk* children, uint32_t count,
+static double width_along(const stp_tree_disk* disk, const stp_tree_disk* children, uint32_t count,
                           stp_vec3d direction)
 {
     double low = HUGE_VAL, high = -HUGE_VAL;
@@ -224,7 +224,8 @@ static void find_directions(stp_vec3 normal, slab_directions* d)
 }
 
 // Minimum of width_along() over all directions, in vectorized loops.
-static double find_narrowest(const stp_disk* disk, const stp_disk* children, uint32_t count)
+static double find_narrowest(const stp_tree_disk* disk, const stp_tree_disk* children,
+                             uint32_t count)
 {
     slab_directions d;
     double low[SLABS], high[SLABS];
@@ -253,7 +254,8 @@ static double find_narrowest(const stp_disk* disk, const stp_disk* children, uin
     return narrowest;
 }
 
-stp_disk_error stp_disk_measure(const stp_disk* disk, const stp_disk* children, uint32_t count)
+stp_disk_error stp_disk_measure(const stp_tree_disk* disk, const stp_tree_disk* children,
+                                uint32_t count)
 {
     double diameter = 2.0 * (double)disk->radius;
     if (is_sphere(disk)) {

@@ -8,11 +8,11 @@
 enum { STP_DISK_CHILDREN = 8 }; ///< maximum children of an octree node
 
 /// A disk in space. A normal of length 0 makes it a sphere: for points with unknown orientation.
-typedef struct stp_disk {
+typedef struct stp_tree_disk {
     stp_vec3 center;
     stp_vec3 normal; ///< of unit length, or zero
     float radius;
-} stp_disk;
+} stp_tree_disk;
 
 /// Errors of a disk that represents its children, in the units of their coordinates; never
 /// negative.
@@ -28,7 +28,8 @@ typedef struct stp_disk_error {
 /// them if their normals cancel out. Along the normal, its centre is at the children's mean.
 /// Usually at most one percent larger than the smallest such disk.
 /// @param weights weight of each child in means; positive
-stp_disk stp_disk_enclose(const stp_disk* children, const float* weights, uint32_t count);
+stp_tree_disk stp_disk_enclose(const stp_tree_disk* children, const float* weights, uint32_t count);
 
 /// Errors of a disk that represents its children. For a sphere all are its diameter.
-stp_disk_error stp_disk_measure(const stp_disk* disk, const stp_disk* children, uint32_t count);
+stp_disk_error stp_disk_measure(const stp_tree_disk* disk, const stp_tree_disk* children,
+                                uint32_t count);

@@ -109,7 +109,7 @@ static uint8_t find_coverage(const splat_maker* m, uint32_t node)
 /// Makes all but the encoded normal. @return the normal
 static stp_vec3 make_splat(const splat_maker* m, uint32_t node, stp_node_splat* splat)
 {
-    const stp_disk* disk = &m->tree->disks[node];
+    const stp_tree_disk* disk = &m->tree->disks[node];
     const stp_node_splats_desc* grid = m->desc;
     uint32_t leaf = first_leaf(m->tree, node);
     splat->position[0] = stp_splats_grid_place(disk->center.x, grid->origin.x, grid->step);

@@ -41,9 +41,9 @@ static void finish_leaf(const maker* m, uint32_t node)
     const stp_tree_points* p = m->points;
     stp_point_tree* t = m->tree;
     uint32_t point = t->points[node];
-    stp_disk* disk = &t->disks[node];
-    *disk = (stp_disk){.center = position_of(p, point),
-                       .radius = p->radii != NULL ? p->radii[point] : p->radius};
+    stp_tree_disk* disk = &t->disks[node];
+    *disk = (stp_tree_disk){.center = position_of(p, point),
+                            .radius = p->radii != NULL ? p->radii[point] : p->radius};
     if (p->normals != NULL) {
         const float* n = p->normals + 3 * (size_t)point;
         disk->normal = (stp_vec3){n[0], n[1], n[2]};
@@ -70,7 +70,7 @@ static bool differs(const uint8_t* a, const uint8_t* b, uint32_t threshold)
 static void finish_node(const maker* m, uint32_t node)
 {
     stp_point_tree* t = m->tree;
-    stp_disk children[STP_DISK_CHILDREN];
+    stp_tree_disk children[STP_DISK_CHILDREN];
     float weights[STP_DISK_CHILDREN], perpendicular = 0.0f, tangential = 0.0f, error = 0.0f;
     double color[3] = {0}, sum = 0.0;
     uint32_t count = 0, end = t->ends[node];
@@ -172,7 +172,7 @@ static stp_result make_arrays(maker* m)
 {
     stp_point_tree* t = m->tree;
     size_t nodes = t->count;
-    t->disks = STP_NEW_ARRAY(m->context, stp_disk, nodes);
+    t->disks = STP_NEW_ARRAY(m->context, stp_tree_disk, nodes);
     t->colors = STP_NEW_ARRAY(m->context, uint8_t, 3 * nodes);
     t->ends = STP_NEW_ARRAY(m->context, uint32_t, nodes);
     t->points = STP_NEW_ARRAY(m->context, uint32_t, nodes);
@@ -282,7 +282,7 @@ void stp_point_tree_destroy(stp_context* context, stp_point_tree* tree)
 /// Whether a node's error is within the allowed error at its distance from the eye.
 static bool suffices(const stp_point_tree* tree, uint32_t node, const stp_tree_view* view)
 {
-    const stp_disk* disk = &tree->disks[node];
+    const stp_tree_disk* disk = &tree->disks[node];
     stp_vec3d v = stp_subd(view->eye, stp_to_double(disk->center));
     double distance = sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
     double error = (double)tree->errors[node];

@@ -32,7 +32,7 @@ typedef struct stp_tree_desc {
 /// Nodes in depth-first order: each node is followed by its descendants. Node 0 is the root.
 typedef struct stp_point_tree {
     uint32_t count, leaf_count;
-    stp_disk* disks;
+    stp_tree_disk* disks;
     uint8_t* colors;  ///< 3 per node, sRGB: means of the leaves below
     uint32_t* ends;   ///< end of each node's subtree: the index of the next node after it
     uint32_t* points; ///< index of a leaf's point; UINT32_MAX for inner nodes
