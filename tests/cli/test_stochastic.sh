@@ -20,22 +20,28 @@ alike() # A.png B.png LEAST: by SSIM
         fail "$1 and $2 differ: $(cat compare.json)"
 }
 
+# write_ply(NAME, COLUMNS, LAYOUT, POINTS): columns as "TYPE NAME" each, the layout of a point for struct
+cat > ply_file.py << 'END'
+import struct
+COLORS = ["uchar red", "uchar green", "uchar blue"]
+def write_ply(name, columns, layout, points):
+    with open(name, "wb") as file:
+        file.write(b"ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % len(points))
+        file.write("".join(f"property {column}\n" for column in ["float x", "float y", "float z", *columns]).encode())
+        file.write(b"end_header\n" + b"".join(struct.pack(layout, *point) for point in points))
+END
 # a ball above a floor, without normals
 python3 - << 'END'
 import math
 import random
-import struct
+from ply_file import COLORS, write_ply
 some = random.Random(5)
 points = [(some.uniform(-4, 4), 0.0, some.uniform(-4, 4), 90, 140, 70) for _ in range(5000)]
 for _ in range(5000):
     v = [some.gauss(0, 1) for _ in range(3)]
     length = math.sqrt(sum(x * x for x in v))
     points.append((v[0] / length, 1.5 + v[1] / length, v[2] / length, 200, 60, 50))
-with open("cloud.ply", "wb") as file:
-    file.write(b"ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % len(points))
-    file.write(b"".join(b"property float %c\n" % axis for axis in b"xyz"))
-    file.write(b"property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n")
-    file.write(b"".join(struct.pack("<3f3B", *point) for point in points))
+write_ply("cloud.ply", COLORS, "<3f3B", points)
 END
 refused 2 'leaf-points requires --method stochastic' build cloud.ply -o a.stip --leaf-points 100
 refused 2 'leaf-flatness requires --method stochastic' build cloud.ply -o a.stip --leaf-flatness 0.001
@@ -100,14 +106,11 @@ done
 # splats reach into the picture from leaves that lie outside of it: a wall on the faces of cubes, four pixels beyond
 python3 - << 'END'
 import random
-import struct
+from ply_file import write_ply
 some = random.Random(3)
 points = [(some.random(), some.random(), 0, 0, 0, 1) for _ in range(20000)]
 points += [(-0.5 + 0.01 * some.random(), 0.5 + 0.01 * some.random(), 0, 0, 0, 1) for _ in range(200)]
-with open("wall.ply", "wb") as file:
-    file.write(b"ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % len(points))
-    file.write(b"".join(b"property float %s\n" % name for name in (b"x", b"y", b"z", b"nx", b"ny", b"nz")) + b"end_header\n")
-    file.write(b"".join(struct.pack("<6f", *point) for point in points))
+write_ply("wall.ply", ["float nx", "float ny", "float nz"], "<6f", points)
 END
 "$stipple" -q build wall.ply -o wall.stip --method stochastic || fail "no build of a wall"
 "$stipple" render wall.stip -o wall.png --eye -0.52,0.5,5 --target -0.52,0.5,0 --ortho 1 --size 200x200 --splat-size 16 --once --accumulate 1 \
@@ -117,15 +120,11 @@ END
 python3 - << 'END'
 import math
 import random
-import struct
+from ply_file import write_ply
 some = random.Random(7)
-with open("scan.ply", "wb") as file:
-    file.write(b"ply\nformat binary_little_endian 1.0\nelement vertex 6000\n")
-    file.write(b"".join(b"property float %c\n" % axis for axis in b"xyz"))
-    file.write(b"property ushort intensity\nproperty uchar classification\nend_header\n")
-    for _ in range(6000):
-        x, z = some.uniform(-4, 4), some.uniform(-4, 4)
-        file.write(struct.pack("<3fHB", x, math.sin(x), z, int(30000 + 7000 * x), 6 if abs(z) < 0.5 else 2))
+places = [(some.uniform(-4, 4), some.uniform(-4, 4)) for _ in range(6000)]
+write_ply("scan.ply", ["ushort intensity", "uchar classification"], "<3fHB",
+          [(x, math.sin(x), z, int(30000 + 7000 * x), 6 if abs(z) < 0.5 else 2) for x, z in places])
 END
 "$stipple" -q build scan.ply -o scan.stip --method stochastic || fail "no build of a scan"
 cp scan.stip first.stip
@@ -183,17 +182,14 @@ alike hills.png truth.png 0.7
 python3 - << 'END'
 import math
 import random
-import struct
-some = random.Random(11)
-with open("ring.ply", "wb") as file:
-    file.write(b"ply\nformat binary_little_endian 1.0\nelement vertex 410000\n")
-    file.write(b"".join(b"property float %c\n" % axis for axis in b"xyz"))
-    file.write(b"property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n")
-    for i in range(410000):
-        u, v = some.uniform(0, 2 * math.pi), some.uniform(0, 2 * math.pi)
-        r = 1 + 0.1 * math.sin(9 * u) * math.cos(3 * v)
-        p = ((3 + r * math.cos(v)) * math.cos(u), (3 + r * math.cos(v)) * math.sin(u), r * math.sin(v))
-        file.write(struct.pack("<3f3B", *p, i & 255, i >> 8 & 255, i >> 16))
+from ply_file import COLORS, write_ply
+some, points = random.Random(11), []
+for i in range(410000):
+    u, v = some.uniform(0, 2 * math.pi), some.uniform(0, 2 * math.pi)
+    r = 1 + 0.1 * math.sin(9 * u) * math.cos(3 * v)
+    p = ((3 + r * math.cos(v)) * math.cos(u), (3 + r * math.cos(v)) * math.sin(u), r * math.sin(v))
+    points.append((*p, i & 255, i >> 8 & 255, i >> 16))
+write_ply("ring.ply", COLORS, "<3f3B", points)
 END
 "$stipple" -q build ring.ply -o ring.stip --method stochastic || fail "no build of a ring"
 python3 - "$3" << 'END' || fail "a ring faces inwards"

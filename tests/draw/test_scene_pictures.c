@@ -7,7 +7,6 @@
 #include "base/rng.h"
 #include "build/build_scene.h"
 #include "draw/support_golden.h"
-#include "lod/method.h"
 #include "present/camera.h"
 #include "scenes/scenes.h"
 #include "select/sections.h"
@@ -21,31 +20,37 @@ static const uint32_t sizes[] = {1, 4, 16};
 
 static const stp_draw_style daylight = {.background = true, .background_color = {219, 224, 230}};
 
-/// Builds an input, with splats for the largest nodes, and opens the file; NULL on failure.
-static stp_store* build_and_open(stp_context* context, const char* input, const char* method)
+/// A built scene and a view of it.
+typedef struct subject {
+    stp_context* context;
+    stp_store* store;
+    stp_view view;
+} subject;
+
+/// Builds an input, with splats for the largest nodes, and opens the file. @return false on failure
+static bool set_up(const char* input, subject* s)
 {
-    stp_store* store = NULL;
-    const stp_method* methods[1] = {NULL};
-    for (int i = 0; method != NULL && i < STP_METHOD_COUNT; ++i) {
-        methods[0] = strcmp(stp_methods[i].name, method) == 0 ? &stp_methods[i] : methods[0];
-    }
+    *s = (subject){.context = test_context(NULL, 2, NULL)};
     stp_build_desc desc = {.inputs = &input,
                            .input_count = 1,
                            .output = "a.stip",
-                           .methods = methods,
-                           .method_count = methods[0] != NULL ? 1 : 0,
                            .threshold = 1,
                            .generate = scene_make_input};
-    return stp_build(context, &desc, NULL) == STP_OK &&
-                   stp_store_open(context, desc.output, &store) == STP_OK
-               ? store
-               : NULL;
+    return s->context != NULL && stp_build(s->context, &desc, NULL) == STP_OK &&
+           stp_store_open(s->context, desc.output, &s->store) == STP_OK;
 }
 
-/// A view of a file, by name. @return false if the file has no such view
-static bool find_view(const stp_store* store, const char* name, stp_view* view)
+static void tear_down(subject* s)
 {
-    const stp_store_directory* d = stp_store_get_directory(store);
+    stp_store_close(s->store);
+    stp_context_destroy(s->context);
+}
+
+/// Takes a view of the file, by name. @return false if the file has no such view
+static bool find_view(subject* s, const char* name)
+{
+    const stp_store_directory* d = stp_store_get_directory(s->store);
+    stp_view* view = &s->view;
     *view = (stp_view){.width = WIDTH, .height = HEIGHT};
     for (uint32_t i = 0; i < d->view_count; ++i) {
         const stp_store_view* v = &d->views[i];
@@ -60,15 +65,14 @@ static bool find_view(const stp_store* store, const char* name, stp_view* view)
     return false;
 }
 
-/// Draws a view at all sizes. @return what is wrong, or NULL
-static const char* draw_sizes(stp_context* context, stp_store* store, const char* name,
-                              const stp_view* view)
+/// Draws the view at all sizes. @return what is wrong, or NULL
+static const char* draw_sizes(const subject* s, const char* name)
 {
     const char* wrong = NULL;
     for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]) && wrong == NULL; ++i) {
         char picture[64];
         snprintf(picture, sizeof(picture), "%s_%u", name, sizes[i]);
-        wrong = golden_draw(context, store, picture, *view,
+        wrong = golden_draw(s->context, s->store, picture, s->view,
                             (stp_quality){.splat_size = (float)sizes[i]}, daylight);
     }
     return wrong;
@@ -76,35 +80,27 @@ static const char* draw_sizes(stp_context* context, stp_store* store, const char
 
 void test_pictures_of_cad_look_as_they_did(test_state* test)
 {
-    stp_context* context = test_context(NULL, 2, NULL);
-    CHECK(context != NULL);
-    stp_store* store = build_and_open(context, "scene:power-plant,scale=0.002", NULL);
-    stp_view view;
-    CHECK(store != NULL && find_view(store, "overview", &view));
-    CHECK(draw_sizes(context, store, "cad", &view) == NULL);
+    subject s;
+    CHECK(set_up("scene:power-plant,scale=0.002", &s) && find_view(&s, "overview"));
+    CHECK(draw_sizes(&s, "cad") == NULL);
     // a section through it, with caps
     stp_draw_style caps = daylight;
     caps.caps = true;
-    CHECK(stp_sections_add_plane(&view.sections, view.target, (stp_vec3d){0.2, 0.0, 1.0}));
-    CHECK(golden_draw(context, store, "cad_section", view, (stp_quality){.splat_size = 2}, caps) ==
-          NULL);
-    CHECK(find_view(store, "turbine hall", &view));
-    CHECK(golden_draw(context, store, "cad_inside", view, (stp_quality){.splat_size = 1},
+    CHECK(stp_sections_add_plane(&s.view.sections, s.view.target, (stp_vec3d){0.2, 0.0, 1.0}));
+    CHECK(golden_draw(s.context, s.store, "cad_section", s.view, (stp_quality){.splat_size = 2},
+                      caps) == NULL);
+    CHECK(find_view(&s, "turbine hall"));
+    CHECK(golden_draw(s.context, s.store, "cad_inside", s.view, (stp_quality){.splat_size = 1},
                       daylight) == NULL);
-    stp_store_close(store);
-    stp_context_destroy(context);
+    tear_down(&s);
 }
 
 void test_pictures_of_foliage_look_as_they_did(test_state* test)
 {
-    stp_context* context = test_context(NULL, 2, NULL);
-    CHECK(context != NULL);
-    stp_store* store = build_and_open(context, "scene:forest,scale=0.003", NULL);
-    stp_view view;
-    CHECK(store != NULL && find_view(store, "walk", &view));
-    CHECK(draw_sizes(context, store, "foliage", &view) == NULL);
-    stp_store_close(store);
-    stp_context_destroy(context);
+    subject s;
+    CHECK(set_up("scene:forest,scale=0.003", &s) && find_view(&s, "walk"));
+    CHECK(draw_sizes(&s, "foliage") == NULL);
+    tear_down(&s);
 }
 
 /// A dome on a plain: coloured points without normals, as text.
@@ -124,13 +120,11 @@ static bool write_cloud(const char* path)
 
 void test_pictures_of_clouds_look_as_they_did(test_state* test)
 {
-    stp_context* context = test_context(NULL, 2, NULL);
-    CHECK(context != NULL && write_cloud("cloud.xyz"));
-    stp_store* store = build_and_open(context, "cloud.xyz", NULL);
-    stp_view view = {.width = WIDTH, .height = HEIGHT, .fov_degrees = 40};
+    subject s;
+    CHECK(write_cloud("cloud.xyz") && set_up("cloud.xyz", &s));
     const stp_boxd box = {{-1, 0, -1}, {1, 0.6, 1}};
-    CHECK(store != NULL && stp_camera_frame("iso", &box, &view));
-    CHECK(draw_sizes(context, store, "cloud", &view) == NULL);
-    stp_store_close(store);
-    stp_context_destroy(context);
+    s.view = (stp_view){.width = WIDTH, .height = HEIGHT, .fov_degrees = 40};
+    CHECK(stp_camera_frame("iso", &box, &s.view));
+    CHECK(draw_sizes(&s, "cloud") == NULL);
+    tear_down(&s);
 }
