@@ -134,6 +134,19 @@ static stp_result sketch_sample(build* b)
     return result;
 }
 
+/// Number of triangles and points.
+static uint64_t count_elements(const stp_scene* scene)
+{
+    uint64_t count = 0;
+    for (size_t i = 0; i < scene->mesh_count; ++i) {
+        count += scene->meshes[i].triangle_count;
+    }
+    for (size_t i = 0; i < scene->point_set_count; ++i) {
+        count += scene->point_sets[i].point_count;
+    }
+    return count;
+}
+
 static stp_result import_input(build* b, const char* input)
 {
     if (is_generated(b, input)) {
@@ -152,7 +165,11 @@ static stp_result import_inputs(build* b)
         stp_scene_use_spill(b->scene, b->spill, usable_bytes(b) / FILE_MEMORY_SHARE);
     }
     for (size_t i = 0; result == STP_OK && i < b->desc->input_count; ++i) {
+        uint64_t before = count_elements(b->scene);
         result = import_input(b, b->desc->inputs[i]);
+        if (result == STP_OK && count_elements(b->scene) == before) {
+            stp_warn(b->context, "%s: has neither triangles nor points", b->desc->inputs[i]);
+        }
     }
     stp_trim_heap(); // parsing leaves many small holes
     double imported = stp_clock_ms();

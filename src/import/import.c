@@ -136,26 +136,6 @@ static void check_units(const stp_import* import, double scene_unit)
     }
 }
 
-// Numbers of shapes in a scene.
-typedef struct shapes {
-    size_t meshes, point_sets;
-} shapes;
-
-static void check_content(const stp_import* import, shapes before)
-{
-    const stp_scene* scene = import->scene;
-    uint64_t count = 0;
-    for (size_t i = before.meshes; i < scene->mesh_count; ++i) {
-        count += scene->meshes[i].triangle_count;
-    }
-    for (size_t i = before.point_sets; i < scene->point_set_count; ++i) {
-        count += scene->point_sets[i].point_count;
-    }
-    if (count == 0 && import->desc.scan == NULL) {
-        stp_warn(import->context, "%s: has neither triangles nor points", import->path);
-    }
-}
-
 static stp_result read_with(const stp_importer* importer, stp_import* import)
 {
     stp_source source = {
@@ -174,12 +154,10 @@ static stp_result read_with(const stp_importer* importer, stp_import* import)
         up = import->desc.up;
     }
     double scene_unit = import->scene->unit_metres;
-    shapes before = {import->scene->mesh_count, import->scene->point_set_count};
     stp_import_set_axes(import, up, 0.0);
     result = importer->read(import);
     if (result == STP_OK && import->desc.sample_points == 0) {
         check_units(import, scene_unit);
-        check_content(import, before);
         stp_losses_report(import->context, import->path, &import->losses);
     }
     return result;

@@ -93,5 +93,10 @@ for name in none.ply nans.ply zero.ply zero.obj; do
         [ ! -s out ] || fail "$command writes on stdout"
     done
 done
+for name in none.ply nans.ply; do # an empty scene is no error, but never silent
+    "$stipple" build one.ply $name -o a.stip > out 2> err || fail "build $name: $(cat err)"
+    [ "$(grep -c "^stipple: warning: $name: has neither triangles nor points" err)" -eq 1 ] ||
+        fail "build $name says: $(cat err)"
+done
 [ ! -e a.ply ] && [ ! -e a.png ] || fail "a refused call left a file"
 exit $((failures > 0))

@@ -134,12 +134,10 @@ void test_ptx_empty_scan(test_state* test)
 {
     static const char text[] =
         HEADER("4294967294", "0", "0", "0", "0") HEADER("0", "7", "0", "0", "0");
-    test_log log = {0};
-    stp_context* context = test_context(NULL, 1, &log);
+    stp_context* context = test_context(NULL, 1, NULL);
     stp_result result;
     stp_scene* scene = import_bytes(context, "a.ptx", text, strlen(text), &result);
     CHECK(scene != NULL && scene->object_count == 3 && scene->point_set_count == 0);
-    CHECK(strstr(log.warning, "a.ptx: has neither triangles nor points") != NULL);
     stp_scene_destroy(scene);
     stp_context_destroy(context);
 }
