@@ -17,7 +17,7 @@ typedef enum option_type {
     OPTION_SIZE,   ///< uint64_t*: bytes, with K M G T (powers of 1024)
     OPTION_CHOICE, ///< int*: index of a word in `words`
     OPTION_PIXELS, ///< uint32_t[2]: WxH
-    OPTION_VECTOR, ///< double[3]: X,Y,Z; with `words`, also an axis: x, -x, y, -y, z, -z
+    OPTION_VECTOR, ///< double[3]: X,Y,Z; with `words`, a direction, also an axis: x, -x, y, ...
     OPTION_COLOR,  ///< uint8_t[3], sRGB: a CSS name, RRGGBB or RGB with or without #
     OPTION_TEXTS,  ///< option_texts: given again, it is one more
     OPTION_PREFIX, ///< option_prefix: a size as OPTION_SIZE, or a percentage as 5%
@@ -41,7 +41,8 @@ typedef struct option {
     option_type type;
     const char* argument; ///< as help shows it, "PX"; NULL for flags
     /// Choices separated by |. Of a number, size or picture size: words that stand for 0, and the
-    /// range allowed, as in "auto|1..1024"; NULL: any (a picture: 1..32768).
+    /// range allowed, as in "auto|1..1024"; NULL: any (a picture: 1..32768). A range may have no
+    /// end: "1..".
     const char* words;
     const char* help; ///< one line
     /// Default if the option is given without a value; NULL: a value is required
@@ -56,10 +57,13 @@ typedef struct option {
         .name = "threads", .type = OPTION_COUNT, .argument = "N", .words = "auto|0..1024",         \
         .help = "number of threads; default all processors", .value = (where)                      \
     }
+/// A memory limit: 0, or at least 1 MB, which suffices for 1024 threads to start.
+#define OPTION_MEMORY_WORDS "auto|0|1048576.."
 #define OPTION_MEMORY(where)                                                                       \
     {                                                                                              \
-        .name = "memory", .type = OPTION_SIZE, .argument = "SIZE", .words = "auto",                \
-        .help = "memory limit, such as 8G or 512M; default no limit", .value = (where)             \
+        .name = "memory", .type = OPTION_SIZE, .argument = "SIZE", .words = OPTION_MEMORY_WORDS,   \
+        .help = "memory limit, at least 1M, such as 8G or 512M; default no limit",                 \
+        .value = (where)                                                                           \
     }
 /// The value is an int, an stp_gl_splats.
 #define OPTION_GL_SPLATS(where)                                                                    \

@@ -102,7 +102,7 @@ static const option* bench_options_table(void)
         {.name = "memory",
          .type = OPTION_SIZE,
          .argument = "SIZE",
-         .words = "auto",
+         .words = OPTION_MEMORY_WORDS,
          .help = "frame, positions: load data while drawing, within this limit, such as 1G; by "
                  "default the file is mapped",
          .value = &given.memory},

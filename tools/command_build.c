@@ -460,7 +460,7 @@ static int run(int argc, char** argv)
     if (args.output == NULL) {
         return tool_usage_error("build needs -o FILE.stip");
     }
-    int usage = tool_take_columns(args.columns);
+    int usage = tool_take_columns(args.columns, argc, argv);
     if (usage != 0) {
         return usage;
     }

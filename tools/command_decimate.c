@@ -90,7 +90,7 @@ static const option* options(void)
         {.name = "memory",
          .type = OPTION_SIZE,
          .argument = "SIZE",
-         .words = "auto",
+         .words = OPTION_MEMORY_WORDS,
          .help = "memory limit, such as 8G or 512M; psp stores more data in temporary files in the "
                  "folder of the output; default no limit",
          .value = &args.memory},

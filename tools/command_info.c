@@ -139,7 +139,7 @@ static int run(int argc, char** argv)
     if (argc != 1) {
         return tool_usage_error("info needs one file, but got %d", argc);
     }
-    int usage = tool_take_columns(args.columns);
+    int usage = tool_take_columns(args.columns, argc, argv);
     if (usage != 0) {
         return usage;
     }

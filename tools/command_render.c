@@ -423,7 +423,7 @@ static int check_arguments(int argc, const char* path)
 static int run(int argc, char** argv)
 {
     int code = check_arguments(argc, argv[0]);
-    code = code == 0 ? tool_take_columns(args.columns) : code;
+    code = code == 0 ? tool_take_columns(args.columns, argc, argv) : code;
     if (code != 0) {
         return code;
     }

@@ -10,6 +10,9 @@
 #include <string.h>
 
 #define PIXEL_LIMIT 32768.0
+#define MEGABYTE 1048576.0
+#define SHORTEST_DIRECTION 1e-30 ///< lengths from here to LONGEST_DIRECTION can be normalized
+#define LONGEST_DIRECTION 1e30
 
 /// The allowed `words` of a number.
 typedef struct number_rule {
@@ -34,7 +37,8 @@ static number_rule read_rule(const char* words, const char* text)
         size_t length = strcspn(word, "|");
         if (is_range(word, length)) {
             rule.low = strtod(word, NULL);
-            rule.high = strtod(strstr(word, "..") + 2, NULL);
+            const char* high = strstr(word, "..") + 2;
+            rule.high = *high >= '0' && *high <= '9' ? strtod(high, NULL) : HUGE_VAL;
         } else if (strlen(text) == length && memcmp(word, text, length) == 0) {
             rule.is_zero_word = true;
         }
@@ -149,6 +153,10 @@ static bool set_size(const option* o, const char* text, char* problem, size_t si
             return fail(problem, size, "is too large");
         }
         value = (value << shift) + (uint64_t)(fraction * (double)(UINT64_C(1) << shift));
+        if ((double)value < rule.low && isinf(rule.high)) {
+            snprintf(problem, size, "is too small: expected at least %.15gM", rule.low / MEGABYTE);
+            return false;
+        }
         if (!check_range((double)value, rule, problem, size)) {
             return false;
         }
@@ -251,6 +259,12 @@ static bool set_vector(const option* o, const char* text, char* problem, size_t 
                     : "is not three numbers such as 1,2.5,-3");
         }
         end += i < 2;
+    }
+    double length = sqrt(values[0] * values[0] + values[1] * values[1] + values[2] * values[2]);
+    if (o->words != NULL && !(length >= SHORTEST_DIRECTION && length <= LONGEST_DIRECTION)) {
+        return fail(problem, size,
+                    length < 1.0 ? "has no length: expected a direction such as 0,0,1"
+                                 : "is too long: expected a direction such as 0,0,1");
     }
     memcpy(o->value, values, sizeof(values));
     return true;

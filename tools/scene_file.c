@@ -337,12 +337,19 @@ stp_result tool_open_scene(stp_context* context, const char* path, stp_store** s
     return tool_open_scene_for(context, path, SCENE_FOR_SPLATS, store);
 }
 
-int tool_take_columns(const char* names)
+int tool_take_columns(const char* names, int input_count, char** inputs)
 {
     stp_columns columns;
     const char* wrong = names != NULL ? stp_columns_parse(names, &columns) : NULL;
     if (wrong != NULL) {
         return tool_usage_error("--columns %s: %s", names, wrong);
+    }
+    bool applies = names == NULL || input_count == 0;
+    for (int i = 0; i < input_count && !applies; ++i) {
+        applies = !scene_is_input(inputs[i]) && stp_import_takes_columns(inputs[i]);
+    }
+    if (!applies) {
+        return tool_usage_error("--columns applies to text point clouds; %s is not one", inputs[0]);
     }
     tool_settings_get()->columns = names;
     return 0;

@@ -62,8 +62,8 @@ STP_MUST_USE stp_result tool_locate_watched(stp_context* context, const char* pa
                                             char* draft);
 
 /// Sets --columns for all models imported or built from now on; NULL is allowed. @return 0, or the
-/// code of a usage error if the list is invalid
-int tool_take_columns(const char* names);
+/// code of a usage error if the list is invalid or applies to none of the inputs
+int tool_take_columns(const char* names, int input_count, char** inputs);
 
 /// Imports a model or makes a named scene (scene:NAME), and finishes it. The caller destroys it
 /// with stp_scene_destroy; NULL on failure, which is logged.

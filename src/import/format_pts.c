@@ -9,4 +9,5 @@ static stp_result read(stp_import* import)
     return stp_points_text_read(import, true);
 }
 
-const stp_importer stp_importer_pts = {.name = "pts", .extensions = "pts", .read = read};
+const stp_importer stp_importer_pts = {
+    .name = "pts", .extensions = "pts", .read = read, .columns = true};

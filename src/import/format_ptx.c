@@ -11,6 +11,7 @@
 #include <stdio.h>
 
 enum { HEADER_LINES = 10 };
+#define NUMBER_LIMIT 1e15 ///< of the header
 
 typedef struct reader {
     stp_import* import;
@@ -59,6 +60,21 @@ static bool read_size(const reader* r, uint64_t line, uint32_t* size)
     return good;
 }
 
+// Rejects numbers that a scene cannot hold, by the header line that has them.
+static stp_result check_number(const reader* r, uint64_t line, double value)
+{
+    if (fabs(value) < NUMBER_LIMIT) {
+        return STP_OK;
+    }
+    static const char* const contents[] = {"scanner's position", "scanner's axes",
+                                           "rotation of the pose", "translation of the pose"};
+    uint64_t row = line - r->line - 2;
+    int kind = row == 0 ? 0 : row < 4 ? 1 : row < 7 ? 2 : 3;
+    return stp_fail(r->import->context, STP_ERROR_FORMAT,
+                    "%s: line %llu: %g in the %s: expected magnitudes below %g", r->import->path,
+                    (unsigned long long)line + 1, value, contents[kind], NUMBER_LIMIT);
+}
+
 // The pose is a matrix for row vectors: the rotation in three lines, the translation in the fourth.
 static stp_result read_header(reader* r)
 {
@@ -82,8 +98,9 @@ static stp_result read_header(reader* r)
                                    : "expected four numbers of the scanner's pose");
         }
         for (int k = 0; k < 3; ++k) {
-            if (!(fabs(n[k]) < 1e15)) {
-                return fail_line(r, line, "the scanner's position is not finite");
+            stp_result result = check_number(r, line, n[k]);
+            if (result != STP_OK) {
+                return result;
             }
             if (i == 0) {
                 r->scanner[k] = n[k];

@@ -80,4 +80,4 @@ static stp_result read(stp_import* import)
 }
 
 const stp_importer stp_importer_xyz = {
-    .name = "xyz", .extensions = "xyz txt csv asc", .read = read};
+    .name = "xyz", .extensions = "xyz txt csv asc", .read = read, .columns = true};

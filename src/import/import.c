@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#define PEEK_SIZE 4096 ///< enough to recognise a format
+
 #define IMPORTER(name) extern const stp_importer stp_importer_##name;
 #include "import_list.h"
 #undef IMPORTER
@@ -74,6 +76,14 @@ static const stp_importer* find_importer(const char* path, const stp_mapped_file
         }
     }
     return NULL;
+}
+
+bool stp_import_takes_columns(const char* path)
+{
+    unsigned char bytes[PEEK_SIZE];
+    stp_mapped_file start = {.bytes = bytes, .size = stp_file_peek(path, bytes, sizeof(bytes))};
+    const stp_importer* importer = find_importer(path, &start);
+    return importer != NULL && importer->columns;
 }
 
 // The rotation that turns an axis to y, with a scale: about x for y and z, about z for x.

@@ -53,6 +53,7 @@ typedef struct stp_importer {
     /// Reads the file. On failure the message is already logged; the caller destroys the scene.
     stp_result (*read)(stp_import* import);
     bool samples; ///< supports desc.sample_points
+    bool columns; ///< supports desc.columns
     /// Tried last, on files that no other importer claims. If `extensions` is not NULL, it must
     /// contain the file's, or `detect` must recognise the content.
     bool fallback;
@@ -76,6 +77,10 @@ STP_MUST_USE stp_result stp_import_memory(stp_scene* scene, const char* name, co
 /// support this or the file is smaller. @return as stp_import_file
 STP_MUST_USE stp_result stp_import_sample(stp_scene* scene, const char* path,
                                           const stp_import_desc* desc, uint64_t maximum);
+
+/// Whether desc.columns applies to a file: its importer reads texts of points. Decided by the path
+/// and the first bytes; the file may be missing.
+bool stp_import_takes_columns(const char* path);
 
 /// All importers, NULL at the end. Files that none of them claims go to assimp, if the build
 /// includes it.

@@ -4,7 +4,8 @@
 
 #include <string.h>
 
-#define LINES_MAX 64 ///< of a header, comments included
+#define LINES_MAX 64                   ///< of a header, comments included
+#define COUNT_LIMIT (INT64_C(1) << 48) ///< of points: more than any file can hold
 
 typedef struct header {
     stp_import* import;
@@ -67,7 +68,7 @@ static stp_result read_words(header* h, int kind, stp_text at)
 static bool read_count(stp_text at, int64_t* count)
 {
     stp_text end = stp_read_integer(at, count);
-    return end != NULL && *stp_skip_blanks(end) == '\n' && *count >= 0;
+    return end != NULL && *stp_skip_blanks(end) == '\n' && *count >= 0 && *count < COUNT_LIMIT;
 }
 
 static stp_result read_encoding(header* h, stp_text at)
@@ -104,7 +105,8 @@ static stp_result read_line(header* h, stp_text at, bool* last)
         *last = true;
         return read_encoding(h, end);
     }
-    return good ? STP_OK : fail_line(h, "expected a count"); // VERSION, VIEWPOINT, comments
+    return good ? STP_OK
+                : fail_line(h, "expected a count below 2^48"); // VERSION, VIEWPOINT, comments
 }
 
 // Checks that the four lists match and make a row.

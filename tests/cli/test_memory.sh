@@ -56,6 +56,12 @@ if "needs about" in lines[0]: # where it was for surfels
     assert done.returncode == 0, (needed, done.stderr)
     assert open("limited.stip", "rb").read() == expected
 
+# less than any build could use: a usage error
+done = build("limited.stip", "--memory", "10")
+assert done.returncode == 2 and done.stdout == "", (done.returncode, done.stdout)
+first = done.stderr.split("\n")[0]
+assert first == "stipple: --memory: '10' is too small: expected at least 1M", done.stderr
+
 # builds into the cache respect the limit as well: without it, they would plan with the machine's
 # memory
 environment = {**os.environ, "XDG_CACHE_HOME": os.path.abspath("cache")}

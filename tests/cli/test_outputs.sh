@@ -94,5 +94,6 @@ for pair in "z 0,0,1" "-x -1,0,0"; do
     cmp -s axis.png vector.png || fail "--up $1 is not $2"
 done
 refused 2 "neither an axis" render box.stip -o x.png --up up
+refused 2 "'0,0,0' has no length" render box.stip -o x.png --up 0,0,0
 refused 2 "not one of x|-x|y|-y|z|-z" build box.obj -o x.stip --up w
 exit $((failures > 0))

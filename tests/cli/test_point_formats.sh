@@ -75,6 +75,9 @@ cmp -s a.png b.png && fail "--columns draws what the cache holds without it"
 refused 2 "x, y and z must be among" info ball.xyz --columns x,y
 refused 2 "columns are x, y" build ball.xyz -o out.stip --columns x,y,z,w
 refused 2 "named twice" render ball.xyz -o out.png --columns x,y,z,x
+refused 2 "columns applies to text point clouds; ball.ptx is not one" info ball.ptx --columns x,y,z
+refused 2 "ball.pcd is not one" build ball.pcd N10E020.hgt -o out.stip --columns x,y,z
+refused 2 "one.stip is not one" render one.stip -o out.png --columns x,y,z
 refused 1 "line 2" build bad.xyz -o out.stip
 refused 1 "bad.e57: has version" build bad.e57 -o out.stip
 refused 1 "has 6 columns, not 7" info ball.xyz --columns x,y,z,r,g,b,class

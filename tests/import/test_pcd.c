@@ -186,6 +186,10 @@ void test_pcd_bad_input_is_one_sentence(test_state* test)
          STP_ERROR_FORMAT, "line 7"},
         {"FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 99999999999\nDATA binary\n0 0 0\n",
          STP_ERROR_TRUNCATED, "after 0"},
+        {"FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 9223372036854775808\nDATA ascii\n0 0 0\n",
+         STP_ERROR_FORMAT, "line 4: expected a count below 2^48"},
+        {"FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 18446744073709551617\nHEIGHT 1\nDATA ascii\n",
+         STP_ERROR_FORMAT, "line 4: expected a count below 2^48"},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); ++i) {
         CHECK(is_refused("a.pcd", cases[i].text, strlen(cases[i].text), cases[i].result,

@@ -97,6 +97,15 @@ void test_option_size_counts_in_powers_of_1024(test_state* test)
     for (size_t i = 0; i < sizeof(bad) / sizeof(bad[0]); ++i) {
         CHECK(refuses(OPTION_SIZE, NULL, bad[i]));
     }
+    uint64_t value = 7;
+    static const char* const small[] = {"1", "10", "100B", "1023K", "0.9M"};
+    for (size_t i = 0; i < sizeof(small) / sizeof(small[0]); ++i) {
+        CHECK(refuses(OPTION_SIZE, OPTION_MEMORY_WORDS, small[i]));
+    }
+    CHECK(set(OPTION_SIZE, OPTION_MEMORY_WORDS, &value, "1M"));
+    CHECK_EQUAL(1 << 20, value);
+    CHECK(set(OPTION_SIZE, OPTION_MEMORY_WORDS, &value, "0"));
+    CHECK_EQUAL(0, value);
 }
 
 void test_option_choice_is_one_of_its_words(test_state* test)
@@ -161,5 +170,10 @@ void test_option_vector_may_be_an_axis(test_state* test)
     CHECK(set(OPTION_VECTOR, "x|-x", v, "1,2,3"));
     CHECK(v[0] == 1.0 && v[1] == 2.0 && v[2] == 3.0);
     CHECK(refuses(OPTION_VECTOR, "x|-x", "w"));
+    CHECK(refuses(OPTION_VECTOR, "x|-x", "0,0,0"));
+    CHECK(refuses(OPTION_VECTOR, "x|-x", "0,-1e-300,0"));
+    CHECK(refuses(OPTION_VECTOR, "x|-x", "0,1e300,0"));
+    CHECK(refuses(OPTION_VECTOR, "x|-x", "0,inf,0"));
+    CHECK(set(OPTION_VECTOR, NULL, v, "0,0,0")); // a position
     CHECK(refuses(OPTION_VECTOR, NULL, "x"));
 }
