@@ -57,12 +57,12 @@ typedef struct option {
         .name = "threads", .type = OPTION_COUNT, .argument = "N", .words = "auto|0..1024",         \
         .help = "number of threads; default all processors", .value = (where)                      \
     }
-/// A memory limit: 0, or at least 1 MB, which suffices for 1024 threads to start.
-#define OPTION_MEMORY_WORDS "auto|0|1048576.."
+/// A memory limit: 0, or enough for a few threads to start.
+#define OPTION_MEMORY_WORDS "auto|0|65536.."
 #define OPTION_MEMORY(where)                                                                       \
     {                                                                                              \
         .name = "memory", .type = OPTION_SIZE, .argument = "SIZE", .words = OPTION_MEMORY_WORDS,   \
-        .help = "memory limit, at least 1M, such as 8G or 512M; default no limit",                 \
+        .help = "memory limit, at least 64K, such as 8G or 512M; default no limit",                 \
         .value = (where)                                                                           \
     }
 /// The value is an int, an stp_gl_splats.

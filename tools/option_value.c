@@ -10,7 +10,7 @@
 #include <string.h>
 
 #define PIXEL_LIMIT 32768.0
-#define MEGABYTE 1048576.0
+#define KILOBYTE 1024.0
 #define SHORTEST_DIRECTION 1e-30 ///< lengths from here to LONGEST_DIRECTION can be normalized
 #define LONGEST_DIRECTION 1e30
 
@@ -154,7 +154,7 @@ static bool set_size(const option* o, const char* text, char* problem, size_t si
         }
         value = (value << shift) + (uint64_t)(fraction * (double)(UINT64_C(1) << shift));
         if ((double)value < rule.low && isinf(rule.high)) {
-            snprintf(problem, size, "is too small: expected at least %.15gM", rule.low / MEGABYTE);
+            snprintf(problem, size, "is too small: expected at least %.15gK", rule.low / KILOBYTE);
             return false;
         }
         if (!check_range((double)value, rule, problem, size)) {

@@ -60,7 +60,7 @@ if "needs about" in lines[0]: # where it was for surfels
 done = build("limited.stip", "--memory", "10")
 assert done.returncode == 2 and done.stdout == "", (done.returncode, done.stdout)
 first = done.stderr.split("\n")[0]
-assert first == "stipple: --memory: '10' is too small: expected at least 1M", done.stderr
+assert first == "stipple: --memory: '10' is too small: expected at least 64K", done.stderr
 
 # builds into the cache respect the limit as well: without it, they would plan with the machine's
 # memory
