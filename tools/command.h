@@ -62,7 +62,7 @@ typedef struct option {
 #define OPTION_MEMORY(where)                                                                       \
     {                                                                                              \
         .name = "memory", .type = OPTION_SIZE, .argument = "SIZE", .words = OPTION_MEMORY_WORDS,   \
-        .help = "memory limit, at least 64K, such as 8G or 512M; default no limit",                 \
+        .help = "memory limit, at least 64K, such as 8G or 512M; default no limit",                \
         .value = (where)                                                                           \
     }
 /// The value is an int, an stp_gl_splats.

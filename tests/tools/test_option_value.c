@@ -98,12 +98,12 @@ void test_option_size_counts_in_powers_of_1024(test_state* test)
         CHECK(refuses(OPTION_SIZE, NULL, bad[i]));
     }
     uint64_t value = 7;
-    static const char* const small[] = {"1", "10", "100B", "1023K", "0.9M"};
+    static const char* const small[] = {"1", "10", "100B", "63K", "0.06M"};
     for (size_t i = 0; i < sizeof(small) / sizeof(small[0]); ++i) {
         CHECK(refuses(OPTION_SIZE, OPTION_MEMORY_WORDS, small[i]));
     }
-    CHECK(set(OPTION_SIZE, OPTION_MEMORY_WORDS, &value, "1M"));
-    CHECK_EQUAL(1 << 20, value);
+    CHECK(set(OPTION_SIZE, OPTION_MEMORY_WORDS, &value, "64K"));
+    CHECK_EQUAL(1 << 16, value);
     CHECK(set(OPTION_SIZE, OPTION_MEMORY_WORDS, &value, "0"));
     CHECK_EQUAL(0, value);
 }
