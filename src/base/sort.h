@@ -5,6 +5,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/// Number of bits up to the highest one that is set: as many as a sort by this value needs.
+static inline unsigned stp_bit_width(uint64_t value)
+{
+    return value != 0 ? 64 - (unsigned)__builtin_clzll(value) : 0;
+}
+
 /// Sorts `items` in ascending order of the bits [first_bit, first_bit + bit_count). `scratch` has
 /// the same size. @return the array with the result: `items` or `scratch`
 uint64_t* stp_sort_u64(uint64_t* items, uint64_t* scratch, size_t count, unsigned first_bit,

@@ -56,11 +56,6 @@ static double scale_decimal(uint64_t digits, int exponent)
     return exponent < -400 ? 0.0 : scale_far(value, exponent);
 }
 
-static bool is_digit(unsigned char c)
-{
-    return (unsigned)(c - '0') < 10;
-}
-
 // "nan", "-nan(ind)", "inf", "infinity"; also what old Microsoft libraries print: "1.#IND",
 // "1.#INF".
 static stp_text read_special(stp_text at, bool negative, double* value)
@@ -85,11 +80,11 @@ static stp_text read_exponent(stp_text at, int* exponent)
     stp_text next = at + 1;
     bool negative = *next == '-';
     next += *next == '-' || *next == '+';
-    if (!is_digit(*next)) {
+    if (!stp_is_digit(*next)) {
         return at; // the letter belongs to the next token
     }
     int sum = 0;
-    for (; is_digit(*next); ++next) {
+    for (; stp_is_digit(*next); ++next) {
         sum = sum < 10000 ? sum * 10 + (*next - '0') : sum;
     }
     *exponent += negative ? -sum : sum;
@@ -156,11 +151,11 @@ stp_text stp_read_integer(stp_text at, int64_t* value)
     at = stp_skip_blanks(at);
     bool negative = *at == '-';
     at += *at == '-' || *at == '+';
-    if (!is_digit(*at)) {
+    if (!stp_is_digit(*at)) {
         return NULL;
     }
     int64_t sum = 0;
-    for (; is_digit(*at); ++at) {
+    for (; stp_is_digit(*at); ++at) {
         sum = sum > INT64_MAX / 10 - 1 ? INT64_MAX / 10 : sum * 10 + (*at - '0');
     }
     *value = negative ? -sum : sum;

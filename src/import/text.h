@@ -15,6 +15,11 @@ static inline bool stp_is_blank(unsigned char c)
     return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
 }
 
+static inline bool stp_is_digit(unsigned char c)
+{
+    return c >= '0' && c <= '9';
+}
+
 static inline stp_text stp_skip_blanks(stp_text at)
 {
     while (stp_is_blank(*at)) {

@@ -353,11 +353,6 @@ static void find_beginning(const stp_text_blocks* blocks, beginning* b)
     }
 }
 
-static bool is_digit(unsigned char c)
-{
-    return c >= '0' && c <= '9';
-}
-
 // Whether words have one comma between digits each, as in "1,5;2,5;3" or "1,5 2,5 3".
 static bool has_decimal_commas(stp_text at)
 {
@@ -366,7 +361,7 @@ static bool has_decimal_commas(stp_text at)
         uint32_t own = 0;
         unsigned char before = ' ';
         for (; *at != '\n' && *at != ';' && !stp_is_blank(*at); before = *at++) {
-            bool inside = is_digit(before) && is_digit(at[1]);
+            bool inside = stp_is_digit(before) && stp_is_digit(at[1]);
             if (*at == '.' || (*at == ',' && (!inside || own > 0))) {
                 return false;
             }

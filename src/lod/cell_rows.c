@@ -17,15 +17,6 @@ typedef struct row_sorter {
     double inverse_cell;
 } row_sorter;
 
-static unsigned bits_of(uint64_t value)
-{
-    unsigned bits = 0;
-    for (; value > 0; value >>= 1) {
-        bits += 1;
-    }
-    return bits;
-}
-
 /// Cells count from 1, so that each has neighbours on all sides.
 static uint64_t coordinate(const row_sorter* s, double offset)
 {
@@ -58,14 +49,14 @@ static void choose_cells(row_sorter* s, float cell)
     s->corner = stp_to_double(box.min);
     stp_vec3d size = stp_subd(stp_to_double(box.max), s->corner);
     const double sizes[3] = {size.x, size.y, size.z};
-    rows->index_bits = bits_of(rows->count);
+    rows->index_bits = stp_bit_width(rows->count);
     double side = fmax((double)cell, MIN_CELL);
     for (;; side *= 2.0) {
         s->inverse_cell = 1.0 / side;
         unsigned bits = rows->index_bits;
         for (int k = 0; k < 3; ++k) {
             bool fits = sizes[k] * s->inverse_cell < 0x1p60;
-            rows->axis_bits[k] = fits ? bits_of(coordinate(s, sizes[k]) + 1) : 64;
+            rows->axis_bits[k] = fits ? stp_bit_width(coordinate(s, sizes[k]) + 1) : 64;
             bits += rows->axis_bits[k];
         }
         if (bits <= 64) {

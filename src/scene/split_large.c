@@ -96,15 +96,6 @@ static void note_memory(cutter* c)
     pthread_mutex_unlock(&c->mutex);
 }
 
-static unsigned bits_of(uint32_t count)
-{
-    unsigned bits = 1;
-    while (bits < 32 && count >> bits != 0) {
-        bits += 1;
-    }
-    return bits;
-}
-
 // Copies `size` bytes of each distinct vertex; corners are sorted by vertex.
 static void gather(const void* from, void* to, size_t size, const uint64_t* corners, size_t count)
 {
@@ -176,8 +167,8 @@ static void make_mesh_pieces(size_t begin, size_t end, uint32_t worker, void* us
             corners[k] = (uint64_t)c->mesh->indices[3 * triangle + k % 3] << 32 | k;
         }
         if (made) {
-            const uint64_t* sorted =
-                stp_sort_u64(corners, corners + count, count, 32, bits_of(c->mesh->vertex_count));
+            const uint64_t* sorted = stp_sort_u64(corners, corners + count, count, 32,
+                                                  stp_bit_width(c->mesh->vertex_count));
             made = fill_mesh_piece(c, piece, sorted);
         }
         stp_free(c->scene->context, corners);
