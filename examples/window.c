@@ -96,7 +96,7 @@ static stp_result run(stp_model* model, SDL_Window* window, long frames, const c
                             stp_painter_get_texture(painter), 0);
         bind_framebuffer(GL_DRAW_FRAMEBUFFER, 0);
         blit_framebuffer(0, 0, width, height, 0, height, width, 0, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-        bind_framebuffer(GL_FRAMEBUFFER, 0); // here the host would draw its own things
+        bind_framebuffer(GL_FRAMEBUFFER, 0); // here the host would draw its own content
         if (out != NULL && frame + 1 == frames) {
             write_window(out, width, height);
         }

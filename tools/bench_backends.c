@@ -63,7 +63,7 @@ typedef struct backends_bench {
     double minimum; ///< SSIM of both pictures, so far
 } backends_bench;
 
-/// Makes ghosts of the root's children: every second thing, or all.
+/// Makes ghosts of the root's children: every second child, or all.
 static stp_result make_ghosts(backends_bench* b)
 {
     const stp_store_directory* d = stp_store_get_directory(b->store);
@@ -76,8 +76,8 @@ static stp_result make_ghosts(backends_bench* b)
     const stp_store_node* root = &d->nodes[d->root];
     for (uint32_t i = 0; i < root->edge_count && result == STP_OK; i += 2) {
         const stp_store_edge* edge = &d->edges[root->first_edge + i];
-        stp_placed_node thing = {edge->node, edge->transform};
-        result = stp_visibility_set(b->some, &thing, STP_SHOW_GHOST);
+        stp_placed_node placed = {edge->node, edge->transform};
+        result = stp_visibility_set(b->some, &placed, STP_SHOW_GHOST);
     }
     return result;
 }

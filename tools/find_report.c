@@ -40,16 +40,16 @@ static stp_result report_object(stp_outline* outline, uint32_t object, json_t* l
 static stp_result find(stp_outline* outline, const char* text, json_t* list, bool* more)
 {
     stp_outline_search search = stp_outline_search_begin(text);
-    uint32_t all = stp_outline_object_count(outline), told = 0;
+    uint32_t all = stp_outline_object_count(outline), reported = 0;
     bool ready;
     stp_result result = stp_outline_prepare(outline, 0, &ready);
     while (result == STP_OK && search.next < all && !*more) {
         uint32_t objects[AT_ONCE], count;
         result = stp_outline_search_on(outline, &search, SLICE, AT_ONCE, objects, &count);
         for (uint32_t i = 0; i < count && result == STP_OK && !*more; ++i) {
-            *more = told == FIND_MAX;
+            *more = reported == FIND_MAX;
             result = *more ? STP_OK : report_object(outline, objects[i], list);
-            told += 1;
+            reported += 1;
         }
     }
     return result;

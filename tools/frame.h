@@ -16,7 +16,7 @@ typedef struct frame_figures {
     uint64_t extra_splats; ///< drawn while levels blend
     uint64_t clusters, nodes, draw_calls;
     uint32_t layers;  ///< of transparent surfaces
-    uint32_t missing; ///< things the view wants that were not, or not wholly, loaded
+    uint32_t missing; ///< resources the view needs that were not, or not completely, loaded
     bool on_gl;       ///< drawn by OpenGL, which fills these (stp_draw_gl_stats):
     double prepare_ms, issue_ms, read_ms;
     uint64_t uploaded_bytes, gl_bytes; ///< the latter: used for scene data

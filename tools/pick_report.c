@@ -39,7 +39,7 @@ static json_t* describe_object(scene_show* show, const stp_pick* pick)
     stp_outline_row row;
     char path[PATH_ROOM];
     if (scene_show_outline(show, &outline) != STP_OK ||
-        stp_outline_find(outline, pick->part, &pick->thing.transform, &item) != STP_OK ||
+        stp_outline_find(outline, pick->part, &pick->holder.transform, &item) != STP_OK ||
         stp_outline_describe(outline, &item, &row) != STP_OK ||
         stp_outline_path(outline, &item, path, sizeof(path)) != STP_OK) {
         return NULL;
@@ -104,7 +104,7 @@ static json_t* describe_hit(scene_show* show, const stp_view* view, const stp_pi
         pack_vector(stp_measure_coordinates(&measuring, pick->position)), "unit",
         stp_measure_unit(&measuring), "normal", pack_vector(pick->normal), "object", object, "kind",
         is_mesh ? "triangle" : "point", "part", (json_int_t)pick->part.index, "element",
-        (json_int_t)pick->element, "node", (json_int_t)pick->thing.node, "material",
+        (json_int_t)pick->element, "node", (json_int_t)pick->holder.node, "material",
         describe_json_text(d->materials[pick->material].name), "snap", "kind", snaps[snap],
         "position", pack_vector(snapped));
     (void)json_object_set_new(json, "coordinate_system",

@@ -167,8 +167,8 @@ stp_result scene_show_outline(scene_show* show, stp_outline** outline)
 
 static stp_result set_item(scene_show* show, const stp_outline_item* item, stp_show as)
 {
-    stp_placed_node thing = {.node = item->node, .transform = item->transform};
-    return stp_visibility_set(show->visibility, &thing, as);
+    stp_placed_node object = {.node = item->node, .transform = item->transform};
+    return stp_visibility_set(show->visibility, &object, as);
 }
 
 /// Changes how all objects of a name are shown. @return 0, 1 or 2 (message printed)
@@ -248,36 +248,36 @@ int scene_show_apply(scene_show* show, const show_options* o, stp_view* view)
 stp_result scene_show_viewpoint(scene_show* show, const stp_viewpoint* viewpoint)
 {
     bool isolates = false;
-    if (viewpoint->thing_count == 0) {
+    if (viewpoint->object_count == 0) {
         return STP_OK;
     }
     stp_result result = make_visibility(show);
-    for (size_t i = 0; i < viewpoint->thing_count; ++i) {
-        isolates = isolates || viewpoint->things[i].as == STP_SHOWN_ISOLATED;
+    for (size_t i = 0; i < viewpoint->object_count; ++i) {
+        isolates = isolates || viewpoint->objects[i].as == STP_SHOWN_ISOLATED;
     }
     if (result == STP_OK && isolates) {
         stp_visibility_reset(show->visibility, STP_SHOW_NOT);
     }
     for (int pass = 0; pass < 2; ++pass) { // isolates first, because objects within may be hidden
-        for (size_t i = 0; i < viewpoint->thing_count && result == STP_OK; ++i) {
-            const stp_shown_thing* thing = &viewpoint->things[i];
+        for (size_t i = 0; i < viewpoint->object_count && result == STP_OK; ++i) {
+            const stp_shown_object* object = &viewpoint->objects[i];
             stp_outline_item item;
             bool found = false;
-            if ((thing->as == STP_SHOWN_ISOLATED) != (pass == 0)) {
+            if ((object->as == STP_SHOWN_ISOLATED) != (pass == 0)) {
                 continue;
             }
             result =
-                stp_outline_by_path(show->outline, thing->path,
-                                    thing->has_position ? &thing->position : NULL, &item, &found);
+                stp_outline_by_path(show->outline, object->path,
+                                    object->has_position ? &object->position : NULL, &item, &found);
             if (result == STP_OK && !found) {
                 stp_warn(show->context, "viewpoint %s: there is no object %s", viewpoint->name,
-                         thing->path);
+                         object->path);
             }
             if (result == STP_OK && found && item.node != STP_STORE_NONE) {
                 result = set_item(show, &item,
-                                  thing->as == STP_SHOWN_ISOLATED ? STP_SHOW
-                                  : thing->as == STP_SHOWN_GHOST  ? STP_SHOW_GHOST
-                                                                  : STP_SHOW_NOT);
+                                  object->as == STP_SHOWN_ISOLATED ? STP_SHOW
+                                  : object->as == STP_SHOWN_GHOST  ? STP_SHOW_GHOST
+                                                                   : STP_SHOW_NOT);
             }
         }
     }

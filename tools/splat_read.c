@@ -178,8 +178,8 @@ static bool read_row(const reader* r, const unsigned char* row, const double ori
     e->major = vector_of(r, row, AXIS_X);
     e->minor = (float)value_of(r, row, MINOR);
     for (int k = 0; k < 3; ++k) {
-        bool told = r->slots[RED + k].there && r->slots[RED + k].type == UCHAR;
-        color[k] = told ? row[r->slots[RED + k].offset] : 255;
+        bool given = r->slots[RED + k].there && r->slots[RED + k].type == UCHAR;
+        color[k] = given ? row[r->slots[RED + k].offset] : 255;
     }
     return stp_is_finite(e->center) && stp_is_finite(e->major) && e->minor >= 0.0f &&
            isfinite(e->minor);

@@ -315,7 +315,7 @@ void explorer_choose_picked(explorer* e, const stp_pick* pick)
 {
     stp_outline_item item = {0};
     if (pick != NULL && e->ready &&
-        stp_outline_find(e->outline, pick->part, &pick->thing.transform, &item) != STP_OK) {
+        stp_outline_find(e->outline, pick->part, &pick->holder.transform, &item) != STP_OK) {
         item.depth = 0;
     }
     explorer_choose(e, item.depth > 0 ? &item : NULL, true);
@@ -337,7 +337,7 @@ static void apply_marks(explorer* e)
     e->marks_version += 1;
     if (explorer_list_shown(e, &list)) {
         (void)shown_list_apply(&list, e->visibility);
-        free(list.things);
+        free(list.objects);
     }
 }
 
@@ -389,18 +389,18 @@ bool explorer_list_shown(const explorer* e, shown_list* list)
                                      [EXPLORER_HIDDEN] = STP_SHOW_NOT};
     static const explorer_how order[] = {EXPLORER_ISOLATED, EXPLORER_GHOST, EXPLORER_HIDDEN};
     *list = (shown_list){.whole = STP_SHOW};
-    list->things = malloc((e->mark_count + 1) * sizeof(*list->things));
-    for (size_t k = 0; list->things != NULL && k < 3; ++k) {
+    list->objects = malloc((e->mark_count + 1) * sizeof(*list->objects));
+    for (size_t k = 0; list->objects != NULL && k < 3; ++k) {
         for (size_t i = 0; i < e->mark_count; ++i) {
             const explorer_mark* m = &e->marks[i];
             if (m->how == order[k]) {
-                list->things[list->count++] =
-                    (shown_thing){{m->item.node, m->item.transform}, shows[m->how]};
+                list->objects[list->count++] =
+                    (shown_object){{m->item.node, m->item.transform}, shows[m->how]};
                 list->whole = m->how == EXPLORER_ISOLATED ? STP_SHOW_NOT : list->whole;
             }
         }
     }
-    return list->things != NULL;
+    return list->objects != NULL;
 }
 
 stp_result shown_list_apply(const shown_list* list, stp_visibility* visibility)
@@ -408,7 +408,7 @@ stp_result shown_list_apply(const shown_list* list, stp_visibility* visibility)
     stp_visibility_reset(visibility, list->whole);
     stp_result result = STP_OK;
     for (size_t i = 0; result == STP_OK && i < list->count; ++i) {
-        result = stp_visibility_set(visibility, &list->things[i].thing, list->things[i].show);
+        result = stp_visibility_set(visibility, &list->objects[i].placed, list->objects[i].show);
     }
     return result;
 }

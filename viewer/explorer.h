@@ -25,16 +25,16 @@ typedef struct explorer_mark {
     explorer_how how;
 } explorer_mark;
 
-/// A thing and its visibility, for the renderer.
-typedef struct shown_thing {
-    stp_placed_node thing;
+/// An object and its visibility, for the renderer.
+typedef struct shown_object {
+    stp_placed_node placed;
     stp_show show;
-} shown_thing;
+} shown_object;
 
 /// Visibility changes in the order to apply them, starting with the whole scene.
 typedef struct shown_list {
     stp_show whole;
-    shown_thing* things; ///< malloc'ed
+    shown_object* objects; ///< malloc'ed
     size_t count;
 } shown_list;
 

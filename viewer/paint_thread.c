@@ -40,7 +40,7 @@ struct painter {
     paint_scene* current;
     painter_picture pictures[BUFFERS];
     int painting, ready, shown;
-    shown_list wanted_list; ///< for scene list_scene; owns its things
+    shown_list wanted_list; ///< for scene list_scene; owns its objects
     uint32_t list_scene;
     bool has_list; ///< it has not been applied yet
     bool fresh;    ///< `ready` has not been taken
@@ -350,7 +350,7 @@ static void take_list(painter* p)
     p->has_list = false;
     pthread_mutex_unlock(&p->mutex);
     (void)paint_scene_show(p->scene, &list); // failures are logged
-    free(list.things);
+    free(list.objects);
     pthread_mutex_lock(&p->mutex);
     p->begun = 0;
 }
@@ -444,7 +444,7 @@ void painter_destroy(painter* p)
     if (p->current != p->scene) {
         paint_scene_close(p->current);
     }
-    free(p->wanted_list.things);
+    free(p->wanted_list.objects);
     for (int i = 0; i < BUFFERS; ++i) {
         free(p->pictures[i].image.pixels);
         free(p->pictures[i].nearness);
@@ -482,7 +482,7 @@ const painter_scene* painter_adopt(painter* p)
 void painter_show(painter* p, uint32_t scene, shown_list* list)
 {
     pthread_mutex_lock(&p->mutex);
-    free(p->wanted_list.things);
+    free(p->wanted_list.objects);
     p->wanted_list = *list;
     p->list_scene = scene;
     p->has_list = true;

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { THINGS_MAX = 1000 };
+enum { OBJECTS_MAX = 1000 };
 
 void views_begin(viewer* v)
 {
@@ -60,19 +60,20 @@ static bool find_path(const explorer* e, const stp_outline_item* item, bool for_
 
 /// Lists hidden, isolated and ghosted parts by path, for a file (NULL: in memory only) with limited
 /// room. @return their number
-static size_t list_things(viewer* v, stp_shown_thing* things, char (*paths)[1024], size_t* left_out)
+static size_t list_objects(viewer* v, stp_shown_object* objects, char (*paths)[1024],
+                           size_t* left_out)
 {
     static const stp_shown_as as[] = {[EXPLORER_HIDDEN] = STP_SHOWN_HIDDEN,
                                       [EXPLORER_ISOLATED] = STP_SHOWN_ISOLATED,
                                       [EXPLORER_GHOST] = STP_SHOWN_GHOST};
     explorer* e = v->explorer;
     size_t count = 0, all = e != NULL && e->ready ? e->mark_count : 0;
-    for (size_t i = 0; i < all && count < THINGS_MAX; ++i) {
+    for (size_t i = 0; i < all && count < OBJECTS_MAX; ++i) {
         const explorer_mark* m = &e->marks[i];
         stp_outline_row row;
         if (find_path(e, &m->item, left_out != NULL, paths[count]) &&
             stp_outline_describe(e->outline, &m->item, &row) == STP_OK) {
-            things[count] = (stp_shown_thing){
+            objects[count] = (stp_shown_object){
                 .as = as[m->how],
                 .path = paths[count],
                 .has_position = !stp_boxd_is_empty(row.bounds),
@@ -100,18 +101,18 @@ static void name_view(const viewer* v, char* name, size_t size)
 
 void views_keep_hidden(viewer* v)
 {
-    stp_shown_thing* things = calloc(THINGS_MAX, sizeof(*things));
-    char(*paths)[1024] = calloc(THINGS_MAX, sizeof(*paths));
+    stp_shown_object* objects = calloc(OBJECTS_MAX, sizeof(*objects));
+    char(*paths)[1024] = calloc(OBJECTS_MAX, sizeof(*paths));
     stp_viewpoints_destroy(v->context, &v->carried);
     v->carried = (stp_viewpoints){0};
-    if (things != NULL && paths != NULL) {
+    if (objects != NULL && paths != NULL) {
         char name[] = "carried";
         stp_viewpoint viewpoint = {.name = name, .target = {0, 0, -1}, .up = {0, 1, 0}};
-        viewpoint.things = things;
-        viewpoint.thing_count = list_things(v, things, paths, NULL);
+        viewpoint.objects = objects;
+        viewpoint.object_count = list_objects(v, objects, paths, NULL);
         (void)!stp_viewpoints_put(v->context, &v->carried, &viewpoint);
     }
-    free(things);
+    free(objects);
     free(paths);
 }
 
@@ -122,8 +123,8 @@ void views_save(viewer* v)
     }
     char name[128], path[1024];
     name_view(v, name, sizeof(name));
-    stp_shown_thing* things = calloc(THINGS_MAX, sizeof(*things));
-    char(*paths)[1024] = calloc(THINGS_MAX, sizeof(*paths));
+    stp_shown_object* objects = calloc(OBJECTS_MAX, sizeof(*objects));
+    char(*paths)[1024] = calloc(OBJECTS_MAX, sizeof(*paths));
     stp_view view = {0};
     stp_navigator_write_view(&v->camera, &view);
     stp_viewpoint viewpoint = {.name = name,
@@ -145,9 +146,9 @@ void views_save(viewer* v)
         viewpoint.annotation_count = 1;
     }
     size_t left_out = 0;
-    if (things != NULL && paths != NULL) {
-        viewpoint.things = things;
-        viewpoint.thing_count = list_things(v, things, paths, &left_out);
+    if (objects != NULL && paths != NULL) {
+        viewpoint.objects = objects;
+        viewpoint.object_count = list_objects(v, objects, paths, &left_out);
     }
     if (stp_viewpoints_put(v->context, &v->views, &viewpoint) == STP_OK) {
         snprintf(v->current_view, sizeof(v->current_view), "%s", name);
@@ -160,7 +161,7 @@ void views_save(viewer* v)
                 left_out);
         }
     }
-    free(things);
+    free(objects);
     free(paths);
 }
 
@@ -174,8 +175,8 @@ static void restore_things(viewer* v, const stp_viewpoint* p)
         return;
     }
     explorer_show_all(e);
-    for (size_t i = 0; i < p->thing_count; ++i) {
-        const stp_shown_thing* t = &p->things[i];
+    for (size_t i = 0; i < p->object_count; ++i) {
+        const stp_shown_object* t = &p->objects[i];
         stp_outline_item item;
         bool found = false;
         if (stp_outline_by_path(e->outline, t->path, t->has_position ? &t->position : NULL, &item,

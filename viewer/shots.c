@@ -124,7 +124,7 @@ void shot_begin(viewer* v)
     snprintf(s->store, sizeof(s->store), "%s", v->scene->path);
     record_name_file(v, ".png", s->path, sizeof(s->path));
     if (pthread_create(&s->thread, NULL, run, s) != 0) {
-        free(s->shown.things);
+        free(s->shown.objects);
         free(s);
         viewer_show_message(v, true, "cannot start a thread to save the picture");
         return;
@@ -137,7 +137,7 @@ void shot_end(viewer* v)
 {
     if (v->shot != NULL) {
         pthread_join(v->shot->thread, NULL);
-        free(v->shot->shown.things);
+        free(v->shot->shown.objects);
         free(v->shot);
         v->shot = NULL;
     }

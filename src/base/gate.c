@@ -72,8 +72,9 @@ static stp_result wait_in_queue(stp_gate* gate, const stp_gate_ticket* ticket)
     stp_result result = STP_OK;
     // a waiter that gives up keeps its place until it is called, so that the queue advances
     while (number != gate->called || (result == STP_OK && !has_room(gate, ticket))) {
-        stp_result told = stp_condition_wait_reported(gate->context, &gate->moved, &gate->mutex);
-        result = result != STP_OK ? result : told;
+        stp_result wait_result =
+            stp_condition_wait_reported(gate->context, &gate->moved, &gate->mutex);
+        result = result != STP_OK ? result : wait_result;
     }
     gate->called += 1;
     pthread_cond_broadcast(&gate->moved);

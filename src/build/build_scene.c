@@ -112,7 +112,7 @@ static stp_result partition_scene(build* b)
 }
 
 // Shows a sample of a large scan in the draft before the scan is read.
-static stp_result sketch_sample(build* b)
+static stp_result preview_sample(build* b)
 {
     stp_scene* scene = NULL;
     stp_import_desc import = import_desc_of(b);
@@ -127,7 +127,7 @@ static stp_result sketch_sample(build* b)
     if (result == STP_OK && scene->point_set_count > 0) {
         result = stp_scene_finish(scene);
         if (result == STP_OK) {
-            stp_build_draft_sketch(b->draft, scene);
+            stp_build_draft_preview(b->draft, scene);
         }
     }
     stp_scene_destroy(scene);
@@ -159,7 +159,7 @@ static stp_result import_input(build* b, const char* input)
 static stp_result import_inputs(build* b)
 {
     double start = stp_clock_ms();
-    stp_result result = sketch_sample(b);
+    stp_result result = preview_sample(b);
     result = result == STP_OK ? stp_scene_create(b->context, &b->scene) : result;
     if (result == STP_OK) {
         stp_scene_use_spill(b->scene, b->spill, usable_bytes(b) / FILE_MEMORY_SHARE);
@@ -180,7 +180,7 @@ static stp_result import_inputs(build* b)
     result = result != STP_OK ? result : stp_build_encode_textures(b->scene);
     result = result != STP_OK ? result : stp_build_census(b->scene, &b->census);
     if (result == STP_OK) {
-        stp_build_draft_sketch(b->draft, b->scene);
+        stp_build_draft_preview(b->draft, b->scene);
     }
     stp_spill_release_pages(b->spill);
     result = result != STP_OK ? result : stp_progress(b->context, "partition", 0.5);

@@ -132,7 +132,7 @@ static bool write_state(stp_build_draft* d, const stp_draft_state* state)
     return result != STP_ERROR_IO;
 }
 
-void stp_build_draft_sketch(stp_build_draft* draft, const stp_scene* scene)
+void stp_build_draft_preview(stp_build_draft* draft, const stp_scene* scene)
 {
     if (draft != NULL && is_worth_it(draft, scene)) {
         draft->gives_up = !write_state(draft, &(stp_draft_state){.scene = scene});

@@ -20,7 +20,7 @@ void stp_build_draft_destroy(stp_build_draft* draft);
 
 /// Writes points of a finished scene before it is partitioned; it may change afterwards. Skips
 /// small scenes.
-void stp_build_draft_sketch(stp_build_draft* draft, const stp_scene* scene);
+void stp_build_draft_preview(stp_build_draft* draft, const stp_scene* scene);
 
 /// Registers the scene whose results are added from now on. It must outlive the draft; so must the
 /// bytes of meshes and the columns of sets.

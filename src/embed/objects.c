@@ -131,7 +131,7 @@ stp_result stp_model_set_appearance(stp_model* model, uint32_t object, stp_appea
         return stp_fail(model->context, STP_ERROR_ARGUMENT,
                         "object %u is not placed in the scene itself", object);
     }
-    stp_placed_node thing = {.node = item.node, .transform = item.transform};
-    return result == STP_OK ? stp_visibility_set(model->visibility, &thing, shows[appearance])
+    stp_placed_node placed = {.node = item.node, .transform = item.transform};
+    return result == STP_OK ? stp_visibility_set(model->visibility, &placed, shows[appearance])
                             : result;
 }

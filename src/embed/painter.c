@@ -159,7 +159,7 @@ static stp_result draw_yielding(picture* p)
 }
 
 /// Draws, and reports whether it requests missing data.
-static stp_result draw_and_want(picture* p)
+static stp_result draw_and_request(picture* p)
 {
     stp_painter* painter = p->painter;
     stp_residency* residency = painter->model->residency;
@@ -188,7 +188,7 @@ static stp_result draw_complete(picture* p)
 {
     stp_painter* painter = p->painter;
     stp_residency* residency = painter->model->residency;
-    stp_result result = draw_and_want(p);
+    stp_result result = draw_and_request(p);
     for (int i = 0; i < COMPLETE_PICTURES && result == STP_OK && p->complete; ++i) {
         int updates = 0;
         while (residency != NULL && updates < COMPLETE_PICTURES && stp_residency_wait(residency)) {
@@ -199,7 +199,7 @@ static stp_result draw_complete(picture* p)
         if (updates == 0 && !uploads) {
             break;
         }
-        result = draw_and_want(p);
+        result = draw_and_request(p);
     }
     return result;
 }

@@ -34,7 +34,7 @@ static stp_result find_objects(stp_model* model, const stp_pick* pick, stp_hit* 
     stp_outline_item item = {0}, above;
     stp_result result = stp_model_use_outline(model, &outline);
     if (result == STP_OK) {
-        result = stp_outline_find(outline, pick->part, &pick->thing.transform, &item);
+        result = stp_outline_find(outline, pick->part, &pick->holder.transform, &item);
     }
     hit->object = hit->placed_object = STP_NO_OBJECT;
     for (uint32_t i = item.depth; i > 0 && result == STP_OK; --i) {

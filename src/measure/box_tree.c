@@ -2,7 +2,7 @@
 #include "measure/box_tree.h"
 
 enum {
-    LEAF = 4,       ///< maximum things per leaf
+    LEAF = 4,       ///< maximum items per leaf
     BINS = 16,      ///< candidate split positions per axis
     FREE_DEPTH = 56 ///< deeper nodes are halved, which limits the depth
 };
@@ -19,7 +19,7 @@ typedef struct bin {
     uint32_t count;
 } bin;
 
-/// Split of a node: things in bins below `bin` along `axis` go left.
+/// Split of a node: items in bins below `bin` along `axis` go left.
 typedef struct cut {
     int axis; ///< negative: no split
     uint32_t bin;
@@ -103,7 +103,7 @@ static void try_axis(const maker* m, const range* r, const stp_box* middles, int
     }
 }
 
-/// Moves the things of the left side to the front. @return the start of the right side
+/// Moves the items of the left side to the front. @return the start of the right side
 static uint32_t divide(const maker* m, const range* r)
 {
     uint32_t half = r->begin + (r->end - r->begin) / 2;
@@ -124,10 +124,10 @@ static uint32_t divide(const maker* m, const range* r)
     }
     uint32_t left = r->begin;
     for (uint32_t i = r->begin; i < r->end; ++i) {
-        uint32_t thing = m->order[i];
-        if (bin_of(&c, &m->boxes[thing]) < c.bin) {
+        uint32_t item = m->order[i];
+        if (bin_of(&c, &m->boxes[item]) < c.bin) {
             m->order[i] = m->order[left];
-            m->order[left++] = thing;
+            m->order[left++] = item;
         }
     }
     return left;
@@ -225,7 +225,7 @@ static bool enters(const stp_box_node* node, const stp_box_ray* ray, double near
 }
 
 void stp_box_tree_walk(const stp_box_tree* tree, const stp_box_ray* ray, double nearest,
-                       const double* farthest, void (*look)(uint32_t thing, void* user), void* user)
+                       const double* farthest, void (*look)(uint32_t item, void* user), void* user)
 {
     struct {
         uint32_t node;

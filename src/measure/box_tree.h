@@ -11,15 +11,15 @@
 typedef struct stp_box_node {
     float low[3], high[3];
     uint32_t first; ///< of two adjacent children; for a leaf: a place in `order`
-    uint32_t count; ///< things in a leaf; 0: the node has children
+    uint32_t count; ///< items in a leaf; 0: the node has children
 } stp_box_node;
 
 enum { STP_BOX_TREE_DEPTH = 96 }; ///< upper bound on the number of levels
 
 typedef struct stp_box_tree {
     stp_box_node* nodes; ///< root first; NULL if the tree is empty
-    uint32_t* order;     ///< things; those of a leaf are consecutive
-    uint32_t count;      ///< number of things
+    uint32_t* order;     ///< items; those of a leaf are consecutive
+    uint32_t count;      ///< number of items
 } stp_box_tree;
 
 /// Builds the tree of `count` non-empty boxes, fewer than 2^31. May run inside jobs.
@@ -36,8 +36,7 @@ typedef struct stp_box_ray {
 
 stp_box_ray stp_box_ray_make(stp_vec3d origin, stp_vec3d direction);
 
-/// Visits things whose leaf the ray enters between `nearest` and `*farthest`, in the order in which
+/// Visits items whose leaf the ray enters between `nearest` and `*farthest`, in the order in which
 /// boxes are entered. `look` may lower `*farthest`.
 void stp_box_tree_walk(const stp_box_tree* tree, const stp_box_ray* ray, double nearest,
-                       const double* farthest, void (*look)(uint32_t thing, void* user),
-                       void* user);
+                       const double* farthest, void (*look)(uint32_t item, void* user), void* user);

@@ -44,7 +44,7 @@ void stp_near_grid_destroy(stp_near_grid* grid)
 {
     stp_free(grid->context, grid->slots);
     stp_free(grid->context, grid->blocks);
-    stp_free(grid->context, grid->former);
+    stp_free(grid->context, grid->previous);
     *grid = (stp_near_grid){0};
 }
 
@@ -102,9 +102,9 @@ static stp_result rebuild(stp_near_grid* grid, uint32_t limit, uint32_t log2_cou
     if (result != STP_OK) {
         return result;
     }
-    grid->blocks = grid->former;
+    grid->blocks = grid->previous;
     grid->block_capacity = grid->former_capacity;
-    grid->former = blocks;
+    grid->previous = blocks;
     grid->former_capacity = capacity;
     grid->block_count = grid->cell_count = 0;
     grid->cell_size *= (float)grid->limit / (float)limit; // both powers of two

@@ -32,7 +32,7 @@ typedef struct stp_near_grid {
     stp_near_grid_block* blocks;
     size_t block_capacity;
     uint32_t block_count, cell_count, point_count;
-    stp_near_grid_block* former; ///< scratch for rebuilding
+    stp_near_grid_block* previous; ///< scratch for rebuilding
     size_t former_capacity;
 } stp_near_grid;
 

@@ -96,13 +96,13 @@ static float search(const stp_near_grid* grid, const float* point)
         }
     }
     float nearest = eight_lowest(q.nearest);
-    float sure = grid->cell_size * 0.499f; // a little less than half a cell, for rounding
-    for (int32_t ring = 1; ring <= RINGS && !(nearest <= sure * sure); ++ring) {
+    float searched = grid->cell_size * 0.499f; // a little less than half a cell, for rounding
+    for (int32_t ring = 1; ring <= RINGS && !(nearest <= searched * searched); ++ring) {
         search_ring(grid, at, ring, &q);
         nearest = eight_lowest(q.nearest);
-        sure = grid->cell_size * ((float)ring - 0.001f * (float)ring);
+        searched = grid->cell_size * ((float)ring - 0.001f * (float)ring);
     }
-    if (!(nearest <= sure * sure)) {
+    if (!(nearest <= searched * searched)) {
         for (uint32_t block = 0; block < grid->block_count; ++block) {
             eight x = eight_sub(eight_load(grid->blocks[block].x), q.x);
             eight y = eight_sub(eight_load(grid->blocks[block].y), q.y);

@@ -51,7 +51,7 @@ typedef struct sampler {
     float* positions;  // of a round's samples, scaled, 3 per sample
     float* squared;
     drawn* ranking;
-    uint8_t* fate; // of each sample
+    uint8_t* state; // of each sample
 } sampler;
 
 enum { BACK, CHOSEN, ASIDE, GONE };
@@ -151,7 +151,7 @@ static stp_result accept(sampler* s, uint32_t first_input, uint32_t accepted)
             stp_vec3 e = stp_sub(p, sample_position(s, s->ranking[k].slot));
             squared = stp_min(squared, (e.x * e.x + e.y * e.y) + e.z * e.z);
         }
-        s->fate[d.slot] = CHOSEN;
+        s->state[d.slot] = CHOSEN;
         stp_result result = choose(s, s->input[first_input + d.slot], p, squared);
         if (result != STP_OK) {
             return result;
@@ -169,9 +169,9 @@ static void compact_input(sampler* s, uint32_t first_input, uint32_t count)
     bool sets_aside = false;
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t id = s->input[first_input + i];
-        if (s->fate[i] == BACK) {
+        if (s->state[i] == BACK) {
             s->input[s->left++] = id;
-        } else if (s->fate[i] == ASIDE) {
+        } else if (s->state[i] == ASIDE) {
             set_aside = id;
             sets_aside = true;
         }
@@ -199,10 +199,10 @@ static stp_result run_round(sampler* s)
         drop = s->drop_factor * s->drop_factor * s->ranking[0].squared;
     }
     for (uint32_t i = 0; i < count; ++i) {
-        s->fate[i] = s->squared[i] < drop ? GONE : BACK;
+        s->state[i] = s->squared[i] < drop ? GONE : BACK;
     }
     if (sets_aside) {
-        s->fate[s->ranking[accepted].slot] = ASIDE;
+        s->state[s->ranking[accepted].slot] = ASIDE;
     }
     stp_result result = accept(s, first_input, accepted);
     compact_input(s, first_input, count);
@@ -219,9 +219,9 @@ static stp_result sampler_create(sampler* s)
     s->positions = STP_NEW_ARRAY(context, float, 3 * (size_t)s->capacity);
     s->squared = STP_NEW_ARRAY(context, float, s->capacity);
     s->ranking = STP_NEW_ARRAY(context, drawn, (size_t)s->capacity + 1);
-    s->fate = STP_NEW_ARRAY(context, uint8_t, s->capacity);
+    s->state = STP_NEW_ARRAY(context, uint8_t, s->capacity);
     if (s->input == NULL || s->positions == NULL || s->squared == NULL || s->ranking == NULL ||
-        s->fate == NULL) {
+        s->state == NULL) {
         return stp_fail_memory(context);
     }
     for (uint32_t i = 0; i < count; ++i) {
@@ -240,7 +240,7 @@ static void sampler_destroy(sampler* s)
     stp_free(s->context, s->positions);
     stp_free(s->context, s->squared);
     stp_free(s->context, s->ranking);
-    stp_free(s->context, s->fate);
+    stp_free(s->context, s->state);
 }
 
 static stp_result run_rounds(sampler* s)

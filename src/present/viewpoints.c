@@ -24,8 +24,8 @@ char* stp_viewpoints_path(stp_context* context, const char* model_path)
 
 void stp_viewpoint_destroy(stp_context* context, stp_viewpoint* view)
 {
-    for (size_t i = 0; i < view->thing_count; ++i) {
-        stp_free(context, view->things[i].path);
+    for (size_t i = 0; i < view->object_count; ++i) {
+        stp_free(context, view->objects[i].path);
     }
     for (size_t i = 0; i < view->annotation_count; ++i) {
         stp_free(context, view->annotations[i].text);
@@ -33,7 +33,7 @@ void stp_viewpoint_destroy(stp_context* context, stp_viewpoint* view)
     }
     stp_free(context, view->name);
     stp_free(context, view->note);
-    stp_free(context, view->things);
+    stp_free(context, view->objects);
     stp_free(context, view->annotations);
     *view = (stp_viewpoint){0};
 }
@@ -64,14 +64,14 @@ static bool copy_text(stp_context* context, const char* text, char** copy)
     return true;
 }
 
-static bool copy_things(stp_context* context, const stp_viewpoint* from, stp_viewpoint* to)
+static bool copy_objects(stp_context* context, const stp_viewpoint* from, stp_viewpoint* to)
 {
-    to->things = STP_NEW_ARRAY(context, stp_shown_thing, from->thing_count + 1);
-    bool copied = to->things != NULL || stp_fail_memory(context) == STP_OK;
-    for (size_t i = 0; copied && i < from->thing_count; ++i) {
-        to->things[i] = from->things[i];
-        copied = copy_text(context, from->things[i].path, &to->things[i].path);
-        to->thing_count = i + 1;
+    to->objects = STP_NEW_ARRAY(context, stp_shown_object, from->object_count + 1);
+    bool copied = to->objects != NULL || stp_fail_memory(context) == STP_OK;
+    for (size_t i = 0; copied && i < from->object_count; ++i) {
+        to->objects[i] = from->objects[i];
+        copied = copy_text(context, from->objects[i].path, &to->objects[i].path);
+        to->object_count = i + 1;
     }
     return copied;
 }
@@ -94,11 +94,11 @@ static bool copy_viewpoint(stp_context* context, const stp_viewpoint* from, stp_
 {
     *to = *from;
     to->name = to->note = NULL;
-    to->things = NULL;
+    to->objects = NULL;
     to->annotations = NULL;
-    to->thing_count = to->annotation_count = 0;
+    to->object_count = to->annotation_count = 0;
     return copy_text(context, from->name, &to->name) && copy_text(context, from->note, &to->note) &&
-           copy_things(context, from, to) && copy_annotations(context, from, to);
+           copy_objects(context, from, to) && copy_annotations(context, from, to);
 }
 
 stp_result stp_viewpoints_add(stp_context* context, stp_viewpoints* viewpoints,

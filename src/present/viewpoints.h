@@ -19,12 +19,12 @@ typedef struct stp_annotation {
 typedef enum stp_shown_as { STP_SHOWN_HIDDEN, STP_SHOWN_ISOLATED, STP_SHOWN_GHOST } stp_shown_as;
 
 /// An object that is not shown as usual, identified by its path and position.
-typedef struct stp_shown_thing {
+typedef struct stp_shown_object {
     stp_shown_as as;
     char* path; ///< as stp_outline_path gives it
     bool has_position;
     stp_vec3d position; ///< centre of its box: distinguishes objects with the same path
-} stp_shown_thing;
+} stp_shown_object;
 
 typedef struct stp_viewpoint {
     char* name;
@@ -33,8 +33,8 @@ typedef struct stp_viewpoint {
     double fov_degrees;  ///< 0: unspecified
     double ortho_height; ///< 0: perspective
     stp_sections sections;
-    stp_shown_thing* things;
-    size_t thing_count;
+    stp_shown_object* objects;
+    size_t object_count;
     stp_annotation* annotations;
     size_t annotation_count;
 } stp_viewpoint;

@@ -85,8 +85,8 @@ static stp_result read_sections(const reader* r, const json_t* from, stp_section
     return STP_OK;
 }
 
-static stp_result read_things(const reader* r, const json_t* from, stp_shown_as as,
-                              stp_viewpoint* view)
+static stp_result read_objects(const reader* r, const json_t* from, stp_shown_as as,
+                               stp_viewpoint* view)
 {
     const char* member = stp_viewpoint_lists[as];
     const json_t* list = json_object_get(from, member);
@@ -95,14 +95,14 @@ static stp_result read_things(const reader* r, const json_t* from, stp_shown_as 
     }
     for (size_t i = 0; i < json_array_size(list); ++i) {
         const json_t* json = json_array_get(list, i);
-        stp_shown_thing* thing = &view->things[view->thing_count];
-        *thing = (stp_shown_thing){.as = as};
-        stp_result result = read_text(r, json, "path", true, &thing->path);
+        stp_shown_object* object = &view->objects[view->object_count];
+        *object = (stp_shown_object){.as = as};
+        stp_result result = read_text(r, json, "path", true, &object->path);
         if (result == STP_OK && json_object_get(json, "at") != NULL) {
-            thing->has_position = true;
-            result = read_vector(r, json, "at", &thing->position);
+            object->has_position = true;
+            result = read_vector(r, json, "at", &object->position);
         }
-        view->thing_count += 1;
+        view->object_count += 1;
         if (result != STP_OK) {
             return result;
         }
@@ -110,16 +110,16 @@ static stp_result read_things(const reader* r, const json_t* from, stp_shown_as 
     return STP_OK;
 }
 
-static stp_result read_all_things(const reader* r, const json_t* from, stp_viewpoint* view)
+static stp_result read_all_objects(const reader* r, const json_t* from, stp_viewpoint* view)
 {
     size_t count = 1;
     for (int as = 0; as <= STP_SHOWN_GHOST; ++as) {
         count += json_array_size(json_object_get(from, stp_viewpoint_lists[as]));
     }
-    view->things = STP_NEW_ARRAY(r->context, stp_shown_thing, count);
-    stp_result result = view->things != NULL ? STP_OK : stp_fail_memory(r->context);
+    view->objects = STP_NEW_ARRAY(r->context, stp_shown_object, count);
+    stp_result result = view->objects != NULL ? STP_OK : stp_fail_memory(r->context);
     for (int as = 0; as <= STP_SHOWN_GHOST && result == STP_OK; ++as) {
-        result = read_things(r, from, (stp_shown_as)as, view);
+        result = read_objects(r, from, (stp_shown_as)as, view);
     }
     return result;
 }
@@ -175,7 +175,7 @@ static stp_result read_view(const reader* r, const json_t* from, stp_viewpoint* 
     result = result == STP_OK ? read_text(r, from, "note", false, &view->note) : result;
     result = result == STP_OK ? read_camera(r, from, view) : result;
     result = result == STP_OK ? read_sections(r, from, &view->sections) : result;
-    result = result == STP_OK ? read_all_things(r, from, view) : result;
+    result = result == STP_OK ? read_all_objects(r, from, view) : result;
     return result == STP_OK ? read_annotations(r, from, view) : result;
 }
 

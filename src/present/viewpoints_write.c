@@ -28,19 +28,19 @@ static json_t* pack_vector(stp_vec3d v)
     return json_pack("[f,f,f]", v.x, v.y, v.z);
 }
 
-static json_t* pack_things(const stp_viewpoint* view, stp_shown_as as)
+static json_t* pack_objects(const stp_viewpoint* view, stp_shown_as as)
 {
     json_t* list = json_array();
     bool good = list != NULL;
-    for (size_t i = 0; good && i < view->thing_count; ++i) {
-        const stp_shown_thing* thing = &view->things[i];
-        if (thing->as != as) {
+    for (size_t i = 0; good && i < view->object_count; ++i) {
+        const stp_shown_object* object = &view->objects[i];
+        if (object->as != as) {
             continue;
         }
-        json_t* json = json_pack("{s:s}", "path", thing->path);
+        json_t* json = json_pack("{s:s}", "path", object->path);
         good = json_array_append_new(list, json) == 0;
-        if (good && thing->has_position) {
-            good = json_object_set_new(json, "at", pack_vector(thing->position)) == 0;
+        if (good && object->has_position) {
+            good = json_object_set_new(json, "at", pack_vector(object->position)) == 0;
         }
     }
     if (!good) {
@@ -103,7 +103,7 @@ static json_t* pack_view(const stp_viewpoint* view)
     }
     good = good && set_list(json, "sections", pack_sections(&view->sections));
     for (int as = 0; good && as <= STP_SHOWN_GHOST; ++as) {
-        good = set_list(json, stp_viewpoint_lists[as], pack_things(view, (stp_shown_as)as));
+        good = set_list(json, stp_viewpoint_lists[as], pack_objects(view, (stp_shown_as)as));
     }
     good = good && set_list(json, "annotations", pack_annotations(view));
     if (!good) {

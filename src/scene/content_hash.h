@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Content hashes: identify things independently of names and indices.
+// Content hashes: identify data independently of names and indices.
 #pragma once
 
 #include "scene/scene.h"

@@ -28,7 +28,7 @@ static stp_hash with_material(const stp_scene* scene, stp_hash content, uint32_t
     return stp_hash_bytes(content, &other, sizeof(other));
 }
 
-static void hash_things(size_t begin, size_t end, uint32_t worker, void* user)
+static void hash_items(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     const merging* m = user;
@@ -147,8 +147,8 @@ static void drop_point_sets(merging* m)
     remap_parts(m, STP_PART_POINTS);
 }
 
-static stp_result merge_things(stp_scene* scene, merge_kind kind, size_t count,
-                               void (*drop)(merging* m))
+static stp_result merge_items(stp_scene* scene, merge_kind kind, size_t count,
+                              void (*drop)(merging* m))
 {
     stp_context* context = scene->context;
     merging m = {.scene = scene, .kind = kind, .count = count};
@@ -157,7 +157,7 @@ static stp_result merge_things(stp_scene* scene, merge_kind kind, size_t count,
     m.kept = STP_NEW_ARRAY(context, uint32_t, count);
     stp_result result = m.hashes != NULL && m.kept != NULL ? STP_OK : stp_fail_memory(context);
     if (result == STP_OK) {
-        stp_parallel_for(context, count, 4, hash_things, &m);
+        stp_parallel_for(context, count, 4, hash_items, &m);
     }
     for (size_t i = 0; result == STP_OK && i < count; ++i) {
         result = stp_content_table_find(context, &table, m.hashes[i], (uint32_t)i, &m.kept[i]);
@@ -174,15 +174,15 @@ static stp_result merge_things(stp_scene* scene, merge_kind kind, size_t count,
 stp_result stp_scene_merge(stp_scene* scene)
 {
     stp_content_table_destroy(scene->context, &scene->spilled); // indices change
-    stp_result result = merge_things(scene, TEXTURES, scene->texture_count, drop_textures);
+    stp_result result = merge_items(scene, TEXTURES, scene->texture_count, drop_textures);
     if (result == STP_OK) {
-        result = merge_things(scene, MATERIALS, scene->material_count, drop_materials);
+        result = merge_items(scene, MATERIALS, scene->material_count, drop_materials);
     }
     if (result == STP_OK) {
-        result = merge_things(scene, MESHES, scene->mesh_count, drop_meshes);
+        result = merge_items(scene, MESHES, scene->mesh_count, drop_meshes);
     }
     if (result == STP_OK) {
-        result = merge_things(scene, POINT_SETS, scene->point_set_count, drop_point_sets);
+        result = merge_items(scene, POINT_SETS, scene->point_set_count, drop_point_sets);
     }
     return result;
 }

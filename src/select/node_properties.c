@@ -117,9 +117,10 @@ static void find_repeated(const stp_store_directory* d, uint32_t* last, uint8_t*
         const stp_store_node* node = &d->nodes[i];
         for (uint32_t k = node->first_part; k - node->first_part < node->part_count; ++k) {
             const stp_store_part* part = &d->parts[k];
-            uint32_t thing = part->index + (part->kind == STP_STORE_PART_MESH ? 0 : d->mesh_count);
-            repeated[k / 8] |= (uint8_t)((last[thing] == i + 1 ? 1u : 0u) << k % 8);
-            last[thing] = i + 1;
+            uint32_t resource =
+                part->index + (part->kind == STP_STORE_PART_MESH ? 0 : d->mesh_count);
+            repeated[k / 8] |= (uint8_t)((last[resource] == i + 1 ? 1u : 0u) << k % 8);
+            last[resource] = i + 1;
         }
     }
 }

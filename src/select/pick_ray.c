@@ -175,7 +175,7 @@ static void store_path(const walk* w)
 {
     stp_pick* pick = w->work.pick;
     const record* met = &w->records[w->met];
-    pick->thing = (stp_placed_node){.node = met->node, .transform = met->transform};
+    pick->holder = (stp_placed_node){.node = met->node, .transform = met->transform};
     for (uint32_t i = w->met; i != w->records[i].parent; i = w->records[i].parent) {
         pick->path_count += 1;
     }

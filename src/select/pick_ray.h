@@ -45,7 +45,7 @@ typedef struct stp_pick {
     stp_vec3d corners[3]; ///< of the triangle, scene space
     bool inner[3];        ///< whether the edge from this corner to the next lies within a flat face
     uint32_t material;    ///< of the store
-    stp_placed_node thing;         ///< node that contains the part
+    stp_placed_node holder;        ///< node that contains the part
     uint32_t path[STP_PICK_DEPTH]; ///< path from the root: edge (slot) of each node
     uint32_t path_count;           ///< number of edges; above STP_PICK_DEPTH if not all are stored
     uint64_t tests;                ///< boxes, triangles and points tested

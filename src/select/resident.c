@@ -20,22 +20,22 @@ stp_result stp_select_begin_requests(stp_selection* s)
     stp_draw_list* list = s->list;
     s->streams = stp_store_streams(s->store) && !s->quality->reference;
     for (size_t i = 0; i < list->request_count && !s->second_pass; ++i) {
-        list->request_slots[list->requests[i].thing] = 0;
+        list->request_slots[list->requests[i].resource] = 0;
     }
     list->request_count = s->second_pass ? list->request_count : 0;
-    uint32_t things = s->streams ? stp_store_thing_count(s->store) : 0;
-    if (things <= list->want_capacity) {
+    uint32_t resources = s->streams ? stp_store_resource_count(s->store) : 0;
+    if (resources <= list->want_capacity) {
         return STP_OK;
     }
     stp_free(s->context, list->requests);
     stp_free(s->context, list->request_slots);
     list->want_capacity = 0;
-    list->requests = STP_NEW_ARRAY(s->context, stp_data_request, things);
-    list->request_slots = STP_NEW_ZEROED(s->context, uint32_t, things);
+    list->requests = STP_NEW_ARRAY(s->context, stp_data_request, resources);
+    list->request_slots = STP_NEW_ZEROED(s->context, uint32_t, resources);
     if (list->requests == NULL || list->request_slots == NULL) {
         return stp_fail_memory(s->context);
     }
-    list->want_capacity = things;
+    list->want_capacity = resources;
     return STP_OK;
 }
 
@@ -54,8 +54,8 @@ static float find_need(const stp_selection* s, const stp_box_visibility* sight, 
 static void add_request(stp_selection* s, stp_data_request request)
 {
     stp_draw_list* list = s->list;
-    request.thing = stp_store_thing(s->store, request.kind, request.index);
-    uint32_t* slot = &list->request_slots[request.thing];
+    request.resource = stp_store_resource(s->store, request.kind, request.index);
+    uint32_t* slot = &list->request_slots[request.resource];
     if (*slot == 0) {
         list->requests[list->request_count++] = request;
         *slot = (uint32_t)list->request_count;

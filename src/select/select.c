@@ -15,8 +15,8 @@ static stp_result begin(stp_selection* s, stp_context* context, stp_store* store
                          .list = list,
                          .second_pass = second_pass};
     s->method = stp_store_find_method(s->directory, quality->method);
-    bool told = s->directory->method_count != 0;
-    s->rule = stp_select_rule_of(told ? s->directory->methods[s->method].id : 0);
+    bool has_methods = s->directory->method_count != 0;
+    s->rule = stp_select_rule_of(has_methods ? s->directory->methods[s->method].id : 0);
     s->coarse_method = stp_select_coarse_method(s->directory, quality);
     list->hidden_count = 0;
     list->mixes = s->directory->point_set_count > 0 ||

@@ -54,7 +54,7 @@ stp_result stp_select_add_item(stp_selection* s, stp_draw_item item, uint64_t id
     }
     if (list->count >= limit_of(s, ITEMS_ALWAYS)) {
         return stp_fail(s->context, STP_ERROR_LIMIT,
-                        "view: more than %zu things would have to be drawn one by one",
+                        "view: more than %zu objects would have to be drawn one by one",
                         list->count);
     }
     if (list->count == list->capacity) {

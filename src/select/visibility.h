@@ -47,8 +47,8 @@ void stp_visibility_reset(stp_visibility* visibility, stp_show show);
 /// same place) are all set.
 /// @return STP_OK (also if the scene has no such object), STP_ERROR_LIMIT (the search would take
 /// too long), STP_ERROR_OUT_OF_MEMORY; logged. After a failure, the change may be partly applied.
-STP_MUST_USE stp_result stp_visibility_set(stp_visibility* visibility, const stp_placed_node* thing,
-                                           stp_show show);
+STP_MUST_USE stp_result stp_visibility_set(stp_visibility* visibility,
+                                           const stp_placed_node* placed, stp_show show);
 
 /// Bounding box, in scene space, of everything drawn, including ghosts; of the whole scene if
 /// `visibility` is NULL. Empty if nothing is drawn. Ignores sections.

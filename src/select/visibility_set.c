@@ -8,15 +8,15 @@
 #include <string.h>
 
 enum {
-    OF_THING = 1, ///< below the object's own node
-    TOUCHES = 2,  ///< shares a part with the object
+    OF_PLACED = 1, ///< below the object's own node
+    TOUCHES = 2,   ///< shares a part with the object
 };
 
 static const uint64_t visit_limit = UINT64_C(1) << 22; // plus 16 per record of the graph
 
 typedef struct setting {
     stp_visibility* v;
-    const stp_placed_node* thing;
+    const stp_placed_node* placed;
     stp_boxd bounds; ///< of the object, scene space
     uint32_t show;
     uint64_t visits; ///< remaining steps
@@ -47,14 +47,14 @@ static stp_result mark_nodes(setting* s)
     }
     memset(v->marks, 0, d->node_count);
     memset(v->has_parts, 0, parts);
-    v->marks[s->thing->node] = OF_THING | TOUCHES;
-    for (uint32_t i = s->thing->node + 1; i-- > 0;) {
+    v->marks[s->placed->node] = OF_PLACED | TOUCHES;
+    for (uint32_t i = s->placed->node + 1; i-- > 0;) {
         const stp_store_node* n = &d->nodes[i];
         if (v->marks[i] == 0) {
             continue;
         }
         for (uint32_t k = 0; k < n->edge_count; ++k) {
-            v->marks[d->edges[n->first_edge + k].node] = OF_THING | TOUCHES;
+            v->marks[d->edges[n->first_edge + k].node] = OF_PLACED | TOUCHES;
         }
         for (uint32_t k = 0; k < n->part_count; ++k) {
             v->has_parts[part_number(s, d->parts[n->first_part + k])] = 1;
@@ -75,10 +75,10 @@ static stp_result mark_nodes(setting* s)
 }
 
 /// Whether the object contains the part.
-static bool is_of_thing(setting* s, const stp_instance* what)
+static bool is_placed(setting* s, const stp_instance* what)
 {
     stp_instance_search search = {.directory = s->v->directory, .visits_left = s->visits};
-    bool found = stp_instance_holds(&search, s->thing->node, &s->thing->transform, what);
+    bool found = stp_instance_holds(&search, s->placed->node, &s->placed->transform, what);
     s->visits = search.visits_left;
     if (search.gave_up && s->result == STP_OK) {
         s->result = stp_fail(s->v->context, STP_ERROR_LIMIT,
@@ -149,9 +149,9 @@ static uint32_t set_below(setting* s, uint32_t node, const stp_affine* transform
         return state;
     }
     s->visits -= 1;
-    if ((v->marks[node] & OF_THING) != 0) {
+    if ((v->marks[node] & OF_PLACED) != 0) {
         stp_instance what = stp_instance_of_node(v->store, node, transform);
-        if (is_of_thing(s, &what)) {
+        if (is_placed(s, &what)) {
             stp_visibility_merge(v, state);
             return s->show;
         }
@@ -170,22 +170,22 @@ static uint32_t set_below(setting* s, uint32_t node, const stp_affine* transform
         uint32_t slot = n->edge_count + i;
         stp_instance what = stp_instance_of_part(v->store, part, transform);
         if (v->has_parts[part_number(s, part)] != 0 && state_below(s, state, slot) != s->show &&
-            is_of_thing(s, &what)) {
+            is_placed(s, &what)) {
             set_slot(s, node, slot, s->show, &state);
         }
     }
     return s->result == STP_OK ? simplify(s, state) : state;
 }
 
-stp_result stp_visibility_set(stp_visibility* v, const stp_placed_node* thing, stp_show show)
+stp_result stp_visibility_set(stp_visibility* v, const stp_placed_node* placed, stp_show show)
 {
     const stp_store_directory* d = v->directory;
-    if (thing->node >= d->node_count || d->root == STP_STORE_NONE || show > STP_SHOW_NOT) {
+    if (placed->node >= d->node_count || d->root == STP_STORE_NONE || show > STP_SHOW_NOT) {
         return STP_OK;
     }
     setting s = {.v = v,
-                 .thing = thing,
-                 .bounds = stp_affine_box(&thing->transform, d->nodes[thing->node].bounds),
+                 .placed = placed,
+                 .bounds = stp_affine_box(&placed->transform, d->nodes[placed->node].bounds),
                  .show = (uint32_t)show,
                  .visits = visit_limit + UINT64_C(16) * ((uint64_t)d->node_count + d->edge_count +
                                                          d->part_count)};

@@ -17,22 +17,22 @@ static double largest_of(stp_vec3d v)
 stp_instance stp_instance_of_node(const stp_store* store, uint32_t node,
                                   const stp_affine* transform)
 {
-    stp_instance thing = {.node = node, .transform = *transform};
-    thing.bounds = stp_store_get_directory(store)->nodes[node].bounds;
-    thing.center = stp_affine_point(transform, middle_of(&thing.bounds));
-    return thing;
+    stp_instance instance = {.node = node, .transform = *transform};
+    instance.bounds = stp_store_get_directory(store)->nodes[node].bounds;
+    instance.center = stp_affine_point(transform, middle_of(&instance.bounds));
+    return instance;
 }
 
 stp_instance stp_instance_of_part(const stp_store* store, stp_store_part part,
                                   const stp_affine* transform)
 {
-    stp_instance thing = {.is_part = true, .part = part, .transform = *transform};
+    stp_instance instance = {.is_part = true, .part = part, .transform = *transform};
     stp_box box = part.kind == STP_STORE_PART_MESH
                       ? stp_store_describe_mesh(store, part.index)->bounds
                       : stp_store_describe_point_set(store, part.index)->bounds;
-    thing.bounds = (stp_boxd){stp_to_double(box.min), stp_to_double(box.max)};
-    thing.center = stp_affine_point(transform, middle_of(&thing.bounds));
-    return thing;
+    instance.bounds = (stp_boxd){stp_to_double(box.min), stp_to_double(box.max)};
+    instance.center = stp_affine_point(transform, middle_of(&instance.bounds));
+    return instance;
 }
 
 bool stp_instance_is_same(const stp_boxd* bounds, const stp_affine* a, const stp_affine* b)
@@ -79,7 +79,7 @@ static bool is_same_part(stp_store_part a, stp_store_part b)
 }
 
 static bool find_below(stp_instance_search* search, uint32_t node, const stp_affine* transform,
-                       const stp_instance* thing, uint32_t depth)
+                       const stp_instance* instance, uint32_t depth)
 {
     const stp_store_directory* d = search->directory;
     const stp_store_node* n = &d->nodes[node];
@@ -88,25 +88,26 @@ static bool find_below(stp_instance_search* search, uint32_t node, const stp_aff
         return false;
     }
     search->visits_left -= 1;
-    if (!thing->is_part && node == thing->node &&
-        stp_instance_is_same(&thing->bounds, transform, &thing->transform)) {
+    if (!instance->is_part && node == instance->node &&
+        stp_instance_is_same(&instance->bounds, transform, &instance->transform)) {
         return true;
     }
-    for (uint32_t i = 0; thing->is_part && i < n->part_count; ++i) {
-        if (is_same_part(d->parts[n->first_part + i], thing->part) &&
-            stp_instance_is_same(&thing->bounds, transform, &thing->transform)) {
+    for (uint32_t i = 0; instance->is_part && i < n->part_count; ++i) {
+        if (is_same_part(d->parts[n->first_part + i], instance->part) &&
+            stp_instance_is_same(&instance->bounds, transform, &instance->transform)) {
             return true;
         }
     }
     for (uint32_t i = 0; i < n->edge_count; ++i) {
         const stp_store_edge* edge = &d->edges[n->first_edge + i];
-        bool lower = !thing->is_part && edge->node < thing->node; // children have lower indices
+        bool lower =
+            !instance->is_part && edge->node < instance->node; // children have lower indices
         if (lower || (search->reaches != NULL && search->reaches[edge->node] == 0)) {
             continue;
         }
         stp_affine below = stp_affine_multiply(*transform, edge->transform);
-        if (stp_instance_may_hold(&d->nodes[edge->node].bounds, &below, thing->center) &&
-            find_below(search, edge->node, &below, thing, depth + 1)) {
+        if (stp_instance_may_hold(&d->nodes[edge->node].bounds, &below, instance->center) &&
+            find_below(search, edge->node, &below, instance, depth + 1)) {
             return true;
         }
     }
@@ -114,7 +115,7 @@ static bool find_below(stp_instance_search* search, uint32_t node, const stp_aff
 }
 
 bool stp_instance_holds(stp_instance_search* search, uint32_t node, const stp_affine* transform,
-                        const stp_instance* thing)
+                        const stp_instance* instance)
 {
-    return find_below(search, node, transform, thing, 0);
+    return find_below(search, node, transform, instance, 0);
 }

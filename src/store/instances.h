@@ -41,4 +41,4 @@ typedef struct stp_instance_search {
 
 /// Whether a node with a transform is the occurrence, or contains it.
 bool stp_instance_holds(stp_instance_search* search, uint32_t node, const stp_affine* transform,
-                        const stp_instance* thing);
+                        const stp_instance* instance);

@@ -212,12 +212,12 @@ static stp_result drop_unknown(stp_store* store)
 stp_result stp_store_read_method_names(stp_store* store, stp_store_text* text)
 {
     stp_store_directory* d = &store->directory;
-    bool told = store->known[STP_SECTION_METHODS] != NULL;
+    bool has_methods = store->known[STP_SECTION_METHODS] != NULL;
     stp_result result = stp_store_read_table(store, STP_SECTION_METHODS, text);
     if (result != STP_OK) {
         return result;
     }
-    uint32_t count = told ? store->counts[STP_SECTION_METHODS] : 1;
+    uint32_t count = has_methods ? store->counts[STP_SECTION_METHODS] : 1;
     const stp_store_method_record* records = store->tables[STP_SECTION_METHODS];
     if (count == 0 || count > METHODS_MAX) {
         return stp_fail(store->context, STP_ERROR_FORMAT, "%s: has %u methods, expected 1 to %d",
@@ -228,7 +228,7 @@ stp_result stp_store_read_method_names(stp_store* store, stp_store_text* text)
         return stp_fail_memory(store->context);
     }
     for (uint32_t i = 0; i < count; ++i) {
-        store->methods[i] = told ? records[i].method : only_blue;
+        store->methods[i] = has_methods ? records[i].method : only_blue;
     }
     d->methods = store->methods;
     d->method_count = count;

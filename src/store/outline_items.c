@@ -236,7 +236,7 @@ static uint8_t* mark_part(const stp_outline* outline, stp_store_part part)
 
 /// Finds the first child of an item that contains the occurrence; `found` is false if none does.
 static stp_result find_holder(stp_outline* outline, const stp_outline_item* item,
-                              const stp_instance* thing, stp_instance_search* search,
+                              const stp_instance* instance, stp_instance_search* search,
                               stp_outline_item* holder, bool* found)
 {
     enum { ROOM = 32 };
@@ -250,8 +250,8 @@ static stp_result find_holder(stp_outline* outline, const stp_outline_item* item
             uint32_t node = items[i].node;
             if (node != STP_STORE_NONE && search->reaches[node] != 0 &&
                 stp_instance_may_hold(&outline->directory->nodes[node].bounds, &items[i].transform,
-                                      thing->center) &&
-                stp_instance_holds(search, node, &items[i].transform, thing)) {
+                                      instance->center) &&
+                stp_instance_holds(search, node, &items[i].transform, instance)) {
                 *holder = items[i];
                 *found = true;
             }
@@ -268,14 +268,14 @@ stp_result stp_outline_find(stp_outline* outline, stp_store_part part, const stp
     if (marks == NULL) {
         return stp_fail_memory(outline->context);
     }
-    stp_instance thing = stp_instance_of_part(outline->store, part, transform);
+    stp_instance instance = stp_instance_of_part(outline->store, part, transform);
     stp_instance_search search = {
         .directory = outline->directory, .reaches = marks, .visits_left = visit_limit};
     stp_result result = STP_OK;
     bool found = true;
     while (result == STP_OK && found) {
         stp_outline_item holder;
-        result = find_holder(outline, item, &thing, &search, &holder, &found);
+        result = find_holder(outline, item, &instance, &search, &holder, &found);
         if (result == STP_OK && found) {
             *item = holder;
         }

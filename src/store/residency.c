@@ -11,7 +11,7 @@ enum { ALLOCATION_BYTES = 64 }; ///< context overhead per allocation
 
 static const uint64_t batch_bytes = 16 << 20, max_pinned = 1 << 20;
 
-/// The block of a thing, or of one octave.
+/// The block of a resource, or of one octave.
 static const stp_store_block* block_of(const stp_store* store, stp_resident_kind kind,
                                        uint32_t index, uint32_t octave)
 {
@@ -49,42 +49,44 @@ static bool is_in_file(const stp_store* store, stp_resident_kind kind, uint32_t 
     return block != NULL && stp_store_is_block_here(store, block);
 }
 
-const stp_store_block* stp_residency_block(const stp_residency* r, uint32_t thing, uint32_t octave)
+const stp_store_block* stp_residency_block(const stp_residency* r, uint32_t resource,
+                                           uint32_t octave)
 {
-    stp_resident_kind kind = stp_residency_kind(r, thing);
-    return block_of(r->store, kind, thing - r->firsts[kind], octave);
+    stp_resident_kind kind = stp_residency_kind(r, resource);
+    return block_of(r->store, kind, resource - r->firsts[kind], octave);
 }
 
-uint64_t stp_residency_bytes(const stp_residency* r, uint32_t thing, uint32_t level)
+uint64_t stp_residency_bytes(const stp_residency* r, uint32_t resource, uint32_t level)
 {
-    if (stp_residency_kind(r, thing) == STP_RESIDENT_SURFELS) {
-        return stp_store_columns_bytes(stp_residency_surfels(r, thing), level) + ALLOCATION_BYTES;
+    if (stp_residency_kind(r, resource) == STP_RESIDENT_SURFELS) {
+        return stp_store_columns_bytes(stp_residency_surfels(r, resource), level) +
+               ALLOCATION_BYTES;
     }
-    if (stp_residency_kind(r, thing) == STP_RESIDENT_TEXTURE) {
-        const stp_store_texture* texture = stp_residency_texture(r, thing);
+    if (stp_residency_kind(r, resource) == STP_RESIDENT_TEXTURE) {
+        const stp_store_texture* texture = stp_residency_texture(r, resource);
         return 4 * (uint64_t)texture->width * texture->height + ALLOCATION_BYTES;
     }
-    if (stp_residency_kind(r, thing) == STP_RESIDENT_LEAVES) {
-        uint32_t set = thing - r->firsts[STP_RESIDENT_LEAVES];
+    if (stp_residency_kind(r, resource) == STP_RESIDENT_LEAVES) {
+        uint32_t set = resource - r->firsts[STP_RESIDENT_LEAVES];
         return stp_store_leaves_bytes(stp_store_leaf_count(r->store, set)) + ALLOCATION_BYTES;
     }
-    return stp_residency_block(r, thing, 0)->size + stp_residency_color_bytes(r, thing) +
+    return stp_residency_block(r, resource, 0)->size + stp_residency_color_bytes(r, resource) +
            ALLOCATION_BYTES;
 }
 
-uint64_t stp_residency_color_bytes(const stp_residency* r, uint32_t thing)
+uint64_t stp_residency_color_bytes(const stp_residency* r, uint32_t resource)
 {
-    bool points = stp_residency_kind(r, thing) == STP_RESIDENT_POINTS;
-    uint32_t index = thing - r->firsts[STP_RESIDENT_POINTS];
+    bool points = stp_residency_kind(r, resource) == STP_RESIDENT_POINTS;
+    uint32_t index = resource - r->firsts[STP_RESIDENT_POINTS];
     return points && stp_store_is_colored(r->store)
                ? 4 * (uint64_t)stp_store_describe_point_set(r->store, index)->point_count
                : 0;
 }
 
-uint64_t stp_residency_decoder_bytes(const stp_residency* r, uint32_t thing)
+uint64_t stp_residency_decoder_bytes(const stp_residency* r, uint32_t resource)
 {
-    const stp_store_texture* texture = stp_residency_texture(r, thing);
-    const stp_store_block* block = stp_residency_block(r, thing, 0);
+    const stp_store_texture* texture = stp_residency_texture(r, resource);
+    const stp_store_block* block = stp_residency_block(r, resource, 0);
     stp_image_info info = {.kind = (stp_image_kind)texture->encoding,
                            .width = texture->width,
                            .height = texture->height};
@@ -93,23 +95,23 @@ uint64_t stp_residency_decoder_bytes(const stp_residency* r, uint32_t thing)
                                    whole ? (size_t)block->size : 0);
 }
 
-uint64_t stp_residency_transient(const stp_residency* r, uint32_t thing, uint32_t level)
+uint64_t stp_residency_transient(const stp_residency* r, uint32_t resource, uint32_t level)
 {
-    if (stp_residency_kind(r, thing) == STP_RESIDENT_SURFELS) {
-        const stp_splats* surfels = stp_residency_surfels(r, thing);
-        return stp_store_has_operators(r->store, thing - r->firsts[STP_RESIDENT_SURFELS], level)
+    if (stp_residency_kind(r, resource) == STP_RESIDENT_SURFELS) {
+        const stp_splats* surfels = stp_residency_surfels(r, resource);
+        return stp_store_has_operators(r->store, resource - r->firsts[STP_RESIDENT_SURFELS], level)
                    ? stp_store_waiting_bytes(stp_store_octave_begin(surfels, level)) +
                          ALLOCATION_BYTES
                    : 0;
     }
-    bool decodes = stp_residency_kind(r, thing) == STP_RESIDENT_TEXTURE &&
-                   stp_residency_texture(r, thing)->encoding != 0;
-    return decodes ? stp_residency_block(r, thing, 0)->size + ALLOCATION_BYTES +
-                         stp_residency_decoder_bytes(r, thing)
+    bool decodes = stp_residency_kind(r, resource) == STP_RESIDENT_TEXTURE &&
+                   stp_residency_texture(r, resource)->encoding != 0;
+    return decodes ? stp_residency_block(r, resource, 0)->size + ALLOCATION_BYTES +
+                         stp_residency_decoder_bytes(r, resource)
                    : 0;
 }
 
-static void count_things(const stp_store* store, uint32_t firsts[STP_RESIDENT_KINDS + 1])
+static void count_resources(const stp_store* store, uint32_t firsts[STP_RESIDENT_KINDS + 1])
 {
     const stp_store_directory* directory = &store->directory;
     firsts[STP_RESIDENT_SURFELS] = 0;
@@ -124,12 +126,12 @@ static stp_result create_tables(stp_residency* r)
 {
     uint32_t count = r->firsts[STP_RESIDENT_KINDS];
     uint32_t loads = count < STP_RESIDENCY_LOADS ? count + 1 : STP_RESIDENCY_LOADS;
-    r->things = STP_NEW_ZEROED(r->context, stp_resident, (size_t)count + 1);
+    r->resources = STP_NEW_ZEROED(r->context, stp_resident, (size_t)count + 1);
     r->steps = STP_NEW_ARRAY(r->context, stp_rank, (size_t)count + 1);
     r->victims = STP_NEW_ARRAY(r->context, stp_rank, (size_t)count + 1);
     r->pins = STP_NEW_ARRAY(r->context, uint32_t, (size_t)r->firsts[STP_RESIDENT_MESH] + 1);
     r->loads = STP_NEW_ARRAY(r->context, stp_load, loads);
-    if (r->things == NULL || r->steps == NULL || r->victims == NULL || r->pins == NULL ||
+    if (r->resources == NULL || r->steps == NULL || r->victims == NULL || r->pins == NULL ||
         r->loads == NULL) {
         return stp_fail_memory(r->context);
     }
@@ -140,10 +142,10 @@ static stp_result create_tables(stp_residency* r)
     for (uint32_t i = 0; i < count; ++i) {
         if (i < r->firsts[STP_RESIDENT_MESH]) {
             const stp_store_surfels_record* sets = r->store->tables[STP_SECTION_SURFELS];
-            r->things[i].maximum = (uint8_t)sets[i].whole;
+            r->resources[i].maximum = (uint8_t)sets[i].whole;
         } else {
             stp_resident_kind kind = stp_residency_kind(r, i);
-            r->things[i].maximum = is_in_file(r->store, kind, i - r->firsts[kind]);
+            r->resources[i].maximum = is_in_file(r->store, kind, i - r->firsts[kind]);
         }
     }
     return STP_OK;
@@ -168,9 +170,9 @@ static stp_result find_uppermost(stp_residency* r, uint32_t method)
             continue;
         }
         uint32_t set = stp_store_set_of(directory, method, i);
-        if (set != STP_STORE_NONE && r->things[set].maximum > 0) {
-            if ((below & UPPERMOST) != 0 && r->things[set].pinned == 0) {
-                r->things[set].pinned = 1;
+        if (set != STP_STORE_NONE && r->resources[set].maximum > 0) {
+            if ((below & UPPERMOST) != 0 && r->resources[set].pinned == 0) {
+                r->resources[set].pinned = 1;
                 r->pins[r->pin_count++] = set;
             }
             below = BELOW;
@@ -198,7 +200,7 @@ static void choose_pins(stp_residency* r)
     }
     for (uint32_t level = 2; level <= STP_OCTAVE_LIMIT && left > 0; ++level) {
         for (uint32_t i = 0; i < r->first_pins && left > 0; ++i) {
-            stp_resident* t = &r->things[r->pins[i]];
+            stp_resident* t = &r->resources[r->pins[i]];
             if (level > t->maximum) {
                 continue;
             }
@@ -275,7 +277,7 @@ stp_result stp_residency_create(stp_store* store, const stp_residency_desc* desc
     }
     r->worth = 1.0f;
     r->margin = min_margin(r);
-    count_things(store, r->firsts);
+    count_resources(store, r->firsts);
     pthread_mutex_init(&r->mutex, NULL);
     pthread_cond_init(&r->work, NULL);
     pthread_cond_init(&r->done, NULL);
@@ -314,8 +316,8 @@ void stp_residency_destroy(stp_residency* r)
         stp_residency_end_load(r, load);
         stp_free(r->context, load->memory);
     }
-    for (uint32_t i = 0; r->things != NULL && i < r->firsts[STP_RESIDENT_KINDS]; ++i) {
-        if (r->things[i].memory != NULL) {
+    for (uint32_t i = 0; r->resources != NULL && i < r->firsts[STP_RESIDENT_KINDS]; ++i) {
+        if (r->resources[i].memory != NULL) {
             stp_residency_drop(r, i, 0);
         }
     }
@@ -329,7 +331,7 @@ void stp_residency_destroy(stp_residency* r)
     stp_free(r->context, r->pins);
     stp_free(r->context, r->victims);
     stp_free(r->context, r->steps);
-    stp_free(r->context, r->things);
+    stp_free(r->context, r->resources);
     stp_free(r->context, r);
 }
 
@@ -369,21 +371,22 @@ uint32_t stp_store_resident_surfels(const stp_store* store, uint32_t index)
     const stp_splats* surfels = stp_store_describe_surfels(store, index);
     const stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
     const stp_residency* r = store->residency;
-    return stp_store_octave_begin(surfels, r == NULL ? sets[index].whole : r->things[index].level);
+    return stp_store_octave_begin(surfels,
+                                  r == NULL ? sets[index].whole : r->resources[index].level);
 }
 
-/// Whether a thing other than a set is loaded or, without a residency, in the file.
-static bool is_thing_here(const stp_store* store, stp_resident_kind kind, uint32_t index)
+/// Whether a resource other than a set is loaded or, without a residency, in the file.
+static bool is_resource_here(const stp_store* store, stp_resident_kind kind, uint32_t index)
 {
     const stp_residency* r = store->residency;
-    return r != NULL ? r->things[r->firsts[kind] + index].level > 0
+    return r != NULL ? r->resources[r->firsts[kind] + index].level > 0
                      : is_in_file(store, kind, index);
 }
 
 static bool is_texture_here(const stp_store* store, const stp_store_texture_use* use)
 {
     return use->texture == STP_STORE_NONE ||
-           is_thing_here(store, STP_RESIDENT_TEXTURE, use->texture);
+           is_resource_here(store, STP_RESIDENT_TEXTURE, use->texture);
 }
 
 bool stp_store_is_mesh_resident(const stp_store* store, uint32_t index)
@@ -393,7 +396,7 @@ bool stp_store_is_mesh_resident(const stp_store* store, uint32_t index)
     }
     const stp_store_material* material =
         &store->directory.materials[stp_store_describe_mesh(store, index)->material];
-    return is_thing_here(store, STP_RESIDENT_MESH, index) &&
+    return is_resource_here(store, STP_RESIDENT_MESH, index) &&
            is_texture_here(store, &material->base_color_texture) &&
            is_texture_here(store, &material->metallic_roughness_texture) &&
            is_texture_here(store, &material->emissive_texture);
@@ -405,26 +408,27 @@ bool stp_store_are_points_resident(const stp_store* store, uint32_t index)
     if (points->held_by != 0) {
         return stp_store_resident_surfels(store, points->held_by - 1) == points->point_count;
     }
-    return !stp_store_streams(store) || is_thing_here(store, STP_RESIDENT_POINTS, index);
+    return !stp_store_streams(store) || is_resource_here(store, STP_RESIDENT_POINTS, index);
 }
 
 uint64_t stp_store_texture_arrival(const stp_store* store, uint32_t index)
 {
     const stp_residency* r = store->residency;
-    const stp_resident* t = r != NULL ? &r->things[r->firsts[STP_RESIDENT_TEXTURE] + index] : NULL;
+    const stp_resident* t =
+        r != NULL ? &r->resources[r->firsts[STP_RESIDENT_TEXTURE] + index] : NULL;
     return t != NULL && t->level > 0 ? t->arrival : 0;
 }
 
-uint32_t stp_store_thing_count(const stp_store* store)
+uint32_t stp_store_resource_count(const stp_store* store)
 {
     uint32_t firsts[STP_RESIDENT_KINDS + 1];
-    count_things(store, firsts);
+    count_resources(store, firsts);
     return firsts[STP_RESIDENT_KINDS];
 }
 
-uint32_t stp_store_thing(const stp_store* store, stp_resident_kind kind, uint32_t index)
+uint32_t stp_store_resource(const stp_store* store, stp_resident_kind kind, uint32_t index)
 {
     uint32_t firsts[STP_RESIDENT_KINDS + 1];
-    count_things(store, firsts);
+    count_resources(store, firsts);
     return firsts[kind] + index;
 }

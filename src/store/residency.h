@@ -31,7 +31,7 @@ typedef struct stp_data_request {
     float need;       ///< without any of it
     /// Surfels: the need of an octave is this times the radius covered without it.
     float octave_need;
-    uint32_t thing; ///< stp_store_thing, for callers that keep lists of requests; ignored here
+    uint32_t resource; ///< stp_store_resource; ignored here, for callers that keep lists
 } stp_data_request;
 
 #define STP_NEED_MAX 1e30f
@@ -43,7 +43,7 @@ typedef struct stp_residency_desc {
     /// least 1 MiB) is reserved for other uses.
     uint64_t limit_bytes;
     uint32_t thread_count; ///< reader threads; default 2
-    uint64_t batch_bytes;  ///< maximum bytes in flight, apart from one single thing; default 16 MiB
+    uint64_t batch_bytes;  ///< maximum bytes in flight, or a single resource; default 16 MiB
     /// Reads a part of the file; called by several threads at once. Returns false on failure. NULL:
     /// the store's own file.
     bool (*read)(void* user, uint64_t offset, void* bytes, size_t size);
@@ -55,9 +55,9 @@ typedef struct stp_residency_stats {
     uint64_t resident_bytes; ///< now, including loads in flight
     uint64_t peak_bytes;
     uint64_t read_bytes;      ///< from the file, since creation
-    uint64_t loaded, dropped; ///< octaves and other things
+    uint64_t loaded, dropped; ///< octaves and other resources
     uint64_t damaged;         ///< blocks that can never be loaded
-    uint32_t missing;         ///< things wanted in the last update that are not fully resident
+    uint32_t missing;         ///< resources wanted in the last update that are not fully resident
     uint32_t loading;         ///< the part of `missing` in flight
 } stp_residency_stats;
 
@@ -73,7 +73,7 @@ STP_MUST_USE stp_result stp_residency_create(stp_store* store, const stp_residen
 void stp_residency_destroy(stp_residency* residency);
 
 /// Call between frames. Publishes finished loads, drops less needed data if memory runs out, and
-/// starts loading the missing part of `requests` (each thing at most once), most needed first.
+/// starts loading the missing part of `requests` (each resource at most once), most needed first.
 /// Never waits and never fails: without memory, less is resident. A damaged block causes one
 /// warning and is never loaded.
 void stp_residency_update(stp_residency* residency, const stp_data_request* requests, size_t count);
@@ -100,6 +100,6 @@ bool stp_store_are_points_resident(const stp_store* store, uint32_t index);
 /// changes. 0: not resident, or no residency.
 uint64_t stp_store_texture_arrival(const stp_store* store, uint32_t index);
 
-/// Numbers all things of a store consecutively, for tables indexed by thing.
-uint32_t stp_store_thing_count(const stp_store* store);
-uint32_t stp_store_thing(const stp_store* store, stp_resident_kind kind, uint32_t index);
+/// Numbers all resources of a store consecutively, for tables indexed by resource.
+uint32_t stp_store_resource_count(const stp_store* store);
+uint32_t stp_store_resource(const stp_store* store, stp_resident_kind kind, uint32_t index);

@@ -15,8 +15,8 @@ enum { STP_RESIDENCY_CHUNK = 1 << 16, STP_RESIDENCY_LOADS = 256 };
 /// A load in flight. It is handed to the threads and back as a whole.
 typedef struct stp_load {
     struct stp_load* next;
-    uint32_t thing;
-    uint32_t from, to;       ///< octaves resident and wanted; for other things 0 and 1
+    uint32_t resource;
+    uint32_t from, to;       ///< octaves resident and wanted; for other resources 0 and 1
     uint32_t reached;        ///< result; less than `to`: the next block is damaged
     void* memory;            ///< destination
     uint64_t bytes;          ///< size of `memory` plus temporary buffers
@@ -30,7 +30,7 @@ typedef struct stp_load {
     stp_store_leaves leaves; ///< of a set, opened
 } stp_load;
 
-/// A thing of the store and how much of it is resident.
+/// A resource of the store and how much of it is resident.
 typedef struct stp_resident {
     void* memory;
     uint64_t bytes;
@@ -38,25 +38,25 @@ typedef struct stp_resident {
     uint64_t used;    ///< number of the update that last wanted it
     uint64_t arrival; ///< the store's arrival counter
     float need, octave_need;
-    uint8_t level;   ///< resident octaves; of other things 0 or 1
+    uint8_t level;   ///< resident octaves; of other resources 0 or 1
     uint8_t maximum; ///< maximum possible level
     uint8_t pinned;  ///< octaves that are never dropped
     uint8_t wanted;  ///< wanted by update `used`
 } stp_resident;
 
-/// A heap entry: smallest order first, then smallest thing.
+/// A heap entry: smallest order first, then smallest resource.
 typedef struct stp_rank {
     uint64_t order;
-    uint32_t thing;
+    uint32_t resource;
 } stp_rank;
 
 struct stp_residency {
     stp_context* context;
     stp_store* store;
     stp_residency_desc desc;
-    stp_resident* things;
-    uint32_t firsts[STP_RESIDENT_KINDS + 1]; ///< thing with index 0 of each kind, then their total
-    stp_rank* steps;                         ///< heap of missing things
+    stp_resident* resources;
+    uint32_t firsts[STP_RESIDENT_KINDS + 1]; ///< index of the first of each kind, then the total
+    stp_rank* steps;                         ///< heap of missing resources
     stp_rank* victims;                       ///< heap of candidates for dropping
     size_t step_count, victim_count;
     bool victims_found;  ///< in this update
@@ -82,38 +82,40 @@ struct stp_residency {
     pthread_t* threads;
 };
 
-static inline stp_resident_kind stp_residency_kind(const stp_residency* r, uint32_t thing)
+static inline stp_resident_kind stp_residency_kind(const stp_residency* r, uint32_t resource)
 {
     uint32_t kind = STP_RESIDENT_SURFELS;
-    while (thing >= r->firsts[kind + 1]) {
+    while (resource >= r->firsts[kind + 1]) {
         kind += 1;
     }
     return (stp_resident_kind)kind;
 }
 
-/// The set of a thing of that kind.
-static inline const stp_splats* stp_residency_surfels(const stp_residency* r, uint32_t thing)
+/// The set of a resource of that kind.
+static inline const stp_splats* stp_residency_surfels(const stp_residency* r, uint32_t resource)
 {
-    return stp_store_describe_surfels(r->store, thing - r->firsts[STP_RESIDENT_SURFELS]);
+    return stp_store_describe_surfels(r->store, resource - r->firsts[STP_RESIDENT_SURFELS]);
 }
 
-/// The texture of a thing of that kind, as described by the file.
-static inline const stp_store_texture* stp_residency_texture(const stp_residency* r, uint32_t thing)
+/// The texture of a resource of that kind, as described by the file.
+static inline const stp_store_texture* stp_residency_texture(const stp_residency* r,
+                                                             uint32_t resource)
 {
-    return stp_store_describe_texture(r->store, thing - r->firsts[STP_RESIDENT_TEXTURE]);
+    return stp_store_describe_texture(r->store, resource - r->firsts[STP_RESIDENT_TEXTURE]);
 }
 
-/// The block of a thing, or of one octave.
-const stp_store_block* stp_residency_block(const stp_residency* r, uint32_t thing, uint32_t octave);
-/// Memory for a thing at a level.
-uint64_t stp_residency_bytes(const stp_residency* r, uint32_t thing, uint32_t level);
+/// The block of a resource, or of one octave.
+const stp_store_block* stp_residency_block(const stp_residency* r, uint32_t resource,
+                                           uint32_t octave);
+/// Memory for a resource at a level.
+uint64_t stp_residency_bytes(const stp_residency* r, uint32_t resource, uint32_t level);
 /// Replacement colours of a point set; stored after its block.
-uint64_t stp_residency_color_bytes(const stp_residency* r, uint32_t thing);
+uint64_t stp_residency_color_bytes(const stp_residency* r, uint32_t resource);
 /// Memory for decoding a texture's picture, from the header in the mapped file.
-uint64_t stp_residency_decoder_bytes(const stp_residency* r, uint32_t thing);
+uint64_t stp_residency_decoder_bytes(const stp_residency* r, uint32_t resource);
 /// Extra memory during loading: the image file of a texture and its decoder; for operators, the
 /// queue of parents.
-uint64_t stp_residency_transient(const stp_residency* r, uint32_t thing, uint32_t level);
+uint64_t stp_residency_transient(const stp_residency* r, uint32_t resource, uint32_t level);
 
 static inline void stp_residency_count(stp_residency* r, uint64_t bytes)
 {
@@ -133,9 +135,9 @@ bool stp_residency_prepare(stp_residency* r, stp_load* load);
 void stp_residency_end_load(stp_residency* r, stp_load* load);
 /// Publishes a finished load and recycles its record.
 void stp_residency_take(stp_residency* r, stp_load* load);
-/// Drops a thing to `level`. A set may be dropped further if there is no memory for the remaining
-/// copy.
-void stp_residency_drop(stp_residency* r, uint32_t thing, uint32_t level);
+/// Drops a resource to `level`. A set may be dropped further if there is no memory for
+/// the remaining copy.
+void stp_residency_drop(stp_residency* r, uint32_t resource, uint32_t level);
 
 /// Starts the threads. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (logged; started
 /// threads go on)

@@ -67,8 +67,8 @@ static bool read_part(void* user, uint64_t offset, void* bytes, size_t size)
 
 static bool read_octave(stp_residency* r, stp_load* load, uint32_t octave)
 {
-    uint32_t index = load->thing - r->firsts[STP_RESIDENT_SURFELS];
-    const stp_store_block* block = stp_residency_block(r, load->thing, octave);
+    uint32_t index = load->resource - r->firsts[STP_RESIDENT_SURFELS];
+    const stp_store_block* block = stp_residency_block(r, load->resource, octave);
     stp_store_octave_span span = stp_store_span_of(&load->columns, octave, block->encoding);
     stp_store_block_source source = {.block = block,
                                      .read = read_part,
@@ -105,7 +105,7 @@ static bool read_octave(stp_residency* r, stp_load* load, uint32_t octave)
 static bool check_mesh(stp_residency* r, stp_load* load)
 {
     const stp_store_mesh_record* records = r->store->tables[STP_SECTION_MESHES];
-    uint32_t index = load->thing - r->firsts[STP_RESIDENT_MESH];
+    uint32_t index = load->resource - r->firsts[STP_RESIDENT_MESH];
     stp_store_validator validator = stp_store_own_validator(r->store);
     validator.warns = true;
     if (stp_store_is_clustered(r->store, index)) {
@@ -124,7 +124,7 @@ static bool check_mesh(stp_residency* r, stp_load* load)
 static bool check_points(stp_residency* r, const stp_load* load)
 {
     const stp_store_point_record* records = r->store->tables[STP_SECTION_POINT_SETS];
-    uint32_t index = load->thing - r->firsts[STP_RESIDENT_POINTS];
+    uint32_t index = load->resource - r->firsts[STP_RESIDENT_POINTS];
     stp_store_validator validator = stp_store_own_validator(r->store);
     validator.warns = true;
     stp_store_point_set points = {.point_count = records[index].points.point_count};
@@ -134,7 +134,7 @@ static bool check_points(stp_residency* r, const stp_load* load)
 
 static bool open_leaves(stp_residency* r, stp_load* load)
 {
-    uint32_t set = load->thing - r->firsts[STP_RESIDENT_LEAVES];
+    uint32_t set = load->resource - r->firsts[STP_RESIDENT_LEAVES];
     const char* fault = stp_store_open_leaves(r->store, set, load->memory, &load->leaves);
     if (fault != NULL) {
         stp_warn(r->context, "%s: surfel set %u: %s", r->store->path, set, fault);
@@ -146,14 +146,14 @@ static bool open_leaves(stp_residency* r, stp_load* load)
 static bool color_points(stp_residency* r, stp_load* load)
 {
     const stp_store_point_record* records = r->store->tables[STP_SECTION_POINT_SETS];
-    uint32_t index = load->thing - r->firsts[STP_RESIDENT_POINTS];
+    uint32_t index = load->resource - r->firsts[STP_RESIDENT_POINTS];
     if (!stp_store_is_colored(r->store)) {
         return true;
     }
     stp_store_block_source source = {.read = read_part, .user = r};
     stp_store_point_set points = {.point_count = records[index].points.point_count};
     stp_store_find_point_columns(records[index].present, load->memory, &points);
-    uint8_t* colored = (uint8_t*)load->memory + stp_residency_block(r, load->thing, 0)->size;
+    uint8_t* colored = (uint8_t*)load->memory + stp_residency_block(r, load->resource, 0)->size;
     const char* fault =
         stp_store_color_points(r->store, index, points.colors, &source, colored, &load->read_bytes);
     if (fault != NULL && !atomic_load(&r->ending)) {
@@ -166,7 +166,7 @@ static bool color_points(stp_residency* r, stp_load* load)
 static bool decode_picture(const stp_residency* r, const stp_load* load,
                            const stp_store_block* block)
 {
-    const stp_store_texture* texture = stp_residency_texture(r, load->thing);
+    const stp_store_texture* texture = stp_residency_texture(r, load->resource);
     stp_image_info info;
     size_t size = (size_t)block->size;
     stp_result result = stp_store_measure_picture(texture, load->picture, size, &info);
@@ -175,7 +175,7 @@ static bool decode_picture(const stp_residency* r, const stp_load* load,
     }
     if (result != STP_OK) {
         stp_warn(r->context, "%s: texture %u: %s: it is left out", r->store->path,
-                 load->thing - r->firsts[STP_RESIDENT_TEXTURE],
+                 load->resource - r->firsts[STP_RESIDENT_TEXTURE],
                  result == STP_ERROR_OUT_OF_MEMORY ? "out of memory" : info.reason);
     }
     return result == STP_OK;
@@ -185,7 +185,7 @@ static void fill_load(stp_residency* r, stp_load* load)
 {
     load->reached = load->from;
     load->read_bytes = 0;
-    stp_resident_kind kind = stp_residency_kind(r, load->thing);
+    stp_resident_kind kind = stp_residency_kind(r, load->resource);
     if (kind == STP_RESIDENT_SURFELS) {
         if (load->from > 0) {
             stp_store_copy_columns(&load->columns, &load->before, load->from);
@@ -195,7 +195,7 @@ static void fill_load(stp_residency* r, stp_load* load)
         }
         return;
     }
-    const stp_store_block* block = stp_residency_block(r, load->thing, 0);
+    const stp_store_block* block = stp_residency_block(r, load->resource, 0);
     bool good = read_block(r, block, load->picture != NULL ? load->picture : load->memory);
     good = good && (load->picture == NULL || decode_picture(r, load, block));
     good = good && (kind != STP_RESIDENT_MESH || check_mesh(r, load));

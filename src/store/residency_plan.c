@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Decides what to load, and what to drop (evict) for it. Loads and drops are steps: one octave of a
-// set, or another thing as a whole. The most needed step comes first, of any thing. Data is dropped
-// in this order: not wanted for longest, finer than wanted, much less needed than the new data.
+// set, or a whole resource of another kind. The most needed step comes first, of any resource. Data
+// is dropped in this order: not wanted for longest, finer than wanted, much less needed than the
+// new data.
 #include "base/prefix_table.h"
 #include "store/residency_internal.h"
 
@@ -29,21 +30,21 @@ static uint64_t bits_of(float need)
 }
 
 /// The need of the octave after `level`.
-static float need_after(const stp_residency* r, uint32_t thing, uint32_t level)
+static float need_after(const stp_residency* r, uint32_t resource, uint32_t level)
 {
-    const stp_resident* t = &r->things[thing];
+    const stp_resident* t = &r->resources[resource];
     if (level < t->pinned) {
         return STP_NEED_MAX;
     }
-    if (level == 0 || stp_residency_kind(r, thing) != STP_RESIDENT_SURFELS) {
+    if (level == 0 || stp_residency_kind(r, resource) != STP_RESIDENT_SURFELS) {
         return t->need;
     }
-    const stp_splats* surfels = stp_residency_surfels(r, thing);
+    const stp_splats* surfels = stp_residency_surfels(r, resource);
     return t->octave_need *
            stp_prefix_table_radius(&surfels->table, surfels->octave_ends[level - 1]);
 }
 
-/// Level of a thing that this update's view, or its pin, needs.
+/// Level of a resource that this update's view, or its pin, needs.
 static uint32_t find_target(const stp_residency* r, const stp_resident* t)
 {
     uint32_t wanted = t->used == r->updates ? t->wanted : 0;
@@ -51,15 +52,16 @@ static uint32_t find_target(const stp_residency* r, const stp_resident* t)
     return wanted < t->maximum ? wanted : t->maximum;
 }
 
-static void note(stp_residency* r, uint32_t thing, uint32_t wanted, float need, float octave_need)
+static void note(stp_residency* r, uint32_t resource, uint32_t wanted, float need,
+                 float octave_need)
 {
-    stp_resident* t = &r->things[thing];
+    stp_resident* t = &r->resources[resource];
     if (t->used != r->updates) {
         t->used = r->updates;
         t->wanted = 0;
         t->need = t->octave_need = 0.0f;
         if (t->pinned == 0) { // else it is among the steps already
-            r->steps[r->step_count++].thing = thing;
+            r->steps[r->step_count++].resource = resource;
         }
     }
     t->wanted = (uint8_t)(wanted > t->wanted ? wanted : t->wanted);
@@ -85,29 +87,29 @@ static void note_textures(stp_residency* r, uint32_t mesh, float need)
 static void note_requests(stp_residency* r, const stp_data_request* requests, size_t count)
 {
     for (uint32_t i = 0; i < r->pin_count; ++i) {
-        r->steps[r->step_count++].thing = r->pins[i];
+        r->steps[r->step_count++].resource = r->pins[i];
     }
     for (size_t i = 0; i < count; ++i) {
         const stp_data_request* request = &requests[i];
-        uint32_t thing = r->firsts[request->kind] + request->index;
+        uint32_t resource = r->firsts[request->kind] + request->index;
         bool surfels = request->kind == STP_RESIDENT_SURFELS;
         uint32_t octaves =
             request->octaves < STP_OCTAVE_LIMIT ? request->octaves : STP_OCTAVE_LIMIT;
-        note(r, thing, surfels ? octaves : 1, request->need, request->octave_need);
+        note(r, resource, surfels ? octaves : 1, request->need, request->octave_need);
         if (request->kind == STP_RESIDENT_MESH) {
             note_textures(r, request->index, request->need);
         }
     }
 }
 
-/// Collects missing things without a load in flight in `steps`, most needed first.
+/// Collects missing resources without a load in flight in `steps`, most needed first.
 static void sort_steps(stp_residency* r)
 {
     size_t kept = 0;
     r->stats.missing = r->stats.loading = 0;
     for (size_t i = 0; i < r->step_count; ++i) {
-        uint32_t thing = r->steps[i].thing;
-        const stp_resident* t = &r->things[thing];
+        uint32_t resource = r->steps[i].resource;
+        const stp_resident* t = &r->resources[resource];
         if (t->level >= find_target(r, t)) {
             continue;
         }
@@ -116,22 +118,22 @@ static void sort_steps(stp_residency* r)
             r->stats.loading += 1;
             continue;
         }
-        float need = need_after(r, thing, t->level);
-        r->steps[kept++] = (stp_rank){.order = UINT64_MAX - bits_of(need), .thing = thing};
+        float need = need_after(r, resource, t->level);
+        r->steps[kept++] = (stp_rank){.order = UINT64_MAX - bits_of(need), .resource = resource};
     }
     r->step_count = kept;
     stp_ranks_sort(r->steps, kept);
 }
 
-static uint64_t order_of_victim(const stp_residency* r, uint32_t thing)
+static uint64_t order_of_victim(const stp_residency* r, uint32_t resource)
 {
-    const stp_resident* t = &r->things[thing];
+    const stp_resident* t = &r->resources[resource];
     uint32_t target = find_target(r, t);
     if (target == 0) {
         return t->used;
     }
     uint64_t kind = t->level > target ? UINT64_C(1) << 62 : UINT64_C(1) << 63;
-    return kind | bits_of(need_after(r, thing, t->level - 1u));
+    return kind | bits_of(need_after(r, resource, t->level - 1u));
 }
 
 static void find_victims(stp_residency* r)
@@ -139,28 +141,29 @@ static void find_victims(stp_residency* r)
     uint32_t count = r->firsts[STP_RESIDENT_KINDS];
     r->victim_count = 0;
     for (uint32_t i = 0; i < count; ++i) {
-        const stp_resident* t = &r->things[i];
+        const stp_resident* t = &r->resources[i];
         if (t->level > t->pinned && t->load == NULL) {
-            r->victims[r->victim_count++] = (stp_rank){.order = order_of_victim(r, i), .thing = i};
+            r->victims[r->victim_count++] =
+                (stp_rank){.order = order_of_victim(r, i), .resource = i};
         }
     }
     stp_ranks_sort(r->victims, r->victim_count);
     r->victims_found = true;
 }
 
-/// Drops one step of the least needed thing, or several if it is not wanted at all.
+/// Drops one step of the least needed resource, or several if it is not wanted at all.
 static void drop_victim(stp_residency* r)
 {
-    uint32_t thing = r->victims[0].thing;
-    const stp_resident* t = &r->things[thing];
+    uint32_t resource = r->victims[0].resource;
+    const stp_resident* t = &r->resources[resource];
     uint32_t target = find_target(r, t);
-    bool surfels = stp_residency_kind(r, thing) == STP_RESIDENT_SURFELS;
+    bool surfels = stp_residency_kind(r, resource) == STP_RESIDENT_SURFELS;
     r->dropped_wanted = r->dropped_wanted || (target > 0 && t->level <= target);
     uint32_t level = target == 0 ? t->pinned : surfels ? t->level - 1u : 0;
     level = t->level > target && target > level ? target : level;
-    stp_residency_drop(r, thing, level);
+    stp_residency_drop(r, resource, level);
     if (t->level > t->pinned) {
-        r->victims[0].order = order_of_victim(r, thing);
+        r->victims[0].order = order_of_victim(r, resource);
         stp_ranks_sink(r->victims, r->victim_count, 0);
     } else {
         r->victim_count = stp_ranks_pop(r->victims, r->victim_count);
@@ -181,7 +184,8 @@ static bool make_room(stp_residency* r, uint64_t bytes, float need, uint64_t lim
         if (r->victim_count == 0 || r->victims[0].order >= max_given) {
             return false;
         }
-        if (r->things[r->victims[0].thing].load != NULL) { // planned after the victims were found
+        // planned after the victims were found
+        if (r->resources[r->victims[0].resource].load != NULL) {
             r->victim_count = stp_ranks_pop(r->victims, r->victim_count);
         } else {
             drop_victim(r);
@@ -205,30 +209,30 @@ static uint64_t find_limit(const stp_residency* r)
     return limit;
 }
 
-/// Target level of a load that begins at the thing's own level: small octaves are loaded together.
-static uint32_t find_next(const stp_residency* r, uint32_t thing, uint32_t from, uint32_t target)
+/// Target level of a load from the resource's own level: small octaves are loaded together.
+static uint32_t find_next(const stp_residency* r, uint32_t resource, uint32_t from, uint32_t target)
 {
     uint32_t to = from + 1;
-    while (to < target && stp_residency_bytes(r, thing, to + 1) <= smallest_batch) {
+    while (to < target && stp_residency_bytes(r, resource, to + 1) <= smallest_batch) {
         to += 1;
     }
     return to;
 }
 
-static stp_load* new_load(stp_residency* r, uint32_t thing)
+static stp_load* new_load(stp_residency* r, uint32_t resource)
 {
     stp_load* load = r->spare;
     if (load != NULL) {
         r->spare = load->next;
         load->next = NULL;
-        load->thing = thing;
-        load->from = load->to = r->things[thing].level;
+        load->resource = resource;
+        load->from = load->to = r->resources[resource].level;
         load->bytes = 0;
         load->memory = NULL;
         load->picture = NULL;
         load->waiting = NULL;
         load->transient = 0;
-        r->things[thing].load = load;
+        r->resources[resource].load = load;
         *(r->first_load == NULL ? &r->first_load : &r->last_load->next) = load;
         r->last_load = load;
     }
@@ -238,24 +242,24 @@ static stp_load* new_load(stp_residency* r, uint32_t thing)
 /// Plans the first step of the heap. @return false if no further step is worth trying
 static bool plan_step(stp_residency* r, uint32_t* skips)
 {
-    uint32_t thing = r->steps[0].thing;
-    stp_resident* t = &r->things[thing];
+    uint32_t resource = r->steps[0].resource;
+    stp_resident* t = &r->resources[resource];
     stp_load* load = t->load;
     uint32_t target = find_target(r, t), from = load != NULL ? load->to : t->level;
-    uint32_t to = stp_residency_kind(r, thing) == STP_RESIDENT_SURFELS
-                      ? find_next(r, thing, from, target)
+    uint32_t to = stp_residency_kind(r, resource) == STP_RESIDENT_SURFELS
+                      ? find_next(r, resource, from, target)
                       : 1;
-    uint64_t bytes = stp_residency_bytes(r, thing, to) + stp_residency_transient(r, thing, to) -
-                     (load != NULL ? load->bytes : 0);
+    uint64_t bytes = stp_residency_bytes(r, resource, to) +
+                     stp_residency_transient(r, resource, to) - (load != NULL ? load->bytes : 0);
     if (r->under_way > 0 && r->under_way + bytes > r->desc.batch_bytes) {
         return false;
     }
     if (load == NULL && r->spare == NULL) {
         return false;
     }
-    float need = need_after(r, thing, from);
-    // a load must not drop its own thing
-    load = load != NULL ? load : new_load(r, thing);
+    float need = need_after(r, resource, from);
+    // a load must not drop its own resource
+    load = load != NULL ? load : new_load(r, resource);
     bool fits = make_room(r, bytes, need, r->limit - r->limit / SHORTENS);
     if (fits) {
         load->to = to;
@@ -264,7 +268,7 @@ static bool plan_step(stp_residency* r, uint32_t* skips)
         r->under_way += bytes;
     }
     if (fits && to < target) {
-        r->steps[0].order = UINT64_MAX - bits_of(need_after(r, thing, to));
+        r->steps[0].order = UINT64_MAX - bits_of(need_after(r, resource, to));
         stp_ranks_sink(r->steps, r->step_count, 0);
     } else {
         r->step_count = stp_ranks_pop(r->steps, r->step_count);
@@ -288,7 +292,7 @@ static void prepare_loads(stp_residency* r)
         } else {
             r->bytes -= load->bytes;
             r->under_way -= load->bytes;
-            r->things[load->thing].load = NULL;
+            r->resources[load->resource].load = NULL;
             load->next = r->spare;
             r->spare = load;
         }

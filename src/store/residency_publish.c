@@ -4,28 +4,28 @@
 #include "store/leaves_internal.h"
 #include "store/residency_internal.h"
 
-static stp_store_surfels_record* surfels_record(const stp_residency* r, uint32_t thing)
+static stp_store_surfels_record* surfels_record(const stp_residency* r, uint32_t resource)
 {
     stp_store_surfels_record* records = r->store->tables[STP_SECTION_SURFELS];
-    return &records[thing - r->firsts[STP_RESIDENT_SURFELS]];
+    return &records[resource - r->firsts[STP_RESIDENT_SURFELS]];
 }
 
 /// Memory for the texels and, for a picture, its file and decoder.
 static bool prepare_texture(stp_residency* r, stp_load* load)
 {
-    const stp_store_texture* texture = stp_residency_texture(r, load->thing);
+    const stp_store_texture* texture = stp_residency_texture(r, load->resource);
     load->memory = stp_alloc_array(r->context, (size_t)texture->width * texture->height, 4);
     if (load->memory == NULL || texture->encoding == 0) {
         return load->memory != NULL;
     }
-    uint64_t size = stp_residency_block(r, load->thing, 0)->size;
-    if (stp_reserve(r->context, stp_residency_decoder_bytes(r, load->thing))) {
+    uint64_t size = stp_residency_block(r, load->resource, 0)->size;
+    if (stp_reserve(r->context, stp_residency_decoder_bytes(r, load->resource))) {
         load->picture = stp_alloc(r->context, size > 0 ? (size_t)size : 1);
         if (load->picture != NULL) {
-            load->transient = stp_residency_transient(r, load->thing, 1);
+            load->transient = stp_residency_transient(r, load->resource, 1);
             return true;
         }
-        stp_release(r->context, stp_residency_decoder_bytes(r, load->thing));
+        stp_release(r->context, stp_residency_decoder_bytes(r, load->resource));
     }
     stp_free(r->context, load->memory);
     load->memory = NULL;
@@ -35,8 +35,8 @@ static bool prepare_texture(stp_residency* r, stp_load* load)
 /// Memory for the columns and, for operators, the queue of parents.
 static bool prepare_surfels(stp_residency* r, stp_load* load)
 {
-    const stp_splats* surfels = &surfels_record(r, load->thing)->surfels;
-    uint64_t transient = stp_residency_transient(r, load->thing, load->to);
+    const stp_splats* surfels = &surfels_record(r, load->resource)->surfels;
+    uint64_t transient = stp_residency_transient(r, load->resource, load->to);
     load->before = *surfels;
     load->columns = *surfels;
     stp_store_cut_surfels(&load->columns, load->to);
@@ -57,16 +57,16 @@ static bool prepare_surfels(stp_residency* r, stp_load* load)
 
 bool stp_residency_prepare(stp_residency* r, stp_load* load)
 {
-    if (stp_residency_kind(r, load->thing) == STP_RESIDENT_SURFELS) {
+    if (stp_residency_kind(r, load->resource) == STP_RESIDENT_SURFELS) {
         return prepare_surfels(r, load);
     }
-    if (stp_residency_kind(r, load->thing) == STP_RESIDENT_TEXTURE) {
+    if (stp_residency_kind(r, load->resource) == STP_RESIDENT_TEXTURE) {
         return prepare_texture(r, load);
     }
-    uint64_t size =
-        stp_residency_block(r, load->thing, 0)->size + stp_residency_color_bytes(r, load->thing);
-    if (stp_residency_kind(r, load->thing) == STP_RESIDENT_LEAVES) {
-        uint32_t set = load->thing - r->firsts[STP_RESIDENT_LEAVES];
+    uint64_t size = stp_residency_block(r, load->resource, 0)->size +
+                    stp_residency_color_bytes(r, load->resource);
+    if (stp_residency_kind(r, load->resource) == STP_RESIDENT_LEAVES) {
+        uint32_t set = load->resource - r->firsts[STP_RESIDENT_LEAVES];
         size = stp_store_leaves_bytes(stp_store_leaf_count(r->store, set));
     }
     load->memory = stp_alloc(r->context, size > 0 ? (size_t)size : 1);
@@ -77,7 +77,7 @@ void stp_residency_end_load(stp_residency* r, stp_load* load)
 {
     if (load->picture != NULL) {
         stp_free(r->context, load->picture);
-        stp_release(r->context, stp_residency_decoder_bytes(r, load->thing));
+        stp_release(r->context, stp_residency_decoder_bytes(r, load->resource));
         load->picture = NULL;
     }
     stp_free(r->context, load->waiting);
@@ -124,11 +124,11 @@ static void publish_points(const stp_residency* r, uint32_t index, void* memory)
     }
 }
 
-/// NULL: the thing is dropped.
-static void publish(const stp_residency* r, uint32_t thing, void* memory, const stp_load* load)
+/// NULL: the resource is dropped.
+static void publish(const stp_residency* r, uint32_t resource, void* memory, const stp_load* load)
 {
-    stp_resident_kind kind = stp_residency_kind(r, thing);
-    uint32_t index = thing - r->firsts[kind];
+    stp_resident_kind kind = stp_residency_kind(r, resource);
+    uint32_t index = resource - r->firsts[kind];
     if (kind == STP_RESIDENT_MESH) {
         publish_mesh(r, index, memory, load != NULL ? &load->clusters : NULL);
     } else if (kind == STP_RESIDENT_POINTS) {
@@ -142,7 +142,7 @@ static void publish(const stp_residency* r, uint32_t thing, void* memory, const 
     }
 }
 
-static void free_thing(stp_residency* r, stp_resident* t)
+static void free_resource(stp_residency* r, stp_resident* t)
 {
     stp_free(r->context, t->memory);
     r->bytes -= t->bytes;
@@ -153,7 +153,7 @@ static void free_thing(stp_residency* r, stp_resident* t)
 
 void stp_residency_take(stp_residency* r, stp_load* load)
 {
-    stp_resident* t = &r->things[load->thing];
+    stp_resident* t = &r->resources[load->resource];
     t->load = NULL;
     r->under_way -= load->bytes;
     stp_residency_end_load(r, load);
@@ -169,16 +169,16 @@ void stp_residency_take(stp_residency* r, stp_load* load)
         stp_free(r->context, load->memory);
         r->bytes -= load->bytes;
     } else {
-        free_thing(r, t);
+        free_resource(r, t);
         t->memory = load->memory;
         t->bytes = load->bytes;
         t->level = (uint8_t)load->reached;
         t->arrival = ++r->store->arrivals;
-        if (stp_residency_kind(r, load->thing) == STP_RESIDENT_SURFELS) {
-            stp_store_set_columns(surfels_record(r, load->thing), load->memory, &load->columns,
+        if (stp_residency_kind(r, load->resource) == STP_RESIDENT_SURFELS) {
+            stp_store_set_columns(surfels_record(r, load->resource), load->memory, &load->columns,
                                   load->reached);
         } else {
-            publish(r, load->thing, load->memory, load);
+            publish(r, load->resource, load->memory, load);
         }
     }
     load->next = r->spare;
@@ -186,12 +186,12 @@ void stp_residency_take(stp_residency* r, stp_load* load)
 }
 
 /// Copies the first octaves of a set (at least one) to separate memory.
-static bool shorten(stp_residency* r, uint32_t thing, uint32_t level)
+static bool shorten(stp_residency* r, uint32_t resource, uint32_t level)
 {
-    stp_resident* t = &r->things[thing];
-    stp_store_surfels_record* record = surfels_record(r, thing);
+    stp_resident* t = &r->resources[resource];
+    stp_store_surfels_record* record = surfels_record(r, resource);
     stp_splats columns = record->surfels;
-    uint64_t bytes = stp_residency_bytes(r, thing, level);
+    uint64_t bytes = stp_residency_bytes(r, resource, level);
     stp_store_cut_surfels(&columns, level);
     stp_store_joined* memory =
         r->bytes + bytes <= r->limit ? stp_store_reserve_columns(r->context, &columns) : NULL;
@@ -200,7 +200,7 @@ static bool shorten(stp_residency* r, uint32_t thing, uint32_t level)
     }
     stp_residency_count(r, bytes);
     stp_store_copy_columns(&columns, &record->surfels, level);
-    free_thing(r, t);
+    free_resource(r, t);
     stp_store_set_columns(record, memory, &columns, level);
     t->memory = memory;
     t->bytes = bytes;
@@ -208,21 +208,21 @@ static bool shorten(stp_residency* r, uint32_t thing, uint32_t level)
     return true;
 }
 
-void stp_residency_drop(stp_residency* r, uint32_t thing, uint32_t level)
+void stp_residency_drop(stp_residency* r, uint32_t resource, uint32_t level)
 {
-    stp_resident* t = &r->things[thing];
+    stp_resident* t = &r->resources[resource];
     uint32_t before = t->level;
-    if (stp_residency_kind(r, thing) != STP_RESIDENT_SURFELS) {
-        publish(r, thing, NULL, NULL);
-        free_thing(r, t);
+    if (stp_residency_kind(r, resource) != STP_RESIDENT_SURFELS) {
+        publish(r, resource, NULL, NULL);
+        free_resource(r, t);
     } else {
-        while (level > 0 && !shorten(r, thing, level)) { // no memory for the copy
+        while (level > 0 && !shorten(r, resource, level)) { // no memory for the copy
             level -= 1;
         }
         if (level == 0) {
             stp_splats none = {0};
-            free_thing(r, t);
-            stp_store_set_columns(surfels_record(r, thing), NULL, &none, 0);
+            free_resource(r, t);
+            stp_store_set_columns(surfels_record(r, resource), NULL, &none, 0);
         }
     }
     r->stats.dropped += before - t->level;

@@ -4,7 +4,7 @@
 
 static bool is_before(const stp_rank* a, const stp_rank* b)
 {
-    return a->order != b->order ? a->order < b->order : a->thing < b->thing;
+    return a->order != b->order ? a->order < b->order : a->resource < b->resource;
 }
 
 void stp_ranks_sink(stp_rank* ranks, size_t count, size_t at)

@@ -41,8 +41,8 @@ static stp_result verify_texts(stp_store* store)
             stp_store_verify_text(store, STP_SECTION_TEXT, &uses, store->summary.parts[i].name);
     }
     for (uint32_t i = 0; result == STP_OK && i < d->method_count; ++i) {
-        bool told = store->known[STP_SECTION_METHODS] != NULL;
-        const char* name = told ? d->methods[i].name : NULL;
+        bool has_methods = store->known[STP_SECTION_METHODS] != NULL;
+        const char* name = has_methods ? d->methods[i].name : NULL;
         result = stp_store_verify_text(store, STP_SECTION_TEXT, &uses, name);
     }
     for (uint32_t i = 0; result == STP_OK && i < d->view_count; ++i) {

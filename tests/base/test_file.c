@@ -102,11 +102,11 @@ static uint64_t resident_file_bytes(void)
 {
     FILE* file = fopen("/proc/self/statm", "r");
     unsigned long long all = 0, resident = 0, shared = 0;
-    bool told = file != NULL && fscanf(file, "%llu %llu %llu", &all, &resident, &shared) == 3;
+    bool found = file != NULL && fscanf(file, "%llu %llu %llu", &all, &resident, &shared) == 3;
     if (file != NULL) {
         fclose(file);
     }
-    return told ? (uint64_t)shared * (uint64_t)sysconf(_SC_PAGESIZE) : 0;
+    return found ? (uint64_t)shared * (uint64_t)sysconf(_SC_PAGESIZE) : 0;
 }
 
 static uint64_t sum_bytes(const stp_mapped_file* file)
@@ -200,13 +200,13 @@ void test_file_writer_abort_keeps_the_former_file(test_state* test)
     CHECK(context != NULL && make_folder(&f));
     char path[128];
     path_in(&f, "out.bin", path);
-    CHECK(write_text(context, path, "former"));
+    CHECK(write_text(context, path, "previous"));
     stp_file_writer* writer = NULL;
     CHECK_EQUAL(STP_OK, stp_file_writer_open(context, path, &writer));
     CHECK_EQUAL(STP_OK, stp_file_writer_append(writer, "new", 3));
     stp_file_writer_abort(writer);
     stp_file_writer_abort(NULL);
-    CHECK(holds_text(context, path, "former"));
+    CHECK(holds_text(context, path, "previous"));
     CHECK_EQUAL(1, count_entries(&f));
     CHECK(write_text(context, path, "newer"));
     CHECK(holds_text(context, path, "newer"));
@@ -372,7 +372,7 @@ void test_full_disk_leaves_the_former_file(test_state* test)
     CHECK(context != NULL && make_folder(&f));
     char path[128];
     path_in(&f, "out.bin", path);
-    CHECK(write_text(context, path, "former"));
+    CHECK(write_text(context, path, "previous"));
     pid_t child = fork();
     CHECK(child >= 0);
     if (child == 0) {
@@ -382,7 +382,7 @@ void test_full_disk_leaves_the_former_file(test_state* test)
     CHECK(waitpid(child, &status, 0) == child);
     CHECK(WIFEXITED(status));
     CHECK_EQUAL(0, WEXITSTATUS(status));
-    CHECK(holds_text(context, path, "former"));
+    CHECK(holds_text(context, path, "previous"));
     CHECK_EQUAL(1, count_entries(&f));
     unlink(path);
     rmdir(f.path);

@@ -212,8 +212,8 @@ void test_failed_builds_leave_the_former_file(test_state* test)
     test_log log = {0};
     stp_context* context = test_context(NULL, 1, &log);
     CHECK(context != NULL && open_workshop(&w, 4));
-    CHECK(write_text(w.output, "former"));
-    CHECK(write_text(w.other, "former"));
+    CHECK(write_text(w.output, "previous"));
+    CHECK(write_text(w.other, "previous"));
     CHECK(write_text(w.model, "this is no model\nf 1 2 3\n"));
     CHECK(build_to(context, &w, w.output, 0, NULL) != STP_OK);
     CHECK_EQUAL(1, log.errors);
@@ -240,8 +240,8 @@ void test_builds_can_be_stopped_at_every_stage(test_state* test)
     static const char* const stages[] = {"import", "partition", "surfels", "clusters", "write"};
     workshop w;
     CHECK(open_workshop(&w, 30));
-    CHECK(write_text(w.output, "former"));
-    CHECK(write_text(w.other, "former"));
+    CHECK(write_text(w.output, "previous"));
+    CHECK(write_text(w.other, "previous"));
     for (int i = 0; i < 5; ++i) {
         test_log log = {0};
         char stage[32];
@@ -270,17 +270,17 @@ void test_builds_can_be_stopped_at_every_stage(test_state* test)
     CHECK(folder_is_gone(&w));
 }
 
-typedef struct vandal {
+typedef struct damage {
     char segment[160];
     const char* stage;
     int times; ///< remaining
     int done;
-} vandal;
+} damage;
 
 // Flips the last byte of a result, before its padding.
 static int damage_results(const stp_progress_report* report, void* user)
 {
-    vandal* v = user;
+    damage* v = user;
     FILE* file =
         v->times > 0 && strcmp(report->stage, v->stage) == 0 ? fopen(v->segment, "r+b") : NULL;
     int last = 0;
@@ -317,7 +317,7 @@ void test_builds_notice_results_that_somebody_changed(test_state* test)
     for (int i = 0; i < 4;
          ++i) { // changed once: everything is made again; always: one message, and no file
         test_log log = {0};
-        vandal v = {.stage = stages[i % 2], .times = i < 2 ? 1 : 1000000};
+        damage v = {.stage = stages[i % 2], .times = i < 2 ? 1 : 1000000};
         snprintf(v.segment, sizeof(v.segment), "%s.work/segment-000000", w.output);
         stp_context_desc desc = {.thread_count = 2,
                                  .log = test_log_message,

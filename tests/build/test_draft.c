@@ -34,12 +34,12 @@ typedef struct seen_draft {
     uint8_t pixels[4 * PIXELS];
 } seen_draft;
 
-typedef struct onlooker {
+typedef struct draft_reader {
     const char* path;
     seen_draft* drafts; ///< DRAFTS entries
     uint32_t count;
     bool only_counts; ///< no pictures, which are slow
-} onlooker;
+} draft_reader;
 
 static bool draw(stp_context* context, stp_store* store, uint8_t* pixels)
 {
@@ -91,14 +91,15 @@ static void look_at(const char* path, bool draws, seen_draft* seen)
 
 static void on_draft(void* user)
 {
-    onlooker* o = user;
+    draft_reader* o = user;
     if (o->count < DRAFTS) {
         look_at(o->path, !o->only_counts, &o->drafts[o->count]);
     }
     o->count += 1;
 }
 
-static stp_result build_with(uint32_t threads, const char* input, const char* output, onlooker* o)
+static stp_result build_with(uint32_t threads, const char* input, const char* output,
+                             draft_reader* o)
 {
     stp_context* context = test_context(NULL, threads, NULL);
     stp_build_desc desc = {.inputs = &input,
@@ -118,7 +119,7 @@ static stp_result build_with(uint32_t threads, const char* input, const char* ou
     return result;
 }
 
-static stp_result build_scene(const char* input, const char* output, onlooker* o)
+static stp_result build_scene(const char* input, const char* output, draft_reader* o)
 {
     return build_with(1, input, output, o);
 }
@@ -176,7 +177,7 @@ void test_drafts_grow_to_the_finished_scene(test_state* test)
     snprintf(plain, sizeof(plain), "%s/plain.stip", folder);
     snprintf(model, sizeof(model), "%s/model.obj", folder);
     CHECK(write_sheets(model));
-    onlooker o = {.path = draft, .drafts = calloc(DRAFTS + 1, sizeof(*o.drafts))};
+    draft_reader o = {.path = draft, .drafts = calloc(DRAFTS + 1, sizeof(*o.drafts))};
     CHECK(o.drafts != NULL);
     CHECK_EQUAL(STP_OK, build_scene(model, output, &o));
     CHECK_EQUAL(STP_OK, build_scene(model, plain, NULL));
@@ -231,7 +232,8 @@ void test_drafts_show_scans_before_they_are_read(test_state* test)
     FILE* out = fopen(model, "wb");
     CHECK(out != NULL && fwrite(file.bytes, 1, file.size, out) == file.size && fclose(out) == 0);
     free(file.bytes);
-    onlooker o = {.path = draft, .only_counts = true, .drafts = calloc(DRAFTS, sizeof(*o.drafts))};
+    draft_reader o = {
+        .path = draft, .only_counts = true, .drafts = calloc(DRAFTS, sizeof(*o.drafts))};
     CHECK(o.drafts != NULL);
     CHECK_EQUAL(STP_OK, build_scene(model, output, &o));
     CHECK_EQUAL(STP_OK, build_scene(model, plain, NULL));
@@ -263,7 +265,8 @@ void test_drafts_stay_drawable_however_large_the_scene(test_state* test)
     CHECK(mkdtemp(folder) != NULL);
     snprintf(draft, sizeof(draft), "%s/draft.stip", folder);
     snprintf(output, sizeof(output), "%s/output.stip", folder);
-    onlooker o = {.path = draft, .only_counts = true, .drafts = calloc(DRAFTS, sizeof(*o.drafts))};
+    draft_reader o = {
+        .path = draft, .only_counts = true, .drafts = calloc(DRAFTS, sizeof(*o.drafts))};
     CHECK(o.drafts != NULL);
     CHECK_EQUAL(STP_OK, build_scene("scene:spheres", output, &o)); // 1.3 G triangles
     CHECK(o.count >= 2);
@@ -283,7 +286,7 @@ void test_drafts_that_cannot_be_written_harm_nothing(test_state* test)
     char folder[] = "stp_draft_XXXXXX", output[64];
     CHECK(mkdtemp(folder) != NULL);
     snprintf(output, sizeof(output), "%s/output.stip", folder);
-    onlooker o = {.path = "/nowhere/there/draft.stip"};
+    draft_reader o = {.path = "/nowhere/there/draft.stip"};
     CHECK_EQUAL(STP_OK, build_scene("scene:boxes", output, &o));
     CHECK_EQUAL(0, o.count);
     unlink(output);
@@ -299,7 +302,8 @@ void test_drafts_of_many_threads_change_nothing(test_state* test)
     snprintf(plain, sizeof(plain), "%s/plain.stip", folder);
     snprintf(model, sizeof(model), "%s/model.obj", folder);
     CHECK(write_sheets(model));
-    onlooker o = {.path = draft, .only_counts = true, .drafts = calloc(DRAFTS, sizeof(*o.drafts))};
+    draft_reader o = {
+        .path = draft, .only_counts = true, .drafts = calloc(DRAFTS, sizeof(*o.drafts))};
     CHECK(o.drafts != NULL);
     CHECK_EQUAL(STP_OK, build_with(4, model, output, &o));
     CHECK_EQUAL(STP_OK, build_scene(model, plain, NULL));
@@ -332,7 +336,8 @@ void test_drafts_leave_nothing_of_those_before(test_state* test)
     snprintf(stale, sizeof(stale), "%s.tmp-%ld-0", draft, (long)child);
     int file = open(stale, O_CREAT | O_WRONLY, 0666);
     CHECK(file >= 0 && close(file) == 0);
-    onlooker o = {.path = draft, .only_counts = true, .drafts = calloc(DRAFTS, sizeof(*o.drafts))};
+    draft_reader o = {
+        .path = draft, .only_counts = true, .drafts = calloc(DRAFTS, sizeof(*o.drafts))};
     CHECK(o.drafts != NULL);
     CHECK_EQUAL(STP_OK, build_scene("scene:boxes", output, &o));
     CHECK(access(stale, F_OK) != 0);
@@ -361,7 +366,8 @@ void test_drafts_of_endless_areas_have_few_points(test_state* test)
     CHECK(mkdtemp(folder) != NULL);
     snprintf(draft, sizeof(draft), "%s/draft.stip", folder);
     snprintf(output, sizeof(output), "%s/output.stip", folder);
-    onlooker o = {.path = draft, .only_counts = true, .drafts = calloc(DRAFTS, sizeof(*o.drafts))};
+    draft_reader o = {
+        .path = draft, .only_counts = true, .drafts = calloc(DRAFTS, sizeof(*o.drafts))};
     CHECK(o.drafts != NULL);
     const char* input = "scene:stretched";
     stp_context* context = test_context(NULL, 1, NULL);
@@ -403,7 +409,7 @@ static int fill_disk(const char* folder, const char* model)
         if (mount("none", folder, "tmpfs", 0, options) != 0) {
             return NOT_ALLOWED;
         }
-        onlooker o = {
+        draft_reader o = {
             .path = draft, .only_counts = true, .drafts = calloc(DRAFTS, sizeof(*o.drafts))};
         bool fits = build_scene(model, output, NULL) == STP_OK && unlink(output) == 0;
         bool with_drafts = fits && o.drafts != NULL && build_scene(model, output, &o) == STP_OK;

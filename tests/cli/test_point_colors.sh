@@ -49,7 +49,7 @@ build hill.ply hill.stip --threads 1
 build hill.ply again.stip --threads 4
 cmp -s hill.stip again.stip || fail "threads change bytes"
 rm -rf again.stip.work
-build hill.ply again.stip # takes the sets of the former output over
+build hill.ply again.stip # reuses the sets of the previous output
 cmp -s hill.stip again.stip || fail "a rebuild changes bytes"
 build plain.ply plain.stip
 build hill.ply merged.stip --method psp

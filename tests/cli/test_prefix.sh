@@ -87,9 +87,9 @@ for done in (run("info", "cut.stip", "--json"), run("render", "cut.stip", "-o", 
     if done.returncode != 0 or f"ends after {part} of {size} bytes" not in done.stderr:
         fail(f"a cut file: {done.stderr}")
         continue
-    told = json.loads(done.stdout)
-    if {key: told.get(key) for key in wanted} != wanted:
-        fail(f"a cut file is told as {told}")
+    described = json.loads(done.stdout)
+    if {key: described.get(key) for key in wanted} != wanted:
+        fail(f"a cut file is described as {described}")
 if "truncated" not in good("info", "cut.stip").stdout:
     fail("info does not say that a file is truncated")
 if json.loads(good("info", "statue.stip", "--json").stdout)["truncated"]:

@@ -60,7 +60,7 @@ for file in cloud finer; do
 done
 # rebuilt from existing results
 "$stipple" -q build cloud.ply -o cloud.stip --method stochastic || fail "no second build"
-cmp -s cloud.stip other.stip || fail "a build from a former output is another"
+cmp -s cloud.stip other.stip || fail "a build that reuses an output differs"
 
 draw() # NAME OPTIONS...
 {
@@ -130,7 +130,7 @@ END
 cp scan.stip first.stip
 rm -rf scan.stip.work
 "$stipple" -q build scan.ply -o scan.stip --method stochastic || fail "no second build of a scan"
-cmp -s scan.stip first.stip || fail "a set from a former output has other attributes"
+cmp -s scan.stip first.stip || fail "a reused set has other attributes"
 "$stipple" -q check scan.stip || fail "scan.stip is wrong"
 python3 "$3/scripts/read_store.py" scan.stip > /dev/null || fail "the second reader refuses scan.stip"
 paint() # NAME OPTIONS...

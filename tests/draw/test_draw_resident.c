@@ -257,10 +257,10 @@ void test_resident_selection_is_pure(test_state* test)
         CHECK_EQUAL(lists[0].count, lists[1].count);
         CHECK_EQUAL(lists[0].request_count, lists[1].request_count);
         for (size_t w = 0; w < lists[0].request_count; ++w) {
-            CHECK_EQUAL(lists[0].requests[w].thing, lists[1].requests[w].thing);
+            CHECK_EQUAL(lists[0].requests[w].resource, lists[1].requests[w].resource);
             CHECK_EQUAL(lists[0].requests[w].octaves, lists[1].requests[w].octaves);
             for (size_t v = 0; v < w; ++v) { // each exactly once
-                CHECK(lists[0].requests[v].thing != lists[0].requests[w].thing);
+                CHECK(lists[0].requests[v].resource != lists[0].requests[w].resource);
             }
         }
         stp_residency_update(f.residency, lists[0].requests, lists[0].request_count);

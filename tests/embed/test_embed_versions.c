@@ -80,7 +80,7 @@ void test_embed_unknown_fields_are_refused(test_state* test)
                 stp_version());
 }
 
-static stp_result add_wrong_things(stp_builder* builder, int which)
+static stp_result add_wrong_input(stp_builder* builder, int which)
 {
     static const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     static const uint32_t beyond[3] = {0, 1, 3};
@@ -123,7 +123,7 @@ void test_embed_builders_refuse_what_is_wrong(test_state* test)
     bool made = stp_builder_create(context, NULL, &builder) == STP_OK;
     int refused = 0;
     for (int i = 0; made && i < 8; ++i) {
-        refused += add_wrong_things(builder, i) == STP_ERROR_ARGUMENT;
+        refused += add_wrong_input(builder, i) == STP_ERROR_ARGUMENT;
     }
     stp_builder_destroy(builder);
     stp_context_destroy(context);

@@ -440,7 +440,7 @@ void test_stochastic_features_last_over_scales(test_state* test)
     static cloud c;
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
-    uint32_t once = 0, twice = 0, sharp = 0, lasting = 0, leaves;
+    uint32_t once = 0, twice = 0, sharp = 0, min_flatness = 0, leaves;
     for (uint64_t seed = 0; seed < 4; ++seed) {
         for (int kind = BALL; kind <= CUBE; ++kind) {
             make_cloud(&c, (cloud_kind)kind, seed);
@@ -457,11 +457,11 @@ void test_stochastic_features_last_over_scales(test_state* test)
             once += kind == BALL ? one : 0;
             twice += kind == BALL ? two : 0;
             sharp += kind == CUBE ? one : 0;
-            lasting += kind == CUBE ? two : 0;
+            min_flatness += kind == CUBE ? two : 0;
         }
     }
     CHECK(once > 100 && 3 * twice < once);
-    CHECK(sharp > 40 && 10 * lasting >= 8 * sharp);
+    CHECK(sharp > 40 && 10 * min_flatness >= 8 * sharp);
     stp_context_destroy(context);
 }
 
@@ -510,17 +510,18 @@ void test_stochastic_scales_are_those_of_all_points(test_state* test)
     stp_leaf_measure_scales(context, &o, scatters, 3, properties);
     uint32_t less = 0, ended = 0;
     for (uint32_t l = 0; l < o.leaf_count; ++l) {
-        double lasting = (double)own[l].flatness, last = lasting;
+        double min_flatness = (double)own[l].flatness, last = min_flatness;
         bool edge = own[l].edge;
         for (uint32_t up = 1; up < 3; ++up) {
             double next = flatness_around(at, &o.leaves[l], o.leaves[l].depth - up);
-            lasting = fmin(lasting, next);
+            min_flatness = fmin(min_flatness, next);
             edge = edge && next >= 0.5 * last;
             last = next;
         }
-        CHECK(fabs((double)properties[l].lasting - lasting) <= 1e-6 + 1e-4 * lasting);
+        CHECK(fabs((double)properties[l].min_flatness - min_flatness) <=
+              1e-6 + 1e-4 * min_flatness);
         CHECK(properties[l].flatness == own[l].flatness && properties[l].edge == edge);
-        less += properties[l].lasting < own[l].flatness ? 1 : 0;
+        less += properties[l].min_flatness < own[l].flatness ? 1 : 0;
         ended += own[l].edge && !edge ? 1 : 0;
     }
     CHECK(less > 10 && ended > 0);

@@ -24,9 +24,9 @@ static char path_of_wall[] = "house/wall", text_of_crack[] = "a crack",
 static stp_viewpoint make_view(char* name)
 {
     static char note[] = "look \"here\"\n";
-    static stp_shown_thing things[] = {{STP_SHOWN_HIDDEN, path_of_wall, true, {1, 2, 3}},
-                                       {STP_SHOWN_ISOLATED, path_of_wall, false, {0, 0, 0}},
-                                       {STP_SHOWN_GHOST, path_of_wall, false, {0, 0, 0}}};
+    static stp_shown_object objects[] = {{STP_SHOWN_HIDDEN, path_of_wall, true, {1, 2, 3}},
+                                         {STP_SHOWN_ISOLATED, path_of_wall, false, {0, 0, 0}},
+                                         {STP_SHOWN_GHOST, path_of_wall, false, {0, 0, 0}}};
     static stp_annotation annotations[] = {{text_of_crack, {0.1, -4e6, 1e-9}, path_of_wall},
                                            {text_of_crack, {7, 8, 9}, NULL}};
     return (stp_viewpoint){
@@ -38,8 +38,8 @@ static stp_viewpoint make_view(char* name)
         .fov_degrees = 35,
         .ortho_height = 2.5,
         .sections = {.count = 2, .planes = {{{1, 0, 0}, 4}, {{0, -1, 0}, 1.0 / 7}}},
-        .things = things,
-        .thing_count = 3,
+        .objects = objects,
+        .object_count = 3,
         .annotations = annotations,
         .annotation_count = 2};
 }
@@ -55,13 +55,13 @@ static bool same_view(const stp_viewpoint* a, const stp_viewpoint* b)
                 same_vector(a->eye, b->eye) && same_vector(a->target, b->target) &&
                 same_vector(a->up, b->up) && a->fov_degrees == b->fov_degrees &&
                 a->ortho_height == b->ortho_height && a->sections.count == b->sections.count &&
-                a->thing_count == b->thing_count && a->annotation_count == b->annotation_count;
+                a->object_count == b->object_count && a->annotation_count == b->annotation_count;
     for (uint32_t i = 0; same && i < a->sections.count; ++i) {
         same = same_vector(a->sections.planes[i].normal, b->sections.planes[i].normal) &&
                a->sections.planes[i].distance == b->sections.planes[i].distance;
     }
-    for (size_t i = 0; same && i < a->thing_count; ++i) {
-        const stp_shown_thing *x = &a->things[i], *y = &b->things[i];
+    for (size_t i = 0; same && i < a->object_count; ++i) {
+        const stp_shown_object *x = &a->objects[i], *y = &b->objects[i];
         same = x->as == y->as && strcmp(x->path, y->path) == 0 &&
                x->has_position == y->has_position && same_vector(x->position, y->position);
     }
@@ -85,7 +85,7 @@ void test_viewpoints_come_back_as_they_were_written(test_state* test)
     for (int i = 0; i < 20; ++i) {
         snprintf(name, sizeof(name), "view %d", i);
         stp_viewpoint view = make_view(i == 7 ? long_name : name);
-        view.thing_count = (size_t)(i % 4);
+        view.object_count = (size_t)(i % 4);
         view.annotation_count = (size_t)(i % 3);
         CHECK_EQUAL(STP_OK, stp_viewpoints_put(context, &views, &view));
     }

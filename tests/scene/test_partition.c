@@ -237,7 +237,7 @@ void test_partitions_keep_every_triangle_once(test_state* test)
     }
 }
 
-// A grid of many small things becomes a shallow tree of compact nodes.
+// A grid of many small meshes becomes a shallow tree of compact nodes.
 void test_many_children_get_a_hierarchy(test_state* test)
 {
     enum { SIDE = 60 };
@@ -529,7 +529,7 @@ void test_chains_are_collapsed(test_state* test)
 }
 
 // A transform of a whole input does not remain between the root and its content.
-void test_roots_hold_things_themselves(test_state* test)
+void test_roots_hold_content_themselves(test_state* test)
 {
     for (int variant = 0; variant < 3; ++variant) {
         stp_context* context = test_context(NULL, 1, NULL);

@@ -80,8 +80,8 @@ static void tear_down(parts* p)
 
 static stp_result show(parts* p, uint32_t node, stp_show show)
 {
-    stp_placed_node thing = {node, p->scene.edges[node].transform};
-    return stp_visibility_set(p->visibility, &thing, show);
+    stp_placed_node placed = {node, p->scene.edges[node].transform};
+    return stp_visibility_set(p->visibility, &placed, show);
 }
 
 static stp_result draw(parts* p, uint64_t count)

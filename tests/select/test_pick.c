@@ -95,9 +95,9 @@ void test_picks_are_the_nearest_of_all_triangles(test_state* test)
         CHECK_EQUAL(STP_OK, stp_outline_prepare(outline, 0, &ready));
         CHECK_EQUAL(STP_OK, stp_visibility_create(context, store, &visibility));
         CHECK_EQUAL(STP_OK, stp_outline_item_of(outline, 9, &item));
-        stp_placed_node thing = {item.node, item.transform};
+        stp_placed_node placed = {item.node, item.transform};
         CHECK(built_unfold(store, item.node, &item.transform, &hidden));
-        CHECK_EQUAL(STP_OK, stp_visibility_set(visibility, &thing, STP_SHOW_NOT));
+        CHECK_EQUAL(STP_OK, stp_visibility_set(visibility, &placed, STP_SHOW_NOT));
         stp_sections sections = {0};
         stp_boxd box = d->nodes[d->root].bounds;
         CHECK(stp_sections_add_plane(&sections, stp_scaled(stp_addd(box.min, box.max), 0.6),
@@ -123,10 +123,11 @@ void test_picks_are_the_nearest_of_all_triangles(test_state* test)
             CHECK(fabs(visit_object(&desc.ray, pick.corners) - nearest) < 1e-7);
             CHECK(stp_dotd(pick.normal, desc.ray.direction) <= 0.0);
             // the object found contains the part, and so does the node at the end of the path
-            stp_instance place = stp_instance_of_part(store, pick.part, &pick.thing.transform);
+            stp_instance place = stp_instance_of_part(store, pick.part, &pick.holder.transform);
             static built_places own;
             own.count = 0;
-            CHECK_EQUAL(STP_OK, stp_outline_find(outline, pick.part, &pick.thing.transform, &item));
+            CHECK_EQUAL(STP_OK,
+                        stp_outline_find(outline, pick.part, &pick.holder.transform, &item));
             CHECK(item.depth > 0);
             CHECK(built_unfold(store, item.node, &item.transform, &own) && built_has(&own, &place));
             stp_outline_item child;
@@ -143,7 +144,7 @@ void test_picks_are_the_nearest_of_all_triangles(test_state* test)
                 CHECK(pick.path[k] < d->nodes[node].edge_count);
                 node = d->edges[d->nodes[node].first_edge + pick.path[k]].node;
             }
-            CHECK_EQUAL(pick.thing.node, node);
+            CHECK_EQUAL(pick.holder.node, node);
         }
         stp_visibility_destroy(visibility);
         stp_outline_destroy(outline);

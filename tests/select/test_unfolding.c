@@ -75,7 +75,7 @@ void test_unfolding_graphs_end_with_a_sentence(test_state* test)
         stp_quality quality = {.splat_size = 1, .reference = k == 0};
         stp_draw_list list = {0};
         CHECK_EQUAL(STP_ERROR_LIMIT, stp_select(context, store, &view, &quality, &list));
-        CHECK(strstr(log.text, "things would have to be drawn") != NULL);
+        CHECK(strstr(log.text, "objects would have to be drawn") != NULL);
         CHECK(list.count <= (1u << 19) + 16 * (3 * LEVELS + 2)); // in proportion to the graph
         CHECK(list.node_count <= (1u << 21) + 16 * (3 * LEVELS + 2));
         stp_draw_list_destroy(context, &list);
@@ -87,8 +87,8 @@ void test_unfolding_graphs_end_with_a_sentence(test_state* test)
     CHECK(picked == STP_OK || picked == STP_ERROR_LIMIT);
     stp_visibility* visibility = NULL;
     CHECK_EQUAL(STP_OK, stp_visibility_create(context, store, &visibility));
-    stp_placed_node thing = {.node = 0, .transform = stp_affine_identity()};
-    stp_result hidden = stp_visibility_set(visibility, &thing, STP_SHOW_NOT);
+    stp_placed_node placed = {.node = 0, .transform = stp_affine_identity()};
+    stp_result hidden = stp_visibility_set(visibility, &placed, STP_SHOW_NOT);
     CHECK(hidden == STP_OK || hidden == STP_ERROR_LIMIT);
     stp_visibility_destroy(visibility);
     stp_store_close(store);

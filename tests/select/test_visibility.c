@@ -81,8 +81,8 @@ static bool set_object(shown* s, uint32_t object, stp_show show, bool* placed)
     if (!*placed) {
         return true;
     }
-    stp_placed_node thing = {item.node, item.transform};
-    if (stp_visibility_set(s->visibility, &thing, show) != STP_OK ||
+    stp_placed_node target = {item.node, item.transform};
+    if (stp_visibility_set(s->visibility, &target, show) != STP_OK ||
         !built_unfold(s->store, item.node, &item.transform, s->own)) {
         return false;
     }
@@ -258,9 +258,9 @@ void test_visibility_survives_any_allocation_failing(test_state* test)
         for (uint32_t i = 0; result == STP_OK && i < 12; ++i) {
             stp_outline_item item;
             CHECK_EQUAL(STP_OK, stp_outline_item_of(s->outline, 4 + i, &item));
-            stp_placed_node thing = {item.node, item.transform};
+            stp_placed_node placed = {item.node, item.transform};
             result = item.node != STP_STORE_NONE
-                         ? stp_visibility_set(v, &thing, i % 3 == 2 ? STP_SHOW : STP_SHOW_NOT)
+                         ? stp_visibility_set(v, &placed, i % 3 == 2 ? STP_SHOW : STP_SHOW_NOT)
                          : STP_OK;
         }
         failed = result != STP_OK;

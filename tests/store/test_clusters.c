@@ -145,9 +145,9 @@ void test_clusters_keep_every_triangle_of_every_shape(test_state* test)
                 fprintf(stderr, "shape %d, side %u: %s\n", shape, sides[i / 2], fault);
             }
             CHECK(fault == NULL);
-            stp_coded_mesh told = stp_clusters_describe(&clusters);
-            CHECK(memcmp(&told.bounds, &coded.bounds, sizeof(told.bounds)) == 0);
-            CHECK_EQUAL(coded.vertex_count, told.vertex_count);
+            stp_coded_mesh described = stp_clusters_describe(&clusters);
+            CHECK(memcmp(&described.bounds, &coded.bounds, sizeof(described.bounds)) == 0);
+            CHECK_EQUAL(coded.vertex_count, described.vertex_count);
             stp_decoded_mesh_destroy(context, &decoded);
             stp_coded_mesh_destroy(context, &coded);
             made_mesh_destroy(&m);

@@ -120,10 +120,10 @@ void test_methods_that_are_not_known(test_state* test)
 }
 
 // Each breaks one property of a valid file.
-static void break_thing(fixture* f, int thing)
+static void break_field(fixture* f, int field)
 {
     stp_splats* set = &f->made.sets[1];
-    switch (thing) {
+    switch (field) {
     case 0: // two methods with one id
         f->methods[1].id = STP_METHOD_BLUE;
         break;
@@ -159,14 +159,14 @@ void test_methods_that_make_no_sense_are_refused(test_state* test)
     test_log log = {.errors = 0};
     stp_context* context = test_context(NULL, 1, &log);
     CHECK(context != NULL);
-    for (int thing = 0; thing <= 8; ++thing) {
+    for (int field = 0; field <= 8; ++field) {
         fixture f;
         unsigned char* bytes;
         stp_store* store;
         CHECK(set_up(&f, context));
-        break_thing(&f, thing);
+        break_field(&f, field);
         CHECK_EQUAL(STP_ERROR_ARGUMENT, write_and_open(context, &f.made.content, &bytes, &store));
-        CHECK_EQUAL(thing + 1, log.errors);
+        CHECK_EQUAL(field + 1, log.errors);
         stp_arena_destroy(&f.arena);
     }
     stp_context_destroy(context);

@@ -254,7 +254,7 @@ static uint64_t fingerprint(const fixture* f)
     return hash;
 }
 
-/// The requests of a round: some things, some octaves.
+/// The requests of a round: some resources, some octaves.
 static size_t choose_requests(const fixture* f, uint64_t round, stp_data_request* requests)
 {
     size_t count = 0;

@@ -107,8 +107,8 @@ void test_viewer_explorer_marks_parts(test_state* test)
     CHECK(explorer_is_marked(e, &first, EXPLORER_HIDDEN));
     CHECK(!explorer_is_marked(e, &second, EXPLORER_HIDDEN));
     CHECK(explorer_list_shown(e, &list));
-    CHECK(list.whole == STP_SHOW && list.count == 1 && list.things[0].show == STP_SHOW_NOT);
-    free(list.things);
+    CHECK(list.whole == STP_SHOW && list.count == 1 && list.objects[0].show == STP_SHOW_NOT);
+    free(list.objects);
     explorer_mark_item(e, &first, EXPLORER_HIDDEN); // and back
     CHECK_EQUAL(0, e->mark_count);
     explorer_mark_item(e, &first, EXPLORER_ISOLATED);
@@ -117,8 +117,8 @@ void test_viewer_explorer_marks_parts(test_state* test)
     explorer_mark_item(e, &first, EXPLORER_GHOST);
     CHECK(explorer_list_shown(e, &list));
     CHECK(list.whole == STP_SHOW_NOT && list.count == 2); // isolate comes first: the order decides
-    CHECK(list.things[0].show == STP_SHOW && list.things[1].show == STP_SHOW_GHOST);
-    free(list.things);
+    CHECK(list.objects[0].show == STP_SHOW && list.objects[1].show == STP_SHOW_GHOST);
+    free(list.objects);
     uint64_t version = e->marks_version;
     explorer_show_all(e);
     CHECK(e->mark_count == 0 && e->marks_version != version);

@@ -161,7 +161,7 @@ typedef struct cpu_blend {
 /// Layers of transparent surfaces (layers.h).
 typedef struct cpu_layers {
     bool possible, of_splats; ///< whether the scene has transparent surfaces, and splats of them
-    bool told;                ///< warned about missing memory
+    bool warned;              ///< about missing memory
     uint8_t of_shading[256];  ///< per shading: whether its splats are transparent
     enum {
         /// Transparent surfaces are drawn with the opaque ones, by alpha thresholds

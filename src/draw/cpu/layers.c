@@ -41,8 +41,8 @@ void cpu_begin_layers(cpu_renderer* r)
     }
     if (make_room(r)) {
         l->stage = CPU_LAYERS_OPAQUE;
-    } else if (!l->told) {
-        l->told = true;
+    } else if (!l->warned) {
+        l->warned = true;
         stp_warn(r->base.context,
                  "the memory limit leaves no room for layers of transparent surfaces in a picture "
                  "of %ux%u: "

@@ -50,7 +50,7 @@ static void destroy(stp_renderer* renderer)
             r->gl.DebugMessageCallback(NULL, NULL);
         }
     }
-    gl_things_destroy(r);
+    gl_entries_destroy(r);
     if (r->readback != NULL) {
         stp_free(context, r->readback->depth);
     }
@@ -372,11 +372,11 @@ stp_result stp_draw_gl_create(stp_context* context, stp_store* store, const stp_
     r->upload_bytes = desc->upload_bytes;
     r->readback = STP_NEW_ZEROED(context, gl_readback, 1);
     stp_result result = r->readback != NULL ? check_context(r, desc) : stp_fail_memory(context);
-    result = result == STP_OK ? gl_things_create(r) : result;
+    result = result == STP_OK ? gl_entries_create(r) : result;
     if (result == STP_OK) {
         uint64_t memory = desc->memory_bytes > 0 ? desc->memory_bytes : default_memory;
         uint64_t scene = SCENE_TO_FILE * stp_store_file_bytes(store);
-        result = gl_pool_create(context, &r->gl, r->things.count, memory, scene, &r->pool);
+        result = gl_pool_create(context, &r->gl, r->entries.count, memory, scene, &r->pool);
     }
     if (result == STP_OK) {
         gl_timer_create(&r->gl, &r->timer);

@@ -131,7 +131,7 @@ typedef struct gl_octave_box {
 } gl_octave_box;
 
 /// First entries of each kind of data in the pool's table.
-typedef struct gl_things {
+typedef struct gl_entries {
     uint32_t* sets;       ///< per surfel set: two per octave, positions and colours
     uint32_t meshes;      ///< one per item
     uint32_t textures;    ///< two per texture: read as colour, and as data
@@ -139,7 +139,7 @@ typedef struct gl_things {
     /// Of uploaded octaves: indexed by half the number of their position entry
     gl_octave_box* boxes;
     uint32_t count;
-} gl_things;
+} gl_entries;
 
 /// Data read back from the GPU.
 typedef struct gl_readback {
@@ -176,7 +176,7 @@ struct gl_renderer {
     uint64_t upload_bytes; ///< per frame; 0: all
     gl_debug* debug;
     gl_pool pool;
-    gl_things things;
+    gl_entries entries;
     uint32_t program_pages; ///< page count of the programs; 0: no programs yet
     bool program_squares;   ///< programs draw splats as squares
     gl_splat_pass splats;

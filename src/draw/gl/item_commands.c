@@ -106,7 +106,7 @@ static stp_result make_points(gl_renderer* r, uint32_t index)
         if (chunk == NULL) {
             return stp_fail_memory(r->base.context);
         }
-        uint32_t entry = r->things.point_sets[draw->index] + begin / UPLOAD_POINTS;
+        uint32_t entry = r->entries.point_sets[draw->index] + begin / UPLOAD_POINTS;
         *chunk = (chunk_block){.begin = begin,
                                .end = begin + (left < UPLOAD_POINTS ? left : UPLOAD_POINTS),
                                .address = gl_address(r, entry)};
@@ -132,7 +132,7 @@ static stp_result upload_texture(gl_renderer* r, const stp_store_texture_use* us
     }
     gl_upload got = gl_upload_texture(r, use->texture, data);
     if (got == GL_UPLOAD_THERE) {
-        *address = gl_address(r, r->things.textures + 2 * use->texture + (data ? 1u : 0u));
+        *address = gl_address(r, r->entries.textures + 2 * use->texture + (data ? 1u : 0u));
     }
     r->frame.missing += got != GL_UPLOAD_THERE ? 1 : 0;
     return got == GL_UPLOAD_FAILED ? r->failure : STP_OK;
@@ -163,7 +163,7 @@ static stp_result make_mesh(gl_renderer* r, uint32_t index)
         return got == GL_UPLOAD_FAILED ? r->failure : STP_OK;
     }
     item->count = known->triangle_count;
-    item->address = gl_address(r, r->things.meshes + draw->index);
+    item->address = gl_address(r, r->entries.meshes + draw->index);
     return draw->large ? gl_cull_large(r, index) : gl_cull_mesh(r, index);
 }
 

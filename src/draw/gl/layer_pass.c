@@ -100,8 +100,8 @@ void gl_layer_pass_begin(gl_renderer* r)
     gl_layer_pass* pass = &r->layer_pass;
     bool wanted = pass->possible && r->style->transparency == STP_TRANSPARENCY_LAYERS;
     pass->active = wanted && make_textures(r);
-    if (wanted && !pass->active && !pass->told) {
-        pass->told = true;
+    if (wanted && !pass->active && !pass->warned) {
+        pass->warned = true;
         stp_warn(r->base.context,
                  "gl: not enough graphics memory for layers of transparent surfaces in a picture "
                  "of %ux%u: they are drawn as a pattern of pixels",

@@ -13,7 +13,7 @@ struct gl_renderer;
 typedef struct gl_layer_pass {
     bool possible, of_splats; ///< whether the scene has transparent surfaces, and splats of them
     bool active;              ///< the current picture has layers
-    bool told;                ///< warned about missing memory
+    bool warned;              ///< about missing memory
     uint8_t of_shading[256];  ///< per shading: whether its splats are transparent
     GLuint noise;             ///< blue noise in the shaders' layout
     GLuint triangles, points, large, take, compose; ///< programs

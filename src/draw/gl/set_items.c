@@ -41,7 +41,7 @@ static gl_upload upload_octaves(gl_renderer* r, uint32_t set, uint32_t places, u
 /// Extends the box of an item's splats by an octave.
 static void hold_octave(const gl_renderer* r, uint32_t set, uint32_t octave, item_block* item)
 {
-    const gl_octave_box* box = &r->things.boxes[gl_octave_entry(r, set, octave, false) / 2];
+    const gl_octave_box* box = &r->entries.boxes[gl_octave_entry(r, set, octave, false) / 2];
     for (int k = 0; k < 3; ++k) {
         float low = (float)box->low[k], high = (float)box->high[k];
         item->box_low[k] = octave == 0 ? low : stp_min(item->box_low[k], low);
@@ -54,7 +54,7 @@ static gl_splat_chunk find_chunk(const gl_renderer* r, uint32_t set, uint32_t oc
                                  const chunk_block* chunk, uint32_t prefix)
 {
     const stp_splats* known = stp_store_describe_surfels(r->store, set);
-    const gl_octave_box* box = &r->things.boxes[gl_octave_entry(r, set, octave, false) / 2];
+    const gl_octave_box* box = &r->entries.boxes[gl_octave_entry(r, set, octave, false) / 2];
     uint32_t count = chunk->end - chunk->begin;
     bool shapes = (known->columns & STP_SPLATS_SHAPES) != 0;
     return (gl_splat_chunk){.begin = chunk->begin,
@@ -75,7 +75,7 @@ static stp_result upload_large(gl_renderer* r, uint32_t index, uint32_t octaves)
     bool all = false;
     r->frame.beside = false;
     for (uint32_t k = 0; k < octaves && set->beside_triangles; ++k) {
-        all = all || r->things.boxes[gl_octave_entry(r, set->index, k, false) / 2].replaced;
+        all = all || r->entries.boxes[gl_octave_entry(r, set->index, k, false) / 2].replaced;
     }
     for (; all && draw < end && draw->large; ++draw) {
         gl_upload got = gl_upload_mesh(r, draw->index);

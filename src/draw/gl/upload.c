@@ -14,41 +14,41 @@ static uint32_t point_chunks(const stp_store_point_set* points)
     return (uint32_t)(((uint64_t)points->point_count + UPLOAD_POINTS - 1) / UPLOAD_POINTS);
 }
 
-stp_result gl_things_create(gl_renderer* r)
+stp_result gl_entries_create(gl_renderer* r)
 {
     const stp_store_directory* d = r->directory;
-    gl_things* things = &r->things;
-    things->sets = STP_NEW_ARRAY(r->base.context, uint32_t, (size_t)d->surfels_count + 1);
-    things->point_sets = STP_NEW_ARRAY(r->base.context, uint32_t, (size_t)d->point_set_count + 1);
-    if (things->sets == NULL || things->point_sets == NULL) {
+    gl_entries* entries = &r->entries;
+    entries->sets = STP_NEW_ARRAY(r->base.context, uint32_t, (size_t)d->surfels_count + 1);
+    entries->point_sets = STP_NEW_ARRAY(r->base.context, uint32_t, (size_t)d->point_set_count + 1);
+    if (entries->sets == NULL || entries->point_sets == NULL) {
         return stp_fail_memory(r->base.context);
     }
     uint64_t count = 0;
     for (uint32_t i = 0; i < d->surfels_count; ++i) {
-        things->sets[i] = (uint32_t)count;
+        entries->sets[i] = (uint32_t)count;
         count += 2 * (uint64_t)stp_store_describe_surfels(r->store, i)->octave_count;
     }
-    things->meshes = (uint32_t)count;
+    entries->meshes = (uint32_t)count;
     count += d->mesh_count;
-    things->textures = (uint32_t)count;
+    entries->textures = (uint32_t)count;
     count += 2 * (uint64_t)d->texture_count;
     for (uint32_t i = 0; i < d->point_set_count; ++i) {
-        things->point_sets[i] = (uint32_t)count;
+        entries->point_sets[i] = (uint32_t)count;
         count += point_chunks(stp_store_describe_point_set(r->store, i));
     }
     if (count >= POOL_NONE) {
         return stp_fail(r->base.context, STP_ERROR_LIMIT, "gl: the scene has too many parts");
     }
-    things->count = (uint32_t)count;
-    things->boxes = STP_NEW_ARRAY(r->base.context, gl_octave_box, (size_t)things->meshes / 2 + 1);
-    return things->boxes != NULL ? STP_OK : stp_fail_memory(r->base.context);
+    entries->count = (uint32_t)count;
+    entries->boxes = STP_NEW_ARRAY(r->base.context, gl_octave_box, (size_t)entries->meshes / 2 + 1);
+    return entries->boxes != NULL ? STP_OK : stp_fail_memory(r->base.context);
 }
 
-void gl_things_destroy(gl_renderer* r)
+void gl_entries_destroy(gl_renderer* r)
 {
-    stp_free(r->base.context, r->things.sets);
-    stp_free(r->base.context, r->things.point_sets);
-    stp_free(r->base.context, r->things.boxes);
+    stp_free(r->base.context, r->entries.sets);
+    stp_free(r->base.context, r->entries.point_sets);
+    stp_free(r->base.context, r->entries.boxes);
 }
 
 gl_writer gl_writer_begin(gl_renderer* r, uint32_t entry, uint64_t words)
@@ -204,14 +204,14 @@ gl_upload gl_upload_octave(gl_renderer* r, uint32_t set, uint32_t octave, bool c
     } else if (good) {
         write_places(&surfels, begin, end, &writer);
         write_options(&surfels, begin, end, &writer);
-        r->things.boxes[entry / 2] = bound_places(&surfels, begin, end);
+        r->entries.boxes[entry / 2] = bound_places(&surfels, begin, end);
     }
     return gl_upload_end(r, entry, &writer, good);
 }
 
 gl_upload gl_upload_points(gl_renderer* r, uint32_t point_set, uint32_t chunk, bool urgent)
 {
-    uint32_t entry = r->things.point_sets[point_set] + chunk;
+    uint32_t entry = r->entries.point_sets[point_set] + chunk;
     if (gl_pool_has(&r->pool, entry)) {
         gl_pool_use(&r->pool, entry);
         return GL_UPLOAD_THERE;
@@ -325,7 +325,7 @@ static bool is_cut_out(const gl_renderer* r, uint32_t texture)
 static gl_upload upload_texels(gl_renderer* r, uint32_t texture, bool data,
                                const stp_store_texture* source)
 {
-    uint32_t entry = r->things.textures + 2 * texture + (data ? 1u : 0u);
+    uint32_t entry = r->entries.textures + 2 * texture + (data ? 1u : 0u);
     stp_texture_pyramid pyramid;
     r->failure = stp_texture_pyramid_create(r->base.context, source->texels, source->width,
                                             source->height, data, &pyramid);
@@ -356,7 +356,7 @@ static gl_upload upload_texels(gl_renderer* r, uint32_t texture, bool data,
 
 gl_upload gl_upload_texture(gl_renderer* r, uint32_t texture, bool data)
 {
-    uint32_t entry = r->things.textures + 2 * texture + (data ? 1u : 0u);
+    uint32_t entry = r->entries.textures + 2 * texture + (data ? 1u : 0u);
     if (gl_pool_has(&r->pool, entry)) {
         gl_pool_use(&r->pool, entry);
         return GL_UPLOAD_THERE;

@@ -14,8 +14,8 @@ enum {
 };
 
 /// Creates the tables of entries. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
-STP_MUST_USE stp_result gl_things_create(gl_renderer* r);
-void gl_things_destroy(gl_renderer* r);
+STP_MUST_USE stp_result gl_entries_create(gl_renderer* r);
+void gl_entries_destroy(gl_renderer* r);
 
 /// Result of an upload request.
 typedef enum gl_upload {
@@ -38,7 +38,7 @@ gl_upload gl_upload_texture(gl_renderer* r, uint32_t texture, bool data);
 static inline uint32_t gl_octave_entry(const gl_renderer* r, uint32_t set, uint32_t octave,
                                        bool colors)
 {
-    return r->things.sets[set] + 2 * octave + (colors ? 1u : 0u);
+    return r->entries.sets[set] + 2 * octave + (colors ? 1u : 0u);
 }
 
 static inline uint32_t gl_address(const gl_renderer* r, uint32_t entry)

@@ -199,7 +199,7 @@ static void choose_texcoords(const gl_renderer* r, uint32_t material, bool reads
 
 gl_upload gl_upload_mesh(gl_renderer* r, uint32_t mesh)
 {
-    uint32_t entry = r->things.meshes + mesh;
+    uint32_t entry = r->entries.meshes + mesh;
     if (gl_pool_has(&r->pool, entry)) {
         gl_pool_use(&r->pool, entry);
         return GL_UPLOAD_THERE;

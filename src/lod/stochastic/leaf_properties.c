@@ -159,7 +159,7 @@ static void measure_places(size_t begin, size_t end, uint32_t worker, void* user
                      (float)(scatter.z / (double)count + (double)leaf->corner[2])},
             .normal = stp_to_float(stp_symmetric_eigenvector(matrix, e[0])),
             .flatness = (float)flatness,
-            .lasting = (float)flatness,
+            .min_flatness = (float)flatness,
             .area = known ? (float)area : 0.0f,
             .ratio = 1.0f,
             .known = known,

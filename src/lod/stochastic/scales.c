@@ -4,7 +4,7 @@
 #include "base/leaf_codes.h"
 
 enum { GRAIN = 256 }; ///< leaves
-#define LASTS 0.5     // minimum ratio of flatness to that of the scale below, for a lasting edge
+#define PERSISTS 0.5  // minimum ratio of flatness to that of the scale below, for a persistent edge
 
 typedef struct scale_loop {
     const stp_leaf_octree* octree;
@@ -82,8 +82,8 @@ static void limit_some(size_t begin, size_t end, uint32_t worker, void* user)
         float last = f->flatness;
         for (uint32_t up = 1; up < l->scales && up <= leaf->depth; ++up) {
             float next = flatness_of_cube(l, &memory, leaf, leaf->depth - up);
-            f->edge = f->edge && next >= (float)LASTS * last;
-            f->lasting = stp_min(f->lasting, next);
+            f->edge = f->edge && next >= (float)PERSISTS * last;
+            f->min_flatness = stp_min(f->min_flatness, next);
             last = next;
         }
     }

@@ -274,7 +274,7 @@ static void write_leaf(const set_maker* m, uint32_t index)
         .place = (uint8_t)(leaf->depth | (edge ? STP_LEAF_EDGE : 0) | STP_LEAF_ORIENTED),
         .extent = stp_leaf_extent_code(sqrtf(f->area) / (float)stp_leaf_width(leaf->depth)),
         .count = leaf->end - leaf->begin,
-        .flatness = stp_leaf_flatness_code(f->lasting),
+        .flatness = stp_leaf_flatness_code(f->min_flatness),
         .spread = (uint8_t)stp_min(f->spread * 255.0f + 0.999f, 255.0f)};
     stp_octahedral_encode(f->normal, out->normal);
 }
