@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Runs the tests whose names are the arguments, or all of them.
+// usage: stp_tests [--jobs N] [NAME...]
+// Runs the named tests, or all of them, N at a time (default 1). All tests start from this process:
+// under sanitizers, starting the program takes longer than most tests.
 #include "tests.h"
 
 #include <dirent.h>
@@ -7,12 +9,21 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
-static const struct {
-    const char* name;
-    test_function* run;
-} tests[] = {
+enum { SECONDS_MAX = 1500 }; // after them, a test with its output in a file is killed, as by ctest
+
+/// A test that runs in a process and a folder of its own.
+typedef struct running_test {
+    named_test test;
+    pid_t child;
+    char folder[512];
+    FILE* output; ///< of both streams; NULL: those of this process
+    struct timespec start;
+} running_test;
+
+static const named_test tests[] = {
 #define TEST(name) {#name, test_##name},
 #include "test_list.h"
 #undef TEST
@@ -55,9 +66,17 @@ static void remove_folder(const char* path)
 }
 
 /// The process of a test. It ends through exit, which reports leaks, unless a check fails.
-static _Noreturn void run_here(const char* name, test_function* run, const char* folder)
+static _Noreturn void run_here(const running_test* running)
 {
     test_state state = {0};
+    const char* folder = running->folder;
+    if (running->output != NULL) {
+        int file = fileno(running->output);
+        alarm(SECONDS_MAX);
+        if (dup2(file, STDOUT_FILENO) < 0 || dup2(file, STDERR_FILENO) < 0) {
+            _exit(TEST_FAILED);
+        }
+    }
     setvbuf(stdout, NULL, _IOLBF, 0);      // a crash loses no lines
     const char* output = getenv("TMPDIR"); // for what outlives the test
     if (setenv("STP_TEST_OUTPUT", output != NULL ? output : "/tmp", 1) != 0 || chdir(folder) != 0 ||
@@ -65,49 +84,134 @@ static _Noreturn void run_here(const char* name, test_function* run, const char*
         perror(folder);
         _exit(TEST_FAILED);
     }
-    run(&state);
+    running->test.run(&state);
     if (state.skipped != NULL) {
-        printf("skip %s: %s\n", name, state.skipped);
+        printf("skip %s: %s\n", running->test.name, state.skipped);
     }
     exit(state.skipped != NULL ? TEST_SKIPPED : TEST_PASSED);
 }
 
-int test_run(const char* name, test_function* run)
+/// Starts a test. @return whether it runs; if not, a message has been printed
+static int start_test(running_test* running, const named_test* test, FILE* output)
 {
     const char* parent = getenv("TMPDIR");
-    char folder[512];
-    int status = 0;
-    snprintf(folder, sizeof(folder), "%s/stp_test_XXXXXX", parent != NULL ? parent : "/tmp");
-    if (mkdtemp(folder) == NULL) {
-        perror(folder);
-        return TEST_FAILED;
+    *running = (running_test){.test = *test, .output = output};
+    snprintf(running->folder, sizeof(running->folder), "%s/stp_test_XXXXXX",
+             parent != NULL ? parent : "/tmp");
+    if (mkdtemp(running->folder) == NULL) {
+        perror(running->folder);
+        return 0;
     }
+    clock_gettime(CLOCK_MONOTONIC, &running->start);
     fflush(NULL);
-    pid_t child = fork();
-    if (child == 0) {
-        run_here(name, run, folder);
+    running->child = fork();
+    if (running->child == 0) {
+        run_here(running);
     }
-    if (child < 0 || waitpid(child, &status, 0) != child) {
+    if (running->child < 0) {
         perror("fork");
-        status = TEST_FAILED << 8;
+        remove_folder(running->folder);
     }
-    remove_folder(folder);
+    return running->child > 0;
+}
+
+static void copy_output(FILE* output)
+{
+    char text[4096];
+    rewind(output);
+    for (size_t size; (size = fread(text, 1, sizeof(text), output)) > 0;) {
+        fwrite(text, 1, size, stdout);
+    }
+}
+
+/// Reports a test that has ended, and removes its folder. @return its code
+static int finish_test(const running_test* running, int status)
+{
+    int code = WIFEXITED(status) ? WEXITSTATUS(status) : TEST_FAILED;
+    code = code == TEST_PASSED || code == TEST_SKIPPED ? code : TEST_FAILED;
+    remove_folder(running->folder);
+    if (running->output != NULL && code != TEST_PASSED) {
+        copy_output(running->output);
+        fflush(stdout);
+    }
     if (WIFSIGNALED(status)) {
         fprintf(stderr, "ended by signal %d: %s\n", WTERMSIG(status), strsignal(WTERMSIG(status)));
     }
-    int code = WIFEXITED(status) ? WEXITSTATUS(status) : TEST_FAILED;
-    code = code == TEST_PASSED || code == TEST_SKIPPED ? code : TEST_FAILED;
     if (code != TEST_SKIPPED) {
-        printf("%s %s\n", code == TEST_PASSED ? "ok  " : "FAIL", name);
+        printf("%s %s", code == TEST_PASSED ? "ok  " : "FAIL", running->test.name);
+        if (running->output != NULL) {
+            struct timespec end;
+            clock_gettime(CLOCK_MONOTONIC, &end);
+            printf(", %.2f s", (double)(end.tv_sec - running->start.tv_sec) +
+                                   1e-9 * (double)(end.tv_nsec - running->start.tv_nsec));
+        }
+        putchar('\n');
     }
     fflush(stdout);
     return code;
 }
 
+int test_run(const char* name, test_function* run)
+{
+    running_test running;
+    int status = 0;
+    if (!start_test(&running, &(named_test){name, run}, NULL)) {
+        return TEST_FAILED;
+    }
+    if (waitpid(running.child, &status, 0) != running.child) {
+        perror(name);
+        status = TEST_FAILED << 8;
+    }
+    return finish_test(&running, status);
+}
+
+static void count_test(test_counts* counts, int code)
+{
+    counts->passed += code == TEST_PASSED;
+    counts->failed += code == TEST_FAILED;
+    counts->skipped += code == TEST_SKIPPED;
+}
+
+/// Waits until a test ends, reports it, and frees its slot.
+static void await_test(running_test running[], int* count, test_counts* counts)
+{
+    int status = 0, slot = 0;
+    pid_t child = wait(&status);
+    while (slot < *count && running[slot].child != child) {
+        slot += 1;
+    }
+    if (slot < *count) {
+        count_test(counts, finish_test(&running[slot], status));
+        fclose(running[slot].output);
+        running[slot] = running[--*count];
+    }
+}
+
+void test_run_jobs(const named_test wanted[], size_t count, int jobs, test_counts* counts)
+{
+    running_test running[TEST_JOBS_MAX];
+    int busy = 0;
+    for (size_t i = 0; i < count; ++i) {
+        FILE* output = tmpfile();
+        if (output == NULL || !start_test(&running[busy], &wanted[i], output)) {
+            perror(wanted[i].name);
+            counts->failed += 1;
+            continue;
+        }
+        busy += 1;
+        if (busy == jobs) {
+            await_test(running, &busy, counts);
+        }
+    }
+    while (busy > 0) {
+        await_test(running, &busy, counts);
+    }
+}
+
 static int is_wanted(const char* name, int argc, char** argv)
 {
-    int wanted = argc < 2;
-    for (int i = 1; i < argc; ++i) {
+    int wanted = argc == 0;
+    for (int i = 0; i < argc; ++i) {
         wanted |= strcmp(argv[i], name) == 0;
     }
     return wanted;
@@ -115,21 +219,37 @@ static int is_wanted(const char* name, int argc, char** argv)
 
 int main(int argc, char** argv)
 {
-    int ran = 0, failed = 0, skipped = 0;
+    static named_test wanted[sizeof(tests) / sizeof(tests[0])];
+    size_t count = 0;
+    int jobs = 1, first = 1;
+    if (argc > 2 && strcmp(argv[1], "--jobs") == 0) {
+        jobs = atoi(argv[2]);
+        first = 3;
+    }
+    if (jobs < 1 || jobs > TEST_JOBS_MAX) {
+        fprintf(stderr, "--jobs: expected a number from 1 to %d\n", TEST_JOBS_MAX);
+        return TEST_FAILED;
+    }
     for (size_t i = 0; i < sizeof(tests) / sizeof(tests[0]); ++i) {
-        if (is_wanted(tests[i].name, argc, argv)) {
-            int code = test_run(tests[i].name, tests[i].run);
-            ran += 1;
-            failed += code == TEST_FAILED;
-            skipped += code == TEST_SKIPPED;
+        if (is_wanted(tests[i].name, argc - first, argv + first)) {
+            wanted[count++] = tests[i];
         }
     }
-    if (ran < argc - 1 || ran == 0) {
+    if (count == 0 || count + (size_t)first < (size_t)argc) {
         fprintf(stderr, "no test is named like one of the arguments\n");
         return TEST_FAILED;
     }
-    if (failed == 0 && skipped == ran) {
+    test_counts counts = {0};
+    if (first > 1) {
+        test_run_jobs(wanted, count, jobs, &counts);
+        printf("%d passed, %d failed, %d skipped\n", counts.passed, counts.failed, counts.skipped);
+    } else {
+        for (size_t i = 0; i < count; ++i) {
+            count_test(&counts, test_run(wanted[i].name, wanted[i].run));
+        }
+    }
+    if (counts.failed == 0 && counts.passed == 0) {
         return TEST_SKIPPED;
     }
-    return failed > 0 ? TEST_FAILED : TEST_PASSED;
+    return counts.failed > 0 ? TEST_FAILED : TEST_PASSED;
 }

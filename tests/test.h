@@ -12,11 +12,26 @@ typedef struct test_state {
 
 typedef void test_function(test_state* test);
 
+typedef struct named_test {
+    const char* name;
+    test_function* run;
+} named_test;
+
+typedef struct test_counts {
+    int passed, failed, skipped;
+} test_counts;
+
 enum { TEST_PASSED = 0, TEST_FAILED = 1, TEST_SKIPPED = 77 };
 
 /// Runs a test in a process and a folder of its own, and removes the folder. @return TEST_PASSED,
 /// TEST_FAILED or TEST_SKIPPED
 int test_run(const char* name, test_function* run);
+
+enum { TEST_JOBS_MAX = 64 };
+
+/// Runs tests as test_run does, up to `jobs` (1 to TEST_JOBS_MAX) at a time, and adds their results
+/// to `counts`. The output of a test is printed when it has failed or was skipped.
+void test_run_jobs(const named_test wanted[], size_t count, int jobs, test_counts* counts);
 
 /// Prints a message and ends the process of the test as failed.
 _Noreturn void test_fail(const char* file, int line, const char* format, ...)

@@ -140,6 +140,37 @@ void test_harness_shows_failed_check_last(test_state* test)
     }
 }
 
+static void prints_and_passes(test_state* test)
+{
+    CHECK(puts("output of a test that passes") >= 0);
+}
+
+static void run_five(test_state* test)
+{
+    const named_test tests[] = {{"one", prints_and_passes},
+                                {"two", fails},
+                                {"three", is_skipped},
+                                {"four", crashes},
+                                {"five", passes}};
+    test_counts counts = {0};
+    test_run_jobs(tests, 5, 2, &counts);
+    CHECK_EQUAL(2, counts.passed);
+    CHECK_EQUAL(2, counts.failed);
+    CHECK_EQUAL(1, counts.skipped);
+}
+
+void test_harness_runs_tests_side_by_side(test_state* test)
+{
+    char text[4096];
+    CHECK_EQUAL(TEST_PASSED, run(run_five, text, sizeof(text)));
+    CHECK(strstr(text, "ok   one, 0") != NULL && strstr(text, "ok   five, 0") != NULL);
+    CHECK(strstr(text, "output of a test that passes") == NULL);
+    CHECK(strstr(text, "expected 3 (0x3), got 4 (0x4)\nFAIL two, 0") != NULL);
+    CHECK(strstr(text, "skip three: there is no reason\n") != NULL);
+    CHECK(strstr(text, "ended by signal 9: Killed\nFAIL four, 0") != NULL);
+    CHECK_EQUAL(0, count_files()); // their folders are removed
+}
+
 void test_harness_tells_of_signals(test_state* test)
 {
     char text[4096];
