@@ -34,33 +34,31 @@ static stp_vec3 position(const work* w, uint32_t point)
     return (stp_vec3){p[0], p[1], p[2]};
 }
 
-// The vector from p to a neighbour; zero if there is none on the same surface.
-static stp_vec3 step_to(const work* w, stp_vec3 p, uint32_t neighbour)
+typedef struct grid_step {
+    stp_vec3 vector;
+    float squared; ///< of its length; 0: there is no neighbour on the same surface
+} grid_step;
+
+// The step from p to a neighbour within a distance, given squared.
+static grid_step step_to(const work* w, stp_vec3 p, uint32_t neighbour, float squared_reach)
 {
     if (neighbour == STP_NONE) {
-        return (stp_vec3){0};
+        return (grid_step){0};
     }
     stp_vec3 step = stp_sub(position(w, neighbour), p);
-    float reach = stp_length(stp_sub(w->grid->scanner, p));
-    return stp_length(step) <= STEEP * reach ? step : (stp_vec3){0};
+    float squared = stp_dot(step, step);
+    return squared <= squared_reach ? (grid_step){step, squared} : (grid_step){0};
 }
 
 // The difference along one direction of the grid: between both neighbours, or to the nearer one.
-static stp_vec3 difference(const work* w, stp_vec3 p, uint32_t before, uint32_t after)
+static stp_vec3 difference(grid_step back, grid_step on)
 {
-    stp_vec3 back = step_to(w, p, before), on = step_to(w, p, after);
-    float shorter = stp_length(back), longer = stp_length(on);
-    bool back_is_longer = shorter > longer;
-    if (back_is_longer) {
-        float swapped = shorter;
-        shorter = longer;
-        longer = swapped;
+    float shorter = stp_min(back.squared, on.squared), longer = stp_max(back.squared, on.squared);
+    if (longer <= JUMP * JUMP * shorter) {
+        return stp_sub(on.vector, back.vector);
     }
-    if (longer <= JUMP * shorter) {
-        return stp_sub(on, back);
-    }
-    bool take_back = (shorter == 0.0f) == back_is_longer;
-    return take_back ? stp_scale(back, -1.0f) : on;
+    bool take_back = (shorter == 0.0f) == (back.squared > on.squared);
+    return take_back ? stp_scale(back.vector, -1.0f) : on.vector;
 }
 
 static void store_normal(const work* w, uint32_t point, stp_vec3 across)
@@ -75,11 +73,23 @@ static void store_normal(const work* w, uint32_t point, stp_vec3 across)
     memcpy(w->cloud->set.normals + 3 * (size_t)point, &n, sizeof(n));
 }
 
+static void clear_normals(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const work* w = user;
+    memset(w->cloud->set.normals + 3 * begin, 0, (end - begin) * 3 * sizeof(float));
+}
+
+// Points that are in no cell.
 static void face_scanner(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
+    const work* w = user;
     for (size_t i = begin; i < end; ++i) {
-        store_normal(user, (uint32_t)i, (stp_vec3){0});
+        const float* n = w->cloud->set.normals + 3 * i;
+        if (n[0] == 0.0f && n[1] == 0.0f && n[2] == 0.0f) {
+            store_normal(w, (uint32_t)i, (stp_vec3){0});
+        }
     }
 }
 
@@ -91,9 +101,12 @@ static void fill_columns(size_t begin, size_t end, uint32_t worker, void* user)
         for (int64_t r = 0; r < w->grid->rows; ++r) {
             uint32_t point = point_at(w, c, r);
             if (point != STP_NONE) {
-                stp_vec3 p = position(w, point);
-                stp_vec3 along = difference(w, p, point_at(w, c - 1, r), point_at(w, c + 1, r));
-                stp_vec3 up = difference(w, p, point_at(w, c, r - 1), point_at(w, c, r + 1));
+                stp_vec3 p = position(w, point), toward = stp_sub(w->grid->scanner, p);
+                float reach = STEEP * STEEP * stp_dot(toward, toward);
+                stp_vec3 along = difference(step_to(w, p, point_at(w, c - 1, r), reach),
+                                            step_to(w, p, point_at(w, c + 1, r), reach));
+                stp_vec3 up = difference(step_to(w, p, point_at(w, c, r - 1), reach),
+                                         step_to(w, p, point_at(w, c, r + 1), reach));
                 store_normal(w, point, stp_cross(along, up));
             }
         }
@@ -108,7 +121,10 @@ void stp_grid_normals(stp_cloud* cloud, const stp_scan_grid* grid)
         return;
     }
     if (grid->cells != NULL) {
-        stp_parallel_for(context, cloud->set.point_count, POINT_GRAIN, face_scanner, &w);
+        stp_parallel_for(context, cloud->set.point_count, POINT_GRAIN, clear_normals, &w);
     }
     stp_parallel_for(context, grid->columns, GRAIN, fill_columns, &w);
+    if (grid->cells != NULL) {
+        stp_parallel_for(context, cloud->set.point_count, POINT_GRAIN, face_scanner, &w);
+    }
 }
