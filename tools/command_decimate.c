@@ -187,6 +187,7 @@ static int decimate(stp_context* context, const char* path, tool_points* from)
                                    .colors = from->colors,
                                    .color_bytes = 4};
     stp_psp_desc desc = make_desc();
+    desc.two_sided = from->normals == NULL; // then the sides of the initial splats are a guess
     stp_psp_splats left = {0};
     double start = stp_clock_ms();
     stp_result result = choose_spill(context, from, &desc);

@@ -162,6 +162,18 @@ with open("many.ply", "wb") as file:
         z = 3 * math.sin(0.2 * x) * math.sin(0.3 * y)
         file.write(struct.pack("<6f3B", x, y, z, 0, 0, 1, int(2 * x), int(2 * y), 9))
 END
+# without normals the sides of splats are unknown, and prevent no merge
+sed '1,/end_header/d' ball.ply | cut -d ' ' -f 1-3 > ball.xyz
+for metric in normals distances; do
+    area=''
+    for file in ball.ply ball.xyz; do
+        "$stipple" -q decimate $file -o sides.ply --splats 30 --metric $metric --json > sides.json || fail "decimate $file"
+        area="$area $(python3 -c 'import json; print("%.3g" % json.load(open("sides.json"))["area"])')"
+    done
+    # shellcheck disable=SC2086 # two words
+    set -- $area
+    [ "$1" = "$2" ] || fail "--metric $metric: area $1 with normals, $2 without"
+done
 mkdir -p spills
 for metric in normals distances; do
     "$stipple" -q decimate many.ply -o whole-$metric.ply --splats 500 --metric $metric > out || fail "many points"
