@@ -137,11 +137,21 @@ static stp_result read_keys(const stp_las* las, coordinate_system* s)
     return STP_OK;
 }
 
+// The usual precision of degrees: 1e-7 of them is a centimetre. Metres and feet have at most six
+// digits after the point.
+#define DEGREE_STEP 1e-6
+
 // Some files declare degrees but contain metres: angles cannot be that large.
 static bool box_is_angles(const stp_las* las)
 {
     return fabs(las->low[0]) <= 360.0 && fabs(las->high[0]) <= 360.0 &&
            fabs(las->low[1]) <= 360.0 && fabs(las->high[1]) <= 360.0;
+}
+
+static bool may_be_degrees(const stp_las* las, const coordinate_system* s)
+{
+    return s->text == NULL && box_is_angles(las) && las->scale[0] < DEGREE_STEP &&
+           las->scale[1] < DEGREE_STEP;
 }
 
 static void scale_heights(stp_las* las, double factor)
@@ -175,8 +185,11 @@ static stp_result apply_units(stp_las* las, const coordinate_system* s)
     }
     bool quiet = import->desc.sample_points != 0;
     if (unit == 0.0 && !(import->desc.unit_metres > 0.0) && !quiet) {
-        stp_warn(las->context, "%s: its unit of length is unknown (set it with unit_metres)",
-                 import->path);
+        stp_warn(las->context, "%s: its unit of length is unknown (set it with unit_metres)%s",
+                 import->path,
+                 may_be_degrees(las, s) ? "; its coordinates may be degrees: if so, reproject it "
+                                          "to a projected system first"
+                                        : "");
     }
     stp_import_set_axes(import, import->desc.up != 0 ? import->desc.up : 'z', unit);
     return STP_OK;

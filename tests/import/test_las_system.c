@@ -87,6 +87,9 @@ static int system_is_right(system_case c)
     }
     const char* said = scene != NULL ? log.warning : log.text;
     good = good && (c.sentence != NULL ? strstr(said, c.sentence) != NULL : said[0] == '\0');
+    const char* guess = "may be degrees";
+    bool expected = c.sentence != NULL && strstr(c.sentence, guess) != NULL;
+    good = good && (strstr(said, guess) != NULL) == expected;
     if (!good) {
         fprintf(stderr, "result %d, \"%s\", unit %g\n", result, said,
                 scene != NULL ? scene->unit_metres : 0.0);
@@ -121,6 +124,10 @@ void test_las_keeps_its_coordinate_system(test_state* test)
     CHECK(system_is_right(
         (system_case){{.keys = no_unit, .key_numbers = 12}, "EPSG:2994", 0.0, unknown, STP_OK}));
     CHECK(system_is_right((system_case){{.format = 3}, NULL, 0.0, unknown, STP_OK}));
+    // undeclared degrees are suspected only where numbers are small and have many digits
+    const char* suspected = "(set it with unit_metres); its coordinates may be degrees";
+    CHECK(system_is_right((system_case){{.scale = 1e-7}, NULL, 0.0, suspected, STP_OK}));
+    CHECK(system_is_right((system_case){{.scale = 1e-6}, NULL, 0.0, unknown, STP_OK}));
     // degrees are rejected; if coordinates exceed them, the declaration is wrong
     CHECK(system_is_right((system_case){{.wkt = degrees, .scale = 1e-7},
                                         NULL,
