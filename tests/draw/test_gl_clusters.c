@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// Clusters of many items are culled by all threads (draw/gl/cluster_shares.h).
+#include "tests.h"
+
+#include "draw/support_gl.h"
+#include "store/support_mesh.h"
+
+enum { ITEMS = 7, SIDE = 110, SHARED_FROM = 1024 }; // fewer clusters are culled by one thread
+
+static made_mesh wave;
+static stp_coded_mesh coded;
+
+/// A sheet of clusters in several places: in the middle of the picture, beside it, and far away.
+static void add_sheets(made_picture* p)
+{
+    made_scene* s = &p->scene;
+    if (!made_mesh_create(MADE_WAVE, SIDE, MADE_NORMALS, &wave)) {
+        return;
+    }
+    stp_store_mesh mesh = made_mesh_view(&wave);
+    if (stp_clusters_encode(p->context, &mesh, 1.0 / 1024, &coded) != STP_OK) {
+        return;
+    }
+    mesh.bounds = coded.bounds;
+    stp_vec3d low = stp_to_double(coded.bounds.min), high = stp_to_double(coded.bounds.max);
+    double scale = 2.0 / (high.x - low.x);
+    made_picture_add(p, 0.0, (stp_vec3d){0, 0, 0}, NULL);
+    s->meshes[0] = mesh;
+    s->nodes[0].triangle_count = mesh.triangle_count;
+    s->nodes[0].bounds = (stp_boxd){low, high};
+    s->coded_meshes = &coded;
+    for (int i = 0; i < ITEMS; ++i) {
+        stp_affine m = stp_affine_identity();
+        for (int k = 0; k < 3; ++k) {
+            m.m[k][k] = scale;
+        }
+        m.m[0][3] = -scale * low.x + 1.1 * (i % 3) - 2.4;
+        m.m[1][3] = -scale * low.y + 0.9 * (i / 3) - 2.0;
+        m.m[2][3] = -scale * low.z - 0.7 * i;
+        s->edges[i] = (stp_store_edge){0, m};
+    }
+    s->edge_count = ITEMS;
+}
+
+static void compare(test_state* test, made_gl* m)
+{
+    CHECK_EQUAL(STP_OK, made_picture_draw(&m->picture));
+    uint64_t covered = m->picture.stats.covered_pixels, triangles = m->picture.stats.triangles;
+    CHECK(covered > 100 && triangles > 1000);
+    CHECK_EQUAL(STP_OK, made_gl_draw(m));
+    uint64_t more = m->picture.stats.covered_pixels;
+    CHECK(more + 8 >= covered && covered + 8 >= more);
+    CHECK(made_count_different(m->pixels, m->picture.pixels, 6) <=
+          PICTURE_SIDE * PICTURE_SIDE / 50);
+}
+
+void test_gl_clusters_of_many_items(test_state* test)
+{
+    made_gl m;
+    bool failed;
+    wave = (made_mesh){0};
+    coded = (stp_coded_mesh){0};
+    if (!made_gl_begin_with(&m, add_sheets, NULL, NULL, &failed)) {
+        made_gl_end(&m);
+        CHECK(!failed);
+        test->skipped = "there is no OpenGL";
+        return;
+    }
+    CHECK(ITEMS * coded.cluster_count > SHARED_FROM);
+    // Each view leaves out other clusters than the one before it: shares of an earlier frame would
+    // show.
+    for (int i = 0; i < 4; ++i) {
+        m.picture.view.eye = (stp_vec3d){i % 2 == 0 ? -1.5 : 1.5, i < 2 ? -1.5 : 1.2, 3.0};
+        m.picture.view.target = (stp_vec3d){m.picture.view.eye.x, m.picture.view.eye.y, 0.0};
+        compare(test, &m);
+    }
+    stp_coded_mesh_destroy(m.picture.context, &coded);
+    made_gl_end(&m);
+    made_mesh_destroy(&wave);
+}
