@@ -23,11 +23,6 @@ typedef struct pictures {
     uint64_t* square_errors; ///< per piece of PIXEL_GRAIN pixels, over the three channels
 } pictures;
 
-static int composite_on_black(const uint8_t* pixel, int channel)
-{
-    return (pixel[channel] * pixel[3] + 127) / 255;
-}
-
 static float to_grey(const int color[3])
 {
     return (float)(299 * color[0] + 587 * color[1] + 114 * color[2]);
@@ -50,8 +45,8 @@ static void prepare_pixels(size_t begin, size_t end, uint32_t worker, void* user
     for (size_t i = begin; i < end; ++i) {
         int a[3], b[3];
         for (int channel = 0; channel < 3; ++channel) {
-            a[channel] = composite_on_black(p->a->pixels + 4 * i, channel);
-            b[channel] = composite_on_black(p->b->pixels + 4 * i, channel);
+            a[channel] = stp_composite_on_black(p->a->pixels + 4 * i, channel);
+            b[channel] = stp_composite_on_black(p->b->pixels + 4 * i, channel);
             sum += (uint64_t)((a[channel] - b[channel]) * (a[channel] - b[channel]));
         }
         p->grey_a[i] = to_grey(a);

@@ -10,6 +10,12 @@
 /// Replaces infinity, which JSON cannot express. Pictures that differ stay below 140.
 #define STP_PSNR_EQUAL 200.0
 
+/// A channel (0 to 2) of an RGBA pixel over black.
+static inline int stp_composite_on_black(const uint8_t* pixel, int channel)
+{
+    return (pixel[channel] * pixel[3] + 127) / 255;
+}
+
 typedef struct stp_image_quality {
     /// Wang et al. 2004: luminance (Rec. 601 weights of the sRGB bytes), 11 x 11 Gaussian window,
     /// sigma 1.5, K1 .01, K2 .03. Mean over the pixels whose whole window lies inside the picture,

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "measure/popping.h"
 
+#include "measure/image_compare.h"
+
 #include <math.h>
+#include <stdlib.h>
 
 stp_result stp_popping_create(stp_context* context, stp_popping* popping)
 {
@@ -22,20 +25,15 @@ typedef struct pair {
     uint16_t* values;
 } pair;
 
-static uint32_t composite_on_black(const uint8_t* pixel, int channel)
-{
-    return (pixel[channel] * (uint32_t)pixel[3] + 127) / 255;
-}
-
 // Sum of the changes of `count` pixels.
 static uint32_t sum_change(const uint8_t* before, const uint8_t* after, uint32_t count)
 {
     uint32_t sum = 0;
     for (uint32_t i = 0; i < count; ++i, before += 4, after += 4) {
         for (int channel = 0; channel < 3; ++channel) {
-            uint32_t a = composite_on_black(before, channel),
-                     b = composite_on_black(after, channel);
-            sum += a > b ? a - b : b - a;
+            int a = stp_composite_on_black(before, channel),
+                b = stp_composite_on_black(after, channel);
+            sum += (uint32_t)abs(a - b);
         }
     }
     return sum;
