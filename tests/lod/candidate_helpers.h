@@ -81,35 +81,134 @@ static inline void maker_add_plane(maker* m, double half_extent,
     }
 }
 
-/// Farthest-first by brute force: the Euclidean distance, plus `side` where normals face apart.
+/// Candidates near each other: a cell of a grid.
+typedef struct maker_cell {
+    float minimum[3], maximum[3];
+    float farthest;      ///< largest distance of its candidates to those picked
+    uint32_t at;         ///< the first candidate at that distance
+    uint32_t begin, end; ///< in the list of candidates by cell
+} maker_cell;
+
+enum { MAKER_GRID = 24, MAKER_CELLS = MAKER_GRID * MAKER_GRID * MAKER_GRID };
+
+static inline uint32_t maker_cell_of(const stp_candidates* c, uint32_t candidate, float minimum,
+                                     float maximum)
+{
+    uint32_t cell = 0;
+    for (int k = 0; k < 3; ++k) {
+        float at = (c->positions[3 * (size_t)candidate + (size_t)k] - minimum) /
+                   (maximum - minimum + 1e-6f);
+        cell = MAKER_GRID * cell + (uint32_t)(at * (float)MAKER_GRID);
+    }
+    return cell < MAKER_CELLS ? cell : MAKER_CELLS - 1;
+}
+
+/// Sorts the candidates by cell. @return the number of cells that have any
+static inline uint32_t maker_fill_cells(const stp_candidates* c, uint32_t* list, maker_cell* cells)
+{
+    float minimum = INFINITY, maximum = -INFINITY;
+    for (size_t i = 0; i < 3 * (size_t)c->count; ++i) {
+        minimum = c->positions[i] < minimum ? c->positions[i] : minimum;
+        maximum = c->positions[i] > maximum ? c->positions[i] : maximum;
+    }
+    uint32_t* starts = calloc(MAKER_CELLS + 1, sizeof(uint32_t));
+    for (uint32_t i = 0; i < c->count; ++i) {
+        starts[maker_cell_of(c, i, minimum, maximum) + 1] += 1;
+    }
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < MAKER_CELLS; ++i) {
+        if (starts[i + 1] > 0) {
+            cells[count++] = (maker_cell){{INFINITY, INFINITY, INFINITY},
+                                          {-INFINITY, -INFINITY, -INFINITY},
+                                          INFINITY,
+                                          UINT32_MAX,
+                                          starts[i],
+                                          starts[i] + starts[i + 1]};
+        }
+        starts[i + 1] += starts[i];
+    }
+    for (uint32_t i = 0; i < c->count; ++i) {
+        list[starts[maker_cell_of(c, i, minimum, maximum)]++] = i;
+    }
+    free(starts);
+    for (uint32_t i = 0; i < count; ++i) {
+        for (uint32_t at = cells[i].begin; at < cells[i].end; ++at) {
+            const float* p = c->positions + 3 * (size_t)list[at];
+            for (int k = 0; k < 3; ++k) {
+                cells[i].minimum[k] = p[k] < cells[i].minimum[k] ? p[k] : cells[i].minimum[k];
+                cells[i].maximum[k] = p[k] > cells[i].maximum[k] ? p[k] : cells[i].maximum[k];
+            }
+        }
+        cells[i].at = list[cells[i].begin];
+    }
+    return count;
+}
+
+/// Whether a place is farther from all of a cell than its candidates are from those picked.
+static inline bool maker_is_beyond(const maker_cell* cell, const float* p)
+{
+    float square = 0.0f;
+    for (int k = 0; k < 3; ++k) {
+        float below = cell->minimum[k] - p[k], above = p[k] - cell->maximum[k];
+        float away = below > 0.0f ? below : above > 0.0f ? above : 0.0f;
+        square += away * away;
+    }
+    return square > 1.001f * cell->farthest * cell->farthest; // despite rounding
+}
+
+/// Updates the distances of a cell after a candidate was picked.
+static inline void maker_update_cell(const stp_candidates* c, const uint32_t* list,
+                                     maker_cell* cell, uint32_t picked, float side, float* distance)
+{
+    const float* p = c->positions + 3 * (size_t)picked;
+    const float* n = c->normals + 3 * (size_t)picked;
+    cell->farthest = -1.0f;
+    for (uint32_t at = cell->begin; at < cell->end; ++at) {
+        uint32_t i = list[at];
+        const float* q = c->positions + 3 * (size_t)i;
+        const float* k = c->normals + 3 * (size_t)i;
+        float x = q[0] - p[0], y = q[1] - p[1], z = q[2] - p[2];
+        float d = sqrtf(x * x + y * y + z * z);
+        d += n[0] * k[0] + n[1] * k[1] + n[2] * k[2] < 0.0f ? side : 0.0f;
+        distance[i] = d < distance[i] ? d : distance[i];
+        if (distance[i] > cell->farthest) {
+            cell->farthest = distance[i];
+            cell->at = i;
+        }
+    }
+}
+
+/// Farthest-first, the first of equals: the Euclidean distance, plus `side` where normals face
+/// apart.
 static inline void maker_order(maker* m, uint32_t wanted, float side)
 {
     const stp_candidates* c = &m->candidates;
     float* distance = malloc(c->count * sizeof(float));
+    uint32_t* list = malloc(c->count * sizeof(uint32_t));
+    maker_cell* cells = malloc(MAKER_CELLS * sizeof(maker_cell));
     for (uint32_t i = 0; i < c->count; ++i) {
         distance[i] = INFINITY;
     }
-    uint32_t next = 0;
+    uint32_t next = 0, cell_count = maker_fill_cells(c, list, cells);
     for (m->count = 0; m->count < wanted && m->count < c->count && distance[next] > 0.0f;) {
         uint32_t picked = next;
         m->order[m->count] = picked;
         m->radii[m->count++] = distance[picked];
         const float* p = c->positions + 3 * (size_t)picked;
-        const float* n = c->normals + 3 * (size_t)picked;
-        for (uint32_t i = 0; i < c->count; ++i) {
-            const float* q = c->positions + 3 * (size_t)i;
-            const float* k = c->normals + 3 * (size_t)i;
-            float x = q[0] - p[0], y = q[1] - p[1], z = q[2] - p[2];
-            float d = sqrtf(x * x + y * y + z * z);
-            d += n[0] * k[0] + n[1] * k[1] + n[2] * k[2] < 0.0f ? side : 0.0f;
-            distance[i] = d < distance[i] ? d : distance[i];
-        }
-        next = 0;
-        for (uint32_t i = 1; i < c->count; ++i) {
-            next = distance[i] > distance[next] ? i : next;
+        distance[picked] = 0.0f;
+        next = picked;
+        for (uint32_t i = 0; i < cell_count; ++i) {
+            maker_cell* cell = &cells[i];
+            if (!maker_is_beyond(cell, p)) {
+                maker_update_cell(c, list, cell, picked, side, distance);
+            }
+            float difference = cell->farthest - distance[next];
+            next = difference > 0.0f || (difference == 0.0f && cell->at < next) ? cell->at : next;
         }
     }
     m->final_radius = m->count < c->count ? distance[next] : 0.0f;
+    free(cells);
+    free(list);
     free(distance);
 }
 

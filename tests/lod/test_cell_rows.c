@@ -22,14 +22,19 @@ static void make_points(float positions[3 * POINTS], float scale)
     }
 }
 
-/// Cell of a point on an axis, counted from the lowest one.
-static int64_t cell_of(const float* positions, uint32_t point, uint32_t axis, double cell)
+/// The cells of all points on each axis, counted from the lowest one.
+static void find_cells(const float* positions, double side, int64_t found[3 * POINTS])
 {
-    float minimum = positions[axis];
-    for (uint32_t i = 0; i < POINTS; ++i) {
-        minimum = stp_min(minimum, positions[3 * i + axis]);
+    for (uint32_t k = 0; k < 3; ++k) {
+        float minimum = positions[k];
+        for (uint32_t i = 0; i < POINTS; ++i) {
+            minimum = stp_min(minimum, positions[3 * i + k]);
+        }
+        for (uint32_t i = 0; i < POINTS; ++i) {
+            double away = (double)positions[3 * i + k] - (double)minimum;
+            found[3 * i + k] = (int64_t)(away * (1.0 / side));
+        }
     }
-    return (int64_t)(((double)positions[3 * point + axis] - (double)minimum) * (1.0 / cell));
 }
 
 /// Marks the points of some cells.
@@ -45,22 +50,22 @@ static void see_cells(test_state* test, const stp_cell_rows* rows, uint32_t begi
 
 /// Exactly the points whose cells are at most `reach` cells away from that of a sorted point were
 /// seen.
-static void check_seen(test_state* test, const stp_cell_rows* rows, const float* positions,
-                       uint32_t at, int64_t reach, double cell, const bool seen[POINTS])
+static void check_seen(test_state* test, const stp_cell_rows* rows, const int64_t* found,
+                       uint32_t at, int64_t reach, const bool seen[POINTS])
 {
     uint32_t point = stp_cell_rows_index(rows, at);
     for (uint32_t i = 0; i < POINTS; ++i) {
         bool near = true;
         for (uint32_t k = 0; k < 3; ++k) {
-            int64_t d = cell_of(positions, i, k, cell) - cell_of(positions, point, k, cell);
+            int64_t d = found[3 * i + k] - found[3 * point + k];
             near = near && d >= -reach && d <= reach;
         }
         CHECK_EQUAL(near, seen[i]);
     }
 }
 
-static void check_reach(test_state* test, const stp_cell_rows* rows, const float* positions,
-                        uint32_t cell, uint32_t cells, double side)
+static void check_reach(test_state* test, const stp_cell_rows* rows, const int64_t* found,
+                        uint32_t cell, uint32_t cells)
 {
     bool seen[POINTS] = {false};
     stp_cell_reach reach = stp_cell_reach_around(rows, rows->numbers[cell], cells);
@@ -71,23 +76,24 @@ static void check_reach(test_state* test, const stp_cell_rows* rows, const float
             see_cells(test, rows, begin, end, seen);
         }
     }
-    check_seen(test, rows, positions, rows->starts[cell], (int64_t)cells, side, seen);
+    check_seen(test, rows, found, rows->starts[cell], (int64_t)cells, seen);
 }
 
-static void check_window(test_state* test, const float* positions, stp_cell_window* window,
-                         uint32_t cell, double side)
+static void check_window(test_state* test, const int64_t* found, stp_cell_window* window,
+                         uint32_t cell)
 {
     bool seen[POINTS] = {false};
     stp_cell_window_move(window, cell);
     for (int r = 0; r < STP_CELL_ROWS; ++r) {
         see_cells(test, window->rows, window->begins[r], window->ends[r], seen);
     }
-    check_seen(test, window->rows, positions, window->rows->starts[cell], 1, side, seen);
+    check_seen(test, window->rows, found, window->rows->starts[cell], 1, seen);
 }
 
 void test_cell_rows_find_the_points_around_each_cell(test_state* test)
 {
     static float positions[3 * POINTS];
+    static int64_t found[3 * POINTS];
     stp_context* context = test_context(NULL, 2, NULL);
     CHECK(context != NULL);
     const float cells[] = {0.03f, 0.2f, 5.0f};
@@ -95,6 +101,7 @@ void test_cell_rows_find_the_points_around_each_cell(test_state* test)
     for (size_t c = 0; c < 3; ++c) {
         stp_cell_rows rows;
         CHECK_EQUAL(STP_OK, stp_cell_rows_make(context, positions, POINTS, cells[c], &rows));
+        find_cells(positions, (double)cells[c], found);
         bool seen[POINTS] = {false};
         stp_cell_window window;
         stp_cell_window_start(&rows, 0, &window);
@@ -109,13 +116,13 @@ void test_cell_rows_find_the_points_around_each_cell(test_state* test)
                 seen[index] = true;
             }
             if (cell % 5 == 0) { // some are skipped
-                check_window(test, positions, &window, cell, (double)cells[c]);
+                check_window(test, found, &window, cell);
             }
         }
         CHECK_EQUAL(POINTS, rows.starts[rows.cell_count]);
         for (uint32_t cell = 0; cell < rows.cell_count; cell += 29) {
             for (uint32_t reach = 1; reach <= 16; reach *= 4) {
-                check_reach(test, &rows, positions, cell, reach, (double)cells[c]);
+                check_reach(test, &rows, found, cell, reach);
             }
         }
         stp_cell_rows_destroy(context, &rows);
