@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A mapped file is overwritten while it is drawn: with any content, nothing is read or written
 // out of bounds, and all calls return. The pictures are undefined.
+#include "exhaustive.h"
 #include "tests.h"
 
 #include "base/position_grid.h"
@@ -157,11 +158,12 @@ static bool use(overwritten* o, bool reference, bool sections)
     return result == STP_OK && picked == STP_OK;
 }
 
-/// Overwrites `length` bytes at a time, draws, and restores them.
+/// Overwrites `length` bytes at a time, draws, and restores them. Short pieces: every third.
 static bool overwrite(overwritten* o, size_t length, int pattern)
 {
     unsigned char other[256];
-    for (size_t at = 0; at < o->size; at += length) {
+    size_t stride = length < 256 ? length * test_stride(3) : length;
+    for (size_t at = 0; at < o->size; at += stride) {
         size_t count = o->size - at < length ? o->size - at : length;
         for (size_t i = 0; i < count; ++i) {
             uint64_t random = stp_rng_hash(at * 31 + i, length);

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "exhaustive.h"
+
 #include "import/las_points.h"
 
 enum { COUNT = 120 };
@@ -43,13 +45,22 @@ void test_las_refuses_every_truncation(test_state* test)
     }
 }
 
+/// The place to damage after `at`: all of the header and of the chunk table, some of the points.
+static size_t next_place(const las_buffer* file, size_t at)
+{
+    uint32_t points_at;
+    memcpy(&points_at, file->bytes + 96, sizeof(points_at));
+    bool within_points = at >= points_at + 64 && at + 64 < file->size;
+    return at + (within_points ? test_stride(5) : 1);
+}
+
 // For any flipped bit: a valid scene, or one sentence.
 void test_las_survives_flipped_bits(test_state* test)
 {
     static const unsigned formats[] = {5, 10};
     for (int i = 0; i < 4; ++i) {
         las_buffer file = write_small(formats[i % 2], i < 2 ? LAZ_VARIABLE : LAZ_CHUNKED);
-        for (size_t at = 0; at < file.size; ++at) {
+        for (size_t at = 0; at < file.size; at = next_place(&file, at)) {
             unsigned char* bytes = malloc(file.size);
             memcpy(bytes, file.bytes, file.size);
             bytes[at] ^= (unsigned char)(1u << at % 8);

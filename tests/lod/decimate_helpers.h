@@ -77,14 +77,24 @@ static inline uint32_t decimate_count_bare(const stp_decimate_input* input,
                                            const stp_decimate_output* output, float away)
 {
     uint32_t bare = 0;
+    float* squares = malloc((output->count + 1) * sizeof(float)); // of distances that may suffice
+    for (uint32_t s = 0; s < output->count; ++s) {
+        const stp_vec3* major = &output->ellipses[s].major;
+        float square = major->x * major->x + major->y * major->y + major->z * major->z;
+        squares[s] = 1.01f * (square + away * away);
+    }
     for (uint32_t i = 0; i < input->count; ++i) {
         stp_vec3 p = {input->positions[3 * i], input->positions[3 * i + 1],
                       input->positions[3 * i + 2]};
         bool covered = false;
         for (uint32_t s = 0; s < output->count && !covered; ++s) {
-            covered = decimate_is_covered_by(&output->ellipses[s], p, away);
+            const stp_vec3* center = &output->ellipses[s].center;
+            float x = p.x - center->x, y = p.y - center->y, z = p.z - center->z;
+            covered = x * x + y * y + z * z <= squares[s] &&
+                      decimate_is_covered_by(&output->ellipses[s], p, away);
         }
         bare += covered ? 0 : 1;
     }
+    free(squares);
     return bare;
 }

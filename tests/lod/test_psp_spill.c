@@ -12,7 +12,7 @@
 #include <string.h>
 #include <sys/resource.h>
 
-enum { MOST = 20000 };
+enum { MOST = 10000 };
 
 static float positions[3 * MOST], normals[3 * MOST], areas[MOST];
 static uint8_t colors[4 * MOST];

@@ -32,10 +32,14 @@ static bool reaches_box(stp_boxd box, stp_vec3d eye, stp_vec3d direction)
     double enter = 0.0, leave = (double)INFINITY;
     for (int k = 0; k < 3; ++k) {
         double a = (low[k] - 1e-9 - from[k]) / way[k], b = (high[k] + 1e-9 - from[k]) / way[k];
-        enter = fmax(enter, fmin(a, b));
-        leave = fmin(leave, fmax(a, b));
+        double first = a < b ? a : b, last = a < b ? b : a;
+        enter = first > enter ? first : enter;
+        leave = last < leave ? last : leave;
+        if (enter > leave) {
+            return false;
+        }
     }
-    return enter <= leave;
+    return true;
 }
 
 static stp_vec3d corner_of(const stp_mesh* mesh, const stp_affine* place, size_t corner)
