@@ -68,9 +68,14 @@ static float measure(const stp_ellipse* ellipses, uint32_t count, const stp_deci
 {
     float maximum = 0.0f;
     for (uint32_t i = 0; i < input->count; ++i) {
+        const float* p = input->positions + 3 * (size_t)i;
         float minimum = HUGE_VALF;
         for (uint32_t e = 0; e < count; ++e) {
-            minimum = stp_min(minimum, reach(&ellipses[e], input, i));
+            const stp_vec3 *at = &ellipses[e].center, *n = &ellipses[e].normal;
+            float away = (p[0] - at->x) * n->x + (p[1] - at->y) * n->y + (p[2] - at->z) * n->z;
+            if (fabsf(away) <= 1.001f * minimum) {
+                minimum = stp_min(minimum, reach(&ellipses[e], input, i));
+            }
         }
         maximum = stp_max(maximum, minimum);
     }

@@ -206,7 +206,7 @@ void test_partitions_keep_every_triangle_once(test_state* test)
         stp_scene* scene = NULL;
         stp_partition_desc desc = {.leaf_triangles = 64, .child_count = 2 + seed % 5};
         CHECK(context != NULL && stp_scene_create(context, &scene) == STP_OK);
-        CHECK(make_random_scene(scene, seed, 10 + 9 * seed));
+        CHECK(make_random_scene(scene, seed, 10 + 6 * seed));
         CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
         enum { MOST = 200 };
         triangles root, before[MOST], after;

@@ -24,41 +24,68 @@ void sight_close(sight* s)
     stp_free(s->scene->context, s->parts);
 }
 
-static bool reaches_box(stp_boxd box, stp_vec3d eye, stp_vec3d direction)
+/// Narrows the part of a ray that is between two planes across an axis. @return whether any is left
+static bool narrow(double low, double high, double from, double way, double* enter, double* leave)
 {
-    const double low[3] = {box.min.x, box.min.y, box.min.z},
-                 high[3] = {box.max.x, box.max.y, box.max.z}, from[3] = {eye.x, eye.y, eye.z},
-                 way[3] = {direction.x, direction.y, direction.z};
+    double a = (low - 1e-9 - from) / way, b = (high + 1e-9 - from) / way;
+    double first = a < b ? a : b, last = a < b ? b : a;
+    *enter = first > *enter ? first : *enter;
+    *leave = last < *leave ? last : *leave;
+    return *enter <= *leave;
+}
+
+static bool reaches_box(const stp_boxd* box, const stp_vec3d* eye, const stp_vec3d* direction)
+{
     double enter = 0.0, leave = (double)INFINITY;
-    for (int k = 0; k < 3; ++k) {
-        double a = (low[k] - 1e-9 - from[k]) / way[k], b = (high[k] + 1e-9 - from[k]) / way[k];
-        double first = a < b ? a : b, last = a < b ? b : a;
-        enter = first > enter ? first : enter;
-        leave = last < leave ? last : leave;
-        if (enter > leave) {
-            return false;
-        }
-    }
-    return true;
+    return narrow(box->min.x, box->max.x, eye->x, direction->x, &enter, &leave) &&
+           narrow(box->min.z, box->max.z, eye->z, direction->z, &enter, &leave) &&
+           narrow(box->min.y, box->max.y, eye->y, direction->y, &enter, &leave);
 }
 
-static stp_vec3d corner_of(const stp_mesh* mesh, const stp_affine* place, size_t corner)
+/// A ray in the space of a part: distances, in lengths of the direction, are the same.
+typedef struct local_ray {
+    stp_vec3d from, way;
+} local_ray;
+
+static stp_vec3d row_of(const stp_affine* a, int row)
 {
-    const float* p = mesh->positions + 3 * (size_t)mesh->indices[corner];
-    return stp_affine_point(place, (stp_vec3d){(double)p[0], (double)p[1], (double)p[2]});
+    return (stp_vec3d){a->m[row][0], a->m[row][1], a->m[row][2]};
 }
 
-// Moeller and Trumbore 1997.
-static void look_at_triangle(const stp_vec3d corners[3], stp_vec3d eye, stp_vec3d direction,
+static local_ray enter_part(const stp_affine* place, stp_vec3d eye, stp_vec3d direction)
+{
+    stp_vec3d a = row_of(place, 0), b = row_of(place, 1), c = row_of(place, 2);
+    double share = 1.0 / stp_affine_determinant(place);
+    const stp_vec3d columns[3] = {stp_scaled(stp_crossd(b, c), share),
+                                  stp_scaled(stp_crossd(c, a), share),
+                                  stp_scaled(stp_crossd(a, b), share)};
+    stp_vec3d from = {eye.x - place->m[0][3], eye.y - place->m[1][3], eye.z - place->m[2][3]};
+    return (local_ray){
+        stp_addd(stp_addd(stp_scaled(columns[0], from.x), stp_scaled(columns[1], from.y)),
+                 stp_scaled(columns[2], from.z)),
+        stp_addd(stp_addd(stp_scaled(columns[0], direction.x), stp_scaled(columns[1], direction.y)),
+                 stp_scaled(columns[2], direction.z))};
+}
+
+// Moeller and Trumbore 1997. In a mirrored part, corners and space are both turned around.
+static void look_at_triangle(const float* p, const float* q, const float* r, const local_ray* ray,
                              sight_hit* hit)
 {
-    stp_vec3d u = stp_subd(corners[1], corners[0]), v = stp_subd(corners[2], corners[0]);
-    stp_vec3d p = stp_crossd(direction, v), from = stp_subd(eye, corners[0]);
-    double determinant = stp_dotd(u, p);
-    double a = stp_dotd(from, p) / determinant;
-    stp_vec3d q = stp_crossd(from, u);
-    double b = stp_dotd(direction, q) / determinant, t = stp_dotd(v, q) / determinant;
-    if (a >= 0.0 && b >= 0.0 && a + b <= 1.0 && t > 0.0 && t < hit->distance) {
+    const double x = (double)p[0], y = (double)p[1], z = (double)p[2];
+    const double ux = (double)q[0] - x, uy = (double)q[1] - y, uz = (double)q[2] - z;
+    const double vx = (double)r[0] - x, vy = (double)r[1] - y, vz = (double)r[2] - z;
+    const stp_vec3d* d = &ray->way;
+    const double px = d->y * vz - d->z * vy, py = d->z * vx - d->x * vz, pz = d->x * vy - d->y * vx;
+    const double fx = ray->from.x - x, fy = ray->from.y - y, fz = ray->from.z - z;
+    double determinant = ux * px + uy * py + uz * pz;
+    double a = (fx * px + fy * py + fz * pz) / determinant;
+    if (!(a >= 0.0 && a <= 1.0)) {
+        return;
+    }
+    const double qx = fy * uz - fz * uy, qy = fz * ux - fx * uz, qz = fx * uy - fy * ux;
+    double b = (d->x * qx + d->y * qy + d->z * qz) / determinant;
+    double t = (vx * qx + vy * qy + vz * qz) / determinant;
+    if (b >= 0.0 && a + b <= 1.0 && t > 0.0 && t < hit->distance) {
         *hit = (sight_hit){t, determinant < 0.0};
     }
 }
@@ -67,18 +94,16 @@ sight_hit sight_look(const sight* s, stp_vec3d eye, stp_vec3d direction)
 {
     sight_hit hit = {.distance = (double)INFINITY};
     for (size_t i = 0; i < s->part_count; ++i) {
-        if (!reaches_box(s->boxes[i], eye, direction)) {
+        if (!reaches_box(&s->boxes[i], &eye, &direction)) {
             continue;
         }
         const stp_mesh* mesh = &s->scene->meshes[s->parts[i].part.index];
-        const stp_affine* place = &s->parts[i].transform;
-        bool mirrored = stp_affine_determinant(place) < 0.0;
-        for (size_t t = 0; t < mesh->triangle_count; ++t) {
-            stp_vec3d corners[3];
-            for (size_t k = 0; k < 3; ++k) {
-                corners[k] = corner_of(mesh, place, 3 * t + (mirrored ? 2 - k : k));
-            }
-            look_at_triangle(corners, eye, direction, &hit);
+        const local_ray ray = enter_part(&s->parts[i].transform, eye, direction);
+        const uint32_t* corners = mesh->indices;
+        for (size_t t = 0; t < mesh->triangle_count; ++t, corners += 3) {
+            look_at_triangle(mesh->positions + 3 * (size_t)corners[0],
+                             mesh->positions + 3 * (size_t)corners[1],
+                             mesh->positions + 3 * (size_t)corners[2], &ray, &hit);
         }
     }
     return hit;
