@@ -163,11 +163,11 @@ void test_harness_runs_tests_side_by_side(test_state* test)
 {
     char text[4096];
     CHECK_EQUAL(TEST_PASSED, run(run_five, text, sizeof(text)));
-    CHECK(strstr(text, "ok   one, 0") != NULL && strstr(text, "ok   five, 0") != NULL);
+    CHECK(strstr(text, "ok   one, ") != NULL && strstr(text, "ok   five, ") != NULL);
     CHECK(strstr(text, "output of a test that passes") == NULL);
-    CHECK(strstr(text, "expected 3 (0x3), got 4 (0x4)\nFAIL two, 0") != NULL);
+    CHECK(strstr(text, "expected 3 (0x3), got 4 (0x4)\nFAIL two, ") != NULL);
     CHECK(strstr(text, "skip three: there is no reason\n") != NULL);
-    CHECK(strstr(text, "ended by signal 9: Killed\nFAIL four, 0") != NULL);
+    CHECK(strstr(text, "ended by signal 9: Killed\nFAIL four, ") != NULL);
     CHECK_EQUAL(0, count_files()); // their folders are removed
 }
 
