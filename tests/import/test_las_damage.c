@@ -51,7 +51,7 @@ static size_t next_place(const las_buffer* file, size_t at)
     uint32_t points_at;
     memcpy(&points_at, file->bytes + 96, sizeof(points_at));
     bool within_points = at >= points_at + 64 && at + 64 < file->size;
-    return at + (within_points ? test_stride(5) : 1);
+    return at + (within_points ? test_stride(9) : 1);
 }
 
 // For any flipped bit: a valid scene, or one sentence.

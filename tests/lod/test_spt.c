@@ -237,7 +237,7 @@ void test_spt_sequences_select_what_the_traversal_does(test_state* test)
         CHECK(sequence.highest[i] <= sequence.highest[i - 1]);
     }
     uint64_t more = 0, all = 0;
-    for (uint64_t view_seed = 0; view_seed < 3000; ++view_seed) {
+    for (uint64_t view_seed = 0; view_seed < 1500; ++view_seed) {
         float away = powf(10.0f, 3.0f * unit(view_seed, 0) - 1.0f);
         stp_tree_view view = {.eye = {(double)(away * (unit(view_seed, 1) - 0.5f)),
                                       (double)(away * (unit(view_seed, 2) - 0.5f)),

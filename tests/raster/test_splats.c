@@ -111,10 +111,11 @@ static double stretch_of(const splat_scene* s, uint32_t index, const double offs
     const int8_t* normal = s->normals + 2 * index;
     stp_disk_axes axes = stp_disk_axes_of((float)normal[0], (float)normal[1]);
     double turn = STP_PI * (double)(code >> 24) / 256.0, along = 0.0;
+    double across = cos(turn), aside = sin(turn);
     const float x[3] = {axes.x.x, axes.x.y, axes.x.z}, y[3] = {axes.y.x, axes.y.y, axes.y.z};
     for (int r = 0; r < 3; ++r) {
         for (int k = 0; k < 3; ++k) { // the view is scaled by two
-            double direction = cos(turn) * (double)y[k] - sin(turn) * (double)x[k];
+            double direction = across * (double)y[k] - aside * (double)x[k];
             along += offset[r] * 0.5 * (double)s->camera.view[r][k] * direction;
         }
     }

@@ -37,12 +37,10 @@ static inline uint64_t reseal_chunks(unsigned char* bytes, size_t size, uint64_t
     if (offset > size || length > size - offset) {
         return 0;
     }
+    uint64_t sum = length >= 8 ? stp_read_u32(bytes + offset) : 0; // of the chunks' sizes
     for (uint64_t count = 2; 8 * count <= length && count < 64; ++count) {
-        uint64_t end = 8 * count;
-        for (uint64_t i = 0; i < count; ++i) {
-            end += stp_read_u32(bytes + offset + 8 * i);
-        }
-        if (end != length) {
+        sum += stp_read_u32(bytes + offset + 8 * (count - 1));
+        if (8 * count + sum != length) {
             continue;
         }
         uint64_t at = offset + 8 * count;

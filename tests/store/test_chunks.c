@@ -210,7 +210,7 @@ void test_chunks_that_are_forged_are_refused(test_state* test)
     uint32_t refused = 0, tried = 0;
     unsigned char* copy = NULL;
     CHECK(posix_memalign((void**)&copy, 64, size) == 0);
-    for (size_t at = data; at < size; at += at < data + 4096 ? 7 : 1 + size / 97) {
+    for (size_t at = data; at < size; at += at < data + 4096 ? 11 : 1 + size / 97) {
         size_t stride = test_stride(8);
         for (size_t bit = stride == 1 ? 0 : tried % 8; bit < 8; bit += stride) {
             memcpy(copy, bytes, size);
