@@ -11,7 +11,7 @@
 
 #include <string.h>
 
-enum { SAMPLES = 40000, PIXELS = PICTURE_SIDE * PICTURE_SIDE, VIEWS = 8 };
+enum { SAMPLES = 40000, PIXELS = PICTURE_SIDE * PICTURE_SIDE, VIEWS = 6 };
 
 // A ball of radius 1, seen from outside or, with `faces_in`, from inside. Samples lie along a
 // spiral.
