@@ -101,47 +101,58 @@ static double own_radius(const splat_scene* s, uint32_t index)
     return s->splats.shapes != NULL ? (double)stp_shape_radius(s->shapes[index] & 0xFFFu) : 1.0;
 }
 
-// Extra weight of an offset along the smaller radius of an ellipse.
-static double stretch_of(const splat_scene* s, uint32_t index, const double offset[3])
+// The plane of a splat in view units.
+typedef struct splat_plane {
+    double center[3], normal[3];
+    double direction[3], stretch; ///< of the smaller radius, and its extra weight
+} splat_plane;
+
+static void find_direction(const splat_scene* s, uint32_t index, splat_plane* plane)
 {
     if (s->splats.shapes == NULL) {
-        return 0.0;
+        return;
     }
     uint32_t code = s->shapes[index];
     const int8_t* normal = s->normals + 2 * index;
     stp_disk_axes axes = stp_disk_axes_of((float)normal[0], (float)normal[1]);
-    double turn = STP_PI * (double)(code >> 24) / 256.0, along = 0.0;
-    double across = cos(turn), aside = sin(turn);
+    double turn = STP_PI * (double)(code >> 24) / 256.0;
     const float x[3] = {axes.x.x, axes.x.y, axes.x.z}, y[3] = {axes.y.x, axes.y.y, axes.y.z};
     for (int r = 0; r < 3; ++r) {
         for (int k = 0; k < 3; ++k) { // the view is scaled by two
-            double direction = across * (double)y[k] - aside * (double)x[k];
-            along += offset[r] * 0.5 * (double)s->camera.view[r][k] * direction;
+            double direction = cos(turn) * (double)y[k] - sin(turn) * (double)x[k];
+            plane->direction[r] += 0.5 * (double)s->camera.view[r][k] * direction;
         }
     }
     double ratio = own_radius(s, index) / (double)stp_shape_radius(code >> 12 & 0xFFFu);
-    return (ratio * ratio - 1.0) * along * along;
+    plane->stretch = ratio * ratio - 1.0;
+}
+
+/// Uses only the camera, in double.
+static splat_plane find_plane(const splat_scene* s, uint32_t index)
+{
+    splat_plane plane = {.center = {0}};
+    stp_vec3 normal = stp_octahedral_decode(s->normals[2 * index], s->normals[2 * index + 1]);
+    const double raw[3] = {(double)normal.x, (double)normal.y, (double)normal.z};
+    for (uint32_t r = 0; r < 3; ++r) {
+        plane.center[r] = (double)s->camera.view[r][3];
+        for (uint32_t k = 0; k < 3; ++k) {
+            double at = (double)s->positions[3 * index + k] * (double)s->splats.step;
+            plane.center[r] += (double)s->camera.view[r][k] * at;
+            plane.normal[r] += (double)s->camera.view[r][k] * raw[k];
+        }
+    }
+    find_direction(s, index, &plane);
+    return plane;
 }
 
 // Distance from the splat's centre, in its own radii, at which the ray through a screen point meets
 // its plane, in view units, and the nearness there; HUGE_VAL if it misses. Uses only the camera, in
 // double.
-static double visit_object(const splat_scene* s, uint32_t index, double x, double y,
-                           double center[3], double* nearness)
+static double visit_plane(const splat_scene* s, uint32_t index, const splat_plane* plane, double x,
+                          double y, double* nearness)
 {
-    double n[3] = {0}, dir[3], from[3] = {0}, object[3];
-    stp_vec3 normal = stp_octahedral_decode(s->normals[2 * index], s->normals[2 * index + 1]);
-    double raw[3] = {(double)normal.x, (double)normal.y, (double)normal.z};
-    for (int k = 0; k < 3; ++k) {
-        object[k] = (double)s->positions[3 * index + (uint32_t)k] * (double)s->splats.step;
-    }
-    for (int r = 0; r < 3; ++r) {
-        center[r] = (double)s->camera.view[r][3];
-        for (int k = 0; k < 3; ++k) {
-            center[r] += (double)s->camera.view[r][k] * object[k];
-            n[r] += (double)s->camera.view[r][k] * raw[k];
-        }
-    }
+    const double *n = plane->normal, *center = plane->center;
+    double dir[3], from[3] = {0};
     double focal = (double)s->camera.pixel_scale;
     double u = (x - 0.5 * WIDTH) / focal, v = (y - 0.5 * HEIGHT) / focal;
     dir[0] = s->camera.parallel ? 0 : u;
@@ -154,29 +165,38 @@ static double visit_object(const splat_scene* s, uint32_t index, double x, doubl
         above += n[k] * (center[k] - from[k]);
         along += n[k] * dir[k];
     }
-    double t = above / along, square = 0.0, offsets[3];
+    double t = above / along, square = 0.0, aside = 0.0;
     if (!(fabs(along) > 1e-12) || (!s->camera.parallel && t <= 0.0)) {
         return HUGE_VAL;
     }
     for (int k = 0; k < 3; ++k) {
         double offset = from[k] + t * dir[k] - center[k];
         square += offset * offset;
-        offsets[k] = offset;
+        aside += offset * plane->direction[k];
     }
-    square += stretch_of(s, index, offsets);
+    square += plane->stretch * aside * aside;
     *nearness = s->camera.parallel ? 0.9 - 0.05 * t : 0.05 / t;
     return sqrt(square) / own_radius(s, index);
 }
 
+/// The same for one point of a splat, and its centre.
+static double visit_object(const splat_scene* s, uint32_t index, double x, double y,
+                           double center[3], double* nearness)
+{
+    splat_plane plane = find_plane(s, index);
+    memcpy(center, plane.center, sizeof(plane.center));
+    return visit_plane(s, index, &plane, x, y, nearness);
+}
+
 // Distance of the disk's nearest edge from the pixel, in steps of 0.05 pixels: within that distance
 // the pixel may be either way.
-static bool near_edge(const splat_scene* s, uint32_t index, double x, double y, double radius,
-                      bool inside)
+static bool near_edge(const splat_scene* s, uint32_t index, const splat_plane* plane, double x,
+                      double y, double radius, bool inside)
 {
     for (int k = 0; k < 8; ++k) {
-        double angle = k * (STP_PI / 4), center[3], nearness;
+        double angle = k * (STP_PI / 4), nearness;
         double d =
-            visit_object(s, index, x + 0.05 * cos(angle), y + 0.05 * sin(angle), center, &nearness);
+            visit_plane(s, index, plane, x + 0.05 * cos(angle), y + 0.05 * sin(angle), &nearness);
         if ((d <= radius) != inside) {
             return true;
         }
@@ -193,9 +213,11 @@ static int count_wrong(splat_scene* s, uint32_t index)
     stp_raster_draw_splats(&s->target, 0, HEIGHT, &s->camera, &s->splats, 7);
     double radius = 2.0 * (double)s->splats.radius; // the view is scaled by two
     int wrong = 0;
+    const splat_plane plane = find_plane(s, index);
+    const double* center = plane.center;
     for (uint32_t at = 0; at < WIDTH * HEIGHT; ++at) {
-        double x = at % WIDTH + 0.5, y = at / WIDTH + 0.5, center[3], nearness = 0.0;
-        double distance = visit_object(s, index, x, y, center, &nearness);
+        double x = at % WIDTH + 0.5, y = at / WIDTH + 0.5, nearness = 0.0;
+        double distance = visit_plane(s, index, &plane, x, y, &nearness);
         double z = s->camera.parallel ? 1.0 : center[2], focal = (double)s->camera.pixel_scale;
         bool ahead = s->camera.parallel || center[2] > 0.0;
         double sx = 0.5 * WIDTH + focal * center[0] / z, sy = 0.5 * HEIGHT + focal * center[1] / z;
@@ -208,14 +230,14 @@ static int count_wrong(splat_scene* s, uint32_t index)
         bool got = s->pixels[at] != STP_RASTER_EMPTY;
         bool near_border = fabs(sx - round(sx)) < 1e-3 || fabs(sy - round(sy)) < 1e-3;
         if (got != expected && !(dot && near_border) && fabs(reach * reach - 0.24) > 1e-4 &&
-            !near_edge(s, index, x, y, radius, distance <= radius)) {
+            !near_edge(s, index, &plane, x, y, radius, distance <= radius)) {
             wrong += 1;
         }
         if (got && stp_raster_id(s->pixels[at]) != 7 + index) {
             wrong += 1;
         }
         if (got && distance <= radius &&
-            !near_edge(s, index, x, y, radius, true)) { // the plane's depth
+            !near_edge(s, index, &plane, x, y, radius, true)) { // the plane's depth
             double error = fabs((double)stp_raster_nearness(s->pixels[at]) - nearness);
             double per_unit = s->camera.parallel ? 0.05 : nearness * nearness / 0.05;
             double own = radius * own_radius(s, index);
