@@ -27,6 +27,16 @@ static uint32_t choose_shift(const stp_gl* gl, uint64_t limit, uint64_t scene_by
     return shift;
 }
 
+/// Words of the first page. A small scene gets no more than it needs: some drivers clear all of it.
+static uint32_t choose_first(uint32_t page_shift, uint64_t scene_bytes)
+{
+    uint32_t shift = PAGE_SHIFT_MIN;
+    while (shift < page_shift && (uint64_t)WORD << shift < scene_bytes) {
+        shift += 1;
+    }
+    return 1u << shift;
+}
+
 stp_result gl_pool_create(stp_context* context, const stp_gl* gl, size_t entry_count,
                           uint64_t limit_bytes, uint64_t scene_bytes, gl_pool* pool)
 {
@@ -37,6 +47,7 @@ stp_result gl_pool_create(stp_context* context, const stp_gl* gl, size_t entry_c
                       .first_used = POOL_NONE,
                       .last_used = POOL_NONE};
     pool->page_shift = choose_shift(gl, limit_bytes, scene_bytes);
+    pool->first_words = choose_first(pool->page_shift, scene_bytes);
     uint64_t maximum = (uint64_t)POOL_PAGES_MAX << pool->page_shift;
     pool->limit_words = limit_bytes / WORD < maximum ? limit_bytes / WORD : maximum;
     pool->entries = STP_NEW_ARRAY(context, gl_entry, entry_count + 1);
@@ -139,6 +150,9 @@ static bool make_page(gl_pool* pool, uint32_t count)
 static uint32_t find_page_words(const gl_pool* pool)
 {
     uint32_t size = 1u << pool->page_shift;
+    if (pool->page_count == 0 && pool->first_words < size) {
+        size = pool->first_words;
+    }
     uint64_t left = pool->limit_words -
                     (pool->limit_words < pool->spans.total ? pool->limit_words : pool->spans.total);
     uint32_t count = left < size ? (uint32_t)left / SPANS_UNIT * SPANS_UNIT : size;

@@ -29,6 +29,7 @@ typedef struct gl_pool {
     gl_spans spans;
     GLuint pages[POOL_PAGES_MAX];
     uint32_t page_count, page_shift; ///< words of a page: 2^page_shift
+    uint32_t first_words;            ///< of the first page: fewer for a small scene
     uint64_t limit_words;
     gl_entry* entries;
     size_t entry_count;
