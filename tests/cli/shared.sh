@@ -22,3 +22,20 @@ refused()
     [ "$(grep -c '^stipple: ' err)" -eq 1 ] || fail "$* does not print exactly one sentence: $(cat err)"
     [ ! -s out ] || fail "$* writes on stdout"
 }
+
+# value FILE KEY: the first value with this name in a JSON file of the executable: a number, a text
+# without its quotes, or a word (null). Without a start of an interpreter for each.
+value()
+{
+    local text
+    text=$(< "$1")
+    [[ $text =~ \"$2\":\ ([^,$'\n'}]*) ]] || echo "no $2 in $1" >&2
+    text=${BASH_REMATCH[1]#\"}
+    echo "${text%\"}"
+}
+
+# holds COMPARISON: of numbers, joined by &&
+holds()
+{
+    awk "BEGIN { exit !($1) }"
+}

@@ -9,7 +9,7 @@ command -v python3 > /dev/null || exit 77
 mkdir -p "$2" && cd "$2" || exit 1
 rm -rf ./*
 
-"$stipple" -q build scene:spheres,scale=0.2 -o both.stip --method blue,spt || fail "no build of two methods"
+"$stipple" -q build scene:spheres,scale=0.02 --surfels 8000 -o both.stip --method blue,spt || fail "no build of two methods"
 
 draw() # NAME OPTIONS...
 {
@@ -21,8 +21,7 @@ draw() # NAME OPTIONS...
 alike() # A B LEAST
 {
     "$stipple" compare "$1.png" "$2.png" --json > compare.json
-    python3 -c "import json; assert json.load(open('compare.json'))['ssim'] > $3" ||
-        fail "$1 and $2 differ: $(cat compare.json)"
+    holds "$(value compare.json ssim) > $3" || fail "$1 and $2 differ: $(cat compare.json)"
 }
 # a PNG of one colour, 2 x 2 pixels of RGBA
 paint() # FILE RED GREEN BLUE ALPHA

@@ -3,9 +3,8 @@
 # stipple render and with the other backend. Arguments: executable, scratch folder. VIEW_BACKEND=gl:
 # OpenGL draws. The test waits for the state in --report; it does not depend on timing.
 set -u
-# OpenGL by the processor takes long for each pixel
-width=640 height=400 other_size="520 360"
-[ "${VIEW_BACKEND:-cpu}" = gl ] && width=400 height=250 other_size="360 230"
+# each pixel takes long without a graphics card
+width=400 height=250 other_size="360 230"
 VIEW_SIZE=${width}x$height
 middle="$((width / 2)) $((height / 2))"
 . "$(dirname "$0")/view_window.sh"

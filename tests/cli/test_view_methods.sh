@@ -2,6 +2,7 @@
 # A file with several methods in the viewer: the requested one is drawn, a key switches to the next,
 # and the choice is kept. Arguments: executable, scratch folder.
 set -u
+VIEW_SIZE=400x250
 . "$(dirname "$0")/view_window.sh"
 "$stipple" -q build scene:spheres,scale=0.02 --surfels 3000 -o both.stip --method blue,spt || exit 1
 open_viewer both.stip --method spt --backend cpu

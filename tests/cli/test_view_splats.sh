@@ -21,7 +21,7 @@ drawn()
     check "$1 splats are drawn" "picture['splats'] == $1 and picture['triangles'] == 0"
 }
 
-"$stipple" -q build scene:spheres,scale=0.2 -o all.stip --method blue,spt,psp || exit 1
+"$stipple" -q build scene:spheres,scale=0.2 --surfels 12000 -o all.stip --method blue,spt,psp || exit 1
 printf '{"samples": 2, "budget_ms": 4}' > config/stipple/viewer.json
 open_viewer all.stip --backend cpu --splats 500
 wait_until 'r["rests"] and picture["complete"]'
@@ -95,8 +95,13 @@ check "splats of spt" '0 < picture["splats"] <= r["splats"]["count"] and picture
 xdotool key n
 wait_until 'r["method"] == "psp" and r["rests"] and picture["complete"] and r["splats"]["count"] > 1000'
 check "splats of psp" 'picture["splats"] == r["splats"]["count"] and picture["triangles"] == 0'
-xdotool key n b
-wait_until 'r["method"] == "blue" and (r["backend"] == "gl" or "not available" in r["message"]) and r["rests"] and picture["complete"]'
+xdotool key n
+wait_until 'r["method"] == "blue" and r["rests"] and picture["complete"]'
+shot by_cpu.png
+xdotool key b
+wait_until '(r["backend"] == "gl" or "not available" in r["message"]) and r["rests"] and picture["complete"]'
+shot by_gl.png
+same by_cpu.png by_gl.png 0.97
 check "so many by OpenGL, too" 'picture["splats"] == r["splats"]["count"] == r["splats"]["all"] // 8'
 keep
 close_viewer

@@ -13,7 +13,8 @@ mkdir -p "$scratch" && cd "$scratch" || exit 1
 export XDG_CACHE_HOME=$PWD/cache XDG_CONFIG_HOME=$PWD/config XDG_STATE_HOME=$PWD/state LIBGL_ALWAYS_SOFTWARE=1
 export XDG_PICTURES_DIR=$PWD/pictures SDL_VIDEODRIVER=x11 SDL_AUDIODRIVER=dummy
 mkdir -p config/stipple pictures
-printf '{"shot_width": 320, "shot_height": 200, "samples": 2}' > config/stipple/viewer.json
+# ambient occlusion would take most of the time; with it: test_view_splats.sh
+printf '{"shot_width": 320, "shot_height": 200, "samples": 2, "ambient_occlusion": 0}' > config/stipple/viewer.json
 # third-party drivers do not free their memory until the process ends
 printf 'leak:libGL\nleak:libX\nleak:_dri.so\nleak:libSDL\nleak:libLLVM\nleak:libdbus\nleak:swrast\n' > leaks
 export LSAN_OPTIONS=suppressions=$PWD/leaks:print_suppressions=0
