@@ -40,12 +40,12 @@ def overwritten_while_drawn(random, campaign, run, folder):
 
 def damaged_work_folder(random, campaign, run, folder):
     """Damages the work folder of a running build: this build or the next gives the right bytes."""
-    model, output, right = "scene:city-small,scale=0.1", folder / "a.stip", folder / "right.stip"
+    model, output, right = "scene:city-small,scale=0.05", folder / "a.stip", folder / "right.stip"
     stipple = campaign.options.stipple
     subprocess.run([stipple, "build", model, "-o", str(right), "-q"], check=True, timeout=600)
 
     def damage():
-        time.sleep(random.uniform(0.05, 1.0))
+        time.sleep(random.uniform(0.03, 0.5))
         for segment in pathlib.Path(str(output) + ".work").glob("segment-*"):
             try:
                 size = os.path.getsize(segment)
@@ -76,9 +76,9 @@ def killed_builds(random, campaign, run, folder):
     stipple, output = campaign.options.stipple, folder / "a.stip"
     output.write_bytes(campaign.scene.read_bytes())
     former = output.read_bytes()
-    command = [stipple, "build", "scene:city-small,scale=0.1", "-o", str(output), "--fresh", "-q"]
+    command = [stipple, "build", "scene:city-small,scale=0.05", "-o", str(output), "--fresh", "-q"]
     process = subprocess.Popen(command, stderr=subprocess.DEVNULL)
-    time.sleep(random.uniform(0.0, 1.5))
+    time.sleep(random.uniform(0.0, 0.7))
     process.send_signal(random.choice((signal.SIGKILL, signal.SIGTERM, signal.SIGINT)))
     process.wait(timeout=600)
     left = output.read_bytes()

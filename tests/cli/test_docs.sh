@@ -80,10 +80,13 @@ python3 -c 'data = open("engine.ppm", "rb").read(); assert data.startswith(b"P6 
 for options in "--splats 1000" "--splats 20000" "--splats 2000 --splat-scale 0.3"; do
     # shellcheck disable=SC2086
     "$stipple" render engine.stip -o figures.png --size 640x480 --once --json $options > figures.json
-    python3 -c "import json; f = json.load(open('figures.json')); assert f['splats'] > 0 and f['triangles'] == 0, f" ||
-        fail "$options draws triangles"
+    [ "$(value figures.json splats)" -gt 0 ] && [ "$(value figures.json triangles)" = 0 ] || fail "$options draws triangles"
 done
-ssim() { "$stipple" compare "$1" truth.png --json | python3 -c "import json, sys; print(json.load(sys.stdin)['ssim'])"; }
-python3 -c "import sys; few, many, dots = map(float, sys.argv[1:]); assert dots < many and few < many, sys.argv" \
-    "$(ssim few.png)" "$(ssim many.png)" "$(ssim dots.png)" || fail "more splats are not more similar"
+ssim() # PICTURE
+{
+    "$stipple" compare "$1" truth.png --json > ssim.json
+    value ssim.json ssim
+}
+few=$(ssim few.png) many=$(ssim many.png) dots=$(ssim dots.png)
+holds "$dots < $many && $few < $many" || fail "more splats are not more similar: $few, $many, $dots"
 exit $((failures > 0))

@@ -32,8 +32,8 @@ cmp -s stdout.png iso.png || fail "standard output gets a different picture"
 "$stipple" render "$file" -o threads.png --size 32x32 --threads 1 || fail "--threads"
 cmp -s threads.png iso.png || fail "threads change the picture"
 # useless threads get no picture of their own: 1024 of these would take 8 GB
-"$stipple" render "$file" -o large.png --size 1024x1024 || fail "large"
-"$stipple" render "$file" -o threads.png --size 1024x1024 --threads 1024 --memory 1536M || fail "1024 threads"
+"$stipple" render "$file" -o large.png --size 1024x1024 --once || fail "large"
+"$stipple" render "$file" -o threads.png --size 1024x1024 --once --threads 1024 --memory 1536M || fail "1024 threads"
 cmp -s threads.png large.png || fail "1024 threads change the picture"
 "$stipple" render "$file" -o effects.png --size 48x48 --eye-dome --ambient-occlusion=6 --accumulate 4 || fail "effects"
 cmp -s effects.png iso.png && fail "effects change nothing"
@@ -183,5 +183,5 @@ refused 2 "ortho" render "$file" -o a.png --ortho 0
 cmp -s default_up.png given_up.png || fail "--up 0,1,0 turns the picture"
 head -c 100 "$file" > short.stip
 refused 1 "short.stip" render short.stip -o a.png
-refused 1 "no/folder" render "$file" -o no/folder/a.png
+refused 1 "no/folder" render "$file" -o no/folder/a.png --size 8x8
 exit $((failures > 0))

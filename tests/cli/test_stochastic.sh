@@ -9,15 +9,10 @@ mkdir -p "$2" && cd "$2" || exit 1
 rm -rf ./*
 command -v python3 > /dev/null || exit 77
 
-value() # FILE KEY: of a JSON object
-{
-    sed -n 's/^ *"'"$2"'": "\{0,1\}\([^",]*\)"\{0,1\},\{0,1\}$/\1/p' "$1"
-}
 alike() # A.png B.png LEAST: by SSIM
 {
     "$stipple" compare "$1" "$2" --json > compare.json
-    python3 -c 'import json, sys; sys.exit(json.load(open("compare.json"))["ssim"] < float(sys.argv[1]))' "$3" ||
-        fail "$1 and $2 differ: $(cat compare.json)"
+    holds "$(value compare.json ssim) >= $3" || fail "$1 and $2 differ: $(cat compare.json)"
 }
 
 # write_ply(NAME, COLUMNS, LAYOUT, POINTS): columns as "TYPE NAME" each, the layout of a point for struct
@@ -151,10 +146,8 @@ if paint gl --color class --backend gl && [ -e gl.png ]; then
     alike class.png gl.png 0.98
 fi
 paint strip --classes 6
-python3 -c '
-import json
-some, every = (json.load(open(name + ".json"))["covered_pixels"] for name in ("strip", "plain"))
-assert 0.1 * every < some < 0.2 * every, (some, every)' || fail "classes are not hidden"
+some=$(value strip.json covered_pixels) every=$(value plain.json covered_pixels)
+holds "0.1 * $every < $some && $some < 0.2 * $every" || fail "classes are not hidden: $some, $every"
 paint strip_gl --classes 6 --backend gl && alike strip.png strip_gl.png 0.98
 # beside another method, and from triangles
 "$stipple" -q build scan.ply -o scan.stip --method blue,stochastic || fail "no build of a scan by two methods"

@@ -140,8 +140,7 @@ shot()
 same()
 {
     "$stipple" compare "$1" "$2" --json > compared.json || fail "$1 and $2 cannot be compared"
-    "$python" -S -E -c 'import json, sys; sys.exit(json.load(open("compared.json"))["ssim"] < float(sys.argv[1]))' "$3" ||
-        fail "$1 and $2 are not alike: $(cat compared.json)"
+    holds "$(value compared.json ssim) >= $3" || fail "$1 and $2 are not alike: $(cat compared.json)"
 }
 
 # as_seen NAME SCENE: the picture of stipple render from the report's camera
@@ -155,8 +154,7 @@ as_seen()
 other() # A B SSIM: less alike
 {
     "$stipple" compare "$1" "$2" --json > compared.json || fail "$1 and $2 cannot be compared"
-    "$python" -S -E -c 'import json, sys; sys.exit(json.load(open("compared.json"))["ssim"] >= float(sys.argv[1]))' "$3" ||
-        fail "$1 and $2 are alike: $(cat compared.json)"
+    holds "$(value compared.json ssim) < $3" || fail "$1 and $2 are alike: $(cat compared.json)"
 }
 
 drag() # BUTTON X0 Y0 X1 Y1
