@@ -7,7 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDTH_MIN = 300, HEIGHT_MIN = 200 };
+enum {
+    WIDTH_MIN = 300,
+    HEIGHT_MIN = 200,
+    FRAME_MS = 16, ///< shortest time between frames without a GPU
+};
 
 // The OpenGL functions of the window, all of version 1.1.
 struct window_gl {
@@ -316,6 +320,13 @@ void window_show(window* w)
     } else {
         SDL_RenderPresent(w->renderer);
     }
+    // a renderer on the processor does not wait for the display: it would draw frames that nobody
+    // sees
+    uint64_t now = SDL_GetTicks64(), passed = now - w->shown_ms;
+    if (!w->is_hardware && passed < FRAME_MS) {
+        SDL_Delay((uint32_t)(FRAME_MS - passed));
+    }
+    w->shown_ms = SDL_GetTicks64();
 }
 
 void window_finish(window* w)

@@ -22,8 +22,9 @@ typedef struct window {
     // a second context, for the painter thread
     SDL_Window* worker_window;
     SDL_GLContext worker;
-    bool has_worker;  ///< it has OpenGL 4.5
-    bool is_hardware; ///< OpenGL runs on a GPU
+    bool has_worker;   ///< it has OpenGL 4.5
+    bool is_hardware;  ///< OpenGL runs on a GPU
+    uint64_t shown_ms; ///< when the last frame was shown
     // the picture
     uint32_t borrowed; ///< a texture of the worker context to show instead; 0: none
     uint32_t texture;
