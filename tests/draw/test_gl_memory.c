@@ -309,6 +309,12 @@ void test_gl_scenes_lie_in_one_page(test_state* test)
     // eight pages hold the limit, however small the scene is
     CHECK_EQUAL(STP_OK, gl_pool_create(m.picture.context, &gl, 1, LIMIT, 1, &pool));
     CHECK_EQUAL(LIMIT / 8, 4 << pool.page_shift);
+    // but the first one is no larger than the scene needs, if it needs that little
+    CHECK(gl_pool_take(&pool, 0, WORDS));
+    CHECK_EQUAL(1 << 20, 4 * pool.spans.total);
+    gl_pool_drop(&pool, 0);
+    CHECK(gl_pool_take(&pool, 0, 1 << 20)); // 4 MiB
+    CHECK_EQUAL(2, pool.page_count);
     gl_pool_destroy(&pool);
     // where memory is short, a page is smaller
     gl.GetError = first_buffer_fails;
