@@ -15,15 +15,25 @@ printf '#!/bin/sh\nexit 0\n' | tee scripts/setup > bin/cmake
 printf '#!/bin/sh\ncd "$2" || exit 1\nshift 2\n[ ! -e dies ] || kill -KILL $$\nexec "$CTEST" "$@"\n' > bin/ctest
 chmod +x scripts/setup bin/cmake bin/ctest
 
-# counts LINE CODE: scripts/test ends this way, with a test that passes in each build, one that only
+mkdir -p build/asan/tests
+
+# unit_tests COMMANDS: what stands in for the program of the unit tests
+unit_tests()
+{
+    printf '#!/bin/sh\n[ "$1" = --jobs ] || exit 9\n%s\n' "$1" > build/asan/tests/stp_tests
+    chmod +x build/asan/tests/stp_tests
+}
+
+# counts LINE CODE: scripts/test ends this way, with a test of each kind that passes, one that only
 # the other build runs, and the changes made by `change`
 counts()
 {
     local line=$1 code=$2 got
     rm -rf release asan
     mkdir release asan
-    printf 'add_test(cli.fine "/bin/true")\nadd_test(unit.elsewhere "/bin/false")\n' > release/CTestTestfile.cmake
-    printf 'add_test(unit.fine "/bin/true")\nadd_test(cli.elsewhere "/bin/false")\n' > asan/CTestTestfile.cmake
+    printf 'add_test(cli.fine "/bin/true")\nadd_test(format.elsewhere "/bin/false")\n' > release/CTestTestfile.cmake
+    printf 'add_test(format.fine "/bin/true")\nadd_test(cli.elsewhere "/bin/false")\n' > asan/CTestTestfile.cmake
+    unit_tests 'echo "ok   fine, 0.10 s"; echo "1 passed, 0 failed, 0 skipped"'
     change
     PATH=$PWD/bin:$PATH scripts/test > out 2> err
     got=$?
@@ -31,15 +41,24 @@ counts()
 }
 
 change() { :; }
-counts "2 passed, 0 failed" 0
+counts "3 passed, 0 failed" 0
 change() { printf 'add_test(cli.skips "/bin/sh" "-c" "exit 77")\nset_tests_properties(cli.skips PROPERTIES SKIP_RETURN_CODE 77)\n' >> release/CTestTestfile.cmake; }
-counts "2 passed, 0 failed, 1 skipped" 0
-change() { echo 'add_test(unit.crashes "/bin/sh" "-c" "kill -SEGV $$")' >> asan/CTestTestfile.cmake; }
-counts "2 passed, 1 failed" 1
+counts "3 passed, 0 failed, 1 skipped" 0
+change() { echo 'add_test(cli.crashes "/bin/sh" "-c" "kill -SEGV $$")' >> release/CTestTestfile.cmake; }
+counts "3 passed, 1 failed" 1
 change() { echo 'add_test(cli.lost "/nowhere/tests")' >> release/CTestTestfile.cmake; }
-counts "2 passed, 1 failed, 1 skipped" 1
+counts "3 passed, 1 failed, 1 skipped" 1
 change() { : > asan/CTestTestfile.cmake; }
-counts "1 passed, 1 failed" 1
+counts "2 passed, 1 failed" 1
 change() { touch release/dies; }
-counts "1 passed, 1 failed" 1
+counts "2 passed, 1 failed" 1
+# unit tests: one that fails beside one that is skipped, and a program that ends early or is missing
+change() { unit_tests 'echo "ok   fine, 0.10 s"; echo "skip odd: no reason"; echo "a.c:3: failed: 1 == 2"; echo "FAIL bad, 0.10 s"; echo "1 passed, 1 failed, 1 skipped"; exit 1'; }
+counts "3 passed, 1 failed, 1 skipped" 1
+grep -q '^a.c:3: failed: 1 == 2$' out && grep -q '^FAIL bad' out || fail "the message of a failed unit test is not printed: $(cat out)"
+grep -qE '^(ok|skip) ' out && fail "unit tests that did not fail are printed: $(cat out)"
+change() { unit_tests 'echo "ok   fine, 0.10 s"; kill -KILL $$'; }
+counts "2 passed, 1 failed" 1
+change() { rm build/asan/tests/stp_tests; }
+counts "2 passed, 1 failed" 1
 exit $((failures > 0))
