@@ -68,7 +68,7 @@ static bool holds_text(stp_context* context, const char* path, const char* text)
     return same;
 }
 
-void test_file_map_refuses_what_is_no_file(test_state* test)
+void test_file_map_refuses_non_files(test_state* test)
 {
     test_log log = {0};
     stp_context* context = test_context(NULL, 1, &log);
@@ -193,7 +193,7 @@ void test_file_writer_appends_and_patches(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_file_writer_abort_keeps_the_former_file(test_state* test)
+void test_file_writer_abort_keeps_the_previous_file(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     folder f;
@@ -286,7 +286,7 @@ void test_file_writer_follows_links(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_file_remove_stale_takes_what_dead_writers_left(test_state* test)
+void test_file_remove_stale_removes_files_of_dead_writers(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     folder f;
@@ -365,7 +365,7 @@ static int write_beyond_limit(const char* path)
     return 0;
 }
 
-void test_full_disk_leaves_the_former_file(test_state* test)
+void test_full_disk_leaves_the_previous_file(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     folder f;

@@ -125,7 +125,7 @@ static void allocating_piece(size_t begin, size_t end, uint32_t worker, void* us
     }
 }
 
-void test_memory_may_be_asked_for_by_all_threads(test_state* test)
+void test_all_threads_may_allocate(test_state* test)
 {
     test_heap heap = TEST_HEAP(-1);
     stp_context* context = test_context(&heap, 3, NULL);

@@ -76,7 +76,7 @@ void test_large_blocks_never_overlap_and_keep_their_limit(test_state* test)
     stp_large_blocks_close(&large);
 }
 
-void test_large_blocks_are_used_again(test_state* test)
+void test_large_blocks_are_reused(test_state* test)
 {
     stp_large_blocks large;
     stp_large_blocks_open(&large);

@@ -45,7 +45,7 @@ void test_parallel_sort_agrees_with_the_serial_one(test_state* test)
     }
 }
 
-void test_parallel_sort_tells_that_memory_runs_out(test_state* test)
+void test_parallel_sort_reports_lack_of_memory(test_state* test)
 {
     uint64_t *items = calloc(ITEMS, sizeof(uint64_t)), *scratch = calloc(ITEMS, sizeof(uint64_t));
     test_heap heap = TEST_HEAP(-1);

@@ -94,7 +94,7 @@ static size_t count_prefix(watch* w)
     return count;
 }
 
-void test_reported_loop_tells_how_far_it_is(test_state* test)
+void test_reported_loop_reports_progress(test_state* test)
 {
     static const stp_stage plan[] = {{"before", 1.0}, {"walk", 2.0}, {"after", 1.0}};
     for (uint32_t threads = 1; threads <= 4; ++threads) {
@@ -123,7 +123,7 @@ void test_reported_loop_tells_how_far_it_is(test_state* test)
     }
 }
 
-void test_reported_loop_stops_when_told_to(test_state* test)
+void test_reported_loop_stops_on_request(test_state* test)
 {
     static const unsigned stops[] = {1, 2, 3, 50, 600};
     for (uint32_t threads = 1; threads <= 4; ++threads) {
@@ -200,7 +200,7 @@ static void wait_for_reports(size_t begin, size_t end, uint32_t worker, void* us
     }
 }
 
-void test_reported_loop_tells_while_it_waits(test_state* test)
+void test_reported_loop_reports_while_it_waits(test_state* test)
 {
     static patience p;
     memset(&p, 0, sizeof(p));

@@ -100,7 +100,7 @@ void test_spill_serves_several_threads(test_state* test)
     CHECK_EQUAL(0, rmdir(folder));
 }
 
-void test_spill_says_where_it_cannot_be_made(test_state* test)
+void test_spill_names_the_folder_that_fails(test_state* test)
 {
     test_log log = {0};
     stp_context* context = test_context(NULL, 1, &log);

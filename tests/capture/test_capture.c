@@ -539,7 +539,7 @@ void test_capture_hidden_parts_change_nothing(test_state* test)
 }
 
 // A user-defined view: captures nothing of the far side, not even by the fill.
-void test_capture_looks_where_it_is_told(test_state* test)
+void test_capture_uses_the_given_directions(test_state* test)
 {
     stp_context* context = test_context(NULL, 2, NULL);
     test_scene t = scene_over(context);

@@ -85,7 +85,7 @@ static int expect_known(const fill_case* c, uint32_t pixel)
     return best;
 }
 
-void test_fill_keeps_what_nothing_stands_for(test_state* test)
+void test_fill_keeps_uncovered_points(test_state* test)
 {
     static fill_case made;
     make_case(&made, 1);

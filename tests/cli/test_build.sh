@@ -87,7 +87,7 @@ grep -q '^  total .* 4,512 .* 564 ' out || fail "info: $(cat out)"
 cp one.stip kept.stip
 printf 'glTF\002\000\000\000' > broken.glb
 run 1 build broken.glb -o kept.stip
-[ "$(wc -l < err)" = 1 ] || fail "not one sentence: $(cat err)"
+[ "$(wc -l < err)" = 1 ] || fail "not exactly one sentence: $(cat err)"
 cmp -s one.stip kept.stip || fail "a failed build changed its output"
 run 1 build missing.obj -o kept.stip
 run 1 build ball.obj -o no/such/folder.stip

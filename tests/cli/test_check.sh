@@ -46,7 +46,7 @@ open("short.stip", "wb").write(data[:-1])
 END
 run 1 bulk.stip
 [ ! -s out ] || fail "output: $(cat out)"
-[ "$(wc -l < err)" = 1 ] || fail "not one sentence: $(cat err)"
+[ "$(wc -l < err)" = 1 ] || fail "not exactly one sentence: $(cat err)"
 grep -q 'bulk.stip: the checksum of the block' err || fail "fault: $(cat err)"
 run 1 bulk.stip --json
 [ "$(figure ok)" = False ] || fail "verdict: $(cat out)"
@@ -90,7 +90,7 @@ for kind, _, offset, size in sections:
 END
 for file in header.stip table.stip section-*.stip objects-first.stip; do
     run 1 "$file" --quick
-    [ "$(wc -l < err)" = 1 ] || fail "$file: not one sentence: $(cat err)"
+    [ "$(wc -l < err)" = 1 ] || fail "$file: not exactly one sentence: $(cat err)"
 done
 [ "$(ls section-*.stip | wc -l)" = 5 ] || fail "sections: $(ls section-*.stip)"
 run 0 objects-last.stip --quick

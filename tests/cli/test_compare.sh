@@ -60,7 +60,7 @@ near 1 "$(figure ssim_covered unmasked.json)" && fail "without --mask all counts
 
 # pictures as output, and as input from a pipe
 "$stipple" compare --map map.png --difference difference.png a.png half.png > text || fail "--map"
-"$stipple" compare map.png difference.png > text || fail "the map and the difference have one size"
+"$stipple" compare map.png difference.png > text || fail "the map and the difference differ in size"
 "$stipple" compare - a.png --json < a.png > piped.json || fail "standard input"
 cmp -s aa.json piped.json || fail "a pipe gives different figures"
 "$stipple" compare difference.png difference.png --map map2.png > text || fail "difference.png"

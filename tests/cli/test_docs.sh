@@ -70,7 +70,7 @@ for document in README.md docs/hello.md; do
     [ "$(echo "$pictures" | wc -l)" -ge 2 ] || fail "$document draws no pictures"
     # shellcheck disable=SC2086
     twins=$(sha256sum $pictures | sort | awk '$1 == last { print before, $2 } { last = $1; before = $2 }')
-    [ -z "$twins" ] || fail "$document: these pictures are one: $twins"
+    [ -z "$twins" ] || fail "$document: these pictures are equal: $twins"
 done
 
 # few, many and dots draw only splats, and differ from the triangles by the expected amounts

@@ -108,7 +108,7 @@ if [ $window = yes ]; then
     fi
 fi
 "$stipple" check torus.stip > /dev/null || fail "the file of points is damaged"
-"$stipple" info torus.stip | grep -q '20,000\|20000' || fail "the file has not all points"
+"$stipple" info torus.stip | grep -q '20,000\|20000' || fail "points are missing in the file"
 ./by-cmake/picture nothing.stip none.ppm 2> err && fail "a missing file is drawn"
 grep -q '^picture: error: nothing.stip' err || fail "message about a missing file: $(cat err)"
 exit $((failures > 0))

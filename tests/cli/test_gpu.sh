@@ -33,5 +33,5 @@ assert all(r["figures"]["lists"] == "equal" for r in results if r["name"] == "gl
 assert any(r["name"] == "gl select" for r in results)
 END
 [ "$(grep -c '^| .* | points |' "$markdown")" -ge 2 ] || fail "$markdown has no rows of points"
-bash "$source/bench/gpu.sh" --colour red > out.txt 2> err && fail "an option that is none is taken"
+bash "$source/bench/gpu.sh" --colour red > out.txt 2> err && fail "an unknown option is accepted"
 grep -q "is not an option" err || fail "gpu.sh does not name the unknown option"

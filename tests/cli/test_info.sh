@@ -124,7 +124,7 @@ open("damaged.stip", "wb").write(data)
 END
 run 1 info damaged.stip
 [ ! -s out ] || fail "output: $(cat out)"
-[ "$(wc -l < err)" = 1 ] || fail "not one sentence: $(cat err)"
+[ "$(wc -l < err)" = 1 ] || fail "not exactly one sentence: $(cat err)"
 grep -q 'checksum of the section of type 19' err || fail "fault: $(cat err)"
 run 1 check damaged.stip --quick
 exit $((failures != 0))

@@ -42,7 +42,7 @@ PY
 "$stipple" info a.las 2> /dev/null | grep -q 'intensity: u16' || fail "info does not list attributes"
 "$stipple" bench import --model a.las --quick --json > bench.json 2> bench.err || fail "bench import: $(cat bench.err)"
 grep -q '"points": 10000' bench.json && grep -q '"format": "las"' bench.json || fail "bench import: $(cat bench.json)"
-grep -q 'its unit of length is unknown (set it with --unit)' info.err || fail "no word on the unit"
+grep -q 'its unit of length is unknown (set it with --unit)' info.err || fail "there is no warning about the unit"
 "$stipple" build a.las -o a.stip --unit ft --progress none > build.out 2> build.err || fail "build of a LAS file"
 "$stipple" check a.stip > check.out || fail "check of the built file"
 "$stipple" info a.stip --json | grep -q '"unit": "ft"' || fail "the requested unit"

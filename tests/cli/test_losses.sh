@@ -41,7 +41,7 @@ END
 said()
 {
     "$stipple" build "$1" -o out.stip > out 2> err || fail "$1: $(cat err)"
-    [ "$(grep -c warning err)" -eq 1 ] || fail "$1 says not one warning: $(cat err)"
+    [ "$(grep -c warning err)" -eq 1 ] || fail "$1 does not print exactly one warning: $(cat err)"
     grep -qxF "stipple: warning: $1: not kept: $2" err || fail "$1 does not say what is lost: $(cat err)"
 }
 said rich.gltf "1 animation (drawn in the stored pose); 1 morph target (drawn at the stored weights); 1 line element; \

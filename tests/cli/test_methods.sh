@@ -148,5 +148,5 @@ draw both.stip few --method spt
 [ "$(value few.json splats)" -le 500 ] || fail "$(value few.json splats) splats are not 500"
 "$stipple" -q fly both.stip --path path.json --method spt --frames 3 --size 64x48 --budget-ms 50 --json > fly.json || fail "fly"
 [ "$(value fly.json method)" = spt ] || fail "fly draws $(value fly.json method)"
-python3 "$3/scripts/read_store.py" both.stip > read.json || fail "another reader refuses both.stip"
+python3 "$3/scripts/read_store.py" both.stip > read.json || fail "the independent reader refuses both.stip"
 [ $failures -eq 0 ]

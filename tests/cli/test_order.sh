@@ -85,7 +85,7 @@ run 2 order ball.ply -o ./ball.ply
 run 2 distribution
 run 2 distribution exact.ply --prefix 10,x
 run 1 order missing.ply -o x.ply
-[ "$(wc -l < err)" = 1 ] || fail "not one sentence: $(cat err)"
+[ "$(wc -l < err)" = 1 ] || fail "not exactly one sentence: $(cat err)"
 run 1 order ball.ply -o missing/x.ply
 run 0 bench order --list
 grep -q '^order' out || fail "benchmarks: $(cat out)"

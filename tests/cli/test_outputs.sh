@@ -42,7 +42,7 @@ for name in x.glb x.GLTF x.obj x.png x.jpg x.step; do
     refused 2 "build writes .stip files only" build box.obj -o $name
     [ ! -e $name ] || fail "$name was written"
 done
-"$stipple" build box.obj -o other.name -q || fail "a suffix of one's own"
+"$stipple" build box.obj -o other.name -q || fail "a user's own suffix"
 
 # no input is overwritten
 mkdir -p model && cp a.png model/skin.png
@@ -62,12 +62,12 @@ refused 2 "would be overwritten" build box.obj -o ./box.obj
 for color in '#4682b4' 4682b4 steelblue SteelBlue; do
     draw -o color.png --background "$color"
     [ ! -e first.png ] && cp color.png first.png
-    cmp -s color.png first.png || fail "$color is another colour"
+    cmp -s color.png first.png || fail "$color gives a different colour"
 done
 draw -o white.png --background '#fff'
 draw -o named.png --background white
 cmp -s white.png named.png || fail "#fff is not white"
-! cmp -s white.png first.png || fail "two colours are one"
+! cmp -s white.png first.png || fail "two colours are equal"
 refused 2 "is not a colour" render box.stip -o x.png --background '#12345'
 refused 2 "is not a colour" render box.stip -o x.png --background steel
 

@@ -110,7 +110,7 @@ python3 -c 'import json; assert 0 < json.load(open("draw.json"))["covered_pixels
 draw none.png --backend cpu --classes 9 --json
 python3 -c 'import json; assert json.load(open("draw.json"))["covered_pixels"] == 0' || fail "a class that no point has is drawn"
 draw low.png --backend cpu --color time --range 1000,1040 --json
-python3 -c 'import json; assert json.load(open("draw.json"))["range"] == [1000.0, 1040.0]' || fail "--range is not told"
+python3 -c 'import json; assert json.load(open("draw.json"))["range"] == [1000.0, 1040.0]' || fail "--range is not reported"
 
 # a picked point has its attributes
 "$stipple" render hill.stip --pick 100,70 --size 200x140 --view top > pick.json || fail "no pick"

@@ -70,7 +70,7 @@ done
 "$stipple" -q render ball.xyz --size 64x64 -o b.png --columns z,y,x,-,-,- 2> err || fail "render --columns: $(cat err)"
 cmp -s a.png b.png && fail "--columns draws what the cache holds without it"
 "$stipple" -q build ball.xyz -o one.stip --threads 1 && "$stipple" -q build ball.xyz -o two.stip --threads 2 &&
-    cmp one.stip two.stip || fail "the number of threads shows"
+    cmp one.stip two.stip || fail "the number of threads changes the result"
 
 refused 2 "x, y and z must be among" info ball.xyz --columns x,y
 refused 2 "columns are x, y" build ball.xyz -o out.stip --columns x,y,z,w

@@ -116,7 +116,7 @@ grep -q '"splats": 200' small.json || fail "no splats after --reference: $(cat s
 "$stipple" render "$sheet" -o quick.png --size 16x16 --json > quick.json || fail "a large model"
 grep -q '"splats": 0' quick.json || fail "a large model got surfels first: $(cat quick.json)"
 "$stipple" render "$sheet" -o quick.png --size 16x16 --json -v > quick.json 2> err || fail "a large model again"
-grep -q "from the cache.*-picture.stip" err || fail "a picture was built twice: $(cat err)"
+grep -q "from the cache.*-picture.stip" err || fail "a picture is built twice: $(cat err)"
 "$stipple" render "$sheet" -o quick.png --size 16x16 --splats 100 --json > quick.json || fail "splats of a large model"
 grep -q '"splats": 100' quick.json || fail "no splats of a large model: $(cat quick.json)"
 "$stipple" render "$sheet" -o quick.png --size 16x16 -v --json > quick.json 2> err || fail "a large model, third"

@@ -57,7 +57,7 @@ expect 0 "$stipple" build scene:boxes -o a.stip --threshold 0 -q
 expect 0 "$stipple" check a.stip
 expect 0 "$stipple" render scene:boxes --view corner --size 64x64 -o a.png
 expect 0 "$stipple" render scene:boxes,seed=2 --view corner --size 64x64 -o b.png
-cmp -s a.png b.png && fail "another seed gives the same picture"
+cmp -s a.png b.png && fail "two seeds give the same picture"
 
 expect 2 "$stipple" scene
 expect 2 "$stipple" scene nothing -o x.glb
@@ -67,4 +67,4 @@ expect 2 "$stipple" scene boxes -o x.glb --scale 0
 expect 1 "$stipple" info scene:nothing
 expect 1 "$stipple" info scene:boxes,scale=-1
 expect 1 "$stipple" scene boxes -o no/such/folder/x.glb
-[ "$(wc -l <err)" = 1 ] || fail "not one sentence: $(cat err)"
+[ "$(wc -l <err)" = 1 ] || fail "not exactly one sentence: $(cat err)"

@@ -76,5 +76,5 @@ same paper 0.0001 --threshold 1000000000000
 
 # a scene with excessively shared nodes cannot be written
 "$stipple" scene paper-huge --scale 0.001 -o huge.gltf 2> err && fail "paper-huge fits a file"
-[ "$(wc -l < err)" = 1 ] || fail "not one sentence: $(cat err)"
+[ "$(wc -l < err)" = 1 ] || fail "not exactly one sentence: $(cat err)"
 [ ! -e huge.gltf ] || fail "a file is left"

@@ -31,9 +31,9 @@ for name, base in (('slow', 300.0), ('fast', 30.0)):
 # two pictures of 100 pixels with a gap of 10 around each; the second is enlarged twice
 "$stipple" sheet red.png green.png -o sheet.png --width 100 || fail "sheet"
 [ "$(python3 -c "import png; print(*png.size('sheet.png'))")" = "230 80" ] || fail "the sheet is of another size"
-"$stipple" sheet red.png green.png -o again.png --width 100 && cmp -s sheet.png again.png || fail "the same is another sheet"
+"$stipple" sheet red.png green.png -o again.png --width 100 && cmp -s sheet.png again.png || fail "the same input gives a different sheet"
 "$stipple" sheet red.png / green.png -o rows.png --width 100 || fail "rows"
-[ "$(python3 -c "import png; print(*png.size('rows.png'))")" = "120 140" ] || fail "rows are not below each other"
+[ "$(python3 -c "import png; print(*png.size('rows.png'))")" = "120 140" ] || fail "the rows are not one below the other"
 "$stipple" sheet red.png=caption -o caption.png --width 100 || fail "caption"
 [ "$(python3 -c "import png; print(*png.size('caption.png'))")" = "120 104" ] || fail "a caption has no room"
 # transparent areas are white: the same as a sheet of white

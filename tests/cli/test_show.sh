@@ -61,7 +61,7 @@ filled()
     local wanted="$1 $2"
     shift 2
     show street.stip -o fitted.png --splat-size 1 "$@" 2> err || fail "$*: $(cat err)"
-    python3 - "$wanted" << 'END' || fail "$*: covers otherwise"
+    python3 - "$wanted" << 'END' || fail "$*: covers other pixels"
 import struct, sys, zlib
 data, at, parts = open("fitted.png", "rb").read(), 8, b""
 while at < len(data):
@@ -151,7 +151,7 @@ prefix=$(show street.stip --pick 60,20 --size 120x40 --ortho 4 --eye 0,0,9 --tar
     python3 -c 'import json,sys; print(json.load(sys.stdin)["object"]["path"][:-len("wall")])')
 sed -i "s|PREFIX|$prefix|" street.views.json
 show street.stip -o v.png --size 120x40 --view cut --json > v.json 2> err || fail "viewpoint: $(cat err)"
-grep -q '"covered_pixels": 200' v.json || fail "the viewpoint shows something else: $(cat v.json)"
+grep -q '"covered_pixels": 200' v.json || fail "the viewpoint shows a different picture: $(cat v.json)"
 show street.stip -o v.png --size 120x40 --view gone 2> err || fail "viewpoint: $(cat err)"
 grep -q "no such thing" err || fail "a missing object is not named: $(cat err)"
 echo '{' > street.views.json
@@ -189,7 +189,7 @@ echo '{"keys": [{"t": 0, "eye": [0, 0, 9], "target": [0, 0, 0]}, {"t": 0.05, "ey
 "$stipple" fly street.stip --backend cpu --path f.json -o frames/ --size 60x40 --frames 2 --hide wall --section x:0 -q > /dev/null 2> err ||
     fail "fly: $(cat err)"
 show street.stip -o f.png --accumulate 1 --size 60x40 --eye 0,0,9 --target 0,0,0 --hide wall --section x:0 || fail "first frame"
-cmp -s f.png "$(find frames -name '*.png' | sort | head -n 1)" || fail "fly shows something else than render"
+cmp -s f.png "$(find frames -name '*.png' | sort | head -n 1)" || fail "fly and render draw different pictures"
 
 refused 2 "no object named" render street.stip -o r.png --size 32x32 --hide attic
 refused 2 "--section must be" render street.stip -o r.png --size 32x32 --section x

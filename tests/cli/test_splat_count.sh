@@ -84,10 +84,10 @@ for file in balls spheres; do
     for n in 64 1001; do
         for threads in 1 3; do
             draw $file.stip threads $n --threads $threads
-            cmp -s threads.png cpu-$n.png || fail "$file: $n splats by $threads threads are others"
+            cmp -s threads.png cpu-$n.png || fail "$file: $n splats differ with $threads threads"
         done
         draw $file.stip limited $n --memory 64M
-        cmp -s limited.png cpu-$n.png || fail "$file: $n splats under a limit of memory are others"
+        cmp -s limited.png cpu-$n.png || fail "$file: $n splats differ under a limit of memory"
         [ "$(value limited.json splats)" = $n ] || fail "$file under a limit: $(value limited.json splats) splats"
         if [ "$backends" != cpu ]; then
             "$stipple" compare cpu-$n.png gl-$n.png --json > compare.json || fail "compare"
@@ -121,7 +121,7 @@ for method in blue psp; do
     few=$(likeness $method-hidden-300.png) many=$(likeness $method-hidden-3000.png)
     holds "$few < $many && $many > 0.7" || fail "$method: splats are badly shared where a part is hidden: $few $many"
     draw plant.stip threads 300 --method $method --hide "#88" --threads 1
-    cmp -s threads.png $method-hidden-300.png || fail "$method: shares by one thread are others"
+    cmp -s threads.png $method-hidden-300.png || fail "$method: one thread gives different shares"
     draw plant.stip limited 300 --method $method --hide "#88" --memory 64M
     [ "$(value limited.json splats)" = 300 ] || fail "$method: $(value limited.json splats) splats under a limit of memory"
 done

@@ -51,7 +51,7 @@ cmp -s cloud.stip other.stip || fail "the file depends on the number of threads"
 [ "$(wc -c < finer.stip)" -gt "$(wc -c < cloud.stip)" ] || fail "finer leaves take no more bytes"
 for file in cloud finer; do
     "$stipple" -q check $file.stip || fail "$file.stip is wrong"
-    python3 "$3/scripts/read_store.py" $file.stip > /dev/null || fail "the second reader refuses $file.stip"
+    python3 "$3/scripts/read_store.py" $file.stip > /dev/null || fail "the independent reader refuses $file.stip"
 done
 # rebuilt from existing results
 "$stipple" -q build cloud.ply -o cloud.stip --method stochastic || fail "no second build"
@@ -127,7 +127,7 @@ rm -rf scan.stip.work
 "$stipple" -q build scan.ply -o scan.stip --method stochastic || fail "no second build of a scan"
 cmp -s scan.stip first.stip || fail "a reused set has other attributes"
 "$stipple" -q check scan.stip || fail "scan.stip is wrong"
-python3 "$3/scripts/read_store.py" scan.stip > /dev/null || fail "the second reader refuses scan.stip"
+python3 "$3/scripts/read_store.py" scan.stip > /dev/null || fail "the independent reader refuses scan.stip"
 paint() # NAME OPTIONS...
 {
     local name=$1

@@ -96,7 +96,7 @@ wait_until 'r["loading"] == "done" and r["rests"] and picture["complete"]'
 check "it was seen before it was finished" 'r["stores"] >= 3 and k["stores"] < r["stores"] or k["loading"] == "done"'
 check "the camera stays where it was" 'distance(camera["eye"], k["camera"]["eye"]) < 1e-9 or k["scene"] == 0'
 check "the whole is there" 'r["stores"] >= 3 and r["complete"]'
-ls cache/stipple/*-draft* > out 2> /dev/null && fail "a draft is kept that nobody needs any more: $(cat out)"
+ls cache/stipple/*-draft* > out 2> /dev/null && fail "a draft is kept that is no longer needed: $(cat out)"
 close_viewer
 # two windows at once: the second waits for the first one's build and does not remove its drafts
 sed 's/^v 0 .*/v 0 1 0/' large.obj > shared.obj

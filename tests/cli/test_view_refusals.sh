@@ -12,7 +12,7 @@ export XDG_CACHE_HOME=$PWD/cache XDG_CONFIG_HOME=$PWD/config XDG_STATE_HOME=$PWD
 env -u DISPLAY -u WAYLAND_DISPLAY -u SDL_VIDEODRIVER "$stipple" view > out 2> err
 [ $? -eq 1 ] || fail "no display: another exit code than 1"
 grep -q '^stipple: there is no display' err || fail "no display: $(cat err)"
-[ "$(wc -l < err)" -eq 1 ] && [ ! -s out ] || fail "no display: not one sentence"
+[ "$(wc -l < err)" -eq 1 ] && [ ! -s out ] || fail "no display: not exactly one sentence"
 env -u WAYLAND_DISPLAY DISPLAY=:4242 "$stipple" view > out 2> err
 [ $? -eq 1 ] && grep -q '^stipple: there is no display' err || fail "an invalid display: $(cat err)"
 "$stipple" view a b > out 2> err

@@ -100,7 +100,7 @@ void test_accumulation_goes_with_effects(test_state* test)
     made_picture_end(&p);
 }
 
-void test_accumulation_begins_anew_when_something_changes(test_state* test)
+void test_accumulation_restarts_after_a_change(test_state* test)
 {
     static uint8_t first[SIDE * SIDE * 4];
     made_picture p;

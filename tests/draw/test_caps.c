@@ -189,7 +189,7 @@ void test_caps_fill_closed_solids_only(test_state* test)
     }
 }
 
-void test_caps_are_not_of_what_is_hidden(test_state* test)
+void test_caps_leave_out_hidden_objects(test_state* test)
 {
     made_picture p;
     stp_visibility* visibility;
@@ -265,7 +265,7 @@ static bool visit_object(const stp_view_frame* f, const stp_section_plane* plane
 
 /// From random eyes, also inside the solid and next to the plane, a pixel shows a cap if its point
 /// of the plane is in the box.
-void test_caps_are_where_planes_go_through_solids(test_state* test)
+void test_caps_lie_where_planes_cut_solids(test_state* test)
 {
     made_picture p;
     stp_caps* caps;

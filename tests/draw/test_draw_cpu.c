@@ -432,7 +432,7 @@ void test_draw_cpu_is_the_same_for_any_number_of_threads(test_state* test)
 }
 
 // Each worker has a buffer of the size of the picture, plus a megabyte.
-void test_draw_cpu_needs_no_more_memory_for_more_threads_than_processors(test_state* test)
+void test_draw_cpu_memory_is_bounded_by_processors_not_threads(test_state* test)
 {
     static uint8_t first[SIDE * SIDE * 4];
     uint32_t processors = stp_processor_count();

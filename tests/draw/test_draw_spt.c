@@ -143,7 +143,7 @@ void test_spt_needs_fewer_splats_from_afar(test_state* test)
 }
 
 // If a file lacks the method, its first one is drawn.
-void test_spt_is_drawn_where_another_is_asked_for(test_state* test)
+void test_spt_is_drawn_if_the_requested_method_is_missing(test_state* test)
 {
     fixture f;
     CHECK(set_up(&f));

@@ -52,7 +52,7 @@ static bool begin(test_state* test, faulty* f)
     return true;
 }
 
-void test_gl_contexts_tell_when_they_are_lost(test_state* test)
+void test_gl_contexts_report_their_loss(test_state* test)
 {
     stp_headless headless;
     if (stp_headless_create(&(stp_headless_desc){.software = true}, &headless) != NULL) {
@@ -94,7 +94,7 @@ static void end(faulty* f)
     made_gl_end(&f->made);
 }
 
-void test_gl_says_what_a_context_lacks(test_state* test)
+void test_gl_names_missing_features(test_state* test)
 {
     faulty f;
     if (!begin(test, &f)) {
@@ -107,7 +107,7 @@ void test_gl_says_what_a_context_lacks(test_state* test)
     end(&f);
 }
 
-void test_gl_says_that_a_context_was_lost(test_state* test)
+void test_gl_reports_a_lost_context(test_state* test)
 {
     faulty f;
     if (!begin(test, &f)) {
@@ -123,7 +123,7 @@ void test_gl_says_that_a_context_was_lost(test_state* test)
     end(&f);
 }
 
-void test_gl_says_that_graphics_memory_is_short(test_state* test)
+void test_gl_reports_lack_of_graphics_memory(test_state* test)
 {
     faulty f;
     if (!begin(test, &f)) {
@@ -162,7 +162,7 @@ void test_gl_fails_where_a_debug_context_complains(test_state* test)
     end(&f);
 }
 
-void test_gl_leaves_the_context_as_it_says(test_state* test)
+void test_gl_restores_the_context_as_documented(test_state* test)
 {
     made_gl m;
     bool failed;

@@ -20,7 +20,7 @@ static double compare(made_gl* m)
     return result == STP_OK ? quality.ssim : 0.0;
 }
 
-void test_gl_filter_looks_as_the_processors(test_state* test)
+void test_gl_filter_matches_the_cpu(test_state* test)
 {
     made_gl m;
     bool failed;

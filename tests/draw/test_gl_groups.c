@@ -196,7 +196,7 @@ static void compare_views(test_state* test, fixture* f, bool within)
                         19 * fragments[1]); // the fragments of each picture depend on the threads
 }
 
-void test_gl_groups_that_are_left_out_change_no_pixel(test_state* test)
+void test_gl_culled_groups_change_no_pixel(test_state* test)
 {
     static fixture f;
     void (*const scenes[])(made_picture * p) = {add_ball, add_room};
@@ -213,7 +213,7 @@ void test_gl_groups_that_are_left_out_change_no_pixel(test_state* test)
 }
 
 // Ghosts and sections show back faces, and so do views that request all sides.
-void test_gl_groups_that_face_away_stay_where_they_show(test_state* test)
+void test_gl_back_facing_groups_stay_where_they_show(test_state* test)
 {
     static fixture f;
     bool failed;

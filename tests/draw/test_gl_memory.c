@@ -163,7 +163,7 @@ static void look_at(made_gl* m, int sheet)
     m->picture.quality.splat_size = 6;
 }
 
-void test_gl_memory_is_used_again(test_state* test)
+void test_gl_memory_is_reused(test_state* test)
 {
     const stp_draw_gl_desc small = {.memory_bytes = 48 << 10};
     static uint8_t whole[6][4 * PIXELS];
@@ -194,7 +194,7 @@ void test_gl_memory_is_used_again(test_state* test)
     made_gl_end(&m);
 }
 
-void test_gl_pictures_come_coarser_where_memory_is_short(test_state* test)
+void test_gl_pictures_are_coarser_with_little_memory(test_state* test)
 {
     const stp_draw_gl_desc tiny = {.memory_bytes = 10 << 10};
     made_gl m;
@@ -291,7 +291,7 @@ static GLenum first_buffer_fails(void)
     return ++calls == 2 ? GL_OUT_OF_MEMORY : GL_NO_ERROR;
 }
 
-void test_gl_scenes_lie_in_one_page(test_state* test)
+void test_small_gl_scenes_use_one_page(test_state* test)
 {
     enum { LIMIT = 64 << 20, SCENE = 20 << 20, WORDS = 1000 };
     made_gl m;

@@ -92,7 +92,7 @@ void test_gl_occlusion_changes_no_pixel(test_state* test)
     made_gl_end(&m);
 }
 
-void test_gl_occlusion_leaves_out_what_it_cannot_tell(test_state* test)
+void test_gl_occlusion_leaves_out_undecided_groups(test_state* test)
 {
     made_gl m;
     bool failed;

@@ -38,7 +38,7 @@ static bool begin(test_state* test, made_gl* m, void (*add)(made_picture* p))
     return false;
 }
 
-void test_gl_pictures_are_those_of_the_processor_in_every_style(test_state* test)
+void test_gl_pictures_match_the_cpu_in_every_style(test_state* test)
 {
     static const stp_draw_style styles[] = {
         {.supersample = 1},
@@ -396,7 +396,7 @@ void test_gl_pictures_stay_where_they_are_drawn(test_state* test)
     made_gl_end(&m);
 }
 
-void test_gl_depth_is_that_of_the_processor(test_state* test)
+void test_gl_depth_matches_the_cpu(test_state* test)
 {
     made_gl m;
     if (!begin(test, &m, NULL)) {

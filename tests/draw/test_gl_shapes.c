@@ -39,7 +39,7 @@ static double compare(made_gl* m)
     return result == STP_OK ? quality.ssim : 0.0;
 }
 
-void test_gl_squares_are_those_of_the_processor(test_state* test)
+void test_gl_squares_match_the_cpu(test_state* test)
 {
     static const stp_gl_splats ways[] = {STP_GL_SPLATS_POINTS, STP_GL_SPLATS_COMPUTE};
     static uint8_t disks[4 * PIXELS];
@@ -69,7 +69,7 @@ void test_gl_squares_are_those_of_the_processor(test_state* test)
     made_gl_end(&m);
 }
 
-void test_gl_textured_splats_look_as_the_processors(test_state* test)
+void test_gl_textured_splats_match_the_cpu(test_state* test)
 {
     static uint8_t striped[4 * PIXELS];
     stp_splat_texture stripes;

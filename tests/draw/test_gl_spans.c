@@ -138,7 +138,7 @@ void test_gl_spans_survive_failing_memory(test_state* test)
     }
 }
 
-void test_gl_spans_refuse_what_is_no_size(test_state* test)
+void test_gl_spans_refuse_invalid_sizes(test_state* test)
 {
     gl_spans spans = {.context = test_context(NULL, 1, NULL)};
     CHECK(gl_spans_add_region(&spans, 0, 1u << 10));

@@ -85,7 +85,7 @@ static void begin(test_state* test, made_picture* p, uint32_t threads, void (*ad
     CHECK_EQUAL(STP_OK, made_picture_open(p));
 }
 
-void test_glass_in_layers_is_what_many_samples_come_to(test_state* test)
+void test_glass_layers_match_many_samples(test_state* test)
 {
     for (int splats = 0; splats < 2; ++splats) {
         static uint8_t layers[BYTES], pattern[BYTES];
@@ -279,7 +279,7 @@ static void compare_styles(test_state* test, made_gl* m)
     }
 }
 
-void test_glass_of_opengl_is_that_of_the_processor(test_state* test)
+void test_gl_glass_matches_the_cpu(test_state* test)
 {
     for (int splats = 0; splats < 2; ++splats) {
         bool failed;

@@ -267,7 +267,7 @@ void test_hybrid_reads_octaves_it_looks_at(test_state* test)
 }
 
 // Nothing is drawn twice where a set draws only part of its node, or draws it modified.
-void test_hybrid_leaves_out_what_it_may_not_draw(test_state* test)
+void test_hybrid_leaves_out_hidden_triangles(test_state* test)
 {
     static fixture f;
     CHECK(set_up(&f));

@@ -194,12 +194,12 @@ static void overwrite_all(test_state* test, bool coded)
     end(&o);
 }
 
-void test_files_written_over_while_they_are_drawn(test_state* test)
+void test_files_overwritten_while_drawn(test_state* test)
 {
     overwrite_all(test, true);
 }
 
-void test_columns_written_over_while_they_are_drawn(test_state* test)
+void test_columns_overwritten_while_drawn(test_state* test)
 {
     overwrite_all(test, false);
 }

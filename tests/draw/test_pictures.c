@@ -218,7 +218,7 @@ static const char* draw_all(const golden* cases, size_t count, stp_store_alpha a
 
 static const stp_boxd balls_box = {{-2.1, -1, -1}, {2.1, 1, 1}};
 
-void test_pictures_look_as_they_did(test_state* test)
+void test_golden_pictures(test_state* test)
 {
     stp_view view = {.width = SIDE, .height = SIDE, .fov_degrees = 40};
     CHECK(stp_camera_frame("iso", &balls_box, &view));
@@ -246,7 +246,7 @@ void test_pictures_look_as_they_did(test_state* test)
     CHECK(draw_all(cases, sizeof(cases) / sizeof(cases[0]), STP_STORE_MASK, 0) == NULL);
 }
 
-void test_pictures_of_glass_and_caps_look_as_they_did(test_state* test)
+void test_golden_pictures_of_glass_and_caps(test_state* test)
 {
     stp_view view = {.width = SIDE, .height = SIDE, .fov_degrees = 40};
     CHECK(stp_camera_frame("iso", &balls_box, &view));
@@ -269,7 +269,7 @@ void test_pictures_of_glass_and_caps_look_as_they_did(test_state* test)
     CHECK(draw_all(glass, 5, STP_STORE_BLEND, 0) == NULL);
 }
 
-void test_pictures_of_merged_splats_look_as_they_did(test_state* test)
+void test_golden_pictures_of_merged_splats(test_state* test)
 {
     stp_view view = {.width = SIDE, .height = SIDE, .fov_degrees = 40};
     CHECK(stp_camera_frame("iso", &balls_box, &view));

@@ -78,7 +78,7 @@ static const char* draw_sizes(const subject* s, const char* name)
     return wrong;
 }
 
-void test_pictures_of_cad_look_as_they_did(test_state* test)
+void test_golden_pictures_of_cad(test_state* test)
 {
     subject s;
     CHECK(set_up("scene:power-plant,scale=0.002", &s) && find_view(&s, "overview"));
@@ -95,7 +95,7 @@ void test_pictures_of_cad_look_as_they_did(test_state* test)
     tear_down(&s);
 }
 
-void test_pictures_of_foliage_look_as_they_did(test_state* test)
+void test_golden_pictures_of_foliage(test_state* test)
 {
     subject s;
     CHECK(set_up("scene:forest,scale=0.003", &s) && find_view(&s, "walk"));
@@ -118,7 +118,7 @@ static bool write_cloud(const char* path)
     return file != NULL && fclose(file) == 0;
 }
 
-void test_pictures_of_clouds_look_as_they_did(test_state* test)
+void test_golden_pictures_of_clouds(test_state* test)
 {
     subject s;
     CHECK(write_cloud("cloud.xyz") && set_up("cloud.xyz", &s));

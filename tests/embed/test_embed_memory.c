@@ -282,7 +282,7 @@ static int compare_backends(stp_model* model, stp_headless* headless, uint8_t pi
     return result == STP_OK && report.splat_size >= 1.0f ? different : -1;
 }
 
-void test_embed_opengl_draws_as_the_cpu_does(test_state* test)
+void test_embed_opengl_matches_the_cpu(test_state* test)
 {
     static uint8_t pixels[2][PIXELS];
     static float depths[2 * PIXELS / 4];

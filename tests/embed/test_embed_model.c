@@ -120,7 +120,7 @@ void test_embed_failed_reads_are_errors(test_state* test)
     CHECK_EQUAL(STP_ERROR_ARGUMENT, none);
 }
 
-void test_embed_a_download_is_drawn_as_far_as_it_goes(test_state* test)
+void test_embed_draws_partial_downloads(test_state* test)
 {
     static uint8_t pixels[PIXELS];
     size_t size = 0;
@@ -262,7 +262,7 @@ void test_embed_lists_objects(test_state* test)
     CHECK(fault == NULL);
 }
 
-void test_embed_hides_what_is_hidden(test_state* test)
+void test_embed_hides_objects(test_state* test)
 {
     static uint8_t all[PIXELS], less[PIXELS], again[PIXELS];
     opened_town town;

@@ -115,7 +115,7 @@ static stp_result add_wrong_input(stp_builder* builder, int which)
     return stp_builder_add_mesh(builder, &mesh, NULL);
 }
 
-void test_embed_builders_refuse_what_is_wrong(test_state* test)
+void test_embed_builders_refuse_invalid_input(test_state* test)
 {
     test_log log = {0};
     stp_builder* builder = NULL;

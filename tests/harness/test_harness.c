@@ -113,7 +113,7 @@ static int count_files(void)
     return count;
 }
 
-void test_harness_tells_passed_and_skipped_tests(test_state* test)
+void test_harness_reports_passed_and_skipped_tests(test_state* test)
 {
     char text[4096];
     CHECK_EQUAL(TEST_PASSED, run(passes, text, sizeof(text)));
@@ -171,7 +171,7 @@ void test_harness_runs_tests_side_by_side(test_state* test)
     CHECK_EQUAL(0, count_files()); // their folders are removed
 }
 
-void test_harness_tells_of_signals(test_state* test)
+void test_harness_reports_signals(test_state* test)
 {
     char text[4096];
     CHECK_EQUAL(TEST_FAILED, run(crashes, text, sizeof(text)));

@@ -377,7 +377,7 @@ void test_assimp_stream(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_assimp_stream_tells_of_too_little_memory(test_state* test)
+void test_assimp_stream_reports_lack_of_memory(test_state* test)
 {
     static const struct {
         const char* reason;

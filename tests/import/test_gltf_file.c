@@ -130,7 +130,7 @@ void test_gltf_leaves_the_memory_it_reads(test_state* test)
     CHECK(same);
 }
 
-void test_gltf_says_what_it_cannot_read(test_state* test)
+void test_gltf_names_unsupported_content(test_state* test)
 {
     const struct {
         const char* json;
@@ -374,7 +374,7 @@ static int sweep(const char* folder, int depth, int* files)
     return good;
 }
 
-void test_gltf_reads_models_of_others(test_state* test)
+void test_gltf_reads_models_of_other_programs(test_state* test)
 {
     const char* folder = "/usr/share/assimp/models/glTF2";
     if (access(folder, R_OK) != 0) {
@@ -407,7 +407,7 @@ static int stop_at_call(const stp_progress_report* report, void* user)
     return s->calls++ == s->stop_at;
 }
 
-void test_gltf_stops_where_it_is_told_to(test_state* test)
+void test_gltf_stops_on_request(test_state* test)
 {
     glb_file glb;
     CHECK(glb_make(&glb, rich_json, &rich, sizeof(rich)));

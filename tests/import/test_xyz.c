@@ -271,7 +271,7 @@ void test_xyz_odd_texts(test_state* test)
     free(text);
 }
 
-void test_text_scan_reads_what_the_other_reads(test_state* test)
+void test_text_scan_variants_agree(test_state* test)
 {
     static const char* const texts[] = {"0",
                                         "-0",
@@ -321,7 +321,7 @@ void test_text_scan_reads_what_the_other_reads(test_state* test)
 
 // Random numbers of up to 18 digits, and their ends, against the C library: the same bits up to 15
 // digits, else two units in the last place at most, and those of the other reader.
-void test_text_scan_reads_what_strtod_reads(test_state* test)
+void test_text_scan_agrees_with_strtod(test_state* test)
 {
     uint64_t random = 1;
     for (size_t i = 0; i < 200000; ++i) {

@@ -54,7 +54,7 @@ static double change_of(const uint8_t* before, const uint8_t* after, int column,
     return sum / count;
 }
 
-void test_popping_is_what_its_definition_says(test_state* test)
+void test_popping_follows_its_definition(test_state* test)
 {
     static pictures p;
     static double values[3 * COLUMNS * ROWS];

@@ -315,7 +315,7 @@ void test_shape_tree_is_the_same_for_any_threads(test_state* test)
     }
 }
 
-void test_shape_tree_refuses_what_is_not_finite(test_state* test)
+void test_shape_tree_refuses_non_finite_input(test_state* test)
 {
     test_log log = {0};
     stp_context* context = test_context(NULL, 1, &log);

@@ -190,7 +190,7 @@ void test_camera_fits_what_sections_leave(test_state* test)
     CHECK(memcmp(&view.eye, &whole.eye, sizeof(view.eye)) == 0);
 }
 
-void test_camera_directions_are_what_they_are_called(test_state* test)
+void test_camera_directions_match_their_names(test_state* test)
 {
     stp_boxd box = {{-1, -2, -3}, {1, 2, 3}};
     const struct {

@@ -36,7 +36,7 @@ static const char four_keys[] =
          "{\"t\": 4, \"eye\": [3, 8, 5], \"target\": [0, 4, 0]},"
          "{\"t\": 5, \"eye\": [3, 8, 9], \"target\": [9, 4, 0], \"up\": [0, -1, 0]}]}";
 
-void test_flight_follows_curves_worked_out_by_hand(test_state* test)
+void test_flight_follows_known_curves(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     stp_flight flight;
@@ -73,7 +73,7 @@ void test_flight_follows_curves_worked_out_by_hand(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_flight_goes_through_lines_and_parabolas_as_they_are(test_state* test)
+void test_flight_reproduces_lines_and_parabolas(test_state* test)
 {
     // x = t: a line. y = t^2: a parabola, which spans between inner keys reproduce, however uneven
     // the times.
@@ -114,7 +114,7 @@ void test_flight_of_a_single_key_rests(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_flight_refuses_what_is_none(test_state* test)
+void test_flight_refuses_invalid_files(test_state* test)
 {
     static const struct {
         const char *text, *says;
@@ -205,7 +205,7 @@ void test_flight_reports_missing_memory(test_state* test)
     CHECK(passed);
 }
 
-void test_flight_reads_all_that_are_shipped(test_state* test)
+void test_flight_reads_all_shipped_files(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     DIR* folder = opendir(STP_TEST_SOURCE_DIR "/scenes/flights");

@@ -71,7 +71,7 @@ void test_navigate_points_and_pixels_are_inverses(test_state* test)
     }
 }
 
-void test_navigate_views_are_given_as_they_were_taken(test_state* test)
+void test_navigate_returns_views_as_set(test_state* test)
 {
     dice rng = {2, 0};
     for (int i = 0; i < PLACES * ROUNDS; ++i) {
@@ -135,7 +135,7 @@ void test_navigate_zoom_keeps_the_point_under_the_cursor(test_state* test)
     }
 }
 
-void test_navigate_pan_keeps_the_point_in_the_hand(test_state* test)
+void test_navigate_pan_keeps_the_point_under_the_cursor(test_state* test)
 {
     dice rng = {5, 0};
     for (int i = 0; i < PLACES * ROUNDS; ++i) {

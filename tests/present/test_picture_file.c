@@ -36,7 +36,7 @@ static bool read_back(stp_context* context, const char* path, stp_image_kind kin
     return good && out->width == WIDTH && out->height == HEIGHT;
 }
 
-void test_picture_file_is_what_its_name_says(test_state* test)
+void test_picture_file_format_follows_its_name(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     uint64_t live_bytes = stp_context_live_bytes(context);
@@ -76,7 +76,7 @@ void test_picture_file_is_what_its_name_says(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_picture_file_refuses_what_it_cannot_write(test_state* test)
+void test_picture_file_refuses_unsupported_formats(test_state* test)
 {
     test_log log = {0};
     stp_context* context = test_context(NULL, 1, &log);

@@ -24,7 +24,7 @@ void test_planes_cut_boxes_into_polygons(test_state* test)
     CHECK(stp_plane_cut_box((stp_vec3d){5, 0, 0}, (stp_vec3d){1, 0, 0}, &box, corners) < 3);
 }
 
-void test_planes_follow_the_hand(test_state* test)
+void test_planes_follow_the_cursor(test_state* test)
 {
     static const char* const views[] = {"front", "iso", "left", "top"};
     for (int i = 0; i < 8; ++i) {

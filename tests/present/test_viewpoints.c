@@ -74,7 +74,7 @@ static bool same_view(const stp_viewpoint* a, const stp_viewpoint* b)
     return same;
 }
 
-void test_viewpoints_come_back_as_they_were_written(test_state* test)
+void test_viewpoints_are_read_as_written(test_state* test)
 {
     char path[] = "stp_views_XXXXXX";
     int file = mkstemp(path);
@@ -121,7 +121,7 @@ void test_viewpoints_come_back_as_they_were_written(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_viewpoints_stand_beside_their_model(test_state* test)
+void test_viewpoints_are_stored_beside_the_model(test_state* test)
 {
     static const char* const paths[][2] = {{"a/b.stip", "a/b.views.json"},
                                            {"plant.v2.glb", "plant.v2.views.json"},
@@ -136,7 +136,7 @@ void test_viewpoints_stand_beside_their_model(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_viewpoints_that_are_none_are_refused(test_state* test)
+void test_invalid_viewpoints_are_refused(test_state* test)
 {
     static const char* const bad[] = {
         "",
@@ -180,7 +180,7 @@ void test_viewpoints_that_are_none_are_refused(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_viewpoints_cut_short_are_refused(test_state* test)
+void test_truncated_viewpoints_are_refused(test_state* test)
 {
     static const char text[] = WHOLE(
         VIEW ", \"note\": \"n\", \"sections\": [[1, 0, 0, 2]], \"hidden\": [{\"path\": \"p\"}], "
@@ -226,7 +226,7 @@ void test_viewpoints_survive_any_allocation_failing(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_viewpoints_that_cannot_be_written_leave_the_former_file(test_state* test)
+void test_viewpoints_that_cannot_be_written_leave_the_previous_file(test_state* test)
 {
     char folder[] = "stp_views_XXXXXX", path[64], bad_name[] = "\xFF";
     CHECK(mkdtemp(folder) != NULL);

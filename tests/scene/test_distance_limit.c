@@ -8,7 +8,7 @@
 static const float nowhere[] = {NAN, INFINITY, -INFINITY, 1e19f, -3e38f};
 enum { NOWHERE = sizeof(nowhere) / sizeof(nowhere[0]) };
 
-void test_triangles_without_a_place_are_left_out(test_state* test)
+void test_triangles_without_finite_positions_are_left_out(test_state* test)
 {
     for (int k = 0; k < NOWHERE; ++k) {
         for (uint32_t vertex = 0; vertex < 12; vertex += vertex == 2 ? 7 : 1) {
@@ -43,7 +43,7 @@ void test_triangles_without_a_place_are_left_out(test_state* test)
     }
 }
 
-void test_points_without_a_place_are_left_out(test_state* test)
+void test_points_without_finite_positions_are_left_out(test_state* test)
 {
     enum { COUNT = 20 };
     stp_context* context = test_context(NULL, 1, NULL);

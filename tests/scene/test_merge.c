@@ -37,7 +37,7 @@ static bool add_copy(stp_scene* scene, const char* name, stp_affine at, uint8_t 
     return added;
 }
 
-void test_copies_with_their_own_everything_become_one(test_state* test)
+void test_copies_with_copied_resources_are_merged(test_state* test)
 {
     enum { COPIES = 500 };
     stp_context* context = test_context(NULL, 2, NULL);
@@ -92,7 +92,7 @@ void test_content_does_not_depend_on_numbering(test_state* test)
     CHECK(!stp_hash_equal(roots[0], roots[1]) && stp_hash_equal(roots[0], roots[2]));
 }
 
-void test_materials_differing_in_anything_stay_apart(test_state* test)
+void test_different_materials_are_not_merged(test_state* test)
 {
     enum { CHANGES = 15 };
     stp_context* context = test_context(NULL, 1, NULL);

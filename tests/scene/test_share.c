@@ -47,7 +47,7 @@ void test_identical_subtrees_become_one_node(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_meshes_differing_in_anything_stay_apart(test_state* test)
+void test_different_meshes_are_not_merged(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     stp_scene* scene = NULL;

@@ -126,7 +126,7 @@ void test_every_named_scene_has_a_flight(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_views_and_flights_of_small_scenes_stand_free(test_state* test)
+void test_views_and_flights_of_small_scenes_stay_outside_objects(test_state* test)
 {
     check_named(test, "boxes");
     check_named(test, "spheres");
@@ -135,30 +135,30 @@ void test_views_and_flights_of_small_scenes_stand_free(test_state* test)
     check_named(test, "terrain");
 }
 
-void test_views_and_flights_of_cities_stand_free(test_state* test)
+void test_views_and_flights_of_cities_stay_outside_objects(test_state* test)
 {
     check_named(test, "city-small");
     check_named(test, "city");
 }
 
-void test_views_and_flights_of_plants_stand_free(test_state* test)
+void test_views_and_flights_of_plants_stay_outside_objects(test_state* test)
 {
     check_named(test, "power-plant");
     check_named(test, "twenty-million");
 }
 
-void test_views_and_flights_of_factories_stand_free(test_state* test)
+void test_views_and_flights_of_factories_stay_outside_objects(test_state* test)
 {
     check_named(test, "car-factory");
     check_named(test, "bakery-line");
 }
 
-void test_views_and_flight_of_paper_stand_free(test_state* test)
+void test_views_and_flight_of_paper_stay_outside_objects(test_state* test)
 {
     check_named(test, "paper");
 }
 
-void test_views_and_flight_of_paper_huge_stand_free(test_state* test)
+void test_views_and_flight_of_paper_huge_stay_outside_objects(test_state* test)
 {
     check_named(test, "paper-huge");
 }

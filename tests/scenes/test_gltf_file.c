@@ -83,7 +83,7 @@ void test_gltf_file_writes_out_what_is_used(test_state* test)
 }
 
 // Ten uses of ten uses of ...: 10^8 nodes.
-void test_gltf_file_refuses_what_expands_without_bound(test_state* test)
+void test_gltf_file_refuses_unbounded_expansion(test_state* test)
 {
     test_log log = {0};
     stp_context* context = test_context(NULL, 1, &log);

@@ -123,7 +123,7 @@ void test_scenes_read_back_from_gltf_with_the_same_counts(test_state* test)
     CHECK(rmdir(folder) == 0);
 }
 
-void test_scene_inputs_carry_settings(test_state* test)
+void test_scene_inputs_have_settings(test_state* test)
 {
     test_log log = {0};
     stp_context* context = test_context(NULL, 1, &log);

@@ -273,7 +273,7 @@ void test_budget_prediction_beats_the_paper_where_the_scene_changes(test_state* 
     CHECK(ours.p95 < paper.p95);
 }
 
-void test_budget_of_the_paper_is_the_printed_formula(test_state* test)
+void test_budget_of_the_paper_follows_its_formula(test_state* test)
 {
     stp_budget budget;
     stp_budget_init(&budget, STP_CONTROLLER_PAPER, 20.0);
@@ -297,7 +297,7 @@ void test_budget_of_the_paper_is_the_printed_formula(test_state* test)
     CHECK(stp_budget_splat_size(&budget) == 1.0f);
 }
 
-void test_budget_learns_nothing_from_nonsense(test_state* test)
+void test_budget_ignores_invalid_times(test_state* test)
 {
     const stp_controller controllers[] = {STP_CONTROLLER_PREDICT, STP_CONTROLLER_PAPER};
     const double times[] = {0.0, -1.0, (double)NAN, (double)INFINITY, 1e300};

@@ -114,7 +114,7 @@ void test_depth_pyramid_never_hides_what_can_be_seen(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_depth_pyramid_hides_nothing_it_cannot_know(test_state* test)
+void test_depth_pyramid_hides_nothing_undecided(test_state* test)
 {
     static float nearness[64 * 64];
     stp_context* context = test_context(NULL, 1, NULL);

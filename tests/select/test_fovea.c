@@ -64,7 +64,7 @@ void test_fovea_factor_meets_its_zones_and_never_jumps(test_state* test)
     CHECK(stp_fovea_factor(&none, 0.7) == 1.0);
 }
 
-void test_fovea_refuses_what_are_no_zones(test_state* test)
+void test_fovea_refuses_invalid_zones(test_state* test)
 {
     const stp_fovea bad[] = {
         {.count = 2, .zones = {{0.5f, 2}, {0.5f, 3}}},
@@ -210,7 +210,7 @@ static stp_store* open_square(stp_context* context, made_scene* s)
 }
 
 // The farther from the middle, the fewer splats, continuously.
-void test_fovea_thins_what_lies_at_the_border(test_state* test)
+void test_fovea_thins_splats_at_the_border(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     made_scene scene;
@@ -264,7 +264,7 @@ void test_fovea_thins_what_lies_at_the_border(test_state* test)
 
 // Content seen by one or both eyes is in the list. Content hidden by the pyramid of only one eye is
 // not hidden.
-void test_eyes_share_what_either_sees(test_state* test)
+void test_eyes_share_what_either_needs(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     made_scene scene;

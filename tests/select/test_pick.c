@@ -260,7 +260,7 @@ void test_picks_snap_to_corners_then_edges(test_state* test)
     CHECK_EQUAL(STP_SNAP_NONE, stp_pick_snap(&pick, 9.0, &p));
 }
 
-void test_picks_refuse_what_is_no_ray_and_survive_lack_of_memory(test_state* test)
+void test_picks_refuse_invalid_rays_and_survive_lack_of_memory(test_state* test)
 {
     test_heap heap = TEST_HEAP(-1);
     test_log log = {0};

@@ -83,7 +83,7 @@ void test_sections_turn_with_what_they_cut(test_state* test)
     }
 }
 
-void test_sections_refuse_what_is_no_plane(test_state* test)
+void test_sections_refuse_invalid_planes(test_state* test)
 {
     stp_sections sections = {0};
     stp_vec3d zero = {0, 0, 0}, up = {0, 2, 0};

@@ -345,7 +345,7 @@ void test_select_reference_and_exact_counts(test_state* test)
     tear_down(&f);
 }
 
-void test_select_paper_policy_is_the_printed_estimate(test_state* test)
+void test_select_paper_policy_follows_the_formula(test_state* test)
 {
     fixture f;
     CHECK(set_up(&f));
@@ -360,7 +360,7 @@ void test_select_paper_policy_is_the_printed_estimate(test_state* test)
     tear_down(&f);
 }
 
-void test_select_refuses_what_is_no_view(test_state* test)
+void test_select_refuses_invalid_views(test_state* test)
 {
     fixture f;
     CHECK(set_up(&f));

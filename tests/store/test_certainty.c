@@ -28,7 +28,7 @@ static void free_scene(stp_context* context, made_scene* scene)
     made_free_surfels(context, &scene->surfels[1]);
 }
 
-void test_certainty_comes_back(test_state* test)
+void test_certainty_is_read_as_written(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     made_scene scene;
@@ -56,7 +56,7 @@ void test_certainty_comes_back(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_certainty_that_makes_no_sense_is_refused(test_state* test)
+void test_invalid_certainty_is_refused(test_state* test)
 {
     for (int way = 0; way < 3; ++way) {
         test_log log = {.errors = 0};

@@ -195,7 +195,7 @@ void test_chunks_never_stand_for_much_more_than_they_take(test_state* test)
 
 // Changes bytes of blocks and reseals the checksums. In all cases nothing is accessed out
 // of bounds, and no content of another size is accepted.
-void test_chunks_that_are_forged_are_refused(test_state* test)
+void test_forged_chunks_are_refused(test_state* test)
 {
     test_log log = {.errors = 0};
     stp_context* context = test_context(NULL, 1, &log);

@@ -78,7 +78,7 @@ void test_store_refuses_every_changed_byte(test_state* test)
     check_changed_bytes(test, GOLDEN_PACKED);
 }
 
-void test_store_says_what_is_wrong(test_state* test)
+void test_store_names_the_defect(test_state* test)
 {
     size_t size = 0;
     unsigned char* bytes = sample_read_file(GOLDEN, &size);

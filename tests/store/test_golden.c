@@ -66,7 +66,7 @@ void test_store_writes_chunks_for_another_reader(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_store_opens_version_1_for_ever(test_state* test)
+void test_store_still_opens_version_1(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
@@ -95,7 +95,7 @@ void test_store_opens_version_1_for_ever(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_store_opens_clusters_of_version_1_for_ever(test_state* test)
+void test_store_still_opens_clusters_of_version_1(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
@@ -115,7 +115,7 @@ void test_store_opens_clusters_of_version_1_for_ever(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_store_opens_methods_of_version_1_2_for_ever(test_state* test)
+void test_store_still_opens_methods_of_version_1_2(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
@@ -134,7 +134,7 @@ void test_store_opens_methods_of_version_1_2_for_ever(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_store_opens_pictures_of_version_1_2_for_ever(test_state* test)
+void test_store_still_opens_pictures_of_version_1_2(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
@@ -155,7 +155,7 @@ void test_store_opens_pictures_of_version_1_2_for_ever(test_state* test)
 
 // Valid while the writer writes version 1.2. After that, add a new golden beside the old one.
 // STP_WRITE_GOLDEN writes it.
-void test_store_writes_the_same_bytes_as_ever(test_state* test)
+void test_store_writes_the_same_bytes_as_before(test_state* test)
 {
     char path[256];
     const char* folder = getenv("TMPDIR");

@@ -154,7 +154,7 @@ static void break_field(fixture* f, int field)
     }
 }
 
-void test_methods_that_make_no_sense_are_refused(test_state* test)
+void test_invalid_methods_are_refused(test_state* test)
 {
     test_log log = {.errors = 0};
     stp_context* context = test_context(NULL, 1, &log);

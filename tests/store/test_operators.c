@@ -27,7 +27,7 @@ static const progressive_desc samples[] = {
 };
 enum { SAMPLES = sizeof(samples) / sizeof(samples[0]) };
 
-void test_range_coder_brings_back_bits(test_state* test)
+void test_range_coder_round_trip(test_state* test)
 {
     static unsigned char bytes[1 << 15];
     for (uint64_t seed = 0; seed < 12; ++seed) {
@@ -150,7 +150,7 @@ void test_operators_lose_nothing(test_state* test)
 
 // Truncated, extended, or with a flipped bit: no access out of bounds, and accepted data is
 // a valid prefix.
-void test_operators_that_are_damaged_do_no_harm(test_state* test)
+void test_damaged_operators_do_no_harm(test_state* test)
 {
     fixture f;
     CHECK(set_up(&f, &(progressive_desc){.seed = 9, .base = 3, .splits = 25}, 0));
@@ -299,7 +299,7 @@ static stp_result open_bytes(const file_fixture* f, const unsigned char* bytes, 
     return stp_store_open_memory(f->context, "operators", bytes, size, &desc, store);
 }
 
-void test_operators_come_back_from_files(test_state* test)
+void test_operators_are_read_as_written(test_state* test)
 {
     unsigned char* first = NULL;
     for (uint32_t threads = 1; threads <= 3; ++threads) {
@@ -364,7 +364,7 @@ void test_store_writes_operators_for_another_reader(test_state* test)
 }
 
 // A version 1.2 file with operators must open forever. STP_WRITE_GOLDEN writes it and its content.
-void test_operators_of_version_1_2_open_for_ever(test_state* test)
+void test_operators_of_version_1_2_are_still_read(test_state* test)
 {
     static const char golden[] = STP_TEST_SOURCE_DIR "/tests/golden/store/v1/operators-1.2";
     stp_context* context = test_context(NULL, 1, NULL);
@@ -481,7 +481,7 @@ void test_operators_are_streamed(test_state* test)
 }
 
 // Changes bytes and reseals the checksums. All splats read afterwards are valid.
-void test_operators_that_are_forged_are_refused(test_state* test)
+void test_forged_operators_are_refused(test_state* test)
 {
     test_log log = {.errors = 0};
     file_fixture f;

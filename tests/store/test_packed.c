@@ -68,7 +68,7 @@ static bool is_object(const stp_store_object* object, uint32_t index)
            !(object->transform.m[0][3] < index) && !(object->transform.m[0][3] > index);
 }
 
-void test_store_packs_what_it_reads_back(test_state* test)
+void test_store_packed_round_trip(test_state* test)
 {
     stp_context* context = test_context(NULL, 2, NULL);
     CHECK(context != NULL);

@@ -144,7 +144,7 @@ static uint64_t rich_seed(stp_context* context, uint64_t from)
     }
 }
 
-void test_residency_brings_what_the_file_holds(test_state* test)
+void test_residency_loads_what_the_file_holds(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
@@ -368,7 +368,7 @@ void test_residency_needed_most_stays(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_residency_damaged_block_is_said_once(test_state* test)
+void test_residency_reports_a_damaged_block_once(test_state* test)
 {
     test_log log = {.errors = 0};
     stp_context* context = test_context(NULL, 1, &log);

@@ -238,7 +238,7 @@ static void spoil(stp_store_content* content, int what, stp_store_mesh* mesh, st
     }
 }
 
-void test_store_refuses_to_write_what_it_could_not_read(test_state* test)
+void test_store_refuses_to_write_unreadable_content(test_state* test)
 {
     char folder[256], path[300];
     CHECK(make_folder(folder, path));

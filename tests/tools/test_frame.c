@@ -27,7 +27,7 @@ static stp_result create(made_gl* m, frame_backend backend, stp_context* context
                                  maker);
 }
 
-void test_frames_are_drawn_by_the_processor_where_a_context_lacks_something(test_state* test)
+void test_frames_fall_back_to_the_cpu(test_state* test)
 {
     made_gl m;
     bool failed;

@@ -79,7 +79,7 @@ void test_progress_bar_leaves_nothing_behind(test_state* test)
     fclose(stream);
 }
 
-void test_progress_is_silent_where_nobody_looks(test_state* test)
+void test_progress_is_silent_without_a_terminal(test_state* test)
 {
     static const char* const names[] = {NULL, "auto", "none"};
     for (int i = 0; i < 3; ++i) {
@@ -141,7 +141,7 @@ void test_progress_estimates_what_is_left(test_state* test)
     fclose(stream);
 }
 
-void test_progress_tells_programs_rates(test_state* test)
+void test_progress_reports_rates_to_programs(test_state* test)
 {
     FILE* stream = tmpfile();
     CHECK(stream != NULL);

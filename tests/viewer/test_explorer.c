@@ -152,7 +152,7 @@ void test_viewer_explorer_picks_what_is_shown(test_state* test)
     close_boxes(e, path);
 }
 
-void test_viewer_explorer_refuses_what_is_no_scene(test_state* test)
+void test_viewer_explorer_refuses_invalid_scenes(test_state* test)
 {
     CHECK(explorer_create("/nowhere/there.stip") == NULL);
 }

@@ -37,7 +37,7 @@ static bool begin(test_state* test)
     return true;
 }
 
-void test_viewer_gamepad_that_goes_gives_way_to_another(test_state* test)
+void test_viewer_gamepad_is_replaced_when_it_disconnects(test_state* test)
 {
     SDL_GameController* pad = NULL;
     if (!begin(test)) {

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-void test_viewer_glyphs_are_what_texts_need(test_state* test)
+void test_viewer_glyphs_cover_the_texts(test_state* test)
 {
     glyph_set* set = calloc(1, sizeof(*set));
     CHECK(set != NULL);
@@ -24,7 +24,7 @@ void test_viewer_glyphs_are_what_texts_need(test_state* test)
     free(set);
 }
 
-void test_viewer_glyphs_pass_over_what_is_no_text(test_state* test)
+void test_viewer_glyphs_skip_invalid_text(test_state* test)
 {
     static const char* const texts[] = {
         "\xE8",

@@ -110,7 +110,7 @@ static void say_nothing(stp_log_level level, const char* message, void* user)
     (void)user;
 }
 
-void test_viewer_painter_is_done_once_what_came_is_drawn(test_state* test)
+void test_viewer_painter_is_done_once_loaded_data_is_drawn(test_state* test)
 {
     enum { BYTES = 4 * 100 * 80 };
     static uint8_t done[BYTES], again[BYTES];
@@ -201,7 +201,7 @@ static const stp_draw_style abandoned_styles[] = {
 };
 enum { ABANDONED_STYLES = sizeof(abandoned_styles) / sizeof(abandoned_styles[0]) };
 
-void test_viewer_painter_abandons_frames_of_the_processor(test_state* test)
+void test_viewer_painter_abandons_cpu_frames(test_state* test)
 {
     char path[64];
     CHECK(boxes_build("painter", path));
@@ -218,7 +218,7 @@ void test_viewer_painter_abandons_frames_of_the_processor(test_state* test)
     unlink(path);
 }
 
-void test_viewer_painter_abandons_frames_of_opengl(test_state* test)
+void test_viewer_painter_abandons_gl_frames(test_state* test)
 {
     char path[64];
     stp_headless headless;

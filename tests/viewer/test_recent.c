@@ -57,7 +57,7 @@ void test_viewer_recent_files_are_kept(test_state* test)
     CHECK(rmdir(file) == 0 && rmdir(folder_path) == 0);
 }
 
-void test_viewer_recent_files_pass_over_what_is_no_path(test_state* test)
+void test_viewer_recent_files_skip_invalid_paths(test_state* test)
 {
     static char text[4 * 65536];
     list = (recent_files){0};

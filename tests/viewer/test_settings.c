@@ -35,7 +35,7 @@ void test_viewer_settings_are_kept(test_state* test)
     free(text);
 }
 
-void test_viewer_settings_that_are_wrong_change_nothing(test_state* test)
+void test_viewer_invalid_settings_change_nothing(test_state* test)
 {
     static const char* const texts[] = {
         "",
