@@ -63,15 +63,21 @@ uint32_t stp_shape_direction(const stp_shape_directions* directions, stp_shape_a
     return other_off < off || (other_off == off && other < low) ? other : low;
 }
 
-uint32_t stp_shape_of_ellipse(const stp_shape_directions* directions, float larger, float smaller,
-                              stp_vec3 major, const int8_t normal[2])
+uint32_t stp_shape_of_codes(const stp_shape_directions* directions, uint32_t larger,
+                            uint32_t smaller, stp_vec3 major, const int8_t normal[2])
 {
-    uint32_t maximum = stp_shape_code(larger), minimum = stp_shape_code(smaller);
-    if (minimum >= maximum) {
-        return maximum | maximum << 12 | ANY_NORMALS;
+    if (smaller >= larger) {
+        return larger | larger << 12 | ANY_NORMALS;
     }
     stp_disk_axes axes = stp_disk_axes_of((float)normal[0], (float)normal[1]);
     stp_shape_axis along = {stp_dot(major, axes.x), stp_dot(major, axes.y)};
     uint32_t direction = stp_shape_direction(directions, along);
-    return maximum | minimum << 12 | direction << 24;
+    return larger | smaller << 12 | direction << 24;
+}
+
+uint32_t stp_shape_of_ellipse(const stp_shape_directions* directions, float larger, float smaller,
+                              stp_vec3 major, const int8_t normal[2])
+{
+    return stp_shape_of_codes(directions, stp_shape_code(larger), stp_shape_code(smaller), major,
+                              normal);
 }

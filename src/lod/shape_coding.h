@@ -23,3 +23,6 @@ uint32_t stp_shape_direction(const stp_shape_directions* directions, stp_shape_a
 /// @param normal octahedral code of the splat's normal
 uint32_t stp_shape_of_ellipse(const stp_shape_directions* directions, float larger, float smaller,
                               stp_vec3 major, const int8_t normal[2]);
+/// The same, from the codes of the radii (stp_shape_code).
+uint32_t stp_shape_of_codes(const stp_shape_directions* directions, uint32_t larger,
+                            uint32_t smaller, stp_vec3 major, const int8_t normal[2]);

@@ -35,18 +35,23 @@ typedef struct orienter {
     stp_leaf_properties* properties;
     uint32_t count, near;
     float* places;        ///< 3 per leaf
-    uint32_t* neighbours; ///< `near` entries per leaf
+    uint32_t* neighbours; ///< `near` entries per leaf; UINT32_MAX: none
     uint32_t* begins;     ///< start of each leaf's links, count + 1
     uint32_t* links;      ///< neighbours in both directions
     uint32_t* pieces;     ///< per leaf: first leaf of its component
     bool* done;
+    uint16_t* waiting; ///< per leaf: lowest bucket with a step to it; UINT16_MAX: none
     step_queue queue;
 } orienter;
 
-static void push(step_queue* q, float weight, uint32_t to, uint32_t from)
+static uint32_t bucket_of(float weight)
 {
     float place = weight * ((float)(64 * WORDS) / WEIGHT_MAX);
-    uint32_t bucket = place < (float)(64 * WORDS - 1) ? (uint32_t)place : 64 * WORDS - 1;
+    return place < (float)(64 * WORDS - 1) ? (uint32_t)place : 64 * WORDS - 1;
+}
+
+static void push(step_queue* q, uint32_t bucket, uint32_t to, uint32_t from)
+{
     uint64_t bit = UINT64_C(1) << bucket % 64, word_bit = UINT64_C(1) << bucket / 64;
     uint32_t next = (q->words[bucket / 64] & bit) != 0 ? q->firsts[bucket] : UINT32_MAX;
     q->steps[q->count] = (orient_step){to, from, next};
@@ -62,7 +67,9 @@ static orient_step pop(step_queue* q)
     uint32_t bucket = 64 * word + (uint32_t)__builtin_ctzll(q->words[word]);
     orient_step step = q->steps[q->firsts[bucket]];
     q->firsts[bucket] = step.next;
-    if (step.next == UINT32_MAX) {
+    if (step.next != UINT32_MAX) {
+        __builtin_prefetch(&q->steps[step.next]);
+    } else {
         q->words[word] &= q->words[word] - 1;
         q->filled &= q->words[word] == 0 ? q->filled - 1 : UINT64_MAX;
     }
@@ -113,8 +120,13 @@ static void reach(orienter* o, uint32_t leaf)
     o->done[leaf] = true;
     for (uint32_t i = o->begins[leaf]; i < o->begins[leaf + 1]; ++i) {
         uint32_t to = o->links[i];
-        if (!o->done[to]) {
-            push(&o->queue, weigh(o, leaf, to), to, leaf);
+        if (o->done[to]) {
+            continue;
+        }
+        uint32_t bucket = bucket_of(weigh(o, leaf, to));
+        if (bucket <= o->waiting[to]) { // else the waiting step is taken before this one
+            o->waiting[to] = (uint16_t)bucket;
+            push(&o->queue, bucket, to, leaf);
         }
     }
 }
@@ -131,7 +143,31 @@ static void spread_from(orienter* o, uint32_t leaf)
     }
 }
 
-/// Links each leaf with its neighbours, in both directions.
+static bool is_neighbour(const orienter* o, uint32_t leaf, uint32_t of)
+{
+    const uint32_t* near = o->neighbours + (size_t)of * o->near;
+    for (uint32_t i = 0; i < o->near; ++i) {
+        if (near[i] == leaf) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/// Keeps each pair of mutual neighbours in the list of the later leaf only.
+static void drop_mutual(orienter* o)
+{
+    for (uint32_t leaf = 0; leaf < o->count; ++leaf) {
+        uint32_t* near = o->neighbours + (size_t)leaf * o->near;
+        for (uint32_t i = 0; i < o->near; ++i) {
+            if (near[i] != UINT32_MAX && near[i] > leaf && is_neighbour(o, leaf, near[i])) {
+                near[i] = UINT32_MAX;
+            }
+        }
+    }
+}
+
+/// Links each leaf with its neighbours, in both directions, once.
 static stp_result link_leaves(stp_context* context, orienter* o)
 {
     stp_result result =
@@ -139,6 +175,7 @@ static stp_result link_leaves(stp_context* context, orienter* o)
     if (result != STP_OK) {
         return result;
     }
+    drop_mutual(o);
     size_t all = (size_t)o->near * o->count;
     memset(o->begins, 0, ((size_t)o->count + 2) * sizeof(*o->begins));
     for (size_t i = 0; i < all; ++i) {
@@ -275,20 +312,23 @@ stp_result stp_orient_leaves(stp_context* context, const stp_leaf_octree* octree
                   .links = STP_NEW_ARRAY(context, uint32_t, links + 1),
                   .pieces = STP_NEW_ARRAY(context, uint32_t, count + 1),
                   .done = STP_NEW_ZEROED(context, bool, count + 1),
+                  .waiting = STP_NEW_ARRAY(context, uint16_t, count + 1),
                   .queue = {.steps = STP_NEW_ARRAY(context, orient_step, links + 1)}};
     stp_result result = STP_OK;
     if (o.places == NULL || o.neighbours == NULL || o.begins == NULL || o.links == NULL ||
-        o.pieces == NULL || o.done == NULL || o.queue.steps == NULL) {
+        o.pieces == NULL || o.done == NULL || o.waiting == NULL || o.queue.steps == NULL) {
         result = stp_fail_memory(context);
     }
     for (size_t i = 0; i < count && result == STP_OK; ++i) {
         memcpy(o.places + 3 * i, properties[i].mean, sizeof(properties[i].mean));
+        o.waiting[i] = UINT16_MAX;
     }
     result = result == STP_OK && count > 0 ? link_leaves(context, &o) : result;
     if (result == STP_OK) {
         orient_all(&o);
     }
     stp_free(context, o.queue.steps);
+    stp_free(context, o.waiting);
     stp_free(context, o.done);
     stp_free(context, o.pieces);
     stp_free(context, o.links);

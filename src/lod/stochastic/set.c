@@ -49,15 +49,39 @@ typedef struct set_maker {
     stp_shape_directions directions;
 } set_maker;
 
-/// Copies those attributes of a candidate that exist, if it is a point.
-static void copy_attributes(const stp_candidates* c, uint32_t from, void* const to[STP_ATTRIBUTES],
-                            uint32_t at)
+/// Copies values between places of two columns.
+static void copy_values(const void* column, const uint32_t* from, void* to_column,
+                        const uint32_t* to, uint32_t count, size_t size)
+{
+    const unsigned char* source = column;
+    unsigned char* target = to_column;
+    for (uint32_t i = 0; i < count; ++i) {
+        memcpy(target + to[i] * size, source + from[i] * size, size);
+    }
+}
+
+/// Copies those attributes of candidates that exist. Each size has a loop of its own.
+static void copy_attributes(const set_maker* m, const uint32_t* from, const uint32_t* to,
+                            uint32_t count)
 {
     for (int a = 0; a < STP_ATTRIBUTES; ++a) {
-        size_t size = stp_attribute_size((stp_attribute)a);
-        if (c->attributes[a] != NULL) {
-            memmove((unsigned char*)to[a] + at * size,
-                    (const unsigned char*)c->attributes[a] + from * size, size);
+        const void* column = m->candidates->attributes[a];
+        void* target = m->splats->attributes[a];
+        if (column == NULL) {
+            continue;
+        }
+        switch (stp_attribute_size((stp_attribute)a)) {
+        case 1:
+            copy_values(column, from, target, to, count, 1);
+            break;
+        case 2:
+            copy_values(column, from, target, to, count, 2);
+            break;
+        case 4:
+            copy_values(column, from, target, to, count, 4);
+            break;
+        default:
+            copy_values(column, from, target, to, count, 8);
         }
     }
 }
@@ -236,15 +260,22 @@ static stp_result find_properties(set_maker* m)
     return result;
 }
 
-/// The ellipse of a splat with this normal, with the area of its leaf's disks.
-static uint32_t shape_of(const set_maker* m, const stp_leaf_properties* f, const int8_t normal[2])
+/// Splats of a leaf: ellipses with the area of its disks, whose directions depend on their normals.
+typedef struct leaf_shape {
+    const stp_leaf_properties* properties;
+    uint32_t larger, smaller; ///< codes of the radii
+} leaf_shape;
+
+static leaf_shape shape_of_leaf(const stp_leaf_properties* f)
 {
     float radius = stp_max(GROWTH * f->spacing, HALF_DIAGONAL);
     float ratio = f->ratio < DISK_RATIO ? sqrtf(f->ratio) : 1.0f;
-    return stp_shape_of_ellipse(&m->directions, radius / ratio, radius * ratio, f->stretch, normal);
+    return (leaf_shape){.properties = f,
+                        .larger = stp_shape_code(radius / ratio),
+                        .smaller = stp_shape_code(radius * ratio)};
 }
 
-static void write_splat(const set_maker* m, const stp_leaf_properties* f, uint32_t from,
+static void write_splat(const set_maker* m, const leaf_shape* shape, uint32_t from,
                         const int8_t normal[2], uint32_t at)
 {
     stp_splats* s = m->splats;
@@ -259,8 +290,8 @@ static void write_splat(const set_maker* m, const stp_leaf_properties* f, uint32
     s->coverages[at] = m->source->coverages != NULL ? m->source->coverages[from]
                        : alpha < 255                ? stp_coverage_of_share((double)alpha / 255.0)
                                                     : (uint8_t)STP_COVERAGE_WHOLE;
-    s->shapes[at] = shape_of(m, f, s->normals + 2 * (size_t)at);
-    copy_attributes(c, from, s->attributes, at);
+    s->shapes[at] = stp_shape_of_codes(&m->directions, shape->larger, shape->smaller,
+                                       shape->properties->stretch, normal);
 }
 
 static void write_leaf(const set_maker* m, uint32_t index)
@@ -304,22 +335,25 @@ static void prefetch_points(const set_maker* m, uint32_t begin, uint32_t count)
 
 /// Writes places [begin, end), at most BATCH, of one leaf.
 /// @param next next index in each octave
-static void write_batch(const set_maker* m, const stp_leaf_properties* f, uint32_t begin,
-                        uint32_t end, uint32_t next[OCTAVES_MAX])
+static void write_batch(const set_maker* m, const leaf_shape* shape, uint32_t begin, uint32_t end,
+                        uint32_t next[OCTAVES_MAX])
 {
     float normals[3 * BATCH] = {0};
     int8_t codes[2 * BATCH];
+    uint32_t at[BATCH];
     const uint32_t* from = m->octree.order + begin;
     prefetch_points(m, end, BATCH);
     for (uint32_t i = 0; i < end - begin; ++i) {
-        stp_vec3 n = normal_of(m, f, from[i]);
+        stp_vec3 n = normal_of(m, shape->properties, from[i]);
         memcpy(normals + 3 * i, &n, sizeof(n));
     }
     stp_octahedral_encode_many(normals, (end - begin + 7) / 8 * 8, codes); // whole vectors
     for (uint32_t i = 0; i < end - begin; ++i) {
         uint32_t octave = stp_leaf_octave_of(begin + i + 1, m->splats->octave_count);
-        write_splat(m, f, from[i], codes + 2 * i, next[octave]++);
+        at[i] = next[octave]++;
+        write_splat(m, shape, from[i], codes + 2 * i, at[i]);
     }
+    copy_attributes(m, from, at, end - begin);
 }
 
 static void write_some(size_t begin, size_t end, uint32_t worker, void* user)
@@ -329,13 +363,14 @@ static void write_some(size_t begin, size_t end, uint32_t worker, void* user)
     uint32_t octaves = m->splats->octave_count, count = m->splats->count;
     for (size_t l = begin; l < end; ++l) {
         const stp_leaf_cell* leaf = &m->octree.leaves[l];
+        leaf_shape shape = shape_of_leaf(&m->properties[l]);
         uint32_t next[OCTAVES_MAX];
         for (uint32_t k = 0; k < octaves; ++k) {
             next[k] = stp_leaf_run_of(leaf->begin, leaf->begin, k, octaves, count).begin;
         }
         for (uint32_t i = leaf->begin; i < leaf->end; i += BATCH) {
             uint32_t last = leaf->end - i < BATCH ? leaf->end : i + BATCH;
-            write_batch(m, &m->properties[l], i, last, next);
+            write_batch(m, &shape, i, last, next);
         }
         write_leaf(m, (uint32_t)l);
     }
