@@ -7,7 +7,10 @@ export XDG_CACHE_HOME=$3-cache
 rm -rf "$XDG_CACHE_HOME"
 # shaders that Mesa compiled are shared: compiling them takes as long as many tests
 export MESA_SHADER_CACHE_DIR=${MESA_SHADER_CACHE_DIR:-$(dirname "$3")/mesa}
+# under sanitizers: third-party drivers do not free their memory until the process ends
+printf 'leak:%s\n' libGL libX _dri.so libSDL libLLVM libdbus swrast > "$3-leaks"
+export LSAN_OPTIONS=suppressions=$3-leaks:print_suppressions=0
 bash "$@"
 code=$?
-rm -rf "$XDG_CACHE_HOME"
+rm -rf "$XDG_CACHE_HOME" "$3-leaks"
 exit $code

@@ -23,6 +23,15 @@ refused()
     [ ! -s out ] || fail "$* writes on stdout"
 }
 
+# skip_sanitizers: skips a test that links programs with the library, if this needs sanitizers
+skip_sanitizers()
+{
+    if grep -qE '^STP_SANITIZE:[A-Z]+=.+' "$(dirname "$(dirname "$stipple")")/CMakeCache.txt"; then
+        echo "a library with sanitizers is not installed"
+        exit 77
+    fi
+}
+
 # value FILE KEY: the first value with this name in a JSON file of the executable: a number, a text
 # without its quotes, or a word (null). Without a start of an interpreter for each.
 value()

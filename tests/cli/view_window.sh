@@ -15,9 +15,6 @@ export XDG_PICTURES_DIR=$PWD/pictures SDL_VIDEODRIVER=x11 SDL_AUDIODRIVER=dummy
 mkdir -p config/stipple pictures
 # ambient occlusion would take most of the time; with it: test_view_splats.sh
 printf '{"shot_width": 320, "shot_height": 200, "samples": 2, "ambient_occlusion": 0}' > config/stipple/viewer.json
-# third-party drivers do not free their memory until the process ends
-printf 'leak:libGL\nleak:libX\nleak:_dri.so\nleak:libSDL\nleak:libLLVM\nleak:libdbus\nleak:swrast\n' > leaks
-export LSAN_OPTIONS=suppressions=$PWD/leaks:print_suppressions=0
 viewer=0
 xvfb=0
 
