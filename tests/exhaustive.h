@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Tests that damage files try some places; with STP_TEST_EXHAUSTIVE=1, as scripts/check_long sets
-// it, they try all.
+// it, they try more, most of them all.
 #pragma once
 
 #include <stddef.h>

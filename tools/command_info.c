@@ -170,7 +170,7 @@ const command command_info = {
         "has the figures of every part.\n\n"
         "A part is a child of the root object; while an object has only one child, that child's "
         "children are used instead. Beyond 64 parts, the smallest are combined as \"others\". An "
-        "object is anything with a shape that the input names as one object.\n\n"
+        "object is anything with a shape to which the input gives a name of its own.\n\n"
         "--find prints one line for each matching object, up to 1,000: its number (for --hide "
         "and similar options of render), its content and its path; with --json, one object "
         "\"found\".\n\n"

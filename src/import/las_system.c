@@ -187,9 +187,10 @@ static stp_result apply_units(stp_las* las, const coordinate_system* s)
     if (unit == 0.0 && !(import->desc.unit_metres > 0.0) && !quiet) {
         stp_warn(las->context, "%s: its unit of length is unknown (set it with unit_metres)%s",
                  import->path,
-                 may_be_degrees(las, s) ? "; its coordinates may be degrees: if so, reproject it "
-                                          "to a projected system first"
-                                        : "");
+                 may_be_degrees(las, s)
+                     ? "; its coordinates may be degrees: if so, reproject the file "
+                       "to a projected system first"
+                     : "");
     }
     stp_import_set_axes(import, import->desc.up != 0 ? import->desc.up : 'z', unit);
     return STP_OK;

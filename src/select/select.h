@@ -69,7 +69,7 @@ typedef struct stp_quality {
 
 typedef enum stp_draw_kind { STP_DRAW_SURFELS, STP_DRAW_MESH, STP_DRAW_POINTS } stp_draw_kind;
 
-/// One draw call. Ids in the visibility buffer are frame-local: first_id + splat or triangle.
+/// One item to draw. Ids in the visibility buffer are frame-local: first_id + splat or triangle.
 ///
 /// Depths are along the viewing direction, in scene units (the raster matrix's W); 1 in parallel
 /// projection.

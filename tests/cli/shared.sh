@@ -43,8 +43,12 @@ value()
     echo "${text%\"}"
 }
 
-# holds COMPARISON: of numbers, joined by &&
+# holds COMPARISON: of numbers, joined by &&; a word such as null is none
 holds()
 {
+    if [[ $1 =~ [a-df-zA-Z] ]]; then
+        echo "not only numbers: $1" >&2
+        return 1
+    fi
     awk "BEGIN { exit !($1) }"
 }

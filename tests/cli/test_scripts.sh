@@ -59,6 +59,8 @@ grep -q '^a.c:3: failed: 1 == 2$' out && grep -q '^FAIL bad' out || fail "the me
 grep -qE '^(ok|skip) ' out && fail "unit tests that did not fail are printed: $(cat out)"
 change() { unit_tests 'echo "ok   fine, 0.10 s"; kill -KILL $$'; }
 counts "2 passed, 1 failed" 1
+change() { unit_tests 'echo "ok   fine, 0.10 s"'; }
+counts "2 passed, 1 failed" 1
 change() { rm build/asan/tests/stp_tests; }
 counts "2 passed, 1 failed" 1
 exit $((failures > 0))

@@ -5,8 +5,10 @@
 #include "base/rng.h"
 #include "draw/gl/gl_renderer.h"
 #include "draw/support_gl.h"
+#include "image/image_codecs.h"
 #include "store/support_mesh.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum { PIXELS = PICTURE_SIDE * PICTURE_SIDE, POINTS = 2000, MAX_CALLS = 8 };
@@ -207,6 +209,51 @@ void test_gl_pictures_have_materials(test_state* test)
     m.picture.view.eye = (stp_vec3d){2, 1, 12}; // from far away: smaller mip levels
     m.picture.style.supersample = 2;
     compare(test, &m);
+    made_gl_end(&m);
+}
+
+static unsigned char* png;
+
+/// A square with a texture of one colour, whose file is a hundredth of its texels.
+static void add_flat_texture(made_picture* p)
+{
+    enum { SIDE = 1024 };
+    made_scene* s = &p->scene;
+    uint8_t* pixels = malloc((size_t)4 * SIDE * SIDE);
+    stp_image image = {SIDE, SIDE, pixels};
+    size_t size = 0;
+    if (pixels != NULL) {
+        memset(pixels, 200, (size_t)4 * SIDE * SIDE);
+    }
+    if (pixels != NULL &&
+        stp_image_encode_png(p->context, &image, STP_IMAGE_SMALL, &png, &size) == STP_OK) {
+        s->textures[s->texture_count++] = (stp_store_texture){.width = SIDE,
+                                                              .height = SIDE,
+                                                              .encoding = STP_IMAGE_PNG,
+                                                              .encoded = png,
+                                                              .encoded_size = size};
+        s->materials[0] = made_material();
+        s->materials[0].base_color_texture.texture = 0;
+        s->material_count = 1;
+        made_picture_add(p, 0.0, (stp_vec3d){0, 0, 0}, NULL);
+    }
+    free(pixels);
+}
+
+/// A second page would double the time of each fragment.
+void test_gl_textures_from_small_files_fit_one_page(test_state* test)
+{
+    made_gl m;
+    png = NULL;
+    if (!begin(test, &m, add_flat_texture)) {
+        return;
+    }
+    CHECK(m.picture.scene.texture_count == 1);
+    compare(test, &m);
+    const gl_pool* pool = &((gl_renderer*)m.renderer)->pool;
+    CHECK(pool->spans.total * 4 >= 5 << 20);
+    CHECK_EQUAL(1, pool->page_count);
+    stp_free(m.picture.context, png);
     made_gl_end(&m);
 }
 

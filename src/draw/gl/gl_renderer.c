@@ -13,6 +13,7 @@
 enum {
     SUPERSAMPLE_LIMIT = 64,
     SCENE_TO_FILE = 3, ///< bytes in the pool over those of the file, which is coded: at most about
+    TEXEL_SIZE = 4,
 };
 static const uint64_t default_memory = UINT64_C(1) << 30;
 static const uint64_t band_bytes = UINT64_C(1) << 30; // OpenGL's counts per call have 31 bits
@@ -353,6 +354,19 @@ static stp_result check_context(gl_renderer* r, const stp_draw_gl_desc* desc)
     return desc->debug ? listen(r) : STP_OK;
 }
 
+/// Bytes of the whole scene in the pool, at most about. Textures may be picture files; they become
+/// texels with smaller levels, which take a third more.
+static uint64_t estimate_bytes(const stp_store* store)
+{
+    uint64_t bytes = SCENE_TO_FILE * stp_store_file_bytes(store);
+    uint32_t count = stp_store_get_directory(store)->texture_count;
+    for (uint32_t i = 0; i < count; ++i) {
+        const stp_store_texture* texture = stp_store_describe_texture(store, i);
+        bytes += (uint64_t)texture->width * texture->height * TEXEL_SIZE * 4 / 3;
+    }
+    return bytes;
+}
+
 stp_result stp_draw_gl_create(stp_context* context, stp_store* store, const stp_draw_gl_desc* desc,
                               stp_renderer** renderer)
 {
@@ -375,8 +389,8 @@ stp_result stp_draw_gl_create(stp_context* context, stp_store* store, const stp_
     result = result == STP_OK ? gl_entries_create(r) : result;
     if (result == STP_OK) {
         uint64_t memory = desc->memory_bytes > 0 ? desc->memory_bytes : default_memory;
-        uint64_t scene = SCENE_TO_FILE * stp_store_file_bytes(store);
-        result = gl_pool_create(context, &r->gl, r->entries.count, memory, scene, &r->pool);
+        result = gl_pool_create(context, &r->gl, r->entries.count, memory, estimate_bytes(store),
+                                &r->pool);
     }
     if (result == STP_OK) {
         gl_timer_create(&r->gl, &r->timer);

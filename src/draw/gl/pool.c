@@ -159,8 +159,8 @@ static uint32_t find_page_words(const gl_pool* pool)
     return pool->page_count < POOL_PAGES_MAX ? count : 0;
 }
 
-/// Adds a buffer if the limit allows one. Where memory is short, the first and all later ones
-/// become smaller.
+/// Adds a buffer if the limit allows one. If memory is short, it is smaller; after a smaller first
+/// one, so are the addresses of all later ones.
 static bool add_page(gl_pool* pool)
 {
     uint32_t count = find_page_words(pool);
@@ -168,9 +168,13 @@ static bool add_page(gl_pool* pool)
         return false;
     }
     bool made = make_page(pool, count);
-    while (!made && pool->page_count == 0 && pool->page_shift > PAGE_SHIFT_MIN) {
-        pool->page_shift -= 1;
-        made = make_page(pool, find_page_words(pool));
+    while (!made && count > 1u << PAGE_SHIFT_MIN) {
+        count = count / 2 / SPANS_UNIT * SPANS_UNIT;
+        while (pool->page_count == 0 && pool->page_shift > PAGE_SHIFT_MIN &&
+               1u << pool->page_shift > count) {
+            pool->page_shift -= 1;
+        }
+        made = make_page(pool, count);
     }
     if (!made) {
         pool->limit_words = pool->spans.total; // out of memory: continue with the existing pages
