@@ -3,8 +3,9 @@
 
 usage: bench/build_stages.py [--runs N] [--out FILE.json] CLOUD...
 
-Both methods in turn, by one thread. Of a mesh as PLY the vertices and their normals are taken. `all` is the CPU time of `stipple build`, including the kernel's part. `sets` is what the methods do
-(stages capture, order and finish of `build --json`); the rest, which both share, is reading, decoding, cutting and writing. Medians.
+Both methods in turn, by one thread. Of a mesh as PLY the vertices and their normals are taken. `all` is the CPU time of `stipple
+build`, including the kernel's part. `sets` is what the methods do (stages capture, order and finish of `build --json`, in seconds of
+wall time); the rest, which both share, is reading, decoding, cutting and writing. Medians.
 """
 import pathlib
 import statistics
@@ -44,7 +45,7 @@ def main():
             (all_s, sets_s, size_s), (all_b, sets_b, size_b) = medians["stochastic"], medians["blue"]
             rows.append([cloud.stem, f"{all_s:.2f}", f"{all_b:.2f}", f"{all_b / all_s:.2f}", f"{sets_s:.2f}", f"{sets_b:.2f}",
                          f"{sets_b / sets_s:.2f}", f"{size_s:.2f}", f"{size_b:.2f}"])
-            results.append(kit.result("build-stages", {"cloud": cloud.name},
+            results.append(kit.result("build-stages", {"cloud": cloud.name, "threads": 1},
                                       {f"{part}_{method}": round(value, 4) for method, values in medians.items()
                                        for part, value in zip(("all", "sets", "megabytes"), values)}))
     kit.table(["cloud", "all, stochastic", "all, blue", "ratio", "sets, stochastic", "sets, blue", "ratio", "MB, stochastic", "MB, blue"], rows)

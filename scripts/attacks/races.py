@@ -75,7 +75,7 @@ def killed_builds(random, campaign, run, folder):
     """An interrupted or killed build leaves the previous file and can be resumed."""
     stipple, output = campaign.options.stipple, folder / "a.stip"
     output.write_bytes(campaign.scene.read_bytes())
-    former = output.read_bytes()
+    previous = output.read_bytes()
     command = [stipple, "build", "scene:city-small,scale=0.05", "-o", str(output), "--fresh", "-q"]
     process = subprocess.Popen(command, stderr=subprocess.DEVNULL)
     time.sleep(random.uniform(0.0, 0.7))
@@ -89,7 +89,7 @@ def killed_builds(random, campaign, run, folder):
     again = [word for word in command if word != "--fresh"]
     result = run(again)
     whole = output.read_bytes()
-    if not result["fault"] and (result["code"] != 0 or left not in (former, whole)):
+    if not result["fault"] and (result["code"] != 0 or left not in (previous, whole)):
         result["fault"] = "the old and the new file are both missing, or no build can resume"
     yield again, result
 

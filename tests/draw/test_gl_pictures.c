@@ -240,7 +240,7 @@ static void add_flat_texture(made_picture* p)
     free(pixels);
 }
 
-/// A second page would double the time of each fragment.
+/// With a second page, shaders are compiled again and take longer.
 void test_gl_textures_from_small_files_fit_one_page(test_state* test)
 {
     made_gl m;
