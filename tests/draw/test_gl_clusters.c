@@ -2,6 +2,9 @@
 // Clusters of many items are culled by all threads (draw/gl/cluster_shares.h).
 #include "tests.h"
 
+#include "draw/bounding.h"
+#include "draw/gl/cluster_shares.h"
+#include "draw/gl/gl_renderer.h"
 #include "draw/support_gl.h"
 #include "store/support_mesh.h"
 
@@ -42,6 +45,37 @@ static void add_sheets(made_picture* p)
     s->edge_count = ITEMS;
 }
 
+/// Compares the shares of all clusters with those computed one by one. @return how many are drawn
+static uint32_t compare_shares(test_state* test, made_gl* m)
+{
+    gl_renderer* r = (gl_renderer*)m->renderer;
+    stp_box box = coded.bounds;
+    const float offset[3] = {0.5f * (box.min.x + box.max.x), 0.5f * (box.min.y + box.max.y),
+                             0.5f * (box.min.z + box.max.z)};
+    uint32_t drawn = 0;
+    r->frame.shares.next = 0;
+    for (size_t i = 0; i < m->picture.list.count; ++i) {
+        const stp_draw_item* item = &m->picture.list.items[i];
+        const float* shares = gl_cluster_shares_get(&r->frame.shares, i);
+        stp_clusters clusters;
+        stp_placed_item placed;
+        CHECK(item->kind == STP_DRAW_MESH);
+        CHECK_EQUAL(STP_OK, stp_store_get_clusters(m->picture.store, item->index, &clusters));
+        stp_placement_place(&r->placement, item, offset, &placed);
+        stp_bounding bounding = stp_bounding_make((const float(*)[4])placed.camera.matrix.m,
+                                                  placed.camera.nearness_limit, offset,
+                                                  r->target.width, r->target.height);
+        for (uint32_t c = 0; c < clusters.cluster_count; ++c) {
+            stp_box bounds = stp_clusters_bounds(&clusters, c);
+            float share = stp_draw_share(item, stp_bounding_min_depth(&bounding, bounds));
+            bool shown = share > 0.0f && !stp_bounding_misses(&bounding, bounds);
+            CHECK(shares[c] == (shown ? share : 0.0f));
+            drawn += shown;
+        }
+    }
+    return drawn;
+}
+
 static void compare(test_state* test, made_gl* m)
 {
     CHECK_EQUAL(STP_OK, made_picture_draw(&m->picture));
@@ -52,6 +86,8 @@ static void compare(test_state* test, made_gl* m)
     CHECK(more + 8 >= covered && covered + 8 >= more);
     CHECK(made_count_different(m->pixels, m->picture.pixels, 6) <=
           PICTURE_SIDE * PICTURE_SIDE / 50);
+    uint32_t drawn = compare_shares(test, m);
+    CHECK(drawn > 20 && drawn < ITEMS * coded.cluster_count - 20);
 }
 
 void test_gl_clusters_of_many_items(test_state* test)
