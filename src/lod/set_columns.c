@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/set_columns.h"
 
+#include <string.h>
+
 void stp_splats_destroy(stp_context* context, stp_splats* surfels)
 {
     stp_free(context, surfels->positions);
@@ -15,6 +17,31 @@ void stp_splats_destroy(stp_context* context, stp_splats* surfels)
         stp_free(context, surfels->attributes[i]);
     }
     *surfels = (stp_splats){0};
+}
+
+static inline void copy_values(const unsigned char* column, const uint32_t* from, size_t count,
+                               unsigned char* to_column, const uint32_t* to, size_t size)
+{
+    for (size_t i = 0; i < count; ++i) {
+        size_t place = to != NULL ? to[i] : i;
+        memcpy(to_column + place * size, column + from[i] * size, size);
+    }
+}
+
+// Each size has a loop of its own.
+void stp_copy_attribute(stp_attribute attribute, const void* column, const uint32_t* from,
+                        size_t count, void* to_column, const uint32_t* to)
+{
+    size_t size = stp_attribute_size(attribute);
+    if (size == 1) {
+        copy_values(column, from, count, to_column, to, 1);
+    } else if (size == 2) {
+        copy_values(column, from, count, to_column, to, 2);
+    } else if (size == 8) {
+        copy_values(column, from, count, to_column, to, 8);
+    } else {
+        copy_values(column, from, count, to_column, to, size);
+    }
 }
 
 stp_result stp_splats_make_columns(stp_context* context, stp_splats* s)

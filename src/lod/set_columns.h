@@ -14,6 +14,11 @@ void stp_splats_destroy(stp_context* context, stp_splats* surfels);
 /// failure
 STP_MUST_USE stp_result stp_splats_make_columns(stp_context* context, stp_splats* splats);
 
+/// Copies values of an attribute between columns: that at from[i] to place to[i], or to place i if
+/// `to` is NULL.
+void stp_copy_attribute(stp_attribute attribute, const void* column, const uint32_t* from,
+                        size_t count, void* to_column, const uint32_t* to);
+
 /// Rounds a coordinate to the position grid of a set.
 static inline uint16_t stp_splats_grid_place(float at, float origin, float step)
 {

@@ -4,6 +4,7 @@
 #include "base/octahedral.h"
 #include "base/prefix_table.h"
 #include "lod/blue/blue.h"
+#include "lod/set_columns.h"
 
 #include <string.h>
 
@@ -114,19 +115,18 @@ static stp_result allocate_columns(stp_context* context, stp_splats* s)
 }
 
 typedef struct value_column {
+    stp_attribute attribute;
     const uint32_t* order;
-    const unsigned char* from;
+    const void* from;
     unsigned char* to;
-    size_t size; ///< of a value
 } value_column;
 
 static void gather_values(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     const value_column* c = user;
-    for (size_t i = begin; i < end; ++i) {
-        memcpy(c->to + i * c->size, c->from + c->order[i] * c->size, c->size);
-    }
+    stp_copy_attribute(c->attribute, c->from, c->order + begin, end - begin,
+                       c->to + begin * stp_attribute_size(c->attribute), NULL);
 }
 
 // Surfels of a cloud are points, and have their attributes.
@@ -137,10 +137,10 @@ static stp_result take_attributes(stp_context* context, const stp_finish_input* 
         if (input->candidates->attributes[a] == NULL) {
             continue;
         }
-        value_column c = {.order = input->order,
-                          .from = input->candidates->attributes[a],
-                          .size = stp_attribute_size((stp_attribute)a)};
-        c.to = stp_alloc_array(context, s->count, c.size);
+        value_column c = {.attribute = (stp_attribute)a,
+                          .order = input->order,
+                          .from = input->candidates->attributes[a]};
+        c.to = stp_alloc_array(context, s->count, stp_attribute_size(c.attribute));
         if (c.to == NULL) {
             return stp_fail_memory(context);
         }

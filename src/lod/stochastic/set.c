@@ -49,39 +49,14 @@ typedef struct set_maker {
     stp_shape_directions directions;
 } set_maker;
 
-/// Copies values between places of two columns.
-static void copy_values(const void* column, const uint32_t* from, void* to_column,
-                        const uint32_t* to, uint32_t count, size_t size)
-{
-    const unsigned char* source = column;
-    unsigned char* target = to_column;
-    for (uint32_t i = 0; i < count; ++i) {
-        memcpy(target + to[i] * size, source + from[i] * size, size);
-    }
-}
-
-/// Copies those attributes of candidates that exist. Each size has a loop of its own.
+/// Copies those attributes of candidates that exist.
 static void copy_attributes(const set_maker* m, const uint32_t* from, const uint32_t* to,
                             uint32_t count)
 {
     for (int a = 0; a < STP_ATTRIBUTES; ++a) {
-        const void* column = m->candidates->attributes[a];
-        void* target = m->splats->attributes[a];
-        if (column == NULL) {
-            continue;
-        }
-        switch (stp_attribute_size((stp_attribute)a)) {
-        case 1:
-            copy_values(column, from, target, to, count, 1);
-            break;
-        case 2:
-            copy_values(column, from, target, to, count, 2);
-            break;
-        case 4:
-            copy_values(column, from, target, to, count, 4);
-            break;
-        default:
-            copy_values(column, from, target, to, count, 8);
+        if (m->candidates->attributes[a] != NULL) {
+            stp_copy_attribute((stp_attribute)a, m->candidates->attributes[a], from, count,
+                               m->splats->attributes[a], to);
         }
     }
 }
