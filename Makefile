@@ -1,12 +1,12 @@
 # The developer's front door; CMake does the work. `make help` lists what there is.
 PREFIX ?= /usr/local
 FUZZ_SECONDS ?= 60
-SOURCES = $(shell find include src tools viewer web examples bench tests fuzz \
+SOURCES = $(shell find include src program lab examples tests fuzz \
             \( -name '*.[ch]' -o -name '*.cpp' \) 2> /dev/null)
 
 .PHONY: release help setup test check check-long fuzz bench install format clean
 
-release: ## build/release/tools/stipple (the default)
+release: ## build/release/program/stipple (the default)
 	@test -f build/release/build.ninja || cmake --preset release
 	@cmake --build --preset release --target programs
 
@@ -29,7 +29,7 @@ fuzz: ## FUZZ_SECONDS=60 of each fuzz target
 	@scripts/fuzz $(FUZZ_SECONDS)
 
 bench: release ## all benchmarks
-	build/release/tools/stipple bench
+	build/release/program/stipple bench
 
 install: release ## into PREFIX=/usr/local (and DESTDIR)
 	cmake --install build/release --prefix $(PREFIX)

@@ -3,7 +3,7 @@
 // Shared by the targets that read untrusted text: a context that counts errors, and assertions.
 #pragma once
 
-#include "base/context.h"
+#include "base/core/context.h"
 
 #include <stdlib.h>
 

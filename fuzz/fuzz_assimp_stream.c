@@ -6,8 +6,8 @@
 // Arbitrary bytes as the output of the assimp child process: rejected, or a valid scene.
 #include "fuzz.h"
 
-#include "../tests/import/import_digest.h"
-#include "import/assimp_stream.h"
+#include "import/assimp/assimp_stream.h"
+#include "import/import_digest.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {

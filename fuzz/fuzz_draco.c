@@ -4,7 +4,7 @@
 //   cmake --preset fuzz && cmake --build --preset fuzz --target fuzz_draco
 //   mkdir -p corpus && cp a few small .drc files into it
 //   build/fuzz/fuzz/fuzz_draco -max_len=16384 -rss_limit_mb=4096 -timeout=10 corpus
-#include "import/gltf_draco.h"
+#include "import/gltf/gltf_draco.h"
 
 #include <stdlib.h>
 

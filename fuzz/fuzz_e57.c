@@ -7,7 +7,7 @@
 // scene.
 #include "fuzz_import.h"
 
-#include "../tests/import/e57_writer.h"
+#include "import/e57_writer.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {

@@ -7,8 +7,8 @@
 // any time and passes through its keys.
 #include "fuzz.h"
 
-#include "base/math.h"
-#include "present/flight.h"
+#include "base/math/math.h"
+#include "program/present/flight.h"
 
 static bool is_finite(stp_vec3d v)
 {

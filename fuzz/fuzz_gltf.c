@@ -5,7 +5,7 @@
 //   mkdir -p corpus && cp a few small .glb and .gltf files into it
 //   build/fuzz/fuzz/fuzz_gltf -max_len=65536 -rss_limit_mb=4096 -timeout=10 corpus
 // Seeds: /usr/share/assimp/models/glTF2/*/*.gl* /usr/share/assimp/models/glTF2/*/*/*.gl*
-#include "import/import.h"
+#include "import/reading/import.h"
 
 #include <stdlib.h>
 

@@ -6,7 +6,7 @@
 
 #include "fuzz.h"
 
-#include "../tests/import/import_digest.h"
+#include "import/import_digest.h"
 
 static inline void fuzz_import(const char* name, const void* bytes, size_t size)
 {

@@ -6,7 +6,7 @@
 // Arbitrary bytes as a material library: the values of its materials are in range.
 #include "fuzz.h"
 
-#include "import/obj.h"
+#include "import/obj/obj.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {

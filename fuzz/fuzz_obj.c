@@ -5,8 +5,8 @@
 //
 // Arbitrary bytes as an OBJ file. Split into chunks of any size, it must give the same scene, or
 // fail the same way.
-#include "../tests/import/import_digest.h"
-#include "import/obj.h"
+#include "import/import_digest.h"
+#include "import/obj/obj.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 

@@ -5,8 +5,8 @@
 //   cmake --preset fuzz && cmake --build --preset fuzz --target fuzz_progressive
 //   mkdir -p corpus && build/fuzz/fuzz/fuzz_progressive -max_total_time=60 -max_len=4000 corpus
 // No seeds: the first six bytes are counts, and any input makes a set.
-#include "base/splat_codes.h"
-#include "store/operators.h"
+#include "base/splats/splat_codes.h"
+#include "store/sets/operators.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -4,11 +4,11 @@
 //   cmake --preset fuzz && cmake --build --preset fuzz --target fuzz_store
 //   mkdir -p corpus && build/fuzz/fuzz/fuzz_store -max_total_time=60 -max_len=20000 corpus tests/golden/store/v1
 // Seeds: tests/golden/store/v1/*.stip
-#include "../tests/store/support_reseal.h"
-#include "store/clusters.h"
-#include "store/coloring.h"
-#include "store/leaves.h"
-#include "store/store.h"
+#include "store/clusters/clusters.h"
+#include "store/file/store.h"
+#include "store/sets/coloring.h"
+#include "store/sets/leaves.h"
+#include "store/support_reseal.h"
 
 #include <stdlib.h>
 #include <string.h>

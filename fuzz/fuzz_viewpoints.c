@@ -6,8 +6,8 @@
 // views and can be found and copied.
 #include "fuzz.h"
 
-#include "base/math.h"
-#include "present/viewpoints.h"
+#include "base/math/math.h"
+#include "program/present/viewpoints.h"
 #include "select/sections.h"
 
 static void check_viewpoints(stp_context* context, const stp_viewpoints* viewpoints)

@@ -5,10 +5,10 @@
 // build/fuzz/fuzz/fuzz_work -max_total_time=60 -max_len=4096 build/corpus/fuzz_work
 //
 // Checksums of headers and results are corrected first, so that mutations get past them.
-#include "base/bytes.h"
-#include "base/context.h"
-#include "build/stored_results.h"
-#include "build/work_segment.h"
+#include "base/core/context.h"
+#include "base/io/bytes.h"
+#include "builder/stored_results.h"
+#include "builder/work_segment.h"
 
 #include <fcntl.h>
 #include <stdio.h>

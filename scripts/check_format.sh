@@ -9,7 +9,7 @@ if ! $formatter --version 2> /dev/null | grep -q 'version 14\.'; then
     exit 77
 fi
 folders=()
-for folder in include src tools viewer web examples bench tests fuzz; do
+for folder in include src program lab examples tests fuzz; do
     [ -d $folder ] && folders+=("$folder")
 done
 find "${folders[@]}" -name '*.[ch]' -o -name '*.cpp' | sort | xargs $formatter --dry-run -Werror

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "capture/capture.h"
 
-#include "base/clock.h"
+#include "base/core/clock.h"
 #include "capture/capture_internal.h"
 #include "capture/fill.h"
 

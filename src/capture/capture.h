@@ -8,7 +8,7 @@
 // captured too; their alpha is recorded. Each point of a point set is one pixel.
 #pragma once
 
-#include "base/splat_columns.h"
+#include "base/splats/splat_columns.h"
 #include "capture/silhouettes.h"
 #include "scene/scene.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "capture/fill.h"
 
-#include "base/processor.h"
+#include "base/core/processor.h"
 #include "capture/fill_kernel.h"
 
 #include <string.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Second half of a capture: from covered pixels to candidates.
-#include "base/color.h"
+#include "base/math/color.h"
 #include "capture/capture_internal.h"
 
 #include <string.h>

@@ -4,7 +4,7 @@
 // whether the background can show through a disk, which the candidates near the disk cannot.
 #pragma once
 
-#include "base/math.h"
+#include "base/math/math.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -3,8 +3,8 @@
 // output is the surfels themselves.
 #include "capture/surfel_disks.h"
 
-#include "base/octahedral.h"
-#include "base/sort.h"
+#include "base/math/octahedral.h"
+#include "base/math/sort.h"
 #include "raster/splats.h"
 
 // The rim of a disk is pushed back by this fraction of its radius, so that among overlapping disks

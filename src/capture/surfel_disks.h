@@ -3,7 +3,7 @@
 // Surfels as captures see them: position, normal, and colour as a member of a prefix.
 #pragma once
 
-#include "base/stretch.h"
+#include "base/math/stretch.h"
 #include "capture/capture_internal.h"
 
 #include <string.h>

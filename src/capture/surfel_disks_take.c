@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Which surfels of sets a capture saw, and their candidates.
-#include "base/color.h"
-#include "base/coverage.h"
-#include "base/octahedral.h"
-#include "base/splat_place.h"
+#include "base/math/color.h"
+#include "base/math/octahedral.h"
+#include "base/splats/coverage.h"
+#include "base/splats/splat_place.h"
 #include "capture/surfel_disks.h"
 
 #define MIN_FACING 0.3       // cosine: views at flatter angles do not decide a centre's visibility

@@ -3,7 +3,7 @@
 // Frustum culling of boxes in item space, and their nearest depth.
 #pragma once
 
-#include "base/math.h"
+#include "base/math/math.h"
 
 /// Frustum planes: a point p in item space, relative to the item's offset, with a.p + b < 0 is not
 /// visible.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "draw/cap_border.h"
 
-#include "base/rng.h"
+#include "base/math/rng.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -6,8 +6,8 @@
 // encloses the missing surface.
 #pragma once
 
-#include "base/context.h"
-#include "base/math.h"
+#include "base/core/context.h"
+#include "base/math/math.h"
 
 typedef struct stp_cap_border stp_cap_border;
 

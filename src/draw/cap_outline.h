@@ -2,7 +2,7 @@
 // Outlines of a plane's cut, as unordered segments.
 #pragma once
 
-#include "base/context.h"
+#include "base/core/context.h"
 
 /// A segment of an outline. Seen from the side that is cut away, the solid is on its left.
 typedef struct stp_cap_segment {

@@ -6,12 +6,12 @@
 // to the sum of the whole. A mesh that fails this test is tested for cracks (cap_border.h).
 #include "draw/cap_solid.h"
 
-#include "base/context.h"
-#include "base/hash.h"
-#include "base/math.h"
-#include "base/rng.h"
+#include "base/core/context.h"
+#include "base/io/hash.h"
+#include "base/math/math.h"
+#include "base/math/rng.h"
 #include "draw/cap_border.h"
-#include "store/clusters.h"
+#include "store/clusters/clusters.h"
 
 #include <stdlib.h>
 #include <string.h>

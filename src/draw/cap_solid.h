@@ -3,7 +3,7 @@
 // cached.
 #pragma once
 
-#include "store/store.h"
+#include "store/file/store.h"
 
 typedef struct stp_cap_solids stp_cap_solids;
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "draw/caps.h"
 
-#include "base/color.h"
-#include "base/context.h"
+#include "base/core/context.h"
+#include "base/math/color.h"
 #include "draw/cap_outline.h"
 #include "draw/cap_solid.h"
 #include "draw/lighting.h"
 #include "draw/shaders/light_constants.h"
 #include "select/sections.h"
-#include "store/instances.h"
+#include "store/file/instances.h"
 
 #include <string.h>
 

@@ -16,7 +16,7 @@
 
 #include "select/view_frame.h"
 #include "select/visibility.h"
-#include "store/store.h"
+#include "store/file/store.h"
 
 typedef struct stp_caps stp_caps;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "draw/effect_shape.h"
 
-#include "base/math.h"
+#include "base/math/math.h"
 
 enum { DIRECTIONS = 6, CLOSE_LIMIT = 4, REACH_MAX = 4096 };
 

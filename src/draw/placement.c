@@ -5,7 +5,7 @@
 // that just cover overlap a pixel two to three times.
 #define GHOST_OVERLAP 0.45f
 
-#include "base/rng.h"
+#include "base/math/rng.h"
 
 #include <string.h>
 

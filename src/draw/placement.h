@@ -3,11 +3,11 @@
 // Placement of a list's items on the screen, shared by all backends.
 #pragma once
 
-#include "base/math.h"
+#include "base/math/math.h"
 #include "draw/draw.h"
 #include "raster/splats.h"
 #include "select/view_frame.h"
-#include "store/store.h"
+#include "store/file/store.h"
 
 /// Parameters common to all items of a picture.
 typedef struct stp_placement {

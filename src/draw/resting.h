@@ -3,7 +3,7 @@
 // A view at rest: whether the picture is still the same, and which of its samples is next.
 #pragma once
 
-#include "base/hash.h"
+#include "base/io/hash.h"
 #include "draw/draw.h"
 
 /// Zero-initialize it.

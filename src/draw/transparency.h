@@ -4,7 +4,7 @@
 #pragma once
 
 #include "draw/draw.h"
-#include "store/store.h"
+#include "store/file/store.h"
 
 enum { STP_LAYERS_MAX = 64 }; ///< maximum layers per pixel; farther ones are left out
 

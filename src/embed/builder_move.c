@@ -3,7 +3,7 @@
 // axes.
 #include "embed/builder_move.h"
 
-#include "import/import.h"
+#include "import/reading/import.h"
 
 #include <string.h>
 

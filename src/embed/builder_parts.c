@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copies the caller's meshes and points, and converts them to scene conventions: unit normals,
 // linear colours, finite numbers.
-#include "base/color.h"
+#include "base/math/color.h"
 #include "embed/builder.h"
 
 #include <math.h>

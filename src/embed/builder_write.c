@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Builds the collected input into a file, or through a temporary file into memory.
-#include "base/file.h"
-#include "build/build_scene.h"
-#include "build/work.h"
+#include "base/io/file.h"
+#include "builder/build_scene.h"
+#include "builder/work.h"
 #include "embed/builder_move.h"
 
 #include <errno.h>

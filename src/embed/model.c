@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Opens and closes models.
 #include "embed/model_internal.h"
-#include "store/coloring.h"
+#include "store/sets/coloring.h"
 
 static stp_result check_desc(stp_context* context, stp_model_desc* desc)
 {

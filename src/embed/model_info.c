@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Describes a model: counts, methods, sources, attributes, views, streaming state.
 #include "embed/model_internal.h"
-#include "present/camera.h"
-#include "store/attribute_blocks.h"
+#include "select/camera.h"
+#include "store/sets/attribute_blocks.h"
 
 #include <string.h>
 

@@ -2,11 +2,11 @@
 // Internals of a model: an opened file, and data created on first use.
 #pragma once
 
-#include "base/context.h"
-#include "base/desc.h"
+#include "base/core/context.h"
+#include "base/core/desc.h"
 #include "select/visibility.h"
-#include "store/outline.h"
-#include "store/residency.h"
+#include "store/outline/outline.h"
+#include "store/residency/residency.h"
 
 #include <stipple/model.h>
 

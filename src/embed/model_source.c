@@ -5,9 +5,9 @@
 // through the callback. The store still expects the file as one range of memory; untouched address
 // space costs nothing.
 #define _DEFAULT_SOURCE // MAP_ANONYMOUS, MAP_NORESERVE
-#include "base/bytes.h"
+#include "base/io/bytes.h"
 #include "embed/model_internal.h"
-#include "store/format.h"
+#include "store/file/format.h"
 
 #include <string.h>
 #include <sys/mman.h>

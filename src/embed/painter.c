@@ -3,7 +3,7 @@
 // Draws pictures of a model: selects, draws, and feeds measurements back. While the model streams,
 // each picture reports the data it wanted; memory that a picture needs takes precedence over loaded
 // data.
-#include "base/clock.h"
+#include "base/core/clock.h"
 #include "embed/painter_internal.h"
 #include "select/view_frame.h"
 

@@ -3,7 +3,7 @@
 // All input is untrusted: the size that a header claims is checked before allocation.
 #pragma once
 
-#include "base/context.h"
+#include "base/core/context.h"
 
 #include <stipple/image.h>
 

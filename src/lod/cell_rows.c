@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/cell_rows.h"
 
-#include "base/math.h"
-#include "base/parallel_sort.h"
+#include "base/math/math.h"
+#include "base/math/parallel_sort.h"
 
 #include <math.h>
 

@@ -5,7 +5,7 @@
 // a pass over all cells finds their neighbours without searching.
 #pragma once
 
-#include "base/context.h"
+#include "base/core/context.h"
 
 enum {
     STP_CELL_LANES = 8, ///< columns may be read in vectors of this many points, past their end

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/cloud_candidates.h"
 
-#include "base/color.h"
-#include "base/splat_place.h"
+#include "base/math/color.h"
+#include "base/splats/splat_place.h"
 
 #include <string.h>
 

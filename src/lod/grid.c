@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/grid.h"
 
-#include "base/processor.h"
+#include "base/core/processor.h"
 #include "lod/grid_kernels.h"
 
 #include <math.h>

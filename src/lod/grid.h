@@ -4,7 +4,7 @@
 // each. Hash collisions only add points that are too far away for a query.
 #pragma once
 
-#include "base/context.h"
+#include "base/core/context.h"
 
 enum { STP_GRID_LANES = 16 }; ///< columns may be read in blocks of this many points, past their end
 

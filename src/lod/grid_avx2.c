@@ -3,7 +3,7 @@
 
 #if defined(__x86_64__)
 
-#include "base/triples_avx2.h"
+#include "base/math/triples_avx2.h"
 
 enum { LANES = 8 };
 

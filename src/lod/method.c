@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/method.h"
 
-#include "base/clock.h"
+#include "base/core/clock.h"
 #include "lod/psp/psp_set.h"
 #include "lod/spt/spt_set.h"
 #include "lod/stochastic/set.h"

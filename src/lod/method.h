@@ -4,8 +4,8 @@
 // each node; the others make their sets from those samples, which are evenly spread.
 #pragma once
 
-#include "base/hash.h"
-#include "base/splat_columns.h"
+#include "base/io/hash.h"
+#include "base/splats/splat_columns.h"
 #include "lod/blue/blue.h"
 #include "lod/spt/point_tree.h"
 #include "lod/stochastic/leaf_octree.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/neighbours.h"
 
-#include "base/math.h"
-#include "base/processor.h"
+#include "base/core/processor.h"
+#include "base/math/math.h"
 #include "lod/neighbours_kernels.h"
 
 #include <string.h>

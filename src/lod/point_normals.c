@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/point_normals.h"
 
-#include "base/math.h"
-#include "base/processor.h"
+#include "base/core/processor.h"
+#include "base/math/math.h"
 #include "lod/point_normals_kernels.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "base/math.h"
+#include "base/math/math.h"
 
 #include <stddef.h>
 #include <stdint.h>

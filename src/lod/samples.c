@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/samples.h"
 
-#include "base/octahedral.h"
-#include "base/prefix_table.h"
+#include "base/math/octahedral.h"
+#include "base/splats/prefix_table.h"
 #include "capture/surfel_disks.h"
 
 #include <string.h>

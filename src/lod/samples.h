@@ -2,7 +2,7 @@
 // The evenly spread samples of a node, from which methods other than `blue` make their sets.
 #pragma once
 
-#include "base/splat_columns.h"
+#include "base/splats/splat_columns.h"
 #include "lod/spt/point_tree.h"
 
 /// Points made from a set of method `blue`, with its finest colours. Each is as large as the set's

@@ -2,8 +2,8 @@
 // Helpers for the sets of all methods.
 #pragma once
 
-#include "base/context.h"
-#include "base/splat_columns.h"
+#include "base/core/context.h"
+#include "base/splats/splat_columns.h"
 
 /// Frees the columns of a set, which were allocated with stp_alloc.
 void stp_splats_destroy(stp_context* context, stp_splats* surfels);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/set_table.h"
 
-#include "base/splat_codes.h"
+#include "base/splats/splat_codes.h"
 
 enum {
     FIRST_OCTAVE = 64, ///< splats

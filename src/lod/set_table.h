@@ -2,7 +2,7 @@
 // Octaves and prefix tables of sets whose splats have ranges of levels.
 #pragma once
 
-#include "base/splat_columns.h"
+#include "base/splats/splat_columns.h"
 
 /// Sets the octave ends of a set of `count` splats. Octaves grow fourfold.
 void stp_set_octaves_make(stp_splats* set);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/shape_coding.h"
 
-#include "base/coverage.h"
+#include "base/splats/coverage.h"
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
 // Codes of elliptical splats (base/splat_codes.h).
 #pragma once
 
-#include "base/splat_codes.h"
+#include "base/splats/splat_codes.h"
 
 enum { STP_SHAPE_GUESSES = 256 };
 

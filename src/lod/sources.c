@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/sources.h"
 
-#include "base/prefix_table.h"
-#include "base/stretch.h"
+#include "base/math/stretch.h"
+#include "base/splats/prefix_table.h"
 
 typedef enum thinning { THIN_NOTHING, THIN_COUNT, THIN_LIST } thinning;
 

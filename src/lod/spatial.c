@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "base/math.h"
-#include "base/morton.h"
-#include "base/sort.h"
+#include "base/math/math.h"
+#include "base/math/morton.h"
+#include "base/math/sort.h"
 #include "lod/grid.h"
 
 #define AXIS_BITS 10u

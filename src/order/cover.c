@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "order/cover.h"
 
-#include "base/math.h"
+#include "base/math/math.h"
 
 enum { GRAIN = 1 << 14, BATCH = 256 };
 

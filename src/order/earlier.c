@@ -6,7 +6,7 @@
 // rank search all ranked ones. Searches do not depend on each other, so they run on all threads.
 #include "order/earlier.h"
 
-#include "base/math.h"
+#include "base/math/math.h"
 
 #include <string.h>
 

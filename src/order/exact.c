@@ -11,8 +11,8 @@
 //
 // The result is exactly that of choosing one by one: the largest gap first; ties go to the lowest
 // position on the Morton curve. Fronts, threads and vector widths affect only the time.
-#include "base/clock.h"
-#include "base/math.h"
+#include "base/core/clock.h"
+#include "base/math/math.h"
 #include "order/order_kinds.h"
 
 #include <string.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "order/near_grid.h"
 
-#include "base/processor.h"
+#include "base/core/processor.h"
 
 #include <math.h>
 #include <string.h>

@@ -5,7 +5,7 @@
 // so a cell costs one vector evaluation.
 #pragma once
 
-#include "base/context.h"
+#include "base/core/context.h"
 
 enum { STP_BLOCK_SIZE = 8 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "base/clock.h"
-#include "base/desc.h"
+#include "base/core/clock.h"
+#include "base/core/desc.h"
 #include "order/order_kinds.h"
 
 #include <math.h>

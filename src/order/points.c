@@ -5,7 +5,7 @@
 // written to its leaves.
 #include "order/points.h"
 
-#include "base/math.h"
+#include "base/math/math.h"
 
 enum { CHUNK_SIZE = 1 << 16 }; // points measured by one thread at a time
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "base/clock.h"
-#include "base/rng.h"
+#include "base/core/clock.h"
+#include "base/math/rng.h"
 #include "order/earlier.h"
 
 // A prefix of a random permutation: swaps each place with a random later one (Fisher and Yates;

@@ -15,9 +15,9 @@
 //
 // The distances of a round are to the points chosen before the round, as in the paper. The output
 // radii also count the points accepted earlier in the same round.
-#include "base/clock.h"
-#include "base/math.h"
-#include "base/rng.h"
+#include "base/core/clock.h"
+#include "base/math/math.h"
+#include "base/math/rng.h"
 #include "order/cover.h"
 #include "order/order_kinds.h"
 

@@ -6,9 +6,9 @@
 // are kept apart, so that a leaf holds one side of a thin wall and not both. A leaf of 32 points is
 // as large as 32 records, so all of this happens in the memory of the leaves: a leaf is written
 // once the records in its place have been read.
-#include "base/math.h"
-#include "base/processor.h"
-#include "base/sort.h"
+#include "base/core/processor.h"
+#include "base/math/math.h"
+#include "base/math/sort.h"
 #include "order/curve.h"
 #include "order/points.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "order/tree.h"
 
-#include "base/processor.h"
+#include "base/core/processor.h"
 
 #include <assert.h>
 

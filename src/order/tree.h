@@ -21,7 +21,7 @@
 // the bit.
 #pragma once
 
-#include "base/team.h"
+#include "base/core/team.h"
 
 #include <stipple/types.h>
 

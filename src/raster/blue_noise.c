@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "raster/blue_noise.h"
 
-#include "base/rng.h"
+#include "base/math/rng.h"
 #include "raster/blue_noise_table.h"
 
 const uint16_t* const stp_blue_noise = blue_noise_ranks;

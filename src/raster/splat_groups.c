@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "raster/splat_groups.h"
 
-#include "base/splat_codes.h"
+#include "base/splats/splat_codes.h"
 #include "raster/splats_kernel.h"
 
 #include <math.h>

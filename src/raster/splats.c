@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "raster/splats.h"
 
-#include "base/processor.h"
+#include "base/core/processor.h"
 #include "raster/splats_hidden.h"
 
 #include <math.h>

@@ -11,8 +11,8 @@
 // or behind.
 #pragma once
 
-#include "base/context.h"
-#include "base/splat_columns.h"
+#include "base/core/context.h"
+#include "base/splats/splat_columns.h"
 #include "raster/occluder.h"
 #include "raster/target.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "raster/splats_blend.h"
 
-#include "base/processor.h"
+#include "base/core/processor.h"
 #include "raster/splats_blend_kernel.h"
 
 void stp_splats_blend_portable(const stp_raster_blend* blend, const stp_raster_camera* camera,

@@ -3,8 +3,8 @@
 // Constants of a call, and the rules for coverage, that all kernels of the splat rasteriser share.
 #pragma once
 
-#include "base/coverage.h"
-#include "base/splat_codes.h"
+#include "base/splats/coverage.h"
+#include "base/splats/splat_codes.h"
 #include "raster/splats.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "base/processor.h"
+#include "base/core/processor.h"
 #include "raster/splats_levels_kernel.h"
 
 bool stp_splats_pick_portable(const levels_frame* frame, uint16_t* bits)

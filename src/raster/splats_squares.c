@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "base/processor.h"
+#include "base/core/processor.h"
 #include "raster/splats_squares_kernel.h"
 
 uint64_t stp_splats_squares_portable(const stp_splat_frame* frame)

@@ -5,7 +5,7 @@
 // drawing order.
 #pragma once
 
-#include "base/math.h"
+#include "base/math/math.h"
 
 #include <string.h>
 

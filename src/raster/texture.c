@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "raster/texture.h"
 
-#include "base/color.h"
+#include "base/math/color.h"
 
 #include <assert.h>
 

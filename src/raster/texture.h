@@ -3,8 +3,8 @@
 // Texture sampling: mip levels averaged in linear light, trilinear.
 #pragma once
 
-#include "base/context.h"
-#include "base/math.h"
+#include "base/core/context.h"
+#include "base/math/math.h"
 
 enum { STP_TEXTURE_LEVELS = 16 };
 

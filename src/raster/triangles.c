@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "raster/triangles.h"
 
-#include "base/processor.h"
+#include "base/core/processor.h"
 #include "raster/triangles_internal.h"
 
 // Triangles are drawn in chunks whose transformed vertices stay in the CPU cache. A chunk whose

@@ -5,7 +5,7 @@
 // Triangles are two-sided.
 #pragma once
 
-#include "base/arena.h"
+#include "base/core/arena.h"
 #include "raster/layer.h"
 
 /// Fragment test for alpha masks. The barycentric weights are perspective-correct. Called only for

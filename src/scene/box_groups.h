@@ -2,8 +2,8 @@
 // A hierarchy of boxes: neighbours share a group, and the size of groups is limited.
 #pragma once
 
-#include "base/context.h"
-#include "base/math.h"
+#include "base/core/context.h"
+#include "base/math/math.h"
 
 /// Has either children or members: the boxes order[first] to order[first + count - 1].
 typedef struct stp_group {

@@ -2,8 +2,8 @@
 // Maps content to the first index with that content.
 #pragma once
 
-#include "base/context.h"
-#include "base/hash.h"
+#include "base/core/context.h"
+#include "base/io/hash.h"
 
 typedef struct stp_content_entry {
     stp_hash hash;

@@ -6,8 +6,8 @@
 // file, only a window of each pass and the short runs at work are resident.
 #include "scene/cut_ranges.h"
 
-#include "base/spill.h"
-#include "base/team.h"
+#include "base/core/team.h"
+#include "base/io/spill.h"
 
 #include <string.h>
 

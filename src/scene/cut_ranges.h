@@ -2,7 +2,7 @@
 // Divides places by planes into runs of about equal length.
 #pragma once
 
-#include "base/context.h"
+#include "base/core/context.h"
 
 /// Position of a triangle or a point.
 typedef struct stp_place {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "scene/mesh_area.h"
 
-#include "base/saturate.h"
+#include "base/core/saturate.h"
 
 static stp_vec3d vertex_of(const stp_mesh* mesh, size_t corner)
 {

@@ -18,10 +18,10 @@
 // colours are linear; textures and point colours are sRGB bytes.
 #pragma once
 
-#include "base/arena.h"
-#include "base/hash.h"
-#include "base/math.h"
-#include "base/spill.h"
+#include "base/core/arena.h"
+#include "base/io/hash.h"
+#include "base/io/spill.h"
+#include "base/math/math.h"
 #include "scene/attribute_names.h"
 #include "scene/content_table.h"
 

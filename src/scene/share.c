@@ -3,7 +3,7 @@
 // From the tree of objects to the graph of nodes: identical meshes become one, identical subtrees
 // one node. Identity is by content (128-bit hashes), so it does not depend on how often and where
 // the input repeats it.
-#include "base/position_grid.h"
+#include "base/math/position_grid.h"
 #include "scene/bounds.h"
 #include "scene/distance_limit.h"
 #include "scene/graph.h"

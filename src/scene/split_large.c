@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "scene/split_large.h"
 
-#include "base/file.h"
-#include "base/large_blocks.h"
-#include "base/sort.h"
+#include "base/core/large_blocks.h"
+#include "base/io/file.h"
+#include "base/math/sort.h"
 #include "scene/bulk.h"
 #include "scene/content_hash.h"
 #include "scene/cut_ranges.h"

@@ -5,7 +5,7 @@
 // belongs to one thread.
 #pragma once
 
-#include "base/math.h"
+#include "base/math/math.h"
 
 typedef enum stp_controller {
     STP_CONTROLLER_PREDICT,

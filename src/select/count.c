@@ -7,7 +7,7 @@
 // other set.
 #include "select/count.h"
 
-#include "base/prefix_table.h"
+#include "base/splats/prefix_table.h"
 #include "select/rule.h"
 
 #define MIN_PART 1e-12 ///< minimum share of the total area per set

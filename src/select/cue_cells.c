@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "select/cue_cells.h"
 
-#include "base/leaf_runs.h"
+#include "base/splats/leaf_runs.h"
 
 enum { GROWTHS = 4 * STP_OCTAVE_LIMIT };
 #define NONE UINT32_MAX

@@ -2,8 +2,8 @@
 // States of progressive sets (base/progressive.h) in a view: where a splat count divides a set.
 // Finding this reads the ranges of all splats before it, so results are cached for the next view,
 // which often has the same items.
-#include "base/progressive.h"
-#include "base/splat_codes.h"
+#include "base/splats/progressive.h"
+#include "base/splats/splat_codes.h"
 #include "select/rule.h"
 
 /// A cached state.

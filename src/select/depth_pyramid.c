@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "select/depth_pyramid.h"
 
-#include "base/context.h"
+#include "base/core/context.h"
 
 enum { MAX_BLOCKS = 4, ROWS_AT_ONCE = 8 };
 

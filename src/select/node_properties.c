@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // View-independent properties of a store's nodes: which ones move, how far content extends beyond
 // boxes, and the smallest radius for which a node's own surfels are used.
-#include "base/prefix_table.h"
+#include "base/splats/prefix_table.h"
 #include "select/select_internal.h"
 
 /// Maximum overhang of a box beyond another, along any axis.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Finds edges that exist only because faces are triangulated.
 #include "select/pick_internal.h"
-#include "store/clusters.h"
+#include "store/clusters/clusters.h"
 
 #include <string.h>
 

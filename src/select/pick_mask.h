@@ -2,7 +2,7 @@
 // Alpha masks: where triangles of cut-out and transparent materials let a ray pass.
 #pragma once
 
-#include "store/store.h"
+#include "store/file/store.h"
 
 /// Alpha test of a material.
 typedef struct stp_pick_mask {

@@ -4,15 +4,15 @@
 // a triangle is hit if that point lies on one side of all its edges. Both triangles of a shared
 // edge compute the same number for its side, except for the sign, so no ray passes between them
 // (Woop, Benthin, Wald 2013).
-#include "base/context.h"
-#include "base/splat_place.h"
+#include "base/core/context.h"
+#include "base/splats/splat_place.h"
 #include "select/pick_internal.h"
 #include "select/pick_mask.h"
-#include "store/clusters.h"
-#include "store/coloring.h"
-#include "store/columns.h"
-#include "store/format.h"
-#include "store/residency.h"
+#include "store/clusters/clusters.h"
+#include "store/file/format.h"
+#include "store/residency/residency.h"
+#include "store/sets/coloring.h"
+#include "store/sets/columns.h"
 
 /// A corner in ray coordinates.
 typedef struct corner {

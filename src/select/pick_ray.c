@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Traversal with a heap of nodes, ordered by the entry of the ray into their boxes. Ends when the
 // nearest node lies beyond the hit.
-#include "base/context.h"
+#include "base/core/context.h"
 #include "select/pick_internal.h"
 
 enum { MAX_RECORDS = 1 << 20 };

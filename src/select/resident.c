@@ -6,9 +6,9 @@
 // own set is drawn, with splats large enough for that prefix. So every visited node has something
 // to draw, unless it has no stand-in. Data that a view draws or lacks is requested; the priority is
 // the size of the stand-in's splats, relative to the wanted size.
-#include "base/prefix_table.h"
+#include "base/splats/prefix_table.h"
 #include "select/rule.h"
-#include "store/leaves.h"
+#include "store/sets/leaves.h"
 
 #define ROUNDED (1.0 + 1e-6)
 #define EAGER_MAX 4.0

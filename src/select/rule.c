@@ -2,7 +2,7 @@
 // Shared by the rules of all methods: the cases, and the wanted splat size.
 #include "select/rule.h"
 
-#include "base/prefix_table.h"
+#include "base/splats/prefix_table.h"
 
 const stp_select_rule* stp_select_rule_of(uint32_t id)
 {

@@ -3,7 +3,7 @@
 // the transitions between levels. Each splat of a set is drawn between two depths. Beyond the far
 // depth fewer splats, or those of an ancestor, suffice; nearer than the near depth the node is
 // opened.
-#include "base/prefix_table.h"
+#include "base/splats/prefix_table.h"
 #include "select/rule.h"
 
 enum {

@@ -3,8 +3,8 @@
 // each leaf. These are the first of the leaf's order, so they stay the same while the eye rests
 // (Bhakar, Luo, Mudur 2004, 3.2). Distant content is taken by whole octree cubes. If all splats of
 // a set do not suffice, the node is opened.
-#include "base/leaf_runs.h"
-#include "base/prefix_table.h"
+#include "base/splats/leaf_runs.h"
+#include "base/splats/prefix_table.h"
 #include "select/cue_cells.h"
 #include "select/cues.h"
 #include "select/rule.h"

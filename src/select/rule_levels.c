@@ -3,7 +3,7 @@
 // reach the nearest depth; backends test each splat when drawing (Dachsbacher et al. 2003, 3.6 and
 // 3.7). If all splats of a set do not suffice, the node is opened. Sets of `psp` have states with
 // any requested number of splats (Wu et al. 2005, 5).
-#include "base/prefix_table.h"
+#include "base/splats/prefix_table.h"
 #include "select/rule.h"
 
 /// Shortest prefix of the table that holds every splat a level can need.

@@ -5,7 +5,7 @@
 // triangle fragments against those planes only.
 #pragma once
 
-#include "base/math.h"
+#include "base/math/math.h"
 
 #include <stipple/view.h>
 

@@ -12,7 +12,7 @@
 #include "select/eyes.h"
 #include "select/fovea.h"
 #include "select/visibility.h"
-#include "store/residency.h"
+#include "store/residency/residency.h"
 
 #include <stipple/view.h>
 

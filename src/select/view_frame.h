@@ -3,7 +3,7 @@
 // Camera frame of a view: axes, focal length, near plane; frustum tests of boxes.
 #pragma once
 
-#include "base/math.h"
+#include "base/math/math.h"
 
 #include <stipple/view.h>
 

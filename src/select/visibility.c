@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "select/visibility.h"
 
-#include "base/context.h"
+#include "base/core/context.h"
 #include "select/visibility_internal.h"
 
 #include <string.h>

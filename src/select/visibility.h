@@ -12,8 +12,8 @@
 // (stp_quality.visibility).
 #pragma once
 
-#include "base/math.h"
-#include "store/store.h"
+#include "base/math/math.h"
+#include "store/file/store.h"
 
 typedef enum stp_show {
     STP_SHOW, ///< drawn

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Finds an object in the graph: descends from the root into nodes that overlap its place and share
 // content with it, until a node belongs to it entirely.
-#include "base/context.h"
+#include "base/core/context.h"
 #include "select/visibility_internal.h"
-#include "store/instances.h"
+#include "store/file/instances.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "select/visibility.h"
-#include "store/instances.h"
+#include "store/file/instances.h"
 
 static void add_box(stp_boxd* to, const stp_boxd* box)
 {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/arena.h"
+#include "base/core/arena.h"
 
 void test_arena_rewind_reuses_memory(test_state* test)
 {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/context.h"
+#include "base/core/context.h"
 
 #include <string.h>
 

@@ -2,7 +2,7 @@
 // Coverage codes of disks.
 #include "tests.h"
 
-#include "base/coverage.h"
+#include "base/splats/coverage.h"
 
 void test_coverage_codes_draw_their_area(test_state* test)
 {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/crc32c.h"
-#include "base/processor.h"
+#include "base/core/processor.h"
+#include "base/io/crc32c.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/file.h"
+#include "base/io/file.h"
 
 #include <fcntl.h>
 #include <signal.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/gate.h"
-#include "base/rng.h"
+#include "base/core/gate.h"
+#include "base/math/rng.h"
 
 #include <stdatomic.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/context.h"
-#include "base/context_internal.h"
-#include "base/large_blocks.h"
+#include "base/core/context.h"
+#include "base/core/context_internal.h"
+#include "base/core/large_blocks.h"
 
 #include <string.h>
 #include <unistd.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/octahedral.h"
-#include "base/rng.h"
+#include "base/math/octahedral.h"
+#include "base/math/rng.h"
 
 #include <string.h>
 

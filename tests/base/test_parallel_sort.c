@@ -2,8 +2,8 @@
 // The multi-threaded radix sort (src/base/parallel_sort.h) against the single-threaded one.
 #include "tests.h"
 
-#include "base/parallel_sort.h"
-#include "base/rng.h"
+#include "base/math/parallel_sort.h"
+#include "base/math/rng.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/position_grid.h"
+#include "base/math/position_grid.h"
 
 #include <math.h>
 

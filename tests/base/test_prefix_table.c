@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/math.h"
-#include "base/prefix_table.h"
-#include "base/rng.h"
+#include "base/math/math.h"
+#include "base/math/rng.h"
+#include "base/splats/prefix_table.h"
 
 #include <string.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/context.h"
-#include "base/printable.h"
+#include "base/core/context.h"
+#include "base/io/printable.h"
 
 #include <string.h>
 

@@ -2,7 +2,7 @@
 // Loops that report their progress.
 #include "tests.h"
 
-#include "base/context.h"
+#include "base/core/context.h"
 
 #include <pthread.h>
 #include <sched.h>

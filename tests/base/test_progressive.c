@@ -2,9 +2,9 @@
 // The order of progressive sets, cuts at any count, and walks through them.
 #include "tests.h"
 
-#include "base/progressive.h"
-#include "base/rng.h"
-#include "base/splat_codes.h"
+#include "base/math/rng.h"
+#include "base/splats/progressive.h"
+#include "base/splats/splat_codes.h"
 #include "store/support_progressive.h"
 
 #include <stdlib.h>

@@ -2,9 +2,9 @@
 #define _XOPEN_SOURCE 700 // mkdtemp
 #include "tests.h"
 
-#include "base/context.h"
-#include "base/hash.h"
-#include "base/spill.h"
+#include "base/core/context.h"
+#include "base/io/hash.h"
+#include "base/io/spill.h"
 
 #include <dirent.h>
 #include <signal.h>

@@ -2,12 +2,12 @@
 // Colours, normals, transforms, hashes and sorting: small pure functions against plain definitions.
 #include "tests.h"
 
-#include "base/bytes.h"
-#include "base/color.h"
-#include "base/hash.h"
-#include "base/octahedral.h"
-#include "base/rng.h"
-#include "base/sort.h"
+#include "base/io/bytes.h"
+#include "base/io/hash.h"
+#include "base/math/color.h"
+#include "base/math/octahedral.h"
+#include "base/math/rng.h"
+#include "base/math/sort.h"
 
 #include <string.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/color.h"
-#include "base/hash.h"
-#include "base/rng.h"
+#include "base/io/hash.h"
+#include "base/math/color.h"
+#include "base/math/rng.h"
 #include "capture/capture.h"
 #include "capture/capture_internal.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "draw/support_gl.h"
+#include "support_gl.h"
 
-#include "base/rng.h"
+#include "base/math/rng.h"
 
 #include <stdlib.h>
 

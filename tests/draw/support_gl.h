@@ -2,9 +2,10 @@
 // A small scene drawn by both backends. Without OpenGL, tests skip.
 #pragma once
 
+#include "support_picture.h"
+
 #include "draw/draw_gl.h"
-#include "draw/support_picture.h"
-#include "present/headless.h"
+#include "program/present/headless.h"
 
 typedef struct made_gl {
     made_picture picture; ///< its renderer is the CPU's

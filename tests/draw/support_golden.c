@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "draw/support_golden.h"
+#include "support_golden.h"
 
-#include "present/png.h"
+#include "program/present/png.h"
 
 #include <string.h>
 

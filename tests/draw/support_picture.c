@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "draw/support_picture.h"
+#include "support_picture.h"
 
 #include <math.h>
 

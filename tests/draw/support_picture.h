@@ -2,10 +2,10 @@
 // Pictures of a few squares, shared by tests of post-processing.
 #pragma once
 
+#include "support_store.h"
 #include "tests.h"
 
 #include "draw/draw.h"
-#include "draw/support_store.h"
 
 enum { PICTURE_SIDE = 64 };
 

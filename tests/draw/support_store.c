@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "draw/support_store.h"
+#include "support_store.h"
 
-#include "base/prefix_table.h"
+#include "base/splats/prefix_table.h"
 
 #include <fcntl.h>
 #include <stdio.h>

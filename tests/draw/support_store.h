@@ -2,7 +2,7 @@
 // Small handmade scenes, written to a temporary file and opened.
 #pragma once
 
-#include "store/writer.h"
+#include "store/writer/writer.h"
 
 enum { MADE_LIMIT = 8 };
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Frames of a resting view: their mean is the supersampled picture.
+#include "support_picture.h"
 #include "tests.h"
 
 #include "draw/cpu/accumulate.h"
-#include "draw/support_picture.h"
 
 #include <string.h>
 

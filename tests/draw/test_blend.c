@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Overlapping splats are blended within a surface, but not across surfaces.
+#include "support_picture.h"
 #include "tests.h"
 
-#include "base/coverage.h"
-#include "base/rng.h"
-#include "draw/support_picture.h"
+#include "base/math/rng.h"
+#include "base/splats/coverage.h"
 
 #include <string.h>
 

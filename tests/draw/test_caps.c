@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Section caps: only closed solids are filled, on both backends, from any viewpoint.
+#include "support_gl.h"
 #include "tests.h"
 
-#include "base/rng.h"
+#include "base/math/rng.h"
 #include "draw/caps.h"
-#include "draw/support_gl.h"
 #include "select/sections.h"
 
 #include <math.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Holes and hashed alpha depend on the drawn item, not on its index in the list.
+#include "support_picture.h"
 #include "tests.h"
 
-#include "base/coverage.h"
-#include "draw/support_picture.h"
+#include "base/splats/coverage.h"
 
 #include <string.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Meshes drawn from columns and from clusters give the same pictures, except for rounding.
+#include "support_store.h"
 #include "tests.h"
 
-#include "base/position_grid.h"
+#include "base/math/position_grid.h"
 #include "draw/draw.h"
-#include "draw/support_store.h"
 #include "store/support_mesh.h"
 
 #include <math.h>

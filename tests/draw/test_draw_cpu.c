@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
+#include "support_store.h"
 #include "tests.h"
 
-#include "base/math.h"
-#include "base/processor.h"
+#include "base/core/processor.h"
+#include "base/math/math.h"
 #include "draw/draw.h"
-#include "draw/support_store.h"
-#include "present/png.h"
+#include "program/present/png.h"
 
 #include <string.h>
 #include <sys/stat.h>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Pictures drawn in two passes with occlusion culling equal those drawn without.
+#include "support_store.h"
 #include "tests.h"
 
-#include "base/math.h"
-#include "base/rng.h"
+#include "base/math/math.h"
+#include "base/math/rng.h"
 #include "draw/draw.h"
-#include "draw/support_store.h"
 #include "select/pyramid_helpers.h"
 
 #include <string.h>

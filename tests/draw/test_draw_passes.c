@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Pictures of one and two eyes, in every style, in two passes: equal to single-pass pictures of
 // each eye.
+#include "support_picture.h"
 #include "tests.h"
 
-#include "base/rng.h"
-#include "draw/support_picture.h"
+#include "base/math/rng.h"
 
 #include <string.h>
 

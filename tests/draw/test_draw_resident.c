@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Pictures of resident data: coarser while data is missing, never with holes, and finally equal to
 // those of the whole file.
+#include "support_store.h"
 #include "tests.h"
 
-#include "base/rng.h"
+#include "base/math/rng.h"
 #include "draw/draw.h"
-#include "draw/support_store.h"
-#include "store/internal.h"
+#include "store/file/internal.h"
 #include "store/support_reader.h"
 
 #include <string.h>

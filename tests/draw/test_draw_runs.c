@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Runs of splats with gaps: splats in gaps, and outside their run's depths, are not drawn.
-#include "draw/support_gl.h"
+#include "support_gl.h"
 
 #include <string.h>
 

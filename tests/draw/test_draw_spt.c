@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Sets of Sequential Point Trees in a view: selected splats, and pictures of a closed surface
 // without holes.
+#include "support_store.h"
 #include "tests.h"
 
-#include "base/splat_codes.h"
+#include "base/splats/splat_codes.h"
 #include "draw/draw.h"
-#include "draw/support_store.h"
 #include "lod/set_columns.h"
 #include "lod/spt/spt_set.h"
 

@@ -2,12 +2,12 @@
 // Views of a given number of splats of progressive sets: the picture shows exactly the splats of
 // that state, with both backends. Each splat is a dot with its own colour and place, so the picture
 // tells which are drawn.
+#include "support_gl.h"
 #include "tests.h"
 
-#include "base/prefix_table.h"
-#include "base/progressive.h"
-#include "base/splat_codes.h"
-#include "draw/support_gl.h"
+#include "base/splats/prefix_table.h"
+#include "base/splats/progressive.h"
+#include "base/splats/splat_codes.h"
 #include "store/support_progressive.h"
 
 #include <string.h>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Eye-dome lighting and ambient occlusion: which pixels are darkened, and which are not.
+#include "support_picture.h"
 #include "tests.h"
 
-#include "base/processor.h"
-#include "base/rng.h"
+#include "base/core/processor.h"
+#include "base/math/rng.h"
 #include "draw/cpu/effects.h"
-#include "draw/support_picture.h"
 
 #include <string.h>
 

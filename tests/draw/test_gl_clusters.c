@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Clusters of many items are culled by all threads (draw/gl/cluster_shares.h).
+#include "support_gl.h"
 #include "tests.h"
 
 #include "draw/bounding.h"
 #include "draw/gl/cluster_shares.h"
 #include "draw/gl/gl_renderer.h"
-#include "draw/support_gl.h"
 #include "store/support_mesh.h"
 
 enum { ITEMS = 7, SIDE = 110, SHARED_FROM = 1024 }; // fewer clusters are culled by one thread

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Errors of a context are reported once, in one sentence.
+#include "support_gl.h"
 #include "tests.h"
 
 #include "draw/gl/gl_renderer.h"
-#include "draw/support_gl.h"
 
 #include <string.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Blended splats look the same with OpenGL and on the CPU.
+#include "support_gl.h"
 #include "tests.h"
 
-#include "draw/support_gl.h"
-#include "measure/image_compare.h"
+#include "program/measure/image_compare.h"
 
 #include <string.h>
 

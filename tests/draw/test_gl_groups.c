@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Culling of splat groups in OpenGL: draws fewer splats, with the same picture as the CPU.
+#include "support_gl.h"
 #include "tests.h"
 
-#include "base/coverage.h"
-#include "base/octahedral.h"
+#include "base/math/octahedral.h"
+#include "base/splats/coverage.h"
 #include "draw/gl/gl_renderer.h"
-#include "draw/support_gl.h"
 #include "lod/set_columns.h"
 #include "lod/spt/spt_set.h"
 

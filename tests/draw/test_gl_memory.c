@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // GPU memory and uploads: limits hold, pictures are complete as soon as possible, and nothing
 // leaks.
+#include "support_gl.h"
 #include "tests.h"
 
-#include "base/context.h"
+#include "base/core/context.h"
 #include "draw/gl/gl_renderer.h"
-#include "draw/support_gl.h"
 
 #include <string.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Large triangles that extend behind the eye: OpenGL and CPU draw the same, at the same depth.
+#include "support_gl.h"
 #include "tests.h"
 
-#include "base/rng.h"
-#include "draw/support_gl.h"
+#include "base/math/rng.h"
 
 #include <math.h>
 #include <stdlib.h>

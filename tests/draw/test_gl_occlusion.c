@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Two OpenGL passes give a picture bit-identical to a single pass, for any previous
 // picture.
+#include "support_gl.h"
 #include "tests.h"
 
-#include "base/rng.h"
+#include "base/math/rng.h"
 #include "draw/gl/gl_renderer.h"
-#include "draw/support_gl.h"
 
 #include <string.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // OpenGL pictures equal CPU pictures, for all content and styles.
+#include "support_gl.h"
 #include "tests.h"
 
-#include "base/rng.h"
+#include "base/math/rng.h"
 #include "draw/gl/gl_renderer.h"
-#include "draw/support_gl.h"
 #include "image/image_codecs.h"
 #include "store/support_mesh.h"
 

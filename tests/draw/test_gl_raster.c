@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Splats drawn by compute shaders give the same picture as points and as the CPU.
+#include "support_gl.h"
 #include "tests.h"
 
 #include "draw/gl/gl_renderer.h"
-#include "draw/support_gl.h"
 
 enum { PIXELS = PICTURE_SIDE * PICTURE_SIDE };
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Square and textured splats: OpenGL pictures equal CPU pictures.
+#include "support_gl.h"
 #include "tests.h"
 
-#include "draw/support_gl.h"
-#include "measure/image_compare.h"
+#include "program/measure/image_compare.h"
 
 #include <string.h>
 

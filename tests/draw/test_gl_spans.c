@@ -2,7 +2,7 @@
 // Suballocation of large regions, against a map of every word.
 #include "tests.h"
 
-#include "base/rng.h"
+#include "base/math/rng.h"
 #include "draw/gl/spans.h"
 
 #include <string.h>

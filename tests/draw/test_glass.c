@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Transparent surfaces: layers without noise, and a stable pattern.
+#include "support_gl.h"
 #include "tests.h"
 
-#include "base/color.h"
-#include "base/coverage.h"
-#include "draw/support_gl.h"
-#include "measure/image_compare.h"
+#include "base/math/color.h"
+#include "base/splats/coverage.h"
+#include "program/measure/image_compare.h"
 
 #include <math.h>
 #include <string.h>

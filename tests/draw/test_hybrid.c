@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
 // Large triangles drawn beside splats: which splats they replace, and pictures without holes on
 // both backends.
+#include "support_gl.h"
+#include "support_store.h"
 #include "tests.h"
 
-#include "base/position_grid.h"
-#include "base/splat_codes.h"
-#include "base/triangle_level.h"
-#include "draw/support_gl.h"
-#include "draw/support_store.h"
+#include "base/math/position_grid.h"
+#include "base/splats/splat_codes.h"
+#include "base/splats/triangle_level.h"
 #include "lod/set_columns.h"
 #include "lod/spt/spt_set.h"
-#include "store/clusters.h"
-#include "store/large_triangles.h"
+#include "store/clusters/clusters.h"
+#include "store/sets/large_triangles.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // How much a picture changes when the drawn levels change: approaches a square through its levels,
 // each of another colour, and draws the selections of two consecutive frames from one place.
+#include "support_store.h"
 #include "tests.h"
 
 #include "draw/draw.h"
-#include "draw/support_store.h"
-#include "measure/popping.h"
+#include "program/measure/popping.h"
 
 enum { SIDE = 96, PIXELS = SIDE * SIDE };
 

@@ -2,14 +2,14 @@
 // A mapped file is overwritten while it is drawn: with any content, nothing is read or written
 // out of bounds, and all calls return. The pictures are undefined.
 #include "exhaustive.h"
+#include "support_store.h"
 #include "tests.h"
 
-#include "base/position_grid.h"
-#include "base/rng.h"
+#include "base/math/position_grid.h"
+#include "base/math/rng.h"
 #include "draw/draw.h"
-#include "draw/support_store.h"
 #include "select/pick_ray.h"
-#include "store/clusters.h"
+#include "store/clusters/clusters.h"
 #include "store/support_mesh.h"
 
 #include <stdlib.h>

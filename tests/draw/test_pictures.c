@@ -2,15 +2,15 @@
 //
 // Pictures of two balls, of triangles and of splats, against those in tests/golden/draw: opaque,
 // cut out, of glass, cut open and capped, in all drawing styles.
+#include "support_golden.h"
+#include "support_store.h"
 #include "tests.h"
 
-#include "base/octahedral.h"
+#include "base/math/octahedral.h"
 #include "draw/draw.h"
-#include "draw/support_golden.h"
-#include "draw/support_store.h"
 #include "lod/psp/psp_set.h"
 #include "lod/set_columns.h"
-#include "present/camera.h"
+#include "select/camera.h"
 #include "select/sections.h"
 
 #include <stipple/order.h>

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Points of a fixed size, in pixels or scene units, on both backends; and normals of unknown sign.
+#include "support_gl.h"
 #include "tests.h"
-
-#include "draw/support_gl.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,13 +2,13 @@
 //
 // Golden pictures of typical inputs: a CAD model, foliage, and a cloud, at splat sizes 1, 4 and 16,
 // plus a section with caps.
+#include "support_golden.h"
 #include "tests.h"
 
-#include "base/rng.h"
-#include "build/build_scene.h"
-#include "draw/support_golden.h"
-#include "present/camera.h"
-#include "scenes/scenes.h"
+#include "base/math/rng.h"
+#include "builder/build_scene.h"
+#include "lab/scenes/scenes.h"
+#include "select/camera.h"
 #include "select/sections.h"
 
 #include <math.h>

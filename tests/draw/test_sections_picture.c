@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Pictures with sections, and with ghosts.
-#include "draw/support_picture.h"
+#include "support_picture.h"
+
 #include "select/sections.h"
-#include "store/clusters.h"
+#include "store/clusters/clusters.h"
 
 #include <math.h>
 #include <string.h>

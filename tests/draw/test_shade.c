@@ -2,9 +2,9 @@
 // Vectorised lighting and merging against single pixels, and cached surfaces.
 #include "tests.h"
 
-#include "base/color.h"
-#include "base/processor.h"
-#include "base/rng.h"
+#include "base/core/processor.h"
+#include "base/math/color.h"
+#include "base/math/rng.h"
 #include "draw/cpu/shade.h"
 #include "draw/shaders/light_constants.h"
 

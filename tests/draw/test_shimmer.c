@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // A distant fine pattern, moved by fractions of a pixel: with the colours of the pyramid, each the
 // mean over the area of a surfel, pictures change less than with the surfels' own colours.
+#include "support_picture.h"
 #include "tests.h"
 
-#include "base/color.h"
-#include "base/rng.h"
-#include "draw/support_picture.h"
+#include "base/math/color.h"
+#include "base/math/rng.h"
 
 #include <string.h>
 

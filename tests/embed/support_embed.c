@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "embed/support_embed.h"
+#include "support_embed.h"
 
 #include <math.h>
 #include <string.h>

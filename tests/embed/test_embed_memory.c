@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Any failed allocation is reported once and leaks nothing; limits hold; contexts are independent.
-#include "embed/support_embed.h"
-#include "present/headless.h"
+#include "support_embed.h"
+
+#include "program/present/headless.h"
 
 #include <dirent.h>
 #include <pthread.h>

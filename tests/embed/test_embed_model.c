@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A scene built in memory, opened in every possible way, described and drawn.
-#include "embed/support_embed.h"
+#include "support_embed.h"
 
 #include <string.h>
 #include <unistd.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Pixels of a caller whose rows are not tightly packed.
-#include "embed/support_embed.h"
+#include "support_embed.h"
 
 #include <string.h>
 

@@ -2,7 +2,7 @@
 // Structs of other versions: callers with older or newer headers.
 #include "tests.h"
 
-#include "base/desc.h"
+#include "base/core/desc.h"
 
 #include <stipple/stipple.h>
 

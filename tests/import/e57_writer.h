@@ -4,8 +4,8 @@
 // checksums.
 #pragma once
 
-#include "base/bytes.h"
-#include "base/crc32c.h"
+#include "base/io/bytes.h"
+#include "base/io/crc32c.h"
 
 #include <stdio.h>
 #include <stdlib.h>

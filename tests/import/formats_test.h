@@ -2,9 +2,8 @@
 // Shared by the tests of formats: importing text, a digest of a scene, files in a scratch folder.
 #pragma once
 
+#include "import_digest.h"
 #include "tests.h"
-
-#include "import/import_digest.h"
 
 #include <stdio.h>
 #include <string.h>

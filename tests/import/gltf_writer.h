@@ -5,7 +5,7 @@
 
 #include "tests.h"
 
-#include "import/import.h"
+#include "import/reading/import.h"
 
 #include <string.h>
 

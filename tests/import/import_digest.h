@@ -2,8 +2,8 @@
 // Hashes and validates the content that an importer added to a scene. For tests and fuzzers.
 #pragma once
 
-#include "base/hash.h"
-#include "import/import.h"
+#include "base/io/hash.h"
+#include "import/reading/import.h"
 
 #include <math.h>
 #include <stdlib.h>

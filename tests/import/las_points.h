@@ -2,8 +2,8 @@
 // Points as written by scanners, and the expected result.
 #pragma once
 
-#include "import/formats_test.h"
-#include "import/las_writer.h"
+#include "formats_test.h"
+#include "las_writer.h"
 
 #include <stdlib.h>
 

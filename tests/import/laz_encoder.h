@@ -4,8 +4,9 @@
 // independently.
 #pragma once
 
-#include "import/las_writer.h"
-#include "import/laz_items.h"
+#include "las_writer.h"
+
+#include "import/las/laz_items.h"
 
 #include <stdlib.h>
 

@@ -2,7 +2,7 @@
 // Shared by the tests of point formats.
 #pragma once
 
-#include "import/formats_test.h"
+#include "formats_test.h"
 
 /// A digest that includes the attributes of points.
 static inline stp_hash digest_points(const stp_scene* scene)

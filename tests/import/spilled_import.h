@@ -2,7 +2,7 @@
 // Shared by tests of large files: imports with and without a spill file, and compares the results.
 #pragma once
 
-#include "import/formats_test.h"
+#include "formats_test.h"
 
 #include <signal.h>
 #include <sys/resource.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "import/laz_encoder.h"
+#include "laz_encoder.h"
 
 #include <string.h>
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "base/rng.h"
-#include "import/assimp_stream.h"
-#include "import/formats_test.h"
+#include "formats_test.h"
+
+#include "base/math/rng.h"
+#include "import/assimp/assimp_stream.h"
 
 #include <dirent.h>
 #include <math.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // E57: values of all encodings, poses, grids, and errors in each part of a file.
-#include "import/e57_writer.h"
-#include "import/points_test.h"
+#include "e57_writer.h"
+#include "points_test.h"
 
 #define HEAD                                                                                       \
     "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<e57Root type=\"Structure\" "                     \

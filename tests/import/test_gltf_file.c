@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #define _XOPEN_SOURCE 700 // mkdtemp
-#include "import/gltf_writer.h"
-#include "import/import_digest.h"
+#include "gltf_writer.h"
+#include "import_digest.h"
 
 #include <dirent.h>
 #include <stdio.h>

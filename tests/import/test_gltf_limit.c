@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Files that share their content excessively. Each is rejected before memory is allocated.
-#include "import/gltf_writer.h"
+#include "gltf_writer.h"
 
 #include <stdio.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "import/gltf_writer.h"
+#include "gltf_writer.h"
 
 #include <spng.h>
 #include <stdio.h>

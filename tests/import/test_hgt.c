@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Height tiles: positions, voids, sizes.
-#include "import/points_test.h"
+#include "points_test.h"
 
 enum { SIDE = 1201, SIZE = 2 * SIDE * SIDE };
 

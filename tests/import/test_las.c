@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "import/las.h"
-#include "import/las_points.h"
+#include "las_points.h"
+
+#include "import/las/las.h"
 
 enum { COUNT = 3000 };
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "exhaustive.h"
-
-#include "import/las_points.h"
+#include "las_points.h"
 
 enum { COUNT = 120 };
 

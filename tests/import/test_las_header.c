@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
 // Descriptions of LAS files without reading points, and the sample for a first picture.
-#include "import/las.h"
-#include "import/las_points.h"
-#include "import/laz.h"
+#include "las_points.h"
+
+#include "import/las/las.h"
+#include "import/las/laz.h"
 
 enum { COUNT = 9000 };
 

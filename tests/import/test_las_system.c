@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
 // Metadata of LAS files: coordinate systems, units, extra bytes, the COPC hierarchy.
-#include "import/las.h"
-#include "import/las_points.h"
+#include "las_points.h"
+
+#include "import/las/las.h"
 
 enum { COUNT = 40 };
 

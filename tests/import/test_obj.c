@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "base/rng.h"
-#include "import/formats_test.h"
-#include "import/obj.h"
-#include "import/text.h"
+#include "formats_test.h"
+
+#include "base/math/rng.h"
+#include "import/obj/obj.h"
+#include "import/text/text.h"
 
 #include <math.h>
 

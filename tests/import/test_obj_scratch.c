@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
 // OBJ files that are large compared to the memory limit: temporary files do not change the result.
-#include "import/obj.h"
-#include "import/spilled_import.h"
+#include "spilled_import.h"
+
+#include "import/obj/obj.h"
 
 #include <math.h>
 

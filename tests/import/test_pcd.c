@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
 // PCD in its three encodings with the same content, and invalid headers.
-#include "base/bytes.h"
-#include "import/points_test.h"
+#include "points_test.h"
+
+#include "base/io/bytes.h"
 
 #include <lzf.h>
 

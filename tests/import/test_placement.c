@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "import/import.h"
+#include "import/reading/import.h"
 #include "scene/partition.h"
 
 #include <math.h>

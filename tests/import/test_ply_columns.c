@@ -2,7 +2,7 @@
 //
 // PLY files whose points are large compared to the memory limit: they go to the scene's spill file
 // while they are read, and the result is the same.
-#include "import/spilled_import.h"
+#include "spilled_import.h"
 
 enum { POINTS = 40000, ROW = 33, HEAD = 512, STRIDE = 4096 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // PTX: scans with poses, cells without points, normals from the grid.
-#include "import/points_test.h"
+#include "points_test.h"
 
 #define HEADER(columns, rows, x, y, z)                                                             \
     columns "\n" rows "\n" x " " y " " z "\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n" x    \

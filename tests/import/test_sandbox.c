@@ -3,7 +3,7 @@
 // What a sandboxed process can still do.
 #include "tests.h"
 
-#include "import/sandbox.h"
+#include "import/assimp/sandbox.h"
 
 #include <fcntl.h>
 #include <signal.h>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "base/bytes.h"
-#include "import/formats_test.h"
+#include "formats_test.h"
+
+#include "base/io/bytes.h"
 
 #include <math.h>
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // A large STL file is read in place: memory holds only the mesh, and a table that is small
 // in comparison.
-#include "base/bytes.h"
-#include "import/formats_test.h"
+#include "formats_test.h"
+
+#include "base/io/bytes.h"
 
 enum { SIDE = 150, FACETS = 2 * SIDE * SIDE };
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/math.h"
-#include "base/rng.h"
-#include "import/triangulate.h"
+#include "base/math/math.h"
+#include "base/math/rng.h"
+#include "import/reading/triangulate.h"
 
 #include <math.h>
 #include <stdlib.h>

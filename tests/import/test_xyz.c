@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
 // Text files of points: columns, values, and invalid lines.
-#include "import/points_test.h"
-#include "import/text_columns.h"
-#include "import/text_scan.h"
+#include "points_test.h"
+
+#include "import/text/text_columns.h"
+#include "import/text/text_scan.h"
 
 static stp_scene* import_text(stp_context* context, const char* name, const char* text)
 {

@@ -3,8 +3,8 @@
 // directions, as a capture would give them, and a plain farthest-first order.
 #pragma once
 
-#include "base/coverage.h"
-#include "base/rng.h"
+#include "base/math/rng.h"
+#include "base/splats/coverage.h"
 #include "lod/blue/finish.h"
 
 #include <stdlib.h>

@@ -2,9 +2,9 @@
 // A set of method blue on a sphere, for tests of methods that start from samples.
 #pragma once
 
-#include "base/octahedral.h"
-#include "base/rng.h"
-#include "base/splat_columns.h"
+#include "base/math/octahedral.h"
+#include "base/math/rng.h"
+#include "base/splats/splat_columns.h"
 
 #include <math.h>
 

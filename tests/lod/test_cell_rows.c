@@ -3,8 +3,8 @@
 // finds.
 #include "tests.h"
 
-#include "base/math.h"
-#include "base/rng.h"
+#include "base/math/math.h"
+#include "base/math/rng.h"
 #include "lod/cell_rows.h"
 
 #include <string.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
+#include "hierarchy_helpers.h"
 #include "tests.h"
 
-#include "base/coverage.h"
-#include "base/hash.h"
+#include "base/io/hash.h"
+#include "base/splats/coverage.h"
 #include "lod/blue/children.h"
-#include "lod/hierarchy_helpers.h"
 
 // A row of spheres over a plate of triangles that has no set of its own: sets and triangles in one
 // picture.

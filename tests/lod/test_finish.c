@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
+#include "candidate_helpers.h"
 #include "tests.h"
 
-#include "base/color.h"
-#include "base/octahedral.h"
-#include "base/prefix_table.h"
+#include "base/math/color.h"
+#include "base/math/octahedral.h"
+#include "base/splats/prefix_table.h"
 #include "lod/blue/blue.h"
-#include "lod/candidate_helpers.h"
 
 static uint32_t paint_grey(double x, double y, void* user)
 {

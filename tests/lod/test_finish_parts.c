@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Each part of finishing, against its definition.
+#include "candidate_helpers.h"
 #include "tests.h"
 
-#include "lod/candidate_helpers.h"
 #include "lod/neighbours.h"
 
 static double random_in(uint64_t seed, uint64_t index, double low, double high)

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Probabilities of disks that extend beyond thin or small content; other disks have no holes.
+#include "candidate_helpers.h"
 #include "tests.h"
 
 #include "lod/blue/blue.h"
-#include "lod/candidate_helpers.h"
 
 // Expected area of an octave's disks if none hides another: the sum of area times probability.
 static double drawn_of(const maker* m, const stp_splats* s, uint32_t octave,

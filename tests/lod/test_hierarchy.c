@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
+#include "hierarchy_helpers.h"
 #include "tests.h"
 
-#include "base/octahedral.h"
-#include "base/prefix_table.h"
+#include "base/math/octahedral.h"
+#include "base/splats/prefix_table.h"
 #include "capture/capture_internal.h"
 #include "lod/blue/children.h"
-#include "lod/hierarchy_helpers.h"
 #include "raster/splats.h"
 
 enum { LEVELS = 10, PER_LEVEL = 600, EVERY = 29 };

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/processor.h"
-#include "base/rng.h"
+#include "base/core/processor.h"
+#include "base/math/rng.h"
 #include "lod/grid_kernels.h"
 #include "lod/neighbours_kernels.h"
 

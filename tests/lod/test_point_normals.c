@@ -2,8 +2,8 @@
 // Normals of clouds without any: the plane through a point's neighbours, with the same bits on all processors.
 #include "tests.h"
 
-#include "base/processor.h"
-#include "base/rng.h"
+#include "base/core/processor.h"
+#include "base/math/rng.h"
 #include "lod/cloud_candidates.h"
 #include "lod/point_normals.h"
 #include "lod/point_normals_kernels.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include "candidate_helpers.h"
 #include "tests.h"
 
 #include "lod/blue/blue.h"
-#include "lod/candidate_helpers.h"
 #include "lod/cloud_candidates.h"
 #include "lod/point_normals.h"
 #include "lod/set_columns.h"

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Progressive splats (src/lod/psp): neighbours and ellipses against brute force, forests, merge
 // order.
-#include "base/rng.h"
+#include "psp_helpers.h"
+
+#include "base/math/rng.h"
 #include "lod/psp/initial.h"
 #include "lod/psp/nearest_points.h"
-#include "lod/psp_helpers.h"
 
 #include <stdlib.h>
 #include <string.h>

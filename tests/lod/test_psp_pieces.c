@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Progressive splats (src/lod/psp): one queue against brute force, and pieces against one queue.
-#include "base/rng.h"
+#include "psp_helpers.h"
+
+#include "base/math/rng.h"
 #include "lod/psp/initial.h"
 #include "lod/psp/metric.h"
 #include "lod/psp/nearest_points.h"
 #include "lod/psp/scale.h"
-#include "lod/psp_helpers.h"
 
 #include <stdlib.h>
 #include <string.h>

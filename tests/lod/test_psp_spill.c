@@ -3,7 +3,7 @@
 // number of threads; a failure is reported once.
 #include "tests.h"
 
-#include "base/rng.h"
+#include "base/math/rng.h"
 #include "lod/psp/forest.h"
 
 #include <math.h>

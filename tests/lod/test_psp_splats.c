@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Sets of method psp (src/lod/psp/psp_set.c): the implied forest, levels, coverage, and
 // determinism.
+#include "sphere_samples.h"
 #include "tests.h"
 
-#include "base/coverage.h"
-#include "base/splat_codes.h"
+#include "base/splats/coverage.h"
+#include "base/splats/splat_codes.h"
 #include "lod/psp/psp_set.h"
 #include "lod/psp/region.h"
 #include "lod/set_columns.h"
-#include "lod/sphere_samples.h"
 
 #include <string.h>
 

@@ -2,7 +2,7 @@
 // Eigenvalues of scatter matrices (src/lod/stochastic/scatter.c) against an iterative reference.
 #include "tests.h"
 
-#include "base/rng.h"
+#include "base/math/rng.h"
 #include "lod/psp/ellipse.h"
 #include "lod/stochastic/scatter.h"
 

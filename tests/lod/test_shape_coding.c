@@ -2,7 +2,7 @@
 // Codes of elliptical splats, against a search through all directions.
 #include "tests.h"
 
-#include "base/rng.h"
+#include "base/math/rng.h"
 #include "lod/shape_coding.h"
 
 static double off_of(const stp_shape_directions* directions, uint32_t code, stp_shape_axis along)

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
+#include "hierarchy_helpers.h"
 #include "tests.h"
 
-#include "base/octahedral.h"
-#include "base/prefix_table.h"
-#include "base/rng.h"
-#include "base/stretch.h"
+#include "base/math/octahedral.h"
+#include "base/math/rng.h"
+#include "base/math/stretch.h"
+#include "base/splats/prefix_table.h"
 #include "capture/capture_internal.h"
 #include "capture/surfel_disks.h"
-#include "lod/hierarchy_helpers.h"
 #include "lod/sources.h"
 
 static double random_between(uint64_t seed, uint64_t at, double low, double high)

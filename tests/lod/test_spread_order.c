@@ -3,9 +3,9 @@
 // (src/lod/stochastic/spread_order.c, trim.c), against brute force.
 #include "tests.h"
 
-#include "base/leaf_codes.h"
-#include "base/leaf_runs.h"
-#include "base/rng.h"
+#include "base/math/rng.h"
+#include "base/splats/leaf_codes.h"
+#include "base/splats/leaf_runs.h"
 #include "lod/stochastic/spread_order.h"
 #include "lod/stochastic/trim.h"
 

@@ -3,7 +3,7 @@
 // recursive traversal.
 #include "tests.h"
 
-#include "base/rng.h"
+#include "base/math/rng.h"
 #include "lod/spt/sequence.h"
 
 #include <stdlib.h>

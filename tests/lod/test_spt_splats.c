@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Sets of Sequential Point Trees (src/lod/spt/spt_set.c): order, ranges, table, and coverage at any
 // level.
+#include "sphere_samples.h"
 #include "tests.h"
 
-#include "base/coverage.h"
-#include "base/prefix_table.h"
-#include "base/splat_codes.h"
+#include "base/splats/coverage.h"
+#include "base/splats/prefix_table.h"
+#include "base/splats/splat_codes.h"
 #include "lod/method.h"
 #include "lod/set_columns.h"
-#include "lod/sphere_samples.h"
 #include "lod/spt/spt_set.h"
 
 #include <stdlib.h>

@@ -3,8 +3,8 @@
 // and equal to an octree that is built by its definition.
 #include "tests.h"
 
-#include "base/octahedral.h"
-#include "base/rng.h"
+#include "base/math/octahedral.h"
+#include "base/math/rng.h"
 #include "lod/method.h"
 #include "lod/set_columns.h"
 #include "lod/spt/sequence.h"

@@ -3,16 +3,16 @@
 // force.
 #include "tests.h"
 
-#include "base/leaf_codes.h"
-#include "base/leaf_runs.h"
-#include "base/octahedral.h"
-#include "base/rng.h"
+#include "base/math/octahedral.h"
+#include "base/math/rng.h"
+#include "base/splats/leaf_codes.h"
+#include "base/splats/leaf_runs.h"
 #include "lod/set_columns.h"
 #include "lod/stochastic/orient.h"
 #include "lod/stochastic/scales.h"
 #include "lod/stochastic/scatter.h"
 #include "lod/stochastic/set.h"
-#include "store/leaf_tree.h"
+#include "store/sets/leaf_tree.h"
 
 #include <string.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/math.h"
-#include "base/rng.h"
-#include "measure/distribution.h"
-#include "measure/nearest.h"
+#include "base/math/math.h"
+#include "base/math/rng.h"
+#include "lab/measure/distribution.h"
+#include "lab/measure/nearest.h"
 
 #include <string.h>
 

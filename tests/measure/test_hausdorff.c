@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/rng.h"
-#include "measure/hausdorff.h"
+#include "base/math/rng.h"
+#include "lab/measure/hausdorff.h"
 
 #include <math.h>
 #include <string.h>

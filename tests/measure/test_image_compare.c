@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "measure/image_compare.h"
+#include "program/measure/image_compare.h"
 
 #include <math.h>
 #include <string.h>

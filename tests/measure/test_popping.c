@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "measure/popping.h"
+#include "program/measure/popping.h"
 
 #include <math.h>
 #include <string.h>

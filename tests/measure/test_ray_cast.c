@@ -2,8 +2,8 @@
 // Rays through many instanced meshes, against brute force over all triangles.
 #include "tests.h"
 
-#include "base/rng.h"
-#include "measure/ray_cast.h"
+#include "base/math/rng.h"
+#include "lab/measure/ray_cast.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/rng.h"
-#include "measure/shape_tree.h"
+#include "base/math/rng.h"
+#include "lab/measure/shape_tree.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "measure/surface_compare.h"
+#include "lab/measure/surface_compare.h"
 
 enum { SIZE = 16 };
 

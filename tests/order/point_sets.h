@@ -2,8 +2,8 @@
 // Point sets for tests of orders: random, clustered, flat, thin, coinciding, huge, tiny.
 #pragma once
 
-#include "base/math.h"
-#include "base/rng.h"
+#include "base/math/math.h"
+#include "base/math/rng.h"
 
 #include <stdlib.h>
 

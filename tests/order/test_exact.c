@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include "point_sets.h"
 #include "tests.h"
 
-#include "base/hash.h"
+#include "base/io/hash.h"
 #include "order/order_kinds.h"
-#include "order/point_sets.h"
 
 #include <string.h>
 

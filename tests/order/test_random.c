@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "point_sets.h"
 #include "tests.h"
-
-#include "order/point_sets.h"
 
 #include <stipple/order.h>
 

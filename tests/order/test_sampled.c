@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include "point_sets.h"
 #include "tests.h"
 
-#include "base/hash.h"
+#include "base/io/hash.h"
 #include "order/near_grid.h"
-#include "order/point_sets.h"
 
 #include <stipple/order.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/math.h"
-#include "present/flight.h"
+#include "base/math/math.h"
+#include "program/present/flight.h"
 
 #include <dirent.h>
 #include <math.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "present/measuring.h"
+#include "program/present/measuring.h"
 
 #include <math.h>
 #include <string.h>

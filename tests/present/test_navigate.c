@@ -2,8 +2,8 @@
 // The interactive camera: its invariants hold near the origin and at survey coordinates.
 #include "tests.h"
 
-#include "base/rng.h"
-#include "present/navigate.h"
+#include "base/math/rng.h"
+#include "program/present/navigate.h"
 
 #include <math.h>
 

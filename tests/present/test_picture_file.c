@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/file.h"
+#include "base/io/file.h"
 #include "image/image_codecs.h"
-#include "present/picture_file.h"
+#include "program/present/picture_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>

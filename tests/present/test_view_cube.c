@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "present/view_cube.h"
+#include "program/present/view_cube.h"
 
 #include <string.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/context.h"
-#include "present/viewpoints.h"
+#include "base/core/context.h"
+#include "program/present/viewpoints.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 // Shared by the tests of blended splats.
 #pragma once
 
-#include "base/rng.h"
+#include "base/math/rng.h"
 #include "raster/splats_blend.h"
 
 static inline double blend_uniform(uint64_t seed, uint64_t index, double low, double high)

@@ -2,7 +2,7 @@
 // Cut-outs: every mip level of a texture keeps the share that level 0 keeps.
 #include "tests.h"
 
-#include "base/rng.h"
+#include "base/math/rng.h"
 #include "raster/cutout.h"
 
 #include <string.h>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Opacity textures, and splats blended with them.
+#include "support_blend.h"
 #include "tests.h"
 
-#include "base/octahedral.h"
-#include "base/processor.h"
-#include "base/rng.h"
+#include "base/core/processor.h"
+#include "base/math/octahedral.h"
+#include "base/math/rng.h"
 #include "raster/splats_blend_kernel.h"
-#include "raster/support_blend.h"
 
 #include <string.h>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/coverage.h"
-#include "base/octahedral.h"
-#include "base/processor.h"
-#include "base/rng.h"
+#include "base/core/processor.h"
+#include "base/math/octahedral.h"
+#include "base/math/rng.h"
+#include "base/splats/coverage.h"
 #include "raster/splats_levels_kernel.h"
-#include "store/internal.h"
+#include "store/file/internal.h"
 
 #include <stipple/order.h>
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The splat filter: all variants find the same planes and sums, and splats hidden by an occluder of
 // the planes add nothing.
+#include "support_blend.h"
 #include "tests.h"
 
-#include "base/octahedral.h"
-#include "base/processor.h"
-#include "base/rng.h"
+#include "base/core/processor.h"
+#include "base/math/octahedral.h"
+#include "base/math/rng.h"
 #include "raster/splats_blend_kernel.h"
-#include "raster/support_blend.h"
 
 #include <string.h>
 

@@ -2,9 +2,9 @@
 // Splats hidden by an occluder are skipped without a visible difference.
 #include "tests.h"
 
-#include "base/octahedral.h"
-#include "base/processor.h"
-#include "base/rng.h"
+#include "base/core/processor.h"
+#include "base/math/octahedral.h"
+#include "base/math/rng.h"
 #include "raster/splats_kernel.h"
 
 #include <string.h>

@@ -2,9 +2,9 @@
 // Square splats: every pixel whose centre lies in the square, at the nearness of the splat's centre.
 #include "tests.h"
 
-#include "base/octahedral.h"
-#include "base/processor.h"
-#include "base/rng.h"
+#include "base/core/processor.h"
+#include "base/math/octahedral.h"
+#include "base/math/rng.h"
 #include "raster/splats_squares_kernel.h"
 
 #include <string.h>

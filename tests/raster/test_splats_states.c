@@ -3,9 +3,9 @@
 // positions of the splats.
 #include "tests.h"
 
-#include "base/processor.h"
-#include "base/progressive.h"
-#include "base/rng.h"
+#include "base/core/processor.h"
+#include "base/math/rng.h"
+#include "base/splats/progressive.h"
 #include "raster/splats_levels_kernel.h"
 #include "store/support_progressive.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/color.h"
-#include "base/rng.h"
+#include "base/math/color.h"
+#include "base/math/rng.h"
 #include "raster/texture.h"
 
 #include <string.h>

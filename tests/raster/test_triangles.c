@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/arena.h"
-#include "base/processor.h"
-#include "base/rng.h"
+#include "base/core/arena.h"
+#include "base/core/processor.h"
+#include "base/math/rng.h"
 #include "raster/triangles.h"
 #include "raster/triangles_internal.h"
 

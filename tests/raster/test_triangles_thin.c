@@ -2,8 +2,8 @@
 // Triangles of all shapes, especially thin ones, pixel by pixel against the coverage rule.
 #include "tests.h"
 
-#include "base/processor.h"
-#include "base/rng.h"
+#include "base/core/processor.h"
+#include "base/math/rng.h"
 #include "raster/triangles_internal.h"
 
 #include <string.h>

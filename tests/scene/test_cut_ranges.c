@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/spill.h"
+#include "base/io/spill.h"
 #include "scene/cut_ranges.h"
 
 #include <string.h>

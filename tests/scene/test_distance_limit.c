@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Invalid or extremely distant geometry must not spoil the rest of a scene.
+#include "scene_helpers.h"
 #include "tests.h"
 
 #include "scene/distance_limit.h"
-#include "scene/scene_helpers.h"
 
 static const float nowhere[] = {NAN, INFINITY, -INFINITY, 1e19f, -3e38f};
 enum { NOWHERE = sizeof(nowhere) / sizeof(nowhere[0]) };

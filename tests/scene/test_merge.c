@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "scene_helpers.h"
 #include "tests.h"
-
-#include "scene/scene_helpers.h"
 
 static bool add_texture(stp_scene* scene, uint8_t shade, const char* name, uint32_t* index)
 {

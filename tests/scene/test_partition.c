@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include "scene_helpers.h"
 #include "tests.h"
 
-#include "base/rng.h"
+#include "base/math/rng.h"
 #include "scene/partition.h"
-#include "scene/scene_helpers.h"
 
 // All coordinates are multiples of 1/2 and all transforms exact, so triangles can be compared bit
 // for bit.

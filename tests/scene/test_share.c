@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "scene_helpers.h"
 #include "tests.h"
-
-#include "scene/scene_helpers.h"
 
 // Two equal assemblies (written out twice, with copies of their meshes) and one that differs in a
 // transform.

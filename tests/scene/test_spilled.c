@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "scene_helpers.h"
 #include "tests.h"
-
-#include "scene/scene_helpers.h"
 
 enum { STRIPS = 24, STRIP_TRIANGLES = 500 };
 

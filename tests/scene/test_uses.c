@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "scene_helpers.h"
 #include "tests.h"
-
-#include "scene/scene_helpers.h"
 
 static bool add_user(stp_scene* scene, uint32_t parent, stp_affine at, uint32_t flags,
                      uint32_t used, uint32_t* index)

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Views with the same name, from several inputs.
+#include "scene_helpers.h"
 #include "tests.h"
-
-#include "scene/scene_helpers.h"
 
 static stp_result finish_views(stp_context* context, const char* const* names, size_t count,
                                stp_scene** scene)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "scenes/support_scenes.h"
+#include "support_scenes.h"
 
 #include <string.h>
 

@@ -4,7 +4,7 @@
 
 #include "tests.h"
 
-#include "scenes/scenes.h"
+#include "lab/scenes/scenes.h"
 
 /// A scene's figures as in Table 1 of Brandt et al. 2019: an object is a placed mesh.
 typedef struct scene_sums {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "scenes/support_sight.h"
+#include "support_sight.h"
 
 #include <math.h>
 

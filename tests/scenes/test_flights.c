@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Named views, and the flights of scenes/flights: each scene has them, and no eye is inside a wall.
-#include "present/flight.h"
-#include "scenes/support_scenes.h"
-#include "scenes/support_sight.h"
+#include "support_scenes.h"
+#include "support_sight.h"
+
+#include "program/present/flight.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "import/import.h"
-#include "scenes/compose.h"
-#include "scenes/gltf_file.h"
-#include "scenes/mesh_builder.h"
-#include "scenes/solids.h"
-#include "scenes/support_scenes.h"
+#include "support_scenes.h"
+
+#include "import/reading/import.h"
+#include "lab/scenes/compose.h"
+#include "lab/scenes/gltf_file.h"
+#include "lab/scenes/mesh_builder.h"
+#include "lab/scenes/solids.h"
 
 #include <math.h>
 #include <unistd.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/hash.h"
-#include "scenes/industry.h"
-#include "scenes/parts.h"
+#include "base/io/hash.h"
+#include "lab/scenes/industry.h"
+#include "lab/scenes/parts.h"
 
 #include <string.h>
 

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
 // Content of the views of `paper`, from plans, without making triangles.
-#include "scenes/compose.h"
-#include "scenes/mesh_builder.h"
-#include "scenes/paper.h"
-#include "scenes/pylons.h"
-#include "scenes/support_scenes.h"
-#include "scenes/terrain.h"
-#include "scenes/trees.h"
+#include "support_scenes.h"
+
+#include "lab/scenes/compose.h"
+#include "lab/scenes/mesh_builder.h"
+#include "lab/scenes/paper.h"
+#include "lab/scenes/pylons.h"
+#include "lab/scenes/terrain.h"
+#include "lab/scenes/trees.h"
 
 #include <math.h>
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "base/file.h"
-#include "import/import.h"
-#include "scenes/compose.h"
-#include "scenes/gltf_file.h"
-#include "scenes/support_scenes.h"
+#include "support_scenes.h"
+
+#include "base/io/file.h"
+#include "import/reading/import.h"
+#include "lab/scenes/compose.h"
+#include "lab/scenes/gltf_file.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
 // The numbers of Table 1 of Brandt et al. 2019, for parts of the scene `paper`.
-#include "scenes/city.h"
-#include "scenes/support_scenes.h"
-#include "scenes/terrain.h"
-#include "scenes/trees.h"
+#include "support_scenes.h"
+
+#include "lab/scenes/city.h"
+#include "lab/scenes/terrain.h"
+#include "lab/scenes/trees.h"
 
 #include <math.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "scenes/random.h"
-#include "scenes/trigonometry.h"
+#include "lab/scenes/random.h"
+#include "lab/scenes/trigonometry.h"
 
 #include <math.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "select/support_built.h"
+#include "support_built.h"
 
-#include "base/rng.h"
-#include "build/build_scene.h"
+#include "base/math/rng.h"
+#include "builder/build_scene.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -6,8 +6,8 @@
 
 #include "tests.h"
 
-#include "store/instances.h"
-#include "store/outline.h"
+#include "store/file/instances.h"
+#include "store/outline/outline.h"
 
 /// Builds the scene of a seed into a temporary file and opens it; NULL on failure. With surfels,
 /// each node has some.

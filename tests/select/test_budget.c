@@ -2,7 +2,7 @@
 // Frame-time controllers against a simulated machine.
 #include "tests.h"
 
-#include "base/rng.h"
+#include "base/math/rng.h"
 #include "select/budget.h"
 
 #include <stdlib.h>

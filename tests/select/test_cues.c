@@ -3,10 +3,10 @@
 // (src/select/cue_cells.c).
 #include "tests.h"
 
-#include "base/leaf_codes.h"
-#include "base/leaf_runs.h"
-#include "base/octahedral.h"
-#include "base/rng.h"
+#include "base/math/octahedral.h"
+#include "base/math/rng.h"
+#include "base/splats/leaf_codes.h"
+#include "base/splats/leaf_runs.h"
 #include "select/cue_cells.h"
 #include "select/cues.h"
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Occlusion by the pyramid, against brute force over points.
+#include "pyramid_helpers.h"
 #include "tests.h"
 
-#include "base/context.h"
-#include "base/math.h"
-#include "base/rng.h"
-#include "select/pyramid_helpers.h"
+#include "base/core/context.h"
+#include "base/math/math.h"
+#include "base/math/rng.h"
 
 #include <string.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Zones of larger splats, and views of two eyes.
+#include "pyramid_helpers.h"
 #include "tests.h"
 
-#include "base/math.h"
-#include "base/rng.h"
+#include "base/math/math.h"
+#include "base/math/rng.h"
 #include "draw/support_store.h"
-#include "select/pyramid_helpers.h"
 #include "select/select.h"
 
 static double uniform(uint64_t round, uint64_t number, double low, double high)

@@ -3,9 +3,9 @@
 // never appear or disappear in groups.
 #include "tests.h"
 
-#include "base/math.h"
-#include "base/prefix_table.h"
-#include "base/rng.h"
+#include "base/math/math.h"
+#include "base/math/rng.h"
+#include "base/splats/prefix_table.h"
 #include "draw/support_store.h"
 #include "select/select.h"
 #include "select/view_frame.h"

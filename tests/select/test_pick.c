@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "base/rng.h"
+#include "support_built.h"
+
+#include "base/math/rng.h"
 #include "draw/support_store.h"
 #include "select/pick_ray.h"
 #include "select/sections.h"
-#include "select/support_built.h"
-#include "store/clusters.h"
+#include "store/clusters/clusters.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/rng.h"
+#include "base/math/rng.h"
 #include "select/sections.h"
 
 #include <math.h>

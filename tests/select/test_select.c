@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/math.h"
-#include "base/prefix_table.h"
+#include "base/math/math.h"
+#include "base/splats/prefix_table.h"
 #include "draw/support_store.h"
 #include "select/select.h"
 #include "select/view_frame.h"

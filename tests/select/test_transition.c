@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Cost of a node in transition from its set to its content: never much more than the more expensive
 // of the two.
+#include "support_built.h"
 #include "tests.h"
 
-#include "base/math.h"
-#include "base/prefix_table.h"
-#include "base/rng.h"
-#include "build/build_scene.h"
+#include "base/math/math.h"
+#include "base/math/rng.h"
+#include "base/splats/prefix_table.h"
+#include "builder/build_scene.h"
 #include "select/select.h"
-#include "select/support_built.h"
 #include "select/view_frame.h"
 
 #include <string.h>

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "base/rng.h"
+#include "support_built.h"
+
+#include "base/math/rng.h"
 #include "select/select.h"
-#include "select/support_built.h"
 #include "select/visibility.h"
 
 #include <stdlib.h>

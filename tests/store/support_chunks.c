@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support_chunks.h"
 
-#include "base/rng.h"
+#include "base/math/rng.h"
 
 #include <string.h>
 

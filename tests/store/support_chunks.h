@@ -2,8 +2,8 @@
 // Content with surfel sets that have several chunks per octave.
 #pragma once
 
-#include "base/arena.h"
-#include "store/writer.h"
+#include "base/core/arena.h"
+#include "store/writer/writer.h"
 
 enum { CHUNK_SAMPLE_SETS = 3 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support_sample.h"
 
-#include "store/clusters.h"
+#include "store/clusters/clusters.h"
 
 #include <stdio.h>
 #include <stdlib.h>

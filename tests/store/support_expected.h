@@ -2,7 +2,7 @@
 // The expected output of an independent reader, derived from the content that was written.
 #pragma once
 
-#include "store/writer.h"
+#include "store/writer/writer.h"
 
 #include <jansson.h>
 

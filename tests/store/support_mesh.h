@@ -2,7 +2,7 @@
 // Difficult meshes for the cluster coder.
 #pragma once
 
-#include "store/clusters.h"
+#include "store/clusters/clusters.h"
 
 #include <stdbool.h>
 

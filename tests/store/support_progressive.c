@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "support_progressive.h"
 
-#include "base/coverage.h"
-#include "base/octahedral.h"
-#include "base/progressive.h"
-#include "base/rng.h"
-#include "base/splat_codes.h"
+#include "base/math/octahedral.h"
+#include "base/math/rng.h"
+#include "base/splats/coverage.h"
+#include "base/splats/progressive.h"
+#include "base/splats/splat_codes.h"
 #include "lod/psp/forest.h"
-#include "store/operators.h"
+#include "store/sets/operators.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,8 +2,8 @@
 // Progressive sets for tests: random ones, and ones from a merge forest over a bumpy surface.
 #pragma once
 
-#include "base/arena.h"
-#include "base/splat_columns.h"
+#include "base/core/arena.h"
+#include "base/splats/splat_columns.h"
 
 typedef struct progressive_desc {
     uint64_t seed;

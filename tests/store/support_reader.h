@@ -2,7 +2,7 @@
 // A disk under test control: reads wait until released, and can fail or return wrong bytes.
 #pragma once
 
-#include "store/residency.h"
+#include "store/residency/residency.h"
 
 #include <pthread.h>
 

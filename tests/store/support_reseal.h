@@ -2,9 +2,9 @@
 // Recomputes the checksums of a damaged file, so that the checks behind them are reached.
 #pragma once
 
-#include "base/bytes.h"
-#include "store/format.h"
-#include "store/packed.h"
+#include "base/io/bytes.h"
+#include "store/bytes/packed.h"
+#include "store/file/format.h"
 
 #include <zlib.h>
 

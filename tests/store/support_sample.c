@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "support_sample.h"
 
-#include "base/position_grid.h"
-#include "base/rng.h"
-#include "base/splat_codes.h"
+#include "base/math/position_grid.h"
+#include "base/math/rng.h"
+#include "base/splats/splat_codes.h"
 
 #include <stdio.h>
 #include <string.h>

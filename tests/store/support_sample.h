@@ -2,8 +2,8 @@
 // A random scene to write, and its comparison with an opened one.
 #pragma once
 
-#include "base/arena.h"
-#include "store/writer.h"
+#include "base/core/arena.h"
+#include "store/writer/writer.h"
 
 /// Every kind of content, a few of each, random from `seed`, in the arena's memory. If that runs
 /// out, `complete` is false, and NULL arrays are never read.

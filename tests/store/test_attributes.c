@@ -5,11 +5,11 @@
 #include "support_sample.h"
 #include "tests.h"
 
-#include "base/color_map.h"
-#include "base/rng.h"
-#include "store/coloring.h"
-#include "store/internal.h"
-#include "store/residency.h"
+#include "base/math/color_map.h"
+#include "base/math/rng.h"
+#include "store/file/internal.h"
+#include "store/residency/residency.h"
+#include "store/sets/coloring.h"
 
 #include <string.h>
 #include <unistd.h>

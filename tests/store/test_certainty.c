@@ -3,7 +3,7 @@
 #include "tests.h"
 
 #include "draw/support_store.h"
-#include "store/internal.h"
+#include "store/file/internal.h"
 
 static const uint8_t white[3] = {255, 255, 255};
 

@@ -7,8 +7,8 @@
 #include "support_sample.h"
 #include "tests.h"
 
-#include "store/chunks.h"
-#include "store/internal.h"
+#include "store/bytes/chunks.h"
+#include "store/file/internal.h"
 
 #include <string.h>
 #include <unistd.h>

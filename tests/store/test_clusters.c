@@ -3,8 +3,8 @@
 #include "support_mesh.h"
 #include "tests.h"
 
-#include "base/octahedral.h"
-#include "base/position_grid.h"
+#include "base/math/octahedral.h"
+#include "base/math/position_grid.h"
 
 #include <math.h>
 

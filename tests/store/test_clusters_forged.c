@@ -4,7 +4,7 @@
 #include "support_mesh.h"
 #include "tests.h"
 
-#include "base/position_grid.h"
+#include "base/math/position_grid.h"
 
 /// Calls every function on clusters.
 static float use_clusters(const stp_clusters* clusters)

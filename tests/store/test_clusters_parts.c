@@ -2,10 +2,10 @@
 // Meshes of leaves and twigs as clusters: small, and every part in its place.
 #include "tests.h"
 
-#include "base/octahedral.h"
-#include "base/position_grid.h"
-#include "base/rng.h"
-#include "store/clusters.h"
+#include "base/math/octahedral.h"
+#include "base/math/position_grid.h"
+#include "base/math/rng.h"
+#include "store/clusters/clusters.h"
 
 #include <math.h>
 

@@ -2,10 +2,10 @@
 // Compares vectorised and scalar unpacking of positions, for every width and count.
 #include "tests.h"
 
-#include "base/processor.h"
-#include "base/rng.h"
-#include "store/clusters_layout.h"
-#include "store/clusters_unpack.h"
+#include "base/core/processor.h"
+#include "base/math/rng.h"
+#include "store/clusters/clusters_layout.h"
+#include "store/clusters/clusters_unpack.h"
 
 #include <stdlib.h>
 

@@ -4,7 +4,7 @@
 #include "support_sample.h"
 #include "tests.h"
 
-#include "store/clusters.h"
+#include "store/clusters/clusters.h"
 
 #include <string.h>
 #include <unistd.h>

@@ -5,14 +5,14 @@
 #include "support_sample.h"
 #include "tests.h"
 
-#include "base/leaf_runs.h"
-#include "base/rng.h"
+#include "base/math/rng.h"
+#include "base/splats/leaf_runs.h"
 #include "lod/set_columns.h"
 #include "lod/stochastic/set.h"
-#include "store/internal.h"
-#include "store/leaves.h"
-#include "store/residency.h"
-#include "store/writer.h"
+#include "store/file/internal.h"
+#include "store/residency/residency.h"
+#include "store/sets/leaves.h"
+#include "store/writer/writer.h"
 
 #include <string.h>
 #include <unistd.h>

@@ -4,8 +4,8 @@
 #include "support_sample.h"
 #include "tests.h"
 
-#include "base/splat_codes.h"
-#include "store/internal.h"
+#include "base/splats/splat_codes.h"
+#include "store/file/internal.h"
 
 #include <math.h>
 #include <string.h>

@@ -7,11 +7,11 @@
 #include "support_sample.h"
 #include "tests.h"
 
-#include "base/rng.h"
-#include "store/chunks.h"
-#include "store/internal.h"
-#include "store/operators.h"
-#include "store/range_coder.h"
+#include "base/math/rng.h"
+#include "store/bytes/chunks.h"
+#include "store/bytes/range_coder.h"
+#include "store/file/internal.h"
+#include "store/sets/operators.h"
 
 #include <string.h>
 #include <unistd.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/rng.h"
+#include "base/math/rng.h"
 #include "select/support_built.h"
-#include "store/outline.h"
-#include "store/writer.h"
+#include "store/outline/outline.h"
+#include "store/writer/writer.h"
 
 #include <stdlib.h>
 #include <string.h>

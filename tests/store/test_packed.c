@@ -4,7 +4,7 @@
 #include "support_sample.h"
 #include "tests.h"
 
-#include "store/internal.h"
+#include "store/file/internal.h"
 
 #include <string.h>
 #include <unistd.h>

@@ -5,8 +5,8 @@
 #include "support_reseal.h"
 #include "tests.h"
 
-#include "store/internal.h"
-#include "store/residency.h"
+#include "store/file/internal.h"
+#include "store/residency/residency.h"
 
 #include <string.h>
 #include <unistd.h>

@@ -4,8 +4,8 @@
 #include "support_sample.h"
 #include "tests.h"
 
-#include "base/rng.h"
-#include "store/internal.h"
+#include "base/math/rng.h"
+#include "store/file/internal.h"
 
 #include <string.h>
 #include <time.h>

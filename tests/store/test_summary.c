@@ -4,7 +4,7 @@
 #include "support_sample.h"
 #include "tests.h"
 
-#include "base/file.h"
+#include "base/io/file.h"
 
 #include <string.h>
 #include <unistd.h>

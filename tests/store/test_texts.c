@@ -4,9 +4,9 @@
 #include "support_sample.h"
 #include "tests.h"
 
-#include "base/rng.h"
-#include "store/records.h"
-#include "store/writer.h"
+#include "base/math/rng.h"
+#include "store/file/records.h"
+#include "store/writer/writer.h"
 
 #include <malloc.h>
 #include <stdlib.h>

@@ -3,9 +3,9 @@
 #include "support_sample.h"
 #include "tests.h"
 
-#include "base/file.h"
-#include "store/block_order.h"
-#include "store/format.h"
+#include "base/io/file.h"
+#include "store/file/block_order.h"
+#include "store/file/format.h"
 
 #include <dirent.h>
 #include <signal.h>

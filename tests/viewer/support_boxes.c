@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "viewer/support_boxes.h"
+#include "support_boxes.h"
 
 #include "tests.h"
 
-#include "build/build_scene.h"
-#include "scenes/scenes.h"
+#include "builder/build_scene.h"
+#include "lab/scenes/scenes.h"
 
 #include <stdio.h>
 #include <unistd.h>

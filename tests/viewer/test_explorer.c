@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The viewer's tree of parts: rows that fold, search, selection, and hidden and
 // isolated parts.
+#include "support_boxes.h"
 #include "tests.h"
 
-#include "base/context.h"
-#include "viewer/explorer.h"
-#include "viewer/support_boxes.h"
+#include "base/core/context.h"
+#include "program/viewer/model/explorer.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 // Attaching and detaching gamepads: SDL's virtual ones, which need neither a device nor a display.
 #include "tests.h"
 
-#include "viewer/gamepad.h"
+#include "program/viewer/model/gamepad.h"
 
 #include <math.h>
 

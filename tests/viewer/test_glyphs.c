@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "viewer/glyphs.h"
+#include "program/viewer/model/glyphs.h"
 
 #include <stdlib.h>
 #include <string.h>

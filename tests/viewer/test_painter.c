@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The thread that draws for the window: which requests make a new picture, and what happens when
 // OpenGL is lost.
+#include "support_boxes.h"
 #include "tests.h"
 
-#include "base/clock.h"
-#include "present/headless.h"
-#include "viewer/painter_scene.h"
-#include "viewer/support_boxes.h"
+#include "base/core/clock.h"
+#include "program/present/headless.h"
+#include "program/viewer/model/painter_scene.h"
 
 #include <GL/glcorearb.h>
 #include <pthread.h>

@@ -2,8 +2,8 @@
 // Recent files and folders of the start page.
 #include "tests.h"
 
-#include "viewer/folder.h"
-#include "viewer/recent.h"
+#include "program/viewer/model/folder.h"
+#include "program/viewer/model/recent.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "viewer/settings.h"
+#include "program/viewer/model/settings.h"
 
 #include <string.h>
 

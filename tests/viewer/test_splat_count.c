@@ -2,12 +2,12 @@
 // The available number of splats, and the effect of keys on it.
 #include "tests.h"
 
-#include "base/math.h"
+#include "base/math/math.h"
 #include "draw/support_store.h"
+#include "program/viewer/model/splat_count.h"
 #include "select/select.h"
 #include "select/support_built.h"
 #include "store/support_progressive.h"
-#include "viewer/splat_count.h"
 
 static const uint8_t grey[3] = {128, 128, 128};
 enum { SPLATS_OF_ROOT = 1024, SPLATS_BELOW = 64 };

@@ -8,9 +8,9 @@
 // size.
 #pragma once
 
-#include "base/arena.h"
-#include "base/hash.h"
-#include "base/team.h"
+#include "base/core/arena.h"
+#include "base/core/team.h"
+#include "base/io/hash.h"
 #include "draw/bounding.h"
 #include "draw/caps.h"
 #include "draw/renderer.h"
@@ -21,10 +21,10 @@
 #include "raster/texture.h"
 #include "raster/triangles.h"
 #include "select/view_frame.h"
-#include "store/clusters.h"
-#include "store/coloring.h"
-#include "store/format.h"
-#include "store/large_triangles.h"
+#include "store/clusters/clusters.h"
+#include "store/file/format.h"
+#include "store/sets/coloring.h"
+#include "store/sets/large_triangles.h"
 
 enum {
     CPU_PIECE_SPLATS = 16384,

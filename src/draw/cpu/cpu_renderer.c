@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Draws a frame, and owns the memory kept between frames.
-#include "base/clock.h"
-#include "base/color.h"
+#include "base/core/clock.h"
+#include "base/math/color.h"
 #include "draw/cpu/accumulate.h"
 #include "draw/cpu/blend.h"
 #include "draw/cpu/effects.h"

@@ -3,7 +3,7 @@
 // neighbours, colours.
 #include "draw/cpu/effects.h"
 
-#include "base/processor.h"
+#include "base/core/processor.h"
 
 #include <stdlib.h>
 

@@ -8,7 +8,7 @@
 // threads.
 #pragma once
 
-#include "base/coverage.h"
+#include "base/splats/coverage.h"
 #include "draw/cpu/cpu.h"
 #include "draw/cpu/shade.h"
 

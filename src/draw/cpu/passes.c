@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "draw/cpu/passes.h"
 
-#include "base/clock.h"
+#include "base/core/clock.h"
 #include "draw/cpu/accumulate.h"
 #include "draw/cpu/blend.h"
 #include "draw/cpu/draw_caps.h"

@@ -2,7 +2,7 @@
 // Shades the visibility buffer, tile by tile.
 #include "draw/cpu/shade.h"
 
-#include "base/color_map.h"
+#include "base/math/color_map.h"
 #include "draw/cpu/layers.h"
 #include "draw/recolor.h"
 

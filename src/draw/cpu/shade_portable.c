@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Vectors of four numbers, as compiler vector types: SSE2, NEON, or others.
-#include "base/processor.h"
+#include "base/core/processor.h"
 #include "draw/cpu/shade.h"
 
 #define LANES 4

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Appearance of a triangle at a point: texture coordinates, colours, and alpha tests.
-#include "base/rng.h"
+#include "base/math/rng.h"
 #include "draw/cpu/cpu.h"
 #include "raster/blue_noise.h"
 #include "raster/cutout.h"

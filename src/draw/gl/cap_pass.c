@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "draw/gl/cap_pass.h"
 
-#include "base/context.h"
+#include "base/core/context.h"
 #include "draw/gl/gl_renderer.h"
 
 void gl_cap_pass_destroy(gl_renderer* r)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "draw/gl/cluster_shares.h"
 
-#include "base/context.h"
+#include "base/core/context.h"
 #include "draw/bounding.h"
 #include "draw/gl/gl_renderer.h"
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "draw/gl/cull.h"
 
-#include "base/context.h"
+#include "base/core/context.h"
 #include "draw/bounding.h"
 #include "draw/gl/upload.h"
 #include "draw/transparency.h"
-#include "store/format.h"
-#include "store/large_triangles.h"
+#include "store/file/format.h"
+#include "store/sets/large_triangles.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "draw/gl/filter_pass.h"
 
-#include "base/context.h"
+#include "base/core/context.h"
 #include "draw/gl/gl_renderer.h"
 #include "raster/splats_blend.h"
 

@@ -2,8 +2,8 @@
 // Draws a frame.
 #include "draw/gl/gl_renderer.h"
 
-#include "base/clock.h"
-#include "base/context.h"
+#include "base/core/clock.h"
+#include "base/core/context.h"
 #include "draw/gl/upload.h"
 #include "select/eyes.h"
 

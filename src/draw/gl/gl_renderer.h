@@ -29,7 +29,7 @@
 #include "draw/renderer.h"
 #include "draw/resting.h"
 #include "draw/shaders/interface.h"
-#include "store/clusters.h"
+#include "store/clusters/clusters.h"
 
 typedef struct gl_renderer gl_renderer;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Turns a draw list into blocks, records and commands.
-#include "base/context.h"
+#include "base/core/context.h"
 #include "draw/gl/cull.h"
 #include "draw/gl/set_items.h"
 #include "draw/gl/splat_commands.h"

@@ -5,7 +5,7 @@
 // in front of the opaque surface.
 #pragma once
 
-#include "base/context.h"
+#include "base/core/context.h"
 #include "draw/gl/gl.h"
 
 struct gl_renderer;

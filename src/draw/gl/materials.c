@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Materials in the shaders' layout; they never change.
-#include "base/color.h"
-#include "base/color_map.h"
-#include "base/context.h"
+#include "base/core/context.h"
+#include "base/math/color.h"
+#include "base/math/color_map.h"
 #include "draw/gl/gl_renderer.h"
 
 #include <string.h>

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Samples of a picture: each is drawn and shaded; several are summed.
-#include "base/clock.h"
-#include "base/color.h"
-#include "base/context.h"
+#include "base/core/clock.h"
+#include "base/core/context.h"
+#include "base/math/color.h"
 #include "draw/gl/gl_renderer.h"
 #include "draw/lighting.h"
 #include "draw/recolor.h"
 #include "select/eyes.h"
-#include "store/coloring.h"
+#include "store/sets/coloring.h"
 
 enum { POINT_MARGIN = 64 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "draw/gl/pool.h"
 
-#include "base/context.h"
+#include "base/core/context.h"
 
 enum {
     WORD = 4,

@@ -3,7 +3,7 @@
 
 #include "shaders_embedded.h"
 
-#include "base/context.h"
+#include "base/core/context.h"
 
 #include <stdio.h>
 #include <stdlib.h>

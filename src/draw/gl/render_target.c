@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Render targets.
-#include "base/context.h"
+#include "base/core/context.h"
 #include "draw/gl/gl_renderer.h"
 #include "select/eyes.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Uploads the frame's blocks to the GPU: one part of a ring holds all, and is copied to the GPU's
 // memory.
-#include "base/context.h"
+#include "base/core/context.h"
 #include "draw/gl/gl_renderer.h"
 
 #include <string.h>

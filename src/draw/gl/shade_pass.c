@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Shades the visibility buffer into the picture.
-#include "base/context.h"
+#include "base/core/context.h"
 #include "draw/gl/gl_renderer.h"
 
 stp_result gl_shade_pass_create(gl_renderer* r)

@@ -8,7 +8,7 @@
 // freeing take constant time, regardless of the number of spans.
 #pragma once
 
-#include "base/context.h"
+#include "base/core/context.h"
 
 enum {
     SPANS_UNIT = 4, ///< words: sizes and addresses are multiples of it

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "draw/gl/splat_choice.h"
 
-#include "base/clock.h"
-#include "base/context.h"
-#include "base/rng.h"
+#include "base/core/clock.h"
+#include "base/core/context.h"
+#include "base/math/rng.h"
 #include "draw/gl/gl_renderer.h"
 
 #include <stddef.h>

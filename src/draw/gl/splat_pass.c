@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Splats: all as points with one command, and those too large for points with another
 // (shaders/splat.*, large.*).
-#include "base/context.h"
+#include "base/core/context.h"
 #include "draw/gl/gl_renderer.h"
 
 #include <stddef.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Triangles: opaque materials with one command, and those with per-fragment tests with another.
-#include "base/context.h"
+#include "base/core/context.h"
 #include "draw/gl/gl_renderer.h"
 
 stp_result gl_triangle_pass_create(gl_renderer* r)

@@ -2,12 +2,12 @@
 // Items of the pool, and their uploads; includes splats and textures.
 #include "draw/gl/upload.h"
 
-#include "base/context.h"
-#include "base/coverage.h"
-#include "base/splat_codes.h"
+#include "base/core/context.h"
+#include "base/splats/coverage.h"
+#include "base/splats/splat_codes.h"
 #include "raster/cutout.h"
-#include "store/coloring.h"
-#include "store/columns.h"
+#include "store/sets/coloring.h"
+#include "store/sets/columns.h"
 
 static uint32_t point_chunks(const stp_store_point_set* points)
 {

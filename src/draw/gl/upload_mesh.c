@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Uploads meshes to the pool: decoded clusters, each with a header.
 #include "draw/gl/upload.h"
-#include "store/format.h"
+#include "store/file/format.h"
 
 typedef struct mesh_source {
     const stp_clusters* clusters; ///< NULL: mesh of columns

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "lod/blue/blue.h"
 
-#include "base/clock.h"
-#include "base/saturate.h"
-#include "base/sort.h"
+#include "base/core/clock.h"
+#include "base/core/saturate.h"
+#include "base/math/sort.h"
 #include "lod/blue/children.h"
 #include "lod/blue/finish.h"
 #include "lod/cloud_candidates.h"

@@ -4,7 +4,7 @@
 // and finished into surfels: columns, prefix table, colour pyramid, coverage.
 #pragma once
 
-#include "base/splat_columns.h"
+#include "base/splats/splat_columns.h"
 #include "capture/capture.h"
 #include "lod/set_columns.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/blue/finish.h"
 
-#include "base/octahedral.h"
-#include "base/prefix_table.h"
+#include "base/math/octahedral.h"
+#include "base/splats/prefix_table.h"
 #include "lod/blue/blue.h"
 #include "lod/set_columns.h"
 

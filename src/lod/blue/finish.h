@@ -4,7 +4,7 @@
 // coverage, and the tables that choose prefixes (design.md, Finish).
 #pragma once
 
-#include "base/splat_columns.h"
+#include "base/splats/splat_columns.h"
 #include "capture/capture.h"
 
 typedef struct stp_finish_input {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "base/math.h"
+#include "base/math/math.h"
 #include "lod/blue/finish.h"
 #include "lod/neighbours_kernels.h"
 

@@ -9,7 +9,7 @@
 // do not depend on the order of threads.
 #include "lod/blue/pyramid.h"
 
-#include "base/color.h"
+#include "base/math/color.h"
 
 #include <string.h>
 

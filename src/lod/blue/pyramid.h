@@ -4,7 +4,7 @@
 // its pixels are drawn).
 #pragma once
 
-#include "base/coverage.h"
+#include "base/splats/coverage.h"
 #include "lod/blue/finish.h"
 #include "lod/blue/stencil.h"
 #include "lod/neighbours.h"

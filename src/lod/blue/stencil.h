@@ -13,7 +13,7 @@
 //      . . # # # # . .
 #pragma once
 
-#include "base/math.h"
+#include "base/math/math.h"
 
 typedef struct stp_stencil {
     uint64_t disk;

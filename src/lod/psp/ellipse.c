@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/psp/ellipse.h"
 
-#include "base/coverage.h"
+#include "base/splats/coverage.h"
 
 #include <string.h>
 

@@ -3,7 +3,7 @@
 // 3 and 4).
 #pragma once
 
-#include "base/math.h"
+#include "base/math/math.h"
 
 /// An ellipse in space: center + s major + t minor, s s + t t <= 1. The minor axis is normal x
 /// major, scaled.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/psp/forest.h"
 
-#include "base/color.h"
-#include "base/sort.h"
+#include "base/math/color.h"
+#include "base/math/sort.h"
 #include "lod/psp/history.h"
 #include "lod/psp/initial.h"
 #include "lod/psp/scale.h"

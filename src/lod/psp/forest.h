@@ -3,8 +3,8 @@
 // error first (Wu, Zhang, Kobbelt 2005, sections 2 to 4).
 #pragma once
 
-#include "base/context.h"
-#include "base/spill.h"
+#include "base/core/context.h"
+#include "base/io/spill.h"
 #include "lod/psp/ellipse.h"
 
 /// Input. Arrays belong to the caller, and are only read.

@@ -2,7 +2,7 @@
 // Splits points in space: the step that kd-trees and the pieces of a large merge share.
 #pragma once
 
-#include "base/math.h"
+#include "base/math/math.h"
 #include "lod/psp/room.h"
 
 /// A point and its number. The number also breaks ties, so each order along an axis is total.

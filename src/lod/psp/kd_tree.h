@@ -3,7 +3,7 @@
 // points in space.
 #pragma once
 
-#include "base/context.h"
+#include "base/core/context.h"
 #include "lod/psp/kd_split.h"
 
 enum { STP_KD_LEAF = 8, STP_KD_DEPTH = 40, STP_NEIGHBOURS_MAX = 32 };

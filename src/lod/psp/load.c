@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/psp/load.h"
 
-#include "base/color.h"
+#include "base/math/color.h"
 #include "lod/psp/initial.h"
 
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/psp/merge_piece.h"
 
-#include "base/color.h"
+#include "base/math/color.h"
 
 #include <assert.h>
 #include <string.h>

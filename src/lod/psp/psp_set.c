@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "lod/psp/psp_set.h"
 
-#include "base/coverage.h"
-#include "base/octahedral.h"
-#include "base/prefix_table.h"
+#include "base/math/octahedral.h"
+#include "base/splats/coverage.h"
+#include "base/splats/prefix_table.h"
 #include "lod/psp/forest.h"
 #include "lod/psp/split_order.h"
 #include "lod/samples.h"

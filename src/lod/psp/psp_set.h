@@ -8,7 +8,7 @@
 // ranges are stored.
 #pragma once
 
-#include "base/splat_columns.h"
+#include "base/splats/splat_columns.h"
 #include "lod/psp/forest.h"
 
 enum { STP_PSP_COLUMNS = STP_SPLATS_SHAPES | STP_SPLATS_RANGES | STP_SPLATS_FLAT_COLORS };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/psp/region.h"
 
-#include "base/coverage.h"
+#include "base/splats/coverage.h"
 
 #define PI 3.14159265358979323846
 #define THIN 1e-3  ///< minimum minor axis, as a fraction of the major axis

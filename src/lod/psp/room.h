@@ -3,8 +3,8 @@
 // the system may evict at any time (base/spill.h).
 #pragma once
 
-#include "base/context.h"
-#include "base/spill.h"
+#include "base/core/context.h"
+#include "base/io/spill.h"
 
 #include <pthread.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/psp/round_pieces.h"
 
-#include "base/rng.h"
+#include "base/math/rng.h"
 
 typedef struct cutter {
     stp_psp_rounds* rounds;

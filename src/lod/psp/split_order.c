@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "lod/psp/split_order.h"
 
-#include "base/progressive.h"
-#include "base/splat_codes.h"
-#include "base/splat_columns.h"
+#include "base/splats/progressive.h"
+#include "base/splats/splat_codes.h"
+#include "base/splats/splat_columns.h"
 
 #include <stdlib.h>
 

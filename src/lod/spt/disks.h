@@ -3,7 +3,7 @@
 // (Dachsbacher et al. 2003, sections 3.1 to 3.4).
 #pragma once
 
-#include "base/math.h"
+#include "base/math/math.h"
 
 enum { STP_DISK_CHILDREN = 8 }; ///< maximum children of an octree node
 

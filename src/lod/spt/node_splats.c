@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "lod/spt/node_splats.h"
 
-#include "base/coverage.h"
-#include "base/octahedral.h"
-#include "base/splat_codes.h"
+#include "base/math/octahedral.h"
+#include "base/splats/coverage.h"
+#include "base/splats/splat_codes.h"
 #include "lod/set_columns.h"
 
 #include <string.h>

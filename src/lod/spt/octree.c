@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/spt/octree.h"
 
-#include "base/morton.h"
-#include "base/parallel_sort.h"
+#include "base/math/morton.h"
+#include "base/math/parallel_sort.h"
 
 #include <string.h>
 

@@ -3,8 +3,8 @@
 // boxes are divided into octants.
 #pragma once
 
-#include "base/context.h"
-#include "base/math.h"
+#include "base/core/context.h"
+#include "base/math/math.h"
 
 /// A cube of the octree.
 typedef struct stp_octree_cell {

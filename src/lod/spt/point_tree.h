@@ -3,7 +3,7 @@
 // (Dachsbacher et al. 2003, sections 3.1 to 3.5).
 #pragma once
 
-#include "base/context.h"
+#include "base/core/context.h"
 #include "lod/spt/disks.h"
 
 /// Input of a tree. Arrays belong to the caller, and are only read.

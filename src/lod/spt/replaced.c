@@ -2,7 +2,7 @@
 // Triangles are sorted along a space-filling curve; the tree of boxes halves that list recursively.
 #include "lod/spt/replaced.h"
 
-#include "base/triangle_level.h"
+#include "base/splats/triangle_level.h"
 #include "lod/grid.h"
 
 enum {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/spt/sequence.h"
 
-#include "base/parallel_sort.h"
+#include "base/math/parallel_sort.h"
 
 #include <string.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "lod/spt/spt_set.h"
 
-#include "base/morton.h"
-#include "base/parallel_sort.h"
-#include "base/prefix_table.h"
-#include "base/splat_codes.h"
+#include "base/math/morton.h"
+#include "base/math/parallel_sort.h"
+#include "base/splats/prefix_table.h"
+#include "base/splats/splat_codes.h"
 #include "lod/set_columns.h"
 #include "lod/set_table.h"
 #include "lod/spt/node_splats.h"

@@ -3,7 +3,7 @@
 // and ranges of levels (Dachsbacher et al. 2003, sections 3.1 to 3.7).
 #pragma once
 
-#include "base/splat_columns.h"
+#include "base/splats/splat_columns.h"
 #include "lod/spt/point_tree.h"
 
 typedef struct stp_spt_desc {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/stochastic/leaf_octree.h"
 
-#include "base/leaf_codes.h"
-#include "base/rng.h"
+#include "base/math/rng.h"
+#include "base/splats/leaf_codes.h"
 #include "lod/stochastic/scatter.h"
 
 #include <string.h>

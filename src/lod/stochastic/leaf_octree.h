@@ -3,8 +3,8 @@
 // divided until they contain few points that lie in a plane.
 #pragma once
 
-#include "base/context.h"
-#include "base/splat_columns.h"
+#include "base/core/context.h"
+#include "base/splats/splat_columns.h"
 
 enum { STP_LEAF_NEIGHBOURS_MAX = 32 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/stochastic/leaf_properties.h"
 
-#include "base/leaf_codes.h"
+#include "base/splats/leaf_codes.h"
 #include "lod/stochastic/scatter.h"
 
 #include <string.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/stochastic/orient.h"
 
-#include "base/leaf_codes.h"
+#include "base/splats/leaf_codes.h"
 #include "lod/psp/nearest_points.h"
 
 #include <string.h>

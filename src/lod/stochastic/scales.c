@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/stochastic/scales.h"
 
-#include "base/leaf_codes.h"
+#include "base/splats/leaf_codes.h"
 
 enum { GRAIN = 256 }; ///< leaves
 #define PERSISTS 0.5  // minimum ratio of flatness to that of the scale below, for a persistent edge

@@ -3,7 +3,7 @@
 // (Bhakar, Luo, Mudur 2004, sections 2 and 4.2).
 #pragma once
 
-#include "base/math.h"
+#include "base/math/math.h"
 
 #include <stddef.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "lod/stochastic/set.h"
 
-#include "base/coverage.h"
-#include "base/leaf_codes.h"
-#include "base/leaf_runs.h"
-#include "base/octahedral.h"
-#include "base/rng.h"
+#include "base/math/octahedral.h"
+#include "base/math/rng.h"
+#include "base/splats/coverage.h"
+#include "base/splats/leaf_codes.h"
+#include "base/splats/leaf_runs.h"
 #include "lod/blue/finish.h"
 #include "lod/cloud_candidates.h"
 #include "lod/point_normals.h"

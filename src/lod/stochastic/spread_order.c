@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/stochastic/spread_order.h"
 
-#include "base/leaf_codes.h"
-#include "base/leaf_runs.h"
+#include "base/splats/leaf_codes.h"
+#include "base/splats/leaf_runs.h"
 
 #include <string.h>
 

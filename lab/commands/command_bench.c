@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: MIT
+// `stipple bench`: runs benchmarks and prints their results as a table or as one JSON object.
+#include "base/core/processor.h"
+#include "lab/bench/bench.h"
+#include "lod/method.h"
+#include "program/drawing/draw_options.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define BENCH(name) extern const benchmark benchmark_##name;
+#include "bench_list.h"
+#undef BENCH
+
+const benchmark* const* benchmarks(void)
+{
+    static const benchmark* const list[] = {
+#define BENCH(name) &benchmark_##name,
+#include "bench_list.h"
+#undef BENCH
+        NULL,
+    };
+    return list;
+}
+
+static struct {
+    bool list, quick, json;
+    const char *model, *markdown;
+    uint64_t count, first, threads, memory;
+    double splat_size;
+    int method, backend;
+    bool has_method;
+    double eye[3], target[3];
+    bool has_eye;
+    uint32_t size[2];
+} given;
+
+static const option* bench_options_table(void)
+{
+    static const option options[] = {
+        {.name = "list", .help = "list the benchmarks", .value = &given.list},
+        {.name = "quick", .help = "small cases that finish within seconds", .value = &given.quick},
+        {.name = "model",
+         .type = OPTION_TEXT,
+         .argument = "PATH",
+         .help = "model to measure",
+         .value = &given.model},
+        {.name = "count",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "1..1000000",
+         .help = "positions: number of positions above the whole scene; each part gets a quarter "
+                 "as many; default 20",
+         .value = &given.count},
+        {.name = "splat-size",
+         .type = OPTION_NUMBER,
+         .argument = "PX",
+         .words = "1..64",
+         .help =
+             "frame, positions, quality: splat size; default 1; for quality 1, 2, 4, 8, 16 and 24",
+         .value = &given.splat_size},
+        {.name = "method",
+         .type = OPTION_CHOICE,
+         .argument = "NAME",
+         .words = TOOL_METHOD_WORDS,
+         .help = "frame, quality: method to draw; default the first in the file",
+         .value = &given.method,
+         .given = &given.has_method},
+        {.name = "backend",
+         .type = OPTION_CHOICE,
+         .argument = "NAME",
+         .words = "cpu|gl",
+         .help = "spt: renderer; gl is OpenGL 4.5; default cpu",
+         .value = &given.backend},
+        {.name = "eye",
+         .type = OPTION_VECTOR,
+         .argument = "X,Y,Z",
+         .help = "quality: use only the view from this position",
+         .value = given.eye,
+         .given = &given.has_eye},
+        {.name = "target",
+         .type = OPTION_VECTOR,
+         .argument = "X,Y,Z",
+         .help = "quality: point that the camera looks at; default 0,0,0",
+         .value = given.target},
+        {.name = "first",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "0..1000000",
+         .help = "positions: skip the first N, for example because they are already measured; "
+                 "default 0",
+         .value = &given.first},
+        {.name = "size",
+         .type = OPTION_PIXELS,
+         .argument = "WxH",
+         .help = "frame, positions, quality: size of pictures; default 1920x1080, with --quick "
+                 "320x180",
+         .value = given.size},
+        {.name = "memory",
+         .type = OPTION_SIZE,
+         .argument = "SIZE",
+         .words = OPTION_MEMORY_WORDS,
+         .help = "frame, positions: load data while drawing, within this limit, such as 1G; by "
+                 "default the file is mapped",
+         .value = &given.memory},
+        {.name = "threads",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "auto|0..1024",
+         .help = "frame, positions: drawing threads; spt: building threads; default all "
+                 "processors",
+         .value = &given.threads},
+        {.name = "markdown",
+         .type = OPTION_TEXT,
+         .argument = "FILE.md",
+         .help = "gl: also write a table",
+         .value = &given.markdown},
+        OPTION_JSON(&given.json),
+        {0},
+    };
+    return options;
+}
+
+bench_entry bench_result(json_t* results, const char* name)
+{
+    json_t* result = json_object();
+    bench_entry entry = {json_object(), json_object()};
+    json_object_set_new(result, "name", json_string(name));
+    json_object_set_new(result, "params", entry.params);
+    json_object_set_new(result, "figures", entry.figures);
+    json_array_append_new(results, result);
+    return entry;
+}
+
+void bench_set_count(json_t* object, const char* key, uint64_t value)
+{
+    json_object_set_new(object, key, json_integer((json_int_t)value));
+}
+
+void bench_set_number(json_t* object, const char* key, double value)
+{
+    json_object_set_new(object, key, json_real(value));
+}
+
+void bench_set_text(json_t* object, const char* key, const char* value)
+{
+    json_object_set_new(object, key, json_string(value));
+}
+
+static int compare_doubles(const void* a, const void* b)
+{
+    double x = *(const double*)a, y = *(const double*)b;
+    return (x > y) - (x < y);
+}
+
+double bench_median(double* values, size_t count)
+{
+    if (count == 0) {
+        return 0.0;
+    }
+    qsort(values, count, sizeof(values[0]), compare_doubles);
+    return values[(count - 1) / 2];
+}
+
+// The name of the CPU, if the system provides it.
+static void read_processor_name(char* name, size_t size)
+{
+    snprintf(name, size, "unknown");
+    FILE* file = fopen("/proc/cpuinfo", "r");
+    if (file == NULL) {
+        return;
+    }
+    char line[256];
+    while (fgets(line, sizeof(line), file) != NULL) {
+        char* value = strchr(line, ':');
+        if (strncmp(line, "model name", 10) == 0 && value != NULL) {
+            value[strcspn(value, "\n")] = 0;
+            snprintf(name, size, "%s", value + 1 + strspn(value + 1, " "));
+            break;
+        }
+    }
+    fclose(file);
+}
+
+static json_t* describe_machine(void)
+{
+    static const char* const vectors[] = {"baseline", "avx2", "avx512"};
+    char name[128];
+    read_processor_name(name, sizeof(name));
+    json_t* machine = json_object();
+    bench_set_text(machine, "processor", name);
+    bench_set_count(machine, "threads", (uint64_t)sysconf(_SC_NPROCESSORS_ONLN));
+    bench_set_text(machine, "vectors", vectors[stp_processor_detect()]);
+    bench_set_text(machine, "compiler", __VERSION__);
+    bench_set_text(machine, "version", STP_VERSION);
+    return machine;
+}
+
+static void print_value(const char* indent, const char* key, const json_t* value)
+{
+    if (json_is_integer(value)) {
+        printf("%s%-34s %14lld\n", indent, key, (long long)json_integer_value(value));
+    } else if (json_is_real(value)) {
+        printf("%s%-34s %14.6g\n", indent, key, json_real_value(value));
+    } else if (json_is_string(value)) {
+        printf("%s%-34s %14s\n", indent, key, json_string_value(value));
+    }
+}
+
+// Lists are only for --json.
+static void print_values(const json_t* object, const char* indent)
+{
+    const char *key, *inner_key;
+    json_t *value, *inner;
+    json_object_foreach((json_t*)(uintptr_t)object, key, value)
+    {
+        print_value(indent, key, value);
+        json_object_foreach(value, inner_key, inner)
+        {
+            char name[80];
+            snprintf(name, sizeof(name), "%s %s", key, inner_key);
+            print_value(indent, name, inner);
+        }
+    }
+}
+
+static void print_results(const json_t* machine, const json_t* results)
+{
+    print_values(machine, "");
+    size_t index;
+    json_t* result;
+    json_array_foreach(results, index, result)
+    {
+        printf("\n%s\n", json_string_value(json_object_get(result, "name")));
+        print_values(json_object_get(result, "params"), "  ");
+        print_values(json_object_get(result, "figures"), "    ");
+    }
+}
+
+static const benchmark* find_benchmark(const char* name)
+{
+    for (const benchmark* const* b = benchmarks(); *b != NULL; ++b) {
+        if (strcmp((*b)->name, name) == 0) {
+            return *b;
+        }
+    }
+    return NULL;
+}
+
+static int list_benchmarks(void)
+{
+    for (const benchmark* const* b = benchmarks(); *b != NULL; ++b) {
+        printf("%-12s %s\n", (*b)->name, (*b)->summary);
+    }
+    return 0;
+}
+
+static int run_bench(int argc, char** argv)
+{
+    if (given.list) {
+        return list_benchmarks();
+    }
+    for (int i = 0; i < argc; ++i) {
+        if (find_benchmark(argv[i]) == NULL) {
+            return tool_usage_error("bench: there is no benchmark %s; see stipple bench --list",
+                                    argv[i]);
+        }
+    }
+    if (given.backend != 0 && (argc != 1 || strcmp(argv[0], "spt") != 0)) {
+        return tool_usage_error("bench: only spt has --backend: stipple bench spt --backend gl");
+    }
+    bench_options options = {.quick = given.quick,
+                             .model = given.model,
+                             .count = (uint32_t)given.count,
+                             .first = (uint32_t)given.first,
+                             .splat_size = given.splat_size > 0.0 ? given.splat_size : 1.0,
+                             .method = given.has_method ? stp_methods[given.method].id : 0,
+                             .all_sizes = !(given.splat_size > 0.0),
+                             .has_eye = given.has_eye,
+                             .eye = {given.eye[0], given.eye[1], given.eye[2]},
+                             .target = {given.target[0], given.target[1], given.target[2]},
+                             .size = {given.size[0], given.size[1]},
+                             .threads = (uint32_t)given.threads,
+                             .memory = given.memory,
+                             .uses_gl = given.backend != 0,
+                             .markdown = given.markdown};
+    json_t* results = json_array();
+    int code = 0;
+    for (const benchmark* const* b = benchmarks(); *b != NULL && code == 0; ++b) {
+        bool wanted = argc == 0;
+        for (int i = 0; i < argc; ++i) {
+            wanted = wanted || strcmp((*b)->name, argv[i]) == 0;
+        }
+        if (wanted) {
+            fprintf(stderr, "%s ...\n", (*b)->name);
+            code = (*b)->run(&options, results);
+        }
+    }
+    json_t* machine = describe_machine();
+    if (code != 0) {
+        json_decref(machine);
+        json_decref(results);
+        return code;
+    }
+    if (given.json) {
+        json_t* object = json_object();
+        json_object_set_new(object, "machine", machine);
+        json_object_set_new(object, "results", results);
+        return tool_print_json(object);
+    }
+    print_results(machine, results);
+    json_decref(machine);
+    json_decref(results);
+    return 0;
+}
+
+const command command_bench = {
+    .name = "bench",
+    .arguments = "[NAME...]",
+    .summary = "measure Stipple and compare it with other programs",
+    .text = "Runs the named benchmarks, or all of them, and prints the results. Alternatives are "
+            "measured interleaved in one run; times are medians. Data goes to standard output; "
+            "--json prints one object: machine, and results with name, params and figures.",
+    .examples = "List the benchmarks:\n"
+                "$ stipple bench --list\n"
+                "Run a small case and print JSON:\n"
+                "$ stipple bench splats --quick --json\n",
+    .files = "$TMPDIR\tscratch files of benchmarks that build; /tmp if the variable is not set\n",
+    .options = bench_options_table,
+    .run = run_bench,
+};

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// Points sorted into the cells of an octree, and chosen cells.
+#pragma once
+
+#include "lab/decimate/decimator.h"
+
+enum { STP_OCTREE_LEVELS = 21 }; ///< below the root
+
+/// Points that share a cell: those at [begin, end) of the octree's order.
+typedef struct stp_octree_cell {
+    uint32_t begin, end;
+    uint32_t level; ///< 0: the root
+    float size;     ///< diagonal of the box of its disks
+} stp_octree_cell;
+
+typedef struct stp_octree_cells {
+    stp_context* context;
+    const stp_decimate_input* input;
+    const stp_ellipse* disks; ///< of points
+    uint64_t* codes; ///< of points in order, ascending: 3 bits per level, the root's children first
+    uint32_t* order; ///< points
+    stp_octree_cell* cells; ///< that are chosen
+    uint32_t count;         ///< of `cells`
+} stp_octree_cells;
+
+/// Sorts points along the octree's curve. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_octree_cells_make(stp_octree_cells* tree);
+/// Chooses cells: starting at the root, replaces the largest one by its children, as long as there
+/// are at most `target`.
+STP_MUST_USE stp_result stp_octree_cells_open(stp_octree_cells* tree, uint32_t target);
+/// Chooses all cells of the level whose number of cells is nearest to `target`; of two, the one
+/// with fewer.
+STP_MUST_USE stp_result stp_octree_cells_take_level(stp_octree_cells* tree, uint32_t target);
+void stp_octree_cells_destroy(stp_octree_cells* tree);

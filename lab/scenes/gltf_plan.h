@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// Layout of a glTF file before it is written: scenes/gltf_file.h.
+#pragma once
+
+#include "lab/scenes/gltf_file.h"
+
+/// A node of the file, in file order: parents come first, siblings are adjacent.
+typedef struct gltf_node {
+    uint32_t object;
+    uint32_t instance;    ///< shows only this instance of its parts; STP_NONE: the object
+    uint32_t content;     ///< object whose parts it shows; STP_NONE: none
+    uint32_t first_child; ///< node
+    uint32_t child_count;
+    bool part_only; ///< shows only parts of a used object, without a transform of its own
+} gltf_node;
+
+typedef enum gltf_region { GLTF_VERTICES, GLTF_COLORS, GLTF_INDICES, GLTF_REGIONS } gltf_region;
+
+/// A mesh in the file. Offsets count from the start of the region in its buffer.
+typedef struct gltf_mesh {
+    uint32_t buffer, first_accessor;
+    uint64_t offsets[GLTF_REGIONS];
+    uint32_t index_bytes; ///< 2 or 4
+} gltf_mesh;
+
+typedef struct gltf_buffer {
+    uint64_t sizes[GLTF_REGIONS]; ///< each a multiple of 4
+    uint32_t first_view;
+} gltf_buffer;
+
+typedef struct gltf_plan {
+    const stp_scene* scene;
+    gltf_node* nodes;
+    size_t node_count, node_capacity, root_count;
+    uint32_t* first_child; ///< of each object; STP_NONE-terminated
+    uint32_t* next_sibling;
+    gltf_mesh* meshes;
+    uint32_t* mesh_of_object; ///< in the file; STP_NONE: none
+    uint32_t* lists;          ///< objects whose part lists become meshes after the scene's own
+    size_t list_count;
+    gltf_buffer* buffers;
+    size_t buffer_count, buffer_capacity;
+    uint32_t accessor_count, view_count;
+    /// Of each object: the first of three; STP_NONE: extension not used
+    uint32_t* instance_accessor;
+    uint64_t instance_count; ///< in the last buffer, after its regions; 40 bytes each
+} gltf_plan;
+
+STP_MUST_USE stp_result gltf_plan_make(const stp_scene* scene, uint64_t most_buffer_bytes,
+                                       const char* path, gltf_plan* plan);
+void gltf_plan_destroy(gltf_plan* plan);
+
+uint64_t gltf_buffer_bytes(const gltf_plan* plan, size_t buffer);
+
+/// Decomposes into translation, rotation (x, y, z, w) and scale; false if not possible.
+bool gltf_decompose(const stp_affine* affine, float translation[3], float rotation[4],
+                    float scale[3]);
+
+/// The instances' three views in the last buffer: translations, rotations, scales.
+static inline uint32_t gltf_instance_view(const gltf_plan* plan)
+{
+    return plan->view_count - 3;
+}

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+//
+// stipple info: describes the content of a .stip file or a model.
+#include "base/io/file.h"
+#include "builder/object_counts.h"
+#include "builder/writer_input.h"
+#include "program/files/scene_file.h"
+#include "program/options/command.h"
+#include "program/reports/describe.h"
+#include "program/reports/find_report.h"
+#include "program/reports/scan_report.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static struct {
+    uint64_t memory;
+    const char *find, *columns;
+    bool json;
+} args;
+
+static const option* options(void)
+{
+    static const option table[] = {
+        {.name = "find",
+         .type = OPTION_TEXT,
+         .argument = "TEXT",
+         .help = "list the objects of a .stip whose name or id contains TEXT, ignoring case",
+         .value = &args.find},
+        OPTION_COLUMNS(&args.columns),
+        OPTION_MEMORY(&args.memory),
+        OPTION_JSON(&args.json),
+        {0},
+    };
+    return table;
+}
+
+// The content of the header of a point file.
+typedef struct header {
+    const stp_scene* scene;
+    const stp_scan_info* scan;
+} header;
+
+static json_t* make_json(const scene_figures* figures, const header* h)
+{
+    json_t* json = describe_json(figures);
+    if (json != NULL && h != NULL) {
+        (void)json_object_set_new(json, "scan", scan_report_json(h->scene, h->scan));
+    }
+    return json;
+}
+
+static int print_figures(const char* path, stp_result described, scene_figures* figures,
+                         const header* h)
+{
+    int code = 0;
+    if (described != STP_OK) {
+        code = 1;
+    } else if (args.json) {
+        json_t* json = make_json(figures, h);
+        code = json != NULL ? tool_print_json(json) : tool_error("out of memory");
+    } else {
+        describe_print(path, figures);
+        if (h != NULL) {
+            scan_report_print_fields(h->scan);
+        }
+    }
+    describe_destroy(figures);
+    return code;
+}
+
+static int print_store(stp_context* context, const char* path)
+{
+    stp_store* store = NULL;
+    stp_store_open_desc desc = {.summary_only = true, .accept_prefix = true};
+    if (stp_store_open_with(context, path, &desc, &store) != STP_OK) {
+        return 1;
+    }
+    scene_figures figures;
+    stp_result described = describe_store(context, store, &figures);
+    int code = print_figures(path, described, &figures, NULL);
+    stp_store_close(store);
+    return code;
+}
+
+static int print_found(stp_context* context, const char* path)
+{
+    stp_store* store = NULL;
+    stp_store_open_desc desc = {.defer_objects = true, .accept_prefix = true};
+    if (stp_store_open_with(context, path, &desc, &store) != STP_OK) {
+        return 1;
+    }
+    int code = find_print(context, store, args.find, args.json);
+    stp_store_close(store);
+    return code;
+}
+
+static int print_model(stp_context* context, const char* path)
+{
+    stp_scene* scene = NULL;
+    stp_scan_info scan;
+    stp_build_content content = {0};
+    stp_store_census census = {0};
+    stp_result result = tool_import_described(context, path, &scan, &scene);
+    if (result == STP_OK && scan.alone) {
+        int code = scan_report_print(path, scene, &scan, args.json);
+        stp_scene_destroy(scene);
+        return code;
+    }
+    result = result != STP_OK ? result : stp_build_census(scene, &census);
+    result = result != STP_OK ? result : stp_build_content_create(scene, NULL, 0, NULL, &content);
+    int code = 1;
+    if (result == STP_OK) {
+        scene_figures figures;
+        content.content.census = &census;
+        stp_result described = describe_content(context, &content.content, &figures);
+        const header h = {scene, &scan};
+        code = print_figures(path, described, &figures, scan.format != NULL ? &h : NULL);
+    }
+    stp_build_content_destroy(&content);
+    stp_store_census_destroy(context, &census);
+    stp_scene_destroy(scene);
+    return code;
+}
+
+// Whether the file starts like a .stip; an unreadable file is left to the importer to report.
+static bool is_store(const char* path)
+{
+    static const unsigned char magic[8] = {0x89, 'S', 'T', 'P', '\r', '\n', 0x1a, '\n'};
+    unsigned char bytes[8] = {0};
+    bool same = stp_file_peek(path, bytes, 8) == 8 && memcmp(bytes, magic, 8) == 0;
+    size_t length = strlen(path);
+    return same || (length > 5 && strcmp(path + length - 5, ".stip") == 0);
+}
+
+static int run(int argc, char** argv)
+{
+    if (argc != 1) {
+        return tool_usage_error("info needs one file, but got %d", argc);
+    }
+    int usage = tool_take_columns(args.columns, argc, argv);
+    if (usage != 0) {
+        return usage;
+    }
+    bool stored = is_store(argv[0]);
+    if (args.find != NULL && !stored) {
+        return tool_usage_error("--find needs a .stip file; build %s first", argv[0]);
+    }
+    stp_context* context = tool_context_create(0, args.memory, "none");
+    if (context == NULL) {
+        return 1;
+    }
+    int code = args.find != NULL ? print_found(context, argv[0])
+               : stored          ? print_store(context, argv[0])
+                                 : print_model(context, argv[0]);
+    stp_context_destroy(context);
+    return code;
+}
+
+const command command_info = {
+    .name = "info",
+    .arguments = "FILE",
+    .summary = "describe the content of a .stip file or a model",
+    .text =
+        "Prints a table of the scene's parts: objects, levels of detail (nodes with surfels), "
+        "triangles, points and surfels, and their size in bytes. Counts include all instances; "
+        "counts without instances are in parentheses. Below the table: nodes, instances, bytes "
+        "per surfel and triangle, dimensions, unit and up axis, sources and named views. --json "
+        "has the figures of every part.\n\n"
+        "A part is a child of the root object; while an object has only one child, that child's "
+        "children are used instead. Beyond 64 parts, the smallest are combined as \"others\". An "
+        "object is anything with a shape to which the input gives a name of its own.\n\n"
+        "--find prints one line for each matching object, up to 1,000: its number (for --hide "
+        "and similar options of render), its content and its path; with --json, one object "
+        "\"found\".\n\n"
+        "Only the first pages of a .stip file are read, however large it is (in version 1.0, the "
+        "directory). A model is imported but not built. For LAS, LAZ and COPC files only the "
+        "header is read, not the points. For these, E57 and PCD files the output lists the "
+        "values that each point has, with their types, and marks the values that Stipple does "
+        "not keep. --json has them as \"scan\".",
+    .examples = "Print a table of the parts:\n"
+                "$ stipple info plant.stip\n"
+                "Print it as JSON:\n"
+                "$ stipple info plant.stip --json\n"
+                "Find objects by name:\n"
+                "$ stipple info plant.stip --find pump\n",
+    .files = "FILE\t"
+             "a .stip file, or a model that is imported but not built\n",
+    .options = options,
+    .run = run,
+};

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: MIT
+#include "program/drawing/flight_run.h"
+
+#include "program/measure/popping.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum {
+    WARM_FRAMES = 3
+}; // of the first view, before the flight: it is not the disk that is measured
+
+uint32_t flight_count_frames(const flight_plan* plan)
+{
+    return plan->frame_count > 0 ? plan->frame_count
+                                 : stp_flight_frame_count(plan->flight, plan->flight->fps);
+}
+
+static stp_result create_record(stp_context* context, const flight_plan* plan,
+                                flight_record* record)
+{
+    uint32_t count = flight_count_frames(plan);
+    *record = (flight_record){.frame_count = count,
+                              .budget_ms = plan->budget_ms,
+                              .times = STP_NEW_ARRAY(context, double, count),
+                              .frames = STP_NEW_ZEROED(context, frame_figures, count),
+                              .qualities = STP_NEW_ARRAY(context, flight_quality, count),
+                              .poppings = STP_NEW_ZEROED(context, double, count)};
+    if (record->times == NULL || record->frames == NULL || record->qualities == NULL ||
+        record->poppings == NULL) {
+        return stp_fail_memory(context);
+    }
+    double first = plan->flight->keys[0].t;
+    double length = plan->flight->keys[plan->flight->key_count - 1].t - first;
+    for (uint32_t i = 0; i < count; ++i) {
+        record->times[i] = first + (plan->frame_count == 0 ? (double)i / plan->flight->fps
+                                    : count > 1 ? length * (double)i / (double)(count - 1)
+                                                : 0.0);
+    }
+    return STP_OK;
+}
+
+void flight_record_destroy(stp_context* context, flight_record* record)
+{
+    stp_free(context, record->times);
+    stp_free(context, record->frames);
+    stp_free(context, record->qualities);
+    stp_free(context, record->poppings);
+    *record = (flight_record){0};
+}
+
+static stp_view view_of_frame(const flight_plan* plan, const flight_record* record, uint32_t frame)
+{
+    stp_view view = plan->view;
+    stp_flight_get_view(plan->flight, record->times[frame], &view);
+    view.fov_degrees = plan->view.fov_degrees > 0.0 ? plan->view.fov_degrees : view.fov_degrees;
+    return view;
+}
+
+// Before the flight: the first view, until it is warm, or its size of splats found.
+static stp_result warm_up(frame_maker* maker, const flight_plan* plan, flight_record* record,
+                          stp_budget* budget, stp_image* image)
+{
+    stp_view view = view_of_frame(plan, record, 0);
+    stp_quality quality = plan->quality;
+    frame_figures figures;
+    if (plan->budget_ms > 0.0) {
+        quality.splat_size = stp_budget_splat_size(budget);
+    }
+    stp_result result = frame_draw(maker, &view, &quality, image, &record->first);
+    if (plan->budget_ms > 0.0 && result == STP_OK) {
+        return frame_settle(maker, &view, budget, &quality, image);
+    }
+    for (int i = 1; i < WARM_FRAMES && result == STP_OK; ++i) {
+        result = frame_draw(maker, &view, &quality, image, &figures);
+    }
+    return result;
+}
+
+static stp_result fly_timed(frame_maker* maker, const flight_plan* plan, flight_record* record,
+                            stp_image* image)
+{
+    stp_budget budget;
+    stp_budget_init(&budget, plan->controller, plan->budget_ms);
+    stp_quality quality = plan->quality;
+    stp_result result = warm_up(maker, plan, record, &budget, image);
+    for (uint32_t i = 0; i < record->frame_count && result == STP_OK; ++i) {
+        stp_view view = view_of_frame(plan, record, i);
+        if (plan->budget_ms > 0.0) {
+            quality.splat_size = stp_budget_splat_size(&budget);
+        }
+        result = frame_draw(maker, &view, &quality, image, &record->frames[i]);
+        stp_frame_cost cost = frame_cost(&record->frames[i]);
+        stp_budget_update(&budget, &cost);
+        if (result == STP_OK) {
+            result =
+                stp_progress(maker->context, "fly", (double)(i + 1) / (double)record->frame_count);
+        }
+    }
+    return result;
+}
+
+// What the second pass needs: this frame and the one before, by parity.
+typedef struct study {
+    frame_maker* maker;
+    const flight_plan* plan;
+    flight_record* record;
+    uint32_t frame;
+    stp_image ours[2], references[2];
+    stp_popping popping;
+} study;
+
+static stp_result get_picture(void* user)
+{
+    study* s = user;
+    return s->plan->sink(s->plan->sink_user, &s->ours[s->frame & 1], s->frame);
+}
+
+static stp_result compare_picture(void* user)
+{
+    study* s = user;
+    uint32_t now = s->frame & 1;
+    flight_quality* q = &s->record->qualities[s->record->quality_count];
+    q->frame = s->frame;
+    return stp_image_compare(s->maker->context, &s->ours[now], &s->references[now], NULL, NULL,
+                             &q->quality);
+}
+
+static stp_result add_popping(void* user)
+{
+    study* s = user;
+    uint32_t now = s->frame & 1, before = now ^ 1u;
+    return stp_popping_add(s->maker->context, &s->popping, &s->ours[before], &s->ours[now],
+                           &s->references[before], &s->references[now]);
+}
+
+static stp_result study_frame(study* s, uint32_t i)
+{
+    const flight_plan* plan = s->plan;
+    bool compared = plan->reference_every > 0 && i % plan->reference_every == 0;
+    if (!compared && !plan->popping && plan->sink == NULL) {
+        return STP_OK;
+    }
+    stp_view view = view_of_frame(plan, s->record, i);
+    frame_figures figures;
+    stp_quality quality = plan->quality;
+    s->frame = i;
+    if (plan->budget_ms > 0.0) {
+        quality.splat_size = s->record->frames[i].splat_size;
+    }
+    stp_result result = frame_draw_loaded(s->maker, &view, &quality, &s->ours[i & 1], &figures);
+    if (result == STP_OK && plan->sink != NULL) {
+        result = frame_do(s->maker, get_picture, s);
+    }
+    if (result == STP_OK && (compared || plan->popping)) {
+        stp_quality whole = {.reference = true, .visibility = plan->quality.visibility};
+        result = frame_draw(s->maker, &view, &whole, &s->references[i & 1], &figures);
+    }
+    if (result == STP_OK && compared) {
+        result = frame_do(s->maker, compare_picture, s);
+        s->record->quality_count += result == STP_OK ? 1 : 0;
+    }
+    if (result == STP_OK && plan->popping && i > 0) {
+        result = frame_do(s->maker, add_popping, s);
+        s->record->poppings[i] = s->popping.last_mean;
+    }
+    return result;
+}
+
+static stp_result fly_again(frame_maker* maker, const flight_plan* plan, flight_record* record)
+{
+    study s = {.maker = maker, .plan = plan, .record = record};
+    bool created = true;
+    bool with_reference = plan->popping || plan->reference_every > 0;
+    for (int i = 0; i < 2 && created; ++i) {
+        created =
+            frame_maker_create_image(maker, plan->view.width, plan->view.height, &s.ours[i]) &&
+            (!with_reference || frame_maker_create_image(maker, plan->view.width, plan->view.height,
+                                                         &s.references[i]));
+    }
+    stp_result result =
+        created ? stp_popping_create(maker->context, &s.popping) : STP_ERROR_OUT_OF_MEMORY;
+    for (uint32_t i = 0; i < record->frame_count && result == STP_OK; ++i) {
+        result = study_frame(&s, i);
+        if (result == STP_OK) {
+            result = stp_progress(maker->context, "pictures",
+                                  (double)(i + 1) / (double)record->frame_count);
+        }
+    }
+    if (result == STP_OK && plan->popping) {
+        record->has_popping = true;
+        record->popping_p50 = stp_popping_percentile(&s.popping, 0.5);
+        record->popping_p999 = stp_popping_percentile(&s.popping, 0.999);
+        record->popping_max = stp_popping_percentile(&s.popping, 1.0);
+    }
+    stp_popping_destroy(maker->context, &s.popping);
+    for (int i = 0; i < 2; ++i) {
+        stp_free(maker->context, s.ours[i].pixels);
+        stp_free(maker->context, s.references[i].pixels);
+    }
+    return result;
+}
+
+stp_result flight_run(frame_maker* maker, const flight_plan* plan, flight_record* record)
+{
+    stp_result result = create_record(maker->context, plan, record);
+    stp_image image = {0};
+    // what OpenGL draws stays on the GPU, as in the viewer: no frame waits for its pixels
+    if (result == STP_OK && !maker->uses_gl &&
+        !frame_image_create(maker->context, plan->view.width, plan->view.height, &image)) {
+        result = STP_ERROR_OUT_OF_MEMORY;
+    }
+    if (result == STP_OK) {
+        result = fly_timed(maker, plan, record, maker->uses_gl ? NULL : &image);
+    }
+    stp_free(maker->context, image.pixels);
+    bool again = plan->sink != NULL || plan->popping || plan->reference_every > 0;
+    return result == STP_OK && again ? fly_again(maker, plan, record) : result;
+}
+
+double flight_frame_ms(const frame_figures* figures)
+{
+    return figures->frame_ms;
+}
+
+double flight_splats(const frame_figures* figures)
+{
+    return (double)figures->splats;
+}
+
+double flight_triangles(const frame_figures* figures)
+{
+    return (double)figures->triangles;
+}
+
+double flight_splat_size(const frame_figures* figures)
+{
+    return (double)figures->splat_size;
+}
+
+double flight_draw_calls(const frame_figures* figures)
+{
+    return (double)figures->draw_calls;
+}
+
+double flight_extra_splats(const frame_figures* figures)
+{
+    return (double)figures->extra_splats;
+}
+
+static int compare_doubles(const void* a, const void* b)
+{
+    double x = *(const double*)a, y = *(const double*)b;
+    return (x > y) - (x < y);
+}
+
+static double value_at(const double* sorted, uint32_t count, double part)
+{
+    uint32_t rank = (uint32_t)ceil(part * (double)count - 1e-9);
+    return sorted[rank > 0 ? rank - 1 : 0];
+}
+
+flight_ranks flight_rank(const flight_record* record, flight_value value)
+{
+    uint32_t count = record->frame_count;
+    double* sorted = calloc(count, sizeof(*sorted));
+    if (sorted == NULL) {
+        return (flight_ranks){0};
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        sorted[i] = value(&record->frames[i]);
+    }
+    qsort(sorted, count, sizeof(*sorted), compare_doubles);
+    flight_ranks ranks = {value_at(sorted, count, 0.5), value_at(sorted, count, 0.95),
+                          value_at(sorted, count, 0.99), sorted[count - 1]};
+    free(sorted);
+    return ranks;
+}

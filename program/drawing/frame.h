@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+// Frames of a scene: selected, drawn, shaded and timed.
+#pragma once
+
+#include "draw/draw.h"
+#include "program/options/command.h"
+#include "program/present/headless.h"
+#include "select/budget.h"
+
+/// Figures and times of a frame.
+typedef struct frame_figures {
+    double frame_ms, select_ms, draw_ms, shade_ms; ///< the first is select, draw and shade
+    float splat_size;                              ///< in effect
+    uint64_t splats, triangles, fragments, covered_pixels;
+    uint64_t extra_splats; ///< drawn while levels blend
+    uint64_t clusters, nodes, draw_calls;
+    uint32_t layers;  ///< of transparent surfaces
+    uint32_t missing; ///< resources the view needs that were not, or not completely, loaded
+    bool on_gl;       ///< drawn by OpenGL, which fills these (stp_draw_gl_stats):
+    double prepare_ms, issue_ms, read_ms;
+    uint64_t uploaded_bytes, gl_bytes; ///< the latter: used for scene data
+} frame_figures;
+
+/// All zero at first.
+typedef struct frame_maker {
+    stp_context* context;
+    stp_store* store; ///< borrowed
+    stp_renderer* renderer;
+    stp_residency* residency; ///< NULL: the file is used as it is mapped
+    stp_draw_list list;
+    stp_draw_style style;
+    stp_headless headless; ///< where OpenGL draws
+    bool uses_gl;
+} frame_maker;
+
+typedef enum frame_backend {
+    FRAME_BACKEND_AUTO,
+    FRAME_BACKEND_CPU,
+    FRAME_BACKEND_GL
+} frame_backend;
+
+STP_MUST_USE stp_result frame_maker_create(stp_context* context, stp_store* store,
+                                           const stp_draw_style* style, frame_maker* maker);
+/// Same, on a backend; frame_maker_create uses the CPU. Automatic: OpenGL if a GPU provides it.
+STP_MUST_USE stp_result frame_maker_create_on(stp_context* context, stp_store* store,
+                                              const stp_draw_style* style, frame_backend backend,
+                                              frame_maker* maker);
+/// Same, in an existing OpenGL context, which the maker takes over in any case. Automatic: the CPU
+/// if the context lacks something.
+STP_MUST_USE stp_result frame_maker_create_in(stp_context* context, stp_store* store,
+                                              const stp_draw_style* style, frame_backend backend,
+                                              const stp_headless* headless, frame_maker* maker);
+/// How OpenGL draws splats, if it is used: an stp_gl_splats.
+void frame_maker_use_splats(frame_maker* maker, int splats);
+/// "cpu" or "gl".
+const char* frame_backend_name(const frame_maker* maker);
+/// Loads bulk data on demand from now on, within the context's memory limit; loads the coarsest
+/// data immediately.
+STP_MUST_USE stp_result frame_maker_stream(frame_maker* maker);
+void frame_maker_destroy(frame_maker* maker);
+
+/// Draws a view for one eye or two; `image` has its size. Failures are logged by the context.
+/// With OpenGL, `image` may be NULL: the picture stays on the GPU, and this waits for it.
+STP_MUST_USE stp_result frame_draw(frame_maker* maker, const stp_view* view,
+                                   const stp_quality* quality, stp_image* image,
+                                   frame_figures* figures);
+
+/// Draws a view repeatedly until everything it wants is loaded, or memory is full.
+STP_MUST_USE stp_result frame_draw_loaded(frame_maker* maker, const stp_view* view,
+                                          const stp_quality* quality, stp_image* image,
+                                          frame_figures* figures);
+
+/// Draws the next of `count` accumulated frames (stp_renderer_accumulate); count is above one.
+STP_MUST_USE stp_result frame_accumulate(frame_maker* maker, const stp_view* view,
+                                         const stp_quality* quality, uint32_t count,
+                                         stp_image* image);
+
+/// Draws the view until the budget settles on a splat size, or gives up after some hundred frames
+/// or a time limit in seconds. Sets quality->splat_size.
+STP_MUST_USE stp_result frame_settle(frame_maker* maker, const stp_view* view, stp_budget* budget,
+                                     stp_quality* quality, stp_image* image);
+
+/// What the budget learns from a frame.
+stp_frame_cost frame_cost(const frame_figures* figures);
+
+/// Allocates a picture with stp_alloc. @return false, with the message printed
+bool frame_image_create(stp_context* context, uint32_t width, uint32_t height, stp_image* image);
+/// Same; evicts data that the maker loaded if needed.
+bool frame_maker_create_image(frame_maker* maker, uint32_t width, uint32_t height,
+                              stp_image* image);
+
+/// An operation that needs memory and has no effect if there is none; it then returns
+/// STP_ERROR_OUT_OF_MEMORY (logged).
+typedef stp_result (*frame_task)(void* user);
+/// Runs it; if memory runs out, evicts data that the maker loaded and runs it again. The last
+/// failure is logged.
+STP_MUST_USE stp_result frame_do(frame_maker* maker, frame_task task, void* user);
+
+/// Adds frame figures as in `render --json`. NULL if memory runs out.
+json_t* frame_describe(const frame_figures* figures);
+
+/// Describes the renderer and the picture: `backend`, `device`, `width`, `height`. NULL if memory
+/// runs out.
+json_t* frame_maker_describe(const frame_maker* maker, uint32_t width, uint32_t height);
+/// Bytes in memory: the context's count, or without a limit the size of the mapped file.
+uint64_t frame_maker_resident_bytes(const frame_maker* maker);

@@ -1,0 +1,428 @@
+// SPDX-License-Identifier: MIT
+#include "program/files/scene_file.h"
+
+#include "base/io/file.h"
+#include "base/io/hash.h"
+#include "builder/build_scene.h"
+#include "import/reading/import.h"
+#include "import/text/text_columns.h"
+#include "lab/scenes/scenes.h"
+#include "program/files/companion_files.h"
+#include "program/options/tool.h"
+#include "select/camera.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+// Part of cached file names: raise it when builds of the same input change.
+static const char* const cache_version = "stipple-" STP_VERSION "-7";
+static const char* const parameters =
+    "{\"method\":\"blue\",\"metric\":\"side\",\"order\":\"exact\",\"threshold\":1000}";
+
+// Limits for drawing without surfels: above this many unique triangles, making surfels takes a
+// second or more; below this many instanced triangles, drawing takes only a few seconds.
+static const uint64_t quick_surfels = UINT64_C(100000), quick_triangles = UINT64_C(1) << 27;
+
+enum {
+    SCENE_USES = 4,
+    MEMORY_SHARE = 4, ///< of the limit, for meshes and points before they go to the spill file
+};
+
+/// Purpose of opening a scene, and its watcher.
+typedef struct wish {
+    scene_use use;
+    const scene_watcher* watcher; ///< NULL: no watcher
+    char* draft;                  ///< of the watcher
+    bool drafted;                 ///< one was written
+} wish;
+
+bool tool_is_store_file(const char* path)
+{
+    unsigned char magic[4];
+    size_t length = strlen(path);
+    bool named = length > 5 && strcmp(path + length - 5, ".stip") == 0;
+    return stp_file_peek(path, magic, 4) == 4 ? memcmp(magic, "\x89STP", 4) == 0 : named;
+}
+
+/// Creates a folder and its parents.
+static bool make_folders(char* path)
+{
+    for (char* slash = strchr(path + 1, '/'); slash != NULL; slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        bool made = mkdir(path, 0777) == 0 || errno == EEXIST;
+        *slash = '/';
+        if (!made) {
+            return false;
+        }
+    }
+    return mkdir(path, 0777) == 0 || errno == EEXIST;
+}
+
+/// Identity of a model for the cache: its bytes and those of the files that it names.
+static void hash_model(const char* path, const stp_mapped_file* file, stp_hash* hash)
+{
+    const char* name = strrchr(path, '/') != NULL ? strrchr(path, '/') + 1 : path;
+    *hash = stp_hash_bytes(*hash, name, strlen(name)); // its extension may decide how it is read
+    if (file->size > 0) {
+        *hash = stp_hash_bytes(*hash, file->bytes, file->size);
+    }
+    const char* dot = strrchr(name, '.');
+    if (dot != NULL && (strcmp(dot, ".gltf") == 0 || strcmp(dot, ".obj") == 0)) {
+        neighbours_hash(path, file, hash);
+    }
+}
+
+/// Whether only this user can write to a folder that anybody could have created.
+static bool is_own_folder(const char* path)
+{
+    struct stat status;
+    return lstat(path, &status) == 0 && S_ISDIR(status.st_mode) && status.st_uid == geteuid() &&
+           (status.st_mode & (S_IWGRP | S_IWOTH)) == 0;
+}
+
+/// The folder of built models. @return false, with the message logged
+static bool cache_folder(stp_context* context, char* folder, size_t size)
+{
+    const char* cache = getenv("XDG_CACHE_HOME");
+    const char* home = getenv("HOME");
+    int length;
+    bool is_shared = false;
+    if (cache != NULL && cache[0] == '/') {
+        length = snprintf(folder, size, "%s/stipple", cache);
+    } else if (home != NULL && home[0] == '/') {
+        length = snprintf(folder, size, "%s/.cache/stipple", home);
+    } else {
+        length = snprintf(folder, size, "/tmp/stipple-%ld", (long)getuid());
+        is_shared = true;
+    }
+    if (length < 0 || (size_t)length >= size || !make_folders(folder)) {
+        (void)stp_fail(context, STP_ERROR_IO, "%s: cannot create the folder for built models: %s",
+                       folder, strerror(errno));
+        return false;
+    }
+    if (is_shared && !is_own_folder(folder)) {
+        (void)stp_fail(context, STP_ERROR_IO,
+                       "%s: the folder for built models belongs to another user or is writable "
+                       "by others; set HOME or XDG_CACHE_HOME",
+                       folder);
+        return false;
+    }
+    return true;
+}
+
+/// Paths of a model's cached builds, by scene_use. `file` is NULL for a named scene, which is
+/// identified by name and settings. @return false, with the message logged
+static bool cache_paths(stp_context* context, const char* path, const stp_mapped_file* file,
+                        char out[SCENE_USES][PATH_MAX])
+{
+    static const char* const endings[SCENE_USES] = {"-methods", "", "-picture", "-originals"};
+    char folder[PATH_MAX - 64];
+    if (!cache_folder(context, folder, sizeof(folder))) {
+        return false;
+    }
+    stp_hash hash = stp_hash_bytes((stp_hash){0}, cache_version, strlen(cache_version));
+    hash = stp_hash_bytes(hash, parameters, strlen(parameters));
+    const char* columns = tool_settings_get()->columns;
+    if (columns != NULL) {
+        hash = stp_hash_bytes(hash, columns, strlen(columns));
+    }
+    if (file != NULL) {
+        hash_model(path, file, &hash);
+    } else {
+        hash = stp_hash_bytes(hash, SCENES_VERSION, strlen(SCENES_VERSION));
+        hash = stp_hash_bytes(hash, path, strlen(path));
+    }
+    for (int i = 0; i < SCENE_USES; ++i) {
+        snprintf(out[i], PATH_MAX, "%s/%016llx%016llx%s.stip", folder,
+                 (unsigned long long)hash.high, (unsigned long long)hash.low, endings[i]);
+    }
+    return true;
+}
+
+/// Whether the cache holds a complete file. A separate context hides messages about damage: a
+/// damaged file is rebuilt.
+static bool is_cached(const char* path)
+{
+    struct stat status;
+    stp_context* quiet = NULL;
+    if (stat(path, &status) != 0 || !S_ISREG(status.st_mode) ||
+        stp_context_create(&quiet, &(stp_context_desc){.thread_count = 1}) != STP_OK) {
+        return false;
+    }
+    bool whole = stp_store_check(quiet, path, false) == STP_OK;
+    stp_context_destroy(quiet);
+    return whole;
+}
+
+typedef struct decision {
+    scene_use use;
+    bool with_surfels; ///< decided: the built file serves any use
+} decision;
+
+static bool decide_surfels(const stp_scene* scene, void* user)
+{
+    decision* d = user;
+    uint64_t unique = 0;
+    for (size_t i = 0; i < scene->mesh_count; ++i) {
+        unique += scene->meshes[i].triangle_count;
+    }
+    const stp_node* root = scene->root != STP_NONE ? &scene->nodes[scene->root] : NULL;
+    bool quick = root != NULL && root->point_count == 0 && unique > quick_surfels &&
+                 root->triangle_count <= quick_triangles;
+    d->with_surfels = d->use <= SCENE_FOR_SPLATS || (d->use == SCENE_FOR_A_PICTURE && !quick);
+    return d->with_surfels;
+}
+
+static void report_draft(void* user)
+{
+    wish* w = user;
+    w->drafted = true; // by one thread at a time
+    w->watcher->grown(w->draft, w->watcher->user);
+}
+
+/// Path of the drafts of a cached build. @return false if the name is too long
+static bool name_draft(const char* cached, char* draft)
+{
+    static const char ending[] = "-draft.stip";
+    size_t length = strlen(cached) - strlen(".stip");
+    if (length + sizeof(ending) > PATH_MAX) {
+        return false;
+    }
+    memcpy(draft, cached, length);
+    memcpy(draft + length, ending, sizeof(ending));
+    return true;
+}
+
+/// Shows the watcher an earlier build, or has drafts made for it.
+static void prepare_watching(wish* w, char cached[SCENE_USES][PATH_MAX], stp_build_desc* desc)
+{
+    for (int i = (int)w->use + 1; w->watcher != NULL && i < SCENE_USES; ++i) {
+        if (is_cached(cached[i])) { // all of its triangles are there
+            w->watcher->grown(cached[i], w->watcher->user);
+            return;
+        }
+    }
+    if (w->watcher != NULL && name_draft(cached[w->use], w->draft)) {
+        desc->draft = w->draft;
+        desc->drafted = report_draft;
+        desc->drafted_user = w;
+    }
+}
+
+/// Builds into the cache. @return its path in `located`
+static stp_result build_cached(stp_context* context, const char* path, wish* w,
+                               char cached[SCENE_USES][PATH_MAX], char* located)
+{
+    scene_use use = w->use;
+    decision d = {.use = use};
+    stp_build_desc desc = {.inputs = &path,
+                           .input_count = 1,
+                           .output = cached[use],
+                           .generate = scene_make_input,
+                           .import = {.columns = tool_settings_get()->columns},
+                           .wants_surfels = decide_surfels,
+                           .wants_surfels_user = &d,
+                           .parameters_json = parameters};
+    const stp_method* methods[STP_METHOD_COUNT];
+    for (uint32_t i = 0; use == SCENE_FOR_METHODS && i < STP_METHOD_COUNT; ++i) {
+        methods[i] = &stp_methods[i];
+        desc.methods = methods;
+        desc.method_count = i + 1;
+    }
+    desc.method_options = stp_method_options_default();
+    prepare_watching(w, cached, &desc);
+    stp_build_report report;
+    stp_result result = stp_build(context, &desc, &report);
+    if (result != STP_OK) {
+        return result;
+    }
+    // if renaming fails, the file is rebuilt when surfels are needed
+    bool renamed = d.with_surfels && use > SCENE_FOR_SPLATS &&
+                   rename(cached[use], cached[SCENE_FOR_SPLATS]) == 0;
+    memcpy(located, cached[renamed ? SCENE_FOR_SPLATS : use], PATH_MAX);
+    return STP_OK;
+}
+
+scene_use scene_use_of_method(uint32_t id)
+{
+    const stp_method* method = stp_method_by_id(id);
+    return method != NULL && method->make != NULL ? SCENE_FOR_METHODS : SCENE_FOR_SPLATS;
+}
+
+static stp_result locate(stp_context* context, const char* path, wish* w, char* located)
+{
+    char cached[SCENE_USES][PATH_MAX];
+    bool built = false, known;
+    if (scene_is_input(path)) {
+        known = cache_paths(context, path, NULL, cached);
+    } else {
+        stp_mapped_file file;
+        stp_result mapped = stp_file_map(context, path, &file);
+        if (mapped != STP_OK) {
+            return mapped;
+        }
+        built = tool_is_store_file(path);
+        known = built || cache_paths(context, path, &file, cached);
+        stp_file_unmap(&file);
+    }
+    if (built || !known) {
+        snprintf(located, PATH_MAX, "%s", path);
+        return built ? STP_OK : STP_ERROR_IO;
+    }
+    for (int i = 0; i <= (int)w->use; ++i) { // a more complete build serves as well
+        if (is_cached(cached[i])) {
+            stp_notice(context, "%s: taken from the cache, %s", path, cached[i]);
+            if (w->watcher != NULL && name_draft(cached[i], w->draft)) {
+                (void)unlink(w->draft); // of a process that was killed
+            }
+            memcpy(located, cached[i], PATH_MAX);
+            return STP_OK;
+        }
+    }
+    return build_cached(context, path, w, cached, located);
+}
+
+stp_result tool_locate_scene(stp_context* context, const char* path, scene_use use, char* located)
+{
+    return locate(context, path, &(wish){.use = use}, located);
+}
+
+stp_result tool_locate_watched(stp_context* context, const char* path, scene_use use,
+                               const scene_watcher* watcher, char* located, char* draft)
+{
+    wish w = {.use = use, .watcher = watcher, .draft = draft};
+    stp_result result = locate(context, path, &w, located);
+    if (!w.drafted) { // an existing file may belong to another process
+        draft[0] = '\0';
+    }
+    return result;
+}
+
+stp_result tool_open_scene_for(stp_context* context, const char* path, scene_use use,
+                               stp_store** store)
+{
+    char located[PATH_MAX];
+    *store = NULL;
+    stp_result result = tool_locate_scene(context, path, use, located);
+    return result == STP_OK ? stp_store_open(context, located, store) : result;
+}
+
+stp_result tool_open_scene_prefix(stp_context* context, const char* path, scene_use use,
+                                  const option_prefix* prefix, stp_store** store)
+{
+    char located[PATH_MAX];
+    struct stat status;
+    stp_store_open_desc desc = {.accept_prefix = use != SCENE_FOR_ORIGINALS,
+                                .prefix_bytes = prefix->bytes};
+    *store = NULL;
+    stp_result result = tool_locate_scene(context, path, use, located);
+    if (result != STP_OK) {
+        return result;
+    }
+    if (prefix->percent > 0.0 && stat(located, &status) == 0) {
+        desc.prefix_bytes = (uint64_t)ceil(0.01 * prefix->percent * (double)status.st_size);
+    }
+    return stp_store_open_with(context, located, &desc, store);
+}
+
+stp_result tool_open_scene(stp_context* context, const char* path, stp_store** store)
+{
+    return tool_open_scene_for(context, path, SCENE_FOR_SPLATS, store);
+}
+
+int tool_take_columns(const char* names, int input_count, char** inputs)
+{
+    stp_columns columns;
+    const char* wrong = names != NULL ? stp_columns_parse(names, &columns) : NULL;
+    if (wrong != NULL) {
+        return tool_usage_error("--columns %s: %s", names, wrong);
+    }
+    bool applies = names == NULL || input_count == 0;
+    for (int i = 0; i < input_count && !applies; ++i) {
+        applies = !scene_is_input(inputs[i]) && stp_import_takes_columns(inputs[i]);
+    }
+    if (!applies) {
+        return tool_usage_error("--columns applies to text point clouds; %s is not one", inputs[0]);
+    }
+    tool_settings_get()->columns = names;
+    return 0;
+}
+
+stp_result tool_import_scene(stp_context* context, const char* path, stp_scene** scene)
+{
+    return tool_import_spilled(context, path, NULL, scene);
+}
+
+static stp_result import_scene(stp_context* context, const char* path, stp_spill* spill,
+                               stp_scan_info* scan, stp_scene** scene)
+{
+    stp_import_desc desc = {.columns = tool_settings_get()->columns, .scan = scan};
+    stp_result result = stp_scene_create(context, scene);
+    if (result != STP_OK) {
+        return result;
+    }
+    if (spill != NULL) {
+        uint64_t usable = stp_usable_memory(stp_memory_limit(context));
+        stp_scene_use_spill(*scene, spill, usable / MEMORY_SHARE);
+    }
+    result = scene_is_input(path) ? scene_make_input(*scene, path, NULL)
+                                  : stp_import_file(*scene, path, &desc);
+    bool whole = scan == NULL || !scan->alone;
+    result = result == STP_OK && whole ? stp_scene_finish(*scene) : result;
+    if (result != STP_OK) {
+        stp_scene_destroy(*scene);
+        *scene = NULL;
+    }
+    return result;
+}
+
+stp_result tool_import_spilled(stp_context* context, const char* path, stp_spill* spill,
+                               stp_scene** scene)
+{
+    return import_scene(context, path, spill, NULL, scene);
+}
+
+stp_result tool_import_described(stp_context* context, const char* path, stp_scan_info* scan,
+                                 stp_scene** scene)
+{
+    *scan = (stp_scan_info){.alone = false};
+    return import_scene(context, path, NULL, scan, scene);
+}
+
+static const stp_store_view* find_stored_view(const stp_store* store, const char* name)
+{
+    const stp_store_directory* directory = stp_store_get_directory(store);
+    for (uint32_t i = 0; i < directory->view_count; ++i) {
+        const stp_store_view* stored = &directory->views[i];
+        if (stored->name != NULL && strcmp(stored->name, name) == 0) {
+            return stored;
+        }
+    }
+    return NULL;
+}
+
+bool tool_is_standard_view(const stp_store* store, const char* name)
+{
+    return find_stored_view(store, name) == NULL && stp_camera_is_standard(name);
+}
+
+bool tool_find_view(const stp_store* store, const char* name, const stp_visibility* visibility,
+                    stp_view* view)
+{
+    const stp_store_view* stored = find_stored_view(store, name);
+    if (stored != NULL) {
+        view->eye = stored->eye;
+        view->target = stored->target;
+        view->up = stored->up;
+        view->fov_degrees = view->fov_degrees > 0.0 ? view->fov_degrees : stored->fov_degrees;
+        return true;
+    }
+    stp_boxd box = stp_visible_bounds(store, visibility);
+    return stp_camera_frame(name, &box, view);
+}

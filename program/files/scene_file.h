@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+// Opens a scene from the command line: a .stip, or a model that is first built into a cache.
+#pragma once
+
+#include "import/reading/scan_info.h"
+#include "program/options/command.h"
+#include "scene/scene.h"
+#include "select/visibility.h"
+#include "store/file/store.h"
+
+#include <stipple/view.h>
+
+/// Whether a file is a .stip, by its first bytes, or by its name if it is shorter than these.
+bool tool_is_store_file(const char* path);
+
+/// Opens `path`. A model (anything but a .stip) is built first, unless the cache
+/// ($XDG_CACHE_HOME/stipple, or ~/.cache/stipple) holds a build of the same bytes. Failures are
+/// logged by the context.
+STP_MUST_USE stp_result tool_open_scene(stp_context* context, const char* path, stp_store** store);
+
+/// Purpose of opening a scene.
+typedef enum scene_use {
+    SCENE_FOR_METHODS,   ///< needs the splats of all methods
+    SCENE_FOR_SPLATS,    ///< needs the splats of the first method
+    SCENE_FOR_A_PICTURE, ///< triangles suffice if they are quicker than making surfels
+    SCENE_FOR_ORIGINALS, ///< needs only triangles and points
+} scene_use;
+
+/// For splats of the method with this id; 0: the file's first method.
+scene_use scene_use_of_method(uint32_t id);
+
+/// As tool_open_scene, but builds without surfels, in a tenth of the time, if they are not needed:
+/// for a picture of a large model whose triangles draw faster than surfels can be made.
+STP_MUST_USE stp_result tool_open_scene_for(stp_context* context, const char* path, scene_use use,
+                                            stp_store** store);
+
+/// Same, and also accepts a .stip that ends early; with `prefix`, uses only the first part. A
+/// reference (SCENE_FOR_ORIGINALS) needs the complete file.
+STP_MUST_USE stp_result tool_open_scene_prefix(stp_context* context, const char* path,
+                                               scene_use use, const option_prefix* prefix,
+                                               stp_store** store);
+
+/// Path of the .stip that tool_open_scene_for would open; builds it if needed. `located` has room
+/// for PATH_MAX bytes. @return STP_OK: it can be opened; else as tool_open_scene_for
+STP_MUST_USE stp_result tool_locate_scene(stp_context* context, const char* path, scene_use use,
+                                          char* located);
+
+/// Callbacks while a model is built.
+typedef struct scene_watcher {
+    /// Reports a .stip that can be shown in the meantime: an earlier build without surfels, or a
+    /// draft (build/draft.h). If a path repeats, the file was replaced. Called on any thread.
+    void (*grown)(const char* path, void* user);
+    void* user;
+} scene_watcher;
+
+/// As tool_locate_scene for SCENE_FOR_METHODS or SCENE_FOR_SPLATS. `draft` (PATH_MAX bytes)
+/// receives the path of drafts, which the caller removes; empty if there are none. @return
+/// STP_ERROR_BUSY (logged) if another process builds the same
+STP_MUST_USE stp_result tool_locate_watched(stp_context* context, const char* path, scene_use use,
+                                            const scene_watcher* watcher, char* located,
+                                            char* draft);
+
+/// Sets --columns for all models imported or built from now on; NULL is allowed. @return 0, or the
+/// code of a usage error if the list is invalid or applies to none of the inputs
+int tool_take_columns(const char* names, int input_count, char** inputs);
+
+/// Imports a model or makes a named scene (scene:NAME), and finishes it. The caller destroys it
+/// with stp_scene_destroy; NULL on failure, which is logged.
+STP_MUST_USE stp_result tool_import_scene(stp_context* context, const char* path,
+                                          stp_scene** scene);
+/// Same, with large content in a spill file (stp_scene_use_spill), which must outlive the scene;
+/// NULL: none.
+STP_MUST_USE stp_result tool_import_spilled(stp_context* context, const char* path,
+                                            stp_spill* spill, stp_scene** scene);
+
+/// As tool_import_scene, plus the header of a file of points. If scan->alone, the scene has the
+/// source but no points.
+STP_MUST_USE stp_result tool_import_described(stp_context* context, const char* path,
+                                              stp_scan_info* scan, stp_scene** scene);
+
+/// Sets eye, target and up of `view` from a named view of the file or a standard view, and the
+/// field of view if the named view is a camera with one and `view->fov_degrees` is 0. Standard
+/// views fit the visible content, given by `visibility` (NULL: everything) and the view's sections;
+/// they use width, height, fov, eye_distance and ortho_height. @return false if no view has that
+/// name
+bool tool_find_view(const stp_store* store, const char* name, const stp_visibility* visibility,
+                    stp_view* view);
+
+/// Whether a name is that of a standard view.
+bool tool_is_standard_view(const stp_store* store, const char* name);

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// Elliptical splats as a .stip, which every command draws.
+#pragma once
+
+#include "program/files/splat_file.h"
+#include "store/file/store.h"
+
+/// Writes a .stip whose only node has these splats as its set, in their order, of method `psp`: all
+/// of them are drawn from any distance, or the first N with --splats N. The file's precision
+/// applies: 16 bits per coordinate, 8 bits for each component of a normal and for the direction of
+/// the major axis, radii up to 0.8 % too large. It contains neither points nor triangles.
+/// @param up the file's up axis: splats lie along its own axes (tool_own_axes)
+/// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY; logged
+STP_MUST_USE stp_result tool_write_splat_store(stp_context* context, const char* path,
+                                               const tool_splats* splats, char up);
+
+/// Writes splats to a .stip if the name ends so, else as tool_write_splats.
+STP_MUST_USE stp_result tool_write_any_splats(stp_context* context, const char* path,
+                                              const tool_splats* splats, char up);
+
+/// Opens splats as a scene: the result of tool_write_splat_store, in an unlinked file in $TMPDIR.
+/// @return as tool_write_splat_store and stp_store_open; logged
+STP_MUST_USE stp_result tool_open_splat_store(stp_context* context, const tool_splats* splats,
+                                              char up, stp_store** store);

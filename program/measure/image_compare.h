@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+//
+// Image similarity metrics.
+#pragma once
+
+#include "base/core/context.h"
+
+#include <stipple/image.h>
+
+/// Replaces infinity, which JSON cannot express. Pictures that differ stay below 140.
+#define STP_PSNR_EQUAL 200.0
+
+/// A channel (0 to 2) of an RGBA pixel over black.
+static inline int stp_composite_on_black(const uint8_t* pixel, int channel)
+{
+    return (pixel[channel] * pixel[3] + 127) / 255;
+}
+
+typedef struct stp_image_quality {
+    /// Wang et al. 2004: luminance (Rec. 601 weights of the sRGB bytes), 11 x 11 Gaussian window,
+    /// sigma 1.5, K1 .01, K2 .03. Mean over the pixels whose whole window lies inside the picture,
+    /// as in the authors' program; over all pixels if the picture is smaller than 11 x 11.
+    double ssim;
+    /// Mean over pixels that either picture covers (alpha above 0); 1 if there are none. Windows
+    /// are clipped at the border and their weights scaled to a sum of 1.
+    double ssim_covered;
+    /// Wang et al. 2003: five scales. Pictures below 161 pixels use the scales that fit a window,
+    /// with weights scaled to a sum of 1. A negative mean counts as 0.
+    double ms_ssim;
+    double psnr; ///< decibels over RGB; STP_PSNR_EQUAL for equal pictures
+} stp_image_quality;
+
+/// Compares pictures of equal size, composited on black. `mask` (may be NULL; same size):
+/// ssim_covered counts only covered pixels at which the mask has alpha above 0 and a channel above
+/// 127. `map` (may be NULL): receives the SSIM of each pixel as grey, 0 if negative; its pixels
+/// come from stp_alloc. The same bits for any number of threads.
+/// @return STP_OK, STP_ERROR_ARGUMENT (sizes differ; logged), STP_ERROR_OUT_OF_MEMORY
+STP_MUST_USE stp_result stp_image_compare(stp_context* context, const stp_image* a,
+                                          const stp_image* b, const stp_image* mask, stp_image* map,
+                                          stp_image_quality* quality);

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+//
+// An interactive camera: orbit, zoom to the cursor, and fly. Plain data and arithmetic: no window,
+// no clock. Everything is in doubles and relative to the pivot, so nothing jitters far from the
+// origin.
+//
+// Directions are stored as angles, so up stays up. Azimuth 0 and elevation 0 look from the front
+// (from +z); an elevation of a quarter turn looks down with -z up in the picture, as in the
+// standard views (present/camera.h).
+#pragma once
+
+#include "base/math/math.h"
+
+#include <stipple/view.h>
+
+typedef struct stp_navigator {
+    stp_vec3d eye;
+    double azimuth, elevation, roll; ///< radians; elevation within a quarter turn
+    double fov_degrees;              ///< vertical
+    double ortho_height;             ///< of the picture; parallel projection if above 0
+    double reach;                    ///< distance to the visible surface: it scales speeds
+    stp_vec3d pivot;                 ///< centre of orbits
+    bool pivot_chosen;               ///< the user chose it: it stays
+    double speed;                    ///< flight speed factor; initially 1
+    double min_reach, max_reach;
+    uint32_t width, height; ///< pixels
+} stp_navigator;
+
+/// The axes of a camera.
+typedef struct stp_navigator_axes {
+    stp_vec3d right, up, back; ///< unit; `back` points towards the viewer
+} stp_navigator_axes;
+
+/// Looks from the "iso" direction at the whole box, which also defines near and far.
+void stp_navigator_init(stp_navigator* n, const stp_boxd* scene, uint32_t width, uint32_t height);
+
+/// Takes position, direction and projection from a view. Its target becomes the pivot.
+void stp_navigator_read_view(stp_navigator* n, const stp_view* view);
+/// Sets position, direction, projection and size of `view`; the rest is unchanged.
+void stp_navigator_write_view(const stp_navigator* n, stp_view* view);
+
+stp_navigator_axes stp_navigator_get_axes(const stp_navigator* n);
+/// Size of a pixel at a depth along the view axis.
+double stp_navigator_pixel(const stp_navigator* n, double depth);
+/// The point at a depth along the view axis that a picture position shows (pixels, y down).
+stp_vec3d stp_navigator_point(const stp_navigator* n, double x, double y, double depth);
+/// Projects a point, with its depth. @return false if it is not in front of the eye
+bool stp_navigator_project(const stp_navigator* n, stp_vec3d point, double* x, double* y,
+                           double* depth);
+
+/// Orbits around the pivot, which keeps its place in the picture. Takes the pointer's movement in
+/// pixels; the picture's height is half a turn.
+void stp_navigator_orbit(stp_navigator* n, double dx, double dy);
+/// Chooses the centre of an orbit that begins at a surface point, unless the user chose a pivot. It
+/// is that point, unless the pivot is visible at a similar depth.
+void stp_navigator_begin_orbit(stp_navigator* n, const stp_vec3d* seen);
+void stp_navigator_choose_pivot(stp_navigator* n, stp_vec3d pivot);
+
+/// Turns the camera in place. Radians, to the right and down.
+void stp_navigator_turn(stp_navigator* n, double right, double down);
+/// Pans so that a point at `depth` follows the pointer.
+void stp_navigator_pan(stp_navigator* n, double dx, double dy, double depth);
+/// Moves towards a point (factor below 1) or away from it; the point keeps its place in the
+/// picture.
+void stp_navigator_zoom(stp_navigator* n, stp_vec3d point, double factor);
+/// Flies for some time: right, up (the world's) and forward, each -1 to 1. `faster`: speed factor.
+void stp_navigator_fly(stp_navigator* n, const double move[3], double seconds, double faster);
+/// Adapts to the distance of the visible surface, smoothly. `distance` not above 0: nothing is
+/// visible.
+void stp_navigator_adapt_speed(stp_navigator* n, double distance, double seconds);
+void stp_navigator_change_speed(stp_navigator* n, double steps);
+
+/// Moves, without turning, so that the box clipped by `sections` (NULL: none) fits the picture
+/// (stp_camera_fit). The pivot becomes the centre of the box.
+void stp_navigator_frame(stp_navigator* n, const stp_boxd* box, const stp_sections* sections);
+/// Turns to a standard view ("front", "iso", ...) and frames the box. @return false if no standard
+/// view has that name
+bool stp_navigator_face(stp_navigator* n, const char* name, const stp_boxd* box,
+                        const stp_sections* sections);
+/// Switches between perspective and parallel projection: objects at the pivot's depth keep their
+/// size.
+void stp_navigator_switch_projection(stp_navigator* n);
+
+/// Interpolates between two cameras, `part` 0..1.
+stp_navigator stp_navigator_mix(const stp_navigator* from, const stp_navigator* to, double part);

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#include "program/present/picture.h"
+
+#include "program/present/picture_file.h"
+#include "program/present/png.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define STDIN_LIMIT ((size_t)1 << 30)
+#define BLOCK ((size_t)1 << 16)
+
+static stp_result read_stdin(stp_context* context, unsigned char** bytes, size_t* size)
+{
+    size_t capacity = 0;
+    for (;;) {
+        unsigned char* grown = stp_grow_array(context, *bytes, &capacity, *size + BLOCK, 1);
+        if (grown == NULL) {
+            return stp_fail_memory(context);
+        }
+        *bytes = grown;
+        size_t got = fread(*bytes + *size, 1, BLOCK, stdin);
+        *size += got;
+        if (got < BLOCK) {
+            return ferror(stdin) == 0
+                       ? STP_OK
+                       : stp_fail(context, STP_ERROR_IO, "standard input: cannot be read");
+        }
+        if (*size > STDIN_LIMIT) {
+            return stp_fail(context, STP_ERROR_LIMIT, "standard input: longer than %zu bytes",
+                            STDIN_LIMIT);
+        }
+    }
+}
+
+stp_result tool_read_picture(stp_context* context, const char* path, stp_image* image)
+{
+    if (strcmp(path, "-") != 0) {
+        return stp_png_read(context, path, image);
+    }
+    unsigned char* bytes = NULL;
+    size_t size = 0;
+    stp_result result = read_stdin(context, &bytes, &size);
+    if (result == STP_OK) {
+        result = stp_png_decode(context, "standard input", bytes, size, image);
+    }
+    stp_free(context, bytes);
+    return result;
+}
+
+int tool_check_picture(const char* path)
+{
+    bool known = path == NULL || strcmp(path, "-") == 0 ||
+                 stp_picture_format_of(path) != STP_PICTURE_UNKNOWN;
+    return known ? 0
+                 : tool_usage_error("%s: the file name must end in " STP_PICTURE_SUFFIXES, path);
+}
+
+stp_result tool_write_picture(stp_context* context, const stp_image* image, const char* path)
+{
+    if (strcmp(path, "-") != 0) {
+        return stp_picture_write(context, image, path);
+    }
+    unsigned char* bytes;
+    size_t size;
+    stp_result result = stp_png_encode(context, image, "standard output", &bytes, &size);
+    if (result == STP_OK) {
+        if (fwrite(bytes, 1, size, stdout) != size || fflush(stdout) != 0) {
+            clearerr(stdout);
+            result = stp_fail(context, STP_ERROR_IO, "standard output: cannot be written");
+        }
+        stp_free(context, bytes);
+    }
+    return result;
+}

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+//
+// Figures about the content of a scene: of a .stip file, or of an imported model that was not
+// built.
+#pragma once
+
+#include "store/writer/writer.h"
+
+#include <jansson.h>
+
+typedef struct scene_figures {
+    stp_store_summary summary;
+    stp_context* context; ///< whose memory the summary takes; NULL: it is the store's
+    const stp_store_directory* directory; ///< only views, sources, unit and up axis are used
+    uint64_t file_bytes;
+    uint64_t whole_bytes;                  ///< of a .stip; more than file_bytes if it is truncated
+    uint32_t format_version, format_minor; ///< 0: not a .stip
+    double position_error; ///< of a .stip's points, scene units; 0: unknown, or no points
+} scene_figures;
+
+/// Of an open store: its summary, or computed from its tables if it has none. No bulk data is read.
+STP_MUST_USE stp_result describe_store(stp_context* context, stp_store* store,
+                                       scene_figures* figures);
+/// Of a scene that a writer would receive.
+STP_MUST_USE stp_result describe_content(stp_context* context, const stp_store_content* content,
+                                         scene_figures* figures);
+void describe_destroy(scene_figures* figures);
+
+/// JSON as printed by `info --json`; NULL if memory runs out.
+json_t* describe_json(const scene_figures* figures);
+/// Prints text as `info` does, on stdout.
+void describe_print(const char* path, const scene_figures* figures);
+
+/// The table of parts, and their sum: the layout of the paper's Table 1, on stdout.
+void describe_print_table(const stp_store_summary* summary);
+/// Formats a count for people: 12,345 or 2.35 G.
+const char* describe_count(uint64_t count, char out[32]);
+/// 554 MB, in powers of 1000.
+const char* describe_bytes(uint64_t bytes, char out[32]);
+/// Converts a text from a file, which may hold any bytes, to JSON (UTF-8); null if it is NULL.
+/// Returns NULL if memory runs out.
+json_t* describe_json_text(const char* text);
+/// Prints a text from a file, without bytes that could control a terminal.
+void describe_text(const char* text);
+
+/// Name of a unit of length, such as "mm"; NULL if no unit has that length.
+const char* describe_unit(double metres);

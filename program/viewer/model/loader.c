@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: MIT
+#include "program/viewer/model/loader.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <time.h>
+#include <unistd.h>
+
+struct loader {
+    loader_desc desc;
+    pthread_t thread;
+    pthread_mutex_t mutex;
+    pthread_cond_t changed;
+    bool quits;
+    uint32_t wanted, begun; ///< numbers of loads
+    char path[PATH_MAX];    ///< of the requested load
+    loader_news news;
+    char draft[PATH_MAX]; ///< of the last build
+};
+
+static void copy_text(char* out, size_t size, const char* text)
+{
+    snprintf(out, size, "%s", text != NULL ? text : "");
+}
+
+static int on_progress(const stp_progress_report* report, void* user)
+{
+    loader* l = user;
+    pthread_mutex_lock(&l->mutex);
+    bool stops = l->quits || l->wanted != l->begun;
+    double before = l->news.fraction;
+    bool other = strcmp(l->news.stage, report->stage) != 0;
+    copy_text(l->news.stage, sizeof(l->news.stage), report->stage);
+    copy_text(l->news.unit, sizeof(l->news.unit), report->unit);
+    l->news.fraction = report->fraction;
+    l->news.overall = report->overall;
+    l->news.done = report->done;
+    l->news.total = report->total;
+    pthread_mutex_unlock(&l->mutex);
+    if (other || report->fraction - before > 0.005) {
+        l->desc.wake(l->desc.user);
+    }
+    return stops;
+}
+
+static void on_log(stp_log_level level, const char* message, void* user)
+{
+    loader* l = user;
+    if (level != STP_LOG_NOTICE) {
+        pthread_mutex_lock(&l->mutex);
+        copy_text(l->news.message, sizeof(l->news.message), message);
+        pthread_mutex_unlock(&l->mutex);
+    }
+}
+
+static void set_state(loader* l, loader_state state, const char* store, bool complete)
+{
+    pthread_mutex_lock(&l->mutex);
+    if (l->wanted == l->begun) {
+        l->news.state = state;
+        if (store != NULL) {
+            copy_text(l->news.store, sizeof(l->news.store), store);
+            l->news.complete = complete;
+            l->news.serial += 1;
+        }
+    }
+    pthread_mutex_unlock(&l->mutex);
+    l->desc.wake(l->desc.user);
+}
+
+static void on_grown(const char* store, void* user)
+{
+    set_state(user, LOADER_REFINING, store, false);
+}
+
+void loader_drop_drafts(loader* l)
+{
+    pthread_mutex_lock(&l->mutex);
+    if (l->draft[0] != 0) {
+        (void)unlink(l->draft);
+        l->draft[0] = 0;
+    }
+    pthread_mutex_unlock(&l->mutex);
+}
+
+/// Waits until another process may have finished the build. @return false if it is no longer wanted
+static bool wait_for_another(loader* l)
+{
+    struct timespec until;
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_sec += 1;
+    pthread_mutex_lock(&l->mutex);
+    copy_text(l->news.stage, sizeof(l->news.stage), "waiting for another window");
+    l->news.message[0] = 0;
+    int waited = 0;
+    while (!l->quits && l->wanted == l->begun && waited == 0) {
+        waited = pthread_cond_timedwait(&l->changed, &l->mutex, &until);
+    }
+    bool goes_on = !l->quits && l->wanted == l->begun;
+    pthread_mutex_unlock(&l->mutex);
+    l->desc.wake(l->desc.user);
+    return goes_on;
+}
+
+static void load(loader* l, const char* path)
+{
+    char found[PATH_MAX], draft[PATH_MAX];
+    stp_context* context = NULL;
+    stp_context_desc desc = {.log = on_log,
+                             .log_user = l,
+                             .progress = on_progress,
+                             .progress_user = l,
+                             .thread_count = l->desc.thread_count,
+                             .memory_limit_bytes = l->desc.memory_limit};
+    loader_drop_drafts(l);
+    if (stp_context_create(&context, &desc) != STP_OK) {
+        on_log(STP_LOG_ERROR, "not enough memory to load the file", l);
+        set_state(l, LOADER_FAILED, NULL, false);
+        return;
+    }
+    scene_watcher watcher = {.grown = on_grown, .user = l};
+    stp_result result;
+    do {
+        result = tool_locate_watched(context, path, l->desc.use, &watcher, found, draft);
+    } while (result == STP_ERROR_BUSY && wait_for_another(l));
+    stp_context_destroy(context);
+    pthread_mutex_lock(&l->mutex);
+    copy_text(l->draft, sizeof(l->draft), draft);
+    pthread_mutex_unlock(&l->mutex);
+    set_state(l, result == STP_OK ? LOADER_DONE : LOADER_FAILED, result == STP_OK ? found : NULL,
+              true);
+}
+
+/// Lowers the priority of building below that of drawing. On Linux this affects the calling thread
+/// and the threads that it starts.
+static void yield_to_drawing(void)
+{
+    enum { LESS = 10 };
+    (void)setpriority(PRIO_PROCESS, 0, LESS);
+}
+
+static void* run(void* user)
+{
+    loader* l = user;
+    char path[PATH_MAX];
+    yield_to_drawing();
+    pthread_mutex_lock(&l->mutex);
+    while (!l->quits) {
+        if (l->begun == l->wanted) {
+            pthread_cond_wait(&l->changed, &l->mutex);
+            continue;
+        }
+        l->begun = l->wanted;
+        copy_text(path, sizeof(path), l->path);
+        uint32_t serial = l->news.serial;
+        l->news = (loader_news){.state = LOADER_WORKING, .overall = -1.0, .serial = serial};
+        copy_text(l->news.file, sizeof(l->news.file), path);
+        pthread_mutex_unlock(&l->mutex);
+        load(l, path);
+        pthread_mutex_lock(&l->mutex);
+    }
+    pthread_mutex_unlock(&l->mutex);
+    return NULL;
+}
+
+loader* loader_create(const loader_desc* desc)
+{
+    loader* l = calloc(1, sizeof(*l));
+    if (l == NULL) {
+        return NULL;
+    }
+    l->desc = *desc;
+    pthread_mutex_init(&l->mutex, NULL);
+    pthread_cond_init(&l->changed, NULL);
+    if (pthread_create(&l->thread, NULL, run, l) != 0) {
+        pthread_mutex_destroy(&l->mutex);
+        pthread_cond_destroy(&l->changed);
+        free(l);
+        return NULL;
+    }
+    return l;
+}
+
+void loader_destroy(loader* l)
+{
+    if (l == NULL) {
+        return;
+    }
+    pthread_mutex_lock(&l->mutex);
+    l->quits = true;
+    pthread_cond_signal(&l->changed);
+    pthread_mutex_unlock(&l->mutex);
+    pthread_join(l->thread, NULL);
+    loader_drop_drafts(l);
+    pthread_mutex_destroy(&l->mutex);
+    pthread_cond_destroy(&l->changed);
+    free(l);
+}
+
+void loader_start(loader* l, const char* path)
+{
+    pthread_mutex_lock(&l->mutex);
+    l->wanted += 1;
+    copy_text(l->path, sizeof(l->path), path);
+    copy_text(l->news.file, sizeof(l->news.file), path);
+    l->news.state = LOADER_WORKING;
+    l->news.stage[0] = 0;
+    l->news.message[0] = 0;
+    l->news.store[0] = 0;
+    l->news.fraction = 0.0;
+    l->news.overall = -1.0;
+    pthread_cond_signal(&l->changed);
+    pthread_mutex_unlock(&l->mutex);
+}
+
+void loader_get_news(loader* l, loader_news* news)
+{
+    pthread_mutex_lock(&l->mutex);
+    *news = l->news;
+    pthread_mutex_unlock(&l->mutex);
+}

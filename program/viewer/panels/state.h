@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: MIT
+// The state of the window, shared by the parts of the viewer. Used by the window thread only.
+#pragma once
+
+#include "program/present/flight.h"
+#include "program/present/navigate.h"
+#include "program/present/viewpoints.h"
+#include "program/viewer/model/explorer.h"
+#include "program/viewer/model/loader.h"
+#include "program/viewer/model/paint_thread.h"
+#include "program/viewer/panels/point_style.h"
+#include "program/viewer/panels/start.h"
+#include "program/viewer/panels/viewer.h"
+#include "program/viewer/window/window.h"
+
+enum {
+    FRAME_HISTORY = 120,
+    PATH_ROOM = 4096,
+    SECTION_PLANES = 8, ///< maximum, in addition to a box
+    MEASURE_POINTS = 64,
+    MESSAGES = 4, ///< maximum number of unread messages
+};
+
+/// A message to the user.
+typedef struct viewer_message {
+    char text[512]; ///< empty: no message
+    bool is_error;
+    double ms; ///< time of arrival
+} viewer_message;
+
+/// The action of the pressed mouse button.
+typedef enum drag_kind { DRAG_NONE, DRAG_ORBIT, DRAG_PAN, DRAG_LOOK, DRAG_SECTION } drag_kind;
+
+typedef struct input_state {
+    drag_kind drag;
+    int button;             ///< pressed over the picture; 0: none
+    float start_x, start_y; ///< pixels of the window
+    float last_x, last_y;
+    bool moved;       ///< a drag, not a click
+    double pan_depth; ///< depth of the dragged point
+    SDL_GameController* pad;
+    bool flies; ///< keys or sticks move the camera
+} input_state;
+
+/// A rectangle of the window, in pixels.
+typedef struct viewer_area {
+    float x, y, width, height;
+} viewer_area;
+
+typedef struct section_plane {
+    bool on, flipped;
+    stp_vec3d origin, normal; ///< unit
+    float offset;             ///< along the normal
+} section_plane;
+
+typedef struct section_state {
+    bool has_box;
+    stp_boxd box;
+    section_plane planes[STP_SECTION_PLANES];
+    int plane_count;
+} section_state;
+
+typedef struct measure_state {
+    bool on, snaps;
+    stp_vec3d points[MEASURE_POINTS];
+    int count;
+} measure_state;
+
+typedef struct flight_record {
+    bool on, plays;
+    double start_ms, last_ms;
+    stp_flight_key* keys; ///< malloc'ed
+    size_t count, capacity;
+} flight_record;
+
+typedef struct shot shot;
+
+/// Widgets for the number of splats.
+enum { SPLAT_PLACE_CHOICE, SPLAT_PLACE_SLIDER, SPLAT_PLACE_NUMBER, SPLAT_PLACES };
+
+typedef struct viewer {
+    viewer_options options;
+    viewer_settings settings;
+    window window;
+    loader* loader;
+    painter* painter;
+    uint32_t wake_event;
+    bool quits;
+    int dirty;      ///< number of window frames left to redraw
+    uint64_t shows; ///< frames shown
+    double last_ms; ///< time of the last step
+    viewer_area picture_area;
+    // the scene
+    loader_news news;
+    char file[PATH_ROOM];                    ///< shown or being loaded
+    uint32_t opening;                        ///< serial that the painter is opening
+    uint32_t former;                         ///< serials up to this one belong to the previous file
+    uint32_t file_number, shown_file_number; ///< number of files so far; number of the shown one
+    const painter_scene* scene;
+    const painter_picture* picture;
+    uint64_t request;
+    // the camera
+    stp_navigator camera, glide_from, glide_to;
+    double glide_start; ///< negative: no glide in progress
+    bool has_camera;
+    input_state input;
+    // parts, sections, measures, viewpoints
+    stp_context* context; ///< the window's own
+    explorer* explorer;   ///< of `scene`; NULL: none
+    uint64_t marks_version;
+    char search[128];
+    bool enters;     ///< select the first match when it is found
+    bool finds;      ///< focus the search field
+    bool has_picked; ///< something was clicked in this scene
+    stp_pick picked;
+    point_style look;
+    section_state section;
+    int section_grabbed; ///< the dragged handle (section_drag.c)
+    start_page* start;
+    measure_state measure;
+    stp_viewpoints views;
+    stp_viewpoints carried; ///< hidden parts of the same file's previous, coarser scene
+    char* views_path;       ///< NULL: viewpoints cannot be saved
+    char current_view[128], view_name[128], view_note[512];
+    bool view_pins;
+    flight_record record;
+    shot* shot; ///< the picture being saved; NULL: none
+    bool shot_clear;
+    char last_shot[PATH_ROOM + 512];
+    // the panels
+    bool shows_help, shows_panels;
+    float splat_places[SPLAT_PLACES][4]; ///< x0, y0, x1, y1; all 0: not visible
+    float frame_times[FRAME_HISTORY];
+    int newest_time;
+    viewer_message messages[MESSAGES]; ///< newest first
+    double report_ms;                  ///< time of the last report
+    bool report_rests;                 ///< value of `rests` in it
+} viewer;
+
+// viewer.c, messages.c
+void viewer_redraw(viewer* v);
+/// Wakes the window, from any thread.
+void viewer_wake(void* viewer);
+void viewer_open(viewer* v, const char* path);
+void viewer_show_message(viewer* v, bool is_error, const char* format, ...)
+    __attribute__((format(printf, 3, 4)));
+/// Whether everything is at rest: the picture is final.
+bool viewer_is_idle(const viewer* v);
+
+// camera_moves.c
+void camera_begin(viewer* v); ///< for a new scene
+/// Starts a camera glide to another position.
+void camera_glide(viewer* v, const stp_navigator* to);
+void camera_step(viewer* v, double seconds);
+void camera_face(viewer* v, const char* name);
+void camera_frame(viewer* v);
+void camera_switch_projection(viewer* v);
+/// The scene point at a position of the window. @return false if there is none
+bool camera_seen(const viewer* v, float x, float y, stp_vec3d* point);
+/// The camera of the shown picture. @return false if there is none
+bool camera_of_picture(const viewer* v, stp_navigator* n);
+stp_boxd camera_scene_box(const viewer* v);
+
+// input.c
+void input_take(viewer* v, const SDL_Event* event);
+/// Moves the camera by held keys and sticks.
+void input_step(viewer* v, double seconds);
+/// Includes gamepads.
+void input_begin(void);
+void input_destroy(viewer* v);
+
+// panels.c
+/// The area that the panels leave for the picture.
+viewer_area panels_layout(const viewer* v);
+void panels_show(viewer* v);
+void panels_switch_parts(viewer* v);
+
+// statistics_pages.c
+void page_statistics(viewer* v);
+void page_quality(viewer* v);
+
+// request.c
+bool viewer_uses_gl(const viewer* v);
+paint_request request_make(viewer* v);
+
+// report.c
+/// Writes the report if it changed; immediately if `last`.
+void report_write(viewer* v, bool last);

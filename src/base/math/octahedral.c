@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#include "base/math/octahedral.h"
+
+#include "base/core/processor.h"
+#include "base/math/octahedral_kernels.h"
+
+#include <stdbool.h>
+#include <string.h>
+
+static int8_t clamp_code(int value)
+{
+    return (int8_t)(value < -127 ? -127 : value > 127 ? 127 : value);
+}
+
+// Maps a unit vector to the unfolded square, -1..1 on each axis; @return false for zero
+static bool unfold(stp_vec3 n, float square[2])
+{
+    float sum = fabsf(n.x) + fabsf(n.y) + fabsf(n.z);
+    if (!(sum > 0.0f)) {
+        return false;
+    }
+    float u = n.x / sum, v = n.y / sum;
+    if (n.z < 0.0f) {
+        float folded = (1.0f - fabsf(v)) * (u >= 0.0f ? 1.0f : -1.0f);
+        v = (1.0f - fabsf(u)) * (v >= 0.0f ? 1.0f : -1.0f);
+        u = folded;
+    }
+    square[0] = u;
+    square[1] = v;
+    return true;
+}
+
+void stp_octahedral_encode16(stp_vec3 n, int16_t out[2])
+{
+    float square[2] = {0.0f, 0.0f};
+    (void)unfold(stp_normalize(n), square);
+    out[0] = (int16_t)((int)(square[0] * 32767.0f + 32768.5f) - 32768);
+    out[1] = (int16_t)((int)(square[1] * 32767.0f + 32768.5f) - 32768);
+}
+
+void stp_octahedral_encode(stp_vec3 n, int8_t out[2])
+{
+    float square[2];
+    n = stp_normalize(n);
+    if (!unfold(n, square)) {
+        out[0] = out[1] = 0;
+        return;
+    }
+    float u = square[0], v = square[1];
+    int base_u = (int)(u * 127.0f + 128.0f) - 128, base_v = (int)(v * 127.0f + 128.0f) - 128;
+    float best = -2.0f;
+    for (int i = 0; i < 4; ++i) {
+        int8_t code_u = clamp_code(base_u + (i & 1)), code_v = clamp_code(base_v + (i >> 1));
+        float agreement = stp_dot(n, stp_octahedral_decode(code_u, code_v));
+        if (agreement > best) {
+            best = agreement;
+            out[0] = code_u;
+            out[1] = code_v;
+        }
+    }
+}
+
+void stp_octahedral_encode_many(const float* normals, size_t count, int8_t* out)
+{
+    size_t done = 0;
+#if defined(__x86_64__)
+    if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
+        done = stp_octahedral_encode_avx2(normals, count, out);
+    }
+#endif
+    for (; done < count; ++done) {
+        const float* n = normals + 3 * done;
+        stp_octahedral_encode((stp_vec3){n[0], n[1], n[2]}, out + 2 * done);
+    }
+}
+
+void stp_octahedral_encode16_many(const float* normals, size_t count, int16_t* out)
+{
+    for (size_t i = 0; i < count; ++i) {
+        const float* n = normals + 3 * i;
+        if (i > 0 && memcmp(n, n - 3, 3 * sizeof(*n)) == 0) { // vertices of a flat face
+            memcpy(out + 2 * i, out + 2 * i - 2, 2 * sizeof(*out));
+        } else {
+            stp_octahedral_encode16((stp_vec3){n[0], n[1], n[2]}, out + 2 * i);
+        }
+    }
+}

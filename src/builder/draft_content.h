@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// Converts an unfinished scene to the input of the writer: the available results, and points for
+// the rest.
+#pragma once
+
+#include "builder/writer_input.h"
+
+/// The available results of a scene.
+typedef struct stp_draft_state {
+    const stp_scene* scene;      ///< finished, partitioned or not
+    const stp_coded_mesh* coded; ///< one per mesh; without bytes: not coded yet. NULL: none is
+    const stp_splats* sets;
+    uint32_t set_count;
+    const uint32_t* set_of_node; ///< STP_NONE: the node has no set yet. NULL: no node has
+} stp_draft_state;
+
+/// Makes a scene of the available results, with the same nodes and objects. Meshes that are not
+/// coded yet become a few points, and so do large meshes if drawing all of them would take long.
+/// Content below a surfel set does not count for this, because it is drawn only from near. The
+/// caller adds shadings and parameters. @return STP_OK; STP_ERROR_LIMIT if the scene has too many
+/// visible nodes to draw quickly, not logged; STP_ERROR_OUT_OF_MEMORY (nothing to destroy)
+STP_MUST_USE stp_result stp_draft_content_create(stp_context* context, const stp_draft_state* state,
+                                                 stp_build_content* content);

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: MIT
+#include "builder/method_sets.h"
+
+#include "base/core/gate.h"
+#include "base/splats/prefix_table.h"
+#include "builder/found_results.h"
+#include "builder/node_triangles.h"
+#include "builder/stored_results.h"
+
+#include <pthread.h>
+
+// State shared by the sets in progress.
+typedef struct run {
+    const stp_scene* scene;
+    const stp_build_methods_desc* desc;
+    stp_build_methods* made;
+    stp_build_result* origins; ///< by set
+    stp_gate* gate;
+    pthread_mutex_t mutex;
+    pthread_mutex_t previous_mutex;
+    stp_result result; ///< the first failure
+} run;
+
+static const stp_method* method_of(const run* r, size_t set)
+{
+    return r->desc->methods[set / r->desc->plan->step_count];
+}
+
+/// Whether a method's sets must be derived from the samples.
+static bool is_derived(const run* r, const stp_method* method)
+{
+    return method->make != NULL && method != r->desc->alone;
+}
+
+// Looks a set up in the work directory, then in the previous output.
+static bool find_set(run* r, stp_hash key, stp_splats* set)
+{
+    const stp_build_methods_desc* desc = r->desc;
+    uint32_t unused;
+    if (stp_work_find_surfels(desc->work, key, desc->shading_count, set, &unused)) {
+        return true;
+    }
+    pthread_mutex_lock(&r->previous_mutex);
+    bool found =
+        desc->previous != NULL &&
+        stp_previous_output_take_surfels(desc->previous, key, desc->shading_count, desc->work, set);
+    pthread_mutex_unlock(&r->previous_mutex);
+    return found;
+}
+
+/// Whether a node is a point cloud in a scene of clouds without normals.
+static bool is_two_sided(const stp_scene* scene, uint32_t node)
+{
+    bool any = false;
+    for (uint32_t i = 0; i < scene->point_set_count; ++i) {
+        any = any || scene->point_sets[i].normals == NULL;
+    }
+    return any && scene->nodes[node].triangle_count == 0;
+}
+
+static stp_result make_within(run* r, const stp_method* method, size_t step, double level,
+                              uint32_t triangles, stp_hash key, stp_splats* set)
+{
+    stp_context* context = r->scene->context;
+    stp_splats made;
+    stp_node_triangles large = {0};
+    stp_result result = STP_OK;
+    if (triangles != 0) {
+        uint32_t node = r->desc->plan->steps[step].node;
+        result = stp_take_node_triangles(r->scene, node, level, triangles, &large);
+    }
+    if (result == STP_OK) {
+        const stp_method_source source = {
+            .samples = &r->desc->samples[step],
+            .corners = large.corners,
+            .triangle_count = large.count,
+            .two_sided = is_two_sided(r->scene, r->desc->plan->steps[step].node)};
+        result = method->make(context, &source, r->desc->options, &made);
+    }
+    stp_node_triangles_destroy(context, &large);
+    if (result == STP_OK) {
+        result = stp_work_store_surfels(r->desc->work, key, &made, 0, set);
+        stp_splats_destroy(context, &made);
+    }
+    return result;
+}
+
+static stp_result make_set(run* r, const stp_method* method, size_t step, stp_hash key,
+                           stp_splats* set)
+{
+    const stp_splats* samples = &r->desc->samples[step];
+    double level = samples->count > 0
+                       ? (double)stp_prefix_table_radius(&samples->table, samples->count)
+                       : HUGE_VAL;
+    uint32_t triangles = 0;
+    if ((method->columns & STP_SPLATS_REPLACED) != 0) {
+        uint32_t node = r->desc->plan->steps[step].node;
+        triangles = stp_count_node_triangles(r->scene, node, level);
+    }
+    stp_gate_ticket ticket;
+    stp_result result = stp_gate_enter(r->gate, method->bytes(samples->count, triangles), &ticket);
+    if (result == STP_OK) {
+        result = make_within(r, method, step, level, triangles, key, set);
+        stp_gate_leave(r->gate, &ticket);
+    }
+    return result;
+}
+
+static void make_some(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    run* r = user;
+    (void)worker;
+    for (size_t i = begin; i < end; ++i) {
+        const stp_method* method = method_of(r, i);
+        size_t step = i % r->desc->plan->step_count;
+        const stp_splats* samples = &r->desc->samples[step];
+        stp_hash key = r->desc->plan->steps[step].key;
+        stp_result result = STP_OK;
+        if (!is_derived(r, method)) {
+            r->made->sets[i] = *samples;
+            key = stp_build_set_key(r->desc->alone, r->desc->options, key);
+        } else {
+            key = method->hash(key, r->desc->options);
+            bool found = find_set(r, key, &r->made->sets[i]);
+            result = found ? STP_OK : make_set(r, method, step, key, &r->made->sets[i]);
+            r->origins[i] = (stp_build_result){key, !found};
+        }
+        r->made->keys[i] = key;
+        pthread_mutex_lock(&r->mutex);
+        r->result = r->result != STP_OK ? r->result : result;
+        pthread_mutex_unlock(&r->mutex);
+        if (is_derived(r, method)) {
+            stp_progress_add(r->scene->context, samples->count);
+        }
+        if (result != STP_OK) {
+            stp_parallel_stop(r->scene->context);
+        }
+    }
+}
+
+// Fills the directory's methods, and the nodes' sets for all but the first.
+static void list_methods(const run* r)
+{
+    const stp_build_plan* plan = r->desc->plan;
+    stp_build_methods* made = r->made;
+    size_t nodes = r->scene->node_count;
+    for (uint32_t m = 0; m < made->method_count; ++m) {
+        const stp_method* method = r->desc->methods[m];
+        uint32_t* sets = made->sets_of_nodes + (m - (m > 0)) * nodes;
+        made->methods[m] = (stp_store_method){.name = method->name,
+                                              .id = method->id,
+                                              .columns = method->columns,
+                                              .first_set = m * plan->step_count,
+                                              .set_count = plan->step_count,
+                                              .sets = m > 0 ? sets : NULL};
+        for (size_t i = 0; m > 0 && i < nodes; ++i) {
+            bool none = plan->step_of == NULL || plan->step_of[i] == STP_NONE;
+            sets[i] = none ? STP_STORE_NONE : made->methods[m].first_set + plan->step_of[i];
+        }
+    }
+}
+
+static stp_result make_all(run* r)
+{
+    stp_context* context = r->scene->context;
+    stp_build_methods* made = r->made;
+    uint32_t count = made->set_count, others = made->method_count - 1;
+    made->sets = STP_NEW_ZEROED(context, stp_splats, (size_t)count + 1);
+    made->keys = STP_NEW_ZEROED(context, stp_hash, (size_t)count + 1);
+    made->methods = STP_NEW_ZEROED(context, stp_store_method, made->method_count);
+    made->sets_of_nodes =
+        STP_NEW_ARRAY(context, uint32_t, (size_t)others * r->scene->node_count + 1);
+    r->origins = STP_NEW_ZEROED(context, stp_build_result, (size_t)count + 1);
+    if (made->sets == NULL || made->keys == NULL || made->methods == NULL ||
+        made->sets_of_nodes == NULL || r->origins == NULL) {
+        return stp_fail_memory(context);
+    }
+    stp_result result = stp_gate_create(context, r->desc->memory_bytes, &r->gate);
+    stp_loop_report report = {.stage = "methods", .unit = "samples"};
+    for (uint32_t i = 0; i < count; ++i) {
+        bool derived = is_derived(r, method_of(r, i));
+        report.total += derived ? r->desc->samples[i % r->desc->plan->step_count].count : 0;
+    }
+    bool derives = made->method_count > 1 || is_derived(r, r->desc->methods[0]);
+    if (result == STP_OK && !derives) {
+        make_some(0, count, 0, r);
+    } else if (result == STP_OK && count > 0) {
+        result = stp_parallel_for_reported(context, count, 1, make_some, r, &report);
+    }
+    result = r->result != STP_OK ? r->result : result;
+    if (result == STP_OK) {
+        list_methods(r);
+    }
+    return result;
+}
+
+// Counts the sets that were found; samples are counted elsewhere.
+static void count_found(run* r)
+{
+    size_t derived = 0;
+    for (uint32_t i = 0; i < r->made->set_count; ++i) {
+        if (is_derived(r, method_of(r, i))) {
+            r->origins[derived++] = r->origins[i];
+        }
+    }
+    r->made->found = (uint32_t)stp_build_count_found(r->origins, derived);
+    r->made->made = (uint32_t)derived - r->made->found;
+}
+
+stp_result stp_build_methods_make(const stp_scene* scene, const stp_build_methods_desc* desc,
+                                  stp_build_methods* made)
+{
+    stp_context* context = scene->context;
+    *made = (stp_build_methods){.method_count = desc->method_count,
+                                .set_count = desc->method_count * desc->plan->step_count};
+    run r = {.scene = scene, .desc = desc, .made = made};
+    pthread_mutex_init(&r.mutex, NULL);
+    pthread_mutex_init(&r.previous_mutex, NULL);
+    stp_result result = make_all(&r);
+    pthread_mutex_destroy(&r.previous_mutex);
+    pthread_mutex_destroy(&r.mutex);
+    stp_gate_destroy(r.gate);
+    if (result == STP_OK) {
+        count_found(&r);
+    } else {
+        stp_build_methods_destroy(context, made);
+    }
+    stp_free(context, r.origins);
+    return result;
+}
+
+void stp_build_methods_destroy(stp_context* context, stp_build_methods* made)
+{
+    stp_free(context, made->sets);
+    stp_free(context, made->keys);
+    stp_free(context, made->methods);
+    stp_free(context, made->sets_of_nodes);
+    *made = (stp_build_methods){0};
+}

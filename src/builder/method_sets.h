@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+//
+// Makes the sets of all requested methods. Sets of `blue` exist already; the others are derived
+// from them, one node per thread. Each result is kept in the work directory immediately.
+#pragma once
+
+#include "builder/nodes.h"
+#include "builder/previous_output.h"
+#include "builder/set_plan.h"
+#include "lod/method.h"
+
+typedef struct stp_build_methods_desc {
+    const stp_build_plan* plan;
+    const stp_splats* samples; ///< sets of `blue`, one per step of the plan
+    /// NULL, or the only method, which needs no samples: `samples` are its sets.
+    const stp_method* alone;
+    const stp_method* const* methods;
+    uint32_t method_count; ///< at least 1; no duplicates
+    const stp_method_options* options;
+    uint32_t shading_count;
+    uint64_t memory_bytes; ///< for sets in progress; 0: no limit
+    stp_work* work;
+    stp_previous_output* previous; ///< NULL: none
+} stp_build_methods_desc;
+
+/// All sets, grouped by method, one per step of the plan. Columns are in the work directory or the
+/// previous output.
+typedef struct stp_build_methods {
+    stp_splats* sets;
+    stp_hash* keys;
+    uint32_t set_count;
+    stp_store_method* methods; ///< as in the file's directory
+    uint32_t method_count;
+    uint32_t* sets_of_nodes; ///< for methods after the first: by method, then by node
+    uint32_t made, found;    ///< not counting samples
+} stp_build_methods;
+
+/// @return STP_OK, or the failure of a stage (logged)
+STP_MUST_USE stp_result stp_build_methods_make(const stp_scene* scene,
+                                               const stp_build_methods_desc* desc,
+                                               stp_build_methods* made);
+void stp_build_methods_destroy(stp_context* context, stp_build_methods* made);

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: MIT
+#include "builder/shadings.h"
+
+#include "base/io/hash.h"
+#include "base/math/color.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+// The mean of a texture's channels, as stored and linear.
+typedef struct texture_mean {
+    float raw[3], linear[3];
+} texture_mean;
+
+typedef struct reduction {
+    const stp_scene* scene;
+    texture_mean* means;
+    stp_shading* exact; ///< of each scene material
+    bool* used;
+    float* distance; ///< from each material's shading to the nearest chosen one
+} reduction;
+
+static void measure_textures(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    reduction* r = user;
+    for (size_t i = begin; i < end; ++i) {
+        const stp_texture* texture = &r->scene->textures[i];
+        uint64_t counts[3][256] = {{0}};
+        size_t size = (size_t)texture->width * texture->height;
+        for (size_t k = 0; k < size; ++k) {
+            for (int channel = 0; channel < 3; ++channel) {
+                counts[channel][texture->texels[4 * k + (size_t)channel]] += 1;
+            }
+        }
+        for (int channel = 0; channel < 3; ++channel) {
+            double raw = 0.0, linear = 0.0;
+            for (int value = 0; value < 256; ++value) {
+                raw += (double)counts[channel][value] * value;
+                linear +=
+                    (double)counts[channel][value] * (double)stp_srgb8_to_linear((uint8_t)value);
+            }
+            r->means[i].raw[channel] = size != 0 ? (float)(raw / (255.0 * (double)size)) : 1.0f;
+            r->means[i].linear[channel] = size != 0 ? (float)(linear / (double)size) : 1.0f;
+        }
+    }
+}
+
+static stp_shading make_shading(const reduction* r, const stp_material* material)
+{
+    stp_shading shading;
+    memset(&shading, 0, sizeof(shading)); // compared as bytes
+    shading.metallic = material->metallic;
+    shading.roughness = material->roughness;
+    memcpy(shading.emissive, material->emissive, sizeof(shading.emissive));
+    uint32_t texture = material->metallic_roughness_texture.texture;
+    if (texture < r->scene->texture_count) {
+        shading.metallic *= r->means[texture].raw[2];
+        shading.roughness *= r->means[texture].raw[1];
+    }
+    texture = material->emissive_texture.texture;
+    for (int i = 0; i < 3 && texture < r->scene->texture_count; ++i) {
+        shading.emissive[i] *= r->means[texture].linear[i];
+    }
+    shading.flags = (material->unlit ? STP_SHADING_UNLIT : 0u) |
+                    (material->double_sided ? STP_SHADING_DOUBLE_SIDED : 0u) |
+                    (material->alpha_mode == STP_ALPHA_BLEND ? STP_SHADING_TRANSPARENT : 0u);
+    return shading;
+}
+
+static void mark_used(reduction* r)
+{
+    const stp_scene* scene = r->scene;
+    for (size_t i = 0; i < scene->mesh_count; ++i) {
+        r->used[scene->meshes[i].material] = true;
+    }
+    for (size_t i = 0; i < scene->point_set_count; ++i) {
+        r->used[scene->point_sets[i].material] = true;
+    }
+}
+
+// Flags weigh more than any number, because they change the look most.
+static float shading_distance(const stp_shading* a, const stp_shading* b)
+{
+    float sum = 0.0f;
+    float numbers[2][5] = {
+        {a->metallic, a->roughness, a->emissive[0], a->emissive[1], a->emissive[2]},
+        {b->metallic, b->roughness, b->emissive[0], b->emissive[1], b->emissive[2]},
+    };
+    for (int i = 0; i < 5; ++i) {
+        float difference = numbers[0][i] - numbers[1][i];
+        sum += difference * difference;
+    }
+    uint32_t flags = a->flags ^ b->flags;
+    sum += (flags & STP_SHADING_UNLIT) != 0 ? 16.0f : 0.0f;
+    sum += (flags & STP_SHADING_TRANSPARENT) != 0 ? 16.0f : 0.0f;
+    return sum + ((flags & STP_SHADING_DOUBLE_SIDED) != 0 ? 4.0f : 0.0f);
+}
+
+// A shading to be placed in the table.
+typedef struct shading_place {
+    stp_hash hash;
+    uint32_t material; ///< the first material that has it
+    uint32_t place;
+} shading_place;
+
+// By hash; ties by material.
+static int compare_places(const void* left, const void* right)
+{
+    const shading_place *a = left, *b = right;
+    if (a->hash.low != b->hash.low) {
+        return a->hash.low < b->hash.low ? -1 : 1;
+    }
+    if (a->hash.high != b->hash.high) {
+        return a->hash.high < b->hash.high ? -1 : 1;
+    }
+    return a->material < b->material ? -1 : a->material > b->material ? 1 : 0;
+}
+
+// Content of unused indices.
+static stp_shading make_unused(void)
+{
+    stp_shading shading;
+    memset(&shading, 0, sizeof(shading));
+    shading.roughness = 1.0f;
+    return shading;
+}
+
+// Gives every shading its own index: the one its hash names, or the next free one, in the order of
+// their hashes. So surfels of a previous build stay valid when other materials are added or
+// removed, except for the few whose indices collide. @return false if there are too many
+static bool place_shadings(const reduction* r, shading_place* places, stp_shading_set* set)
+{
+    size_t used = 0;
+    for (size_t i = 0; i < r->scene->material_count; ++i) {
+        if (r->used[i]) {
+            stp_hash hash = stp_hash_bytes((stp_hash){0}, &r->exact[i], sizeof(r->exact[i]));
+            places[used++] = (shading_place){.hash = hash, .material = (uint32_t)i};
+        }
+    }
+    qsort(places, used, sizeof(*places), compare_places);
+    bool taken[STP_SHADING_LIMIT] = {false};
+    size_t distinct = 0;
+    for (size_t i = 0; i < used; ++i) {
+        if (i > 0 && stp_hash_equal(places[i].hash, places[i - 1].hash)) {
+            places[i].place = places[i - 1].place;
+            continue;
+        }
+        if (++distinct > STP_SHADING_LIMIT) {
+            return false;
+        }
+        uint32_t place = (uint32_t)(places[i].hash.high % STP_SHADING_LIMIT);
+        while (taken[place]) {
+            place = (place + 1) % STP_SHADING_LIMIT;
+        }
+        taken[place] = true;
+        places[i].place = place;
+    }
+    for (int i = 0; i < STP_SHADING_LIMIT; ++i) {
+        set->shadings[i] = make_unused();
+    }
+    set->count = 1;
+    for (size_t i = 0; i < used; ++i) {
+        uint32_t place = places[i].place;
+        set->shadings[place] = r->exact[places[i].material];
+        set->of_material[places[i].material] = (uint8_t)place;
+        set->count = place + 1 > set->count ? place + 1 : set->count;
+    }
+    return true;
+}
+
+// Farthest-point selection: repeatedly takes the shading farthest from those taken (the first of
+// several), until all are covered or the table is full.
+static void choose_shadings(reduction* r, stp_shading_set* set)
+{
+    size_t count = r->scene->material_count, next = 0;
+    set->count = 0;
+    while (next < count && !r->used[next]) {
+        next += 1;
+    }
+    next = next < count ? next : 0;
+    for (size_t i = 0; i < count; ++i) {
+        r->distance[i] = r->used[i] ? FLT_MAX : -1.0f;
+    }
+    while (set->count < STP_SHADING_LIMIT) {
+        uint8_t index = (uint8_t)set->count;
+        set->shadings[set->count++] = r->exact[next];
+        size_t farthest = next;
+        float maximum = 0.0f;
+        for (size_t i = 0; i < count; ++i) {
+            float distance = shading_distance(&r->exact[i], &r->exact[next]);
+            if (distance < r->distance[i]) {
+                r->distance[i] = distance;
+                set->of_material[i] = index;
+            }
+            if (r->distance[i] > maximum) {
+                maximum = r->distance[i];
+                farthest = i;
+            }
+        }
+        if (farthest == next) {
+            break;
+        }
+        next = farthest;
+    }
+}
+
+stp_result stp_make_shadings(const stp_scene* scene, stp_shading_set* set)
+{
+    stp_context* context = scene->context;
+    size_t count = scene->material_count;
+    *set = (stp_shading_set){0};
+    reduction r = {.scene = scene};
+    r.means = STP_NEW_ARRAY(context, texture_mean, scene->texture_count);
+    r.exact = STP_NEW_ARRAY(context, stp_shading, count);
+    r.used = STP_NEW_ZEROED(context, bool, count);
+    r.distance = STP_NEW_ARRAY(context, float, count);
+    set->of_material = STP_NEW_ZEROED(context, uint8_t, count);
+    shading_place* places = STP_NEW_ARRAY(context, shading_place, count);
+    bool made = places != NULL && r.means != NULL && r.exact != NULL && r.used != NULL &&
+                r.distance != NULL && set->of_material != NULL;
+    if (made) {
+        stp_parallel_for(context, scene->texture_count, 1, measure_textures, &r);
+        for (size_t i = 0; i < count; ++i) {
+            r.exact[i] = make_shading(&r, &scene->materials[i]);
+        }
+        mark_used(&r);
+        if (!place_shadings(&r, places, set)) {
+            choose_shadings(&r, set);
+        }
+    } else {
+        stp_free(context, set->of_material);
+        set->of_material = NULL;
+    }
+    stp_free(context, places);
+    stp_free(context, r.distance);
+    stp_free(context, r.used);
+    stp_free(context, r.exact);
+    stp_free(context, r.means);
+    return made ? STP_OK : stp_fail_memory(context);
+}

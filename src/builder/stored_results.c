@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: MIT
+#include "builder/stored_results.h"
+
+#include "base/io/bytes.h"
+#include "base/splats/splat_codes.h"
+#include "builder/shadings.h"
+#include "store/file/validate.h"
+#include "store/sets/columns.h"
+
+enum {
+    SURFELS_KIND = 1, ///< type of result, at the start of its header
+    MESH_KIND = 2,
+    SURFELS_HEAD = 704,
+    OCTAVES_AT = 48,
+    COUNTS_AT = OCTAVES_AT + 4 * STP_OCTAVE_LIMIT,
+    RADII_AT = COUNTS_AT + 4 * STP_PREFIX_TABLE_SIZE,
+    MESH_HEAD = 64,
+    COLUMNS_AT = RADII_AT + 4 * STP_PREFIX_TABLE_SIZE, ///< STP_SPLATS_*
+    ATTRIBUTES_AT = COLUMNS_AT + 4,                    ///< bit mask of attributes
+    LEAVES_AT = ATTRIBUTES_AT + 4,
+    ATTRIBUTE_COLUMN = 7,
+    LEAF_COLUMN = ATTRIBUTE_COLUMN + STP_ATTRIBUTES,
+    COLUMNS,
+};
+_Static_assert(LEAVES_AT + 4 <= SURFELS_HEAD, "the head holds the table");
+
+// Writes or reads consecutive numbers.
+typedef struct cursor {
+    unsigned char* write;
+    const unsigned char* read;
+} cursor;
+
+static void put_u32(cursor* at, uint32_t value)
+{
+    stp_write_u32(at->write, value);
+    at->write += 4;
+}
+
+static void put_f32(cursor* at, float value)
+{
+    stp_write_f32(at->write, value);
+    at->write += 4;
+}
+
+static uint32_t get_u32(cursor* at)
+{
+    at->read += 4;
+    return stp_read_u32(at->read - 4);
+}
+
+static float get_f32(cursor* at)
+{
+    at->read += 4;
+    return stp_read_f32(at->read - 4);
+}
+
+static void write_surfels_head(const stp_splats* s, uint32_t candidates,
+                               unsigned char head[SURFELS_HEAD])
+{
+    memset(head, 0, SURFELS_HEAD);
+    cursor at = {.write = head};
+    put_u32(&at, SURFELS_KIND);
+    put_u32(&at, s->count);
+    put_u32(&at, s->octave_count);
+    put_u32(&at, s->table.size);
+    put_f32(&at, s->origin.x);
+    put_f32(&at, s->origin.y);
+    put_f32(&at, s->origin.z);
+    put_f32(&at, s->step);
+    put_f32(&at, s->candidate_radius);
+    put_f32(&at, s->paper_radius);
+    put_u32(&at, s->paper_count);
+    put_u32(&at, candidates);
+    stp_write_u32(head + COLUMNS_AT, s->columns);
+    stp_write_u32(head + LEAVES_AT, s->leaf_count);
+    stp_write_u32(head + ATTRIBUTES_AT, stp_splats_attributes(s));
+    for (uint32_t i = 0; i < s->octave_count; ++i) {
+        stp_write_u32(head + OCTAVES_AT + 4 * i, s->octave_ends[i]);
+    }
+    for (uint32_t i = 0; i < s->table.size; ++i) {
+        stp_write_u32(head + COUNTS_AT + 4 * i, s->table.count[i]);
+        stp_write_f32(head + RADII_AT + 4 * i, s->table.radius[i]);
+    }
+}
+
+// False if a count exceeds its limit; other values are not checked.
+static bool read_surfels_head(const unsigned char* head, stp_splats* s, uint32_t* candidates)
+{
+    *s = (stp_splats){0};
+    cursor at = {.read = head};
+    uint32_t kind = get_u32(&at);
+    s->count = get_u32(&at);
+    s->octave_count = get_u32(&at);
+    s->table.size = get_u32(&at);
+    s->origin.x = get_f32(&at);
+    s->origin.y = get_f32(&at);
+    s->origin.z = get_f32(&at);
+    s->step = get_f32(&at);
+    s->candidate_radius = get_f32(&at);
+    s->paper_radius = get_f32(&at);
+    s->paper_count = get_u32(&at);
+    *candidates = get_u32(&at);
+    s->columns = stp_read_u32(head + COLUMNS_AT);
+    s->leaf_count = stp_read_u32(head + LEAVES_AT);
+    if (kind != SURFELS_KIND || s->columns > STP_SPLATS_COLUMNS ||
+        s->octave_count > STP_OCTAVE_LIMIT || s->table.size > STP_PREFIX_TABLE_SIZE) {
+        return false;
+    }
+    for (uint32_t i = 0; i < s->octave_count; ++i) {
+        s->octave_ends[i] = stp_read_u32(head + OCTAVES_AT + 4 * i);
+    }
+    for (uint32_t i = 0; i < s->table.size; ++i) {
+        s->table.count[i] = stp_read_u32(head + COUNTS_AT + 4 * i);
+        s->table.radius[i] = stp_read_f32(head + RADII_AT + 4 * i);
+    }
+    return true;
+}
+
+static bool has_bit(uint32_t mask, int attribute)
+{
+    return (mask & stp_attribute_bit((stp_attribute)attribute)) != 0;
+}
+
+static size_t pad(size_t size)
+{
+    return (size + 63) & ~(size_t)63;
+}
+
+// Size of each column: at most 24 octaves of 2^32 surfels, so sums cannot overflow.
+static void size_columns(const stp_splats* s, uint32_t attributes, size_t sizes[COLUMNS])
+{
+    size_t entries = (size_t)stp_store_pyramid_begin(s, s->octave_count);
+    sizes[0] = 6 * (size_t)s->count;
+    sizes[1] = 2 * (size_t)s->count;
+    sizes[2] = s->count;
+    sizes[3] = 3 * entries;
+    sizes[4] = entries;
+    sizes[5] = (s->columns & STP_SPLATS_SHAPES) != 0 ? 4 * (size_t)s->count : 0;
+    sizes[6] = (s->columns & STP_SPLATS_RANGES) != 0 ? 4 * (size_t)s->count : 0;
+    sizes[LEAF_COLUMN] = sizeof(stp_splat_leaf) * (size_t)s->leaf_count;
+    for (int i = 0; i < STP_ATTRIBUTES; ++i) {
+        size_t size = stp_attribute_size((stp_attribute)i) * s->count;
+        sizes[ATTRIBUTE_COLUMN + i] = has_bit(attributes, i) ? size : 0;
+    }
+}
+
+/// Whether a set's columns satisfy what a renderer relies on.
+static bool is_sound(const stp_splats* s, uint32_t shading_count)
+{
+    uint8_t highest = 0;
+    for (uint32_t i = 0; i < s->count; ++i) {
+        highest = s->materials[i] > highest ? s->materials[i] : highest;
+    }
+    for (uint32_t i = 0; s->shapes != NULL && i < s->count; ++i) {
+        if (!stp_shape_is_valid(s->shapes[i])) {
+            return false;
+        }
+    }
+    for (uint32_t i = 0; s->ranges != NULL && i < s->count; ++i) {
+        if (!stp_range_is_valid(s->ranges[i])) {
+            return false;
+        }
+    }
+    if (s->leaf_count > 0 && stp_store_leaves_fault(s, s->leaves, s->leaf_count) != NULL) {
+        return false;
+    }
+    return s->count == 0 || highest < shading_count;
+}
+
+// Points the columns into a result's bytes. False if it cannot be a set.
+static bool read_surfels(const void* result, size_t size, stp_splats* s, uint32_t* candidates)
+{
+    if (size < SURFELS_HEAD || !read_surfels_head(result, s, candidates) ||
+        stp_store_surfels_fault(s) != NULL) {
+        return false;
+    }
+    uint32_t attributes = stp_read_u32((const unsigned char*)result + ATTRIBUTES_AT);
+    size_t sizes[COLUMNS], offsets[COLUMNS], end = SURFELS_HEAD;
+    size_columns(s, attributes, sizes);
+    for (int i = 0; i < COLUMNS; ++i) {
+        offsets[i] = end;
+        end += pad(sizes[i]);
+    }
+    if (end != size || attributes >> STP_ATTRIBUTES != 0) {
+        return false;
+    }
+    uintptr_t bytes = (uintptr_t)result; // read-only memory, with the type of heap sets
+    s->positions = (uint16_t*)(bytes + offsets[0]);
+    s->normals = (int8_t*)(bytes + offsets[1]);
+    s->materials = (uint8_t*)(bytes + offsets[2]);
+    s->colors = (uint8_t*)(bytes + offsets[3]);
+    s->coverages = (uint8_t*)(bytes + offsets[4]);
+    s->shapes = sizes[5] != 0 ? (uint32_t*)(bytes + offsets[5]) : NULL;
+    s->ranges = sizes[6] != 0 ? (uint32_t*)(bytes + offsets[6]) : NULL;
+    s->leaves = sizes[LEAF_COLUMN] != 0 ? (stp_splat_leaf*)(bytes + offsets[LEAF_COLUMN]) : NULL;
+    for (int i = 0; i < STP_ATTRIBUTES; ++i) {
+        bool there = sizes[ATTRIBUTE_COLUMN + i] != 0;
+        s->attributes[i] = there ? (void*)(bytes + offsets[ATTRIBUTE_COLUMN + i]) : NULL;
+    }
+    return true;
+}
+
+bool stp_work_find_surfels(stp_work* work, stp_hash key, uint32_t shading_count,
+                           stp_splats* surfels, uint32_t* candidates)
+{
+    size_t size = 0;
+    const void* result = stp_work_find(work, key, &size);
+    if (result == NULL) {
+        return false;
+    }
+    if (!read_surfels(result, size, surfels, candidates) || !is_sound(surfels, shading_count)) {
+        stp_work_drop(work, key); // a checksum does not prove validity
+        return false;
+    }
+    return true;
+}
+
+static stp_result store_surfels(stp_work* work, stp_hash key, const stp_splats* surfels,
+                                uint32_t candidates)
+{
+    static const unsigned char zeros[64];
+    unsigned char head[SURFELS_HEAD];
+    write_surfels_head(surfels, candidates, head);
+    size_t sizes[COLUMNS];
+    size_columns(surfels, stp_splats_attributes(surfels), sizes);
+    const void* columns[COLUMNS] = {surfels->positions, surfels->normals,   surfels->materials,
+                                    surfels->colors,    surfels->coverages, surfels->shapes,
+                                    surfels->ranges};
+    for (int i = 0; i < STP_ATTRIBUTES; ++i) {
+        columns[ATTRIBUTE_COLUMN + i] = surfels->attributes[i];
+    }
+    columns[LEAF_COLUMN] = surfels->leaves;
+    stp_work_piece pieces[1 + 2 * COLUMNS] = {{head, SURFELS_HEAD}};
+    for (int i = 0; i < COLUMNS; ++i) {
+        pieces[1 + 2 * i] = (stp_work_piece){columns[i], sizes[i]};
+        pieces[2 + 2 * i] = (stp_work_piece){zeros, pad(sizes[i]) - sizes[i]};
+    }
+    return stp_work_store(work, key, pieces, 1 + 2 * COLUMNS, NULL);
+}
+
+stp_result stp_work_store_surfels(stp_work* work, stp_hash key, const stp_splats* surfels,
+                                  uint32_t candidates, stp_splats* stored)
+{
+    const char* fault = stp_store_surfels_fault(surfels);
+    if (fault != NULL) {
+        return stp_fail(stp_work_get_context(work), STP_ERROR_FORMAT, "a set of surfels: %s",
+                        fault);
+    }
+    // an invalid entry under the key is dropped the first time; the second attempt succeeds
+    stp_result result = STP_OK;
+    for (int attempt = 0; result == STP_OK && attempt < 2; ++attempt) {
+        uint32_t unused;
+        stp_splats found;
+        result = store_surfels(work, key, surfels, candidates);
+        if (result == STP_OK &&
+            stp_work_find_surfels(work, key, STP_SHADING_LIMIT, &found, &unused)) {
+            if (stored != NULL) {
+                *stored = found;
+            }
+            return STP_OK;
+        }
+    }
+    return result != STP_OK
+               ? result
+               : stp_fail(stp_work_get_context(work), STP_ERROR_IO,
+                          "a set of surfels cannot be read back from the work directory");
+}
+
+static bool read_mesh(const void* result, size_t size, stp_coded_mesh* mesh)
+{
+    cursor at = {.read = result};
+    if (size < MESH_HEAD || get_u32(&at) != MESH_KIND) {
+        return false;
+    }
+    *mesh = (stp_coded_mesh){.bytes = at.read - 4 + MESH_HEAD, .size = size - MESH_HEAD};
+    mesh->cluster_count = get_u32(&at);
+    mesh->triangle_count = get_u32(&at);
+    mesh->vertex_count = get_u32(&at);
+    float* bounds[] = {&mesh->bounds.min.x, &mesh->bounds.min.y, &mesh->bounds.min.z,
+                       &mesh->bounds.max.x, &mesh->bounds.max.y, &mesh->bounds.max.z};
+    for (int i = 0; i < 6; ++i) {
+        *bounds[i] = get_f32(&at);
+    }
+    uint64_t clusters = mesh->cluster_count;
+    return mesh->triangle_count <= STP_CLUSTER_TRIANGLES * clusters &&
+           mesh->vertex_count <= STP_CLUSTER_VERTICES * clusters;
+}
+
+bool stp_work_find_mesh(stp_work* work, stp_hash key, stp_coded_mesh* mesh)
+{
+    size_t size = 0;
+    const void* result = stp_work_find(work, key, &size);
+    if (result == NULL) {
+        return false;
+    }
+    if (!read_mesh(result, size, mesh)) {
+        stp_work_drop(work, key);
+        return false;
+    }
+    return true;
+}
+
+static stp_result store_mesh(stp_work* work, stp_hash key, const stp_coded_mesh* mesh)
+{
+    unsigned char head[MESH_HEAD] = {0};
+    cursor at = {.write = head};
+    put_u32(&at, MESH_KIND);
+    put_u32(&at, mesh->cluster_count);
+    put_u32(&at, mesh->triangle_count);
+    put_u32(&at, mesh->vertex_count);
+    put_f32(&at, mesh->bounds.min.x);
+    put_f32(&at, mesh->bounds.min.y);
+    put_f32(&at, mesh->bounds.min.z);
+    put_f32(&at, mesh->bounds.max.x);
+    put_f32(&at, mesh->bounds.max.y);
+    put_f32(&at, mesh->bounds.max.z);
+    const stp_work_piece pieces[] = {{head, MESH_HEAD}, {mesh->bytes, mesh->size}};
+    return stp_work_store(work, key, pieces, 2, NULL);
+}
+
+stp_result stp_work_store_mesh(stp_work* work, stp_hash key, const stp_coded_mesh* mesh,
+                               stp_coded_mesh* stored)
+{
+    stp_result result = STP_OK;
+    for (int attempt = 0; result == STP_OK && attempt < 2; ++attempt) {
+        stp_coded_mesh found;
+        result = store_mesh(work, key, mesh);
+        if (result == STP_OK && stp_work_find_mesh(work, key, &found)) {
+            if (stored != NULL) {
+                *stored = found;
+            }
+            return STP_OK;
+        }
+    }
+    return result != STP_OK ? result
+                            : stp_fail(stp_work_get_context(work), STP_ERROR_IO,
+                                       "a coded mesh cannot be read back from the work directory");
+}

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// Index of the work directory's results by key. One thread at a time.
+#pragma once
+
+#include "base/core/context.h"
+#include "base/io/hash.h"
+
+typedef enum stp_work_state {
+    STP_WORK_ABSENT,     ///< damaged, or writing failed
+    STP_WORK_PENDING,    ///< a thread is writing it
+    STP_WORK_UNVERIFIED, ///< from a previous build, checksum not verified yet
+    STP_WORK_GOOD,
+} stp_work_state;
+
+typedef struct stp_work_entry {
+    stp_hash key;
+    uint64_t size, checksum;
+    uint64_t offset; ///< of its bytes in its segment
+    uint32_t segment;
+    stp_work_state state;
+} stp_work_entry;
+
+typedef struct stp_work_index {
+    stp_work_entry* entries;
+    size_t count, capacity;
+    uint32_t* slots; ///< linear probing: entry + 1; 0: free
+    size_t slot_count;
+} stp_work_index;
+
+void stp_work_index_destroy(stp_context* context, stp_work_index* index);
+/// NULL: not found. Entries move when one is added.
+stp_work_entry* stp_work_index_find(const stp_work_index* index, stp_hash key);
+/// The entry of the key, added as STP_WORK_ABSENT if missing; NULL if memory runs out.
+stp_work_entry* stp_work_index_add(stp_context* context, stp_work_index* index, stp_hash key);

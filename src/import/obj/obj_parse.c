@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: MIT
+// Cuts OBJ text into chunks of whole lines and parses them on all threads.
+#include "import/obj/obj.h"
+
+#include <math.h>
+#include <string.h>
+
+#define CHUNKS_PER_THREAD 4 // that are in memory until they are moved to the scratch file
+
+void* stp_obj_grow(stp_context* context, stp_obj_array* array, size_t count, size_t size)
+{
+    if (array->items == NULL || array->capacity - array->count < count) {
+        void* items =
+            stp_grow_array(context, array->items, &array->capacity, array->count + count, size);
+        if (items == NULL) {
+            return NULL;
+        }
+        array->items = items;
+    }
+    return (unsigned char*)array->items + array->count * size;
+}
+
+static void parse_chunks(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    stp_obj* obj = user;
+    for (size_t i = begin; i < end; ++i) {
+        stp_obj_parse_chunk(obj->context, &obj->chunks[obj->parsed + i], obj->origin);
+    }
+}
+
+// Parses a few chunks at a time and moves their data before the next ones.
+static stp_result parse_into_scratch(stp_obj* obj)
+{
+    stp_result result = STP_OK;
+    size_t maximum = CHUNKS_PER_THREAD * (size_t)stp_context_thread_count(obj->context);
+    while (result == STP_OK && obj->parsed < obj->chunk_count) {
+        size_t left = obj->chunk_count - obj->parsed, count = left < maximum ? left : maximum;
+        stp_parallel_for(obj->context, count, 1, parse_chunks, obj);
+        for (size_t i = 0; result == STP_OK && i < count; ++i) {
+            stp_obj_chunk* chunk = &obj->chunks[obj->parsed++];
+            bool broken = chunk->out_of_memory || chunk->error != NULL;
+            result = broken ? STP_OK : stp_obj_move_chunk(obj, chunk);
+            if (broken) {
+                return STP_OK; // report() returns the error
+            }
+        }
+    }
+    return result;
+}
+
+// The end of a chunk of at least `size` bytes: after a line end without a preceding backslash.
+static stp_text chunk_end(stp_text begin, size_t size, stp_text end)
+{
+    if ((size_t)(end - begin) <= size) {
+        return end;
+    }
+    stp_text stop = memchr(begin + size - 1, '\n', (size_t)(end - begin) - size + 1);
+    while (stop != NULL && stp_obj_is_continued(begin, stop)) {
+        stop = memchr(stop + 1, '\n', (size_t)(end - stop) - 1);
+    }
+    return stop != NULL ? stop + 1 : end;
+}
+
+static stp_result cut_chunks(stp_obj* obj, size_t chunk_size)
+{
+    stp_text bytes = obj->import->file.bytes;
+    size_t size = obj->import->file.size;
+    if (size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0) { // a byte order mark
+        bytes += 3;
+        size -= 3;
+    }
+    if (size == 0) {
+        return STP_OK; // no chunks: perhaps nothing was mapped either
+    }
+    size_t whole = stp_whole_lines(bytes, size);
+    // a last line that continues one before it must stay with it
+    if (whole < size) {
+        size_t start = whole;
+        while (start > 0 && stp_obj_is_continued(bytes, bytes + start - 1)) {
+            start = stp_whole_lines(bytes, start - 1);
+        }
+        whole = start;
+    }
+    size_t limit = whole / chunk_size + 2;
+    obj->chunks = STP_NEW_ZEROED(obj->context, stp_obj_chunk, limit);
+    if (obj->chunks == NULL) {
+        return stp_fail_memory(obj->context);
+    }
+    for (stp_text at = bytes; at < bytes + whole;) {
+        stp_text end = chunk_end(at, chunk_size, bytes + whole);
+        obj->chunks[obj->chunk_count++] = (stp_obj_chunk){.begin = at, .end = end};
+        at = end;
+    }
+    if (whole < size) {
+        size_t length = size - whole;
+        obj->tail = stp_alloc(obj->context, length + 1);
+        if (obj->tail == NULL) {
+            return stp_fail_memory(obj->context);
+        }
+        memcpy(obj->tail, bytes + whole, length);
+        obj->tail[length] = '\n';
+        obj->chunks[obj->chunk_count++] =
+            (stp_obj_chunk){.begin = obj->tail, .end = obj->tail + length + 1};
+    }
+    return STP_OK;
+}
+
+// The first position chooses the origin: coordinates in the millions (national grids) lose digits
+// as floats.
+static void find_origin(stp_obj* obj)
+{
+    for (size_t i = 0; i < obj->chunk_count; ++i) {
+        stp_text end = obj->chunks[i].end;
+        for (stp_text at = obj->chunks[i].begin; at < end;) {
+            stp_text start = stp_skip_blanks(at);
+            double n[3];
+            if (start[0] == 'v' && stp_is_blank(start[1])) {
+                at = start + 1;
+                for (int k = 0; k < 3 && at != NULL; ++k) {
+                    at = stp_read_number(at, &n[k]);
+                    bool far = at != NULL && fabs(n[k]) >= 4096.0 && fabs(n[k]) < 1e15;
+                    obj->origin[k] = far ? (double)(int64_t)(n[k] / 1024.0) * 1024.0 : 0.0;
+                }
+                return;
+            }
+            at = (stp_text)memchr(start, '\n', (size_t)(end - start)) + 1;
+        }
+    }
+}
+
+// Reports the first error of the file, independent of threads.
+static stp_result report(const stp_obj* obj)
+{
+    const char* path = obj->import->path;
+    uint64_t lines = 0;
+    for (size_t i = 0; i < obj->chunk_count; ++i) {
+        const stp_obj_chunk* chunk = &obj->chunks[i];
+        if (chunk->out_of_memory) {
+            return stp_fail_memory(obj->context);
+        }
+        if (chunk->error != NULL) {
+            for (size_t k = 0; k < i; ++k) {
+                const stp_obj_chunk* before = &obj->chunks[k];
+                lines += stp_line_number(before->begin, (size_t)(before->end - before->begin)) - 1;
+            }
+            lines += stp_line_number(chunk->begin, (size_t)(chunk->error_at - chunk->begin));
+            return stp_fail(obj->context, STP_ERROR_FORMAT, "%s: line %llu: %s", path,
+                            (unsigned long long)lines, chunk->error);
+        }
+    }
+    return STP_OK;
+}
+
+stp_result stp_obj_parse(stp_obj* obj, size_t chunk_size)
+{
+    stp_result result = cut_chunks(obj, chunk_size);
+    if (result != STP_OK) {
+        return result;
+    }
+    find_origin(obj);
+    if (obj->scratch != NULL) {
+        result = parse_into_scratch(obj);
+    } else {
+        stp_parallel_for(obj->context, obj->chunk_count, 1, parse_chunks, obj);
+    }
+    return result != STP_OK ? result : report(obj);
+}

@@ -1,0 +1,482 @@
+// SPDX-License-Identifier: MIT
+//
+// PCD, the format of the Point Cloud Library: ascii, binary and compressed. Empty cells of
+// organised clouds are skipped. VIEWPOINT is ignored: points stay in their original frame. The
+// default up axis is z, as in maps; camera frames use -y up.
+#include "base/core/atomic_limits.h"
+#include "base/io/bytes.h"
+#include "import/pcd/pcd.h"
+#include "import/reading/cloud.h"
+#include "import/reading/intensity.h"
+#include "import/reading/surface.h"
+#include "import/text/text_blocks.h"
+#include "import/text/text_scan.h"
+
+#include <lzf.h>
+#include <math.h>
+#include <stdatomic.h>
+
+#define GRAIN ((size_t)1 << 14)    ///< points
+#define ROWS ((size_t)256)         ///< points whose fields are read one after the other
+#define RELEASE_EVERY ((size_t)64) ///< pieces, after which pages are released
+#define EXPANSION 100              ///< LZF makes at most 264 bytes of 3
+
+enum { X, Y, Z, NX, NY, NZ, RGB, INTENSITY, LABEL, SLOTS };
+
+static const char* const slot_names[SLOTS] = {
+    "x", "y", "z", "normal_x", "normal_y", "normal_z", "rgb", "intensity", "label"};
+
+// A worker's results: the range of intensities, and empty cells.
+typedef struct seen {
+    double low, high;
+    uint64_t empty;
+} seen;
+
+typedef struct reader {
+    stp_import* import;
+    stp_pcd pcd;
+    const stp_pcd_field* slots[SLOTS]; ///< NULL: the file has none
+    const unsigned char* base[SLOTS];  ///< binary: of the first point
+    size_t stride[SLOTS];
+    stp_cloud cloud;
+    stp_intensity_range intensity;
+    seen* workers; ///< one per worker
+    stp_text_blocks blocks;
+    uint8_t column_slots[STP_PCD_FIELDS]; ///< ascii: SLOTS for columns that are not kept
+    atomic_uint_fast64_t bad_line;
+} reader;
+
+static void find_slots(reader* r)
+{
+    static const struct {
+        const char* name;
+        int slot;
+    } others[] = {
+        {"rgba", RGB}, {"class", LABEL}, {"classification", LABEL}, {"intensities", INTENSITY}};
+    for (uint32_t i = 0; i < r->pcd.field_count; ++i) {
+        const stp_pcd_field* f = &r->pcd.fields[i];
+        int found = SLOTS;
+        for (int slot = 0; slot < SLOTS; ++slot) {
+            found = strcmp(f->name, slot_names[slot]) == 0 ? slot : found;
+        }
+        for (size_t k = 0; k < sizeof(others) / sizeof(others[0]); ++k) {
+            found = strcmp(f->name, others[k].name) == 0 ? others[k].slot : found;
+        }
+        bool fits = found < SLOTS && f->count == 1 && r->slots[found] == NULL &&
+                    (found != RGB || f->size == 4);
+        r->column_slots[i] = (uint8_t)(fits ? found : SLOTS);
+        if (fits) {
+            r->slots[found] = f;
+        } else if (f->name[0] != '_') { // padding
+            stp_losses_add(&r->import->losses, STP_LOSS_COLUMN, 1);
+        }
+    }
+}
+
+static double read_value(const unsigned char* at, const stp_pcd_field* f)
+{
+    if (f->type == 'F') {
+        return f->size == 4 ? (double)stp_read_f32(at) : stp_read_f64(at);
+    }
+    uint64_t bits = f->size == 8   ? stp_read_u64(at)
+                    : f->size == 4 ? stp_read_u32(at)
+                    : f->size == 2 ? stp_read_u16(at)
+                                   : *at;
+    if (f->type == 'U') {
+        return (double)bits;
+    }
+    unsigned unused = 64 - 8 * f->size;
+    return (double)((int64_t)(bits << unused) >> unused);
+}
+
+static void store_point(const reader* r, size_t cell, const double* v, uint32_t rgb, seen* own)
+{
+    const stp_point_set* set = &r->cloud.set;
+    if (!stp_cloud_place(&r->cloud, cell, v)) {
+        own->empty += 1;
+        return;
+    }
+    if (set->normals != NULL) {
+        stp_vec3 n = stp_normalize((stp_vec3){(float)v[NX], (float)v[NY], (float)v[NZ]});
+        memcpy(set->normals + 3 * cell, &n, sizeof(n));
+    }
+    if (set->colors != NULL) {
+        uint8_t color[4] = {(uint8_t)(rgb >> 16), (uint8_t)(rgb >> 8), (uint8_t)rgb, 255};
+        memcpy(set->colors + 4 * cell, color, sizeof(color));
+    }
+    uint16_t* intensities = set->attributes[STP_ATTRIBUTE_INTENSITY];
+    if (intensities != NULL) {
+        double above = v[INTENSITY] - r->intensity.low;
+        intensities[cell] =
+            (uint16_t)stp_quantize(above * stp_intensity_factor(r->intensity), 65535.0);
+        own->low = v[INTENSITY] < own->low ? v[INTENSITY] : own->low;
+        own->high = v[INTENSITY] > own->high ? v[INTENSITY] : own->high;
+    }
+    uint8_t* classes = set->attributes[STP_ATTRIBUTE_CLASS];
+    if (classes != NULL) {
+        classes[cell] = (uint8_t)stp_quantize(v[LABEL], 255.0);
+    }
+}
+
+// Values of one field of `count` points, `stride` bytes apart. Each loop knows the type.
+static void read_column(const unsigned char* at, size_t stride, const stp_pcd_field* f,
+                        size_t count, double* to)
+{
+    if (f->type == 'F' && f->size == 4) {
+        for (size_t i = 0; i < count; ++i) {
+            to[i] = (double)stp_read_f32(at + i * stride);
+        }
+    } else if (f->type == 'U' && f->size == 1) {
+        for (size_t i = 0; i < count; ++i) {
+            to[i] = (double)at[i * stride];
+        }
+    } else {
+        for (size_t i = 0; i < count; ++i) {
+            to[i] = read_value(at + i * stride, f);
+        }
+    }
+}
+
+// Fields of many points other than the position, field by field; empty cells get them too.
+static void store_columns(const reader* r, size_t first, size_t count, double v[SLOTS][ROWS],
+                          seen* own)
+{
+    const stp_point_set* set = &r->cloud.set;
+    for (size_t i = 0; i < count && set->normals != NULL; ++i) {
+        stp_vec3 n = stp_normalize((stp_vec3){(float)v[NX][i], (float)v[NY][i], (float)v[NZ][i]});
+        memcpy(set->normals + 3 * (first + i), &n, sizeof(n));
+    }
+    const unsigned char* colors =
+        set->colors != NULL ? r->base[RGB] + first * r->stride[RGB] : NULL;
+    for (size_t i = 0; i < count && colors != NULL; ++i) {
+        uint32_t rgb = stp_read_u32(colors + i * r->stride[RGB]);
+        uint8_t color[4] = {(uint8_t)(rgb >> 16), (uint8_t)(rgb >> 8), (uint8_t)rgb, 255};
+        memcpy(set->colors + 4 * (first + i), color, sizeof(color));
+    }
+    uint16_t* intensities = set->attributes[STP_ATTRIBUTE_INTENSITY];
+    double low = r->intensity.low, factor = stp_intensity_factor(r->intensity);
+    for (size_t i = 0; i < count && intensities != NULL; ++i) {
+        double value = v[INTENSITY][i];
+        bool there = !stp_cloud_is_empty(&r->cloud, first + i);
+        intensities[first + i] = (uint16_t)stp_quantize((value - low) * factor, 65535.0);
+        own->low = there && value < own->low ? value : own->low;
+        own->high = there && value > own->high ? value : own->high;
+    }
+    uint8_t* classes = set->attributes[STP_ATTRIBUTE_CLASS];
+    for (size_t i = 0; i < count && classes != NULL; ++i) {
+        classes[first + i] = (uint8_t)stp_quantize(v[LABEL][i], 255.0);
+    }
+}
+
+static void read_rows(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    reader* r = user;
+    seen own = r->workers[worker];
+    if (begin / GRAIN % RELEASE_EVERY == RELEASE_EVERY - 1) {
+        stp_point_columns_release(r->import, &r->cloud.set);
+    }
+    for (size_t first = begin; first < end; first += ROWS) {
+        double v[SLOTS][ROWS];
+        size_t count = end - first < ROWS ? end - first : ROWS;
+        for (int slot = 0; slot < SLOTS; ++slot) {
+            if (r->slots[slot] != NULL && slot != RGB) {
+                read_column(r->base[slot] + first * r->stride[slot], r->stride[slot],
+                            r->slots[slot], count, v[slot]);
+            }
+        }
+        for (size_t i = 0; i < count; ++i) {
+            double place[3] = {v[X][i], v[Y][i], v[Z][i]};
+            own.empty += !stp_cloud_place(&r->cloud, first + i, place);
+        }
+        store_columns(r, first, count, v, &own);
+    }
+    r->workers[worker] = own;
+}
+
+// Estimates the range from a sample of intensities, so that most files are read only once.
+static stp_intensity_range guess_intensity(const reader* r)
+{
+    enum { SAMPLES = 1024 };
+    size_t count = (size_t)r->pcd.point_count, step = count / SAMPLES + 1;
+    double low = 0.0, high = 0.0;
+    for (size_t i = 0; i < count && r->base[INTENSITY] != NULL; i += step) {
+        double value =
+            read_value(r->base[INTENSITY] + i * r->stride[INTENSITY], r->slots[INTENSITY]);
+        low = value < low ? value : low;
+        high = value > high ? value : high;
+    }
+    return stp_intensity_find_range(low, high > 0.0 ? high : 1.0);
+}
+
+// A packed colour is a whole number, or the float with the same bits.
+static uint32_t read_packed(stp_text at, stp_text end, double value)
+{
+    bool whole = true;
+    for (at += *at == '-'; at < end; ++at) {
+        whole = whole && *at >= '0' && *at <= '9';
+    }
+    if (whole) {
+        return fabs(value) < 4294967296.0 ? (uint32_t)(int64_t)value : 0;
+    }
+    float bits = (float)value;
+    uint32_t packed;
+    memcpy(&packed, &bits, sizeof(packed));
+    return packed;
+}
+
+static bool read_line(reader* r, stp_text at, size_t cell, uint32_t worker)
+{
+    double v[SLOTS + 1];
+    uint32_t rgb = 0;
+    for (uint32_t i = 0; i < r->pcd.field_count; ++i) {
+        uint8_t slot = r->column_slots[i];
+        for (uint32_t k = 0; k < r->pcd.fields[i].count; ++k) {
+            at = stp_skip_blanks(at);
+            stp_text next = *at != '\n' ? stp_scan_number(at, &v[slot]) : NULL;
+            if (next == NULL || (!stp_is_blank(*next) && *next != '\n')) {
+                return false;
+            }
+            rgb = slot == RGB ? read_packed(at, next, v[slot]) : rgb;
+            at = next;
+        }
+    }
+    store_point(r, cell, v, rgb, &r->workers[worker]);
+    return true;
+}
+
+static void read_blocks(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    reader* r = user;
+    uint64_t first = r->pcd.body_line, last = first + r->pcd.point_count;
+    for (size_t i = begin; i < end; ++i) {
+        const stp_text_block* b = &r->blocks.blocks[i];
+        stp_text at = b->begin;
+        for (uint64_t line = b->first_line; at < b->end && line < last; ++line) {
+            if (line >= first && !read_line(r, at, (size_t)(line - first), worker)) {
+                stp_atomic_min(&r->bad_line, line);
+                break;
+            }
+            at = stp_next_line(at);
+        }
+        if (i % RELEASE_EVERY == RELEASE_EVERY - 1) {
+            stp_point_columns_release(r->import, &r->cloud.set);
+        }
+    }
+}
+
+// Reads all points once. @return the range of their intensities
+static seen read_once(reader* r)
+{
+    stp_context* context = r->import->context;
+    uint32_t workers = stp_context_thread_count(context);
+    const seen none = {(double)INFINITY, -(double)INFINITY, 0};
+    seen all = none;
+    for (uint32_t i = 0; i < workers; ++i) {
+        r->workers[i] = none;
+    }
+    atomic_init(&r->bad_line, UINT64_MAX);
+    if (r->pcd.encoding == STP_PCD_ASCII) {
+        stp_parallel_for(context, r->blocks.count, 1, read_blocks, r);
+    } else {
+        stp_parallel_for(context, (size_t)r->pcd.point_count, GRAIN, read_rows, r);
+    }
+    for (uint32_t i = 0; i < workers; ++i) {
+        all.low = fmin(all.low, r->workers[i].low);
+        all.high = fmax(all.high, r->workers[i].high);
+        all.empty += r->workers[i].empty;
+    }
+    return all;
+}
+
+// The first finite position chooses the origin.
+static void set_origin(reader* r)
+{
+    double place[3] = {0};
+    for (size_t i = 0; i < r->pcd.point_count; ++i) {
+        bool finite = true;
+        for (int k = 0; k < 3; ++k) {
+            place[k] = read_value(r->base[k] + i * r->stride[k], r->slots[k]);
+            finite = finite && isfinite(place[k]);
+        }
+        if (finite) {
+            break;
+        }
+    }
+    stp_cloud_set_origin(&r->cloud, place);
+}
+
+static void set_origin_of_text(reader* r)
+{
+    double v[SLOTS + 1] = {0};
+    stp_line_cursor cursor = stp_line_cursor_at(&r->blocks, r->pcd.body_line);
+    for (uint64_t i = 0; i < r->pcd.point_count; ++i) {
+        stp_text at = cursor.at;
+        for (uint32_t f = 0; f < r->pcd.field_count && at != NULL; ++f) {
+            for (uint32_t k = 0; k < r->pcd.fields[f].count && at != NULL; ++k) {
+                at = stp_read_number(at, &v[r->column_slots[f]]);
+            }
+        }
+        if (at != NULL && isfinite(v[X]) && isfinite(v[Y]) && isfinite(v[Z])) {
+            break;
+        }
+        stp_line_cursor_next(&cursor);
+    }
+    stp_cloud_set_origin(&r->cloud, v);
+}
+
+static stp_result fill_cloud(reader* r)
+{
+    stp_context* context = r->import->context;
+    stp_point_columns_desc desc = {
+        .normals = r->slots[NX] != NULL && r->slots[NY] != NULL && r->slots[NZ] != NULL,
+        .colors = r->slots[RGB] != NULL,
+        .attributes = (r->slots[INTENSITY] != NULL ? 1u << STP_ATTRIBUTE_INTENSITY : 0) |
+                      (r->slots[LABEL] != NULL ? 1u << STP_ATTRIBUTE_CLASS : 0)};
+    stp_result result = stp_cloud_create(&r->cloud, r->import, r->pcd.point_count, &desc);
+    if (result != STP_OK) {
+        return result;
+    }
+    r->workers = STP_NEW_ARRAY(context, seen, stp_context_thread_count(context));
+    if (r->workers == NULL) {
+        return stp_fail_memory(context);
+    }
+    if (r->pcd.point_count > 0) {
+        (r->pcd.encoding == STP_PCD_ASCII ? set_origin_of_text : set_origin)(r);
+    }
+    r->intensity = guess_intensity(r);
+    seen all = read_once(r);
+    stp_intensity_range right = stp_intensity_find_range(all.low, all.high);
+    if (right.low != r->intensity.low || right.high != r->intensity.high) {
+        r->intensity = right;
+        (void)read_once(r);
+    }
+    uint64_t bad = atomic_load(&r->bad_line);
+    if (bad != UINT64_MAX) {
+        return stp_fail(context, STP_ERROR_FORMAT,
+                        "%s: line %llu: expected the numbers of %u fields", r->import->path,
+                        (unsigned long long)bad + 1, r->pcd.field_count);
+    }
+    if (all.empty > 0) {
+        stp_notice(context, "%s: %llu cells without a point are left out", r->import->path,
+                   (unsigned long long)all.empty);
+    }
+    stp_affine pose = stp_affine_identity();
+    return stp_cloud_finish(&r->cloud, NULL, &pose);
+}
+
+static stp_result fail_short(const reader* r, uint64_t held)
+{
+    return stp_fail(r->import->context, STP_ERROR_TRUNCATED,
+                    "%s: its header says %llu points, but it ends after %llu", r->import->path,
+                    (unsigned long long)r->pcd.point_count, (unsigned long long)held);
+}
+
+static stp_result read_text(reader* r)
+{
+    stp_import* import = r->import;
+    stp_result result =
+        stp_text_blocks_create(import->context, import->file.bytes, import->file.size, &r->blocks);
+    if (result != STP_OK) {
+        return result;
+    }
+    uint64_t held = r->blocks.line_count - r->pcd.body_line;
+    return held < r->pcd.point_count ? fail_short(r, held) : fill_cloud(r);
+}
+
+static stp_result read_binary(reader* r)
+{
+    const stp_mapped_file* file = &r->import->file;
+    uint64_t held = (file->size - r->pcd.body) / r->pcd.row_size;
+    if (held < r->pcd.point_count) {
+        return fail_short(r, held);
+    }
+    for (int i = 0; i < SLOTS; ++i) {
+        if (r->slots[i] != NULL) {
+            r->base[i] = file->bytes + r->pcd.body + r->slots[i]->offset;
+            r->stride[i] = r->pcd.row_size;
+        }
+    }
+    return fill_cloud(r);
+}
+
+// After two sizes come all fields one after the other, compressed as one block.
+static stp_result read_compressed(reader* r)
+{
+    stp_context* context = r->import->context;
+    const stp_mapped_file* file = &r->import->file;
+    const unsigned char* at = file->bytes + r->pcd.body;
+    size_t left = file->size - r->pcd.body;
+    uint64_t packed = left >= 8 ? stp_read_u32(at) : 0, size = left >= 8 ? stp_read_u32(at + 4) : 0;
+    if (left < 8 || packed > left - 8) {
+        return stp_fail(
+            context, STP_ERROR_TRUNCATED,
+            "%s: its header says %llu bytes of compressed points, but it ends after %zu",
+            r->import->path, (unsigned long long)packed, left < 8 ? 0 : left - 8);
+    }
+    uint64_t count = r->pcd.point_count;
+    if (count > size / r->pcd.row_size || count * r->pcd.row_size != size ||
+        size / EXPANSION > packed) {
+        return stp_fail(
+            context, STP_ERROR_FORMAT,
+            "%s: %llu points of %u bytes do not fit its %llu bytes of compressed points",
+            r->import->path, (unsigned long long)count, r->pcd.row_size, (unsigned long long)size);
+    }
+    unsigned char* bytes = stp_alloc(context, (size_t)size);
+    if (bytes == NULL) {
+        return stp_fail_memory(context);
+    }
+    stp_result result = STP_OK;
+    if (size > 0 &&
+        lzf_decompress(at + 8, (unsigned)packed, bytes, (unsigned)size) != (unsigned)size) {
+        result = stp_fail(context, STP_ERROR_FORMAT, "%s: its compressed points are damaged",
+                          r->import->path);
+    }
+    for (int i = 0; i < SLOTS; ++i) {
+        if (r->slots[i] != NULL) {
+            r->base[i] = bytes + (size_t)count * r->slots[i]->offset;
+            r->stride[i] = r->slots[i]->size;
+        }
+    }
+    result = result == STP_OK ? fill_cloud(r) : result;
+    stp_free(context, bytes);
+    return result;
+}
+
+static stp_result read_with(reader* r)
+{
+    stp_result result = stp_pcd_read_header(r->import, &r->pcd);
+    if (result != STP_OK) {
+        return result;
+    }
+    find_slots(r);
+    if (r->slots[X] == NULL || r->slots[Y] == NULL || r->slots[Z] == NULL) {
+        return stp_fail(r->import->context, STP_ERROR_FORMAT,
+                        "%s: its points have no fields x, y and z", r->import->path);
+    }
+    if (r->import->desc.scan != NULL) {
+        stp_pcd_describe(r->import, &r->pcd, r->column_slots, SLOTS, r->import->desc.scan);
+    }
+    return r->pcd.encoding == STP_PCD_ASCII    ? read_text(r)
+           : r->pcd.encoding == STP_PCD_BINARY ? read_binary(r)
+                                               : read_compressed(r);
+}
+
+static stp_result read(stp_import* import)
+{
+    reader r = {.import = import};
+    stp_cloud_set_axes(import);
+    stp_result result = read_with(&r);
+    stp_cloud_destroy(&r.cloud);
+    stp_text_blocks_destroy(&r.blocks);
+    stp_free(import->context, r.workers);
+    return result;
+}
+
+static bool detect(const unsigned char* bytes, size_t size)
+{
+    static const char first[] = "# .PCD v";
+    return size >= sizeof(first) - 1 && memcmp(bytes, first, sizeof(first) - 1) == 0;
+}
+
+const stp_importer stp_importer_pcd = {
+    .name = "pcd", .extensions = "pcd", .detect = detect, .read = read};

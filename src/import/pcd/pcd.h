@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+//
+// Inside the PCD reader: the header (pcd_header.c).
+#pragma once
+
+#include "import/reading/import.h"
+#include "import/reading/scan_info.h"
+
+enum { STP_PCD_FIELDS = 64 };
+
+typedef enum stp_pcd_encoding {
+    STP_PCD_ASCII,
+    STP_PCD_BINARY,
+    STP_PCD_COMPRESSED
+} stp_pcd_encoding;
+
+typedef struct stp_pcd_field {
+    char name[32];
+    char type;       ///< 'I', 'U' or 'F'
+    uint32_t size;   ///< bytes: 1, 2, 4 or 8
+    uint32_t count;  ///< values
+    uint32_t offset; ///< within a row
+} stp_pcd_field;
+
+typedef struct stp_pcd {
+    stp_pcd_field fields[STP_PCD_FIELDS];
+    uint32_t field_count;
+    uint32_t row_size;
+    uint64_t point_count;
+    stp_pcd_encoding encoding;
+    size_t body;        ///< offset of the points
+    uint64_t body_line; ///< its line, from 0
+} stp_pcd;
+
+/// Reads everything up to the line DATA. @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_TRUNCATED,
+/// STP_ERROR_UNSUPPORTED (logged)
+STP_MUST_USE stp_result stp_pcd_read_header(stp_import* import, stp_pcd* pcd);
+
+/// Describes the points from the header. Padding fields are skipped; those whose slot is `unused`
+/// are not kept.
+void stp_pcd_describe(const stp_import* import, const stp_pcd* pcd, const uint8_t* slots,
+                      uint8_t unused, stp_scan_info* info);

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+#include "base/io/bytes.h"
+#include "import/ply/ply.h"
+
+#include <math.h>
+#include <string.h>
+
+static uint16_t read_u16(const unsigned char* bytes, stp_ply_encoding encoding)
+{
+    return encoding == STP_PLY_LITTLE ? stp_read_u16(bytes) : (uint16_t)(bytes[0] << 8 | bytes[1]);
+}
+
+static uint32_t read_u32(const unsigned char* bytes, stp_ply_encoding encoding)
+{
+    uint32_t value = stp_read_u32(bytes);
+    return encoding == STP_PLY_LITTLE
+               ? value
+               : value >> 24 | (value >> 8 & 0xff00) | (value << 8 & 0xff0000) | value << 24;
+}
+
+double stp_ply_value(const unsigned char* bytes, stp_ply_type type, stp_ply_encoding encoding)
+{
+    switch (type) {
+    case STP_PLY_INT8:
+        return (double)(int8_t)bytes[0];
+    case STP_PLY_UINT8:
+        return (double)bytes[0];
+    case STP_PLY_INT16:
+        return (double)(int16_t)read_u16(bytes, encoding);
+    case STP_PLY_UINT16:
+        return (double)read_u16(bytes, encoding);
+    case STP_PLY_INT32:
+        return (double)(int32_t)read_u32(bytes, encoding);
+    case STP_PLY_UINT32:
+        return (double)read_u32(bytes, encoding);
+    case STP_PLY_FLOAT32: {
+        uint32_t bits = read_u32(bytes, encoding);
+        float value;
+        memcpy(&value, &bits, sizeof(value));
+        return (double)value;
+    }
+    case STP_PLY_FLOAT64:
+        break;
+    }
+    uint64_t low = read_u32(bytes + (encoding == STP_PLY_LITTLE ? 0 : 4), encoding);
+    uint64_t bits =
+        (uint64_t)read_u32(bytes + (encoding == STP_PLY_LITTLE ? 4 : 0), encoding) << 32 | low;
+    double value;
+    memcpy(&value, &bits, sizeof(value));
+    return value;
+}
+
+stp_result stp_ply_cursor_open(stp_ply* ply, stp_ply_cursor* cursor)
+{
+    const stp_mapped_file* file = &ply->import->file;
+    size_t size = file->size - ply->body;
+    *cursor = (stp_ply_cursor){
+        .ply = ply, .at = file->bytes + ply->body, .end = file->bytes + file->size};
+    if (ply->encoding == STP_PLY_ASCII) {
+        cursor->text = stp_alloc(ply->context, size + 1);
+        if (cursor->text == NULL) {
+            return stp_fail_memory(ply->context);
+        }
+        memcpy(cursor->text, cursor->at, size);
+        cursor->text[size] = '\n';
+        cursor->at = cursor->text;
+        cursor->end = cursor->text + size + 1;
+    }
+    return STP_OK;
+}
+
+void stp_ply_cursor_close(stp_ply_cursor* cursor)
+{
+    stp_free(cursor->ply->context, cursor->text);
+    cursor->text = NULL;
+}
+
+stp_result stp_ply_check_rows(const stp_ply_cursor* cursor, const stp_ply_element* element)
+{
+    // each value of a text takes at least two bytes, a digit and a separator
+    size_t minimum =
+        cursor->ply->encoding == STP_PLY_ASCII ? 2 * element->property_count : element->row_size;
+    size_t left = (size_t)(cursor->end - cursor->at);
+    if (minimum != 0 && element->count > left / minimum) {
+        return stp_fail(cursor->ply->context, STP_ERROR_TRUNCATED,
+                        "%s: element %.60s: the header says %llu rows, but the file is too short",
+                        cursor->ply->import->path, element->name,
+                        (unsigned long long)element->count);
+    }
+    return STP_OK;
+}
+
+bool stp_ply_next(stp_ply_cursor* cursor, stp_ply_type type, double* value)
+{
+    if (cursor->text == NULL) {
+        size_t size = stp_ply_type_size(type);
+        if ((size_t)(cursor->end - cursor->at) < size) {
+            return false;
+        }
+        *value = stp_ply_value(cursor->at, type, cursor->ply->encoding);
+        cursor->at += size;
+        return true;
+    }
+    stp_text at = cursor->at;
+    for (;; ++at) {
+        at = stp_skip_blanks(at);
+        if (*at != '\n') {
+            break;
+        }
+        if (at + 1 >= cursor->end) {
+            cursor->at = cursor->end;
+            return false;
+        }
+    }
+    cursor->at = at;
+    at = stp_read_number(at, value);
+    if (at == NULL || (!stp_is_blank(*at) && *at != '\n')) {
+        return false;
+    }
+    cursor->at = at;
+    return true;
+}
+
+bool stp_ply_next_list(stp_ply_cursor* cursor, const stp_ply_property* property, uint64_t* length)
+{
+    double count;
+    if (!stp_ply_next(cursor, property->count_type, &count) || !(count >= 0.0)) {
+        return false;
+    }
+    size_t left = (size_t)(cursor->end - cursor->at);
+    size_t minimum = cursor->text != NULL ? 2 : stp_ply_type_size(property->type);
+    if (count > (double)(left / minimum)) {
+        cursor->at = cursor->end;
+        return false;
+    }
+    *length = (uint64_t)count;
+    return true;
+}
+
+bool stp_ply_skip(stp_ply_cursor* cursor, const stp_ply_property* property)
+{
+    uint64_t count = 1;
+    if (property->is_list && !stp_ply_next_list(cursor, property, &count)) {
+        return false;
+    }
+    double value;
+    if (cursor->text == NULL && property->is_list) {
+        cursor->at += count * stp_ply_type_size(property->type); // was checked
+        return true;
+    }
+    for (; count > 0; --count) {
+        if (!stp_ply_next(cursor, property->type, &value)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+stp_result stp_ply_fail_row(const stp_ply_cursor* cursor, const stp_ply_element* element,
+                            uint64_t row)
+{
+    const char* path = cursor->ply->import->path;
+    bool ended = cursor->at >= cursor->end || cursor->text == NULL;
+    return ended ? stp_fail(cursor->ply->context, STP_ERROR_TRUNCATED,
+                            "%s: element %.60s: the file ends within row %llu of %llu", path,
+                            element->name, (unsigned long long)row + 1,
+                            (unsigned long long)element->count)
+                 : stp_fail(cursor->ply->context, STP_ERROR_FORMAT,
+                            "%s: element %.60s: row %llu has a value that is not a number", path,
+                            element->name, (unsigned long long)row + 1);
+}

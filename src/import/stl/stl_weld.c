@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+#include "import/stl/stl_weld.h"
+
+#include "base/io/bytes.h"
+#include "base/io/hash.h"
+
+#include <string.h>
+
+#define FIRST_SLOTS ((size_t)64)
+
+stp_vec3 stp_stl_corner(const unsigned char* facets, size_t corner)
+{
+    // the normal comes first
+    const unsigned char* bytes = facets + corner / 3 * STP_STL_FACET_SIZE + 12 + 12 * (corner % 3);
+    return (stp_vec3){stp_read_f32(bytes) + 0.0f, stp_read_f32(bytes + 4) + 0.0f,
+                      stp_read_f32(bytes + 8) + 0.0f};
+}
+
+// The start slot of a position's search. Seeded with an address, so that a malicious file cannot
+// cause collisions.
+static size_t first_slot(const stp_weld* weld, stp_vec3 place)
+{
+    stp_hash seed = {.low = (uint64_t)(uintptr_t)weld};
+    return stp_hash_bytes(seed, &place, sizeof(place)).low & (weld->slot_count - 1);
+}
+
+static stp_vec3 place_of(const stp_weld* weld, uint32_t entry)
+{
+    if (weld->facets != NULL) {
+        return stp_stl_corner(weld->facets, entry);
+    }
+    const float* p = weld->positions + 3 * (size_t)entry;
+    return (stp_vec3){p[0], p[1], p[2]};
+}
+
+static void insert(stp_weld* weld, uint32_t entry)
+{
+    size_t slot = first_slot(weld, place_of(weld, entry));
+    while (weld->slots[slot] != 0) {
+        slot = (slot + 1) & (weld->slot_count - 1);
+    }
+    weld->slots[slot] = entry + 1;
+}
+
+// Frees the old table before allocating the new one, so that both are never in memory.
+static stp_result grow(stp_weld* weld)
+{
+    size_t count = weld->slot_count == 0 ? FIRST_SLOTS : 2 * weld->slot_count;
+    stp_free(weld->context, weld->slots);
+    weld->slots = STP_NEW_ZEROED(weld->context, uint32_t, count);
+    weld->slot_count = weld->slots != NULL ? count : 0;
+    if (weld->slots == NULL) {
+        return stp_fail_memory(weld->context);
+    }
+    if (weld->facets == NULL) {
+        for (size_t i = 0; i < weld->vertex_count; ++i) {
+            insert(weld, (uint32_t)i);
+        }
+        return STP_OK;
+    }
+    uint32_t vertex = 0;
+    for (size_t i = 0; i < weld->index_count; ++i) {
+        if (weld->indices[i] == vertex) { // its first corner: vertices are numbered in order of
+                                          // appearance
+            insert(weld, (uint32_t)i);
+            vertex += 1;
+        }
+    }
+    return STP_OK;
+}
+
+static stp_result keep_place(stp_weld* weld, stp_vec3 place)
+{
+    float* positions = stp_grow_array(weld->context, weld->positions, &weld->vertex_capacity,
+                                      weld->vertex_count + 1, 3 * sizeof(float));
+    if (positions == NULL) {
+        return stp_fail_memory(weld->context);
+    }
+    weld->positions = positions;
+    memcpy(positions + 3 * weld->vertex_count, &place, sizeof(place));
+    return STP_OK;
+}
+
+stp_result stp_weld_begin(stp_weld* weld, const unsigned char* facets, size_t count)
+{
+    weld->facets = facets;
+    weld->indices = STP_NEW_ARRAY(weld->context, uint32_t, 3 * count);
+    weld->index_capacity = 3 * count;
+    return weld->indices != NULL ? STP_OK : stp_fail_memory(weld->context);
+}
+
+stp_result stp_weld_add(stp_weld* weld, stp_vec3 place)
+{
+    stp_result result = STP_OK;
+    if (2 * (weld->vertex_count + 1) > weld->slot_count) {
+        result = grow(weld);
+    }
+    uint32_t* indices = weld->indices;
+    if (result == STP_OK && weld->index_count == weld->index_capacity) {
+        indices = stp_grow_array(weld->context, weld->indices, &weld->index_capacity,
+                                 weld->index_count + 1, sizeof(*indices));
+        result = indices != NULL ? STP_OK : stp_fail_memory(weld->context);
+    }
+    if (result != STP_OK) {
+        return result;
+    }
+    weld->indices = indices;
+    size_t slot = first_slot(weld, place);
+    for (uint32_t found; (found = weld->slots[slot]) != 0;
+         slot = (slot + 1) & (weld->slot_count - 1)) {
+        stp_vec3 other = place_of(weld, found - 1);
+        if (memcmp(&place, &other, sizeof(place)) == 0) {
+            indices[weld->index_count++] = weld->facets != NULL ? indices[found - 1] : found - 1;
+            return STP_OK;
+        }
+    }
+    result = weld->facets == NULL ? keep_place(weld, place) : STP_OK;
+    if (result == STP_OK) {
+        size_t entry = weld->facets != NULL ? weld->index_count : weld->vertex_count;
+        weld->slots[slot] = (uint32_t)entry + 1;
+        indices[weld->index_count++] = (uint32_t)weld->vertex_count++;
+    }
+    return result;
+}
+
+stp_result stp_weld_finish(stp_weld* weld)
+{
+    stp_free(weld->context, weld->slots);
+    weld->slots = NULL;
+    weld->slot_count = 0;
+    if (weld->facets == NULL) {
+        return STP_OK;
+    }
+    weld->positions = stp_alloc_array(weld->context, weld->vertex_count, 3 * sizeof(float));
+    if (weld->positions == NULL) {
+        return stp_fail_memory(weld->context);
+    }
+    uint32_t vertex = 0;
+    for (size_t i = 0; i < weld->index_count; ++i) {
+        if (weld->indices[i] == vertex) {
+            stp_vec3 place = stp_stl_corner(weld->facets, i);
+            memcpy(weld->positions + 3 * (size_t)vertex, &place, sizeof(place));
+            vertex += 1;
+        }
+    }
+    return STP_OK;
+}
+
+void stp_weld_clear(stp_weld* weld)
+{
+    stp_free(weld->context, weld->slots);
+    stp_free(weld->context, weld->positions);
+    stp_free(weld->context, weld->indices);
+    *weld = (stp_weld){.context = weld->context};
+}

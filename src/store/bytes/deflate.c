@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#include "store/bytes/deflate.h"
+
+#include <libdeflate.h>
+#include <string.h>
+
+enum { LEVEL = 6 }; ///< compression level: docs/notes/2026-11-compression.md
+
+stp_store_packer* stp_store_packer_create(void)
+{
+    return libdeflate_alloc_compressor(LEVEL);
+}
+
+void stp_store_packer_destroy(stp_store_packer* packer)
+{
+    if (packer != NULL) {
+        libdeflate_free_compressor(packer);
+    }
+}
+
+size_t stp_store_pack(stp_store_packer* packer, const void* bytes, size_t size, void* out)
+{
+    size_t minimum = size / STP_STORE_PIECE_RATIO;
+    size_t made = packer != NULL && size > 1
+                      ? libdeflate_deflate_compress(packer, bytes, size, out, size - 1)
+                      : 0;
+    if (made == 0) {
+        memcpy(out, bytes, size);
+        return size;
+    }
+    if (made < minimum) { // zero padding: bounds a reader's memory by the file size
+        memset((unsigned char*)out + made, 0, minimum - made);
+        made = minimum;
+    }
+    return made;
+}
+
+void stp_store_unpacker_destroy(stp_store_unpacker* unpacker)
+{
+    if (unpacker != NULL) {
+        libdeflate_free_decompressor(unpacker);
+    }
+}
+
+bool stp_store_unpack(stp_store_unpacker** unpacker, const unsigned char* stored,
+                      size_t stored_size, void* out, size_t size)
+{
+    size_t used = 0, made = 0;
+    if (stored_size < size / STP_STORE_PIECE_RATIO) {
+        return false;
+    }
+    if (*unpacker == NULL) {
+        *unpacker = libdeflate_alloc_decompressor();
+    }
+    if (*unpacker == NULL ||
+        libdeflate_deflate_decompress_ex(*unpacker, stored, stored_size, out, size, &used, &made) !=
+            LIBDEFLATE_SUCCESS) {
+        return false;
+    }
+    for (size_t i = used; i < stored_size; ++i) {
+        if (stored[i] != 0) {
+            return false;
+        }
+    }
+    return made == size;
+}

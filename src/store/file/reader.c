@@ -1,0 +1,402 @@
+// SPDX-License-Identifier: MIT
+// Opens a file: decodes and links the directory's tables.
+#include "store/file/internal.h"
+#include "store/file/texture_images.h"
+#include "store/sets/leaves_internal.h"
+
+#include <string.h>
+
+stp_result stp_store_read_text(stp_store* store, uint32_t type, stp_store_text* text)
+{
+    const stp_store_section* section = store->known[type];
+    *text = (stp_store_text){.context = store->context};
+    if (section == NULL || section->size == 0) {
+        return STP_OK;
+    }
+    const unsigned char* content = NULL;
+    stp_result result = stp_store_find_content(store, section, &content);
+    if (result == STP_OK) {
+        result = stp_store_is_packed(section)
+                     ? stp_store_unpack_range(store, section, 0, stp_store_content_bytes(section))
+                     : stp_store_verify_section(store, section);
+    }
+    if (result != STP_OK) {
+        return result;
+    }
+    text->size = (size_t)stp_store_content_bytes(section);
+    if (!stp_store_is_packed(section)) {
+        // A copy keeps its final zero byte even if the mapped file is overwritten.
+        if (store->tables[type] == NULL) {
+            store->tables[type] = stp_alloc(store->context, text->size);
+        }
+        if (store->tables[type] == NULL) {
+            return stp_fail_memory(store->context);
+        }
+        content = memcpy(store->tables[type], content, text->size);
+    }
+    text->stored = (const char*)content;
+    text->checked = true;
+    if (section->record_size != 1 || text->stored[text->size - 1] != '\0') {
+        return stp_fail(store->context, STP_ERROR_FORMAT,
+                        "%s: the texts of type %u do not end with a zero byte", store->path, type);
+    }
+    return STP_OK;
+}
+
+// Decodes records [first, first + count).
+static stp_result decode_records(stp_store* store, const stp_store_section* section,
+                                 stp_store_text* text, const unsigned char* bytes, uint32_t first,
+                                 uint32_t count)
+{
+    const stp_store_table* table = stp_store_table_of(section->type);
+    char* elements = store->tables[section->type];
+    for (uint32_t i = first; i < first + count; ++i, bytes += section->record_size) {
+        stp_store_codec codec = {.input = bytes, .text = text};
+        table->code(&codec, elements + i * table->element_size);
+        if (codec.fault != NULL) {
+            return stp_fail(store->context, STP_ERROR_FORMAT, "%s: %s %u %s", store->path,
+                            table->name, i, codec.fault);
+        }
+    }
+    return STP_OK;
+}
+
+// Decodes page by page.
+static stp_result decode_packed(stp_store* store, const stp_store_section* section,
+                                stp_store_text* text)
+{
+    unsigned char content[STP_STORE_PIECE_BYTES];
+    uint64_t pages = stp_store_packed_page_count(section);
+    uint32_t records = STP_STORE_PIECE_BYTES / section->record_size;
+    stp_result result = stp_store_open_packed(store, section);
+    for (uint64_t page = 0; page < pages && result == STP_OK; ++page) {
+        size_t size = stp_store_page_size(section, page);
+        result = stp_store_read_page(store, section, page, content);
+        if (result == STP_OK) {
+            result = decode_records(store, section, text, content, (uint32_t)page * records,
+                                    (uint32_t)(size / section->record_size));
+        }
+    }
+    return result;
+}
+
+stp_result stp_store_read_table(stp_store* store, uint32_t type, stp_store_text* text)
+{
+    const stp_store_section* section = store->known[type];
+    const stp_store_table* table = stp_store_table_of(type);
+    if (section == NULL || section->count == 0) {
+        return STP_OK;
+    }
+    bool packed = stp_store_is_packed(section);
+    stp_result result = packed ? STP_OK : stp_store_verify_section(store, section);
+    if (result != STP_OK) {
+        return result;
+    }
+    char* elements = stp_alloc_zeroed(store->context, (size_t)section->count, table->element_size);
+    if (elements == NULL) {
+        return stp_fail_memory(store->context);
+    }
+    store->tables[type] = elements;
+    store->counts[type] = (uint32_t)section->count;
+    return packed ? decode_packed(store, section, text)
+                  : decode_records(store, section, text, store->file.bytes + section->offset, 0,
+                                   store->counts[type]);
+}
+
+static stp_result read_build(stp_store* store)
+{
+    stp_store_text text;
+    stp_result result = stp_store_read_text(store, STP_SECTION_BUILD, &text);
+    store->directory.build_json = text.stored;
+    return result;
+}
+
+static stp_result read_summary(stp_store* store, stp_store_text* text)
+{
+    stp_result result = stp_store_read_table(store, STP_SECTION_SUMMARY, text);
+    if (result == STP_OK) {
+        result = stp_store_read_table(store, STP_SECTION_SCENE_PARTS, text);
+    }
+    return result == STP_OK ? stp_store_validate_summary(store) : result;
+}
+
+static void fill_directory(stp_store* store)
+{
+    stp_store_directory* directory = &store->directory;
+    const uint32_t* counts = store->counts;
+    directory->node_count = counts[STP_SECTION_NODES];
+    directory->edge_count = counts[STP_SECTION_EDGES];
+    directory->part_count = counts[STP_SECTION_PARTS];
+    directory->material_count = counts[STP_SECTION_MATERIALS];
+    directory->shading_count = counts[STP_SECTION_SHADINGS];
+    directory->texture_count = counts[STP_SECTION_TEXTURES];
+    directory->mesh_count = counts[STP_SECTION_MESHES];
+    directory->point_set_count = counts[STP_SECTION_POINT_SETS];
+    directory->surfels_count = counts[STP_SECTION_SURFELS];
+    directory->view_count = counts[STP_SECTION_VIEWS];
+    directory->source_count = counts[STP_SECTION_SOURCES];
+    const stp_store_section* objects = store->known[STP_SECTION_OBJECTS];
+    directory->object_count = objects != NULL ? (uint32_t)objects->count : 0;
+    directory->nodes = store->tables[STP_SECTION_NODES];
+    directory->edges = store->tables[STP_SECTION_EDGES];
+    directory->parts = store->tables[STP_SECTION_PARTS];
+    directory->materials = store->tables[STP_SECTION_MATERIALS];
+    directory->shadings = store->tables[STP_SECTION_SHADINGS];
+    directory->views = store->tables[STP_SECTION_VIEWS];
+    directory->sources = store->tables[STP_SECTION_SOURCES];
+}
+
+// Validates the records of meshes, point sets and textures; surfel sets are checked when octaves
+// are linked.
+static stp_result check_records(const stp_store* store)
+{
+    stp_store_validator validator = stp_store_own_validator(store);
+    const stp_store_directory* directory = &store->directory;
+    stp_result result = STP_OK;
+    for (uint32_t i = 0; i < directory->mesh_count && result == STP_OK; ++i) {
+        result = stp_store_validate_material(&validator, "mesh", i,
+                                             stp_store_describe_mesh(store, i)->material,
+                                             directory->material_count);
+    }
+    for (uint32_t i = 0; i < directory->point_set_count && result == STP_OK; ++i) {
+        result = stp_store_validate_material(&validator, "point set", i,
+                                             stp_store_describe_point_set(store, i)->material,
+                                             directory->material_count);
+    }
+    for (uint32_t i = 0; i < directory->texture_count && result == STP_OK; ++i) {
+        result = stp_store_validate_texture(&validator, i, stp_store_describe_texture(store, i));
+    }
+    return result;
+}
+
+static stp_result read_directory(stp_store* store)
+{
+    stp_store_text text;
+    stp_result result = stp_store_read_text(store, STP_SECTION_TEXT, &text);
+    for (uint32_t type = STP_SECTION_NODES; type <= STP_SECTION_BLOCKS && result == STP_OK;
+         ++type) {
+        result = stp_store_read_table(store, type, &text);
+    }
+    if (result == STP_OK) {
+        result = read_summary(store, &text);
+    }
+    static const uint32_t others[] = {STP_SECTION_CLUSTERS, STP_SECTION_ATTRIBUTE_BLOCKS,
+                                      STP_SECTION_CERTAINTY};
+    for (int i = 0; i < 3 && result == STP_OK; ++i) {
+        result = stp_store_read_table(store, others[i], &text);
+    }
+    if (result == STP_OK) {
+        result = stp_store_read_figures(store, &text);
+    }
+    if (result == STP_OK) {
+        result = stp_store_read_table(store, STP_SECTION_LEAVES, &text);
+    }
+    if (result == STP_OK) {
+        result = read_build(store);
+    }
+    if (result != STP_OK) {
+        return result;
+    }
+    fill_directory(store);
+    stp_store_validator validator = stp_store_own_validator(store);
+    result = stp_store_validate_graph(&validator, &store->directory);
+    if (result == STP_OK) {
+        result = stp_store_read_methods(store, &text);
+    }
+    if (result == STP_OK) {
+        result = check_records(store);
+    }
+    if (result == STP_OK) {
+        result = stp_store_link_blocks(store);
+    }
+    if (result == STP_OK && !store->desc.defer_objects) {
+        result = stp_store_load_objects(store);
+    }
+    return result;
+}
+
+stp_result stp_store_load_objects(stp_store* store)
+{
+    if (store->objects_ready) {
+        return STP_OK;
+    }
+    if (store->partial) {
+        return stp_fail(store->context, STP_ERROR_ARGUMENT, "%s: was opened only for its summary",
+                        store->path);
+    }
+    // a retry after a failure starts again
+    stp_free(store->context, store->tables[STP_SECTION_OBJECTS]);
+    store->tables[STP_SECTION_OBJECTS] = NULL;
+    stp_store_text text;
+    stp_result result = stp_store_read_text(store, STP_SECTION_OBJECT_TEXT, &text);
+    if (result == STP_OK) {
+        result = stp_store_read_table(store, STP_SECTION_OBJECTS, &text);
+    }
+    if (result != STP_OK) {
+        return result;
+    }
+    stp_store_validator validator = stp_store_own_validator(store);
+    stp_store_directory directory = store->directory;
+    directory.objects = store->tables[STP_SECTION_OBJECTS];
+    result = stp_store_validate_objects(&validator, &directory);
+    if (result == STP_OK) {
+        store->directory.objects = directory.objects;
+        store->objects_ready = true;
+    }
+    return result;
+}
+
+// NULL if memory runs out, logged.
+static stp_store* create_store(stp_context* context, const char* path,
+                               const stp_store_open_desc* desc)
+{
+    size_t length = strlen(path) + 1;
+    stp_store* store = STP_NEW_ZEROED(context, stp_store, 1);
+    char* copy = stp_alloc(context, length);
+    if (store == NULL || copy == NULL) {
+        stp_free(context, store);
+        stp_free(context, copy);
+        (void)stp_fail_memory(context);
+        return NULL;
+    }
+    memcpy(copy, path, length);
+    store->context = context;
+    store->path = copy;
+    store->desc = *desc;
+    store->descriptor = -1;
+    return store;
+}
+
+// Reads the store's directory. Closes the store on failure.
+static stp_result finish_open(stp_store* made, stp_store** store)
+{
+    uint64_t prefix = made->desc.prefix_bytes;
+    made->mapped_bytes = made->file.size;
+    if (prefix != 0 && prefix < made->file.size) {
+        made->file.size = (size_t)prefix;
+    }
+    stp_result result = stp_store_read_header(made);
+    if (result == STP_OK) {
+        const stp_store_section* summary = made->known[STP_SECTION_SUMMARY];
+        made->partial = made->desc.summary_only && summary != NULL && summary->count != 0;
+        result = made->partial ? stp_store_read_head(made) : read_directory(made);
+    }
+    if (result != STP_OK) {
+        stp_store_close(made);
+        return result;
+    }
+    if (stp_store_is_truncated(made)) {
+        stp_warn(made->context, "%s: ends after %zu of %llu bytes; showing the part that is there",
+                 made->path, made->file.size, (unsigned long long)made->file_bytes);
+    }
+    *store = made;
+    return STP_OK;
+}
+
+stp_result stp_store_open_with(stp_context* context, const char* path,
+                               const stp_store_open_desc* desc, stp_store** store)
+{
+    stp_store* made = create_store(context, path, desc);
+    if (made == NULL) {
+        return STP_ERROR_OUT_OF_MEMORY;
+    }
+    stp_result result = stp_file_map_open(context, path, &made->file, &made->descriptor);
+    if (result != STP_OK) {
+        stp_store_close(made);
+        return result;
+    }
+    made->mapped = true;
+    if (desc->summary_only) {
+        stp_file_expect_random(&made->file);
+    }
+    return finish_open(made, store);
+}
+
+stp_result stp_store_open_memory(stp_context* context, const char* name, const void* bytes,
+                                 size_t size, const stp_store_open_desc* desc, stp_store** store)
+{
+    stp_store* made = create_store(context, name, desc);
+    if (made == NULL) {
+        return STP_ERROR_OUT_OF_MEMORY;
+    }
+    made->file = (stp_mapped_file){.bytes = bytes, .size = size};
+    return finish_open(made, store);
+}
+
+stp_result stp_store_open(stp_context* context, const char* path, stp_store** store)
+{
+    return stp_store_open_with(context, path, &(stp_store_open_desc){0}, store);
+}
+
+stp_result stp_store_open_prefix(stp_context* context, const char* path, stp_store** store)
+{
+    return stp_store_open_with(context, path, &(stp_store_open_desc){.accept_prefix = true}, store);
+}
+
+void stp_store_close(stp_store* store)
+{
+    if (store == NULL) {
+        return;
+    }
+    stp_context* context = store->context;
+    stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
+    for (uint32_t i = 0; i < store->counts[STP_SECTION_SURFELS]; ++i) {
+        stp_store_free_columns(context, &sets[i]);
+    }
+    stp_store_release_points(store);
+    stp_store_release_textures(store);
+    stp_store_release_leaves(store);
+    for (uint32_t type = 0; type < STP_SECTION_END; ++type) {
+        stp_free(context, store->tables[type]);
+    }
+    stp_store_free_large(store);
+    stp_store_free_keys(store);
+    stp_store_free_packed(store);
+    stp_free(context, store->pages_checked);
+    stp_free(context, store->methods);
+    stp_free(context, store->method_sets);
+    stp_free(context, store->attribute_blocks);
+    if (store->mapped) {
+        store->file.size = store->mapped_bytes;
+        stp_file_unmap(&store->file);
+    }
+    stp_file_close(store->descriptor);
+    stp_free(context, store->path);
+    stp_free(context, store);
+}
+
+const stp_store_directory* stp_store_get_directory(const stp_store* store)
+{
+    return &store->directory;
+}
+
+uint64_t stp_store_file_bytes(const stp_store* store)
+{
+    return store->file.size;
+}
+
+uint64_t stp_store_whole_bytes(const stp_store* store)
+{
+    return store->file_bytes;
+}
+
+bool stp_store_is_truncated(const stp_store* store)
+{
+    return store->file.size < store->file_bytes;
+}
+
+const stp_store_summary* stp_store_get_summary(const stp_store* store)
+{
+    return store->counts[STP_SECTION_SUMMARY] != 0 ? &store->summary : NULL;
+}
+
+uint32_t stp_store_format_minor(const stp_store* store)
+{
+    return store->minor;
+}
+
+uint32_t stp_store_format_version(const stp_store* store)
+{
+    (void)store; // all supported files have version 1
+    return STP_STORE_MAJOR;
+}

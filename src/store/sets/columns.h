@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// The layout of columns within a block (docs/format.md, Blocks).
+#pragma once
+
+#include "base/splats/splat_columns.h"
+#include "store/file/format.h"
+
+enum { STP_STORE_COLUMN_LIMIT = 7 };
+
+/// A column: a byte range of a block. Absent ones have size 0.
+typedef struct stp_store_column {
+    uint64_t offset, size;
+} stp_store_column;
+
+typedef enum stp_store_mesh_column {
+    STP_MESH_POSITIONS,
+    STP_MESH_NORMALS,
+    STP_MESH_TEXCOORDS_0,
+    STP_MESH_TEXCOORDS_1,
+    STP_MESH_COLORS,
+    STP_MESH_INDICES,
+    STP_MESH_COLUMNS
+} stp_store_mesh_column;
+
+typedef enum stp_store_point_column {
+    STP_POINT_POSITIONS,
+    STP_POINT_NORMALS,
+    STP_POINT_COLORS,
+    STP_POINT_COLUMNS
+} stp_store_point_column;
+
+typedef enum stp_store_surfel_column {
+    STP_SURFEL_POSITIONS,
+    STP_SURFEL_NORMALS,
+    STP_SURFEL_MATERIALS,
+    STP_SURFEL_COLORS,
+    STP_SURFEL_COVERAGES,
+    STP_SURFEL_SHAPES,
+    STP_SURFEL_RANGES,
+    STP_SURFEL_COLUMNS
+} stp_store_surfel_column;
+
+// Each function fills `columns` and returns the size of the block.
+uint64_t stp_store_mesh_columns(uint32_t vertex_count, uint32_t triangle_count, uint32_t present,
+                                stp_store_column columns[STP_STORE_COLUMN_LIMIT]);
+uint64_t stp_store_point_columns(uint32_t point_count, uint32_t present,
+                                 stp_store_column columns[STP_STORE_COLUMN_LIMIT]);
+/// Of octave `octave`: the surfels it adds, with their colours and coverages. Colours cover the
+/// whole prefix unless they are flat.
+uint64_t stp_store_surfel_columns(const stp_splats* surfels, uint32_t octave,
+                                  stp_store_column columns[STP_STORE_COLUMN_LIMIT]);
+
+/// Number of surfels before octave `octave`.
+static inline uint32_t stp_store_octave_begin(const stp_splats* surfels, uint32_t octave)
+{
+    return octave == 0 ? 0 : surfels->octave_ends[octave - 1];
+}
+
+/// Number of colour entries before octave `octave`, or of all octaves if it is the octave count.
+/// Flat colours have one entry per surfel.
+uint64_t stp_store_pyramid_begin(const stp_splats* surfels, uint32_t octave);
+
+/// Index of surfel 0 among the colours with which octave `octave` draws a prefix.
+static inline uint64_t stp_store_colors_begin(const stp_splats* surfels, uint32_t octave)
+{
+    bool flat = (surfels->columns & STP_SPLATS_FLAT_COLORS) != 0;
+    return flat ? 0 : stp_store_pyramid_begin(surfels, octave);
+}
