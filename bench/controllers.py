@@ -80,7 +80,7 @@ def plot(results, path):
 def main():
     parser = kit.options(__doc__)
     parser.add_argument("scene")
-    parser.add_argument("--path", default=kit.ROOT / "scenes/flights/paper.json")
+    parser.add_argument("--path", default=kit.ROOT / "lab/scenes/flights/paper.json")
     parser.add_argument("--budget-ms", default="33")
     parser.add_argument("--frames", type=int, default=800, help="default 800; 0: determined by the flight's fps")
     parser.add_argument("--repeats", type=int, default=1)

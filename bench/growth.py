@@ -53,7 +53,7 @@ def plot(results, path):
 def main():
     parser = kit.options(__doc__)
     parser.add_argument("scenes", nargs="+", metavar="SCENE")
-    parser.add_argument("--path", default=kit.ROOT / "scenes/flights/paper.json")
+    parser.add_argument("--path", default=kit.ROOT / "lab/scenes/flights/paper.json")
     parser.add_argument("--splat-size", default="4")
     parser.add_argument("--frames", type=int, default=200)
     parser.add_argument("--repeats", type=int, default=2)

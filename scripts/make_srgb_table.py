@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints src/base/color_table.h: the sRGB curve of each byte, the linear value halfway between bytes, and first guesses."""
+"""Prints src/base/math/color_table.h: the sRGB curve of each byte, the linear value halfway between bytes, and first guesses."""
 
 
 def linear(value):

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The JSON of a glTF file: scenes/gltf_file.h.
+// The JSON of a glTF file: lab/scenes/gltf_file.h.
 #pragma once
 
 #include "base/io/file.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Layout of a glTF file before it is written: scenes/gltf_file.h.
+// Layout of a glTF file before it is written: lab/scenes/gltf_file.h.
 #pragma once
 
 #include "lab/scenes/gltf_file.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Builds triangles, and the shapes that machines, houses and plants consist of. Everything is
-// deterministic: no libm, so both compilers give the same bytes (scenes/trigonometry.h has sine and
+// deterministic: no libm, so both compilers give the same bytes (lab/scenes/trigonometry.h has sine and
 // cosine).
 //
 // A builder that runs out of memory records the failure and ignores further calls: makers need not

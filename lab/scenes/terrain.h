@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // The ground of scene `paper`: 20 x 13 tiles around the origin, with hills, flat sites, roads and
-// forests. See scene_add_terrain in scenes/scenes.h.
+// forests. See scene_add_terrain in lab/scenes/scenes.h.
 #pragma once
 
 #include "lab/scenes/mesh_builder.h"

@@ -48,7 +48,7 @@ STP_MUST_USE stp_result tool_locate_scene(stp_context* context, const char* path
 /// Callbacks while a model is built.
 typedef struct scene_watcher {
     /// Reports a .stip that can be shown in the meantime: an earlier build without surfels, or a
-    /// draft (build/draft.h). If a path repeats, the file was replaced. Called on any thread.
+    /// draft (builder/draft.h). If a path repeats, the file was replaced. Called on any thread.
     void (*grown)(const char* path, void* user);
     void* user;
 } scene_watcher;

@@ -14,7 +14,7 @@ typedef struct tool_splats {
     uint32_t count;          ///< of indices
     double origin[3];        ///< to be added to centres
     // for a .stip only; by splat, as ellipses are
-    const uint8_t* coverages;    ///< codes (base/coverage.h); NULL: all are whole
+    const uint8_t* coverages;    ///< codes (base/splats/coverage.h); NULL: all are whole
     const uint8_t* materials;    ///< indices of shadings; NULL: the first of all
     const stp_shading* shadings; ///< NULL: one, rough and not metallic
     uint32_t shading_count;

@@ -6,7 +6,7 @@
 //
 // Directions are stored as angles, so up stays up. Azimuth 0 and elevation 0 look from the front
 // (from +z); an elevation of a quarter turn looks down with -z up in the picture, as in the
-// standard views (present/camera.h).
+// standard views (select/camera.h).
 #pragma once
 
 #include "base/math/math.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Pictures from and to the command line: files, and "-" for stdin and stdout. Reads PNG; writes the
-// format that the name asks for (present/picture_file.h).
+// format that the name asks for (program/present/picture_file.h).
 #pragma once
 
 #include "program/options/command.h"

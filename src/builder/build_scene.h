@@ -35,7 +35,7 @@ typedef struct stp_build_desc {
     uint64_t memory_bytes;
     const char* parameters_json; ///< the user's parameters, written into the file
     /// Path of drafts: the unfinished scene is written there repeatedly as a separate file, for
-    /// display during the build (build/draft.h). A draft replaces the one before by renaming; the
+    /// display during the build (builder/draft.h). A draft replaces the one before by renaming; the
     /// caller removes the last one. NULL: no drafts.
     const char* draft;
     /// Points of a scan in its first draft, before the scan is read. Default 1,000,000.

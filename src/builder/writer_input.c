@@ -39,7 +39,7 @@ static const int16_t* convert_normals(stp_build_content* c, const float* normals
     return out;
 }
 
-// Triangles of these meshes are written as clusters (build/meshes.h), with their own normals.
+// Triangles of these meshes are written as clusters (builder/meshes.h), with their own normals.
 static bool convert_meshes(stp_build_content* c, const stp_scene* scene)
 {
     stp_store_mesh* meshes = STP_ARENA_ARRAY(&c->arena, stp_store_mesh, scene->mesh_count);

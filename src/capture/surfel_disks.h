@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-/// Entries of the colour pyramid that a prefix is drawn with (base/splat_columns.h).
+/// Entries of the colour pyramid that a prefix is drawn with (base/splats/splat_columns.h).
 typedef struct stp_set_entries {
     size_t first;        ///< entry of surfel 0 in the prefix's octave
     size_t first_before; ///< same in the octave before

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Colours that replace surface colours: by height in the scene, on a perceptually uniform scale
-// (base/color_map.h), or by normal. Both backends compute them when shading a pixel
+// (base/math/color_map.h), or by normal. Both backends compute them when shading a pixel
 // (src/draw/shaders/lib_recolor.glsl), so they are the same for triangles, splats and points.
 #pragma once
 

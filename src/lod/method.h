@@ -21,7 +21,7 @@ stp_method_options stp_method_options_default(void);
 /// Input of methods other than `blue`. Arrays belong to the caller, and are only read.
 typedef struct stp_method_source {
     const stp_splats* samples; ///< the node's set of `blue`: evenly spread
-    /// Opaque triangles of the node whose level (base/triangle_level.h) is above the coverage
+    /// Opaque triangles of the node whose level (base/splats/triangle_level.h) is above the coverage
     /// radius of all samples: 9 floats each, finite.
     const float* corners;
     uint32_t triangle_count;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Codes of elliptical splats (base/splat_codes.h).
+// Codes of elliptical splats (base/splats/splat_codes.h).
 #pragma once
 
 #include "base/splats/splat_codes.h"

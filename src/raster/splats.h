@@ -24,7 +24,7 @@ typedef struct stp_raster_splats {
     float step;
     float radius; ///< of all disks, object space; 0: centre pixels only. With shapes: of one step
     float pixels; ///< added to the radius on the screen, at any depth
-    /// NULL, or 1 per splat (base/splat_codes.h): ellipses with individual radii
+    /// NULL, or 1 per splat (base/splats/splat_codes.h): ellipses with individual radii
     const uint32_t* shapes;
     /// If not both 0: draw only splats whose centre is within these depths (W of the matrix).
     float nearest, farthest;
@@ -35,7 +35,7 @@ typedef struct stp_raster_splats {
     /// How far a disk seen from behind lies behind its plane, in radii: it may fill a hole but does
     /// not hide front-facing surfaces.
     float back_depth;
-    /// NULL, or 1 per splat: coverage codes (base/coverage.h). A share of at least a quarter (64 of
+    /// NULL, or 1 per splat: coverage codes (base/splats/coverage.h). A share of at least a quarter (64 of
     /// 255) makes holes (hashed). A smaller one halves the radius once or more, as long as about a
     /// pixel is left, so that the remaining part is no thinner and stays at the splat's position.
     const uint8_t* coverages;
@@ -84,7 +84,7 @@ typedef struct stp_raster_levels {
 } stp_raster_levels;
 
 /// Sets a bit per splat (from splat 0 on; `begin` is a multiple of 16) for those of [begin, end)
-/// whose ranges (base/splat_codes.h) contain the level at their depth, and clears the others. Of
+/// whose ranges (base/splats/splat_codes.h) contain the level at their depth, and clears the others. Of
 /// `splats`, only positions and `wanted` are used: unwanted splats are skipped. @return whether any
 /// bit is set
 bool stp_raster_pick_levels(const stp_raster_camera* camera, const stp_raster_splats* splats,

@@ -94,10 +94,11 @@ typedef struct stp_mesh {
     uint32_t material;
     stp_box bounds;
     stp_hash content; ///< of the geometry, without the material; set by stp_scene_finish
-    double grid_step; ///< of the stored positions (base/position_grid.h); set by stp_scene_finish
-    double area;      ///< of the triangles; set by stp_scene_finish
-    bool spilled; ///< the arrays are in the scene's spill file, perhaps shared with other meshes
-    bool cut;     ///< a piece of a larger mesh, adjacent to other pieces at its borders
+    double
+        grid_step; ///< of the stored positions (base/math/position_grid.h); set by stp_scene_finish
+    double area;   ///< of the triangles; set by stp_scene_finish
+    bool spilled;  ///< the arrays are in the scene's spill file, perhaps shared with other meshes
+    bool cut;      ///< a piece of a larger mesh, adjacent to other pieces at its borders
 } stp_mesh;
 
 typedef struct stp_point_set {
@@ -216,7 +217,7 @@ typedef struct stp_scene {
 
 /// From now on, added meshes, point sets and texels move to `spill` once more than `above_bytes` of
 /// them are in memory; content already there is not written again. The spill must outlive the
-/// scene. Adding may then also fail with STP_ERROR_IO (logged). See base/spill.h.
+/// scene. Adding may then also fail with STP_ERROR_IO (logged). See base/io/spill.h.
 void stp_scene_use_spill(stp_scene* scene, stp_spill* spill, uint64_t above_bytes);
 
 /// Creates an empty scene with its default material.

@@ -7,7 +7,7 @@
 /// A leaf, or consecutive leaves along the curve, and the number of its splats that are drawn: the
 /// first ones in octave order.
 typedef struct stp_cue_cell {
-    uint32_t first, last; ///< places of the row of splats (base/leaf_runs.h)
+    uint32_t first, last; ///< places of the row of splats (base/splats/leaf_runs.h)
     uint32_t count;       ///< splats drawn, 1 to last - first
     // set by stp_cue_add_items:
     uint32_t growth; ///< splats are larger by a power of the fourth root of 2: the exponent

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// States of progressive sets (base/progressive.h) in a view: where a splat count divides a set.
+// States of progressive sets (base/splats/progressive.h) in a view: where a splat count divides a set.
 // Finding this reads the ranges of all splats before it, so results are cached for the next view,
 // which often has the same items.
 #include "base/splats/progressive.h"

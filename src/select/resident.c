@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Selection for a streaming store: draws only resident data (store/residency.h), without holes.
+// Selection for a streaming store: draws only resident data (store/residency/residency.h), without holes.
 //
 // A node is opened only if all visible content below it is resident: its parts, and enough octaves
 // of each child's set to cover as well as the node's own set. Otherwise the resident prefix of its

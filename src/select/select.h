@@ -85,7 +85,7 @@ typedef struct stp_draw_item {
     /// Levels compared with splat ranges: the error in item space allowed at depth 1, and the error
     /// allowed anywhere. Unused for sets without ranges.
     float level_per_depth, level_min;
-    // State of a set refined by splits (base/progressive.h): splats before `divide` are compared
+    // State of a set refined by splits (base/splats/progressive.h): splats before `divide` are compared
     // with another level.
     uint32_t divide;   ///< 0: one level for all, as in all other sets
     float level_below; ///< level of splats [0, divide), at any depth
@@ -93,7 +93,7 @@ typedef struct stp_draw_item {
     uint32_t split_count;
     float shape_scale; ///< factor on radii of splats with shapes; 0: 1
     bool scattered;    ///< its runs begin and end anywhere, and share one depth range
-    /// Mesh: draws triangles whose level (store/large_triangles.h) is at least the item's level at
+    /// Mesh: draws triangles whose level (store/sets/large_triangles.h) is at least the item's level at
     /// their nearest corner. Such items follow the item of the set beside which they are drawn.
     bool large;
     float large_min;       ///< no view draws triangles of a lower level beside this set
@@ -188,7 +188,7 @@ uint32_t stp_select_coarse_method(const stp_store_directory* directory, const st
 /// The list of a view with two eyes holds the items that either eye needs, as fine as the nearer
 /// eye needs them. It is drawn once per eye, with the views of select/eyes.h.
 ///
-/// For a streaming store (store/residency.h), only resident data is drawn: a node is opened only if
+/// For a streaming store (store/residency/residency.h), only resident data is drawn: a node is opened only if
 /// everything below it has a resident level, and a partly resident set is drawn with larger splats.
 /// References ignore residency.
 ///

@@ -23,7 +23,7 @@ typedef enum stp_show {
     STP_SHOW_MIXED, ///< a mix of these
 } stp_show;
 
-/// A node of the graph at a place of the scene: an object of the tree (store/outline.h), or a
+/// A node of the graph at a place of the scene: an object of the tree (store/outline/outline.h), or a
 /// picked node.
 typedef struct stp_placed_node {
     uint32_t node;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The multi-threaded radix sort (src/base/parallel_sort.h) against the single-threaded one.
+// The multi-threaded radix sort (src/base/math/parallel_sort.h) against the single-threaded one.
 #include "tests.h"
 
 #include "base/math/parallel_sort.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Mesh simplification as a decimator (src/lod/decimate/mesh_decimator.c).
+// Mesh simplification as a decimator (lab/decimate/mesh_decimator.c).
 #include "decimate_helpers.h"
 
 static decimate_model model;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Leaves of sets in a file (src/store/leaves.c): round trip with and without a residency; invalid
+// Leaves of sets in a file (src/store/sets/leaves.c): round trip with and without a residency; invalid
 // ones are rejected.
 #include "support_reader.h"
 #include "support_sample.h"

@@ -2,7 +2,7 @@
 //
 // Finds or builds the .stip of a file on a separate thread, so that the viewer never waits.
 //
-// A model can be seen while it is built: drafts (build/draft.h) appear one after another at the
+// A model can be seen while it is built: drafts (builder/draft.h) appear one after another at the
 // same path with increasing serials, then the finished scene. If another process builds the same
 // model, the loader waits for it.
 #pragma once

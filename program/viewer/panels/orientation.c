@@ -52,7 +52,7 @@ static int find_side(const viewer* v, const stp_view_cube* cube, float x, float 
     return stp_view_cube_hit(cube, (double)((x - cx) / unit), (double)((y - cy) / unit));
 }
 
-/// The side of the view cube (present/view_cube.h) at a position of the window; -1: none.
+/// The side of the view cube (program/present/view_cube.h) at a position of the window; -1: none.
 static int side_at(const viewer* v, float x, float y)
 {
     stp_navigator n;

@@ -209,7 +209,7 @@ static inline double stp_affine_determinant(const stp_affine* a)
 }
 
 /// Upper bound on the length of a transformed unit vector. Exact for rotations and uniform scales;
-/// base/stretch.h is tighter and slower.
+/// base/math/stretch.h is tighter and slower.
 static inline double stp_affine_scale(const stp_affine* a)
 {
     // the longest column is exact for rotations and uniform scales; otherwise use the Frobenius

@@ -24,7 +24,7 @@ typedef struct stp_progressive_counts {
 } stp_progressive_counts;
 
 /// Counts the base set, the splits and the parents in the first `count` splats of a set.
-/// @param ranges codes of ranges (base/splat_codes.h), 1 per splat
+/// @param ranges codes of ranges (base/splats/splat_codes.h), 1 per splat
 stp_progressive_counts stp_progressive_count(const uint32_t* ranges, uint32_t count);
 
 /// Lists all parents in split order: parent s is the splat that split s replaces.

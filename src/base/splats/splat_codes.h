@@ -59,7 +59,7 @@ static inline uint32_t stp_shape_code(float radius)
 
 /// Unit direction in the plane of a disk, from a Taylor series: same bits in every kernel.
 typedef struct stp_shape_axis {
-    float along_x, along_y; ///< the disk's axes (base/coverage.h)
+    float along_x, along_y; ///< the disk's axes (base/splats/coverage.h)
 } stp_shape_axis;
 
 /// Direction of the smaller radius: a quarter turn from the larger one.

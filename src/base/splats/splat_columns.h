@@ -69,7 +69,7 @@ enum {
 /// loading; not stored.
 typedef struct stp_splat_group {
     uint16_t low[3], high[3]; ///< of positions
-    uint16_t largest;         ///< code of the maximum radius (src/base/splat_codes.h)
+    uint16_t largest;         ///< code of the maximum radius (src/base/splats/splat_codes.h)
     int8_t axis[3];           ///< of a cone that holds their normals, 127 is 1
     uint8_t sine;             ///< of half its angle, 255 is 1; 255 also of wider cones
     uint64_t replaced;        ///< one bit per splat, lowest first: large triangles replace it
@@ -77,7 +77,7 @@ typedef struct stp_splat_group {
 
 /// A leaf of a set built leaf by leaf (docs/format.md, Leaves): a cube of the set's position grid,
 /// and properties of the splats in it. A leaf's splats are consecutive in each octave, in random
-/// order, so its first splats are a random sample. Codes: src/base/leaf_codes.h.
+/// order, so its first splats are a random sample. Codes: src/base/splats/leaf_codes.h.
 typedef struct stp_splat_leaf {
     uint16_t corner[3]; ///< minimum corner on the grid
     uint8_t place;      ///< bits 0-4: depth d, 2^(16 - d) grid steps wide; bits 5-6: STP_LEAF_*
@@ -102,25 +102,25 @@ typedef struct stp_splats {
     stp_vec3 origin;     ///< of the position grid, in the node's space
     float step;          ///< of the position grid: a power of two
     uint16_t* positions; ///< 3 per surfel: origin + step * value
-    int8_t* normals;     ///< 2 per surfel, octahedral (src/base/octahedral.h); facing outwards
+    int8_t* normals;     ///< 2 per surfel, octahedral (src/base/math/octahedral.h); facing outwards
     uint8_t* materials;  ///< shading index
     uint32_t octave_count;
     uint32_t octave_ends[STP_OCTAVE_LIMIT]; ///< ascending; the last is `count`
     /// 3 per entry, sRGB; the sum of octave_ends entries, octave 0 first. Without a pyramid: one
     /// entry per surfel.
     uint8_t* colors;
-    /// 1 per entry, same layout: share of the disk that is drawn (src/base/coverage.h); 255: all
+    /// 1 per entry, same layout: share of the disk that is drawn (src/base/splats/coverage.h); 255: all
     uint8_t* coverages;
     uint32_t columns;        ///< STP_SPLATS_*
     uint32_t* shapes;        ///< NULL, or 1 per surfel (src/base/splat_shape.h)
     uint32_t* ranges;        ///< NULL, or 1 per surfel (src/base/splat_range.h)
     stp_splat_group* groups; ///< NULL, or 1 per STP_GROUP_SPLATS splats
     /// NULL, or the set's leaves, along a Morton curve; their counts assign splats to leaves
-    /// (src/base/leaf_runs.h). For sets of a store, see stp_store_get_leaves.
+    /// (src/base/splats/leaf_runs.h). For sets of a store, see stp_store_get_leaves.
     stp_splat_leaf* leaves;
     uint32_t leaf_count;
     /// Each NULL, or one value per splat: the attribute of its point (attributes.h). A store does
-    /// not return them with its sets: src/store/attribute_blocks.h.
+    /// not return them with its sets: src/store/sets/attribute_blocks.h.
     void* attributes[STP_ATTRIBUTES];
     bool plain_coverages; ///< coverages are shares of 255: files before version 1.2
     bool unknown_signs;   ///< normals are estimates; either side may be outside

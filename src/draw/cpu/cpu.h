@@ -4,7 +4,7 @@
 // into one visibility buffer per worker. Then it processes the picture in bands: merges the
 // workers' buffers to the nearest per pixel, clears them for the next frame, and shades the pixels.
 // Merging takes a minimum, so the picture does not depend on the pieces or on which worker drew
-// them. The number of workers is capped (base/team.h), since each needs a buffer of the picture's
+// them. The number of workers is capped (base/core/team.h), since each needs a buffer of the picture's
 // size.
 #pragma once
 

@@ -138,7 +138,7 @@ bool cpu_hides_some(const cpu_renderer* r, const cpu_item* item)
     return marked && stp_store_get_coloring(r->store)->hides;
 }
 
-/// Bits of up to 16 splats or points of visible classes (store/coloring.h).
+/// Bits of up to 16 splats or points of visible classes (store/sets/coloring.h).
 static uint16_t find_shown(const cpu_item* item, uint32_t first, uint32_t count)
 {
     uint16_t shown = 0;

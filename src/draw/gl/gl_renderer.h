@@ -126,7 +126,7 @@ typedef struct gl_frame {
 /// Bounds of an octave's splat positions, in grid units.
 typedef struct gl_octave_box {
     uint16_t low[3], high[3];
-    uint16_t largest; ///< code of the maximum radius (base/splat_codes.h)
+    uint16_t largest; ///< code of the maximum radius (base/splats/splat_codes.h)
     bool replaced;    ///< large triangles replace some
 } gl_octave_box;
 

@@ -96,7 +96,7 @@
 #define SECTION_PLANES 14
 #define GHOST_SEED 0x6057u // independent of the pixels that alpha removes
 
-// Radii in codes of shapes (base/splat_codes.h).
+// Radii in codes of shapes (base/splats/splat_codes.h).
 #define SHAPE_BIAS 0x3E800000u
 
 // Alpha of materials (stp_store_alpha).

@@ -1,4 +1,4 @@
-// Codes of coverage: src/base/coverage.h.
+// Codes of coverage: src/base/splats/coverage.h.
 #define COVERAGE_CHANCES 39u
 #define COVERAGE_HALVES 39u
 #define COVERAGE_STRIPS 111u

@@ -1,4 +1,4 @@
-// The same noise as on the CPU (src/raster/splats_frame.h, src/base/rng.h, src/select/select.h):
+// The same noise as on the CPU (src/raster/splats_frame.h, src/base/math/rng.h, src/select/select.h):
 // hashing keeps the same pixels.
 
 // Whether a fragment of a splat with holes is drawn.

@@ -11,7 +11,7 @@ out vec2 weight;
 out vec3 place; // in the view, for cuts
 #endif
 
-// Whether a triangle's level (base/triangle_level.h) is at least that of its nearest corner.
+// Whether a triangle's level (base/splats/triangle_level.h) is at least that of its nearest corner.
 bool is_large(const item_block item, const triangle_place t)
 {
     vec3 p[3];

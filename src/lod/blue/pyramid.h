@@ -16,7 +16,7 @@ typedef struct stp_pyramid_entry {
     uint16_t fraction; ///< share of the disk that is surface, times opacity, 65535 is 1
     float area;        ///< of the surface nearest to it, in STP_AREA_UNITS
     float toward[3];   ///< the same, times its normals: vectors, summed
-    uint8_t coverage;  ///< result: drawn part of the disk (base/coverage.h)
+    uint8_t coverage;  ///< result: drawn part of the disk (base/splats/coverage.h)
 } stp_pyramid_entry;
 
 typedef struct stp_pyramid_sum {

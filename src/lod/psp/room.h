@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Storage for arrays that grow with the number of points: memory, or a temporary file whose pages
-// the system may evict at any time (base/spill.h).
+// the system may evict at any time (base/io/spill.h).
 #pragma once
 
 #include "base/core/context.h"

@@ -10,7 +10,7 @@
 typedef struct stp_psp_sequence {
     uint32_t count;
     uint32_t* splats; ///< numbers in the forest
-    /// Codes (base/splat_codes.h). The lowest level is 0 for samples and above 0 for merges
+    /// Codes (base/splats/splat_codes.h). The lowest level is 0 for samples and above 0 for merges
     uint32_t* ranges;
     float* highest_left; ///< highest level among a splat and all after it
 } stp_psp_sequence;

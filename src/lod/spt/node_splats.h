@@ -11,7 +11,7 @@ typedef struct stp_node_splat {
     uint8_t material; ///< of its first leaf
     uint8_t coverage; ///< of a leaf, its sample's; otherwise the mean share of the leaves below
     uint8_t cluster;  ///< index of the normal's direction among 128 (Dachsbacher et al. 2003, 3.10)
-    uint32_t shape;   ///< base/splat_codes.h; without the flag for replacement by triangles
+    uint32_t shape;   ///< base/splats/splat_codes.h; without the flag for replacement by triangles
     float replaced;   ///< level up to which large triangles surround all leaves below
 } stp_node_splat;
 

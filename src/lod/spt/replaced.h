@@ -5,7 +5,7 @@
 #include "lod/samples.h"
 
 /// Finds for each sample the highest level at which drawn triangles surround it; 0 if there is
-/// none. A triangle is drawn at levels below its own (base/triangle_level.h). A sample next to
+/// none. A triangle is drawn at levels below its own (base/splats/triangle_level.h). A sample next to
 /// surface of smaller triangles keeps its splat, because the disk may cover some of that surface.
 /// @param corners 9 floats per triangle, in the space of the samples; finite
 /// @param levels receives one per sample

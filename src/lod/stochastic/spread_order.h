@@ -14,7 +14,7 @@ void stp_spread_order_make(stp_context* context, const uint16_t* positions,
                            const stp_leaf_octree* octree, uint32_t* ranked);
 
 /// Moves ranked points to the places at which the octaves of the set draw them in that order
-/// (base/leaf_runs.h). On all threads.
+/// (base/splats/leaf_runs.h). On all threads.
 void stp_spread_order_place(stp_context* context, const uint32_t* ranked, uint32_t count,
                             stp_leaf_octree* octree);
 

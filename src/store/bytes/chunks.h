@@ -13,7 +13,7 @@
 enum {
     STP_STORE_ENCODING_PLAIN = 0,
     STP_STORE_ENCODING_CHUNKS = 1,
-    STP_STORE_ENCODING_OPERATORS = 2, ///< chunks of a progressive set (store/operators.h)
+    STP_STORE_ENCODING_OPERATORS = 2, ///< chunks of a progressive set (store/sets/operators.h)
 };
 
 /// Contents of an octave's block.

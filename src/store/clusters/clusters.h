@@ -41,7 +41,7 @@ typedef struct stp_coded_mesh {
     stp_box bounds;                                       ///< of the quantised positions
 } stp_coded_mesh;
 
-/// Codes a mesh on the grid of `step` (base/position_grid.h) into memory of the context (stp_free
+/// Codes a mesh on the grid of `step` (base/math/position_grid.h) into memory of the context (stp_free
 /// of `bytes`). Pieces of a cut mesh get the step of the whole. Arrays are as in stp_store_mesh:
 /// floats, with normals as 16-bit octahedral codes. Deterministic; may run inside jobs. Reorders
 /// triangles. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT

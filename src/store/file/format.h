@@ -13,7 +13,7 @@
 enum {
     STP_STORE_MAJOR = 1,
     STP_STORE_MINOR = 2,
-    STP_STORE_MINOR_COVERAGES = 2, ///< since then, coverages are codes (base/coverage.h)
+    STP_STORE_MINOR_COVERAGES = 2, ///< since then, coverages are codes (base/splats/coverage.h)
     STP_STORE_MAGIC_BYTES = 8,
     STP_STORE_HEADER_BYTES = 128,
     STP_STORE_SECTION_BYTES = 40,
@@ -66,7 +66,7 @@ typedef enum stp_store_section_type {
 
 enum {
     STP_SECTION_CRITICAL = 1, /**< readers that do not know the section must refuse the file */
-    STP_SECTION_PACKED = 2,   /**< stored in compressed pages: store/packed.h */
+    STP_SECTION_PACKED = 2,   /**< stored in compressed pages: store/bytes/packed.h */
 };
 
 typedef enum stp_store_block_kind {

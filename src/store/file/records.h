@@ -65,7 +65,7 @@ typedef struct stp_store_texture_record {
     uint8_t* decoded;
 } stp_store_texture_record;
 
-/// Memory of a set's columns; src/store/join_octaves.c.
+/// Memory of a set's columns; src/store/sets/join_octaves.c.
 typedef struct stp_store_joined stp_store_joined;
 
 typedef struct stp_store_surfels_record {

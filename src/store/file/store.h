@@ -128,8 +128,8 @@ typedef struct stp_store_source {
     const char* coordinate_system; ///< of its points: WKT, or "EPSG:25832"; NULL: not known
 } stp_store_source;
 
-typedef struct stp_store_attribute stp_store_attribute;             // store/attribute_blocks.h
-typedef struct stp_store_attribute_value stp_store_attribute_value; // store/attribute_blocks.h
+typedef struct stp_store_attribute stp_store_attribute;             // store/sets/attribute_blocks.h
+typedef struct stp_store_attribute_value stp_store_attribute_value; // store/sets/attribute_blocks.h
 
 /// Everything but the bulk data; also the input of the writer. The store owns the arrays.
 typedef struct stp_store_directory {
@@ -176,7 +176,7 @@ typedef struct stp_store_open_desc {
     /// Accepts a truncated file that holds its whole directory. Surfel sets then have their
     /// complete octaves (perhaps none, count 0); other data beyond the end is STP_ERROR_TRUNCATED.
     /// Descriptions cover the whole file; ask stp_store_resident_surfels and related functions
-    /// (store/residency.h) what is available.
+    /// (store/residency/residency.h) what is available.
     bool accept_prefix;
     /// Treats the file as truncated after this many bytes; 0: no.
     uint64_t prefix_bytes;
@@ -227,7 +227,7 @@ const stp_store_mesh* stp_store_describe_mesh(const stp_store* store, uint32_t i
 const stp_store_point_set* stp_store_describe_point_set(const stp_store* store, uint32_t index);
 const stp_store_texture* stp_store_describe_texture(const stp_store* store, uint32_t index);
 const stp_splats* stp_store_describe_surfels(const stp_store* store, uint32_t index);
-/// Whether a mesh is stored as clusters (store/clusters.h); then stp_store_get_mesh fails.
+/// Whether a mesh is stored as clusters (store/clusters/clusters.h); then stp_store_get_mesh fails.
 bool stp_store_is_clustered(const stp_store* store, uint32_t index);
 
 // Each function verifies the data on first use and returns pointers into the file, or to decoded

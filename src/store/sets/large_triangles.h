@@ -7,7 +7,7 @@
 
 #include "store/file/store.h"
 
-/// A view draws a triangle if its splats there have the triangle's level (base/triangle_level.h) or
+/// A view draws a triangle if its splats there have the triangle's level (base/splats/triangle_level.h) or
 /// a smaller one.
 typedef struct stp_large_triangles {
     uint32_t count;

@@ -10,7 +10,7 @@
 
 /// A cube and everything inside it. Its descendants follow it, in Morton order.
 typedef struct stp_leaf_node {
-    uint32_t first, count; ///< range of the splat row (base/leaf_runs.h)
+    uint32_t first, count; ///< range of the splat row (base/splats/leaf_runs.h)
     uint32_t next;         ///< the next node after its descendants
     uint32_t leaf_count;   ///< 1: it is a leaf itself
     float area;            ///< surface area, in squares of the grid step
