@@ -1,137 +1,21 @@
 // SPDX-License-Identifier: MIT
 //
-// The tool: finds the command, reads its options, runs it.
-#include "program/options/options.h"
-#include "program/options/tool.h"
-
-#include <signal.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
+// stipple: the commands for users. The same file is the main function of its viewer, stipple-view.
+#include "program/options/program.h"
 
 #define COMMAND(name) extern const command command_##name;
 #include "command_list.h"
 #undef COMMAND
 
-const command* const* commands(void)
-{
-    static const command* const list[] = {
+static const command* const list[] = {
 #define COMMAND(name) &command_##name,
 #include "command_list.h"
 #undef COMMAND
-        NULL,
-    };
-    return list;
-}
-
-const command* tool_find_command(const char* name)
-{
-    for (const command* const* c = commands(); *c != NULL; ++c) {
-        if (strcmp((*c)->name, name) == 0) {
-            return *c;
-        }
-    }
-    return NULL;
-}
-
-static int fail_unknown_command(const char* name)
-{
-    const char* best = NULL;
-    unsigned distance = 3;
-    for (const command* const* c = commands(); *c != NULL; ++c) {
-        unsigned d = options_word_distance(name, (*c)->name);
-        if (d < distance) {
-            best = (*c)->name;
-            distance = d;
-        }
-    }
-    if (best != NULL) {
-        return tool_usage_error("unknown command '%s'; did you mean '%s'?", name, best);
-    }
-    return tool_usage_error("unknown command '%s'", name);
-}
-
-// Options before the command: the common ones only.
-static int run_without_command(int argc, char** argv)
-{
-    int code = options_parse(NULL, &argc, argv);
-    if (code != 0) {
-        return code;
-    }
-    const tool_settings* settings = tool_settings_get();
-    if (settings->version) {
-        puts("stipple " STP_VERSION);
-        return 0;
-    }
-    help_print_overview(settings->help ? stdout : stderr);
-    return settings->help ? 0 : 2;
-}
-
-static int run_command(const command* c, int argc, char** argv)
-{
-    tool_settings* settings = tool_settings_get();
-    settings->command = c->name;
-    int code = options_parse(c->options != NULL ? c->options() : NULL, &argc, argv);
-    if (code != 0) {
-        return code;
-    }
-    if (settings->help) {
-        help_print_command(stdout, c);
-        return 0;
-    }
-    if (settings->version) {
-        puts("stipple " STP_VERSION);
-        return 0;
-    }
-    code = c->run(argc, argv);
-    tool_end_progress();
-    return tool_finish_interrupted(code, c->interrupted);
-}
-
-/// Files are memory-mapped: if another program shortens one, its pages disappear.
-static void end_without_file(int number)
-{
-    static const char message[] =
-        "stipple: a file in use was truncated by another program, or its disk failed\n";
-    (void)number;
-    ssize_t written = write(STDERR_FILENO, message, sizeof(message) - 1);
-    _exit(written >= 0 ? 1 : 2);
-}
-
-/// Keeps the arguments as given; commands reorder theirs.
-static bool keep_arguments(int argc, char** argv)
-{
-    size_t size = ((size_t)argc + 1) * sizeof(*argv);
-    char** copy = malloc(size);
-    if (copy != NULL) {
-        memcpy(copy, argv, size);
-    }
-    tool_settings_get()->arguments = copy;
-    return copy != NULL;
-}
+    NULL,
+};
 
 int main(int argc, char** argv)
 {
-    if (!keep_arguments(argc, argv)) {
-        return tool_error("out of memory");
-    }
-    (void)signal(SIGPIPE, SIG_IGN); // a closed pipe is a failed write, with a message; so is a file
-                                    // that must not grow
-    (void)signal(SIGXFSZ, SIG_IGN); // and so is a file that may not grow further
-    (void)signal(SIGBUS, end_without_file);
-    int first = 1;
-    while (first < argc && argv[first][0] == '-') {
-        first += 1;
-    }
-    int code = 2;
-    if (first >= argc) {
-        code = run_without_command(argc - 1, argv + 1);
-    } else {
-        // "stipple -q build ..." is "stipple build -q ..."
-        char* name = argv[first];
-        memmove(argv + 2, argv + 1, (size_t)(first - 1) * sizeof(*argv));
-        const command* found = tool_find_command(name);
-        code = found != NULL ? run_command(found, argc - 2, argv + 2) : fail_unknown_command(name);
-    }
-    return tool_finish_output(code);
+    static const program self = {.name = "stipple", .commands = list};
+    return program_main(&self, argc, argv);
 }

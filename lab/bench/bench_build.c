@@ -4,6 +4,7 @@
 #include "builder/build_scene.h"
 #include "lab/bench/bench.h"
 #include "lab/scenes/scenes.h"
+#include "program/options/program.h"
 #include "store/file/store.h"
 
 #include <errno.h>

@@ -7,6 +7,7 @@
 #include "lab/bench/bench.h"
 #include "lab/scenes/scenes.h"
 #include "lab/scenes/solids.h"
+#include "program/options/program.h"
 
 #include <string.h>
 
@@ -156,7 +157,7 @@ static int run_clusters(const bench_options* options, json_t* results)
     }
     stp_result result = stp_scene_create(context, &scene);
     if (result == STP_OK && options->model != NULL) {
-        result = scene_is_input(options->model)
+        result = program_is_scene(options->model)
                      ? scene_make_input(scene, options->model, NULL)
                      : stp_import_file(scene, options->model, &(stp_import_desc){0});
         result = result != STP_OK ? result

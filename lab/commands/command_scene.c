@@ -4,6 +4,7 @@
 #include "lab/scenes/gltf_file.h"
 #include "lab/scenes/scenes.h"
 #include "program/options/command.h"
+#include "program/options/program.h"
 #include "program/options/tool.h"
 
 #include <stdio.h>
@@ -96,7 +97,7 @@ static int run(int argc, char** argv)
     if (argc != 1) {
         return tool_usage_error("scene needs one name (`stipple scene --list`), but got %d", argc);
     }
-    const char* name = scene_is_input(argv[0]) ? argv[0] + strlen(SCENE_PREFIX) : argv[0];
+    const char* name = program_is_scene(argv[0]) ? argv[0] + strlen(SCENE_PREFIX) : argv[0];
     if (scene_find(name) == NULL) {
         return tool_usage_error("there is no scene \"%s\"; see `stipple scene --list`", name);
     }

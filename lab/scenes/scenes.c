@@ -4,6 +4,7 @@
 #include "lab/scenes/industry.h"
 #include "lab/scenes/paper.h"
 #include "lab/scenes/small.h"
+#include "program/options/program.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -116,16 +117,11 @@ static bool read_setting(const char* text, size_t length, scene_options* options
     return false;
 }
 
-bool scene_is_input(const char* input)
-{
-    return strncmp(input, SCENE_PREFIX, strlen(SCENE_PREFIX)) == 0;
-}
-
 stp_result scene_make_input(stp_scene* scene, const char* input, void* user)
 {
     (void)user;
     scene_options options = {.scale = 1.0};
-    const char* text = scene_is_input(input) ? input + strlen(SCENE_PREFIX) : input;
+    const char* text = program_is_scene(input) ? input + strlen(SCENE_PREFIX) : input;
     size_t length = strcspn(text, ",");
     char name[64];
     bool valid = length < sizeof(name);

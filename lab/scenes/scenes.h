@@ -26,14 +26,10 @@ const scene_recipe* scene_recipes(void);
 STP_MUST_USE stp_result scene_make(stp_scene* scene, const char* name,
                                    const scene_options* options);
 
-#define SCENE_PREFIX "scene:"
 #define SCENES_VERSION "5" ///< increment when a scene changes: caches depend on it
 
 /// The scene of that name; NULL if there is none.
 const scene_recipe* scene_find(const char* name);
-
-/// Whether an input of a command is a scene rather than a file: it begins with SCENE_PREFIX.
-bool scene_is_input(const char* input);
 
 /// Adds the scene named by an input, "scene:paper,scale=0.1,seed=3" (the prefix is optional), for
 /// stp_build_desc.generate. `user` is unused.

@@ -2,10 +2,10 @@
 //
 // stipple build: models in, one .stip file out.
 #include "builder/build_scene.h"
-#include "lab/scenes/scenes.h"
 #include "program/files/overwrite.h"
 #include "program/files/scene_file.h"
 #include "program/options/command.h"
+#include "program/options/program.h"
 #include "program/options/tool.h"
 #include "program/reports/build_sizes.h"
 #include "program/reports/describe.h"
@@ -347,7 +347,7 @@ static int build(stp_context* context, int argc, char** argv)
     stp_build_desc desc = {
         .inputs = (const char* const*)argv,
         .input_count = (size_t)argc,
-        .generate = scene_make_input,
+        .generate = program_make_scene,
         .output = args.output,
         .import = {.up = args.up_given ? up_axes[args.up] : '\0',
                    .unit_metres = args.unit_given ? unit_metres[args.unit] : 0.0,

@@ -6,8 +6,8 @@
 #include "builder/build_scene.h"
 #include "import/reading/import.h"
 #include "import/text/text_columns.h"
-#include "lab/scenes/scenes.h"
 #include "program/files/companion_files.h"
+#include "program/options/program.h"
 #include "program/options/tool.h"
 #include "select/camera.h"
 
@@ -135,7 +135,8 @@ static bool cache_paths(stp_context* context, const char* path, const stp_mapped
     if (file != NULL) {
         hash_model(path, file, &hash);
     } else {
-        hash = stp_hash_bytes(hash, SCENES_VERSION, strlen(SCENES_VERSION));
+        const char* version = program_get()->scenes_version;
+        hash = stp_hash_bytes(hash, version, version != NULL ? strlen(version) : 0);
         hash = stp_hash_bytes(hash, path, strlen(path));
     }
     for (int i = 0; i < SCENE_USES; ++i) {
@@ -224,7 +225,7 @@ static stp_result build_cached(stp_context* context, const char* path, wish* w,
     stp_build_desc desc = {.inputs = &path,
                            .input_count = 1,
                            .output = cached[use],
-                           .generate = scene_make_input,
+                           .generate = program_make_scene,
                            .import = {.columns = tool_settings_get()->columns},
                            .wants_surfels = decide_surfels,
                            .wants_surfels_user = &d,
@@ -259,7 +260,7 @@ static stp_result locate(stp_context* context, const char* path, wish* w, char* 
 {
     char cached[SCENE_USES][PATH_MAX];
     bool built = false, known;
-    if (scene_is_input(path)) {
+    if (program_is_scene(path)) {
         known = cache_paths(context, path, NULL, cached);
     } else {
         stp_mapped_file file;
@@ -345,7 +346,7 @@ int tool_take_columns(const char* names, int input_count, char** inputs)
     }
     bool applies = names == NULL || input_count == 0;
     for (int i = 0; i < input_count && !applies; ++i) {
-        applies = !scene_is_input(inputs[i]) && stp_import_takes_columns(inputs[i]);
+        applies = !program_is_scene(inputs[i]) && stp_import_takes_columns(inputs[i]);
     }
     if (!applies) {
         return tool_usage_error("--columns applies to text point clouds; %s is not one", inputs[0]);
@@ -371,7 +372,7 @@ static stp_result import_scene(stp_context* context, const char* path, stp_spill
         uint64_t usable = stp_usable_memory(stp_memory_limit(context));
         stp_scene_use_spill(*scene, spill, usable / MEMORY_SHARE);
     }
-    result = scene_is_input(path) ? scene_make_input(*scene, path, NULL)
+    result = program_is_scene(path) ? program_make_scene(*scene, path, NULL)
                                   : stp_import_file(*scene, path, &desc);
     bool whole = scan == NULL || !scan->alone;
     result = result == STP_OK && whole ? stp_scene_finish(*scene) : result;

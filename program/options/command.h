@@ -113,7 +113,7 @@ typedef struct command {
     int (*run)(int argc, char** argv);
 } command;
 
-/// All commands, NULL at the end (CMake writes the list from tools/command_*.c).
+/// All commands of the running program, NULL at the end.
 const command* const* commands(void);
 
 /// A context that prints messages on stderr ("stipple: ...", notices only with --verbose) and

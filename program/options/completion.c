@@ -2,6 +2,7 @@
 //
 // Shell completions, from the tables of the commands.
 #include "program/options/options.h"
+#include "program/options/program.h"
 #include "program/options/tool.h"
 
 #include <string.h>
@@ -40,6 +41,14 @@ static void print_quoted(FILE* stream, const char* text, const char* special, co
     }
 }
 
+/// The name of a program in that of a shell function: with underscores.
+static void print_function_name(FILE* stream, const char* name)
+{
+    for (; *name != 0; ++name) {
+        putc(*name == '-' ? '_' : *name, stream);
+    }
+}
+
 static void print_command_names(FILE* stream)
 {
     for (const command* const* c = commands(); *c != NULL; ++c) {
@@ -72,8 +81,12 @@ static void print_bash_options(FILE* stream, const option* table)
 
 void completion_print_bash(FILE* stream)
 {
-    fputs("# bash completion for stipple. Made from the option tables in tools/. Do not edit.\n"
-          "_stipple()\n{\n"
+    const char* name = program_get()->name;
+    fprintf(stream, "# bash completion for %s, made from the tables of options. Do not edit.\n",
+            name);
+    fputs("_", stream);
+    print_function_name(stream, name);
+    fputs("()\n{\n"
           "    local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]} command= "
           "names= i\n"
           "    if [[ $cur == = ]]; then\n"
@@ -116,8 +129,10 @@ void completion_print_bash(FILE* stream)
           "        COMPREPLY=($(compgen -f -- \"$cur\"))\n"
           "    fi\n"
           "}\n"
-          "complete -o filenames -F _stipple stipple\n",
+          "complete -o filenames -F _",
           stream);
+    print_function_name(stream, name);
+    fprintf(stream, " %s\n", name);
 }
 
 static void print_zsh_option(FILE* stream, const option* o)
@@ -142,9 +157,10 @@ static void print_zsh_option(FILE* stream, const option* o)
 
 void completion_print_zsh(FILE* stream)
 {
-    fputs("#compdef stipple\n"
-          "# Made from the option tables in tools/. Do not edit.\n"
-          "_stipple()\n{\n"
+    const char* name = program_get()->name;
+    fprintf(stream, "#compdef %s\n# Made from the tables of options. Do not edit.\n_", name);
+    print_function_name(stream, name);
+    fputs("()\n{\n"
           "    local -a list=(\n",
           stream);
     for (const command* const* c = commands(); *c != NULL; ++c) {
@@ -179,12 +195,14 @@ void completion_print_zsh(FILE* stream)
         }
         fputs("        ;;\n", stream);
     }
-    fputs("    esac\n}\n_stipple \"$@\"\n", stream);
+    fputs("    esac\n}\n_", stream);
+    print_function_name(stream, name);
+    fputs(" \"$@\"\n", stream);
 }
 
 static void print_fish_option(FILE* stream, const char* command_name, const option* o)
 {
-    fputs("complete -c stipple", stream);
+    fprintf(stream, "complete -c %s", program_get()->name);
     if (command_name != NULL) {
         fprintf(stream, " -n '__fish_seen_subcommand_from %s'", command_name);
     }
@@ -206,20 +224,21 @@ static void print_fish_option(FILE* stream, const char* command_name, const opti
 
 void completion_print_fish(FILE* stream)
 {
-    fputs("# fish completion for stipple. Made from the option tables in tools/. Do not edit.\n",
-          stream);
+    const char* name = program_get()->name;
+    fprintf(stream, "# fish completion for %s, made from the tables of options. Do not edit.\n",
+            name);
     for (const option* o = options_common(); o->name != NULL; ++o) {
         print_fish_option(stream, NULL, o);
     }
     for (const command* const* c = commands(); *c != NULL; ++c) {
-        fprintf(stream, "complete -c stipple -f -n __fish_use_subcommand -a %s -d '", (*c)->name);
+        fprintf(stream, "complete -c %s -f -n __fish_use_subcommand -a %s -d '", name, (*c)->name);
         print_quoted(stream, (*c)->summary, "\\", "\\'");
         fputs("'\n", stream);
         for (const option* o = options_of(*c); o->name != NULL; ++o) {
             print_fish_option(stream, (*c)->name, o);
         }
     }
-    fputs("complete -c stipple -f -n '__fish_seen_subcommand_from help' -a '", stream);
+    fprintf(stream, "complete -c %s -f -n '__fish_seen_subcommand_from help' -a '", name);
     print_command_names(stream);
     fputs("'\n", stream);
 }

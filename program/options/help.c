@@ -2,6 +2,7 @@
 //
 // Help as text for a terminal, from the tables of the commands.
 #include "program/options/options.h"
+#include "program/options/program.h"
 #include "program/options/tool.h"
 
 #include <string.h>
@@ -122,21 +123,21 @@ static void print_files(FILE* stream, const char* text)
 void help_print_overview(FILE* stream)
 {
     fprintf(stream,
-            "Usage: stipple COMMAND [OPTION]... [ARGUMENT]...\n"
+            "Usage: %s COMMAND [OPTION]... [ARGUMENT]...\n"
             "Stores 3D scenes of any size as splats, ordered so that every prefix is a picture, "
-            "and draws them.\n");
+            "and draws them.\n",
+            program_get()->name);
     print_heading(stream, "Commands");
     for (const command* const* c = commands(); *c != NULL; ++c) {
         fprintf(stream, "  %-16s%s\n", (*c)->name, (*c)->summary);
     }
     print_options(stream, "Options of every command", options_common());
-    fprintf(stream, "\n"
-                    "See 'stipple help COMMAND' for details.\n");
+    fprintf(stream, "\nSee '%s help COMMAND' for details.\n", program_get()->name);
 }
 
 void help_print_command(FILE* stream, const command* c)
 {
-    fprintf(stream, "Usage: stipple %s [OPTION]...", c->name);
+    fprintf(stream, "Usage: %s %s [OPTION]...", program_get()->name, c->name);
     fprintf(stream, "%s%s\n", *c->arguments != 0 ? " " : "", c->arguments);
     print_wrapped(stream, c->summary, 0, 0);
     if (c->text != NULL && *c->text != 0) {

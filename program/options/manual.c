@@ -2,6 +2,7 @@
 //
 // Man pages as mdoc(7), from the tables of the commands.
 #include "program/options/options.h"
+#include "program/options/program.h"
 #include "program/options/tool.h"
 
 #include <ctype.h>
@@ -152,15 +153,23 @@ static void print_date(FILE* stream, const char* date)
     }
 }
 
+static void print_upper(FILE* stream, const char* text)
+{
+    for (; *text != 0; ++text) {
+        putc(toupper((unsigned char)*text), stream);
+    }
+}
+
 static void print_header(FILE* stream, const char* suffix, const char* summary)
 {
-    fprintf(stream, ".\\\" Made from the option tables in tools/. Do not edit.\n.Dd ");
+    const char* name = program_get()->name;
+    fputs(".\\\" Made from the tables of options. Do not edit.\n.Dd ", stream);
     print_date(stream, STP_RELEASE_DATE);
-    fputs("\n.Dt STIPPLE", stream);
-    for (const char* c = suffix; *c != 0; ++c) {
-        putc(toupper((unsigned char)*c), stream);
-    }
-    fprintf(stream, " 1\n.Os stipple %s\n.Sh NAME\n.Nm stipple", STP_VERSION);
+    fputs("\n.Dt ", stream);
+    print_upper(stream, name);
+    print_upper(stream, suffix);
+    fprintf(stream, " 1\n.Os stipple %s\n.Sh NAME\n.Nm ", STP_VERSION);
+    print_escaped(stream, name, strlen(name));
     print_escaped(stream, suffix, strlen(suffix));
     fputs("\n.Nd ", stream);
     print_line(stream, summary, strlen(summary));
@@ -252,7 +261,9 @@ static void print_overview(FILE* stream)
               "$ stipple render plant.stip -o plant.png\n");
     fputs(".Sh SEE ALSO\n", stream);
     for (const command* const* c = commands(); *c != NULL; ++c) {
-        fputs(".Xr stipple\\-", stream);
+        fputs(".Xr ", stream);
+        print_escaped(stream, program_get()->name, strlen(program_get()->name));
+        fputs("\\-", stream);
         print_escaped(stream, (*c)->name, strlen((*c)->name));
         fprintf(stream, " 1%s\n", c[1] != NULL ? " ," : "");
     }
@@ -267,7 +278,10 @@ void manual_print(FILE* stream, const command* c)
     char suffix[64];
     snprintf(suffix, sizeof(suffix), "-%s", c->name);
     print_header(stream, suffix, c->summary);
-    fputs(".Sh SYNOPSIS\n.Nm stipple\n.Cm ", stream);
+    const char* name = program_get()->name;
+    fputs(".Sh SYNOPSIS\n.Nm ", stream);
+    print_line(stream, name, strlen(name));
+    fputs(".Cm ", stream);
     print_line(stream, c->name, strlen(c->name));
     fputs(".Op Ar option ...\n", stream);
     if (*c->arguments != 0) {
@@ -280,5 +294,7 @@ void manual_print(FILE* stream, const command* c)
     fputs(".Sh OPTIONS\n", stream);
     print_options(stream, c->options != NULL ? c->options() : NULL);
     print_end(stream, c->files, c->examples);
-    fputs(".Sh SEE ALSO\n.Xr stipple 1\n", stream);
+    fputs(".Sh SEE ALSO\n.Xr ", stream);
+    print_escaped(stream, name, strlen(name));
+    fputs(" 1\n", stream);
 }

@@ -3,6 +3,7 @@
 
 #include "base/io/printable.h"
 #include "program/options/option_fields.h"
+#include "program/options/program.h"
 #include "program/options/progress_line.h"
 
 #include <errno.h>
@@ -76,7 +77,7 @@ static void print_message(const char* color, const char* label, const char* form
     char* message = format_printable(format, list);
     pthread_mutex_lock(&output_mutex);
     progress_clear(&progress);
-    fprintf(stderr, "stipple: %s%s%s%s\n", colored ? color : "", label, colored ? "\033[0m" : "",
+    fprintf(stderr, "%s: %s%s%s%s\n", program_get()->name, colored ? color : "", label, colored ? "\033[0m" : "",
             message != NULL ? message : "out of memory");
     pthread_mutex_unlock(&output_mutex);
     free(message);
@@ -100,7 +101,7 @@ int tool_usage_error(const char* format, ...)
     print_message("", "", format, list);
     va_end(list);
     const char* name = tool_settings_get()->command;
-    fprintf(stderr, "Try 'stipple help%s%s'.\n", name != NULL ? " " : "", name != NULL ? name : "");
+    fprintf(stderr, "Try '%s help%s%s'.\n", program_get()->name, name != NULL ? " " : "", name != NULL ? name : "");
     return 2;
 }
 

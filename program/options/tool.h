@@ -7,9 +7,12 @@
 
 #include <stdio.h>
 
+struct program;
+
 /// The values of the common options.
 typedef struct tool_settings {
     bool help, version, quiet, verbose;
+    const struct program* program; ///< the one that runs; NULL before program_main
     const char* command; ///< the command that runs; NULL: none yet
     char** arguments;    ///< those of the process, as they were given
     const char* columns; ///< stp_import_desc.columns for imported models; NULL: not given

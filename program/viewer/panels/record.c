@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Recording and playing flights, and the output folder of the viewer.
 #include "base/core/clock.h"
-#include "lab/scenes/scenes.h"
+#include "program/options/program.h"
 #include "program/viewer/panels/panels.h"
 
 #include <errno.h>
@@ -31,7 +31,7 @@ void record_name_file(const viewer* v, const char* ending, char* path, size_t si
         snprintf(folder, sizeof(folder), ".");
     }
     const char* name = strrchr(v->file, '/') != NULL ? strrchr(v->file, '/') + 1 : v->file;
-    name = scene_is_input(name) ? strchr(name, ':') + 1 : name;
+    name = program_is_scene(name) ? strchr(name, ':') + 1 : name;
     int number = 0;
     do {
         number += 1;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Saved viewpoints and notes, kept in a file beside the model, and the model's own cameras.
-#include "lab/scenes/scenes.h"
+#include "program/options/program.h"
 #include "program/viewer/panels/panels.h"
 #include "program/viewer/window/gui.h"
 
@@ -15,7 +15,7 @@ void views_begin(viewer* v)
 {
     views_end(v);
     // a procedural scene has no file, so nothing can be saved beside it
-    v->views_path = scene_is_input(v->file) ? NULL : stp_viewpoints_path(v->context, v->file);
+    v->views_path = program_is_scene(v->file) ? NULL : stp_viewpoints_path(v->context, v->file);
     if (v->views_path != NULL &&
         stp_viewpoints_read(v->context, v->views_path, &v->views) != STP_OK) {
         stp_free(v->context, v->views_path); // do not overwrite a file that cannot be read

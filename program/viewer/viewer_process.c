@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// The viewer is a program of its own, `stipple-view`, so that other commands do not load the window
+// The viewer is an executable of its own, `stipple-view` or `stipple-lab-view`, so that other commands do not load the window
 // system's libraries, which takes longer than many commands run. `stipple view` becomes that
 // program: it consists of the same commands, and parses the same arguments.
+#include "program/options/program.h"
 #include "program/options/tool.h"
 #include "program/viewer/panels/viewer.h"
 
 #include <errno.h>
 #include <limits.h>
+#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-
-#define PROGRAM "stipple-view"
 
 /// Path of the executable's folder with the separator at the end. @return its length, 0 if unknown
 static size_t find_folder(char* path, size_t size)
@@ -28,12 +28,13 @@ int viewer_run(const viewer_options* options)
 {
     (void)options; // the viewer reads them from the arguments
     // in a build folder, and installed
-    static const char* const places[] = {PROGRAM, "../libexec/stipple/" PROGRAM};
+    static const char* const places[] = {"", "../libexec/stipple/"};
     char path[PATH_MAX + 64] = "";
     size_t folder = find_folder(path, PATH_MAX);
     int code = ENOENT;
     for (size_t i = 0; i < 2 && code == ENOENT; ++i) {
-        memcpy(path + folder, places[i], strlen(places[i]) + 1);
+        snprintf(path + folder, sizeof(path) - folder, "%s%s-view", places[i],
+                 program_get()->name);
         (void)execv(path, tool_settings_get()->arguments);
         code = errno; // only after a failure
     }
