@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """CPU time of building point clouds, alternating between several executables.
 
-    bench/clouds.py build/release/tools/stipple [OTHER...] [--counts 10000,100000,1000000] [--runs 5] [--json FILE]
+    bench/clouds.py build/release/lab/stipple-lab [OTHER...] [--counts 10000,100000,1000000] [--runs 5] [--json FILE]
         [--cloud FILE --memory SIZE]
 
 A cloud is a wavy sheet without normals, far from the origin (as in maps), with coordinates as doubles. Time is user

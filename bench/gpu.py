@@ -207,7 +207,7 @@ def main():
         if given.only != "pictures":
             flight_name = re.split(r"[,.-]", given.flight_scene)[0]
             large = given.flight_file or build(folder, flight_name, f"scene:{given.flight_scene}")
-            flights = [(f"{given.flight_scene}", large, kit.ROOT / f"scenes/flights/{flight_name}.json"),
+            flights = [(f"{given.flight_scene}", large, kit.ROOT / f"lab/scenes/flights/{flight_name}.json"),
                        ("cloud", cloud["blue"], orbit(cloud["blue"], folder))]
             flown = fly_all(flights, given)
             results += flown

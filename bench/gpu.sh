@@ -61,9 +61,9 @@ if [ -z "$stipple" ]; then
     cmake -S "$here" -B "$build" "${generator[@]}" -DCMAKE_BUILD_TYPE=RelWithDebInfo \
         -DCMAKE_C_FLAGS_RELWITHDEBINFO='-O3 -g' > "$build.log" 2>&1 ||
         { mkdir -p "$build"; tail -20 "$build.log" >&2; fail "cmake failed ($build.log): a package of packages.txt is missing"; }
-    cmake --build "$build" -j "$jobs" --target stipple_tool >> "$build.log" 2>&1 ||
+    cmake --build "$build" -j "$jobs" --target stipple_lab_tool >> "$build.log" 2>&1 ||
         { tail -30 "$build.log" >&2; fail "the build failed ($build.log)"; }
-    stipple=$build/tools/stipple
+    stipple=$build/lab/stipple-lab
 fi
 [ -x "$stipple" ] || fail "$stipple is not executable"
 

@@ -10,7 +10,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-STIPPLE = pathlib.Path(os.environ.get("STIPPLE", ROOT / "build/release/tools/stipple")).absolute()
+STIPPLE = pathlib.Path(os.environ.get("STIPPLE", ROOT / "build/release/lab/stipple-lab")).absolute()
 COLORS = ("#4c72b0", "#dd8452", "#55a868", "#8172b3", "#c44e52", "#937860", "#64b5cd")
 
 

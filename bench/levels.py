@@ -15,7 +15,7 @@ import statistics
 import subprocess
 import tempfile
 
-STIPPLE = pathlib.Path(__file__).resolve().parent.parent / "build/release/tools/stipple"
+STIPPLE = pathlib.Path(__file__).resolve().parent.parent / "build/release/lab/stipple-lab"
 
 
 def run(*arguments):

@@ -10,7 +10,7 @@
 # time
 set -euo pipefail
 cd "$(dirname "$0")/.."
-stipple=$PWD/build/release/tools/stipple
+stipple=$PWD/build/release/lab/stipple-lab
 repeats=${REPEATS:-3}
 folder=$(mktemp -d "${TMPDIR:-/tmp}/stipple-peers-XXXXXX")
 trap 'rm -rf "$folder"' EXIT

@@ -14,7 +14,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-STIPPLE = ROOT / "build/release/tools/stipple"
+STIPPLE = ROOT / "build/release/lab/stipple-lab"
 ENDINGS = {".glb", ".gltf", ".obj", ".stl", ".ply", ".laz", ".las", ".hgt", ".stip"}
 COLUMNS = ["model", "series", "splat_size", "pictures", "covered_pixels", "interior_pixels", "splats", "triangles", "ssim",
            "ssim_covered", "ssim_covered_least", "interior_holes_per_10k", "interior_holes_per_10k_most", "area_ratio",

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // build/fuzz/fuzz/fuzz_flight -max_total_time=60 -max_len=4096 build/corpus/fuzz_flight
-// Seeds: scenes/flights/*.json
+// Seeds: lab/scenes/flights/*.json
 //
 // Arbitrary bytes as a flight: a failure is logged once; an accepted flight gives finite views at
 // any time and passes through its keys.

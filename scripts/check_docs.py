@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks the documents: lines of prose have at most 100 columns, links lead somewhere, named files,
 functions and tests exist, pages of docs/algorithms have their parts, and docs/performance.md is
-short. With `--tool build/release/tools/stipple`, every option in a command exists as well."""
+short. With `--tool build/release/program/stipple`, every option in a command exists as well."""
 import argparse
 import functools
 import pathlib
@@ -12,7 +12,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent  # --root: another folder
 COLUMNS = 100
 PERFORMANCE_WORDS = 3000
-FOLDERS = "base|bench|cmake|docs|examples|fuzz|include|scenes|scripts|src|stipple|tests|tools|viewer".split("|")
+FOLDERS = "base|bench|cmake|docs|examples|fuzz|include|lab|program|scripts|src|stipple|tests".split("|")
 CODE_SUFFIXES = (".c", ".h", ".cpp", ".py", ".sh", ".glsl")
 FOREIGN = {"_v4.cpp", "gtscompare", "lasreaditemcompressed_v3.cpp"}  # files and programs of others
 # Parts of a page of docs/algorithms, which may stand anywhere on it.

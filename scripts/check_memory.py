@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Builds under memory limits and measures the memory actually used.
 
-    scripts/check_memory.py build/release/tools/stipple build/memory \\
+    scripts/check_memory.py build/release/lab/stipple-lab build/memory \\
         --limits 1G,512M scene:power-plant,scale=0.1
-    scripts/check_memory.py build/release/tools/stipple build/memory --smallest 8M,1G model.glb
+    scripts/check_memory.py build/release/lab/stipple-lab build/memory --smallest 8M,1G model.glb
 
 Prints for each limit the bytes that the library counted (peak_bytes), the peak of resident
 anonymous memory (RssAnon of /proc/PID/status, sampled; excludes mapped files), and the seconds. All

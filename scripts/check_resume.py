@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Kills builds at random moments, resumes them, and compares their bytes with an undisturbed build.
 
-    scripts/check_resume.py build/release/tools/stipple build/resume --kills 50 scene:one-mesh
+    scripts/check_resume.py build/release/lab/stipple-lab build/resume --kills 50 scene:one-mesh
 
 Prints one line per kill: its time, the stage, and the content of the work directory. A build is
 killed up to eight times before it may finish. Options of `stipple build` follow `--`.

@@ -5,7 +5,7 @@
 # xdotool, like the tests.
 set -u
 root=$(cd "$(dirname "$0")/.." && pwd)
-set -- "${1:-$root/build/release/tools/stipple}" "${2:-/tmp/stipple-viewer-pictures}"
+set -- "${1:-$root/build/release/lab/stipple-lab}" "${2:-/tmp/stipple-viewer-pictures}"
 export VIEW_SIZE=1280x720
 . "$root/tests/cli/view_window.sh"
 images=$root/docs/images

@@ -3,7 +3,7 @@
 // hundredth, with the paper's normal metric ("L2,1") and with the metric of the method's sets; and
 // the stored bytes per operator that splits a splat.
 #include "base/core/clock.h"
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/progressive.h"
 #include "lab/bench/bench.h"
 #include "lod/psp/psp_set.h"

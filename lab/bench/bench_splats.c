@@ -7,7 +7,7 @@
 // measured in between.
 #include "base/core/clock.h"
 #include "base/math/math.h"
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
 #include "lab/bench/bench.h"
 #include "lab/bench/memory_speed.h"

@@ -3,7 +3,7 @@
 // of error, the share of processed points that each test rejects (the paper: 10 to 40 %), the time
 // to select points by recursive traversal and by sequence, and the build time of both.
 #include "base/core/clock.h"
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/prefix_table.h"
 #include "lab/bench/bench.h"
 #include "lab/bench/measured_model.h"

@@ -2,7 +2,7 @@
 #include "lab/decimate/octree_cells.h"
 
 #include "base/core/jobs.h"
-#include "base/math/parallel_sort.h"
+#include "base/core/parallel_sort.h"
 #include "lab/decimate/point_disks.h"
 
 enum { GRAIN = 4096, CHILDREN = 8 };

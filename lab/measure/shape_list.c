@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lab/measure/shape_list.h"
 
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/coverage.h"
 #include "base/splats/splat_codes.h"
 #include "base/splats/splat_place.h"

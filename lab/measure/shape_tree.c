@@ -2,7 +2,7 @@
 #include "lab/measure/shape_tree.h"
 
 #include "base/math/morton.h"
-#include "base/math/parallel_sort.h"
+#include "base/core/parallel_sort.h"
 
 #include <stdatomic.h>
 

@@ -10,7 +10,7 @@
 #pragma once
 
 #include "lab/scenes/scenes.h"
-#include "lab/scenes/shapes.h"
+#include "lab/scenes/mesh_shapes.h"
 
 enum { PLAN_PARAMETERS = 10 };
 

@@ -6,7 +6,7 @@
 #include "lab/scenes/industry.h"
 #include "lab/scenes/parts.h"
 #include "lab/scenes/parts_bakery.h"
-#include "lab/scenes/random.h"
+#include "lab/scenes/scene_random.h"
 
 enum {
     LINES = 5,

@@ -6,7 +6,7 @@
 #include "lab/scenes/industry.h"
 #include "lab/scenes/parts.h"
 #include "lab/scenes/parts_car.h"
-#include "lab/scenes/random.h"
+#include "lab/scenes/scene_random.h"
 
 enum { FACTORY_OBJECTS = 1708, FACTORY_MESHES = 179, COLOURS = 4, PANELS = 9, ROBOT_PARTS = 7 };
 

@@ -7,7 +7,7 @@
 
 #include "lab/scenes/compose.h"
 #include "lab/scenes/mesh_builder.h"
-#include "lab/scenes/random.h"
+#include "lab/scenes/scene_random.h"
 
 typedef enum city_kind {
     CITY_WALL,       ///< length, height, thickness, openings (city_openings)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lab/scenes/gltf_file.h"
 
-#include "lab/scenes/gltf_json.h"
+#include "lab/scenes/gltf_text.h"
 
 #include <stdio.h>
 #include <string.h>

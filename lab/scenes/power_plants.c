@@ -5,7 +5,7 @@
 // plants.
 #include "lab/scenes/industry.h"
 #include "lab/scenes/parts.h"
-#include "lab/scenes/random.h"
+#include "lab/scenes/scene_random.h"
 
 enum { PLANTS = 16, SHARED_MESHES = 283, POOL = 21, POOL_USES = 2 };
 

@@ -3,7 +3,7 @@
 
 #include "lab/scenes/compose.h"
 #include "lab/scenes/mesh_builder.h"
-#include "lab/scenes/random.h"
+#include "lab/scenes/scene_random.h"
 #include "lab/scenes/solids.h"
 #include "lab/scenes/trigonometry.h"
 

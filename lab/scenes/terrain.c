@@ -4,7 +4,7 @@
 #include "lab/scenes/compose.h"
 #include "lab/scenes/mesh_builder.h"
 #include "lab/scenes/noise.h"
-#include "lab/scenes/random.h"
+#include "lab/scenes/scene_random.h"
 #include "lab/scenes/solids.h"
 #include "lab/scenes/trees.h"
 

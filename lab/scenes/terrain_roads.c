@@ -5,7 +5,7 @@
 // (Brandt et al. 2019, 5.1).
 #include "lab/scenes/compose.h"
 #include "lab/scenes/mesh_builder.h"
-#include "lab/scenes/random.h"
+#include "lab/scenes/scene_random.h"
 #include "lab/scenes/solids.h"
 #include "lab/scenes/terrain.h"
 

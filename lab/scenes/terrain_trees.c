@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "lab/scenes/noise.h"
-#include "lab/scenes/random.h"
+#include "lab/scenes/scene_random.h"
 #include "lab/scenes/terrain.h"
 #include "lab/scenes/trees.h"
 

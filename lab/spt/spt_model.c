@@ -2,7 +2,7 @@
 #include "lab/spt/spt_model.h"
 
 #include "base/core/context.h"
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/coverage.h"
 #include "base/splats/splat_codes.h"
 #include "draw/placement.h"

@@ -243,7 +243,7 @@ const command command_fly = {
             "loaded.\n\n"
             "A flight is JSON: { \"fov\": 60, \"fps\": 60, \"keys\": [ { \"t\": 0, \"eye\": [0, "
             "2, 30], \"target\": [0, 2, 0], \"up\": [0, 1, 0] }, ... ] }. The camera follows "
-            "Catmull-Rom curves between the keys. scenes/flights has a flight for each named "
+            "Catmull-Rom curves between the keys. lab/scenes/flights has a flight for each named "
             "scene.\n\n"
             "Popping is measured on blocks of 8 x 8 pixels: how much more they change between "
             "frames (mean over pixels and channels, 0 to 255) than in pictures of the original "
@@ -255,7 +255,7 @@ const command command_fly = {
                 "$ stipple fly plant.stip --path flight.json -o flight.mp4\n"
                 "Compare every tenth frame with the original:\n"
                 "$ stipple fly plant.stip --path flight.json --reference-every 10 --json\n",
-    .files = "FLIGHT.json\tcamera keys over time; stipple view records them, scenes/flights has "
+    .files = "FLIGHT.json\tcamera keys over time; stipple view records them, lab/scenes/flights has "
              "one for each named scene\n"
              "DIR/frame-000000.png\tpictures, with -o DIR/; removed if the flight is "
              "interrupted\n"

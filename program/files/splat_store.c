@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "program/files/splat_store.h"
 
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/coverage.h"
 #include "lod/set_columns.h"
 #include "lod/shape_coding.h"

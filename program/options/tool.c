@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "program/options/tool.h"
 
-#include "base/io/printable.h"
+#include "base/core/printable.h"
 #include "program/options/option_fields.h"
 #include "program/options/program.h"
 #include "program/options/progress_line.h"

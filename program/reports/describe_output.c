@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "base/io/printable.h"
+#include "base/core/printable.h"
 #include "base/math/color_map.h"
 #include "import/reading/scan_info.h"
 #include "program/reports/describe.h"

@@ -8,7 +8,7 @@ import subprocess
 import threading
 import time
 
-FLIGHT = str(pathlib.Path(__file__).resolve().parent.parent.parent / "scenes" / "flights" / "city-small.json")
+FLIGHT = str(pathlib.Path(__file__).resolve().parent.parent.parent / "lab" / "scenes" / "flights" / "city-small.json")
 
 
 def overwritten_while_drawn(random, campaign, run, folder):

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "builder/meshes.h"
 
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/math/position_grid.h"
 #include "builder/found_results.h"
 #include "builder/stored_results.h"

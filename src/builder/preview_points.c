@@ -2,7 +2,7 @@
 #include "builder/preview_points.h"
 
 #include "base/math/color.h"
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
 
 #include <string.h>

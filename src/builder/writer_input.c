@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "builder/writer_input.h"
 
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "store/file/format.h"
 
 #include <math.h>

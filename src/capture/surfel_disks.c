@@ -3,7 +3,7 @@
 // output is the surfels themselves.
 #include "capture/surfel_disks.h"
 
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/math/sort.h"
 #include "raster/splats.h"
 

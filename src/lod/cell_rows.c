@@ -2,7 +2,7 @@
 #include "lod/cell_rows.h"
 
 #include "base/math/math.h"
-#include "base/math/parallel_sort.h"
+#include "base/core/parallel_sort.h"
 
 #include <math.h>
 

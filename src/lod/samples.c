@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/samples.h"
 
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/prefix_table.h"
 #include "capture/surfel_disks.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Disks close to the eye or hundreds of pixels wide: intersects each pixel's ray with the plane in
 // double precision.
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "raster/splats_kernel.h"
 
 typedef struct large_disk {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "base/io/printable.h"
+#include "base/core/printable.h"
 #include "scene/bulk.h"
 #include "scene/distance_limit.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "select/cues.h"
 
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/leaf_codes.h"
 
 // of the samples of a hidden region: some of it may be visible beside its occluders

@@ -2,7 +2,7 @@
 #include "tests.h"
 
 #include "base/core/context.h"
-#include "base/io/printable.h"
+#include "base/core/printable.h"
 
 #include <string.h>
 

@@ -5,7 +5,7 @@
 #include "base/io/bytes.h"
 #include "base/io/hash.h"
 #include "base/math/color.h"
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
 #include "base/math/sort.h"
 

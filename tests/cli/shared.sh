@@ -19,7 +19,7 @@ refused()
     got=$?
     [ $got -eq "$wanted" ] || fail "$* exits with $got, not $wanted"
     grep -q -- "$word" err || fail "$* does not print $word: $(cat err)"
-    [ "$(grep -c '^stipple: ' err)" -eq 1 ] || fail "$* does not print exactly one sentence: $(cat err)"
+    [ "$(grep -c "^${stipple##*/}: " err)" -eq 1 ] || fail "$* does not print exactly one sentence: $(cat err)"
     [ ! -s out ] || fail "$* writes on stdout"
 }
 

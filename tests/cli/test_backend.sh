@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # --backend: OpenGL and the CPU draw the same pictures. Arguments: executable, scratch folder.
+# needs: stipple-lab
 set -u
 stipple=$1
 scratch=$2

@@ -2,6 +2,7 @@
 # Drawing of clouds: default eye-dome lighting, point sizes, clouds beside meshes, methods with
 # attributes, signs of normals, and precision of positions. Arguments: executable, scratch folder,
 # source folder.
+# needs: stipple-lab
 set -u
 stipple=$1 source=$3
 # shellcheck source=/dev/null

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # A file of blue and psp: nodes that need few splats are drawn by ellipses, unless a method is
 # requested. Arguments: executable, scratch folder, source folder.
+# needs: stipple-lab
 set -u
 stipple=$1
 # shellcheck source=/dev/null

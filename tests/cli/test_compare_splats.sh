@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # stipple compare-splats: known distances, agreement with gtscompare (Debian: libgts-bin), all kinds
 # of files, and error messages. Arguments: executable, scratch folder.
+# needs: stipple-lab
 set -u
 stipple=$1
 # shellcheck source=/dev/null

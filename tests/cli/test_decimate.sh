@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # stipple decimate: splats in a PLY, figures, and error messages. Arguments: executable, scratch
 # folder.
+# needs: stipple-lab
 set -u
 stipple=$1
 # shellcheck source=/dev/null

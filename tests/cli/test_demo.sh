@@ -1,18 +1,19 @@
 #!/usr/bin/env bash
 # scripts/demo: a single model, and the plant made from it; without the build before it. Arguments:
 # executable, scratch folder, source folder.
+# needs: stipple-lab
 set -u
 stipple=$1
 scratch=$2
 source=$3
 rm -rf "$scratch"
 . "$(dirname "$0")/shared.sh"
-mkdir -p "$scratch/scripts" "$scratch/bin" "$scratch/build/release/tools" && cd "$scratch" || exit 1
+mkdir -p "$scratch/scripts" "$scratch/bin" "$scratch/build/release/program" && cd "$scratch" || exit 1
 command -v python3 > /dev/null || exit 77
 cp "$source"/scripts/demo "$source"/scripts/demo.py "$source"/scripts/make_plant.py scripts
 printf '#!/bin/sh\nexit 0\n' | tee scripts/setup > bin/cmake
 chmod +x scripts/setup bin/cmake
-ln -s "$stipple" build/release/tools/stipple
+ln -s "$stipple" build/release/program/stipple
 export XDG_CACHE_HOME=$PWD/cache
 
 "$stipple" scene boxes -o boxes.glb -q > /dev/null || fail "boxes"

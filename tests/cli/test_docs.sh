@@ -64,7 +64,7 @@ for document in README.md docs/hello.md; do
     ln -s "$source/scripts" "$folder/scripts"
     cp "$source/Makefile" "$folder"
     cp $model "$folder/plant.glb" # a reader's own model
-    cp "$source/scenes/flights/one-mesh.json" "$folder/flight.json"
+    cp "$source/lab/scenes/flights/one-mesh.json" "$folder/flight.json"
     python3 "$scratch/run.py" "$source/$document" "$folder/run.sh" || { fail "$document has no commands"; continue; }
     (cd "$folder" && PATH=$folder/bin:$PATH bash run.sh > out 2> err) || fail "$document: $(tail -n 3 "$folder/err")"
     pictures=$(find "$folder" -maxdepth 1 -name '*.png' -o -maxdepth 1 -name '*.jpg' | sort)

@@ -2,6 +2,7 @@
 # An installed copy as embedded by programs: its files, the symbols of the shared library,
 # self-contained headers, and the examples, built by pkg-config and by CMake and run. Arguments:
 # executable, scratch folder, source folder.
+# needs: stipple-lab
 set -u
 stipple=$1
 scratch=$2

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # stipple fly: figures, pictures, films, plots and errors. Arguments: executable, scratch folder,
 # source folder.
+# needs: stipple-lab
 set -u
 stipple=$1
 scratch=$2
@@ -39,7 +40,7 @@ cat > flight.json << 'END'
  {"t": 2, "eye": [9, 1, 8], "target": [0, 0, 0]}, {"t": 3.5, "eye": [4, -1, 0], "target": [0, 0, 0], "up": [0, 1, 0.2]}]}
 END
 
-boxes=(scene:boxes --path "$source/scenes/flights/boxes.json")
+boxes=(scene:boxes --path "$source/lab/scenes/flights/boxes.json")
 fly plain "${boxes[@]}" --size 64x48 --frames 5
 fly same "${boxes[@]}" --size 64x48 --frames 6 --reference --reference-every 1 --popping
 fly same_ball ball.stip --path flight.json --size 64x48 --reference --reference-every 1 --popping

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # bench/gpu.sh and stipple bench gl on a small scene: output and errors. Arguments: executable,
 # scratch folder, source folder.
+# needs: stipple-lab
 set -u
 stipple=$1
 scratch=$2

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Pipes and folders instead of files, file size limits, and folders created by others: one sentence,
 # without blocking. Arguments: executable, scratch folder.
+# needs: stipple-lab
 set -u
 stipple=$1
 scratch=$2

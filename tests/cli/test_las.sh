@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # LAS and LAZ on the command line: info and build agree on both, and truncated files are rejected.
+# needs: stipple-lab
 set -u
 stipple=$1
 scratch=$2

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Builds with memory limits: the same bytes for any limit and number of threads, or one sentence.
 # Arguments: executable, scratch folder.
+# needs: stipple-lab
 set -u
 mkdir -p "$2" && cd "$2" || exit 1
 command -v python3 > /dev/null || exit 77

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Sets of several methods: build, info, render, fly and bench name them, and report missing ones.
 # Arguments: executable, scratch folder, source folder.
+# needs: stipple-lab
 set -u
 stipple=$1
 # shellcheck source=/dev/null

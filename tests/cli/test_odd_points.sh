@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # build, decimate, compare-splats and thumbnail on unusual point sets: each gives a sensible result
 # or one clear sentence. Arguments: executable, scratch folder.
+# needs: stipple-lab
 set -u
 stipple=$1
 # shellcheck source=/dev/null

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Valid and invalid outputs; none replaces an input; colours and axes. Arguments: executable,
 # scratch folder.
+# needs: stipple-lab
 set -u
 stipple=$1
 scratch=$2

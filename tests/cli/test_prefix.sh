@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Truncated files: render, info and fly show the available part, with a notice, and pictures improve
 # with every twentieth of the file; check rejects them. Arguments: executable, scratch folder.
+# needs: stipple-lab
 set -u
 mkdir -p "$2" && cd "$2" || exit 1
 command -v python3 > /dev/null || exit 77

@@ -2,6 +2,7 @@
 # Splats of sizes 1 to 24 have no holes and cover as much as the originals, on difficult models;
 # clouds cover as much for any number of points. Arguments: executable, scratch folder, source
 # folder.
+# needs: stipple-lab
 set -u
 stipple=$1
 scratch=$2

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 # stipple scene -o FILE.glb|FILE.gltf: reading the file gives the same scene as generating it
 # directly. Arguments: executable, scratch folder, source folder.
+# needs: stipple-lab
 set -eu
 stipple=$1 scratch=$2 source=$3
 . "$(dirname "$0")/shared.sh"

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Shapes of splats: squares and opacity textures, with both methods, both backends and any number of
 # threads. Arguments: executable, scratch folder.
+# needs: stipple-lab
 set -u
 stipple=$1
 # shellcheck source=/dev/null

@@ -2,6 +2,7 @@
 # --splats N draws exactly N splats of a psp set, or all if there are fewer, even if several nodes
 # share them; on both backends, with any number of threads, for truncated files, in flights, and
 # with hidden parts. Arguments: executable, scratch folder.
+# needs: stipple-lab
 set -u
 stipple=$1
 # shellcheck source=/dev/null

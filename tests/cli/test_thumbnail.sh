@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # stipple thumbnail: pictures of meshes, clouds, scenes and .stip files; errors. Arguments:
 # executable, scratch folder.
+# needs: stipple-lab
 set -u
 stipple=$1
 # shellcheck source=/dev/null

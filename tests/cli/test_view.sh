@@ -2,6 +2,7 @@
 # Pictures of stipple view: standard views, hidden parts, sections, window sizes; compared with
 # stipple render and with the other backend. Arguments: executable, scratch folder. VIEW_BACKEND=gl:
 # OpenGL draws. The test waits for the state in --report; it does not depend on timing.
+# needs: stipple-lab
 set -u
 # each pixel takes long without a graphics card
 width=400 height=250 other_size="360 230"

@@ -2,6 +2,7 @@
 # Mouse and keys in stipple view: orbit, wheel, pan, look, flight, the view cube, search, measuring,
 # recorded flights, panels. All of it is independent of the backend. Arguments: executable, scratch
 # folder. The test waits for the state in --report; it does not depend on timing.
+# needs: stipple-lab
 set -u
 . "$(dirname "$0")/view_window.sh"
 

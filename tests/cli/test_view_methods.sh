@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # A file with several methods in the viewer: the requested one is drawn, a key switches to the next,
 # and the choice is kept. Arguments: executable, scratch folder.
+# needs: stipple-lab
 set -u
 VIEW_SIZE=400x250
 . "$(dirname "$0")/view_window.sh"

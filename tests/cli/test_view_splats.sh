@@ -2,6 +2,7 @@
 # A fixed number of splats in the viewer: by an option, with the slider, typed, and by keys. The
 # chosen number is drawn with either backend, and while the camera moves. Arguments: executable,
 # scratch folder.
+# needs: stipple-lab
 set -u
 VIEW_SIZE=700x520
 . "$(dirname "$0")/view_window.sh"

@@ -3,7 +3,7 @@
 #include "support_gl.h"
 #include "tests.h"
 
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/coverage.h"
 #include "draw/gl/gl_renderer.h"
 #include "lod/set_columns.h"

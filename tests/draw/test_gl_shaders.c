@@ -3,7 +3,7 @@
 // if installed.
 #include "tests.h"
 
-#include "draw/gl/program.h"
+#include "draw/gl/gl_program.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 #include "support_store.h"
 #include "tests.h"
 
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "draw/draw.h"
 #include "lod/psp/psp_set.h"
 #include "lod/set_columns.h"

@@ -3,7 +3,7 @@
 #include "tests.h"
 
 #include "base/math/color.h"
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/prefix_table.h"
 #include "lod/blue/blue.h"
 

@@ -2,7 +2,7 @@
 #include "hierarchy_helpers.h"
 #include "tests.h"
 
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/prefix_table.h"
 #include "capture/capture_internal.h"
 #include "lod/blue/children.h"

@@ -2,7 +2,7 @@
 #include "hierarchy_helpers.h"
 #include "tests.h"
 
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
 #include "base/math/stretch.h"
 #include "base/splats/prefix_table.h"

@@ -3,7 +3,7 @@
 // and equal to an octree that is built by its definition.
 #include "tests.h"
 
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
 #include "lod/method.h"
 #include "lod/set_columns.h"

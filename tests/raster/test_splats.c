@@ -2,7 +2,7 @@
 #include "tests.h"
 
 #include "base/core/processor.h"
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
 #include "base/splats/coverage.h"
 #include "raster/splats_levels_kernel.h"

@@ -3,7 +3,7 @@
 #include "tests.h"
 
 #include "base/core/processor.h"
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
 #include "raster/splats_kernel.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "lab/scenes/random.h"
+#include "lab/scenes/scene_random.h"
 #include "lab/scenes/trigonometry.h"
 
 #include <math.h>

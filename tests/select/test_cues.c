@@ -3,7 +3,7 @@
 // (src/select/cue_cells.c).
 #include "tests.h"
 
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
 #include "base/splats/leaf_codes.h"
 #include "base/splats/leaf_runs.h"

@@ -3,7 +3,7 @@
 #include "support_mesh.h"
 #include "tests.h"
 
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/math/position_grid.h"
 
 #include <math.h>

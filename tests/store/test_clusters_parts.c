@@ -2,7 +2,7 @@
 // Meshes of leaves and twigs as clusters: small, and every part in its place.
 #include "tests.h"
 
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/math/position_grid.h"
 #include "base/math/rng.h"
 #include "store/clusters/clusters.h"

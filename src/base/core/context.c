@@ -6,7 +6,7 @@
 #include "base/core/context_internal.h"
 #include "base/core/desc.h"
 #include "base/core/processor.h"
-#include "base/io/printable.h"
+#include "base/core/printable.h"
 
 #include <assert.h>
 #include <stdio.h>

@@ -102,7 +102,7 @@ typedef struct stp_splats {
     stp_vec3 origin;     ///< of the position grid, in the node's space
     float step;          ///< of the position grid: a power of two
     uint16_t* positions; ///< 3 per surfel: origin + step * value
-    int8_t* normals;     ///< 2 per surfel, octahedral (src/base/math/octahedral.h); facing outwards
+    int8_t* normals;     ///< 2 per surfel, octahedral (src/base/splats/octahedral.h); facing outwards
     uint8_t* materials;  ///< shading index
     uint32_t octave_count;
     uint32_t octave_ends[STP_OCTAVE_LIMIT]; ///< ascending; the last is `count`

@@ -21,7 +21,7 @@
 #include "draw/gl/layer_pass.h"
 #include "draw/gl/occlusion_pass.h"
 #include "draw/gl/pool.h"
-#include "draw/gl/program.h"
+#include "draw/gl/gl_program.h"
 #include "draw/gl/raster_pass.h"
 #include "draw/gl/splat_choice.h"
 #include "draw/gl/timer.h"

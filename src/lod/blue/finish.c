@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/blue/finish.h"
 
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/prefix_table.h"
 #include "lod/blue/blue.h"
 #include "lod/set_columns.h"

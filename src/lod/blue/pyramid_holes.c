@@ -5,7 +5,7 @@
 // directions and compared with its silhouettes. A disk inside all silhouettes whose pixels stay
 // open is drawn whole. A disk with solid surface behind it, such as a tree in front of the ground,
 // keeps its coverage.
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "lod/blue/pyramid.h"
 
 #define RADIUS 3.0     // minimum pixels of a disk in a picture, if silhouettes have that many

@@ -4,7 +4,7 @@
 // disk's cylinder count, of any surface: a ray through the disk that hits any of them shows no
 // background. So a plate with studs is as solid as a bare one, though each of its layers alone is
 // full of holes. Geometry far behind the disk is a different object.
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "lod/blue/pyramid.h"
 
 #include <string.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/psp/history.h"
 
-#include "base/math/parallel_sort.h"
+#include "base/core/parallel_sort.h"
 #include "lod/psp/scale.h"
 
 #include <string.h>

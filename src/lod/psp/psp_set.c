@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/psp/psp_set.h"
 
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/coverage.h"
 #include "base/splats/prefix_table.h"
 #include "lod/psp/forest.h"

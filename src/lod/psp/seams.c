@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Links across the seams of the first round, and slots from round to round.
-#include "base/math/parallel_sort.h"
+#include "base/core/parallel_sort.h"
 #include "lod/psp/round_pieces.h"
 
 enum { GRAIN = 1 << 16 }; ///< slots

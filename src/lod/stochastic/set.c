@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/stochastic/set.h"
 
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
 #include "base/splats/coverage.h"
 #include "base/splats/leaf_codes.h"

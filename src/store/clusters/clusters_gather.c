@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Fills one cluster, triangle by triangle. Rounds and welds vertices; gives them normals only if
 // the plane of the rounded triangle is not good enough.
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "store/clusters/clusters_encode.h"
 
 // Squared cosine of a third of a degree: closer directions shade alike in 8 bits.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Names: paths and text search.
-#include "base/io/printable.h"
+#include "base/core/printable.h"
 #include "store/outline/outline_internal.h"
 
 #include <stdio.h>

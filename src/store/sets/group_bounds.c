@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Bounds of groups of neighbouring splats: a box and a cone of normals, for culling.
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/splat_codes.h"
 #include "store/file/internal.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Point sets held by a set of splats. The set contains each point once, so the file stores no
 // second copy. Point columns are made from the set on request.
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/splat_place.h"
 #include "store/file/internal.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "store/sets/leaf_tree.h"
 
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/leaf_codes.h"
 #include "base/splats/leaf_runs.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "base/math/octahedral.h"
+#include "base/splats/octahedral.h"
 
 #include "base/core/processor.h"
-#include "base/math/octahedral_kernels.h"
+#include "base/splats/octahedral_kernels.h"
 
 #include <stdbool.h>
 #include <string.h>

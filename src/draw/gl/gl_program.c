@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "draw/gl/program.h"
+#include "draw/gl/gl_program.h"
 
 #include "shaders_embedded.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "lab/scenes/shapes.h"
+#include "lab/scenes/mesh_shapes.h"
 
 #include "base/math/rng.h"
-#include "lab/scenes/shapes_patch.h"
+#include "lab/scenes/mesh_shapes_patch.h"
 #include "lab/scenes/trigonometry.h"
 
 #include <string.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Round shapes: surfaces of revolution, tubes along paths, threads and coils.
-#include "lab/scenes/shapes_patch.h"
+#include "lab/scenes/mesh_shapes_patch.h"
 #include "lab/scenes/trigonometry.h"
 
 enum { MOST_PROFILE = 96 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "base/math/parallel_sort.h"
+#include "base/core/parallel_sort.h"
 
 #include <string.h>
 

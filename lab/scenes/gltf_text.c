@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lab/scenes/gltf_json.h"
+#include "lab/scenes/gltf_text.h"
 
 #include <stdarg.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Prisms, perforated plates and curved sheets.
-#include "lab/scenes/shapes_patch.h"
+#include "lab/scenes/mesh_shapes_patch.h"
 
 static const double smooth_cosine = 0.9;
 

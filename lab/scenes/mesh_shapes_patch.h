@@ -4,7 +4,7 @@
 // arrays, with cursors. Loops that fill a patch neither allocate nor check.
 #pragma once
 
-#include "lab/scenes/shapes.h"
+#include "lab/scenes/mesh_shapes.h"
 
 typedef struct shape_patch {
     float *position, *normal;
