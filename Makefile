@@ -4,11 +4,15 @@ FUZZ_SECONDS ?= 60
 SOURCES = $(shell find include src program lab examples tests fuzz \
             \( -name '*.[ch]' -o -name '*.cpp' \) 2> /dev/null)
 
-.PHONY: release help setup test check check-long fuzz bench install format clean
+.PHONY: release lab help setup test check check-long fuzz bench install install-lab format clean
 
-release: ## build/release/program/stipple (the default)
+release: ## build/release/program/stipple and build/release/lab/stipple-lab (the default)
 	@test -f build/release/build.ninja || cmake --preset release
 	@cmake --build --preset release --target programs
+
+lab: ## build/release/lab/stipple-lab alone: measuring, the papers, named scenes
+	@test -f build/release/build.ninja || cmake --preset release
+	@cmake --build --preset release --target stipple_lab_pages
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## /  make \1#/p' $(MAKEFILE_LIST) | awk -F '#' '{ printf "%-20s%s\n", $$1, $$2 }'
@@ -29,10 +33,13 @@ fuzz: ## FUZZ_SECONDS=60 of each fuzz target
 	@scripts/fuzz $(FUZZ_SECONDS)
 
 bench: release ## all benchmarks
-	build/release/program/stipple bench
+	build/release/lab/stipple-lab bench
 
 install: release ## into PREFIX=/usr/local (and DESTDIR)
 	cmake --install build/release --prefix $(PREFIX)
+
+install-lab: lab ## stipple-lab as well
+	cmake --install build/release --prefix $(PREFIX) --component lab
 
 format: ## all C files, as clang-format 14 writes them
 	clang-format -i $(SOURCES)

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Checks the documents: lines of prose have at most 100 columns, links lead somewhere, named files,
 functions and tests exist, pages of docs/algorithms have their parts, and docs/performance.md is
-short. With `--tool build/release/program/stipple`, every option in a command exists as well."""
+short. With `--tool build/release/program/stipple` and `--tool build/release/lab/stipple-lab`, every option in a command
+exists as well."""
 import argparse
 import functools
 import pathlib
@@ -140,11 +141,12 @@ def check_length(path):
 
 
 class Tool:
-    """What `stipple COMMAND --help` lists."""
+    """What `NAME COMMAND --help` lists; NAME is stipple or stipple-lab."""
 
     def __init__(self, path):
         self.path = path
-        self.commands = set(re.findall(r"^  (?:stipple )?([a-z-]+)\b", self.help(), re.M))
+        self.name = pathlib.Path(path).name
+        self.commands = set(re.findall(r"^  ([a-z-]+)\b", self.help(), re.M))
 
     @functools.cache
     def help(self, *words):
@@ -158,36 +160,37 @@ class Tool:
     def check(self, path):
         lines = [line for block in re.findall(r"^```sh\n(.*?)^```", text_of(path), re.M | re.S)
                  for line in block.splitlines()]
-        spans = [re.sub(r"\s+", " ", span) for span in re.findall(r"(?<!`)`(stipple [^`]*)`", text_of(path))]
+        spans = [re.sub(r"\s+", " ", span) for span in re.findall(rf"(?<!`)`({self.name} [^`]*)`", text_of(path))]
         for line in lines + spans:
-            match = re.match(r"(?:\w+=\S+ |time |\S*/)*stipple ([a-z-]+)(?: ([a-z-]+))?(.*)", line.split(" # ")[0])
+            match = re.match(rf"(?:\w+=\S+ |time |\S*/)*{self.name} ([a-z-]+)(?: ([a-z-]+))?(.*)", line.split(" # ")[0])
             if not match:
                 continue
             command, second, rest = match[1], match[2], f"{match[2] or ''}{match[3]}".split("|")[0].split(";")[0]
             if command not in self.commands:
-                yield f"no command: stipple {command}"
+                yield f"no command: {self.name} {command}"
                 continue
             known = self.options(command) | (self.options(command, second) if command == "bench" and second else set())
             for option in re.findall(r"(?<=\s)(--[a-z][a-z-]*)", rest):
                 if option not in known:
-                    yield f"stipple {command} has no option {option}"
+                    yield f"{self.name} {command} has no option {option}"
 
 
 def main():
     global ROOT
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--tool", help="the program whose options are compared with the documents")
+    parser.add_argument("--tool", action="append", default=[],
+                        help="a program whose options are compared with the documents; may be repeated")
     parser.add_argument("--root", type=pathlib.Path, default=ROOT, help="the folder of the documents")
     arguments = parser.parse_args()
     ROOT = arguments.root.resolve()
-    tool = Tool(arguments.tool) if arguments.tool else None
+    tools = [Tool(path) for path in arguments.tool]
     bad = []
     for path in documents():
         name = path.relative_to(ROOT)
         checks = [check_lines, check_links]
         if name.name != "CHANGELOG.md" and "notes" not in name.parts: # these tell of the past
             checks += [check_names, check_places, check_tests]
-            checks += [tool.check] if tool else []
+            checks += [tool.check for tool in tools]
         if name.parent.name == "algorithms" and name.name != "README.md":
             checks.append(check_parts)
         if name.name == "performance.md":

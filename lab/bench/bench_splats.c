@@ -7,8 +7,8 @@
 // measured in between.
 #include "base/core/clock.h"
 #include "base/math/math.h"
-#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
+#include "base/splats/octahedral.h"
 #include "lab/bench/bench.h"
 #include "lab/bench/memory_speed.h"
 #include "program/drawing/software_gl.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lab/measure/shape_list.h"
 
-#include "base/splats/octahedral.h"
 #include "base/splats/coverage.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/splat_codes.h"
 #include "base/splats/splat_place.h"
 #include "program/files/point_file.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lab/measure/shape_tree.h"
 
-#include "base/math/morton.h"
 #include "base/core/parallel_sort.h"
+#include "base/math/morton.h"
 
 #include <stdatomic.h>
 

@@ -9,8 +9,8 @@
 // A plan that runs out of memory records the failure; adding needs no checks.
 #pragma once
 
-#include "lab/scenes/scenes.h"
 #include "lab/scenes/mesh_shapes.h"
+#include "lab/scenes/scenes.h"
 
 enum { PLAN_PARAMETERS = 10 };
 

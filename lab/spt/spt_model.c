@@ -2,8 +2,8 @@
 #include "lab/spt/spt_model.h"
 
 #include "base/core/context.h"
-#include "base/splats/octahedral.h"
 #include "base/splats/coverage.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/splat_codes.h"
 #include "draw/placement.h"
 #include "lod/method.h"

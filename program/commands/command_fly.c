@@ -255,12 +255,13 @@ const command command_fly = {
                 "$ stipple fly plant.stip --path flight.json -o flight.mp4\n"
                 "Compare every tenth frame with the original:\n"
                 "$ stipple fly plant.stip --path flight.json --reference-every 10 --json\n",
-    .files = "FLIGHT.json\tcamera keys over time; stipple view records them, lab/scenes/flights has "
-             "one for each named scene\n"
-             "DIR/frame-000000.png\tpictures, with -o DIR/; removed if the flight is "
-             "interrupted\n"
-             "$XDG_CACHE_HOME/stipple\tcache of built models; ~/.cache/stipple if the variable "
-             "is not set\n",
+    .files =
+        "FLIGHT.json\tcamera keys over time; stipple view records them, lab/scenes/flights has "
+        "one for each named scene\n"
+        "DIR/frame-000000.png\tpictures, with -o DIR/; removed if the flight is "
+        "interrupted\n"
+        "$XDG_CACHE_HOME/stipple\tcache of built models; ~/.cache/stipple if the variable "
+        "is not set\n",
     .options = options,
     .run = run,
 };

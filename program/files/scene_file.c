@@ -373,7 +373,7 @@ static stp_result import_scene(stp_context* context, const char* path, stp_spill
         stp_scene_use_spill(*scene, spill, usable / MEMORY_SHARE);
     }
     result = program_is_scene(path) ? program_make_scene(*scene, path, NULL)
-                                  : stp_import_file(*scene, path, &desc);
+                                    : stp_import_file(*scene, path, &desc);
     bool whole = scan == NULL || !scan->alone;
     result = result == STP_OK && whole ? stp_scene_finish(*scene) : result;
     if (result != STP_OK) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "program/files/splat_store.h"
 
-#include "base/splats/octahedral.h"
 #include "base/splats/coverage.h"
+#include "base/splats/octahedral.h"
 #include "lod/set_columns.h"
 #include "lod/shape_coding.h"
 #include "program/files/point_file.h"

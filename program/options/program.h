@@ -5,7 +5,6 @@
 #pragma once
 
 #include "program/options/command.h"
-
 #include "scene/scene.h"
 
 #define SCENE_PREFIX "scene:"

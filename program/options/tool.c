@@ -77,8 +77,8 @@ static void print_message(const char* color, const char* label, const char* form
     char* message = format_printable(format, list);
     pthread_mutex_lock(&output_mutex);
     progress_clear(&progress);
-    fprintf(stderr, "%s: %s%s%s%s\n", program_get()->name, colored ? color : "", label, colored ? "\033[0m" : "",
-            message != NULL ? message : "out of memory");
+    fprintf(stderr, "%s: %s%s%s%s\n", program_get()->name, colored ? color : "", label,
+            colored ? "\033[0m" : "", message != NULL ? message : "out of memory");
     pthread_mutex_unlock(&output_mutex);
     free(message);
 }
@@ -101,7 +101,8 @@ int tool_usage_error(const char* format, ...)
     print_message("", "", format, list);
     va_end(list);
     const char* name = tool_settings_get()->command;
-    fprintf(stderr, "Try '%s help%s%s'.\n", program_get()->name, name != NULL ? " " : "", name != NULL ? name : "");
+    fprintf(stderr, "Try '%s help%s%s'.\n", program_get()->name, name != NULL ? " " : "",
+            name != NULL ? name : "");
     return 2;
 }
 

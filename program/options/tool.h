@@ -13,9 +13,9 @@ struct program;
 typedef struct tool_settings {
     bool help, version, quiet, verbose;
     const struct program* program; ///< the one that runs; NULL before program_main
-    const char* command; ///< the command that runs; NULL: none yet
-    char** arguments;    ///< those of the process, as they were given
-    const char* columns; ///< stp_import_desc.columns for imported models; NULL: not given
+    const char* command;           ///< the command that runs; NULL: none yet
+    char** arguments;              ///< those of the process, as they were given
+    const char* columns;           ///< stp_import_desc.columns for imported models; NULL: not given
 } tool_settings;
 
 tool_settings* tool_settings_get(void);

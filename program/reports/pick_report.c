@@ -2,7 +2,7 @@
 #include "program/reports/pick_report.h"
 
 #include "base/math/color_map.h"
-#include "program/present/measuring.h"
+#include "embed/measuring.h"
 #include "program/reports/describe.h"
 #include "select/pick_ray.h"
 #include "store/sets/attribute_blocks.h"

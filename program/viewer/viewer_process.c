@@ -33,8 +33,7 @@ int viewer_run(const viewer_options* options)
     size_t folder = find_folder(path, PATH_MAX);
     int code = ENOENT;
     for (size_t i = 0; i < 2 && code == ENOENT; ++i) {
-        snprintf(path + folder, sizeof(path) - folder, "%s%s-view", places[i],
-                 program_get()->name);
+        snprintf(path + folder, sizeof(path) - folder, "%s%s-view", places[i], program_get()->name);
         (void)execv(path, tool_settings_get()->arguments);
         code = errno; // only after a failure
     }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "builder/meshes.h"
 
-#include "base/splats/octahedral.h"
 #include "base/math/position_grid.h"
+#include "base/splats/octahedral.h"
 #include "builder/found_results.h"
 #include "builder/stored_results.h"
 

@@ -2,8 +2,8 @@
 #include "builder/preview_points.h"
 
 #include "base/math/color.h"
-#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
+#include "base/splats/octahedral.h"
 
 #include <string.h>
 

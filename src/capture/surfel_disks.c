@@ -3,8 +3,8 @@
 // output is the surfels themselves.
 #include "capture/surfel_disks.h"
 
-#include "base/splats/octahedral.h"
 #include "base/math/sort.h"
+#include "base/splats/octahedral.h"
 #include "raster/splats.h"
 
 // The rim of a disk is pushed back by this fraction of its radius, so that among overlapping disks

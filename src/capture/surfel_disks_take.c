@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Which surfels of sets a capture saw, and their candidates.
 #include "base/math/color.h"
-#include "base/splats/octahedral.h"
 #include "base/splats/coverage.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/splat_place.h"
 #include "capture/surfel_disks.h"
 

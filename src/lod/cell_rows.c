@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/cell_rows.h"
 
-#include "base/math/math.h"
 #include "base/core/parallel_sort.h"
+#include "base/math/math.h"
 
 #include <math.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "select/cues.h"
 
-#include "base/splats/octahedral.h"
 #include "base/splats/leaf_codes.h"
+#include "base/splats/octahedral.h"
 
 // of the samples of a hidden region: some of it may be visible beside its occluders
 #define MIN_SEEN 0.25

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
+#include "base/splats/octahedral.h"
 
 #include <string.h>
 

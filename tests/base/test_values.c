@@ -5,9 +5,9 @@
 #include "base/io/bytes.h"
 #include "base/io/hash.h"
 #include "base/math/color.h"
-#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
 #include "base/math/sort.h"
+#include "base/splats/octahedral.h"
 
 #include <string.h>
 

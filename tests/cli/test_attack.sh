@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 # scripts/attack finds nothing in one file of each kind, and detects a faulty program. Arguments:
 # executable, scratch folder, source folder.
+# needs: stipple-lab
 set -u
 stipple=$1
 scratch=$2
@@ -24,8 +25,8 @@ cat > program << END
 [ "\$1" = info ] || exec "$stipple" "\$@"
 mkdir "$PWD/crash" 2> /dev/null && kill -SEGV \$\$
 mkdir "$PWD/silent" 2> /dev/null && exit 1
-mkdir "$PWD/escapes" 2> /dev/null && { printf "stipple: \033[2J\n" >&2; exit 1; }
-mkdir "$PWD/leaves" 2> /dev/null && { touch left-behind; echo "stipple: no" >&2; exit 1; }
+mkdir "$PWD/escapes" 2> /dev/null && { printf "stipple-lab: \033[2J\n" >&2; exit 1; }
+mkdir "$PWD/leaves" 2> /dev/null && { touch left-behind; echo "stipple-lab: no" >&2; exit 1; }
 exec "$stipple" "\$@"
 END
 chmod +x program

@@ -14,7 +14,7 @@ for scene in boxes city-small; do
     "$stipple" build $scene.gltf -o $scene.stip --fresh > /dev/null 2> err || fail "$scene: $(cat err)"
 done
 if ! "$stipple" render boxes.stip -o a.png --size 8x8 --backend gl 2> err; then
-    grep -q "^stipple: backend gl: .*; use --backend cpu$" err || fail "OpenGL is missing, and nothing says so: $(cat err)"
+    grep -q "^stipple-lab: backend gl: .*; use --backend cpu$" err || fail "OpenGL is missing, and nothing says so: $(cat err)"
     echo "skipped: $(cat err)"
     exit 77
 fi

@@ -175,7 +175,7 @@ data = open("above.ply", "rb").read()
 for size in range(4, len(data), 37): open(f"cut{size}.ply", "wb").write(data[:size])'
 for cut in cut[0-9]*.ply; do
     "$stipple" compare-splats "$cut" square.ply > out 2> err
-    [ $? -eq 1 ] && [ ! -s out ] && grep -q "^stipple: " err || fail "$cut: $(cat err)"
+    [ $? -eq 1 ] && [ ! -s out ] && grep -q "^stipple-lab: " err || fail "$cut: $(cat err)"
 done
 
 # the same splats as a .stip, with rounding; whole and in part

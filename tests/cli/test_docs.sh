@@ -61,6 +61,7 @@ for document in README.md docs/hello.md; do
     mkdir -p "$folder/bin" "$folder/build"
     ln -s "$(dirname "$(dirname "$stipple")")" "$folder/build/release"
     ln -s "$stipple" "$folder/bin/stipple"
+    ln -s "${stipple%/*/*}/lab/stipple-lab" "$folder/bin/stipple-lab"
     ln -s "$source/scripts" "$folder/scripts"
     cp "$source/Makefile" "$folder"
     cp $model "$folder/plant.glb" # a reader's own model

@@ -10,7 +10,7 @@ rm -rf "$scratch"
 command -v python3 > /dev/null || exit 77
 mkdir -p "$scratch/docs/algorithms" "$scratch/tests" "$scratch/src"
 
-python3 "$source/scripts/check_docs.py" --tool "$stipple" > "$scratch/found" ||
+python3 "$source/scripts/check_docs.py" --tool "$stipple" --tool "${stipple%/*/*}/lab/stipple-lab" > "$scratch/found" ||
     fail "documents have faults: $(cat "$scratch/found")"
 
 echo 'int there(void)' > "$scratch/src/there.c"

@@ -48,7 +48,7 @@ for threads in (1, 2, 3):
 done = build("limited.stip", "--threads", "1", "--memory", str(2 * MEGABYTE))
 assert done.returncode == 1 and done.stdout == "", (done.returncode, done.stdout)
 lines = done.stderr.splitlines()
-assert len(lines) == 1 and lines[0].startswith("stipple: out of memory: the limit of"), done.stderr
+assert len(lines) == 1 and lines[0].startswith("stipple-lab: out of memory: the limit of"), done.stderr
 assert "(--memory)" in lines[0] and "memory_limit_bytes" not in lines[0], done.stderr
 assert not os.path.exists("limited.stip")
 if "needs about" in lines[0]: # where it was for surfels
@@ -61,7 +61,7 @@ if "needs about" in lines[0]: # where it was for surfels
 done = build("limited.stip", "--memory", "10")
 assert done.returncode == 2 and done.stdout == "", (done.returncode, done.stdout)
 first = done.stderr.split("\n")[0]
-assert first == "stipple: --memory: '10' is too small: expected at least 64K", done.stderr
+assert first == "stipple-lab: --memory: '10' is too small: expected at least 64K", done.stderr
 
 # builds into the cache respect the limit as well: without it, they would plan with the machine's
 # memory

@@ -89,14 +89,14 @@ for name in none.ply nans.ply zero.ply zero.obj; do
         "thumbnail $name -o a.png"; do
         # shellcheck disable=SC2086
         "$stipple" $command > out 2> err && fail "$command succeeds"
-        [ "$(grep '^stipple: ' err | grep -v warning | grep -c "$name: ")" -eq 1 ] || fail "$command says: $(cat err)"
+        [ "$(grep '^stipple-lab: ' err | grep -v warning | grep -c "$name: ")" -eq 1 ] || fail "$command says: $(cat err)"
         [ "$(grep -c -v 'without a finite position' err)" -eq 1 ] || fail "$command says more: $(cat err)"
         [ ! -s out ] || fail "$command writes on stdout"
     done
 done
 for name in none.ply nans.ply; do # an empty scene is no error, but never silent
     "$stipple" build one.ply $name -o a.stip > out 2> err || fail "build $name: $(cat err)"
-    [ "$(grep -c "^stipple: warning: $name: has neither triangles nor points" err)" -eq 1 ] ||
+    [ "$(grep -c "^stipple-lab: warning: $name: has neither triangles nor points" err)" -eq 1 ] ||
         fail "build $name says: $(cat err)"
 done
 [ ! -e a.ply ] && [ ! -e a.png ] || fail "a refused call left a file"

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # stipple order and distribution: files, figures and JSON. Arguments: executable, scratch folder.
+# needs: stipple-lab
 set -u
 stipple=$1
 scratch=$2

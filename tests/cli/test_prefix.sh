@@ -118,7 +118,7 @@ for length in [0, 1, 3, 4, 7, 8, 60, 127, 128, 129, 500, 2000, 5000, *range(1000
     open("any.stip", "wb").write(whole[:length])
     for command in (("render", "any.stip", "-o", "any.png", *SIZE), ("info", "any.stip")):
         done = run(*command)
-        said = [line for line in done.stderr.splitlines() if line.startswith("stipple: ")]
+        said = [line for line in done.stderr.splitlines() if line.startswith("stipple-lab: ")]
         if done.returncode not in (0, 1) or len(said) != 1 or "any.stip" not in said[0]:
             fail(f"{command[0]} of {length} bytes: exit {done.returncode}, {done.stderr}")
     if run("check", "any.stip").returncode == 0:

@@ -3,8 +3,8 @@
 #include "support_gl.h"
 #include "tests.h"
 
-#include "base/splats/octahedral.h"
 #include "base/splats/coverage.h"
+#include "base/splats/octahedral.h"
 #include "draw/gl/gl_renderer.h"
 #include "lod/set_columns.h"
 #include "lod/spt/spt_set.h"

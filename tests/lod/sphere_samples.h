@@ -2,8 +2,8 @@
 // A set of method blue on a sphere, for tests of methods that start from samples.
 #pragma once
 
-#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/splat_columns.h"
 
 #include <math.h>

@@ -2,9 +2,9 @@
 #include "hierarchy_helpers.h"
 #include "tests.h"
 
-#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
 #include "base/math/stretch.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/prefix_table.h"
 #include "capture/capture_internal.h"
 #include "capture/surfel_disks.h"

@@ -3,8 +3,8 @@
 // and equal to an octree that is built by its definition.
 #include "tests.h"
 
-#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
+#include "base/splats/octahedral.h"
 #include "lod/method.h"
 #include "lod/set_columns.h"
 #include "lod/spt/sequence.h"

@@ -3,10 +3,10 @@
 // force.
 #include "tests.h"
 
-#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
 #include "base/splats/leaf_codes.h"
 #include "base/splats/leaf_runs.h"
+#include "base/splats/octahedral.h"
 #include "lod/set_columns.h"
 #include "lod/stochastic/orient.h"
 #include "lod/stochastic/scales.h"

@@ -4,8 +4,8 @@
 #include "tests.h"
 
 #include "base/core/processor.h"
-#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
+#include "base/splats/octahedral.h"
 #include "raster/splats_blend_kernel.h"
 
 #include <string.h>

@@ -2,9 +2,9 @@
 #include "tests.h"
 
 #include "base/core/processor.h"
-#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
 #include "base/splats/coverage.h"
+#include "base/splats/octahedral.h"
 #include "raster/splats_levels_kernel.h"
 #include "store/file/internal.h"
 

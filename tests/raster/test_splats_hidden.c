@@ -3,8 +3,8 @@
 #include "tests.h"
 
 #include "base/core/processor.h"
-#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
+#include "base/splats/octahedral.h"
 #include "raster/splats_kernel.h"
 
 #include <string.h>

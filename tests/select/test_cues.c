@@ -3,10 +3,10 @@
 // (src/select/cue_cells.c).
 #include "tests.h"
 
-#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
 #include "base/splats/leaf_codes.h"
 #include "base/splats/leaf_runs.h"
+#include "base/splats/octahedral.h"
 #include "select/cue_cells.h"
 #include "select/cues.h"
 

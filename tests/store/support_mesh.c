@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "support_mesh.h"
 
-#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
+#include "base/splats/octahedral.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "support_progressive.h"
 
-#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
 #include "base/splats/coverage.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/progressive.h"
 #include "base/splats/splat_codes.h"
 #include "lod/psp/forest.h"

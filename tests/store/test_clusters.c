@@ -3,8 +3,8 @@
 #include "support_mesh.h"
 #include "tests.h"
 
-#include "base/splats/octahedral.h"
 #include "base/math/position_grid.h"
+#include "base/splats/octahedral.h"
 
 #include <math.h>
 

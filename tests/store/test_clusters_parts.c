@@ -2,9 +2,9 @@
 // Meshes of leaves and twigs as clusters: small, and every part in its place.
 #include "tests.h"
 
-#include "base/splats/octahedral.h"
 #include "base/math/position_grid.h"
 #include "base/math/rng.h"
+#include "base/splats/octahedral.h"
 #include "store/clusters/clusters.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Measuring: clicked points, and distances, angles and areas between them, in the display unit and
 // along the file's axes.
-#include "program/present/measuring.h"
+#include "embed/measuring.h"
 #include "program/viewer/panels/panels.h"
 #include "program/viewer/window/gui.h"
 

@@ -2,7 +2,7 @@
 // Functions shared by the panels.
 #pragma once
 
-#include "program/present/measuring.h"
+#include "embed/measuring.h"
 #include "program/present/scale_bar.h"
 #include "program/viewer/panels/state.h"
 

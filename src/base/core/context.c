@@ -5,8 +5,8 @@
 #include "base/core/atomic_limits.h"
 #include "base/core/context_internal.h"
 #include "base/core/desc.h"
-#include "base/core/processor.h"
 #include "base/core/printable.h"
+#include "base/core/processor.h"
 
 #include <assert.h>
 #include <stdio.h>

@@ -102,8 +102,8 @@ typedef struct stp_splats {
     stp_vec3 origin;     ///< of the position grid, in the node's space
     float step;          ///< of the position grid: a power of two
     uint16_t* positions; ///< 3 per surfel: origin + step * value
-    int8_t* normals;     ///< 2 per surfel, octahedral (src/base/splats/octahedral.h); facing outwards
-    uint8_t* materials;  ///< shading index
+    int8_t* normals; ///< 2 per surfel, octahedral (src/base/splats/octahedral.h); facing outwards
+    uint8_t* materials; ///< shading index
     uint32_t octave_count;
     uint32_t octave_ends[STP_OCTAVE_LIMIT]; ///< ascending; the last is `count`
     /// 3 per entry, sRGB; the sum of octave_ends entries, octave 0 first. Without a pyramid: one

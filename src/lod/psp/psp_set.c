@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/psp/psp_set.h"
 
-#include "base/splats/octahedral.h"
 #include "base/splats/coverage.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/prefix_table.h"
 #include "lod/psp/forest.h"
 #include "lod/psp/split_order.h"

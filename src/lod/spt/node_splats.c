@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/spt/node_splats.h"
 
-#include "base/splats/octahedral.h"
 #include "base/splats/coverage.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/splat_codes.h"
 #include "lod/set_columns.h"
 

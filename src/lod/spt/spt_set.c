@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/spt/spt_set.h"
 
-#include "base/math/morton.h"
 #include "base/core/parallel_sort.h"
+#include "base/math/morton.h"
 #include "base/splats/prefix_table.h"
 #include "base/splats/splat_codes.h"
 #include "lod/set_columns.h"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "lod/stochastic/set.h"
 
-#include "base/splats/octahedral.h"
 #include "base/math/rng.h"
 #include "base/splats/coverage.h"
 #include "base/splats/leaf_codes.h"
 #include "base/splats/leaf_runs.h"
+#include "base/splats/octahedral.h"
 #include "lod/blue/finish.h"
 #include "lod/cloud_candidates.h"
 #include "lod/point_normals.h"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "store/sets/leaf_tree.h"
 
-#include "base/splats/octahedral.h"
 #include "base/splats/leaf_codes.h"
 #include "base/splats/leaf_runs.h"
+#include "base/splats/octahedral.h"
 
 enum {
     STACK = 8 * (STP_LEAF_DEPTH_MAX + 1),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "program/present/measuring.h"
+#include "embed/measuring.h"
 
 #include <stdio.h>
 

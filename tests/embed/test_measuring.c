@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "program/present/measuring.h"
+#include "embed/measuring.h"
 
 #include <math.h>
 #include <string.h>
