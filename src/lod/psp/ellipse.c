@@ -7,10 +7,10 @@
 
 #define PI 3.14159265358979323846f
 #define THIN 1e-3f ///< minimum minor axis, relative to the major axis
-/// Minimum product of the other two eigenvalues, relative to the square of the largest one; below
-/// it, precision is lost
+/// Minimum product of the two larger eigenvalues, relative to the squared trace; below it,
+/// precision is lost
 #define CERTAIN 1e-5
-/// Minimum determinant relative to the squared variances; below it, points form a line
+/// Minimum determinant of the scatter, relative to its squared trace; below it, points form a line
 #define LINE 1e-6f
 
 enum { SWEEPS_MAX = 32, NEWTON_MAX = 16, ROUNDS = 6 };
@@ -182,7 +182,8 @@ static inline bool reweigh(weighted* w)
     return true;
 }
 
-/// Moves the centre to that of the smallest enclosing ellipse, and gives the scatter its shape.
+/// Moves the centre almost to that of the smallest enclosing ellipse, and gives the scatter the
+/// shape of this ellipse.
 static void find_smallest(stp_ellipse_fit* f, const stp_vec3* points, size_t count)
 {
     float x[MOST], y[MOST], weight[MOST];

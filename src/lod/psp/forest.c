@@ -11,7 +11,7 @@ enum {
     POINTS_MAX = 1 << 30,
     STRIPE = 1 << 20,   ///< pages are released after this many points
     POINT_BYTES = 85,   ///< peak memory per point in bytes; measured
-    DISTANCE_BYTES = 70 ///< additional bytes per point for STP_PSP_DISTANCES
+    DISTANCE_BYTES = 70 ///< additional bytes per point for metrics other than STP_PSP_NORMALS
 };
 
 stp_psp_desc stp_psp_desc_default(void)
@@ -76,7 +76,7 @@ stp_result stp_psp_forest_make(stp_context* context, const stp_psp_points* point
     r.keep_history = true;
     size_t maximum = 2 * (size_t)points->count + 1;
     stp_result result = STP_OK;
-    if (points->count <= POINTS_MAX) { // larger counts are rejected below
+    if (points->count <= POINTS_MAX) { // merge_points rejects larger counts
         forest->ellipses = STP_NEW_ARRAY(context, stp_ellipse, maximum);
         forest->colors = STP_NEW_ARRAY(context, uint8_t, 3 * maximum);
         result =

@@ -9,9 +9,9 @@
 typedef struct assembly {
     const stp_psp_rounds* rounds;
     stp_psp_forest* forest;
-    const float* levels; ///< of merges, in order of creation
+    const float* levels; ///< levels of the merges, in order of creation; merge units
     uint32_t* ranks;     ///< position of each merge in the forest
-    double unit;         ///< of errors, in model units
+    double unit;         ///< an error of 1 in model units
 } assembly;
 
 static uint32_t splat_of(const assembly* a, uint32_t id)

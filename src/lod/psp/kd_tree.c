@@ -218,7 +218,7 @@ static void search_range(const stp_kd_tree* t, range whole, const float beyond[3
     // distances to cells are rounded like those to points, so no nearer point is missed
     struct {
         range of;
-        float square, away[3]; ///< distance from the point to the cell, and along each axis
+        float square, away[3]; ///< squared distance from point to cell; distance along each axis
     } stack[STP_KD_DEPTH];
     range of = whole;
     float away[3] = {beyond[0], beyond[1], beyond[2]};

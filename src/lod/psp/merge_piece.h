@@ -40,7 +40,7 @@ typedef struct stp_psp_piece {
     uint32_t count, live;
     uint32_t first; ///< slot of the first splat, counted over all pieces
     bool history;   ///< record merges
-    // arrays for `count` splats
+    // arrays for `count` splats, and one spare
     stp_psp_splat* splats;
     uint8_t* states;
     stp_psp_span* spans;
@@ -58,7 +58,8 @@ typedef struct stp_psp_piece {
 /// Starts a new piece in the same memory, for this many splats without links.
 /// @return false if out of memory
 bool stp_psp_piece_begin(stp_psp_piece* piece, uint32_t count);
-/// Allocates this many links in total, and the record of merges. Discards previous content.
+/// Makes space for lists of this many links in total, and for lists joined by merges. Discards
+/// previous content.
 /// @return false if out of memory
 bool stp_psp_piece_make_links(stp_psp_piece* piece, size_t count);
 void stp_psp_piece_destroy(stp_psp_piece* piece);

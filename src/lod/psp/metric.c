@@ -34,7 +34,8 @@ typedef struct turned_splat {
     } state;
 } turned_splat;
 
-/// Turns the second of two splats where they face away from each other, but signs are a guess.
+/// If signs of normals are a guess (`two_sided`), turns the second of two splats to the side of the
+/// first.
 static void turn_alike(const stp_psp_shared* shared, const stp_psp_metric_table* metric,
                        const stp_psp_splat* a, const stp_psp_splat** b, const void** b_state,
                        turned_splat* room)

@@ -3,7 +3,9 @@
 // 4.1).
 #include "lod/psp/metric.h"
 
-#define LINE 1e-4 ///< minimum ratio of minor to major spread; below it, points count as a line
+/// Minimum ratio of the middle to the largest eigenvalue of the scatter; below it, points count as
+/// a line
+#define LINE 1e-4
 /// Minimum cosine between the normal of the points' plane and the mean normal of the two splats;
 /// below it, the plane is rejected
 #define UPRIGHT 0.7f

@@ -8,7 +8,7 @@
 #include <string.h>
 
 enum {
-    WINDOW = 1 << 20, ///< points
+    WINDOW = 1 << 20, ///< points per window
     GRAIN = 1 << 14,
 };
 

@@ -14,7 +14,7 @@
 #include <float.h>
 #include <string.h>
 
-enum { GRAIN = 1024 }; ///< splats
+enum { GRAIN = 1024 }; ///< splats per piece of a parallel loop
 #define PI 3.14159265358979323846
 #define CELL 1.2f ///< area of a sample, relative to the squared coverage radius of all samples
 /// Scale of drawn ellipses: they overlap slightly, because regions are not exactly elliptical
@@ -22,11 +22,11 @@ enum { GRAIN = 1024 }; ///< splats
 /// Spacing of points, in candidate radii. Used if all points of a cloud are samples: then the
 /// coverage radius is 0
 #define SPACING 1.4142135f
-/// Extent of a sample's disk beyond a disk of its area, relative to that radius
+/// Extent of a sample's disk beyond a disk of its area, relative to the coverage radius
 #define MARGIN 0.38f
 #define SCATTERED 0.3f ///< minimum surface share of an ellipse; below it, pixels are skipped
 #define MIN_SHARE (1.0f / 255.0f) ///< minimum surface share of a sample's disk
-#define HALF_DIAGONAL 0.8660254f  ///< of a unit cube
+#define HALF_DIAGONAL 0.8660254f  ///< half the diagonal of a unit cube
 
 typedef struct psp_maker {
     stp_context* context;
@@ -124,7 +124,8 @@ static void fill_some(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// Counts the samples of each merge, and gives it the material of its larger part.
+/// Counts the samples of each merge, adds up its area, and gives it the material of its larger
+/// part.
 static void find_materials(const psp_maker* m)
 {
     const stp_psp_forest* f = &m->forest;

@@ -11,7 +11,7 @@
 #define COLORS 4.0
 #define THICKNESS 2.0
 
-/// Variance of positions along a direction.
+/// Covariance of positions along two directions; their variance if both are equal.
 static double spread_along(const stp_psp_region* r, const double a[3], const double b[3])
 {
     double sum = 0.0;

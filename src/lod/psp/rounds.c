@@ -253,7 +253,7 @@ static stp_result choose_limit(stp_psp_rounds* r, float* limit)
     return STP_OK;
 }
 
-/// Sorts the previous round's results into an order that can be cut.
+/// Lists the centres of the previous round's results; cutting sorts them.
 static stp_result make_order(stp_psp_rounds* r)
 {
     stp_context* context = r->shared.context;

@@ -3,7 +3,7 @@
 #include "base/parallel_sort.h"
 #include "lod/psp/round_pieces.h"
 
-enum { GRAIN = 1 << 16 }; ///< slots
+enum { GRAIN = 1 << 16 }; ///< slots per piece of a parallel loop
 
 typedef struct numbering {
     stp_psp_rounds* rounds;

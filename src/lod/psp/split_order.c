@@ -10,7 +10,7 @@
 /// Minimum level of a merge: the smallest normal float
 #define MIN_CODE 0x100u
 #define PI 3.14159265358979323846
-#define LEVEL_MAX 1e30f ///< finite
+#define LEVEL_MAX 1e30f ///< maximum level of a merge: finite
 
 /// A remaining splat.
 typedef struct root {
@@ -21,7 +21,7 @@ typedef struct root {
 typedef struct splitter {
     const stp_psp_forest* forest;
     stp_psp_sequence* sequence;
-    stp_progressive_queue queue; ///< of places in the sequence
+    stp_progressive_queue queue; ///< places in the sequence
 } splitter;
 
 /// Level of a splat: radius of a disk with the area of the largest error among its merge and all
