@@ -7,6 +7,8 @@
 #include "lod/psp/initial.h"
 #include "lod/psp/scale.h"
 
+#include <assert.h>
+
 enum {
     POINTS_MAX = 1 << 30,
     STRIPE = 1 << 20,   ///< pages are released after this many points
@@ -41,6 +43,7 @@ static stp_result merge_points(stp_psp_rounds* r, const stp_psp_points* points)
         return stp_fail(context, STP_ERROR_LIMIT, "progressive splats: %u points, at most %d",
                         points->count, POINTS_MAX);
     }
+    assert(points->count == 0 || points->areas != NULL || r->shared.desc.metric != STP_PSP_REGIONS);
     stp_box box = find_box(r, points);
     float scale = stp_psp_choose_scale(stp_length(stp_sub(box.max, box.min)));
     float size = scale * stp_length(stp_sub(box.max, box.min));
@@ -120,6 +123,7 @@ static stp_result list_splats(const stp_psp_rounds* r, stp_psp_splats* splats)
             items[numbered] = (uint64_t)all[numbered]->key << 32 | numbered;
         }
     }
+    assert((!made || numbered == count) && "the blocks hold all remaining splats");
     if (made) {
         const uint64_t* sorted = stp_sort_u64(items, items + count, count, 32, 32);
         for (size_t i = 0; i < count; ++i) {

@@ -5,6 +5,8 @@
 
 #include "lod/psp/queue.h"
 
+#include <assert.h>
+
 /// Flag of a link: it refers to a slot, a splat of another piece.
 #define STP_PSP_OUTSIDE 0x80000000u
 #define STP_PSP_RECORDED 0x80000000u ///< flag of an id: a record number in the same piece
@@ -70,6 +72,7 @@ bool stp_psp_piece_run(stp_psp_piece* piece, float limit, uint32_t minimum);
 
 static inline void* stp_psp_state(const stp_psp_piece* piece, uint32_t splat)
 {
+    assert(splat <= piece->count && "a splat, or the spare one");
     return piece->states + piece->metric->state_bytes * splat;
 }
 

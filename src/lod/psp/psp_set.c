@@ -11,6 +11,7 @@
 #include "lod/set_table.h"
 #include "lod/shape_coding.h"
 
+#include <assert.h>
 #include <float.h>
 #include <string.h>
 
@@ -55,6 +56,7 @@ static stp_result make_forest(psp_maker* m)
     if (!(m->cell > FLT_MIN)) { // few distinct sample positions
         m->cell = fmaxf(m->samples->step * m->samples->step, FLT_MIN);
     }
+    assert(m->cell > 0.0f);
     m->areas = STP_NEW_ARRAY(m->context, float, 2 * (size_t)p->count + 1);
     if (m->areas == NULL) {
         return stp_fail_memory(m->context);
@@ -132,6 +134,7 @@ static void find_materials(const psp_maker* m)
     memcpy(m->materials, m->samples->materials, f->point_count);
     for (uint32_t i = 0; i < f->merge_count; ++i) {
         const uint32_t parts[2] = {f->merges[i].left, f->merges[i].right};
+        assert(parts[0] < f->point_count + i && parts[1] < f->point_count + i && "parts are done");
         uint32_t larger = m->areas[parts[0]] >= m->areas[parts[1]] ? parts[0] : parts[1];
         m->materials[f->point_count + i] = m->materials[larger];
         m->counts[i] = 0;
@@ -157,6 +160,7 @@ static stp_result make(psp_maker* m)
     s->step = m->samples->step;
     s->candidate_radius = m->samples->candidate_radius;
     s->count = m->sequence.count;
+    assert(s->count >= m->samples->count && "all samples are splats");
     m->materials = STP_NEW_ARRAY(m->context, uint8_t, (size_t)s->count);
     m->counts = STP_NEW_ARRAY(m->context, uint32_t, (size_t)m->forest.merge_count + 1);
     result = stp_splats_make_columns(m->context, s);
