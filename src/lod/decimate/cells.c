@@ -7,7 +7,7 @@
 #include <string.h>
 
 #define SLACK 1.001f   ///< distances are rounded
-#define ROUNDING 1e-7f ///< of coordinates
+#define ROUNDING 1e-7f ///< relative rounding error of coordinates
 
 /// Minimum radius for grids: limited by the precision of coordinates.
 static float min_radius(const stp_decimate_input* input)
@@ -19,7 +19,8 @@ static float min_radius(const stp_decimate_input* input)
     return fmaxf(ROUNDING * maximum, FLT_MIN);
 }
 
-/// Searches on the same side; points without an owner then search on both.
+/// Finds the nearest chosen point for points without an owner: on the same side or, if
+/// `two_sided`, on both.
 static void search(stp_context* context, const stp_grid* from, const stp_grid* points, float radius,
                    bool two_sided, uint32_t* nearest, stp_decimate_cells* cells)
 {

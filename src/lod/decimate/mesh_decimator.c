@@ -16,7 +16,7 @@ typedef struct mesh_maker {
     float* positions;
     uint32_t vertex_count;
     uint32_t* welded;    ///< triangles
-    size_t welded_count; ///< of indices
+    size_t welded_count; ///< number of indices in `welded`
     uint32_t *found, *best;
     size_t best_count;
     uint32_t best_vertices;

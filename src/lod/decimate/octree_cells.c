@@ -175,7 +175,7 @@ static void push(stp_octree_cell* heap, uint32_t* count, stp_octree_cell cell)
 stp_result stp_octree_cells_open(stp_octree_cells* t, uint32_t target)
 {
     uint32_t count = t->input->count, maximum = target < count ? target : count, waiting = 0;
-    // cells that may be opened form a heap at the front; final ones are stored separately
+    // cells that may be opened form a heap; final ones are listed in `cells`
     stp_octree_cell* heap = STP_NEW_ARRAY(t->context, stp_octree_cell, (size_t)maximum + 1);
     t->cells = STP_NEW_ARRAY(t->context, stp_octree_cell, (size_t)maximum + 1);
     bool made = heap != NULL && t->cells != NULL;

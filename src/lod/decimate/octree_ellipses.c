@@ -11,7 +11,7 @@ enum { GRAIN = 32 };
 typedef struct ellipse_maker {
     const stp_octree_cells* tree;
     stp_decimate_output* output;
-    float minimum; ///< length of an axis
+    float minimum; ///< minimum length of an axis
 } ellipse_maker;
 
 /// Sums over the disks of a cell, weighted by area.
@@ -58,7 +58,7 @@ static stp_ellipse cover_cell(const ellipse_maker* m, const stp_octree_cell* cel
         double u = (double)stp_dot(d, axes.x), v = (double)stp_dot(d, axes.y);
         double nu = (double)stp_dot(disk->normal, axes.x),
                nv = (double)stp_dot(disk->normal, axes.y);
-        // of a disk about its centre: a quarter of the radius squared, in its plane
+        // variance of a disk about its centre: a quarter of the radius squared, in its plane
         double own = 0.25 * radius * radius;
         xx += area * (u * u + own * (1.0 - nu * nu));
         xy += area * (u * v - own * nu * nv);

@@ -4,14 +4,14 @@
 enum {
     COARSE_STEPS = 12, ///< greedy covers until the tolerance is about right
     FINE_STEPS = 7, ///< relaxed covers between the tolerances that are too small and large enough
-    TIGHTEN_PASSES = 4, ///< of the final cover
+    TIGHTEN_PASSES = 4, ///< passes that tighten the final cover
     PATIENCE = 12,      ///< additional covers while none is large enough
 };
-#define START 1e-3       ///< first tolerance, of the diagonal
-#define LEAST 1e-7       ///< least tolerance, of the diagonal: about the rounding of positions
+#define START 1e-3       ///< first tolerance, relative to the diagonal
+#define LEAST 1e-7       ///< minimum tolerance, likewise: about the rounding of positions
 #define STEP_MAX 8.0     ///< maximum change of the tolerance per step
-#define GREEDY_MORE 1.12 ///< sets of a greedy cover that is worth relaxing, of the target
-#define GREEDY_NEAR 0.04 ///< accepted deviation from that
+#define GREEDY_MORE 1.12 ///< wanted sets of a greedy cover, relative to the target
+#define GREEDY_NEAR 0.04 ///< accepted relative deviation from them
 #define FINE_RATIO 1.02  ///< final ratio of the two tolerances
 
 /// Search for the minimum tolerance that needs at most the wanted number of splats. More tolerance
@@ -78,7 +78,8 @@ static void keep(search* s, stp_subsample_attempt* attempt)
     stp_subsample_attempt_destroy(s->context, attempt);
 }
 
-/// Relaxes covers until the minimum tolerance is known accurately, or the maximum does not help.
+/// Relaxes covers until the minimum tolerance is known accurately, the maximum does not help, or
+/// all steps are done.
 static stp_result search_fine(search* s, stp_subsample_attempt* attempt)
 {
     double minimum = LEAST * s->field.diagonal, maximum = s->field.diagonal;

@@ -2,10 +2,10 @@
 #include "lod/decimate/subsample_attempt.h"
 
 enum {
-    CANDIDATES = 24, ///< per wanted splat
-    CROWD = 8,       ///< points of a candidate, of the mean number per wanted splat
-    CROWD_MIN = 16,  ///< plus this constant
-    PASSES_MAX = 24, ///< of the relaxation
+    CANDIDATES = 24, ///< initial candidates per wanted splat
+    CROWD = 8,       ///< maximum points of a candidate, relative to the mean per wanted splat
+    CROWD_MIN = 16,  ///< added to that maximum
+    PASSES_MAX = 24, ///< maximum passes of the relaxation
 };
 
 stp_result stp_subsample_attempt_make(stp_context* context, const stp_subsample_field* field,

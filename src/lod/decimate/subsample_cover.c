@@ -89,7 +89,7 @@ static void sift(entry* heap, uint32_t count, uint32_t at)
     heap[at] = item;
 }
 
-/// Marks the points of a set as covered, in all sets that contain them.
+/// Subtracts the weights of a set's uncovered points from the gains of all sets that contain them.
 static void take_points(const stp_cover_problem* p, const stp_cover* cover, uint32_t set,
                         uint64_t* gains)
 {

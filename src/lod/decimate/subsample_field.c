@@ -13,7 +13,7 @@ enum {
     WEIGHT_MAX = 1 << 16,
     ROUNDS_MAX = 32, ///< rounds of connecting parts: each halves their number
 };
-#define MARGIN 0.5f ///< of the distance to the farthest neighbour
+#define MARGIN 0.5f ///< margin of a point, relative to the radius of its disk
 
 /// Pairs of points. Each becomes an edge in both directions.
 typedef struct edge_list {

@@ -18,10 +18,10 @@ typedef struct shape {
 
 typedef struct fit {
     const stp_subsample_choice* choice;
-    shape* shapes;    ///< of the chosen
+    shape* shapes;    ///< one per chosen candidate
     uint32_t* owners; ///< per point: index among the chosen
-    size_t* starts;   ///< of each chosen one in `owned`, and the end
-    uint32_t* owned;  ///< points
+    size_t* starts;   ///< per chosen candidate, start of its points in `owned`; and the end
+    uint32_t* owned;  ///< points, by owner
 } fit;
 
 static double measure(const fit* f, const shape* s, uint32_t point)

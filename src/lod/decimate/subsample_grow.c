@@ -22,8 +22,8 @@ typedef struct growth {
     uint32_t maximum;
     const uint32_t* seeds;
     uint32_t seed_count;
-    stp_subsample_candidate* shapes; ///< of the seeds
-    uint32_t* counts;                ///< members of each
+    stp_subsample_candidate* shapes; ///< one per seed
+    uint32_t* counts;                ///< number of members per seed
     block* blocks;
     stp_subsample_scratch* scratch; ///< per worker
 } growth;

@@ -6,11 +6,11 @@
 #include <string.h>
 
 enum {
-    UNKNOWNS = 6, ///< of a quadric over a plane
-    ROUNDS = 3,   ///< of fitting and growing
-    FIT_MIN = 8   ///< points that a quadric is fitted to
+    UNKNOWNS = 6, ///< coefficients of a quadric over a plane
+    ROUNDS = 3,   ///< maximum rounds of fitting and growing
+    FIT_MIN = 8   ///< minimum number of points to fit a quadric
 };
-#define RATIO_MAX 4.0f ///< of the axes of a candidate
+#define RATIO_MAX 4.0f ///< maximum ratio of the axes of a candidate
 
 /// A frame of unit vectors at a point, and the weight of distances across x.
 typedef struct frame {
@@ -20,7 +20,7 @@ typedef struct frame {
 
 typedef struct region {
     uint32_t count;
-    double low, high;    ///< of heights over the plane
+    double low, high;    ///< range of heights over the plane
     double reach;        ///< distance of the farthest point
     double major, minor; ///< axes that contain the points with their margins
     uint64_t area;       ///< sum of the weights

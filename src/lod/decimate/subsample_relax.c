@@ -6,7 +6,7 @@
 #include <string.h>
 
 enum {
-    GROUP_MIN = 3, ///< sets removed together
+    GROUP_MIN = 3, ///< minimum number of sets removed together
     GROUP_MAX = 10,
     BATCH_MAX = 64,   ///< proposals made against the same cover
     BATCH_SHARE = 48, ///< a batch has at most one proposal per this many sets
@@ -33,7 +33,7 @@ typedef struct relaxation {
     const stp_cover* cover;
     bool tighten;          ///< the count stays, the area falls
     const uint32_t* seeds; ///< sets of this batch
-    uint64_t seed;         ///< of the random numbers of this batch
+    uint64_t seed;         ///< seed of the random numbers of this batch
     proposal* proposals;
     relax_scratch* scratch;
 } relaxation;
@@ -80,7 +80,8 @@ static uint32_t open_points(const stp_cover_problem* p, const stp_cover* cover, 
     return count;
 }
 
-/// Counts the uncovered points of each set that has any.
+/// Lists the sets with uncovered points, and adds up the weights of these in `gains`.
+/// @return number of sets
 static uint32_t touch_sets(const stp_cover_problem* p, relax_scratch* s, uint32_t open_count)
 {
     uint32_t count = 0;

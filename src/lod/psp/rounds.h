@@ -54,7 +54,7 @@ typedef struct stp_psp_rounds {
     uint32_t block_count, slot_count;
     /// Per slot of the previous round: number of the splat that represents it, then its slot
     uint32_t* survivors;
-    // of the current round
+    // current round
     stp_kd_point* order; ///< `index` is the splat's number; NULL: equal to the slot
     /// Reversed links across seams of the first round: slot << 32 | other slot; ascending by slot
     uint64_t* reverse;
