@@ -4,6 +4,7 @@
 #include "lod/decimate/point_disks.h"
 #include "lod/neighbours.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define SLACK 1.001f   ///< distances are rounded
@@ -82,12 +83,14 @@ static void list_members(const stp_decimate_input* input, uint32_t count, stp_de
     }
     memmove(cells->starts + 1, cells->starts, count * sizeof(*cells->starts));
     cells->starts[0] = 0;
+    assert(cells->starts[count] == input->count && "each point is in one cell");
 }
 
 stp_result stp_decimate_cells_make(stp_context* context, const stp_decimate_input* input,
                                    const uint32_t* chosen, uint32_t count, float radius,
                                    stp_decimate_cells* cells)
 {
+    assert(count <= input->count && !(radius < 0.0f));
     size_t points = input->count;
     *cells = (stp_decimate_cells){.owners = STP_NEW_ARRAY(context, uint32_t, points + 1),
                                   .starts = STP_NEW_ZEROED(context, uint32_t, (size_t)count + 2),
@@ -101,6 +104,7 @@ stp_result stp_decimate_cells_make(stp_context* context, const stp_decimate_inpu
         float *positions = copies, *normals = copies + 3 * (size_t)count;
         const float* from = input->normals != NULL ? input->normals : input->positions;
         for (uint32_t i = 0; i < count; ++i) {
+            assert(chosen[i] < input->count);
             memcpy(positions + 3 * (size_t)i, input->positions + 3 * (size_t)chosen[i],
                    3 * sizeof(float));
             memcpy(normals + 3 * (size_t)i, from + 3 * (size_t)chosen[i], 3 * sizeof(float));

@@ -6,6 +6,8 @@
 #include "lod/decimate/octree_cells.h"
 #include "lod/decimate/point_disks.h"
 
+#include <assert.h>
+
 enum { GRAIN = 32 };
 
 typedef struct ellipse_maker {
@@ -89,6 +91,7 @@ static void make_some(size_t begin, size_t end, uint32_t worker, void* user)
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
         const stp_octree_cell* cell = &m->tree->cells[i];
+        assert(cell->begin < cell->end && "cells without points are not chosen");
         cell_sums sums = {0};
         for (uint32_t place = cell->begin; place < cell->end; ++place) {
             add_disk(m, cell, place, &sums);

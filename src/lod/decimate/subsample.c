@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/decimate/subsample_attempt.h"
 
+#include <assert.h>
+
 enum {
     COARSE_STEPS = 12, ///< greedy covers until the tolerance is about right
     FINE_STEPS = 7, ///< relaxed covers between the tolerances that are too small and large enough
@@ -63,6 +65,7 @@ static stp_result search_coarse(search* s, stp_subsample_attempt* attempt)
 /// Keeps an attempt that is good enough, or the one with fewest splats.
 static void keep(search* s, stp_subsample_attempt* attempt)
 {
+    assert(attempt->made && attempt->tolerance > 0.0);
     bool enough = attempt->cover.count <= s->target;
     stp_subsample_attempt* place = enough ? &s->best : &s->fewest;
     if (enough) {
@@ -93,6 +96,7 @@ static stp_result search_fine(search* s, stp_subsample_attempt* attempt)
         }
         double tolerance = attempt->tolerance, count = (double)attempt->cover.count;
         keep(s, attempt);
+        assert((s->high == 0.0 || s->low <= s->high) && "the bounds enclose the wanted tolerance");
         double next;
         if (s->low > 0.0 && s->high > 0.0) {
             next = sqrt(s->low * s->high);
@@ -180,6 +184,7 @@ static stp_result take_all(stp_context* context, const stp_subsample_field* fiel
 static stp_result take_cover(search* s, stp_decimate_output* output)
 {
     stp_subsample_attempt* a = s->high > 0.0 ? &s->best : &s->fewest;
+    assert(a->made);
     stp_result result = stp_cover_tighten(s->context, &a->problem, TIGHTEN_PASSES, &a->cover);
     if (result == STP_OK && !make_room(s->context, a->cover.count, output)) {
         result = stp_fail_memory(s->context);

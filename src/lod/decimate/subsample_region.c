@@ -3,6 +3,7 @@
 
 #include "base/coverage.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -58,6 +59,7 @@ static bool push(stp_subsample_scratch* s, uint64_t item)
 
 static uint64_t pop(stp_subsample_scratch* s)
 {
+    assert(s->heap_count > 0);
     uint64_t *heap = s->heap, first = heap[0], last = heap[--s->heap_count];
     uint32_t at = 0, count = s->heap_count;
     for (uint32_t child = 1; child < count; child = 2 * at + 1) {
@@ -101,6 +103,7 @@ static bool grow(const stp_subsample_field* field, stp_subsample_scratch* s, uin
     while (s->heap_count > 0 && r->count < maximum) {
         uint32_t after = (uint32_t)pop(s), left = field->count - seed;
         uint32_t point = after < left ? seed + after : after - left;
+        assert(point < field->count);
         stp_vec3d d = stp_subd(stp_to_double(stp_subsample_position(field, point)), f->origin);
         double height = stp_dotd(d, f->normal);
         double low = height < r->low ? height : r->low, high = height > r->high ? height : r->high;
@@ -214,6 +217,7 @@ static bool turn_frame(const double q[UNKNOWNS], frame* f)
     }
     const double maximum = (double)(RATIO_MAX * RATIO_MAX);
     f->ratio = large > small * maximum ? (double)RATIO_MAX : sqrt(large / small);
+    assert(f->ratio >= 1.0 && f->ratio <= (double)RATIO_MAX);
     f->normal = n;
     f->y = y;
     f->x = stp_crossd(y, n);
@@ -224,6 +228,7 @@ uint32_t stp_subsample_find_region(const stp_subsample_field* field, stp_subsamp
                                    uint32_t seed, double tolerance, uint32_t maximum,
                                    stp_subsample_candidate* shape, const uint32_t** members)
 {
+    assert(seed < field->count && maximum > 0 && tolerance >= 0.0);
     region best, other;
     frame f = make_frame(field, seed), turned = f;
     double q[UNKNOWNS];
