@@ -6,8 +6,8 @@ enum {
     EACH_TRIANGLE = 10,
     MIN_SAMPLES = 200000,
     MAX_SAMPLES = 4000000,
-    PROOF_SAMPLES = 4, ///< extra measurements for the proof, per sample and in all
-    PROOF_MIN = 65536,
+    PROOF_SAMPLES = 4, ///< measurements for the proof, per sample
+    PROOF_MIN = 65536, ///< additional ones
 };
 
 // Fractions of 2^64: the plastic number's inverse and its square.

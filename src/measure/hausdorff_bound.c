@@ -7,14 +7,14 @@ enum {
     CUT = 256,       ///< cells subdivided at a time
 };
 
-#define TOLERANCE 1e-3 ///< of the maximum
-#define SMALLEST 1e-6  ///< of the largest coordinate; used if everything lies on the shapes
+#define TOLERANCE 1e-3 ///< accepted gap between maximum and bound, relative to the maximum
+#define SMALLEST 1e-6  ///< added to it, relative to the largest coordinate: the maximum may be 0
 
 /// A part of a triangle.
 typedef struct cell {
     stp_vec3d corners[3];
     stp_vec3d middle;
-    double distance; ///< of the centre
+    double distance; ///< distance of the centre
     double maximum;  ///< upper bound over the cell
 } cell;
 

@@ -17,7 +17,7 @@ static const double scale_weights[SCALES] = {0.0448, 0.2856, 0.3001, 0.2363, 0.1
 /// The pictures at the current scale.
 typedef struct pictures {
     const stp_image *a, *b, *mask;
-    uint32_t width, height; ///< of this scale
+    uint32_t width, height; ///< size at this scale
     float *grey_a, *grey_b;
     uint8_t* counted;
     uint64_t* square_errors; ///< per piece of PIXEL_GRAIN pixels, over the three channels

@@ -9,7 +9,7 @@
 enum {
     LEAF = 4, ///< maximum shapes per leaf
     GRAIN = 4096,
-    CELLS = 1024, ///< of the curve, along each axis
+    CELLS = 1024, ///< cells of the curve along each axis
     STACK = 64,
 };
 
@@ -18,7 +18,7 @@ enum {
 
 typedef struct tree_maker {
     stp_shape_tree* tree;
-    stp_box middles; ///< of all box centres
+    stp_box middles; ///< bounding box of all box centres
     uint64_t *keys, *scratch;
     const uint64_t* sorted;
     float margin;

@@ -43,7 +43,7 @@ typedef struct greedy {
     stp_tree front; // candidates of this phase
     uint32_t front_capacity;
     uint32_t front_count;
-    // of the front's points in the tree, ascending; gathered in one piece a task
+    // tree positions of the front's points, ascending; each task collects into its own part
     uint32_t* positions;
     uint8_t* is_chosen; // for each point of the front
     stp_chosen* chosen; // all chosen points, phase by phase, within a phase along the curve
@@ -51,8 +51,8 @@ typedef struct greedy {
     size_t scratch_stride;
     uint32_t task_level;                 // the subtrees below the branches of this level are tasks
     uint32_t* task_counts;               // points collected by each task
-    uint32_t first_chosen, chosen_count; // of this phase
-    stp_box* boxes;                      // one per TOGETHER chosen points; only with threads
+    uint32_t first_chosen, chosen_count; // range of this phase in `chosen`
+    stp_box* boxes; // one per TOGETHER chosen points; used only with several threads
     float floor;
 } greedy;
 
@@ -90,7 +90,7 @@ static void name_chosen(greedy* g, const uint32_t* numbers, uint32_t first)
     }
 }
 
-// Number of positions below one branch of a level.
+// Number of positions below one task.
 static uint64_t task_span(const greedy* g)
 {
     return (uint64_t)STP_LEAF_SIZE << 3 * (g->task_level + 1);

@@ -8,7 +8,7 @@
 
 enum {
     FIRST_LIMIT = 4,      // initial cells per axis
-    LAST_LIMIT = 1 << 20, // smallest cell: this fraction of the box
+    LAST_LIMIT = 1 << 20, // maximum cells per axis
     FULL = 4,             // average points per cell at which cells are halved
     FIRST_SLOTS_LOG2 = 10,
 };

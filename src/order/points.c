@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Points along a Morton curve. First all points are distributed to 16^3 cells, together with their
-// positions so that later reading is sequential; then each cell is sorted on its own, in cache, and
-// written to its leaves.
+// Bounding box and scale of the points to be ordered. sort_points.c sorts them.
 #include "order/points.h"
 
 #include "base/math.h"

@@ -7,10 +7,11 @@
 //
 //   paper-text   `samples` per round. Accepts one per round at first, and one more per round after
 //                every `interval` rounds.
-//   paper-fast   like the authors' program. Round 0 accepts none. Then, after every `interval` rounds
-//                from round 0 on, halves the samples (never below 20) and accepts one more (at most 3
-//                of 10 samples): 200/0, 100/1, 50/2, 25/3, 20/4, 20/5, then always 20/6. The best
-//                sample that was not accepted leaves the input, and returns only if it runs empty.
+//   paper-fast   like the authors' program. Round 0 accepts none. Then, after every `interval`
+//                rounds from round 0 on, halves the samples (never below 20) and accepts one more
+//                (at most 3 of 10 samples): 200/0, 100/1, 50/2, 25/3, 20/4, 20/5, then always 20/6.
+//                The best sample that was not accepted leaves the input, and returns only if it
+//                runs empty.
 //   best-of-k    the best of `samples` (Mitchell 1991): one accepted per round, always.
 //
 // The distances of a round are to the points chosen before the round, as in the paper. The output
@@ -32,7 +33,7 @@ typedef struct schedule {
 } schedule;
 
 typedef struct drawn {
-    float squared; // distance to the points chosen before the round
+    float squared; // squared distance to the points chosen before the round
     uint32_t slot; // which sample of the round
 } drawn;
 
@@ -48,10 +49,10 @@ typedef struct sampler {
     stp_near_grid grid;
     stp_near_grid_nearest nearest;
     uint32_t capacity; // maximum samples per round
-    float* positions;  // of a round's samples, scaled, 3 per sample
+    float* positions;  // scaled positions of a round's samples, 3 per sample
     float* squared;
     drawn* ranking;
-    uint8_t* state; // of each sample
+    uint8_t* state; // per sample
 } sampler;
 
 enum { BACK, CHOSEN, ASIDE, GONE };

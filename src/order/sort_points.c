@@ -24,7 +24,7 @@ enum {
 
 _Static_assert(sizeof(stp_leaf) == STP_LEAF_SIZE * sizeof(stp_record), "sorted in place");
 
-// Ranges of leaves that a task shares with its neighbours.
+// Leaves that a task shares with its neighbours.
 typedef struct shared_leaves {
     stp_leaf first, last;
 } shared_leaves;
