@@ -5,6 +5,8 @@
 
 #include "base/math.h"
 
+#include <assert.h>
+
 enum { CHUNK_SIZE = 1 << 16 }; // points measured by one thread at a time
 
 typedef struct bounds_job {
@@ -71,5 +73,6 @@ stp_result stp_points_measure(stp_points* points, const stp_team* team)
     double extent = x > y ? x : y;
     points->box = box;
     points->scale = unit_scale(extent > z ? extent : z);
+    assert(points->scale > 0.0f && isfinite(points->scale));
     return STP_OK;
 }

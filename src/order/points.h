@@ -4,6 +4,8 @@
 
 #include "order/tree.h"
 
+#include <assert.h>
+
 typedef struct stp_points {
     const float* positions; ///< 3 per point
     const float* normals;   ///< 3 per point, or NULL
@@ -16,6 +18,7 @@ typedef struct stp_points {
 /// A point's position, scaled.
 static inline stp_vec3 stp_points_scaled(const stp_points* points, uint32_t id)
 {
+    assert(id < points->count && points->scale > 0.0f);
     const float* p = points->positions + 3 * (size_t)id;
     return (stp_vec3){p[0] * points->scale, p[1] * points->scale, p[2] * points->scale};
 }

@@ -22,6 +22,7 @@
 #include "order/cover.h"
 #include "order/order_kinds.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { DEFAULT_SAMPLES = 200, DEFAULT_INTERVAL = 500, FEWEST_SAMPLES = 20 };
@@ -83,6 +84,7 @@ static void end_round(schedule* plan)
 static void draw(sampler* s, uint32_t count)
 {
     enum { AHEAD = 32 };
+    assert(count <= s->left && count <= s->capacity);
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t last = s->left - 1 - i;
         uint32_t ahead = last > AHEAD ? last - AHEAD : 0; // prefetch position for later draws
@@ -122,6 +124,7 @@ static void rank(sampler* s, uint32_t count, uint32_t best)
         }
         s->ranking[at] = d;
     }
+    assert(size == (best < count ? best : count));
 }
 
 static stp_result choose(sampler* s, uint32_t id, stp_vec3 p, float squared)
@@ -178,6 +181,7 @@ static void compact_input(sampler* s, uint32_t first_input, uint32_t count)
         }
     }
     if (sets_aside) {
+        assert(s->left + s->aside < s->points->count && "drawn points left room");
         s->aside += 1;
         s->input[s->points->count - s->aside] = set_aside;
     }
@@ -190,6 +194,7 @@ static stp_result run_round(sampler* s)
     uint32_t first_input = s->left - count;
     uint32_t accepted = s->plan.accepted < count ? s->plan.accepted : count;
     accepted = accepted < out->wanted - out->ordered ? accepted : out->wanted - out->ordered;
+    assert(accepted <= count && count <= s->left);
     draw(s, count);
     s->nearest(&s->grid, s->positions, count, s->squared);
     out->report.distance_count += count;
@@ -257,6 +262,7 @@ static stp_result run_rounds(sampler* s)
             s->left = s->aside;
             s->aside = 0;
         }
+        assert(out->ordered + s->left + s->aside <= s->points->count && "each point once");
         result = run_round(s);
         if (result == STP_OK && s->plan.round % 1024 == 0) {
             result = stp_progress(s->context, "order", (double)out->ordered / (double)out->wanted);
