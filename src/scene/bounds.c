@@ -10,7 +10,7 @@
 typedef struct bounds_work {
     const stp_scene* scene;
     const stp_placed_part* parts;
-    stp_boxd* boxes; ///< of each part
+    stp_boxd* boxes; ///< tight box of each part
 } bounds_work;
 
 static stp_boxd measure_part(const stp_scene* scene, const stp_placed_part* placed)

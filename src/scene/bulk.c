@@ -97,7 +97,7 @@ uint64_t stp_texture_bytes(const stp_texture* texture)
     return sum_sizes(arrays, STP_TEXTURE_ARRAYS);
 }
 
-// Frees the arrays; `bytes` is their counted size.
+// Frees the arrays unless they are in the spill, and subtracts their size from the count.
 static void free_arrays(stp_scene* scene, stp_bulk_array* arrays, size_t count, bool spilled)
 {
     for (size_t i = 0; i < count; ++i) {

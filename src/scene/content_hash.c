@@ -82,7 +82,7 @@ static stp_hash hash_texture_use(stp_hash hash, const stp_scene* scene, const st
     stp_hash texture = none ? (stp_hash){0} : scene->textures[use->texture].content;
     hash = stp_hash_bytes(hash, &texture, sizeof(texture));
     if (none) {
-        return hash; // the transform of an empty node does not matter
+        return hash; // without a texture, its transform does not matter
     }
     hash = stp_hash_bytes(hash, &use->texcoord, sizeof(use->texcoord));
     return hash_floats(hash, &use->transform[0][0], 6);

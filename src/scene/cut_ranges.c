@@ -26,11 +26,11 @@ typedef struct run {
 
 typedef struct cutting {
     stp_place* places;
-    bool in_spill;      ///< the places lie there
-    run *from, *to;     ///< of this level and the next; two places for each run of this one
+    bool in_spill;      ///< the places lie in a spill
+    run *from, *to;     ///< runs of this level and the next; at most two for each run of this one
     stp_place* scratch; ///< room for the longest piece, for each thread
-    uint32_t maximum;   ///< places of a piece
-    uint32_t* ends;     ///< of the pieces
+    uint32_t maximum;   ///< maximum places of a piece
+    uint32_t* ends;     ///< end of each piece
     unsigned index_bits;
 } cutting;
 

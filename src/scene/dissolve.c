@@ -88,8 +88,8 @@ static void mark_layers(search* s, uint32_t index)
     }
 }
 
-// Marks the chain of single nodes from the root down to the first node with several items. If the
-// chain has only identity transforms, that node becomes the root.
+// Marks the chain of single nodes from the root down to the first node with several items, unless
+// its transforms cancel out: then that node becomes the root anyway.
 static void mark_root_chain(search* s)
 {
     const stp_scene* scene = s->scene;

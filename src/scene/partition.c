@@ -40,15 +40,15 @@ typedef struct partition {
     stp_edge* old_edges;
     stp_part* old_parts;
     size_t old_count;
-    bool has_limit;       ///< the caller gave the limit of pieces of point sets
-    uint8_t* dissolved;   ///< of each old edge: the parent absorbs the child's content (dissolve.h)
-    uint32_t* made;       ///< of each old node: the new one
-    uint32_t* cut_meshes; ///< of each mesh: the node of its pieces; STP_NONE: not cut
-    uint32_t* cut_points; ///< of each point set
-    item* items;          ///< of the node being made
-    stp_boxd* boxes;      ///< of the items
-    stp_edge* stack;      ///< old nodes whose content is absorbed
-    stp_grouping grouping; ///< of the boxes
+    bool has_limit;        ///< the caller gave the limit of pieces of point sets
+    uint8_t* dissolved;    ///< per old edge: the parent absorbs the child's content (dissolve.h)
+    uint32_t* made;        ///< per old node: the new one
+    uint32_t* cut_meshes;  ///< per mesh: the node of its pieces; STP_NONE: not cut
+    uint32_t* cut_points;  ///< per point set, likewise
+    item* items;           ///< items of the node being made
+    stp_boxd* boxes;       ///< boxes of the items
+    stp_edge* stack;       ///< old nodes whose content is absorbed
+    stp_grouping grouping; ///< hierarchy over the boxes
     item* results;         ///< node of each group
     size_t item_count, item_capacity, box_capacity, stack_count, stack_capacity, result_capacity;
 } partition;
@@ -172,8 +172,7 @@ static stp_result wrap_part(partition* p, item* i)
     return result;
 }
 
-// Makes a node of the items order[first ...] (NULL: in their own order). A single item is returned
-// as it is.
+// Makes a node of the items with the indices order[0 .. count) (NULL: of the first `count`).
 static stp_result make_node(partition* p, const uint32_t* order, item* items, uint32_t count,
                             uint32_t flags, item* made)
 {

@@ -39,10 +39,10 @@ static bool part_is_empty(const stp_scene* scene, stp_part part)
 // State for building the graph: the children of each object, and the content of nodes.
 typedef struct share {
     stp_scene* scene;
-    uint32_t* first_child; ///< of each object; STP_NONE-terminated
+    uint32_t* first_child; ///< per object: list by `next_sibling`; STP_NONE ends it
     uint32_t* next_sibling;
-    uint32_t* last_child; ///< of each object; later the first child that may lack its node
-    uint8_t* states;      ///< of each object: visit_state
+    uint32_t* last_child; ///< per object: last child; later the first child that may not be done
+    uint8_t* states;      ///< visit_state of each object
     uint32_t* stack;      ///< objects waiting for other nodes
     stp_graph graph;
     size_t stack_count, stack_capacity;
@@ -167,7 +167,7 @@ static stp_result push_object(share* s, uint32_t index)
     return STP_OK;
 }
 
-// A dependency that lacks its node: a child, or the used object; STP_NONE: none.
+// A dependency that is not done: a child, or the used object; STP_NONE: none.
 static uint32_t find_missing(share* s, uint32_t index)
 {
     uint32_t* next = &s->last_child[index]; // where to continue the search

@@ -15,7 +15,7 @@
 #define GRAIN 65536
 #define RELEASE_SIZE ((size_t)128 << 20) // finished pieces, after which their pages are released
 #define RELEASE_COUNT (1u << 21)         // elements
-#define TOUCHED_MAX ((size_t)16 << 20)   // before it is counted
+#define TOUCHED_MAX ((size_t)16 << 20)   // bytes touched by gathering before they are counted
 #define LARGE_SIZE ((size_t)64 << 20)    // larger working data is spilled if the mesh is
 
 // State shared by the jobs. New pieces follow the scene's own items and count only once all are
@@ -27,13 +27,13 @@ typedef struct cutter {
     stp_mesh* mesh_pieces;
     stp_point_set* point_pieces;
     stp_place* places;
-    size_t first_place; ///< that find_places begins with
+    size_t first_place; ///< first place of this batch of find_places
     uint32_t* ends;
     uint32_t piece_count;
     bool spilled;
     size_t unreleased; ///< bytes of pieces made since pages of the spill were released
     pthread_mutex_t mutex;
-    stp_result result; ///< of the first failure; I/O errors are already logged
+    stp_result result; ///< result of the first failure; I/O errors are already logged
 } cutter;
 
 static void find_places(size_t begin, size_t end, uint32_t worker, void* user)

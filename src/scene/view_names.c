@@ -11,8 +11,8 @@
 typedef struct naming {
     stp_scene* scene;
     stp_content_table names; ///< maps names to views
-    uint32_t* holders;       ///< of each view: the first one with its name
-    uint32_t* next_numbers;  ///< of each view: the smallest number that may be free for its name
+    uint32_t* holders;       ///< per view: the first one with its name
+    uint32_t* next_numbers;  ///< per view: the smallest number that may be free for its name
     char* text;              ///< room for the longest name with a number
     size_t text_size;
 } naming;
