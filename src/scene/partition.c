@@ -97,6 +97,7 @@ static stp_result add_part_item(partition* p, stp_part part, const stp_affine* t
 static stp_result add_node_item(partition* p, uint32_t node, stp_affine transform)
 {
     const stp_scene* scene = p->scene;
+    assert(node < scene->node_count && "children are made first");
     const stp_node* n = &scene->nodes[node];
     while (n->edge_count == 1 && n->part_count == 0 && !is_moving(n)) {
         const stp_edge* edge = &scene->edges[n->first_edge];
@@ -167,6 +168,7 @@ static stp_result wrap_part(partition* p, item* i)
         result =
             stp_graph_close_node(&p->graph, p->scene->edge_count, first_part, 0, &i->edge.node);
     }
+    assert(i->is_part && "wrapped once");
     i->edge.transform = stp_affine_identity();
     i->is_part = false;
     return result;
@@ -176,6 +178,7 @@ static stp_result wrap_part(partition* p, item* i)
 static stp_result make_node(partition* p, const uint32_t* order, item* items, uint32_t count,
                             uint32_t flags, item* made)
 {
+    assert(count > 0 && (count <= p->desc.child_count || (flags & STP_OBJECT_MOVING) != 0));
     stp_scene* scene = p->scene;
     uint64_t elements = 0;
     for (uint32_t i = 0; i < count; ++i) {
@@ -250,6 +253,7 @@ static stp_result make_hierarchy(partition* p, item* made)
     p->results = results;
     for (size_t i = g->group_count; result == STP_OK && i > 0; --i) {
         const stp_group* group = &g->groups[i - 1];
+        assert(group->child_count == 0 || group->first_child >= i);
         if (group->child_count > 0) {
             result = make_node(p, NULL, &results[group->first_child], group->child_count, 0,
                                &results[i - 1]);
@@ -383,6 +387,7 @@ static void remap_references(partition* p)
         uint32_t* node = &scene->objects[i].node;
         *node = *node != STP_NONE ? p->made[*node] : STP_NONE;
     }
+    assert(scene->root < p->old_count && p->made[scene->root] < scene->node_count);
     scene->root = p->made[scene->root];
     scene->nodes[scene->root].bounds = tight; // in the same space
 }

@@ -55,6 +55,7 @@ typedef enum visit_state { NOT_VISITED, WAITING, DONE } visit_state;
 // Places a node below the one being made, unless it would be out of reach there.
 static stp_result place_node(share* s, uint32_t object, uint32_t node, const stp_affine* transform)
 {
+    assert(node < s->scene->node_count && "dependencies have their nodes");
     if (stp_is_within_distance_limit(stp_affine_box(transform, s->scene->nodes[node].bounds))) {
         return stp_graph_add_edge(&s->graph, node, transform);
     }
@@ -189,6 +190,7 @@ static stp_result share_depending(share* s, uint32_t index)
             result = push_object(s, missing);
             continue;
         }
+        assert(s->states[top] == WAITING);
         result = share_object(s, top);
         s->states[top] = DONE;
         s->stack_count -= 1;
@@ -227,6 +229,7 @@ static void link_children(share* s)
         if (parent == STP_NONE) {
             continue;
         }
+        assert(parent < i && "parents come before their children");
         if (s->first_child[parent] == STP_NONE) {
             s->first_child[parent] = i;
         } else {

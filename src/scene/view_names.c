@@ -3,6 +3,7 @@
 
 #include "scene/content_table.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -42,6 +43,7 @@ static stp_result number_view(naming* n, uint32_t view)
 {
     stp_scene* scene = n->scene;
     const char** name = &scene->views[view].name;
+    assert(n->holders[view] < view && "an earlier view has the name");
     uint32_t* number = &n->next_numbers[n->holders[view]];
     uint32_t holder;
     stp_result result;
