@@ -16,7 +16,7 @@ typedef struct merging {
     merge_kind kind;
     size_t count;
     stp_hash* hashes; ///< content of each item
-    uint32_t* kept;   ///< the first item with the same content, by old index
+    uint32_t* kept;   ///< per old index: first item with its content, then that one's new index
 } merging;
 
 static bool is_known(stp_hash content)
