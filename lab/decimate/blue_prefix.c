@@ -7,6 +7,8 @@
 
 #include <stipple/order.h>
 
+#include <assert.h>
+
 enum { GRAIN = 64 };
 
 typedef struct blue_maker {
@@ -62,6 +64,7 @@ static void make_some(size_t begin, size_t end, uint32_t worker, void* user)
         }
         stp_color_mean mean = {0};
         float reach = 0.0f;
+        assert(m->cells->starts[i] <= m->cells->starts[i + 1]);
         for (uint32_t at = m->cells->starts[i]; at < m->cells->starts[i + 1]; ++at) {
             uint32_t point = m->cells->members[at];
             float needed = reach_for(m, (uint32_t)i, disk->center, normal, point);
@@ -87,6 +90,7 @@ static stp_result make_splats(stp_context* context, blue_maker* m, uint32_t targ
     stp_result result = stp_order_points(context, &desc, input->positions, input->normals,
                                          input->count, target, chosen, NULL, &count, &radius, NULL);
     if (result == STP_OK) {
+        assert(count <= target && count <= input->count);
         result = stp_decimate_cells_make(context, input, chosen, count, radius, &cells);
     }
     result = result == STP_OK ? stp_decimate_make_room(context, m->output, count) : result;

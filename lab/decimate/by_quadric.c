@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lab/decimate/contraction.h"
 
+#include <assert.h>
+
 /// Remaining points, in index order, as a separate input.
 typedef struct left_points {
     float *positions, *normals;
@@ -37,6 +39,7 @@ static stp_result gather(const stp_contraction* c, left_points* left)
         }
         left->numbers[count++] = i;
     }
+    assert(count == c->left && "the points that were not contracted into others");
     return STP_OK;
 }
 

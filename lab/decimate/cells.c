@@ -4,10 +4,11 @@
 #include "lab/decimate/point_disks.h"
 #include "lod/neighbours.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define SLACK 1.001f   ///< distances are rounded
-#define ROUNDING 1e-7f ///< of coordinates
+#define ROUNDING 1e-7f ///< relative rounding error of coordinates
 
 /// Minimum radius for grids: limited by the precision of coordinates.
 static float min_radius(const stp_decimate_input* input)
@@ -19,7 +20,8 @@ static float min_radius(const stp_decimate_input* input)
     return fmaxf(ROUNDING * maximum, FLT_MIN);
 }
 
-/// Searches on the same side; points without an owner then search on both.
+/// Finds the nearest chosen point for points without an owner: on the same side or, if
+/// `two_sided`, on both.
 static void search(stp_context* context, const stp_grid* from, const stp_grid* points, float radius,
                    bool two_sided, uint32_t* nearest, stp_decimate_cells* cells)
 {
@@ -81,12 +83,14 @@ static void list_members(const stp_decimate_input* input, uint32_t count, stp_de
     }
     memmove(cells->starts + 1, cells->starts, count * sizeof(*cells->starts));
     cells->starts[0] = 0;
+    assert(cells->starts[count] == input->count && "each point is in one cell");
 }
 
 stp_result stp_decimate_cells_make(stp_context* context, const stp_decimate_input* input,
                                    const uint32_t* chosen, uint32_t count, float radius,
                                    stp_decimate_cells* cells)
 {
+    assert(count <= input->count && !(radius < 0.0f));
     size_t points = input->count;
     *cells = (stp_decimate_cells){.owners = STP_NEW_ARRAY(context, uint32_t, points + 1),
                                   .starts = STP_NEW_ZEROED(context, uint32_t, (size_t)count + 2),
@@ -100,6 +104,7 @@ stp_result stp_decimate_cells_make(stp_context* context, const stp_decimate_inpu
         float *positions = copies, *normals = copies + 3 * (size_t)count;
         const float* from = input->normals != NULL ? input->normals : input->positions;
         for (uint32_t i = 0; i < count; ++i) {
+            assert(chosen[i] < input->count);
             memcpy(positions + 3 * (size_t)i, input->positions + 3 * (size_t)chosen[i],
                    3 * sizeof(float));
             memcpy(normals + 3 * (size_t)i, from + 3 * (size_t)chosen[i], 3 * sizeof(float));

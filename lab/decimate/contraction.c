@@ -3,6 +3,8 @@
 
 #include "base/core/jobs.h"
 
+#include <assert.h>
+
 #define ROUNDING 1e-14 ///< squared float precision, relative to the box's diagonal
 
 enum { GRAIN = 512 };
@@ -26,6 +28,7 @@ static double length_of(const stp_contraction* c, uint32_t low, uint32_t high)
 
 static stp_contraction_pair measure(const stp_contraction* c, uint32_t point, uint32_t partner)
 {
+    assert(point != partner);
     uint32_t low = point < partner ? point : partner, high = point < partner ? partner : point;
     stp_quadric both = stp_quadric_sum(&c->quadrics[low], &c->quadrics[high]);
     double length = length_of(c, low, high);
@@ -61,6 +64,7 @@ static bool comes_first(const stp_contraction* c, uint32_t a, uint32_t b)
 
 static void put(stp_contraction* c, uint32_t place, uint32_t point)
 {
+    assert(place < c->heap_count);
     c->heap[place] = point;
     c->places[point] = place;
 }
@@ -95,6 +99,7 @@ static void remove_point(stp_contraction* c, uint32_t point)
     if (place == UINT32_MAX) {
         return;
     }
+    assert(place < c->heap_count && c->heap[place] == point);
     c->places[point] = UINT32_MAX;
     uint32_t moved = c->heap[--c->heap_count];
     if (moved != point) {
@@ -111,6 +116,7 @@ static void set_pair(stp_contraction* c, uint32_t point, stp_contraction_pair pa
         remove_point(c, point);
         return;
     }
+    assert(c->places[point] < c->heap_count && "points with partners stay in the heap");
     sift_up(c, c->places[point]);
     sift_down(c, c->places[point]);
 }
@@ -158,6 +164,7 @@ bool stp_contraction_step(stp_contraction* c)
     }
     uint32_t point = c->heap[0], partner = c->pairs[point].partner;
     uint32_t kept = point < partner ? point : partner, gone = point < partner ? partner : point;
+    assert(c->links.kept[kept] == kept && c->links.kept[gone] == gone && c->left > 1);
     stp_quadric both = stp_quadric_sum(&c->quadrics[kept], &c->quadrics[gone]);
     c->positions[kept] = place_of(c, &both, kept, gone, length_of(c, kept, gone));
     c->quadrics[kept] = both;

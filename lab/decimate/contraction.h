@@ -9,7 +9,7 @@
 
 /// Best pair of a point.
 typedef struct stp_contraction_pair {
-    double error; ///< of the contracted point's quadric
+    double error; ///< value of both quadrics at the contracted point; 0 if it is rounding noise
     /// Orders pairs of equal error: squared length x the numbers of represented points
     double weight;
     uint32_t partner; ///< UINT32_MAX: none
@@ -18,19 +18,19 @@ typedef struct stp_contraction_pair {
 typedef struct stp_contraction {
     stp_context* context;
     stp_distinct* points;     ///< normals and means are summed on contraction
-    const stp_ellipse* disks; ///< initially the points' normals
+    const stp_ellipse* disks; ///< disks of the points; only their normals are read, to begin
     stp_point_links links;
     stp_vec3d middle; ///< origin of positions
-    double minimum;   ///< error of a plane, below which it is rounding noise
+    double minimum;   ///< error per plane; below it, an error is rounding noise
     stp_vec3d* positions;
     stp_quadric* quadrics;
-    stp_contraction_pair* pairs; ///< of points
+    stp_contraction_pair* pairs; ///< best pair of each point
     uint32_t* heap;              ///< heap of points, the best pair first
     uint32_t* places;            ///< heap index of points; UINT32_MAX: not in it
     uint32_t* near;              ///< neighbours of one point
     uint32_t* near_near;         ///< those of one of them
     uint32_t heap_count;
-    uint32_t left; ///< number of points
+    uint32_t left; ///< number of remaining points
 } stp_contraction;
 
 /// Prepares all pairs. `context`, `points` and `disks` are set; neighbours as in

@@ -20,7 +20,7 @@ typedef struct stp_decimate_input {
 typedef struct stp_decimate_output {
     stp_ellipse* ellipses;
     uint8_t* colors; ///< 3 per splat or, for `mesh`, 3 per vertex; sRGB
-    uint32_t count;  ///< of splats
+    uint32_t count;  ///< number of splats
     // only for `mesh`; then `count` is 0
     float* vertices; ///< 3 per vertex
     uint32_t vertex_count;
@@ -31,9 +31,9 @@ typedef struct stp_decimate_output {
 /// Replaces points by about `target` splats; each decimator documents its accuracy. Deterministic:
 /// the same bytes for any number of threads.
 /// @param target at least 1
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED, STP_ERROR_LIMIT (2^30 points and
-///         more), STP_ERROR_ARGUMENT (`mesh`
-///         without triangles); all logged
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED, STP_ERROR_LIMIT (more than 2^30
+///         points; `subsample`: 2^27 or more), STP_ERROR_ARGUMENT (`mesh` without triangles); all
+///         logged
 typedef stp_result (*stp_decimate_function)(stp_context* context, const stp_decimate_input* input,
                                             uint32_t target, stp_decimate_output* output);
 

@@ -4,6 +4,7 @@
 #include "base/math/rng.h"
 #include "lod/grid.h"
 
+#include <assert.h>
 #include <string.h>
 
 static uint64_t hash_place(const float* p)
@@ -49,6 +50,7 @@ stp_result stp_distinct_make(stp_context* context, const stp_decimate_input* inp
     while (mask + 1 < 2 * count) {
         mask = 2 * mask + 1;
     }
+    assert((mask & (mask + 1)) == 0 && mask >= count && "a slot is always free");
     *d = (stp_distinct){
         .positions = STP_NEW_ARRAY(context, float, 3 * count + 1),
         .normals = input->normals != NULL ? STP_NEW_ZEROED(context, float, 3 * count + 1) : NULL,
@@ -104,6 +106,7 @@ static void spread_disks(const stp_decimate_input* input, const stp_distinct* d,
 {
     for (uint32_t i = 0; i < input->count; ++i) {
         uint32_t place = d->places[i];
+        assert(place < d->count);
         disks[i] = place_disks[place];
         if (input->normals != NULL &&
             stp_dot(disks[i].normal, stp_decimate_vector(input->normals, i)) < 0.0f) {

@@ -10,8 +10,8 @@ typedef struct stp_distinct {
     /// 3 per place: means of its points, unit length or zero; NULL: the input has none
     float* normals;
     uint32_t* points;      ///< per position, its first point along the curve
-    uint32_t* places;      ///< of a point
-    stp_color_mean* means; ///< of its points
+    uint32_t* places;      ///< per point, the index of its position
+    stp_color_mean* means; ///< per position, the mean colour of its points
 } stp_distinct;
 
 /// Lists positions along a space-filling curve, so that neighbours are close in memory

@@ -4,6 +4,7 @@
 #include "lab/decimate/point_disks.h"
 #include "lab/decimate/simplify.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { ATTEMPTS = 12 };
@@ -16,7 +17,7 @@ typedef struct mesh_maker {
     float* positions;
     uint32_t vertex_count;
     uint32_t* welded;    ///< triangles
-    size_t welded_count; ///< of indices
+    size_t welded_count; ///< number of indices in `welded`
     uint32_t *found, *best;
     size_t best_count;
     uint32_t best_vertices;
@@ -78,6 +79,7 @@ static uint32_t distance(uint32_t a, uint32_t b)
 /// many.
 static int64_t next_wanted(int64_t wanted, int64_t missing, int64_t low, int64_t high)
 {
+    assert(low <= high);
     int64_t next = wanted + 2 * missing; // within a closed surface, a collapse takes two triangles
     return next > low && next < high ? next : low + (high - low) / 2;
 }
@@ -99,6 +101,7 @@ static stp_result find_best(mesh_maker* m, uint32_t target)
                                    m->vertex_count, 3 * (size_t)wanted) != 0) {
             return stp_fail_memory(m->context);
         }
+        assert(count <= m->welded_count && count % 3 == 0);
         uint32_t vertices = number_vertices(m, m->found, count, m->vertex_count);
         if (distance(vertices, target) < distance(m->best_vertices, target)) {
             uint32_t* swap = m->best;
@@ -121,6 +124,7 @@ static stp_result copy_best(mesh_maker* m, stp_decimate_output* output)
 {
     const stp_decimate_input* input = m->input;
     uint32_t vertices = number_vertices(m, m->best, m->best_count, m->vertex_count);
+    assert(vertices == m->best_vertices && m->best_count % 3 == 0);
     output->vertices = STP_NEW_ARRAY(m->context, float, 3 * (size_t)vertices + 1);
     output->colors = STP_NEW_ARRAY(m->context, uint8_t, 3 * (size_t)vertices + 1);
     output->triangles = STP_NEW_ARRAY(m->context, uint32_t, m->best_count + 1);

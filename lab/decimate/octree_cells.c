@@ -5,6 +5,8 @@
 #include "base/core/parallel_sort.h"
 #include "lab/decimate/point_disks.h"
 
+#include <assert.h>
+
 enum { GRAIN = 4096, CHILDREN = 8 };
 
 /// Spreads 21 bits to every third bit.
@@ -54,6 +56,18 @@ static bool sort_by(stp_octree_cells* t, const uint64_t* codes, unsigned shift, 
     return sorted != NULL;
 }
 
+#ifndef NDEBUG
+static bool is_ascending(const uint64_t* codes, size_t count)
+{
+    for (size_t i = 1; i < count; ++i) {
+        if (codes[i - 1] > codes[i]) {
+            return false;
+        }
+    }
+    return true;
+}
+#endif
+
 stp_result stp_octree_cells_make(stp_octree_cells* t)
 {
     size_t count = t->input->count;
@@ -81,6 +95,7 @@ stp_result stp_octree_cells_make(stp_octree_cells* t)
     for (size_t i = 0; made && i < count; ++i) {
         t->codes[i] = codes[t->order[i]];
     }
+    assert(!made || is_ascending(t->codes, count));
     stp_free(t->context, codes);
     stp_free(t->context, scratch);
     return made ? STP_OK : stp_fail_memory(t->context);
@@ -89,12 +104,14 @@ stp_result stp_octree_cells_make(stp_octree_cells* t)
 /// Bits of a code that select the cell of a level.
 static uint64_t cell_of(uint64_t code, uint32_t level)
 {
+    assert(level <= STP_OCTREE_LEVELS);
     return code >> 3 * (STP_OCTREE_LEVELS - level);
 }
 
 /// End of the points from `begin` that share its cell of a level.
 static uint32_t end_of_cell(const stp_octree_cells* t, uint32_t begin, uint32_t end, uint32_t level)
 {
+    assert(begin < end && end <= t->input->count);
     uint64_t cell = cell_of(t->codes[begin], level);
     uint32_t low = begin + 1, high = end;
     while (low < high) {
@@ -138,10 +155,12 @@ static uint32_t find_children(const stp_octree_cells* t, const stp_octree_cell* 
         return 1;
     }
     for (uint32_t begin = cell->begin; begin < cell->end; begin = children[count++].end) {
+        assert(count < CHILDREN);
         children[count].begin = begin;
         children[count].end = end_of_cell(t, begin, cell->end, level);
         children[count].level = level;
     }
+    assert(count > 1 && "the level splits the cell");
     return count;
 }
 
@@ -174,8 +193,9 @@ static void push(stp_octree_cell* heap, uint32_t* count, stp_octree_cell cell)
 
 stp_result stp_octree_cells_open(stp_octree_cells* t, uint32_t target)
 {
+    assert(target > 0);
     uint32_t count = t->input->count, maximum = target < count ? target : count, waiting = 0;
-    // cells that may be opened form a heap at the front; final ones are stored separately
+    // cells that may be opened form a heap; final ones are listed in `cells`
     stp_octree_cell* heap = STP_NEW_ARRAY(t->context, stp_octree_cell, (size_t)maximum + 1);
     t->cells = STP_NEW_ARRAY(t->context, stp_octree_cell, (size_t)maximum + 1);
     bool made = heap != NULL && t->cells != NULL;
@@ -183,6 +203,7 @@ stp_result stp_octree_cells_open(stp_octree_cells* t, uint32_t target)
         push(heap, &waiting, make_cell(t, 0, count, 0));
     }
     while (made && waiting > 0) {
+        assert(waiting + t->count <= maximum);
         stp_octree_cell cell = heap[0], children[CHILDREN];
         waiting -= 1;
         sift_down(heap, waiting, heap[waiting]);
@@ -226,6 +247,7 @@ stp_result stp_octree_cells_take_level(stp_octree_cells* t, uint32_t target)
         end = end_of_cell(t, begin, count, best);
         t->cells[t->count++] = (stp_octree_cell){.begin = begin, .end = end, .level = best};
     }
+    assert(t->count == counts[best]);
     return STP_OK;
 }
 

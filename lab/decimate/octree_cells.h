@@ -4,23 +4,24 @@
 
 #include "lab/decimate/decimator.h"
 
-enum { STP_OCTREE_LEVELS = 21 }; ///< below the root
+enum { STP_OCTREE_LEVELS = 21 }; ///< number of levels below the root
 
 /// Points that share a cell: those at [begin, end) of the octree's order.
 typedef struct stp_octree_cell {
     uint32_t begin, end;
     uint32_t level; ///< 0: the root
-    float size;     ///< diagonal of the box of its disks
+    float size;     ///< diagonal of the box of its disks; 0 from stp_octree_cells_take_level
 } stp_octree_cell;
 
 typedef struct stp_octree_cells {
     stp_context* context;
     const stp_decimate_input* input;
-    const stp_ellipse* disks; ///< of points
-    uint64_t* codes; ///< of points in order, ascending: 3 bits per level, the root's children first
-    uint32_t* order; ///< points
-    stp_octree_cell* cells; ///< that are chosen
-    uint32_t count;         ///< of `cells`
+    const stp_ellipse* disks; ///< one per point
+    /// Codes of the points in order, ascending: 3 bits per level, the root's children first
+    uint64_t* codes;
+    uint32_t* order;        ///< points by their codes
+    stp_octree_cell* cells; ///< chosen cells
+    uint32_t count;         ///< number of chosen cells
 } stp_octree_cells;
 
 /// Sorts points along the octree's curve. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)

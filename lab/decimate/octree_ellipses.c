@@ -6,12 +6,14 @@
 #include "lab/decimate/octree_cells.h"
 #include "lab/decimate/point_disks.h"
 
+#include <assert.h>
+
 enum { GRAIN = 32 };
 
 typedef struct ellipse_maker {
     const stp_octree_cells* tree;
     stp_decimate_output* output;
-    float minimum; ///< length of an axis
+    float minimum; ///< minimum length of an axis
 } ellipse_maker;
 
 /// Sums over the disks of a cell, weighted by area.
@@ -58,7 +60,7 @@ static stp_ellipse cover_cell(const ellipse_maker* m, const stp_octree_cell* cel
         double u = (double)stp_dot(d, axes.x), v = (double)stp_dot(d, axes.y);
         double nu = (double)stp_dot(disk->normal, axes.x),
                nv = (double)stp_dot(disk->normal, axes.y);
-        // of a disk about its centre: a quarter of the radius squared, in its plane
+        // variance of a disk about its centre: a quarter of the radius squared, in its plane
         double own = 0.25 * radius * radius;
         xx += area * (u * u + own * (1.0 - nu * nu));
         xy += area * (u * v - own * nu * nv);
@@ -89,6 +91,7 @@ static void make_some(size_t begin, size_t end, uint32_t worker, void* user)
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
         const stp_octree_cell* cell = &m->tree->cells[i];
+        assert(cell->begin < cell->end && "cells without points are not chosen");
         cell_sums sums = {0};
         for (uint32_t place = cell->begin; place < cell->end; ++place) {
             add_disk(m, cell, place, &sums);

@@ -4,6 +4,8 @@
 #include "base/math/color.h"
 #include "lod/psp/initial.h"
 
+#include <assert.h>
+
 enum { POINTS_MAX = 1 << 30 };
 
 stp_result stp_decimate_check(stp_context* context, const stp_decimate_input* input)
@@ -69,6 +71,7 @@ void stp_decimate_output_destroy(stp_context* context, stp_decimate_output* outp
 void stp_color_mean_add(stp_color_mean* mean, const stp_decimate_input* input, size_t point,
                         double weight)
 {
+    assert(point < input->count && !(weight < 0.0));
     mean->weight += weight;
     for (size_t k = 0; k < 3; ++k) {
         uint8_t color = input->colors != NULL ? input->colors[3 * point + k] : 255;

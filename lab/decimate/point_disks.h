@@ -19,7 +19,7 @@ stp_box stp_decimate_box(const stp_decimate_input* input);
 
 /// A disk for each point (Wu, Zhang, Kobbelt 2005, 3). Coincident points have the same neighbours,
 /// at other positions.
-/// @param disks receives an array of input->count.
+/// @param disks receives an array of input->count disks
 /// @param neighbours receives STP_DECIMATE_NEIGHBOURS per point, UINT32_MAX if there are fewer;
 ///         NULL: not wanted. The caller frees both, also after a failure
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)

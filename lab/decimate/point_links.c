@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lab/decimate/point_links.h"
 
+#include <assert.h>
 #include <string.h>
 
 /// Whether `to` is among the neighbours of `from`.
@@ -34,6 +35,7 @@ static uint64_t place_lists(stp_point_links* l, const uint32_t* neighbours, uint
     for (uint32_t i = 0; i < l->count; ++i) {
         for (uint32_t n = 0; n < k && neighbours[(size_t)k * i + n] != UINT32_MAX; ++n) {
             uint32_t other = neighbours[(size_t)k * i + n];
+            assert(other < l->count && other != i);
             if (is_own(neighbours, k, i, other)) {
                 l->last[i] += 1;
                 l->last[other] += 1;
@@ -61,6 +63,7 @@ static void fill_lists(stp_point_links* l, const uint32_t* neighbours, uint32_t 
     }
     for (uint32_t i = 0; i < l->count; ++i) {
         bool empty = l->first[i] == l->last[i];
+        assert((i + 1 == l->count || l->last[i] == l->first[i + 1]) && "lists have no gaps");
         for (uint32_t e = l->first[i]; e < l->last[i]; ++e) {
             l->next[e] = e + 1 < l->last[i] ? e + 1 : UINT32_MAX;
         }
@@ -112,6 +115,7 @@ static uint32_t find(stp_point_links* l, uint32_t point)
 
 void stp_point_links_unite(stp_point_links* l, uint32_t kept, uint32_t gone)
 {
+    assert(kept != gone && l->kept[kept] == kept && l->kept[gone] == gone);
     l->kept[gone] = kept;
     if (l->first[gone] == UINT32_MAX) {
         return;
@@ -126,6 +130,7 @@ void stp_point_links_unite(stp_point_links* l, uint32_t kept, uint32_t gone)
 
 uint32_t stp_point_links_list(stp_point_links* l, uint32_t point, uint32_t* out)
 {
+    assert(point < l->count && l->kept[point] == point);
     if (++l->stamp == 0) {
         memset(l->marks, 0, l->count * sizeof(*l->marks));
         l->stamp = 1;

@@ -6,10 +6,10 @@
 
 typedef struct stp_point_links {
     stp_context* context;
-    uint32_t count;           ///< of points
+    uint32_t count;           ///< number of points
     uint32_t* kept;           ///< per point, the point it was merged into; itself: none
-    uint32_t *first, *last;   ///< list entries per point
-    uint32_t *targets, *next; ///< of entries; next UINT32_MAX ends a list
+    uint32_t *first, *last;   ///< per point: first and last entry of its list; UINT32_MAX: none
+    uint32_t *targets, *next; ///< per entry: linked point, next entry; UINT32_MAX ends a list
     uint32_t* marks;          ///< per point: stamp of its last listing
     uint32_t stamp;
 } stp_point_links;

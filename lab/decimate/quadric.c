@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "lab/decimate/quadric.h"
 
+#include <assert.h>
+
 /// relative to the mean curvature: added in all directions, so that the minimum is unique
 #define FLAT 1e-3
 
 void stp_quadric_add_plane(stp_quadric* q, stp_vec3d p, stp_vec3d n)
 {
+    assert(fabs(stp_dotd(n, n) - 1.0) < 1e-3 && "a unit normal");
     double away = -stp_dotd(p, n);
     const double plane[6] = {n.x * n.x, n.x * n.y, n.x * n.z, n.y * n.y, n.y * n.z, n.z * n.z};
     for (int i = 0; i < 6; ++i) {
@@ -44,6 +47,7 @@ double stp_quadric_planes(const stp_quadric* q)
 
 stp_vec3d stp_quadric_minimum(const stp_quadric* q, stp_vec3d start, double reach)
 {
+    assert(!(reach < 0.0));
     double planes = stp_quadric_planes(q), extra = FLAT / 3.0 * planes;
     if (!(planes > 0.0)) {
         return start;
@@ -53,6 +57,7 @@ stp_vec3d stp_quadric_minimum(const stp_quadric* q, stp_vec3d start, double reac
     double d0 = q->a[0] + extra, l10 = q->a[1] / d0, l20 = q->a[2] / d0;
     double d1 = q->a[3] + extra - l10 * q->a[1], m = q->a[4] - l20 * q->a[1], l21 = m / d1;
     double d2 = q->a[5] + extra - l20 * q->a[2] - l21 * m;
+    assert(d0 > 0.0 && d1 > 0.0 && d2 > 0.0 && "positive definite");
     double y = r.y - l10 * r.x, z = (r.z - l20 * r.x - l21 * y) / d2;
     stp_vec3d d = {.z = z};
     d.y = y / d1 - l21 * z;

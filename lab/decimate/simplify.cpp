@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lab/decimate/simplify.h"
 
+#include <assert.h>
 #include <exception>
 #include <meshoptimizer.h>
 
@@ -31,6 +32,7 @@ int stp_simplify_triangles(uint32_t* out, size_t* out_count, const uint32_t* ind
                            size_t index_count, const float* positions, size_t vertex_count,
                            size_t wanted)
 {
+    assert(index_count % 3 == 0 && "whole triangles");
     try {
         *out_count =
             meshopt_simplify(out, indices, index_count, positions, vertex_count, stride,

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "lab/decimate/subsample_attempt.h"
 
+#include <assert.h>
+
 enum {
     COARSE_STEPS = 12, ///< greedy covers until the tolerance is about right
     FINE_STEPS = 7, ///< relaxed covers between the tolerances that are too small and large enough
-    TIGHTEN_PASSES = 4, ///< of the final cover
+    TIGHTEN_PASSES = 4, ///< passes that tighten the final cover
     PATIENCE = 12,      ///< additional covers while none is large enough
 };
-#define START 1e-3       ///< first tolerance, of the diagonal
-#define LEAST 1e-7       ///< least tolerance, of the diagonal: about the rounding of positions
+#define START 1e-3       ///< first tolerance, relative to the diagonal
+#define LEAST 1e-7       ///< minimum tolerance, likewise: about the rounding of positions
 #define STEP_MAX 8.0     ///< maximum change of the tolerance per step
-#define GREEDY_MORE 1.12 ///< sets of a greedy cover that is worth relaxing, of the target
-#define GREEDY_NEAR 0.04 ///< accepted deviation from that
+#define GREEDY_MORE 1.12 ///< wanted sets of a greedy cover, relative to the target
+#define GREEDY_NEAR 0.04 ///< accepted relative deviation from them
 #define FINE_RATIO 1.02  ///< final ratio of the two tolerances
 
 /// Search for the minimum tolerance that needs at most the wanted number of splats. More tolerance
@@ -63,6 +65,7 @@ static stp_result search_coarse(search* s, stp_subsample_attempt* attempt)
 /// Keeps an attempt that is good enough, or the one with fewest splats.
 static void keep(search* s, stp_subsample_attempt* attempt)
 {
+    assert(attempt->made && attempt->tolerance > 0.0);
     bool enough = attempt->cover.count <= s->target;
     stp_subsample_attempt* place = enough ? &s->best : &s->fewest;
     if (enough) {
@@ -78,7 +81,8 @@ static void keep(search* s, stp_subsample_attempt* attempt)
     stp_subsample_attempt_destroy(s->context, attempt);
 }
 
-/// Relaxes covers until the minimum tolerance is known accurately, or the maximum does not help.
+/// Relaxes covers until the minimum tolerance is known accurately, the maximum does not help, or
+/// all steps are done.
 static stp_result search_fine(search* s, stp_subsample_attempt* attempt)
 {
     double minimum = LEAST * s->field.diagonal, maximum = s->field.diagonal;
@@ -92,6 +96,7 @@ static stp_result search_fine(search* s, stp_subsample_attempt* attempt)
         }
         double tolerance = attempt->tolerance, count = (double)attempt->cover.count;
         keep(s, attempt);
+        assert((s->high == 0.0 || s->low <= s->high) && "the bounds enclose the wanted tolerance");
         double next;
         if (s->low > 0.0 && s->high > 0.0) {
             next = sqrt(s->low * s->high);
@@ -179,6 +184,7 @@ static stp_result take_all(stp_context* context, const stp_subsample_field* fiel
 static stp_result take_cover(search* s, stp_decimate_output* output)
 {
     stp_subsample_attempt* a = s->high > 0.0 ? &s->best : &s->fewest;
+    assert(a->made);
     stp_result result = stp_cover_tighten(s->context, &a->problem, TIGHTEN_PASSES, &a->cover);
     if (result == STP_OK && !make_room(s->context, a->cover.count, output)) {
         result = stp_fail_memory(s->context);

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "lab/decimate/subsample_attempt.h"
 
+#include <assert.h>
+
 enum {
-    CANDIDATES = 24, ///< per wanted splat
-    CROWD = 8,       ///< points of a candidate, of the mean number per wanted splat
-    CROWD_MIN = 16,  ///< plus this constant
-    PASSES_MAX = 24, ///< of the relaxation
+    CANDIDATES = 24, ///< initial candidates per wanted splat
+    CROWD = 8,       ///< maximum points of a candidate, relative to the mean per wanted splat
+    CROWD_MIN = 16,  ///< added to that maximum
+    PASSES_MAX = 24, ///< maximum passes of the relaxation
 };
 
 stp_result stp_subsample_attempt_make(stp_context* context, const stp_subsample_field* field,
                                       double tolerance, uint32_t target, stp_subsample_attempt* a)
 {
+    assert(target > 0 && tolerance >= 0.0);
     uint64_t seeds = (uint64_t)CANDIDATES * target;
     uint64_t maximum = (uint64_t)CROWD * field->count / target + CROWD_MIN;
     *a = (stp_subsample_attempt){.made = true, .tolerance = tolerance};
@@ -41,6 +44,7 @@ stp_result stp_subsample_attempt_make(stp_context* context, const stp_subsample_
 stp_result stp_subsample_attempt_relax(stp_context* context, uint32_t enough,
                                        stp_subsample_attempt* a)
 {
+    assert(a->made && a->cover.count <= a->candidates.count);
     return stp_cover_relax(context, &a->problem, enough, PASSES_MAX, &a->cover);
 }
 

@@ -11,7 +11,7 @@ typedef struct stp_subsample_attempt {
     bool made;
     double tolerance; ///< half the thickness of the slab that contains the points of a splat
     stp_subsample_candidates candidates;
-    float* areas; ///< of the candidates, up to a common factor
+    float* areas; ///< areas of the candidates, up to a common factor
     stp_cover_problem problem;
     stp_cover cover;
 } stp_subsample_attempt;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lab/decimate/subsample_cover.h"
 
+#include <assert.h>
 #include <string.h>
 
 stp_result stp_cover_problem_index(stp_context* context, stp_cover_problem* p)
@@ -12,6 +13,7 @@ stp_result stp_cover_problem_index(stp_context* context, stp_cover_problem* p)
         return stp_fail_memory(context);
     }
     for (size_t i = 0; i < total; ++i) {
+        assert(p->members[i] < p->point_count);
         p->set_starts[(size_t)p->members[i] + 2]++;
     }
     for (size_t i = 2; i < (size_t)p->point_count + 2; ++i) {
@@ -22,6 +24,7 @@ stp_result stp_cover_problem_index(stp_context* context, stp_cover_problem* p)
             p->sets[p->set_starts[(size_t)p->members[i] + 1]++] = s;
         }
     }
+    assert(p->set_starts[0] == 0 && p->set_starts[p->point_count] == total);
     return STP_OK;
 }
 
@@ -35,6 +38,7 @@ void stp_cover_problem_destroy(stp_context* context, stp_cover_problem* problem)
 
 void stp_cover_add(const stp_cover_problem* p, stp_cover* cover, uint32_t set)
 {
+    assert(cover->places[set] == UINT32_MAX && "chosen once");
     cover->places[set] = cover->count;
     cover->chosen[cover->count++] = set;
     for (size_t i = p->starts[set]; i < p->starts[set + 1]; ++i) {
@@ -44,11 +48,13 @@ void stp_cover_add(const stp_cover_problem* p, stp_cover* cover, uint32_t set)
 
 void stp_cover_remove(const stp_cover_problem* p, stp_cover* cover, uint32_t set)
 {
+    assert(cover->places[set] < cover->count && cover->chosen[cover->places[set]] == set);
     uint32_t place = cover->places[set], last = cover->chosen[--cover->count];
     cover->chosen[place] = last;
     cover->places[last] = place;
     cover->places[set] = UINT32_MAX;
     for (size_t i = p->starts[set]; i < p->starts[set + 1]; ++i) {
+        assert(cover->depths[p->members[i]] > 0);
         cover->depths[p->members[i]]--;
     }
 }
@@ -89,7 +95,7 @@ static void sift(entry* heap, uint32_t count, uint32_t at)
     heap[at] = item;
 }
 
-/// Marks the points of a set as covered, in all sets that contain them.
+/// Subtracts the weights of a set's uncovered points from the gains of all sets that contain them.
 static void take_points(const stp_cover_problem* p, const stp_cover* cover, uint32_t set,
                         uint64_t* gains)
 {
@@ -97,10 +103,23 @@ static void take_points(const stp_cover_problem* p, const stp_cover* cover, uint
         uint32_t point = p->members[i];
         for (size_t s = p->set_starts[point];
              cover->depths[point] == 0 && s < p->set_starts[point + 1]; ++s) {
+            assert(gains[p->sets[s]] >= p->weights[point]);
             gains[p->sets[s]] -= p->weights[point];
         }
     }
 }
+
+#ifndef NDEBUG
+static bool covers_all(const stp_cover_problem* p, const stp_cover* cover)
+{
+    for (uint32_t i = 0; i < p->point_count; ++i) {
+        if (cover->depths[i] == 0) {
+            return false;
+        }
+    }
+    return true;
+}
+#endif
 
 stp_result stp_cover_greedily(stp_context* context, const stp_cover_problem* p, stp_cover* cover)
 {
@@ -128,6 +147,7 @@ stp_result stp_cover_greedily(stp_context* context, const stp_cover_problem* p, 
     }
     while (count > 0) {
         entry first = heap[0];
+        assert(first.gain >= gains[first.set] && "gains only fall");
         if (first.gain == gains[first.set] && first.gain > 0) {
             take_points(p, cover, first.set, gains);
             stp_cover_add(p, cover, first.set);
@@ -141,6 +161,7 @@ stp_result stp_cover_greedily(stp_context* context, const stp_cover_problem* p, 
             sift(heap, count, 0);
         }
     }
+    assert(covers_all(p, cover));
     stp_free(context, gains);
     stp_free(context, heap);
     return STP_OK;

@@ -8,18 +8,18 @@
 /// Sets of points with sizes. Arrays of the caller are only read.
 typedef struct stp_cover_problem {
     uint32_t point_count, set_count;
-    const uint32_t* weights; ///< of each point, at least 1
-    const size_t* starts;    ///< of each set in `members`, and the end
+    const uint32_t* weights; ///< per point, at least 1
+    const size_t* starts;    ///< per set, start of its points in `members`; and the end
     const uint32_t* members; ///< points; each at most once in a set
     const float* areas;      ///< per set: among covers with equally many sets, less area is better
-    size_t* set_starts;      ///< of each point in `sets`, and the end
+    size_t* set_starts;      ///< per point, start of its sets in `sets`; and the end
     uint32_t* sets;          ///< sets that contain a point, ascending
 } stp_cover_problem;
 
 typedef struct stp_cover {
     uint32_t count;
     uint32_t* chosen; ///< sets
-    uint32_t* places; ///< of each set in `chosen`; UINT32_MAX: not chosen
+    uint32_t* places; ///< per set, its index in `chosen`; UINT32_MAX: not chosen
     uint32_t* depths; ///< per point: number of chosen sets that contain it
 } stp_cover;
 
@@ -35,7 +35,9 @@ STP_MUST_USE stp_result stp_cover_greedily(stp_context* context, const stp_cover
                                            stp_cover* cover);
 void stp_cover_destroy(stp_context* context, stp_cover* cover);
 
+/// Chooses a set that is not chosen.
 void stp_cover_add(const stp_cover_problem* problem, stp_cover* cover, uint32_t set);
+/// Removes a chosen set, even if points are then uncovered. Moves the last chosen one to its place.
 void stp_cover_remove(const stp_cover_problem* problem, stp_cover* cover, uint32_t set);
 /// Whether all points of a chosen set are also in other chosen sets.
 bool stp_cover_is_redundant(const stp_cover_problem* problem, const stp_cover* cover, uint32_t set);

@@ -5,6 +5,7 @@
 #include "lod/psp/initial.h"
 #include "lod/psp/nearest_points.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -13,7 +14,7 @@ enum {
     WEIGHT_MAX = 1 << 16,
     ROUNDS_MAX = 32, ///< rounds of connecting parts: each halves their number
 };
-#define MARGIN 0.5f ///< of the distance to the farthest neighbour
+#define MARGIN 0.5f ///< margin of a point, relative to the radius of its disk
 
 /// Pairs of points. Each becomes an edge in both directions.
 typedef struct edge_list {
@@ -69,6 +70,7 @@ static stp_result make_graph(stp_context* context, const uint32_t* nearest,
             }
         }
     }
+    assert(starts[0] == 0 && starts[count] == starts[count + 1] && "all edges are listed");
     return STP_OK;
 }
 
@@ -165,6 +167,7 @@ static uint32_t number_parts(const stp_subsample_field* field, uint32_t* parts, 
             for (uint32_t n = field->starts[point]; n < field->starts[point + 1]; ++n) {
                 uint32_t next = field->neighbours[n];
                 if (parts[next] == UINT32_MAX) {
+                    assert(size < field->count && "each point is visited once");
                     parts[next] = found;
                     stack[size++] = next;
                 }
@@ -202,6 +205,7 @@ static stp_result add_edges(stp_context* context, stp_subsample_field* field, ed
         neighbours[starts[a + 1]++] = b;
         neighbours[starts[b + 1]++] = a;
     }
+    assert(starts[count] == old + 2 * edges.count);
     stp_free(context, field->starts);
     stp_free(context, field->neighbours);
     field->starts = starts;
@@ -213,6 +217,7 @@ static stp_result add_edges(stp_context* context, stp_subsample_field* field, ed
 static stp_result connect_parts(stp_context* context, stp_subsample_field* field,
                                 const uint32_t* first, uint32_t part_count)
 {
+    assert(part_count > 1);
     float* positions = STP_NEW_ARRAY(context, float, 3 * (size_t)part_count);
     uint32_t* nearest = STP_NEW_ARRAY(context, uint32_t, NEIGHBOURS * (size_t)part_count);
     uint32_t* pairs = STP_NEW_ARRAY(context, uint32_t, 2 * NEIGHBOURS * (size_t)part_count);

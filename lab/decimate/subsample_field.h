@@ -11,12 +11,12 @@ typedef struct stp_subsample_field {
     const float* normals;              ///< NULL, or 3 per point: unit, or zero if unknown
     const stp_subsample_color* colors; ///< NULL: white
     stp_ellipse* own;                  ///< a disk of each point, as wide as its farthest neighbour
-    uint32_t* starts;                  ///< of each point in `neighbours`, and the end
+    uint32_t* starts;                  ///< per point, start of its `neighbours`; and the end
     uint32_t* neighbours;              ///< the 8 nearest of each point, in both directions
     uint32_t* weights;                 ///< area of each point, in 1/256 of the mean; 1 to 2^16
     float* margins;                    ///< radius of the surface that each point represents
     uint32_t* order;                   ///< points along a space-filling curve
-    double diagonal;                   ///< of the bounding box; 1 if all points coincide
+    double diagonal;                   ///< bounding box diagonal; 1 if all points coincide
 } stp_subsample_field;
 
 /// Finds neighbours, normals and areas. Uses all threads; results do not depend on their number.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lab/decimate/subsample_fit.h"
 
+#include <assert.h>
+
 enum {
     ROUNDS = 4,        ///< rounds of assigning points and moving splats
     CENTER_STEPS = 48, ///< towards the centre of the smallest circle around points
@@ -18,10 +20,10 @@ typedef struct shape {
 
 typedef struct fit {
     const stp_subsample_choice* choice;
-    shape* shapes;    ///< of the chosen
+    shape* shapes;    ///< one per chosen candidate
     uint32_t* owners; ///< per point: index among the chosen
-    size_t* starts;   ///< of each chosen one in `owned`, and the end
-    uint32_t* owned;  ///< points
+    size_t* starts;   ///< per chosen candidate, start of its points in `owned`; and the end
+    uint32_t* owned;  ///< points, by owner
 } fit;
 
 static double measure(const fit* f, const shape* s, uint32_t point)
@@ -52,6 +54,7 @@ static void assign_points(size_t begin, size_t end, uint32_t worker, void* user)
                 }
             }
         }
+        assert(owner < f->choice->cover->count && "the cover leaves out no point");
         f->owners[point] = owner;
     }
 }
@@ -71,6 +74,7 @@ static void list_owned(const fit* f)
     for (uint32_t i = 0; i < points; ++i) {
         f->owned[f->starts[f->owners[i] + 1]++] = i;
     }
+    assert(f->starts[0] == 0 && f->starts[count] == points);
 }
 
 /// Moves a shape to the centre of the smallest circle around its points (Badoiu and Clarkson 2003),
@@ -78,6 +82,7 @@ static void list_owned(const fit* f)
 static void center_shape(const fit* f, shape* s, const uint32_t* points, uint32_t count)
 {
     const stp_subsample_field* field = f->choice->field;
+    assert(count > 0 && s->ratio > 0.0);
     shape best = *s;
     double low = 0.0, high = 0.0;
     for (int step = 1; step <= CENTER_STEPS; ++step) {

@@ -4,6 +4,7 @@
 #include "base/core/team.h"
 #include "lab/decimate/subsample_region.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { BLOCK = 64 }; ///< seeds per work item
@@ -22,8 +23,8 @@ typedef struct growth {
     uint32_t maximum;
     const uint32_t* seeds;
     uint32_t seed_count;
-    stp_subsample_candidate* shapes; ///< of the seeds
-    uint32_t* counts;                ///< members of each
+    stp_subsample_candidate* shapes; ///< one per seed
+    uint32_t* counts;                ///< number of members per seed
     block* blocks;
     stp_subsample_scratch* scratch; ///< per worker
 } growth;
@@ -58,6 +59,7 @@ static void grow_blocks(size_t begin, size_t end, uint32_t worker, void* user)
                 b->failed = true;
                 return;
             }
+            assert(count <= g->maximum && members[0] == g->seeds[i] && "the seed comes first");
         }
     }
 }
@@ -90,6 +92,7 @@ static stp_result take_blocks(growth* g, uint32_t block_count, uint32_t before,
     for (uint32_t i = 0; i < g->seed_count; ++i) {
         c->starts[before + i + 1] = c->starts[before + i] + g->counts[i];
     }
+    assert(at == total && c->starts[before + g->seed_count] == total);
     stp_free(g->context, c->members);
     c->members = members;
     return STP_OK;
@@ -172,6 +175,7 @@ stp_result stp_subsample_grow(stp_context* context, const stp_subsample_field* f
                               double tolerance, uint32_t wanted, uint32_t maximum,
                               stp_subsample_candidates* candidates)
 {
+    assert(maximum > 0 && tolerance >= 0.0);
     uint32_t count = field->count, seed_count = wanted < count ? wanted : count;
     stp_team team = stp_team_create_useful(context);
     uint32_t* seeds = STP_NEW_ARRAY(context, uint32_t, (size_t)count + 1);

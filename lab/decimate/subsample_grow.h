@@ -8,9 +8,9 @@
 /// is a circle.
 typedef struct stp_subsample_candidate {
     stp_vec3 center; ///< centre of the slab that contains all covered points
-    stp_vec3 normal; ///< of unit length
-    stp_vec3 axis;   ///< direction of the major axis, of unit length
-    float ratio;     ///< of the major to the minor axis, 1 or more
+    stp_vec3 normal; ///< unit normal
+    stp_vec3 axis;   ///< unit direction of the major axis
+    float ratio;     ///< ratio of the axes without margins, 1 or more
     float major, minor;
 } stp_subsample_candidate;
 
@@ -18,7 +18,7 @@ typedef struct stp_subsample_candidate {
 typedef struct stp_subsample_candidates {
     uint32_t count;
     stp_subsample_candidate* shapes;
-    size_t* starts;    ///< of each candidate in `members`, and the end
+    size_t* starts;    ///< per candidate, start of its points in `members`; and the end
     uint32_t* members; ///< points
 } stp_subsample_candidates;
 

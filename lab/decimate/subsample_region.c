@@ -3,14 +3,15 @@
 
 #include "base/splats/coverage.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
-    UNKNOWNS = 6, ///< of a quadric over a plane
-    ROUNDS = 3,   ///< of fitting and growing
-    FIT_MIN = 8   ///< points that a quadric is fitted to
+    UNKNOWNS = 6, ///< coefficients of a quadric over a plane
+    ROUNDS = 3,   ///< maximum rounds of fitting and growing
+    FIT_MIN = 8   ///< minimum number of points to fit a quadric
 };
-#define RATIO_MAX 4.0f ///< of the axes of a candidate
+#define RATIO_MAX 4.0f ///< maximum ratio of the axes of a candidate
 
 /// A frame of unit vectors at a point, and the weight of distances across x.
 typedef struct frame {
@@ -20,7 +21,7 @@ typedef struct frame {
 
 typedef struct region {
     uint32_t count;
-    double low, high;    ///< of heights over the plane
+    double low, high;    ///< range of heights over the plane
     double reach;        ///< distance of the farthest point
     double major, minor; ///< axes that contain the points with their margins
     uint64_t area;       ///< sum of the weights
@@ -58,6 +59,7 @@ static bool push(stp_subsample_scratch* s, uint64_t item)
 
 static uint64_t pop(stp_subsample_scratch* s)
 {
+    assert(s->heap_count > 0);
     uint64_t *heap = s->heap, first = heap[0], last = heap[--s->heap_count];
     uint32_t at = 0, count = s->heap_count;
     for (uint32_t child = 1; child < count; child = 2 * at + 1) {
@@ -101,6 +103,7 @@ static bool grow(const stp_subsample_field* field, stp_subsample_scratch* s, uin
     while (s->heap_count > 0 && r->count < maximum) {
         uint32_t after = (uint32_t)pop(s), left = field->count - seed;
         uint32_t point = after < left ? seed + after : after - left;
+        assert(point < field->count);
         stp_vec3d d = stp_subd(stp_to_double(stp_subsample_position(field, point)), f->origin);
         double height = stp_dotd(d, f->normal);
         double low = height < r->low ? height : r->low, high = height > r->high ? height : r->high;
@@ -214,6 +217,7 @@ static bool turn_frame(const double q[UNKNOWNS], frame* f)
     }
     const double maximum = (double)(RATIO_MAX * RATIO_MAX);
     f->ratio = large > small * maximum ? (double)RATIO_MAX : sqrt(large / small);
+    assert(f->ratio >= 1.0 && f->ratio <= (double)RATIO_MAX);
     f->normal = n;
     f->y = y;
     f->x = stp_crossd(y, n);
@@ -224,6 +228,7 @@ uint32_t stp_subsample_find_region(const stp_subsample_field* field, stp_subsamp
                                    uint32_t seed, double tolerance, uint32_t maximum,
                                    stp_subsample_candidate* shape, const uint32_t** members)
 {
+    assert(seed < field->count && maximum > 0 && tolerance >= 0.0);
     region best, other;
     frame f = make_frame(field, seed), turned = f;
     double q[UNKNOWNS];

@@ -12,7 +12,7 @@ typedef struct stp_subsample_scratch {
     uint64_t* heap; ///< points to visit: distance, then index
     size_t heap_capacity;
     uint32_t heap_count;
-    uint32_t* members[2]; ///< points of the region found first, and of the better one
+    uint32_t* members[2]; ///< points of the best region so far, and of the one that is tried
     size_t capacity[2];
 } stp_subsample_scratch;
 

@@ -3,10 +3,11 @@
 #include "base/math/rng.h"
 #include "lab/decimate/subsample_cover.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
-    GROUP_MIN = 3, ///< sets removed together
+    GROUP_MIN = 3, ///< minimum number of sets removed together
     GROUP_MAX = 10,
     BATCH_MAX = 64,   ///< proposals made against the same cover
     BATCH_SHARE = 48, ///< a batch has at most one proposal per this many sets
@@ -33,7 +34,7 @@ typedef struct relaxation {
     const stp_cover* cover;
     bool tighten;          ///< the count stays, the area falls
     const uint32_t* seeds; ///< sets of this batch
-    uint64_t seed;         ///< of the random numbers of this batch
+    uint64_t seed;         ///< seed of the random numbers of this batch
     proposal* proposals;
     relax_scratch* scratch;
 } relaxation;
@@ -44,6 +45,7 @@ static uint32_t pick_group(const stp_cover_problem* p, const stp_cover* cover, u
 {
     uint32_t wanted = GROUP_MIN + stp_rng_below(seed, 0, GROUP_MAX - GROUP_MIN + 1);
     size_t begin = p->starts[set], size = p->starts[set + 1] - begin;
+    assert(cover->places[set] != UINT32_MAX && size > 0 && wanted <= GROUP_MAX);
     size_t from = stp_rng_below(seed, 1, (uint32_t)size);
     uint32_t count = 0;
     group[count++] = set;
@@ -72,6 +74,7 @@ static uint32_t open_points(const stp_cover_problem* p, const stp_cover* cover, 
     for (uint32_t g = 0; g < out->removed_count; ++g) {
         for (size_t i = p->starts[out->removed[g]]; i < p->starts[out->removed[g] + 1]; ++i) {
             uint32_t point = p->members[i];
+            assert(s->missing[point] < cover->depths[point]);
             if (++s->missing[point] == cover->depths[point]) {
                 s->open[count++] = point;
             }
@@ -80,7 +83,8 @@ static uint32_t open_points(const stp_cover_problem* p, const stp_cover* cover, 
     return count;
 }
 
-/// Counts the uncovered points of each set that has any.
+/// Lists the sets with uncovered points, and adds up the weights of these in `gains`.
+/// @return number of sets
 static uint32_t touch_sets(const stp_cover_problem* p, relax_scratch* s, uint32_t open_count)
 {
     uint32_t count = 0;
@@ -133,6 +137,7 @@ static bool cover_open(const stp_cover_problem* p, const stp_cover* cover, relax
             }
             s->missing[point]--; // covered
             for (size_t k = p->set_starts[point]; k < p->set_starts[point + 1]; ++k) {
+                assert(s->gains[p->sets[k]] >= p->weights[point]);
                 s->gains[p->sets[k]] -= p->weights[point];
             }
         }
@@ -206,6 +211,7 @@ static void propose_some(size_t begin, size_t end, uint32_t worker, void* user)
 /// was applied
 static bool apply(const stp_cover_problem* p, stp_cover* cover, const proposal* change)
 {
+    assert(change->added_count <= change->removed_count && "the cover never grows");
     bool valid = change->removed_count > 0;
     for (uint32_t i = 0; valid && i < change->removed_count; ++i) {
         valid = cover->places[change->removed[i]] != UINT32_MAX;
@@ -261,6 +267,7 @@ static uint32_t run_pass(const stp_team* team, relaxation* r, stp_cover* cover, 
 {
     uint32_t count = cover->count, taken = 0;
     uint32_t batch = count / BATCH_SHARE < BATCH_MAX ? count / BATCH_SHARE + 1 : BATCH_MAX;
+    assert(batch > 0 && batch <= BATCH_MAX);
     memcpy(seeds, cover->chosen, count * sizeof(*seeds));
     shuffle(seeds, count, seed);
     for (uint32_t at = 0; at < count && (r->tighten || cover->count > enough);) {

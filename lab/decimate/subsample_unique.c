@@ -4,6 +4,7 @@
 #include "base/math/color.h"
 #include "base/math/rng.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { KEY_WORDS = 6 };
@@ -46,6 +47,7 @@ static uint32_t find_or_add(stp_subsample_unique* u, uint32_t* table, size_t mas
             return table[slot];
         }
     }
+    assert(u->count < mask && "a slot is always free");
     uint32_t number = table[slot] = u->count++;
     memcpy(u->positions + 3 * (size_t)number, input->positions + 3 * point, 3 * sizeof(float));
     if (u->normals != NULL) {
@@ -102,6 +104,7 @@ void stp_subsample_unique_destroy(stp_context* context, stp_subsample_unique* un
 
 void stp_subsample_mean_color(const stp_subsample_color* sum, uint8_t color[3])
 {
+    assert(sum->count > 0.0f);
     for (int c = 0; c < 3; ++c) {
         color[c] = stp_linear_to_srgb8(sum->sum[c] / sum->count);
     }

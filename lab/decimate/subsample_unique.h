@@ -7,7 +7,7 @@
 /// Sums of the colours of equal points, in linear light.
 typedef struct stp_subsample_color {
     float sum[3];
-    float count; ///< of the points
+    float count; ///< number of points
 } stp_subsample_color;
 
 typedef struct stp_subsample_unique {

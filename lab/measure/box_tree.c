@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lab/measure/box_tree.h"
 
+#include <assert.h>
+
 enum {
     LEAF = 4,       ///< maximum items per leaf
     BINS = 16,      ///< candidate split positions per axis
@@ -130,6 +132,7 @@ static uint32_t divide(const maker* m, const range* r)
             m->order[left++] = item;
         }
     }
+    assert(left > r->begin && left < r->end && "both sides of a cut have items");
     return left;
 }
 
@@ -149,6 +152,7 @@ static void make_nodes(maker* m, uint32_t count)
     m->node_count = 1;
     while (size > 0) {
         range r = waiting[--size];
+        assert(r.begin < r.end && r.node < m->node_count);
         stp_box box = stp_box_empty();
         for (uint32_t i = r.begin; i < r.end; ++i) {
             join(&box, &m->boxes[m->order[i]]);
@@ -163,6 +167,7 @@ static void make_nodes(maker* m, uint32_t count)
         uint32_t middle = divide(m, &r), first = m->node_count;
         node->first = first;
         node->count = 0;
+        assert(m->node_count + 2 <= 2 * (size_t)count && size + 2 <= STP_BOX_TREE_DEPTH);
         m->node_count += 2;
         waiting[size++] = (range){first + 1, middle, r.end, r.level + 1};
         waiting[size++] = (range){first, r.begin, middle, r.level + 1};
@@ -172,6 +177,7 @@ static void make_nodes(maker* m, uint32_t count)
 stp_result stp_box_tree_create(stp_context* context, const stp_box* boxes, uint32_t count,
                                stp_box_tree* tree)
 {
+    assert(count <= INT32_MAX && "nodes have 32-bit indices");
     *tree = (stp_box_tree){.count = count};
     if (count == 0) {
         return STP_OK;
@@ -244,6 +250,7 @@ void stp_box_tree_walk(const stp_box_tree* tree, const stp_box_ray* ray, double 
             continue;
         }
         const stp_box_node* node = &tree->nodes[waiting[size].node];
+        assert(node->count == 0 || node->first + node->count <= tree->count);
         for (uint32_t i = 0; i < node->count; ++i) {
             look(tree->order[node->first + i], user);
         }
@@ -258,6 +265,7 @@ void stp_box_tree_walk(const stp_box_tree* tree, const stp_box_ray* ray, double 
         for (uint32_t k = 0; k < 2; ++k) {
             uint32_t child = k == 0 ? later : 1 - later;
             if (in[child]) {
+                assert(size < STP_BOX_TREE_DEPTH);
                 waiting[size].node = node->first + child;
                 waiting[size++].near = near[child];
             }

@@ -10,7 +10,7 @@
 
 typedef struct stp_box_node {
     float low[3], high[3];
-    uint32_t first; ///< of two adjacent children; for a leaf: a place in `order`
+    uint32_t first; ///< index of the first of two adjacent children; leaves: a place in `order`
     uint32_t count; ///< items in a leaf; 0: the node has children
 } stp_box_node;
 

@@ -4,6 +4,7 @@
 #include "base/math/sort.h"
 #include "lab/measure/nearest.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -40,6 +41,7 @@ static stp_result sort_values(stp_context* context, float* values, size_t count)
     }
     for (size_t i = 0; i < count; ++i) {
         uint32_t bits;
+        assert(!(values[i] < 0.0f) && "the sign would be sorted as the highest bit");
         memcpy(&bits, &values[i], sizeof(bits));
         items[i] = bits;
     }
@@ -55,6 +57,7 @@ static stp_result sort_values(stp_context* context, float* values, size_t count)
 // Quantile of sorted values.
 static double quantile(const float* sorted, size_t count, double fraction)
 {
+    assert(fraction >= 0.0 && fraction <= 1.0);
     return count == 0 ? 0.0 : (double)sorted[(size_t)(fraction * (double)(count - 1) + 0.5)];
 }
 
@@ -150,6 +153,7 @@ static stp_result measure_coverage(stp_context* context, const stp_nearest* tree
            (double)distances[point_count - 1 - uncovered] > d->spacing_median) {
         uncovered += 1;
     }
+    assert(uncovered <= point_count);
     d->uncovered_fraction = point_count != 0 ? (double)uncovered / (double)point_count : 0.0;
     stp_free(context, distances);
     return result;

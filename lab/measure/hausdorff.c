@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "lab/measure/hausdorff_bound.h"
 
+#include <assert.h>
+
 enum {
     GRAIN = 2048,
     EACH_TRIANGLE = 10,
     MIN_SAMPLES = 200000,
     MAX_SAMPLES = 4000000,
-    PROOF_SAMPLES = 4, ///< extra measurements for the proof, per sample and in all
-    PROOF_MIN = 65536,
+    PROOF_SAMPLES = 4, ///< measurements for the proof, per sample
+    PROOF_MIN = 65536, ///< additional ones
 };
 
 // Fractions of 2^64: the plastic number's inverse and its square.
@@ -81,6 +83,7 @@ static stp_vec3d sample_triangle(const stp_measured_surface* surface, size_t tri
         u = 1.0 - u;
         v = 1.0 - v;
     }
+    assert(u >= 0.0 && v >= 0.0 && u + v <= 1.0 + 1e-9 && "within the triangle");
     stp_vec3d offset =
         stp_addd(stp_scaled(stp_subd(c[1], c[0]), u), stp_scaled(stp_subd(c[2], c[0]), v));
     return stp_addd(c[0], offset);
@@ -89,6 +92,7 @@ static stp_vec3d sample_triangle(const stp_measured_surface* surface, size_t tri
 // The last triangle with at most `area` of cumulative area before it.
 static size_t find_triangle(const measurement* m, double area)
 {
+    assert(m->surface->triangle_count > 0);
     size_t low = 0, high = m->surface->triangle_count;
     while (high - low > 1) {
         size_t middle = low + (high - low) / 2;
@@ -98,6 +102,7 @@ static size_t find_triangle(const measurement* m, double area)
             high = middle;
         }
     }
+    assert(!(m->areas[low] > area));
     return low;
 }
 
@@ -192,6 +197,7 @@ static stp_result measure(measurement* m, stp_hausdorff* hausdorff, double* area
         hausdorff->samples = vertices;
         sum = of_vertices.sum;
     }
+    assert(hausdorff->samples > 0 && "the surface is not empty");
     hausdorff->mean = sum / (double)hausdorff->samples;
     uint64_t places = PROOF_SAMPLES * m->samples + PROOF_MIN;
     return result == STP_OK ? stp_hausdorff_prove(m->context, s, m->tree, places, hausdorff)

@@ -30,10 +30,10 @@ typedef struct stp_hausdorff {
     /// Upper bound: no place of the surface is farther. A thousandth above `max`, or more if the
     /// search ended early.
     double bound;
-    /// Mean over samples and points; over vertices if the surface has no area.
+    /// Mean over samples and points; over vertices if there are neither.
     double mean;
     stp_vec3d farthest; ///< place of the maximum; the first if there are several
-    double area;        ///< of the triangles
+    double area;        ///< sum of the triangles' areas
     uint64_t samples;   ///< number of distances in `mean`
 } stp_hausdorff;
 

@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: MIT
 #include "lab/measure/hausdorff_bound.h"
 
+#include <assert.h>
+
 enum {
     GRAIN = 64,
     BLOCK = 1 << 14, ///< triangles or parts measured at a time
     CUT = 256,       ///< cells subdivided at a time
 };
 
-#define TOLERANCE 1e-3 ///< of the maximum
-#define SMALLEST 1e-6  ///< of the largest coordinate; used if everything lies on the shapes
+#define TOLERANCE 1e-3 ///< accepted gap between maximum and bound, relative to the maximum
+#define SMALLEST 1e-6  ///< added to it, relative to the largest coordinate: the maximum may be 0
 
 /// A part of a triangle.
 typedef struct cell {
     stp_vec3d corners[3];
     stp_vec3d middle;
-    double distance; ///< of the centre
+    double distance; ///< distance of the centre
     double maximum;  ///< upper bound over the cell
 } cell;
 
@@ -38,6 +40,7 @@ static void measure_cell(const prover* p, cell* c, uint32_t* hint)
     stp_vec3d sum = stp_addd(stp_addd(c->corners[0], c->corners[1]), c->corners[2]);
     c->middle = stp_scaled(sum, 1.0 / 3.0);
     c->distance = sqrt(stp_shape_tree_distance_squared(p->tree, c->middle, hint));
+    assert(*hint < p->tree->count && "the nearest shape");
     double reach = 0.0, farthest = 0.0;
     for (int k = 0; k < 3; ++k) {
         reach = fmax(reach, stp_lengthd(stp_subd(c->corners[k], c->middle)));
@@ -82,6 +85,7 @@ static double limit_of(const prover* p)
 // Measures the block and pushes the cells that may contain a larger distance.
 static stp_result measure_cells(prover* p, size_t count)
 {
+    assert(count <= BLOCK);
     stp_parallel_for(p->context, count, GRAIN, measure_block, p);
     for (size_t i = 0; i < count; ++i) {
         const cell* c = &p->block[i];
@@ -141,6 +145,7 @@ static stp_result prove(prover* p)
         result = result == STP_OK ? cut_cells(p) : result;
     }
     p->found->bound = fmax(limit_of(p), p->left_out);
+    assert(p->found->bound >= p->found->max);
     return result;
 }
 

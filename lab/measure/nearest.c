@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lab/measure/nearest.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -38,6 +39,7 @@ static uint8_t widest_axis(const stp_nearest* t, uint32_t begin, uint32_t end)
 static void select_middle(stp_nearest* t, uint32_t begin, uint32_t end, uint32_t middle,
                           uint8_t axis)
 {
+    assert(begin <= middle && middle < end && axis < 3);
 #define VALUE(i) t->positions[3 * (size_t)(i) + axis]
     while (end - begin > 1) {
         uint32_t half = begin + (end - begin) / 2, last = end - 1;
@@ -60,6 +62,7 @@ static void select_middle(stp_nearest* t, uint32_t begin, uint32_t end, uint32_t
         if (split == end) {
             split = end - 1; // the pivot itself is last
         }
+        assert(begin < split && split < end && "the range shrinks");
         if (middle < split) {
             end = split;
         } else {
@@ -131,6 +134,7 @@ static void search(query* q, uint32_t begin, uint32_t end)
     while (end - begin > LEAF) {
         uint32_t middle = begin + (end - begin) / 2;
         uint8_t axis = q->tree->axes[middle];
+        assert(axis < 3);
         double at = axis == 0 ? q->x : axis == 1 ? q->y : q->z;
         double across = at - (double)q->tree->positions[3 * (size_t)middle + axis];
         search(q, across < 0.0 ? begin : middle + 1, across < 0.0 ? middle : end);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lab/measure/ray_cast.h"
 
+#include <assert.h>
 #include <stdatomic.h>
 
 #define ROUNDED 1e-6f ///< relative to the largest coordinate: margin of boxes
@@ -25,6 +26,7 @@ typedef struct maker {
 
 static stp_vec3d vertex_of(const stp_cast_mesh* mesh, uint32_t triangle, uint32_t corner)
 {
+    assert(triangle < mesh->triangle_count && corner < 3);
     size_t at = 3 * (size_t)triangle + corner;
     const float* p = mesh->positions + 3 * (mesh->indices != NULL ? (size_t)mesh->indices[at] : at);
     return (stp_vec3d){(double)p[0], (double)p[1], (double)p[2]};
@@ -82,6 +84,7 @@ static bool invert(const stp_affine* a, stp_affine* out)
 
 static stp_boxd box_of_part(const stp_caster* c, uint32_t part)
 {
+    assert(part < c->part_count && c->parts[part].mesh < c->mesh_count);
     const stp_box_tree* tree = &c->trees[c->parts[part].mesh];
     if (tree->count == 0) {
         return stp_boxd_empty();
@@ -208,6 +211,7 @@ stp_boxd stp_caster_bounds(const stp_caster* caster)
 void stp_caster_corners(const stp_caster* caster, uint32_t part, uint32_t triangle,
                         stp_vec3d corners[3])
 {
+    assert(part < caster->part_count);
     const stp_cast_part* p = &caster->parts[part];
     for (uint32_t k = 0; k < 3; ++k) {
         corners[k] =

@@ -29,8 +29,8 @@ STP_MUST_USE stp_result stp_caster_create(stp_context* context, const stp_cast_m
                                           uint32_t part_count, stp_caster** caster);
 void stp_caster_destroy(stp_context* context, stp_caster* caster);
 
-/// Bounding box of everything rays may hit; empty if there is nothing. Up to a millionth larger
-/// than necessary.
+/// Bounding box of everything rays may hit; empty if there is nothing. Encloses the transformed
+/// boxes of the meshes, so it is larger than necessary if parts are rotated.
 stp_boxd stp_caster_bounds(const stp_caster* caster);
 
 /// Transformed corners of a triangle.

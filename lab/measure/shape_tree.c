@@ -4,12 +4,13 @@
 #include "base/core/parallel_sort.h"
 #include "base/math/morton.h"
 
+#include <assert.h>
 #include <stdatomic.h>
 
 enum {
     LEAF = 4, ///< maximum shapes per leaf
     GRAIN = 4096,
-    CELLS = 1024, ///< of the curve, along each axis
+    CELLS = 1024, ///< cells of the curve along each axis
     STACK = 64,
 };
 
@@ -18,7 +19,7 @@ enum {
 
 typedef struct tree_maker {
     stp_shape_tree* tree;
-    stp_box middles; ///< of all box centres
+    stp_box middles; ///< bounding box of all box centres
     uint64_t *keys, *scratch;
     const uint64_t* sorted;
     float margin;
@@ -128,11 +129,13 @@ static void find_keys(size_t begin, size_t end, uint32_t worker, void* user)
 
 static uint32_t begin_of(const stp_shape_tree* tree, uint32_t level, uint32_t node)
 {
+    assert(level <= tree->depth && node <= (uint32_t)1 << level);
     return (uint32_t)((uint64_t)tree->count * node >> level);
 }
 
 static stp_shape_box* box_at(const stp_shape_tree* tree, uint32_t level, uint32_t node)
 {
+    assert(level <= tree->depth && node < (uint32_t)1 << level);
     return &tree->boxes[((size_t)1 << level) - 1 + node];
 }
 
@@ -197,6 +200,7 @@ static stp_result make(stp_context* context, tree_maker* m)
     while (count >> tree->depth >= LEAF) {
         tree->depth += 1;
     }
+    assert(count >> tree->depth < LEAF && tree->depth < STACK / 2);
     tree->order = STP_NEW_ARRAY(context, uint32_t, count + 1);
     tree->boxes = STP_NEW_ARRAY(context, stp_shape_box, (size_t)2 << tree->depth);
     m->keys = STP_NEW_ARRAY(context, uint64_t, count + 1);
@@ -260,6 +264,7 @@ static double distance_to_box(const stp_shape_box* box, const double point[3])
 static double distance_to_shape(const stp_shape_tree* tree, uint32_t place, stp_vec3d point,
                                 double maximum)
 {
+    assert(place < tree->count);
     const stp_shapes* s = &tree->shapes;
     uint32_t shape = tree->order[place];
     if (shape < s->disk_count) {
@@ -310,6 +315,7 @@ double stp_shape_tree_distance_squared(const stp_shape_tree* tree, stp_vec3d poi
                                          at.level + 1, node};
         }
         bool swapped = children[0].distance < children[1].distance;
+        assert(size + 2 <= STACK);
         stack[size++] = children[swapped ? 1 : 0]; // visit the nearer one first
         stack[size++] = children[swapped ? 0 : 1];
     }

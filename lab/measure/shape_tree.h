@@ -14,11 +14,11 @@ typedef struct stp_shape_box {
 typedef struct stp_shape_tree {
     stp_shapes shapes;
     uint32_t count; ///< number of shapes; disks come first
-    /// Of the leaves. Level k has 2^k nodes; node i of them holds the places [count i / 2^k,
+    /// Level of the leaves. Level k has 2^k nodes; node i of them holds the places [count i / 2^k,
     /// count (i + 1) / 2^k)
     uint32_t depth;
     uint32_t* order;      ///< shapes along the curve
-    stp_shape_box* boxes; ///< of nodes, level by level
+    stp_shape_box* boxes; ///< boxes of the nodes, level by level
 } stp_shape_tree;
 
 /// The arrays of `shapes` must outlive the tree. The same tree for any number of threads.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lab/measure/shapes.h"
 
+#include <assert.h>
+
 enum { NEWTON_STEPS = 200 }; ///< limit; about six are usual
 
 static double square(double x)
@@ -14,6 +16,7 @@ static double square(double x)
 // the root from any place where F >= 0. t is in units of b b.
 static double boundary_distance_squared(double a, double b, double x, double y)
 {
+    assert(a > 0.0 && b > 0.0 && !(x < 0.0) && !(y < 0.0));
     double r = square(a / b), u = r * (x / a), v = y / b;
     double t = fmax(v - 1.0, u - r);
     for (int i = 0; i < NEWTON_STEPS; ++i) {
@@ -67,6 +70,7 @@ static double segment_distance_squared(stp_vec3d a, stp_vec3d edge, stp_vec3d po
     stp_vec3d away = stp_subd(point, a);
     double length = stp_dotd(edge, edge), t = length > 0.0 ? stp_dotd(away, edge) / length : 0.0;
     t = t > 0.0 ? fmin(t, 1.0) : 0.0;
+    assert(t >= 0.0 && t <= 1.0 && "on the segment");
     stp_vec3d left = stp_subd(away, stp_scaled(edge, t));
     return stp_dotd(left, left);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lab/measure/surface_compare.h"
 
+#include <assert.h>
 #include <stdbool.h>
 
 enum { WINDOW = 2 }; // pixels to each side
@@ -34,6 +35,8 @@ static surroundings find_surroundings(const stp_surface_frame* frame, int64_t x,
 void stp_surface_compare(const stp_surface_frame* reference, const stp_surface_frame* frame,
                          double pixel_angle, double tolerance, stp_surface_errors* errors)
 {
+    assert(reference->width == frame->width && reference->height == frame->height);
+    assert(pixel_angle >= 0.0 && tolerance >= 0.0);
     *errors = (stp_surface_errors){0};
     // behind by more than t pixels: depth (1 - t angle) > farthest depth, and depth is 1 / nearness
     double factor = 1.0 - pixel_angle * tolerance;
@@ -54,4 +57,6 @@ void stp_surface_compare(const stp_surface_frame* reference, const stp_surface_f
             }
         }
     }
+    assert(errors->holes <= errors->interior && errors->interior <= errors->covered);
+    assert(errors->extra <= errors->drawn && errors->wrong_depth <= errors->covered);
 }

@@ -15,11 +15,11 @@ typedef struct stp_surface_frame {
 
 typedef struct stp_surface_errors {
     uint64_t covered;     ///< pixels covered by the reference
-    uint64_t interior;    ///< of these, two pixels or more inside the silhouette
+    uint64_t interior;    ///< covered pixels more than two pixels inside the silhouette
     uint64_t holes;       ///< interior pixels that are empty in the other frame
     uint64_t wrong_depth; ///< covered by both, and the other frame is behind the reference there
     uint64_t drawn;       ///< pixels covered by the other frame
-    uint64_t extra;       ///< of these, pixels that the reference does not cover
+    uint64_t extra;       ///< drawn pixels that the reference does not cover
 } stp_surface_errors;
 
 /// Counts the errors of `frame` against `reference` (same size). A pixel has a wrong depth if it

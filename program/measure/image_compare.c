@@ -3,6 +3,7 @@
 
 #include "program/measure/ssim.h"
 
+#include <assert.h>
 #include <math.h>
 
 #define GREY_PEAK 255000.0 // grey is 299 R + 587 G + 114 B: integers, exact in a float
@@ -17,7 +18,7 @@ static const double scale_weights[SCALES] = {0.0448, 0.2856, 0.3001, 0.2363, 0.1
 /// The pictures at the current scale.
 typedef struct pictures {
     const stp_image *a, *b, *mask;
-    uint32_t width, height; ///< of this scale
+    uint32_t width, height; ///< size at this scale
     float *grey_a, *grey_b;
     uint8_t* counted;
     uint64_t* square_errors; ///< per piece of PIXEL_GRAIN pixels, over the three channels
@@ -60,6 +61,7 @@ static void prepare_pixels(size_t begin, size_t end, uint32_t worker, void* user
 // itself, as in the authors' program (symmetric padding).
 static void halve(float* plane, uint32_t width, uint32_t height)
 {
+    assert(width > 0 && height > 0);
     uint32_t half_width = (width + 1) / 2, half_height = (height + 1) / 2;
     for (uint32_t y = 0; y < half_height; ++y) {
         const float* row0 = plane + (size_t)(2 * y) * width;
@@ -91,6 +93,7 @@ static int count_scales(uint32_t width, uint32_t height)
          size = (size + 1) / 2) {
         count += 1;
     }
+    assert(count > 0 && count <= SCALES);
     return count;
 }
 
@@ -102,6 +105,7 @@ static stp_result measure(stp_context* context, pictures* p, uint8_t* map,
     for (int i = 0; scale_count < SCALES && i < scale_count; ++i) {
         weight_sum += scale_weights[i];
     }
+    assert(weight_sum > 0.0);
     quality->ms_ssim = 1.0;
     for (int i = 0; i < scale_count; ++i) {
         stp_ssim_planes planes = {.width = p->width,

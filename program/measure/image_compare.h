@@ -34,7 +34,7 @@ typedef struct stp_image_quality {
 /// ssim_covered counts only covered pixels at which the mask has alpha above 0 and a channel above
 /// 127. `map` (may be NULL): receives the SSIM of each pixel as grey, 0 if negative; its pixels
 /// come from stp_alloc. The same bits for any number of threads.
-/// @return STP_OK, STP_ERROR_ARGUMENT (sizes differ; logged), STP_ERROR_OUT_OF_MEMORY
+/// @return STP_OK, STP_ERROR_ARGUMENT (sizes differ, or are 0; logged), STP_ERROR_OUT_OF_MEMORY
 STP_MUST_USE stp_result stp_image_compare(stp_context* context, const stp_image* a,
                                           const stp_image* b, const stp_image* mask, stp_image* map,
                                           stp_image_quality* quality);

@@ -3,6 +3,7 @@
 
 #include "program/measure/image_compare.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -59,6 +60,7 @@ static void measure_rows(size_t begin, size_t end, uint32_t worker, void* user)
             }
             uint32_t samples = (bottom - top) * across * 3;
             uint32_t beyond = change > expected ? change - expected : 0;
+            assert(samples > 0 && beyond <= 255 * samples && "within the histogram");
             p->values[row * p->columns + column] =
                 (uint16_t)((beyond * STP_POPPING_UNITS + samples / 2) / samples);
         }
@@ -103,6 +105,7 @@ stp_result stp_popping_add(stp_context* context, stp_popping* popping, const stp
 
 double stp_popping_percentile(const stp_popping* popping, double part)
 {
+    assert(part >= 0.0 && part <= 1.0);
     double wanted = ceil(part * (double)popping->total); // blocks that must not exceed the result
     uint64_t below = 0;
     for (uint32_t value = 0; value < STP_POPPING_VALUES; ++value) {

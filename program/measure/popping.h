@@ -21,10 +21,10 @@ enum {
 
 /// Histogram of the popping of blocks.
 typedef struct stp_popping {
-    uint64_t* counts; ///< STP_POPPING_VALUES
+    uint64_t* counts; ///< number of blocks per value: STP_POPPING_VALUES
     uint64_t total;
-    double last_mean; ///< of the last pair's blocks
-    uint16_t* values; ///< of one pair's blocks
+    double last_mean; ///< mean popping of the last pair's blocks, 0 to 255
+    uint16_t* values; ///< popping of the last pair's blocks, in units
     size_t value_capacity;
 } stp_popping;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "program/measure/ssim.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -56,6 +57,7 @@ static void fill_scales(double* scales, uint32_t count)
             sum += is_inside ? window[k < 0 ? -k : k] : 0.0;
             is_cut |= !is_inside;
         }
+        assert(sum > 0.0 && sum < 1.0 + 1e-9 && "weights of sum 1");
         scales[i] = is_cut ? 1.0 / sum : 1.0;
     }
 }
@@ -165,6 +167,7 @@ static void compare_band(size_t begin, size_t end, uint32_t worker, void* user)
     const comparison* c = user;
     scratch* s = &c->workers[worker];
     size_t height = c->planes->height;
+    assert(begin < end && end <= height);
     for (size_t y = begin < RADIUS ? 0 : begin - RADIUS; y < begin + RADIUS && y < height; ++y) {
         fill_ring(c, s, y);
     }
@@ -221,6 +224,7 @@ static stp_ssim_means add_rows(const stp_ssim_planes* planes, const row_sums* su
 
 stp_result stp_ssim(stp_context* context, const stp_ssim_planes* planes, stp_ssim_means* means)
 {
+    assert(planes->width > 0 && planes->height > 0 && planes->peak > 0.0);
     uint32_t worker_count = stp_context_thread_count(context);
     size_t stride = (size_t)planes->width + 2 * RADIUS;
     size_t rows = (size_t)worker_count * ROWS + 2; // and scale_x, zero_row
@@ -236,6 +240,7 @@ stp_result stp_ssim(stp_context* context, const stp_ssim_planes* planes, stp_ssi
         fill_scales(scale_y, planes->height);
         for (uint32_t i = 0; i < worker_count; ++i) {
             workers[i] = divide(block + (2 + (size_t)i * ROWS) * stride, stride);
+            assert(workers[i].contrast_structure == block + (1 + (i + (size_t)1) * ROWS) * stride);
         }
         double k1 = 0.01 * planes->peak, k2 = 0.03 * planes->peak;
         comparison c = {.planes = planes,

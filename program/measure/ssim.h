@@ -12,7 +12,7 @@
 
 #include "base/core/context.h"
 
-enum { STP_SSIM_RADIUS = 5 }; ///< of the window
+enum { STP_SSIM_RADIUS = 5 }; ///< pixels from the window's centre to its border
 
 typedef struct stp_ssim_planes {
     uint32_t width, height;
@@ -27,7 +27,7 @@ typedef struct stp_ssim_planes {
 /// program; over all pixels if there are none (a picture smaller than 11 x 11).
 typedef struct stp_ssim_means {
     double ssim, contrast_structure;
-    double counted; ///< of ssim over the pixels that count; 1 if there are none
+    double counted; ///< mean of ssim over the pixels that count; 1 if there are none
 } stp_ssim_means;
 
 /// The same bits for any number of threads. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)

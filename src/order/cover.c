@@ -3,6 +3,8 @@
 
 #include "base/math/math.h"
 
+#include <assert.h>
+
 enum { GRAIN = 1 << 14, BATCH = 256 };
 
 stp_result stp_cover_create_grid(const stp_points* points, stp_context* context,
@@ -45,6 +47,7 @@ static void cover_piece(size_t begin, size_t end, uint32_t worker, void* user)
 stp_result stp_cover_radius(const stp_points* points, const stp_team* team,
                             const stp_near_grid* grid, float* radius)
 {
+    assert(points->scale > 0.0f && grid->point_count > 0 && "a chosen point");
     size_t pieces = ((size_t)points->count + GRAIN - 1) / GRAIN;
     float* farthest = STP_NEW_ARRAY(team->context, float, pieces);
     if (farthest == NULL) {

@@ -2,6 +2,7 @@
 // Positions on a Morton curve, in variants per CPU with identical bits.
 #pragma once
 
+#include <assert.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -61,6 +62,7 @@ static inline uint32_t stp_curve_interleave(uint32_t x, uint32_t y, uint32_t z)
 static inline uint32_t stp_curve_place(const stp_curve* curve, float x, float y, float z, int shift,
                                        int bits)
 {
+    assert(bits > 0 && bits <= STP_CURVE_FINEST_BITS && shift + bits <= STP_CURVE_BITS);
     uint32_t mask = (1u << bits) - 1;
     return stp_curve_interleave(stp_curve_quantize(x, curve->low[0], curve->quanta) >> shift & mask,
                                 stp_curve_quantize(y, curve->low[1], curve->quanta) >> shift & mask,

@@ -8,6 +8,7 @@
 
 #include "base/math/math.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { GRAIN = 64 }; // leaves at a time
@@ -73,6 +74,7 @@ static uint32_t list_children(const earlier* e, uint32_t level, uint32_t index,
         squared[i] = (x * x + y * y) + z * z;
     }
     uint32_t count = 0, first = index * STP_BRANCH_SIZE;
+    assert(first < size && "a branch has children");
     for (uint32_t i = 0; i < STP_BRANCH_SIZE && first + i < size; ++i) {
         if (!(squared[i] < q->nearest) || lowest[first + i] >= q->rank) {
             continue;
@@ -103,6 +105,7 @@ static void search(const earlier* e, uint32_t level, uint32_t index, uint32_t ow
 static void measure_leaf(earlier* e, uint32_t index, earlier_piece* piece)
 {
     const stp_leaf* leaf = &e->tree.leaves[index];
+    assert(index < e->tree.leaf_count && e->tree.point_count == e->points->count);
     uint32_t first = index * STP_LEAF_SIZE, left = e->points->count - first;
     uint32_t count = left < STP_LEAF_SIZE ? left : STP_LEAF_SIZE;
     for (uint32_t i = 0; i < count; ++i) {
@@ -142,6 +145,7 @@ static void rank_points(earlier* e)
         e->rank_of[i] = e->output->ordered;
     }
     for (uint32_t i = 0; i < e->output->ordered; ++i) {
+        assert(e->rank_of[e->output->order[i]] == e->output->ordered && "each point once");
         e->rank_of[e->output->order[i]] = i;
     }
     for (uint32_t i = 0; i < lanes; ++i) {

@@ -7,6 +7,6 @@
 
 /// Computes the output's radii and final radius, where wanted, from its order. Adds the evaluated
 /// distances to the report. Work per point does not depend on how evenly the points are spread.
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY or STP_ERROR_CANCELLED (logged)
+/// @return STP_OK, or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_earlier_measure(const stp_points* points, const stp_team* team,
                                             stp_order_output* output);

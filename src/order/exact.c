@@ -15,6 +15,7 @@
 #include "base/math/math.h"
 #include "order/order_kinds.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -43,7 +44,7 @@ typedef struct greedy {
     stp_tree front; // candidates of this phase
     uint32_t front_capacity;
     uint32_t front_count;
-    // of the front's points in the tree, ascending; gathered in one piece a task
+    // tree positions of the front's points, ascending; each task collects into its own part
     uint32_t* positions;
     uint8_t* is_chosen; // for each point of the front
     stp_chosen* chosen; // all chosen points, phase by phase, within a phase along the curve
@@ -51,8 +52,8 @@ typedef struct greedy {
     size_t scratch_stride;
     uint32_t task_level;                 // the subtrees below the branches of this level are tasks
     uint32_t* task_counts;               // points collected by each task
-    uint32_t first_chosen, chosen_count; // of this phase
-    stp_box* boxes;                      // one per TOGETHER chosen points; only with threads
+    uint32_t first_chosen, chosen_count; // range of this phase in `chosen`
+    stp_box* boxes; // one per TOGETHER chosen points; used only with several threads
     float floor;
 } greedy;
 
@@ -73,6 +74,7 @@ static stp_chosen point_at(const stp_tree* tree, uint32_t position)
 static void emit(greedy* g, uint32_t position, float gap)
 {
     stp_order_output* out = g->output;
+    assert(out->ordered < out->wanted && gap > 0.0f);
     out->order[out->ordered] = position; // becomes the point's index later: see name_chosen
     if (out->radii != NULL) {
         out->radii[out->ordered] = sqrtf(gap) / g->points->scale;
@@ -90,7 +92,7 @@ static void name_chosen(greedy* g, const uint32_t* numbers, uint32_t first)
     }
 }
 
-// Number of positions below one branch of a level.
+// Number of positions below one task.
 static uint64_t task_span(const greedy* g)
 {
     return (uint64_t)STP_LEAF_SIZE << 3 * (g->task_level + 1);
@@ -129,6 +131,7 @@ static void collect_front(greedy* g, float floor)
     stp_team_run(&g->team, tasks, 1, run_collect, g);
     lift_gaps(&g->tree, g->task_level);
     for (uint32_t task = 0; task < tasks; ++task) {
+        assert(g->task_counts[task] <= task_span(g) && count <= task * task_span(g));
         memmove(g->positions + count, g->positions + task * task_span(g),
                 g->task_counts[task] * sizeof(g->positions[0]));
         count += g->task_counts[task];
@@ -200,6 +203,7 @@ static stp_result build_front(greedy* g)
         }
         g->front_capacity = (uint32_t)capacity;
     }
+    assert(g->front_count > 0 && g->front_count <= g->front_capacity);
     g->front.apart = g->tree.apart;
     g->front.apart_squared = g->tree.apart_squared;
     stp_tree_resize(&g->front, g->front_count);
@@ -216,11 +220,14 @@ static float choose_from_front(greedy* g)
     uint32_t count = 0, before = g->output->ordered;
     while (gap >= g->floor && g->output->ordered < g->output->wanted) {
         uint32_t at = g->kernels->farthest(&g->front);
+        assert(at < g->front_count && g->is_chosen[at] == 0);
         emit(g, at, gap);
         g->is_chosen[at] = 1;
         count += 1;
         stp_chosen point = point_at(&g->front, at);
-        gap = g->kernels->insert(&g->front, &point, g->floor);
+        float next = g->kernels->insert(&g->front, &point, g->floor);
+        assert(next <= gap && "gaps only shrink");
+        gap = next;
     }
     name_chosen(g, g->positions, before);
     name_chosen(g, g->ids, before);
@@ -232,6 +239,7 @@ static float choose_from_front(greedy* g)
             g->chosen[g->first_chosen + g->chosen_count++] = point_at(&g->front, i);
         }
     }
+    assert(g->first_chosen + g->chosen_count == g->output->ordered);
     return gap;
 }
 
@@ -295,6 +303,7 @@ static void push_into(greedy* g, uint32_t task, uint32_t* list)
                 list[count++] = k;
             }
         }
+        assert(count <= PUSH_SIZE);
         if (count > PUSH_SIZE - TOGETHER) {
             g->kernels->push(&g->tree, level, task, g->chosen, list, count, list + PUSH_SIZE);
             count = 0;
@@ -385,6 +394,7 @@ static void choose_first(greedy* g)
     uint32_t position = nearest_to_centre(g);
     emit(g, position, INFINITY);
     name_chosen(g, g->ids, 0);
+    assert(g->output->ordered == 1 && g->first_chosen == 0);
     g->chosen[0] = point_at(&g->tree, position);
     g->chosen_count = 1;
     push_chosen(g);

@@ -3,18 +3,20 @@
 
 #include "base/core/processor.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
 enum {
     FIRST_LIMIT = 4,      // initial cells per axis
-    LAST_LIMIT = 1 << 20, // smallest cell: this fraction of the box
+    LAST_LIMIT = 1 << 20, // maximum cells per axis
     FULL = 4,             // average points per cell at which cells are halved
     FIRST_SLOTS_LOG2 = 10,
 };
 
 static stp_result set_slots(stp_near_grid* grid, uint32_t log2_count)
 {
+    assert(log2_count > 0 && log2_count <= 32);
     size_t count = (size_t)1 << log2_count;
     if (grid->slots == NULL || grid->slot_shift != 64 - log2_count) {
         stp_near_grid_slot* slots = STP_NEW_ARRAY(grid->context, stp_near_grid_slot, count);
@@ -85,6 +87,7 @@ static stp_result put(stp_near_grid* grid, float x, float y, float z)
         *slot = (stp_near_grid_slot){cell, index};
     }
     stp_near_grid_block* block = &grid->blocks[slot->block];
+    assert(slot->block < grid->block_count && block->count < STP_BLOCK_SIZE);
     block->x[block->count] = x;
     block->y[block->count] = y;
     block->z[block->count] = z;
@@ -95,6 +98,7 @@ static stp_result put(stp_near_grid* grid, float x, float y, float z)
 // Rebuilds the grid with `limit` cells per axis and 2^`log2_count` slots.
 static stp_result rebuild(stp_near_grid* grid, uint32_t limit, uint32_t log2_count)
 {
+    assert((limit & (limit - 1)) == 0 && limit >= grid->limit);
     stp_near_grid_block* blocks = grid->blocks;
     size_t capacity = grid->block_capacity;
     uint32_t count = grid->block_count;

@@ -7,6 +7,8 @@
 
 #include "base/core/context.h"
 
+#include <assert.h>
+
 enum { STP_BLOCK_SIZE = 8 };
 
 typedef struct stp_near_grid_block {
@@ -61,6 +63,7 @@ static inline uint64_t stp_near_grid_cell(uint32_t x, uint32_t y, uint32_t z)
 /// The slot of a cell, or the empty slot where it would go.
 static inline uint32_t stp_near_grid_find(const stp_near_grid* grid, uint64_t cell)
 {
+    assert(grid->cell_count <= grid->slot_mask && "an empty slot ends the search");
     uint32_t slot = (uint32_t)((cell * UINT64_C(0x9E3779B97F4A7C15)) >> grid->slot_shift);
     while (grid->slots[slot].cell != cell && grid->slots[slot].cell != UINT64_MAX) {
         slot = (slot + 1) & grid->slot_mask;
@@ -70,6 +73,7 @@ static inline uint32_t stp_near_grid_find(const stp_near_grid* grid, uint64_t ce
 
 static inline uint32_t stp_near_grid_coordinate(const stp_near_grid* grid, float value, int axis)
 {
+    assert(axis >= 0 && axis < 3 && grid->limit > 0);
     float at = (value - grid->low[axis]) * grid->per_cell;
     uint32_t whole = at > 0.0f ? (uint32_t)at : 0;
     return whole < grid->limit ? whole : grid->limit - 1;

@@ -4,6 +4,7 @@
 // includer defines NEAREST, the name of the function.
 #include "order/near_grid.h"
 
+#include <assert.h>
 #include <math.h>
 
 enum {
@@ -19,6 +20,7 @@ typedef struct grid_query {
 static inline void search_block_chain(const stp_near_grid* grid, uint32_t index, grid_query* q)
 {
     for (uint32_t next = index + 1; next != 0; next = grid->blocks[next - 1].next) {
+        assert(next <= grid->block_count);
         const stp_near_grid_block* block = &grid->blocks[next - 1];
         eight x = eight_sub(eight_load(block->x), q->x);
         eight y = eight_sub(eight_load(block->y), q->y);
@@ -46,6 +48,7 @@ typedef struct cell_range {
 static inline cell_range clip(const stp_near_grid* grid, int32_t low, int32_t high)
 {
     int32_t last = (int32_t)grid->limit - 1;
+    assert(low <= last && high >= 0 && "the range meets the grid");
     return (cell_range){low < 0 ? 0 : low, high > last ? last : high};
 }
 

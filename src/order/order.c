@@ -3,6 +3,7 @@
 #include "base/core/desc.h"
 #include "order/order_kinds.h"
 
+#include <assert.h>
 #include <math.h>
 
 static stp_result order_points(const stp_points* points, const stp_team* team,
@@ -52,6 +53,7 @@ stp_result stp_order_points(stp_context* context, const stp_order_desc* given,
     } else if (final_radius != NULL) {
         *final_radius = point_count == 0 ? 0.0f : INFINITY;
     }
+    assert(output.ordered <= output.wanted);
     if (result == STP_OK) {
         *ordered = output.ordered;
     }

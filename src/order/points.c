@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
-// Points along a Morton curve. First all points are distributed to 16^3 cells, together with their
-// positions so that later reading is sequential; then each cell is sorted on its own, in cache, and
-// written to its leaves.
+// Bounding box and scale of the points to be ordered. sort_points.c sorts them.
 #include "order/points.h"
 
 #include "base/math/math.h"
+
+#include <assert.h>
 
 enum { CHUNK_SIZE = 1 << 16 }; // points measured by one thread at a time
 
@@ -73,5 +73,6 @@ stp_result stp_points_measure(stp_points* points, const stp_team* team)
     double extent = x > y ? x : y;
     points->box = box;
     points->scale = unit_scale(extent > z ? extent : z);
+    assert(points->scale > 0.0f && isfinite(points->scale));
     return STP_OK;
 }

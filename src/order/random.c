@@ -3,11 +3,14 @@
 #include "base/math/rng.h"
 #include "order/earlier.h"
 
+#include <assert.h>
+
 // A prefix of a random permutation: swaps each place with a random later one (Fisher and Yates;
 // Durstenfeld 1964).
 stp_result stp_order_random(const stp_points* points, const stp_team* team,
                             const stp_order_desc* desc, stp_order_output* output)
 {
+    assert(output->wanted <= points->count);
     double start = stp_clock_ms();
     uint32_t* ids = STP_NEW_ARRAY(team->context, uint32_t, points->count);
     if (ids == NULL) {

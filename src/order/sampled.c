@@ -7,10 +7,11 @@
 //
 //   paper-text   `samples` per round. Accepts one per round at first, and one more per round after
 //                every `interval` rounds.
-//   paper-fast   like the authors' program. Round 0 accepts none. Then, after every `interval` rounds
-//                from round 0 on, halves the samples (never below 20) and accepts one more (at most 3
-//                of 10 samples): 200/0, 100/1, 50/2, 25/3, 20/4, 20/5, then always 20/6. The best
-//                sample that was not accepted leaves the input, and returns only if it runs empty.
+//   paper-fast   like the authors' program. Round 0 accepts none. Then, after every `interval`
+//                rounds from round 0 on, halves the samples (never below 20) and accepts one more
+//                (at most 3 of 10 samples): 200/0, 100/1, 50/2, 25/3, 20/4, 20/5, then always 20/6.
+//                The best sample that was not accepted leaves the input, and returns only if it
+//                runs empty.
 //   best-of-k    the best of `samples` (Mitchell 1991): one accepted per round, always.
 //
 // The distances of a round are to the points chosen before the round, as in the paper. The output
@@ -21,6 +22,7 @@
 #include "order/cover.h"
 #include "order/order_kinds.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { DEFAULT_SAMPLES = 200, DEFAULT_INTERVAL = 500, FEWEST_SAMPLES = 20 };
@@ -32,7 +34,7 @@ typedef struct schedule {
 } schedule;
 
 typedef struct drawn {
-    float squared; // distance to the points chosen before the round
+    float squared; // squared distance to the points chosen before the round
     uint32_t slot; // which sample of the round
 } drawn;
 
@@ -48,10 +50,10 @@ typedef struct sampler {
     stp_near_grid grid;
     stp_near_grid_nearest nearest;
     uint32_t capacity; // maximum samples per round
-    float* positions;  // of a round's samples, scaled, 3 per sample
+    float* positions;  // scaled positions of a round's samples, 3 per sample
     float* squared;
     drawn* ranking;
-    uint8_t* state; // of each sample
+    uint8_t* state; // per sample
 } sampler;
 
 enum { BACK, CHOSEN, ASIDE, GONE };
@@ -82,6 +84,7 @@ static void end_round(schedule* plan)
 static void draw(sampler* s, uint32_t count)
 {
     enum { AHEAD = 32 };
+    assert(count <= s->left && count <= s->capacity);
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t last = s->left - 1 - i;
         uint32_t ahead = last > AHEAD ? last - AHEAD : 0; // prefetch position for later draws
@@ -121,6 +124,7 @@ static void rank(sampler* s, uint32_t count, uint32_t best)
         }
         s->ranking[at] = d;
     }
+    assert(size == (best < count ? best : count));
 }
 
 static stp_result choose(sampler* s, uint32_t id, stp_vec3 p, float squared)
@@ -177,6 +181,7 @@ static void compact_input(sampler* s, uint32_t first_input, uint32_t count)
         }
     }
     if (sets_aside) {
+        assert(s->left + s->aside < s->points->count && "drawn points left room");
         s->aside += 1;
         s->input[s->points->count - s->aside] = set_aside;
     }
@@ -189,6 +194,7 @@ static stp_result run_round(sampler* s)
     uint32_t first_input = s->left - count;
     uint32_t accepted = s->plan.accepted < count ? s->plan.accepted : count;
     accepted = accepted < out->wanted - out->ordered ? accepted : out->wanted - out->ordered;
+    assert(accepted <= count && count <= s->left);
     draw(s, count);
     s->nearest(&s->grid, s->positions, count, s->squared);
     out->report.distance_count += count;
@@ -256,6 +262,7 @@ static stp_result run_rounds(sampler* s)
             s->left = s->aside;
             s->aside = 0;
         }
+        assert(out->ordered + s->left + s->aside <= s->points->count && "each point once");
         result = run_round(s);
         if (result == STP_OK && s->plan.round % 1024 == 0) {
             result = stp_progress(s->context, "order", (double)out->ordered / (double)out->wanted);

@@ -12,6 +12,7 @@
 #include "order/curve.h"
 #include "order/points.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -24,7 +25,7 @@ enum {
 
 _Static_assert(sizeof(stp_leaf) == STP_LEAF_SIZE * sizeof(stp_record), "sorted in place");
 
-// Ranges of leaves that a task shares with its neighbours.
+// Leaves that a task shares with its neighbours.
 typedef struct shared_leaves {
     stp_leaf first, last;
 } shared_leaves;
@@ -93,6 +94,7 @@ static void place_cells(sort_job* job, size_t chunks)
         uint32_t size = sum - job->starts[cell];
         job->largest = job->largest > size ? job->largest : size;
     }
+    assert(sum == job->points->count);
     job->starts[STP_CURVE_CELLS] = sum;
 }
 
@@ -114,6 +116,7 @@ static void distribute(size_t begin, size_t end, uint32_t worker, void* user)
 static uint64_t* sort_items(uint64_t* items, uint64_t* scratch, size_t count, unsigned bits)
 {
     enum { DIGITS = 1 << (3 * STP_CURVE_FINE_BITS + SIDE_BITS + 1) / 2 };
+    assert(bits <= 3 * STP_CURVE_FINE_BITS + SIDE_BITS);
     if (count <= 48) {
         for (size_t i = 1; i < count; ++i) { // lower halves ascend: comparing items is stable
             uint64_t item = items[i];
@@ -221,6 +224,7 @@ typedef struct cell_points {
 static void write_lanes(const cell_points* from, uint32_t count, uint32_t lane, stp_leaf* leaf,
                         stp_leaf_normals* normals, uint32_t* ids)
 {
+    assert(lane + count <= STP_LEAF_SIZE);
     for (uint32_t i = 0; i < count; ++i) {
         const stp_record* r = &from->records[(uint32_t)from->sorted[i]];
         leaf->x[lane + i] = r->x;
@@ -277,6 +281,7 @@ static void sort_cells(size_t begin, size_t end, uint32_t worker, void* user)
             }
         }
     }
+    assert(position == job->starts[end] && "each point has a place");
 }
 
 static void write_lane(const sort_job* job, uint32_t position, const stp_leaf* from)
@@ -330,6 +335,8 @@ static stp_curve make_curve(const stp_points* points)
 stp_result stp_points_sort(const stp_points* points, const stp_team* team, stp_tree* tree,
                            uint32_t* ids)
 {
+    assert(tree->point_count == points->count);
+    assert(tree->normals == NULL || points->normals != NULL);
     stp_context* context = team->context;
     size_t chunks = ((size_t)points->count + CHUNK_SIZE - 1) / CHUNK_SIZE;
     sort_job job = {

@@ -27,6 +27,7 @@ void stp_tree_resize(stp_tree* tree, uint32_t point_count)
     tree->level_count = 0;
     uint32_t size = tree->leaf_count;
     do {
+        assert(tree->level_count < STP_TREE_LEVELS);
         size = (size - 1) / STP_BRANCH_SIZE + 1;
         tree->level_sizes[tree->level_count++] = size;
     } while (size > 1);
@@ -92,6 +93,7 @@ static void run_fit(size_t begin, size_t end, uint32_t worker, void* user)
 // Their gap is -1, so that they are never chosen.
 static void fill_last_leaf(stp_tree* tree)
 {
+    assert(tree->point_count > 0 && tree->level_sizes[tree->level_count - 1] == 1);
     uint32_t last = (tree->point_count - 1) % STP_LEAF_SIZE, index = tree->leaf_count - 1;
     stp_leaf* leaf = &tree->leaves[index];
     for (uint32_t i = last + 1; i < STP_LEAF_SIZE; ++i) {

@@ -62,7 +62,7 @@ typedef struct stp_facing {
 /// the maxima above it are upper bounds.
 typedef struct stp_pending {
     uint16_t count;
-    uint16_t mixed; ///< bit i: chosen[i] faces some of the leaf's points and not others
+    uint16_t mixed; ///< bit i: some or all of the leaf's points may face away from chosen[i]
     uint32_t chosen[STP_PENDING_SIZE];
 } stp_pending;
 

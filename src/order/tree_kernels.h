@@ -4,6 +4,7 @@
 // includer defines KERNELS, the name of the table.
 #include "order/tree.h"
 
+#include <assert.h>
 #include <math.h>
 
 #define DISTANT INFINITY
@@ -14,6 +15,7 @@ typedef struct point_eight {
 
 static inline uint32_t lowest_bit(uint32_t mask)
 {
+    assert(mask != 0 && "a lane");
     return (uint32_t)__builtin_ctz(mask);
 }
 
@@ -89,6 +91,8 @@ static float catch_up(const stp_tree* tree, uint32_t index, const stp_chosen* ch
     stp_leaf* leaf = &tree->leaves[index];
     stp_pending* pending = &tree->pending[index];
     uint32_t count = pending->count, mixed = pending->mixed;
+    assert(count <= STP_PENDING_SIZE && mixed >> count == 0);
+    assert(mixed == 0 || tree->normals != NULL);
     wide maximum = wide_set(-1.0f);
     for (int i = 0; i < STP_LEAF_SIZE; i += WIDE) {
         wide x = wide_load(leaf->x + i), y = wide_load(leaf->y + i), z = wide_load(leaf->z + i);
@@ -170,6 +174,7 @@ static void push_to_leaves(stp_tree* tree, uint32_t index, const stp_chosen* cho
         for (; mask != 0; mask &= mask - 1) {
             uint32_t child = lowest_bit(mask), leaf = index * STP_BRANCH_SIZE + child;
             stp_pending* pending = &tree->pending[leaf];
+            assert(leaf < tree->leaf_count && pending->count < STP_PENDING_SIZE);
             uint32_t at = pending->count++;
             pending->chosen[at] = list[i];
             if ((mixed >> child & 1) != 0) {
@@ -192,6 +197,7 @@ static void push(stp_tree* tree, uint32_t level, uint32_t index, const stp_chose
         push_to_leaves(tree, index, chosen, list, count);
         return;
     }
+    assert(level < tree->level_count && index < tree->level_sizes[level]);
     stp_branch* branch = &tree->levels[level][index];
     uint32_t counts[STP_BRANCH_SIZE] = {0};
     eight gap = eight_load(branch->gap);
@@ -257,6 +263,7 @@ static uint32_t collect_leaves(stp_tree* tree, uint32_t first, uint32_t count,
             continue;
         }
         uint32_t leaf = leaves[i - AHEAD];
+        assert(leaf < tree->leaf_count && "missing children have no gap");
         float* gap = &tree->levels[0][leaf / STP_BRANCH_SIZE].gap[leaf % STP_BRANCH_SIZE];
         if (tree->pending[leaf].count != 0) {
             *gap = catch_up(tree, leaf, chosen, *gap);
@@ -272,6 +279,7 @@ static uint32_t collect_leaves(stp_tree* tree, uint32_t first, uint32_t count,
 static uint32_t collect(stp_tree* tree, uint32_t level, uint32_t index, const stp_chosen* chosen,
                         float floor, uint32_t* positions)
 {
+    assert(floor > 0.0f && index < tree->level_sizes[level]);
     if (level == 0) {
         return collect_leaves(tree, index, 1, chosen, floor, positions);
     }

@@ -3,6 +3,7 @@
 // vector_avx512.h define the same names: `wide` for leaves, `eight` for branches.
 #pragma once
 
+#include <assert.h>
 #include <math.h>
 #include <stdint.h>
 
@@ -18,6 +19,7 @@ typedef eight wide;
 static inline eight eight_load(const float* from)
 {
     eight r;
+    assert(((uintptr_t)from & 31) == 0 && "vector variants need this alignment");
     EACH_LANE r.lane[i_] = from[i_];
     return r;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Point attributes, by the names that file readers use.
+// Point attributes: everything is in stipple/attributes.h.
 #pragma once
 
 #include <stipple/attributes.h>

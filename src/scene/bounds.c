@@ -5,12 +5,14 @@
 // distances, so they are computed from the vertices if that takes reasonable time.
 #include "scene/bounds.h"
 
+#include <assert.h>
+
 #define MAX_ELEMENTS ((uint64_t)1 << 26) // triangles and points: about a second of one thread
 
 typedef struct bounds_work {
     const stp_scene* scene;
     const stp_placed_part* parts;
-    stp_boxd* boxes; ///< of each part
+    stp_boxd* boxes; ///< tight box of each part
 } bounds_work;
 
 static stp_boxd measure_part(const stp_scene* scene, const stp_placed_part* placed)
@@ -40,6 +42,7 @@ static void measure_parts(size_t begin, size_t end, uint32_t worker, void* user)
 
 stp_result stp_scene_tighten_root(stp_scene* scene)
 {
+    assert(scene->root < scene->node_count);
     const stp_node* root = &scene->nodes[scene->root];
     if (root->triangle_count > MAX_ELEMENTS ||
         root->point_count > MAX_ELEMENTS - root->triangle_count) {

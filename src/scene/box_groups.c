@@ -58,6 +58,7 @@ static void add_box(stp_boxd* sum, const stp_boxd* box)
 static int bin_of(double centre, double low, double size)
 {
     double t = (centre - low) / size * BIN_COUNT;
+    assert(size > 0.0);
     return !(t > 0.0) ? 0 : t < BIN_COUNT - 1 ? (int)t : BIN_COUNT - 1;
 }
 
@@ -174,6 +175,7 @@ static stp_result open_group(stp_context* context, const stp_boxd* boxes, uint32
         split(boxes, grouping->order, &parts[largest], &parts[part_count]);
         part_count += 1;
     }
+    assert(part_count >= 2 && part_count <= maximum);
     group->first_child = (uint32_t)grouping->group_count;
     group->child_count = part_count;
     stp_result result = STP_OK;

@@ -3,6 +3,7 @@
 
 #include "scene/content_hash.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define LINE ((size_t)64)
@@ -97,11 +98,12 @@ uint64_t stp_texture_bytes(const stp_texture* texture)
     return sum_sizes(arrays, STP_TEXTURE_ARRAYS);
 }
 
-// Frees the arrays; `bytes` is their counted size.
+// Frees the arrays unless they are in the spill, and subtracts their size from the count.
 static void free_arrays(stp_scene* scene, stp_bulk_array* arrays, size_t count, bool spilled)
 {
     for (size_t i = 0; i < count; ++i) {
         if (!spilled) {
+            assert(scene->bulk_bytes >= arrays[i].size && "freed arrays were counted");
             scene->bulk_bytes -= arrays[i].size;
             stp_free(scene->context, arrays[i].bytes);
         }
@@ -160,6 +162,7 @@ stp_result stp_bulk_alloc_spilled(stp_spill* spill, stp_bulk_array* arrays, size
 static stp_result spill_arrays(stp_scene* scene, stp_bulk_array* arrays, size_t count)
 {
     stp_bulk_array moved[STP_POINT_ARRAYS]; // the most that any item has
+    assert(count <= STP_POINT_ARRAYS && scene->spill != NULL);
     memcpy(moved, arrays, count * sizeof(*arrays));
     stp_result result = stp_bulk_alloc_spilled(scene->spill, moved, count);
     if (result != STP_OK) {
@@ -184,6 +187,7 @@ static bool count_added(stp_scene* scene, uint64_t bytes)
 
 stp_result stp_mesh_account(stp_scene* scene, uint32_t index)
 {
+    assert(index < scene->mesh_count && !scene->meshes[index].spilled);
     stp_mesh* mesh = &scene->meshes[index];
     if (!count_added(scene, stp_mesh_bytes(mesh))) {
         return STP_OK;
@@ -209,6 +213,7 @@ stp_result stp_mesh_account(stp_scene* scene, uint32_t index)
 
 stp_result stp_points_account(stp_scene* scene, uint32_t index)
 {
+    assert(index < scene->point_set_count);
     stp_point_set* points = &scene->point_sets[index];
     if (!points->spilled && !count_added(scene, stp_points_bytes(points))) {
         return STP_OK;
@@ -234,6 +239,7 @@ stp_result stp_points_account(stp_scene* scene, uint32_t index)
 
 stp_result stp_texture_account(stp_scene* scene, uint32_t index)
 {
+    assert(index < scene->texture_count && !scene->textures[index].spilled);
     stp_texture* texture = &scene->textures[index];
     if (!count_added(scene, stp_texture_bytes(texture))) {
         return STP_OK;

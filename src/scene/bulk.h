@@ -9,7 +9,7 @@ typedef struct stp_bulk_array {
     size_t size;
 } stp_bulk_array;
 
-/// Arrays of points: positions, normals, colours, attributes.
+/// Number of arrays per item. Points: positions, normals, colours, attributes.
 enum {
     STP_MESH_ARRAYS = 6,
     STP_POINT_ATTRIBUTE_ARRAY = 3, ///< the first attribute's

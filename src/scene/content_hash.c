@@ -3,6 +3,7 @@
 
 #include "scene/bulk.h"
 
+#include <assert.h>
 #include <string.h>
 
 // Prefix of each kind's hash, so that kinds never collide.
@@ -70,6 +71,7 @@ stp_hash stp_texture_hash(const stp_texture* texture)
 static stp_hash hash_floats(stp_hash hash, const float* values, size_t count)
 {
     float plain[16];
+    assert(count <= sizeof(plain) / sizeof(plain[0]));
     for (size_t i = 0; i < count; ++i) {
         plain[i] = values[i] + 0.0f; // normalises -0 to 0
     }
@@ -82,7 +84,7 @@ static stp_hash hash_texture_use(stp_hash hash, const stp_scene* scene, const st
     stp_hash texture = none ? (stp_hash){0} : scene->textures[use->texture].content;
     hash = stp_hash_bytes(hash, &texture, sizeof(texture));
     if (none) {
-        return hash; // the transform of an empty node does not matter
+        return hash; // without a texture, its transform does not matter
     }
     hash = stp_hash_bytes(hash, &use->texcoord, sizeof(use->texcoord));
     return hash_floats(hash, &use->transform[0][0], 6);
@@ -121,6 +123,8 @@ typedef struct edge_record {
 stp_hash stp_node_hash(const stp_scene* scene, const stp_node* node)
 {
     uint32_t head[] = {KIND_NODE, node->edge_count, node->part_count, node->flags};
+    assert(node->first_part + (size_t)node->part_count <= scene->node_part_count);
+    assert(node->first_edge + (size_t)node->edge_count <= scene->edge_count);
     stp_hash hash = stp_hash_bytes((stp_hash){0}, head, sizeof(head));
     for (uint32_t i = 0; i < node->part_count; ++i) {
         stp_part part = scene->node_parts[node->first_part + i];
@@ -135,6 +139,7 @@ stp_hash stp_node_hash(const stp_scene* scene, const stp_node* node)
     }
     for (uint32_t i = 0; i < node->edge_count; ++i) {
         const stp_edge* edge = &scene->edges[node->first_edge + i];
+        assert(edge->node < scene->node_count && "children are made before their parents");
         edge_record record = {.child = scene->nodes[edge->node].content};
         for (int k = 0; k < 12; ++k) {
             record.transform[k / 4][k % 4] = edge->transform.m[k / 4][k % 4] + 0.0; // no -0

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "scene/content_table.h"
 
+#include <assert.h>
 #include <string.h>
 
 // The entry of the content, or the free one where it belongs.
 static stp_content_entry* find_entry(const stp_content_table* table, stp_hash hash)
 {
+    assert((table->size & (table->size - 1)) == 0 && table->count < table->size);
     size_t mask = table->size - 1;
     size_t slot = hash.low & mask;
     while (table->entries[slot].index != UINT32_MAX &&
@@ -38,6 +40,7 @@ static stp_result grow_table(stp_context* context, stp_content_table* table)
 stp_result stp_content_table_find(stp_context* context, stp_content_table* table, stp_hash hash,
                                   uint32_t index, uint32_t* found)
 {
+    assert(index != UINT32_MAX && "marks free entries");
     if (2 * (table->count + 1) > table->size) {
         stp_result result = grow_table(context, table);
         if (result != STP_OK) {

@@ -9,6 +9,7 @@
 #include "base/core/team.h"
 #include "base/io/spill.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -26,11 +27,11 @@ typedef struct run {
 
 typedef struct cutting {
     stp_place* places;
-    bool in_spill;      ///< the places lie there
-    run *from, *to;     ///< of this level and the next; two places for each run of this one
+    bool in_spill;      ///< the places lie in a spill
+    run *from, *to;     ///< runs of this level and the next; at most two for each run of this one
     stp_place* scratch; ///< room for the longest piece, for each thread
-    uint32_t maximum;   ///< places of a piece
-    uint32_t* ends;     ///< of the pieces
+    uint32_t maximum;   ///< maximum places of a piece
+    uint32_t* ends;     ///< end of each piece
     unsigned index_bits;
 } cutting;
 
@@ -95,6 +96,7 @@ static stp_place choose_pivot(const stp_place* places, uint32_t low, uint32_t hi
 // Hoare's selection: moves the `rank` smallest along the axis to the front.
 static void select_first(stp_place* places, uint32_t count, uint32_t rank, int axis, bool in_spill)
 {
+    assert(rank > 0 && rank <= count);
     uint32_t low = 0, high = count - 1; // the last of the first `rank` is at rank - 1
     uint64_t random = count;
     while (low < high) {
@@ -121,6 +123,7 @@ static void select_first(stp_place* places, uint32_t count, uint32_t rank, int a
             places[j] = swap;
         }
         // the pivot is unique, at i == j
+        assert(i == j && i >= low && i <= high);
         if (rank - 1 == i) {
             return;
         }
@@ -135,6 +138,7 @@ static void select_first(stp_place* places, uint32_t count, uint32_t rank, int a
 // Divides a run of several pieces in two.
 static void divide(const cutting* c, run r, bool in_spill, run halves[2])
 {
+    assert(r.pieces > 1);
     stp_place* places = c->places + r.first;
     uint32_t left_pieces = r.pieces / 2;
     uint32_t left = (uint32_t)((uint64_t)r.count * left_pieces / r.pieces);
@@ -194,6 +198,7 @@ static stp_place* sort_by_index(stp_place* places, stp_place* scratch, uint32_t 
 
 static void finish_piece(cutting* c, run r, stp_place* scratch)
 {
+    assert(r.count <= c->maximum && "no longer than the scratch");
     stp_place* places = c->places + r.first;
     if (sort_by_index(places, scratch, r.count, c->index_bits) != places) {
         memcpy(places, scratch, r.count * sizeof(*places));
@@ -217,6 +222,7 @@ static void finish_runs(size_t begin, size_t end, uint32_t worker, void* user)
                 continue;
             }
             run halves[2];
+            assert(waiting + 2 <= DEPTH);
             divide(c, r, false, halves);
             stack[waiting++] = halves[1];
             stack[waiting++] = halves[0];
@@ -270,6 +276,7 @@ static stp_result cut_all(stp_context* context, cutting* c, uint32_t count, uint
 stp_result stp_cut_ranges(stp_context* context, stp_place* places, uint32_t count, uint32_t pieces,
                           bool in_spill, uint32_t* ends)
 {
+    assert(pieces > 0);
     cutting c = {.places = places, .in_spill = in_spill, .ends = ends};
     run* runs = STP_NEW_ARRAY(context, run, 4 * (size_t)pieces);
     if (runs == NULL) {
@@ -278,6 +285,7 @@ stp_result stp_cut_ranges(stp_context* context, stp_place* places, uint32_t coun
     c.from = runs;
     c.to = runs + 2 * (size_t)pieces;
     stp_result result = cut_all(context, &c, count, pieces);
+    assert(result != STP_OK || ends[pieces - 1] == count);
     stp_free(context, runs);
     return result;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "scene/dissolve.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define WIDTH 0.75       // minimum share of the parent's extent along each relevant axis
@@ -54,6 +55,7 @@ static bool may_repeat(search* s, uint32_t child)
 {
     uint64_t repeated = s->uses[child] > 1 ? s->sizes[child] : 0;
     bool may = repeated <= s->repeatable;
+    assert(child < s->scene->node_count && s->sizes[child] > 0);
     s->repeatable -= may ? repeated : 0;
     return may;
 }
@@ -81,6 +83,7 @@ static void mark_layers(search* s, uint32_t index)
             found[k] = 0;
         }
         if (found[k] == STP_DISSOLVED) {
+            assert(child < index && "children before their parents");
             uint8_t depth = (uint8_t)(s->nested[child] + 1);
             s->nested[index] = depth > s->nested[index] ? depth : s->nested[index];
             s->sizes[index] += size - 1;
@@ -88,8 +91,8 @@ static void mark_layers(search* s, uint32_t index)
     }
 }
 
-// Marks the chain of single nodes from the root down to the first node with several items. If the
-// chain has only identity transforms, that node becomes the root.
+// Marks the chain of single nodes from the root down to the first node with several items, unless
+// its transforms cancel out: then that node becomes the root anyway.
 static void mark_root_chain(search* s)
 {
     const stp_scene* scene = s->scene;

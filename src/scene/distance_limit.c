@@ -3,6 +3,7 @@
 
 #include "scene/bulk.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -57,6 +58,7 @@ uint32_t stp_mesh_drop_distant(stp_mesh* mesh)
             p[0] = p[1] = p[2] = 0.0f;
         }
     }
+    assert(kept <= mesh->triangle_count);
     uint32_t dropped = mesh->triangle_count - kept;
     mesh->triangle_count = kept;
     return dropped;
@@ -112,7 +114,9 @@ uint32_t stp_point_set_measure(stp_point_set* points)
     uint32_t dropped = 0;
     if (!measure_points(points)) {
         dropped = drop_distant(points);
-        measure_points(points);
+        bool all = measure_points(points);
+        assert(all && dropped > 0);
+        (void)all;
     }
     return dropped;
 }

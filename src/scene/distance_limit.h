@@ -7,7 +7,7 @@
 
 #include "scene/scene.h"
 
-// From the origin, along each axis: squares stay far below FLT_MAX.
+// Maximum distance from the origin along each axis: squares stay below FLT_MAX.
 #define STP_SCENE_DISTANCE_LIMIT 1e18
 
 /// Whether a whole box is within the limit. False if it is empty or not finite.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "scene/scene.h"
 
+#include <assert.h>
+
 typedef struct visit {
     uint32_t node;
     stp_affine transform;
@@ -61,6 +63,7 @@ stp_result stp_scene_flatten(const stp_scene* scene, uint32_t node, size_t limit
     }
     while (result == STP_OK && f.stack_count > 0) {
         visit v = f.stack[--f.stack_count];
+        assert(v.node < scene->node_count);
         result = place_parts(&f, &v);
         const stp_node* at = &scene->nodes[v.node];
         for (uint32_t i = at->edge_count; result == STP_OK && i > 0; --i) { // first child on top
@@ -77,6 +80,7 @@ stp_result stp_scene_flatten(const stp_scene* scene, uint32_t node, size_t limit
         stp_free(scene->context, f.parts);
         return result;
     }
+    assert(f.part_count <= limit);
     *parts = f.parts;
     *part_count = f.part_count;
     return STP_OK;

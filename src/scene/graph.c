@@ -4,6 +4,8 @@
 #include "scene/content_hash.h"
 #include "scene/mesh_area.h"
 
+#include <assert.h>
+
 // Room for one more element; NULL if out of memory or indices.
 static void* grow(stp_graph* graph, void* array, size_t* capacity, size_t count, size_t size)
 {
@@ -15,6 +17,7 @@ static void* grow(stp_graph* graph, void* array, size_t* capacity, size_t count,
 stp_result stp_graph_add_edge(stp_graph* graph, uint32_t node, const stp_affine* transform)
 {
     stp_scene* scene = graph->scene;
+    assert(node < scene->node_count && "children are made first");
     stp_edge* edges =
         grow(graph, scene->edges, &graph->edge_capacity, scene->edge_count, sizeof(*edges));
     if (edges == NULL) {
@@ -28,6 +31,7 @@ stp_result stp_graph_add_edge(stp_graph* graph, uint32_t node, const stp_affine*
 stp_result stp_graph_add_part(stp_graph* graph, stp_part part)
 {
     stp_scene* scene = graph->scene;
+    assert(part.index < (part.kind == STP_PART_MESH ? scene->mesh_count : scene->point_set_count));
     stp_part* parts = grow(graph, scene->node_parts, &graph->part_capacity, scene->node_part_count,
                            sizeof(*parts));
     if (parts == NULL) {
@@ -42,6 +46,7 @@ stp_result stp_graph_close_node(stp_graph* graph, size_t first_edge, size_t firs
                                 uint32_t flags, uint32_t* index)
 {
     stp_scene* scene = graph->scene;
+    assert(first_edge <= scene->edge_count && first_part <= scene->node_part_count);
     stp_node node = {
         .first_edge = (uint32_t)first_edge,
         .edge_count = (uint32_t)(scene->edge_count - first_edge),
@@ -56,6 +61,7 @@ stp_result stp_graph_close_node(stp_graph* graph, size_t first_edge, size_t firs
     if (result != STP_OK) {
         return result;
     }
+    assert(found <= scene->node_count);
     *index = found;
     if (found != scene->node_count) {
         scene->edge_count = first_edge;

@@ -7,6 +7,8 @@
 #include "scene/bulk.h"
 #include "scene/content_hash.h"
 
+#include <assert.h>
+
 typedef enum merge_kind { TEXTURES, MATERIALS, MESHES, POINT_SETS } merge_kind;
 
 typedef struct merging {
@@ -14,7 +16,7 @@ typedef struct merging {
     merge_kind kind;
     size_t count;
     stp_hash* hashes; ///< content of each item
-    uint32_t* kept;   ///< the first item with the same content, by old index
+    uint32_t* kept;   ///< per old index: first item with its content, then that one's new index
 } merging;
 
 static bool is_known(stp_hash content)
@@ -58,6 +60,7 @@ static void hash_items(size_t begin, size_t end, uint32_t worker, void* user)
 // Whether item i stays; it then becomes number *left - 1. Call in ascending order.
 static bool is_kept(merging* m, size_t i, size_t* left)
 {
+    assert(m->kept[i] <= i && *left <= i && "the first item of a content is kept");
     if (m->kept[i] != i) {
         m->kept[i] = m->kept[m->kept[i]];
         return false;
@@ -69,6 +72,7 @@ static bool is_kept(merging* m, size_t i, size_t* left)
 
 static void remap_texture(const merging* m, stp_texture_use* use)
 {
+    assert(use->texture == STP_NONE || use->texture < m->count);
     use->texture = use->texture != STP_NONE ? m->kept[use->texture] : STP_NONE;
 }
 

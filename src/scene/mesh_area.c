@@ -3,6 +3,8 @@
 
 #include "base/core/saturate.h"
 
+#include <assert.h>
+
 static stp_vec3d vertex_of(const stp_mesh* mesh, size_t corner)
 {
     const float* p = mesh->positions + 3 * (size_t)mesh->indices[corner];
@@ -49,6 +51,7 @@ void stp_node_measure(const stp_scene* scene, stp_node* node)
     }
     for (uint32_t i = 0; i < node->edge_count; ++i) {
         const stp_edge* edge = &scene->edges[node->first_edge + i];
+        assert(edge->node < scene->node_count);
         const stp_node* child = &scene->nodes[edge->node];
         stp_boxd box = stp_affine_box(&edge->transform, child->bounds);
         node->triangle_count = stp_add_saturated(node->triangle_count, child->triangle_count);

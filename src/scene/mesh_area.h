@@ -8,5 +8,5 @@
 /// share a vertex array.
 void stp_mesh_measure(stp_mesh* mesh);
 
-/// Sets bounds, counts and area of a node from those of its children.
+/// Sets bounds, counts and area of a node from those of its parts and children.
 void stp_node_measure(const stp_scene* scene, stp_node* node);

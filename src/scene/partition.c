@@ -40,15 +40,15 @@ typedef struct partition {
     stp_edge* old_edges;
     stp_part* old_parts;
     size_t old_count;
-    bool has_limit;       ///< the caller gave the limit of pieces of point sets
-    uint8_t* dissolved;   ///< of each old edge: the parent absorbs the child's content (dissolve.h)
-    uint32_t* made;       ///< of each old node: the new one
-    uint32_t* cut_meshes; ///< of each mesh: the node of its pieces; STP_NONE: not cut
-    uint32_t* cut_points; ///< of each point set
-    item* items;          ///< of the node being made
-    stp_boxd* boxes;      ///< of the items
-    stp_edge* stack;      ///< old nodes whose content is absorbed
-    stp_grouping grouping; ///< of the boxes
+    bool has_limit;        ///< the caller gave the limit of pieces of point sets
+    uint8_t* dissolved;    ///< per old edge: the parent absorbs the child's content (dissolve.h)
+    uint32_t* made;        ///< per old node: the new one
+    uint32_t* cut_meshes;  ///< per mesh: the node of its pieces; STP_NONE: not cut
+    uint32_t* cut_points;  ///< per point set, likewise
+    item* items;           ///< items of the node being made
+    stp_boxd* boxes;       ///< boxes of the items
+    stp_edge* stack;       ///< old nodes whose content is absorbed
+    stp_grouping grouping; ///< hierarchy over the boxes
     item* results;         ///< node of each group
     size_t item_count, item_capacity, box_capacity, stack_count, stack_capacity, result_capacity;
 } partition;
@@ -97,6 +97,7 @@ static stp_result add_part_item(partition* p, stp_part part, const stp_affine* t
 static stp_result add_node_item(partition* p, uint32_t node, stp_affine transform)
 {
     const stp_scene* scene = p->scene;
+    assert(node < scene->node_count && "children are made first");
     const stp_node* n = &scene->nodes[node];
     while (n->edge_count == 1 && n->part_count == 0 && !is_moving(n)) {
         const stp_edge* edge = &scene->edges[n->first_edge];
@@ -167,16 +168,17 @@ static stp_result wrap_part(partition* p, item* i)
         result =
             stp_graph_close_node(&p->graph, p->scene->edge_count, first_part, 0, &i->edge.node);
     }
+    assert(i->is_part && "wrapped once");
     i->edge.transform = stp_affine_identity();
     i->is_part = false;
     return result;
 }
 
-// Makes a node of the items order[first ...] (NULL: in their own order). A single item is returned
-// as it is.
+// Makes a node of the items with the indices order[0 .. count) (NULL: of the first `count`).
 static stp_result make_node(partition* p, const uint32_t* order, item* items, uint32_t count,
                             uint32_t flags, item* made)
 {
+    assert(count > 0 && (count <= p->desc.child_count || (flags & STP_OBJECT_MOVING) != 0));
     stp_scene* scene = p->scene;
     uint64_t elements = 0;
     for (uint32_t i = 0; i < count; ++i) {
@@ -251,6 +253,7 @@ static stp_result make_hierarchy(partition* p, item* made)
     p->results = results;
     for (size_t i = g->group_count; result == STP_OK && i > 0; --i) {
         const stp_group* group = &g->groups[i - 1];
+        assert(group->child_count == 0 || group->first_child >= i);
         if (group->child_count > 0) {
             result = make_node(p, NULL, &results[group->first_child], group->child_count, 0,
                                &results[i - 1]);
@@ -384,6 +387,7 @@ static void remap_references(partition* p)
         uint32_t* node = &scene->objects[i].node;
         *node = *node != STP_NONE ? p->made[*node] : STP_NONE;
     }
+    assert(scene->root < p->old_count && p->made[scene->root] < scene->node_count);
     scene->root = p->made[scene->root];
     scene->nodes[scene->root].bounds = tight; // in the same space
 }

@@ -19,7 +19,7 @@
 #include "scene/scene.h"
 
 typedef struct stp_partition_desc {
-    /// Limit of a leaf; default 400,000: twice the maximum surfels (Brandt 5.2)
+    /// Limit of a leaf; default 400,000: eight times the maximum surfels of a node
     uint32_t leaf_triangles;
     uint32_t child_count; ///< maximum edges plus parts of a node; default 16
     /// Limit of a piece of a point set; default leaf_triangles where that is given, else 25,000,
@@ -31,6 +31,5 @@ typedef struct stp_partition_desc {
 } stp_partition_desc;
 
 /// Call once, after stp_scene_finish. Deterministic for any number of threads.
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_IO (the spill), STP_ERROR_LIMIT,
-///         STP_ERROR_CANCELLED
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_IO (the spill), STP_ERROR_CANCELLED (logged)
 STP_MUST_USE stp_result stp_scene_partition(stp_scene* scene, const stp_partition_desc* desc);

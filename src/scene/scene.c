@@ -293,6 +293,7 @@ stp_result stp_scene_add_source(stp_scene* scene, const stp_source* source)
 
 stp_result stp_scene_set_coordinate_system(stp_scene* scene, size_t source, const char* text)
 {
+    assert(source < scene->source_count);
     scene->sources[source].coordinate_system = text;
     return keep_text(scene, &scene->sources[source].coordinate_system);
 }

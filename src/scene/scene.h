@@ -55,7 +55,7 @@ typedef struct stp_material {
     stp_texture_use base_color_texture;         ///< sRGB, alpha
     stp_texture_use metallic_roughness_texture; ///< linear: green roughness, blue metallic
     stp_texture_use emissive_texture;           ///< sRGB
-    stp_hash content; ///< of all visible properties, textures included; set by stp_scene_finish
+    stp_hash content; ///< hash of all visible properties and textures; set by stp_scene_finish
 } stp_material;
 
 /// Encoding of a texture's `encoded` bytes; the numbers of `.stip` files.
@@ -77,8 +77,8 @@ typedef struct stp_texture {
     stp_texture_encoding encoding;
     stp_wrap wrap_u, wrap_v;
     bool nearest;     ///< magnified without interpolation
-    bool spilled;     ///< the texels are in the scene's spill file
-    stp_hash content; ///< set by stp_scene_finish
+    bool spilled;     ///< the arrays are in the scene's spill file, perhaps shared
+    stp_hash content; ///< hash of the texels; set when they are spilled, or by stp_scene_finish
 } stp_texture;
 
 /// Triangles of one material. Arrays are owned; optional ones may be NULL.
@@ -93,12 +93,12 @@ typedef struct stp_mesh {
     uint32_t* indices;   ///< 3 per triangle, each below vertex_count
     uint32_t material;
     stp_box bounds;
-    stp_hash content; ///< of the geometry, without the material; set by stp_scene_finish
-    double
-        grid_step; ///< of the stored positions (base/math/position_grid.h); set by stp_scene_finish
-    double area;   ///< of the triangles; set by stp_scene_finish
-    bool spilled;  ///< the arrays are in the scene's spill file, perhaps shared with other meshes
-    bool cut;      ///< a piece of a larger mesh, adjacent to other pieces at its borders
+    /// Hash of the geometry, without the material; set when spilled, or by stp_scene_finish
+    stp_hash content;
+    double grid_step; ///< step of stored positions (base/math/position_grid.h), by stp_scene_finish
+    double area;      ///< sum of the triangles' areas; set by stp_scene_finish
+    bool spilled; ///< the arrays are in the scene's spill file, perhaps shared with other meshes
+    bool cut;     ///< a piece of a larger mesh, adjacent to other pieces at its borders
 } stp_mesh;
 
 typedef struct stp_point_set {
@@ -151,12 +151,12 @@ typedef struct stp_edge {
 typedef struct stp_node {
     uint32_t first_edge, edge_count;
     uint32_t first_part, part_count; ///< into node_parts
-    uint32_t flags;                  ///< of its objects
-    stp_boxd bounds;                 ///< of the whole subtree, in the node's own space
-    uint64_t triangle_count;         ///< of the whole subtree; each instance counts
-    uint64_t point_count;
-    double area; ///< of the subtree's triangles; each instance counts; square units of its space
-    stp_hash content; ///< of the whole subtree: geometry, materials, textures, transforms, flags
+    uint32_t flags;                  ///< STP_OBJECT_MOVING of its objects
+    stp_boxd bounds;                 ///< encloses the whole subtree, in the node's own space
+    uint64_t triangle_count;         ///< triangles of the whole subtree; each instance counts
+    uint64_t point_count;            ///< points, likewise
+    double area; ///< sum over the subtree's triangles with all instances, in units of its space
+    stp_hash content; ///< hash of the subtree: geometry, materials, textures, transforms, flags
 } stp_node;
 
 /// A named camera. `eye`, `target` and `up` in scene space.
@@ -208,7 +208,7 @@ typedef struct stp_scene {
 
     stp_spill* spill; ///< NULL: everything stays in memory
     uint64_t spill_above;
-    uint64_t bulk_bytes;       ///< of meshes, point sets and textures in memory
+    uint64_t bulk_bytes;       ///< size of meshes, point sets and textures in memory
     stp_content_table spilled; ///< by content: spilled meshes, point sets and textures
 
     double unit_metres; ///< length of one unit; 0 if unknown
@@ -226,8 +226,9 @@ void stp_scene_destroy(stp_scene* scene);
 
 // Each of these adds one item and returns its index through the last argument (may be NULL). Arrays
 // inside the struct (positions, texels, ...) must come from stp_alloc; the scene takes ownership,
-// also on failure. Texts are copied. The only failure is STP_ERROR_OUT_OF_MEMORY, logged. Triangles
-// and points without a finite position within reach are dropped; stp_scene_finish warns.
+// also on failure. Texts are copied. Without a spill, the only failure is STP_ERROR_OUT_OF_MEMORY,
+// logged. Triangles and points without a finite position within reach are dropped;
+// stp_scene_finish warns.
 STP_MUST_USE stp_result stp_scene_add_mesh(stp_scene* scene, const stp_mesh* mesh, uint32_t* index);
 STP_MUST_USE stp_result stp_scene_add_point_set(stp_scene* scene, const stp_point_set* points,
                                                 uint32_t* index);
@@ -268,7 +269,7 @@ STP_MUST_USE stp_result stp_scene_finish(stp_scene* scene);
 typedef struct stp_placed_part {
     stp_part part;
     stp_affine transform; ///< to the space of the queried node (the scene's, for the root)
-    uint32_t flags;       ///< of the nodes on the path to it, except the queried one
+    uint32_t flags;       ///< union of the flags on the path to it, without the queried node's
 } stp_placed_part;
 
 /// Lists each use of each part below `node`. The caller frees the array (stp_free).

@@ -39,10 +39,10 @@ static bool part_is_empty(const stp_scene* scene, stp_part part)
 // State for building the graph: the children of each object, and the content of nodes.
 typedef struct share {
     stp_scene* scene;
-    uint32_t* first_child; ///< of each object; STP_NONE-terminated
+    uint32_t* first_child; ///< per object: list by `next_sibling`; STP_NONE ends it
     uint32_t* next_sibling;
-    uint32_t* last_child; ///< of each object; later the first child that may lack its node
-    uint8_t* states;      ///< of each object: visit_state
+    uint32_t* last_child; ///< per object: last child; later the first child that may not be done
+    uint8_t* states;      ///< visit_state of each object
     uint32_t* stack;      ///< objects waiting for other nodes
     stp_graph graph;
     size_t stack_count, stack_capacity;
@@ -55,6 +55,7 @@ typedef enum visit_state { NOT_VISITED, WAITING, DONE } visit_state;
 // Places a node below the one being made, unless it would be out of reach there.
 static stp_result place_node(share* s, uint32_t object, uint32_t node, const stp_affine* transform)
 {
+    assert(node < s->scene->node_count && "dependencies have their nodes");
     if (stp_is_within_distance_limit(stp_affine_box(transform, s->scene->nodes[node].bounds))) {
         return stp_graph_add_edge(&s->graph, node, transform);
     }
@@ -167,7 +168,7 @@ static stp_result push_object(share* s, uint32_t index)
     return STP_OK;
 }
 
-// A dependency that lacks its node: a child, or the used object; STP_NONE: none.
+// A dependency that is not done: a child, or the used object; STP_NONE: none.
 static uint32_t find_missing(share* s, uint32_t index)
 {
     uint32_t* next = &s->last_child[index]; // where to continue the search
@@ -189,6 +190,7 @@ static stp_result share_depending(share* s, uint32_t index)
             result = push_object(s, missing);
             continue;
         }
+        assert(s->states[top] == WAITING);
         result = share_object(s, top);
         s->states[top] = DONE;
         s->stack_count -= 1;
@@ -227,6 +229,7 @@ static void link_children(share* s)
         if (parent == STP_NONE) {
             continue;
         }
+        assert(parent < i && "parents come before their children");
         if (s->first_child[parent] == STP_NONE) {
             s->first_child[parent] = i;
         } else {

@@ -9,13 +9,14 @@
 #include "scene/cut_ranges.h"
 #include "scene/mesh_area.h"
 
+#include <assert.h>
 #include <pthread.h>
 #include <string.h>
 
 #define GRAIN 65536
 #define RELEASE_SIZE ((size_t)128 << 20) // finished pieces, after which their pages are released
 #define RELEASE_COUNT (1u << 21)         // elements
-#define TOUCHED_MAX ((size_t)16 << 20)   // before it is counted
+#define TOUCHED_MAX ((size_t)16 << 20)   // bytes touched by gathering before they are counted
 #define LARGE_SIZE ((size_t)64 << 20)    // larger working data is spilled if the mesh is
 
 // State shared by the jobs. New pieces follow the scene's own items and count only once all are
@@ -27,13 +28,13 @@ typedef struct cutter {
     stp_mesh* mesh_pieces;
     stp_point_set* point_pieces;
     stp_place* places;
-    size_t first_place; ///< that find_places begins with
+    size_t first_place; ///< first place of this batch of find_places
     uint32_t* ends;
     uint32_t piece_count;
     bool spilled;
     size_t unreleased; ///< bytes of pieces made since pages of the spill were released
     pthread_mutex_t mutex;
-    stp_result result; ///< of the first failure; I/O errors are already logged
+    stp_result result; ///< result of the first failure; I/O errors are already logged
 } cutter;
 
 static void find_places(size_t begin, size_t end, uint32_t worker, void* user)
@@ -114,6 +115,7 @@ static bool fill_mesh_piece(cutter* c, stp_mesh* piece, const uint64_t* corners)
 {
     const stp_mesh* mesh = c->mesh;
     size_t corner_count = 3 * (size_t)piece->triangle_count;
+    assert(corner_count > 0 && mesh->triangle_count >= piece->triangle_count);
     uint32_t vertices = 0;
     for (size_t i = 0; i < corner_count; ++i) {
         vertices += i == 0 || corners[i] >> 32 != corners[i - 1] >> 32;
@@ -141,6 +143,7 @@ static bool fill_mesh_piece(cutter* c, stp_mesh* piece, const uint64_t* corners)
         vertex += i > 0 && corners[i] >> 32 != corners[i - 1] >> 32;
         piece->indices[(uint32_t)corners[i]] = vertex;
     }
+    assert(vertex + 1 == piece->vertex_count && "each vertex has a corner");
     stp_mesh_measure(piece);
     // equal triangles with different rounding are different content
     piece->content = stp_hash_bytes(stp_mesh_hash(piece), &piece->grid_step, sizeof(double));
@@ -184,6 +187,7 @@ static void make_mesh_pieces(size_t begin, size_t end, uint32_t worker, void* us
 static void gather_points(cutter* c, const stp_bulk_array* from, const stp_bulk_array* to,
                           uint32_t first, uint32_t count)
 {
+    assert(from->size % c->points->point_count == 0 && to->size >= count);
     size_t element = from->size / c->points->point_count, block = SIZE_MAX, touched = 0;
     for (size_t p = 0; p < count; ++p) {
         size_t at = (size_t)c->places[first + p].index * element;
@@ -315,6 +319,8 @@ static bool should_spill(const stp_scene* scene, bool spilled, uint64_t bytes)
 stp_result stp_cut_mesh(stp_scene* scene, uint32_t mesh, uint32_t maximum, uint32_t* first_piece,
                         uint32_t* piece_count)
 {
+    assert(mesh < scene->mesh_count && maximum > 0);
+    assert(scene->meshes[mesh].triangle_count > maximum && "needs cutting");
     uint32_t triangles = scene->meshes[mesh].triangle_count;
     uint32_t pieces = triangles / maximum + (triangles % maximum != 0);
     size_t needed = scene->mesh_count + pieces;
@@ -344,6 +350,8 @@ stp_result stp_cut_mesh(stp_scene* scene, uint32_t mesh, uint32_t maximum, uint3
 stp_result stp_cut_points(stp_scene* scene, uint32_t set, uint32_t maximum, uint32_t* first_piece,
                           uint32_t* piece_count)
 {
+    assert(set < scene->point_set_count && maximum > 0);
+    assert(scene->point_sets[set].point_count > maximum && "needs cutting");
     uint32_t points = scene->point_sets[set].point_count;
     uint32_t pieces = points / maximum + (points % maximum != 0);
     size_t needed = scene->point_set_count + pieces;

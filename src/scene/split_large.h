@@ -8,8 +8,7 @@
 /// size, and appends them to the scene. Each triangle goes whole to the piece that contains its
 /// centroid. Pieces keep name, material, attributes and grid step; have bounds, area and content;
 /// and lie in the spill if the mesh does or memory is short. The mesh itself stays.
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_IO, STP_ERROR_LIMIT (logged; no piece was
-/// added)
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_IO (logged; no piece was added)
 STP_MUST_USE stp_result stp_cut_mesh(stp_scene* scene, uint32_t mesh, uint32_t maximum,
                                      uint32_t* first_piece, uint32_t* piece_count);
 

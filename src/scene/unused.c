@@ -3,6 +3,8 @@
 
 #include "scene/bulk.h"
 
+#include <assert.h>
+
 stp_result stp_find_uses(const stp_scene* scene, const stp_node* nodes, size_t node_count,
                          const stp_part* node_parts, uint8_t** mesh_uses, uint8_t** point_uses)
 {
@@ -19,6 +21,8 @@ stp_result stp_find_uses(const stp_scene* scene, const stp_node* nodes, size_t n
         for (uint32_t k = 0; k < nodes[i].part_count; ++k) {
             stp_part part = node_parts[nodes[i].first_part + k];
             uint8_t* uses = part.kind == STP_PART_MESH ? of_meshes : of_points;
+            assert(part.index <
+                   (part.kind == STP_PART_MESH ? scene->mesh_count : scene->point_set_count));
             uses[part.index] |= moving ? STP_USED_MOVING : STP_USED_RESTING;
         }
     }

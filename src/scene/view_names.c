@@ -3,6 +3,7 @@
 
 #include "scene/content_table.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -11,8 +12,8 @@
 typedef struct naming {
     stp_scene* scene;
     stp_content_table names; ///< maps names to views
-    uint32_t* holders;       ///< of each view: the first one with its name
-    uint32_t* next_numbers;  ///< of each view: the smallest number that may be free for its name
+    uint32_t* holders;       ///< per view: the first one with its name
+    uint32_t* next_numbers;  ///< per view: the smallest number that may be free for its name
     char* text;              ///< room for the longest name with a number
     size_t text_size;
 } naming;
@@ -42,6 +43,7 @@ static stp_result number_view(naming* n, uint32_t view)
 {
     stp_scene* scene = n->scene;
     const char** name = &scene->views[view].name;
+    assert(n->holders[view] < view && "an earlier view has the name");
     uint32_t* number = &n->next_numbers[n->holders[view]];
     uint32_t holder;
     stp_result result;

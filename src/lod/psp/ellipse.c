@@ -3,14 +3,15 @@
 
 #include "base/splats/coverage.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define PI 3.14159265358979323846f
 #define THIN 1e-3f ///< minimum minor axis, relative to the major axis
-/// Minimum product of the other two eigenvalues, relative to the square of the largest one; below
-/// it, precision is lost
+/// Minimum product of the two larger eigenvalues, relative to the squared trace; below it,
+/// precision is lost
 #define CERTAIN 1e-5
-/// Minimum determinant relative to the squared variances; below it, points form a line
+/// Minimum determinant of the scatter, relative to its squared trace; below it, points form a line
 #define LINE 1e-6f
 
 enum { SWEEPS_MAX = 32, NEWTON_MAX = 16, ROUNDS = 6 };
@@ -37,6 +38,7 @@ void stp_ellipse_sample(const stp_ellipse* e, stp_vec3 samples[STP_ELLIPSE_SAMPL
 
 stp_ellipse_fit stp_ellipse_fit_begin(stp_vec3 center, stp_vec3 normal)
 {
+    assert(!(stp_dot(normal, normal) > 1.01f) && "the normal is a unit vector");
     stp_disk_axes axes = stp_disk_axes_across(normal);
     return (stp_ellipse_fit){.center = center, .normal = normal, .x = axes.x, .y = axes.y};
 }
@@ -57,6 +59,7 @@ void stp_ellipse_fit_scatter(stp_ellipse_fit* fit, stp_vec3 point)
 
 void stp_ellipse_fit_orient(stp_ellipse_fit* f, float minimum)
 {
+    assert(minimum > 0.0f && !(f->xx < 0.0) && !(f->yy < 0.0));
     // eigenvalues of the scatter, and the direction of the larger one
     double half = 0.5 * (f->xx - f->yy), root = sqrt(half * half + f->xy * f->xy);
     double mean = 0.5 * (f->xx + f->yy);
@@ -67,6 +70,7 @@ void stp_ellipse_fit_orient(stp_ellipse_fit* f, float minimum)
     float s = length > 0.0 ? (float)(beside / length) : 0.0f;
     float ratio = large > 0.0 ? (float)sqrt(small / large) : 1.0f;
     f->ratio = ratio < THIN ? THIN : ratio;
+    assert(f->ratio <= 1.0f && "the minor axis is the shorter one");
     f->major = stp_add(stp_scale(f->x, c), stp_scale(f->y, s));
     f->minor = stp_cross(f->normal, f->major);
     f->scale = minimum / f->ratio;
@@ -135,6 +139,7 @@ static inline float find_least(const four a[FOURS])
 
 static inline void find_spread(weighted* w)
 {
+    assert(!(fabsf(add_up(w->weight) - 1.0f) > 1e-3f) && "weights of sum 1");
     four a[FOURS], b[FOURS], c[FOURS];
     for (int i = 0; i < FOURS; ++i) {
         a[i] = w->weight[i] * w->x[i];
@@ -182,7 +187,8 @@ static inline bool reweigh(weighted* w)
     return true;
 }
 
-/// Moves the centre to that of the smallest enclosing ellipse, and gives the scatter its shape.
+/// Moves the centre almost to that of the smallest enclosing ellipse, and gives the scatter the
+/// shape of this ellipse.
 static void find_smallest(stp_ellipse_fit* f, const stp_vec3* points, size_t count)
 {
     float x[MOST], y[MOST], weight[MOST];
@@ -210,6 +216,7 @@ static void find_smallest(stp_ellipse_fit* f, const stp_vec3* points, size_t cou
 stp_ellipse stp_ellipse_cover(stp_vec3 center, stp_vec3 normal, const stp_vec3* points,
                               size_t count, float minimum)
 {
+    assert(count <= STP_ELLIPSE_COVER_MAX && minimum > 0.0f);
     stp_ellipse_fit fit = stp_ellipse_fit_begin(center, normal);
     if (count > 0) {
         find_smallest(&fit, points, count);
@@ -270,6 +277,7 @@ stp_vec3d stp_scatter_eigenvector(const double m[6], double eigenvalues[3])
     eigenvalues[0] = a[minimum][minimum];
     eigenvalues[1] = low < high ? low : high;
     eigenvalues[2] = low < high ? high : low;
+    assert(!(eigenvalues[0] > eigenvalues[1]) && !(eigenvalues[1] > eigenvalues[2]));
     return (stp_vec3d){v[0][minimum], v[1][minimum], v[2][minimum]};
 }
 

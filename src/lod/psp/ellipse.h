@@ -9,12 +9,12 @@
 /// major, scaled.
 typedef struct stp_ellipse {
     stp_vec3 center;
-    stp_vec3 normal; ///< of unit length
+    stp_vec3 normal; ///< unit normal of its plane
     stp_vec3 major;  ///< length and direction of the semi-major axis
     float minor;     ///< length of the semi-minor axis, above 0 and at most that of `major`
 } stp_ellipse;
 
-enum { STP_ELLIPSE_SAMPLES = 8 }; ///< points on a boundary
+enum { STP_ELLIPSE_SAMPLES = 8 }; ///< number of samples of a boundary
 
 float stp_ellipse_area(const stp_ellipse* ellipse);
 
@@ -39,7 +39,7 @@ stp_ellipse stp_ellipse_cover(stp_vec3 center, stp_vec3 normal, const stp_vec3* 
 typedef struct stp_ellipse_fit {
     stp_vec3 center, normal, x, y;
     double xx, xy, yy;
-    stp_vec3 major, minor; ///< of unit length
+    stp_vec3 major, minor; ///< unit directions of the axes
     float ratio, scale;    ///< minor to major axis; length of the major axis
 } stp_ellipse_fit;
 
@@ -57,5 +57,6 @@ double stp_scatter_eigenvalue(const double matrix[6]);
 /// symmetric matrix (xx, xy, xz, yy, yz, zz); also returns all eigenvalues, ascending.
 stp_vec3d stp_scatter_eigenvector(const double matrix[6], double eigenvalues[3]);
 
-/// Only the same direction, for a matrix without negative eigenvalues, such as a scatter.
+/// Unit eigenvector of the smallest eigenvalue of a matrix without negative eigenvalues, such as a
+/// scatter. Faster than stp_scatter_eigenvector where the eigenvalues are well separated.
 stp_vec3d stp_scatter_normal(const double matrix[6]);

@@ -7,11 +7,13 @@
 #include "lod/psp/initial.h"
 #include "lod/psp/scale.h"
 
+#include <assert.h>
+
 enum {
     POINTS_MAX = 1 << 30,
     STRIPE = 1 << 20,   ///< pages are released after this many points
     POINT_BYTES = 85,   ///< peak memory per point in bytes; measured
-    DISTANCE_BYTES = 70 ///< additional bytes per point for STP_PSP_DISTANCES
+    DISTANCE_BYTES = 70 ///< additional bytes per point for metrics other than STP_PSP_NORMALS
 };
 
 stp_psp_desc stp_psp_desc_default(void)
@@ -41,6 +43,7 @@ static stp_result merge_points(stp_psp_rounds* r, const stp_psp_points* points)
         return stp_fail(context, STP_ERROR_LIMIT, "progressive splats: %u points, at most %d",
                         points->count, POINTS_MAX);
     }
+    assert(points->count == 0 || points->areas != NULL || r->shared.desc.metric != STP_PSP_REGIONS);
     stp_box box = find_box(r, points);
     float scale = stp_psp_choose_scale(stp_length(stp_sub(box.max, box.min)));
     float size = scale * stp_length(stp_sub(box.max, box.min));
@@ -76,7 +79,7 @@ stp_result stp_psp_forest_make(stp_context* context, const stp_psp_points* point
     r.keep_history = true;
     size_t maximum = 2 * (size_t)points->count + 1;
     stp_result result = STP_OK;
-    if (points->count <= POINTS_MAX) { // larger counts are rejected below
+    if (points->count <= POINTS_MAX) { // merge_points rejects larger counts
         forest->ellipses = STP_NEW_ARRAY(context, stp_ellipse, maximum);
         forest->colors = STP_NEW_ARRAY(context, uint8_t, 3 * maximum);
         result =
@@ -120,6 +123,7 @@ static stp_result list_splats(const stp_psp_rounds* r, stp_psp_splats* splats)
             items[numbered] = (uint64_t)all[numbered]->key << 32 | numbered;
         }
     }
+    assert((!made || numbered == count) && "the blocks hold all remaining splats");
     if (made) {
         const uint64_t* sorted = stp_sort_u64(items, items + count, count, 32, 32);
         for (size_t i = 0; i < count; ++i) {

@@ -10,7 +10,7 @@
 /// Input. Arrays belong to the caller, and are only read.
 typedef struct stp_psp_points {
     uint32_t count;
-    const float* positions; ///< 3 per point; finite
+    const float* positions; ///< 3 per point
     const float* normals;   ///< NULL, or 3 per point: unit length, or zero if unknown
     const uint8_t* colors;  ///< NULL: white, or sRGB
     uint32_t color_bytes;   ///< bytes from one colour to the next, at least 3; 0: 3
@@ -32,11 +32,11 @@ typedef enum stp_psp_metric {
 
 typedef struct stp_psp_desc {
     stp_psp_metric metric;
-    uint32_t neighbours; ///< per point, 1 to STP_NEIGHBOURS_MAX; the paper's k is 8
+    uint32_t neighbours; ///< neighbours per point, 1 to STP_NEIGHBOURS_MAX; the paper's k is 8
     /// Minimum cosine between normals of merged splats. Default 0: a right angle
     float min_cosine;
-    /// The signs of normals are a guess: splats that face away from each other are merged as if they
-    /// faced the same way
+    /// The signs of normals are a guess: splats that face away from each other are merged as if
+    /// they faced the same way
     bool two_sided;
     /// A splat whose best merge became worse moves back in the queue immediately, not when it
     /// reaches the front. The result is the same.
@@ -59,8 +59,8 @@ stp_psp_desc stp_psp_desc_default(void);
 /// A merge of two splats into one. Splats are numbered: first the points, then the merges in order.
 typedef struct stp_psp_merge {
     uint32_t left, right;
-    /// By the metric, weighted by the distance of the two (formulas 1 and 2); in model units,
-    /// rounded to a float in merge units
+    /// Error by the metric, weighted by the distance of the two (formulas 1 and 2) except for
+    /// STP_PSP_REGIONS; in model units, from a float in merge units
     double error;
     /// largest error of the merge and all merges below it. Never decreases from merge to merge
     double level;
@@ -68,7 +68,7 @@ typedef struct stp_psp_merge {
 
 typedef struct stp_psp_forest {
     uint32_t point_count, merge_count;
-    stp_ellipse* ellipses; ///< of points, then of merges
+    stp_ellipse* ellipses; ///< ellipses of the points, then of the merges
     uint8_t* colors;       ///< 3 per splat, sRGB; means by area
     stp_psp_merge* merges;
     uint32_t* parents; ///< per splat, the merge that consumed it; UINT32_MAX: none
@@ -80,8 +80,8 @@ typedef struct stp_psp_forest {
 /// number of threads.
 ///
 /// NaN coordinates count as 0; magnitudes are clamped to 1e18.
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (2^30 points or more; logged). Freed by
-///         stp_psp_forest_destroy, also after a failure
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (more than 2^30 points; logged). Freed
+///         by stp_psp_forest_destroy, also after a failure
 STP_MUST_USE stp_result stp_psp_forest_make(stp_context* context, const stp_psp_points* points,
                                             const stp_psp_desc* desc, uint32_t target,
                                             stp_psp_forest* forest);
@@ -99,8 +99,9 @@ typedef struct stp_psp_splats {
 /// Approximate peak memory of stp_psp_decimate in bytes, without `spill` and without the points.
 uint64_t stp_psp_decimate_bytes(uint32_t count, const stp_psp_desc* desc);
 
-/// Merges as stp_psp_forest_make does, but keeps only the splats that are left at the target, ordered by the smallest index of their points. Needs far less
-/// memory (docs/algorithms/progressive-splatting.md).
+/// Merges as stp_psp_forest_make does, but keeps only the splats that are left at the target,
+/// ordered by the smallest index of their points. Needs far less memory
+/// (docs/algorithms/progressive-splatting.md).
 /// @return as stp_psp_forest_make; with `spill` also STP_ERROR_IO (logged). Freed by
 ///         stp_psp_splats_destroy, also after a failure
 STP_MUST_USE stp_result stp_psp_decimate(stp_context* context, const stp_psp_points* points,

@@ -4,14 +4,15 @@
 #include "base/core/parallel_sort.h"
 #include "lod/psp/scale.h"
 
+#include <assert.h>
 #include <string.h>
 
 typedef struct assembly {
     const stp_psp_rounds* rounds;
     stp_psp_forest* forest;
-    const float* levels; ///< of merges, in order of creation
+    const float* levels; ///< levels of the merges, in order of creation; merge units
     uint32_t* ranks;     ///< position of each merge in the forest
-    double unit;         ///< of errors, in model units
+    double unit;         ///< an error of 1 in model units
 } assembly;
 
 static uint32_t splat_of(const assembly* a, uint32_t id)
@@ -31,6 +32,8 @@ static void place_some(size_t begin, size_t end, uint32_t worker, void* user)
             const stp_psp_record* record = &h->records[m];
             uint32_t rank = a->ranks[h->first + m], splat = f->point_count + rank;
             uint32_t left = splat_of(a, record->left), right = splat_of(a, record->right);
+            assert(left < splat && right < splat && left != right && "parts come first");
+            assert(f->parents[left] == UINT32_MAX && f->parents[right] == UINT32_MAX);
             f->merges[rank] = (stp_psp_merge){.left = left < right ? left : right,
                                               .right = left < right ? right : left,
                                               .error = (double)record->error * a->unit,
@@ -65,6 +68,8 @@ static void find_levels(const stp_psp_rounds* r, float* levels)
         for (uint32_t m = 0; m < h->count; ++m) {
             const stp_psp_record* record = &h->records[m];
             float level = record->error;
+            assert(record->left < points + h->first + m && record->right < points + h->first + m);
+            assert(level >= 0.0f && "bits of levels are sorted as integers");
             if (record->left >= points) {
                 level = stp_max(level, levels[record->left - points]);
             }
@@ -78,6 +83,7 @@ static void find_levels(const stp_psp_rounds* r, float* levels)
 
 stp_result stp_psp_order_merges(const stp_psp_rounds* r, stp_psp_forest* f)
 {
+    assert(r->keep_history && r->merge_count <= f->point_count);
     stp_context* context = r->shared.context;
     size_t merges = r->merge_count, splats = (size_t)f->point_count + merges;
     float* levels = STP_NEW_ARRAY(context, float, merges + 1);

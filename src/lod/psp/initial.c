@@ -3,6 +3,8 @@
 
 #include "lod/psp/nearest_points.h"
 
+#include <assert.h>
+
 /// Normal of the least-squares plane of a point and its neighbours.
 static stp_vec3 find_normal(const stp_kd_tree* tree, stp_vec3 p, const uint32_t* places,
                             uint32_t count, stp_vec3 given)
@@ -42,6 +44,7 @@ static stp_vec3 find_normal(const stp_kd_tree* tree, stp_vec3 p, const uint32_t*
 stp_ellipse stp_psp_initial_splat(const stp_kd_tree* tree, uint32_t place, const uint32_t* places,
                                   uint32_t count, stp_vec3 given, float alone)
 {
+    assert(count <= STP_NEIGHBOURS_MAX && alone > 0.0f);
     stp_vec3 p = stp_kd_at(tree, place), n = find_normal(tree, p, places, count, given);
     float square = 0.0f;
     for (uint32_t i = 0; i < count; ++i) {
@@ -89,6 +92,7 @@ static void make_some(size_t begin, size_t end, uint32_t worker, void* user)
 stp_result stp_psp_make_initial(stp_context* context, const stp_psp_points* points, uint32_t k,
                                 stp_ellipse* ellipses, uint32_t* neighbours)
 {
+    assert(k > 0 && k <= STP_NEIGHBOURS_MAX);
     stp_kd_tree tree;
     stp_result result = stp_kd_tree_make(context, points->positions, points->count, 1.0f, &tree);
     if (result == STP_OK) {

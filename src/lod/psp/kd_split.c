@@ -3,6 +3,7 @@
 
 #include "base/math/rng.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -15,6 +16,7 @@ enum {
 
 int stp_kd_widest(const stp_kd_point* points, size_t count)
 {
+    assert(count > 0);
     // estimated from a sample if there are many points
     size_t step = count > SPREAD_SAMPLES ? count / SPREAD_SAMPLES : 1;
     float low[3], high[3];
@@ -79,6 +81,7 @@ static size_t choose_pivot(const stp_kd_point* points, size_t count, size_t plac
 static size_t partition(stp_kd_point* points, size_t count, size_t pivot, int axis,
                         const stp_psp_room* room)
 {
+    assert(pivot < count);
     stp_kd_point middle = points[pivot];
     points[pivot] = points[count - 1];
     points[count - 1] = middle;
@@ -96,6 +99,7 @@ static size_t partition(stp_kd_point* points, size_t count, size_t pivot, int ax
             stp_psp_room_release(room);
         }
     }
+    assert(store < count && "at least the pivot is not before the pivot");
     points[count - 1] = points[store];
     points[store] = middle;
     return store;
@@ -104,6 +108,7 @@ static size_t partition(stp_kd_point* points, size_t count, size_t pivot, int ax
 void stp_kd_select(stp_kd_point* points, size_t count, size_t place, int axis,
                    const stp_psp_room* room)
 {
+    assert(place < count && axis >= 0 && axis < 3);
     while (count > SMALL) {
         size_t pivot = choose_pivot(points, count, place, axis);
         size_t found = partition(points, count, pivot, axis, room);
@@ -117,6 +122,7 @@ void stp_kd_select(stp_kd_point* points, size_t count, size_t place, int axis,
             count -= found + 1;
             place -= found + 1;
         }
+        assert(place < count && "the wanted place stays in the range");
     }
     sort_small(points, count, axis);
 }

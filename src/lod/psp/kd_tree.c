@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/psp/kd_tree.h"
 
+#include <assert.h>
+
 enum {
     PARALLEL_RANGES = 256, ///< number of subtrees built in parallel
     RELEASED = 8,          ///< pages are released after this many subtrees
@@ -14,6 +16,7 @@ typedef struct range {
 
 static uint32_t middle_of(range of)
 {
+    assert(of.end > of.begin + 1 && "one leaf has no node");
     return of.begin + (of.end - of.begin) / 2;
 }
 
@@ -52,6 +55,7 @@ static void split(const builder* b, range of)
     size_t first = (size_t)of.begin * STP_KD_LEAF, end = (size_t)of.end * STP_KD_LEAF;
     size_t middle = (size_t)middle_of(of) * STP_KD_LEAF;
     end = end < t->count ? end : t->count; // padding of the last leaf stays there
+    assert(middle < end && "the split is a coordinate of a point");
     int axis = stp_kd_widest(b->points + first, end - first);
     stp_kd_select(b->points + first, end - first, middle - first, axis, t->room);
     t->nodes[middle_of(of)] = (stp_kd_node){b->points[middle].at[axis], (uint32_t)axis};
@@ -93,6 +97,7 @@ static void build_ranges(size_t begin, size_t end, uint32_t worker, void* user)
         for (uint32_t size = 1; size > 0;) {
             range of = stack[--size];
             if (of.end - of.begin > 1) {
+                assert(size + 2 <= STP_KD_DEPTH);
                 split(b, of);
                 stack[size++] = (range){middle_of(of), of.end};
                 stack[size++] = (range){of.begin, middle_of(of)};
@@ -115,6 +120,7 @@ static void build(stp_context* context, builder* b)
             b->ranges[2 * i + 1] = (range){middle, of.end};
         }
     }
+    assert(b->ranges[0].begin == 0 && b->ranges[b->range_count - 1].end == b->tree->leaf_count);
     stp_parallel_for(context, b->range_count, 1, build_ranges, b);
 }
 
@@ -134,6 +140,7 @@ stp_result stp_kd_tree_make_in(stp_context* context, const stp_psp_room* room,
                                const float* positions, uint32_t count, float scale,
                                stp_kd_tree* tree)
 {
+    assert(scale > 0.0f && scale < HUGE_VALF);
     uint32_t leaves = count / STP_KD_LEAF + (count % STP_KD_LEAF != 0 ? 1 : 0);
     *tree =
         (stp_kd_tree){.leaves = new_array(context, room, (size_t)leaves + 1, sizeof(stp_kd_leaf)),
@@ -218,7 +225,7 @@ static void search_range(const stp_kd_tree* t, range whole, const float beyond[3
     // distances to cells are rounded like those to points, so no nearer point is missed
     struct {
         range of;
-        float square, away[3]; ///< distance from the point to the cell, and along each axis
+        float square, away[3]; ///< squared distance from point to cell; distance along each axis
     } stack[STP_KD_DEPTH];
     range of = whole;
     float away[3] = {beyond[0], beyond[1], beyond[2]};
@@ -232,6 +239,7 @@ static void search_range(const stp_kd_tree* t, range whole, const float beyond[3
             away[node.axis] = stp_max(fabsf(from), kept);
             float square = away[0] * away[0] + away[1] * away[1] + away[2] * away[2];
             if (square < f->limit) {
+                assert(size < STP_KD_DEPTH);
                 stack[size].of = from < 0.0f ? high : low;
                 stack[size].square = square;
                 stack[size].away[0] = away[0];
@@ -258,22 +266,26 @@ static void search_range(const stp_kd_tree* t, range whole, const float beyond[3
 
 static void find_path(const stp_kd_tree* t, uint32_t leaf, stp_kd_path* path)
 {
+    assert(leaf < t->leaf_count);
     range of = {0, t->leaf_count};
     path->leaf = leaf;
     for (path->depth = 0; of.end - of.begin > 1; ++path->depth) {
         uint32_t middle = middle_of(of);
         range low = {of.begin, middle}, high = {middle, of.end};
         range other = leaf < middle ? high : low;
+        assert(path->depth < STP_KD_DEPTH);
         path->steps[path->depth].begin = other.begin;
         path->steps[path->depth].end = other.end;
         path->steps[path->depth].node = t->nodes[middle];
         of = leaf < middle ? low : high;
     }
+    assert(of.begin == leaf && "the path ends at its leaf");
 }
 
 uint32_t stp_kd_nearest(const stp_kd_tree* t, stp_kd_path* path, uint32_t place, uint32_t k,
                         uint32_t* places)
 {
+    assert(k > 0 && k <= STP_NEIGHBOURS_MAX && place < t->count);
     stp_vec3 at = stp_kd_at(t, place);
     const float p[3] = {at.x, at.y, at.z};
     found f;
@@ -295,5 +307,6 @@ uint32_t stp_kd_nearest(const stp_kd_tree* t, stp_kd_path* path, uint32_t place,
                          &f);
         }
     }
+    assert(f.count == (k < t->count ? k : t->count - 1) && "k, or all other points");
     return f.count;
 }

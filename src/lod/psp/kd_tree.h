@@ -6,6 +6,8 @@
 #include "base/core/context.h"
 #include "lod/psp/kd_split.h"
 
+#include <assert.h>
+
 enum { STP_KD_LEAF = 8, STP_KD_DEPTH = 40, STP_NEIGHBOURS_MAX = 32 };
 
 /// Points of a leaf, one array per coordinate. The last leaf is padded with points at infinity.
@@ -49,6 +51,7 @@ static inline float stp_kd_clean(float x, float scale)
 /// The point at a place: item place % 8 of leaf place / 8.
 static inline stp_vec3 stp_kd_at(const stp_kd_tree* tree, uint32_t place)
 {
+    assert(place < tree->count);
     const stp_kd_leaf* leaf = &tree->leaves[place / STP_KD_LEAF];
     uint32_t i = place % STP_KD_LEAF;
     return (stp_vec3){leaf->at[0][i], leaf->at[1][i], leaf->at[2][i]};
@@ -56,6 +59,7 @@ static inline stp_vec3 stp_kd_at(const stp_kd_tree* tree, uint32_t place)
 
 static inline uint32_t stp_kd_index(const stp_kd_tree* tree, uint32_t place)
 {
+    assert(place < tree->count && "not the padding of the last leaf");
     return tree->leaves[place / STP_KD_LEAF].index[place % STP_KD_LEAF];
 }
 

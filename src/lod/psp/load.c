@@ -4,6 +4,7 @@
 #include "base/math/color.h"
 #include "lod/psp/initial.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,6 +12,7 @@ enum { SORTED_BY_INSERTION = 16 };
 
 static uint32_t neighbours_of(const stp_psp_rounds* r)
 {
+    assert(r->tree.count > 0 && "the tree exists in the first round only");
     uint32_t others = r->tree.count - 1, k = r->shared.desc.neighbours;
     return k < others ? k : others;
 }
@@ -40,6 +42,7 @@ static void begin_splat(const stp_psp_rounds* r, uint32_t place, const uint32_t*
 static void add_link(stp_psp_piece* p, uint32_t from, uint32_t to, float error)
 {
     stp_psp_span* s = &p->spans[from];
+    assert(s->count < s->room && s->begin + s->room <= p->link_count);
     p->links[s->begin + s->count++] = (stp_psp_link){to, error};
 }
 
@@ -106,7 +109,9 @@ static bool load_points(const stp_psp_rounds* r, stp_psp_piece* p, uint32_t begi
     for (uint32_t i = 0; i < p->count; ++i) {
         uint32_t* near = p->near + (size_t)i * k;
         if (k > 0) {
-            (void)stp_kd_nearest(&r->tree, &path, begin + i, k, near);
+            uint32_t listed = stp_kd_nearest(&r->tree, &path, begin + i, k, near);
+            assert(listed == k && "there are at least k other points");
+            (void)listed;
         }
         begin_splat(r, begin + i, near, k, &p->splats[i], stp_psp_state(p, i));
         if (r->initial != NULL) {
@@ -141,6 +146,7 @@ static found find_splat(const stp_psp_rounds* r, uint32_t slot, uint32_t* hint)
         *hint = low;
         b = &r->blocks[low];
     }
+    assert(number - b->first < b->count && "blocks hold all numbers");
     return (found){b, number - b->first};
 }
 
@@ -156,6 +162,7 @@ static size_t find_reverse(const stp_psp_rounds* r, uint32_t slot)
             high = middle;
         }
     }
+    assert(low == r->reverse_count || r->reverse[low] >> 32 >= slot);
     return low;
 }
 
@@ -247,6 +254,7 @@ static bool load_blocks(const stp_psp_rounds* r, stp_psp_piece* p, uint32_t begi
     for (uint32_t i = 0; i < p->count; ++i) {
         found f = find_splat(r, begin + i, &hint);
         for (uint32_t n = f.block->begins[f.at]; n < f.block->begins[f.at + 1]; ++n) {
+            assert((f.block->links[n] & ~STP_PSP_OUTSIDE) < r->slot_count);
             link_slot(p, i, r->survivors[f.block->links[n] & ~STP_PSP_OUTSIDE]);
         }
         for (; reverse < r->reverse_count && r->reverse[reverse] >> 32 == begin + i; ++reverse) {
@@ -261,6 +269,8 @@ static bool load_blocks(const stp_psp_rounds* r, stp_psp_piece* p, uint32_t begi
 
 bool stp_psp_load(const stp_psp_rounds* r, stp_psp_piece* p, uint32_t begin, uint32_t end)
 {
+    assert(begin < end && end <= r->live);
+    assert((r->round == 0) == (r->tree.count > 0) && "points in the first round, then blocks");
     if (!stp_psp_piece_begin(p, end - begin)) {
         return false;
     }
@@ -279,6 +289,7 @@ bool stp_psp_unload(stp_psp_piece* p, const stp_psp_room* room, stp_psp_block* b
             links += p->spans[i].count;
         }
     }
+    assert(count == p->live && "splats that were not consumed");
     size_t splat_bytes = count * sizeof(stp_psp_splat), state_bytes = count * state;
     b->memory = stp_psp_room_alloc(
         room, 1, splat_bytes + state_bytes + (count + 1 + links) * sizeof(uint32_t));
@@ -314,6 +325,7 @@ bool stp_psp_unload(stp_psp_piece* p, const stp_psp_room* room, stp_psp_block* b
         }
         b->begins[to + 1] = end;
     }
+    assert(b->begins[count] == links && "all links were copied");
     return true;
 }
 
@@ -341,6 +353,7 @@ static float best_of_splat(const stp_psp_rounds* r, uint32_t slot)
     found own = find_splat(r, slot, &hint);
     float best = HUGE_VALF;
     for (uint32_t n = own.block->begins[own.at]; n < own.block->begins[own.at + 1]; ++n) {
+        assert((own.block->links[n] & ~STP_PSP_OUTSIDE) < r->slot_count);
         uint32_t to = r->survivors[own.block->links[n] & ~STP_PSP_OUTSIDE];
         if (to == slot) {
             continue;
@@ -367,6 +380,7 @@ uint32_t stp_psp_sample_errors(const stp_psp_rounds* r, float* errors, uint32_t 
     void* places[2] = {states[0], states[1]};
     for (uint32_t s = 0; s < samples; ++s) {
         uint32_t slot = (uint32_t)((uint64_t)s * r->live / samples);
+        assert(slot < r->live);
         stp_psp_rounds_release(r, s);
         float error = r->round == 0 ? best_of_point(r, slot, places) : best_of_splat(r, slot);
         if (error < HUGE_VALF) {

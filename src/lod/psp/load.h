@@ -16,6 +16,6 @@ bool stp_psp_unload(stp_psp_piece* piece, const stp_psp_room* room, stp_psp_bloc
                     uint32_t* survivors);
 
 /// Errors of the best merges of evenly sampled splats, ascending; disallowed merges are left out.
-/// @param errors space for `maximum`.
+/// @param errors space for `maximum` values
 /// @return their number
 uint32_t stp_psp_sample_errors(const stp_psp_rounds* rounds, float* errors, uint32_t maximum);

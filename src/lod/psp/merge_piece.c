@@ -19,6 +19,8 @@ static bool reallocate(stp_context* context, void* array, size_t count, size_t s
 
 bool stp_psp_piece_begin(stp_psp_piece* p, uint32_t count)
 {
+    assert(count < STP_PSP_OUTSIDE && "the flag of a link");
+    assert(p->metric->state_bytes % 8 == 0 && p->metric->state_bytes <= STP_PSP_STATE_MAX);
     stp_context* context = p->shared->context;
     size_t room = (size_t)count + 1;
     if (p->splat_room < room) {
@@ -116,6 +118,7 @@ static bool tidy_links(stp_psp_piece* p)
             p->link_count += s->count;
         }
     }
+    assert(p->link_count <= p->link_room / 2 && "merges never add links");
     stp_free(p->shared->context, p->links);
     p->links = moved;
     return true;
@@ -128,6 +131,7 @@ static bool join_links(stp_psp_piece* p, uint32_t a, uint32_t b)
     if (p->link_room - p->link_count < maximum && !tidy_links(p)) {
         return false;
     }
+    assert(p->link_room - p->link_count >= maximum);
     stp_psp_link* joined = p->links + p->link_count;
     uint32_t kept = 0, parts[2] = {a, b};
     p->stamp += 1;
@@ -164,6 +168,7 @@ static bool join_links(stp_psp_piece* p, uint32_t a, uint32_t b)
 static void requeue(stp_psp_piece* p, uint32_t splat, float limit)
 {
     float error = p->bests[splat].error;
+    assert(error >= 0.0f && p->forward[splat] == splat);
     uint32_t place = p->queue.places[splat];
     if (!p->shared->desc.eager && place != UINT32_MAX && error >= p->queue.heap[place].error) {
         return;
@@ -203,6 +208,7 @@ static void relink(stp_psp_piece* p, uint32_t splat, uint32_t a, uint32_t b, flo
 
 static bool record(stp_psp_piece* p, uint32_t a, uint32_t b, const stp_psp_splat* merged)
 {
+    assert(p->record_count == p->count - p->live && "one record per earlier merge");
     if (p->record_count == p->record_room) {
         stp_psp_record* grown = stp_grow_array(p->shared->context, p->records, &p->record_room,
                                                (size_t)p->record_count + 1, sizeof(*grown));
@@ -231,10 +237,13 @@ static bool merge(stp_psp_piece* p, uint32_t a, uint32_t b, float limit)
         a = b;
         b = swap;
     }
+    assert(a < p->count && b < p->count && a != b && "a merge within the piece");
+    assert(p->forward[a] == a && p->forward[b] == b && "neither was consumed");
     stp_psp_splat* merged = &p->splats[p->count];
     void* state = stp_psp_state(p, p->count);
     stp_psp_merge_pair(p->shared, p->metric, &p->splats[a], stp_psp_state(p, a), &p->splats[b],
                        stp_psp_state(p, b), merged, state);
+    assert(merged->key == p->splats[a].key);
     if (p->history) {
         merged->id = STP_PSP_RECORDED | p->record_count;
         if (!record(p, a, b, merged)) {
@@ -269,6 +278,8 @@ static bool merge(stp_psp_piece* p, uint32_t a, uint32_t b, float limit)
 
 bool stp_psp_piece_run(stp_psp_piece* p, float limit, uint32_t minimum)
 {
+    assert(limit >= 0.0f);
+    assert(p->live == p->count && p->queue.count == 0 && "a piece runs once");
     for (uint32_t i = 0; i < p->count; ++i) {
         p->bests[i] = find_best(p, i);
         if (p->bests[i].error <= limit && p->bests[i].error < HUGE_VALF) {
@@ -291,5 +302,6 @@ bool stp_psp_piece_run(stp_psp_piece* p, float limit, uint32_t minimum)
             return false;
         }
     }
+    assert((p->live >= minimum || p->live == p->count) && p->live <= p->count);
     return true;
 }

@@ -5,6 +5,8 @@
 
 #include "lod/psp/queue.h"
 
+#include <assert.h>
+
 /// Flag of a link: it refers to a slot, a splat of another piece.
 #define STP_PSP_OUTSIDE 0x80000000u
 #define STP_PSP_RECORDED 0x80000000u ///< flag of an id: a record number in the same piece
@@ -40,7 +42,7 @@ typedef struct stp_psp_piece {
     uint32_t count, live;
     uint32_t first; ///< slot of the first splat, counted over all pieces
     bool history;   ///< record merges
-    // arrays for `count` splats
+    // arrays for `count` splats, and one spare
     stp_psp_splat* splats;
     uint8_t* states;
     stp_psp_span* spans;
@@ -58,7 +60,8 @@ typedef struct stp_psp_piece {
 /// Starts a new piece in the same memory, for this many splats without links.
 /// @return false if out of memory
 bool stp_psp_piece_begin(stp_psp_piece* piece, uint32_t count);
-/// Allocates this many links in total, and the record of merges. Discards previous content.
+/// Makes space for lists of this many links in total, and for lists joined by merges. Discards
+/// previous content.
 /// @return false if out of memory
 bool stp_psp_piece_make_links(stp_psp_piece* piece, size_t count);
 void stp_psp_piece_destroy(stp_psp_piece* piece);
@@ -69,6 +72,7 @@ bool stp_psp_piece_run(stp_psp_piece* piece, float limit, uint32_t minimum);
 
 static inline void* stp_psp_state(const stp_psp_piece* piece, uint32_t splat)
 {
+    assert(splat <= piece->count && "a splat, or the spare one");
     return piece->states + piece->metric->state_bytes * splat;
 }
 

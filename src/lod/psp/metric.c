@@ -3,6 +3,7 @@
 
 #include "lod/psp/kd_tree.h"
 
+#include <assert.h>
 #include <string.h>
 
 const stp_psp_metric_table* stp_psp_metric_find(stp_psp_metric metric)
@@ -20,6 +21,7 @@ const stp_psp_metric_table* stp_psp_metric_find(stp_psp_metric metric)
 
 stp_vec3 stp_psp_point_at(const stp_psp_shared* shared, uint32_t point)
 {
+    assert(point < shared->points->count);
     const float* p = shared->points->positions + 3 * (size_t)point;
     return (stp_vec3){stp_kd_clean(p[0], shared->scale), stp_kd_clean(p[1], shared->scale),
                       stp_kd_clean(p[2], shared->scale)};
@@ -34,7 +36,8 @@ typedef struct turned_splat {
     } state;
 } turned_splat;
 
-/// Turns the second of two splats where they face away from each other, but signs are a guess.
+/// If signs of normals are a guess (`two_sided`), turns the second of two splats to the side of the
+/// first.
 static void turn_alike(const stp_psp_shared* shared, const stp_psp_metric_table* metric,
                        const stp_psp_splat* a, const stp_psp_splat** b, const void** b_state,
                        turned_splat* room)
@@ -46,6 +49,7 @@ static void turn_alike(const stp_psp_shared* shared, const stp_psp_metric_table*
     room->splat.ellipse.normal = stp_scale((*b)->ellipse.normal, -1.0f);
     *b = &room->splat;
     if (metric->turn != NULL) {
+        assert(metric->state_bytes <= sizeof(room->state));
         memcpy(room->state.bytes, *b_state, metric->state_bytes);
         metric->turn(room->state.bytes);
         *b_state = room->state.bytes;
@@ -70,6 +74,7 @@ float stp_psp_pair_error(const stp_psp_shared* shared, const stp_psp_metric_tabl
                          const stp_psp_splat* a, const void* a_state, const stp_psp_splat* b,
                          const void* b_state)
 {
+    assert(a->key != b->key && "splats represent different points");
     turned_splat turned;
     sort_pair(&a, &a_state, &b, &b_state);
     turn_alike(shared, metric, a, &b, &b_state, &turned);
@@ -87,10 +92,12 @@ void stp_psp_merge_pair(const stp_psp_shared* shared, const stp_psp_metric_table
                         const stp_psp_splat* a, const void* a_state, const stp_psp_splat* b,
                         const void* b_state, stp_psp_splat* merged, void* merged_state)
 {
+    assert(merged != a && merged != b && "outputs do not alias inputs");
     turned_splat turned;
     sort_pair(&a, &a_state, &b, &b_state);
     turn_alike(shared, metric, a, &b, &b_state, &turned);
     float share = a->area / (a->area + b->area);
+    assert(!(share < 0.0f) && !(share > 1.0f) && "areas are not negative");
     for (int k = 0; k < 3; ++k) {
         merged->color[k] = share * a->color[k] + (1.0f - share) * b->color[k];
     }

@@ -14,7 +14,7 @@ typedef struct stp_psp_splat {
     stp_ellipse ellipse;
     float area;
     float color[3]; ///< linear RGB
-    uint32_t id;    ///< number of the splat
+    uint32_t id;    ///< number of the splat; within a piece, perhaps STP_PSP_RECORDED | its record
     uint32_t key;   ///< smallest index of the represented points: breaks ties
 } stp_psp_splat;
 
@@ -33,16 +33,16 @@ typedef struct stp_psp_shared {
 /// Position of a point in merge units.
 stp_vec3 stp_psp_point_at(const stp_psp_shared* shared, uint32_t point);
 
-enum { STP_PSP_STATE_MAX = 512 }; ///< bytes of a state
+enum { STP_PSP_STATE_MAX = 512 }; ///< maximum size of a state in bytes
 
 /// An error metric. Splats may have a metric-specific state. Functions are called from several
 /// threads concurrently, for different splats.
 typedef struct stp_psp_metric_table {
-    /// Of a splat's state, a multiple of 8, at most STP_PSP_STATE_MAX; may be 0
+    /// Size of a splat's state: a multiple of 8, at most STP_PSP_STATE_MAX; may be 0
     size_t state_bytes;
     int power;      ///< errors, including the distance weight, have unit length^power
     bool by_length; ///< errors are weighted by the distance between the centres (formulas 1 and 2)
-    /// Creates `shared->own`; false if out of memory. NULL: not needed.
+    /// Creates `shared->own`; false if out of memory or disk space. NULL: not needed.
     bool (*open)(stp_psp_shared* shared);
     void (*close)(stp_psp_shared* shared);
     /// Creates the state of a point's splat; may also change the splat. NULL: no state.

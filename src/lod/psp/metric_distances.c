@@ -3,7 +3,11 @@
 // 4.1).
 #include "lod/psp/metric.h"
 
-#define LINE 1e-4 ///< minimum ratio of minor to major spread; below it, points count as a line
+#include <assert.h>
+
+/// Minimum ratio of the middle to the largest eigenvalue of the scatter; below it, points count as
+/// a line
+#define LINE 1e-4
 /// Minimum cosine between the normal of the points' plane and the mean normal of the two splats;
 /// below it, the plane is rejected
 #define UPRIGHT 0.7f
@@ -100,6 +104,7 @@ static void merge(const stp_psp_shared* shared, const stp_psp_splat* a, const vo
     const moments *l = a_state, *r = b_state;
     moments* both = merged_state;
     uint32_t* next = shared->own;
+    assert(next[l->last] == UINT32_MAX && next[r->last] == UINT32_MAX && "ends of lists");
     next[l->last] = r->first;
     *both = add_moments(l, r);
     stp_vec3 normal = find_normal(both);

@@ -3,6 +3,8 @@
 // section 4.2).
 #include "lod/psp/metric.h"
 
+#include <assert.h>
+
 /// Squared differences of unit normals below this are noise. Added to all, so that planes are
 /// merged evenly, smallest splats first.
 #define FLAT 1e-12
@@ -14,6 +16,7 @@ static double measure(const stp_psp_shared* shared, const stp_psp_splat* a, cons
     (void)a_state;
     (void)b_state;
     stp_vec3 d = stp_sub(a->ellipse.normal, b->ellipse.normal);
+    assert(!(stp_dot(d, d) > 4.01f) && "normals are unit vectors");
     return (double)a->area * (double)b->area * ((double)stp_dot(d, d) + FLAT);
 }
 

@@ -3,6 +3,7 @@
 #include "lod/psp/metric.h"
 #include "lod/psp/region.h"
 
+#include <assert.h>
 #include <string.h>
 
 static stp_ellipse find_ellipse(const stp_psp_shared* shared, const stp_psp_region* region,
@@ -28,6 +29,7 @@ static void begin(const stp_psp_shared* shared, uint32_t point, stp_psp_splat* s
     if (p->colors != NULL) {
         memcpy(sample.color, stp_psp_color(p, point), 3);
     }
+    assert(!(sample.area < 0.0f));
     stp_psp_region region = stp_psp_region_of(&sample);
     memcpy(state, &region, sizeof(region));
     splat->ellipse = find_ellipse(shared, &region, sample.normal);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/psp/nearest_points.h"
 
+#include <assert.h>
+
 enum { GRAIN = 1024 };
 
 typedef struct search {
@@ -18,11 +20,13 @@ static float square_between(stp_vec3 a, stp_vec3 b)
 void stp_list_neighbours(const stp_kd_tree* tree, uint32_t place, const uint32_t* places,
                          uint32_t count, uint32_t k, uint32_t* neighbours)
 {
+    assert(count <= k && k <= STP_NEIGHBOURS_MAX);
     stp_vec3 p = stp_kd_at(tree, place);
     float squares[STP_NEIGHBOURS_MAX];
     for (uint32_t n = 0; n < count; ++n) {
         uint32_t point = stp_kd_index(tree, places[n]), at = n;
         float square = square_between(stp_kd_at(tree, places[n]), p);
+        assert((n == 0 || squares[n - 1] <= square) && "nearest first");
         for (; at > 0 && squares[at - 1] == square && neighbours[at - 1] > point; --at) {
             neighbours[at] = neighbours[at - 1];
             squares[at] = squares[at - 1];
@@ -52,6 +56,7 @@ static void search_some(size_t begin, size_t end, uint32_t worker, void* user)
 stp_result stp_find_nearest_points(stp_context* context, const float* positions, uint32_t count,
                                    uint32_t k, uint32_t* neighbours)
 {
+    assert(k > 0 && k <= STP_NEIGHBOURS_MAX);
     stp_kd_tree tree;
     stp_result result = stp_kd_tree_make(context, positions, count, 1.0f, &tree);
     if (result == STP_OK) {

@@ -5,10 +5,11 @@
 #include "base/core/parallel_sort.h"
 #include "lod/psp/rounds.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
-    WINDOW = 1 << 20, ///< points
+    WINDOW = 1 << 20, ///< points per window
     GRAIN = 1 << 14,
 };
 
@@ -46,6 +47,7 @@ static void copy_points(size_t begin, size_t end, uint32_t worker, void* user)
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
         size_t from = (size_t)(c->sorted[i] >> 32), to = (uint32_t)c->sorted[i];
+        assert(to >= c->first && to - c->first < WINDOW && "writes stay in the window");
         for (uint32_t k = 0; k < c->column_count; ++k) {
             size_t size = c->columns[k].size;
             memcpy(c->columns[k].to + to * size, c->columns[k].from + from * size, size);
@@ -61,6 +63,7 @@ static void* add_column(copier* c, const void* from, size_t size)
                    ? stp_psp_room_alloc(&c->rounds->rooms[STP_PSP_ROOM_POINTS], count, size)
                    : NULL;
     if (to != NULL) {
+        assert(c->column_count < COLUMNS_MAX);
         c->columns[c->column_count++] = (column){from, to, size};
     }
     return to;

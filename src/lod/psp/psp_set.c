@@ -11,10 +11,11 @@
 #include "lod/set_table.h"
 #include "lod/shape_coding.h"
 
+#include <assert.h>
 #include <float.h>
 #include <string.h>
 
-enum { GRAIN = 1024 }; ///< splats
+enum { GRAIN = 1024 }; ///< splats per piece of a parallel loop
 #define PI 3.14159265358979323846
 #define CELL 1.2f ///< area of a sample, relative to the squared coverage radius of all samples
 /// Scale of drawn ellipses: they overlap slightly, because regions are not exactly elliptical
@@ -22,11 +23,11 @@ enum { GRAIN = 1024 }; ///< splats
 /// Spacing of points, in candidate radii. Used if all points of a cloud are samples: then the
 /// coverage radius is 0
 #define SPACING 1.4142135f
-/// Extent of a sample's disk beyond a disk of its area, relative to that radius
+/// Extent of a sample's disk beyond a disk of its area, relative to the coverage radius
 #define MARGIN 0.38f
 #define SCATTERED 0.3f ///< minimum surface share of an ellipse; below it, pixels are skipped
 #define MIN_SHARE (1.0f / 255.0f) ///< minimum surface share of a sample's disk
-#define HALF_DIAGONAL 0.8660254f  ///< of a unit cube
+#define HALF_DIAGONAL 0.8660254f  ///< half the diagonal of a unit cube
 
 typedef struct psp_maker {
     stp_context* context;
@@ -55,6 +56,7 @@ static stp_result make_forest(psp_maker* m)
     if (!(m->cell > FLT_MIN)) { // few distinct sample positions
         m->cell = fmaxf(m->samples->step * m->samples->step, FLT_MIN);
     }
+    assert(m->cell > 0.0f);
     m->areas = STP_NEW_ARRAY(m->context, float, 2 * (size_t)p->count + 1);
     if (m->areas == NULL) {
         return stp_fail_memory(m->context);
@@ -124,13 +126,15 @@ static void fill_some(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// Counts the samples of each merge, and gives it the material of its larger part.
+/// Counts the samples of each merge, adds up its area, and gives it the material of its larger
+/// part.
 static void find_materials(const psp_maker* m)
 {
     const stp_psp_forest* f = &m->forest;
     memcpy(m->materials, m->samples->materials, f->point_count);
     for (uint32_t i = 0; i < f->merge_count; ++i) {
         const uint32_t parts[2] = {f->merges[i].left, f->merges[i].right};
+        assert(parts[0] < f->point_count + i && parts[1] < f->point_count + i && "parts are done");
         uint32_t larger = m->areas[parts[0]] >= m->areas[parts[1]] ? parts[0] : parts[1];
         m->materials[f->point_count + i] = m->materials[larger];
         m->counts[i] = 0;
@@ -156,6 +160,7 @@ static stp_result make(psp_maker* m)
     s->step = m->samples->step;
     s->candidate_radius = m->samples->candidate_radius;
     s->count = m->sequence.count;
+    assert(s->count >= m->samples->count && "all samples are splats");
     m->materials = STP_NEW_ARRAY(m->context, uint8_t, (size_t)s->count);
     m->counts = STP_NEW_ARRAY(m->context, uint32_t, (size_t)m->forest.merge_count + 1);
     result = stp_splats_make_columns(m->context, s);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/psp/queue.h"
 
+#include <assert.h>
+
 enum { CHILDREN = 4 };
 
 static inline bool is_before(const stp_psp_queue* q, stp_psp_queue_entry a, stp_psp_queue_entry b)
@@ -11,6 +13,7 @@ static inline bool is_before(const stp_psp_queue* q, stp_psp_queue_entry a, stp_
 
 static inline void put(stp_psp_queue* q, uint32_t place, stp_psp_queue_entry entry)
 {
+    assert(place < q->count);
     q->heap[place] = entry;
     q->places[entry.splat] = place;
 }
@@ -42,6 +45,7 @@ static void move_down(stp_psp_queue* q, uint32_t place, stp_psp_queue_entry entr
 
 void stp_psp_queue_append(stp_psp_queue* q, uint32_t splat, float error)
 {
+    assert(q->places[splat] == UINT32_MAX && "not queued yet");
     put(q, q->count++, (stp_psp_queue_entry){error, splat});
 }
 
@@ -57,6 +61,7 @@ void stp_psp_queue_order(stp_psp_queue* q)
 void stp_psp_queue_set(stp_psp_queue* q, uint32_t splat, float error)
 {
     uint32_t place = q->places[splat];
+    assert(place == UINT32_MAX || (place < q->count && q->heap[place].splat == splat));
     stp_psp_queue_entry entry = {error, splat};
     if (place == UINT32_MAX) {
         move_up(q, q->count++, entry);
@@ -73,6 +78,7 @@ void stp_psp_queue_remove(stp_psp_queue* q, uint32_t splat)
     if (place == UINT32_MAX) {
         return;
     }
+    assert(place < q->count && q->heap[place].splat == splat);
     q->places[splat] = UINT32_MAX;
     stp_psp_queue_entry last = q->heap[--q->count];
     if (last.splat != splat) {

@@ -3,6 +3,8 @@
 
 #include "base/splats/coverage.h"
 
+#include <assert.h>
+
 #define PI 3.14159265358979323846
 #define THIN 1e-3  ///< minimum minor axis, as a fraction of the major axis
 #define FACES 1e-3 ///< minimum length of a mean normal that gives a direction
@@ -11,7 +13,7 @@
 #define COLORS 4.0
 #define THICKNESS 2.0
 
-/// Variance of positions along a direction.
+/// Covariance of positions along two directions; their variance if both are equal.
 static double spread_along(const stp_psp_region* r, const double a[3], const double b[3])
 {
     double sum = 0.0;
@@ -72,6 +74,7 @@ stp_ellipse stp_psp_region_ellipse(const stp_psp_region* r, stp_vec3 fallback)
     double xx = spread_along(r, x, x), xy = spread_along(r, x, y), yy = spread_along(r, y, y);
     double half = 0.5 * (xx - yy), root = sqrt(half * half + xy * xy), mean = 0.5 * (xx + yy);
     double large = fmax(mean + root, 0.0), small = fmax(mean - root, 0.0);
+    assert(!(small > large) && "the first axis is the longer one");
     double along = half >= 0.0 ? half + root : xy, beside = half >= 0.0 ? xy : root - half;
     double norm = sqrt(along * along + beside * beside);
     double major = 2.0 * sqrt(large); // the variance along an axis is a quarter of its square

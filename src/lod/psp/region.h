@@ -8,7 +8,7 @@
 /// A sample of a surface.
 typedef struct stp_psp_sample {
     stp_vec3 position; ///< relative to a point near all samples
-    stp_vec3 normal;   ///< of unit length, or zero if unknown
+    stp_vec3 normal;   ///< unit normal, or zero if unknown
     uint8_t color[3];  ///< sRGB
     float area;        ///< surface area that it represents; above 0
 } stp_psp_sample;
@@ -17,7 +17,7 @@ typedef struct stp_psp_sample {
 typedef struct stp_psp_region {
     double area, position[3], squares[6]; ///< squares: xx, xy, xz, yy, yz, zz
     double color_squares;
-    float normal[3], color[3]; ///< colours from 0 to 1
+    float normal[3], color[3]; ///< colours from 0 to 1, before the weighting by area
 } stp_psp_region;
 
 stp_psp_region stp_psp_region_of(const stp_psp_sample* sample);

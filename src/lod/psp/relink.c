@@ -2,6 +2,7 @@
 #include "lod/psp/nearest_points.h"
 #include "lod/psp/round_pieces.h"
 
+#include <assert.h>
 #include <string.h>
 
 /// Allocates a block for this many links, and copies splats and states of another block.
@@ -46,6 +47,7 @@ static void link_nearest(stp_psp_block* b, const uint32_t* near, uint32_t k)
             b->links[--b->begins[near[i]]] = (uint32_t)(i / k);
         }
     }
+    assert(b->begins[0] == 0 && "as many links as were counted");
 }
 
 stp_result stp_psp_relink(stp_psp_rounds* r)
@@ -53,6 +55,7 @@ stp_result stp_psp_relink(stp_psp_rounds* r)
     stp_context* context = r->shared.context;
     stp_psp_block *b = &r->blocks[0], linked = {0};
     uint32_t count = b->count, k = r->shared.desc.neighbours;
+    assert(r->block_count == 1 && count == r->live);
     float* centers = STP_NEW_ARRAY(context, float, 3 * (size_t)count + 1);
     uint32_t* near = STP_NEW_ARRAY(context, uint32_t, (size_t)k * count + 1);
     const stp_psp_room* room = &r->rooms[STP_PSP_ROOM_LEFT];

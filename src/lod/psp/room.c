@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/psp/room.h"
 
+#include <assert.h>
+
 void stp_psp_storage_begin(stp_psp_storage* storage, stp_context* context, stp_spill* beside)
 {
     storage->context = context;
@@ -28,6 +30,7 @@ stp_result stp_psp_room_open(stp_psp_storage* storage, stp_psp_room* room)
 
 void* stp_psp_room_alloc(const stp_psp_room* room, size_t count, size_t size)
 {
+    assert(size > 0 && "the size of an element");
     stp_psp_storage* storage = room->storage;
     if (room->file == NULL || count > SIZE_MAX / size) {
         return stp_alloc_array(storage->context, count, size);
@@ -55,6 +58,7 @@ void stp_psp_room_close(stp_psp_room* room)
 void stp_psp_room_release(const stp_psp_room* room)
 {
     if (room->file != NULL) {
+        assert(room->storage->beside != NULL && "files are siblings of `beside`");
         stp_spill_release_pages(room->file);
         stp_spill_release_pages(room->storage->beside);
     }

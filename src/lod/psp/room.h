@@ -13,7 +13,7 @@ typedef struct stp_psp_storage {
     stp_context* context;
     stp_spill* beside; ///< storage files go to the same folder; NULL: memory
     pthread_mutex_t mutex;
-    bool full; ///< a file ran out of disk space; logged once
+    bool full; ///< an allocation in a file failed, which was logged; no further ones are tried
 } stp_psp_storage;
 
 /// Arrays with one lifetime.

@@ -3,6 +3,8 @@
 
 #include "base/math/rng.h"
 
+#include <assert.h>
+
 typedef struct cutter {
     stp_psp_rounds* rounds;
     stp_psp_range *ranges, *next;
@@ -37,6 +39,7 @@ static void cut_some(size_t begin, size_t end, uint32_t worker, void* user)
         stp_psp_rounds_release(c->rounds, i);
         bool small = is_small(c, of);
         uint32_t middle = small ? of.end : cut_of(c, of);
+        assert(small || (of.begin < middle && middle < of.end));
         if (!small && c->rounds->order != NULL) {
             stp_kd_point* points = c->rounds->order + of.begin;
             size_t count = of.end - of.begin;
@@ -51,6 +54,7 @@ static void cut_some(size_t begin, size_t end, uint32_t worker, void* user)
 stp_result stp_psp_cut_pieces(stp_psp_rounds* r, uint32_t piece_size, stp_psp_range** ranges,
                               uint32_t* count)
 {
+    assert(piece_size > 0 && r->live > 0);
     // each piece holds more than a third of `piece_size`
     size_t maximum = 4 + 2 * (3 * (size_t)r->live / piece_size + 1);
     stp_context* context = r->shared.context;
@@ -64,18 +68,21 @@ stp_result stp_psp_cut_pieces(stp_psp_rounds* r, uint32_t piece_size, stp_psp_ra
     }
     c.ranges[0] = (stp_psp_range){0, r->live};
     for (bool all = false; !all; ++c.depth) {
+        assert(2 * (size_t)c.count <= maximum);
         stp_parallel_for(context, c.count, 1, cut_some, &c);
         uint32_t kept = 0;
         all = true;
         for (uint32_t i = 0; i < 2 * c.count; ++i) {
             stp_psp_range of = c.next[i];
             if (of.end > of.begin) {
+                assert(of.begin == (kept > 0 ? c.ranges[kept - 1].end : 0) && "no gaps");
                 all = all && is_small(&c, of);
                 c.ranges[kept++] = of;
             }
         }
         c.count = kept;
     }
+    assert(c.count > 0 && c.ranges[c.count - 1].end == r->live);
     stp_free(context, c.next);
     *ranges = c.ranges;
     *count = c.count;

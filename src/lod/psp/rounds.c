@@ -4,6 +4,7 @@
 #include "lod/psp/load.h"
 #include "lod/psp/round_pieces.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -66,6 +67,7 @@ static void run_pieces(size_t begin, size_t end, uint32_t worker, void* user)
 
 static uint32_t final_id(const stp_psp_rounds* r, const stp_psp_history* h, uint32_t id)
 {
+    assert((id & STP_PSP_RECORDED) == 0 || (id & ~STP_PSP_RECORDED) < h->count);
     return (id & STP_PSP_RECORDED) == 0
                ? id
                : r->shared.points->count + h->first + (id & ~STP_PSP_RECORDED);
@@ -165,6 +167,9 @@ static bool take_over(pass* t)
         t->histories[i].first = merges;
         merges += t->histories[i].count;
     }
+    assert(first <= slots && first >= (r->target < slots ? r->target : slots));
+    assert((!r->keep_history || merges - r->merge_count == slots - first) &&
+           "each merge removes one splat");
     stp_parallel_for(context, t->range_count, 1, number_pieces, t);
     free_left(r);
     r->rooms[STP_PSP_ROOM_LEFT] = r->rooms[STP_PSP_ROOM_NEXT];
@@ -231,6 +236,7 @@ static void read_centers(size_t begin, size_t end, uint32_t worker, void* user)
     for (size_t i = begin; i < end; ++i) {
         const stp_psp_block* b = &r->blocks[i];
         stp_psp_rounds_release(r, i);
+        assert(b->first <= r->live && b->count <= r->live - b->first);
         for (uint32_t s = 0; s < b->count; ++s) {
             stp_vec3 c = b->splats[s].ellipse.center;
             r->order[b->first + s] = (stp_kd_point){{c.x, c.y, c.z}, b->first + s};
@@ -246,6 +252,7 @@ static stp_result choose_limit(stp_psp_rounds* r, float* limit)
         return stp_fail_memory(r->shared.context);
     }
     uint32_t count = stp_psp_sample_errors(r, errors, SAMPLES);
+    assert(r->live > r->target);
     double part = (double)(r->live - r->target) / (MERGES_EACH * (double)r->live);
     part = part < PART_MAX ? part : PART_MAX;
     *limit = count > 0 ? errors[(uint32_t)(part * (count - 1))] : FLT_MAX;
@@ -253,7 +260,7 @@ static stp_result choose_limit(stp_psp_rounds* r, float* limit)
     return STP_OK;
 }
 
-/// Sorts the previous round's results into an order that can be cut.
+/// Lists the centres of the previous round's results; cutting sorts them.
 static stp_result make_order(stp_psp_rounds* r)
 {
     stp_context* context = r->shared.context;
@@ -296,6 +303,7 @@ static stp_result run_round(stp_psp_rounds* r, uint32_t piece_size)
 void stp_psp_rounds_begin(stp_psp_rounds* r, stp_context* context, const stp_psp_points* points,
                           const stp_psp_desc* desc, uint32_t target)
 {
+    assert(desc->neighbours > 0 && desc->neighbours <= STP_NEIGHBOURS_MAX);
     *r = (stp_psp_rounds){.shared = {.context = context, .points = points, .desc = *desc},
                           .metric = stp_psp_metric_find(desc->metric),
                           .target = target};
@@ -318,6 +326,7 @@ void stp_psp_rounds_release(const stp_psp_rounds* r, size_t number)
 
 stp_result stp_psp_rounds_run(stp_psp_rounds* r)
 {
+    assert(r->round == 0 && r->shared.scale > 0.0f && r->alone > 0.0f);
     uint32_t size = r->shared.desc.piece_size != 0 ? r->shared.desc.piece_size : PIECE_SIZE;
     size = size > STP_KD_LEAF ? size : STP_KD_LEAF;
     bool stalled = false, linked = false, more = r->tree.count > 0;

@@ -40,23 +40,23 @@ typedef struct stp_psp_rounds {
     const stp_psp_metric_table* metric;
     stp_psp_storage storage;
     stp_psp_room rooms[STP_PSP_ROOMS];
-    stp_psp_points points; ///< in tree order, with positions; `shared` holds the other columns
-    bool in_tree_order;
+    stp_psp_points points; ///< copies in tree order, of the columns that merging reads
+    bool in_tree_order;    ///< `shared` uses `points`, so places of the tree index its points
     bool keep_history;
     uint32_t target;
     stp_ellipse* initial; ///< NULL, or receives the points' splats, in merge units
     float alone;          ///< radius of splats without neighbours
-    stp_kd_tree tree;     ///< of the points; empty after the first round
-    uint32_t live;        ///< number of splats
+    stp_kd_tree tree;     ///< the points; empty after the first round
+    uint32_t live;        ///< number of remaining splats
     uint32_t round;
     // results of the previous round
     stp_psp_block* blocks;
     uint32_t block_count, slot_count;
     /// Per slot of the previous round: number of the splat that represents it, then its slot
     uint32_t* survivors;
-    // of the current round
+    // current round
     stp_kd_point* order; ///< `index` is the splat's number; NULL: equal to the slot
-    /// Reversed links across seams of the first round: slot << 32 | other slot; ascending
+    /// Reversed links across seams of the first round: slot << 32 | other slot; ascending by slot
     uint64_t* reverse;
     size_t reverse_count;
     // history

@@ -4,6 +4,8 @@
 
 #include "lod/psp/ellipse.h"
 
+#include <assert.h>
+
 /// Power of two that scales a bounding box diagonal to between 2^19 and 2^20; 1 if the diagonal is
 /// 0 or not finite.
 static inline float stp_psp_choose_scale(float diagonal)
@@ -20,6 +22,7 @@ static inline float stp_psp_choose_scale(float diagonal)
 /// Converts an ellipse to model units.
 static inline stp_ellipse stp_psp_scale_ellipse(const stp_ellipse* e, float scale)
 {
+    assert(scale > 0.0f);
     float back = 1.0f / scale;
     return (stp_ellipse){.center = stp_scale(e->center, back),
                          .normal = e->normal,
@@ -30,6 +33,7 @@ static inline stp_ellipse stp_psp_scale_ellipse(const stp_ellipse* e, float scal
 /// Model-space value of an error of 1.
 static inline double stp_psp_error_unit(int power, float scale)
 {
+    assert(power >= 0 && scale > 0.0f);
     double unit = 1.0;
     for (int i = 0; i < power; ++i) {
         unit /= (double)scale;

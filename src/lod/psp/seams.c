@@ -3,7 +3,9 @@
 #include "base/core/parallel_sort.h"
 #include "lod/psp/round_pieces.h"
 
-enum { GRAIN = 1 << 16 }; ///< slots
+#include <assert.h>
+
+enum { GRAIN = 1 << 16 }; ///< slots per piece of a parallel loop
 
 typedef struct numbering {
     stp_psp_rounds* rounds;
@@ -18,6 +20,7 @@ static void number_slots(size_t begin, size_t end, uint32_t worker, void* user)
     (void)worker;
     stp_psp_rounds_release(n->rounds, begin / GRAIN);
     for (size_t slot = begin; slot < end; ++slot) {
+        assert(n->rounds->order[slot].index < n->rounds->live);
         n->slots[n->rounds->order[slot].index] = (uint32_t)slot;
     }
 }
@@ -28,6 +31,7 @@ static void number_survivors(size_t begin, size_t end, uint32_t worker, void* us
     (void)worker;
     stp_psp_rounds_release(n->rounds, begin / GRAIN);
     for (size_t i = begin; i < end; ++i) {
+        assert(n->rounds->survivors[i] < n->rounds->live);
         n->rounds->survivors[i] = n->slots[n->rounds->survivors[i]];
     }
 }
@@ -48,6 +52,7 @@ static void reverse_links(size_t begin, size_t end, uint32_t worker, void* user)
                 }
             }
         }
+        assert((i + 1 == n->rounds->block_count || at == n->starts[i + 1]) && "as counted");
     }
 }
 
@@ -102,6 +107,7 @@ stp_result stp_psp_renumber(stp_psp_rounds* r)
 {
     stp_context* context = r->shared.context;
     const stp_psp_room* room = &r->rooms[STP_PSP_ROOM_WORK];
+    assert(r->round > 0 && r->live < STP_PSP_OUTSIDE && "slots leave the flag's bit free");
     numbering n = {.rounds = r, .slots = STP_PSP_NEW(room, uint32_t, (size_t)r->live + 1)};
     bool made = n.slots != NULL;
     if (made) {

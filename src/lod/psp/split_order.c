@@ -5,12 +5,13 @@
 #include "base/splats/splat_codes.h"
 #include "base/splats/splat_columns.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 /// Minimum level of a merge: the smallest normal float
 #define MIN_CODE 0x100u
 #define PI 3.14159265358979323846
-#define LEVEL_MAX 1e30f ///< finite
+#define LEVEL_MAX 1e30f ///< maximum level of a merge: finite
 
 /// A remaining splat.
 typedef struct root {
@@ -21,7 +22,7 @@ typedef struct root {
 typedef struct splitter {
     const stp_psp_forest* forest;
     stp_psp_sequence* sequence;
-    stp_progressive_queue queue; ///< of places in the sequence
+    stp_progressive_queue queue; ///< places in the sequence
 } splitter;
 
 /// Level of a splat: radius of a disk with the area of the largest error among its merge and all
@@ -41,6 +42,8 @@ static void append(splitter* s, uint32_t splat, float highest)
     const stp_psp_forest* f = s->forest;
     stp_psp_sequence* q = s->sequence;
     bool merged = splat >= f->point_count;
+    assert(q->count < (size_t)f->point_count + f->merge_count && "each splat once");
+    assert(highest >= level_of(f, splat) && "levels of parts are at most that of their merge");
     uint32_t code = stp_range_code(level_of(f, splat), highest);
     if (merged && (code & 0xFFFFu) < MIN_CODE) {
         code = (code & 0xFFFF0000u) | MIN_CODE;
@@ -93,11 +96,13 @@ static void split(splitter* s)
     const stp_psp_forest* f = s->forest;
     for (uint32_t place = stp_progressive_queue_take(&s->queue); place != UINT32_MAX;
          place = stp_progressive_queue_take(&s->queue)) {
+        assert(s->sequence->splats[place] >= f->point_count && "points are never split");
         uint32_t merge = s->sequence->splats[place] - f->point_count;
         uint32_t left = f->merges[merge].left, right = f->merges[merge].right;
         append(s, left, find_highest(s, merge, left));
         append(s, right, find_highest(s, merge, right));
     }
+    assert(s->sequence->count == f->point_count + f->merge_count);
     float highest = 0.0f;
     for (uint32_t i = s->sequence->count; i-- > 0;) {
         highest = fmaxf(highest, s->sequence->highest_left[i]);
