@@ -20,7 +20,7 @@
 #define MIN_BUDGET (UINT64_C(64) << 20)    // one node at a time is processed at any limit
 #define FILE_MEMORY_SHARE 4u // share of the limit for meshes in memory; more go to the spill file
 
-#define SAMPLE_POINTS 1000000u // of a scan that is shown before it is read
+#define SAMPLE_POINTS 1000000u // points of a scan that are shown before it is read
 
 enum { STAGES = 6 };
 
@@ -368,8 +368,9 @@ static stp_result write_file(build* b)
     return result;
 }
 
-// Removes the work directory if the output is written, if it is empty, or if a result has changed,
-// because other results may derive from it. @return whether a result has changed
+// Removes the work directory if the output is written, if this build found and stored no result, or
+// if a result has changed, because other results may derive from it. @return whether a result has
+// changed
 static bool close_build(build* b, bool written)
 {
     stp_work_report kept = {0};

@@ -107,8 +107,8 @@ static bool has_room(const stp_build_draft* d, const stp_scene* scene)
     return stp_file_room(d->path) / 3 >= bytes + BYTES_OF_POINTS;
 }
 
-// Writes a scene and calls `drafted`. Failures are silent, but after one of disk space or path
-// nothing more is tried. @return whether a later draft may be tried
+// Writes a scene and calls `drafted`. Failures are silent. @return whether a later draft may be
+// tried: not after an error of the file system
 static bool write_state(stp_build_draft* d, const stp_draft_state* state)
 {
     static const char parameters[] = "{\"draft\":true}";

@@ -19,7 +19,7 @@ typedef struct exposure {
     bool as_points;
 } exposure;
 
-// Limits the weights: things can be stretched without bound along an axis in which they have no
+// Limits the areas: things can be stretched without bound along an axis in which they have no
 // extent.
 static const double area_max = 1e60;
 
@@ -121,7 +121,7 @@ static bool choose_meshes(draft_work* w)
     return true;
 }
 
-// Number of points by share of the total area. Shares below one round up or down at random.
+// Number of points by share of the total area. The fraction rounds up or down at random.
 static uint32_t share_of(double points, size_t index)
 {
     uint32_t whole = points < 1e9 ? (uint32_t)points : 1000000000u;

@@ -48,7 +48,7 @@ static bool find_set(run* r, stp_hash key, stp_splats* set)
     return found;
 }
 
-/// Whether a node is a point cloud in a scene of clouds without normals.
+/// Whether a node has no triangles, in a scene where some point set has no normals.
 static bool is_two_sided(const stp_scene* scene, uint32_t node)
 {
     bool any = false;

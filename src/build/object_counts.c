@@ -14,7 +14,7 @@ typedef struct shown {
 
 typedef struct census_work {
     const stp_scene* scene;
-    uint32_t *first_child, *next_sibling; ///< of each object that is not a prototype
+    uint32_t *first_child, *next_sibling; ///< by object; prototypes are not linked to a parent
     /// Next child whose sum may be missing; later: the last walk that visited the object.
     uint32_t* cursor;
     uint32_t* shapes;     ///< for each object: index of its distinct list of parts; STP_NONE: none
@@ -181,7 +181,7 @@ static bool visit_object(census_work* w, uint32_t object)
     return push(w, object);
 }
 
-// Counts distinct shapes below the objects on the stack.
+// Adds the distinct shapes of the objects on the stack and below them to `count`.
 static bool count_shapes(census_work* w, uint64_t* count)
 {
     bool made = true;
@@ -222,7 +222,7 @@ static bool add_candidate(census_work* w, uint32_t index)
 }
 
 // Makes the children of an object, and of what it uses, candidates, unless the object has content
-// itself.
+// itself, or uses another more than once.
 static bool open_object(census_work* w, uint32_t index, bool* opened)
 {
     const stp_scene* scene = w->scene;

@@ -12,7 +12,7 @@ enum { TRIED = 4 }; ///< triangles examined per point
 // A candidate triangle with the total area before it.
 typedef struct drawn_triangle {
     uint32_t index;
-    double before; ///< total area of the triangles before it
+    double before; ///< twice the total area of the triangles before it
 } drawn_triangle;
 
 // A point on a triangle, as weights of its corners.
@@ -35,7 +35,8 @@ static stp_vec3 face(const stp_mesh* mesh, uint32_t triangle)
     return stp_cross(stp_sub(corner(mesh, v[1]), a), stp_sub(corner(mesh, v[2]), a));
 }
 
-// Chooses one triangle from each of several equal runs, with sums of their areas. @return the total
+// Chooses one triangle from each of `count` equal runs, with sums of their areas, all doubled.
+// @return the total
 static double choose_triangles(const stp_mesh* mesh, uint32_t count, drawn_triangle* chosen)
 {
     double sum = 0.0;
@@ -174,7 +175,7 @@ bool stp_preview_mesh(stp_arena* arena, const stp_scene* scene, uint32_t index, 
     return made;
 }
 
-/// Takes the same points of each attribute that the set has.
+/// Copies each attribute that the set has, for the points that stp_preview_points chooses.
 static bool preview_attributes(stp_arena* arena, const stp_point_set* from, uint32_t count,
                                stp_store_point_set* points)
 {

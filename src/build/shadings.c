@@ -15,7 +15,7 @@ typedef struct texture_mean {
 typedef struct reduction {
     const stp_scene* scene;
     texture_mean* means;
-    stp_shading* exact; ///< of each scene material
+    stp_shading* exact; ///< shading of each scene material
     bool* used;
     float* distance; ///< from each material's shading to the nearest chosen one
 } reduction;
@@ -79,7 +79,7 @@ static void mark_used(reduction* r)
     }
 }
 
-// Flags weigh more than any number, because they change the look most.
+// Flags weigh more than numbers up to 1, because they change the look most.
 static float shading_distance(const stp_shading* a, const stp_shading* b)
 {
     float sum = 0.0f;
@@ -97,10 +97,10 @@ static float shading_distance(const stp_shading* a, const stp_shading* b)
     return sum + ((flags & STP_SHADING_DOUBLE_SIDED) != 0 ? 4.0f : 0.0f);
 }
 
-// A shading to be placed in the table.
+// The shading of a used material, to be placed in the table.
 typedef struct shading_place {
     stp_hash hash;
-    uint32_t material; ///< the first material that has it
+    uint32_t material;
     uint32_t place;
 } shading_place;
 

@@ -83,7 +83,7 @@ static void write_surfels_head(const stp_splats* s, uint32_t candidates,
     }
 }
 
-// False if a count exceeds its limit; other values are not checked.
+// False if the result is not a set or a count exceeds its limit; other values are not checked.
 static bool read_surfels_head(const unsigned char* head, stp_splats* s, uint32_t* candidates)
 {
     *s = (stp_splats){0};

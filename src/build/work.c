@@ -16,7 +16,7 @@
 #define NO_SEGMENT UINT32_MAX
 enum { LARGE_PART = 4 }; ///< results larger than 1/LARGE_PART of a segment get a separate segment
 
-#define RELEASE_BYTES (UINT64_C(128) << 20) // pages read before the system may evict them
+#define RELEASE_BYTES (UINT64_C(128) << 20) // bytes verified between releases of mapped pages
 
 struct stp_work {
     stp_context* context;
@@ -178,8 +178,8 @@ static const unsigned char* bytes_of(const stp_work* work, const stp_work_entry*
     return work->segments[entry->segment].bytes + entry->offset;
 }
 
-// Finds a key's usable result; verifies its checksum if that was not done yet. Leaves a pending one
-// as it is. The mutex is held on entry and return, and released in between. NULL: there is none.
+// Finds a key's entry, and verifies its checksum if that was not done yet: it may be good, absent
+// or pending. The mutex is held on entry and return, and released in between. NULL: there is none.
 static stp_work_entry* find_verified(stp_work* work, stp_hash key)
 {
     stp_work_entry* entry = stp_work_index_find(&work->index, key);
@@ -328,6 +328,7 @@ static stp_result write_result(stp_work* work, const stp_work_head* head,
 }
 
 // The good result of a key, or a pending entry that this thread must write. The mutex must be held.
+// NULL: out of memory.
 static stp_work_entry* claim(stp_work* work, stp_hash key, bool* write)
 {
     for (;;) {

@@ -62,8 +62,8 @@ static bool convert_meshes(stp_build_content* c, const stp_scene* scene)
     return meshes != NULL;
 }
 
-// Approximate distance between points of a set. The first ones of `blue` are evenly spread; all of
-// a set made leaf by leaf reach as far.
+// Approximate distance between points of a set: from its evenly spread first ones (`blue`), or the
+// coverage radius of all (a set made leaf by leaf).
 static double spacing_of(const stp_splats* set)
 {
     if (set->leaf_count > 0) {
