@@ -12,6 +12,7 @@
 #include "build/set_plan.h"
 #include "build/writer_input.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -336,6 +337,7 @@ static bool is_intact(void* user)
 
 static stp_result make_content(build* b)
 {
+    assert(b->methods.set_count == b->methods.method_count * b->plan.step_count);
     stp_result result = stp_build_content_create(b->scene, b->methods.sets, b->methods.set_count,
                                                  b->plan.step_of, &b->content);
     if (result == STP_OK) {
@@ -443,6 +445,7 @@ static void plan_stages(build* b)
         stages[count++] = clusters;
     }
     stages[count++] = write;
+    assert(count <= STAGES);
     stp_progress_plan(b->context, stages, count);
 }
 

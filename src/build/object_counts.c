@@ -3,6 +3,7 @@
 
 #include "base/saturate.h"
 
+#include <assert.h>
 #include <string.h>
 
 // What an object shows: its own parts and those of the object it uses, per instance, and its
@@ -68,6 +69,7 @@ static void link_children(census_work* w)
         const stp_object* object = &scene->objects[i];
         w->next_sibling[i] = STP_NONE;
         if (object->parent != STP_NONE && !is_prototype(object)) {
+            assert(object->parent < i && "parents come first");
             w->next_sibling[i] = w->first_child[object->parent];
             w->first_child[object->parent] = (uint32_t)i;
         }
@@ -79,6 +81,7 @@ static void link_children(census_work* w)
 static void sum_object(census_work* w, uint32_t index)
 {
     const stp_object* object = &w->scene->objects[index];
+    assert(!w->sums[index].known && "an object is summed once");
     uint64_t parts = count_own_parts(w->scene, object);
     uint64_t times = object->instance_count > 0 ? object->instance_count : 1;
     shown sum = {.objects = parts != 0, .instances = parts, .known = true};
@@ -89,6 +92,7 @@ static void sum_object(census_work* w, uint32_t index)
     sum.objects = stp_multiply_saturated(sum.objects, times);
     sum.instances = stp_multiply_saturated(sum.instances, times);
     for (uint32_t c = w->first_child[index]; c != STP_NONE; c = w->next_sibling[c]) {
+        assert(w->sums[c].known && "children come first");
         sum.objects = stp_add_saturated(sum.objects, w->sums[c].objects);
         sum.instances = stp_add_saturated(sum.instances, w->sums[c].instances);
     }
@@ -187,6 +191,7 @@ static bool count_shapes(census_work* w, uint64_t* count)
     bool made = true;
     while (made && w->stacked != 0) {
         uint32_t index = w->stack[--w->stacked], shape = w->shapes[index];
+        assert(shape == STP_NONE || shape < w->shape_count);
         if (shape != STP_NONE && w->shapes_met[shape] != w->walk) {
             w->shapes_met[shape] = w->walk;
             *count += 1;
@@ -334,6 +339,7 @@ stp_result stp_build_census(const stp_scene* scene, stp_store_census* census)
         for (uint32_t i = 0; made && i < census->part_count; ++i) {
             made = fill_part(&w, &census->parts[i]);
         }
+        assert(!made || census->unique_objects <= census->objects);
         if (!made) {
             stp_store_census_destroy(scene->context, census);
             result = stp_fail_memory(scene->context);

@@ -5,6 +5,7 @@
 #include "base/octahedral.h"
 #include "base/rng.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { TRIED = 4 }; ///< triangles examined per point
@@ -39,6 +40,7 @@ static stp_vec3 face(const stp_mesh* mesh, uint32_t triangle)
 // @return the total
 static double choose_triangles(const stp_mesh* mesh, uint32_t count, drawn_triangle* chosen)
 {
+    assert(count <= mesh->triangle_count && "each run has a triangle");
     double sum = 0.0;
     for (uint32_t i = 0; i < count; ++i) {
         uint64_t begin = (uint64_t)i * mesh->triangle_count / count;
@@ -66,6 +68,7 @@ static place place_in(const stp_mesh* mesh, uint32_t triangle, uint64_t number)
         v = 1.0f - v;
     }
     place p = {.weights = {1.0f - u - v, u, v}};
+    assert(p.weights[0] > -1e-6f && u >= 0.0f && v >= 0.0f && "the point is in the triangle");
     memcpy(p.corners, mesh->indices + 3 * (size_t)triangle, sizeof(p.corners));
     return p;
 }
@@ -164,6 +167,7 @@ bool stp_preview_mesh(stp_arena* arena, const stp_scene* scene, uint32_t index, 
         while (at + 1 < some && chosen[at + 1].before <= where) {
             at += 1;
         }
+        assert(chosen[at].before <= where && "points are in order of area");
         place p = place_in(mesh, chosen[at].index, i);
         size_t n = points->point_count;
         if (color_at(scene, mesh, &p, colors + 4 * n)) {
@@ -179,6 +183,7 @@ bool stp_preview_mesh(stp_arena* arena, const stp_scene* scene, uint32_t index, 
 static bool preview_attributes(stp_arena* arena, const stp_point_set* from, uint32_t count,
                                stp_store_point_set* points)
 {
+    assert(count <= from->point_count && "points would repeat");
     for (int a = 0; a < STP_ATTRIBUTES; ++a) {
         const unsigned char* values = from->attributes[a];
         if (values == NULL) {

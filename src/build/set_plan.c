@@ -123,6 +123,7 @@ static void measure_resting(planning* p)
         for (uint32_t k = 0; k < node->edge_count; ++k) {
             const stp_edge* edge = &scene->edges[node->first_edge + k];
             const resting* below = &p->resting[edge->node];
+            assert(edge->node < i && "children come before their parents");
             if (!moves(scene, edge->node)) {
                 r.triangles = stp_add_saturated(r.triangles, below->triangles);
                 r.points = stp_add_saturated(r.points, below->points);
@@ -414,6 +415,7 @@ static stp_result list_steps(const planning* p, stp_build_plan* plan)
         if (!p->wanted[i]) {
             continue;
         }
+        assert(p->reached[i] && p->heights[i] > 0 && "wanted without a key and a height");
         double surfels = expected_surfels(p, i);
         plan->steps[plan->step_count++] = (stp_build_step){
             .node = i,
@@ -424,8 +426,11 @@ static stp_result list_steps(const planning* p, stp_build_plan* plan)
             .key = p->keys[i],
         };
     }
+    assert(plan->step_count == count);
     qsort(plan->steps, plan->step_count, sizeof(plan->steps[0]), compare_steps);
     for (uint32_t i = 0; i < plan->step_count; ++i) {
+        assert((i == 0 || compare_steps(&plan->steps[i - 1], &plan->steps[i]) < 0) &&
+               "the order is total: the same for any sort");
         plan->step_of[plan->steps[i].node] = i;
         plan->cost += plan->steps[i].cost;
     }
@@ -442,6 +447,7 @@ stp_result stp_build_plan_make(const stp_scene* scene, const stp_build_plan_desc
     if (scene->root == STP_NONE) {
         return STP_OK;
     }
+    assert(scene->root < count && "a finished scene");
     planning p = {.scene = scene, .desc = desc};
     p.resting = STP_NEW_ARRAY(context, resting, count);
     p.above = STP_NEW_ZEROED(context, above, count);
