@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-/// Offsets of the staged scene's items in the target scene.
+/// Offsets of the staged scene's items in the target scene; `root`: the object above them.
 typedef struct offsets {
     uint32_t material, texture, mesh, point_set, object, root;
 } offsets;
@@ -116,7 +116,7 @@ static uint64_t bytes_of(const stp_scene* staged)
     return bytes;
 }
 
-/// Root object of the staged content.
+/// Adds the source and the root object of the staged content.
 static stp_result add_root(const stp_builder* builder, stp_scene* scene, uint32_t* root)
 {
     stp_source source = {

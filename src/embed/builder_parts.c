@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Copies the caller's meshes and points, and converts them to scene conventions: unit normals,
-// linear colours, finite numbers.
+// linear colours of meshes, finite numbers.
 #include "base/color.h"
 #include "embed/builder.h"
 

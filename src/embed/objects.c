@@ -22,7 +22,8 @@ stp_result stp_model_use_outline(stp_model* model, stp_outline** outline)
     return result;
 }
 
-/// Finds a placed object. Logs STP_ERROR_ARGUMENT if there is no such object.
+/// Finds an object, placed or not; STP_NO_OBJECT: the whole scene. Logs STP_ERROR_ARGUMENT if there
+/// is no such object.
 static stp_result find_item(stp_model* model, uint32_t object, stp_outline_item* item)
 {
     stp_outline* outline;

@@ -158,7 +158,7 @@ static stp_result draw_yielding(picture* p)
     return result;
 }
 
-/// Draws, and reports whether it requests missing data.
+/// Draws, requests data that was missing, and counts it.
 static stp_result draw_and_request(picture* p)
 {
     stp_painter* painter = p->painter;
@@ -182,8 +182,8 @@ static stp_result draw_and_request(picture* p)
     return result;
 }
 
-/// Draws again until no more data arrives. New data may allow nodes to be opened whose content is
-/// then wanted. This ends, but a limit guards against waiting forever.
+/// Draws; with `complete`, again until no more data arrives. New data may allow nodes to be opened
+/// whose content is then wanted. This ends, but a limit guards against waiting forever.
 static stp_result draw_complete(picture* p)
 {
     stp_painter* painter = p->painter;
