@@ -20,7 +20,7 @@ enum {
     BISECTIONS = 60,
 };
 
-/// Of the diagonal: the eye comes no nearer, so that the near plane cuts nothing off
+/// Share of the diagonal: the eye comes no nearer, so that the near plane cuts nothing off
 #define NEAREST 2e-4
 
 /// Corners in camera axes, relative to the centre of the box.
@@ -133,7 +133,8 @@ static double coordinate(stp_vec3d p, int axis)
     return axis == 0 ? p.x : p.y;
 }
 
-/// The A and B of above: extent along an axis and against it, at a slope.
+/// The A and B of above: extent along an axis and against it, at a slope. `spread`: half the
+/// distance of the eyes.
 static void reach(const corner_set* set, int axis, double slope, double spread, double* a,
                   double* b)
 {
@@ -158,7 +159,7 @@ static double center_along(const corner_set* set, int axis, double slope, double
     return 0.5 * (a - b);
 }
 
-/// @param slope  of the frame, in x and y
+/// @param slope  slopes of the frame in x and y
 static stp_vec3d fit_perspective(const corner_set* set, const double slope[2], double spread,
                                  double nearest)
 {

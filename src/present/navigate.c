@@ -322,7 +322,7 @@ stp_navigator stp_navigator_mix(const stp_navigator* from, const stp_navigator* 
     n.ortho_height = between_sizes(from->ortho_height, to->ortho_height, part);
     n.fov_degrees = between(from->fov_degrees, to->fov_degrees, part);
     n.reach = between_sizes(from->reach, to->reach, part);
-    // the pivot moves linearly; distance and direction determine the eye
+    // the target moves linearly; distance and direction determine the eye
     stp_navigator_axes a = stp_navigator_get_axes(from), b = stp_navigator_get_axes(to);
     stp_navigator_axes axes = stp_navigator_get_axes(&n);
     stp_vec3d start = stp_subd(from->eye, stp_scaled(a.back, from->reach));
