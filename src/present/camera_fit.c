@@ -3,7 +3,9 @@
 // Fits a box into the picture in closed form. In camera axes (x right, y up, z towards the eye), a
 // point p is in the picture of an eye e if
 //
-//     x - ex <= s (ez - z)    and    -(x - ex) <= s (ez - z)          s: the frame's slope in x; likewise in y
+//     x - ex <= s (ez - z)    and    -(x - ex) <= s (ez - z)
+//
+// where s is the slope of the frame in x; likewise in y.
 //
 // With A = max(x + s z) and B = max(-x + s z) over all corners, this means
 //
@@ -13,6 +15,8 @@
 // satisfies both. Along the other axis, a bisection finds the smaller slope that just contains the
 // corners from there; it gives equal margins.
 #include "present/camera.h"
+
+#include <assert.h>
 
 enum {
     PLANES = 6 + STP_SECTION_PLANES,
@@ -69,6 +73,7 @@ static uint32_t make_planes(const stp_sections* sections, stp_vec3d center, stp_
         double length = sqrt(stp_dotd(s->normal, s->normal));
         double distance = (s->distance - stp_dotd(s->normal, center)) / length;
         if (length > 0.0 && isfinite(length) && isfinite(distance)) {
+            assert(count < PLANES);
             planes[count++] = (plane){stp_scaled(s->normal, 1.0 / length), distance};
         }
     }
@@ -92,6 +97,7 @@ static bool intersect(const plane* a, const plane* b, const plane* c, stp_vec3d*
 
 static void add_corner(corner_set* set, const camera_axes* axes, stp_vec3d p)
 {
+    assert(set->count < CORNERS && "three planes meet at most once");
     set->points[set->count++] =
         (stp_vec3d){stp_dotd(axes->right, p), stp_dotd(axes->up, p), stp_dotd(axes->back, p)};
 }

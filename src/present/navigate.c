@@ -3,6 +3,8 @@
 
 #include "present/camera.h"
 
+#include <assert.h>
+
 static const double quarter = 0.5 * STP_PI;
 static const double reaches_per_second = 0.6; // flight speed
 static const double seeing_seconds = 0.35;    // time to adapt to most of a new distance
@@ -16,6 +18,7 @@ static double slope_of(const stp_navigator* n)
 
 static void clamp_reach(stp_navigator* n)
 {
+    assert(n->min_reach > 0.0 && n->min_reach <= n->max_reach && "initialised");
     n->reach = stp_clampd(n->reach, n->min_reach, n->max_reach);
 }
 
