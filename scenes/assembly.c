@@ -183,7 +183,7 @@ void plan_make_mesh(mesh_builder* builder, const void* mesh)
 typedef struct fit_task {
     assembly_plan* plan;
     double rare_factor, common_factor; // factors on the designed triangles
-    double pivot;                      // minimum uses of a common mesh
+    double pivot;                      // maximum uses of a rare mesh
     double scale;
 } fit_task;
 

@@ -103,7 +103,7 @@ void shape_prism(shaper* s, const double (*outline)[2], int count, double bore, 
 }
 
 // One cell of a perforated plate: faces between a square and a circle, and the wall of the hole.
-// The square's corners belong to whole quarters, so the number of sides is a multiple of four.
+// The square's corners are at odd eighths of a turn, so the number of sides is a multiple of eight.
 static void put_cell(shape_patch* p, const shape_ring* ring, int sides, const double at[2],
                      const double half[2], double hole, double thickness)
 {

@@ -7,7 +7,7 @@
 enum { MOST_PROFILE = 96 };
 static const double smooth_cosine = 0.72; // cosine of the largest angle of a smooth edge
 
-// Normals at both ends of each piece of a profile.
+// A piece of a profile, with the normals at both ends.
 typedef struct lathe_piece {
     double low[2], high[2]; // radius, height
     double low_normal[2], high_normal[2];
@@ -258,7 +258,8 @@ void shape_thread(shaper* s, double radius, double pitch, double length, int sid
         return;
     }
     const shape_ring* ring = shape_circle(s, sides);
-    double root = radius - 0.6 * pitch, half = 0.5 * pitch, slope = 0.6; // of a 60 degree flank
+    double root = radius - 0.6 * pitch, half = 0.5 * pitch,
+           slope = 0.6; // about that of a 60 degree thread
     double lean = 0.8574929257, rise = slope * lean;
     for (int i = 0; i <= steps; ++i) {
         double c = ring->cosine[i % sides], d = ring->sine[i % sides];

@@ -54,7 +54,7 @@ static const road roads[ROAD_COUNT] = {
       {-1150, 300},
       {-1200, 900},
       {-1300, 1640}}},
-    // the power plants to the east and north edges
+    // the power plants to the north edge
     {6, {{1650, -140}, {1640, -350}, {1500, -650}, {1550, -1000}, {1850, -1250}, {1900, -1640}}},
 };
 

@@ -44,7 +44,7 @@ static int compare_trees(const void* left, const void* right)
     return a->z < b->z ? -1 : a->z > b->z;
 }
 
-// Weights of wooded tiles, densest first; 0 on sites.
+// Weights of all tiles, densest forest first; -1 on sites.
 static void weigh_tiles(uint64_t seed, tile_weight weights[TILE_COUNT])
 {
     for (uint32_t i = 0; i < TILE_COUNT; ++i) {
@@ -72,7 +72,7 @@ static uint32_t choose_kind(uint64_t seed, random_stream* random, double x, doub
     return best;
 }
 
-// A place on the tile where a tree can stand; if all candidates are bad, the best of a few.
+// A place on the tile where a tree can stand; if none of 24 candidates is good, the last.
 static void choose_place(const terrain_map* map, random_stream* random, uint32_t tile, double* x,
                          double* z)
 {

@@ -18,7 +18,7 @@ typedef struct tree_kind {
     double rise;   ///< sine of the angle between branches and the ground
     double droop;  ///< sag along the branch
     crown_shape crown;
-    int levels;                ///< of branches, the trunk included
+    int levels;                ///< levels of branches, the trunk included
     int children[MOST_LEVELS]; ///< children of a branch of each level
     double leaf_length, leaf_width;
     double bark[3], leaf[3]; ///< linear colours
@@ -124,7 +124,7 @@ typedef struct tree_walk {
     mesh_builder* builder;
     const tree_kind* kind;
     bool counting;
-    double detail;  ///< of the branching: 1 is full detail
+    double detail;  ///< share of the branches that grow: 1 is all
     uint64_t twigs; ///< visited so far
     uint64_t all_twigs, wood, leaves;
 } tree_walk;
