@@ -3,6 +3,7 @@
 
 #include "base/rng.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -86,12 +87,14 @@ uint32_t plan_prototype(assembly_plan* plan, const char* name)
 void plan_use(assembly_plan* plan, uint32_t parent, const char* name, uint32_t prototype,
               stp_affine transform)
 {
+    assert(plan->failed || plan->objects[prototype].prototype);
     add_object(plan, &(plan_object){name, parent, transform, STP_NONE, prototype, false});
 }
 
 void plan_place(assembly_plan* plan, uint32_t parent, const char* name, uint32_t mesh,
                 stp_affine transform)
 {
+    assert(plan->failed || mesh < plan->mesh_count);
     add_object(plan, &(plan_object){name, parent, transform, mesh, STP_NONE, false});
 }
 

@@ -3,6 +3,8 @@
 // Prisms, perforated plates and curved sheets.
 #include "scenes/shapes_patch.h"
 
+#include <assert.h>
+
 static const double smooth_cosine = 0.9;
 
 // The outward normal of the edge from corner i to the next.
@@ -148,6 +150,7 @@ void shape_perforated(shaper* s, double width, double depth, double thickness, i
     if (!shape_begin(s, 6 * n * cells, 6 * n * cells, &p)) {
         return;
     }
+    assert(columns > 0 && rows > 0 && sides % 8 == 0 && "corners of cells are vertices");
     const shape_ring* ring = shape_circle(s, sides);
     double half[2] = {0.5 * width / columns, 0.5 * depth / rows};
     for (int row = 0; row < rows; ++row) {

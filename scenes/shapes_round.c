@@ -4,6 +4,8 @@
 #include "scenes/shapes_patch.h"
 #include "scenes/trigonometry.h"
 
+#include <assert.h>
+
 enum { MOST_PROFILE = 96 };
 static const double smooth_cosine = 0.72; // cosine of the largest angle of a smooth edge
 
@@ -16,6 +18,7 @@ typedef struct lathe_piece {
 // Pieces of zero length, or on the axis, are skipped.
 static int make_pieces(const double (*profile)[2], int count, lathe_piece* pieces)
 {
+    assert(count >= 2 && count <= MOST_PROFILE + 1 && "pieces would be left out");
     int made = 0;
     for (int i = 0; i + 1 < count && made < MOST_PROFILE; ++i) {
         double dr = profile[i + 1][0] - profile[i][0], dy = profile[i + 1][1] - profile[i][1];
@@ -178,6 +181,7 @@ static void put_tube_ring(shape_patch* p, const shape_ring* ring, int sides, dou
 void shape_tube(shaper* s, const stp_vec3d* points, int count, double radius, int sides,
                 shape_ends ends)
 {
+    assert(count >= 2 && sides >= 3 && "a tube has two ends and an inside");
     uint64_t n = (uint64_t)sides, rows = (uint64_t)count, caps = ends == SHAPE_CAPPED ? 2 : 0;
     shape_patch p;
     if (!shape_begin(s, n * (rows + caps), 2 * n * (rows - 1) + caps * (n - 2), &p)) {

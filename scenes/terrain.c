@@ -8,6 +8,7 @@
 #include "scenes/solids.h"
 #include "scenes/trees.h"
 
+#include <assert.h>
 #include <stdio.h>
 
 // Every other row of a tile's vertices is shifted by half a cell; a strip of n cells has n + n + 1
@@ -193,6 +194,7 @@ static stp_result add_tiles(stp_scene* scene, const terrain_map* map, uint32_t p
         }
         at = end;
     }
+    assert((result != STP_OK || at == tree_count) && "trees are sorted by tile");
     return result;
 }
 

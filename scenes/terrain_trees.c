@@ -4,6 +4,7 @@
 #include "scenes/terrain.h"
 #include "scenes/trees.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 enum {
@@ -136,6 +137,7 @@ terrain_tree* terrain_plant_trees(stp_context* context, const terrain_map* map, 
             tree->kind = choose_kind(map->seed, &random, tree->x, tree->z);
         }
     }
+    assert(made == count && "every tree has a place");
     balance_kinds(trees, count);
     qsort(trees, count, sizeof(*trees), compare_trees);
     return trees;

@@ -5,6 +5,8 @@
 #include "scenes/solids.h"
 #include "scenes/trigonometry.h"
 
+#include <assert.h>
+
 enum { MOST_LEVELS = 4, MOST_SIDES = 10 };
 
 typedef enum crown_shape { CROWN_ROUND, CROWN_CONE, CROWN_COLUMN, CROWN_UMBRELLA } crown_shape;
@@ -323,6 +325,7 @@ static void grow(tree_walk* walk, branch* b)
 void tree_make(mesh_builder* builder, const void* parameters)
 {
     const tree_recipe* recipe = parameters;
+    assert(recipe->kind < TREE_KINDS && recipe->triangles % 2 == 0);
     const tree_kind* kind = &kinds[recipe->kind];
     if (builder->counting) {
         builder->index_count += 3 * (size_t)recipe->triangles;
