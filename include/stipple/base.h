@@ -57,10 +57,10 @@ typedef enum stp_log_level {
 
 /// Progress of a long call. If nothing is counted, `total` is 0 and `unit` is NULL.
 typedef struct stp_progress_report {
-    const char* stage;    ///< static text: "import", "capture", ...
-    double fraction;      ///< of the stage, 0..1
-    double overall;       ///< of the whole call, 0..1, never decreases; negative: unknown
-    uint64_t done, total; ///< of the stage; `done` is 0..`total`
+    const char* stage; ///< static text: "import", "capture", ...
+    double fraction;   ///< completed part of the stage, 0..1
+    double overall; ///< completed part of the whole call, 0..1, never decreases; negative: unknown
+    uint64_t done, total; ///< units of the stage; `done` is 0..`total`
     const char* unit;     ///< static text: "triangles", "nodes", ...
 } stp_progress_report;
 

@@ -41,7 +41,7 @@ STP_API void stp_builder_destroy(stp_builder* builder);
 
 /// Adds a model file in any format that `stipple build` reads. stp_builder_write reads the file.
 /// Formats that the library does not read itself are converted in a sandboxed child process.
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY
+/// @return STP_OK, STP_ERROR_ARGUMENT (already written), STP_ERROR_OUT_OF_MEMORY
 STP_API STP_MUST_USE stp_result stp_builder_add_file(stp_builder* builder, const char* path);
 
 /// Appearance of a surface. All zero: white, rough, opaque, one-sided.
@@ -118,7 +118,7 @@ typedef struct stp_object_desc {
     stp_affine transform;  ///< to the parent; all zero: the identity
     const uint32_t* parts; ///< numbers of the parts it shows; objects may share parts
     size_t part_count;
-    /// Instances of all its parts within the object; NULL: one, the identity
+    /// Instances of all its parts within the object; instance_count 0: one, the identity
     const stp_affine* instances;
     size_t instance_count;
 } stp_object_desc;

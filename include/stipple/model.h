@@ -42,7 +42,7 @@ typedef struct stp_model_desc {
     /// once, until the model is closed. Without `stream`, the whole file is read at once.
     stp_read_callback read;
     void* read_user;
-    uint64_t size;    ///< of `bytes`, or of the file behind `read`
+    uint64_t size;    ///< size of `bytes`, or of the file behind `read`, in bytes
     const char* name; ///< name in messages if there is no path; default "memory"
     /// Accepts a truncated file, such as a download in progress, if its directory is complete. The
     /// part that is present is drawn. Not with `read`.
@@ -82,7 +82,7 @@ typedef struct stp_model_info {
     uint32_t object_count; ///< objects of the scene tree
     uint32_t view_count, method_count, source_count;
     uint32_t material_count, texture_count, mesh_count;
-    uint32_t attributes;           ///< of points, one bit each (stp_attribute_bit)
+    uint32_t attributes; ///< attributes that points have, one bit each (stp_attribute_bit)
     const char* coordinate_system; ///< WKT or "EPSG:25832", if the sources agree; NULL: unknown
     const char* build_json;        ///< options of the build, one JSON object; NULL: not stored
 } stp_model_info;

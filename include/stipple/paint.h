@@ -90,7 +90,7 @@ typedef struct stp_paint_desc {
 
 typedef struct stp_paint_report {
     size_t struct_size;
-    double frame_ms; ///< duration of the call; with OpenGL, until commands were sent
+    double frame_ms; ///< duration of the last drawing pass; with OpenGL, until commands were sent
     double select_ms, draw_ms, shade_ms;
     float splat_size; ///< pixels, as used
     uint64_t splats, triangles, covered_pixels;
@@ -119,7 +119,8 @@ STP_API STP_MUST_USE stp_result stp_painter_draw(stp_painter* painter, const stp
                                                  stp_paint_report* report);
 
 /// The OpenGL texture that holds the last picture: GL_TEXTURE_2D, GL_RGBA8, sRGB values, row 0 at
-/// the top. Belongs to the painter; changes with the picture size. 0 for a CPU painter.
+/// the top. Belongs to the painter; changes with the picture size. 0 for a CPU painter, and if the
+/// last picture failed.
 STP_API uint32_t stp_painter_get_texture(const stp_painter* painter);
 
 /// Depth of each pixel of the last picture: distance from the eye along the viewing direction, in

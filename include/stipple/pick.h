@@ -20,13 +20,15 @@ typedef enum stp_hit_snap {
 
 typedef struct stp_hit {
     size_t struct_size;
-    bool hit; ///< false: the ray hits nothing, and the other fields are zero
+    /// False: the ray hits nothing; the fields below except `incomplete` are zero, the objects
+    /// STP_NO_OBJECT.
+    bool hit;
     /// Data on the ray was not loaded (streaming, or a truncated file): there may be a nearer hit.
     bool incomplete;
     bool is_point;      ///< a point, not a triangle
     double distance;    ///< from the eye; in parallel projection, from the eye's plane
     stp_vec3d position; ///< scene space
-    stp_vec3d normal;   ///< of the triangle, facing the eye; zero for a point
+    stp_vec3d normal;   ///< normal of the triangle, facing the eye; zero for a point
     stp_hit_snap snap;  ///< snap target within 8 pixels
     stp_vec3d snapped;  ///< the vertex or the point on an edge; else the position
     /// Innermost object that contains the hit, STP_NO_OBJECT if unknown; and its innermost placed

@@ -13,7 +13,7 @@ enum { STP_SECTION_PLANES = 14 }; ///< eight, plus the six of a box
 
 /// A section plane in scene space: the half space normal . p > distance is cut away.
 typedef struct stp_section_plane {
-    stp_vec3d normal; ///< of any length above 0
+    stp_vec3d normal; ///< any length above 0
     double distance;
 } stp_section_plane;
 

@@ -3,6 +3,7 @@
 
 #include "base/math/rng.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -86,12 +87,14 @@ uint32_t plan_prototype(assembly_plan* plan, const char* name)
 void plan_use(assembly_plan* plan, uint32_t parent, const char* name, uint32_t prototype,
               stp_affine transform)
 {
+    assert(plan->failed || plan->objects[prototype].prototype);
     add_object(plan, &(plan_object){name, parent, transform, STP_NONE, prototype, false});
 }
 
 void plan_place(assembly_plan* plan, uint32_t parent, const char* name, uint32_t mesh,
                 stp_affine transform)
 {
+    assert(plan->failed || mesh < plan->mesh_count);
     add_object(plan, &(plan_object){name, parent, transform, mesh, STP_NONE, false});
 }
 
@@ -183,7 +186,7 @@ void plan_make_mesh(mesh_builder* builder, const void* mesh)
 typedef struct fit_task {
     assembly_plan* plan;
     double rare_factor, common_factor; // factors on the designed triangles
-    double pivot;                      // minimum uses of a common mesh
+    double pivot;                      // maximum uses of a rare mesh
     double scale;
 } fit_task;
 

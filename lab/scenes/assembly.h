@@ -4,7 +4,7 @@
 // placement (line > station > module > part). Triangles are counted by formulas, fitted to the
 // wanted totals, and only then made.
 //
-//   plan_begin -> plan_mesh, plan_group, plan_part, plan_use ... -> plan_fit -> plan_build
+//   plan_begin -> plan_add_mesh, plan_group, plan_part, plan_use ... -> plan_fit -> plan_build
 //
 // A plan that runs out of memory records the failure; adding needs no checks.
 #pragma once
@@ -22,7 +22,7 @@ typedef struct plan_mesh {
     part_maker make;
     double parameters[PLAN_PARAMETERS];
     uint64_t seed;
-    uint32_t material;  ///< of finish_list
+    uint32_t material;  ///< a plan_finish
     uint64_t uses;      ///< in the whole assembly
     uint64_t designed;  ///< triangles at detail 1
     uint64_t triangles; ///< as fitted

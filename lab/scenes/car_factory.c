@@ -29,8 +29,9 @@ static const double panel_places[PANELS][5] = {
     {0.86, 0.99, 0.18, 0.82, 44}, // boot lid
     {0.02, 0.30, 0.00, 0.20, 44}, // left wing
     {0.02, 0.30, 0.80, 1.00, 44}, // right wing
-    {0.31, 0.52, 0.00, 0.22, 40}, // front doors
-    {0.53, 0.72, 0.00, 0.22, 40}, {0.31, 0.52, 0.78, 1.00, 40},
+    {0.31, 0.52, 0.00, 0.22, 40}, // front left door
+    {0.53, 0.72, 0.00, 0.22, 40}, // rear left door
+    {0.31, 0.52, 0.78, 1.00, 40}, // front right door
     {0.53, 0.98, 0.78, 1.00, 40}, // right side
 };
 static const char* const panel_names[PANELS] = {

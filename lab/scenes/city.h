@@ -35,11 +35,11 @@ typedef enum city_kind {
     CITY_ARCADE,     ///< length, height, thickness: arches on piers
     CITY_SEATS,  ///< radii within and without, angle in turns, height: a wedge of an amphitheatre
     CITY_BEAMS,  ///< width, run: timber under a roof
-    CITY_COLUMN, ///< height, radius, order 0..2: the rest are shared by instances
+    CITY_COLUMN, ///< height, radius, order 0..2; instances share the pieces from here on
     CITY_AMPHORA,
     CITY_STATUE,
     CITY_FOUNTAIN,
-    CITY_TREE, ///< kind
+    CITY_TREE, ///< kind (0: oak, 1: cypress), triangles
     CITY_KINDS
 } city_kind;
 
@@ -118,7 +118,7 @@ typedef struct city_plan {
     uint32_t group;                                           ///< parent of the next items
     uint64_t unique_wanted, objects_wanted, triangles_wanted, unique_triangles_wanted;
     uint64_t objects;    ///< items that are not groups
-    uint64_t* triangles; ///< of each piece, counted by city_plan_make
+    uint64_t* triangles; ///< triangles of each piece, counted by city_plan_make
     bool failed;
 } city_plan;
 
@@ -154,7 +154,7 @@ void city_make_piece(mesh_builder* builder, const void* piece);
 /// Triangles of a roof, by formula.
 uint64_t city_roof_triangles(const city_piece* roof);
 
-// Makers of pieces, in two files.
+// Makers of pieces, in city_walls.c, city_furniture.c and city_monuments.c.
 void city_make_wall(mesh_builder* builder, const city_piece* piece);
 void city_make_roof(mesh_builder* builder, const city_piece* piece);
 void city_make_furniture(mesh_builder* builder, const city_piece* piece);

@@ -336,7 +336,7 @@ void city_plan_make(city_plan* plan)
     }
     for (int i = 0; i < BLOCKS && !is_full(plan) && !plan->failed; ++i, ++built) {
         bool small = plan->unique_wanted < 1500 && use_of(&blocks[i]) != USE_HOUSES;
-        if (!small) { // no room for a forum
+        if (!small) { // a small city has no room for a forum
             plan_block(plan, &blocks[i]);
         }
     }

@@ -4,6 +4,8 @@
 #include "lab/scenes/city.h"
 #include "lab/scenes/solids.h"
 
+#include <assert.h>
+
 enum { MOST_CUTS = 40 };
 
 // A panel cut into cells by lines; some cells are holes. Faces share their vertices.
@@ -109,6 +111,7 @@ static void add_openings(panel* p, const city_piece* piece, random_stream* rando
             p->hole[p->columns - 1][3] = openings != OPEN_DOOR;
         }
     }
+    assert(p->columns < MOST_CUTS);
     p->xs[++p->columns] = length;
 }
 

@@ -13,7 +13,7 @@
 
 typedef struct clearing {
     uint64_t seed;
-    double half; ///< of its side
+    double half; ///< half of its side, in metres
     int cells;
 } clearing;
 

@@ -3,6 +3,7 @@
 
 #include "lab/scenes/gltf_text.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -174,6 +175,8 @@ static stp_result write_files(gltf_output* o)
         if (gltf_buffer_bytes(&o->plan, i) > 0) {
             result = stp_file_writer_open(o->context, path, &o->bins[i]);
             result = result != STP_OK ? result : write_buffer(o, i, o->bins[i]);
+            assert(result != STP_OK ||
+                   stp_file_writer_size(o->bins[i]) == gltf_buffer_bytes(&o->plan, i));
         }
     }
     return result;

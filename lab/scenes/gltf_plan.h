@@ -9,7 +9,7 @@ typedef struct gltf_node {
     uint32_t object;
     uint32_t instance;    ///< shows only this instance of its parts; STP_NONE: the object
     uint32_t content;     ///< object whose parts it shows; STP_NONE: none
-    uint32_t first_child; ///< node
+    uint32_t first_child; ///< index of the node of its first child
     uint32_t child_count;
     bool part_only; ///< shows only parts of a used object, without a transform of its own
 } gltf_node;
@@ -32,16 +32,16 @@ typedef struct gltf_plan {
     const stp_scene* scene;
     gltf_node* nodes;
     size_t node_count, node_capacity, root_count;
-    uint32_t* first_child; ///< of each object; STP_NONE-terminated
+    uint32_t* first_child; ///< by object; STP_NONE ends a list, here and in next_sibling
     uint32_t* next_sibling;
     gltf_mesh* meshes;
-    uint32_t* mesh_of_object; ///< in the file; STP_NONE: none
+    uint32_t* mesh_of_object; ///< by object: mesh in the file; STP_NONE: none
     uint32_t* lists;          ///< objects whose part lists become meshes after the scene's own
     size_t list_count;
     gltf_buffer* buffers;
     size_t buffer_count, buffer_capacity;
     uint32_t accessor_count, view_count;
-    /// Of each object: the first of three; STP_NONE: extension not used
+    /// By object: the first of its three accessors; STP_NONE: the extension is not used
     uint32_t* instance_accessor;
     uint64_t instance_count; ///< in the last buffer, after its regions; 40 bytes each
 } gltf_plan;

@@ -11,7 +11,7 @@ typedef struct json_writer {
     const gltf_plan* plan;
     stp_file_writer* file;
     stp_result result;
-    bool first; ///< of a list: no comma before
+    bool first; ///< the next item is the first of its list: no comma before it
 } json_writer;
 
 static void put_text(json_writer* w, const char* text, size_t length)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lab/scenes/mesh_builder.h"
 
+#include <assert.h>
+
 enum { BATCH = 64 }; // meshes made at a time, before they are added in order
 
 typedef struct batch {
@@ -75,6 +77,7 @@ stp_result make_meshes(stp_scene* scene, const mesh_recipe* recipes, size_t coun
                 stp_progress(scene->context, "generate", (double)(first + size) / (double)count);
         }
     }
+    assert(result != STP_OK || scene->mesh_count == *first_mesh + count);
     stp_free(scene->context, b);
     return result;
 }

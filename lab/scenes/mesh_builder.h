@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
+<<<<<<< HEAD:lab/scenes/mesh_builder.h
 // Builds triangles, and the shapes that machines, houses and plants consist of. Everything is
 // deterministic: no libm, so both compilers give the same bytes (lab/scenes/trigonometry.h has sine and
+=======
+// Builds meshes from vertices and triangles. Everything is deterministic: no functions of libm but
+// the square root, so both compilers give the same bytes (lab/scenes/trigonometry.h has sine and
+>>>>>>> wt-builder:lab/scenes/mesh_builder.h
 // cosine).
 //
 // A builder that runs out of memory records the failure and ignores further calls: makers need not
@@ -17,12 +22,12 @@ typedef struct mesh_builder {
     uint16_t* colors; ///< 4 per vertex, linear; NULL without mesh_builder_color
     uint32_t* indices;
     size_t vertex_count, index_count, vertex_capacity, index_capacity;
-    uint16_t color[4]; ///< of the next vertices
+    uint16_t color[4]; ///< colour of the next vertices
     bool colored;
     bool flat;     ///< no normals: faces are flat and may share vertices at edges
     bool counting; ///< only counts, for plans
     bool failed;
-    /// Of what follows (rotation, uniform scale, translation); initially identity
+    /// Placement of the next vertices (rotation, uniform scale, translation); initially identity
     stp_affine place;
 } mesh_builder;
 

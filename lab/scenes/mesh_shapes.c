@@ -5,6 +5,7 @@
 #include "lab/scenes/mesh_shapes_patch.h"
 #include "lab/scenes/trigonometry.h"
 
+#include <assert.h>
 #include <string.h>
 
 double shaper_random(shaper* s)
@@ -74,6 +75,7 @@ stp_affine place_along(stp_vec3d point, stp_vec3d direction)
 
 const shape_ring* shape_circle(shaper* s, int sides)
 {
+    assert(sides > 0 && sides <= SHAPE_MOST_SIDES && "a ring has room for no more");
     shape_ring* ring = &s->rings[sides % SHAPE_RINGS];
     if (ring->sides != sides) {
         ring->sides = sides;

@@ -13,7 +13,7 @@
 
 enum {
     SHAPE_RINGS = 16,       ///< circles kept at a time
-    SHAPE_MOST_SIDES = 256, ///< of a circle
+    SHAPE_MOST_SIDES = 256, ///< maximum sides of a circle
 };
 
 /// The points of a circle: cosine and sine in turn, the first repeated at the end.
@@ -29,7 +29,7 @@ typedef struct shaper {
     double amount;       ///< factor on the number of details; at most 1
     double keep;         ///< probability of making a shape; below 1 only at small scales
     uint64_t seed, draws, shapes;
-    stp_affine place; ///< of the next shapes: rotation and translation only
+    stp_affine place; ///< placement of the next shapes: rotation and translation only
     shape_ring* rings;
 } shaper;
 
@@ -86,7 +86,8 @@ typedef enum shape_profile {
     PROFILE_TUBE
 } shape_profile;
 
-/// A rolled profile between two points. `up`: direction of its web.
+/// A rolled profile between two points. Its height is along the local x axis (place_along), which
+/// points up where the beam is level.
 void shape_beam(shaper* s, shape_profile profile, stp_vec3d from, stp_vec3d to, double height,
                 double width, double thickness);
 /// Flat bar or rectangular stick between two points: 12 triangles.

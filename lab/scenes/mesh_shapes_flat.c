@@ -3,6 +3,8 @@
 // Prisms, perforated plates and curved sheets.
 #include "lab/scenes/mesh_shapes_patch.h"
 
+#include <assert.h>
+
 static const double smooth_cosine = 0.9;
 
 // The outward normal of the edge from corner i to the next.
@@ -103,7 +105,7 @@ void shape_prism(shaper* s, const double (*outline)[2], int count, double bore, 
 }
 
 // One cell of a perforated plate: faces between a square and a circle, and the wall of the hole.
-// The square's corners belong to whole quarters, so the number of sides is a multiple of four.
+// The square's corners are at odd eighths of a turn, so the number of sides is a multiple of eight.
 static void put_cell(shape_patch* p, const shape_ring* ring, int sides, const double at[2],
                      const double half[2], double hole, double thickness)
 {
@@ -148,6 +150,7 @@ void shape_perforated(shaper* s, double width, double depth, double thickness, i
     if (!shape_begin(s, 6 * n * cells, 6 * n * cells, &p)) {
         return;
     }
+    assert(columns > 0 && rows > 0 && sides % 8 == 0 && "corners of cells are vertices");
     const shape_ring* ring = shape_circle(s, sides);
     double half[2] = {0.5 * width / columns, 0.5 * depth / rows};
     for (int row = 0; row < rows; ++row) {

@@ -13,7 +13,8 @@ typedef struct shape_patch {
     stp_affine place;
 } shape_patch;
 
-/// Adds to the counts. @return whether to write: false when only counting, or out of memory
+/// Adds to the counts. @return whether to write: false when only counting, out of memory, or if the
+/// shape is left out (then it is not counted either)
 bool shape_begin(shaper* s, uint64_t vertices, uint64_t triangles, shape_patch* patch);
 
 /// The circle with `sides` sides.

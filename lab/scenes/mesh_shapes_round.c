@@ -4,10 +4,12 @@
 #include "lab/scenes/mesh_shapes_patch.h"
 #include "lab/scenes/trigonometry.h"
 
+#include <assert.h>
+
 enum { MOST_PROFILE = 96 };
 static const double smooth_cosine = 0.72; // cosine of the largest angle of a smooth edge
 
-// Normals at both ends of each piece of a profile.
+// A piece of a profile, with the normals at both ends.
 typedef struct lathe_piece {
     double low[2], high[2]; // radius, height
     double low_normal[2], high_normal[2];
@@ -16,6 +18,7 @@ typedef struct lathe_piece {
 // Pieces of zero length, or on the axis, are skipped.
 static int make_pieces(const double (*profile)[2], int count, lathe_piece* pieces)
 {
+    assert(count >= 2 && count <= MOST_PROFILE + 1 && "pieces would be left out");
     int made = 0;
     for (int i = 0; i + 1 < count && made < MOST_PROFILE; ++i) {
         double dr = profile[i + 1][0] - profile[i][0], dy = profile[i + 1][1] - profile[i][1];
@@ -178,6 +181,7 @@ static void put_tube_ring(shape_patch* p, const shape_ring* ring, int sides, dou
 void shape_tube(shaper* s, const stp_vec3d* points, int count, double radius, int sides,
                 shape_ends ends)
 {
+    assert(count >= 2 && sides >= 3 && "a tube has two ends and an inside");
     uint64_t n = (uint64_t)sides, rows = (uint64_t)count, caps = ends == SHAPE_CAPPED ? 2 : 0;
     shape_patch p;
     if (!shape_begin(s, n * (rows + caps), 2 * n * (rows - 1) + caps * (n - 2), &p)) {
@@ -258,7 +262,8 @@ void shape_thread(shaper* s, double radius, double pitch, double length, int sid
         return;
     }
     const shape_ring* ring = shape_circle(s, sides);
-    double root = radius - 0.6 * pitch, half = 0.5 * pitch, slope = 0.6; // of a 60 degree flank
+    double root = radius - 0.6 * pitch, half = 0.5 * pitch,
+           slope = 0.6; // about that of a 60 degree thread
     double lean = 0.8574929257, rise = slope * lean;
     for (int i = 0; i <= steps; ++i) {
         double c = ring->cosine[i % sides], d = ring->sine[i % sides];

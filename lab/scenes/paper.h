@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-// The benchmark scene of Brandt et al. 2019, section 5.1.
 // The benchmark scene of Brandt et al. 2019, section 5.1, and its parts.
 #pragma once
 
 #include "lab/scenes/scenes.h"
 
-/// A named view, "1".."5" as in Table 3. `ground`: eye and target are relative to the ground.
+/// A named view, "1".."5" as in Table 3.
 typedef struct paper_view {
     const char* name;
     stp_vec3d eye, target;

@@ -105,7 +105,7 @@ void part_motors(shaper* s, const double* p)
     }
 }
 
-// A shell of 1 cm plates, so that the interior is really inside.
+// A shell of 1.2 cm plates, so that the interior is really inside.
 static void housing(shaper* s, double w, double h, double d)
 {
     double t = 0.012;

@@ -8,6 +8,7 @@
 #include "lab/scenes/solids.h"
 #include "lab/scenes/trees.h"
 
+#include <assert.h>
 #include <stdio.h>
 
 // Every other row of a tile's vertices is shifted by half a cell; a strip of n cells has n + n + 1
@@ -35,7 +36,7 @@ double terrain_height(const terrain_map* map, double x, double z)
     return height - (1.0 - flat) * (0.12 + 0.03 * noise2(seed + 9, x / 11.0, z / 11.0));
 }
 
-// Grass, drier on hills, bare earth near the sites.
+// Grass, drier in some places, bare earth near the sites.
 static void choose_color(mesh_builder* builder, uint64_t seed, double x, double z)
 {
     double dry = 0.5 + 0.5 * noise2_octaves(seed + 20, x / 160.0, z / 160.0, 4);
@@ -147,7 +148,7 @@ stp_result terrain_add_tree_meshes(stp_scene* scene, uint64_t seed, double detai
     return result != STP_OK ? result : make_meshes(scene, recipes, TREE_KINDS, first_mesh);
 }
 
-// One object per tree kind on the tile, with an instance per tree. @return trees added
+// Adds an object per tree kind on the tile, with an instance per tree.
 static stp_result add_tile_trees(stp_scene* scene, const terrain_tree* trees, size_t count,
                                  uint32_t parent, const terrain_tile* t, uint32_t first_mesh)
 {
@@ -193,6 +194,7 @@ static stp_result add_tiles(stp_scene* scene, const terrain_map* map, uint32_t p
         }
         at = end;
     }
+    assert((result != STP_OK || at == tree_count) && "trees are sorted by tile");
     return result;
 }
 

@@ -32,7 +32,7 @@ void terrain_map_make(terrain_map* map, uint64_t seed);
 double terrain_height(const terrain_map* map, double x, double z);
 /// Metres to the nearest site; 0 within one.
 double terrain_site_distance(double x, double z);
-/// Metres to the centre of the nearest road; 100 or more if none is within 100.
+/// Metres to the centre of the nearest road; 100 if none is nearer.
 double terrain_road_distance(const terrain_map* map, double x, double z);
 
 /// A point of road `road`, at `t` in 0..1 along it. `direction` (along the ground) may be NULL.
@@ -57,7 +57,7 @@ uint64_t terrain_count_roads(const terrain_map* map, uint64_t triangles,
 /// Adds 258 meshes and their objects below `parent`, with `triangles` triangles in all.
 STP_MUST_USE stp_result terrain_add_roads(stp_scene* scene, uint32_t parent, const terrain_map* map,
                                           uint64_t triangles);
-/// Six meshes of trees, and where each kind stands.
+/// Adds a mesh for each kind of tree, with `detail` (at most 1) times its triangles, at least 400.
 STP_MUST_USE stp_result terrain_add_tree_meshes(stp_scene* scene, uint64_t seed, double detail,
                                                 uint32_t* first_mesh);
 

@@ -4,6 +4,8 @@
 // spread over the whole terrain, with forests between them.
 #include "lab/scenes/terrain.h"
 
+#include <assert.h>
+
 const terrain_site terrain_sites[SITE_COUNT] = {
     [SITE_CITY] = {-1850.0, 250.0, 430.0, 330.0},
     [SITE_CAR_FACTORY] = {-300.0, 900.0, 180.0, 130.0},
@@ -54,12 +56,13 @@ static const road roads[ROAD_COUNT] = {
       {-1150, 300},
       {-1200, 900},
       {-1300, 1640}}},
-    // the power plants to the east and north edges
+    // the power plants to the north edge
     {6, {{1650, -140}, {1640, -350}, {1500, -650}, {1550, -1000}, {1850, -1250}, {1900, -1640}}},
 };
 
 stp_vec3d terrain_road_point(int index, double t, stp_vec3d* direction)
 {
+    assert(index >= 0 && index < ROAD_COUNT);
     const road* r = &roads[index];
     double at = (t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t) * (double)(r->count - 1);
     int span = (int)at;

@@ -4,6 +4,7 @@
 #include "lab/scenes/terrain.h"
 #include "lab/scenes/trees.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 enum {
@@ -44,7 +45,7 @@ static int compare_trees(const void* left, const void* right)
     return a->z < b->z ? -1 : a->z > b->z;
 }
 
-// Weights of wooded tiles, densest first; 0 on sites.
+// Weights of all tiles, densest forest first; -1 on sites.
 static void weigh_tiles(uint64_t seed, tile_weight weights[TILE_COUNT])
 {
     for (uint32_t i = 0; i < TILE_COUNT; ++i) {
@@ -72,7 +73,7 @@ static uint32_t choose_kind(uint64_t seed, random_stream* random, double x, doub
     return best;
 }
 
-// A place on the tile where a tree can stand; if all candidates are bad, the best of a few.
+// A place on the tile where a tree can stand; if none of 24 candidates is good, the last.
 static void choose_place(const terrain_map* map, random_stream* random, uint32_t tile, double* x,
                          double* z)
 {
@@ -136,6 +137,7 @@ terrain_tree* terrain_plant_trees(stp_context* context, const terrain_map* map, 
             tree->kind = choose_kind(map->seed, &random, tree->x, tree->z);
         }
     }
+    assert(made == count && "every tree has a place");
     balance_kinds(trees, count);
     qsort(trees, count, sizeof(*trees), compare_trees);
     return trees;

@@ -5,6 +5,8 @@
 #include "lab/scenes/solids.h"
 #include "lab/scenes/trigonometry.h"
 
+#include <assert.h>
+
 enum { MOST_LEVELS = 4, MOST_SIDES = 10 };
 
 typedef enum crown_shape { CROWN_ROUND, CROWN_CONE, CROWN_COLUMN, CROWN_UMBRELLA } crown_shape;
@@ -18,7 +20,7 @@ typedef struct tree_kind {
     double rise;   ///< sine of the angle between branches and the ground
     double droop;  ///< sag along the branch
     crown_shape crown;
-    int levels;                ///< of branches, the trunk included
+    int levels;                ///< levels of branches, the trunk included
     int children[MOST_LEVELS]; ///< children of a branch of each level
     double leaf_length, leaf_width;
     double bark[3], leaf[3]; ///< linear colours
@@ -124,7 +126,7 @@ typedef struct tree_walk {
     mesh_builder* builder;
     const tree_kind* kind;
     bool counting;
-    double detail;  ///< of the branching: 1 is full detail
+    double detail;  ///< share of the branches that grow: 1 is all
     uint64_t twigs; ///< visited so far
     uint64_t all_twigs, wood, leaves;
 } tree_walk;
@@ -323,6 +325,7 @@ static void grow(tree_walk* walk, branch* b)
 void tree_make(mesh_builder* builder, const void* parameters)
 {
     const tree_recipe* recipe = parameters;
+    assert(recipe->kind < TREE_KINDS && recipe->triangles % 2 == 0);
     const tree_kind* kind = &kinds[recipe->kind];
     if (builder->counting) {
         builder->index_count += 3 * (size_t)recipe->triangles;

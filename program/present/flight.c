@@ -11,6 +11,7 @@
 #include "base/math/math.h"
 #include "program/present/json_text.h"
 
+#include <assert.h>
 #include <string.h>
 
 static const double max_coordinate = 1e12; // prevents overflow
@@ -157,6 +158,7 @@ void stp_flight_destroy(stp_context* context, stp_flight* flight)
 
 uint32_t stp_flight_frame_count(const stp_flight* flight, double fps)
 {
+    assert(flight->key_count > 0 && "a flight that was read has a key");
     double seconds = flight->keys[flight->key_count - 1].t - flight->keys[0].t;
     return 1 + (uint32_t)(seconds * fps + 1e-6); // 2 s are 121 frames, however they round
 }
@@ -165,10 +167,12 @@ uint32_t stp_flight_frame_count(const stp_flight* flight, double fps)
 static size_t find_span(const stp_flight* flight, double t)
 {
     size_t low = 0, high = flight->key_count - 1; // keys[low].t <= t < keys[high].t
+    assert(low < high && flight->keys[low].t <= t && t < flight->keys[high].t);
     while (high - low > 1) {
         size_t middle = low + (high - low) / 2;
         *(flight->keys[middle].t <= t ? &low : &high) = middle;
     }
+    assert(flight->keys[low].t <= t && t < flight->keys[low + 1].t && "keys ascend");
     return low;
 }
 
@@ -176,6 +180,8 @@ static size_t find_span(const stp_flight* flight, double t)
 // neighbour is missing.
 static stp_vec3d interpolate(const stp_vec3d p[4], const double h[3], double u)
 {
+    assert(h[0] >= 0.0 && h[1] > 0.0 && h[2] >= 0.0 && "keys ascend");
+    assert(u >= 0.0 && u <= 1.0);
     stp_vec3d slope = stp_scaled(stp_subd(p[2], p[1]), 1.0 / h[1]);
     stp_vec3d start = slope, end = slope;
     if (h[0] > 0.0) {

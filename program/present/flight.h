@@ -2,8 +2,8 @@
 //
 // A camera path through a scene: keys at times, interpolated. As JSON:
 //
-//   { "fov": 60, "fps": 60, "keys": [ { "t": 0, "eye": [0, 2, 30], "target": [0, 2, 0], "up": [0,
-// 1, 0] }, ... ] }
+//   { "fov": 60, "fps": 60,
+//     "keys": [ { "t": 0, "eye": [0, 2, 30], "target": [0, 2, 0], "up": [0, 1, 0] }, ... ] }
 //
 // `t` is in seconds. Eye and target follow Catmull-Rom splines, also for keys unevenly spaced in
 // time. Up vectors are interpolated and normalised. fov (60), fps (60) and up (0, 1, 0) are
@@ -29,9 +29,9 @@ typedef struct stp_flight {
 #define STP_FLIGHT_BYTES_MAX ((size_t)1 << 24) ///< size limit of a file
 #define STP_FLIGHT_SECONDS_MAX 86400.0         ///< from the first key to the last
 
-/// @return STP_OK, STP_ERROR_IO, STP_ERROR_FORMAT (not JSON; a value missing, of the wrong type or
-/// out of range; times not ascending; an eye at its target), STP_ERROR_LIMIT (file too large),
-/// STP_ERROR_OUT_OF_MEMORY; logged
+/// Reads a flight from a file. @return STP_OK, STP_ERROR_IO, STP_ERROR_FORMAT (not JSON; a value
+/// missing, of the wrong type or out of range; times not ascending; an eye at its target),
+/// STP_ERROR_LIMIT (file too large), STP_ERROR_OUT_OF_MEMORY; logged
 STP_MUST_USE stp_result stp_flight_read(stp_context* context, const char* path, stp_flight* flight);
 /// Parses a flight from memory; `name` begins the error message.
 STP_MUST_USE stp_result stp_flight_parse(stp_context* context, const char* name,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "program/present/json_text.h"
 
+#include <assert.h>
 #include <math.h>
 
 #define PARSED_BYTES 64 // parser memory per byte of text, for text full of numbers
@@ -32,6 +33,7 @@ stp_result stp_json_parse(stp_context* context, const stp_json_text* text, json_
 
 void stp_json_release(stp_context* context, const stp_json_text* text, json_t* root)
 {
+    assert(text->size <= text->size_limit && "nothing was reserved for a longer text");
     json_decref(root);
     stp_release(context, (uint64_t)text->size * PARSED_BYTES);
 }

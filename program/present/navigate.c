@@ -3,6 +3,8 @@
 
 #include "select/camera.h"
 
+#include <assert.h>
+
 static const double quarter = 0.5 * STP_PI;
 static const double reaches_per_second = 0.6; // flight speed
 static const double seeing_seconds = 0.35;    // time to adapt to most of a new distance
@@ -16,6 +18,7 @@ static double slope_of(const stp_navigator* n)
 
 static void clamp_reach(stp_navigator* n)
 {
+    assert(n->min_reach > 0.0 && n->min_reach <= n->max_reach && "initialised");
     n->reach = stp_clampd(n->reach, n->min_reach, n->max_reach);
 }
 
@@ -322,7 +325,7 @@ stp_navigator stp_navigator_mix(const stp_navigator* from, const stp_navigator* 
     n.ortho_height = between_sizes(from->ortho_height, to->ortho_height, part);
     n.fov_degrees = between(from->fov_degrees, to->fov_degrees, part);
     n.reach = between_sizes(from->reach, to->reach, part);
-    // the pivot moves linearly; distance and direction determine the eye
+    // the target moves linearly; distance and direction determine the eye
     stp_navigator_axes a = stp_navigator_get_axes(from), b = stp_navigator_get_axes(to);
     stp_navigator_axes axes = stp_navigator_get_axes(&n);
     stp_vec3d start = stp_subd(from->eye, stp_scaled(a.back, from->reach));

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // An interactive camera: orbit, zoom to the cursor, and fly. Plain data and arithmetic: no window,
-// no clock. Everything is in doubles and relative to the pivot, so nothing jitters far from the
-// origin.
+// no clock. Everything is in doubles, so nothing jitters far from the origin.
 //
 // Directions are stored as angles, so up stays up. Azimuth 0 and elevation 0 look from the front
 // (from +z); an elevation of a quarter turn looks down with -z up in the picture, as in the
@@ -17,13 +16,13 @@ typedef struct stp_navigator {
     stp_vec3d eye;
     double azimuth, elevation, roll; ///< radians; elevation within a quarter turn
     double fov_degrees;              ///< vertical
-    double ortho_height;             ///< of the picture; parallel projection if above 0
-    double reach;                    ///< distance to the visible surface: it scales speeds
-    stp_vec3d pivot;                 ///< centre of orbits
-    bool pivot_chosen;               ///< the user chose it: it stays
-    double speed;                    ///< flight speed factor; initially 1
-    double min_reach, max_reach;
-    uint32_t width, height; ///< pixels
+    double ortho_height;         ///< picture height in scene units; above 0: parallel projection
+    double reach;                ///< distance to the visible surface: it scales speeds
+    stp_vec3d pivot;             ///< centre of orbits
+    bool pivot_chosen;           ///< the user chose it: it stays
+    double speed;                ///< flight speed factor; initially 1
+    double min_reach, max_reach; ///< limits of `reach` and `ortho_height`
+    uint32_t width, height;      ///< pixels
 } stp_navigator;
 
 /// The axes of a camera.
@@ -31,7 +30,7 @@ typedef struct stp_navigator_axes {
     stp_vec3d right, up, back; ///< unit; `back` points towards the viewer
 } stp_navigator_axes;
 
-/// Looks from the "iso" direction at the whole box, which also defines near and far.
+/// Looks from the "iso" direction at the whole box, whose size also gives the limits of the reach.
 void stp_navigator_init(stp_navigator* n, const stp_boxd* scene, uint32_t width, uint32_t height);
 
 /// Takes position, direction and projection from a view. Its target becomes the pivot.
@@ -51,8 +50,10 @@ bool stp_navigator_project(const stp_navigator* n, stp_vec3d point, double* x, d
 /// Orbits around the pivot, which keeps its place in the picture. Takes the pointer's movement in
 /// pixels; the picture's height is half a turn.
 void stp_navigator_orbit(stp_navigator* n, double dx, double dy);
-/// Chooses the centre of an orbit that begins at a surface point, unless the user chose a pivot. It
-/// is that point, unless the pivot is visible at a similar depth.
+/// Chooses the centre of an orbit that begins at a surface point (NULL: there is none). A pivot
+/// stays if it is in the picture and the user chose it or it has a similar depth. Otherwise it
+/// becomes the surface point, or without one, if it is outside, the point in the middle of the
+/// picture.
 void stp_navigator_begin_orbit(stp_navigator* n, const stp_vec3d* seen);
 void stp_navigator_choose_pivot(stp_navigator* n, stp_vec3d pivot);
 

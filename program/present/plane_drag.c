@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "program/present/plane_drag.h"
 
+#include <assert.h>
+
 static const double min_slant =
     0.15; // share of a direction's length that must be seen for a hand to follow it
 
@@ -40,6 +42,7 @@ int stp_plane_cut_box(stp_vec3d point, stp_vec3d normal, const stp_boxd* box,
             double da = stp_dotd(normal, stp_subd(a, point));
             double db = stp_dotd(normal, stp_subd(b, point));
             if ((i & k) == 0 && (da < 0.0) != (db < 0.0)) {
+                assert(count < 12 && "each edge is cut once");
                 found[count] = stp_addd(a, stp_scaled(stp_subd(b, a), da / (da - db)));
                 middle = stp_addd(middle, found[count]);
                 count += 1;

@@ -6,8 +6,8 @@
 
 enum { STP_PLANE_CORNERS_MAX = 6 };
 
-/// Intersection of a plane and a box: a convex polygon, in order around it. @return its corners;
-/// below 3: no intersection
+/// Intersection of a plane and a box: a convex polygon, in order around it. @return the number of
+/// its corners; 0: no intersection
 int stp_plane_cut_box(stp_vec3d point, stp_vec3d normal, const stp_boxd* box,
                       stp_vec3d corners[STP_PLANE_CORNERS_MAX]);
 

@@ -4,6 +4,7 @@
 #include "base/io/file.h"
 #include "image/image_codecs.h"
 
+#include <assert.h>
 #include <spng.h>
 
 #define PIXEL_LIMIT ((uint64_t)1 << 28)
@@ -64,6 +65,7 @@ static stp_result check_size(stp_context* context, const char* name, const struc
                         "%s: PNG: %u x %u pixels exceed the limit of 2^28", name, header->width,
                         header->height);
     }
+    assert(header->color_type < 7 && channels[header->color_type] != 0 && "checked by libspng");
     uint64_t raw_bytes = pixels * channels[header->color_type] * header->bit_depth / 8;
     if (raw_bytes / DEFLATE_RATIO > file_size || !stp_image_is_plausible(pixels, file_size)) {
         return stp_fail(context, STP_ERROR_FORMAT,

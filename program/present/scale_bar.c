@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "program/present/scale_bar.h"
 
+#include <assert.h>
 #include <math.h>
 
 stp_scale_bar stp_scale_bar_make(double pixel, double max_pixels)
@@ -18,5 +19,6 @@ stp_scale_bar stp_scale_bar_make(double pixel, double max_pixels)
             return (stp_scale_bar){length, length / pixel};
         }
     }
+    assert(0.5 * power <= maximum && "the bar fits");
     return (stp_scale_bar){0.5 * power, 0.5 * power / pixel};
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "program/present/view_cube.h"
 
+#include <assert.h>
+
 static const double min_facing = 0.12;      // smaller faces are too narrow to click
 static const double straight = 0.9999;      // the camera already looks at this side
 static const double handle_distance = 2.45; // from the centre, in half edges
@@ -80,5 +82,6 @@ int stp_view_cube_hit(const stp_view_cube* cube, double x, double y)
 
 const char* stp_view_cube_target(const stp_view_cube* cube, int side)
 {
+    assert(side >= 0 && side < STP_VIEW_CUBE_SIDES && "the position hit a side");
     return cube->sides[cube->sides[side].facing > straight ? side ^ 1 : side].view;
 }

@@ -25,8 +25,8 @@ typedef struct stp_view_cube_side {
     bool visible;     ///< its face is drawn and can be clicked
     /// Its handle is drawn and can be clicked; before the faces where `facing` is positive
     bool has_handle;
-    double center[2];     ///< of the face
-    double corners[4][2]; ///< of the face, in order around it
+    double center[2];     ///< centre of the face
+    double corners[4][2]; ///< corners of the face, in order around it
     double handle[2];     ///< centre of the handle
 } stp_view_cube_side;
 

@@ -3,6 +3,7 @@
 
 #include "program/present/viewpoints_internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 char* stp_viewpoints_path(stp_context* context, const char* model_path)
@@ -116,6 +117,8 @@ stp_result stp_viewpoints_add(stp_context* context, stp_viewpoints* viewpoints,
                               STP_VIEWPOINTS_MAX);
     }
     viewpoints->views = views;
+    assert(viewpoints->count < viewpoints->capacity);
+    assert(stp_viewpoints_find(viewpoints, added->name) == NULL && "names are unique");
     views[viewpoints->count++] = *added;
     return STP_OK;
 }
@@ -173,5 +176,6 @@ void stp_viewpoint_get_view(const stp_viewpoint* viewpoint, stp_view* view)
     view->up = viewpoint->up;
     view->fov_degrees = viewpoint->fov_degrees > 0.0 ? viewpoint->fov_degrees : view->fov_degrees;
     view->ortho_height = viewpoint->ortho_height;
+    assert(viewpoint->sections.count <= STP_SECTION_PLANES);
     view->sections = viewpoint->sections;
 }

@@ -56,7 +56,8 @@ enum {
 char* stp_viewpoints_path(stp_context* context, const char* model_path);
 
 /// Reads a file. A missing file has no viewpoints.
-/// @return STP_OK, STP_ERROR_IO, STP_ERROR_FORMAT, STP_ERROR_LIMIT, STP_ERROR_OUT_OF_MEMORY; logged
+/// @return STP_OK, STP_ERROR_IO, STP_ERROR_FORMAT, STP_ERROR_VERSION, STP_ERROR_LIMIT,
+/// STP_ERROR_OUT_OF_MEMORY; logged
 STP_MUST_USE stp_result stp_viewpoints_read(stp_context* context, const char* path,
                                             stp_viewpoints* viewpoints);
 /// Parses viewpoints from memory; `name` begins the error message.
@@ -64,7 +65,7 @@ STP_MUST_USE stp_result stp_viewpoints_parse(stp_context* context, const char* n
                                              const unsigned char* bytes, size_t size,
                                              stp_viewpoints* viewpoints);
 /// Writes to a temporary file and renames it: a reader sees the old file or the new one. @return
-/// STP_OK, IO, LIMIT, OUT_OF_MEMORY; logged
+/// STP_OK, IO, LIMIT, ARGUMENT (a text is not UTF-8, or memory ran out); logged
 STP_MUST_USE stp_result stp_viewpoints_write(stp_context* context, const char* path,
                                              const stp_viewpoints* viewpoints);
 void stp_viewpoints_destroy(stp_context* context, stp_viewpoints* viewpoints);

@@ -5,6 +5,7 @@
 #include "program/present/json_text.h"
 #include "program/present/viewpoints_internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 static const double max_coordinate = 1e18;
@@ -121,6 +122,7 @@ static stp_result read_all_objects(const reader* r, const json_t* from, stp_view
     for (int as = 0; as <= STP_SHOWN_GHOST && result == STP_OK; ++as) {
         result = read_objects(r, from, (stp_shown_as)as, view);
     }
+    assert((result != STP_OK || view->object_count + 1 == count) && "all lists fit");
     return result;
 }
 

@@ -3,6 +3,7 @@
 #include "base/io/file.h"
 #include "program/present/viewpoints_internal.h"
 
+#include <assert.h>
 #include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
@@ -52,6 +53,7 @@ static json_t* pack_objects(const stp_viewpoint* view, stp_shown_as as)
 
 static json_t* pack_sections(const stp_sections* sections)
 {
+    assert(sections->count <= STP_SECTION_PLANES && "a reader accepts no more");
     json_t* list = json_array();
     for (uint32_t i = 0; list != NULL && i < sections->count; ++i) {
         const stp_section_plane* p = &sections->planes[i];

@@ -12,6 +12,7 @@
 #include "builder/set_plan.h"
 #include "builder/writer_input.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -20,7 +21,7 @@
 #define MIN_BUDGET (UINT64_C(64) << 20)    // one node at a time is processed at any limit
 #define FILE_MEMORY_SHARE 4u // share of the limit for meshes in memory; more go to the spill file
 
-#define SAMPLE_POINTS 1000000u // of a scan that is shown before it is read
+#define SAMPLE_POINTS 1000000u // points of a scan that are shown before it is read
 
 enum { STAGES = 6 };
 
@@ -336,6 +337,7 @@ static bool is_intact(void* user)
 
 static stp_result make_content(build* b)
 {
+    assert(b->methods.set_count == b->methods.method_count * b->plan.step_count);
     stp_result result = stp_build_content_create(b->scene, b->methods.sets, b->methods.set_count,
                                                  b->plan.step_of, &b->content);
     if (result == STP_OK) {
@@ -368,8 +370,9 @@ static stp_result write_file(build* b)
     return result;
 }
 
-// Removes the work directory if the output is written, if it is empty, or if a result has changed,
-// because other results may derive from it. @return whether a result has changed
+// Removes the work directory if the output is written, if this build found and stored no result, or
+// if a result has changed, because other results may derive from it. @return whether a result has
+// changed
 static bool close_build(build* b, bool written)
 {
     stp_work_report kept = {0};
@@ -442,6 +445,7 @@ static void plan_stages(build* b)
         stages[count++] = clusters;
     }
     stages[count++] = write;
+    assert(count <= STAGES);
     stp_progress_plan(b->context, stages, count);
 }
 

@@ -18,13 +18,13 @@ typedef struct stp_build_desc {
     const char* output;
     stp_import_desc import;
     stp_partition_desc partition;
-    stp_blue_desc blue; ///< the build sets `sets`
+    stp_blue_desc blue; ///< the build sets `sets` and `capture.textures`
     /// Methods whose sets the file holds, each at most once. Readers that do not choose use the
     /// first. None: `blue`.
     const stp_method* const* methods;
     uint32_t method_count;
     stp_method_options method_options; ///< used if there are methods other than `blue`
-    uint64_t threshold; ///< nodes with more triangles get surfels; default 1,000 (5.2); 1: always
+    uint64_t threshold;                ///< nodes with more triangles get surfels; 0: 1,000 (5.2)
     /// Called once the scene is finished: whether it gets surfels at all. If not, the file holds
     /// only the original triangles and points. NULL: it does.
     bool (*wants_surfels)(const stp_scene* scene, void* user);
@@ -44,7 +44,7 @@ typedef struct stp_build_desc {
     /// Called after each draft, on any thread of the build. May be NULL.
     void (*drafted)(void* user);
     void* drafted_user;
-    /// Adds a named scene; NULL: "scene:" inputs are unknown.
+    /// Adds a scene; `name` is the input with its "scene:". NULL: such inputs are files.
     stp_result (*generate)(stp_scene* scene, const char* name, void* user);
     void* generate_user;
 } stp_build_desc;
@@ -58,10 +58,10 @@ typedef struct stp_build_report {
     // Made by this build, or found in an older work directory or output.
     uint32_t sets_made, sets_found;
     uint32_t meshes_made, meshes_found;
-    uint64_t work_bytes; ///< of the work directory, at its peak
+    uint64_t work_bytes; ///< bytes of results in the work directory, found and stored
 } stp_build_report;
 
-/// Builds one scene from the inputs and writes it. @return STP_OK, or the failure of a stage
-/// (logged)
+/// Builds one scene from the inputs and writes it. `report` may be NULL. @return STP_OK, or the
+/// failure of a stage (logged)
 STP_MUST_USE stp_result stp_build(stp_context* context, const stp_build_desc* desc,
                                   stp_build_report* report);

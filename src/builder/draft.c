@@ -7,6 +7,7 @@
 #include "builder/draft_content.h"
 #include "builder/normal_certainty.h"
 
+#include <assert.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -107,8 +108,8 @@ static bool has_room(const stp_build_draft* d, const stp_scene* scene)
     return stp_file_room(d->path) / 3 >= bytes + BYTES_OF_POINTS;
 }
 
-// Writes a scene and calls `drafted`. Failures are silent, but after one of disk space or path
-// nothing more is tried. @return whether a later draft may be tried
+// Writes a scene and calls `drafted`. Failures are silent. @return whether a later draft may be
+// tried: not after an error of the file system
 static bool write_state(stp_build_draft* d, const stp_draft_state* state)
 {
     static const char parameters[] = "{\"draft\":true}";
@@ -147,6 +148,7 @@ void stp_build_draft_begin(stp_build_draft* draft, const stp_scene* scene,
     if (draft == NULL || !is_worth_it(draft, scene)) {
         return;
     }
+    assert(draft->scene == NULL && draft->coded == NULL && "begun twice");
     draft->coded = calloc(scene->mesh_count + 1, sizeof(*draft->coded));
     draft->sets = calloc((size_t)plan->step_count + 1, sizeof(*draft->sets));
     if (draft->coded != NULL && draft->sets != NULL) {
@@ -173,6 +175,7 @@ static bool take_snapshot(const stp_build_draft* d, snapshot* s)
     }
     for (uint32_t i = 0; i < d->plan->step_count; ++i) {
         if (d->sets[i].count > 0) {
+            assert(s->set_of_node[d->plan->steps[i].node] == STP_NONE && "one step per node");
             s->set_of_node[d->plan->steps[i].node] = s->set_count;
             s->sets[s->set_count++] = d->sets[i];
         }
@@ -183,6 +186,7 @@ static bool take_snapshot(const stp_build_draft* d, snapshot* s)
 // Requires the mutex; releases it while writing.
 static void write_now(stp_build_draft* d)
 {
+    assert(!d->writes && "two threads would write the same file");
     snapshot s;
     bool taken = take_snapshot(d, &s), goes_on = true;
     d->writes = true;
@@ -219,6 +223,7 @@ void stp_build_draft_add_mesh(stp_build_draft* draft, size_t mesh, const stp_cod
 {
     if (draft != NULL && draft->scene != NULL) {
         pthread_mutex_lock(&draft->mutex);
+        assert(mesh < draft->scene->mesh_count && coded->bytes != NULL);
         draft->coded[mesh] = *coded;
         advance(draft);
         pthread_mutex_unlock(&draft->mutex);
@@ -229,6 +234,7 @@ void stp_build_draft_add_surfels(stp_build_draft* draft, uint32_t step, const st
 {
     if (draft != NULL && draft->scene != NULL) {
         pthread_mutex_lock(&draft->mutex);
+        assert(step < draft->plan->step_count);
         draft->sets[step] = *set;
         advance(draft);
         pthread_mutex_unlock(&draft->mutex);

@@ -4,6 +4,7 @@
 #include "base/math/rng.h"
 #include "builder/preview_points.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,7 +20,7 @@ typedef struct exposure {
     bool as_points;
 } exposure;
 
-// Limits the weights: things can be stretched without bound along an axis in which they have no
+// Limits the areas: things can be stretched without bound along an axis in which they have no
 // extent.
 static const double area_max = 1e60;
 
@@ -57,6 +58,7 @@ static void count_paths(draft_work* w)
         for (uint32_t e = 0; e < node->edge_count; ++e) {
             const stp_edge* edge = &scene->edges[node->first_edge + e];
             double scale = stp_affine_scale(&edge->transform);
+            assert(edge->node < i && "all paths to a node must be known before it is opened");
             w->paths[edge->node] += w->paths[i];
             w->areas[edge->node] += w->areas[i] * scale * scale;
         }
@@ -112,6 +114,7 @@ static bool choose_meshes(draft_work* w)
         double triangles = x->uses * (double)scene->meshes[mesh].triangle_count;
         x->as_points = !is_coded(w->state, mesh) || triangles > left;
         left -= x->as_points ? 0.0 : triangles;
+        assert(left >= 0.0 && "more triangles than a draft may have");
     }
     stp_free(w->context, order);
     uint32_t place = 0;
@@ -121,7 +124,7 @@ static bool choose_meshes(draft_work* w)
     return true;
 }
 
-// Number of points by share of the total area. Shares below one round up or down at random.
+// Number of points by share of the total area. The fraction rounds up or down at random.
 static uint32_t share_of(double points, size_t index)
 {
     uint32_t whole = points < 1e9 ? (uint32_t)points : 1000000000u;
@@ -143,6 +146,7 @@ static stp_result sample_meshes(draft_work* w, stp_arena* arena, stp_store_point
             continue;
         }
         double points = points_max * area_of(w, i) / (all * x->uses);
+        assert(points >= 0.0 && points < 2.0 * points_max && "a share of all points");
         uint32_t count = share_of(points, i);
         uint64_t maximum = 4 * (uint64_t)scene->meshes[i].triangle_count;
         count =
@@ -170,6 +174,7 @@ static stp_result sample_points(draft_work* w, stp_arena* arena, stp_store_point
     for (size_t i = 0; i < scene->point_set_count; ++i) {
         const stp_point_set* from = &scene->point_sets[i];
         uint32_t count = (uint32_t)ceil(share * (double)from->point_count);
+        assert(count <= from->point_count);
         if (!stp_preview_points(arena, from, count, &sets[*set_count])) {
             return stp_fail_memory(w->context);
         }
@@ -221,6 +226,7 @@ static bool convert_parts(draft_work* w, stp_build_content* c)
             node->point_count = add_saturated(node->point_count, child->point_count);
         }
     }
+    assert(count <= scene->node_part_count && "parts are kept or left out, never added");
     d->parts = parts;
     d->part_count = count;
     d->nodes = nodes;
@@ -239,6 +245,7 @@ static bool convert_meshes(draft_work* w, stp_build_content* c)
     uint32_t count = 0;
     for (size_t i = 0; i < all; ++i) {
         if (!w->meshes[i].as_points) {
+            assert(w->meshes[i].place == count && "parts refer to this place");
             meshes[count] = c->content.meshes[i];
             coded[count++] = w->state->coded[i];
         }

@@ -15,9 +15,10 @@ typedef struct stp_draft_state {
 } stp_draft_state;
 
 /// Makes a scene of the available results, with the same nodes and objects. Meshes that are not
-/// coded yet become a few points, and so do large meshes if drawing all of them would take long.
-/// Content below a surfel set does not count for this, because it is drawn only from near. The
-/// caller adds shadings and parameters. @return STP_OK; STP_ERROR_LIMIT if the scene has too many
-/// visible nodes to draw quickly, not logged; STP_ERROR_OUT_OF_MEMORY (nothing to destroy)
+/// coded yet become a few points. If drawing all triangles would take long, so do the meshes with
+/// the smallest triangles. Content below a surfel set does not count for this, because it is drawn
+/// only from near. The caller adds shadings and parameters. @return STP_OK; STP_ERROR_LIMIT if the
+/// scene is empty or has too many visible nodes to draw quickly, not logged;
+/// STP_ERROR_OUT_OF_MEMORY (nothing to destroy)
 STP_MUST_USE stp_result stp_draft_content_create(stp_context* context, const stp_draft_state* state,
                                                  stp_build_content* content);

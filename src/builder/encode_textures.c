@@ -4,11 +4,12 @@
 #include "image/image_codecs.h"
 #include "scene/bulk.h"
 
+#include <assert.h>
 #include <string.h>
 
 /// Result of encoding one texture.
 typedef struct encoded_texture {
-    unsigned char* bytes; ///< NULL: its texels are smaller
+    unsigned char* bytes; ///< PNG file; NULL: the texture stays as it is
     size_t size;
     stp_result result;
 } encoded_texture;
@@ -43,9 +44,11 @@ static void encode_job(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// Attaches an image file to its texture. The bytes replace the texels.
+/// Attaches an image file to its texture. It is stored instead of the texels.
 static stp_result take_picture(stp_scene* scene, stp_texture* texture, encoded_texture* encoded)
 {
+    assert(texture->encoded == NULL && "an original picture is kept");
+    assert(encoded->size < texel_bytes(texture) && "the texels are smaller");
     if (texture->spilled) {
         unsigned char* piece = stp_spill_alloc(scene->spill, encoded->size);
         if (piece == NULL) {

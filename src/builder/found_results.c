@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "builder/found_results.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 static int compare_keys(const void* left, const void* right)
@@ -21,6 +22,8 @@ size_t stp_build_count_found(stp_build_result* origins, size_t count)
     }
     for (size_t begin = 0, end; begin < count; begin = end) {
         bool made = false;
+        assert((begin == 0 || compare_keys(&origins[begin - 1], &origins[begin]) < 0) &&
+               "each key is one run");
         for (end = begin; end < count && stp_hash_equal(origins[begin].key, origins[end].key);
              ++end) {
             made = made || origins[end].made;

@@ -15,5 +15,5 @@ typedef struct stp_build_result {
     bool made; ///< made by this build; else it existed when looked up
 } stp_build_result;
 
-/// Number of keys that no entry made. Sorts the entries.
+/// Number of entries whose key no entry made. Sorts the entries.
 size_t stp_build_count_found(stp_build_result* origins, size_t count);

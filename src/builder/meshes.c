@@ -6,6 +6,7 @@
 #include "builder/found_results.h"
 #include "builder/stored_results.h"
 
+#include <assert.h>
 #include <pthread.h>
 #include <string.h>
 
@@ -41,6 +42,7 @@ uint32_t stp_material_texcoords(const stp_material* material)
 stp_result stp_code_mesh(stp_context* context, const stp_mesh* mesh, uint32_t texcoords,
                          stp_coded_mesh* coded)
 {
+    assert(texcoords <= 3 && "a mesh has two sets of texture coordinates");
     stp_store_mesh source = {
         .name = mesh->name,
         .vertex_count = mesh->vertex_count,
@@ -109,6 +111,7 @@ static void code_some(size_t begin, size_t end, uint32_t worker, void* user)
     stp_build_meshes* meshes = r->meshes;
     for (size_t i = begin; i < end; ++i) {
         const stp_mesh* mesh = &r->scene->meshes[i];
+        assert(mesh->material < r->scene->material_count);
         uint32_t texcoords = stp_material_texcoords(&r->scene->materials[mesh->material]);
         stp_hash key = make_key(mesh, texcoords);
         meshes->keys[i] = key;
@@ -155,6 +158,7 @@ stp_result stp_build_meshes_make(const stp_scene* scene, stp_work* work,
     result = r.result != STP_OK ? r.result : result;
     if (result == STP_OK) {
         meshes->found = (uint32_t)stp_build_count_found(r.origins, scene->mesh_count);
+        assert(meshes->found <= scene->mesh_count);
         meshes->made = (uint32_t)scene->mesh_count - meshes->found;
     } else {
         stp_build_meshes_destroy(context, meshes);

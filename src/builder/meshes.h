@@ -8,7 +8,7 @@
 
 typedef struct stp_build_meshes {
     stp_coded_mesh* coded; ///< one per mesh of the scene; bytes are in the work directory
-    stp_hash* keys;        ///< likewise
+    stp_hash* keys;        ///< one per mesh of the scene
     uint32_t made, found;  ///< meshes coded now; meshes that existed before the build
 } stp_build_meshes;
 

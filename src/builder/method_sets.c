@@ -7,6 +7,7 @@
 #include "builder/node_triangles.h"
 #include "builder/stored_results.h"
 
+#include <assert.h>
 #include <pthread.h>
 
 // State shared by the sets in progress.
@@ -48,7 +49,7 @@ static bool find_set(run* r, stp_hash key, stp_splats* set)
     return found;
 }
 
-/// Whether a node is a point cloud in a scene of clouds without normals.
+/// Whether a node has no triangles, in a scene where some point set has no normals.
 static bool is_two_sided(const stp_scene* scene, uint32_t node)
 {
     bool any = false;
@@ -155,6 +156,7 @@ static void list_methods(const run* r)
                                               .sets = m > 0 ? sets : NULL};
         for (size_t i = 0; m > 0 && i < nodes; ++i) {
             bool none = plan->step_of == NULL || plan->step_of[i] == STP_NONE;
+            assert(none || plan->steps[plan->step_of[i]].node == i);
             sets[i] = none ? STP_STORE_NONE : made->methods[m].first_set + plan->step_of[i];
         }
     }
@@ -204,13 +206,31 @@ static void count_found(run* r)
         }
     }
     r->made->found = (uint32_t)stp_build_count_found(r->origins, derived);
+    assert(r->made->found <= derived && "more results were found than looked up");
     r->made->made = (uint32_t)derived - r->made->found;
 }
+
+#ifndef NDEBUG
+static bool are_distinct(const stp_build_methods_desc* desc)
+{
+    uint32_t ids = 0;
+    for (uint32_t i = 0; i < desc->method_count; ++i) {
+        uint32_t bit = UINT32_C(1) << (desc->methods[i]->id % 32);
+        if ((ids & bit) != 0) {
+            return false;
+        }
+        ids |= bit;
+    }
+    return desc->method_count > 0;
+}
+#endif
 
 stp_result stp_build_methods_make(const stp_scene* scene, const stp_build_methods_desc* desc,
                                   stp_build_methods* made)
 {
     stp_context* context = scene->context;
+    assert(are_distinct(desc) && "a file holds each method once");
+    assert(desc->alone == NULL || (desc->method_count == 1 && desc->methods[0] == desc->alone));
     *made = (stp_build_methods){.method_count = desc->method_count,
                                 .set_count = desc->method_count * desc->plan->step_count};
     run r = {.scene = scene, .desc = desc, .made = made};

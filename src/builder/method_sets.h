@@ -23,8 +23,7 @@ typedef struct stp_build_methods_desc {
     stp_previous_output* previous; ///< NULL: none
 } stp_build_methods_desc;
 
-/// All sets, grouped by method, one per step of the plan. Columns are in the work directory or the
-/// previous output.
+/// All sets, grouped by method, one per step of the plan. Columns are in the work directory.
 typedef struct stp_build_methods {
     stp_splats* sets;
     stp_hash* keys;

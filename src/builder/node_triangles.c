@@ -4,6 +4,7 @@
 #include "base/splats/splat_columns.h"
 #include "base/splats/triangle_level.h"
 
+#include <assert.h>
 #include <string.h>
 
 typedef struct walk {
@@ -19,6 +20,7 @@ static void visit_mesh(walk* w, const stp_mesh* mesh, const stp_affine* below)
     for (size_t i = 0; i < mesh->triangle_count; ++i) {
         float p[9];
         for (size_t k = 0; k < 3; ++k) {
+            assert(mesh->indices[3 * i + k] < mesh->vertex_count);
             const float* at = mesh->positions + 3 * (size_t)mesh->indices[3 * i + k];
             stp_vec3d placed =
                 stp_affine_point(below, (stp_vec3d){(double)at[0], (double)at[1], (double)at[2]});
@@ -87,6 +89,7 @@ stp_result stp_take_node_triangles(const stp_scene* scene, uint32_t node, double
         return stp_fail_memory(scene->context);
     }
     triangles->count = count > 0 ? visit_subtree(scene, node, level, triangles->corners) : 0;
+    assert(triangles->count == count && "listed as counted: more would not fit");
     return STP_OK;
 }
 

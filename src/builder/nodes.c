@@ -8,6 +8,7 @@
 #include "builder/previous_output.h"
 #include "builder/stored_results.h"
 
+#include <assert.h>
 #include <pthread.h>
 
 #define RELEASE_SPLATS (UINT64_C(4) << 20) // splats between releases of file pages
@@ -42,6 +43,7 @@ static stp_hash key_of(const run* r, const stp_build_step* step)
 // Waits until the required steps are done. @return false if the run has failed meanwhile
 static bool wait_for_lower(run* r, uint32_t needs)
 {
+    assert(needs <= r->desc->plan->step_count && "would wait forever");
     pthread_mutex_lock(&r->mutex);
     while (r->result == STP_OK && r->done_count < needs) {
         r->result = stp_condition_wait_reported(r->scene->context, &r->advanced, &r->mutex);
@@ -68,6 +70,7 @@ static void end_step(run* r, uint32_t index, stp_result result, const stp_blue_r
     stp_build_nodes* nodes = r->nodes;
     stp_progress_add(r->scene->context, (uint64_t)step->cost);
     pthread_mutex_lock(&r->mutex);
+    assert(!r->done[index] && r->sets[step->node] == NULL && "a step ends once");
     r->sets[step->node] = &nodes->sets[index];
     r->result = r->result != STP_OK ? r->result : result;
     nodes->candidates += report->candidate_count;
@@ -133,6 +136,8 @@ static stp_result make_step(run* r, const stp_build_step* step, stp_splats* set,
 static void run_step(run* r, uint32_t index)
 {
     const stp_build_step* step = &r->desc->plan->steps[index];
+    assert(index < r->desc->plan->step_count);
+    assert(step->needs <= index && "a step that waits for later ones never starts");
     stp_splats* set = &r->nodes->sets[index];
     stp_blue_report report = {0};
     if (find_step(r, step, set, &report)) {
@@ -183,6 +188,7 @@ static void run_all(run* r)
 {
     stp_context* context = r->scene->context;
     const stp_build_plan* plan = r->desc->plan;
+    assert(plan->shared_count <= plan->step_count);
     stp_loop_report report = {.stage = "surfels", .unit = "surfels", .total = (uint64_t)plan->cost};
     stp_result result =
         stp_parallel_for_reported(context, plan->shared_count, 1, run_shared, r, &report);
@@ -212,7 +218,9 @@ stp_result stp_build_nodes_make(const stp_scene* scene, const stp_build_nodes_de
     stp_capture_textures_destroy(r.textures);
     stp_gate_destroy(r.gate);
     if (r.result == STP_OK) {
+        assert(r.done_count == plan->step_count && "a step was left out");
         nodes->found = (uint32_t)stp_build_count_found(r.origins, plan->step_count);
+        assert(nodes->found <= plan->step_count);
         nodes->made = plan->step_count - nodes->found;
     }
     stp_free(context, r.origins);

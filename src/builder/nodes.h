@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Makes the surfels of all nodes in a plan, bottom-up, one node per thread. Each result is kept in
-// the work directory immediately.
+// Makes the surfels of all nodes in a plan, bottom-up: one node per thread, then the upper ones on
+// all threads. Each result is kept in the work directory immediately.
 #pragma once
 
 #include "builder/draft.h"
@@ -16,18 +16,17 @@ typedef struct stp_build_nodes_desc {
     const stp_method_options* options;
     const uint8_t* shading_of_material;
     uint32_t shading_count;
-    bool from_triangles;   ///< top-down: does not use the children's results (Brandt 3.4)
+    bool from_triangles;   ///< captures triangles, not the children's results (Brandt 3.4)
     uint64_t memory_bytes; ///< for sets in progress; 0: no limit
     stp_work* work;
     stp_previous_output* previous; ///< NULL: none
     stp_build_draft* draft;        ///< NULL: none
 } stp_build_nodes_desc;
 
-/// Results, one per step of the plan. Their arrays are in the work directory or the previous
-/// output.
+/// Results, one per step of the plan. Their arrays are in the work directory.
 typedef struct stp_build_nodes {
     stp_splats* sets;
-    uint64_t candidates;                    ///< over all steps made now
+    uint64_t candidates; ///< sum over steps; 0 for those from the previous output
     double capture_ms, order_ms, finish_ms; ///< sum over threads
     uint32_t made, found; ///< steps made now; steps whose result existed before the build
 } stp_build_nodes;

@@ -6,6 +6,8 @@
 // captured from outside, so their normals face outwards.
 #include "builder/normal_certainty.h"
 
+#include <assert.h>
+
 typedef struct node_certainty {
     double scale; ///< largest scale at which the node is shown; 0: never
     bool unknown; ///< there are points without normals below it
@@ -23,6 +25,7 @@ static void find_unknown(const stp_scene* scene, node_certainty* nodes)
         }
         for (uint32_t k = 0; k < node->edge_count; ++k) {
             uint32_t child = scene->edges[node->first_edge + k].node;
+            assert(child < i && "children come before their parents");
             nodes[i].unknown = nodes[i].unknown || nodes[child].unknown;
         }
     }
@@ -85,6 +88,7 @@ stp_result stp_build_note_certainty(const stp_scene* scene, const stp_store_cont
                                     stp_build_methods* methods)
 {
     const stp_store_directory* d = &content->directory;
+    assert(d->node_count == scene->node_count && "the content is not of this scene");
     node_certainty* nodes =
         STP_NEW_ZEROED(scene->context, node_certainty, (size_t)d->node_count + 1);
     if (nodes == NULL) {
@@ -99,6 +103,7 @@ stp_result stp_build_note_certainty(const stp_scene* scene, const stp_store_cont
             stp_store_part part = d->parts[node->first_part + k];
             uint32_t held_by =
                 part.kind == STP_STORE_PART_POINTS ? content->point_sets[part.index].held_by : 0;
+            assert(held_by <= methods->set_count);
             if (held_by != 0) {
                 stp_splats* set = &methods->sets[held_by - 1];
                 set->position_error = (float)(0.5 * (double)set->step * nodes[i].scale);

@@ -6,8 +6,8 @@
 #include "builder/writer_input.h"
 
 /// Stores in the sets of all methods whether the signs of their normals are known, and the position
-/// error of the points they hold, relative to the scene. `content` is made from the scene and these
-/// sets. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+/// error of the points they hold, in scene units. `content` is made from the scene and these sets.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_build_note_certainty(const stp_scene* scene,
                                                  const stp_store_content* content,
                                                  stp_build_methods* methods);

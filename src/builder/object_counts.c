@@ -3,6 +3,7 @@
 
 #include "base/core/saturate.h"
 
+#include <assert.h>
 #include <string.h>
 
 // What an object shows: its own parts and those of the object it uses, per instance, and its
@@ -14,7 +15,7 @@ typedef struct shown {
 
 typedef struct census_work {
     const stp_scene* scene;
-    uint32_t *first_child, *next_sibling; ///< of each object that is not a prototype
+    uint32_t *first_child, *next_sibling; ///< by object; prototypes are not linked to a parent
     /// Next child whose sum may be missing; later: the last walk that visited the object.
     uint32_t* cursor;
     uint32_t* shapes;     ///< for each object: index of its distinct list of parts; STP_NONE: none
@@ -68,6 +69,7 @@ static void link_children(census_work* w)
         const stp_object* object = &scene->objects[i];
         w->next_sibling[i] = STP_NONE;
         if (object->parent != STP_NONE && !is_prototype(object)) {
+            assert(object->parent < i && "parents come first");
             w->next_sibling[i] = w->first_child[object->parent];
             w->first_child[object->parent] = (uint32_t)i;
         }
@@ -79,6 +81,7 @@ static void link_children(census_work* w)
 static void sum_object(census_work* w, uint32_t index)
 {
     const stp_object* object = &w->scene->objects[index];
+    assert(!w->sums[index].known && "an object is summed once");
     uint64_t parts = count_own_parts(w->scene, object);
     uint64_t times = object->instance_count > 0 ? object->instance_count : 1;
     shown sum = {.objects = parts != 0, .instances = parts, .known = true};
@@ -89,6 +92,7 @@ static void sum_object(census_work* w, uint32_t index)
     sum.objects = stp_multiply_saturated(sum.objects, times);
     sum.instances = stp_multiply_saturated(sum.instances, times);
     for (uint32_t c = w->first_child[index]; c != STP_NONE; c = w->next_sibling[c]) {
+        assert(w->sums[c].known && "children come first");
         sum.objects = stp_add_saturated(sum.objects, w->sums[c].objects);
         sum.instances = stp_add_saturated(sum.instances, w->sums[c].instances);
     }
@@ -181,12 +185,13 @@ static bool visit_object(census_work* w, uint32_t object)
     return push(w, object);
 }
 
-// Counts distinct shapes below the objects on the stack.
+// Adds the distinct shapes of the objects on the stack and below them to `count`.
 static bool count_shapes(census_work* w, uint64_t* count)
 {
     bool made = true;
     while (made && w->stacked != 0) {
         uint32_t index = w->stack[--w->stacked], shape = w->shapes[index];
+        assert(shape == STP_NONE || shape < w->shape_count);
         if (shape != STP_NONE && w->shapes_met[shape] != w->walk) {
             w->shapes_met[shape] = w->walk;
             *count += 1;
@@ -222,7 +227,7 @@ static bool add_candidate(census_work* w, uint32_t index)
 }
 
 // Makes the children of an object, and of what it uses, candidates, unless the object has content
-// itself.
+// itself, or uses another more than once.
 static bool open_object(census_work* w, uint32_t index, bool* opened)
 {
     const stp_scene* scene = w->scene;
@@ -334,6 +339,7 @@ stp_result stp_build_census(const stp_scene* scene, stp_store_census* census)
         for (uint32_t i = 0; made && i < census->part_count; ++i) {
             made = fill_part(&w, &census->parts[i]);
         }
+        assert(!made || census->unique_objects <= census->objects);
         if (!made) {
             stp_store_census_destroy(scene->context, census);
             result = stp_fail_memory(scene->context);

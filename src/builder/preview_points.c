@@ -5,6 +5,7 @@
 #include "base/math/rng.h"
 #include "base/splats/octahedral.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { TRIED = 4 }; ///< triangles examined per point
@@ -12,7 +13,7 @@ enum { TRIED = 4 }; ///< triangles examined per point
 // A candidate triangle with the total area before it.
 typedef struct drawn_triangle {
     uint32_t index;
-    double before; ///< total area of the triangles before it
+    double before; ///< twice the total area of the triangles before it
 } drawn_triangle;
 
 // A point on a triangle, as weights of its corners.
@@ -35,9 +36,11 @@ static stp_vec3 face(const stp_mesh* mesh, uint32_t triangle)
     return stp_cross(stp_sub(corner(mesh, v[1]), a), stp_sub(corner(mesh, v[2]), a));
 }
 
-// Chooses one triangle from each of several equal runs, with sums of their areas. @return the total
+// Chooses one triangle from each of `count` equal runs, with sums of their areas, all doubled.
+// @return the total
 static double choose_triangles(const stp_mesh* mesh, uint32_t count, drawn_triangle* chosen)
 {
+    assert(count <= mesh->triangle_count && "each run has a triangle");
     double sum = 0.0;
     for (uint32_t i = 0; i < count; ++i) {
         uint64_t begin = (uint64_t)i * mesh->triangle_count / count;
@@ -65,6 +68,7 @@ static place place_in(const stp_mesh* mesh, uint32_t triangle, uint64_t number)
         v = 1.0f - v;
     }
     place p = {.weights = {1.0f - u - v, u, v}};
+    assert(p.weights[0] > -1e-6f && u >= 0.0f && v >= 0.0f && "the point is in the triangle");
     memcpy(p.corners, mesh->indices + 3 * (size_t)triangle, sizeof(p.corners));
     return p;
 }
@@ -163,6 +167,7 @@ bool stp_preview_mesh(stp_arena* arena, const stp_scene* scene, uint32_t index, 
         while (at + 1 < some && chosen[at + 1].before <= where) {
             at += 1;
         }
+        assert(chosen[at].before <= where && "points are in order of area");
         place p = place_in(mesh, chosen[at].index, i);
         size_t n = points->point_count;
         if (color_at(scene, mesh, &p, colors + 4 * n)) {
@@ -174,10 +179,11 @@ bool stp_preview_mesh(stp_arena* arena, const stp_scene* scene, uint32_t index, 
     return made;
 }
 
-/// Takes the same points of each attribute that the set has.
+/// Copies each attribute that the set has, for the points that stp_preview_points chooses.
 static bool preview_attributes(stp_arena* arena, const stp_point_set* from, uint32_t count,
                                stp_store_point_set* points)
 {
+    assert(count <= from->point_count && "points would repeat");
     for (int a = 0; a < STP_ATTRIBUTES; ++a) {
         const unsigned char* values = from->attributes[a];
         if (values == NULL) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A quick preview of a mesh: a few of its points, before anything else is made from it.
+// A quick preview of a mesh or point set: a few of its points, before anything else is made from
+// it.
 #pragma once
 
 #include "scene/scene.h"

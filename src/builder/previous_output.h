@@ -9,13 +9,14 @@
 
 typedef struct stp_previous_output stp_previous_output;
 
-/// Opens `path`. NULL if there is no file, or it is unreadable or holds no results. Logs nothing,
-/// because a previous output is optional.
+/// Opens `path`. NULL if there is no regular file, it is not a readable `.stip` file, or memory
+/// runs out. Logs nothing, because a previous output is optional.
 stp_previous_output* stp_previous_output_open(const char* path);
 void stp_previous_output_close(stp_previous_output* previous);
 
 // Each function looks a result up and keeps it in the work directory; `surfels` or `mesh` then
-// points there. One thread at a time. @return false if there is no intact result
+// points there. One thread at a time. @return false if there is no intact result, or it cannot be
+// stored
 bool stp_previous_output_take_surfels(stp_previous_output* previous, stp_hash key,
                                       uint32_t shading_count, stp_work* work, stp_splats* surfels);
 bool stp_previous_output_take_mesh(stp_previous_output* previous, stp_hash key, stp_work* work,

@@ -17,7 +17,7 @@
 #define ITEM_SURFELS 250.0
 #define THINNER 16.0
 #define COVERED 0.9       // share of a node's triangles that the sets below must represent
-#define FIXED_COST 1000.0 // of a step, in surfels
+#define FIXED_COST 1000.0 // cost of a step without its surfels, in surfels
 // Peak memory of a step, measured with one thread and two (scripts/check_memory.py prints the sum).
 // Fixed: the pictures of a capture. Per candidate: columns, order and tables. A point cloud's
 // candidates are its points, with their hierarchy.
@@ -33,21 +33,21 @@ static const char* const result_version = "stipple-surfels-13";
 
 // The nearest sets above a node, over all paths to it, in the node's own space.
 typedef struct above {
-    double spacing;   ///< of the coarsest one
-    double triangles; ///< of the largest one
+    double spacing;   ///< spacing of the coarsest set; infinite if some path has none
+    double triangles; ///< triangles and points of the largest set; infinite likewise
 } above;
 
 // The content of a node's set: everything below it that does not move on its own.
 typedef struct resting {
     uint64_t triangles, points;
-    double area; ///< of the triangles
+    double area; ///< total area of the triangles
 } resting;
 
 // Sums over the sets below a node.
 typedef struct sets_below {
     double items;     ///< number of sets, each use counted
-    double surfels;   ///< of all of them
-    double triangles; ///< that they represent
+    double surfels;   ///< surfels in all of them
+    double triangles; ///< triangles and points that they represent
 } sets_below;
 
 typedef struct planning {
@@ -57,7 +57,7 @@ typedef struct planning {
     above* above;      ///< by node
     bool* wanted;      ///< by node
     bool* reached;     ///< by node: reachable from the root
-    uint32_t* heights; ///< by node: height of the highest step at or below it, plus 1
+    uint32_t* heights; ///< by node: height of the highest step at or below it; 0: none
     sets_below* below; ///< by node: sums over the remaining sets
     stp_hash* keys;    ///< by node: key of its result, or of the results below it
     stp_hash* looks;   ///< by node: hash of its materials' shadings
@@ -123,6 +123,7 @@ static void measure_resting(planning* p)
         for (uint32_t k = 0; k < node->edge_count; ++k) {
             const stp_edge* edge = &scene->edges[node->first_edge + k];
             const resting* below = &p->resting[edge->node];
+            assert(edge->node < i && "children come before their parents");
             if (!moves(scene, edge->node)) {
                 r.triangles = stp_add_saturated(r.triangles, below->triangles);
                 r.points = stp_add_saturated(r.points, below->points);
@@ -414,6 +415,7 @@ static stp_result list_steps(const planning* p, stp_build_plan* plan)
         if (!p->wanted[i]) {
             continue;
         }
+        assert(p->reached[i] && p->heights[i] > 0 && "wanted without a key and a height");
         double surfels = expected_surfels(p, i);
         plan->steps[plan->step_count++] = (stp_build_step){
             .node = i,
@@ -424,8 +426,11 @@ static stp_result list_steps(const planning* p, stp_build_plan* plan)
             .key = p->keys[i],
         };
     }
+    assert(plan->step_count == count);
     qsort(plan->steps, plan->step_count, sizeof(plan->steps[0]), compare_steps);
     for (uint32_t i = 0; i < plan->step_count; ++i) {
+        assert((i == 0 || compare_steps(&plan->steps[i - 1], &plan->steps[i]) < 0) &&
+               "the order is total: the same for any sort");
         plan->step_of[plan->steps[i].node] = i;
         plan->cost += plan->steps[i].cost;
     }
@@ -442,6 +447,7 @@ stp_result stp_build_plan_make(const stp_scene* scene, const stp_build_plan_desc
     if (scene->root == STP_NONE) {
         return STP_OK;
     }
+    assert(scene->root < count && "a finished scene");
     planning p = {.scene = scene, .desc = desc};
     p.resting = STP_NEW_ARRAY(context, resting, count);
     p.above = STP_NEW_ZEROED(context, above, count);

@@ -15,7 +15,7 @@ typedef struct stp_build_step {
     uint32_t surfel_count; ///< maximum surfels, as in stp_blue_desc
     double cost;           ///< relative cost, for progress
     uint64_t bytes;        ///< estimated peak memory
-    stp_hash key;          ///< of everything that determines the result
+    stp_hash key;          ///< hash of everything that determines the result
 } stp_build_step;
 
 typedef struct stp_build_plan {
@@ -24,7 +24,7 @@ typedef struct stp_build_plan {
     /// These steps run one per thread; the rest run one by one on all threads.
     uint32_t shared_count;
     uint32_t* step_of; ///< by node: its step, or STP_NONE without surfels
-    double cost;       ///< of all steps
+    double cost;       ///< sum over all steps
 } stp_build_plan;
 
 #define STP_BUILD_NO_SURFELS UINT64_MAX
@@ -48,8 +48,8 @@ typedef struct stp_build_plan_desc {
 /// many splats as its own set. Its own set pays only if they are too many to examine one by one, or
 /// contain many hidden surfaces.
 ///
-/// A node with points of its own always gets all of them as surfels, because only surfels give
-/// points a size.
+/// A node with points of its own gets surfels at any threshold except STP_BUILD_NO_SURFELS, because
+/// only surfels give points a size.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_build_plan_make(const stp_scene* scene, const stp_build_plan_desc* desc,
                                             stp_build_plan* plan);

@@ -4,6 +4,7 @@
 #include "base/io/hash.h"
 #include "base/math/color.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,7 +16,7 @@ typedef struct texture_mean {
 typedef struct reduction {
     const stp_scene* scene;
     texture_mean* means;
-    stp_shading* exact; ///< of each scene material
+    stp_shading* exact; ///< shading of each scene material
     bool* used;
     float* distance; ///< from each material's shading to the nearest chosen one
 } reduction;
@@ -72,14 +73,16 @@ static void mark_used(reduction* r)
 {
     const stp_scene* scene = r->scene;
     for (size_t i = 0; i < scene->mesh_count; ++i) {
+        assert(scene->meshes[i].material < scene->material_count);
         r->used[scene->meshes[i].material] = true;
     }
     for (size_t i = 0; i < scene->point_set_count; ++i) {
+        assert(scene->point_sets[i].material < scene->material_count);
         r->used[scene->point_sets[i].material] = true;
     }
 }
 
-// Flags weigh more than any number, because they change the look most.
+// Flags weigh more than numbers up to 1, because they change the look most.
 static float shading_distance(const stp_shading* a, const stp_shading* b)
 {
     float sum = 0.0f;
@@ -97,10 +100,10 @@ static float shading_distance(const stp_shading* a, const stp_shading* b)
     return sum + ((flags & STP_SHADING_DOUBLE_SIDED) != 0 ? 4.0f : 0.0f);
 }
 
-// A shading to be placed in the table.
+// The shading of a used material, to be placed in the table.
 typedef struct shading_place {
     stp_hash hash;
-    uint32_t material; ///< the first material that has it
+    uint32_t material;
     uint32_t place;
 } shading_place;
 
@@ -142,6 +145,8 @@ static bool place_shadings(const reduction* r, shading_place* places, stp_shadin
     bool taken[STP_SHADING_LIMIT] = {false};
     size_t distinct = 0;
     for (size_t i = 0; i < used; ++i) {
+        assert((i == 0 || compare_places(&places[i - 1], &places[i]) < 0) &&
+               "the order is total: indices depend on content only");
         if (i > 0 && stp_hash_equal(places[i].hash, places[i - 1].hash)) {
             places[i].place = places[i - 1].place;
             continue;
@@ -166,6 +171,7 @@ static bool place_shadings(const reduction* r, shading_place* places, stp_shadin
         set->of_material[places[i].material] = (uint8_t)place;
         set->count = place + 1 > set->count ? place + 1 : set->count;
     }
+    assert(set->count >= 1 && set->count <= STP_SHADING_LIMIT);
     return true;
 }
 
@@ -174,6 +180,7 @@ static bool place_shadings(const reduction* r, shading_place* places, stp_shadin
 static void choose_shadings(reduction* r, stp_shading_set* set)
 {
     size_t count = r->scene->material_count, next = 0;
+    assert(count > STP_SHADING_LIMIT && "fewer shadings have exact places");
     set->count = 0;
     while (next < count && !r->used[next]) {
         next += 1;

@@ -7,6 +7,8 @@
 #include "store/file/validate.h"
 #include "store/sets/columns.h"
 
+#include <assert.h>
+
 enum {
     SURFELS_KIND = 1, ///< type of result, at the start of its header
     MESH_KIND = 2,
@@ -71,6 +73,8 @@ static void write_surfels_head(const stp_splats* s, uint32_t candidates,
     put_f32(&at, s->paper_radius);
     put_u32(&at, s->paper_count);
     put_u32(&at, candidates);
+    assert(at.write == head + OCTAVES_AT && "the fields fill the head up to the tables");
+    assert(s->octave_count <= STP_OCTAVE_LIMIT && s->table.size <= STP_PREFIX_TABLE_SIZE);
     stp_write_u32(head + COLUMNS_AT, s->columns);
     stp_write_u32(head + LEAVES_AT, s->leaf_count);
     stp_write_u32(head + ATTRIBUTES_AT, stp_splats_attributes(s));
@@ -83,7 +87,7 @@ static void write_surfels_head(const stp_splats* s, uint32_t candidates,
     }
 }
 
-// False if a count exceeds its limit; other values are not checked.
+// False if the result is not a set or a count exceeds its limit; other values are not checked.
 static bool read_surfels_head(const unsigned char* head, stp_splats* s, uint32_t* candidates)
 {
     *s = (stp_splats){0};
@@ -100,6 +104,7 @@ static bool read_surfels_head(const unsigned char* head, stp_splats* s, uint32_t
     s->paper_radius = get_f32(&at);
     s->paper_count = get_u32(&at);
     *candidates = get_u32(&at);
+    assert(at.read == head + OCTAVES_AT && "reader and writer have the same fields");
     s->columns = stp_read_u32(head + COLUMNS_AT);
     s->leaf_count = stp_read_u32(head + LEAVES_AT);
     if (kind != SURFELS_KIND || s->columns > STP_SPLATS_COLUMNS ||
@@ -178,6 +183,7 @@ static bool read_surfels(const void* result, size_t size, stp_splats* s, uint32_
     size_t sizes[COLUMNS], offsets[COLUMNS], end = SURFELS_HEAD;
     size_columns(s, attributes, sizes);
     for (int i = 0; i < COLUMNS; ++i) {
+        assert(end % 64 == 0 && "columns are aligned");
         offsets[i] = end;
         end += pad(sizes[i]);
     }
@@ -232,6 +238,7 @@ static stp_result store_surfels(stp_work* work, stp_hash key, const stp_splats* 
     columns[LEAF_COLUMN] = surfels->leaves;
     stp_work_piece pieces[1 + 2 * COLUMNS] = {{head, SURFELS_HEAD}};
     for (int i = 0; i < COLUMNS; ++i) {
+        assert((columns[i] != NULL || sizes[i] == 0) && "a column is missing");
         pieces[1 + 2 * i] = (stp_work_piece){columns[i], sizes[i]};
         pieces[2 + 2 * i] = (stp_work_piece){zeros, pad(sizes[i]) - sizes[i]};
     }
@@ -314,6 +321,7 @@ static stp_result store_mesh(stp_work* work, stp_hash key, const stp_coded_mesh*
     put_f32(&at, mesh->bounds.max.x);
     put_f32(&at, mesh->bounds.max.y);
     put_f32(&at, mesh->bounds.max.z);
+    assert(at.write <= head + MESH_HEAD && "the fields fit the head");
     const stp_work_piece pieces[] = {{head, MESH_HEAD}, {mesh->bytes, mesh->size}};
     return stp_work_store(work, key, pieces, 2, NULL);
 }

@@ -20,7 +20,8 @@ bool stp_work_find_surfels(stp_work* work, stp_hash key, uint32_t shading_count,
                            stp_splats* surfels, uint32_t* candidates);
 
 /// Stores a set. `stored` (may be NULL) receives the mapped copy, so that `surfels` may be freed.
-/// Any thread. @return STP_OK, or as stp_work_store
+/// Any thread. @return STP_OK, STP_ERROR_FORMAT if the set is invalid (logged), or as
+/// stp_work_store
 STP_MUST_USE stp_result stp_work_store_surfels(stp_work* work, stp_hash key,
                                                const stp_splats* surfels, uint32_t candidates,
                                                stp_splats* stored);

@@ -16,7 +16,7 @@
 #define NO_SEGMENT UINT32_MAX
 enum { LARGE_PART = 4 }; ///< results larger than 1/LARGE_PART of a segment get a separate segment
 
-#define RELEASE_BYTES (UINT64_C(128) << 20) // pages read before the system may evict them
+#define RELEASE_BYTES (UINT64_C(128) << 20) // bytes verified between releases of mapped pages
 
 struct stp_work {
     stp_context* context;
@@ -100,6 +100,7 @@ static stp_result take_up_segments(stp_work* work, bool fresh)
     size_t count = 0;
     stp_result result = stp_work_folder_list(&work->folder, &numbers, &count);
     for (size_t i = 0; i < count && result == STP_OK; ++i) {
+        assert((i == 0 || numbers[i - 1] < numbers[i]) && "later segments must win");
         result = take_up_segment(work, numbers[i], fresh);
         work->next_number = numbers[i] + 1;
     }
@@ -110,6 +111,7 @@ static stp_result take_up_segments(stp_work* work, bool fresh)
 static void destroy(stp_work* work)
 {
     for (uint32_t i = 0; i < work->segment_count; ++i) {
+        assert(work->segments[i].writers == 0 && "closed while a result is written");
         stp_work_segment_close(&work->segments[i]);
     }
     stp_free(work->context, work->segments);
@@ -175,11 +177,13 @@ void stp_work_close(stp_work* work, bool remove)
 
 static const unsigned char* bytes_of(const stp_work* work, const stp_work_entry* entry)
 {
+    assert(entry->segment < work->segment_count && "the entry has no result");
+    assert(entry->size <= work->segments[entry->segment].capacity - entry->offset);
     return work->segments[entry->segment].bytes + entry->offset;
 }
 
-// Finds a key's usable result; verifies its checksum if that was not done yet. Leaves a pending one
-// as it is. The mutex is held on entry and return, and released in between. NULL: there is none.
+// Finds a key's entry, and verifies its checksum if that was not done yet: it may be good, absent
+// or pending. The mutex is held on entry and return, and released in between. NULL: there is none.
 static stp_work_entry* find_verified(stp_work* work, stp_hash key)
 {
     stp_work_entry* entry = stp_work_index_find(&work->index, key);
@@ -211,6 +215,7 @@ const void* stp_work_find(stp_work* work, stp_hash key, size_t* size)
         *size = (size_t)entry->size;
     }
     pthread_mutex_unlock(&work->mutex);
+    assert((uintptr_t)bytes % 64 == 0 && "columns are used in place");
     return bytes;
 }
 
@@ -288,6 +293,7 @@ static stp_result write_bytes(stp_work* work, const stp_work_head* head, uint32_
     int reason = errno;
     pthread_mutex_lock(&work->mutex);
     stp_work_segment* s = &work->segments[segment];
+    assert(s->writers > 0 && s->number == copy.number);
     s->writers -= 1;
     stp_result result = written ? STP_OK : STP_ERROR_IO;
     if (!written) {
@@ -314,6 +320,7 @@ static stp_result write_result(stp_work* work, const stp_work_head* head,
         result != STP_OK ? result : write_bytes(work, head, segment, offset, pieces, piece_count);
     work->failed = work->failed || result == STP_ERROR_IO;
     stp_work_entry* entry = stp_work_index_find(&work->index, head->key);
+    assert(entry->state == STP_WORK_PENDING && "another thread changed a claimed entry");
     entry->size = head->size;
     entry->checksum = head->checksum;
     entry->offset = offset;
@@ -328,6 +335,7 @@ static stp_result write_result(stp_work* work, const stp_work_head* head,
 }
 
 // The good result of a key, or a pending entry that this thread must write. The mutex must be held.
+// NULL: out of memory.
 static stp_work_entry* claim(stp_work* work, stp_hash key, bool* write)
 {
     for (;;) {

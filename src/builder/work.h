@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // The work directory: results of a build, each stored under a hash of its inputs. A build killed at
-// any moment finds them again. Results are appended to segment files, each with a checksum.
-// Reopening discards a result that a kill left incomplete.
+// any moment finds them again. Results are appended to segment files, each with a checksum. A
+// result that a kill left incomplete is discarded.
 //
 //   FILE.stip.work/  lock  segment-000000  segment-000001 ...
 //
@@ -19,7 +19,7 @@ typedef struct stp_work stp_work;
 typedef struct stp_work_report {
     uint64_t found, found_bytes;   ///< results taken from previous builds
     uint64_t stored, stored_bytes; ///< results added
-    uint64_t damaged;              ///< results with a wrong checksum, made again
+    uint64_t damaged;              ///< results with a wrong checksum or invalid content
 } stp_work_report;
 
 /// Opens or creates the folder and locks it. `fresh` empties it first. Only removes files of its
@@ -37,7 +37,8 @@ const void* stp_work_find(stp_work* work, stp_hash key, size_t* size);
 
 /// Stores the concatenated pieces as one result; `stored` (may be NULL) receives the mapped bytes.
 /// An existing key keeps its first content. Any thread. @return STP_OK, STP_ERROR_IO (logged once:
-/// if the disk is full, later calls fail silently), STP_ERROR_OUT_OF_MEMORY (logged)
+/// if the disk is full, later calls fail silently), STP_ERROR_LIMIT: too large, or too many
+/// segments (logged), STP_ERROR_OUT_OF_MEMORY (logged)
 typedef stp_bytes stp_work_piece;
 STP_MUST_USE stp_result stp_work_store(stp_work* work, stp_hash key, const stp_work_piece* pieces,
                                        size_t piece_count, const void** stored);

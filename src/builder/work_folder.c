@@ -2,6 +2,7 @@
 #define _DEFAULT_SOURCE // flock
 #include "builder/work_folder.h"
 
+#include <assert.h>
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -117,6 +118,7 @@ stp_result stp_work_folder_open(stp_context* context, const char* path, stp_work
 
 void stp_work_folder_close(stp_work_folder* folder, bool remove)
 {
+    assert(folder->lock >= 0 && folder->place.folder >= 0 && "closed twice, or never opened");
     struct stat status;
     if (remove && fstat(folder->lock, &status) == 0 && S_ISREG(status.st_mode) &&
         status.st_size == 0) {
@@ -140,6 +142,7 @@ stp_result stp_work_folder_list(const stp_work_folder* folder, uint32_t** number
     *numbers = NULL;
     *count = 0;
     const stp_work_place* place = &folder->place;
+    assert(folder->lock >= 0 && "another build may change the list");
     int copy = openat(place->folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     DIR* entries = copy >= 0 ? fdopendir(copy) : NULL;
     if (entries == NULL) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "builder/work_index.h"
 
+#include <assert.h>
+
 enum { FIRST_SLOTS = 256 };
 
 void stp_work_index_destroy(stp_context* context, stp_work_index* index)
@@ -13,6 +15,8 @@ void stp_work_index_destroy(stp_context* context, stp_work_index* index)
 // The slot of the key, or the free slot where it belongs.
 static size_t slot_of(const stp_work_index* index, stp_hash key)
 {
+    assert(index->slot_count != 0 && (index->slot_count & (index->slot_count - 1)) == 0);
+    assert(index->count < index->slot_count && "a free slot ends the search");
     size_t mask = index->slot_count - 1;
     size_t slot = (size_t)(key.low ^ key.high) & mask;
     while (index->slots[slot] != 0 &&
@@ -63,6 +67,7 @@ stp_work_entry* stp_work_index_add(stp_context* context, stp_work_index* index, 
     if (entries == NULL) {
         return NULL;
     }
+    assert(2 * (index->count + 1) <= index->slot_count && index->count < index->capacity);
     index->entries = entries;
     index->entries[index->count] = (stp_work_entry){.key = key, .state = STP_WORK_ABSENT};
     index->slots[slot_of(index, key)] = (uint32_t)index->count + 1;

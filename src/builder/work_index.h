@@ -6,7 +6,7 @@
 #include "base/io/hash.h"
 
 typedef enum stp_work_state {
-    STP_WORK_ABSENT,     ///< damaged, or writing failed
+    STP_WORK_ABSENT,     ///< no result: new, damaged, dropped, or writing failed
     STP_WORK_PENDING,    ///< a thread is writing it
     STP_WORK_UNVERIFIED, ///< from a previous build, checksum not verified yet
     STP_WORK_GOOD,
@@ -15,7 +15,7 @@ typedef enum stp_work_state {
 typedef struct stp_work_entry {
     stp_hash key;
     uint64_t size, checksum;
-    uint64_t offset; ///< of its bytes in its segment
+    uint64_t offset; ///< position of its bytes in its segment
     uint32_t segment;
     stp_work_state state;
 } stp_work_entry;

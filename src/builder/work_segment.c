@@ -31,6 +31,7 @@ static bool is_sealed(const unsigned char head[STP_WORK_HEAD_SIZE])
 
 void stp_work_segment_name(uint32_t number, char name[STP_WORK_NAME_SIZE])
 {
+    assert(number < MAX_SEGMENTS && "names have six digits");
     snprintf(name, STP_WORK_NAME_SIZE, "segment-%06u", number);
 }
 
@@ -118,6 +119,7 @@ static stp_result map(const stp_work_place* place, size_t capacity, stp_work_seg
 stp_result stp_work_segment_create(const stp_work_place* place, uint32_t number, size_t capacity,
                                    stp_work_segment* segment)
 {
+    assert(capacity >= 2 * HEAD && capacity % HEAD == 0 && "no room for a result");
     if (number >= MAX_SEGMENTS) {
         return stp_fail(place->context, STP_ERROR_LIMIT, "%s: has more than %d segments",
                         place->path, MAX_SEGMENTS);
@@ -202,6 +204,7 @@ static stp_result visit_heads(const stp_work_place* place, size_t size, stp_work
                               stp_work_visit visit, void* user)
 {
     while (size - segment->used >= HEAD) {
+        assert(segment->used < size && segment->used % HEAD == 0 && "results are aligned");
         unsigned char bytes[HEAD];
         ssize_t got = read_at(segment->file, bytes, HEAD, segment->used);
         if (got < 0) {
@@ -227,6 +230,7 @@ static stp_result visit_heads(const stp_work_place* place, size_t size, stp_work
 stp_result stp_work_segment_scan(const stp_work_place* place, size_t capacity,
                                  stp_work_segment* segment, stp_work_visit visit, void* user)
 {
+    assert(segment->file >= 0 && segment->bytes == NULL && "opened and not mapped yet");
     struct stat status;
     if (fstat(segment->file, &status) != 0 || status.st_size < HEAD) {
         return fail_io(place, segment->number, "read");
@@ -260,6 +264,7 @@ stp_result stp_work_segment_reserve(const stp_work_place* place, stp_work_segmen
     }
     *offset = segment->used + HEAD;
     segment->used += whole;
+    assert(*offset % HEAD == 0 && segment->used % HEAD == 0 && "results are aligned");
     return STP_OK;
 }
 
@@ -272,6 +277,7 @@ bool stp_work_segment_write(const stp_work_segment* segment, size_t offset, cons
         }
         offset += pieces[i].size;
     }
+    assert(offset <= segment->capacity && "written behind the mapping");
     return true;
 }
 
@@ -283,6 +289,7 @@ stp_result stp_work_segment_fail_write(const stp_work_place* place, uint32_t num
 
 void stp_work_segment_take_back(stp_work_segment* segment, size_t offset, uint64_t size)
 {
+    assert(offset >= 2 * HEAD && offset <= segment->used && "not a reserved result");
     size_t begin = offset - HEAD;
     if (segment->used == begin + stp_work_record_bytes(size)) {
         segment->used = begin;

@@ -46,13 +46,14 @@ uint32_t stp_work_segment_number(const char* name);
 /// Bytes that a result of `size` bytes takes with its header; 0 if too large.
 size_t stp_work_record_bytes(uint64_t size);
 
-/// Creates a file with room for `capacity` bytes. @return STP_OK, or STP_ERROR_IO (logged)
+/// Creates a file and maps `capacity` bytes, which its results may fill. @return STP_OK,
+/// STP_ERROR_IO, or STP_ERROR_LIMIT if there are too many segments (logged)
 STP_MUST_USE stp_result stp_work_segment_create(const stp_work_place* place, uint32_t number,
                                                 size_t capacity, stp_work_segment* segment);
 
 typedef enum stp_work_kind {
-    STP_WORK_SEGMENT, ///< of this version
-    STP_WORK_USELESS, ///< of another version, or truncated within its header
+    STP_WORK_SEGMENT, ///< a segment of this version
+    STP_WORK_USELESS, ///< a segment of another version, or its header is damaged
     STP_WORK_FOREIGN, ///< another program's file: ignore it
 } stp_work_kind;
 
@@ -78,7 +79,7 @@ STP_MUST_USE stp_result stp_work_segment_reserve(const stp_work_place* place,
 /// meanwhile. @return false on a system error (errno; not logged)
 bool stp_work_segment_write(const stp_work_segment* segment, size_t offset, const stp_bytes* pieces,
                             size_t piece_count);
-/// Reports a write error of a segment, from errno.
+/// Logs a write error of a segment. `reason`: its errno. @return STP_ERROR_IO
 stp_result stp_work_segment_fail_write(const stp_work_place* place, uint32_t number, int reason);
 /// Takes back a reserved result if it is the last one.
 void stp_work_segment_take_back(stp_work_segment* segment, size_t offset, uint64_t size);

@@ -4,6 +4,7 @@
 #include "base/splats/octahedral.h"
 #include "store/file/format.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -62,10 +63,11 @@ static bool convert_meshes(stp_build_content* c, const stp_scene* scene)
     return meshes != NULL;
 }
 
-// Approximate distance between points of a set. The first ones of `blue` are evenly spread; all of
-// a set made leaf by leaf reach as far.
+// Approximate distance between points of a set: from its evenly spread first ones (`blue`), or the
+// coverage radius of all (a set made leaf by leaf).
 static double spacing_of(const stp_splats* set)
 {
+    assert(set->count > 0 && "an empty set has no spacing");
     if (set->leaf_count > 0) {
         return (double)set->table.radius[set->table.size - 1];
     }
@@ -189,6 +191,7 @@ static bool convert_textures(stp_build_content* c, const stp_scene* scene)
 static uint32_t find_set(const stp_build_content* c, const uint32_t* set_of_node, size_t node)
 {
     uint32_t set = set_of_node != NULL ? set_of_node[node] : STP_STORE_NONE;
+    assert(set == STP_STORE_NONE || set < c->content.directory.surfels_count);
     return set != STP_STORE_NONE && c->content.surfels[set].count != 0 ? set : STP_STORE_NONE;
 }
 
@@ -215,6 +218,7 @@ static bool convert_graph(stp_build_content* c, const stp_scene* scene, const ui
         };
     }
     for (size_t i = 0; i < scene->edge_count; ++i) {
+        assert(scene->edges[i].node < scene->node_count);
         edges[i] =
             (stp_store_edge){.node = scene->edges[i].node, .transform = scene->edges[i].transform};
     }
@@ -245,6 +249,7 @@ static bool convert_coordinates(stp_build_content* c, const char* text, const ch
         memcpy(copy, begin + 1, size);
         copy[size] = '\0';
     }
+    assert((copy == NULL || strlen(copy) <= STP_STORE_TEXT_LIMIT) && "the writer refuses more");
     *out = copy;
     return size == 0 || copy != NULL;
 }

@@ -2,6 +2,7 @@
 // Collects materials, objects and files; builder_parts.c collects meshes and points.
 #include "embed/builder.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -52,7 +53,10 @@ static stp_result fill_builder(stp_builder* builder)
     }
     stp_result result = stp_scene_create(context, &builder->staged);
     stp_material material = plain_material();
-    return result == STP_OK ? stp_scene_add_material(builder->staged, &material, NULL) : result;
+    result = result == STP_OK ? stp_scene_add_material(builder->staged, &material, NULL) : result;
+    assert((result != STP_OK || builder->staged->material_count == STP_BUILDER_MATERIAL + 1) &&
+           "number 0 is the default material");
+    return result;
 }
 
 stp_result stp_builder_create(stp_context* context, const stp_builder_desc* given,
@@ -157,6 +161,7 @@ static stp_result add_picture(stp_builder* builder, const stp_material_desc* des
 {
     const stp_image* picture = desc->picture;
     size_t row = (size_t)picture->width * 4, size = row * picture->height;
+    assert(row_stride(desc) >= row && size > 0 && "checked before");
     stp_texture texture = {.width = picture->width,
                            .height = picture->height,
                            .texels = stp_alloc(builder->context, size)};
@@ -203,6 +208,7 @@ stp_result stp_builder_add_material(stp_builder* builder, const stp_material_des
     uint32_t index = 0;
     result = result == STP_OK ? stp_scene_add_material(builder->staged, &made, &index) : result;
     if (result == STP_OK) {
+        assert(index > STP_BUILDER_MATERIAL && "0 is the default material");
         *material = index - STP_BUILDER_MATERIAL;
     }
     return result;
@@ -242,6 +248,7 @@ stp_result stp_builder_add_object(stp_builder* builder, const stp_object_desc* g
                        .parent = desc.parent != 0 ? desc.parent - 1 : STP_NONE,
                        .transform = placed ? desc.transform : stp_affine_identity()};
     uint32_t index = 0;
+    assert(made.parent == STP_NONE || made.parent < builder->staged->object_count);
     result = stp_scene_add_object(builder->staged, &made, &index);
     for (size_t i = 0; i < desc.part_count && result == STP_OK; ++i) {
         result = stp_scene_add_part(builder->staged, builder->parts[desc.parts[i] - 1]);

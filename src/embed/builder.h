@@ -21,9 +21,10 @@ struct stp_builder {
     size_t file_count, file_capacity;
     bool written; ///< adding is no longer possible
     bool moved;   ///< the staged content has been moved
-    void* bytes;  ///< of a file built in memory
+    void* bytes;  ///< the file built in memory, from stp_alloc; NULL: none
     size_t size;
 };
 
-/// Logs that adding is no longer possible, or that a number is unknown to the builder.
+/// Whether something with this material can be added. @return STP_OK; STP_ERROR_ARGUMENT (logged):
+/// the builder was written, or the material was not added
 STP_MUST_USE stp_result stp_builder_check(const stp_builder* builder, uint32_t material);

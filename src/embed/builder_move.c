@@ -5,9 +5,10 @@
 
 #include "import/reading/import.h"
 
+#include <assert.h>
 #include <string.h>
 
-/// Offsets of the staged scene's items in the target scene.
+/// Offsets of the staged scene's items in the target scene; `root`: the object above them.
 typedef struct offsets {
     uint32_t material, texture, mesh, point_set, object, root;
 } offsets;
@@ -43,11 +44,15 @@ static stp_result move_parts(stp_scene* staged, stp_scene* scene, const offsets*
         points.material += to->material;
         result = stp_scene_add_point_set(scene, &points, NULL);
     }
+    assert((result != STP_OK || (scene->texture_count == to->texture + staged->texture_count &&
+                                 scene->mesh_count == to->mesh + staged->mesh_count)) &&
+           "offsets hold for all items");
     return result;
 }
 
 static stp_part shifted(stp_part part, const offsets* to)
 {
+    assert(part.index != STP_NONE && "the staged scene is not partitioned");
     part.index += part.kind == STP_PART_MESH ? to->mesh : to->point_set;
     return part;
 }
@@ -57,6 +62,7 @@ static stp_result add_objects(const stp_scene* staged, stp_scene* scene, const o
     stp_result result = STP_OK;
     for (size_t i = 0; i < staged->object_count && result == STP_OK; ++i) {
         stp_object object = staged->objects[i];
+        assert(object.parent == STP_NONE || object.parent < i);
         object.parent = object.parent == STP_NONE ? to->root : object.parent + to->object;
         result = stp_scene_add_object(scene, &object, NULL);
         for (uint32_t k = 0; k < object.part_count && result == STP_OK; ++k) {
@@ -67,6 +73,7 @@ static stp_result add_objects(const stp_scene* staged, stp_scene* scene, const o
             result = stp_scene_add_instance(scene, &staged->instances[object.first_instance + k]);
         }
     }
+    assert(result != STP_OK || scene->object_count == to->object + staged->object_count);
     return result;
 }
 
@@ -116,7 +123,7 @@ static uint64_t bytes_of(const stp_scene* staged)
     return bytes;
 }
 
-/// Root object of the staged content.
+/// Adds the source and the root object of the staged content.
 static stp_result add_root(const stp_builder* builder, stp_scene* scene, uint32_t* root)
 {
     stp_source source = {
@@ -151,6 +158,7 @@ stp_result stp_builder_move(stp_scene* scene, const char* input, void* user)
                   .point_set = (uint32_t)scene->point_set_count};
     stp_result result = add_root(builder, scene, &to.root);
     to.object = to.root + 1;
+    assert(result != STP_OK || to.object == scene->object_count);
     result = result == STP_OK ? move_parts(builder->staged, scene, &to) : result;
     result = result == STP_OK ? add_objects(builder->staged, scene, &to) : result;
     result = result == STP_OK ? add_loose_parts(builder, scene, &to) : result;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Copies the caller's meshes and points, and converts them to scene conventions: unit normals,
-// linear colours, finite numbers.
+// linear colours of meshes, finite numbers.
 #include "base/math/color.h"
 #include "embed/builder.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -58,6 +59,8 @@ static uint16_t* linear_colors(stp_context* context, const uint8_t* colors, size
 static stp_result note_part(stp_builder* builder, stp_part_kind kind, uint32_t index,
                             uint32_t* part)
 {
+    assert(index < (kind == STP_PART_MESH ? builder->staged->mesh_count
+                                          : builder->staged->point_set_count));
     stp_part* parts = stp_grow_array(builder->context, builder->parts, &builder->part_capacity,
                                      builder->part_count + 1, sizeof(*parts));
     if (parts == NULL) {
@@ -91,6 +94,7 @@ static stp_result check_mesh(const stp_builder* builder, const stp_mesh_desc* d)
 
 static uint32_t* copy_indices(stp_context* context, const stp_mesh_desc* d, bool* failed)
 {
+    assert(d->triangle_count < STP_NONE / 3 && "more do not fit the indices");
     size_t count = 3 * d->triangle_count;
     if (d->indices != NULL) {
         return copy_array(context, d->indices, count, sizeof(uint32_t), failed);

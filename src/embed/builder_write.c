@@ -5,6 +5,7 @@
 #include "builder/work.h"
 #include "embed/builder_move.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -58,6 +59,7 @@ static stp_result list_inputs(const stp_builder* builder, const char*** inputs, 
     for (size_t i = 0; i < builder->file_count; ++i) {
         list[(*count)++] = builder->files[i];
     }
+    assert(*count <= builder->file_count + 1);
     return *count > 0
                ? STP_OK
                : stp_fail(builder->context, STP_ERROR_ARGUMENT, "stp_builder: nothing was added");
@@ -66,6 +68,7 @@ static stp_result list_inputs(const stp_builder* builder, const char*** inputs, 
 static stp_result build_to(stp_builder* builder, const stp_write_desc* desc, const char* path,
                            stp_build_report* report)
 {
+    assert(builder->written && !builder->moved && "a builder builds once");
     const stp_method* methods[METHODS_MAX];
     char parameters[PARAMETERS_ROOM];
     const char* names = desc->methods != NULL ? desc->methods : "blue";
@@ -93,6 +96,7 @@ static stp_result build_to(stp_builder* builder, const stp_write_desc* desc, con
     snprintf(parameters, sizeof(parameters),
              "{\"method\":\"%s\",\"surfels\":%u,\"threshold\":%llu}", names, desc->splat_limit,
              (unsigned long long)threshold);
+    assert(strlen(parameters) + 1 < sizeof(parameters) && "a truncated text is not JSON");
     stp_result result = list_inputs(builder, &inputs, &build.input_count);
     build.inputs = inputs;
     result = result == STP_OK ? stp_build(builder->context, &build, report) : result;
@@ -107,6 +111,7 @@ static stp_result read_back(stp_builder* builder, const char* path)
     if (result != STP_OK) {
         return result;
     }
+    assert(builder->bytes == NULL && builder->size == 0 && "read once");
     builder->bytes = stp_alloc(builder->context, file.size);
     if (builder->bytes != NULL) {
         memcpy(builder->bytes, file.bytes, file.size);
@@ -154,6 +159,7 @@ static stp_result build_in_folder(stp_builder* builder, const stp_write_desc* de
                           strerror(errno));
     } else if (result == STP_OK) {
         size_t length = strlen(folder); // now it has its name
+        assert(path[length] == '/' && work[length] == '/' && "the name keeps its length");
         memcpy(path, folder, length);
         memcpy(work, folder, length);
         result = build_to(builder, desc, path, report);
@@ -208,6 +214,7 @@ stp_result stp_builder_write(stp_builder* builder, const stp_write_desc* given,
 
 const void* stp_builder_get_bytes(const stp_builder* builder, size_t* size)
 {
+    assert((builder->bytes != NULL) == (builder->size != 0));
     *size = builder->size;
     return builder->bytes;
 }

@@ -3,6 +3,8 @@
 #include "embed/model_internal.h"
 #include "store/sets/coloring.h"
 
+#include <assert.h>
+
 static stp_result check_desc(stp_context* context, stp_model_desc* desc)
 {
     int sources = (desc->path != NULL) + (desc->bytes != NULL) + (desc->read != NULL);
@@ -69,6 +71,7 @@ static stp_result color_points(stp_model* model, const stp_model_desc* desc)
 /// Starts streaming, and loads the coarsest level of everything.
 static stp_result begin_stream(stp_model* model, const stp_model_desc* desc)
 {
+    assert(model->residency == NULL && desc->stream);
     stp_residency_desc residency = {.limit_bytes = desc->stream_bytes};
     if (desc->read != NULL) {
         residency.read = stp_model_source_read;

@@ -14,7 +14,7 @@
 typedef struct stp_model_source {
     void* copy;     ///< the whole file, from stp_alloc; NULL: none
     void* reserved; ///< address space of the file's size that holds only its directory; NULL: none
-    size_t size;    ///< of the file
+    size_t size;    ///< bytes of the whole file
     uint64_t counted; ///< bytes of `reserved` that count as memory
     stp_read_callback read;
     void* read_user;
@@ -25,7 +25,7 @@ struct stp_model {
     stp_store* store;
     stp_model_source source;
     stp_store_summary summary;
-    bool owns_summary;          ///< the file stores none: counted instead
+    bool owns_summary;          ///< the file stores no summary: computed on opening
     stp_residency* residency;   ///< NULL: no streaming
     stp_outline* outline;       ///< NULL: not needed yet
     stp_visibility* visibility; ///< NULL: everything is shown

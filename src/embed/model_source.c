@@ -9,6 +9,7 @@
 #include "embed/model_internal.h"
 #include "store/file/format.h"
 
+#include <assert.h>
 #include <string.h>
 #include <sys/mman.h>
 
@@ -28,6 +29,7 @@ static stp_result fail_read(const stp_model* model, const char* name, uint64_t o
 
 static stp_result read_pieces(stp_model* model, const char* name, unsigned char* to, uint64_t size)
 {
+    assert(size <= model->source.size && "behind the end of the file");
     stp_result result = STP_OK;
     for (uint64_t at = 0; at < size && result == STP_OK; at += PIECE) {
         size_t piece = (size_t)(size - at < PIECE ? size - at : PIECE);
@@ -83,6 +85,7 @@ stp_result stp_model_open_source(stp_model* model, const stp_model_desc* desc,
                                  const stp_store_open_desc* opening)
 {
     stp_model_source* source = &model->source;
+    assert(source->copy == NULL && source->reserved == NULL && "opened once");
     source->read = desc->read;
     source->read_user = desc->read_user;
     source->size = (size_t)desc->size;
@@ -100,6 +103,7 @@ stp_result stp_model_open_source(stp_model* model, const stp_model_desc* desc,
         bytes = source->copy;
     }
     if (result == STP_OK) {
+        assert((uintptr_t)bytes % ALIGNMENT == 0 && "columns are used in place");
         result = stp_store_open_memory(model->context, desc->name, bytes, source->size, opening,
                                        &model->store);
     }
@@ -112,6 +116,7 @@ void stp_model_source_destroy(stp_context* context, stp_model_source* source)
     if (source->reserved != NULL) {
         (void)munmap(source->reserved, source->size);
     }
+    assert(source->counted <= source->size && "counts the directory only");
     stp_release(context, source->counted);
     *source = (stp_model_source){0};
 }

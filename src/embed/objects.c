@@ -2,6 +2,8 @@
 // The tree of a model's objects, and their visibility.
 #include "embed/model_internal.h"
 
+#include <assert.h>
+
 enum { CHILDREN_AT_ONCE = 64 };
 
 stp_result stp_model_use_outline(stp_model* model, stp_outline** outline)
@@ -22,7 +24,8 @@ stp_result stp_model_use_outline(stp_model* model, stp_outline** outline)
     return result;
 }
 
-/// Finds a placed object. Logs STP_ERROR_ARGUMENT if there is no such object.
+/// Finds an object, placed or not; STP_NO_OBJECT: the whole scene. Logs STP_ERROR_ARGUMENT if there
+/// is no such object.
 static stp_result find_item(stp_model* model, uint32_t object, stp_outline_item* item)
 {
     stp_outline* outline;
@@ -82,7 +85,9 @@ stp_result stp_model_get_children(stp_model* model, uint32_t object, uint64_t fi
         left = left < CHILDREN_AT_ONCE ? left : CHILDREN_AT_ONCE;
         result =
             stp_outline_children(model->outline, &item, first + *count, left, children, &given);
+        assert(result != STP_OK || given <= left);
         for (uint32_t i = 0; result == STP_OK && i < given; ++i) {
+            assert(children[i].depth > 0 && "only the root has no object");
             objects[*count] = children[i].objects[children[i].depth - 1];
             *count += 1;
         }
@@ -131,6 +136,7 @@ stp_result stp_model_set_appearance(stp_model* model, uint32_t object, stp_appea
         return stp_fail(model->context, STP_ERROR_ARGUMENT,
                         "object %u is not placed in the scene itself", object);
     }
+    assert(result != STP_OK || item.depth > 0);
     stp_placed_node placed = {.node = item.node, .transform = item.transform};
     return result == STP_OK ? stp_visibility_set(model->visibility, &placed, shows[appearance])
                             : result;

@@ -2,6 +2,7 @@
 // Checks a caller's options, and converts them for selection and renderers.
 #include "embed/painter_internal.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -85,6 +86,7 @@ stp_result stp_painter_read_options(const stp_painter* painter, const stp_paint_
         style->elevation[0] = bounds->min.y;
         style->elevation[1] = bounds->max.y;
     }
+    assert(quality->splat_size >= 1.0f && style->supersample >= 1);
     return STP_OK;
 }
 _Static_assert((int)STP_PIXELS_ELEVATION == (int)STP_DRAW_ELEVATION &&

@@ -7,6 +7,7 @@
 #include "embed/painter_internal.h"
 #include "select/view_frame.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -122,6 +123,7 @@ static void update_budget(stp_painter* painter, const picture* p)
                            .covered_pixels = p->stats.covered_pixels,
                            .draw_calls = p->stats.draw_calls,
                            .splat_size = painter->list.splat_size};
+    assert(!painter->has_pending && "the previous picture's cost would be lost");
     if (painter->uses_gl && p->image == NULL) { // the GPU is still working
         painter->pending = cost;
         painter->has_pending = true;
@@ -158,7 +160,7 @@ static stp_result draw_yielding(picture* p)
     return result;
 }
 
-/// Draws, and reports whether it requests missing data.
+/// Draws, requests data that was missing, and counts it.
 static stp_result draw_and_request(picture* p)
 {
     stp_painter* painter = p->painter;
@@ -182,8 +184,8 @@ static stp_result draw_and_request(picture* p)
     return result;
 }
 
-/// Draws again until no more data arrives. New data may allow nodes to be opened whose content is
-/// then wanted. This ends, but a limit guards against waiting forever.
+/// Draws; with `complete`, again until no more data arrives. New data may allow nodes to be opened
+/// whose content is then wanted. This ends, but a limit guards against waiting forever.
 static stp_result draw_complete(picture* p)
 {
     stp_painter* painter = p->painter;
@@ -234,6 +236,7 @@ static stp_result reserve_rows(stp_painter* painter, const stp_image* image, stp
         }
         painter->row_bytes = bytes;
     }
+    assert(painter->row_bytes == bytes && bytes > 0);
     *tight = (stp_image){image->width, image->height, painter->rows};
     return STP_OK;
 }
@@ -241,6 +244,7 @@ static stp_result reserve_rows(stp_painter* painter, const stp_image* image, stp
 static void copy_rows(const stp_image* tight, const stp_image* image, size_t stride)
 {
     size_t bytes = (size_t)tight->width * 4;
+    assert(stride >= bytes && tight->width == image->width && tight->height == image->height);
     for (uint32_t y = 0; y < tight->height; ++y) {
         memcpy(image->pixels + y * stride, tight->pixels + y * bytes, bytes);
     }

@@ -17,9 +17,9 @@ struct stp_painter {
     // frame-time controller, and its budget; 0: none yet
     stp_budget budget;
     double budget_ms;
-    stp_frame_cost pending; ///< of the last picture, whose OpenGL time is still pending
+    stp_frame_cost pending; ///< cost of the last picture; its OpenGL time is still missing
     bool has_pending;
-    stp_view view; ///< of the last picture; width 0: none
+    stp_view view; ///< view of the last picture; width 0: none
     uint8_t* rows; ///< tightly packed pixels, for callers whose rows are farther apart
     size_t row_bytes;
 };

@@ -6,11 +6,14 @@
 
 #include <stipple/pick.h>
 
+#include <assert.h>
+
 static const double snap_pixels = 8.0, point_pixels = 2.0;
 
 /// Attributes of a hit point. Attributes of a streamed callback's file cannot be read.
 static stp_result read_values(stp_model* model, const stp_pick* pick, stp_hit* hit)
 {
+    assert(pick->part.kind == STP_STORE_PART_POINTS && "only points have attributes");
     bool readable = model->source.reserved == NULL;
     uint32_t mask = readable ? stp_store_point_attributes(model->store, pick->part.index) : 0;
     stp_result result = STP_OK;
@@ -52,6 +55,7 @@ static stp_result find_objects(stp_model* model, const stp_pick* pick, stp_hit* 
 static stp_result describe_hit(stp_model* model, const stp_view* view, const stp_pick* pick,
                                stp_hit* hit)
 {
+    assert(pick->hit && isfinite(pick->distance));
     double base, slope;
     stp_pixel_width(view, &base, &slope);
     double reach = snap_pixels * (base + slope * pick->distance);
@@ -60,6 +64,7 @@ static stp_result describe_hit(stp_model* model, const stp_view* view, const stp
     hit->position = pick->position;
     hit->normal = hit->is_point ? (stp_vec3d){0, 0, 0} : pick->normal;
     hit->snap = (stp_hit_snap)stp_pick_snap(pick, reach, &hit->snapped);
+    assert(pick->material < stp_store_get_directory(model->store)->material_count);
     hit->material = stp_store_get_directory(model->store)->materials[pick->material].name;
     stp_result result = find_objects(model, pick, hit);
     return result == STP_OK && hit->is_point ? read_values(model, pick, hit) : result;

@@ -9,6 +9,7 @@
 // face and 27 from a corner.
 #include "select/camera.h"
 
+#include <assert.h>
 #include <string.h>
 
 /// The middle of the triangle (1, 0, 0), (1, 1, 0), (1, 1, 1) on the sphere
@@ -50,6 +51,7 @@ const char* const* stp_camera_names(void)
         "d5",    "d6",   "d7",   "d8",    "d9",  "d10",    "d11", "d12", "d13", "d14", "d15", "d16",
         "d17",   "d18",  "d19",  "d20",   "d21", "d22",    "d23", "d24", "d25", NULL,
     };
+    assert(sizeof(names) / sizeof(names[0]) == VIEW_COUNT + 1 && "both tables have all views");
     return names;
 }
 

@@ -3,7 +3,9 @@
 // Fits a box into the picture in closed form. In camera axes (x right, y up, z towards the eye), a
 // point p is in the picture of an eye e if
 //
-//     x - ex <= s (ez - z)    and    -(x - ex) <= s (ez - z)          s: the frame's slope in x; likewise in y
+//     x - ex <= s (ez - z)    and    -(x - ex) <= s (ez - z)
+//
+// where s is the slope of the frame in x; likewise in y.
 //
 // With A = max(x + s z) and B = max(-x + s z) over all corners, this means
 //
@@ -14,13 +16,15 @@
 // corners from there; it gives equal margins.
 #include "select/camera.h"
 
+#include <assert.h>
+
 enum {
     PLANES = 6 + STP_SECTION_PLANES,
     CORNERS = PLANES * (PLANES - 1) * (PLANES - 2) / 6, ///< at most: where three planes meet
     BISECTIONS = 60,
 };
 
-/// Of the diagonal: the eye comes no nearer, so that the near plane cuts nothing off
+/// Share of the diagonal: the eye comes no nearer, so that the near plane cuts nothing off
 #define NEAREST 2e-4
 
 /// Corners in camera axes, relative to the centre of the box.
@@ -69,6 +73,7 @@ static uint32_t make_planes(const stp_sections* sections, stp_vec3d center, stp_
         double length = sqrt(stp_dotd(s->normal, s->normal));
         double distance = (s->distance - stp_dotd(s->normal, center)) / length;
         if (length > 0.0 && isfinite(length) && isfinite(distance)) {
+            assert(count < PLANES);
             planes[count++] = (plane){stp_scaled(s->normal, 1.0 / length), distance};
         }
     }
@@ -92,6 +97,7 @@ static bool intersect(const plane* a, const plane* b, const plane* c, stp_vec3d*
 
 static void add_corner(corner_set* set, const camera_axes* axes, stp_vec3d p)
 {
+    assert(set->count < CORNERS && "three planes meet at most once");
     set->points[set->count++] =
         (stp_vec3d){stp_dotd(axes->right, p), stp_dotd(axes->up, p), stp_dotd(axes->back, p)};
 }
@@ -133,7 +139,8 @@ static double coordinate(stp_vec3d p, int axis)
     return axis == 0 ? p.x : p.y;
 }
 
-/// The A and B of above: extent along an axis and against it, at a slope.
+/// The A and B of above: extent along an axis and against it, at a slope. `spread`: half the
+/// distance of the eyes.
 static void reach(const corner_set* set, int axis, double slope, double spread, double* a,
                   double* b)
 {
@@ -158,7 +165,7 @@ static double center_along(const corner_set* set, int axis, double slope, double
     return 0.5 * (a - b);
 }
 
-/// @param slope  of the frame, in x and y
+/// @param slope  slopes of the frame in x and y
 static stp_vec3d fit_perspective(const corner_set* set, const double slope[2], double spread,
                                  double nearest)
 {
