@@ -18,7 +18,7 @@
 
 enum { NOT_ASKED = 2 };
 
-/// A group of meshes that may be pieces of one solid.
+/// A mesh. Meshes with the same key may be pieces of one solid.
 typedef struct piece {
     uint64_t key; ///< hash of name and material
     uint32_t mesh;
@@ -155,7 +155,7 @@ static int side_of(const border* b)
     return b->sum != 0 || b->volume == 0.0 ? 0 : b->volume > 0.0 ? 1 : -1;
 }
 
-/// The first piece of a key; mesh_count where there is none.
+/// Index of the first piece whose key is at least `key`; mesh_count: none.
 static uint32_t find_pieces(const stp_cap_solids* s, uint64_t key)
 {
     uint32_t low = 0, high = s->mesh_count;

@@ -70,7 +70,7 @@ void stp_caps_destroy(stp_caps* c)
 typedef struct cut_mesh {
     stp_caps* caps;
     stp_affine transform;
-    uint32_t planes; ///< bits
+    uint32_t planes; ///< bits of the planes
     bool turned;     ///< triangles face inwards
     double rows[STP_SECTION_PLANES][4];
 } cut_mesh;
@@ -303,7 +303,7 @@ static stp_vec3d turn(const stp_view_frame* f, stp_vec3d p)
     return (stp_vec3d){stp_dotd(f->right, p), stp_dotd(f->down, p), stp_dotd(f->forward, p)};
 }
 
-/// End of a segment on the screen; points beyond the near plane lie where nothing is counted.
+/// End of a segment on the screen. In perspective, clips it to depth `minimum`.
 static void project(const stp_view_frame* f, stp_vec3d p, stp_vec3d other, double minimum,
                     double out[2])
 {
@@ -389,8 +389,8 @@ static bool fill_pixel(const cap_fill* fill, size_t x, size_t y)
     return true;
 }
 
-/// Fills a row's pixels with a non-zero winding number. Crossings are counted in the direction in
-/// which the plane recedes from the eye, since no part of it is behind the eye there.
+/// Fills a row's pixels with a positive winding number. Counts the crossings on the side on which
+/// the plane recedes from the eye, since no part of it is behind the eye there.
 static bool fill_row(const cap_fill* fill, size_t y)
 {
     const view_plane* p = &fill->planes[fill->plane];

@@ -148,7 +148,7 @@ uint32_t stp_placement_seed(const stp_draw_item* draw)
     uint64_t seed = stp_rng_hash((uint64_t)draw->kind, draw->index);
     for (int k = 0; k < 12; ++k) {
         uint64_t bits;
-        double entry = draw->transform.m[k / 4][k % 4] + 0.0; // one zero
+        double entry = draw->transform.m[k / 4][k % 4] + 0.0; // -0 is 0
         memcpy(&bits, &entry, sizeof(bits));
         seed = stp_rng_hash(seed, bits);
     }
