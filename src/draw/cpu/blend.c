@@ -101,7 +101,7 @@ stp_result cpu_find_visible(cpu_renderer* r)
 
 typedef struct splat_lighter {
     const cpu_renderer* r;
-    uint32_t slot; ///< of the item
+    uint32_t slot; ///< index of the item
     const cpu_shade_kernels* kernels;
     cpu_shade_scene scene;
     cpu_shade_lanes lanes;

@@ -305,10 +305,9 @@ stp_result stp_draw_cpu_create(stp_context* context, stp_store* store, stp_rende
     for (uint32_t i = 0; i < r->team.threads; ++i) {
         cpu_worker* worker = &r->workers[i];
         worker->scratch = stp_arena_create(context, SCRATCH_BLOCK);
-        stp_arena_mark mark =
-            stp_arena_get_mark(&worker->scratch); // worker assignment varies by frame:
-        if (stp_arena_alloc(&worker->scratch, SCRATCH_BLOCK / 2) ==
-            NULL) { // keeps all buffers warm
+        stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
+        // any worker may need scratch memory in a later frame, which must not allocate
+        if (stp_arena_alloc(&worker->scratch, SCRATCH_BLOCK / 2) == NULL) {
             destroy(&r->base);
             return stp_fail_memory(context);
         }

@@ -16,12 +16,12 @@ typedef struct effect_frame {
     const cpu_effect_kernels* kernels;
     const stp_depth_pyramid* pyramid;
     size_t stride, pad;
-    float *near, *spare, *far, *factor; ///< planes of height * stride
+    float *near, *spare, *far, *factor; ///< planes, each height * stride floats
     float* outside;                     ///< a row of infinite distance
     float* scratch;                     ///< SCRATCH_ROWS per worker
     stp_effect_shape shape;
     float scale;
-    bool constant; ///< gain
+    bool constant; ///< the gain is the same everywhere: parallel projection
 } effect_frame;
 
 static const cpu_effect_kernels* choose_kernels(void)

@@ -281,7 +281,7 @@ stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list, size_t 
     }
     r->item_count = first;
     uint64_t pieces = first > 0 ? r->piece_count : 0;
-    bool leaves_out = false; // the set that the large triangles follow
+    bool leaves_out = false; // whether large triangles replace splats of the set that they follow
     for (size_t i = first; i < list->count; ++i) {
         cpu_item* item = &r->items[i];
         const stp_draw_item* draw = &list->items[i];

@@ -78,7 +78,7 @@ static bool may_have(const cpu_renderer* r, const cpu_item* item)
                                        : item->kind == STP_DRAW_SURFELS && r->layers.of_splats;
 }
 
-/// One bit per piece that may have visible fragments.
+/// Marks the pieces that may have visible fragments, one byte each. @param any whether there are any
 static stp_result list_pieces(cpu_renderer* r, bool* any)
 {
     cpu_layers* l = &r->layers;

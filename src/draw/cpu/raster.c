@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-/// The last item that begins at or before it.
+/// The last item whose first piece is at or before `piece`.
 const cpu_item* cpu_item_of_piece(const cpu_renderer* r, uint32_t piece)
 {
     size_t low = 0, high = r->item_count;
@@ -43,7 +43,7 @@ static bool record_hidden(const uint16_t* bits, uint32_t begin, uint32_t end)
 typedef struct piece_loop {
     cpu_renderer* r;
     uint32_t first;
-    uint32_t first_new; ///< of earlier pieces, only occluded content
+    uint32_t first_new; ///< earlier pieces draw only content occluded so far
 } piece_loop;
 
 typedef void (*range_drawer)(const cpu_renderer* r, const cpu_item* item,
@@ -125,7 +125,8 @@ static float shape_scale(const stp_draw_item* draw)
     return draw->shape_scale > 0.0f ? draw->shape_scale : 1.0f;
 }
 
-/// Selects the surfels whose ranges hold the level at their depth. @return false if there are none
+/// Selects the surfels whose ranges hold the level at their depth. @return false if there are none,
+/// or memory is short
 static bool pick_levels(const cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats,
                         cpu_worker* worker)
 {
@@ -151,7 +152,8 @@ static bool pick_levels(const cpu_renderer* r, const cpu_item* item, stp_raster_
     return any;
 }
 
-/// Selects the splats of a scattered item's runs. @return false if it has no splats
+/// Selects the splats of a scattered item's runs. @return false if there are none, or memory is
+/// short
 static bool pick_runs(const cpu_item* item, stp_raster_splats* splats, cpu_worker* worker)
 {
     if (!item->draw->scattered || item->runs == NULL) {
@@ -190,8 +192,8 @@ static bool pick_runs(const cpu_item* item, stp_raster_splats* splats, cpu_worke
     return any;
 }
 
-/// Sets the wanted size of points. They are drawn in full: occlusion was tested earlier, and
-/// sections are tested separately.
+/// Sets the wanted size of points. They are drawn in full: such pictures have no occlusion test
+/// (may_occlude), and sections are tested separately.
 static void fix_size(const cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats)
 {
     if (stp_point_size_is_fixed(r->style, item->draw)) {

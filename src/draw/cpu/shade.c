@@ -17,7 +17,7 @@ typedef struct shader {
     cpu_shade_scene scene;
     stp_draw_heights heights;
     uint32_t buffer_count;
-    uint64_t** buffers; ///< of workers that drew
+    uint64_t** buffers; ///< pixels of the workers that drew
     uint32_t empty;     ///< colour of background pixels
 } shader;
 

@@ -111,8 +111,8 @@ static inline lanes_float gloss_lanes(const stp_lighting* light, const lanes_flo
                                       const lanes_float material[8])
 {
     lanes_float a2 = material[2];
-    // of the vector halfway between light and eye, which are of unit length: its square is 2 + 2
-    // light . eye
+    // square of the sum of the unit vectors to light and eye, which points halfway between them:
+    // 2 + 2 light . eye
     lanes_float square = 2.0f + 2.0f * dot_with(eye, light->key);
     lanes_float along = maximum(toward + facing, spread(0.0f));
     lanes_float squared = lanes_select(square > 0.0f, along * along / square, spread(0.0f));

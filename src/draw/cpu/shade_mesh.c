@@ -156,7 +156,7 @@ static four turn(const cpu_shade_item* item, stp_vec3 v)
                   m[2][0] * v.x + m[2][1] * v.y + m[2][2] * v.z, 0.0f};
 }
 
-/// Normalizes; zero stays zero.
+/// From the item to the scene, normalized; zero stays zero.
 static four turn_to_unit(const cpu_shade_item* item, stp_vec3 v)
 {
     four turned = turn(item, v), squares = turned * turned;
@@ -170,7 +170,7 @@ static bool are_alike(const void* corners, size_t size)
     return memcmp(bytes, bytes + size, size) == 0 && memcmp(bytes, bytes + 2 * size, size) == 0;
 }
 
-/// Whether some interpolation of the unit normals is much shorter.
+/// Whether an interpolation of the unit normals may be much shorter than they are.
 static bool may_cancel(const four normal[3])
 {
     for (int k = 0; k < 3; ++k) {
@@ -209,8 +209,8 @@ static void mix_triangle(const cpu_renderer* r, const cpu_item* item, const cpu_
     }
 }
 
-/// Normal of a triangle, if it has a single one and its mesh has no colours or textures. @return
-/// false otherwise
+/// Normal of a triangle, if it has a single one and its mesh consists of clusters without colours.
+/// @return false otherwise
 static bool find_only_normal(const cpu_item* item, cpu_shade_memory* memory, uint32_t at,
                              stp_vec3* normal)
 {

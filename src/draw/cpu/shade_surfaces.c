@@ -22,7 +22,7 @@ cpu_shade_tile* cpu_begin_tile(cpu_shade_memory* memory)
 {
     uint32_t which = memory->tile_count++ & 1;
     cpu_shade_tile* tile = &memory->tiles[which];
-    tile->number = memory->tile_count + 1; // 0 marks no id
+    tile->number = memory->tile_count + 1; // above 1: slots with 0 are free
     tile->extra = SHADE_CACHE + which * SHADE_PIXELS;
     tile->miss_count = 0;
     return tile;
