@@ -5,11 +5,11 @@
 #include "draw/bounding.h"
 #include "draw/gl/gl_renderer.h"
 
-enum { GRAIN = 1024 }; ///< clusters of a piece
+enum { GRAIN = 1024 }; ///< clusters per piece of the loop
 
 struct gl_share_item {
-    size_t item;  ///< of the list
-    size_t first; ///< of its shares
+    size_t item;  ///< index in the list
+    size_t first; ///< index of its first share
     const stp_draw_item* draw;
     stp_clusters clusters;
     stp_bounding bounding;

@@ -69,7 +69,7 @@ static bool add_cluster(gl_renderer* r, uint32_t index, cluster_kinds kinds, uin
            (!kinds.again || gl_frame_repeat_command(r, GL_COMMANDS_GLASS_TRIANGLES, 3 * triangles));
 }
 
-/// A mesh of columns: drawn as a whole, or not at all.
+/// Adds a mesh of columns, without culling: all its clusters have the same share.
 static stp_result add_columns(gl_renderer* r, uint32_t index, stp_store_mesh* mesh)
 {
     item_block* item = &r->frame.items[index];

@@ -58,7 +58,7 @@ void gl_layer_pass_destroy(gl_renderer* r)
     r->layer_pass.noise = 0;
 }
 
-/// @return whether there is enough memory for them
+/// Makes the textures of layers. @return false if memory is short
 static bool make_textures(gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
@@ -140,7 +140,7 @@ static stp_result make_programs(gl_renderer* r)
     return result;
 }
 
-/// Draws one layer; `before` is the previous one.
+/// Draws a layer into textures `number` (0 or 1); the others hold the previous layer.
 static stp_result draw_layer(gl_renderer* r, int number)
 {
     const stp_gl* gl = &r->gl;

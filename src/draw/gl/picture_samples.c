@@ -200,7 +200,7 @@ static stp_result draw_visible(gl_renderer* r)
     return result;
 }
 
-/// Restores the state that the header promises.
+/// Restores the state that draw_gl.h promises.
 void gl_leave_state(const gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;

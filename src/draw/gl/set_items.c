@@ -7,10 +7,10 @@
 #include "draw/gl/splat_commands.h"
 #include "draw/gl/upload.h"
 
-/// Drawable part of a set: octaves with resident positions, up to `octaves`, and the octave below
-/// that provides their colours.
+/// Drawable part of a set.
 typedef struct octaves_here {
-    uint32_t places, colors;
+    uint32_t places; ///< number of leading octaves with resident positions
+    uint32_t colors; ///< index of the octave that provides the colours
 } octaves_here;
 
 static gl_upload upload_octaves(gl_renderer* r, uint32_t set, uint32_t places, uint32_t colors,
@@ -49,7 +49,7 @@ static void hold_octave(const gl_renderer* r, uint32_t set, uint32_t octave, ite
     }
 }
 
-/// Adds the splats of an octave, up to the end of the item's prefix.
+/// The splats of an octave, up to the end of the item's prefix.
 static gl_splat_chunk find_chunk(const gl_renderer* r, uint32_t set, uint32_t octave,
                                  const chunk_block* chunk, uint32_t prefix)
 {

@@ -12,7 +12,7 @@
 enum {
     SOFTWARE_SPLATS = 4096,
     HARDWARE_SPLATS = 131072,
-    COMMAND_SPLATS = 4096, ///< of each command
+    COMMAND_SPLATS = 4096, ///< splats per command
     REPEATS = 3,
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Splats: all as points with one command, and those too large for points with another
+// Splats: as points with one draw call, and those too large for points with another
 // (shaders/splat.*, large.*).
 #include "base/context.h"
 #include "draw/gl/gl_renderer.h"

@@ -78,7 +78,7 @@ void gl_writer_turn(gl_writer* writer)
     writer->room = (uint32_t)room;
 }
 
-/// @return false if the context is lost
+/// Sends the rest. @return false if the context is lost, or words are missing
 static bool end_writer(gl_writer* writer)
 {
     send(writer);
@@ -257,8 +257,8 @@ static uint64_t count_cutoffs(const stp_texture_pyramid* pyramid, uint32_t first
     return first < count ? (uint64_t)(count - first) * STP_CUTOUT_STEPS : 0;
 }
 
-/// First level that fits into a part of the pool together with all coarser ones, and their size in
-/// words.
+/// First level that fits into half a page together with all coarser ones, or the coarsest, and
+/// their size in words.
 static uint32_t choose_level(const gl_renderer* r, const stp_texture_pyramid* pyramid,
                              uint64_t* words)
 {
