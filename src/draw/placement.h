@@ -9,6 +9,8 @@
 #include "select/view_frame.h"
 #include "store/store.h"
 
+#include <assert.h>
+
 /// Parameters common to all items of a picture.
 typedef struct stp_placement {
     stp_view_frame frame;
@@ -47,6 +49,7 @@ void stp_placement_view_rows(const stp_view_frame* frame, const stp_affine* tran
 /// Sets the shift of the picture that moves sample `sample` of side x side to the pixel's centre.
 static inline void stp_placement_shift(stp_placement* placement, uint32_t side, uint32_t sample)
 {
+    assert(side > 0 && sample < side * side);
     placement->shift_x = 0.5 - ((double)(sample % side) + 0.5) / (double)side;
     placement->shift_y = 0.5 - ((double)(sample / side) + 0.5) / (double)side;
 }
