@@ -4,6 +4,7 @@
 // interpolation weights are cached, and each pixel gets its own surface.
 #include "draw/cpu/shade.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { PLACE_BITS = 8, PLACES = 1 << PLACE_BITS, OPEN_BITS = 5, OPEN = 1 << OPEN_BITS };
@@ -71,6 +72,7 @@ void cpu_prefetch_triangle(const cpu_renderer* r, cpu_shade_memory* memory, uint
 {
     const cpu_item* item = &r->items[memory->item[at]];
     uint32_t id = memory->slots[at].id;
+    assert(at < SHADE_KEPT && id >= item->first_id);
     if (item->clusters.bytes != NULL) {
         uint32_t key = (id >> 6) * 0x9E3779B1u >> (32 - PLACE_BITS);
         cluster_place* place = &memory->triangles->places[key];
@@ -258,6 +260,7 @@ cpu_shade_kind cpu_make_triangle_surface(const cpu_renderer* r, cpu_shade_memory
     const cpu_item* item = &r->items[memory->item[at]];
     const cpu_shade_item* shade = &r->shade_items[memory->item[at]];
     cpu_shade_surface* surface = &memory->surfaces[at];
+    assert(item->kind == STP_DRAW_MESH && at < SHADE_KEPT);
     bool textured =
         item->base_color != NULL || item->metallic_roughness != NULL || item->emissive != NULL;
     stp_vec3 normal;
@@ -337,6 +340,7 @@ void cpu_make_pixel_surfaces(const cpu_renderer* r, cpu_shade_memory* memory,
                              const cpu_shade_run* run, uint32_t x, uint32_t y,
                              const float* nearness, cpu_shade_surface* out)
 {
+    assert(run->surface < SHADE_KEPT && memory->kind[run->surface] != SHADE_FLAT);
     const mixed_triangle* mixed = &memory->triangles->mixed[run->surface];
     const cpu_shade_surface* surface = &memory->surfaces[run->surface];
     const cpu_item* item = &r->items[memory->item[run->surface]];
