@@ -8,6 +8,7 @@
 #include "store/format.h"
 #include "store/large_triangles.h"
 
+#include <assert.h>
 #include <string.h>
 
 static stp_bounding bound(const gl_renderer* r, const item_block* item)
@@ -93,6 +94,7 @@ static stp_result add_columns(gl_renderer* r, uint32_t index, stp_store_mesh* me
 
 static uint32_t count_triangles(const stp_clusters* clusters, uint32_t index)
 {
+    assert(index < clusters->cluster_count);
     uint32_t end = index + 1 < clusters->cluster_count
                        ? stp_clusters_first_triangle(clusters, index + 1)
                        : clusters->triangle_count;
@@ -151,6 +153,7 @@ static stp_result mark_clusters(gl_renderer* r, const stp_draw_item* draw,
     uint32_t count = stp_large_triangles_find(&large, draw->large_from);
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t cluster = stp_clusters_find(clusters, large.triangles[i]);
+        assert(cluster < clusters->cluster_count && "there is a bit for it");
         marks[cluster / 32] |= 1u << cluster % 32;
     }
     f->large_count += count;
