@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "draw/bounding.h"
 
+#include <assert.h>
+
 stp_bounding stp_bounding_make(const float rows[4][4], float nearness_limit, const float offset[3],
                                uint32_t width, uint32_t height)
 {
     stp_bounding bounding;
+    assert(width > 0 && height > 0 && "an empty picture has no sides");
     double right = (double)width + 1.0, bottom = (double)height + 1.0;
     for (int c = 0; c < 4; ++c) {
         double x = (double)rows[0][c], y = (double)rows[1][c];

@@ -3,6 +3,7 @@
 
 #include "base/math/rng.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -36,6 +37,7 @@ stp_result stp_cap_border_create(stp_context* context, uint64_t triangles, stp_c
     while (buckets < MAX_BUCKETS && buckets < 2 * triangles) {
         buckets *= 2;
     }
+    assert((buckets & (buckets - 1)) == 0 && buckets <= MAX_BUCKETS && "bits of a hash select one");
     stp_cap_border* b = STP_NEW_ZEROED(context, stp_cap_border, 1);
     *border = b;
     if (b != NULL) {
@@ -73,6 +75,7 @@ uint64_t stp_cap_hash_corner(const float p[3])
 
 static stp_result keep_edge(stp_cap_border* b, const edge* e)
 {
+    assert(b->second && "the first pass keeps no edges");
     if (b->overflows || b->count >= MAX_EDGES) {
         b->overflows = true;
         return STP_OK;
@@ -82,6 +85,7 @@ static stp_result keep_edge(stp_cap_border* b, const edge* e)
         return stp_fail_memory(b->context);
     }
     b->edges = edges;
+    assert(b->count < b->capacity && b->count < MAX_EDGES);
     edges[b->count++] = *e;
     return STP_OK;
 }
@@ -156,6 +160,8 @@ static void cancel_edges(stp_cap_border* b)
         size_t forth = middle - i, back = end - middle;
         size_t more = forth > back ? forth - back : back - forth;
         size_t first = forth > back ? i : middle; // those of the more frequent direction
+        assert(left <= first && i <= middle && middle <= end && "edges only move down");
+        assert(first + more <= end && "the kept edges have one direction");
         memmove(b->edges + left, b->edges + first, more * sizeof(edge));
         left += more;
     }
@@ -177,6 +183,7 @@ static int compare_ends(const void* a, const void* b)
 static uint32_t find_root(uint32_t* parents, uint32_t i)
 {
     while (parents[i] != i) {
+        assert(parents[i] < i && "a root is the first edge of its border");
         parents[i] = parents[parents[i]];
         i = parents[i];
     }
@@ -186,6 +193,7 @@ static uint32_t find_root(uint32_t* parents, uint32_t i)
 // Joins connected edges: each group is a separate border.
 static void join_edges(const stp_cap_border* b, edge_end* ends, uint32_t* parents)
 {
+    assert(b->count <= MAX_EDGES && "their numbers have 32 bits");
     for (uint32_t i = 0; i < b->count; ++i) {
         parents[i] = i;
         ends[2 * i] = (edge_end){b->edges[i].ends[0], i};
@@ -210,6 +218,7 @@ static double enclosed_area(const stp_cap_border* b, uint32_t* parents, stp_vec3
         uint32_t root = find_root(parents, i);
         stp_vec3d at = {(double)b->edges[root].from[0], (double)b->edges[root].from[1],
                         (double)b->edges[root].from[2]};
+        assert(root <= i && parents[root] == root);
         const float *from = b->edges[i].from, *to = b->edges[i].to;
         stp_vec3d p = {(double)from[0], (double)from[1], (double)from[2]};
         stp_vec3d q = {(double)to[0], (double)to[1], (double)to[2]};
@@ -223,6 +232,7 @@ static double enclosed_area(const stp_cap_border* b, uint32_t* parents, stp_vec3
 
 stp_result stp_cap_border_side(stp_cap_border* b, int* side)
 {
+    assert(b->second && "all triangles are added twice");
     *side = 0;
     if (b->overflows || b->volume == 0.0) {
         return STP_OK;

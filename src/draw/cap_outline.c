@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "draw/cap_outline.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,6 +23,7 @@ stp_result stp_cap_outline_add(stp_context* context, stp_cap_outline* o, const f
         return stp_fail_memory(context);
     }
     o->segments = segments;
+    assert(o->count < o->capacity);
     memcpy(segments[o->count].from, from, sizeof(segments->from));
     memcpy(segments[o->count].to, to, sizeof(segments->to));
     o->count += 1;
@@ -61,6 +63,7 @@ static size_t find_loose(place* places, size_t count)
              ++end) {
             net += places[end].begins;
         }
+        assert(left <= i && "the list only shrinks");
         place one = places[i];
         one.begins = net > 0 ? 1 : -1;
         for (int64_t k = net < 0 ? -net : net; k > 0; --k) {
@@ -80,11 +83,24 @@ static double distance_squared(const place* a, const place* b)
     return sum;
 }
 
+#ifndef NDEBUG
+// Whether as many segments begin as end.
+static bool are_balanced(const place* places, size_t count)
+{
+    int64_t net = 0;
+    for (size_t i = 0; i < count; ++i) {
+        net += places[i].begins;
+    }
+    return net == 0;
+}
+#endif
+
 // The nearest free begin point, or `count`. Searches a window of the sorted points; cracks are
 // narrow.
 static size_t find_beginning(const place* places, size_t count, size_t end)
 {
     size_t best = count, seen = 0;
+    assert(end < count && places[end].begins < 0 && "only ends look for a beginning");
     double minimum = HUGE_VAL;
     for (size_t step = 1; step < count && (seen < REACH || best == count); ++step) {
         const size_t both[2] = {end + step, end - step};
@@ -120,6 +136,7 @@ stp_result stp_cap_outline_close(stp_context* context, stp_cap_outline* o)
     }
     qsort(places, count, sizeof(place), compare_places);
     count = find_loose(places, count);
+    assert(are_balanced(places, count) && "each segment has two ends");
     stp_result result = STP_OK;
     for (size_t i = 0; i < count && result == STP_OK; ++i) {
         size_t found = places[i].begins < 0 ? find_beginning(places, count, i) : count;

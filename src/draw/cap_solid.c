@@ -13,12 +13,13 @@
 #include "draw/cap_border.h"
 #include "store/clusters/clusters.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { NOT_ASKED = 2 };
 
-/// A group of meshes that may be pieces of one solid.
+/// A mesh. Meshes with the same key may be pieces of one solid.
 typedef struct piece {
     uint64_t key; ///< hash of name and material
     uint32_t mesh;
@@ -155,7 +156,7 @@ static int side_of(const border* b)
     return b->sum != 0 || b->volume == 0.0 ? 0 : b->volume > 0.0 ? 1 : -1;
 }
 
-/// The first piece of a key; mesh_count where there is none.
+/// Index of the first piece whose key is at least `key`; mesh_count: none.
 static uint32_t find_pieces(const stp_cap_solids* s, uint64_t key)
 {
     uint32_t low = 0, high = s->mesh_count;
@@ -167,6 +168,8 @@ static uint32_t find_pieces(const stp_cap_solids* s, uint64_t key)
             high = middle;
         }
     }
+    assert(low == s->mesh_count || s->pieces[low].key >= key);
+    assert((low == 0 || s->pieces[low - 1].key < key) && "pieces are sorted by key");
     return low;
 }
 
@@ -213,6 +216,7 @@ static stp_result check_pieces(stp_cap_solids* s, uint32_t mesh)
         result = result == STP_OK ? stp_cap_visit(s->store, s->pieces[first + count].mesh, &visitor)
                                   : result;
     }
+    assert(count > 0 && "a mesh is a piece of its own key");
     int side = side_of(&whole);
     if (result == STP_OK && side == 0) {
         const piece own = {key, mesh};
@@ -234,6 +238,7 @@ static stp_result check_pieces(stp_cap_solids* s, uint32_t mesh)
 
 stp_result stp_cap_solids_side(stp_cap_solids* s, uint32_t mesh, int* side)
 {
+    assert(mesh < s->mesh_count);
     stp_result result = STP_OK;
     if (s->sides[mesh] == NOT_ASKED) {
         border own = {0};
@@ -245,6 +250,7 @@ stp_result stp_cap_solids_side(stp_cap_solids* s, uint32_t mesh, int* side)
             result = check_pieces(s, mesh);
         }
     }
+    assert((result != STP_OK || s->sides[mesh] != NOT_ASKED) && "the answer is kept");
     *side = result == STP_OK ? s->sides[mesh] : 0;
     return result;
 }

@@ -15,12 +15,14 @@ void stp_cap_solids_destroy(stp_cap_solids* solids); ///< NULL is allowed
 /// outwards, -1 if they face inwards, 0 if it is open
 STP_MUST_USE stp_result stp_cap_solids_side(stp_cap_solids* solids, uint32_t mesh, int* side);
 
-/// Calls `take` for each triangle of a mesh in boxes that `wants` accepts.
 typedef struct stp_cap_visitor {
-    bool (*wants)(void* user, const stp_box* box); ///< NULL: all
+    /// Whether to visit a cluster with these bounds; NULL: all. Not called for meshes of columns.
+    bool (*wants)(void* user, const stp_box* box);
     stp_result (*take)(void* user, const float* const corners[3]);
     void* user;
 } stp_cap_visitor;
 
+/// Calls `take` for each triangle of a mesh, but not for clusters that `wants` rejects. Stops at
+/// the first failure.
 STP_MUST_USE stp_result stp_cap_visit(stp_store* store, uint32_t mesh,
                                       const stp_cap_visitor* visitor);

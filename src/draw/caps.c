@@ -10,6 +10,7 @@
 #include "select/sections.h"
 #include "store/file/instances.h"
 
+#include <assert.h>
 #include <string.h>
 
 static const uint64_t visit_limit = UINT64_C(1) << 22;    // limit on visited node instances
@@ -70,7 +71,7 @@ void stp_caps_destroy(stp_caps* c)
 typedef struct cut_mesh {
     stp_caps* caps;
     stp_affine transform;
-    uint32_t planes; ///< bits
+    uint32_t planes; ///< bits of the planes
     bool turned;     ///< triangles face inwards
     double rows[STP_SECTION_PLANES][4];
 } cut_mesh;
@@ -152,6 +153,7 @@ static stp_result cut_triangle(void* user, const float* const corners[3])
                 found += 1;
             }
         }
+        assert((found == 0 || found == 2) && "a plane leaves a triangle as often as it enters");
         if (found == 2) {
             const float *from = cut->turned ? out : in, *to = cut->turned ? in : out;
             result =
@@ -166,6 +168,7 @@ static stp_result cut_part(stp_caps* caps, uint32_t mesh, const stp_affine* tran
 {
     static const float none[3] = {0};
     int side;
+    assert((planes & ~stp_sections_all(&caps->sections)) == 0 && "planes of the current sections");
     stp_result result = stp_cap_solids_side(caps->solids, mesh, &side);
     if (result != STP_OK || side == 0) {
         return result;
@@ -253,6 +256,7 @@ stp_result stp_caps_find(stp_caps* c, const stp_sections* sections,
                          const stp_visibility* visibility)
 {
     const stp_store_directory* d = stp_store_get_directory(c->store);
+    assert(sections->count <= STP_SECTION_PLANES);
     if (are_known(c, sections, visibility)) {
         return STP_OK;
     }
@@ -303,7 +307,7 @@ static stp_vec3d turn(const stp_view_frame* f, stp_vec3d p)
     return (stp_vec3d){stp_dotd(f->right, p), stp_dotd(f->down, p), stp_dotd(f->forward, p)};
 }
 
-/// End of a segment on the screen; points beyond the near plane lie where nothing is counted.
+/// End of a segment on the screen. In perspective, clips it to depth `minimum`.
 static void project(const stp_view_frame* f, stp_vec3d p, stp_vec3d other, double minimum,
                     double out[2])
 {
@@ -336,9 +340,11 @@ static void add_crossings(const stp_caps* c, const stp_view_frame* f, const stp_
     int top = on[1][1] > on[0][1] ? 0 : 1;
     const double *a = on[top], *b = on[1 - top];
     double begin = fmax(ceil(a[1] - 0.5), 0.0), end = fmin(ceil(b[1] - 0.5), f->height);
+    assert(begin >= 0.0 && end <= f->height && "rows of the picture");
     for (double row = begin; row < end; row += 1.0) {
         double x = a[0] + (b[0] - a[0]) * ((row + 0.5 - a[1]) / (b[1] - a[1]));
         double column = fmin(fmax(ceil(x - 0.5), 0.0), f->width);
+        assert(column >= 0.0 && column <= f->width && "a row has an entry behind its last pixel");
         winding[(size_t)row * stride + (size_t)column] += top == 0 ? 1 : -1;
     }
 }
@@ -389,8 +395,8 @@ static bool fill_pixel(const cap_fill* fill, size_t x, size_t y)
     return true;
 }
 
-/// Fills a row's pixels with a non-zero winding number. Crossings are counted in the direction in
-/// which the plane recedes from the eye, since no part of it is behind the eye there.
+/// Fills a row's pixels with a positive winding number. Counts the crossings on the side on which
+/// the plane recedes from the eye, since no part of it is behind the eye there.
 static bool fill_row(const cap_fill* fill, size_t y)
 {
     const view_plane* p = &fill->planes[fill->plane];
@@ -414,6 +420,7 @@ static bool fill_plane(const cap_fill* fill)
     const stp_cap_outline* o = &c->outlines[fill->plane];
     size_t height = (size_t)fill->frame->height, stride = (size_t)fill->frame->width + 1;
     bool any = false;
+    assert(height * stride <= c->capacity);
     memset(c->winding, 0, height * stride * sizeof(*c->winding));
     for (size_t i = 0; i < o->count; ++i) {
         add_crossings(c, fill->frame, &o->segments[i], c->winding);
@@ -448,6 +455,7 @@ stp_result stp_caps_fill(stp_caps* c, const stp_view_frame* frame, bool headligh
 {
     size_t width = (size_t)frame->width, height = (size_t)frame->height;
     cap_fill fill = {.caps = c, .frame = frame, .depth = depth};
+    assert(c->known && "outlines are found first");
     *picture = (stp_cap_picture){0};
     bool any = false;
     for (uint32_t i = 0; i < c->sections.count; ++i) {

@@ -23,8 +23,8 @@ typedef struct stp_caps stp_caps;
 /// Caps in the picture of one eye; the arrays belong to the caps.
 typedef struct stp_cap_picture {
     const float* nearness; ///< one per pixel, like the picture's depths; 0: no cap
-    const uint8_t* pixels; ///< RGBA of caps
-    bool any;              ///< false: there are no arrays
+    const uint8_t* pixels; ///< RGBA, valid where nearness is above 0
+    bool any;              ///< whether a pixel shows a cap; if not, the arrays may be NULL
 } stp_cap_picture;
 
 STP_MUST_USE stp_result stp_caps_create(stp_context* context, stp_store* store, stp_caps** caps);

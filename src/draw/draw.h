@@ -80,10 +80,10 @@ typedef struct stp_draw_style {
 
 typedef struct stp_draw_stats {
     double draw_ms, shade_ms;
-    double select_ms; ///< of stp_renderer_draw_selected
+    double select_ms; ///< time of selection, if the call selects
     uint64_t splats, triangles, fragments, covered_pixels;
-    uint32_t draw_calls; ///< items drawn
-    uint32_t samples;    ///< of each pixel
+    uint32_t draw_calls; ///< CPU: items drawn, for all eyes; OpenGL: draw calls of the last sample
+    uint32_t samples;    ///< number of samples per pixel
     uint32_t layers;     ///< layers of transparent surfaces: maximum in a pixel of the last sample
 } stp_draw_stats;
 

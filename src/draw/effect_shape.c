@@ -3,6 +3,8 @@
 
 #include "base/math/math.h"
 
+#include <assert.h>
+
 enum { DIRECTIONS = 6, CLOSE_LIMIT = 4, REACH_MAX = 4096 };
 
 static int32_t nearest_whole(float value)
@@ -17,6 +19,8 @@ static void add_ring(stp_effect_shape* shape, float reach, float whole, bool tur
         1.0f,  0.965925826f,  0.866025404f,  0.707106781f,  0.5f,          0.258819045f,
         0.0f,  -0.258819045f, -0.5f,         -0.707106781f, -0.866025404f, -0.965925826f,
         -1.0f, -0.965925826f, -0.866025404f, -0.707106781f, -0.5f,         -0.258819045f};
+    assert(shape->pair_count + DIRECTIONS <= STP_EFFECT_PAIRS);
+    assert(reach > 0.0f && reach <= whole && "rings lie within the radius");
     float rough = 0.35f * (float)shape->close; // remaining depth steps between disks, in pixels
     for (int i = 0; i < DIRECTIONS; ++i) {
         int angle = 2 * i + (turned ? 1 : 0); // in twelfths of half a circle
@@ -48,6 +52,18 @@ static void choose_pairs(stp_effect_shape* shape, float reach)
     }
 }
 
+#ifndef NDEBUG
+static bool far_pairs_are_last(const stp_effect_shape* shape)
+{
+    for (uint32_t i = 1; i < shape->pair_count; ++i) {
+        if (shape->pairs[i - 1].far && !shape->pairs[i].far) {
+            return false;
+        }
+    }
+    return true;
+}
+#endif
+
 stp_effect_shape stp_effect_shape_make(const stp_draw_style* style, uint32_t height,
                                        float splat_size)
 {
@@ -63,5 +79,7 @@ stp_effect_shape stp_effect_shape_make(const stp_draw_style* style, uint32_t hei
         choose_pairs(&shape, style->ambient_occlusion * (float)height);
         shape.far = shape.pair_count > 0 && shape.pairs[shape.pair_count - 1].far;
     }
+    assert(shape.close >= 0 && shape.close <= CLOSE_LIMIT);
+    assert(far_pairs_are_last(&shape) && "the last pair tells whether any is far");
     return shape;
 }

@@ -11,10 +11,10 @@ enum {
     STP_EFFECT_NEAR_REACH = 16, ///< pixels: occlusion beyond this distance is read from blocks
 };
 
-#define STP_OCCLUSION_STRENGTH 2.2f ///< darkening at full enclosure
-#define STP_OCCLUSION_MIN 0.15f     ///< maximum darkening
-#define STP_EYE_DOME_MAX 1000.0f
-#define STP_EYE_DOME_GAIN 0.22f ///< of mean rises, at strength 1
+#define STP_OCCLUSION_STRENGTH 2.2f ///< factor on the share of enclosed pairs
+#define STP_OCCLUSION_MIN 0.15f     ///< lowest brightness, as a share
+#define STP_EYE_DOME_MAX 1000.0f    ///< upper limit of stp_draw_style.eye_dome
+#define STP_EYE_DOME_GAIN 0.22f     ///< factor on the mean rise, at strength 1
 
 /// Two opposite neighbours at (x, y) and (-x, -y).
 typedef struct stp_effect_pair {
@@ -26,8 +26,8 @@ typedef struct stp_effect_pair {
 typedef struct stp_effect_shape {
     int32_t close;                           ///< radius for closing gaps between disks; 0: no disks
     int32_t light_step;                      ///< pixels between neighbours of eye-dome lighting
-    float light;                             ///< strength times sums of rises; 0: none
-    stp_effect_pair pairs[STP_EFFECT_PAIRS]; ///< of ambient occlusion
+    float light;                             ///< factor on sums of rises; 0: no eye-dome lighting
+    stp_effect_pair pairs[STP_EFFECT_PAIRS]; ///< samples of ambient occlusion; far ones last
     uint32_t pair_count;
     bool far; ///< some pairs are read from blocks
 } stp_effect_shape;

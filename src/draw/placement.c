@@ -7,6 +7,7 @@
 
 #include "base/math/rng.h"
 
+#include <assert.h>
 #include <string.h>
 
 // Depth offset of triangles, in radii of the largest splats. A splat represents surface up to a
@@ -28,10 +29,12 @@ void stp_placement_choose_nearness(stp_placement* placement, const stp_store_dir
     stp_placement* p = placement;
     const stp_view_frame* f = &p->frame;
     if (!f->parallel) {
+        assert(f->near_distance > 0.0 && "nearness is near_distance / depth");
         p->nearness_scale = f->near_distance;
         p->nearness_offset = 0.0;
         return;
     }
+    assert(f->scale > 0.0 && p->mesh_depth >= 0.0 && "both are set first");
     double low = 0.0, high = 1.0;
     if (directory->root != STP_STORE_NONE) {
         stp_boxd box = directory->nodes[directory->root].bounds;
@@ -92,6 +95,7 @@ static void push_back(const stp_placement* p, bool is_mesh, stp_placed_item* ite
         }
         camera->nearness_limit = (float)(1.0 / factor);
         item->near_factor = (float)factor;
+        assert(item->near_factor >= 1.0f && camera->nearness_limit <= 1.0f && "only pushed back");
     }
 }
 
@@ -119,6 +123,7 @@ void stp_placement_place(const stp_placement* placement, const stp_draw_item* dr
 {
     const stp_view_frame* frame = &placement->frame;
     double rows[3][4];
+    assert(frame->scale > 0.0 && placement->mesh_depth >= 0.0 && "the placement is made first");
     stp_placement_view_rows(frame, &draw->transform, offset, rows);
     stp_raster_camera* camera = &item->camera;
     *camera = (stp_raster_camera){
@@ -148,7 +153,7 @@ uint32_t stp_placement_seed(const stp_draw_item* draw)
     uint64_t seed = stp_rng_hash((uint64_t)draw->kind, draw->index);
     for (int k = 0; k < 12; ++k) {
         uint64_t bits;
-        double entry = draw->transform.m[k / 4][k % 4] + 0.0; // one zero
+        double entry = draw->transform.m[k / 4][k % 4] + 0.0; // -0 is 0
         memcpy(&bits, &entry, sizeof(bits));
         seed = stp_rng_hash(seed, bits);
     }
@@ -158,6 +163,9 @@ uint32_t stp_placement_seed(const stp_draw_item* draw)
 stp_octave_choice stp_placement_choose_octave(const stp_splats* surfels, uint32_t prefix)
 {
     stp_octave_choice choice = {.octave = 0};
+    assert(
+        (surfels->octave_count == 0 || prefix <= surfels->octave_ends[surfels->octave_count - 1]) &&
+        "a prefix of the set");
     if ((surfels->columns & STP_SPLATS_FLAT_COLORS) != 0) {
         while (choice.octave + 1 < surfels->octave_count &&
                surfels->octave_ends[choice.octave] < prefix) {
@@ -175,10 +183,13 @@ stp_octave_choice stp_placement_choose_octave(const stp_splats* surfels, uint32_
     choice.blend = end > choice.low_count
                        ? (float)(prefix - choice.low_count) / (float)(end - choice.low_count)
                        : 1.0f;
+    assert((choice.octave == 0 || choice.low_count < prefix) && "the octave holds the last surfel");
+    assert(choice.blend >= 0.0f && choice.blend <= 1.0f);
     return choice;
 }
 
 float stp_placement_ghost_part(float share)
 {
+    assert(share > 0.0f && "0 stands for the default share");
     return share < 1.0f ? share * (GHOST_OVERLAP + (1.0f - GHOST_OVERLAP) * share) : 1.0f;
 }

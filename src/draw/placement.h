@@ -9,12 +9,14 @@
 #include "select/view_frame.h"
 #include "store/file/store.h"
 
+#include <assert.h>
+
 /// Parameters common to all items of a picture.
 typedef struct stp_placement {
     stp_view_frame frame;
     double nearness_scale, nearness_offset; ///< nearness = offset + scale / depth, or scale * depth
     double mesh_depth;       ///< depth offset of triangles, in pixel sides at their depth
-    double shift_x, shift_y; ///< of the sample, pixels
+    double shift_x, shift_y; ///< shift of the picture for the current sample, pixels
 } stp_placement;
 
 /// Placement of one item.
@@ -44,9 +46,10 @@ float stp_placement_ghost_part(float share);
 void stp_placement_view_rows(const stp_view_frame* frame, const stp_affine* transform,
                              const float offset[3], double rows[3][4]);
 
-/// Offset of sample `sample` of side x side from the pixel's centre, in pixels.
+/// Sets the shift of the picture that moves sample `sample` of side x side to the pixel's centre.
 static inline void stp_placement_shift(stp_placement* placement, uint32_t side, uint32_t sample)
 {
+    assert(side > 0 && sample < side * side);
     placement->shift_x = 0.5 - ((double)(sample % side) + 0.5) / (double)side;
     placement->shift_y = 0.5 - ((double)(sample / side) + 0.5) / (double)side;
 }
@@ -58,8 +61,8 @@ uint32_t stp_placement_seed(const stp_draw_item* draw);
 /// The octaves of a set that colour a prefix, and their weights.
 typedef struct stp_octave_choice {
     uint32_t octave;    ///< octave of the prefix
-    uint32_t low_count; ///< surfels of the previous octave, which also has colours for them
-    float blend;        ///< weight of `octave` there
+    uint32_t low_count; ///< surfels before `octave`, for which the previous octave has colours too
+    float blend;        ///< weight of the colours of `octave` for these surfels, 0 to 1
 } stp_octave_choice;
 
 stp_octave_choice stp_placement_choose_octave(const stp_splats* surfels, uint32_t prefix);

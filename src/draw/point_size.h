@@ -5,6 +5,8 @@
 
 #include "draw/draw.h"
 
+#include <assert.h>
+
 /// Depth of a point's rim behind its centre, in radii: a pixel of overlapping points shows the one
 /// with the nearest centre.
 #define STP_POINT_RIM_DEPTH 1.0f
@@ -23,6 +25,7 @@ static inline bool stp_point_size_is_fixed(const stp_draw_style* style, const st
 static inline stp_point_radius stp_point_radius_of(const stp_draw_style* style,
                                                    const stp_draw_item* item)
 {
+    assert(stp_point_size_is_fixed(style, item) && "other points have the radius of their item");
     float half = 0.5f * style->point_size;
     if (style->point_sizing == STP_POINTS_PIXELS) {
         // a disk that may fall between pixel centres covers the pixel of its centre

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "draw/recolor.h"
 
+#include <assert.h>
+
 stp_draw_heights stp_draw_heights_make(const stp_view_frame* frame, const stp_draw_pixels* pixels,
                                        const stp_draw_style* style)
 {
+    assert(frame->scale > 0.0 && "a valid frame");
     double low = style->elevation[0], range = style->elevation[1] - low;
     double unit = range > 0.0 ? 1.0 / range : 0.0;
     double x = frame->center_x + pixels->shift_x, y = frame->center_y + pixels->shift_y;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "draw/resting.h"
 
+#include <assert.h>
 #include <string.h>
 
 static uint32_t common_divisor(uint32_t a, uint32_t b)
@@ -15,6 +16,7 @@ static uint32_t common_divisor(uint32_t a, uint32_t b)
 
 uint32_t stp_resting_sample(uint32_t side, uint32_t k)
 {
+    assert(side > 0 && side <= 2048 && "its steps fit 32 bits");
     uint32_t all = side * side, step = (all * 618 + 500) / 1000; // by golden-section steps
     while (common_divisor(step, all) != 1) {
         step += 1;
@@ -49,6 +51,7 @@ bool stp_resting_is_same_view(const stp_view* a, const stp_view* b)
 /// Hash of the drawn items: changes with the quality, and with the resident data.
 static stp_hash hash_list(const stp_draw_list* list)
 {
+    assert((list->run_count == 0 || list->runs != NULL) && "runs are hashed as a whole");
     stp_hash hash = {0};
     for (size_t i = 0; i < list->count; ++i) {
         const stp_draw_item* item = &list->items[i];

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "draw/cpu/accumulate.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { LINEAR_FULL = 65535 }; ///< times the maximum of 4096 frames: fits 32 bits
@@ -29,6 +30,7 @@ stp_result cpu_make_accumulation(cpu_renderer* r, uint32_t frames)
         }
     }
     if (needed > a->capacity) {
+        assert(frames == 0 && "new memory holds no sums");
         a->capacity = 0;
         a->frames = 0;
         stp_free(context, a->memory);
@@ -60,6 +62,7 @@ static void add_rows(size_t begin, size_t end, uint32_t worker, void* user)
 
 void cpu_add_frame(cpu_renderer* r)
 {
+    assert(r->accumulation.frames < 4096 && "sums of more frames overflow 32 bits");
     stp_team_run(&r->team, r->height, CPU_BAND_ROWS, add_rows, r);
 }
 
@@ -72,6 +75,7 @@ static void show_rows(size_t begin, size_t end, uint32_t worker, void* user)
     for (size_t at = begin * r->width; at < end * r->width; ++at) {
         const uint32_t* sum = r->accumulation.sums + 4 * at;
         uint8_t* out = r->image->pixels + 4 * at;
+        assert(sum[3] <= 255 * r->accumulation.frames && "a frame covers a pixel once");
         float covering = (float)sum[3] / 255.0f, coverage = covering * whole;
         float share = sum[3] > 0 ? 1.0f / (covering * (float)LINEAR_FULL) : 0.0f;
         covered += sum[3] > 0;
@@ -94,6 +98,7 @@ static void show_rows(size_t begin, size_t end, uint32_t worker, void* user)
 
 void cpu_show_frames(cpu_renderer* r)
 {
+    assert(r->accumulation.frames > 0 && "there is no mean of nothing");
     stp_team_run(&r->team, r->height, CPU_BAND_ROWS, show_rows, r);
 }
 

@@ -11,7 +11,8 @@
 void cpu_continue_accumulation(cpu_renderer* r, const stp_view* view, const stp_draw_list* list,
                                const stp_draw_style* style);
 
-/// Allocates the sums, for `frames` frames. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+/// Allocates the sums; `frames` frames are already in them. @return STP_OK or
+/// STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result cpu_make_accumulation(cpu_renderer* r, uint32_t frames);
 /// Adds the picture of the current eye to its sums of `frames` frames so far.
 void cpu_add_frame(cpu_renderer* r);

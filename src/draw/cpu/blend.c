@@ -4,6 +4,7 @@
 #include "draw/cpu/shade.h"
 #include "draw/placement.h"
 
+#include <assert.h>
 #include <string.h>
 
 static stp_result make_room(cpu_renderer* r)
@@ -74,6 +75,8 @@ static void find_rows(size_t begin, size_t end, uint32_t worker, void* user)
                 slot = cpu_find_item(r, id);
                 item = &r->items[slot];
             }
+            assert((item->kind == STP_DRAW_MESH || id - item->first_id < item->count) &&
+                   "a bit per splat");
             if (item->kind != STP_DRAW_MESH) {
                 r->blend.planes[at].id = id;
             }
@@ -101,7 +104,7 @@ stp_result cpu_find_visible(cpu_renderer* r)
 
 typedef struct splat_lighter {
     const cpu_renderer* r;
-    uint32_t slot; ///< of the item
+    uint32_t slot; ///< index of the item
     const cpu_shade_kernels* kernels;
     cpu_shade_scene scene;
     cpu_shade_lanes lanes;
@@ -113,6 +116,7 @@ static void light_splats(void* user, uint32_t first, uint32_t count, const float
                          uint32_t (*out)[3])
 {
     splat_lighter* s = user;
+    assert(count > 0 && count <= SHADE_LANES_MAX);
     for (uint32_t i = 0; i < SHADE_LANES_MAX; ++i) {
         uint32_t there = i < count ? i : 0;
         s->lanes.surface[i] = there;
@@ -191,6 +195,7 @@ void cpu_blend_range(const cpu_renderer* r, const cpu_item* item, const stp_rast
                               .height = r->height,
                               .planes = r->blend.planes,
                               .first_id = item->first_id};
+    assert(r->blend.stage != CPU_BLEND_NONE && item->kind != STP_DRAW_MESH);
     stp_raster_splats asked = *splats;
     if (r->blend.stage == CPU_BLEND_PLANES) {
         asked.wanted = item->kind == STP_DRAW_SURFELS ? r->blend.visible + item->late : NULL;
@@ -226,6 +231,7 @@ static void mix_rows(size_t begin, size_t end, uint32_t worker, void* user)
         }
         const uint32_t sums[3] = {(uint32_t)first, (uint32_t)(first >> 32), (uint32_t)second};
         for (int k = 0; k < 3; ++k) {
+            assert(sums[k] / weight < CPU_ENCODE_SIZE && "a mean of colours is a colour");
             r->image->pixels[4 * at + (size_t)k] = r->encode[sums[k] / weight];
         }
     }
@@ -245,6 +251,7 @@ static void copy_plane_rows(size_t begin, size_t end, uint32_t worker, void* use
 
 stp_result cpu_find_plane_depths(cpu_renderer* r)
 {
+    assert(r->blend.stage == CPU_BLEND_NONE && r->blend.capacity >= (size_t)r->width * r->height);
     r->blend.stage = CPU_BLEND_PLANES;
     stp_result result = cpu_draw_items(r, 0);
     r->blend.stage = CPU_BLEND_NONE;
@@ -256,6 +263,7 @@ stp_result cpu_find_plane_depths(cpu_renderer* r)
 
 stp_result cpu_blend_splats(cpu_renderer* r)
 {
+    assert(r->blend.stage == CPU_BLEND_NONE && r->blend.capacity >= (size_t)r->width * r->height);
     r->blend.stage = CPU_BLEND_PLANES;
     stp_result result = cpu_draw_items(r, 0);
     if (result == STP_OK) {

@@ -13,7 +13,7 @@ static inline bool cpu_has_filter(const stp_draw_style* style)
 }
 
 /// Records which splat each pixel shows. Call between drawing and shading.
-/// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged), or STP_ERROR_CANCELLED
 STP_MUST_USE stp_result cpu_find_visible(cpu_renderer* r);
 /// Replaces the colours of splat pixels. Call after shading. @return as cpu_draw_items
 STP_MUST_USE stp_result cpu_blend_splats(cpu_renderer* r);

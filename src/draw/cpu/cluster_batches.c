@@ -2,6 +2,8 @@
 // Draws clusters: decodes those in view in small batches, which stay in the CPU cache.
 #include "draw/cpu/cpu.h"
 
+#include <assert.h>
+
 enum { BATCH_CLUSTERS = 8 };
 
 /// A batch of consecutive decoded clusters.
@@ -14,6 +16,9 @@ typedef struct batch {
 static bool draw_batch(const cpu_renderer* r, const cpu_item* item, const batch* b,
                        const stp_raster_target* target, cpu_keep* keep, cpu_worker* worker)
 {
+    assert(b->cluster_count <= BATCH_CLUSTERS &&
+           b->vertex_count <= BATCH_CLUSTERS * STP_CLUSTER_VERTICES &&
+           b->triangle_count <= BATCH_CLUSTERS * STP_CLUSTER_TRIANGLES);
     if (b->triangle_count == 0) {
         return true;
     }
@@ -52,6 +57,7 @@ void cpu_drop_triangles(uint32_t* indices, uint32_t first, uint32_t count, float
 
 static void add_cluster(const cpu_item* item, uint32_t index, float share, batch* b)
 {
+    assert(b->cluster_count < BATCH_CLUSTERS && index < item->clusters.cluster_count);
     stp_cluster cluster;
     stp_clusters_get(&item->clusters, index, &cluster);
     if (b->cluster_count == 0) {
@@ -85,6 +91,7 @@ static bool is_seen(const cpu_renderer* r, const cpu_item* item, const stp_bound
 bool cpu_draw_clusters(const cpu_renderer* r, const cpu_item* item, cpu_cluster_range* range,
                        const stp_raster_target* target, cpu_worker* worker)
 {
+    assert(range->begin <= range->end && range->end - range->begin <= 32 && "one bit each");
     stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
     batch* b = stp_arena_alloc(&worker->scratch, sizeof(*b));
     cpu_keep_memory memory = {.triangle = UINT32_MAX};
@@ -112,6 +119,7 @@ bool cpu_draw_clusters(const cpu_renderer* r, const cpu_item* item, cpu_cluster_
         }
         enough = draw_batch(r, item, b, target, &keep, worker);
     }
+    assert((range->hidden & ~range->wanted) == 0 && "only wanted clusters are tested");
     stp_arena_rewind(&worker->scratch, mark);
     return enough;
 }

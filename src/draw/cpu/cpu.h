@@ -62,28 +62,28 @@ typedef struct cpu_item {
     uint32_t first_piece;
     uint32_t seed; ///< for holes and hashed alpha: depends only on the item and its place
     uint32_t unit_count, piece_units; ///< splats, triangles or clusters: in total, and per piece
-    stp_raster_camera camera;         ///< of positions minus `offset`
+    stp_raster_camera camera;         ///< maps positions minus `offset`
     float near_factor,
         near_shift; ///< true nearness = near_factor * that of the buffer + near_shift
     float offset[3];
     float normal_matrix[3][3]; ///< item to scene, with scale
     float scale;               ///< scene units per item unit
-    float radius;              ///< of splats, item space
-    const stp_draw_item* draw; ///< of the list
+    float radius;              ///< splat radius, item space
+    const stp_draw_item* draw; ///< the list's item
     const stp_draw_run* runs;  ///< NULL: every splat is drawn at any depth
     cpu_surfels surfels;
-    const uint8_t* colors;     ///< of the prefix's octave
-    const uint8_t* low_colors; ///< of the octave before, for the first `low_count`
+    const uint8_t* colors;     ///< colours of the prefix's octave, 3 bytes per surfel
+    const uint8_t* low_colors; ///< colours of the previous octave, for the first `low_count`
     const uint8_t *coverages, *low_coverages;
     uint32_t low_count;
-    float blend;           ///< weight of `colors` there
+    float blend;           ///< weight of `colors` for the first `low_count`
     stp_store_mesh mesh;   ///< mesh of columns, or
     stp_clusters clusters; ///< mesh of clusters, if it has bytes
     stp_large_triangles large;
     bool reads_texcoords[2];
     stp_store_point_set points;
     const stp_store_material* material;
-    stp_mesh_transparency glass; ///< of meshes
+    stp_mesh_transparency glass; ///< transparency of a mesh
     float cells;                 ///< for a transparent mesh, per item unit (raster/blue_noise.h)
     const stp_texture_pyramid* base_color;
     const stp_texture_pyramid* metallic_roughness;
@@ -91,7 +91,7 @@ typedef struct cpu_item {
     // Occlusion culling of parts of items (occlude.c):
     double occluder_rows[3][4]; ///< from item space to right, down, depth of the pyramid's view
     stp_raster_occluder occluder;
-    size_t late; ///< offset of its bits
+    size_t late; ///< offset of its bits in cpu_eye.late, in units of 16
 } cpu_item;
 
 typedef struct cpu_shade_item cpu_shade_item;
@@ -99,14 +99,14 @@ typedef struct cpu_shade_material cpu_shade_material;
 typedef struct cpu_shade_memory cpu_shade_memory;
 
 typedef struct cpu_worker {
-    uint64_t* pixels;          ///< of the eye that is drawn
+    uint64_t* pixels;          ///< buffer of the current eye, a part of `memory`
     uint64_t* memory;          ///< for the pixels of all eyes, one after the other
-    uint64_t** buffers;        ///< capacity for all workers
+    uint64_t** buffers;        ///< buffers of the workers that drew; room for all workers
     cpu_shade_memory* shading; ///< cache of recently shaded surfaces
     stp_arena scratch;
     uint64_t fragments, covered;
-    uint64_t layer_found,
-        layer_pixels; ///< for the current layer: fragments of a piece; shaded pixels
+    uint64_t layer_found;  ///< fragments of the current piece between the layer's bounds
+    uint64_t layer_pixels; ///< shaded pixels of the current layer
     bool drew, failed;
 } cpu_worker;
 
@@ -123,7 +123,7 @@ typedef struct cpu_eye {
     bool made;      ///< its pyramid is of the current sample
     float* windows; ///< occlusion test of splats (raster/occluder.h)
     size_t window_capacity;
-    uint32_t window_level; ///< of the pyramid
+    uint32_t window_level; ///< pyramid level of the windows
 } cpu_eye;
 
 /// Inputs of the selection for samples in two passes.
@@ -161,7 +161,7 @@ typedef struct cpu_blend {
 /// Layers of transparent surfaces (layers.h).
 typedef struct cpu_layers {
     bool possible, of_splats; ///< whether the scene has transparent surfaces, and splats of them
-    bool warned;              ///< about missing memory
+    bool warned;              ///< a warning about missing memory was logged
     uint8_t of_shading[256];  ///< per shading: whether its splats are transparent
     enum {
         /// Transparent surfaces are drawn with the opaque ones, by alpha thresholds
@@ -169,7 +169,7 @@ typedef struct cpu_layers {
         CPU_LAYERS_OPAQUE, ///< drawing opaque surfaces
         CPU_LAYERS_PEEL,   ///< drawing a layer
     } stage;
-    uint32_t count; ///< passes of the last picture
+    uint32_t count; ///< layers of the last picture, without the final empty pass
     size_t capacity;
     uint64_t *nearer, *farther; ///< see stp_raster_layer
     float* splats_below;
@@ -180,10 +180,10 @@ typedef struct cpu_layers {
 
 /// Sum of frames, each shifted by a fraction of a pixel (accumulate.h).
 typedef struct cpu_accumulation {
-    /// Of the current eye, 4 per pixel: linear colour, and number of frames that cover it
+    /// Sums of the current eye, 4 per pixel: linear colour times alpha, and alpha
     uint32_t* sums;
-    uint32_t* memory;    ///< of the sums of all eyes
-    uint32_t* linear;    ///< of sRGB bytes
+    uint32_t* memory;    ///< memory of the sums of all eyes
+    uint32_t* linear;    ///< table from sRGB byte to linear, 65535 is 1
     size_t capacity;     ///< pixels
     uint32_t frames;     ///< summed frames; 0: none yet, or outdated
     stp_resting resting; ///< inputs of those frames
@@ -196,21 +196,22 @@ typedef struct cpu_renderer {
     stp_team team;       ///< for drawing and shading
     cpu_worker* workers; ///< one per thread
     size_t pixel_count;  ///< capacity of the buffers, for all eyes
-    float* depths;       ///< of all eyes
+    float* depths;       ///< true nearness of the pixels of all eyes
     /// 4 per pixel: linear colour and number of covering samples; NULL until supersampling
     float* all_sums;
     size_t sum_count;
     uint8_t* eye_pixels; ///< for pictures of two eyes, one after the other
     size_t eye_pixel_count;
     cpu_texture* textures;
-    uint32_t* asked; ///< one index per texture
+    uint32_t* asked; ///< indices of textures scheduled for decoding; room for all
     cpu_item* items;
     size_t item_count, item_capacity;
     uint64_t large_count; ///< triangles tested for drawing together with splats
     uint32_t piece_count;
     cpu_eye eyes[STP_EYES_MAX];
-    stp_depth_pyramid pyramids[STP_EYES_MAX]; ///< of the eyes' last pictures; no levels: none
-    size_t late_count;                        ///< of bits of all items, in units of 16
+    stp_depth_pyramid
+        pyramids[STP_EYES_MAX]; ///< depths of the eyes' last pictures; no levels: none
+    size_t late_count;          ///< occlusion bits of all items, in units of 16
     cpu_effects effects;
     cpu_accumulation accumulation;
     cpu_blend blend;
@@ -241,8 +242,8 @@ typedef struct cpu_renderer {
     double nearness_scale, nearness_offset; ///< nearness = offset + scale / depth, or scale * depth
     double mesh_depth; ///< depth offset of triangles, in pixel sides at their depth
     uint32_t width, height;
-    float splat_size;              ///< of items that may be drawn; 0: no splats
-    uint32_t sample, sample_count; ///< index of the supersample
+    float splat_size;              ///< pixels; 0: only triangles can be drawn
+    uint32_t sample, sample_count; ///< index and number of summed supersamples; 0 and 1: no sums
     uint32_t pattern;              ///< the sample's index, for hashed alpha
     double shift_x, shift_y;
 } cpu_renderer;
@@ -283,7 +284,7 @@ static inline stp_raster_layer cpu_make_layer(const cpu_renderer* r, cpu_worker*
 
 /// Draws all items from a piece into the workers' buffers; of earlier pieces, only content occluded
 /// so far for the eye.
-/// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged), or STP_ERROR_CANCELLED
 STP_MUST_USE stp_result cpu_draw_items(cpu_renderer* r, uint32_t first_piece);
 
 /// Allocates occlusion bits of items from `first`, whose pieces are counted. @return STP_OK or
@@ -308,11 +309,12 @@ uint32_t cpu_choose_level(const cpu_renderer* r, const stp_view_frame* frame, ui
 /// (logged)
 STP_MUST_USE stp_result cpu_grow(stp_context* context, void** memory, size_t* capacity,
                                  size_t wanted, size_t size);
-/// The same for all items before `first` with content occluded for the eye.
+/// Prepares the occlusion test of all items before `first` with content occluded for the eye.
 void cpu_place_late_occluders(cpu_renderer* r, const stp_draw_list* list, size_t first);
 /// Whether the pyramid occludes a box in item space.
 bool cpu_hides(const cpu_renderer* r, const cpu_item* item, stp_box box);
-/// Lower bound of the nearness in the buffers.
+/// Writes the nearest of the workers' buffers to `depth`, for rows [begin, end): lower bounds of the
+/// true nearness, 0 for background.
 void cpu_find_depths(cpu_renderer* r, uint32_t begin, uint32_t end, cpu_worker* worker);
 
 /// Prepares materials for shading: 256 surfel shadings, then those of meshes and points, then the
@@ -345,7 +347,7 @@ stp_vec3 cpu_decode_normal(const int16_t* code);
 /// Reads triangles; access to neighbours of the previous triangle is faster.
 typedef struct cpu_reader {
     const cpu_item* item; ///< item of the last triangle; NULL: none yet
-    uint32_t index;       ///< of the last triangle
+    uint32_t index;       ///< index of the last triangle
     cpu_triangle triangle;
     const cpu_item* cluster_item; ///< mesh of the open cluster; NULL: none
     stp_cluster cluster;
@@ -353,7 +355,7 @@ typedef struct cpu_reader {
 
 /// Triangle `index` of a mesh item; valid until the next call.
 const cpu_triangle* cpu_read_triangle(cpu_reader* reader, const cpu_item* item, uint32_t index);
-/// The same for a mesh of clusters, from the cluster that holds it.
+/// Reads triangle `index` of a mesh of clusters, from the cluster that holds it.
 void cpu_read_from_cluster(const cpu_item* item, const stp_cluster* cluster, uint32_t index,
                            cpu_triangle* out);
 
@@ -451,7 +453,7 @@ bool cpu_draw_clusters(const cpu_renderer* r, const cpu_item* item, cpu_cluster_
 bool cpu_leaves_out_splats(const cpu_item* item);
 /// Finds the large triangles of an item that draws only those.
 STP_MUST_USE stp_result cpu_find_large(cpu_renderer* r, cpu_item* item);
-/// Draws [begin, end) of them. @return false if out of memory
+/// Draws large triangles [begin, end) of an item. @return false if out of memory
 bool cpu_draw_large(const cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
                     const stp_raster_target* target, cpu_worker* worker);
 

@@ -9,6 +9,7 @@
 #include "draw/cpu/passes.h"
 #include "draw/placement.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { SUPERSAMPLE_LIMIT = 64, SCRATCH_BLOCK = 1 << 20 };
@@ -109,6 +110,7 @@ static stp_result make_room(cpu_renderer* r, bool with_sums)
 static stp_result place_eyes(cpu_renderer* r, const stp_view* view, stp_image* image)
 {
     r->eye_count = stp_view_eye_count(view);
+    assert(r->eye_count > 0 && r->eye_count <= STP_EYES_MAX);
     r->placed = NULL;
     bool valid = image->width == view->width && image->height == view->height &&
                  view->width <= 65536 && view->height <= 65536 &&
@@ -173,6 +175,7 @@ static stp_result draw_part(cpu_renderer* r, const stp_view* view, const stp_dra
                         "style: at most %d x %d samples per pixel", SUPERSAMPLE_LIMIT,
                         SUPERSAMPLE_LIMIT);
     }
+    assert(first <= end && end <= all && "samples of the grid");
     bool summed = end - first == all && (all == 1 || !works_on_bytes(r, style, view));
     r->team.stopped = r->base.stop;
     stp_result result = begin_frame(r, view, list, style, image, first, summed);
@@ -180,6 +183,8 @@ static stp_result draw_part(cpu_renderer* r, const stp_view* view, const stp_dra
         result = summed ? cpu_draw_summed(r, list, side, stats)
                         : cpu_draw_accumulated(r, list, side, first, end, stats);
     }
+    assert((summed || result != STP_OK || r->accumulation.frames == end) &&
+           "the sums hold the samples before `first` and the new ones");
     if (result == STP_OK && r->eye_count > 1) {
         cpu_join_eyes(r, image);
     }
@@ -295,6 +300,7 @@ stp_result stp_draw_cpu_create(stp_context* context, stp_store* store, stp_rende
     stp_transparency_of_shadings(r->directory, r->layers.of_shading);
     r->layers.of_splats = memchr(r->layers.of_shading, 1, sizeof(r->layers.of_shading)) != NULL;
     r->team = stp_team_create_useful(context);
+    assert(r->team.threads > 0);
     r->workers = STP_NEW_ZEROED(context, cpu_worker, r->team.threads);
     r->textures = STP_NEW_ZEROED(context, cpu_texture, (size_t)r->directory->texture_count + 1);
     r->asked = STP_NEW_ARRAY(context, uint32_t, (size_t)r->directory->texture_count + 1);
@@ -305,10 +311,9 @@ stp_result stp_draw_cpu_create(stp_context* context, stp_store* store, stp_rende
     for (uint32_t i = 0; i < r->team.threads; ++i) {
         cpu_worker* worker = &r->workers[i];
         worker->scratch = stp_arena_create(context, SCRATCH_BLOCK);
-        stp_arena_mark mark =
-            stp_arena_get_mark(&worker->scratch); // worker assignment varies by frame:
-        if (stp_arena_alloc(&worker->scratch, SCRATCH_BLOCK / 2) ==
-            NULL) { // keeps all buffers warm
+        stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
+        // any worker may need scratch memory in a later frame, which must not allocate
+        if (stp_arena_alloc(&worker->scratch, SCRATCH_BLOCK / 2) == NULL) {
             destroy(&r->base);
             return stp_fail_memory(context);
         }

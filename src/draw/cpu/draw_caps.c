@@ -2,6 +2,7 @@
 // Draws section caps into the shaded picture of the current eye.
 #include "draw/cpu/draw_caps.h"
 
+#include <assert.h>
 #include <string.h>
 
 typedef struct cap_rows {
@@ -30,6 +31,7 @@ static void put_rows(size_t begin, size_t end, uint32_t worker, void* user)
 
 stp_result cpu_put_caps(cpu_renderer* r)
 {
+    assert(cpu_has_caps(r));
     stp_result result = STP_OK;
     if (r->caps == NULL) {
         result = stp_caps_create(r->base.context, r->store, &r->caps);

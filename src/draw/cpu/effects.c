@@ -5,6 +5,7 @@
 
 #include "base/core/processor.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 enum { SCRATCH_ROWS = 3, BLUR_REACH = 2, CLOSE_MAX = 4 };
@@ -16,12 +17,12 @@ typedef struct effect_frame {
     const cpu_effect_kernels* kernels;
     const stp_depth_pyramid* pyramid;
     size_t stride, pad;
-    float *near, *spare, *far, *factor; ///< planes of height * stride
+    float *near, *spare, *far, *factor; ///< planes, each height * stride floats
     float* outside;                     ///< a row of infinite distance
     float* scratch;                     ///< SCRATCH_ROWS per worker
     stp_effect_shape shape;
     float scale;
-    bool constant; ///< gain
+    bool constant; ///< the gain is the same everywhere: parallel projection
 } effect_frame;
 
 static const cpu_effect_kernels* choose_kernels(void)
@@ -53,6 +54,7 @@ static float* scratch_row(const effect_frame* f, uint32_t worker, uint32_t index
 
 static void fill_pads(const effect_frame* f, float* row, float value)
 {
+    assert(f->pad + f->r->width + f->pad <= f->stride && "a pad on each side");
     for (size_t i = 1; i <= f->pad; ++i) {
         row[-(ptrdiff_t)i] = value;
     }
@@ -118,6 +120,7 @@ static void spread_pyramid(size_t begin, size_t end, uint32_t worker, void* user
     const effect_frame* f = user;
     const stp_depth_pyramid* p = f->pyramid;
     float* mixed = scratch_row(f, worker, 0);
+    assert(p->columns[0] + 2 <= f->stride - f->pad && "blocks and both their ends fit a row");
     for (size_t y = begin; y < end; ++y) {
         float at = ((float)y + 0.5f) / (float)STP_DEPTH_PYRAMID_BLOCK - 0.5f;
         at = at > 0.0f ? at : 0.0f;
@@ -135,6 +138,7 @@ static void light_row(const effect_frame* f, int64_t y, const float* gain, float
     static const int8_t ring[4][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}};
     const float* center = row_of(f, f->near, y);
     int32_t step = f->shape.light_step;
+    assert(step > 0 && (size_t)(2 * step) <= f->pad && "neighbours lie in the pads");
     memset(out, 0, f->r->width * sizeof(float));
     for (int32_t reach = step; reach <= 2 * step; reach += step) { // two scales
         for (int i = 0; i < 4; ++i) {
@@ -261,6 +265,7 @@ static stp_result make_room(cpu_renderer* r, effect_frame* f)
         reach = x > reach ? x : reach;
     }
     f->pad = ((size_t)reach + 16) / 16 * 16;
+    assert(f->pad > (size_t)reach && f->shape.close <= CLOSE_MAX && "no kernel reads beyond a pad");
     f->stride = (f->pad + r->width + f->pad + 15) / 16 * 16;
     size_t plane = f->stride * r->height;
     size_t rows = 1 + (size_t)r->team.threads * SCRATCH_ROWS;
@@ -274,6 +279,7 @@ static stp_result make_room(cpu_renderer* r, effect_frame* f)
         }
         e->capacity = needed;
     }
+    assert(needed <= e->capacity);
     f->near = e->memory;
     f->spare = f->near + plane;
     f->far = f->spare + plane;
@@ -306,6 +312,7 @@ static void run(const effect_frame* f, stp_job job)
 
 stp_result cpu_apply_effects(cpu_renderer* r)
 {
+    assert(cpu_has_effects(r->style) && r->splat_size >= 0.0f);
     effect_frame f = {.r = r, .kernels = choose_kernels()};
     f.shape = stp_effect_shape_make(r->style, r->height, r->splat_size);
     f.constant = r->frame.parallel;

@@ -2,7 +2,7 @@
 //
 // Post-shading effects: eye-dome lighting (Boucheny 2009) and ambient occlusion. Both read only
 // pixel nearness, row by row, at the same offsets for all pixels. So the loops vectorize
-// (effects_rows.h), there is no noise to blur, and threads divide the rows.
+// (effects_rows.h), there is no noise, and threads divide the rows. A small blur smooths occlusion.
 //
 // A nearness difference times a pixel's gain is a depth difference in pixel sides at that depth.
 // Planes are linear in nearness in both projections: opposite neighbours on a plane cancel out, at

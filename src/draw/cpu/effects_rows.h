@@ -4,6 +4,8 @@
 
 #include "draw/cpu/effects.h"
 
+#include <assert.h>
+
 static void add_max(const float* restrict in, float* restrict out, uint32_t count)
 {
     for (uint32_t x = 0; x < count; ++x) {
@@ -20,6 +22,7 @@ static void add_min(const float* restrict in, float* restrict out, uint32_t coun
 
 static void find_max(const float* in, int32_t reach, float* out, uint32_t count)
 {
+    assert(reach >= 0);
     memcpy(out, in - reach, count * sizeof(*out));
     for (int32_t k = 1 - reach; k <= reach; ++k) {
         add_max(in + k, out, count);
@@ -28,6 +31,7 @@ static void find_max(const float* in, int32_t reach, float* out, uint32_t count)
 
 static void find_least(const float* in, int32_t reach, float* out, uint32_t count)
 {
+    assert(reach >= 0);
     memcpy(out, in - reach, count * sizeof(*out));
     for (int32_t k = 1 - reach; k <= reach; ++k) {
         add_min(in + k, out, count);
@@ -95,6 +99,7 @@ static void add_pair(const float* restrict center, const float* restrict gain,
 {
     const float* restrict one = neighbours[0], * restrict other = neighbours[1];
     float inverse = 0.5f * numbers[0], bias = numbers[1], inverse_reach = numbers[2];
+    assert(inverse > 0.0f && bias >= 0.0f && inverse_reach > 0.0f);
     float fall = -2.0f / inverse_reach; // cancels an equal fall on the other side
     for (uint32_t x = 0; x < count; ++x) {
         float a = (one[x] - center[x]) * gain[x], b = (other[x] - center[x]) * gain[x];
@@ -123,6 +128,8 @@ static void spread_blocks(const float* const rows[2], float share, float* restri
                           uint32_t columns, float* restrict out, uint32_t count)
 {
     const float* restrict above = rows[0], * restrict below = rows[1];
+    assert(count <= columns * STP_DEPTH_PYRAMID_BLOCK && "blocks cover the row");
+    assert(share >= 0.0f && share < 1.0f);
     for (uint32_t i = 0; i < columns; ++i) {
         mixed[i + 1] = above[i] + (below[i] - above[i]) * share;
     }

@@ -5,6 +5,7 @@
 #include "raster/cutout.h"
 #include "store/sets/columns.h"
 
+#include <assert.h>
 #include <string.h>
 
 static void place_item(const stp_placement* placement, const stp_draw_item* draw, cpu_item* item)
@@ -20,6 +21,7 @@ static void place_item(const stp_placement* placement, const stp_draw_item* draw
 
 void cpu_place_items(cpu_renderer* r, const stp_draw_list* list, size_t first)
 {
+    assert(first <= r->item_count && r->item_count <= list->count && "prepared items");
     const stp_placement placement = {.frame = r->frame,
                                      .nearness_scale = r->nearness_scale,
                                      .nearness_offset = r->nearness_offset,
@@ -223,6 +225,7 @@ static stp_result prepare_item(cpu_renderer* r, const stp_draw_list* list,
 static uint32_t schedule_texture(cpu_renderer* r, uint32_t texture, uint32_t count)
 {
     if (texture != STP_STORE_NONE && !r->textures[texture].is_asked) {
+        assert(count < r->directory->texture_count && "each is scheduled once");
         r->textures[texture].is_asked = true;
         r->asked[count++] = texture;
     }
@@ -261,6 +264,7 @@ static void skip_item(const cpu_renderer* r, const stp_draw_item* draw, cpu_item
 
 stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list, size_t first)
 {
+    assert(first <= list->count && (first == 0 || first == r->item_count) && "items are appended");
     if (list->count > r->item_capacity) {
         cpu_item* items = stp_grow_array(r->base.context, r->items, &r->item_capacity, list->count,
                                          sizeof(*items));
@@ -281,11 +285,12 @@ stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list, size_t 
     }
     r->item_count = first;
     uint64_t pieces = first > 0 ? r->piece_count : 0;
-    bool leaves_out = false; // the set that the large triangles follow
+    bool leaves_out = false; // whether large triangles replace splats of the set that they follow
     for (size_t i = first; i < list->count; ++i) {
         cpu_item* item = &r->items[i];
         const stp_draw_item* draw = &list->items[i];
         stp_result result = STP_OK;
+        assert((i == 0 || item[-1].first_id <= draw->first_id) && "ids ascend");
         if (draw->large && !leaves_out) {
             skip_item(r, draw, item); // no need to read its mesh
         } else {
@@ -303,6 +308,7 @@ stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list, size_t 
         pieces += ((uint64_t)item->unit_count + item->piece_units - 1) / item->piece_units;
         r->item_count = i + 1;
     }
+    assert(pieces <= UINT32_MAX);
     r->piece_count = (uint32_t)pieces; // at most one per id plus one per item
     return cpu_prepare_late(r, first);
 }

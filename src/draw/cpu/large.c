@@ -2,6 +2,8 @@
 // Large triangles drawn beside the splats of their node (Dachsbacher et al. 2003, 3.8).
 #include "draw/cpu/cpu.h"
 
+#include <assert.h>
+
 enum { BATCH_TRIANGLES = 256 };
 
 bool cpu_leaves_out_splats(const cpu_item* item)
@@ -54,6 +56,7 @@ static bool is_wanted(const cpu_item* item, const float corners[9], float level)
 static bool draw_batch(const cpu_renderer* r, const cpu_item* item, batch* b,
                        const stp_raster_target* target, cpu_worker* worker)
 {
+    assert(b->count > 0 && b->count <= BATCH_TRIANGLES);
     const stp_raster_mesh mesh = {.positions = b->positions,
                                   .vertex_count = 3 * b->count,
                                   .indices = b->indices,
@@ -71,6 +74,8 @@ static bool draw_batch(const cpu_renderer* r, const cpu_item* item, batch* b,
 static void add_triangle(const cpu_item* item, const stp_cluster* cluster, uint32_t triangle,
                          float level, batch* b)
 {
+    assert(b->count < BATCH_TRIANGLES && "a full batch is drawn first");
+    assert(triangle - cluster->first_triangle < cluster->triangle_count);
     uint32_t corner[3];
     float* corners = b->positions + 9 * (size_t)b->count;
     stp_cluster_corners(cluster, triangle - cluster->first_triangle, corner);
@@ -88,6 +93,7 @@ static void add_triangle(const cpu_item* item, const stp_cluster* cluster, uint3
 bool cpu_draw_large(const cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
                     const stp_raster_target* target, cpu_worker* worker)
 {
+    assert(begin <= end && end <= item->unit_count);
     stp_cluster cluster = {.triangle_count = 0};
     stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
     batch* b = stp_arena_alloc(&worker->scratch, sizeof(*b));

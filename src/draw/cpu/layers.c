@@ -4,6 +4,7 @@
 #include "draw/transparency.h"
 #include "raster/splats_transparent.h"
 
+#include <assert.h>
 #include <string.h>
 
 bool cpu_wants_layers(const cpu_renderer* r, const stp_draw_style* style)
@@ -68,6 +69,8 @@ static void keep_rows(size_t begin, size_t end, uint32_t worker, void* user)
 
 void cpu_keep_opaque(cpu_renderer* r)
 {
+    assert(r->layers.stage == CPU_LAYERS_OPAQUE);
+    assert(r->layers.capacity >= (size_t)r->width * r->height);
     stp_team_run(&r->team, r->height, CPU_BAND_ROWS, keep_rows, r);
 }
 
@@ -78,7 +81,7 @@ static bool may_have(const cpu_renderer* r, const cpu_item* item)
                                        : item->kind == STP_DRAW_SURFELS && r->layers.of_splats;
 }
 
-/// One bit per piece that may have visible fragments.
+/// Marks the pieces that may have visible fragments, one byte each. @param any whether there are any
 static stp_result list_pieces(cpu_renderer* r, bool* any)
 {
     cpu_layers* l = &r->layers;
@@ -89,6 +92,7 @@ static stp_result list_pieces(cpu_renderer* r, bool* any)
     *any = false;
     for (size_t i = 0; i < r->item_count && result == STP_OK; ++i) {
         uint32_t end = i + 1 < r->item_count ? r->items[i + 1].first_piece : r->piece_count;
+        assert(r->items[i].first_piece <= end && end <= r->piece_count && "pieces ascend");
         bool may = may_have(r, &r->items[i]);
         *any = *any || may;
         memset(l->alive + r->items[i].first_piece, may, end - r->items[i].first_piece);
@@ -102,6 +106,7 @@ static void draw_pieces(size_t begin, size_t end, uint32_t index, void* user)
     cpu_worker* worker = &r->workers[index];
     stp_raster_target target = {
         .width = r->width, .height = r->height, .stride = r->width, .pixels = worker->pixels};
+    assert(begin < end && end <= r->piece_count);
     const cpu_item* item = cpu_item_of_piece(r, (uint32_t)begin);
     for (uint32_t piece = (uint32_t)begin; piece < end; ++piece) {
         const cpu_item* last = r->items + r->item_count - 1;
@@ -150,6 +155,8 @@ void cpu_take_layer(cpu_renderer* r, cpu_worker* worker, const cpu_shade_tile* t
     cpu_layers* l = &r->layers;
     const cpu_shade_memory* memory = worker->shading;
     const cpu_shade_lanes* lanes = &memory->lanes;
+    assert(l->stage == CPU_LAYERS_PEEL && lanes->wants_linear &&
+           "layers are composited in linear light");
     for (uint32_t row = 0; row < tile->height; ++row) {
         const cpu_shade_merged* merged = &tile->rows[row];
         size_t first = (size_t)(tile->y + row) * r->width + tile->x;
@@ -222,6 +229,7 @@ stp_result cpu_draw_layers(cpu_renderer* r)
 {
     cpu_layers* l = &r->layers;
     bool any;
+    assert(l->stage == CPU_LAYERS_OPAQUE && "layers begin before anything is drawn");
     stp_result result = list_pieces(r, &any);
     l->stage = CPU_LAYERS_PEEL;
     r->occluding = NULL;
@@ -242,6 +250,7 @@ stp_result cpu_draw_layers(cpu_renderer* r)
     if (l->count > 0 && result == STP_OK) {
         stp_team_run(&r->team, r->height, CPU_BAND_ROWS, compose_rows, r);
     }
+    assert(l->count <= STP_LAYERS_MAX);
     l->stage = CPU_LAYERS_OPAQUE;
     return result;
 }
@@ -262,6 +271,7 @@ void cpu_destroy_layers(cpu_renderer* r)
 uint32_t cpu_pick_transparent(const cpu_renderer* r, const cpu_item* item, bool transparent,
                               stp_raster_splats* splats, cpu_worker* worker)
 {
+    assert(splats->begin % 16 == 0 && splats->begin <= splats->end && "bits in words of 16");
     uint32_t others = 0, left = 0;
     size_t words = ((size_t)splats->end + 15) / 16;
     uint16_t* bits = stp_arena_alloc(&worker->scratch, words * sizeof(*bits));
@@ -285,6 +295,7 @@ uint32_t cpu_pick_transparent(const cpu_renderer* r, const cpu_item* item, bool 
         left += (uint32_t)__builtin_popcount(kept);
         others |= wanted & ~kept;
     }
+    assert(left <= splats->end - splats->begin);
     if (others != 0) {
         splats->wanted = bits;
     }
@@ -295,6 +306,7 @@ void cpu_draw_transparent(const cpu_renderer* r, const cpu_item* item,
                           const stp_raster_splats* splats, const stp_raster_target* target,
                           cpu_worker* worker)
 {
+    assert(r->layers.stage != CPU_LAYERS_OPAQUE && "transparent splats would hide opaque ones");
     const stp_raster_layer layer = cpu_make_layer(r, worker);
     const stp_raster_transparency glass = {.layer =
                                                r->layers.stage == CPU_LAYERS_PEEL ? &layer : NULL,

@@ -21,7 +21,8 @@ bool cpu_wants_layers(const cpu_renderer* r, const stp_draw_style* style);
 void cpu_begin_layers(cpu_renderer* r);
 /// Saves the opaque visibility. Call before shading the opaque picture, which clears the buffers.
 void cpu_keep_opaque(cpu_renderer* r);
-/// Call after that: draws all layers over the picture of the current eye, whose items are placed.
+/// Call after shading the opaque picture: draws all layers over the picture of the current eye,
+/// whose items are placed.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged), or STP_ERROR_CANCELLED
 STP_MUST_USE stp_result cpu_draw_layers(cpu_renderer* r);
 void cpu_destroy_layers(cpu_renderer* r);

@@ -5,6 +5,8 @@
 #include "draw/cpu/cpu.h"
 #include "draw/placement.h"
 
+#include <assert.h>
+
 /// Pyramid levels used for splats: blocks of up to 64 pixels.
 enum { MAX_SHIFT = 6, FIRST_SHIFT = 3 };
 
@@ -18,12 +20,14 @@ stp_result cpu_grow(stp_context* context, void** memory, size_t* capacity, size_
     if (grown == NULL) {
         return stp_fail_memory(context);
     }
+    assert(wanted <= *capacity);
     *memory = grown;
     return STP_OK;
 }
 
 stp_result cpu_prepare_late(cpu_renderer* r, size_t first)
 {
+    assert(first <= r->item_count);
     if (first == 0) {
         r->late_count = 0;
     }
@@ -71,6 +75,7 @@ uint32_t cpu_choose_level(const cpu_renderer* r, const stp_view_frame* frame, ui
         level += 1;
         maximum *= 2.0;
     }
+    assert(level < level_count && level <= MAX_SHIFT - FIRST_SHIFT);
     return level;
 }
 
@@ -97,6 +102,7 @@ stp_raster_occluder cpu_make_occluder(const stp_view_frame* frame, const double 
                                       const stp_affine* transform, const float* windows,
                                       uint32_t columns, uint32_t shift)
 {
+    assert(columns > 0 && shift >= FIRST_SHIFT && shift <= MAX_SHIFT);
     stp_raster_occluder occluder = {
         .windows = windows,
         .columns = columns,
@@ -139,6 +145,7 @@ void cpu_place_occluder(const cpu_renderer* r, const stp_draw_item* draw, cpu_it
 
 void cpu_place_late_occluders(cpu_renderer* r, const stp_draw_list* list, size_t first)
 {
+    assert(first <= r->item_count && r->item_count <= list->count);
     for (size_t i = 0; i < first; ++i) {
         uint32_t end = i + 1 < r->item_count ? r->items[i + 1].first_piece : r->piece_count;
         bool late = false;
@@ -153,6 +160,7 @@ void cpu_place_late_occluders(cpu_renderer* r, const stp_draw_list* list, size_t
 
 bool cpu_hides(const cpu_renderer* r, const cpu_item* item, stp_box box)
 {
+    assert(r->occluding != NULL && "rows were placed for a pyramid");
     stp_boxd wide = {stp_to_double(box.min), stp_to_double(box.max)};
     return stp_depth_pyramid_hides_placed(r->occluding, (const double(*)[4])item->occluder_rows,
                                           &wide, r->mesh_depth);

@@ -9,6 +9,7 @@
 #include "draw/cpu/layers.h"
 #include "draw/placement.h"
 
+#include <assert.h>
 #include <string.h>
 
 static void choose_nearness(cpu_renderer* r)
@@ -23,6 +24,7 @@ static void choose_nearness(cpu_renderer* r)
 static void select_eye(cpu_renderer* r, uint32_t number)
 {
     size_t first = (size_t)number * r->width * r->height;
+    assert(number < r->eye_count && first + (size_t)r->width * r->height <= r->pixel_count);
     const stp_depth_pyramid* pyramid = &r->pyramids[number];
     cpu_accumulation* a = &r->accumulation;
     r->eye = &r->eyes[number];
@@ -71,6 +73,7 @@ static stp_result make_pyramid(cpu_renderer* r)
 stp_result cpu_select_sample(cpu_renderer* r)
 {
     cpu_two_passes* passes = r->two_passes;
+    assert(!passes->selected && "a selection is drawn before the next");
     double start = stp_clock_ms();
     bool known = false;
     for (uint32_t i = 0; i < STP_EYES_MAX; ++i) {
@@ -174,6 +177,7 @@ static stp_result finish_picture(cpu_renderer* r)
 static stp_result draw_second_pass(cpu_renderer* r, const stp_draw_list* list, bool again,
                                    size_t first, uint32_t first_piece, stp_draw_stats* stats)
 {
+    assert(first <= r->item_count && first_piece <= r->piece_count && "items are appended");
     stp_result result = STP_OK;
     for (uint32_t i = r->eye_count; i-- > 0 && result == STP_OK;) {
         double start = stp_clock_ms();
@@ -202,6 +206,7 @@ static stp_result draw_sample(cpu_renderer* r, const stp_draw_list* list, uint32
                               uint32_t sample, stp_draw_stats* stats)
 {
     cpu_two_passes* passes = r->two_passes;
+    assert(side > 0 && sample < side * side);
     r->pattern = sample;
     r->shift_x = 0.5 - ((double)(sample % side) + 0.5) / (double)side;
     r->shift_y = 0.5 - ((double)(sample / side) + 0.5) / (double)side;
@@ -272,6 +277,7 @@ static void show_frames(cpu_renderer* r)
 stp_result cpu_draw_accumulated(cpu_renderer* r, const stp_draw_list* list, uint32_t side,
                                 uint32_t first, uint32_t end, stp_draw_stats* stats)
 {
+    assert(first <= end && end <= side * side);
     const stp_draw_style* style = r->style;
     stp_draw_style bare = *style;
     bare.background = false;
@@ -304,6 +310,7 @@ static void join_rows(size_t begin, size_t end, uint32_t worker, void* user)
     const joined_rows* rows = user;
     const cpu_renderer* r = rows->r;
     size_t size = 4 * (size_t)r->width, whole = 4 * (size_t)rows->image->width;
+    assert(r->eye_count * size <= whole && "eyes lie side by side");
     (void)worker;
     for (size_t y = begin; y < end; ++y) {
         uint8_t* out = rows->image->pixels + y * whole;

@@ -5,11 +5,13 @@
 #include "draw/one_sided.h"
 #include "draw/point_size.h"
 
+#include <assert.h>
 #include <string.h>
 
-/// The last item that begins at or before it.
+/// The last item whose first piece is at or before `piece`.
 const cpu_item* cpu_item_of_piece(const cpu_renderer* r, uint32_t piece)
 {
+    assert(r->item_count > 0 && piece < r->piece_count);
     size_t low = 0, high = r->item_count;
     while (high - low > 1) {
         size_t middle = low + (high - low) / 2;
@@ -19,6 +21,7 @@ const cpu_item* cpu_item_of_piece(const cpu_renderer* r, uint32_t piece)
             high = middle;
         }
     }
+    assert(r->items[low].first_piece <= piece);
     return &r->items[low];
 }
 
@@ -32,6 +35,7 @@ const cpu_item* cpu_item_of_piece(const cpu_renderer* r, uint32_t piece)
 /// @return whether some were occluded
 static bool record_hidden(const uint16_t* bits, uint32_t begin, uint32_t end)
 {
+    assert(begin % 16 == 0 && "words belong to one piece");
     uint16_t any = 0;
     for (uint32_t i = begin / 16; i < (end + 15) / 16; ++i) {
         any |= bits[i];
@@ -43,7 +47,7 @@ static bool record_hidden(const uint16_t* bits, uint32_t begin, uint32_t end)
 typedef struct piece_loop {
     cpu_renderer* r;
     uint32_t first;
-    uint32_t first_new; ///< of earlier pieces, only occluded content
+    uint32_t first_new; ///< earlier pieces draw only content occluded so far
 } piece_loop;
 
 typedef void (*range_drawer)(const cpu_renderer* r, const cpu_item* item,
@@ -83,6 +87,8 @@ static void draw_runs(cpu_renderer* r, const cpu_item* item, stp_raster_splats* 
     }
     for (uint32_t at = begin; at < end; ++run) {
         bool none = run == item->draw->run_count || item->runs[run].begin >= end;
+        assert((none || run == 0 || item->runs[run - 1].end <= item->runs[run].begin) &&
+               "runs ascend");
         uint32_t from = none ? end : item->runs[run].begin;
         clear_hidden(splats, at, from);
         splats->begin = at = from > at ? from : at;
@@ -125,13 +131,15 @@ static float shape_scale(const stp_draw_item* draw)
     return draw->shape_scale > 0.0f ? draw->shape_scale : 1.0f;
 }
 
-/// Selects the surfels whose ranges hold the level at their depth. @return false if there are none
+/// Selects the surfels whose ranges hold the level at their depth. @return false if there are none,
+/// or memory is short
 static bool pick_levels(const cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats,
                         cpu_worker* worker)
 {
     if (item->kind != STP_DRAW_SURFELS || item->surfels.ranges == NULL) {
         return true;
     }
+    assert(splats->begin % 16 == 0);
     stp_raster_levels levels = {.per_depth = item->draw->level_per_depth,
                                 .minimum = item->draw->level_min,
                                 .divide = item->draw->divide,
@@ -151,7 +159,8 @@ static bool pick_levels(const cpu_renderer* r, const cpu_item* item, stp_raster_
     return any;
 }
 
-/// Selects the splats of a scattered item's runs. @return false if it has no splats
+/// Selects the splats of a scattered item's runs. @return false if there are none, or memory is
+/// short
 static bool pick_runs(const cpu_item* item, stp_raster_splats* splats, cpu_worker* worker)
 {
     if (!item->draw->scattered || item->runs == NULL) {
@@ -168,6 +177,8 @@ static bool pick_runs(const cpu_item* item, stp_raster_splats* splats, cpu_worke
         worker->failed = true;
         return false;
     }
+    assert(splats->begin % 16 == 0 && "whole words are cleared");
+    assert(low == 0 || item->runs[low - 1].end <= splats->begin);
     bool any = false;
     memset(bits + splats->begin / 16, 0,
            (((size_t)splats->end + 15) / 16 - splats->begin / 16) * sizeof(*bits));
@@ -190,8 +201,8 @@ static bool pick_runs(const cpu_item* item, stp_raster_splats* splats, cpu_worke
     return any;
 }
 
-/// Sets the wanted size of points. They are drawn in full: occlusion was tested earlier, and
-/// sections are tested separately.
+/// Sets the wanted size of points. They are drawn in full: such pictures have no occlusion test
+/// (may_occlude), and sections are tested separately.
 static void fix_size(const cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats)
 {
     if (stp_point_size_is_fixed(r->style, item->draw)) {
@@ -209,6 +220,7 @@ static void fix_size(const cpu_renderer* r, const cpu_item* item, stp_raster_spl
 static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
                         bool late, const stp_raster_target* target, cpu_worker* worker)
 {
+    assert(begin <= end && begin % 16 == 0 && "bits of pieces share no word");
     stp_raster_splats splats = {.begin = begin,
                                 .end = end,
                                 .radius = item->radius,
@@ -228,6 +240,7 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
                             ? item->surfels.step * cpu_splat_scale(r) * shape_scale(item->draw)
                             : splats.radius;
         splats.low_share = (uint32_t)(256.0f * (1.0f - item->blend) + 0.5f);
+        assert(splats.low_share <= 256);
         splats.low_count = item->coverages != NULL && splats.low_share > 0 ? item->low_count : 0;
         splats.rim_depth = RIM_DEPTH;
         splats.back_depth = item->surfels.unknown_signs ? 0.0f : BACK_DEPTH;
@@ -267,6 +280,7 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
 static void draw_triangles(cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
                            const stp_raster_target* target, cpu_worker* worker)
 {
+    assert(begin <= end && end <= item->count);
     cpu_keep_memory memory = {.triangle = UINT32_MAX};
     const stp_raster_layer layer = cpu_make_layer(r, worker);
     cpu_cuts cuts;
@@ -316,6 +330,7 @@ bool cpu_draw_piece(cpu_renderer* r, const cpu_item* item, uint32_t piece, bool 
 {
     uint32_t size = item->piece_units;
     uint32_t from = (piece - item->first_piece) * size;
+    assert(piece >= item->first_piece && from < item->unit_count && "a piece of this item");
     uint32_t to = item->unit_count - from < size ? item->unit_count : from + size;
     if (r->blend.stage != CPU_BLEND_NONE && item->kind == STP_DRAW_MESH) {
         return false;
@@ -360,6 +375,7 @@ static void draw_pieces(size_t begin, size_t end, uint32_t index, void* user)
     cpu_worker* worker = &r->workers[index];
     stp_raster_target target = {
         .width = r->width, .height = r->height, .stride = r->width, .pixels = worker->pixels};
+    assert(begin < end && end <= r->piece_count);
     worker->drew = true;
     const cpu_item* item = cpu_item_of_piece(r, (uint32_t)begin);
     for (uint32_t piece = (uint32_t)begin; piece < end && !cpu_is_stopped(r); ++piece) {
@@ -376,6 +392,7 @@ static void draw_pieces(size_t begin, size_t end, uint32_t index, void* user)
 
 stp_result cpu_draw_items(cpu_renderer* r, uint32_t first_piece)
 {
+    assert(first_piece <= r->piece_count);
     piece_loop loop = {.r = r, .first = first_piece, .first_new = first_piece};
     if (first_piece > 0) { // test occluded ones again
         loop.first = 0;

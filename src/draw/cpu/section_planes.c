@@ -5,6 +5,7 @@
 #include "draw/placement.h"
 #include "select/sections.h"
 
+#include <assert.h>
 #include <string.h>
 
 // Relative rounding error of a product: a face in the plane itself stays whole.
@@ -27,6 +28,7 @@ void cpu_find_cuts(const cpu_renderer* r, const cpu_item* item, cpu_cuts* cuts)
     if (item->draw->sections == 0) {
         return;
     }
+    assert(item->kind == STP_DRAW_MESH && "splats are tested by cpu_cut_splats");
     stp_box box = stp_store_describe_mesh(r->store, item->draw->index)->bounds;
     const double reach[3] = {0.5 * ((double)box.max.x - (double)box.min.x),
                              0.5 * ((double)box.max.y - (double)box.min.y),
@@ -36,6 +38,7 @@ void cpu_find_cuts(const cpu_renderer* r, const cpu_item* item, cpu_cuts* cuts)
         double row[4];
         stp_section_row(plane, &item->draw->transform, item->offset, row);
         relax(row, reach, 0.0);
+        assert(cuts->count < STP_SECTION_PLANES);
         float* out = cuts->rows[cuts->count++];
         for (int c = 0; c < 4; ++c) {
             out[c] = (float)row[c];
@@ -64,6 +67,7 @@ bool cpu_cuts_drop(const cpu_cuts* cuts, const cpu_item* item, stp_box box, uint
             *mask |= 1u << i;
         }
     }
+    assert(*mask >> cuts->count == 0 && "bits of known planes");
     return false;
 }
 
@@ -94,6 +98,7 @@ static void turn_cuts(const cpu_renderer* r, const cpu_item* item, bool grid,
         for (int c = 0; c < 4; ++c) {
             rows[*count][c] = (float)row[c];
         }
+        assert(*count < STP_SECTION_PLANES);
         *count += 1;
     }
 }
@@ -102,6 +107,7 @@ static void turn_cuts(const cpu_renderer* r, const cpu_item* item, bool grid,
 static uint16_t find_left(const stp_raster_splats* splats, uint32_t first, uint32_t count,
                           float rows[STP_SECTION_PLANES][4], uint32_t cut_count)
 {
+    assert(count <= 16 && cut_count <= STP_SECTION_PLANES);
     float x[16] = {0}, y[16] = {0}, z[16] = {0};
     uint16_t left = 0;
     for (uint32_t i = 0; i < count; ++i) {
@@ -141,6 +147,7 @@ bool cpu_hides_some(const cpu_renderer* r, const cpu_item* item)
 /// Bits of up to 16 splats or points of visible classes (store/sets/coloring.h).
 static uint16_t find_shown(const cpu_item* item, uint32_t first, uint32_t count)
 {
+    assert(count <= 16 && "one word of bits");
     uint16_t shown = 0;
     for (uint32_t i = 0; i < count; ++i) {
         size_t at = (size_t)first + i;
@@ -159,6 +166,7 @@ bool cpu_cut_splats(const cpu_renderer* r, const cpu_item* item, stp_raster_spla
     if (item->draw->sections == 0 && !hides) {
         return true;
     }
+    assert(splats->begin % 16 == 0 && splats->begin <= splats->end && "bits in words of 16");
     size_t words = ((size_t)splats->end + 15) / 16;
     uint16_t* left = stp_arena_alloc(&worker->scratch, words * sizeof(*left));
     if (left == NULL) {

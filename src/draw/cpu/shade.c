@@ -6,6 +6,7 @@
 #include "draw/cpu/layers.h"
 #include "draw/recolor.h"
 
+#include <assert.h>
 #include <string.h>
 
 /// Parameters of one band of the picture.
@@ -17,7 +18,7 @@ typedef struct shader {
     cpu_shade_scene scene;
     stp_draw_heights heights;
     uint32_t buffer_count;
-    uint64_t** buffers; ///< of workers that drew
+    uint64_t** buffers; ///< pixels of the workers that drew
     uint32_t empty;     ///< colour of background pixels
 } shader;
 
@@ -85,6 +86,7 @@ static void find_runs(const shader* s, cpu_shade_tile* tile)
     for (uint32_t row = 0; row < tile->height; ++row) {
         const cpu_shade_merged* merged = &tile->rows[row];
         tile->row_runs[row] = count;
+        assert((merged->starts & 1) != 0 && "runs cover the whole row");
         for (uint64_t starts = merged->starts; starts != 0;) {
             uint32_t x = (uint32_t)__builtin_ctzll(starts);
             starts &= starts - 1;
@@ -92,6 +94,7 @@ static void find_runs(const shader* s, cpu_shade_tile* tile)
             uint32_t id = merged->ids[x + 1];
             uint32_t surface =
                 id == UINT32_MAX ? SHADE_EMPTY : cpu_find_surface(s->memory, tile, id);
+            assert(x < end && count < SHADE_PIXELS);
             tile->runs[count++] = (cpu_shade_run){
                 .x = (uint8_t)x, .length = (uint8_t)(end - x), .surface = (uint16_t)surface};
         }
@@ -195,6 +198,7 @@ static void add_lanes(const shader* s, cpu_shade_tile* tile, uint32_t row)
             lanes->y[at] = (float)row + 0.5f;
         }
     }
+    assert(at <= (row + 1) * SHADE_WIDTH && "at most one lane per pixel");
     lanes->count = at;
 }
 
@@ -317,6 +321,7 @@ static shader make_shader(cpu_renderer* r, cpu_worker* worker)
     const stp_draw_pixels pixels = {r->shift_x, r->shift_y, r->nearness_scale, r->nearness_offset};
     s.heights = stp_draw_heights_make(&r->frame, &pixels, r->style);
     s.buffer_count = find_buffers(r, s.buffers);
+    assert(s.buffer_count <= r->team.threads);
     write_pixel(r, nothing, 0.0f, (uint8_t*)&s.empty);
     for (uint32_t i = 0; i < SHADE_WIDTH; ++i) {
         memory->lanes.bytes[SHADE_EMPTY_LANE + i] = s.empty;
@@ -329,6 +334,7 @@ static shader make_shader(cpu_renderer* r, cpu_worker* worker)
 static cpu_shade_tile* begin_tile(const shader* s, uint32_t x, uint32_t y, uint32_t end)
 {
     uint32_t left = s->r->width - x, rows = end - y;
+    assert(x < s->r->width && y < end && end <= s->r->height);
     cpu_shade_tile* tile = cpu_begin_tile(s->memory);
     tile->x = x;
     tile->y = y;
@@ -355,6 +361,7 @@ static void finish_tile(shader* s, cpu_shade_tile* tile)
 
 void cpu_shade_rows(cpu_renderer* r, uint32_t begin, uint32_t end, cpu_worker* worker)
 {
+    assert(begin <= end && end <= r->height && worker->shading != NULL);
     shader s = make_shader(r, worker);
     cpu_shade_tile* before = NULL;
     for (uint32_t y = begin; y < end; y += SHADE_ROWS) {
@@ -385,6 +392,8 @@ void cpu_find_depths(cpu_renderer* r, uint32_t begin, uint32_t end, cpu_worker* 
 
 void cpu_average_rows(cpu_renderer* r, uint32_t begin, uint32_t end, uint64_t* covered)
 {
+    assert(begin <= end && end <= r->height && r->sample_count > 1 &&
+           "otherwise there are no sums");
     for (size_t at = (size_t)begin * r->width; at < (size_t)end * r->width; ++at) {
         const float* sum = r->sums + 4 * at;
         float share = sum[3] > 0.0f ? 1.0f / sum[3] : 0.0f;

@@ -18,7 +18,7 @@
 
 enum {
     SHADE_WIDTH = 64,           ///< pixels of a tile's row
-    SHADE_ROWS = CPU_BAND_ROWS, ///< of a tile
+    SHADE_ROWS = CPU_BAND_ROWS, ///< rows of a tile
     SHADE_PIXELS = SHADE_WIDTH * SHADE_ROWS,
     SHADE_REACH = 16,     ///< maximum pixels of a row lit as one
     SHADE_LANES_MAX = 16, ///< maximum vector width of all variants
@@ -41,7 +41,7 @@ struct cpu_shade_material {
     float unlit; ///< 1 or 0
 };
 
-/// A surface to light: sixteen floats; the fourth of each four is padding.
+/// A surface to light: sixteen floats; the normal's fourth is padding.
 typedef struct cpu_shade_surface {
     float color[4];  ///< linear, and opacity
     float normal[4]; ///< scene space, any length; zero: none
@@ -60,7 +60,7 @@ struct cpu_shade_item {
     cpu_shade_nearness nearness;
     uint32_t first_id, count;
     uint32_t low_count; ///< 0: no blending
-    uint32_t material;  ///< of meshes and points
+    uint32_t material;  ///< meshes and points: index in cpu_renderer.shade_materials
     stp_draw_kind kind;
     const uint8_t *colors, *low_colors, *materials;
     const int8_t* normals;
@@ -80,23 +80,23 @@ typedef struct cpu_shade_lanes {
     uint32_t count;
     bool wants_linear;
     uint32_t surface[SHADE_LANES];
-    float x[SHADE_LANES], y[SHADE_LANES]; ///< of the tile
+    float x[SHADE_LANES], y[SHADE_LANES]; ///< positions, relative to the tile
     uint32_t bytes[SHADE_LANES + SHADE_WIDTH + SHADE_LANES_MAX];
     float linear[3][SHADE_LANES]; ///< only if requested
 } cpu_shade_lanes;
 
 /// A row of a tile. Pixels beyond the picture are empty.
 typedef struct cpu_shade_merged {
-    uint32_t ids[1 + SHADE_WIDTH]; ///< following ones; UINT32_MAX: none
+    uint32_t ids[1 + SHADE_WIDTH]; ///< id of pixel i is at i + 1; UINT32_MAX: none
     float nearness[SHADE_WIDTH + SHADE_LANES_MAX];
     uint64_t there;  ///< covered pixels: bit i is pixel i
-    uint64_t starts; ///< pixels whose id differs from the previous pixel
+    uint64_t starts; ///< first pixel, and those whose id differs from the previous pixel's
 } cpu_shade_merged;
 
 /// Pixels of one row.
 typedef struct cpu_shade_run {
-    uint8_t x, length;      ///< of the tile
-    uint16_t surface, lane; ///< the first lane
+    uint8_t x, length;      ///< pixels of the tile's row
+    uint16_t surface, lane; ///< indices of the surface and of the first lane
     bool flat;              ///< one lane for SHADE_REACH pixels
 } cpu_shade_run;
 
@@ -132,7 +132,7 @@ typedef struct cpu_shade_tile {
     uint32_t number; ///< counts tiles
     bool any;        ///< has covered pixels
     cpu_shade_merged rows[SHADE_ROWS];
-    uint32_t row_runs[SHADE_ROWS + 1]; ///< of each row, the first
+    uint32_t row_runs[SHADE_ROWS + 1]; ///< first run of each row, then the number of runs
     cpu_shade_run runs[SHADE_PIXELS];
     uint32_t extra;      ///< next tile-local slot
     uint32_t miss_count; ///< surfaces allocated, but not filled yet
@@ -151,7 +151,7 @@ struct cpu_shade_memory {
         uint32_t tile; ///< tile of its last use
     } slots[SHADE_KEPT];
     uint32_t item[SHADE_KEPT];
-    uint32_t cluster[SHADE_KEPT]; ///< of triangles
+    uint32_t cluster[SHADE_KEPT]; ///< triangles: index of the cluster
     cpu_shade_nearness nearness[SHADE_KEPT + 1];
     uint8_t kind[SHADE_KEPT + 1];
     uint32_t tile_count;
@@ -165,7 +165,7 @@ struct cpu_shade_memory {
 cpu_shade_memory* cpu_make_shade_memory(stp_context* context);
 void cpu_destroy_shade_memory(stp_context* context, cpu_shade_memory* memory);
 void cpu_reset_surfaces(cpu_shade_memory* memory);
-/// stp_free. NULL if out of memory.
+/// NULL if out of memory. Free it with stp_free.
 cpu_triangle_memory* cpu_make_triangle_memory(stp_context* context);
 void cpu_reset_triangles(cpu_triangle_memory* memory);
 
@@ -179,7 +179,7 @@ uint32_t cpu_find_surface(cpu_shade_memory* memory, cpu_shade_tile* tile, uint32
 /// Prefetches the data of a tile's unfilled surfaces.
 void cpu_prefetch_surfaces(const cpu_renderer* r, cpu_shade_memory* memory,
                            const cpu_shade_tile* tile);
-/// Fills them.
+/// Fills a tile's unfilled surfaces.
 void cpu_make_surfaces(const cpu_renderer* r, cpu_shade_memory* memory, cpu_shade_tile* tile);
 
 /// The surface of a surfel or point, by its item and its index there.

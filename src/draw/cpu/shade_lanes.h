@@ -6,6 +6,7 @@
 #include "draw/cpu/shade.h"
 #include "draw/shaders/light_constants.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { SURFACE_FLOATS = sizeof(cpu_shade_surface) / sizeof(float) };
@@ -111,8 +112,8 @@ static inline lanes_float gloss_lanes(const stp_lighting* light, const lanes_flo
                                       const lanes_float material[8])
 {
     lanes_float a2 = material[2];
-    // of the vector halfway between light and eye, which are of unit length: its square is 2 + 2
-    // light . eye
+    // square of the sum of the unit vectors to light and eye, which points halfway between them:
+    // 2 + 2 light . eye
     lanes_float square = 2.0f + 2.0f * dot_with(eye, light->key);
     lanes_float along = maximum(toward + facing, spread(0.0f));
     lanes_float squared = lanes_select(square > 0.0f, along * along / square, spread(0.0f));
@@ -170,6 +171,7 @@ static inline lanes_int encode_lanes(const cpu_shade_scene* scene, lanes_float l
 static void light_all(const cpu_shade_scene* scene, const cpu_shade_surface* surfaces,
                       cpu_shade_lanes* lanes)
 {
+    assert(lanes->count <= SHADE_PIXELS && "the last vector may be padded");
     for (uint32_t at = 0; at < lanes->count; at += LANES) {
         lanes_float field[SURFACE_FLOATS], eye[3], out[3];
         lanes_turn(surfaces, lanes->surface + at, field);
@@ -194,6 +196,7 @@ static void spread_row(const cpu_shade_run* run, const cpu_shade_run* end,
 {
     for (; run < end; ++run) {
         cpu_shade_run now = *run;
+        assert(now.length > 0 && (uint32_t)now.x + now.length <= SHADE_WIDTH);
         cpu_shade_nearness near = surfaces[now.surface];
         const uint32_t* lane = lanes + now.lane;
         for (uint32_t k = 0; k < now.length; k += LANES) {
@@ -233,6 +236,7 @@ static inline void merge_one(uint64_t* restrict from, uint32_t size, uint64_t* r
 static void merge_row(uint64_t* const* buffers, uint32_t count, size_t at, uint32_t size,
                       cpu_shade_merged* restrict row)
 {
+    assert(size > 0 && size <= SHADE_WIDTH);
     uint64_t pixels[SHADE_WIDTH];
     for (uint32_t i = 0; i < SHADE_WIDTH; ++i) {
         pixels[i] = STP_RASTER_EMPTY;

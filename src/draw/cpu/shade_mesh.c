@@ -4,6 +4,7 @@
 // interpolation weights are cached, and each pixel gets its own surface.
 #include "draw/cpu/shade.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { PLACE_BITS = 8, PLACES = 1 << PLACE_BITS, OPEN_BITS = 5, OPEN = 1 << OPEN_BITS };
@@ -71,6 +72,7 @@ void cpu_prefetch_triangle(const cpu_renderer* r, cpu_shade_memory* memory, uint
 {
     const cpu_item* item = &r->items[memory->item[at]];
     uint32_t id = memory->slots[at].id;
+    assert(at < SHADE_KEPT && id >= item->first_id);
     if (item->clusters.bytes != NULL) {
         uint32_t key = (id >> 6) * 0x9E3779B1u >> (32 - PLACE_BITS);
         cluster_place* place = &memory->triangles->places[key];
@@ -156,7 +158,7 @@ static four turn(const cpu_shade_item* item, stp_vec3 v)
                   m[2][0] * v.x + m[2][1] * v.y + m[2][2] * v.z, 0.0f};
 }
 
-/// Normalizes; zero stays zero.
+/// From the item to the scene, normalized; zero stays zero.
 static four turn_to_unit(const cpu_shade_item* item, stp_vec3 v)
 {
     four turned = turn(item, v), squares = turned * turned;
@@ -170,7 +172,7 @@ static bool are_alike(const void* corners, size_t size)
     return memcmp(bytes, bytes + size, size) == 0 && memcmp(bytes, bytes + 2 * size, size) == 0;
 }
 
-/// Whether some interpolation of the unit normals is much shorter.
+/// Whether an interpolation of the unit normals may be much shorter than they are.
 static bool may_cancel(const four normal[3])
 {
     for (int k = 0; k < 3; ++k) {
@@ -209,8 +211,8 @@ static void mix_triangle(const cpu_renderer* r, const cpu_item* item, const cpu_
     }
 }
 
-/// Normal of a triangle, if it has a single one and its mesh has no colours or textures. @return
-/// false otherwise
+/// Normal of a triangle, if it has a single one and its mesh consists of clusters without colours.
+/// @return false otherwise
 static bool find_only_normal(const cpu_item* item, cpu_shade_memory* memory, uint32_t at,
                              stp_vec3* normal)
 {
@@ -258,6 +260,7 @@ cpu_shade_kind cpu_make_triangle_surface(const cpu_renderer* r, cpu_shade_memory
     const cpu_item* item = &r->items[memory->item[at]];
     const cpu_shade_item* shade = &r->shade_items[memory->item[at]];
     cpu_shade_surface* surface = &memory->surfaces[at];
+    assert(item->kind == STP_DRAW_MESH && at < SHADE_KEPT);
     bool textured =
         item->base_color != NULL || item->metallic_roughness != NULL || item->emissive != NULL;
     stp_vec3 normal;
@@ -337,6 +340,7 @@ void cpu_make_pixel_surfaces(const cpu_renderer* r, cpu_shade_memory* memory,
                              const cpu_shade_run* run, uint32_t x, uint32_t y,
                              const float* nearness, cpu_shade_surface* out)
 {
+    assert(run->surface < SHADE_KEPT && memory->kind[run->surface] != SHADE_FLAT);
     const mixed_triangle* mixed = &memory->triangles->mixed[run->surface];
     const cpu_shade_surface* surface = &memory->surfaces[run->surface];
     const cpu_item* item = &r->items[memory->item[run->surface]];

@@ -6,6 +6,7 @@
 #include "draw/cpu/shade.h"
 #include "raster/splats_transparent.h"
 
+#include <assert.h>
 #include <string.h>
 
 void cpu_reset_surfaces(cpu_shade_memory* memory)
@@ -22,7 +23,7 @@ cpu_shade_tile* cpu_begin_tile(cpu_shade_memory* memory)
 {
     uint32_t which = memory->tile_count++ & 1;
     cpu_shade_tile* tile = &memory->tiles[which];
-    tile->number = memory->tile_count + 1; // 0 marks no id
+    tile->number = memory->tile_count + 1; // above 1: slots with 0 are free
     tile->extra = SHADE_CACHE + which * SHADE_PIXELS;
     tile->miss_count = 0;
     return tile;
@@ -30,6 +31,7 @@ cpu_shade_tile* cpu_begin_tile(cpu_shade_memory* memory)
 
 uint32_t cpu_find_surface(cpu_shade_memory* memory, cpu_shade_tile* tile, uint32_t id)
 {
+    assert(id != UINT32_MAX && "the background has no surface");
     uint32_t at = id * 0x9E3779B1u >> (32 - SHADE_CACHE_BITS);
     if (memory->slots[at].id == id) {
         memory->slots[at].tile = tile->number;
@@ -38,6 +40,7 @@ uint32_t cpu_find_surface(cpu_shade_memory* memory, cpu_shade_tile* tile, uint32
     if (memory->slots[at].tile + 1 >= tile->number) {
         at = tile->extra++;
     }
+    assert(at < SHADE_KEPT && tile->miss_count < SHADE_PIXELS && "at most one per pixel");
     memory->slots[at].id = id;
     memory->slots[at].tile = tile->number;
     tile->misses[tile->miss_count++] = (uint16_t)at;
@@ -150,6 +153,7 @@ void cpu_prefetch_surfaces(const cpu_renderer* r, cpu_shade_memory* memory,
             slot = cpu_find_item(r, id);
             item = &r->shade_items[slot];
         }
+        assert(id >= item->first_id && slot < r->item_count && "every id belongs to an item");
         memory->item[at] = slot;
         if (item->kind == STP_DRAW_SURFELS) {
             prefetch_surfel(item, id - item->first_id);
@@ -167,6 +171,7 @@ void cpu_make_surfaces(const cpu_renderer* r, cpu_shade_memory* memory, cpu_shad
         const cpu_shade_item* item = &r->shade_items[slot];
         cpu_shade_surface* surface = &memory->surfaces[at];
         uint32_t index = memory->slots[at].id - item->first_id;
+        assert((item->kind == STP_DRAW_MESH || index < item->count) && "a splat of the item");
         memory->nearness[at] = item->nearness;
         memory->kind[at] = SHADE_FLAT;
         if (item->kind != STP_DRAW_MESH) {
@@ -194,6 +199,7 @@ cpu_shade_memory* cpu_make_shade_memory(stp_context* context)
     }
     size_t past = (uintptr_t)memory->room % line;
     void* begin = memory->room + (line - past) % line;
+    assert((uintptr_t)begin % sizeof(cpu_shade_surface) == 0 && "one cache line each");
     memory->surfaces = begin;
     return memory;
 }

@@ -3,6 +3,8 @@
 // frame.
 #include "draw/cpu/shade.h"
 
+#include <assert.h>
+
 enum { SHADINGS = 256, ID_TABLE_SIZE = 1 << 16 };
 
 cpu_shade_material cpu_make_shade_material(float metallic, float roughness, const float emissive[3],
@@ -76,6 +78,7 @@ static void index_ids(cpu_renderer* r, uint64_t id_count)
 {
     uint32_t item = 0, last = (uint32_t)r->item_count - 1;
     uint64_t runs = (id_count >> r->id_shift) + 1;
+    assert(runs < ID_TABLE_SIZE + 2 && "there is a last entry");
     for (uint64_t run = 0; run < runs; ++run) {
         while (item < last && r->first_ids[item + 1] <= run << r->id_shift) {
             item += 1;
@@ -123,6 +126,7 @@ static bool make_room(cpu_renderer* r)
 
 stp_result cpu_prepare_shading(cpu_renderer* r, size_t first)
 {
+    assert(first <= r->item_count);
     if (!make_room(r)) {
         return stp_fail_memory(r->base.context);
     }
@@ -132,6 +136,7 @@ stp_result cpu_prepare_shading(cpu_renderer* r, size_t first)
     for (size_t i = first; i < r->item_count; ++i) {
         r->shade_items[i] = make_item(r, &r->items[i]);
         r->first_ids[i] = r->items[i].first_id;
+        assert((i == 0 || r->first_ids[i - 1] <= r->first_ids[i]) && "ids are searched by halving");
     }
     const cpu_item* last = &r->items[r->item_count - 1];
     uint64_t id_count = (uint64_t)last->first_id + last->count;
@@ -155,6 +160,7 @@ uint32_t cpu_find_item(const cpu_renderer* r, uint32_t id)
             high = middle;
         }
     }
+    assert(low < r->item_count && r->first_ids[low] <= id);
     return low;
 }
 

@@ -2,6 +2,7 @@
 // Looks up single triangles, from columns or clusters.
 #include "draw/cpu/cpu.h"
 
+#include <assert.h>
 #include <string.h>
 
 stp_vec3 cpu_decode_normal(const int16_t* code)
@@ -87,6 +88,7 @@ void cpu_read_from_cluster(const cpu_item* item, const stp_cluster* cluster, uin
 
 const cpu_triangle* cpu_read_triangle(cpu_reader* reader, const cpu_item* item, uint32_t index)
 {
+    assert(item->kind == STP_DRAW_MESH && "points have no triangles");
     if (reader->item == item && reader->index == index) {
         return &reader->triangle;
     }

@@ -5,6 +5,8 @@
 #include "raster/blue_noise.h"
 #include "raster/cutout.h"
 
+#include <assert.h>
+
 enum { GHOST_SEED = 0x6057 }; // independent of the pixels that alpha removes
 
 stp_vec2 cpu_mesh_uv(const cpu_triangle* triangle, const stp_store_texture_use* use,
@@ -131,6 +133,7 @@ static void remember_triangle(const cpu_keep* keep, uint32_t index)
 /// Whether a point of a triangle is cut away.
 static bool is_cut(const cpu_keep* keep, const cpu_triangle* triangle, const float weight[3])
 {
+    assert(keep->cut_mask >> keep->cuts->count == 0 && "bits of known planes");
     float at[3];
     for (int c = 0; c < 3; ++c) {
         at[c] = weight[0] * triangle->position[0][c] + weight[1] * triangle->position[1][c] +
@@ -166,6 +169,7 @@ bool cpu_keep_fragment(const void* user, uint32_t triangle, float weight1, float
     const cpu_keep* keep = user;
     const cpu_item* item = keep->item;
     const cpu_keep_memory* memory = keep->memory;
+    assert(item->kind == STP_DRAW_MESH && triangle <= UINT32_MAX - keep->first_triangle);
     const stp_store_material* material = item->material;
     triangle += keep->first_triangle;
     if (memory->triangle != triangle) {

@@ -4,6 +4,8 @@
 #include "base/core/context.h"
 #include "draw/gl/gl_renderer.h"
 
+#include <assert.h>
+
 void gl_cap_pass_destroy(gl_renderer* r)
 {
     gl_cap_pass* pass = &r->cap_pass;
@@ -60,6 +62,7 @@ static void put(gl_renderer* r, const stp_cap_picture* picture)
     const gl_target* t = &r->target;
     const gl_cap_pass* pass = &r->cap_pass;
     GLsizei width = (GLsizei)t->width, height = (GLsizei)t->height;
+    assert(pass->width == t->width && pass->height == t->height && "one texel per pixel");
     gl->TextureSubImage2D(pass->nearness, 0, 0, 0, width, height, GL_RED, GL_FLOAT,
                           picture->nearness);
     gl->TextureSubImage2D(pass->pixels, 0, 0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE,

@@ -11,8 +11,8 @@ struct gl_renderer;
 typedef struct gl_cap_pass {
     stp_caps* caps;
     GLuint program, nearness, pixels; ///< textures of an eye
-    uint32_t width, height;           ///< of the textures
-    bool shows;                       ///< caps in the eye's last shaded picture
+    uint32_t width, height;           ///< size of the textures
+    bool shows;                       ///< the eye's last shaded picture has caps
 } gl_cap_pass;
 
 void gl_cap_pass_destroy(struct gl_renderer* r);

@@ -5,11 +5,13 @@
 #include "draw/bounding.h"
 #include "draw/gl/gl_renderer.h"
 
-enum { GRAIN = 1024 }; ///< clusters of a piece
+#include <assert.h>
+
+enum { GRAIN = 1024 }; ///< clusters per piece of the loop
 
 struct gl_share_item {
-    size_t item;  ///< of the list
-    size_t first; ///< of its shares
+    size_t item;  ///< index in the list
+    size_t first; ///< index of its first share
     const stp_draw_item* draw;
     stp_clusters clusters;
     stp_bounding bounding;
@@ -72,9 +74,11 @@ static void find_shares(size_t begin, size_t end, uint32_t worker, void* user)
         size_t middle = low + (high - low) / 2;
         *(s->items[middle].first <= begin ? &low : &high) = middle;
     }
+    assert(s->count > 0 && s->items[low].first <= begin);
     for (size_t i = begin; i < end; ++i) {
         while (i - s->items[low].first >= s->items[low].clusters.cluster_count) {
             low += 1;
+            assert(low < s->count && "items hold all clusters");
         }
         const gl_share_item* item = &s->items[low];
         stp_box box = stp_clusters_bounds(&item->clusters, (uint32_t)(i - item->first));
@@ -113,7 +117,9 @@ const float* gl_cluster_shares_get(gl_cluster_shares* s, size_t item)
 {
     while (s->items[s->next].item < item) {
         s->next += 1;
+        assert(s->next < s->count && "only meshes of clusters have shares");
     }
+    assert(s->items[s->next].item == item && "items are asked for in the order of the list");
     return s->shares + s->items[s->next].first;
 }
 

@@ -12,9 +12,9 @@ typedef struct gl_share_item gl_share_item;
 typedef struct gl_cluster_shares {
     gl_share_item* items; ///< meshes of the list, in its order
     size_t count, capacity;
-    float* shares; ///< of all their clusters; 0: not drawn
+    float* shares; ///< drawn share of each of their clusters; 0: not drawn
     size_t share_capacity;
-    size_t next; ///< the first item not found yet
+    size_t next; ///< item of the last request; earlier ones are skipped
 } gl_cluster_shares;
 
 /// Finds the shares for the renderer's list and placement.

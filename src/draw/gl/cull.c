@@ -8,6 +8,7 @@
 #include "store/file/format.h"
 #include "store/sets/large_triangles.h"
 
+#include <assert.h>
 #include <string.h>
 
 static stp_bounding bound(const gl_renderer* r, const item_block* item)
@@ -69,7 +70,7 @@ static bool add_cluster(gl_renderer* r, uint32_t index, cluster_kinds kinds, uin
            (!kinds.again || gl_frame_repeat_command(r, GL_COMMANDS_GLASS_TRIANGLES, 3 * triangles));
 }
 
-/// A mesh of columns: drawn as a whole, or not at all.
+/// Adds a mesh of columns, without culling: all its clusters have the same share.
 static stp_result add_columns(gl_renderer* r, uint32_t index, stp_store_mesh* mesh)
 {
     item_block* item = &r->frame.items[index];
@@ -93,6 +94,7 @@ static stp_result add_columns(gl_renderer* r, uint32_t index, stp_store_mesh* me
 
 static uint32_t count_triangles(const stp_clusters* clusters, uint32_t index)
 {
+    assert(index < clusters->cluster_count);
     uint32_t end = index + 1 < clusters->cluster_count
                        ? stp_clusters_first_triangle(clusters, index + 1)
                        : clusters->triangle_count;
@@ -151,6 +153,7 @@ static stp_result mark_clusters(gl_renderer* r, const stp_draw_item* draw,
     uint32_t count = stp_large_triangles_find(&large, draw->large_from);
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t cluster = stp_clusters_find(clusters, large.triangles[i]);
+        assert(cluster < clusters->cluster_count && "there is a bit for it");
         marks[cluster / 32] |= 1u << cluster % 32;
     }
     f->large_count += count;

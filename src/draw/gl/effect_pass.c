@@ -5,6 +5,8 @@
 #include "draw/effect_shape.h"
 #include "draw/gl/gl_renderer.h"
 
+#include <assert.h>
+
 void gl_effect_pass_destroy(gl_renderer* r)
 {
     gl_effect_pass* pass = &r->effects;
@@ -79,6 +81,7 @@ static stp_result make_planes(gl_renderer* r)
 
 static void send_numbers(gl_renderer* r, const stp_effect_shape* shape)
 {
+    assert(shape->pair_count <= EFFECT_PAIRS && shape->light_step > 0);
     const stp_placement* p = &r->placement;
     bool constant = p->frame.parallel;
     double gain = constant ? p->frame.scale / fabs(p->nearness_scale) : p->frame.scale;
@@ -117,6 +120,7 @@ static void run(gl_renderer* r, GLuint program, GLuint out, GLenum format, uint3
 /// keeps silhouettes. @return the plane that holds it
 static GLuint close_gaps(gl_renderer* r, int32_t reach)
 {
+    assert(reach > 0 && "without gaps the depths are read as they are");
     static const GLint axes[4][2] = {{1, 0}, {0, 1}, {1, 0}, {0, 1}};
     const stp_gl* gl = &r->gl;
     gl_effect_pass* pass = &r->effects;

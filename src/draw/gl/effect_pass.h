@@ -14,8 +14,8 @@ struct gl_renderer;
 typedef struct gl_effect_pass {
     GLuint window, blocks, shades, blur, darken;
     GLuint buffer;                         ///< effect_block
-    GLuint planes[2], block_plane, two[2]; ///< of an eye: nearness; its blocks; shading factors
-    uint32_t width, height;                ///< of the planes
+    GLuint planes[2], block_plane, two[2]; ///< an eye's nearness; its blocks; shading factors
+    uint32_t width, height;                ///< size of the planes
 } gl_effect_pass;
 
 void gl_effect_pass_destroy(struct gl_renderer* r);

@@ -5,6 +5,7 @@
 #include "draw/gl/gl_renderer.h"
 #include "raster/splats_blend.h"
 
+#include <assert.h>
 #include <stdio.h>
 
 bool gl_filter_is_tolerant(const gl_renderer* r)
@@ -156,6 +157,7 @@ static void find_planes(gl_renderer* r)
 
 stp_result gl_filter_pass_blend(gl_renderer* r)
 {
+    assert(r->style->filter == STP_FILTER_EWA);
     const stp_gl* gl = &r->gl;
     gl_filter_pass* pass = &r->filter;
     const GLfloat none[4] = {0};
@@ -222,6 +224,7 @@ static void merge_tolerant(gl_renderer* r)
 
 stp_result gl_filter_pass_draw_tolerant(gl_renderer* r)
 {
+    assert(gl_filter_is_tolerant(r));
     const stp_gl* gl = &r->gl;
     gl_filter_pass* pass = &r->filter;
     const GLuint zero = 0;
@@ -232,6 +235,7 @@ stp_result gl_filter_pass_draw_tolerant(gl_renderer* r)
     if (result != STP_OK) {
         return result;
     }
+    assert(pass->bytes == (uint64_t)pass->width * pass->height * sizeof(tolerant_pixel));
     gl->ClearNamedBufferSubData(pass->pixels, GL_R32UI, 0, (GLsizeiptr)pass->bytes, GL_RED_INTEGER,
                                 GL_UNSIGNED_INT, &zero);
     gl->ClearNamedFramebufferfv(pass->framebuffer, GL_COLOR, 0, none);

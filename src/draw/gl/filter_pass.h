@@ -14,10 +14,10 @@ typedef struct gl_filter_pass {
     GLuint tolerant, textured, tolerant_merge; ///< for one pass
     GLuint splat_texture;                      ///< R8; 0: not created yet
     GLuint vertex_array;
-    GLuint planes, sums, framebuffer; ///< RGBA32F; of `sums`
+    GLuint planes, sums, framebuffer; ///< textures, RGBA32F; framebuffer of `sums`
     GLuint merged, ids;               ///< a framebuffer of the target's ids, sums and nearness
     GLuint pixels;                    ///< tolerant_pixel
-    uint64_t bytes;                   ///< of `pixels`
+    uint64_t bytes;                   ///< size of `pixels`
     uint32_t width, height;
 } gl_filter_pass;
 

@@ -5,6 +5,7 @@
 
 #include "base/core/context.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,6 +38,7 @@ static void add(text_maker* maker, const char* from, size_t size)
         }
         maker->text = text;
     }
+    assert(maker->size + size < maker->capacity && "a final zero fits");
     memcpy(maker->text + maker->size, from, size);
     maker->size += size;
     maker->text[maker->size] = 0;

@@ -18,6 +18,6 @@ STP_MUST_USE stp_result gl_program_create_compute(stp_context* context, const st
                                                   const char* compute, const char* defines,
                                                   GLuint* program);
 
-/// Text of a shader with its includes; for tests. stp_free. NULL if it does not exist, or out of
+/// Text of a shader with its includes. Free it with stp_free. NULL if it does not exist, or out of
 /// memory; logged.
 char* gl_program_text(stp_context* context, const char* name, const char* defines);

@@ -7,6 +7,7 @@
 #include "draw/gl/upload.h"
 #include "select/eyes.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -67,6 +68,7 @@ stp_result gl_make_programs(gl_renderer* r)
     while (pages < r->pool.page_count) {
         pages *= 2;
     }
+    assert(pages >= r->pool.page_count && pages <= POOL_PAGES_MAX);
     bool squares = r->style->splat_shape == STP_SPLAT_SQUARE && r->style->filter == STP_FILTER_NONE;
     if (pages == r->program_pages && squares == r->program_squares) {
         return STP_OK;
@@ -176,6 +178,7 @@ static stp_result draw_range(gl_renderer* r, const stp_view* view, const stp_dra
                              const stp_draw_style* style, const gl_sample_range* range,
                              stp_image* image, stp_draw_stats* stats)
 {
+    assert(range->first <= range->end && (range->sums || range->end - range->first == 1));
     double start = stp_clock_ms();
     *stats = (stp_draw_stats){0};
     r->clock = (gl_clock){0};
@@ -284,6 +287,7 @@ static stp_result accumulate(stp_renderer* renderer, const stp_view* view,
     r->visibility = NULL;
     stats->select_ms = select_ms;
     a->frames = result == STP_OK ? range.end : 0;
+    assert(a->frames <= all && "the mean of all samples is final");
     a->width = r->target.full_width;
     a->height = r->target.height;
     return result;

@@ -45,16 +45,16 @@ typedef struct gl_triangle_pass {
 
 typedef struct gl_shade_pass {
     GLuint shade, sums, average, add; ///< all but the first are created on first use
-    GLuint counters;                  ///< covered pixels
-    GLuint copied; ///< of the counters: drivers move a buffer that is read to the CPU's memory
+    GLuint counters;                  ///< one word per gl_counter
+    GLuint copied; ///< copy of the counters: drivers move a buffer that is read to the CPU's memory
 } gl_shade_pass;
 
 /// Render targets. Sizes are those of the last picture.
 typedef struct gl_target {
     uint32_t width, height; ///< size of one eye's picture
     uint32_t eye_count;
-    uint32_t full_width;               ///< of the picture: its last column may belong to no eye
-    GLuint ids, nearness, framebuffer; ///< of an eye
+    uint32_t full_width;               ///< width of the picture: its last column may be no eye's
+    GLuint ids, nearness, framebuffer; ///< visibility buffer of one eye
     GLuint picture;                    ///< RGBA8: the eyes side by side
     GLuint depths;                     ///< R32F: true nearness, one eye above the other
     GLuint sums;                       ///< RGBA32F, of the picture's size; 0: not needed yet
@@ -86,11 +86,11 @@ typedef enum gl_command_kind {
 typedef struct gl_placed {
     const stp_draw_item* draw;
     float offset[3];
-    float radius;    ///< of splats, item space; for splats with shapes, a size step of their set
+    float radius;    ///< splat radius, item space; for splats with shapes, a size step of their set
     float scale;     ///< factor on radii
-    stp_vec3 origin; ///< of surfels' grid
+    stp_vec3 origin; ///< origin of the surfels' grid, item space
     float step;
-    bool unknown_signs; ///< of surfels' normals
+    bool unknown_signs; ///< the signs of the surfels' normals are unknown
 } gl_placed;
 
 /// The frame's blocks, in CPU memory.
@@ -112,14 +112,14 @@ typedef struct gl_frame {
     GLuint buffer;
     uint64_t buffer_size;
     GLintptr items_offset, records_offset, chunks_offset, lookup_offset, view_offset;
-    GLintptr groups_offset; ///< of the compute rasteriser: the first group of each splat command
-    uint64_t group_count;   ///< in all
+    GLintptr groups_offset; ///< first group of each splat command, for the compute rasteriser
+    uint64_t group_count;   ///< groups of all splat commands
     uint32_t missing;       ///< items coarser than the list wants, for all eyes
     uint32_t coming;        ///< uploads postponed to later frames
     bool beside;            ///< large triangles of the previous set are drawn
     uint64_t large_count;
     gl_cluster_shares shares;
-    uint32_t* marks; ///< of clusters that contain some: one bit each
+    uint32_t* marks; ///< one bit per cluster of a mesh: it contains large triangles of the item
     size_t mark_capacity;
 } gl_frame;
 
@@ -136,7 +136,7 @@ typedef struct gl_entries {
     uint32_t meshes;      ///< one per item
     uint32_t textures;    ///< two per texture: read as colour, and as data
     uint32_t* point_sets; ///< one per chunk
-    /// Of uploaded octaves: indexed by half the number of their position entry
+    /// Boxes of uploaded octaves, indexed by half the number of their position entry
     gl_octave_box* boxes;
     uint32_t count;
 } gl_entries;
@@ -145,7 +145,7 @@ typedef struct gl_entries {
 typedef struct gl_readback {
     float* depth;
     size_t capacity;
-    bool has_depth; ///< of the last picture
+    bool has_depth; ///< `depth` holds the last picture's
 } gl_readback;
 
 /// CPU times of a picture's steps in milliseconds: see stp_draw_gl_stats.
@@ -203,13 +203,13 @@ struct gl_renderer {
     // this picture
     stp_placement placement;
     uint32_t eye;
-    const stp_view* view;             ///< of all eyes
+    const stp_view* view;             ///< the whole view, with all eyes
     const stp_visibility* visibility; ///< NULL: everything is shown
     const stp_draw_style* style;
     const stp_draw_list* list;
     stp_result failure;              ///< why an upload failed
-    uint32_t draw_calls, dispatches; ///< of the last picture's last sample
-    uint32_t counted_samples;        ///< number drawn by the last call
+    uint32_t draw_calls, dispatches; ///< numbers in the last picture's last sample
+    uint32_t counted_samples;        ///< samples that the last call drew
 };
 
 /// Defines for programs that read pages. @return `text`
@@ -249,7 +249,7 @@ STP_MUST_USE stp_result gl_shade_pass_draw(gl_renderer* r, bool sums);
 STP_MUST_USE stp_result gl_shade_pass_add(gl_renderer* r);
 /// Resolves the sums into the picture. @return as gl_program_create
 STP_MUST_USE stp_result gl_shade_pass_average(gl_renderer* r);
-/// Resets the counter.
+/// Sets all counters to 0.
 void gl_shade_pass_clear(gl_renderer* r);
 /// Waits for the GPU. @return a counter since the reset
 uint32_t gl_shade_pass_read(gl_renderer* r, gl_counter counter);
@@ -284,7 +284,7 @@ chunk_block* gl_frame_add_chunk(gl_renderer* r, item_block* item);
 
 /// Samples of a picture, each drawn separately.
 typedef struct gl_sample_range {
-    uint32_t side, first, end; ///< of side x side
+    uint32_t side, first, end; ///< samples [first, end) of side x side
     bool sums;                 ///< the picture is their mean, including those before `first`
     bool bytes;                ///< each is resolved to a picture first, for post-processing
     bool scattered;            ///< consecutive samples lie far apart
@@ -294,7 +294,8 @@ typedef struct gl_sample_range {
 STP_MUST_USE stp_result gl_draw_eye(gl_renderer* r, uint32_t eye, const gl_sample_range* range);
 /// Restores the context state that draw_gl.h promises.
 void gl_leave_state(const gl_renderer* r);
-/// Creates programs for the current number of pages. @return as gl_program_create
+/// Creates programs for the current number of pages and the style's shape of splats. @return as
+/// gl_program_create
 STP_MUST_USE stp_result gl_make_programs(gl_renderer* r);
 
 /// Uploads the store's materials, once. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)

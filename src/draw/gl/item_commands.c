@@ -9,6 +9,8 @@
 #include "draw/transparency.h"
 #include "raster/splats_kernel.h"
 
+#include <assert.h>
+
 // The same as on the CPU (src/draw/cpu/raster.c).
 #define RIM_DEPTH 4.0f
 #define BACK_DEPTH 2.0f
@@ -29,6 +31,7 @@ static struct gl_command* add_command(gl_renderer* r, gl_command_kind kind)
 
 bool gl_frame_repeat_command(gl_renderer* r, gl_command_kind kind, uint32_t count)
 {
+    assert(r->frame.record_count > 0 && "there is a record to repeat");
     struct gl_command* command = add_command(r, kind);
     if (command != NULL) {
         *command = (struct gl_command){count, 1, 0, (uint32_t)r->frame.record_count - 1};
@@ -38,6 +41,7 @@ bool gl_frame_repeat_command(gl_renderer* r, gl_command_kind kind, uint32_t coun
 
 record_block* gl_frame_add_command(gl_renderer* r, gl_command_kind kind, uint32_t count)
 {
+    assert(r->frame.record_count < UINT32_MAX && "commands name their record in 32 bits");
     gl_frame* f = &r->frame;
     struct gl_command* command = add_command(r, kind);
     if (command == NULL) {
@@ -111,6 +115,7 @@ static stp_result make_points(gl_renderer* r, uint32_t index)
                                .end = begin + (left < UPLOAD_POINTS ? left : UPLOAD_POINTS),
                                .address = gl_address(r, entry)};
         item->count = chunk->end < wanted ? chunk->end : wanted;
+        assert(begin < item->count && chunk->end <= points.point_count);
         const gl_splat_chunk splats = {.begin = begin,
                                        .end = item->count,
                                        .places = chunk->address,
@@ -298,6 +303,7 @@ static stp_result make_lookup(gl_renderer* r)
     uint64_t id_count = 0;
     for (size_t i = 0; i < f->item_count; ++i) {
         first_ids[i] = f->items[i].first_id;
+        assert((i == 0 || first_ids[i - 1] <= first_ids[i]) && "ids are searched by halving");
         id_count = (uint64_t)f->items[i].first_id + f->items[i].count;
     }
     f->id_shift = 0;
@@ -306,6 +312,7 @@ static stp_result make_lookup(gl_renderer* r)
     }
     uint32_t item = 0, last = f->item_count > 0 ? (uint32_t)f->item_count - 1 : 0;
     uint64_t runs = (id_count >> f->id_shift) + 1;
+    assert(runs < ID_TABLE + 2 && "there is a last entry");
     for (uint64_t run = 0; run < runs; ++run) {
         while (item < last && first_ids[item + 1] <= run << f->id_shift) {
             item += 1;
@@ -387,6 +394,7 @@ stp_result gl_frame_make(gl_renderer* r)
         result = make_item(r, (uint32_t)i);
         f->item_count = i + 1;
     }
+    assert((result != STP_OK || f->item_count == count) && "items have the numbers of the list's");
     return result == STP_OK ? make_lookup(r) : result;
 }
 

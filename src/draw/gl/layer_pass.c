@@ -6,6 +6,7 @@
 #include "raster/blue_noise.h"
 #include "raster/splats_transparent.h"
 
+#include <assert.h>
 #include <string.h>
 
 _Static_assert(STP_BLUE_NOISE_SIDE == NOISE_SIDE, "as shaders have it");
@@ -58,7 +59,7 @@ void gl_layer_pass_destroy(gl_renderer* r)
     r->layer_pass.noise = 0;
 }
 
-/// @return whether there is enough memory for them
+/// Makes the textures of layers. @return false if memory is short
 static bool make_textures(gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
@@ -140,9 +141,10 @@ static stp_result make_programs(gl_renderer* r)
     return result;
 }
 
-/// Draws one layer; `before` is the previous one.
+/// Draws a layer into textures `number` (0 or 1); the others hold the previous layer.
 static stp_result draw_layer(gl_renderer* r, int number)
 {
+    assert((number == 0 || number == 1) && r->layer_pass.active);
     const stp_gl* gl = &r->gl;
     gl_layer_pass* pass = &r->layer_pass;
     const GLuint nothing[4] = {NO_ID, NO_ID, NO_ID, NO_ID};
@@ -205,6 +207,7 @@ stp_result gl_layer_pass_draw(gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
     gl_layer_pass* pass = &r->layer_pass;
+    assert(pass->active && pass->width == r->target.width && pass->height == r->target.height);
     pass->count = 0;
     if (r->frame.commands[GL_COMMANDS_GLASS_TRIANGLES].count == 0 &&
         r->frame.commands[GL_COMMANDS_GLASS_SPLATS].count == 0) {
@@ -229,6 +232,7 @@ stp_result gl_layer_pass_draw(gl_renderer* r)
         pixels = take_layer(r, (int)(pass->count & 1));
     }
     pass->count -= pixels == 0; // the last pass found none
+    assert(pass->count <= STP_LAYERS_MAX);
     gl->BindImageTexture(IMAGE_PICTURE, r->target.picture, 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8);
     gl_dispatch_pixels(r, pass->compose, r->target.width, r->target.height);
     gl->MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |

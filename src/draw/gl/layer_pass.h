@@ -13,16 +13,16 @@ struct gl_renderer;
 typedef struct gl_layer_pass {
     bool possible, of_splats; ///< whether the scene has transparent surfaces, and splats of them
     bool active;              ///< the current picture has layers
-    bool warned;              ///< about missing memory
+    bool warned;              ///< a warning about missing memory was logged
     uint8_t of_shading[256];  ///< per shading: whether its splats are transparent
     GLuint noise;             ///< blue noise in the shaders' layout
     GLuint triangles, points, large, take, compose; ///< programs
-    uint32_t width, height;                         ///< of the textures; 0: none
+    uint32_t width, height;                         ///< size of the textures; 0: none
     struct {
         GLuint ids, nearness, framebuffer;
     } layers[2];
     GLuint light, below;
-    uint32_t count; ///< passes of the last picture
+    uint32_t count; ///< layers of the last picture, without the final empty pass
 } gl_layer_pass;
 
 /// Finds the transparent surfaces of the scene. @return STP_OK; logged

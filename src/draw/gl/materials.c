@@ -70,7 +70,7 @@ stp_result gl_materials_create(gl_renderer* r)
         lights[SHADINGS + i] = make_light(m->metallic, m->roughness, m->emissive, m->flags);
         materials[i] = make_material(m);
     }
-    for (uint32_t i = 0; i < SCALE_COLORS; ++i) { // behind them, the even scale
+    for (uint32_t i = 0; i < SCALE_COLORS; ++i) { // behind them, the colour scale
         for (int k = 0; k < 3; ++k) {
             lights[light_count + i].surface[k] = stp_srgb8_to_linear(stp_color_map[i][k]);
         }

@@ -4,6 +4,7 @@
 #include "base/core/context.h"
 #include "draw/gl/gl_renderer.h"
 
+#include <assert.h>
 #include <string.h>
 
 void gl_occlusion_pass_destroy(gl_renderer* r)
@@ -106,6 +107,7 @@ stp_result gl_occlusion_pass_cull(gl_renderer* r, bool late)
         gl->ClearNamedBufferSubData(pass->counters, GL_R32UI, 0, 2 * sizeof(uint32_t),
                                     GL_RED_INTEGER, GL_UNSIGNED_INT, &zero);
     }
+    assert(pass->known && pass->pyramid != 0 && "a first picture is drawn without culling");
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_PYRAMID, pass->pyramid);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_COUNTERS, pass->counters);
     gl->UseProgram(pass->cull);
@@ -169,6 +171,7 @@ stp_result gl_occlusion_pass_fill(gl_renderer* r)
     if (result != STP_OK) {
         return result;
     }
+    assert(!r->placement.frame.parallel && "matrices to earlier pictures are in perspective");
     gl->BindTextureUnit(UNIT_NEARNESS, r->target.nearness);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_PYRAMID, pass->pyramid);
     gl->UseProgram(pass->fill);

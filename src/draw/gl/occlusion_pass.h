@@ -19,7 +19,7 @@ typedef struct gl_occlusion_pass {
     uint32_t width, height; ///< view of the pyramid
     bool known;             ///< it is valid
     bool culls;             ///< the last sample was drawn in two passes
-    stp_view_frame frame;   ///< of that picture, and other parameters of its projection
+    stp_view_frame frame;   ///< frame of the pyramid's picture; then the rest of its projection
     double shift_x, shift_y, nearness_scale;
 } gl_occlusion_pass;
 

@@ -9,6 +9,8 @@
 #include "select/eyes.h"
 #include "store/sets/coloring.h"
 
+#include <assert.h>
+
 enum { POINT_MARGIN = 64 };
 
 /// One sample, and the use of its result.
@@ -83,6 +85,7 @@ static float ghost_share(const stp_draw_style* style)
 
 static view_block make_view(const gl_renderer* r, const gl_sample* sample)
 {
+    assert(sample->number < sample->count && r->eye < r->target.eye_count);
     const stp_placement* p = &r->placement;
     const stp_view_frame* f = &p->frame;
     float width = (float)r->target.width, height = (float)r->target.height;
@@ -200,7 +203,7 @@ static stp_result draw_visible(gl_renderer* r)
     return result;
 }
 
-/// Restores the state that the header promises.
+/// Restores the state that draw_gl.h promises.
 void gl_leave_state(const gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
@@ -262,6 +265,7 @@ static stp_result draw_sample(gl_renderer* r, const gl_sample* sample)
 
 stp_result gl_draw_eye(gl_renderer* r, uint32_t eye, const gl_sample_range* range)
 {
+    assert(eye < stp_view_eye_count(r->view) && range->end <= range->side * range->side);
     stp_view one = stp_view_of_eye(r->view, eye);
     r->eye = eye;
     if (!stp_view_frame_make(&one, &r->placement.frame)) {

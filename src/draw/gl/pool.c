@@ -3,6 +3,8 @@
 
 #include "base/core/context.h"
 
+#include <assert.h>
+
 enum {
     WORD = 4,
     RING_BYTES = 1 << 24,
@@ -48,6 +50,7 @@ stp_result gl_pool_create(stp_context* context, const stp_gl* gl, size_t entry_c
                       .last_used = POOL_NONE};
     pool->page_shift = choose_shift(gl, limit_bytes, scene_bytes);
     pool->first_words = choose_first(pool->page_shift, scene_bytes);
+    assert(pool->first_words <= 1u << pool->page_shift && "pages have equal ranges of addresses");
     uint64_t maximum = (uint64_t)POOL_PAGES_MAX << pool->page_shift;
     pool->limit_words = limit_bytes / WORD < maximum ? limit_bytes / WORD : maximum;
     pool->entries = STP_NEW_ARRAY(context, gl_entry, entry_count + 1);
@@ -113,6 +116,7 @@ static void append_entry(gl_pool* pool, uint32_t index)
 
 void gl_pool_use(gl_pool* pool, uint32_t entry)
 {
+    assert(entry < pool->entry_count && gl_pool_has(pool, entry));
     if (pool->entries[entry].used_frame != pool->frame) {
         unlink_entry(pool, &pool->entries[entry]);
         append_entry(pool, entry);
@@ -121,6 +125,7 @@ void gl_pool_use(gl_pool* pool, uint32_t entry)
 
 void gl_pool_drop(gl_pool* pool, uint32_t entry)
 {
+    assert(entry < pool->entry_count && gl_pool_has(pool, entry) && "dropped once");
     gl_entry* dropped = &pool->entries[entry];
     unlink_entry(pool, dropped);
     gl_spans_release(&pool->spans, dropped->span);
@@ -130,6 +135,7 @@ void gl_pool_drop(gl_pool* pool, uint32_t entry)
 /// Creates a buffer of `count` words.
 static bool make_page(gl_pool* pool, uint32_t count)
 {
+    assert(pool->page_count < POOL_PAGES_MAX && count > 0 && count % SPANS_UNIT == 0);
     const stp_gl* gl = pool->gl;
     GLuint* page = &pool->pages[pool->page_count];
     while (gl->GetError() != GL_NO_ERROR) { // discard errors of earlier calls
@@ -184,6 +190,7 @@ static bool add_page(gl_pool* pool)
 
 bool gl_pool_take(gl_pool* pool, uint32_t entry, uint64_t words)
 {
+    assert(entry < pool->entry_count && !gl_pool_has(pool, entry) && "it has no place yet");
     gl_entry* taken = &pool->entries[entry];
     words = words > 0 ? words : 1; // empty entries have a place, too
     if (words > 1u << pool->page_shift) {
@@ -203,18 +210,21 @@ bool gl_pool_take(gl_pool* pool, uint32_t entry, uint64_t words)
     }
     taken->span = span;
     taken->address = gl_spans_first(&pool->spans, span);
+    assert(gl_spans_count(&pool->spans, span) >= words && taken->address != POOL_NONE);
     append_entry(pool, entry);
     return true;
 }
 
 bool gl_pool_write(gl_pool* pool, uint64_t words, gl_ring_part* part)
 {
+    assert(words > 0 && words <= POOL_PART_WORDS && "half of the ring at most");
     return gl_ring_take(pool->gl, &pool->ring, words * WORD, part);
 }
 
 void gl_pool_send(gl_pool* pool, const gl_ring_part* part, uint32_t address, uint64_t words)
 {
     uint32_t place = address & ((1u << pool->page_shift) - 1);
+    assert(words > 0 && words <= POOL_PART_WORDS && address != POOL_NONE);
     pool->gl->CopyNamedBufferSubData(pool->ring.buffer, pool->pages[address >> pool->page_shift],
                                      part->offset, (GLintptr)place * WORD,
                                      (GLsizeiptr)(words * WORD));

@@ -29,7 +29,7 @@ typedef struct gl_pool {
     gl_spans spans;
     GLuint pages[POOL_PAGES_MAX];
     uint32_t page_count, page_shift; ///< words of a page: 2^page_shift
-    uint32_t first_words;            ///< of the first page: fewer for a small scene
+    uint32_t first_words;            ///< words of the first page: fewer for a small scene
     uint64_t limit_words;
     gl_entry* entries;
     size_t entry_count;
@@ -37,7 +37,7 @@ typedef struct gl_pool {
         last_used; ///< least and most recently used entries; POOL_NONE: none resident
     uint32_t frame;
     gl_ring ring;            ///< staging ring for uploads
-    uint64_t uploaded_bytes; ///< since its user reset it
+    uint64_t uploaded_bytes; ///< bytes sent since the renderer set it to 0
     uint64_t dropped;        ///< evicted entries, in total
 } gl_pool;
 
@@ -52,7 +52,7 @@ void gl_pool_begin_frame(gl_pool* pool);
 void gl_pool_use(gl_pool* pool, uint32_t entry);
 
 /// Allocates `words` for an entry that is not resident, and evicts others if needed. @return false
-/// if the data of this frame leaves no room
+/// if the data of this frame leaves no room, or a page is too small
 STP_MUST_USE bool gl_pool_take(gl_pool* pool, uint32_t entry, uint64_t words);
 /// Removes a resident entry.
 void gl_pool_drop(gl_pool* pool, uint32_t entry);

@@ -3,6 +3,8 @@
 // cancelled between batches.
 #include "draw/gl/gl_renderer.h"
 
+#include <assert.h>
+
 static const uint64_t portion_vertices = 100000; // a few milliseconds on a CPU, much less on a GPU
 static const GLuint64 check_every = 1000000;     // nanoseconds
 
@@ -25,6 +27,7 @@ stp_result gl_portion_wait(gl_renderer* r)
 /// End of the batch that begins with a command.
 static size_t find_end(const struct gl_command* commands, size_t first, size_t count)
 {
+    assert(first < count && "a batch has a command");
     uint64_t vertices = commands[first].count;
     size_t end = first + 1;
     while (end < count && vertices + commands[end].count <= portion_vertices) {

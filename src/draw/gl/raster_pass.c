@@ -4,6 +4,8 @@
 #include "base/core/context.h"
 #include "draw/gl/gl_renderer.h"
 
+#include <assert.h>
+
 enum { GROUPS_ACROSS = 32768 };
 
 uint64_t gl_raster_groups(uint64_t splats)
@@ -94,6 +96,7 @@ static void dispatch(gl_renderer* r, uint64_t groups)
 {
     uint64_t rows = (groups + GROUPS_ACROSS - 1) / GROUPS_ACROSS;
     uint64_t across = groups < GROUPS_ACROSS ? groups : GROUPS_ACROSS;
+    assert(rows <= 65535 && across * rows >= groups && "limits of a dispatch");
     r->gl.DispatchCompute((GLuint)across, (GLuint)rows, 1);
     r->dispatches += 1;
 }
@@ -114,6 +117,7 @@ stp_result gl_raster_pass_draw(gl_renderer* r, const gl_splat_source* source)
 {
     const stp_gl* gl = &r->gl;
     const gl_raster_pass* pass = &r->raster;
+    assert(source->count > 0 && source->groups <= (uint64_t)GROUPS_ACROSS * 65535);
     stp_result result = make_pixels(r);
     if (result != STP_OK) {
         return result;

@@ -13,20 +13,20 @@ struct gl_renderer;
 typedef struct gl_splat_source {
     GLuint buffer;
     GLintptr offset, count_offset; ///< offsets of the commands, and of their count
-    /// Offset of the first group of each; for the compute rasteriser
+    /// Offset of the first group of each command; for the compute rasteriser
     GLintptr groups_offset;
-    uint32_t count;  ///< of commands
-    uint64_t groups; ///< in all
+    uint32_t count;  ///< number of commands
+    uint64_t groups; ///< number of groups of all commands
 } gl_splat_source;
 
-/// Commands of the frame; for points. @return whether there are any
+/// Finds the splat commands of the frame. @return whether there are any
 bool gl_splat_source_find(const struct gl_renderer* r, gl_splat_source* source);
 
 typedef struct gl_raster_pass {
     GLuint program, merge;
     GLuint vertex_array;
     GLuint pixels;
-    uint64_t bytes; ///< of `pixels`
+    uint64_t bytes; ///< size of `pixels`
 } gl_raster_pass;
 
 STP_MUST_USE stp_result gl_raster_pass_create(struct gl_renderer* r);

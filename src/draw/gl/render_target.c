@@ -4,6 +4,8 @@
 #include "draw/gl/gl_renderer.h"
 #include "select/eyes.h"
 
+#include <assert.h>
+
 void gl_dispatch_pixels(gl_renderer* r, GLuint program, uint32_t width, uint32_t height)
 {
     r->gl.UseProgram(program);
@@ -27,6 +29,7 @@ GLuint gl_make_texture(const stp_gl* gl, GLenum format, uint32_t width, uint32_t
 void gl_read_texture(const stp_gl* gl, GLuint texture, GLenum format, GLenum type, uint32_t width,
                      uint32_t height, uint64_t band_bytes, void* pixels)
 {
+    assert(width > 0 && band_bytes <= INT32_MAX && "sizes per call have 31 bits");
     uint64_t row_bytes = UINT64_C(4) * width;
     uint32_t rows = row_bytes < band_bytes ? (uint32_t)(band_bytes / row_bytes) : 1;
     gl->BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
@@ -74,6 +77,7 @@ static void make_textures(gl_renderer* r)
 
 stp_result gl_target_make(gl_renderer* r, const stp_view* view, bool sums)
 {
+    assert(view->width > 0 && view->height > 0 && "the view was checked");
     const stp_gl* gl = &r->gl;
     gl_target* t = &r->target;
     stp_view one = stp_view_of_eye(view, 0);

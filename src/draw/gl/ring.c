@@ -7,6 +7,7 @@ enum { RING_ALIGNMENT = 256 };
 
 bool gl_ring_create(const stp_gl* gl, uint64_t size, gl_ring* ring)
 {
+    assert(size > 0 && size % RING_ALIGNMENT == 0 && "parts at its end stay aligned");
     const GLbitfield flags = GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
     *ring = (gl_ring){.size = size};
     gl->CreateBuffers(1, &ring->buffer);
@@ -48,6 +49,7 @@ static bool wait_for_one(const stp_gl* gl, gl_ring* ring)
             state = gl->ClientWaitSync(sync, GL_SYNC_FLUSH_COMMANDS_BIT, UINT64_C(1000000000));
         } while (state == GL_TIMEOUT_EXPIRED && gl->GetGraphicsResetStatus() == GL_NO_ERROR);
     }
+    assert(ring->tail <= ring->fences[ring->first_fence].head && "fences are signalled in order");
     ring->tail = ring->fences[ring->first_fence].head;
     gl->DeleteSync(sync);
     ring->first_fence = (ring->first_fence + 1) % RING_FENCES;
@@ -71,6 +73,9 @@ bool gl_ring_take(const stp_gl* gl, gl_ring* ring, uint64_t size, gl_ring_part* 
         }
     }
     ring->head = begin + size;
+    assert(ring->tail <= ring->head && ring->head - ring->tail <= ring->size &&
+           "nothing unread is overwritten");
+    assert(begin % RING_ALIGNMENT == 0 && begin % ring->size + size <= ring->size);
     *part = (gl_ring_part){ring->memory + begin % ring->size, (GLintptr)(begin % ring->size)};
     return true;
 }
@@ -84,6 +89,7 @@ void gl_ring_mark(const stp_gl* gl, gl_ring* ring)
         return;
     }
     uint32_t at = (ring->first_fence + ring->fence_count) % RING_FENCES;
+    assert(ring->fence_count < RING_FENCES && ring->marked < ring->head);
     ring->fences[at].sync = gl->FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
     ring->fences[at].head = ring->head;
     ring->fence_count += 1;

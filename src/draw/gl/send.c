@@ -4,6 +4,7 @@
 #include "base/core/context.h"
 #include "draw/gl/gl_renderer.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { PART_ALIGNMENT = 256, RING_MIN = 1 << 20, RING_FRAMES = 6, BUFFER_MIN = 1 << 18 };
@@ -99,6 +100,7 @@ static void put_groups(gl_frame* f, layout* l)
         first[i] = (uint32_t)f->group_count;
         f->group_count += gl_raster_groups(splats->commands[i].count);
     }
+    assert(f->group_count <= UINT32_MAX && "first groups have 32 bits");
     f->groups_offset = (GLintptr)l->used;
     l->used += round_up(splats->count > 0 ? splats->count * sizeof(uint32_t) : 1);
 }
@@ -135,6 +137,7 @@ stp_result gl_frame_send(gl_renderer* r, const view_block* view)
     f->view_offset = put(&l, view, sizeof(*view));
     put_groups(f, &l);
     put_commands(f, &l);
+    assert(l.used == needed && "measure() counts all blocks");
     gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT); // culling wrote the last frame's commands
     gl->CopyNamedBufferSubData(f->ring.buffer, f->buffer, l.part.offset, 0, (GLsizeiptr)l.used);
     return STP_OK;

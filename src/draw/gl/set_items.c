@@ -7,10 +7,12 @@
 #include "draw/gl/splat_commands.h"
 #include "draw/gl/upload.h"
 
-/// Drawable part of a set: octaves with resident positions, up to `octaves`, and the octave below
-/// that provides their colours.
+#include <assert.h>
+
+/// Drawable part of a set.
 typedef struct octaves_here {
-    uint32_t places, colors;
+    uint32_t places; ///< number of leading octaves with resident positions
+    uint32_t colors; ///< index of the octave that provides the colours
 } octaves_here;
 
 static gl_upload upload_octaves(gl_renderer* r, uint32_t set, uint32_t places, uint32_t colors,
@@ -22,6 +24,7 @@ static gl_upload upload_octaves(gl_renderer* r, uint32_t set, uint32_t places, u
         got = gl_upload_octave(r, set, here->places, false, here->places == 0);
         here->places += got == GL_UPLOAD_THERE ? 1 : 0;
     }
+    assert((got != GL_UPLOAD_THERE || here->places == places) && here->places <= places);
     if (got == GL_UPLOAD_FAILED || here->places == 0) {
         return got;
     }
@@ -49,10 +52,11 @@ static void hold_octave(const gl_renderer* r, uint32_t set, uint32_t octave, ite
     }
 }
 
-/// Adds the splats of an octave, up to the end of the item's prefix.
+/// The splats of an octave, up to the end of the item's prefix.
 static gl_splat_chunk find_chunk(const gl_renderer* r, uint32_t set, uint32_t octave,
                                  const chunk_block* chunk, uint32_t prefix)
 {
+    assert(chunk->begin < chunk->end && chunk->begin < prefix && "octaves hold splats");
     const stp_splats* known = stp_store_describe_surfels(r->store, set);
     const gl_octave_box* box = &r->entries.boxes[gl_octave_entry(r, set, octave, false) / 2];
     uint32_t count = chunk->end - chunk->begin;
@@ -159,6 +163,7 @@ static stp_result begin_item(gl_renderer* r, uint32_t index, const set_octaves* 
     const stp_splats* known = stp_store_describe_surfels(r->store, draw->index);
     item_block* item = &r->frame.items[index];
     stp_octave_choice choice = octaves->choice;
+    assert(octaves->drawn && octaves->here.places > 0 && choice.octave < known->octave_count);
     uint32_t maximum = known->octave_ends[octaves->here.places - 1];
     maximum =
         maximum < known->octave_ends[choice.octave] ? maximum : known->octave_ends[choice.octave];
@@ -176,6 +181,7 @@ static stp_result begin_item(gl_renderer* r, uint32_t index, const set_octaves* 
             return result;
         }
     }
+    assert(*prefix <= maximum && "resident, with colours");
     item->count = *prefix;
     item->colors = gl_address(r, gl_octave_entry(r, draw->index, choice.octave, true));
     item->blend = choice.blend;

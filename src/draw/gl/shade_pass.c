@@ -3,6 +3,8 @@
 #include "base/core/context.h"
 #include "draw/gl/gl_renderer.h"
 
+#include <assert.h>
+
 stp_result gl_shade_pass_create(gl_renderer* r)
 {
     gl_shade_pass* pass = &r->shade;
@@ -60,6 +62,7 @@ static void finish(gl_renderer* r)
 
 stp_result gl_shade_pass_draw(gl_renderer* r, bool sums)
 {
+    assert((!sums || r->target.sums != 0) && "the target is made for sums");
     char defines[256];
     if (sums) {
         stp_result result = need(r, &r->shade.sums, "shade.comp.glsl",
@@ -79,6 +82,7 @@ stp_result gl_shade_pass_draw(gl_renderer* r, bool sums)
 
 stp_result gl_shade_pass_add(gl_renderer* r)
 {
+    assert(r->target.sums != 0);
     stp_result result = need(r, &r->shade.add, "add.comp.glsl", NULL);
     if (result == STP_OK) {
         bind_pictures(r, true);
@@ -92,6 +96,7 @@ stp_result gl_shade_pass_add(gl_renderer* r)
 
 stp_result gl_shade_pass_average(gl_renderer* r)
 {
+    assert(r->target.sums != 0);
     stp_result result = need(r, &r->shade.average, "average.comp.glsl", NULL);
     if (result == STP_OK) {
         bind_pictures(r, true);
@@ -109,6 +114,7 @@ void gl_shade_pass_clear(gl_renderer* r)
 
 uint32_t gl_shade_pass_read(gl_renderer* r, gl_counter counter)
 {
+    assert(counter < GL_COUNTERS);
     const stp_gl* gl = &r->gl;
     GLintptr at = (GLintptr)counter * (GLintptr)sizeof(uint32_t);
     uint32_t value = 0;

@@ -12,6 +12,7 @@ void gl_spans_destroy(gl_spans* spans)
 /// List of free spans for a size.
 static uint32_t list_of(uint32_t count)
 {
+    assert(count > 0 && "empty spans do not exist");
     uint32_t high = 31u - (uint32_t)__builtin_clz(count);
     uint32_t low = high >= 3 ? count >> (high - 3) & 7u : 0;
     return high * SPANS_SUBLISTS + low;
@@ -45,6 +46,7 @@ static void drop_entry(gl_spans* s, uint32_t entry)
 static void put_in_list(gl_spans* s, uint32_t entry)
 {
     gl_span* span = &s->spans[entry];
+    assert(!span->is_free && "in one list at most");
     uint32_t list = list_of(span->count);
     span->is_free = true;
     span->previous = SPANS_NONE;
@@ -61,6 +63,7 @@ static void take_from_list(gl_spans* s, uint32_t entry)
 {
     gl_span* span = &s->spans[entry];
     uint32_t list = list_of(span->count), doubling = list / SPANS_SUBLISTS;
+    assert(span->is_free && s->heads[list] != 0 && "it is in the list of its size");
     span->is_free = false;
     if (span->previous != SPANS_NONE) {
         s->spans[span->previous].next = span->next;
@@ -119,6 +122,7 @@ static uint32_t find_free(const gl_spans* s, uint32_t count)
          at = s->spans[at].next) {
         found = s->spans[at].count >= count ? at : SPANS_NONE;
     }
+    assert(found == SPANS_NONE || (s->spans[found].is_free && s->spans[found].count >= count));
     return found;
 }
 
@@ -154,6 +158,8 @@ uint32_t gl_spans_take(gl_spans* spans, uint32_t count)
         take_from_list(spans, found);
     }
     spans->used += count;
+    assert(spans->used <= spans->total && !spans->spans[found].is_free);
+    assert(spans->spans[found].count == count && "the rest is free");
     return found;
 }
 
@@ -161,6 +167,7 @@ uint32_t gl_spans_take(gl_spans* spans, uint32_t count)
 static void join(gl_spans* s, uint32_t first, uint32_t second)
 {
     gl_span *a = &s->spans[first], *b = &s->spans[second];
+    assert(a->after == second && b->before == first && a->first + a->count == b->first);
     a->count += b->count;
     a->after = b->after;
     if (b->after != SPANS_NONE) {
@@ -173,6 +180,7 @@ void gl_spans_release(gl_spans* spans, uint32_t span)
 {
     gl_span* given = &spans->spans[span];
     assert(!given->is_free && "given back twice");
+    assert(given->count <= spans->used);
     spans->used -= given->count;
     uint32_t before = given->before, after = given->after;
     if (after != SPANS_NONE && spans->spans[after].is_free) {

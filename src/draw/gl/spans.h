@@ -5,7 +5,7 @@
 //
 // Free spans are kept in lists by size, eight per power of two, with one bit per non-empty list;
 // free neighbours are merged (two-level segregated fit: Masmano et al. 2004). Allocating and
-// freeing take constant time, regardless of the number of spans.
+// freeing take constant time; only if nothing larger is free, a whole list is searched.
 #pragma once
 
 #include "base/core/context.h"
@@ -32,7 +32,7 @@ typedef struct gl_spans {
     size_t count, capacity;
     uint32_t unused;             ///< list of unused entries, from 1; 0: none
     uint32_t heads[SPANS_LISTS]; ///< entries, from 1; 0: none
-    uint32_t classes;            ///< one bit per power of two with any
+    uint32_t classes;            ///< one bit per power of two: whether a list is not empty
     uint8_t sublists[32];
     uint64_t used, total; ///< words
 } gl_spans;

@@ -6,13 +6,14 @@
 #include "base/math/rng.h"
 #include "draw/gl/gl_renderer.h"
 
+#include <assert.h>
 #include <stddef.h>
 #include <string.h>
 
 enum {
     SOFTWARE_SPLATS = 4096,
     HARDWARE_SPLATS = 131072,
-    COMMAND_SPLATS = 4096, ///< of each command
+    COMMAND_SPLATS = 4096, ///< splats per command
     REPEATS = 3,
 };
 
@@ -33,6 +34,7 @@ static GLintptr round_up(size_t offset)
 
 static void lay_out(made_splats* s)
 {
+    assert(s->count % COMMAND_SPLATS == 0 && "all commands are full");
     s->commands = s->count / COMMAND_SPLATS;
     s->items = round_up((size_t)s->count * 3 * sizeof(uint32_t));
     s->records = round_up((size_t)s->items + sizeof(item_block));
@@ -185,6 +187,7 @@ static stp_result measure_path(gl_renderer* r, stp_gl_splats way, const made_spl
 {
     gl_splat_choice* c = &r->splat_choice;
     int at = (int)way - 1;
+    assert(at >= 0 && at < SPLAT_WAYS && "automatic is no path");
     stp_result result = STP_OK;
     if (way != STP_GL_SPLATS_POINTS) {
         gl_splat_source nothing = s->source;
@@ -239,6 +242,7 @@ static double price(const double* splat_ns, float size)
     while (i + 2 < SPLAT_SIZES && size > gl_splat_sizes[i + 1]) {
         i += 1;
     }
+    assert(i + 1 < SPLAT_SIZES && gl_splat_sizes[i] < gl_splat_sizes[i + 1]);
     double part = ((double)size - (double)gl_splat_sizes[i]) /
                   ((double)gl_splat_sizes[i + 1] - (double)gl_splat_sizes[i]);
     part = fmin(fmax(part, 0.0), 1.0);
@@ -252,6 +256,7 @@ stp_gl_splats gl_splat_choice_find(const gl_renderer* r, uint64_t splats, float 
         return c->wanted != STP_GL_SPLATS_AUTO ? c->wanted : STP_GL_SPLATS_POINTS;
     }
     stp_gl_splats best = STP_GL_SPLATS_POINTS;
+    assert(c->pixels > 0 && "costs are those of a picture");
     double pixels = (double)r->target.width * (double)r->target.height / (double)c->pixels;
     double minimum = HUGE_VAL;
     for (int way = STP_GL_SPLATS_POINTS; way <= STP_GL_SPLATS_COMPUTE; ++way) {

@@ -11,12 +11,12 @@ enum { SPLAT_WAYS = 2, SPLAT_SIZES = 3 };
 
 typedef struct gl_splat_choice {
     stp_gl_splats wanted;
-    stp_gl_splats used; ///< by the last frame
+    stp_gl_splats used; ///< path of the last frame
     bool measured;
-    gl_splat_source source;                   ///< of the current sample
-    uint64_t pixels;                          ///< of the measured picture
+    gl_splat_source source;                   ///< splat commands of the current sample
+    uint64_t pixels;                          ///< number of pixels of the measured picture
     double fixed_ns[SPLAT_WAYS];              ///< fixed cost
-    double splat_ns[SPLAT_WAYS][SPLAT_SIZES]; ///< additional cost of each
+    double splat_ns[SPLAT_WAYS][SPLAT_SIZES]; ///< additional cost per splat of each size
 } gl_splat_choice;
 
 /// Measured diameters in pixels.

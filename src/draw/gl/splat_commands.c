@@ -3,6 +3,8 @@
 
 #include "draw/one_sided.h"
 
+#include <assert.h>
+
 enum {
     GAP = 2, ///< maximum invisible groups drawn to avoid another command
 };
@@ -13,6 +15,7 @@ static const float margin_px = 2.0f;
 stp_result gl_splat_groups_make(gl_renderer* r, uint32_t index, uint32_t octaves,
                                 gl_splat_groups* groups)
 {
+    assert(octaves > 0 && index < r->list->count);
     const gl_placed* placed = &r->frame.placed[index];
     const stp_draw_item* draw = placed->draw;
     *groups = (gl_splat_groups){.groups = NULL};
@@ -77,12 +80,14 @@ static bool find_part(const gl_splat_groups* groups, splat_range range, splat_ra
     uint32_t first = group * STP_GROUP_SPLATS, after = (last + 1) * STP_GROUP_SPLATS;
     part->begin = first > range.begin ? first : range.begin;
     part->end = last + 1 < end ? after : range.end;
+    assert(group == end || (part->begin < part->end && part->end <= range.end));
     return group < end;
 }
 
 static bool add_command(gl_renderer* r, uint32_t index, const gl_splat_chunk* chunk,
                         splat_range range, const stp_draw_run* run)
 {
+    assert(chunk->begin <= range.begin && range.begin < range.end && range.end <= chunk->end);
     const stp_draw_item* draw = r->frame.placed[index].draw;
     uint32_t count = range.end - range.begin, before = range.begin - chunk->begin;
     record_block* record = gl_frame_add_command(r, GL_COMMANDS_SPLATS, count);

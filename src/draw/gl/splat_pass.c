@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: MIT
-// Splats: all as points with one command, and those too large for points with another
+// Splats: as points with one draw call, and those too large for points with another
 // (shaders/splat.*, large.*).
 #include "base/core/context.h"
 #include "draw/gl/gl_renderer.h"
 
+#include <assert.h>
 #include <stddef.h>
 #include <stdio.h>
 
 const char* gl_page_defines(const gl_renderer* r, const char* more, char* text, size_t size)
 {
-    snprintf(text, size, "#define PAGE_COUNT %u\n#define PAGE_SHIFT %u\n%s%s%s%s", r->program_pages,
-             r->pool.page_shift, r->directory->texture_count > 0 ? "#define TEXTURES\n" : "",
-             r->layer_pass.of_splats ? "#define GLASS\n" : "",
-             r->program_squares ? "#define SQUARE\n" : "", more);
+    int length = snprintf(text, size, "#define PAGE_COUNT %u\n#define PAGE_SHIFT %u\n%s%s%s%s",
+                          r->program_pages, r->pool.page_shift,
+                          r->directory->texture_count > 0 ? "#define TEXTURES\n" : "",
+                          r->layer_pass.of_splats ? "#define GLASS\n" : "",
+                          r->program_squares ? "#define SQUARE\n" : "", more);
+    assert(length >= 0 && (size_t)length < size && "no define is cut off");
+    (void)length;
     return text;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "draw/gl/timer.h"
 
+#include <assert.h>
+
 void gl_timer_create(const stp_gl* gl, gl_timer* timer)
 {
     *timer = (gl_timer){0};
@@ -35,6 +37,7 @@ bool gl_timer_begin(const stp_gl* gl, gl_timer* timer)
 
 void gl_timer_mark(const stp_gl* gl, const gl_timer* timer, gl_timer_point point)
 {
+    assert(timer->count < TIMER_FRAMES && point != GL_TIMER_BEGIN && "a frame was begun");
     if (point == GL_TIMER_DRAWN) {
         gl->EndQuery(GL_SAMPLES_PASSED);
     }

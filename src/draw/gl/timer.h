@@ -20,7 +20,7 @@ typedef struct gl_timer {
     GLuint samples[TIMER_FRAMES]; ///< pixels written to the visibility buffer
     uint32_t first, count;        ///< frames with pending queries
     bool known;                   ///< times are valid
-    double draw_ms, shade_ms;     ///< of the last completed frame
+    double draw_ms, shade_ms;     ///< times of the last completed frame
     uint64_t fragments;
 } gl_timer;
 

@@ -9,6 +9,8 @@
 #include "store/sets/coloring.h"
 #include "store/sets/columns.h"
 
+#include <assert.h>
+
 static uint32_t point_chunks(const stp_store_point_set* points)
 {
     return (uint32_t)(((uint64_t)points->point_count + UPLOAD_POINTS - 1) / UPLOAD_POINTS);
@@ -53,12 +55,14 @@ void gl_entries_destroy(gl_renderer* r)
 
 gl_writer gl_writer_begin(gl_renderer* r, uint32_t entry, uint64_t words)
 {
+    assert(gl_pool_has(&r->pool, entry) && "room was taken first");
     return (gl_writer){.pool = &r->pool, .address = gl_address(r, entry), .left = words};
 }
 
 static void send(gl_writer* w)
 {
     if (w->used > 0 && !w->failed) {
+        assert(w->used <= w->room && w->room <= w->left && "no more than announced");
         gl_pool_send(w->pool, &w->part, w->address, w->used);
         w->address += w->used;
         w->left -= w->used;
@@ -68,6 +72,7 @@ static void send(gl_writer* w)
 
 void gl_writer_turn(gl_writer* writer)
 {
+    assert(writer->failed || writer->used == writer->room);
     send(writer);
     uint64_t room = writer->left < POOL_PART_WORDS ? writer->left : POOL_PART_WORDS;
     if (room == 0 || !gl_pool_write(writer->pool, room, &writer->part)) {
@@ -78,7 +83,7 @@ void gl_writer_turn(gl_writer* writer)
     writer->room = (uint32_t)room;
 }
 
-/// @return false if the context is lost
+/// Sends the rest. @return false if the context is lost, or words are missing
 static bool end_writer(gl_writer* writer)
 {
     send(writer);
@@ -182,6 +187,7 @@ gl_upload gl_upload_octave(gl_renderer* r, uint32_t set, uint32_t octave, bool c
         return GL_UPLOAD_THERE;
     }
     const stp_splats* known = stp_store_describe_surfels(r->store, set);
+    assert(octave < known->octave_count);
     uint32_t end = known->octave_ends[octave];
     uint32_t begin = octave > 0 ? known->octave_ends[octave - 1] : 0, count = end - begin;
     uint64_t options = (uint64_t)gl_option_words(known) * count;
@@ -223,6 +229,7 @@ gl_upload gl_upload_points(gl_renderer* r, uint32_t point_set, uint32_t chunk, b
     }
     size_t begin = (size_t)chunk * UPLOAD_POINTS, end = begin + UPLOAD_POINTS;
     end = end < points.point_count ? end : points.point_count;
+    assert(begin <= end && "a chunk of the set");
     uint64_t each = 3u + (points.colors != NULL ? 1u : 0u) + (points.normals != NULL ? 1u : 0u);
     gl_upload result = gl_upload_begin(r, entry, each * (end - begin), urgent);
     if (result != GL_UPLOAD_THERE) {
@@ -257,8 +264,8 @@ static uint64_t count_cutoffs(const stp_texture_pyramid* pyramid, uint32_t first
     return first < count ? (uint64_t)(count - first) * STP_CUTOUT_STEPS : 0;
 }
 
-/// First level that fits into a part of the pool together with all coarser ones, and their size in
-/// words.
+/// First level that fits into half a page together with all coarser ones, or the coarsest, and
+/// their size in words.
 static uint32_t choose_level(const gl_renderer* r, const stp_texture_pyramid* pyramid,
                              uint64_t* words)
 {
@@ -270,6 +277,7 @@ static uint32_t choose_level(const gl_renderer* r, const stp_texture_pyramid* py
         }
         *words += count_cutoffs(pyramid, first);
     } while (*words > (UINT64_C(1) << r->pool.page_shift) / 2 && ++first < pyramid->level_count);
+    assert(pyramid->level_count > 0 && pyramid->level_count <= STP_TEXTURE_LEVELS);
     return first < pyramid->level_count ? first : pyramid->level_count - 1;
 }
 
@@ -291,6 +299,7 @@ static void write_texture(const stp_texture_pyramid* pyramid, uint32_t first, gl
         gl_write(w, place);
         place += pyramid->width[i] * pyramid->height[i];
     }
+    assert(first < pyramid->level_count && TEXTURE_SIZES + 3 * count <= TEXTURE_HEADER);
     for (uint32_t i = TEXTURE_SIZES + 3 * count; i < TEXTURE_HEADER; ++i) {
         gl_write(w, 0);
     }

@@ -9,8 +9,8 @@
 #include <string.h>
 
 enum {
-    UPLOAD_POINTS = 65536,          ///< of a chunk
-    UPLOAD_CLUSTER_TRIANGLES = 128, ///< per chunk of a mesh without clusters
+    UPLOAD_POINTS = 65536,          ///< maximum points of a chunk
+    UPLOAD_CLUSTER_TRIANGLES = 128, ///< triangles per cluster made of a mesh of columns
 };
 
 /// Creates the tables of entries. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
@@ -25,7 +25,7 @@ typedef enum gl_upload {
     GL_UPLOAD_FAILED,  ///< reading the store failed, or the context is lost; logged
 } gl_upload;
 
-/// Words per splat of shapes and ranges, which follow the positions of an octave.
+/// Words per splat of shapes and ranges, which follow an octave's positions and materials.
 uint32_t gl_option_words(const stp_splats* surfels);
 
 /// Requests octave `octave` of a set: the positions of its own surfels, or the colours of all

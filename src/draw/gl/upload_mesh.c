@@ -3,6 +3,8 @@
 #include "draw/gl/upload.h"
 #include "store/file/format.h"
 
+#include <assert.h>
+
 typedef struct mesh_source {
     const stp_clusters* clusters; ///< NULL: mesh of columns
     const stp_store_mesh* mesh;
@@ -70,6 +72,7 @@ static void write_header(const mesh_source* source, const cluster_shape* shape, 
 
 static uint32_t pack_normal(float u, float v)
 {
+    assert(fabsf(u) < 32768.0f && fabsf(v) < 32768.0f && "16 bits each");
     return (uint32_t)(uint16_t)(int16_t)u | (uint32_t)(uint16_t)(int16_t)v << 16;
 }
 
@@ -129,6 +132,8 @@ static void write_cluster(const mesh_source* source, const stp_cluster* cluster,
 /// Triangles of columns: corners are not shared.
 static void write_columns(const mesh_source* source, const cluster_shape* shape, gl_writer* w)
 {
+    assert(shape->vertices == 3 * shape->triangles && shape->vertices <= 1024 &&
+           "10 bits a corner");
     const stp_store_mesh* mesh = source->mesh;
     size_t first = 3 * (size_t)shape->first_triangle;
     uint32_t lighting = mesh->normals != NULL ? TRIANGLE_SMOOTH : TRIANGLE_PLAIN;

@@ -17,12 +17,12 @@ flat out vec4 conic2;
 flat out vec4 color;  // linear, and the radius in pixels
 flat out vec4 ray;    // principal point, 1 / scale, and whether it is a one-pixel splat
 flat out vec4 cut;
-flat out vec2 slope;  // of the item: change of nearness per pixel
+flat out vec2 slope;  // factor and constant of the nearness difference of a pixel side (find_side)
 #ifdef LEAVES
 flat out vec2 depths;
 #endif
 #ifdef TEXTURED
-flat out vec4 axes; // of the texture
+flat out vec4 axes; // the texture's, see lib_map.glsl
 #endif
 flat out uvec3 hashed;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Definitions shared by C and GLSL: bindings, sizes and buffer layouts (all std430; the C structs
-// have the same layout). A word's address has the page number in its high bits and the offset
-// within the page below.
+// Definitions shared by C and GLSL: bindings, sizes and buffer layouts (storage buffers std430,
+// uniform buffers std140; the C structs have the same layout). A word's address has the page number
+// in its high bits and the offset within the page below.
 
 // Storage buffers. Pages are 0 to 7.
 #define BINDING_PAGES 0
@@ -14,7 +14,7 @@
 #define BINDING_LIGHT_MATERIALS 13
 #define BINDING_MATERIALS 14
 #define BINDING_COUNTERS 15
-// For the compute rasteriser, whose programs use none of the others.
+// For the compute rasteriser and one-pass blending, whose programs read nothing else there.
 #define BINDING_RASTER_PIXELS 12
 #define BINDING_RASTER_COMMANDS 13
 #define BINDING_RASTER_GROUPS 14
@@ -32,7 +32,7 @@
 #define UNIT_BLOCKS 3 // minimum nearness of each block
 #define UNIT_PLANES 4
 #define UNIT_BLENDED 5
-#define UNIT_BEFORE_IDS 6 // of the previous layer
+#define UNIT_BEFORE_IDS 6 // ids of the previous layer
 #define UNIT_BEFORE_NEARNESS 7
 #define UNIT_BELOW 8
 #define UNIT_CAPS 9 // nearness of section caps
@@ -84,15 +84,15 @@
 
 // Flags of items.
 #define ITEM_FACING 1u             // disks face the eye
-#define ITEM_HAS_COLORS 2u         // of vertices or points
-#define ITEM_HAS_NORMALS 4u        // of points
+#define ITEM_HAS_COLORS 2u         // its vertices or points have colours
+#define ITEM_HAS_NORMALS 4u        // its points have normals
 #define ITEM_GHOST 8u              // drawn in a share of its pixels
 #define ITEM_SHAPES 16u            // splats have individual radii
 #define ITEM_RANGES 32u            // splats are drawn within ranges of levels
 #define ITEM_BESIDE 64u            // omits splats that large triangles replace
 #define ITEM_LARGE 128u            // omits triangles with too low a level
 #define ITEM_FIXED 256u            // fixed-size points, drawn in full
-#define SHAPE_REPLACED 0x80000000u // of a disk
+#define SHAPE_REPLACED 0x80000000u // bit of a disk's shape: large triangles replace it
 #define SECTION_PLANES 14
 #define GHOST_SEED 0x6057u // independent of the pixels that alpha removes
 
@@ -124,7 +124,7 @@
 #define CLUSTER_TRIANGLE_COUNT 1
 #define CLUSTER_TRIANGLES 2 // one word each: three corners of ten bits, and the kind of normal
 #define CLUSTER_POSITIONS 3 // three floats per vertex
-#define CLUSTER_NORMALS 4   // one word per vertex: octahedral, 16 bits each
+#define CLUSTER_NORMALS 4   // one word per normal: octahedral, 16 bits each
 #define CLUSTER_TEXCOORDS 5 // two floats per vertex; and 6: of the second set. 0: none
 #define CLUSTER_COLORS 7    // two words per vertex: linear, 16 bits each. 0: none
 #define CLUSTER_BOX 8       // six floats
@@ -159,24 +159,24 @@ struct item_block {
     vec4 rows[4];
     vec4 turn[3];                                       // view rotation of splats' normals
     vec4 normal[3];                                     // normals to the scene
-    vec4 offset;                                        // of meshes
+    vec4 offset;                                        // meshes: subtracted from positions
     float radius_px, center_x, center_y, inverse_scale; // see src/raster/splats_kernel.h
     float slope_factor, slope_constant, rim_depth, back_depth;
     float near_w, far_w, glass_cells, nearness_limit; // cells of a transparent mesh per unit
     float near_factor, near_shift; // true nearness = factor * that of the buffer + shift
-    float footprint;               // pixels per item unit at depth 1
+    float footprint;               // item units per pixel at depth 1
     float blend;                   // share of `colors` below low_count
     uint kind, flags, seed, first_id;
     uint count, material, first_chunk, chunk_count;
-    uint colors, low_colors, low_count, address; // addresses; of meshes, of their clusters
-    uint cluster_count, base_color, metallic_roughness, emissive; // addresses of textures
+    uint colors, low_colors, low_count, address; // addresses; a count; meshes: their address
+    uint cluster_count, base_color, metallic_roughness, emissive; // a count; texture addresses
     uint sections;          // bits of section planes that may cut it
-    float cut_slack;        // of splats: maximum rounding beyond a section plane, in scene units
-    float glass_radius;     // of splats, scene units
-    float level_per_depth;  // level compared with ranges: this times the depth,
-    vec4 box_low, box_high; // of drawn splats, in the rows' input space
+    float cut_slack;        // splats: maximum rounding beyond a section plane, in scene units
+    float glass_radius;     // splats: radius in scene units
+    float level_per_depth;  // level compared with ranges: this times the depth, at least level_min
+    vec4 box_low, box_high; // box of drawn splats, in the rows' input space
     float level_min;        // minimum level
-    float large_from;       // of large triangles: minimum depth of the nearest corner
+    float large_from;       // large triangles: minimum depth of the nearest corner
     float level_below;      // level of splats before `divide`, at any depth
     uint divide;
     float pixels; // added to the radius on the screen
@@ -187,7 +187,7 @@ struct item_block {
 struct record_block {
     uint item;
     uint first;              // splats: index of the first in the item; clusters: unused
-    uint address;            // of the first splat, or the cluster
+    uint address;            // address of the first splat, or of the cluster
     float share;             // drawn share of a cluster's triangles
     float nearest, farthest; // splats: within these depths (W)
     float reach;             // splats: maximum radius, relative to the item's
@@ -209,22 +209,22 @@ struct material_block {
     vec4 base_color;
     vec4 numbers;  // metallic, roughness, alpha cutoff, alpha mode
     vec4 emissive; // and whether it is unlit
-    // of base colour, metallic and roughness, emissive: two rows of a transform, and the set of
-    // texture coordinates
+    // for base colour, metallic and roughness, emissive: two rows of a transform, the first with the
+    // set of texture coordinates as fourth
     vec4 uses[6];
 };
 
 struct view_block {
     vec4 size;  // width, height, 1 / width of the viewport, 1 / height of the viewport
     vec4 light; // towards the key light
-    vec4 up;    // of the scene
+    vec4 up;    // up direction of the scene
     vec4 left_box, right_box; // towards soft boxes
     vec4 eye_start, eye_across,
         eye_down; // towards the eye from a pixel, not normalized; across and down are 0 in parallel
     vec4 background; // linear, and whether it is drawn
     float nearness_scale, margin;
     uint parallel, pattern;                                 // index of the sample, for hashed alpha
-    uint item_count, id_shift, sample_number, sample_count; // of supersamples
+    uint item_count, id_shift, sample_number, sample_count; // samples before, and including it
     float point_extent;
     float ghost,
         ghost_splats; // drawn share of a ghost's pixels: of triangles, and of each disk
@@ -233,7 +233,7 @@ struct view_block {
     // whether shading writes the final picture: counts its pixels, draws the background
     uint counts;
     uint filtered;   // a FILTER
-    uint ghost_seed; // the number 1 as a variable: Mesa 22.3 folds products of constants wrongly
+    uint ghost_seed; // GHOST_SEED as a variable: Mesa 22.3 folds products of constants wrongly
     uint glass;      // a GLASS
     uint hides;      // whether splats of coverage 0 are not drawn
     uint recolors;   // a RECOLORS

@@ -10,12 +10,12 @@ layout(std430, binding = BINDING_LARGE) readonly buffer Large {
 // perspective: the centre in the view, in units of W, and the radius. Parallel: on the screen,
 // pixels
 flat out vec4 middle;
-flat out vec4 normal;  // normal in the view, facing the eye
+flat out vec4 normal;  // normal in the view, of any length; may face away
 flat out vec4 depths;  // nearness (of W = 1, or of the centre), its slope, behind, rim
 flat out vec4 screen;  // principal point, 1 / scale, maximum nearness
 flat out vec3 across;  // direction across the cut lines, over the radius
 flat out vec2 range;   // interval drawn along it
-flat out vec4 smaller; // of an ellipse: direction of its smaller radius, and its weight
+flat out vec4 smaller; // direction of an ellipse's smaller radius, and its weight; 0: a disk
 flat out uvec3 hashed; // same as for points
 
 // Extent of a ball's projection along one axis.
@@ -44,7 +44,7 @@ void main()
     item_block item = items[record.item];
     uint local = large_places[number].y, index = record.first + local;
     splat_place splat = place_splat(record, item, local);
-    // large splats are never halved below the minimum
+    // large splats stay above the minimum, however often they are halved
     uint halvings = splat.glass ? 0u : splat_halvings(splat.part);
     float size = (item.radius_px + item.pixels * splat.w) * splat.own / float(1u << halvings);
     hashed = splat_hash(record, item, local, splat, halvings, false);

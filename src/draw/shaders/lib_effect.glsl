@@ -4,7 +4,7 @@
 layout(std140, binding = BINDING_VIEW) uniform View { view_block view; };
 layout(std140, binding = BINDING_EFFECTS) uniform Effects { effect_block effects; };
 layout(binding = UNIT_NEARNESS) uniform sampler2D near_plane;
-layout(location = 0) uniform int near_row; // origin of the picture in it
+layout(location = 0) uniform int near_row; // first row of the eye's picture in near_plane
 
 bool is_inside(ivec2 pixel)
 {

@@ -6,14 +6,14 @@
 struct splat_place {
     vec3 position; // X, Y (pixels, times W), N
     float w;
-    vec2 code;     // octahedral normal
+    vec2 code;     // normal as stored in the set, octahedral
     float radius;  // pixels
-    uint halvings; // of the radius
+    uint halvings; // how often the radius was halved
     uint part;     // drawn part of the disk: see splat_part
     bool glass;    // transparent
     bool there;    // its range contains the level
     float own;     // its own radius, relative to the item's
-    uint shape;    // normal as stored in the set
+    uint shape;    // code of its radii and direction; 0: none
 };
 
 // Sums use the same order as the CPU, so that the same splat is nearest in a pixel.
@@ -118,7 +118,7 @@ void find_options(const record_block record, const item_block item, uint local, 
     if (ranges) {
         uint range = fetch(at);
         precise float level = max(item.level_per_depth * splat.w, item.level_min);
-        // in increasing order
+        // bits of floats that are not negative sort like the floats
         int bits = floatBitsToInt(record.first + local < item.divide ? item.level_below : level);
         splat.there = splat.there && bits >= int((range & 0xFFFFu) << 15) && bits <= int(range >> 16 << 15);
     }

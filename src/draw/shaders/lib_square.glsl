@@ -1,6 +1,6 @@
-// Squares instead of disks: src/raster/splats_squares_kernel.h. lib_conic.glsl includes this. Its
-// field `conic` holds the first and the last pixel; `center`, `depths`, `extent` and `cut` are the
-// same as for disks, the rest is 0.
+// Squares instead of disks: src/raster/splats_squares_kernel.h. lib_conic.glsl includes this. In
+// splat_shape, `conic` holds the first and the last pixel, and `conic2` is 0; the other fields mean
+// the same as for disks.
 
 // Sums use the same order as the CPU, so that the same splat is nearest in a pixel.
 uint shape_splat(const record_block record, const item_block item, const splat_place splat, out splat_shape s)

@@ -3,7 +3,7 @@
 
 struct triangle_place {
     uint mesh, cluster; // addresses
-    uvec3 corner;       // of the cluster
+    uvec3 corner;       // vertices in the cluster
     uint lighting;
 };
 

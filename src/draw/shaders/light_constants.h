@@ -17,18 +17,18 @@
 #define LIGHT_KEY_B 0.57f
 #define LIGHT_FILL 0.16f // factor on the squared cosine: surfaces darken towards their edges
 
-// Reflected environment: sky and ground, each at the horizon and away from it, and two soft boxes
-// beside the eye.
+// Reflected environment: sky, from the horizon to the zenith, ground, and two soft boxes beside the
+// eye.
 #define MIRROR_HORIZON_R 0.74f
 #define MIRROR_HORIZON_G 0.77f
 #define MIRROR_HORIZON_B 0.82f
 #define MIRROR_GROUND_R 0.11f
 #define MIRROR_GROUND_G 0.105f
 #define MIRROR_GROUND_B 0.10f
-#define MIRROR_ZENITH 0.55f // of the horizon's
+#define MIRROR_ZENITH 0.55f // factor on the horizon's light
 #define MIRROR_BOX_LEFT 0.85f
 #define MIRROR_BOX_RIGHT 0.45f
-#define MIRROR_LEFT_EDGE 0.80f // cosine range from the centre of a box to its edge
+#define MIRROR_LEFT_EDGE 0.80f // cosine of the angle from the centre of a box to its edge
 #define MIRROR_RIGHT_EDGE 0.88f
 #define MIRROR_BLUR 0.10f      // width of edges, in cosines, on polished surfaces
 #define MIRROR_BLUR_ROUGH 1.5f // additional width on rough surfaces

@@ -8,14 +8,14 @@ layout(local_size_x = OCCLUDE_GROUP) in;
 
 layout(std430, binding = BINDING_OCCLUDED_COMMANDS) buffer Commands { uvec4 commands[]; };
 layout(std430, binding = BINDING_PYRAMID) readonly buffer Pyramid { float nearest[]; };
-// after the first pass, and in the end
+// number of commands deferred after the first pass, and culled in the end
 layout(std430, binding = BINDING_COUNTERS) buffer Counters { uint set_aside[2]; };
 
 layout(location = 0) uniform uint command_count;
 layout(location = 1) uniform uint stage; // 0: tests the previous picture, 1: this one
 
 const float SLACK = 1.0 + 1e-4;  // triangles' depths differ in the fifth digit
-const int MAX_BLOCKS = 8;       // maximum size of a box; larger ones are rarely occluded
+const int MAX_BLOCKS = 8;       // maximum blocks per side of a box; larger ones are rarely occluded
 
 // From X, Y, N, W of this view to those of the previous picture.
 vec4 to_earlier(const item_block item, vec4 at)

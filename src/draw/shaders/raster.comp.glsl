@@ -9,7 +9,7 @@
 layout(local_size_x = RASTER_GROUP) in;
 
 layout(std430, binding = BINDING_RASTER_COMMANDS) readonly buffer Commands { uvec4 commands[]; };
-// First group of each command, and the total number of groups.
+// First group of each command.
 layout(std430, binding = BINDING_RASTER_GROUPS) readonly buffer Groups { uint first_groups[]; };
 
 layout(location = 0) uniform uint command_count;

@@ -24,9 +24,9 @@ flat in vec2 slope;
 flat in vec2 depths;
 flat in uvec3 hashed;
 #ifdef TEXTURED
-flat in vec4 axes; // of the texture
+flat in vec4 axes; // the texture's, see lib_map.glsl
 layout(binding = UNIT_SPLAT_TEXTURE) uniform sampler2D splat_texture;
-layout(location = 0) uniform uint tiny_weight; // of a one-pixel splat
+layout(location = 0) uniform uint tiny_weight; // weight of a one-pixel splat
 #endif
 
 struct fragment {
@@ -34,7 +34,7 @@ struct fragment {
     float plane;  // nearness of its plane
     float fuzzy;  // tolerance
     uint slopes;  // slopes of the plane, in the pixels' encoding
-    vec2 turn;    // the same
+    vec2 turn;    // slopes of the plane, as floats
     vec2 direction;
     vec4 sum;
 };

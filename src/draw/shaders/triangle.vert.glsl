@@ -6,12 +6,13 @@
 
 flat out uint triangle_id;
 #ifdef KEEP
-flat out uvec2 triangle_of; // record, triangle of the cluster
+flat out uvec2 triangle_of; // record, and triangle in the cluster
 out vec2 weight;
 out vec3 place; // in the view, for cuts
 #endif
 
-// Whether a triangle's level (base/splats/triangle_level.h) is at least that of its nearest corner.
+// Whether a triangle's level (base/splats/triangle_level.h) is at least the item's level at its nearest
+// corner, and that corner is not too near.
 bool is_large(const item_block item, const triangle_place t)
 {
     vec3 p[3];
