@@ -13,7 +13,7 @@
 #define MIN_PART 1e-12 ///< minimum share of the total area per set
 
 typedef struct stp_select_share {
-    stp_select_entry at; ///< of the set's node
+    stp_select_entry at; ///< entry of the set's node
     uint32_t maximum;    ///< splats available
     uint32_t count;      ///< splats assigned
     double area;         ///< share of the total area

@@ -79,7 +79,7 @@ static stp_result add_run(stp_selection* s, stp_leaf_run run, size_t first_run,
     return stp_select_add_run(s, run.begin, run.end, drawn);
 }
 
-/// Number of an octave's splats that a cell draws: all, or as many as are still needed.
+/// Run of an octave's splats that a cell draws: all, or as many as are still needed.
 static stp_leaf_run run_of(const stp_splats* set, const stp_cue_cell* cell, uint32_t octave)
 {
     stp_leaf_run run =

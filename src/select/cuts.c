@@ -8,7 +8,7 @@
 
 /// A cached state.
 typedef struct stp_select_cut {
-    uint32_t set, here, wanted; ///< key: loaded splats of the searched prefix
+    uint32_t set, here, wanted; ///< key; `here`: loaded splats of the searched prefix
     stp_progressive_cut cut;
 } stp_select_cut;
 

@@ -4,14 +4,14 @@
 #include "base/prefix_table.h"
 #include "select/select_internal.h"
 
-/// Maximum overhang of a box beyond another, along any axis.
+/// Upper bound on the overhang of a box beyond another, in any direction.
 static double max_overhang(stp_box box, stp_boxd of)
 {
     stp_vec3d low = stp_to_double(box.min), high = stp_to_double(box.max);
     double maximum = stp_maxd(stp_maxd(of.min.x - low.x, high.x - of.max.x), 0.0);
     maximum = stp_maxd(stp_maxd(of.min.y - low.y, high.y - of.max.y), maximum);
     maximum = stp_maxd(stp_maxd(of.min.z - low.z, high.z - of.max.z), maximum);
-    return maximum * 1.7320508075688773; // the diagonal of a cube
+    return maximum * 1.7320508075688773; // of the axes' maximum, to the diagonal of a cube
 }
 
 static double find_margin(const stp_selection* s, const stp_select_graph* graph, uint32_t index)

@@ -139,8 +139,8 @@ static uint32_t find_octaves(const stp_splats* surfels, const stp_select_entry* 
     return octaves;
 }
 
-/// Requests the visible parts of a node, and pushes its children. @return whether the parts are
-/// resident
+/// Requests the visible parts of a node, and pushes its children except moving ones. Clears
+/// `*ready` if a part is not resident.
 static stp_result request_below(stp_selection* s, const stp_select_entry* at, bool* ready)
 {
     const stp_store_directory* directory = s->directory;

@@ -19,8 +19,8 @@ const stp_select_rule* stp_select_rule_of(uint32_t id)
 }
 
 /// Whether a set holds all points of a node without triangles: such a node is never opened, since
-/// points have no size of their own. A cloud with points in one place is not complete: its set has
-/// one of them.
+/// points have no size of their own. A set with fewer splats is complete, too, if all other points
+/// coincide with them.
 static bool is_complete(const stp_store_node* node, const stp_splats* surfels)
 {
     // coincident points share one surfel, so all surfels together cover to within position

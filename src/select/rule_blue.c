@@ -129,8 +129,8 @@ static stp_depth_range depths_of(const stp_set_use* use, double ceiling, uint32_
     return range;
 }
 
-/// Estimates how many of the splats [begin, end), spread evenly over `seen`, are drawn beside those
-/// of another level.
+/// Estimates how many of `count` splats, spread evenly over `seen` and drawn within `drawn`, are
+/// drawn beside another level.
 static double count_extra(const stp_select_entry* at, const stp_set_use* use, stp_depth_range seen,
                           stp_depth_range drawn, uint32_t count)
 {

@@ -17,7 +17,7 @@ enum {
     RAY_LEAVES = 32
 };
 
-/// Smallest number of octaves with this many splats.
+/// Number of splats in the fewest octaves that hold at least `count`.
 static uint32_t round_count(const stp_splats* set, double count)
 {
     for (uint32_t k = 0; k < set->octave_count; ++k) {
@@ -242,8 +242,8 @@ static void find_density(cue_share* share, double wanted)
     }
 }
 
-/// Distributes `wanted` splats over all leaves by weight, limited by their counts. Adjusts by one
-/// splat so that the sum is exact.
+/// Distributes `wanted` splats over all leaves by weight, limited by their counts. The first leaves
+/// with spare splats take the remainder of rounding.
 static stp_result share_out(stp_selection* s, const stp_cue_view* view, uint32_t wanted,
                             uint32_t here, size_t* count)
 {

@@ -81,7 +81,7 @@ static void use_set(const stp_selection* s, const stp_select_entry* at,
     }
 }
 
-/// Uses the first `count` splats, or more if `use` already has more.
+/// Uses the first splats: `count`, or fewer if `use` has fewer.
 static void use_at_most(stp_set_use* use, uint32_t count)
 {
     use_count(use, count < use->count ? count : use->count);

@@ -18,12 +18,11 @@ typedef struct walk {
     enum { WALK_COUNTS, WALK_ASKS, WALK_ADDS } does;
     uint32_t left;  ///< parts and nodes that may still be visited
     uint32_t items; ///< items to add
-    uint64_t ids;   ///< of them
+    uint64_t ids;   ///< triangles of these items: their ids
     bool all;       ///< requested data is resident
 } walk;
 
-/// Whether large triangles replace splats of the prefix, with every octave that the picture needs
-/// resident.
+/// Whether large triangles replace any loaded splat of the prefix.
 static stp_result has_replaced(const stp_selection* s, const stp_set_use* use, bool* has)
 {
     *has = false;

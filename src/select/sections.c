@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "select/sections.h"
 
-#define WIDER 1e-6 // of a box's diagonal
+#define WIDER 1e-6 // outward shift of a box's planes, relative to its diagonal
 
 bool stp_sections_are_valid(const stp_sections* sections)
 {

@@ -117,10 +117,10 @@ static stp_result add_part(stp_selection* s, stp_store_part part, const stp_sele
     } else {
         const stp_store_point_set* points = stp_store_describe_point_set(s->store, part.index);
         if (points->held_by != 0 && s->streams) {
-            return STP_OK; // large triangles come with their set
+            return STP_OK; // a set holds these points: they are loaded and drawn with it
         }
         item.kind = STP_DRAW_POINTS;
-        // a mesh has no coarser version
+        // in a draft, a point set may stand for the mesh of a node without points
         item.of_points = s->directory->nodes[at->node].point_count > 0;
         item.prefix = item.full_prefix = points->point_count;
         count = points->point_count;
@@ -186,7 +186,8 @@ static stp_result open_node(stp_selection* s, const stp_select_entry* at)
     return result;
 }
 
-/// Whether sections and occlusion leave any of a box visible.
+/// Whether hidden objects and sections leave any of a box visible. Drops sections that cannot cut
+/// it.
 static bool is_left(const stp_selection* s, stp_select_entry* at, const stp_boxd* box)
 {
     if (at->shown == STP_SHOW_NOT) {
@@ -199,8 +200,8 @@ static bool is_left(const stp_selection* s, stp_select_entry* at, const stp_boxd
     return stp_sections_test(s->sections, box, margin, &at->sections);
 }
 
-/// Whether a node may be drawn by its set: it has one, the set contains no hidden objects, and
-/// points need not be drawn separately.
+/// Whether a node may be drawn by its set: it has one, no ancestor's set represents it, its
+/// visibility is not mixed, and points need not be drawn separately.
 static bool may_use_set(const stp_selection* s, const stp_select_entry* at)
 {
     const stp_store_node* node = &s->directory->nodes[at->node];
@@ -211,8 +212,8 @@ static bool may_use_set(const stp_selection* s, const stp_select_entry* at)
            stp_select_set_of(s, at->node) != STP_STORE_NONE;
 }
 
-/// Visits a node for a splat count: registers sets whether in view or not, and draws nothing below
-/// a set.
+/// Visits a node for a splat count: registers sets whether in view or not, and draws only moving
+/// nodes below a set.
 static stp_result visit_by_count(stp_selection* s, stp_select_entry* at, bool seen)
 {
     stp_result result = STP_OK;

@@ -8,7 +8,7 @@
 #include <string.h>
 
 enum {
-    OF_PLACED = 1, ///< below the object's own node
+    OF_PLACED = 1, ///< the object's own node, or below it
     TOUCHES = 2,   ///< shares a part with the object
 };
 
@@ -17,7 +17,7 @@ static const uint64_t visit_limit = UINT64_C(1) << 22; // plus 16 per record of 
 typedef struct setting {
     stp_visibility* v;
     const stp_placed_node* placed;
-    stp_boxd bounds; ///< of the object, scene space
+    stp_boxd bounds; ///< bounds of the object, scene space
     uint32_t show;
     uint64_t visits; ///< remaining steps
     stp_result result;
