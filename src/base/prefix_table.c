@@ -47,7 +47,7 @@ static double exp2_of(double x)
 typedef struct segment {
     double first, last; // counts
     double radius;      // at `first`
-    double slope;       // of log radius over log count; 0 if the line is flat
+    double slope;       // slope of log radius over log count; 0 if the line is flat
 } segment;
 
 static segment segment_between(double first, double first_radius, double last, double last_radius)

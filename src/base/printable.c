@@ -83,7 +83,7 @@ size_t stp_find_unprintable(const char* text, size_t size, uint32_t* code, size_
 
 size_t stp_utf8_whole(const char* text, size_t length)
 {
-    size_t begin = length; // of the last character
+    size_t begin = length; // first continuation byte of the last character
     while (begin > 0 && length - begin < 3 && ((unsigned char)text[begin - 1] & 0xC0) == 0x80) {
         begin -= 1;
     }

@@ -142,7 +142,7 @@ stp_progressive_walk stp_progressive_begin(stp_progressive_counts counts, const 
                                   .slots = slots};
 }
 
-/// Finds the position of a splat in the list of states. Its split is done.
+/// Finds the index in `alive` of a splat of the state.
 static uint32_t find_slot(const stp_progressive_walk* w, uint32_t splat)
 {
     if (splat < w->base) {

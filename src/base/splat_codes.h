@@ -19,13 +19,13 @@
 enum {
     STP_SHAPE_NOT_FINITE = 0xFFF,     ///< invalid radius
     STP_SHAPE_BIAS = 125 << 23,       ///< a radius of code 0 is a quarter of the set's step
-    STP_SHAPE_SPREAD_ANY = 127,       ///< unbounded
+    STP_SHAPE_SPREAD_ANY = 127,       ///< unbounded, in sets that mark replaced splats
     STP_RANGE_ANY = (int)0xFF000000u, ///< all levels
     STP_RANGE_INFINITE = 0xFF00,      ///< larger codes are invalid levels
 };
 
 #define STP_SHAPE_TURN 256u            ///< directions per half turn
-#define STP_SHAPE_REPLACED 0x80000000u ///< of a disk
+#define STP_SHAPE_REPLACED 0x80000000u ///< bit of a disk that large triangles replace
 
 static inline float stp_float_of_bits(uint32_t bits)
 {
