@@ -116,7 +116,8 @@ stp_result stp_cutout_prepare(stp_context* context, stp_texture_pyramid* pyramid
         return STP_OK;
     }
     histogram* histograms = STP_NEW_ARRAY(context, histogram, 2);
-    float* made = STP_NEW_ARRAY(context, float, (size_t)pyramid->level_count* STP_CUTOUT_STEPS);
+    size_t value_count = STP_CUTOUT_STEPS * (size_t)pyramid->level_count;
+    float* made = STP_NEW_ARRAY(context, float, value_count);
     bool good = histograms != NULL && made != NULL;
     if (good) {
         count_level(pyramid, 0, &histograms[0]);
@@ -153,7 +154,7 @@ bool stp_cutout_keeps(const stp_texture_pyramid* pyramid, stp_vec2 uv, float foo
     if (!(cutoff > 0.0f)) {
         return true;
     }
-    float step = cutoff / own * 255.0f; // in texels of level 0 at the cutoff
+    float step = cutoff / own * 255.0f; // alpha of a texel of level 0 that is just kept
     if (!(step <= 255.0f)) {
         return false;
     }

@@ -2,8 +2,8 @@
 //
 // The parts of the splat rasteriser that every variant compiles for its own instruction set. Plain
 // loops set up sixteen splats at a time, which compilers vectorise; then the variant's own
-// `draw_block` draws them one by one. All arithmetic is single IEEE operations in a fixed order, so
-// all variants give the same bits.
+// `draw_small` and `draw_wide` draw them one by one. All arithmetic is single IEEE operations in a
+// fixed order, so all variants give the same bits.
 //
 // A disk at view direction a = (ax, ay, 1) with normal n, D = n.a, projected radius R pixels and
 // focal length s pixels covers the pixel at (u, v) from its centre where, with G = nx u + ny v and
@@ -164,8 +164,8 @@ static inline void load_parts(const stp_splat_frame* f, splat_lanes lanes, splat
     }
 }
 
-/// Projects the centres and classifies splats. A disk of at most half a pixel covers no pixel
-/// centre except perhaps that of its own pixel: `tiny`.
+/// Projects the centres and classifies splats. A disk with a radius below half a pixel (its square
+/// at most 0.24, for rounding) covers no pixel centre except perhaps that of its own pixel: `tiny`.
 static inline void project_batch(const stp_splat_frame* restrict f, splat_batch* restrict t)
 {
     float width = (float)f->target->width;
@@ -182,7 +182,7 @@ static inline void project_batch(const stp_splat_frame* restrict f, splat_batch*
         float radius = (f->radius_px * inverse + f->pixels) * (t->size[i] * t->own[i]);
         float ax = (sx - f->center_x) * f->inverse_scale,
               ay = (sy - f->center_y) * f->inverse_scale;
-        float reach = radius * radius * ((ax * ax + ay * ay) + 1.0f); // .24: see splat_kind
+        float reach = radius * radius * ((ax * ax + ay * ay) + 1.0f); // below 0.24: tiny
         int32_t within = (int32_t)(W >= f->nearest) & (int32_t)(W <= f->farthest);
         int32_t close = (int32_t)(W < f->near_w * t->own[i]) & (int32_t)(W > f->far_w * t->own[i]) &
                         (int32_t)perspective;
@@ -287,11 +287,11 @@ static inline void shape_batch(const stp_splat_frame* restrict f, splat_batch* r
     }
 }
 
-/// A direction in a splat's plane, on the screen: offset (u, v) from the centre's pixel is (ex u +
-/// ey v) along it.
+/// A direction in a splat's plane, on the screen: an offset of (u, v) pixels from the projected
+/// centre is ex u + ey v pixels along it.
 typedef struct splat_line {
     float ex, ey;
-    float square; ///< of the normal's component towards the eye (D of the conic)
+    float square; ///< square of the normal's component towards the eye (D^2 of the conic)
 } splat_line;
 
 static inline splat_line project_line(const stp_splat_frame* f, const splat_batch* t, int i,
@@ -345,7 +345,7 @@ static inline void cut_disk(const stp_splat_frame* f, splat_batch* t, int i)
     t->high[i] = cut.high;
 }
 
-/// Call after shape_batch, before centres are clamped to the integer range.
+/// Clips the disks of a batch. Call after shape_batch, before box_batch, which clamps centres.
 static inline void cut_batch(const stp_splat_frame* f, splat_batch* t)
 {
     for (uint32_t cuts = t->cuts; cuts != 0; cuts &= cuts - 1) {

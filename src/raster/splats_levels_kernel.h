@@ -56,7 +56,7 @@ static inline bool pick_all(const levels_frame* f, uint16_t* bits)
 {
     const stp_raster_splats* splats = f->splats;
     uint32_t any = 0;
-    uint64_t left_out = 0; ///< bits of a culled group
+    uint64_t left_out = 0; ///< bits of the group's splats that large triangles replace
     bool dropped = false;
     for (uint32_t first = splats->begin; first < splats->end; first += SPLAT_BATCH) {
         if (f->levels.groups != NULL && (first % STP_GROUP_SPLATS == 0 || first == splats->begin)) {

@@ -20,7 +20,7 @@ enum {
 
 typedef struct clip_corner {
     stp_screen_point point;
-    uint32_t outcode; ///< of a corner of the triangle; new corners are tested by their distance
+    uint32_t outcode; ///< outcode of an original corner; new ones are tested by their distance
     int original;     ///< index of the triangle's corner, or -1
 } clip_corner;
 

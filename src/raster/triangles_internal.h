@@ -16,7 +16,7 @@ enum {
     STP_GUARD_BAND = 1 << 29,
     /// X of a vertex that may not be drawn unclipped; y holds its outcode
     STP_OUTSIDE = -(1 << 30),
-    STP_SMALL_EXTENT = 1 << 15, ///< smaller triangles have edge functions of 32 bits: 128 pixels
+    STP_SMALL_EXTENT = 1 << 15, ///< sub-pixels: smaller triangles have 32-bit edge functions
     STP_LANES_MAX = 16,
 };
 
@@ -32,7 +32,7 @@ typedef struct stp_screen_vertex {
 
 /// Drawing target: rows [row_begin, row_end) of a picture.
 typedef struct stp_triangle_window {
-    uint64_t* pixels; ///< of row first_row
+    uint64_t* pixels; ///< pixels from row first_row on
     size_t stride;
     int32_t width, first_row, row_begin, row_end;
     uint64_t* fragments; ///< counts those inside triangles
@@ -93,7 +93,8 @@ typedef struct stp_screen_point {
     double x, y, n, w;
 } stp_screen_point;
 
-/// Planes that a point lies beyond, as bits; 0: no clipping needed. NaN is beyond all.
+/// Planes that a point lies beyond, as bits; 0: no clipping needed. NaN lies beyond both planes of
+/// its coordinate.
 uint32_t stp_triangle_outcode(float x, float y, float n, float w, float nearness_limit);
 
 /// Homogeneous screen coordinates of a position, with the same bits as in the kernels.

@@ -110,7 +110,8 @@ static void draw_one(const stp_triangle_window* window, const stp_screen_vertex 
 /// LANES triangles: corners in sub-pixels, and the pixels in their boxes.
 typedef struct batch {
     lanes_int x[3], y[3];
-    lanes_int left, top, width, height; ///< of the box in pixels, minus one
+    lanes_int left, top;     ///< first pixel of the box
+    lanes_int width, height; ///< pixels of the box, minus one
     lanes_float nearness[3];
 } batch;
 

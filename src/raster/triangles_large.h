@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Triangles of more than 128 pixels, row by row. Included by triangles_lanes.h.
+// Triangles at least 128 pixels wide or high, row by row. Included by triangles_lanes.h.
 #pragma once
 
 #include "raster/triangles_spans.h"
@@ -100,7 +100,7 @@ static inline void find_columns(const large_walk* walk, int32_t row, large_rows*
     rows->last = last + (double)setup->left;
 }
 
-/// Same for edge functions that do not fit.
+/// Same for triangles whose edge functions are not exact in double.
 static void find_columns_one_by_one(const large_walk* walk, int32_t row, large_rows* rows)
 {
     for (int i = 0; i < LARGE_ROWS; ++i) {
