@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "select/budget.h"
 
+#include <assert.h>
+
 // Brandt 4.3: no change while the frame time is within [0.9, 1.1] of the budget
 #define DEAD_BAND 0.1
 
@@ -112,6 +114,7 @@ double stp_budget_predict(const stp_budget* b, double splat_size)
 {
     double terms[STP_BUDGET_TERMS];
     list_terms(&b->last, terms);
+    assert(splat_size > 0.0);
     double finer = b->frames > 0 ? (double)b->last.splat_size / splat_size : 1.0;
     double triangles = pow(finer, b->triangle_exponent);
     terms[0] *= pow(finer, b->splat_exponent);
@@ -158,6 +161,7 @@ static double update_exponent(double exponent, uint64_t before, uint64_t now, do
     if (before < 1000 || now < 1000) {
         return exponent;
     }
+    assert(fabs(change) >= MIN_CHANGE && minimum < maximum);
     double seen = log((double)now / (double)before) / change, square = change * change;
     double follows = EXPONENT_FOLLOWS * square / (square + SCENE_CHANGES * SCENE_CHANGES);
     return exponent + follows * (stp_clampd(seen, minimum, maximum) - exponent);
@@ -191,6 +195,7 @@ static void update_exponents(stp_budget* b, const stp_frame_cost* cost)
 static double solve_size(const stp_budget* b, double goal)
 {
     double low = (double)STP_SPLAT_SIZE_MIN, high = (double)STP_SPLAT_SIZE_COARSEST;
+    assert(goal > 0.0);
     double fastest = stp_budget_predict(b, high);
     double beyond = stp_clampd((fastest / goal - 1.0) / HOPELESS, 0.0, 1.0);
     goal = fmax(goal, fastest * (1.0 + LITTLE_GAIN * beyond));
@@ -310,4 +315,5 @@ void stp_budget_update(stp_budget* b, const stp_frame_cost* cost)
     } else {
         predict(b, cost);
     }
+    assert(b->splat_size >= STP_SPLAT_SIZE_MIN && b->splat_size <= STP_SPLAT_SIZE_COARSEST);
 }

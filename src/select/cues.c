@@ -4,6 +4,8 @@
 #include "base/leaf_codes.h"
 #include "base/octahedral.h"
 
+#include <assert.h>
+
 // minimum share of a hidden region's samples: some of it may be visible beside its occluders
 #define MIN_SEEN 0.25
 #define POLISHED 0.4f  // surfaces below this roughness have highlights small enough to miss
@@ -77,6 +79,7 @@ static stp_vec3d middle_of(const stp_leaf_node* node)
 
 double stp_cue_overhang(const stp_cue_view* view, const stp_leaf_node* node, const stp_boxd* box)
 {
+    assert(node->count > 0);
     const stp_view_frame* frame = &view->s->frames[0];
     stp_vec3d far = stp_subd(box->max, frame->eye), other = stp_subd(box->min, frame->eye);
     double depth = fmax(frame->forward.x * far.x, frame->forward.x * other.x) +
@@ -236,8 +239,10 @@ double stp_cue_before(const stp_cue_view* view, const stp_leaf_node* node, doubl
     stp_vec3 way = stp_to_float((stp_vec3d){1.0 / r.per[0], 1.0 / r.per[1], 1.0 / r.per[2]});
     stp_vec3 own = stp_octahedral_decode(node->normal[0], node->normal[1]);
     double before = 0.0;
+    assert(!(enough < 0.0));
     for (uint32_t i = 0; i < view->leaves->node_count && before < enough;) {
         const stp_leaf_node* other = &nodes[i];
+        assert(other->next > i && other->next <= view->leaves->node_count);
         bool entered = enters(&r, other);
         // smaller cubes than the node count as a whole
         bool whole = other->leaf_count == 1 || other->depth > node->depth;
@@ -277,5 +282,6 @@ double stp_cue_samples(const stp_cue_view* view, const stp_leaf_node* node,
     if ((view->cues & STP_CUE_OCCLUSION_BIT) != 0) {
         samples *= fmax(1.0 - occlusion_of(before, pixels_of(view, node, sight)), MIN_SEEN);
     }
+    assert(!(samples > all) && "no cue asks for more splats than there are");
     return samples;
 }

@@ -4,6 +4,8 @@
 #include "base/prefix_table.h"
 #include "select/select_internal.h"
 
+#include <assert.h>
+
 /// Upper bound on the overhang of a box beyond another, in any direction.
 static double max_overhang(stp_box box, stp_boxd of)
 {
@@ -39,6 +41,7 @@ static double find_margin(const stp_selection* s, const stp_select_graph* graph,
         double below = (double)graph->margins[edge->node];
         margin = stp_maxd(below * stp_affine_scale(&edge->transform), margin);
     }
+    assert(!(margin < 0.0));
     return margin * (1.0 + 1e-6);
 }
 
@@ -94,6 +97,7 @@ static void analyze_nodes(const stp_selection* s, stp_select_graph* graph)
         uint8_t bits = (node->flags & 1u) != 0 ? STP_NODE_MOVES : 0;
         for (uint32_t k = 0; k < node->edge_count; ++k) {
             uint32_t child = directory->edges[node->first_edge + k].node;
+            assert(child < i && "children come before their parents");
             bits = graph->moving[child] != 0 ? bits | STP_MOVES_BELOW : bits;
             graph->has_sets[i] = graph->has_sets[i] || graph->has_sets[child];
         }
@@ -119,6 +123,7 @@ static void find_repeated(const stp_store_directory* d, uint32_t* last, uint8_t*
             const stp_store_part* part = &d->parts[k];
             uint32_t resource =
                 part->index + (part->kind == STP_STORE_PART_MESH ? 0 : d->mesh_count);
+            assert(last[resource] <= i + 1 && "nodes are visited in order");
             repeated[k / 8] |= (uint8_t)((last[resource] == i + 1 ? 1u : 0u) << k % 8);
             last[resource] = i + 1;
         }
