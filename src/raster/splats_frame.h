@@ -7,6 +7,7 @@
 #include "base/splat_codes.h"
 #include "raster/splats.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -155,6 +156,7 @@ static inline uint32_t splat_part(const stp_raster_splats* splats, uint32_t inde
 /// Share of its centre's pixel that a clipped splat draws, of 255.
 static inline uint32_t splat_cut_share(uint32_t part)
 {
+    assert(part > SPLAT_CUT && stp_coverage_cuts((uint8_t)(part - SPLAT_CUT)));
     return (uint32_t)(stp_coverage_area((uint8_t)(part - SPLAT_CUT)) * 255.0f + 0.5f);
 }
 
@@ -163,6 +165,7 @@ static inline uint32_t splat_coverage(const stp_raster_splats* splats, uint32_t 
                                       int32_t halvings)
 {
     uint32_t coverage = part << 2 * halvings;
+    assert(halvings >= 0 && coverage <= 255u && "halvings keep the drawn area");
     return splats->share > 0.0f ? (uint32_t)((float)coverage * splats->share + 0.5f) : coverage;
 }
 

@@ -15,6 +15,7 @@
 
 #include "raster/splats_frame.h"
 
+#include <assert.h>
 #include <string.h>
 
 /// The splats of a batch.
@@ -32,6 +33,7 @@ static inline void load_positions_scalar(const stp_splat_frame* frame, splat_lan
                                          splat_batch* batch)
 {
     const stp_raster_splats* splats = frame->splats;
+    assert(lanes.count > 0 && lanes.count <= SPLAT_BATCH);
     for (uint32_t i = 0; i < lanes.count; ++i) {
         size_t at = 3 * (size_t)lane_splat(lanes, i);
         if (splats->positions != NULL) {
@@ -448,6 +450,13 @@ static inline splat_box clip_box(const stp_splat_frame* f, const splat_batch* t,
     return box;
 }
 
+/// Whether the block of a small disk lies within the target's rows.
+static inline bool is_block_inside(const stp_splat_frame* f, const splat_batch* t, int i)
+{
+    return t->x0[i] >= 0 && t->x0[i] + SPLAT_BLOCK <= (int32_t)f->target->width &&
+           t->y0[i] >= f->row_begin && t->y0[i] + SPLAT_BLOCK <= f->row_end;
+}
+
 /// Draws a disk pixel by pixel.
 static inline uint64_t draw_disk_scalar(const stp_splat_frame* f, const splat_batch* t, int i,
                                         uint32_t index, splat_box box)
@@ -478,6 +487,8 @@ static inline uint64_t draw_pixel(const stp_splat_frame* f, const splat_batch* t
                                   uint32_t index)
 {
     bool cut = (t->cuts >> i & 1u) != 0;
+    assert(t->cx[i] >= 0 && (uint32_t)t->cx[i] < f->target->width && t->cy[i] >= f->row_begin &&
+           t->cy[i] < f->row_end && "a pixel of the target");
     uint32_t part = cut ? splat_cut_share(SPLAT_CUT + t->code[i]) : (uint32_t)t->part[i];
     uint32_t coverage = splat_coverage(f->splats, part, t->halvings[i]);
     if (coverage < 255 && !splat_has_fragment(coverage, f->seed + index, 0, 0)) {
@@ -493,6 +504,7 @@ static inline void fetch_small(const stp_splat_frame* f, const splat_batch* t, u
 {
     for (; lanes != 0; lanes &= lanes - 1) {
         int i = __builtin_ctz(lanes);
+        assert(is_block_inside(f, t, i));
         size_t at = (size_t)t->y0[i] * f->target->stride + (size_t)t->x0[i];
         for (int k = 0; k < SPLAT_BLOCK; ++k) {
             __builtin_prefetch(f->target->pixels + at + (size_t)k * f->target->stride, 1);

@@ -4,6 +4,8 @@
 #include "base/octahedral.h"
 #include "raster/splats_kernel.h"
 
+#include <assert.h>
+
 typedef struct large_disk {
     double center[3], normal[3], radius; ///< in view units
     double unit;                         ///< object-space unit, in view units
@@ -81,6 +83,7 @@ static void stretch_large(const stp_splat_frame* frame, uint32_t index, large_di
 
 static large_disk make_disk(const stp_splat_frame* frame, uint32_t index, int32_t halvings)
 {
+    assert(index >= frame->splats->begin && index < frame->splats->end);
     const stp_raster_camera* camera = frame->camera;
     large_disk disk = {.scale = (double)camera->pixel_scale, .parallel = camera->parallel};
     double p[3], vz[3];
@@ -236,6 +239,8 @@ uint64_t stp_splats_draw_large(const stp_splat_frame* frame, uint32_t index)
         cut_large(frame, index, (uint8_t)cut, &disk);
     }
     splat_box box = disk_box(frame, &disk);
+    assert(box.x0 >= 0 && box.x1 <= (int32_t)frame->target->width && box.y0 >= frame->row_begin &&
+           box.y1 <= frame->row_end && "pixels of the target");
     uint32_t coverage = splat_coverage(frame->splats, part, halvings);
     double limit = (double)frame->nearness_limit, center_x, center_y;
     center_pixel(&disk, &center_x, &center_y);

@@ -7,6 +7,8 @@
 #include "raster/splat_groups.h"
 #include "raster/splats_kernel.h"
 
+#include <assert.h>
+
 /// Row of the depth after the position grid, and the levels.
 typedef struct levels_frame {
     const stp_raster_splats* splats;
@@ -44,6 +46,7 @@ static inline uint32_t pick_sixteen(const levels_frame* restrict f, const float*
 static inline uint32_t pick_below(const levels_frame* f, uint32_t first, const uint32_t* ranges,
                                   uint32_t picked)
 {
+    assert(first < f->levels.divide);
     uint32_t level = stp_bits_of_float(f->levels.below), count = f->levels.divide - first;
     for (uint32_t i = 0; i < SPLAT_BATCH && i < count; ++i) {
         bool in = level >= (ranges[i] & 0xFFFFu) << 15 && level <= ranges[i] >> 16 << 15;

@@ -8,6 +8,8 @@
 
 #include "raster/triangles.h"
 
+#include <assert.h>
+
 enum {
     STP_SUBPIXEL_BITS = 8,
     STP_SUBPIXEL = 1 << STP_SUBPIXEL_BITS,
@@ -40,6 +42,7 @@ typedef struct stp_triangle_window {
 
 static inline uint64_t* stp_triangle_row(const stp_triangle_window* window, int32_t row)
 {
+    assert(row >= window->first_row);
     return window->pixels + (size_t)(row - window->first_row) * window->stride;
 }
 
@@ -138,6 +141,8 @@ static inline bool stp_triangle_set_up(const stp_triangle_window* window,
     int32_t max_x = stp_triangle_max(a.x, stp_triangle_max(b.x, c.x));
     int32_t min_y = stp_triangle_min(a.y, stp_triangle_min(b.y, c.y));
     int32_t max_y = stp_triangle_max(a.y, stp_triangle_max(b.y, c.y));
+    assert(min_x >= -STP_GUARD_BAND && max_x <= STP_GUARD_BAND && min_y >= -STP_GUARD_BAND &&
+           max_y <= STP_GUARD_BAND && "products of coordinates fit 64 bits");
     setup->left = stp_triangle_max((min_x + STP_SUBPIXEL_HALF - 1) >> STP_SUBPIXEL_BITS, 0);
     setup->right =
         stp_triangle_min((max_x - STP_SUBPIXEL_HALF) >> STP_SUBPIXEL_BITS, window->width - 1);
@@ -208,6 +213,7 @@ typedef struct stp_triangle_plane {
 static inline stp_triangle_plane stp_triangle_plane_make(const stp_triangle_setup* setup)
 {
     const stp_screen_vertex* v = setup->corner;
+    assert(setup->area > 0);
     double x1 = (double)(v[1].x - v[0].x), y1 = (double)(v[1].y - v[0].y);
     double x2 = (double)(v[2].x - v[0].x), y2 = (double)(v[2].y - v[0].y);
     double n1 = (double)v[1].nearness - (double)v[0].nearness;
@@ -241,6 +247,7 @@ static inline float stp_triangle_plane_at(const stp_triangle_plane* plane, doubl
 static inline float stp_triangle_small_nearness(const stp_triangle_setup* setup, float inverse_area,
                                                 int32_t edge1, int32_t edge2)
 {
+    assert(setup->small && "edge functions fit 32 bits");
     float n0 = setup->corner[0].nearness;
     float nearness = n0 + ((float)edge1 * inverse_area) * (setup->corner[1].nearness - n0);
     nearness = nearness + ((float)edge2 * inverse_area) * (setup->corner[2].nearness - n0);
