@@ -4,10 +4,13 @@
 #include "base/math/rng.h"
 #include "raster/blue_noise_table.h"
 
+#include <assert.h>
+
 const uint16_t* const stp_blue_noise = blue_noise_ranks;
 
 uint32_t stp_blue_noise_key(uint32_t seed, uint32_t side, int32_t cell)
 {
+    assert(side < 6 && "axis and sign of a normal");
     return (uint32_t)(stp_rng_hash(seed, (uint64_t)side << 32 | (uint32_t)cell) >> 40);
 }
 

@@ -14,8 +14,8 @@ enum { STP_BLUE_NOISE_SIDE = 64 };
 /// Ranks 0 to 4095, row by row, tileable.
 extern const uint16_t* const stp_blue_noise;
 
-/// Key of a surface. `seed`: of the object. `side`: 0 to 5, axis and sign of the normal. `cell`:
-/// position along that axis.
+/// Key of a surface. `seed`: of the object. `side`: axis of the normal (0 to 2), or axis and sign
+/// (0 to 5). `cell`: position along that axis.
 uint32_t stp_blue_noise_key(uint32_t seed, uint32_t side, int32_t cell);
 
 /// Threshold, 0 to 1. The thresholds of a pixel over many samples are evenly spread, too.

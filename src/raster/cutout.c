@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "raster/cutout.h"
 
+#include <assert.h>
 #include <string.h>
 
 // Samples lie between texels, as in a rendered picture: a grid per texel, coarser for large levels.
@@ -25,6 +26,7 @@ static uint32_t wrapped_next(uint32_t i, uint32_t size, stp_texture_wrap how)
 /// Adds the samples of the square of a texel and its neighbours to the right and below.
 static void add_samples(const uint32_t alpha[4], uint32_t side, uint64_t* counts)
 {
+    assert(side > 0 && SUBTEXELS % side == 0);
     uint32_t step = SUBTEXELS / side;
     for (uint32_t y = step / 2; y < SUBTEXELS; y += step) {
         uint32_t left = alpha[0] * (SUBTEXELS - y) + alpha[2] * y;
@@ -61,6 +63,7 @@ static void count_level(const stp_texture_pyramid* pyramid, uint32_t level, hist
         counts[i] += counts[i + 1];
     }
     out->all = counts[0];
+    assert(out->all == (plain ? size : size * side * side) && "all samples are counted");
 }
 
 static uint64_t difference(uint64_t a, uint64_t b)
@@ -71,6 +74,7 @@ static uint64_t difference(uint64_t a, uint64_t b)
 /// Smallest value of `level` that keeps a share closest to `wanted` of `all`.
 static uint32_t find_value(const histogram* level, uint64_t wanted, uint64_t all)
 {
+    assert(wanted <= all);
     uint32_t low = 0, high = VALUE_ONE + 1; // the first that keeps at most the wanted share
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
@@ -83,6 +87,7 @@ static uint32_t find_value(const histogram* level, uint64_t wanted, uint64_t all
     if (low == 0) {
         return 0;
     }
+    assert(low <= VALUE_ONE + 1 && level->at_least[VALUE_ONE + 1] == 0);
     uint32_t lower = low - 1; // keeps too much: go back to where that share begins
     uint64_t much = difference(level->at_least[lower] * all, wanted * level->all);
     uint64_t little = difference(level->at_least[low] * all, wanted * level->all);
@@ -116,7 +121,8 @@ stp_result stp_cutout_prepare(stp_context* context, stp_texture_pyramid* pyramid
         return STP_OK;
     }
     histogram* histograms = STP_NEW_ARRAY(context, histogram, 2);
-    float* made = STP_NEW_ARRAY(context, float, (size_t)pyramid->level_count* STP_CUTOUT_STEPS);
+    size_t value_count = STP_CUTOUT_STEPS * (size_t)pyramid->level_count;
+    float* made = STP_NEW_ARRAY(context, float, value_count);
     bool good = histograms != NULL && made != NULL;
     if (good) {
         count_level(pyramid, 0, &histograms[0]);
@@ -131,6 +137,7 @@ stp_result stp_cutout_prepare(stp_context* context, stp_texture_pyramid* pyramid
         good = fill_level(&histograms[0], &histograms[1], made + (size_t)level * STP_CUTOUT_STEPS);
         pyramid->cutoff_levels += good;
     }
+    assert(pyramid->cutoff_levels <= pyramid->level_count);
     stp_free(context, histograms);
     if (pyramid->cutoffs == NULL) {
         stp_free(context, made);
@@ -146,6 +153,7 @@ bool stp_cutout_keeps(const stp_texture_pyramid* pyramid, stp_vec2 uv, float foo
     for (; level < last && footprint >= 1.5f; footprint *= 0.5f) {
         level += 1;
     }
+    assert(last < pyramid->level_count);
     float alpha = stp_texture_sample_alpha_at(pyramid, uv, level);
     if (level == 0) {
         return own * alpha >= cutoff;
@@ -153,7 +161,7 @@ bool stp_cutout_keeps(const stp_texture_pyramid* pyramid, stp_vec2 uv, float foo
     if (!(cutoff > 0.0f)) {
         return true;
     }
-    float step = cutoff / own * 255.0f; // in texels of level 0 at the cutoff
+    float step = cutoff / own * 255.0f; // alpha of a texel of level 0 that is just kept
     if (!(step <= 255.0f)) {
         return false;
     }

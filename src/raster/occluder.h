@@ -16,7 +16,7 @@ typedef struct stp_raster_occluder {
     const float* windows;
     uint32_t columns;
     uint32_t shift;      ///< a block is 2^shift pixels wide and high
-    float width, height; ///< of the picture, pixels
+    float width, height; ///< size of the picture, pixels
     float matrix[3][4];  ///< object space to X, Y, W: pixel = X / W, Y / W; W is depth
     float pixel_scale;   ///< pixels per unit of x/z
     float scale;         ///< upper bound on the scale of object lengths

@@ -4,6 +4,7 @@
 #include "base/splats/splat_codes.h"
 #include "raster/splats_kernel.h"
 
+#include <assert.h>
 #include <math.h>
 
 /// The eye, or the view direction in parallel projection, in grid coordinates.
@@ -29,6 +30,7 @@ stp_raster_groups stp_raster_groups_make(const stp_raster_camera* camera,
                                          const stp_raster_splats* splats,
                                          const stp_raster_frame* frame)
 {
+    assert(!(frame->margin < 0.0f));
     stp_raster_groups groups = {.width = (float)frame->width + 2.0f * frame->margin,
                                 .height = (float)frame->height + 2.0f * frame->margin,
                                 .per_code = splats->radius / splats->step,
@@ -50,6 +52,7 @@ bool stp_raster_drops_group(const stp_raster_groups* g, const stp_splat_group* g
     float grow = stp_shape_radius(group->largest) * g->per_code;
     float center[3], half[3], square = 0.0f;
     for (int k = 0; k < 3; ++k) {
+        assert(group->low[k] <= group->high[k]);
         center[k] = 0.5f * ((float)group->low[k] + (float)group->high[k]);
         half[k] = 0.5f * ((float)group->high[k] - (float)group->low[k]);
         square += half[k] * half[k];

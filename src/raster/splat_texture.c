@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "raster/splat_texture.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdbool.h>
 
@@ -61,11 +62,13 @@ static double average(const stp_image* image, bool opaque, int x, int y)
             weights += weight;
         }
     }
+    assert(weights > 0.0 && sum <= 255.5 * weights && "a texel covers some of the image");
     return weights > 0.0 ? sum / weights : 0.0;
 }
 
 stp_splat_texture stp_splat_texture_of_image(const stp_image* image)
 {
+    assert(image->width > 0 && image->height > 0);
     stp_splat_texture texture;
     bool opaque = is_opaque(image);
     for (int y = 0; y < SIDE; ++y) {
@@ -86,5 +89,6 @@ float stp_splat_texture_mean(const stp_splat_texture* texture)
             count += inside ? 1 : 0;
         }
     }
+    assert(count > 0 && sum <= 255 * count);
     return (float)sum / (255.0f * (float)count);
 }

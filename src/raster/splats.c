@@ -4,6 +4,7 @@
 #include "base/core/processor.h"
 #include "raster/splats_hidden.h"
 
+#include <assert.h>
 #include <math.h>
 
 static double dot3(const double* a, const double* b)
@@ -65,6 +66,13 @@ bool stp_splats_make_frame(stp_splat_frame* frame, const stp_raster_target* targ
                            uint32_t row_begin, uint32_t row_end, const stp_raster_camera* camera,
                            const stp_raster_splats* splats, uint32_t first_id)
 {
+    assert(splats->begin <= splats->end);
+    assert(
+        ((splats->wanted == NULL && splats->hidden == NULL) || splats->begin % SPLAT_BATCH == 0) &&
+        "whole words of bits");
+    assert(target->width <= INT32_MAX);
+    assert((splats->low_count == 0 || splats->low_coverages != NULL) && splats->low_share <= 256);
+    assert((splats->occluder == NULL || splats->positions != NULL) && "surfels only");
     *frame = (stp_splat_frame){
         .target = target, .splats = splats, .camera = camera, .first_id = first_id};
     row_end = row_end < target->height ? row_end : target->height;
@@ -182,6 +190,8 @@ bool stp_splats_test_portable(const stp_splat_frame* frame, uint16_t* bits)
 
 bool stp_raster_test_splats(const stp_raster_splats* splats, uint16_t* bits)
 {
+    assert(splats->occluder != NULL && splats->positions != NULL && "surfels only");
+    assert(splats->begin <= splats->end && splats->begin % SPLAT_BATCH == 0);
     stp_splat_frame frame;
     stp_splats_test_frame(&frame, splats);
 #if defined(__x86_64__)
@@ -201,6 +211,7 @@ uint64_t stp_raster_draw_splats(const stp_raster_target* target, uint32_t row_be
                                 uint32_t row_end, const stp_raster_camera* camera,
                                 const stp_raster_splats* splats, uint32_t first_id)
 {
+    assert(target->stride >= target->width && "rows do not overlap");
     stp_splat_frame frame;
     if (!stp_splats_make_frame(&frame, target, row_begin, row_end, camera, splats, first_id)) {
         return 0;

@@ -22,7 +22,8 @@ typedef struct stp_raster_splats {
     uint32_t begin, end;       ///< range of splats to draw
     stp_vec3 origin;           ///< position = origin + step * value, in object space
     float step;
-    float radius; ///< of all disks, object space; 0: centre pixels only. With shapes: of one step
+    /// Radius of all disks, object space; 0: centre pixels only. With shapes: radius of one step
+    float radius;
     float pixels; ///< added to the radius on the screen, at any depth
     /// NULL, or 1 per splat (base/splats/splat_codes.h): ellipses with individual radii
     const uint32_t* shapes;
@@ -46,7 +47,7 @@ typedef struct stp_raster_splats {
     const uint8_t* low_coverages;
     uint32_t low_count, low_share;
     float share;         ///< fraction of the fragments drawn, for ghosts; 0: all
-    uint32_t seed;       ///< of the hash for holes
+    uint32_t seed;       ///< seed of the hash for holes, added to the splat's index
     const float* points; ///< 3 per splat, used if `positions` is NULL (origin and step are ignored)
     /// NULL, or an occluder: splats behind it are not drawn. Surfels only.
     const stp_raster_occluder* occluder;
@@ -62,8 +63,8 @@ typedef struct stp_raster_splats {
 typedef struct stp_raster_camera {
     /// Object space to the screen; in perspective W is proportional to view z
     stp_raster_matrix matrix;
-    float view[3]
-              [4]; ///< object space to view space (rotation, perhaps a mirror, and uniform scale)
+    /// Object space to view space (rotation, perhaps a mirror, and uniform scale)
+    float view[3][4];
     float pixel_scale; ///< pixels per unit of x/z (perspective), or per unit (parallel)
     bool parallel;
     float nearness_limit;
@@ -80,7 +81,7 @@ typedef struct stp_raster_levels {
     const stp_splat_group* groups;
     bool one_sided;
     bool beside_triangles;  ///< skip splats that large triangles replace; requires groups
-    uint32_t width, height; ///< of the picture
+    uint32_t width, height; ///< size of the picture, pixels
 } stp_raster_levels;
 
 /// Sets a bit per splat (from splat 0 on; `begin` is a multiple of 16) for those of [begin, end)
@@ -97,7 +98,7 @@ bool stp_raster_test_splats(const stp_raster_splats* splats, uint16_t* bits);
 
 /// Draws splats; splat i gets the id first_id + i. If there are bits per splat, `begin` must be a
 /// multiple of 16. Only rows [row_begin, row_end) are touched.
-/// @return fragments that passed the disk test
+/// @return fragments inside the drawn parts of splats, also where something nearer hides them
 uint64_t stp_raster_draw_splats(const stp_raster_target* target, uint32_t row_begin,
                                 uint32_t row_end, const stp_raster_camera* camera,
                                 const stp_raster_splats* splats, uint32_t first_id);

@@ -2,6 +2,8 @@
 // Splats with 256-bit vectors: two rows of four pixels of a small disk at a time.
 #include "raster/splats_kernel.h"
 
+#include <assert.h>
+
 #if defined(__AVX2__)
 
 #include <immintrin.h>
@@ -117,6 +119,7 @@ static inline void store_four(uint64_t* pixel, __m128i bits, __m128i inside, __m
 static inline uint64_t draw_small(const stp_splat_frame* f, const splat_batch* t, int i,
                                   uint32_t index)
 {
+    assert(is_block_inside(f, t, i));
     const __m256 columns = _mm256_setr_ps(0, 1, 2, 3, 0, 1, 2, 3);
     __m256 u = _mm256_add_ps(_mm256_set1_ps(t->u0[i]), columns);
     uint32_t coverage = splat_coverage(f->splats, (uint32_t)t->part[i], t->halvings[i]);
@@ -162,6 +165,7 @@ static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i,
         if (left < 0) {
             return draw_disk_scalar(f, t, i, index, box);
         }
+        assert(left <= box.x0 && box.x1 <= left + 8 && "the vector covers the box");
         box.x0 = left;
         box.x1 = left + 8;
     }

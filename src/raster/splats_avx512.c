@@ -2,6 +2,8 @@
 // Splats with 512-bit vectors: sixteen pixels of a small disk at a time.
 #include "raster/splats_kernel.h"
 
+#include <assert.h>
+
 #if defined(__AVX512F__)
 
 #include <immintrin.h>
@@ -91,6 +93,7 @@ static inline uint32_t keep_cut(const splat_batch* t, int i, __m512 u, __m512 v,
 static inline uint64_t draw_small(const stp_splat_frame* f, const splat_batch* t, int i,
                                   uint32_t index)
 {
+    assert(is_block_inside(f, t, i));
     const __m512 columns = _mm512_setr_ps(0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3);
     const __m512 rows = _mm512_setr_ps(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
     __m512 u = _mm512_add_ps(_mm512_set1_ps(t->u0[i]), columns);
@@ -143,6 +146,7 @@ static inline uint64_t draw_eight(const stp_splat_frame* f, const splat_batch* t
     const __m512i steps = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7);
     const __m512i rows = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1);
     uint32_t coverage = splat_coverage(f->splats, (uint32_t)t->part[i], t->halvings[i]);
+    assert(box.x0 <= box.x1 && box.x1 - box.x0 <= 8);
     uint32_t columns = (1u << (box.x1 - box.x0)) - 1u;
     bool is_cut = (t->cuts >> i & 1u) != 0;
     __m512i id = _mm512_set1_epi64((long long)(f->first_id + index));

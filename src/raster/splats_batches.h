@@ -6,6 +6,8 @@
 
 #include "raster/splats_hidden.h"
 
+#include <assert.h>
+
 /// Draws a batch whose positions are loaded. Marks hidden splats.
 static inline uint64_t draw_batch(const stp_splat_frame* f, splat_batch* t, splat_lanes lanes)
 {
@@ -21,6 +23,7 @@ static inline uint64_t draw_batch(const stp_splat_frame* f, splat_batch* t, spla
         for (uint32_t left = lanes_of(t, SPLAT_HIDDEN); left != 0; left &= left - 1) {
             uint32_t index = lanes.queued[__builtin_ctz(left)];
             uint32_t bit = 1u << index % SPLAT_BATCH;
+            assert(index >= splats->begin && index < splats->end);
             splats->hidden[index / SPLAT_BATCH] |= (uint16_t)bit;
         }
     }
@@ -83,6 +86,7 @@ static uint64_t draw_wanted(const stp_splat_frame* f, splat_batch* t)
         }
         wanted &= left < SPLAT_BATCH ? (1u << left) - 1u : 0xFFFFu;
         for (; wanted != 0; wanted &= wanted - 1) {
+            assert(w.count < SPLAT_BATCH);
             w.index[w.count++] = first + (uint32_t)__builtin_ctz(wanted);
             if (w.count == SPLAT_BATCH) {
                 fragments += draw_queued(f, t, &w);

@@ -26,8 +26,8 @@ enum {
 
 /// Surface shown by a pixel.
 typedef struct stp_raster_plane {
-    uint32_t id;    ///< of the visible splat; UINT32_MAX: none
-    float nearness; ///< of its plane, at the pixel; FLT_MAX: unknown
+    uint32_t id;    ///< id of the visible splat; UINT32_MAX: none
+    float nearness; ///< nearness of its plane at the pixel; FLT_MAX: unknown
     float right,
         down; ///< change of nearness per pixel; NaN: a splat too small to have a plane
 } stp_raster_plane;
@@ -35,16 +35,16 @@ typedef struct stp_raster_plane {
 typedef struct stp_raster_blend {
     uint32_t width, height;
     stp_raster_plane* planes; ///< one per pixel
-    uint32_t first_id;        ///< of splat 0
+    uint32_t first_id;        ///< id of splat 0
     // For stp_raster_blend_splats:
     /// Two a pixel: red and green, blue and weight, the latter in the upper halves
     _Atomic uint64_t* sums;
-    /// Returns the colours of up to 16 splats whose centres are at (x, y) on the screen: values
-    /// below STP_BLEND_COLORS.
+    /// Writes the colours of up to 16 splats whose centres are at (x, y) on the screen to `out`:
+    /// values below STP_BLEND_COLORS.
     void (*colors)(void* user, uint32_t first, uint32_t count, const float* x, const float* y,
                    uint32_t (*out)[3]);
     void* user;
-    const stp_splat_texture* texture; ///< of weights; NULL: nearly a Gaussian
+    const stp_splat_texture* texture; ///< texture of weights; NULL: nearly a Gaussian
 } stp_raster_blend;
 
 /// Stores the planes of pixels that show one of the splats. Splats hundreds of pixels wide or close

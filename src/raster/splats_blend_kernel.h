@@ -7,6 +7,8 @@
 #include "raster/splats_blend.h"
 #include "raster/splats_hidden.h"
 
+#include <assert.h>
+
 // Minimum cosine between a pixel's plane and a splat's. A larger angle means another surface: walls
 // do not blend into the ground they stand on.
 #define ALIKE 0.4f
@@ -32,6 +34,9 @@ static void add_fragment(blend_batch* b, uint32_t i, size_t at, uint32_t weight)
         b->has_colors = true;
     }
     const uint32_t* color = b->colors[i];
+    assert(weight > 0 && weight <= STP_BLEND_WEIGHT);
+    assert(color[0] < STP_BLEND_COLORS && color[1] < STP_BLEND_COLORS &&
+           color[2] < STP_BLEND_COLORS && "sums within STP_BLEND_LIMIT do not overflow");
     uint64_t first = (uint64_t)(weight * color[1]) << 32 | weight * color[0];
     uint64_t second = (uint64_t)weight << 32 | weight * color[2];
     atomic_fetch_add_explicit(blend->sums + 2 * at, first, memory_order_relaxed);
@@ -77,6 +82,7 @@ static void blend_fragment(blend_batch* b, uint32_t i, int32_t x, int32_t y, flo
                            float opacity)
 {
     const splat_batch* t = &b->t;
+    assert(x >= 0 && (uint32_t)x < b->blend->width && y >= 0 && (uint32_t)y < b->blend->height);
     size_t at = (size_t)y * b->blend->width + (size_t)x;
     stp_raster_plane* plane = &b->blend->planes[at];
     if (!b->adds && plane->id != b->blend->first_id + b->first + i) {
@@ -206,6 +212,8 @@ static void blend_lanes(blend_batch* b)
 static inline void blend_all(const stp_raster_blend* blend, const stp_raster_camera* camera,
                              const stp_raster_splats* splats, bool adds)
 {
+    assert((adds ? blend->sums != NULL && blend->colors != NULL : splats->occluder == NULL) &&
+           splats->hidden == NULL);
     stp_raster_target target = {
         .width = blend->width, .height = blend->height, .stride = blend->width};
     stp_splat_frame frame;

@@ -7,6 +7,7 @@
 #include "base/splats/splat_codes.h"
 #include "raster/splats.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -19,7 +20,7 @@ enum {
 #define SPLAT_FAR 1e6f ///< pixels: centres are clamped to it, so that they fit an integer
 
 typedef enum splat_kind {
-    SPLAT_NONE,   ///< outside the picture
+    SPLAT_NONE,   ///< not drawn: outside the picture, or not wanted
     SPLAT_PIXEL,  ///< only the centre's pixel
     SPLAT_DISK,   ///< not classified further yet
     SPLAT_SMALL,  ///< within a block of 4 x 4 pixels inside the target
@@ -59,16 +60,16 @@ typedef struct stp_splat_frame {
 typedef struct splat_batch {
     float px[SPLAT_BATCH], py[SPLAT_BATCH], pz[SPLAT_BATCH]; ///< grid or object position
     int32_t part[SPLAT_BATCH];                               ///< drawn share of the disk, of 255
-    int32_t halvings[SPLAT_BATCH]; ///< of the radius: first the wanted number, then the actual one
+    int32_t halvings[SPLAT_BATCH]; ///< halvings of the radius: first wanted, then actual
     float size[SPLAT_BATCH];       ///< resulting factor on the radius
     float own[SPLAT_BATCH];        ///< the splat's own factor on the frame's radius; else 1
     uint32_t stretched;            ///< one bit per lane: not a disk
-    float stretch[SPLAT_BATCH];    ///< stp_shape_stretch of those
+    float stretch[SPLAT_BATCH];    ///< stp_shape_stretch of stretched splats
     stp_shape_axis smaller[SPLAT_BATCH];
     uint32_t cuts;             ///< one bit per lane: the disk is clipped
-    uint8_t code[SPLAT_BATCH]; ///< of those
+    uint8_t code[SPLAT_BATCH]; ///< coverage codes of clipped disks
     float ex[SPLAT_BATCH], ey[SPLAT_BATCH], low[SPLAT_BATCH],
-        high[SPLAT_BATCH];                  ///< of those: low <= ex * u + ey * v <= high
+        high[SPLAT_BATCH];                  ///< clipped disks: low <= ex u + ey v <= high
     float nu[SPLAT_BATCH], nv[SPLAT_BATCH]; ///< octahedral normal
     float sx[SPLAT_BATCH], sy[SPLAT_BATCH], nearness[SPLAT_BATCH], radius[SPLAT_BATCH];
     int32_t kind[SPLAT_BATCH], large[SPLAT_BATCH];
@@ -155,6 +156,7 @@ static inline uint32_t splat_part(const stp_raster_splats* splats, uint32_t inde
 /// Share of its centre's pixel that a clipped splat draws, of 255.
 static inline uint32_t splat_cut_share(uint32_t part)
 {
+    assert(part > SPLAT_CUT && stp_coverage_cuts((uint8_t)(part - SPLAT_CUT)));
     return (uint32_t)(stp_coverage_area((uint8_t)(part - SPLAT_CUT)) * 255.0f + 0.5f);
 }
 
@@ -163,6 +165,7 @@ static inline uint32_t splat_coverage(const stp_raster_splats* splats, uint32_t 
                                       int32_t halvings)
 {
     uint32_t coverage = part << 2 * halvings;
+    assert(halvings >= 0 && coverage <= 255u && "halvings keep the drawn area");
     return splats->share > 0.0f ? (uint32_t)((float)coverage * splats->share + 0.5f) : coverage;
 }
 

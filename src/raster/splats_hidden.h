@@ -5,6 +5,8 @@
 
 #include "raster/splats_kernel.h"
 
+#include <assert.h>
+
 /// For each splat of a batch: the blocks of the occluder it may touch, and the nearness at which
 /// they hide it.
 typedef struct splat_blocks {
@@ -73,6 +75,8 @@ static inline void find_windows(const stp_raster_occluder* o, splat_blocks* rest
 static inline void find_in_windows(const stp_raster_occluder* o, splat_blocks* restrict k)
 {
     const float* windows = o->windows;
+    assert(o->columns > 0 && (float)(o->columns << o->shift) >= o->width &&
+           "blocks cover the picture");
     int32_t wide = 0;
     for (int i = 0; i < SPLAT_BATCH; ++i) {
         wide |= (k->across[i] | k->down[i]) & -k->asked[i];
@@ -152,6 +156,7 @@ static inline void test_queued(const stp_splat_frame* f, waiting_splats* w, uint
 {
     const uint16_t* positions = f->splats->positions;
     const uint32_t* shapes = f->splats->shapes;
+    assert(w->count > 0 && w->count <= SPLAT_BATCH);
     splat_batch t;
     splat_blocks k;
     for (uint32_t i = 0; i < SPLAT_BATCH; ++i) {

@@ -2,8 +2,8 @@
 //
 // The parts of the splat rasteriser that every variant compiles for its own instruction set. Plain
 // loops set up sixteen splats at a time, which compilers vectorise; then the variant's own
-// `draw_block` draws them one by one. All arithmetic is single IEEE operations in a fixed order, so
-// all variants give the same bits.
+// `draw_small` and `draw_wide` draw them one by one. All arithmetic is single IEEE operations in a
+// fixed order, so all variants give the same bits.
 //
 // A disk at view direction a = (ax, ay, 1) with normal n, D = n.a, projected radius R pixels and
 // focal length s pixels covers the pixel at (u, v) from its centre where, with G = nx u + ny v and
@@ -15,6 +15,7 @@
 
 #include "raster/splats_frame.h"
 
+#include <assert.h>
 #include <string.h>
 
 /// The splats of a batch.
@@ -32,6 +33,7 @@ static inline void load_positions_scalar(const stp_splat_frame* frame, splat_lan
                                          splat_batch* batch)
 {
     const stp_raster_splats* splats = frame->splats;
+    assert(lanes.count > 0 && lanes.count <= SPLAT_BATCH);
     for (uint32_t i = 0; i < lanes.count; ++i) {
         size_t at = 3 * (size_t)lane_splat(lanes, i);
         if (splats->positions != NULL) {
@@ -164,8 +166,8 @@ static inline void load_parts(const stp_splat_frame* f, splat_lanes lanes, splat
     }
 }
 
-/// Projects the centres and classifies splats. A disk of at most half a pixel covers no pixel
-/// centre except perhaps that of its own pixel: `tiny`.
+/// Projects the centres and classifies splats. A disk with a radius below half a pixel (its square
+/// at most 0.24, for rounding) covers no pixel centre except perhaps that of its own pixel: `tiny`.
 static inline void project_batch(const stp_splat_frame* restrict f, splat_batch* restrict t)
 {
     float width = (float)f->target->width;
@@ -182,7 +184,7 @@ static inline void project_batch(const stp_splat_frame* restrict f, splat_batch*
         float radius = (f->radius_px * inverse + f->pixels) * (t->size[i] * t->own[i]);
         float ax = (sx - f->center_x) * f->inverse_scale,
               ay = (sy - f->center_y) * f->inverse_scale;
-        float reach = radius * radius * ((ax * ax + ay * ay) + 1.0f); // .24: see splat_kind
+        float reach = radius * radius * ((ax * ax + ay * ay) + 1.0f); // below 0.24: tiny
         int32_t within = (int32_t)(W >= f->nearest) & (int32_t)(W <= f->farthest);
         int32_t close = (int32_t)(W < f->near_w * t->own[i]) & (int32_t)(W > f->far_w * t->own[i]) &
                         (int32_t)perspective;
@@ -287,11 +289,11 @@ static inline void shape_batch(const stp_splat_frame* restrict f, splat_batch* r
     }
 }
 
-/// A direction in a splat's plane, on the screen: offset (u, v) from the centre's pixel is (ex u +
-/// ey v) along it.
+/// A direction in a splat's plane, on the screen: an offset of (u, v) pixels from the projected
+/// centre is ex u + ey v pixels along it.
 typedef struct splat_line {
     float ex, ey;
-    float square; ///< of the normal's component towards the eye (D of the conic)
+    float square; ///< square of the normal's component towards the eye (D^2 of the conic)
 } splat_line;
 
 static inline splat_line project_line(const stp_splat_frame* f, const splat_batch* t, int i,
@@ -345,7 +347,7 @@ static inline void cut_disk(const stp_splat_frame* f, splat_batch* t, int i)
     t->high[i] = cut.high;
 }
 
-/// Call after shape_batch, before centres are clamped to the integer range.
+/// Clips the disks of a batch. Call after shape_batch, before box_batch, which clamps centres.
 static inline void cut_batch(const stp_splat_frame* f, splat_batch* t)
 {
     for (uint32_t cuts = t->cuts; cuts != 0; cuts &= cuts - 1) {
@@ -448,6 +450,13 @@ static inline splat_box clip_box(const stp_splat_frame* f, const splat_batch* t,
     return box;
 }
 
+/// Whether the block of a small disk lies within the target's rows.
+static inline bool is_block_inside(const stp_splat_frame* f, const splat_batch* t, int i)
+{
+    return t->x0[i] >= 0 && t->x0[i] + SPLAT_BLOCK <= (int32_t)f->target->width &&
+           t->y0[i] >= f->row_begin && t->y0[i] + SPLAT_BLOCK <= f->row_end;
+}
+
 /// Draws a disk pixel by pixel.
 static inline uint64_t draw_disk_scalar(const stp_splat_frame* f, const splat_batch* t, int i,
                                         uint32_t index, splat_box box)
@@ -478,6 +487,8 @@ static inline uint64_t draw_pixel(const stp_splat_frame* f, const splat_batch* t
                                   uint32_t index)
 {
     bool cut = (t->cuts >> i & 1u) != 0;
+    assert(t->cx[i] >= 0 && (uint32_t)t->cx[i] < f->target->width && t->cy[i] >= f->row_begin &&
+           t->cy[i] < f->row_end && "a pixel of the target");
     uint32_t part = cut ? splat_cut_share(SPLAT_CUT + t->code[i]) : (uint32_t)t->part[i];
     uint32_t coverage = splat_coverage(f->splats, part, t->halvings[i]);
     if (coverage < 255 && !splat_has_fragment(coverage, f->seed + index, 0, 0)) {
@@ -493,6 +504,7 @@ static inline void fetch_small(const stp_splat_frame* f, const splat_batch* t, u
 {
     for (; lanes != 0; lanes &= lanes - 1) {
         int i = __builtin_ctz(lanes);
+        assert(is_block_inside(f, t, i));
         size_t at = (size_t)t->y0[i] * f->target->stride + (size_t)t->x0[i];
         for (int k = 0; k < SPLAT_BLOCK; ++k) {
             __builtin_prefetch(f->target->pixels + at + (size_t)k * f->target->stride, 1);

@@ -4,19 +4,21 @@
 #include "base/splats/octahedral.h"
 #include "raster/splats_kernel.h"
 
+#include <assert.h>
+
 typedef struct large_disk {
     double center[3], normal[3], radius; ///< in view units
     double unit;                         ///< object-space unit, in view units
     double right, down;                  ///< pixel of the view axis
     double scale;                        ///< pixels per unit of x/z, or per unit
-    double nearness;                     ///< times 1/z, or of z = 0
+    double nearness;                     ///< nearness times z; parallel: at the centre
     double slope;                        ///< nearness per unit of z, parallel
     double rim, behind; ///< how far the rim, and a disk seen from behind, lie behind the plane
     double left, top;   ///< parallel: pixel of x = 0, y = 0
     bool parallel;
-    double across[3], low, high; ///< of one that is cut, over its radius
+    double across[3], low, high; ///< clipped disk: low <= across . offset <= high
     bool is_cut;
-    double smaller[3], stretch; ///< of an ellipse: the direction of its smaller radius
+    double smaller[3], stretch; ///< ellipse: unit direction of its smaller radius, and its stretch
 } large_disk;
 
 static double row_dot(const float row[4], const double p[3])
@@ -36,8 +38,8 @@ static void object_position(const stp_raster_splats* splats, uint32_t index, dou
     }
 }
 
-/// Transforms a direction in a splat's plane, given by its disk's axes, to view space. Unit length
-/// in view units.
+/// Transforms a direction in a splat's plane, given by its disk's axes, to view space. The length
+/// becomes one object-space unit (large_disk.unit).
 static void turn_direction(const stp_splat_frame* frame, uint32_t index, float across, float along,
                            double out[3])
 {
@@ -81,6 +83,7 @@ static void stretch_large(const stp_splat_frame* frame, uint32_t index, large_di
 
 static large_disk make_disk(const stp_splat_frame* frame, uint32_t index, int32_t halvings)
 {
+    assert(index >= frame->splats->begin && index < frame->splats->end);
     const stp_raster_camera* camera = frame->camera;
     large_disk disk = {.scale = (double)camera->pixel_scale, .parallel = camera->parallel};
     double p[3], vz[3];
@@ -214,7 +217,7 @@ static splat_box disk_box(const stp_splat_frame* frame, const large_disk* disk)
     return box;
 }
 
-/// The pixel that holds the centre, or -1 if outside the picture.
+/// The pixel that holds the centre, perhaps outside the picture; -1 if it is behind the eye.
 static void center_pixel(const large_disk* disk, double* x, double* y)
 {
     const double* c = disk->center;
@@ -236,6 +239,8 @@ uint64_t stp_splats_draw_large(const stp_splat_frame* frame, uint32_t index)
         cut_large(frame, index, (uint8_t)cut, &disk);
     }
     splat_box box = disk_box(frame, &disk);
+    assert(box.x0 >= 0 && box.x1 <= (int32_t)frame->target->width && box.y0 >= frame->row_begin &&
+           box.y1 <= frame->row_end && "pixels of the target");
     uint32_t coverage = splat_coverage(frame->splats, part, halvings);
     double limit = (double)frame->nearness_limit, center_x, center_y;
     center_pixel(&disk, &center_x, &center_y);

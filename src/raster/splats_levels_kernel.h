@@ -7,6 +7,8 @@
 #include "raster/splat_groups.h"
 #include "raster/splats_kernel.h"
 
+#include <assert.h>
+
 /// Row of the depth after the position grid, and the levels.
 typedef struct levels_frame {
     const stp_raster_splats* splats;
@@ -44,6 +46,7 @@ static inline uint32_t pick_sixteen(const levels_frame* restrict f, const float*
 static inline uint32_t pick_below(const levels_frame* f, uint32_t first, const uint32_t* ranges,
                                   uint32_t picked)
 {
+    assert(first < f->levels.divide);
     uint32_t level = stp_bits_of_float(f->levels.below), count = f->levels.divide - first;
     for (uint32_t i = 0; i < SPLAT_BATCH && i < count; ++i) {
         bool in = level >= (ranges[i] & 0xFFFFu) << 15 && level <= ranges[i] >> 16 << 15;
@@ -56,7 +59,7 @@ static inline bool pick_all(const levels_frame* f, uint16_t* bits)
 {
     const stp_raster_splats* splats = f->splats;
     uint32_t any = 0;
-    uint64_t left_out = 0; ///< bits of a culled group
+    uint64_t left_out = 0; ///< bits of the group's splats that large triangles replace
     bool dropped = false;
     for (uint32_t first = splats->begin; first < splats->end; first += SPLAT_BATCH) {
         if (f->levels.groups != NULL && (first % STP_GROUP_SPLATS == 0 || first == splats->begin)) {

@@ -8,6 +8,8 @@
 
 #include "raster/splats_hidden.h"
 
+#include <assert.h>
+
 /// Draws splats close to the eye like all others: squares need no rays.
 static inline void keep_close_squares(const stp_splat_frame* f, splat_batch* t)
 {
@@ -112,6 +114,7 @@ static inline uint64_t draw_square(const stp_splat_frame* f, const splat_batch* 
         return draw_square_parts(f, t, i, index, coverage);
     }
     splat_box box = clip_box(f, t, i);
+    assert(box.x0 < box.x1 && box.y0 < box.y1 && "the square meets the target");
     uint64_t pixel = stp_raster_pixel(t->nearness[i], f->first_id + index);
     for (int32_t y = box.y0; y < box.y1; ++y) {
         uint64_t* row = f->target->pixels + (size_t)y * f->target->stride;

@@ -4,6 +4,8 @@
 #include "raster/blue_noise.h"
 #include "raster/splats_squares_kernel.h"
 
+#include <assert.h>
+
 /// Splats of one call and their coverages. The frame's copy of the splats has no coverages, so
 /// disks are whole.
 struct stp_transparent_splats {
@@ -31,6 +33,8 @@ bool stp_transparent_store(const stp_splat_frame* frame, uint32_t index, int32_t
                            float nearness)
 {
     const struct stp_transparent_splats* g = frame->glass;
+    assert(x >= 0 && (uint32_t)x < frame->target->width && y >= frame->row_begin &&
+           y < frame->row_end && "a pixel of the target");
     size_t at = (size_t)y * frame->target->stride + (size_t)x;
     uint64_t pixel = stp_raster_pixel(nearness, frame->first_id + index);
     if (g->glass->layer != NULL) {
@@ -131,6 +135,8 @@ uint64_t stp_raster_draw_transparent(const stp_raster_target* target,
                                      const stp_raster_splats* splats, uint32_t first_id,
                                      const stp_raster_transparency* glass)
 {
+    assert(splats->positions != NULL && splats->normals != NULL && "surfels only");
+    assert(splats->occluder == NULL && splats->hidden == NULL);
     struct stp_transparent_splats g = {.splats = splats, .glass = glass};
     stp_raster_splats whole = *splats;
     whole.coverages = whole.low_coverages = NULL;

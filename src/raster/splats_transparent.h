@@ -19,7 +19,7 @@ enum { STP_TRANSPARENT_CELL_SHIFT = 10 };
 
 typedef struct stp_raster_transparency {
     const stp_raster_layer* layer; ///< NULL: use thresholds
-    uint32_t seed, sample;         ///< of the thresholds
+    uint32_t seed, sample;         ///< seed (of the object) and sample of the thresholds
     float share;                   ///< factor on all opacities; below 1 for ghosts
 } stp_raster_transparency;
 

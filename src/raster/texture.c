@@ -19,8 +19,10 @@ static axis_taps taps_of(uint32_t size, uint32_t half, uint32_t i)
         return (axis_taps){.first = 0, .count = 1, .weight = {1.0f}};
     }
     if (size % 2 == 0) {
+        assert(2 * i + 2 <= size);
         return (axis_taps){.first = 2 * i, .count = 2, .weight = {0.5f, 0.5f}};
     }
+    assert(size == 2 * half + 1 && i < half && "the last texel read is size - 1");
     float whole = (float)size, k = (float)half, at = (float)i;
     return (axis_taps){
         .first = 2 * i,
@@ -137,6 +139,7 @@ stp_result stp_texture_pyramid_create(stp_context* context, const uint8_t* rgba,
         pyramid->texels[level] = next;
         next += (size_t)work.width * work.height * 4;
     }
+    assert(next == pyramid->owned + bytes && "the levels fill the memory");
     return STP_OK;
 }
 
@@ -239,11 +242,13 @@ float stp_texture_sample_alpha(const stp_texture_pyramid* pyramid, stp_vec2 uv)
 
 float stp_texture_sample_alpha_at(const stp_texture_pyramid* pyramid, stp_vec2 uv, uint32_t level)
 {
+    assert(level < pyramid->level_count);
     return sample_alpha(pyramid, level, uv, level == 0 && pyramid->nearest);
 }
 
 float stp_texture_sample_alpha_of(const stp_texture_pyramid* pyramid, stp_vec2 uv, float footprint)
 {
+    assert(pyramid->level_count > 0);
     uint32_t last = pyramid->level_count - 1, level = 0;
     for (; level < last && footprint >= 1.5f; footprint *= 0.5f) {
         level += 1;
@@ -254,6 +259,7 @@ float stp_texture_sample_alpha_of(const stp_texture_pyramid* pyramid, stp_vec2 u
 void stp_texture_sample(const stp_texture_pyramid* pyramid, stp_vec2 uv, float footprint,
                         float out[4])
 {
+    assert(pyramid->level_count > 0);
     float sum[7] = {0};
     uint32_t last = pyramid->level_count - 1, level = 0;
     if (!(footprint > 1.0f)) {
@@ -267,6 +273,7 @@ void stp_texture_sample(const stp_texture_pyramid* pyramid, stp_vec2 uv, float f
         level += 1;
     }
     float blend = level < last ? footprint - 1.0f : 0.0f;
+    assert(blend >= 0.0f && blend <= 1.0f && "weights of two levels");
     sample_level(pyramid, level, uv, false, 1.0f - blend, sum);
     if (blend > 0.0f) {
         sample_level(pyramid, level + 1, uv, false, blend, sum);

@@ -4,6 +4,8 @@
 #include "base/core/processor.h"
 #include "raster/triangles_internal.h"
 
+#include <assert.h>
+
 // Triangles are drawn in chunks whose transformed vertices stay in the CPU cache. A chunk whose
 // indices span too wide a range gets separate vertices for each corner: more work, but bounded
 // memory.
@@ -62,6 +64,7 @@ static void weights_at(const double corner[3][3], double x, double y, float* wei
     l2 = l2 * sign > 0.0 ? l2 * sign : 0.0;
     double sum = l0 + l1 + l2;
     bool usable = sum > 0.0 && sum <= DBL_MAX;
+    assert(!usable || (l1 <= sum && l2 <= sum));
     *weight1 = usable ? (float)(l1 / sum) : 0.0f;
     *weight2 = usable ? (float)(l2 / sum) : 0.0f;
 }
@@ -92,6 +95,7 @@ static void draw_kept(const stp_triangle_window* window, const stp_screen_vertex
     if (!stp_triangle_set_up(window, corners, &setup)) {
         return;
     }
+    assert(setup.area > 0 && "oriented");
     stp_triangle_edge edges[3];
     for (int k = 0; k < 3; ++k) {
         edges[k] = stp_triangle_edge_make(setup.corner[(k + 1) % 3], setup.corner[(k + 2) % 3]);
@@ -105,6 +109,7 @@ static void draw_kept(const stp_triangle_window* window, const stp_screen_vertex
         }
         double row_nearness = stp_triangle_plane_row(&plane, row);
         for (int32_t x = (int32_t)first; x <= last; ++x) {
+            assert(x >= setup.left && x <= setup.right);
             float nearness;
             if (setup.small) {
                 nearness = stp_triangle_small_nearness(
@@ -198,8 +203,10 @@ static bool transform_chunk(const stp_triangle_kernels* kernels,
 {
     const uint32_t* indices = mesh->indices + 3 * (size_t)begin;
     size_t corner_count = 3 * (size_t)chunk->triangle_count;
+    assert(corner_count > 0 && corner_count <= CHUNK_VERTICES);
     uint32_t minimum, maximum;
     kernels->find_range(indices, corner_count, &minimum, &maximum);
+    assert(minimum <= maximum && maximum < mesh->vertex_count && "indices of the mesh");
     if (maximum - minimum < corner_count) {
         chunk->indices = indices;
         chunk->index_base = minimum;
@@ -234,6 +241,9 @@ static stp_result draw_mesh(stp_triangle_window* window, const stp_raster_matrix
     if (window->row_begin >= window->row_end || window->width == 0 || mesh->triangle_count == 0) {
         return STP_OK;
     }
+    assert((mesh->layer == NULL || mesh->keep != NULL) && "layers are tested with masks");
+    assert((mesh->keep == NULL || mesh->numbers == NULL) && "masks take the triangle's index");
+    assert(window->stride >= (size_t)window->width && window->row_begin >= window->first_row);
     uint64_t fragments = 0;
     window->fragments = &fragments;
     const stp_triangle_kernels* kernels = choose_kernels();
@@ -262,6 +272,7 @@ static stp_result draw_mesh(stp_triangle_window* window, const stp_raster_matrix
         } else if (enough) {
             kernels->draw_chunk(&chunk);
         }
+        assert(chunk.clipped_count <= chunk.triangle_count);
         for (uint32_t i = 0; enough && i < chunk.clipped_count; ++i) {
             draw_clipped(kernels, &transform, mesh, &chunk, begin + memory->clipped[i], first_id);
         }

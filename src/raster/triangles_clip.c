@@ -7,6 +7,8 @@
 // cracks.
 #include "raster/triangles_internal.h"
 
+#include <assert.h>
+
 enum {
     PLANE_NEAR,
     PLANE_EYE,
@@ -20,7 +22,7 @@ enum {
 
 typedef struct clip_corner {
     stp_screen_point point;
-    uint32_t outcode; ///< of a corner of the triangle; new corners are tested by their distance
+    uint32_t outcode; ///< outcode of an original corner; new ones are tested by their distance
     int original;     ///< index of the triangle's corner, or -1
 } clip_corner;
 
@@ -96,6 +98,7 @@ static clip_corner cut_edge(const clip_corner* in, double in_distance, const cli
     out_distance = out_distance < 0.0 ? out_distance : 0.0;
     double whole = in_distance - out_distance;
     double t = whole > 0.0 ? in_distance / whole : 0.0;
+    assert(t >= 0.0 && t <= 1.0 && "on the edge");
     const stp_screen_point *a = &in->point, *b = &out->point;
     return (clip_corner){
         .point = {a->x + t * (b->x - a->x), a->y + t * (b->y - a->y), a->n + t * (b->n - a->n),
@@ -122,6 +125,7 @@ static uint32_t clip_to_plane(int plane, double nearness_limit, const clip_corne
             out[made++] = cut_edge(b, db, a, da);
         }
     }
+    assert(made <= STP_CLIPPED_MAX);
     return made;
 }
 
@@ -185,6 +189,8 @@ uint32_t stp_triangle_clip(const stp_triangle_transform* transform, const float*
             polygon[i].y =
                 stp_triangle_snap((double)(((float)p->y * inverse) * (float)STP_SUBPIXEL));
         }
+        assert(polygon[i].x >= -STP_GUARD_BAND && polygon[i].x <= STP_GUARD_BAND &&
+               polygon[i].y >= -STP_GUARD_BAND && polygon[i].y <= STP_GUARD_BAND);
     }
     return count;
 }

@@ -8,6 +8,8 @@
 
 #include "raster/triangles.h"
 
+#include <assert.h>
+
 enum {
     STP_SUBPIXEL_BITS = 8,
     STP_SUBPIXEL = 1 << STP_SUBPIXEL_BITS,
@@ -16,7 +18,7 @@ enum {
     STP_GUARD_BAND = 1 << 29,
     /// X of a vertex that may not be drawn unclipped; y holds its outcode
     STP_OUTSIDE = -(1 << 30),
-    STP_SMALL_EXTENT = 1 << 15, ///< smaller triangles have edge functions of 32 bits: 128 pixels
+    STP_SMALL_EXTENT = 1 << 15, ///< sub-pixels: smaller triangles have 32-bit edge functions
     STP_LANES_MAX = 16,
 };
 
@@ -32,7 +34,7 @@ typedef struct stp_screen_vertex {
 
 /// Drawing target: rows [row_begin, row_end) of a picture.
 typedef struct stp_triangle_window {
-    uint64_t* pixels; ///< of row first_row
+    uint64_t* pixels; ///< pixels from row first_row on
     size_t stride;
     int32_t width, first_row, row_begin, row_end;
     uint64_t* fragments; ///< counts those inside triangles
@@ -40,6 +42,7 @@ typedef struct stp_triangle_window {
 
 static inline uint64_t* stp_triangle_row(const stp_triangle_window* window, int32_t row)
 {
+    assert(row >= window->first_row);
     return window->pixels + (size_t)(row - window->first_row) * window->stride;
 }
 
@@ -93,7 +96,8 @@ typedef struct stp_screen_point {
     double x, y, n, w;
 } stp_screen_point;
 
-/// Planes that a point lies beyond, as bits; 0: no clipping needed. NaN is beyond all.
+/// Planes that a point lies beyond, as bits; 0: no clipping needed. NaN lies beyond both planes of
+/// its coordinate.
 uint32_t stp_triangle_outcode(float x, float y, float n, float w, float nearness_limit);
 
 /// Homogeneous screen coordinates of a position, with the same bits as in the kernels.
@@ -137,6 +141,8 @@ static inline bool stp_triangle_set_up(const stp_triangle_window* window,
     int32_t max_x = stp_triangle_max(a.x, stp_triangle_max(b.x, c.x));
     int32_t min_y = stp_triangle_min(a.y, stp_triangle_min(b.y, c.y));
     int32_t max_y = stp_triangle_max(a.y, stp_triangle_max(b.y, c.y));
+    assert(min_x >= -STP_GUARD_BAND && max_x <= STP_GUARD_BAND && min_y >= -STP_GUARD_BAND &&
+           max_y <= STP_GUARD_BAND && "products of coordinates fit 64 bits");
     setup->left = stp_triangle_max((min_x + STP_SUBPIXEL_HALF - 1) >> STP_SUBPIXEL_BITS, 0);
     setup->right =
         stp_triangle_min((max_x - STP_SUBPIXEL_HALF) >> STP_SUBPIXEL_BITS, window->width - 1);
@@ -207,6 +213,7 @@ typedef struct stp_triangle_plane {
 static inline stp_triangle_plane stp_triangle_plane_make(const stp_triangle_setup* setup)
 {
     const stp_screen_vertex* v = setup->corner;
+    assert(setup->area > 0);
     double x1 = (double)(v[1].x - v[0].x), y1 = (double)(v[1].y - v[0].y);
     double x2 = (double)(v[2].x - v[0].x), y2 = (double)(v[2].y - v[0].y);
     double n1 = (double)v[1].nearness - (double)v[0].nearness;
@@ -240,6 +247,7 @@ static inline float stp_triangle_plane_at(const stp_triangle_plane* plane, doubl
 static inline float stp_triangle_small_nearness(const stp_triangle_setup* setup, float inverse_area,
                                                 int32_t edge1, int32_t edge2)
 {
+    assert(setup->small && "edge functions fit 32 bits");
     float n0 = setup->corner[0].nearness;
     float nearness = n0 + ((float)edge1 * inverse_area) * (setup->corner[1].nearness - n0);
     nearness = nearness + ((float)edge2 * inverse_area) * (setup->corner[2].nearness - n0);

@@ -11,6 +11,8 @@
 #include "raster/triangles_internal.h"
 #include "raster/triangles_large.h"
 
+#include <assert.h>
+
 enum { TINY_WIDTH = 4, TINY_HEIGHT = 8 };
 
 static void transform_vertices(const stp_triangle_transform* transform, const float* positions,
@@ -70,6 +72,7 @@ static void find_range(const uint32_t* indices, size_t count, uint32_t* minimum,
 static void draw_small(const stp_triangle_window* window, const stp_triangle_setup* setup,
                        uint32_t id)
 {
+    assert(setup->small && setup->area <= INT32_MAX && "edge functions fit 32 bits");
     pixel_box box = {setup->left, setup->right, setup->top, setup->bottom};
     float n0 = setup->corner[0].nearness;
     span_walk walk = {
@@ -110,7 +113,8 @@ static void draw_one(const stp_triangle_window* window, const stp_screen_vertex 
 /// LANES triangles: corners in sub-pixels, and the pixels in their boxes.
 typedef struct batch {
     lanes_int x[3], y[3];
-    lanes_int left, top, width, height; ///< of the box in pixels, minus one
+    lanes_int left, top;     ///< first pixel of the box
+    lanes_int width, height; ///< pixels of the box, minus one
     lanes_float nearness[3];
 } batch;
 
@@ -289,6 +293,7 @@ static void draw_lane(stp_triangle_chunk* chunk, uint32_t triangle)
         draw_one(&chunk->window, corners,
                  find_id((triangle_ids){chunk->first_id, chunk->numbers}, triangle));
     } else if (shared_code == 0) { // else all corners lie beyond one plane
+        assert(chunk->clipped_count < chunk->triangle_count);
         chunk->clipped[chunk->clipped_count++] = triangle;
     }
 }

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Triangles of more than 128 pixels, row by row. Included by triangles_lanes.h.
+// Triangles at least 128 pixels wide or high, row by row. Included by triangles_lanes.h.
 #pragma once
 
 #include "raster/triangles_spans.h"
+
+#include <assert.h>
 
 /// Sub-pixels: for smaller triangles, edge functions and the columns computed from them are exact
 /// in double.
@@ -100,7 +102,7 @@ static inline void find_columns(const large_walk* walk, int32_t row, large_rows*
     rows->last = last + (double)setup->left;
 }
 
-/// Same for edge functions that do not fit.
+/// Same for triangles whose edge functions are not exact in double.
 static void find_columns_one_by_one(const large_walk* walk, int32_t row, large_rows* rows)
 {
     for (int i = 0; i < LARGE_ROWS; ++i) {
@@ -166,6 +168,7 @@ static inline uint64_t fill_large_long(uint64_t* pixels, size_t stride, const la
         uint64_t* row = pixels + (size_t)lane * stride;
         double row_nearness = stp_triangle_plane_row(&walk->plane, top + lane);
         int32_t first = (int32_t)firsts[lane], last = (int32_t)lasts[lane];
+        assert(first >= walk->setup->left && last <= walk->setup->right && first <= last);
         for (int32_t column = first; column <= last; column += LANES) { // as stp_triangle_plane_at
             lanes_double x = (steps + (double)column) * (double)STP_SUBPIXEL;
             x += (double)STP_SUBPIXEL_HALF;
@@ -184,6 +187,8 @@ static inline uint64_t fill_large_long(uint64_t* pixels, size_t stride, const la
 static void draw_large(const stp_triangle_window* window, const stp_triangle_setup* setup,
                        uint32_t id)
 {
+    assert(!setup->small && setup->left >= 0 && setup->right < window->width &&
+           setup->top >= window->row_begin && setup->bottom < window->row_end);
     const large_walk walk = make_large_walk(setup);
     const double pixels_twice = (double)setup->area / (double)(STP_SUBPIXEL * STP_SUBPIXEL);
     const double rows_twice = 2.0 * (double)(setup->bottom - setup->top + 1);

@@ -8,6 +8,8 @@
 
 #include "raster/triangles_internal.h"
 
+#include <assert.h>
+
 /// Spans of at least this mean length are drawn row by row, shorter ones many rows at a time.
 #define SPAN_LONG 5.0f
 
@@ -148,6 +150,7 @@ static inline uint64_t fill_long(uint64_t* pixels, size_t stride, const span_wal
         uint64_t* place = pixels + lane * stride + first[lane];
         lanes_uint e1 = edge[0][lane] - along1, e2 = edge[1][lane] - along2;
         int32_t left = last[lane] - first[lane] + 1;
+        assert(first[lane] >= 0 && left > 0 && "rows that are there have pixels");
         fragments += (uint64_t)left;
         for (; left > 0; left -= LANES, place += LANES) {
             uint32_t some = left < LANES ? (1U << left) - 1 : LANES_ALL;
@@ -172,6 +175,8 @@ enum {
 static inline uint64_t fill_box(const stp_triangle_window* window, const pixel_box* box,
                                 const span_walk* walk, uint32_t id, int columns, int rows)
 {
+    assert((columns & (columns - 1)) == 0 && columns * rows == LANES && "a vector of pixels");
+    assert(box->right - box->left < columns && "one vector wide");
     const lanes_int column = lanes_index() & (columns - 1), row = lanes_index() / columns;
     const lanes_int in_width = column <= box->right - box->left;
     const int32_t height = box->bottom - box->top;
@@ -205,6 +210,8 @@ static inline uint64_t fill_box(const stp_triangle_window* window, const pixel_b
 static void draw_walk(const stp_triangle_window* window, pixel_box box, const span_walk* walk,
                       uint32_t id)
 {
+    assert(box.left >= 0 && box.left <= box.right && box.right < window->width &&
+           box.top >= window->row_begin && box.top <= box.bottom && box.bottom < window->row_end);
     uint32_t at[3] = {walk->at[0], walk->at[1], walk->at[2]};
     int32_t height = box.bottom - box.top;
     if (box.right - box.left < NARROW_COLUMNS && height < NARROW_HEIGHT) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "select/budget.h"
 
+#include <assert.h>
+
 // Brandt 4.3: no change while the frame time is within [0.9, 1.1] of the budget
 #define DEAD_BAND 0.1
 
@@ -11,15 +13,15 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 
 // drift of a price per frame, relative to its initial price: scenes and caches change
 #define DRIFT 0.03
-#define NOISE 0.1          // of a frame's time, from effects outside the model
+#define NOISE 0.1          // standard deviation of a frame's time, relative, from other effects
 #define OUTLIER 0.5        // larger relative errors are clamped to this before learning
 #define SPEED_FOLLOWS 0.25 // learning rate of the machine's speed
-// share of the logarithm moved into the prices per frame: only their product is known
+// share of log(speed) moved into the prices per frame: only their product is known
 #define SPEED_FADES 0.05
-#define SCATTER_FOLLOWS 0.1 // learning rate of its scatter
+#define SCATTER_FOLLOWS 0.1 // learning rate of the scatter of forecasts
 #define MAX_SCATTER 0.25
 #define SIGMAS 1.6         // 19 of 20 frames should stay within OVERSHOOT
-#define OVERSHOOT 1.1      // of the budget
+#define OVERSHOOT 1.1      // accepted frame time, relative to the budget
 #define FASTEST_FINER 0.92 // limit on shrinking per frame: shrinking too far makes a frame late
 // limit on growing per frame: far too large sizes may cost as much as a good one, and then persist
 #define FASTEST_COARSER 1.5
@@ -32,7 +34,7 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 #define FIRST_FRAGMENT_EXPONENT 0.0 // fewer splats, each of them larger
 #define FIRST_TRIANGLE_EXPONENT 1.0
 #define EXPONENT_FOLLOWS 0.4
-#define SCENE_CHANGES 0.2 // of the logarithm of counts per frame, from changes of the scene
+#define SCENE_CHANGES 0.2 // change of log(counts) per frame that the scene alone may cause
 // decay of an exponent towards its initial value while the size is constant
 #define EXPONENT_FADES 0.01
 #define MIN_CHANGE 0.02 // changes of the logarithm of the size below this count as constant
@@ -112,6 +114,7 @@ double stp_budget_predict(const stp_budget* b, double splat_size)
 {
     double terms[STP_BUDGET_TERMS];
     list_terms(&b->last, terms);
+    assert(splat_size > 0.0);
     double finer = b->frames > 0 ? (double)b->last.splat_size / splat_size : 1.0;
     double triangles = pow(finer, b->triangle_exponent);
     terms[0] *= pow(finer, b->splat_exponent);
@@ -158,6 +161,7 @@ static double update_exponent(double exponent, uint64_t before, uint64_t now, do
     if (before < 1000 || now < 1000) {
         return exponent;
     }
+    assert(fabs(change) >= MIN_CHANGE && minimum < maximum);
     double seen = log((double)now / (double)before) / change, square = change * change;
     double follows = EXPONENT_FOLLOWS * square / (square + SCENE_CHANGES * SCENE_CHANGES);
     return exponent + follows * (stp_clampd(seen, minimum, maximum) - exponent);
@@ -191,6 +195,7 @@ static void update_exponents(stp_budget* b, const stp_frame_cost* cost)
 static double solve_size(const stp_budget* b, double goal)
 {
     double low = (double)STP_SPLAT_SIZE_MIN, high = (double)STP_SPLAT_SIZE_COARSEST;
+    assert(goal > 0.0);
     double fastest = stp_budget_predict(b, high);
     double beyond = stp_clampd((fastest / goal - 1.0) / HOPELESS, 0.0, 1.0);
     goal = fmax(goal, fastest * (1.0 + LITTLE_GAIN * beyond));
@@ -310,4 +315,5 @@ void stp_budget_update(stp_budget* b, const stp_frame_cost* cost)
     } else {
         predict(b, cost);
     }
+    assert(b->splat_size >= STP_SPLAT_SIZE_MIN && b->splat_size <= STP_SPLAT_SIZE_COARSEST);
 }

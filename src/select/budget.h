@@ -35,7 +35,7 @@ enum {
 typedef struct stp_budget {
     stp_controller controller;
     double budget_ms;
-    uint64_t frames; ///< learned from
+    uint64_t frames; ///< number of frames learned from
     float sizes[STP_BUDGET_AVERAGED];
     float splat_size;
     stp_frame_cost last;
@@ -45,7 +45,7 @@ typedef struct stp_budget {
     double covariance[STP_BUDGET_TERMS][STP_BUDGET_TERMS];
     double speed;   ///< recent ratio of measured to predicted time: other load on the machine
     double trend;   ///< logarithm of new content: the priced counts of a frame over its forecast
-    double scatter; ///< of measured over forecast around `trend`: mean deviation
+    double scatter; ///< mean deviation of log(measured / forecast) from `trend`
     /// Exponents by which counts fall with splat size; fragments may rise (negative).
     double splat_exponent, fragment_exponent, triangle_exponent;
     double ratios[STP_BUDGET_RATIOS]; ///< ratios of measured to expected time for a frame's counts
@@ -60,7 +60,8 @@ void stp_budget_init(stp_budget* budget, stp_controller controller, double budge
 /// STP_SPLAT_SIZE_COARSEST.
 float stp_budget_splat_size(const stp_budget* budget);
 
-/// Call after each frame. Ignores NaN and negative values.
+/// Call after each frame. Ignores a frame whose time or splat size is not positive, or whose time
+/// is 10^9 ms or more.
 void stp_budget_update(stp_budget* budget, const stp_frame_cost* cost);
 
 /// Predicted time of a frame like the last one at another size, in milliseconds. 0 before the first

@@ -10,10 +10,12 @@
 #include "base/splats/prefix_table.h"
 #include "select/rule.h"
 
+#include <assert.h>
+
 #define MIN_PART 1e-12 ///< minimum share of the total area per set
 
 typedef struct stp_select_share {
-    stp_select_entry at; ///< of the set's node
+    stp_select_entry at; ///< entry of the set's node
     uint32_t maximum;    ///< splats available
     uint32_t count;      ///< splats assigned
     double area;         ///< share of the total area
@@ -40,6 +42,8 @@ stp_result stp_select_note_set(stp_selection* s, const stp_select_entry* at)
     if (result != STP_OK) {
         return result;
     }
+    assert(share.maximum > 0 && "the set has splats");
+    assert(s->share_count <= list->share_capacity);
     if (s->share_count == list->share_capacity) {
         stp_select_share* shares = stp_grow_array(s->context, list->shares, &list->share_capacity,
                                                   s->share_count + 1, sizeof(*shares));
@@ -71,6 +75,7 @@ static uint32_t count_at(const stp_select_share* share, double density, uint32_t
                          uint32_t maximum)
 {
     uint32_t high = share->maximum < maximum ? share->maximum : maximum;
+    assert(low <= high && "a set gets what every set gets");
     double count = floor(share->area * density + 0.5);
     return count < (double)high ? (count > (double)low ? (uint32_t)count : low) : high;
 }
@@ -91,6 +96,9 @@ static void share_out(stp_select_share* shares, size_t count, uint64_t wanted, u
                       uint32_t maximum)
 {
     double below = 0.0, density = (double)wanted + 1.0;
+    assert((uint64_t)low * count <= wanted);
+    assert(count_all_at(shares, count, HUGE_VAL, low, maximum) >= wanted &&
+           "else the loop has no end");
     while (count_all_at(shares, count, density, low, maximum) < wanted) {
         below = density;
         density *= 2.0;
@@ -117,11 +125,13 @@ static void share_out(stp_select_share* shares, size_t count, uint64_t wanted, u
         shares[i].count += more;
         left -= more;
     }
+    assert(left == 0 && "all splats are distributed");
 }
 
 static stp_result add_share(stp_selection* s, const stp_select_share* share)
 {
     const stp_select_entry* at = &share->at;
+    assert(share->count > 0 && share->count <= share->maximum);
     stp_set_use use = stp_select_begin_use(s, s->rule, stp_select_set_of(s, at->node));
     use.switch_depth = 0.0; // nothing below is drawn
     stp_boxd box = stp_select_place_box(&at->transform, &s->directory->nodes[at->node].bounds);

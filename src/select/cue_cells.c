@@ -3,6 +3,8 @@
 
 #include "base/splats/leaf_runs.h"
 
+#include <assert.h>
+
 enum { GROWTHS = 4 * STP_OCTAVE_LIMIT };
 #define NONE UINT32_MAX
 
@@ -13,6 +15,7 @@ static const float growths[4] = {1.0f, 1.18920712f, 1.41421356f, 1.68179283f};
 uint32_t stp_cue_count(const stp_splats* set, uint32_t first, uint32_t last, uint32_t octaves)
 {
     uint32_t all = set->octave_count;
+    assert(first <= last && octaves <= all);
     return octaves == 0
                ? 0
                : stp_leaf_until(last, octaves - 1, all) - stp_leaf_until(first, octaves - 1, all);
@@ -37,6 +40,8 @@ typedef struct growth_lists {
 /// The radius step nearest to the radius that a cell's splats need.
 static uint32_t growth_of(const growth_lists* lists, const stp_cue_cell* cell)
 {
+    assert(cell->count > 0 && cell->count <= cell->last - cell->first &&
+           "draws some of its splats");
     float sparser = (float)((double)(cell->last - cell->first) / (double)cell->count);
     float radius = sqrtf(sparser) * (float)ROUND_UP;
     uint32_t growth = 0;
@@ -54,6 +59,7 @@ static void link_cells(stp_cue_cell* cells, uint32_t count, growth_lists* lists)
         lists->heads[k] = lists->ends[k] = NONE;
     }
     for (uint32_t i = 0; i < count; ++i) {
+        assert((i == 0 || cells[i - 1].last <= cells[i].first) && "cells are in curve order");
         uint32_t growth = growth_of(lists, &cells[i]);
         cells[i].growth = growth;
         cells[i].next = NONE;
@@ -69,6 +75,7 @@ static stp_result add_run(stp_selection* s, stp_leaf_run run, size_t first_run,
                           stp_depth_range drawn)
 {
     stp_draw_list* list = s->list;
+    assert(run.begin <= run.end);
     if (run.begin == run.end) {
         return STP_OK;
     }
@@ -79,7 +86,7 @@ static stp_result add_run(stp_selection* s, stp_leaf_run run, size_t first_run,
     return stp_select_add_run(s, run.begin, run.end, drawn);
 }
 
-/// Number of an octave's splats that a cell draws: all, or as many as are still needed.
+/// Run of an octave's splats that a cell draws: all, or as many as are still needed.
 static stp_leaf_run run_of(const stp_splats* set, const stp_cue_cell* cell, uint32_t octave)
 {
     stp_leaf_run run =
@@ -112,6 +119,7 @@ static stp_result add_item(stp_selection* s, const stp_splats* set, const stp_cu
         return stp_fail(s->context, STP_ERROR_LIMIT, "view: too many runs of splats");
     }
     item.prefix = item.full_prefix = s->list->runs[s->list->run_count - 1].end;
+    assert(splats <= item.prefix && "runs do not overlap");
     item.split_count = item.prefix - splats;
     item.first_run = (uint32_t)first;
     item.run_count = (uint32_t)runs;
@@ -121,6 +129,7 @@ static stp_result add_item(stp_selection* s, const stp_splats* set, const stp_cu
 stp_result stp_cue_add_items(stp_selection* s, const stp_splats* set, stp_cue_cell* cells,
                              size_t count, stp_draw_item item, stp_depth_range drawn)
 {
+    assert(count < NONE);
     growth_lists lists;
     link_cells(cells, (uint32_t)count, &lists);
     stp_result result = STP_OK;

@@ -4,11 +4,13 @@
 #include "base/splats/leaf_codes.h"
 #include "base/splats/octahedral.h"
 
-// of the samples of a hidden region: some of it may be visible beside its occluders
+#include <assert.h>
+
+// minimum share of a hidden region's samples: some of it may be visible beside its occluders
 #define MIN_SEEN 0.25
 #define POLISHED 0.4f  // surfaces below this roughness have highlights small enough to miss
 #define ALIKE 0.9f     // cosine between the normals of two parts of one surface
-#define STRAIGHT 1e-12 // of a direction's length: below, it counts as perpendicular to the axis
+#define STRAIGHT 1e-12 // components of a unit direction are at least this: avoids division by 0
 
 /// Solves 3 equations by Cramer's rule. False if there is no unique solution.
 static bool solve(const double (*m)[4], stp_vec3d right, stp_vec3d* out)
@@ -77,6 +79,7 @@ static stp_vec3d middle_of(const stp_leaf_node* node)
 
 double stp_cue_overhang(const stp_cue_view* view, const stp_leaf_node* node, const stp_boxd* box)
 {
+    assert(node->count > 0);
     const stp_view_frame* frame = &view->s->frames[0];
     stp_vec3d far = stp_subd(box->max, frame->eye), other = stp_subd(box->min, frame->eye);
     double depth = fmax(frame->forward.x * far.x, frame->forward.x * other.x) +
@@ -183,7 +186,7 @@ static ray ray_of(const stp_cue_view* view, const stp_leaf_node* node)
     way = length > 0.0 ? stp_scaled(way, 1.0 / length) : way;
     ray r = {.from = {middle.x, middle.y, middle.z}, .end = view->flat_view ? HUGE_VAL : length};
     const double along[3] = {way.x, way.y, way.z};
-    for (int k = 0; k < 3; ++k) { // the ray never enters slabs of a perpendicular axis
+    for (int k = 0; k < 3; ++k) { // planes along the ray are met only far away
         double step =
             fabs(along[k]) > STRAIGHT ? along[k] : (along[k] < 0.0 ? -STRAIGHT : STRAIGHT);
         r.per[k] = 1.0 / step;
@@ -219,7 +222,7 @@ static bool touches(const stp_leaf_node* a, const stp_leaf_node* b)
 }
 
 /// Whether another cube may hold more of the surface in this one: its plane passes through both,
-/// and they face alike. A surface does not hide itself, however flat the way lies along it.
+/// and they face alike. A surface does not hide itself, however flat the ray lies along it.
 static bool continues(const stp_leaf_node* a, stp_vec3 normal, const stp_leaf_node* b,
                       stp_vec3 other)
 {
@@ -236,10 +239,12 @@ double stp_cue_before(const stp_cue_view* view, const stp_leaf_node* node, doubl
     stp_vec3 way = stp_to_float((stp_vec3d){1.0 / r.per[0], 1.0 / r.per[1], 1.0 / r.per[2]});
     stp_vec3 own = stp_octahedral_decode(node->normal[0], node->normal[1]);
     double before = 0.0;
+    assert(!(enough < 0.0));
     for (uint32_t i = 0; i < view->leaves->node_count && before < enough;) {
         const stp_leaf_node* other = &nodes[i];
+        assert(other->next > i && other->next <= view->leaves->node_count);
         bool entered = enters(&r, other);
-        // smaller areas count as one pixel
+        // smaller cubes than the node count as a whole
         bool whole = other->leaf_count == 1 || other->depth > node->depth;
         if (entered && whole && !touches(node, other)) {
             stp_vec3 n = stp_octahedral_decode(other->normal[0], other->normal[1]);
@@ -277,5 +282,6 @@ double stp_cue_samples(const stp_cue_view* view, const stp_leaf_node* node,
     if ((view->cues & STP_CUE_OCCLUSION_BIT) != 0) {
         samples *= fmax(1.0 - occlusion_of(before, pixels_of(view, node, sight)), MIN_SEEN);
     }
+    assert(!(samples > all) && "no cue asks for more splats than there are");
     return samples;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Number of splats that a view takes from a leaf, or from a cube of several leaves, by five cues
-// (Bhakar, Luo, Mudur 2004, 2 and Table 1).
+// Number of splats that a view takes from a leaf, or from a cube of several leaves: by the paper's
+// five cues (Bhakar, Luo, Mudur 2004, 2 and Table 1), by coverage, and for highlights.
 #pragma once
 
 #include "select/select_internal.h"
@@ -20,7 +20,7 @@
 #define STP_CUE_ERROR_FEATURE 1.5 ///< factor at a silhouette, an edge or a highlight
 #define STP_CUE_HIGHLIGHT 0.26    ///< sine of a highlight's angle around the mirror direction
 
-#define STP_CUE_RADIUS 1.05 ///< of a splat, in sides of the square that it stands for
+#define STP_CUE_RADIUS 1.05 ///< radius of a splat, in sides of the square that it represents
 #define STP_CUE_LONGEST 1.5 ///< limit on an ellipse's larger radius, in those of its disk
 
 /// A set in a view.

@@ -6,9 +6,11 @@
 #include "base/splats/splat_codes.h"
 #include "select/rule.h"
 
+#include <assert.h>
+
 /// A cached state.
 typedef struct stp_select_cut {
-    uint32_t set, here, wanted; ///< key: loaded splats of the searched prefix
+    uint32_t set, here, wanted; ///< key; `here`: loaded splats of the searched prefix
     stp_progressive_cut cut;
 } stp_select_cut;
 
@@ -51,9 +53,11 @@ stp_result stp_select_count_states(stp_store* store, uint32_t set, uint32_t* max
             base += 1;
         }
     }
+    assert(base <= got.count && got.count <= whole->count);
     *ends = base < got.count || got.count == whole->count;
     base = base > 0 ? base : 1;           // nothing of the set is loaded
     *maximum = (whole->count + base) / 2; // each split replaces one splat by two
+    assert(*maximum <= whole->count);
     return STP_OK;
 }
 
@@ -101,6 +105,7 @@ stp_result stp_select_cut_item(stp_selection* s, uint32_t wanted, stp_draw_item*
     if (result != STP_OK || got.ranges == NULL) {
         return result;
     }
+    assert(wanted > 0);
     if (!make_room(s, s->cut_count)) {
         return stp_fail_memory(s->context);
     }
@@ -111,6 +116,8 @@ stp_result stp_select_cut_item(stp_selection* s, uint32_t wanted, stp_draw_item*
     }
     const stp_progressive_cut* cut = &kept->cut;
     *found = cut->splats > 0;
+    assert(cut->splats <= cut->end && cut->end <= here && "the state is in the loaded prefix");
+    assert(cut->splats <= wanted);
     if (!*found) {
         return STP_OK;
     }

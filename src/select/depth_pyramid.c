@@ -3,6 +3,8 @@
 
 #include "base/core/context.h"
 
+#include <assert.h>
+
 enum { MAX_BLOCKS = 4, ROWS_AT_ONCE = 8 };
 
 #define ROUNDING 1e-5 ///< relative margin of nearness: rounding error on either side
@@ -68,6 +70,7 @@ static void reduce_level(stp_depth_pyramid* p, uint32_t level)
 {
     const float* in = p->levels[level - 1];
     uint32_t columns = p->columns[level - 1], rows = p->rows[level - 1];
+    assert(p->columns[level] == (columns + 1) / 2 && p->rows[level] == (rows + 1) / 2);
     float* out = p->levels[level];
     for (uint32_t y = 0; y < p->rows[level]; ++y) {
         const float* above = in + (size_t)(2 * y) * columns;
@@ -84,6 +87,7 @@ stp_result stp_depth_pyramid_fill(stp_context* context, const stp_view_frame* fr
                                   const float* nearness, stp_depth_pyramid* pyramid)
 {
     uint32_t width = (uint32_t)frame->width, height = (uint32_t)frame->height;
+    assert(width > 0 && height > 0 && "a valid view");
     pyramid->frame = *frame;
     size_t total = choose_levels(pyramid, width, height);
     if (total > pyramid->capacity) {
@@ -101,6 +105,7 @@ stp_result stp_depth_pyramid_fill(stp_context* context, const stp_view_frame* fr
         pyramid->levels[i] = at;
         at += (size_t)pyramid->columns[i] * pyramid->rows[i];
     }
+    assert(at == pyramid->memory + total && "the levels fill the memory");
     block_rows rows = {.pyramid = pyramid, .nearness = nearness, .width = width, .height = height};
     stp_parallel_for(context, pyramid->rows[0], ROWS_AT_ONCE, reduce_pixels, &rows);
     for (uint32_t i = 1; i < pyramid->level_count; ++i) {
@@ -150,6 +155,7 @@ bool stp_depth_pyramid_hides_placed(const stp_depth_pyramid* p, const double row
                                     const stp_boxd* box, double margin)
 {
     const stp_view_frame* f = &p->frame;
+    assert(!(margin < 0.0));
     double ratio = margin / f->scale; // radius of such a splat over its depth
     footprint at;
     if (p->level_count == 0 || stp_boxd_is_empty(*box) || !(ratio < 0.5) ||
@@ -176,6 +182,7 @@ bool stp_depth_pyramid_hides_placed(const stp_depth_pyramid* p, const double row
         x1 /= 2;
         y1 /= 2;
     }
+    assert(x1 < p->columns[level] && y1 < p->rows[level] && "blocks of the level");
     // occluders may be drawn half a splat behind their place (draw/cpu)
     double nearness =
         f->near_distance / (at.depth * (1.0 - ratio)) * (1.0 + ratio) * (1.0 + ROUNDING);

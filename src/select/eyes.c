@@ -3,10 +3,13 @@
 
 #include "select/view_frame.h"
 
+#include <assert.h>
+
 stp_view stp_view_of_eye(const stp_view* view, uint32_t eye)
 {
     stp_view one = *view;
     stp_view_frame frame;
+    assert(eye < stp_view_eye_count(view));
     if (stp_view_eye_count(view) == 1) {
         return one;
     }

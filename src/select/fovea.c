@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "select/fovea.h"
 
+#include <assert.h>
+
 bool stp_fovea_is_valid(const stp_fovea* f)
 {
     bool valid = f->count <= STP_FOVEA_ZONES && isfinite(f->center[0]) && isfinite(f->center[1]);
@@ -15,6 +17,7 @@ bool stp_fovea_is_valid(const stp_fovea* f)
 double stp_fovea_factor(const stp_fovea* f, double radius)
 {
     double from = 0.0, factor = 1.0;
+    assert(!(radius < 0.0) && f->count <= STP_FOVEA_ZONES);
     for (uint32_t i = 0; i < f->count; ++i) {
         double to = (double)f->zones[i].radius, next = (double)f->zones[i].factor;
         if (radius < to) {
@@ -29,6 +32,7 @@ double stp_fovea_factor(const stp_fovea* f, double radius)
 void stp_fovea_bound(const stp_fovea* f, const stp_view_frame* frame,
                      const stp_view_rectangle* rectangle, double* minimum, double* greatest)
 {
+    assert(rectangle->x0 <= rectangle->x1 && rectangle->y0 <= rectangle->y1);
     double half = 0.5 * sqrt(frame->width * frame->width + frame->height * frame->height);
     double x = 0.5 * frame->width + (double)f->center[0] * half;
     double y = 0.5 * frame->height + (double)f->center[1] * half;

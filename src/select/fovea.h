@@ -10,7 +10,7 @@ enum { STP_FOVEA_ZONES = 8 };
 /// Factor on the splat size: 1 at the gaze point, `factor` at each zone's radius and beyond the
 /// last, linear in between.
 typedef struct stp_fovea_zone {
-    float radius; ///< of half the diagonal of the eye's picture; at least 0
+    float radius; ///< in half diagonals of the eye's picture; at least 0
     float factor; ///< above 0
 } stp_fovea_zone;
 

@@ -3,6 +3,8 @@
 // between two depths.
 #include "select/select_internal.h"
 
+#include <assert.h>
+
 double stp_select_growth(double ceiling, double depth)
 {
     if (depth <= ceiling) {
@@ -15,6 +17,7 @@ double stp_select_growth(double ceiling, double depth)
 stp_result stp_select_add_run(stp_selection* s, uint32_t begin, uint32_t end, stp_depth_range range)
 {
     stp_draw_list* list = s->list;
+    assert(begin < end && "empty runs are left out");
     if (list->run_count == list->run_capacity) {
         stp_draw_run* runs = stp_grow_array(s->context, list->runs, &list->run_capacity,
                                             list->run_count + 1, sizeof(*runs));

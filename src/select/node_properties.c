@@ -4,14 +4,16 @@
 #include "base/splats/prefix_table.h"
 #include "select/select_internal.h"
 
-/// Maximum overhang of a box beyond another, along any axis.
+#include <assert.h>
+
+/// Upper bound on the overhang of a box beyond another, in any direction.
 static double max_overhang(stp_box box, stp_boxd of)
 {
     stp_vec3d low = stp_to_double(box.min), high = stp_to_double(box.max);
     double maximum = stp_maxd(stp_maxd(of.min.x - low.x, high.x - of.max.x), 0.0);
     maximum = stp_maxd(stp_maxd(of.min.y - low.y, high.y - of.max.y), maximum);
     maximum = stp_maxd(stp_maxd(of.min.z - low.z, high.z - of.max.z), maximum);
-    return maximum * 1.7320508075688773; // the diagonal of a cube
+    return maximum * 1.7320508075688773; // of the axes' maximum, to the diagonal of a cube
 }
 
 static double find_margin(const stp_selection* s, const stp_select_graph* graph, uint32_t index)
@@ -39,6 +41,7 @@ static double find_margin(const stp_selection* s, const stp_select_graph* graph,
         double below = (double)graph->margins[edge->node];
         margin = stp_maxd(below * stp_affine_scale(&edge->transform), margin);
     }
+    assert(!(margin < 0.0));
     return margin * (1.0 + 1e-6);
 }
 
@@ -94,6 +97,7 @@ static void analyze_nodes(const stp_selection* s, stp_select_graph* graph)
         uint8_t bits = (node->flags & 1u) != 0 ? STP_NODE_MOVES : 0;
         for (uint32_t k = 0; k < node->edge_count; ++k) {
             uint32_t child = directory->edges[node->first_edge + k].node;
+            assert(child < i && "children come before their parents");
             bits = graph->moving[child] != 0 ? bits | STP_MOVES_BELOW : bits;
             graph->has_sets[i] = graph->has_sets[i] || graph->has_sets[child];
         }
@@ -119,6 +123,7 @@ static void find_repeated(const stp_store_directory* d, uint32_t* last, uint8_t*
             const stp_store_part* part = &d->parts[k];
             uint32_t resource =
                 part->index + (part->kind == STP_STORE_PART_MESH ? 0 : d->mesh_count);
+            assert(last[resource] <= i + 1 && "nodes are visited in order");
             repeated[k / 8] |= (uint8_t)((last[resource] == i + 1 ? 1u : 0u) << k % 8);
             last[resource] = i + 1;
         }

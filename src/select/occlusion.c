@@ -2,6 +2,8 @@
 // Nodes that the depth pyramid occludes are deferred in the first pass, and culled in the second.
 #include "select/select_internal.h"
 
+#include <assert.h>
+
 /// Radius in pixels of the largest splat: half the splat size, plus the growth of a set that fades
 /// out.
 static double splat_margin(const stp_box_visibility* sight)
@@ -12,6 +14,7 @@ static double splat_margin(const stp_box_visibility* sight)
 static stp_result set_aside(stp_selection* s, const stp_select_entry* at)
 {
     stp_draw_list* list = s->list;
+    assert(!s->second_pass && "the second pass culls");
     if (list->rejected_count == list->rejected_capacity) {
         stp_select_entry* rejected =
             stp_grow_array(s->context, list->rejected, &list->rejected_capacity,
@@ -32,6 +35,8 @@ stp_result stp_select_hide(stp_selection* s, const stp_select_entry* at, const s
     if (s->quality->occlusion == NULL) {
         return STP_OK;
     }
+    assert(sight->eyes != 0 && "a node that no eye sees would count as hidden");
+    assert(!s->frames[0].parallel && "pyramids occlude in perspective only");
     double reach =
         (double)s->graph->margins[at->node] * stp_affine_scale(&at->transform) * (1.0 + 1e-6);
     stp_vec3d margin = {reach, reach, reach};

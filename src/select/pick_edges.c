@@ -3,6 +3,7 @@
 #include "select/pick_internal.h"
 #include "store/clusters/clusters.h"
 
+#include <assert.h>
 #include <string.h>
 
 /// Sine of the maximum angle between coplanar triangles.
@@ -71,6 +72,7 @@ stp_result stp_pick_find_inner(stp_pick_work* work, uint32_t mesh, uint32_t tria
                                const stp_vec3 corners[3])
 {
     stp_pick* pick = work->pick;
+    assert(pick->hit && pick->part.kind == STP_STORE_PART_MESH && pick->part.index == mesh);
     memset(pick->inner, 0, sizeof(pick->inner));
     if (stp_store_is_clustered(work->store, mesh)) {
         stp_clusters clusters;

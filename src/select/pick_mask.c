@@ -3,6 +3,8 @@
 // colours, as drawn at close range (src/draw/cpu/triangle_look.c).
 #include "select/pick_mask.h"
 
+#include <assert.h>
+
 stp_result stp_pick_mask_make(stp_store* store, const stp_store_material* material, bool colors,
                               stp_pick_mask* mask)
 {
@@ -31,6 +33,7 @@ static int64_t floor_of(float value)
 
 static size_t wrap(int64_t at, uint32_t size, uint32_t how)
 {
+    assert(size > 0 && "a texture with texels");
     int64_t n = size;
     if (how == 1) { // clamp
         return (size_t)(at < 0 ? 0 : at >= n ? n - 1 : at);
@@ -67,6 +70,7 @@ bool stp_pick_mask_has(const stp_pick_mask* mask, const stp_pick_corner corners[
                        const double share[3])
 {
     const stp_store_material* material = mask->material;
+    assert(mask->asks && material->alpha != STP_STORE_OPAQUE);
     float u = 0.0f, v = 0.0f, own = 0.0f, alpha = material->base_color[3];
     for (int k = 0; k < 3; ++k) {
         float part = (float)share[k];

@@ -14,6 +14,8 @@
 #include "store/sets/coloring.h"
 #include "store/sets/columns.h"
 
+#include <assert.h>
+
 /// A corner in ray coordinates.
 typedef struct corner {
     double x, y, t;
@@ -157,6 +159,7 @@ static void test_triangle(stp_pick_work* work, const corner* a, const corner* b,
     work->pick->tests += 1;
     if (intersects(a, b, c, &t, share) && counts(work, t, point_at(&work->desc->ray, t)) &&
         is_opaque_at(source, vertices, share)) {
+        assert((!nearest->found || t < nearest->t) && "nearer than the last hit");
         *nearest = (nearest_element){.found = true, .index = index, .t = t};
         work->nearest = t;
     }
@@ -170,6 +173,7 @@ static void test_cluster(stp_pick_work* work, const ray_map* map, mask_source* s
     float positions[3 * STP_CLUSTER_VERTICES];
     corner corners[STP_CLUSTER_VERTICES];
     stp_clusters_get(clusters, index, &cluster);
+    assert(cluster.vertex_count <= STP_CLUSTER_VERTICES);
     stp_cluster_positions(clusters, &cluster, positions);
     source->cluster = &cluster;
     for (uint32_t i = 0; i < cluster.vertex_count; ++i) {
@@ -190,6 +194,7 @@ static void read_triangle(const stp_clusters* clusters, uint32_t triangle, stp_v
     stp_cluster cluster;
     uint32_t c[3];
     stp_clusters_get(clusters, stp_clusters_find(clusters, triangle), &cluster);
+    assert(triangle - cluster.first_triangle < cluster.triangle_count && "the right cluster");
     stp_cluster_corners(&cluster, triangle - cluster.first_triangle, c);
     for (int k = 0; k < 3; ++k) {
         out[k] = stp_cluster_position(clusters, &cluster, c[k]);
@@ -208,6 +213,7 @@ static stp_result get_triangle(stp_pick_work* work, stp_store_part part,
 {
     stp_pick* pick = work->pick;
     const stp_ray* ray = &work->desc->ray;
+    assert(nearest->found && work->nearest <= nearest->t && "the nearest hit so far");
     pick->hit = true;
     pick->part = part;
     pick->element = nearest->index;

@@ -4,6 +4,8 @@
 #include "base/core/context.h"
 #include "select/pick_internal.h"
 
+#include <assert.h>
+
 enum { MAX_RECORDS = 1 << 20 };
 static const uint64_t max_tests = UINT64_C(1) << 28;
 
@@ -64,6 +66,7 @@ static void sift_down(waiting* heap, size_t count)
 bool stp_pick_enters(const stp_pick_work* work, const stp_affine* transform, const stp_boxd* box,
                      double wider, bool points, double* near)
 {
+    assert(!(wider < 0.0));
     const stp_ray* ray = &work->desc->ray;
     stp_vec3d half = stp_scaled(stp_subd(box->max, box->min), 0.5);
     stp_vec3d center = stp_affine_point(transform, stp_addd(box->min, half));
@@ -105,6 +108,7 @@ static stp_result push(walk* w, const record* added)
     stp_pick_work* work = &w->work;
     const stp_store_node* node = &work->directory->nodes[added->node];
     waiting entry = {.record = (uint32_t)w->record_count};
+    assert((w->record_count == 0 || added->parent < w->record_count) && "parents come first");
     work->pick->tests += 1;
     bool points = node->point_count > 0;
     if (added->shown == STP_SHOW_NOT ||
@@ -143,6 +147,7 @@ static stp_result open_record(walk* w, uint32_t index)
 {
     stp_pick_work* work = &w->work;
     const stp_store_directory* d = work->directory;
+    assert(index < w->record_count);
     record at = w->records[index]; // the array may be reallocated
     const stp_store_node* node = &d->nodes[at.node];
     stp_result result = STP_OK;
@@ -174,6 +179,7 @@ static stp_result open_record(walk* w, uint32_t index)
 static void store_path(const walk* w)
 {
     stp_pick* pick = w->work.pick;
+    assert(w->met < w->record_count);
     const record* met = &w->records[w->met];
     pick->holder = (stp_placed_node){.node = met->node, .transform = met->transform};
     for (uint32_t i = w->met; i != w->records[i].parent; i = w->records[i].parent) {
@@ -181,6 +187,7 @@ static void store_path(const walk* w)
     }
     uint32_t at = pick->path_count;
     for (uint32_t i = w->met; i != w->records[i].parent; i = w->records[i].parent) {
+        assert(w->records[i].parent < i && at > 0 && "the path leads to the root");
         at -= 1;
         if (at < STP_PICK_DEPTH) {
             pick->path[at] = w->records[i].slot;
@@ -216,6 +223,7 @@ stp_result stp_pick_ray(stp_context* context, stp_store* store, const stp_pick_d
     }
     while (result == STP_OK && w.heap_count > 0) {
         waiting next = w.heap[0];
+        assert((w.heap_count < 2 || !comes_before(&w.heap[1], &next)) && "the nearest is first");
         w.heap[0] = w.heap[--w.heap_count];
         sift_down(w.heap, w.heap_count);
         if (next.near > w.work.nearest) {

@@ -42,9 +42,9 @@ typedef struct stp_pick {
     stp_vec3d normal;   ///< unit, of the triangle's plane, facing the origin of the ray
     stp_store_part part;
     uint32_t element;     ///< triangle (as clusters have them) or point
-    stp_vec3d corners[3]; ///< of the triangle, scene space
+    stp_vec3d corners[3]; ///< corners of the triangle, scene space; for a point, its position
     bool inner[3];        ///< whether the edge from this corner to the next lies within a flat face
-    uint32_t material;    ///< of the store
+    uint32_t material;    ///< index in the store
     stp_placed_node holder;        ///< node that contains the part
     uint32_t path[STP_PICK_DEPTH]; ///< path from the root: edge (slot) of each node
     uint32_t path_count;           ///< number of edges; above STP_PICK_DEPTH if not all are stored
@@ -59,6 +59,6 @@ STP_MUST_USE stp_result stp_pick_ray(stp_context* context, stp_store* store,
 
 typedef enum stp_snap_kind { STP_SNAP_NONE, STP_SNAP_VERTEX, STP_SNAP_EDGE } stp_snap_kind;
 
-/// Snap target of a pick: the corner of the triangle within `reach` of the hit, else the nearest
-/// point on its edges that are not within a flat face, else the hit itself; in scene units.
+/// Snap target of a pick: the triangle's nearest corner, else the nearest point on its edges that
+/// are not within a flat face, if within `reach` of the hit; else the hit itself. In scene units.
 stp_snap_kind stp_pick_snap(const stp_pick* pick, double reach, stp_vec3d* position);

@@ -4,6 +4,8 @@
 #include "select/pick_ray.h"
 #include "select/view_frame.h"
 
+#include <assert.h>
+
 bool stp_ray_of_pixel(const stp_view* view, double x, double y, stp_ray* ray)
 {
     uint32_t eye = 0;
@@ -79,6 +81,7 @@ stp_snap_kind stp_pick_snap(const stp_pick* pick, double reach, stp_vec3d* posit
             at_edge = on_edge;
         }
     }
+    assert((!has_corner || corner <= reach) && (!has_edge || edge <= reach));
     *position = has_corner ? at_corner : has_edge ? at_edge : pick->position;
     return has_corner ? STP_SNAP_VERTEX : has_edge ? STP_SNAP_EDGE : STP_SNAP_NONE;
 }

@@ -10,6 +10,8 @@
 #include "select/rule.h"
 #include "store/sets/leaves.h"
 
+#include <assert.h>
+
 #define ROUNDED (1.0 + 1e-6)
 #define EAGER_MAX 4.0
 #define EXTRA_NEED 0.01f // less than the priority of items drawn too coarsely
@@ -20,6 +22,7 @@ stp_result stp_select_begin_requests(stp_selection* s)
     stp_draw_list* list = s->list;
     s->streams = stp_store_streams(s->store) && !s->quality->reference;
     for (size_t i = 0; i < list->request_count && !s->second_pass; ++i) {
+        assert(list->requests[i].resource < list->want_capacity);
         list->request_slots[list->requests[i].resource] = 0;
     }
     list->request_count = s->second_pass ? list->request_count : 0;
@@ -55,13 +58,18 @@ static void add_request(stp_selection* s, stp_data_request request)
 {
     stp_draw_list* list = s->list;
     request.resource = stp_store_resource(s->store, request.kind, request.index);
+    assert(request.resource < list->want_capacity && "a slot for each resource");
     uint32_t* slot = &list->request_slots[request.resource];
+    assert(*slot <= list->request_count);
     if (*slot == 0) {
+        assert(list->request_count < list->want_capacity && "each resource once");
         list->requests[list->request_count++] = request;
         *slot = (uint32_t)list->request_count;
         return;
     }
     stp_data_request* known = &list->requests[*slot - 1];
+    assert(known->kind == request.kind && known->index == request.index &&
+           "a resource has one number");
     known->octaves = request.octaves > known->octaves ? request.octaves : known->octaves;
     known->need = fmaxf(known->need, request.need);
     known->octave_need = fmaxf(known->octave_need, request.octave_need);
@@ -89,6 +97,7 @@ static void request_set(stp_selection* s, const stp_select_entry* at,
                         const stp_box_visibility* sight, uint32_t set, uint32_t octaves)
 {
     double scale = stp_affine_scale(&at->transform);
+    assert(octaves <= stp_store_describe_surfels(s->store, set)->octave_count);
     add_request(s, (stp_data_request){.kind = STP_RESIDENT_SURFELS,
                                       .index = set,
                                       .octaves = octaves,
@@ -139,8 +148,8 @@ static uint32_t find_octaves(const stp_splats* surfels, const stp_select_entry* 
     return octaves;
 }
 
-/// Requests the visible parts of a node, and pushes its children. @return whether the parts are
-/// resident
+/// Requests the visible parts of a node, and pushes its children except moving ones. Clears
+/// `*ready` if a part is not resident.
 static stp_result request_below(stp_selection* s, const stp_select_entry* at, bool* ready)
 {
     const stp_store_directory* directory = s->directory;
@@ -179,6 +188,7 @@ static stp_result check_ready(stp_selection* s, const stp_select_entry* node,
     stp_result result = request_below(s, &first, ready);
     while (s->stack_count > base && result == STP_OK) {
         stp_select_entry at = s->list->stack[--s->stack_count];
+        assert(at.node < node->node && "descendants come before their ancestors");
         const stp_store_node* below = &s->directory->nodes[at.node];
         stp_boxd box = stp_select_place_box(&at.transform, &below->bounds);
         stp_box_visibility sight;
@@ -210,6 +220,7 @@ static void limit(const stp_selection* s, const stp_select_entry* at,
         use->extra = false;
     }
     s->rule->limit(at, use->extra ? use->switch_depth : sight->range.near, here, use);
+    assert(use->count <= here && "only loaded splats are drawn");
 }
 
 stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
@@ -217,6 +228,7 @@ stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
 {
     const stp_splats* surfels = use->surfels;
     uint32_t here = stp_store_resident_surfels(s->store, use->set);
+    assert(here <= surfels->count && "loaded splats are a prefix of the set");
     uint32_t octaves = stp_store_octaves_for(surfels, use->count);
     uint32_t minimum = find_octaves(surfels, at);
     bool opens = s->quality->splat_count == 0 &&

@@ -4,6 +4,8 @@
 
 #include "base/splats/prefix_table.h"
 
+#include <assert.h>
+
 const stp_select_rule* stp_select_rule_of(uint32_t id)
 {
     switch (id) {
@@ -19,8 +21,8 @@ const stp_select_rule* stp_select_rule_of(uint32_t id)
 }
 
 /// Whether a set holds all points of a node without triangles: such a node is never opened, since
-/// points have no size of their own. A cloud with points in one place is not complete: its set has
-/// one of them.
+/// points have no size of their own. A set with fewer splats is complete, too, if all other points
+/// coincide with them.
 static bool is_complete(const stp_store_node* node, const stp_splats* surfels)
 {
     // coincident points share one surfel, so all surfels together cover to within position
@@ -50,6 +52,7 @@ bool stp_select_find_nearest(const stp_selection* s, const stp_select_entry* at,
                              const stp_box_visibility* sight, bool cloud, stp_set_use* use,
                              double* nearest)
 {
+    assert(use->per_depth > 0.0 && "drawn by size");
     double suffices_from = stp_select_reach(s, at->node) / use->per_depth;
     stp_depth_range range = sight->range;
     bool suffices = cloud || range.near >= suffices_from;
@@ -62,6 +65,7 @@ bool stp_select_find_nearest(const stp_selection* s, const stp_select_entry* at,
 
 stp_set_use stp_select_begin_use(const stp_selection* s, const stp_select_rule* rule, uint32_t set)
 {
+    assert(set < s->directory->surfels_count && "the node has a set");
     return (stp_set_use){.rule = rule,
                          .set = set,
                          .surfels = stp_store_describe_surfels(s->store, set),
@@ -100,6 +104,7 @@ void stp_select_use_coarse(stp_selection* s, const stp_select_entry* at,
     stp_set_use other = stp_select_begin_use(s, rule, set);
     other.per_depth = use->per_depth;
     rule->use(s, at, sight, false, &other);
+    assert(other.count <= other.surfels->count);
     if (other.count > 0 && (!s->streams || stp_select_request_coarse(s, at, sight, &other))) {
         *use = other;
     }
@@ -127,12 +132,14 @@ stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* a
         return use;
     }
     s->rule->use(s, at, sight, cloud, &use);
+    assert(use.count <= surfels->count);
     return use;
 }
 
 stp_draw_item stp_select_splat_item(const stp_selection* s, const stp_select_entry* at,
                                     const stp_set_use* use)
 {
+    assert(use->count <= use->surfels->count && "a prefix of the set");
     return (stp_draw_item){.kind = STP_DRAW_SURFELS,
                            .index = use->set,
                            .prefix = use->count,

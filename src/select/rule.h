@@ -7,11 +7,12 @@
 #include "select/select_internal.h"
 
 typedef struct stp_select_rule {
-    /// Decides by size how to use a node's set. Called if the eye is outside the node's box. On
-    /// entry `use` holds the set, opens the node, and has per_depth > 0.
+    /// Decides by size how to use a node's set. The eye is outside the node's box, unless `cloud`:
+    /// the node is never opened. On entry `use` holds the set, opens the node, and has
+    /// per_depth > 0.
     void (*use)(const stp_selection* s, const stp_select_entry* at, const stp_box_visibility* sight,
                 bool cloud, stp_set_use* use);
-    /// Uses the first `count` splats at any depth, or more if `use` already has more.
+    /// Uses `count` splats at any depth: a prefix, a state, or a share of each leaf.
     void (*use_count)(stp_set_use* use, uint32_t count);
     /// Adapts `use` to a set with only its first `here` splats loaded, or to a node that cannot be
     /// opened yet. The splats are seen at depth `nearest` and beyond.

@@ -6,6 +6,8 @@
 #include "base/splats/prefix_table.h"
 #include "select/rule.h"
 
+#include <assert.h>
+
 enum {
     RUN_ALIGN = 64,
     RUN_GROWS = 8 ///< run lengths grow by an eighth of the splats before
@@ -22,6 +24,7 @@ enum {
 /// Disk radius of a prefix when splats of this many pixels are wanted.
 static void use_count(stp_set_use* use, uint32_t count, double splat_size)
 {
+    assert(count <= use->surfels->count);
     double roomy = (CLOSE - splat_size) / (CLOSE - ROOMY);
     double share = 0.5 + 0.5 * (roomy > 0.0 ? fmin(roomy, 1.0) : 0.0);
     use->count = count;
@@ -65,6 +68,7 @@ static double switch_depth_factor(double lacks, stp_depth_range range)
 /// prefix still covers, with larger splats.
 static void use_beside(stp_set_use* use, uint32_t count, double size, double below, double grown)
 {
+    assert(grown >= 0.0 && grown <= 1.0 && "a share");
     double own = STP_SPLAT_WORK * (double)count;
     double maximum = STP_TRANSITION_WORK * fmax(own, below) - grown * below;
     if (maximum < own) {
@@ -118,6 +122,7 @@ static double shrinking(const stp_set_use* use, double depth)
 static stp_depth_range depths_of(const stp_set_use* use, double ceiling, uint32_t index)
 {
     stp_depth_range range = {0.0, HUGE_VAL};
+    assert(index < use->count);
     double part = (double)index / (double)use->count;
     if (use->extra) {
         const double gone = 1.0 / STP_LEVELS_SHRINK;
@@ -129,8 +134,8 @@ static stp_depth_range depths_of(const stp_set_use* use, double ceiling, uint32_
     return range;
 }
 
-/// Estimates how many of the splats [begin, end), spread evenly over `seen`, are drawn beside those
-/// of another level.
+/// Estimates how many of `count` splats, spread evenly over `seen` and drawn within `drawn`, are
+/// drawn beside another level.
 static double count_extra(const stp_select_entry* at, const stp_set_use* use, stp_depth_range seen,
                           stp_depth_range drawn, uint32_t count)
 {
@@ -152,6 +157,7 @@ static stp_result add_runs(stp_selection* s, const stp_select_entry* at, const s
         uint32_t size = begin / RUN_GROWS / RUN_ALIGN * RUN_ALIGN;
         size = size > RUN_ALIGN ? size : RUN_ALIGN;
         uint32_t end = left - 1 < size ? item->prefix : begin + size;
+        assert(begin % RUN_ALIGN == 0 && begin < end && end <= item->prefix);
         stp_depth_range range = depths_of(use, at->ceiling, begin);
         *extra += count_extra(at, use, seen, range, end - begin);
         range.near = range.near <= seen.near ? 0.0 : range.near;
@@ -172,6 +178,7 @@ static stp_result add_runs(stp_selection* s, const stp_select_entry* at, const s
         s->list->run_count = first;
         return STP_OK;
     }
+    assert(s->list->runs[s->list->run_count - 1].end == item->prefix && "runs cover the prefix");
     if (s->list->run_count > UINT32_MAX) {
         return stp_fail(s->context, STP_ERROR_LIMIT, "view: too many runs of splats");
     }
@@ -186,6 +193,7 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
     stp_depth_range range = sight->range;
     double part = stp_select_growth(at->ceiling, range.near);
     part *= use->extra ? shrinking(use, range.far) : 1.0;
+    assert(part >= 0.0 && part <= 1.0 && "a share");
     stp_draw_item item = {.kind = STP_DRAW_SURFELS,
                           .index = use->set,
                           .prefix = (uint32_t)(part * (double)use->count),

@@ -9,6 +9,8 @@
 #include "select/cues.h"
 #include "select/rule.h"
 
+#include <assert.h>
+
 #define CELL_SAMPLES 0.5 // maximum splats per leaf of a cube that is not opened
 #define CUES_MAX 8.0     // factor on nominal samples: a bent region with an edge or a silhouette
 
@@ -17,7 +19,7 @@ enum {
     RAY_LEAVES = 32
 };
 
-/// Smallest number of octaves with this many splats.
+/// Number of splats in the fewest octaves that hold at least `count`.
 static uint32_t round_count(const stp_splats* set, double count)
 {
     for (uint32_t k = 0; k < set->octave_count; ++k) {
@@ -70,6 +72,7 @@ static void limit(const stp_select_entry* at, double nearest, uint32_t here, stp
         use->radius = fmax(use->radius, reach_of(use->surfels, here));
     }
     use->state = use->state < here ? use->state : here;
+    assert(use->state <= use->surfels->count);
 }
 
 static stp_result add_cell(stp_selection* s, size_t* count, stp_cue_cell cell)
@@ -95,12 +98,14 @@ static stp_result add_cell(stp_selection* s, size_t* count, stp_cue_cell cell)
 static stp_cue_cell cell_of(const stp_splats* set, const stp_leaf_node* node, double samples,
                             uint32_t here)
 {
+    assert(node->count > 0);
     stp_cue_cell cell = {.first = node->first, .last = node->first + node->count};
     double share = samples / (double)node->count;
     uint32_t octaves =
         node->leaf_count > 1 ? stp_cue_octaves(set, share, here) : stp_cue_octaves(set, 1.0, here);
     uint32_t maximum = stp_cue_count(set, cell.first, cell.last, octaves);
     uint32_t wanted = samples < (double)maximum ? (uint32_t)(samples + 0.5) : maximum;
+    assert(wanted <= maximum && maximum <= node->count);
     cell.count = node->leaf_count > 1 ? maximum : wanted;
     return cell;
 }
@@ -112,6 +117,7 @@ static double round_leaf(const stp_leaf_node* node, double samples, double* carr
     *carried += fmin(samples, all);
     double whole = fmin(floor(*carried + 0.5), all);
     *carried -= whole;
+    assert(fabs(*carried) < 1.0 && "rounding errors do not add up");
     return whole;
 }
 
@@ -169,6 +175,7 @@ static stp_result choose_cells(stp_selection* s, const stp_cue_view* view, uint3
     cue_walk walk = {0};
     for (uint32_t i = 0; i < view->leaves->node_count && result == STP_OK;) {
         const stp_leaf_node* node = &nodes[i];
+        assert(node->next > i && node->next <= view->leaves->node_count);
         stp_box_visibility sight;
         if (!is_cube_in_view(s, view, node, &sight)) {
             i = node->next;
@@ -180,6 +187,7 @@ static stp_result choose_cells(stp_selection* s, const stp_cue_view* view, uint3
         if (!opens) {
             double samples = stp_cue_samples(view, node, &sight, walk.before);
             samples = node->leaf_count == 1 ? round_leaf(node, samples, &walk.carried) : samples;
+            assert(!(samples < 0.0));
             result = add_cell(s, count, cell_of(view->set, node, samples, here));
             walk.minimum =
                 walk.minimum.count == 0 ? single_splat(view->set, node, here) : walk.minimum;
@@ -242,11 +250,12 @@ static void find_density(cue_share* share, double wanted)
     }
 }
 
-/// Distributes `wanted` splats over all leaves by weight, limited by their counts. Adjusts by one
-/// splat so that the sum is exact.
+/// Distributes `wanted` splats over all leaves by weight, limited by their counts. The first leaves
+/// with spare splats take the remainder of rounding.
 static stp_result share_out(stp_selection* s, const stp_cue_view* view, uint32_t wanted,
                             uint32_t here, size_t* count)
 {
+    assert(wanted <= view->set->count && here <= view->set->count);
     if (wanted == view->set->count && here == wanted) {
         return add_cell(s, count, (stp_cue_cell){0, wanted, wanted, 0, 0});
     }
@@ -271,6 +280,7 @@ static stp_result share_out(stp_selection* s, const stp_cue_view* view, uint32_t
     }
     for (size_t i = 0; i < *count && left > 0; ++i) { // remainder of rounding
         stp_cue_cell* cell = &s->list->cells[i];
+        assert(cell->count <= find_max_worth(&share, cell->first, cell->last - cell->first));
         uint32_t more = find_max_worth(&share, cell->first, cell->last - cell->first) - cell->count;
         more = more < left ? more : left;
         cell->count += more;
@@ -292,6 +302,7 @@ static stp_result add_plain(stp_selection* s, const stp_set_use* use, stp_draw_i
                             stp_depth_range drawn)
 {
     uint32_t prefix = use->state > 0 ? use->state : use->count;
+    assert(prefix > 0 && prefix <= use->surfels->count);
     item.prefix = item.full_prefix = prefix;
     item.shape_scale = (float)sqrt((double)use->surfels->count / (double)prefix);
     if (drawn.near > 0.0 || drawn.far < HUGE_VAL) {

@@ -6,6 +6,8 @@
 #include "base/splats/prefix_table.h"
 #include "select/rule.h"
 
+#include <assert.h>
+
 /// Shortest prefix of the table that holds every splat a level can need.
 static uint32_t find_prefix(const stp_splats* surfels, double level)
 {
@@ -33,6 +35,7 @@ static double find_level(const stp_splats* surfels, uint32_t count)
 /// Uses one level for the whole set: an exact cut through the tree.
 static void use_count(stp_set_use* use, uint32_t count)
 {
+    assert(count <= use->surfels->count);
     use->count = count;
     use->level_min = find_level(use->surfels, count);
     use->radius = fmax(use->level_min, (double)use->surfels->candidate_radius);
@@ -43,6 +46,7 @@ static void use_count(stp_set_use* use, uint32_t count)
 static void use_state(stp_set_use* use, uint32_t count)
 {
     uint32_t all = use->surfels->count;
+    assert(count > 0 && "a base set has at least one splat");
     use_count(use, count <= all / 2 ? 2 * count - 1 : all);
     use->state = count;
 }
@@ -50,6 +54,7 @@ static void use_state(stp_set_use* use, uint32_t count)
 /// The prefix for views from `nearest` on.
 static void use_from(const stp_select_entry* at, double nearest, stp_set_use* use)
 {
+    assert(use->per_depth > 0.0 && "drawn by size");
     use->count = find_prefix(use->surfels, use->per_depth * nearest);
     use->radius = use->per_depth * nearest;
     use->level_per_depth = use->per_depth;
@@ -81,7 +86,7 @@ static void use_set(const stp_selection* s, const stp_select_entry* at,
     }
 }
 
-/// Uses the first `count` splats, or more if `use` already has more.
+/// Uses the first splats: `count`, or fewer if `use` has fewer.
 static void use_at_most(stp_set_use* use, uint32_t count)
 {
     use_count(use, count < use->count ? count : use->count);
@@ -127,6 +132,7 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
         item.first_run = (uint32_t)first;
         item.run_count = 1;
     }
+    assert(item.split_count <= item.prefix);
     s->list->extra_splats += at->extra || use->extra ? item.prefix - item.split_count : 0;
     result = stp_select_add_item(s, item, item.prefix);
     return result == STP_OK && item.beside_triangles ? stp_select_add_triangles(s, at, use, sight)

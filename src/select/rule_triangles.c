@@ -3,6 +3,8 @@
 // as far as STP_LARGE_USES parts and nodes, so that a view need not look at more.
 #include "select/rule.h"
 
+#include <assert.h>
+
 // Half of a view's limit: content that splats can represent must not make a view fail.
 #define IDS_MAX (UINT64_C(1) << 31)
 #define ITEMS_MAX (UINT64_C(1) << 18)
@@ -18,12 +20,11 @@ typedef struct walk {
     enum { WALK_COUNTS, WALK_ASKS, WALK_ADDS } does;
     uint32_t left;  ///< parts and nodes that may still be visited
     uint32_t items; ///< items to add
-    uint64_t ids;   ///< of them
+    uint64_t ids;   ///< triangles of these items: their ids
     bool all;       ///< requested data is resident
 } walk;
 
-/// Whether large triangles replace splats of the prefix, with every octave that the picture needs
-/// resident.
+/// Whether large triangles replace any loaded splat of the prefix.
 static stp_result has_replaced(const stp_selection* s, const stp_set_use* use, bool* has)
 {
     *has = false;
@@ -62,6 +63,7 @@ static stp_result add_item(const walk* w, uint32_t mesh, const stp_affine* below
 {
     stp_selection* s = w->s;
     const stp_set_use* use = w->use;
+    assert(scale > 0.0 && "a flattened mesh has no large triangles");
     double from = fmax(use->level_per_depth * w->sight->range.near, use->level_min);
     stp_draw_item item = {.kind = STP_DRAW_MESH,
                           .index = mesh,
@@ -99,6 +101,7 @@ static stp_result add_node(walk* w, uint32_t index, const stp_affine* below)
     }
     for (uint32_t i = 0; i < node->edge_count && w->left > 0 && result == STP_OK; ++i) {
         const stp_store_edge* edge = &s->directory->edges[node->first_edge + i];
+        assert(edge->node < index && "children come before their parents: the recursion ends");
         stp_affine transform = stp_affine_multiply(*below, edge->transform);
         w->left -= 1;
         if ((s->graph->moving[edge->node] & STP_NODE_MOVES) == 0) {
@@ -148,6 +151,8 @@ stp_result stp_select_use_triangles(stp_selection* s, const stp_select_entry* at
 stp_result stp_select_add_triangles(stp_selection* s, const stp_select_entry* at,
                                     const stp_set_use* use, const stp_box_visibility* sight)
 {
+    assert(s->list->count > 0 && s->list->items[s->list->count - 1].kind == STP_DRAW_SURFELS &&
+           s->list->items[s->list->count - 1].index == use->set && "the set's item is the last");
     walk w = begin_walk(s, at, use, sight);
     w.does = WALK_ADDS;
     stp_affine here = stp_affine_identity();

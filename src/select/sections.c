@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "select/sections.h"
 
-#define WIDER 1e-6 // of a box's diagonal
+#include <assert.h>
+
+#define WIDER 1e-6 // outward shift of a box's planes, relative to its diagonal
 
 bool stp_sections_are_valid(const stp_sections* sections)
 {
@@ -46,6 +48,7 @@ bool stp_sections_add_box(stp_sections* sections, const stp_boxd* box)
             added && stp_sections_add_plane(sections, stp_addd(box->max, margin), axes[k]) &&
             stp_sections_add_plane(sections, stp_subd(box->min, margin), stp_scaled(axes[k], -1.0));
     }
+    assert(!added || sections->count == before + 6);
     sections->count = added ? sections->count : before;
     return added;
 }
@@ -63,6 +66,9 @@ bool stp_sections_cut(const stp_sections* sections, stp_vec3d point)
 bool stp_sections_test(const stp_sections* sections, const stp_boxd* box, double margin,
                        uint32_t* mask)
 {
+    assert(sections->count <= STP_SECTION_PLANES);
+    assert((*mask & ~stp_sections_all(sections)) == 0 && "bits of existing planes");
+    assert(!(margin < 0.0));
     stp_vec3d half = stp_scaled(stp_subd(box->max, box->min), 0.5);
     stp_vec3d center = stp_addd(box->min, half);
     for (uint32_t bits = *mask; bits != 0; bits &= bits - 1) {

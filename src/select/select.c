@@ -3,6 +3,8 @@
 #include "select/count.h"
 #include "select/rule.h"
 
+#include <assert.h>
+
 static stp_result begin(stp_selection* s, stp_context* context, stp_store* store,
                         const stp_view* view, const stp_quality* quality, stp_draw_list* list,
                         bool second_pass)
@@ -23,6 +25,7 @@ static stp_result begin(stp_selection* s, stp_context* context, stp_store* store
                   (s->directory->surfels_count > 0 && !quality->reference);
     list->splat_size = quality->splat_size >= 1.0f ? quality->splat_size : 1.0f;
     s->eye_count = stp_view_eye_count(view);
+    assert(s->eye_count <= STP_EYES_MAX);
     for (uint32_t i = 0; i < s->eye_count; ++i) {
         stp_view one = stp_view_of_eye(view, i);
         if (!stp_view_frame_make(&one, &s->frames[i])) {
@@ -76,6 +79,7 @@ stp_result stp_select_rejected(stp_context* context, stp_store* store, const stp
 {
     stp_selection s;
     stp_result result = begin(&s, context, store, view, quality, list, true);
+    assert(list->first_pass_count <= list->count && "the first pass filled the list");
     for (size_t i = 0; i < list->rejected_count && result == STP_OK; ++i) {
         result = stp_select_push(&s, &list->rejected[i]);
         result = result != STP_OK ? result : stp_select_traverse(&s);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Selects what to draw for a view: a pure function of scene, view, quality and occluders
-// (design.md, section 5).
+// (docs/design.md).
 //
 // Levels of detail change with depth. A node's surfels suffice beyond a switch depth; nearer, its
 // own triangles and its children are drawn. Around the switch depth both are drawn: each splat and
@@ -81,7 +81,7 @@ typedef struct stp_draw_item {
     uint32_t full_prefix;
     uint32_t first_id;
     uint32_t first_run, run_count; ///< runs in the list; none: every splat of the prefix is drawn
-    float radius; ///< of each splat, in item space; for splats with shapes, a typical one
+    float radius; ///< radius of each splat, in item space; for splats with shapes, a typical one
     /// Levels compared with splat ranges: the error in item space allowed at depth 1, and the error
     /// allowed anywhere. Unused for sets without ranges.
     float level_per_depth, level_min;
@@ -125,30 +125,30 @@ typedef struct stp_draw_list {
     size_t run_count, run_capacity;
     /// Earlier items are from stp_select, later ones from stp_select_rejected
     size_t first_pass_count;
-    uint64_t splat_count;     ///< of prefixes; for sets refined by splits, of their states
+    uint64_t splat_count;     ///< splats of prefixes; for sets refined by splits, of their states
     uint64_t triangle_count;  ///< without large triangles
-    uint64_t id_count;        ///< of all items
+    uint64_t id_count;        ///< ids of all items; less than 2^32
     uint64_t extra_splats;    ///< part of splat_count, listed because levels blend
     uint64_t extra_triangles; ///< the same of triangle_count
     uint32_t node_count;      ///< visited nodes
     uint32_t hidden_count;    ///< nodes that the pyramid occluded, in the last pass
     float splat_size;         ///< splat size used at the gaze point
     bool mixes; ///< splats and triangles may occur together, in this list or in another view's
-    /// Streaming store: items that the view would draw, loaded or not, each once
+    /// Streaming store: resources that the view would draw, loaded or not, each once
     /// (stp_residency_update).
     stp_data_request* requests;
     size_t request_count;
     // reused between calls
-    uint32_t* request_slots; ///< per item of the store: 1 + index of its request; 0: none
+    uint32_t* request_slots; ///< per resource of the store: 1 + index of its request; 0: none
     size_t want_capacity;
     struct stp_select_entry *stack, *rejected;
     size_t stack_capacity, rejected_count, rejected_capacity;
-    struct stp_select_graph* graph; ///< of the store that the list is used with
-    struct stp_select_cut* cuts;    ///< ids of the last items, in item order
+    struct stp_select_graph* graph; ///< owned: properties of the nodes of the list's store
+    struct stp_select_cut* cuts;    ///< cached states of progressive sets, in the order of use
     size_t cut_capacity;
     struct stp_select_share* shares; ///< for the splat count
     size_t share_capacity;
-    struct stp_cue_cell* cells; ///< of the last added set
+    struct stp_cue_cell* cells; ///< cells of the last added set
     size_t cell_capacity;
 } stp_draw_list;
 
@@ -200,8 +200,9 @@ uint32_t stp_select_coarse_method(const stp_store_directory* directory, const st
 ///
 /// With a pyramid, nodes that it occludes are deferred. The pyramid may be of any earlier frame:
 /// stp_select_rejected finds wrongly deferred nodes.
-/// @return STP_OK, STP_ERROR_ARGUMENT (an invalid view or fovea), STP_ERROR_LIMIT (more than 2^32 -
-/// 2 splats and triangles), STP_ERROR_OUT_OF_MEMORY, or as stp_store_get_surfels_prefix; logged
+/// @return STP_OK, STP_ERROR_ARGUMENT (an invalid view, fovea or section), STP_ERROR_LIMIT (more
+/// than 2^32 - 2 splats and triangles, or too many nodes, items or runs),
+/// STP_ERROR_OUT_OF_MEMORY, or as stp_store_get_surfels_prefix; logged
 STP_MUST_USE stp_result stp_select(stp_context* context, stp_store* store, const stp_view* view,
                                    const stp_quality* quality, stp_draw_list* list);
 

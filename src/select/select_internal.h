@@ -32,7 +32,7 @@ static inline double stp_select_early_switch(const stp_quality* quality)
 typedef struct stp_select_entry {
     uint32_t node;
     bool moving_only;  ///< an ancestor's surfels represent everything that does not move
-    bool extra;        ///< drawn only where it is nearer than an ancestor's surfels
+    bool extra;        ///< drawn only because levels blend: an ancestor's surfels suffice
     uint32_t sections; ///< bits of section planes that may cut it
     uint32_t shown;    ///< state of its visibility
     double ceiling;    ///< beyond this depth an ancestor's surfels suffice
@@ -46,7 +46,7 @@ typedef struct stp_select_graph {
     const stp_store_directory* directory;
     const stp_store_node* nodes;
     uint32_t node_count, edge_count, part_count, surfels_count;
-    uint32_t method; ///< of the sets
+    uint32_t method; ///< index of the sets' method in the directory's table
     uint8_t* moving; ///< STP_NODE_MOVES, STP_MOVES_BELOW
     /// Overhang of a node's drawn content beyond its box, without pixels; node units
     float* margins;
@@ -62,12 +62,12 @@ enum { STP_NODE_MOVES = 1, STP_MOVES_BELOW = 2 };
 
 typedef struct stp_selection {
     stp_context* context;
-    stp_store* store; ///< read-only, unless a set's columns are needed (cuts.c)
+    stp_store* store; ///< read-only, but may load a set's columns (cuts.c) or leaves
     const stp_store_directory* directory;
     const stp_quality* quality;
     const stp_sections* sections;
     stp_draw_list* list;
-    uint32_t method; ///< its index in the directory's table
+    uint32_t method; ///< index of the drawn method in the directory's table
     const struct stp_select_rule* rule;
     uint32_t coarse_method; ///< the same for the coarse method; STP_STORE_NONE: none
     const stp_select_graph* graph;
@@ -75,8 +75,8 @@ typedef struct stp_selection {
     uint32_t eye_count;
     size_t stack_count;
     uint64_t visits;
-    size_t cut_count;   ///< cached states in this call
-    size_t share_count; ///< for a splat count
+    size_t cut_count;   ///< states used in this call, from the list's cache
+    size_t share_count; ///< sets registered for a splat count
     bool second_pass;
     bool streams; ///< streaming: draws resident data, and requests the rest
 } stp_selection;
@@ -99,12 +99,12 @@ typedef struct stp_box_visibility {
 /// nearer.
 typedef struct stp_set_use {
     const struct stp_select_rule* rule;
-    uint32_t set; ///< of the store
+    uint32_t set; ///< index in the store
     const stp_splats* surfels;
-    uint32_t count; ///< prefix; 0: not drawn
-    uint32_t state; ///< splats of the drawn state of a progressive set; 0: by levels
-    double radius;  ///< of its splats, node units
-    double level_per_depth, level_min; ///< of the item
+    uint32_t count;                    ///< prefix; 0: not drawn
+    uint32_t state;                    ///< requested number of splats, at any depth; 0: by size
+    double radius;                     ///< radius of its splats, node units
+    double level_per_depth, level_min; ///< levels of the item (stp_draw_item), node units
     double per_depth;    ///< the wanted coverage radius at depth 1, node units; 0: not by depth
     double switch_depth; ///< 0: nothing below is drawn; infinite: everything
     bool extra;          ///< not drawn without blending between levels
@@ -165,9 +165,9 @@ STP_MUST_USE stp_result stp_select_add_run(stp_selection* s, uint32_t begin, uin
                                            stp_depth_range range);
 
 /// Makes an item draw the state with `wanted` splats of a progressive set, or the nearest state in
-/// the item's prefix. If that is fewer than the base set has, draws the first splats of the base
-/// set. Sets the item's prefix to the state's. @return STP_OK, or as stp_store_get_surfels_prefix;
-/// `*found`: whether the set has states; if not, the item is unchanged
+/// the item's prefix. If the base set has more than `wanted`, draws its first `wanted` splats. Sets
+/// the item's prefix to the state's. @return STP_OK, or as stp_store_get_surfels_prefix; `*found`:
+/// whether the set has states; if not, the item is unchanged
 STP_MUST_USE stp_result stp_select_cut_item(stp_selection* s, uint32_t wanted, stp_draw_item* item,
                                             bool* found);
 

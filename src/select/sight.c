@@ -2,6 +2,8 @@
 // Visibility of a box for all eyes together, and the wanted splat sizes.
 #include "select/select_internal.h"
 
+#include <assert.h>
+
 /// Splat sizes wanted in an eye's picture of the box.
 static void choose_sizes(const stp_selection* s, uint32_t eye, const stp_boxd* box,
                          stp_box_visibility* sight)
@@ -33,6 +35,7 @@ bool stp_select_is_in_view(const stp_selection* s, const stp_boxd* box, stp_box_
         sight->is_inside = sight->is_inside || stp_view_frame_is_inside(frame, box);
         choose_sizes(s, i, box, sight);
     }
+    assert((sight->eyes == 0 || sight->splat_size <= sight->largest_size) && "sizes are bounds");
     if (s->frames[0].parallel) {
         sight->range = (stp_depth_range){1.0, 1.0};
     }

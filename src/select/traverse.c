@@ -3,6 +3,8 @@
 #include "select/count.h"
 #include "select/rule.h"
 
+#include <assert.h>
+
 // A small graph of shared nodes can expand exponentially. These limits bound the time and memory of
 // a view: a fixed allowance, plus a number per record of the graph. Views of real scenes visit
 // about 100,000 nodes.
@@ -29,6 +31,8 @@ stp_result stp_select_count_visit(stp_selection* s)
 stp_result stp_select_push(stp_selection* s, const stp_select_entry* entry)
 {
     stp_draw_list* list = s->list;
+    assert(entry->node < s->directory->node_count);
+    assert(s->stack_count <= list->stack_capacity);
     if (s->stack_count == list->stack_capacity) {
         stp_select_entry* stack = stp_grow_array(s->context, list->stack, &list->stack_capacity,
                                                  s->stack_count + 1, sizeof(*stack));
@@ -45,6 +49,10 @@ stp_result stp_select_add_item(stp_selection* s, stp_draw_item item, uint64_t id
 {
     stp_draw_list* list = s->list;
     uint64_t first = list->id_count;
+    assert(item.prefix <= item.full_prefix);
+    assert(item.split_count <= id_count && "parents are part of the prefix");
+    assert((item.run_count == 0 || (size_t)item.first_run + item.run_count == list->run_count) &&
+           "an item's runs are the last ones");
     if (id_count == 0) {
         return STP_OK;
     }
@@ -93,6 +101,8 @@ stp_boxd stp_select_place_box(const stp_affine* a, const stp_boxd* box)
 
 stp_boxd stp_select_part_box(const stp_selection* s, stp_store_part part, const stp_affine* a)
 {
+    assert(part.index < (part.kind == STP_STORE_PART_MESH ? s->directory->mesh_count
+                                                          : s->directory->point_set_count));
     stp_box box = part.kind == STP_STORE_PART_MESH
                       ? stp_store_describe_mesh(s->store, part.index)->bounds
                       : stp_store_describe_point_set(s->store, part.index)->bounds;
@@ -117,10 +127,10 @@ static stp_result add_part(stp_selection* s, stp_store_part part, const stp_sele
     } else {
         const stp_store_point_set* points = stp_store_describe_point_set(s->store, part.index);
         if (points->held_by != 0 && s->streams) {
-            return STP_OK; // large triangles come with their set
+            return STP_OK; // a set holds these points: they are loaded and drawn with it
         }
         item.kind = STP_DRAW_POINTS;
-        // a mesh has no coarser version
+        // in a draft, a point set may stand for the mesh of a node without points
         item.of_points = s->directory->nodes[at->node].point_count > 0;
         item.prefix = item.full_prefix = points->point_count;
         count = points->point_count;
@@ -174,6 +184,7 @@ static stp_result open_node(stp_selection* s, const stp_select_entry* at)
     }
     for (uint32_t i = node->edge_count; i-- > 0 && result == STP_OK;) {
         const stp_store_edge* edge = &directory->edges[node->first_edge + i];
+        assert(edge->node < at->node && "children come before their parents");
         if (at->moving_only && s->graph->moving[edge->node] == 0) {
             continue;
         }
@@ -186,7 +197,8 @@ static stp_result open_node(stp_selection* s, const stp_select_entry* at)
     return result;
 }
 
-/// Whether sections and occlusion leave any of a box visible.
+/// Whether hidden objects and sections leave any of a box visible. Drops sections that cannot cut
+/// it.
 static bool is_left(const stp_selection* s, stp_select_entry* at, const stp_boxd* box)
 {
     if (at->shown == STP_SHOW_NOT) {
@@ -199,8 +211,8 @@ static bool is_left(const stp_selection* s, stp_select_entry* at, const stp_boxd
     return stp_sections_test(s->sections, box, margin, &at->sections);
 }
 
-/// Whether a node may be drawn by its set: it has one, the set contains no hidden objects, and
-/// points need not be drawn separately.
+/// Whether a node may be drawn by its set: it has one, no ancestor's set represents it, its
+/// visibility is not mixed, and points need not be drawn separately.
 static bool may_use_set(const stp_selection* s, const stp_select_entry* at)
 {
     const stp_store_node* node = &s->directory->nodes[at->node];
@@ -211,8 +223,8 @@ static bool may_use_set(const stp_selection* s, const stp_select_entry* at)
            stp_select_set_of(s, at->node) != STP_STORE_NONE;
 }
 
-/// Visits a node for a splat count: registers sets whether in view or not, and draws nothing below
-/// a set.
+/// Visits a node for a splat count: registers sets whether in view or not, and draws only moving
+/// nodes below a set.
 static stp_result visit_by_count(stp_selection* s, stp_select_entry* at, bool seen)
 {
     stp_result result = STP_OK;
@@ -272,6 +284,7 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
         at->extra = at->extra || (use.count > 0 && !use.extra);
         at->ceiling = fmin(at->ceiling, use.switch_depth);
         at->moving_only = !(stp_select_growth(at->ceiling, nearest) > 0.0);
+        assert(use.count <= use.surfels->count);
         if (s->streams && use.surfels->count > 0) {
             stp_select_cover(s, use.surfels, &sight, at);
         }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "select/view_frame.h"
 
+#include <assert.h>
+
 static bool finite3(stp_vec3d v)
 {
     return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
@@ -69,6 +71,8 @@ bool stp_view_frame_make(const stp_view* view, stp_view_frame* frame)
         frame->scale = 0.5 * frame->height / tan(view->fov_degrees * (STP_PI / 360.0));
         frame->near_distance = view->near_distance > 0.0 ? view->near_distance : 1e-4 * distance;
     }
+    assert(!(fabs(stp_dotd(frame->right, frame->forward)) > 1e-6) &&
+           !(fabs(stp_dotd(frame->down, frame->right)) > 1e-6) && "perpendicular axes");
     make_sides(frame);
     return isfinite(frame->scale) && frame->scale > 0.0;
 }

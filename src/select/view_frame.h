@@ -11,7 +11,7 @@ typedef struct stp_view_frame {
     stp_vec3d eye, right, down, forward; ///< unit axes, scene space
     double scale;              ///< pixels per unit of x/z; in parallel projection, per unit
     double center_x, center_y; ///< principal point, in pixels
-    double near_distance;      ///< perspective: above 0. Parallel: -infinity: no near plane
+    double near_distance;      ///< above 0; parallel: -infinity if there is no near plane
     double width, height;
     bool parallel;
     // Frustum sides, one pixel outside the picture: points with side . (p - eye) > limit are not

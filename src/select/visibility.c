@@ -4,6 +4,7 @@
 #include "base/core/context.h"
 #include "select/visibility_internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 stp_result stp_visibility_create(stp_context* context, const stp_store* store,
@@ -41,6 +42,7 @@ void stp_visibility_destroy(stp_visibility* v)
 
 void stp_visibility_reset(stp_visibility* v, stp_show show)
 {
+    assert(show <= STP_SHOW_NOT && "a uniform state");
     drop_mixed(v);
     v->root = (uint32_t)show;
     v->version += 1;
@@ -58,6 +60,9 @@ uint32_t stp_visibility_root(const stp_visibility* v)
 
 uint32_t stp_visibility_below(const stp_visibility* v, uint32_t state, uint32_t slot)
 {
+    assert(stp_show_of(state) == STP_SHOW_MIXED && state - STP_SHOW_MIXED < v->mixed_count);
+    assert(v->mixed[state - STP_SHOW_MIXED].slots != NULL && "the state was freed");
+    assert(slot < v->mixed[state - STP_SHOW_MIXED].count);
     return v->mixed[state - STP_SHOW_MIXED].slots[slot];
 }
 
@@ -66,6 +71,7 @@ static bool find_free(stp_visibility* v, uint32_t* index)
 {
     if (v->first_free > 0) {
         *index = v->first_free - 1;
+        assert(*index < v->mixed_count && v->mixed[*index].slots == NULL);
         v->first_free = v->mixed[*index].next_free;
         return true;
     }
@@ -85,6 +91,8 @@ stp_result stp_visibility_split(stp_visibility* v, uint32_t node, uint32_t state
 {
     const stp_store_node* n = &v->directory->nodes[node];
     size_t count = (size_t)n->edge_count + n->part_count;
+    assert(stp_show_of(state) != STP_SHOW_MIXED && "a uniform state");
+    assert(count > 0 && "the node has a slot that differs");
     uint32_t* slots = STP_NEW_ARRAY(v->context, uint32_t, count);
     if (slots == NULL) {
         return stp_fail_memory(v->context);
@@ -108,6 +116,7 @@ void stp_visibility_merge(stp_visibility* v, uint32_t state)
         return;
     }
     stp_visibility_mixed* m = &v->mixed[state - STP_SHOW_MIXED];
+    assert(state - STP_SHOW_MIXED < v->mixed_count && m->slots != NULL && "freed once");
     for (uint32_t i = 0; i < m->count; ++i) {
         stp_visibility_merge(v, m->slots[i]); // as deep as the recursion that built it
     }

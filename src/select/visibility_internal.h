@@ -9,7 +9,7 @@
 typedef struct stp_visibility_mixed {
     uint32_t* slots; ///< NULL: free
     uint32_t count;
-    uint32_t next_free; ///< and 1; 0: none
+    uint32_t next_free; ///< free states: 1 + index of the next one; 0: none
 } stp_visibility_mixed;
 
 struct stp_visibility {
@@ -18,7 +18,7 @@ struct stp_visibility {
     const stp_store_directory* directory;
     stp_visibility_mixed* mixed;
     size_t mixed_count, mixed_capacity;
-    uint32_t first_free; ///< and 1; 0: none
+    uint32_t first_free; ///< 1 + index of a free state; 0: none
     uint32_t root;       ///< state of the whole scene
     uint64_t version;
     uint8_t* marks;     ///< per node, during a search; NULL before the first search
@@ -29,5 +29,5 @@ struct stp_visibility {
 /// (logged)
 STP_MUST_USE stp_result stp_visibility_split(stp_visibility* visibility, uint32_t node,
                                              uint32_t state, uint32_t* split);
-/// Frees the states below a state.
+/// Frees a mixed state and all mixed states below it. Does nothing for a uniform state.
 void stp_visibility_merge(stp_visibility* visibility, uint32_t state);

@@ -5,10 +5,11 @@
 #include "select/visibility_internal.h"
 #include "store/file/instances.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
-    OF_PLACED = 1, ///< below the object's own node
+    OF_PLACED = 1, ///< the object's own node, or below it
     TOUCHES = 2,   ///< shares a part with the object
 };
 
@@ -17,7 +18,7 @@ static const uint64_t visit_limit = UINT64_C(1) << 22; // plus 16 per record of 
 typedef struct setting {
     stp_visibility* v;
     const stp_placed_node* placed;
-    stp_boxd bounds; ///< of the object, scene space
+    stp_boxd bounds; ///< bounds of the object, scene space
     uint32_t show;
     uint64_t visits; ///< remaining steps
     stp_result result;
@@ -54,6 +55,7 @@ static stp_result mark_nodes(setting* s)
             continue;
         }
         for (uint32_t k = 0; k < n->edge_count; ++k) {
+            assert(d->edges[n->first_edge + k].node < i && "children come before their parents");
             v->marks[d->edges[n->first_edge + k].node] = OF_PLACED | TOUCHES;
         }
         for (uint32_t k = 0; k < n->part_count; ++k) {
@@ -106,6 +108,7 @@ static void set_slot(setting* s, uint32_t node, uint32_t slot, uint32_t shown, u
             return;
         }
     }
+    assert(slot < s->v->mixed[*state - STP_SHOW_MIXED].count);
     s->v->mixed[*state - STP_SHOW_MIXED].slots[slot] = shown;
 }
 
@@ -121,6 +124,7 @@ static uint32_t simplify(setting* s, uint32_t state)
         return state;
     }
     const stp_visibility_mixed* m = &s->v->mixed[state - STP_SHOW_MIXED];
+    assert(m->count > 0);
     uint32_t first = m->slots[0];
     for (uint32_t i = 0; i < m->count; ++i) {
         if (m->slots[i] != first || stp_show_of(first) == STP_SHOW_MIXED) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "base/core/arena.h"
 
+#include <assert.h>
 #include <stdalign.h>
 #include <string.h>
 
@@ -62,7 +63,9 @@ void* stp_arena_alloc(stp_arena* arena, size_t size)
         arena->current = block;
     }
     void* memory = arena->current->data + arena->current->used;
+    assert((uintptr_t)memory % ARENA_ALIGNMENT == 0);
     arena->current->used += size;
+    assert(arena->current->used <= arena->current->capacity);
     return memory;
 }
 
@@ -91,6 +94,7 @@ void stp_arena_rewind(stp_arena* arena, stp_arena_mark mark)
 {
     arena->current = mark.block;
     if (mark.block != NULL) {
+        assert(mark.block_used <= mark.block->used && "marks are used in reverse order");
         mark.block->used = mark.block_used;
     }
 }

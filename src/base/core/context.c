@@ -44,6 +44,7 @@ const char* stp_result_string(stp_result result)
 static size_t max_kept(const stp_context* context, size_t freed)
 {
     uint64_t limit = context->desc.memory_limit_bytes;
+    assert(atomic_load(&context->live_bytes) >= freed && "more is freed than allocated");
     uint64_t live = atomic_load(&context->live_bytes) - freed;
     uint64_t left = limit == 0 ? MAX_KEPT : limit > live ? limit - live : 0;
     return (size_t)(left < MAX_KEPT ? left : MAX_KEPT);
@@ -109,6 +110,7 @@ stp_result stp_context_create(stp_context** context, const stp_context_desc* giv
 void stp_context_destroy(stp_context* context)
 {
     if (context != NULL) {
+        assert(context->loop == NULL && "destroyed inside a loop");
         stp_jobs_destroy(context->jobs, context);
         assert(atomic_load(&context->live_bytes) == 0 && "an object outlives its context");
         stp_large_blocks_close(&context->large_blocks);
@@ -157,7 +159,9 @@ bool stp_reserve(stp_context* context, uint64_t size)
 
 void stp_release(stp_context* context, uint64_t size)
 {
-    atomic_fetch_sub(&context->live_bytes, size);
+    uint64_t before = atomic_fetch_sub(&context->live_bytes, size);
+    assert(before >= size && "more is released than reserved");
+    (void)before;
 }
 
 uint64_t stp_usable_memory(uint64_t limit)
@@ -194,6 +198,7 @@ void* stp_alloc(stp_context* context, size_t size)
         atomic_fetch_sub(&context->live_bytes, whole);
         return NULL;
     }
+    assert((uintptr_t)block % ALIGNMENT == 0 && "the allocator keeps the alignment");
     memcpy(block, &whole, sizeof(whole));
     return block + ALIGNMENT;
 }
@@ -215,6 +220,8 @@ void stp_free(stp_context* context, void* memory)
         unsigned char* block = (unsigned char*)memory - ALIGNMENT;
         size_t whole;
         memcpy(&whole, block, sizeof(whole));
+        assert(whole >= ALIGNMENT && whole <= atomic_load(&context->live_bytes) &&
+               "not a block of this context, or its size was overwritten");
         context->allocator.free(block, whole, context->allocator.user);
         atomic_fetch_sub(&context->live_bytes, whole);
     }
@@ -226,6 +233,7 @@ void* stp_grow_array(stp_context* context, void* array, size_t* capacity, size_t
     if (array != NULL && needed <= *capacity) {
         return array;
     }
+    assert(size > 0);
     size_t grown = *capacity + *capacity / 2;
     grown = grown < needed ? needed : grown;
     grown = grown < 16 ? 16 : grown;

@@ -29,7 +29,7 @@ enum {
 
 struct stp_context {
     stp_allocator allocator;
-    stp_large_blocks large_blocks; ///< of the default allocator
+    stp_large_blocks large_blocks; ///< blocks of the default allocator; else unused
     stp_context_desc desc;
     stp_jobs* jobs;
     atomic_uint_fast64_t live_bytes;

@@ -4,6 +4,7 @@
 // the caller knows it; 0: its first version. Structs only grow at their end.
 #pragma once
 
+#include <assert.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <string.h>
@@ -15,6 +16,7 @@
 static inline bool stp_desc_read(void* desc, size_t size, size_t first, const void* given)
 {
     size_t known = 0;
+    assert(first >= sizeof(known) && first <= size && "structs only grow");
     memset(desc, 0, size);
     if (given == NULL) {
         return true;
@@ -38,6 +40,7 @@ static inline void stp_info_write(void* info, const void* made, size_t size, siz
 {
     const size_t head = sizeof(size_t);
     size_t known = 0;
+    assert(first >= head && first <= size && "structs only grow");
     memcpy(&known, info, head);
     known = known != 0 ? known : first;
     if (known > head) {

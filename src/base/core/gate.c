@@ -35,6 +35,8 @@ void stp_gate_destroy(stp_gate* gate)
 {
     if (gate != NULL) {
         assert(gate->inside == NULL && "a job is still inside");
+        assert(gate->arrived == gate->called && "a job still waits");
+        assert(gate->bytes == 0 && gate->jobs == 0);
         pthread_cond_destroy(&gate->moved);
         pthread_mutex_destroy(&gate->mutex);
         stp_free(gate->context, gate);
@@ -76,6 +78,7 @@ static stp_result wait_in_queue(stp_gate* gate, const stp_gate_ticket* ticket)
             stp_condition_wait_reported(gate->context, &gate->moved, &gate->mutex);
         result = result != STP_OK ? result : wait_result;
     }
+    assert(gate->called < gate->arrived);
     gate->called += 1;
     pthread_cond_broadcast(&gate->moved);
     return result;
@@ -104,10 +107,13 @@ void stp_gate_leave(stp_gate* gate, stp_gate_ticket* ticket)
 {
     pthread_mutex_lock(&gate->mutex);
     stp_gate_ticket** at = &gate->inside;
+    assert(pthread_equal(ticket->holder, pthread_self()) && "leaves on the thread that entered");
     while (*at != ticket) {
+        assert(*at != NULL && "the ticket is not inside");
         at = &(*at)->next;
     }
     *at = ticket->next;
+    assert(gate->bytes >= ticket->bytes && gate->jobs >= (ticket->in_loop ? 1u : 0u));
     gate->bytes -= ticket->bytes;
     gate->jobs -= ticket->in_loop;
     pthread_cond_broadcast(&gate->moved);

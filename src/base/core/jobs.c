@@ -65,6 +65,7 @@ static void* run_worker(void* argument)
         pthread_mutex_unlock(&jobs->mutex);
         claim_pieces(jobs, start.index);
         pthread_mutex_lock(&jobs->mutex);
+        assert(jobs->busy > 0 && seen == jobs->generation && "the loop waits for this worker");
         jobs->busy -= 1;
         if (jobs->busy == 0) {
             pthread_cond_signal(&jobs->done);
@@ -107,6 +108,7 @@ stp_result stp_jobs_create(stp_jobs** jobs, stp_context* context, uint32_t threa
 void stp_jobs_destroy(stp_jobs* jobs, stp_context* context)
 {
     pthread_mutex_lock(&jobs->mutex);
+    assert(!jobs->running && "destroyed inside a loop");
     jobs->ending = true;
     pthread_cond_broadcast(&jobs->work);
     pthread_mutex_unlock(&jobs->mutex);
@@ -129,6 +131,7 @@ uint32_t stp_jobs_thread_count(const stp_jobs* jobs)
 static void run_serially(const stp_jobs_loop* loop)
 {
     size_t left = loop->count;
+    assert(loop->grain > 0 && "the loop ends");
     while (left > 0 && !is_stopped(loop)) {
         size_t begin = loop->count - left;
         size_t size = left < loop->grain ? left : loop->grain;
@@ -169,6 +172,7 @@ void stp_jobs_run(stp_jobs* jobs, const stp_jobs_loop* loop)
         run_serially(loop);
         return;
     }
+    assert(jobs->busy == 0 && "the last loop has ended");
     jobs->running = true;
     jobs->loop = *loop;
     atomic_store_explicit(&jobs->next, 0, memory_order_relaxed);
@@ -181,6 +185,7 @@ void stp_jobs_run(stp_jobs* jobs, const stp_jobs_loop* loop)
 
     pthread_mutex_lock(&jobs->mutex);
     wait_for_workers(jobs);
+    assert((is_stopped(loop) || atomic_load(&jobs->next) >= loop->count) && "all pieces ran");
     jobs->running = false;
     pthread_mutex_unlock(&jobs->mutex);
 }

@@ -2,6 +2,7 @@
 #define _DEFAULT_SOURCE // MAP_ANONYMOUS, madvise
 #include "base/core/large_blocks.h"
 
+#include <assert.h>
 #include <stdint.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -35,6 +36,7 @@ static void unmap(stp_large_block block)
 
 static stp_large_block take_kept(stp_large_blocks* blocks, size_t index)
 {
+    assert(index < blocks->kept_count && blocks->kept[index].size <= blocks->kept_bytes);
     stp_large_block block = blocks->kept[index];
     blocks->kept_count -= 1;
     blocks->kept_bytes -= block.size;
@@ -63,6 +65,7 @@ static void trim(stp_large_blocks* blocks, size_t max_blocks, size_t max_bytes)
 void stp_large_blocks_close(stp_large_blocks* blocks)
 {
     trim(blocks, 0, 0);
+    assert(blocks->kept_count == 0 && blocks->kept_bytes == 0 && "sizes of kept blocks add up");
     pthread_mutex_destroy(&blocks->mutex);
 }
 
@@ -80,6 +83,8 @@ static void keep(stp_large_blocks* blocks, stp_large_block block)
         block.memory = end == block.memory ? beside.memory : block.memory;
         block.size += beside.size;
     }
+    assert(blocks->kept_count < STP_LARGE_KEPT_LIMIT && "trimmed before");
+    assert(block.size > 0 && block.size == whole_pages(block.size));
     blocks->kept[blocks->kept_count++] = block;
     blocks->kept_bytes += block.size;
 }
@@ -121,6 +126,7 @@ static void* map(size_t size)
     // only a hint; not for the last partial page, which would make the block larger than requested
     (void)madvise(mapped + before, size / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
 #endif
+    assert(before + size <= size + extra && (uintptr_t)(mapped + before) % HUGE_PAGE == 0);
     return mapped + before;
 }
 
@@ -139,6 +145,7 @@ void* stp_large_alloc(stp_large_blocks* blocks, size_t size, size_t max_kept)
 
 void stp_large_free(stp_large_blocks* blocks, void* memory, size_t size, size_t max_kept)
 {
+    assert((uintptr_t)memory % whole_pages(1) == 0 && "from stp_large_alloc");
     stp_large_block block = {memory, whole_pages(size)};
     pthread_mutex_lock(&blocks->mutex);
     if (block.size <= max_kept) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "base/core/parallel_sort.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -61,11 +62,13 @@ static void find_starts(const sorter* s, size_t pieces)
             sum += size;
         }
     }
+    assert(sum == s->count && "each item has one digit");
 }
 
 uint64_t* stp_parallel_sort_u64(stp_context* context, uint64_t* items, uint64_t* scratch,
                                 size_t count, unsigned first_bit, unsigned bit_count)
 {
+    assert(first_bit + bit_count <= 64);
     if (count < LEAST) {
         return stp_sort_u64(items, scratch, count, first_bit, bit_count);
     }
@@ -74,6 +77,7 @@ uint64_t* stp_parallel_sort_u64(stp_context* context, uint64_t* items, uint64_t*
         s.piece_size *= 2;
     }
     size_t pieces = (count + s.piece_size - 1) / s.piece_size;
+    assert(pieces <= MAX_PIECES && end_of_piece(&s, pieces - 1) == count && "pieces cover all");
     s.starts = stp_alloc(context, pieces * sizeof(*s.starts));
     if (s.starts == NULL) {
         return NULL;

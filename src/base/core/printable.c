@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "base/core/printable.h"
 
+#include <assert.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
@@ -60,6 +61,7 @@ size_t stp_make_printable(const char* text, char* out, size_t size)
         }
         from += length;
     }
+    assert((size == 0 || used < size) && "room for the final zero");
     if (size > 0) {
         out[used] = 0;
     }
@@ -83,7 +85,7 @@ size_t stp_find_unprintable(const char* text, size_t size, uint32_t* code, size_
 
 size_t stp_utf8_whole(const char* text, size_t length)
 {
-    size_t begin = length; // of the last character
+    size_t begin = length; // first continuation byte of the last character
     while (begin > 0 && length - begin < 3 && ((unsigned char)text[begin - 1] & 0xC0) == 0x80) {
         begin -= 1;
     }
@@ -92,5 +94,6 @@ size_t stp_utf8_whole(const char* text, size_t length)
     }
     unsigned char first = (unsigned char)text[begin - 1];
     size_t whole = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : first >= 0xC0 ? 2 : 1;
+    assert(begin <= length && length - begin <= 3);
     return length - begin + 1 < whole ? begin - 1 : length;
 }

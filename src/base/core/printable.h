@@ -6,9 +6,9 @@
 #include <stdint.h>
 
 /// Copies UTF-8 text. Escapes as \xNN per byte: control characters (including line ends and tabs),
-/// bidirectional controls and line separators (U+200E, U+200F, U+2028 to U+202E, U+2066 to U+2069),
-/// and invalid UTF-8. Truncates to `size` bytes including the final zero; characters and escapes
-/// stay whole.
+/// bidirectional controls and line separators (U+061C, U+200E, U+200F, U+2028 to U+202E, U+2066 to
+/// U+2069), and invalid UTF-8. Truncates to `size` bytes including the final zero; characters and
+/// escapes stay whole.
 /// @return the length of `out`
 size_t stp_make_printable(const char* text, char* out, size_t size);
 

@@ -3,6 +3,7 @@
 #include "base/core/context_internal.h"
 #include "base/math/math.h"
 
+#include <assert.h>
 #include <string.h>
 
 void stp_progress_plan(stp_context* context, const stp_stage* stages, size_t count)
@@ -25,6 +26,7 @@ static double find_overall(stp_context* context, const char* stage, double fract
             before = whole;
             here = context->stages[i].weight;
         }
+        assert(context->stages[i].weight >= 0.0);
         whole += context->stages[i].weight;
     }
     double reached = whole > 0.0 ? stp_clampd((before + here * fraction) / whole, 0.0, 1.0) : 0.0;
@@ -54,6 +56,7 @@ static stp_result fail_cancelled(stp_context* context, const char* stage)
 // Reports the loop's progress. Call on the calling thread.
 static void report_loop(stp_reported_loop* loop)
 {
+    assert(pthread_equal(pthread_self(), loop->caller) && "only the calling thread reports");
     uint64_t done = atomic_load(&loop->done), total = loop->report.total;
     done = done < total ? done : total;
     stp_progress_report report = {
@@ -130,6 +133,7 @@ stp_result stp_parallel_for_reported(stp_context* context, size_t count, size_t 
         .caller = pthread_self(),
     };
     bool counted = report->total == 0;
+    assert(report->stage != NULL && grain > 0);
     loop.report.total = counted ? count : report->total;
     atomic_init(&loop.done, 0);
     atomic_init(&loop.stopped, false);
@@ -143,6 +147,7 @@ stp_result stp_parallel_for_reported(stp_context* context, size_t count, size_t 
                                .stopped = &loop.stopped};
     stp_jobs_run(context->jobs, &jobs_loop);
     report_loop(&loop); // another thread may have run the last piece
+    assert(context->loop == &loop && "loops end in the reverse order");
     context->loop = NULL;
     return atomic_load(&loop.stopped) ? STP_ERROR_CANCELLED : STP_OK;
 }

@@ -4,9 +4,12 @@
 #include "base/core/context_internal.h"
 #include "base/core/processor.h"
 
+#include <assert.h>
+
 stp_team stp_team_create(stp_context* context, uint32_t wanted)
 {
     uint32_t all = stp_context_thread_count(context);
+    assert(all >= 1);
     return (stp_team){.context = context, .threads = wanted == 0 || wanted > all ? all : wanted};
 }
 
@@ -49,6 +52,8 @@ static void run_member(size_t begin, size_t end, uint32_t worker, void* user)
 
 void stp_team_run(const stp_team* team, size_t count, size_t grain, stp_job job, void* user)
 {
+    assert(grain > 0 && "the loop ends");
+    assert(team->threads >= 1 && team->threads <= stp_context_thread_count(team->context));
     if (team->threads == stp_context_thread_count(team->context) && team->threads > 1) {
         stp_jobs_loop all = {
             .count = count, .grain = grain, .job = job, .user = user, .stopped = team->stopped};

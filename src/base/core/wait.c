@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "base/core/wait.h"
 
+#include <assert.h>
 #include <time.h>
 
 #define WAIT_NS 50000000L
@@ -24,6 +25,7 @@ bool stp_condition_wait(pthread_cond_t* condition, pthread_mutex_t* mutex)
         until.tv_nsec -= SECOND_NS;
         until.tv_sec += 1;
     }
+    assert(until.tv_nsec >= 0 && until.tv_nsec < SECOND_NS);
     return pthread_cond_timedwait(condition, mutex, &until) == 0;
 }
 

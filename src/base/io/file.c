@@ -270,10 +270,12 @@ stp_result stp_file_writer_append(stp_file_writer* writer, const void* bytes, si
         }
     }
     if (size > BUFFER_SIZE) {
+        assert(writer->buffered == 0 && "large writes follow the buffer's bytes");
         stp_result result = write_all(writer, bytes, size, writer->written);
         writer->written += result == STP_OK ? size : 0;
         return result;
     }
+    assert(writer->buffered + size <= BUFFER_SIZE && "flushed before");
     memcpy(writer->buffer + writer->buffered, bytes, size);
     writer->buffered += size;
     return STP_OK;
@@ -310,6 +312,7 @@ static void sync_folder(const stp_file_writer* writer)
 
 static stp_result commit(stp_file_writer* writer, bool lasts)
 {
+    assert(writer->descriptor >= 0 && writer->temporary != NULL && "opened");
     stp_result result = flush(writer);
     if (result == STP_OK && lasts && fsync(writer->descriptor) != 0 && errno != EINVAL) {
         result = fail_io(writer, "written");

@@ -2,6 +2,7 @@
 #define XXH_STATIC_LINKING_ONLY // allows the state to be a local variable
 #include "base/io/hash.h"
 
+#include <assert.h>
 #include <xxhash.h>
 
 #define STEP ((size_t)16 << 20)
@@ -21,6 +22,7 @@ stp_hash stp_hash_bytes(stp_hash chain, const void* bytes, size_t size)
 stp_hash stp_hash_steps(stp_hash chain, const void* bytes, size_t size,
                         void (*done)(const void* bytes, size_t size))
 {
+    assert((bytes != NULL || size == 0) && done != NULL);
     const unsigned char* from = bytes;
     XXH3_state_t state;
     XXH3_INITSTATE(&state); // otherwise it keeps what memory holds if that looks like the same seed

@@ -37,6 +37,7 @@ struct stp_spill {
 
 static size_t round_up(size_t size, size_t multiple)
 {
+    assert(multiple != 0 && (multiple & (multiple - 1)) == 0 && "a power of two");
     return (size + multiple - 1) & ~(multiple - 1);
 }
 
@@ -134,6 +135,7 @@ static int add_chunk(stp_spill* spill, size_t size)
     *chunk = (chunk_head){.previous = spill->newest, .size = whole, .used = LINE};
     spill->newest = chunk;
     spill->file_size += whole;
+    assert(spill->file_size % PAGE_MULTIPLE == 0 && whole >= needed);
     return 0;
 }
 
@@ -150,7 +152,9 @@ void* stp_spill_alloc(stp_spill* spill, size_t size)
     }
     if (reason == 0) {
         memory = (unsigned char*)spill->newest + spill->newest->used;
+        assert(spill->newest->used % LINE == 0 && whole % LINE == 0);
         spill->newest->used += whole;
+        assert(spill->newest->used <= spill->newest->size && "within the chunk");
         spill->given_bytes += whole;
     }
     pthread_mutex_unlock(&spill->mutex);

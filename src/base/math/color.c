@@ -3,6 +3,7 @@
 
 #include "base/math/color_table.h"
 
+#include <assert.h>
 #include <math.h>
 
 float stp_srgb8_to_linear(uint8_t value)
@@ -20,6 +21,7 @@ uint8_t stp_linear_to_srgb8(float linear)
     }
     // count the thresholds at or below `linear`; the square root gives a good first guess
     uint32_t reached = srgb_start[(uint32_t)(sqrtf(linear) * 255.0f)];
+    assert((reached == 0 || linear >= srgb_threshold[reached - 1]) && "the guess is not too high");
     while (reached < 255 && linear >= srgb_threshold[reached]) {
         reached += 1;
     }

@@ -6,6 +6,7 @@
 // shortest twentieth of all edges, for inputs without a useful order.
 #include "base/math/position_grid.h"
 
+#include <assert.h>
 #include <float.h>
 #include <stdbool.h>
 #include <string.h>
@@ -43,6 +44,7 @@ static uint32_t exponent_of(double value)
 
 static double power_of_two(int exponent)
 {
+    assert(exponent > -EXPONENT_BIAS && exponent <= EXPONENT_BIAS && "a normal number");
     uint64_t bits = (uint64_t)(exponent + EXPONENT_BIAS) << 52;
     double value;
     memcpy(&value, &bits, sizeof(value));
@@ -80,6 +82,7 @@ static void add(octave_counts* counts, uint32_t octave)
 /// Octave of the element at `rank` in ascending order; `rank` is below the count.
 static uint32_t octave_at(const octave_counts* counts, uint64_t rank)
 {
+    assert(rank < counts->total);
     uint64_t below = 0;
     for (uint32_t i = counts->minimum; i < counts->maximum; ++i) {
         below += counts->count[i];
@@ -149,6 +152,8 @@ static double choose(int shortest, int typical, double size, double largest)
     }
     step = step > top - NUMBER_BITS ? step : top - NUMBER_BITS;
     step = step < STEP_MAX ? step : STEP_MAX;
+    assert((step == STEP_MAX || largest < power_of_two(step + NUMBER_BITS + 1)) &&
+           "coordinates are below 2^30 steps");
     return power_of_two(step > STEP_MIN ? step : STEP_MIN);
 }
 

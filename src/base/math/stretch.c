@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "base/math/stretch.h"
 
+#include <assert.h>
 #include <string.h>
 
 double stp_affine_stretch(const stp_affine* a)
@@ -40,5 +41,7 @@ double stp_affine_stretch(const stp_affine* a)
         factor = sqrt(factor);
     }
     bound *= factor;
+    assert((trace < 1e-290 || !((bound < rows ? bound : rows) < trace / 3.0 * (1.0 - 1e-9))) &&
+           "the largest eigenvalue is at least their mean");
     return sqrt(bound < rows ? bound : rows);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "base/splats/coverage.h"
 
+#include <assert.h>
+
 // Each is about an eighth more than the one before. The shaders have a copy
 // (src/draw/shaders/lib_splat.glsl).
 const uint8_t stp_coverage_shares[STP_COVERAGE_CHANCES] = {
@@ -60,6 +62,7 @@ float stp_coverage_area(uint8_t code)
 
 stp_disk_cut stp_coverage_cut(uint8_t code)
 {
+    assert(stp_coverage_cuts(code) && "the code clips the disk");
     bool half = code < STP_COVERAGE_STRIPS;
     uint32_t at = code - (uint32_t)(half ? STP_COVERAGE_HALVES : STP_COVERAGE_STRIPS);
     uint32_t offsets = half ? STP_CUT_HALF_OFFSETS : STP_CUT_STRIP_OFFSETS;
@@ -81,5 +84,6 @@ uint8_t stp_coverage_of_share(double share)
         code += 1;
     }
     double last = stp_coverage_shares[STP_COVERAGE_CHANCES - 1];
+    assert(stp_coverage_shares[code] > 0 && "some of the disk is drawn");
     return value > 0.5 * (last + 255.0) ? STP_COVERAGE_WHOLE : code;
 }

@@ -5,6 +5,8 @@
 #include "base/splats/splat_codes.h"
 #include "base/splats/splat_columns.h"
 
+#include <assert.h>
+
 enum { STP_LEAF_EXTENT_SIDE = 64 }; ///< code of a square as wide as the leaf
 
 /// Flatness, 0 to 1/3: the smallest eigenvalue's share of the sum. Eight codes per factor of two,
@@ -40,6 +42,7 @@ static inline uint32_t stp_leaf_depth(const stp_splat_leaf* leaf)
 /// Width of a cell at a depth, in grid steps.
 static inline uint32_t stp_leaf_width(uint32_t depth)
 {
+    assert(depth <= STP_LEAF_DEPTH_MAX);
     return 1u << (STP_LEAF_DEPTH_MAX - depth);
 }
 

@@ -11,6 +11,7 @@
 //   octave 2   | leaf 0            | leaf 1             | ...
 #pragma once
 
+#include <assert.h>
 #include <stdint.h>
 
 enum {
@@ -31,6 +32,7 @@ static inline uint32_t stp_leaf_octaves(uint32_t count)
 /// How many of the first `place` splats of the row are in octaves 0 to `octave`.
 static inline uint32_t stp_leaf_until(uint32_t place, uint32_t octave, uint32_t octaves)
 {
+    assert(octave < octaves && octaves <= 16);
     return place >> 2 * (octaves - 1 - octave);
 }
 
@@ -38,6 +40,7 @@ static inline uint32_t stp_leaf_until(uint32_t place, uint32_t octave, uint32_t 
 static inline uint32_t stp_leaf_octave_of(uint32_t place, uint32_t octaves)
 {
     uint32_t octave = octaves - 1;
+    assert(place > 0 && octaves > 0 && "places count from 1");
     while (octave > 0 && (place & 3u) == 0) {
         place >>= 2;
         octave -= 1;
@@ -55,6 +58,7 @@ typedef struct stp_leaf_run {
 static inline stp_leaf_run stp_leaf_run_of(uint32_t first, uint32_t last, uint32_t octave,
                                            uint32_t octaves, uint32_t count)
 {
+    assert(first <= last && last <= count);
     if (octave == 0) {
         return (stp_leaf_run){stp_leaf_until(first, 0, octaves), stp_leaf_until(last, 0, octaves)};
     }

@@ -4,6 +4,7 @@
 #include "base/core/processor.h"
 #include "base/splats/octahedral_kernels.h"
 
+#include <assert.h>
 #include <stdbool.h>
 #include <string.h>
 
@@ -25,6 +26,7 @@ static bool unfold(stp_vec3 n, float square[2])
         v = (1.0f - fabsf(u)) * (v >= 0.0f ? 1.0f : -1.0f);
         u = folded;
     }
+    assert(fabsf(u) <= 1.0f && fabsf(v) <= 1.0f);
     square[0] = u;
     square[1] = v;
     return true;
@@ -58,6 +60,7 @@ void stp_octahedral_encode(stp_vec3 n, int8_t out[2])
             out[1] = code_v;
         }
     }
+    assert(best > 0.9f && "the best code is close to the direction");
 }
 
 void stp_octahedral_encode_many(const float* normals, size_t count, int8_t* out)
@@ -68,6 +71,7 @@ void stp_octahedral_encode_many(const float* normals, size_t count, int8_t* out)
         done = stp_octahedral_encode_avx2(normals, count, out);
     }
 #endif
+    assert(done <= count);
     for (; done < count; ++done) {
         const float* n = normals + 3 * done;
         stp_octahedral_encode((stp_vec3){n[0], n[1], n[2]}, out + 2 * done);

@@ -2,6 +2,8 @@
 // stp_octahedral_encode, eight at a time: same operations in the same order, so same codes.
 #include "base/splats/octahedral_kernels.h"
 
+#include <assert.h>
+
 #if defined(__x86_64__)
 
 #include "base/math/triples_avx2.h"
@@ -133,6 +135,7 @@ size_t stp_octahedral_encode_avx2(const float* normals, size_t count, int8_t* ou
     for (; count - done >= 8; done += 8) {
         encode_eight(normals + 3 * done, out + 2 * done);
     }
+    assert(count - done < 8 && done % 8 == 0);
     return done;
 }
 

@@ -47,7 +47,7 @@ static double exp2_of(double x)
 typedef struct segment {
     double first, last; // counts
     double radius;      // at `first`
-    double slope;       // of log radius over log count; 0 if the line is flat
+    double slope;       // slope of log radius over log count; 0 if the line is flat
 } segment;
 
 static segment segment_between(double first, double first_radius, double last, double last_radius)
@@ -79,6 +79,7 @@ static double weigh(uint32_t count, float cover, uint32_t next, float next_cover
 static uint32_t place_breakpoints(uint32_t* counts, const float* radii, uint32_t count,
                                   float final_radius, double step)
 {
+    assert(count > 0 && step > 1.0 && "steps grow until the breakpoints fit");
     float cover = final_radius, last_cover = final_radius;
     uint32_t size = 1;
     counts[0] = count;
@@ -118,6 +119,7 @@ static uint32_t choose_breakpoints(stp_prefix_table* table, const float* radii, 
         size = place_breakpoints(counts, radii, count, final_radius, step);
         step = step * sqrt(sqrt(step));
     } while (size > STP_PREFIX_TABLE_SIZE);
+    assert(counts[0] == count && counts[size - 1] == 1 && "from one splat to all");
     for (uint32_t i = 0; i < size; ++i) {
         table->count[i] = counts[size - 1 - i];
     }
@@ -127,12 +129,26 @@ static uint32_t choose_breakpoints(stp_prefix_table* table, const float* radii, 
 // First count of a block of a segment.
 static uint32_t block_begin(uint32_t first, uint32_t last, uint32_t block)
 {
+    assert(first < last && block <= BLOCKS);
     return first + (uint32_t)((uint64_t)(last - first) * block / BLOCKS);
 }
+
+#ifndef NDEBUG
+static bool is_monotone(const stp_prefix_table* table)
+{
+    bool monotone = true;
+    for (uint32_t i = 1; i < table->size; ++i) {
+        monotone = monotone && table->count[i] > table->count[i - 1] &&
+                   !(table->radius[i] > table->radius[i - 1]);
+    }
+    return monotone;
+}
+#endif
 
 void stp_prefix_table_make(stp_prefix_table* table, const float* radii, uint32_t count,
                            float final_radius)
 {
+    assert(!(final_radius < 0.0f));
     *table = (stp_prefix_table){0};
     if (count == 0) {
         return;
@@ -179,6 +195,7 @@ void stp_prefix_table_make(stp_prefix_table* table, const float* radii, uint32_t
     for (uint32_t i = table->size - 1; i-- > 0;) {
         table->radius[i] = stp_max(table->radius[i], table->radius[i + 1]);
     }
+    assert(is_monotone(table) && table->count[table->size - 1] == count);
 }
 
 static segment segment_of(const stp_prefix_table* table, uint32_t i)

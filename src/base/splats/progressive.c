@@ -3,6 +3,7 @@
 
 #include "base/splats/splat_codes.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { DIGITS = 256 }; ///< values of one byte of a code
@@ -41,9 +42,22 @@ static void sort_digit(const uint32_t* ranges, const uint32_t* from, uint32_t co
     }
 }
 
+#ifndef NDEBUG
+static bool is_order(const uint32_t* ranges, const uint32_t* order, uint32_t count)
+{
+    bool ordered = true;
+    for (uint32_t i = 1; i < count; ++i) {
+        uint32_t before = lowest_of(ranges, order[i - 1]), here = lowest_of(ranges, order[i]);
+        ordered = ordered && (before > here || (before == here && order[i - 1] < order[i]));
+    }
+    return ordered;
+}
+#endif
+
 uint32_t stp_progressive_order(const uint32_t* ranges, uint32_t count, uint32_t* order,
                                uint32_t* scratch)
 {
+    assert((count == 0 || order != scratch) && "two arrays");
     uint32_t parents = 0;
     for (uint32_t i = 0; i < count; ++i) {
         if (lowest_of(ranges, i) != 0) {
@@ -52,6 +66,7 @@ uint32_t stp_progressive_order(const uint32_t* ranges, uint32_t count, uint32_t*
     }
     sort_digit(ranges, order, parents, 0, scratch);
     sort_digit(ranges, scratch, parents, 8, order);
+    assert(is_order(ranges, order, parents) && "by descending level, ties by index");
     return parents;
 }
 
@@ -123,6 +138,8 @@ stp_progressive_cut stp_progressive_find_cut(const uint32_t* ranges, uint32_t co
             break;
         }
     }
+    assert(cut.end <= count && cut.splats <= cut.end);
+    assert(cut.code != 0 && lowest_of(ranges, cut.divide) == cut.code && "the next parent");
     uint32_t bits = cut.code << 15;
     cut.level = stp_float_of_bits(bits);
     cut.below = stp_float_of_bits(bits - 1);
@@ -142,7 +159,7 @@ stp_progressive_walk stp_progressive_begin(stp_progressive_counts counts, const 
                                   .slots = slots};
 }
 
-/// Finds the position of a splat in the list of states. Its split is done.
+/// Finds the index in `alive` of a splat of the state.
 static uint32_t find_slot(const stp_progressive_walk* w, uint32_t splat)
 {
     if (splat < w->base) {
@@ -157,7 +174,9 @@ uint32_t stp_progressive_refine(stp_progressive_walk* w, uint32_t steps)
     uint32_t left = w->splits - w->split, done = steps < left ? steps : left;
     for (uint32_t i = 0; i < done; ++i) {
         uint32_t split = w->split++, first = w->base + 2 * split;
+        assert(w->order[split] < first && "a parent precedes its children");
         w->slots[split] = find_slot(w, w->order[split]);
+        assert(w->alive[w->slots[split]] == w->order[split] && "the parent is in the state");
         w->alive[w->slots[split]] = first;
         w->alive[w->base + split] = first + 1;
     }
@@ -169,6 +188,7 @@ uint32_t stp_progressive_coarsen(stp_progressive_walk* w, uint32_t steps)
     uint32_t done = steps < w->split ? steps : w->split;
     for (uint32_t i = 0; i < done; ++i) {
         w->split -= 1;
+        assert(w->alive[w->slots[w->split]] == w->base + 2 * w->split && "the first child");
         w->alive[w->slots[w->split]] = w->order[w->split];
     }
     return done;
@@ -182,6 +202,8 @@ uint32_t stp_progressive_walk_to(stp_progressive_walk* w, uint32_t count)
     } else {
         stp_progressive_coarsen(w, now - count);
     }
+    assert((stp_progressive_size(w) == count || w->split == 0 || w->split == w->splits) &&
+           "the state, or the nearest one");
     return stp_progressive_size(w);
 }
 
@@ -221,6 +243,7 @@ uint32_t stp_progressive_queue_take(stp_progressive_queue* q)
         at = child;
     }
     q->heap[at] = last;
+    assert((q->count == 0 || is_before(q->ranges, first, q->heap[0])) && "in split order");
     return first;
 }
 
@@ -229,6 +252,7 @@ stp_progressive_queue stp_progressive_queue_begin(const uint32_t* ranges, uint32
 {
     stp_progressive_queue q = {.ranges = ranges, .heap = heap};
     uint32_t base = stp_progressive_count(ranges, count).base;
+    assert(done <= count - base && "splits of the prefix");
     stp_progressive_cut cut = stp_progressive_find_cut(ranges, count, base + done);
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t low = lowest_of(ranges, i);

@@ -6,7 +6,6 @@
 //   splats  [0 .. base) | 2 of split 0 | 2 of split 1 | ...
 //
 // A splat whose lowest level is 0 is a leaf. All others are parents. Split s replaces parent s of
-// A splat whose lowest level is 0 is a leaf. All others are parents. Split s replaces parent s of
 // the split order: parents are sorted by descending lowest level; ties by index. Splats of the base
 // set are drawn up to an infinite level, all others up to a finite one. A child's lowest level is
 // at most its parent's. So any prefix of a set is a valid set with fewer splits.
@@ -50,7 +49,7 @@ bool stp_progressive_is_whole(const uint32_t* ranges, uint32_t count, const uint
 /// divide.
 typedef struct stp_progressive_cut {
     uint32_t end;    ///< splats of the prefix that holds the state
-    uint32_t code;   ///< of the level of the next split's parent; 0 if nothing is left to split
+    uint32_t code;   ///< code of the lowest level of the next split's parent; 0: nothing to split
     uint32_t divide; ///< index of that parent; 0 if nothing is left to split
     float below;     ///< the level at which splats [0, divide) are drawn
     float level;     ///< the level at which splats [divide, end) are drawn

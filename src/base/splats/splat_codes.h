@@ -14,18 +14,19 @@
 
 #include "base/math/math.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
     STP_SHAPE_NOT_FINITE = 0xFFF,     ///< invalid radius
     STP_SHAPE_BIAS = 125 << 23,       ///< a radius of code 0 is a quarter of the set's step
-    STP_SHAPE_SPREAD_ANY = 127,       ///< unbounded
+    STP_SHAPE_SPREAD_ANY = 127,       ///< unbounded, in sets that mark replaced splats
     STP_RANGE_ANY = (int)0xFF000000u, ///< all levels
     STP_RANGE_INFINITE = 0xFF00,      ///< larger codes are invalid levels
 };
 
 #define STP_SHAPE_TURN 256u            ///< directions per half turn
-#define STP_SHAPE_REPLACED 0x80000000u ///< of a disk
+#define STP_SHAPE_REPLACED 0x80000000u ///< bit of a disk that large triangles replace
 
 static inline float stp_float_of_bits(uint32_t bits)
 {
@@ -87,6 +88,7 @@ static inline float stp_shape_stretch(uint32_t code)
 /// @param spread normal spread: a sine in units of 1 / STP_SHAPE_SPREAD_ANY
 static inline uint32_t stp_shape_disk(float radius, uint32_t spread, bool replaced)
 {
+    assert(spread <= (uint32_t)STP_SHAPE_SPREAD_ANY && "bit 31 is the mark");
     uint32_t code = stp_shape_code(radius);
     return code | code << 12 | spread << 24 | (replaced ? STP_SHAPE_REPLACED : 0u);
 }
@@ -124,6 +126,7 @@ static inline float stp_range_level(uint32_t code)
 /// infinity is allowed.
 static inline uint32_t stp_range_code(float lowest, float highest)
 {
+    assert(lowest >= 0.0f && highest >= 0.0f);
     uint32_t low = stp_bits_of_float(lowest) >> 15;
     uint32_t high = (stp_bits_of_float(highest) + 0x7FFFu) >> 15;
     return low | (high < STP_RANGE_INFINITE ? high : STP_RANGE_INFINITE) << 16;

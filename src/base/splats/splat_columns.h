@@ -68,10 +68,17 @@ enum {
 /// Bounds of STP_GROUP_SPLATS consecutive splats of a set with ranges, for culling. Computed on
 /// loading; not stored.
 typedef struct stp_splat_group {
+<<<<<<< HEAD:src/base/splats/splat_columns.h
     uint16_t low[3], high[3]; ///< of positions
     uint16_t largest;         ///< code of the maximum radius (src/base/splats/splat_codes.h)
     int8_t axis[3];           ///< of a cone that holds their normals, 127 is 1
     uint8_t sine;             ///< of half its angle, 255 is 1; 255 also of wider cones
+=======
+    uint16_t low[3], high[3]; ///< bounds of their grid positions
+    uint16_t largest;         ///< code of the maximum radius (src/base/splats/splat_codes.h)
+    int8_t axis[3];           ///< axis of a cone that holds their normals, 127 is 1
+    uint8_t sine;             ///< sine of half the cone's angle, 255 is 1; 255 also if it is wider
+>>>>>>> wt-select:src/base/splats/splat_columns.h
     uint64_t replaced;        ///< one bit per splat, lowest first: large triangles replace it
 } stp_splat_group;
 
@@ -99,8 +106,8 @@ enum {
 /// normal 2, colour 3, material 1), about 14.4 with pyramids.
 typedef struct stp_splats {
     uint32_t count;
-    stp_vec3 origin;     ///< of the position grid, in the node's space
-    float step;          ///< of the position grid: a power of two
+    stp_vec3 origin;     ///< origin of the position grid, in the node's space
+    float step;          ///< step of the position grid, node units: a power of two
     uint16_t* positions; ///< 3 per surfel: origin + step * value
     int8_t* normals; ///< 2 per surfel, octahedral (src/base/splats/octahedral.h); facing outwards
     uint8_t* materials; ///< shading index
@@ -112,8 +119,8 @@ typedef struct stp_splats {
     /// 1 per entry, same layout: share of the disk that is drawn (src/base/splats/coverage.h); 255: all
     uint8_t* coverages;
     uint32_t columns;        ///< STP_SPLATS_*
-    uint32_t* shapes;        ///< NULL, or 1 per surfel (src/base/splat_shape.h)
-    uint32_t* ranges;        ///< NULL, or 1 per surfel (src/base/splat_range.h)
+    uint32_t* shapes;        ///< NULL, or 1 per surfel (src/base/splats/splat_codes.h)
+    uint32_t* ranges;        ///< NULL, or 1 per surfel (src/base/splats/splat_codes.h)
     stp_splat_group* groups; ///< NULL, or 1 per STP_GROUP_SPLATS splats
     /// NULL, or the set's leaves, along a Morton curve; their counts assign splats to leaves
     /// (src/base/splats/leaf_runs.h). For sets of a store, see stp_store_get_leaves.
@@ -147,7 +154,7 @@ static inline uint32_t stp_splats_attributes(const stp_splats* splats)
 enum {
     STP_SHADING_UNLIT = 1,
     STP_SHADING_DOUBLE_SIDED = 2,
-    /// Of a blended material: coverage is opacity, not holes; since format 1.2
+    /// The material is blended: coverage is opacity, not holes; since format 1.2
     STP_SHADING_TRANSPARENT = 4,
 };
 
