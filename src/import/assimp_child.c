@@ -151,7 +151,7 @@ static void put_axes(stp_assimp_writer* w, const char* path)
     double unit = 0.0;
     if (has_extension(path, " fbx ")) {
         up = metadata_number(w->scene, "UpAxis", 1.0) == 2.0 ? 'z' : 'y';
-        unit = metadata_number(w->scene, "UnitScaleFactor", 1.0) * 0.01; // of a centimetre
+        unit = metadata_number(w->scene, "UnitScaleFactor", 1.0) * 0.01; // in centimetres
     } else if (has_extension(path, " dae zae ifc ifczip ")) {
         up = 'y';
         unit = 1.0;

@@ -40,7 +40,7 @@ static const char* file_name(const char* path)
     return name;
 }
 
-// "*3" is the third embedded texture; some formats name embedded ones by their file name.
+// "*3" is the embedded texture of index 3; some formats name embedded ones by their file name.
 static uint32_t find_embedded(const struct aiScene* scene, const char* path)
 {
     if (path[0] == '*') {

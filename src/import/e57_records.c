@@ -27,8 +27,8 @@ typedef struct reader {
     const stp_e57* e57;
     const stp_e57_scan* scan;
     stp_cloud cloud;
-    buffers* rooms;               ///< a worker each
-    atomic_uint_least32_t* cells; ///< of the grid: the first record of each; NULL: no grid
+    buffers* rooms;               ///< one per worker
+    atomic_uint_least32_t* cells; ///< first record of each grid cell, or STP_NONE; NULL: no grid
 } reader;
 
 static bool has(const reader* r, stp_e57_slot slot)

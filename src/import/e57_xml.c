@@ -16,7 +16,7 @@ typedef struct parsing {
     XML_Parser parser;
     stp_e57_node* open; ///< innermost element
     size_t depth, node_count;
-    char* text; ///< of the innermost element so far
+    char* text; ///< text of the innermost element so far
     size_t length, capacity;
     bool out_of_memory;
     const char* refused; ///< why parsing was stopped; NULL: it was not

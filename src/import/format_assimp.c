@@ -87,8 +87,7 @@ static void run_child(const helper* h, int descriptor)
     static const int signals[] = {SIGSEGV, SIGBUS,  SIGABRT, SIGFPE,
                                   SIGILL,  SIGTERM, SIGXCPU, SIGPIPE};
     for (size_t i = 0; i < sizeof(signals) / sizeof(signals[0]); ++i) {
-        (void)signal(signals[i], SIG_DFL); // the host's signal handlers must not run in this
-                                           // process
+        (void)signal(signals[i], SIG_DFL); // the host's signal handlers must not run here
     }
 #ifdef __linux__
     (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -125,7 +124,7 @@ static stp_result start(helper* h)
     }
     (void)fcntl(ends[0], F_SETFD, FD_CLOEXEC);
     (void)fcntl(ends[1], F_SETFD, FD_CLOEXEC);
-    // the write end must not be one of the standard streams, which the child closes
+    // the write end must not be one of the standard streams, which the child replaces
     int writing = ends[1] > 2 ? ends[1] : fcntl(ends[1], F_DUPFD_CLOEXEC, 3);
     h->process = writing >= 0 ? fork() : -1;
     if (h->process == 0) {
@@ -179,8 +178,7 @@ static stp_result receive_all(helper* h, int* status, bool* reaped)
         if (ready > 0) {
             result = receive(h, &ended);
         } else if (*reaped) {
-            return STP_OK; // it is dead and nothing is left, although another process holds the
-                           // pipe open
+            return STP_OK; // it has ended and nothing is left, but another process has the pipe
         } else {
             result = stp_progress(h->context, "import", 0.2);
             *reaped = waitpid(h->process, status, WNOHANG) == h->process;

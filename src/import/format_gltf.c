@@ -104,9 +104,9 @@ static stp_result open_glb(stp_gltf_scope* scope, stp_gltf* gltf, json_text* tex
     return STP_OK;
 }
 
-// Estimates the parser's memory: each brace, colon, comma or quote stands for an object, member,
-// value or text (an empty object takes 224 bytes, a member 112, a number 32; measured with jansson
-// 2.14).
+// Estimates the parser's memory: each brace, bracket, colon, comma or quote stands for an object,
+// array, member, value or text (an empty object takes 224 bytes, a member 112, a number 32; measured
+// with jansson 2.14).
 static uint64_t parsed_bytes(json_text text)
 {
     static const uint16_t costs[256] = {

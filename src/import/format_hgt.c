@@ -12,7 +12,7 @@
 #include <string.h>
 
 #define VOID (-32768)
-#define DEGREE 111319.490793273573 ///< metres: of the equator of WGS 84, a = 6378137
+#define DEGREE 111319.490793273573 ///< metres per degree on the equator of WGS 84, a = 6378137
 #define GRAIN ((size_t)16)         ///< rows
 #define PI 3.14159265358979323846
 
@@ -22,7 +22,7 @@ typedef struct tile {
     uint32_t side;         ///< heights in a row
     double step_x, step_y; ///< metres
     stp_mesh mesh;
-    uint32_t* first; ///< of each row: triangles of the rows before it
+    uint32_t* first; ///< per row: number of triangles of the rows before it
 } tile;
 
 // Cosine of an angle up to 90 degrees: a power series, for the same result on every machine.

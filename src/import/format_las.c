@@ -12,7 +12,7 @@
 
 enum {
     EXTRA_BYTES_ID = 4,
-    EXTRA_SIZE = 192, // of an entry
+    EXTRA_SIZE = 192, // bytes of an entry
     EXTRA_NAME = 4,
     EXTRA_NAME_SIZE = 32,
     TEXT_SIZE = 512
@@ -39,7 +39,7 @@ static uint64_t name_extra_bytes(const stp_las* las, char text[TEXT_SIZE])
     return count;
 }
 
-/// Counts content that is not kept, and lists extra bytes in one notice.
+/// Counts content that is not kept, and lists extra bytes in one warning.
 static void report_losses(stp_las* las)
 {
     size_t extra = las->record_size - las->layout.size;

@@ -36,7 +36,7 @@ typedef struct reader {
     stp_import* import;
     stp_pcd pcd;
     const stp_pcd_field* slots[SLOTS]; ///< NULL: the file has none
-    const unsigned char* base[SLOTS];  ///< binary: of the first point
+    const unsigned char* base[SLOTS];  ///< binary: the field in the first point
     size_t stride[SLOTS];
     stp_cloud cloud;
     stp_intensity_range intensity;
@@ -264,7 +264,7 @@ static void read_blocks(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Reads all points once. @return the range of their intensities
+// Reads all points once. @return the range of their intensities, and the number of empty cells
 static seen read_once(reader* r)
 {
     stp_context* context = r->import->context;

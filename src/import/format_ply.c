@@ -28,7 +28,7 @@ typedef struct vertices {
     const unsigned char* rows; ///< binary rows without lists; NULL: the values come one by one
     size_t count;
     float *positions, *normals, *texcoords, *colors;
-    stp_ply_attributes attributes; ///< of points alone
+    stp_ply_attributes attributes; ///< only in files without faces
     atomic_bool bright;            ///< a colour written as float is above 1
     stp_ply_room room;
 } vertices;

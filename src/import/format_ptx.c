@@ -11,12 +11,12 @@
 #include <stdio.h>
 
 enum { HEADER_LINES = 10 };
-#define NUMBER_LIMIT 1e15 ///< of the header
+#define NUMBER_LIMIT 1e15 ///< magnitudes in the header must be below it
 
 typedef struct reader {
     stp_import* import;
     stp_text_blocks blocks;
-    uint64_t line; ///< of the scan's header
+    uint64_t line; ///< first line of the scan's header, from 0
     uint32_t scan; ///< from 1
     uint32_t columns, rows;
     double scanner[3];

@@ -19,11 +19,11 @@ typedef struct reader {
     stp_context* context;
     stp_weld weld; ///< the mesh in the making
     uint32_t material;
-    // of a text:
+    // texts only:
     const unsigned char* tail; ///< a copy of an unfinished last line
     size_t tail_at;            ///< where it is in the file
     size_t facet_start;        ///< indices before the facet in the making
-    const char* name;          ///< of the solid in the making; may be NULL
+    const char* name;          ///< name of the solid being read; may be NULL
 } reader;
 
 static stp_result fail_facet(const reader* r, uint64_t facet)
@@ -33,8 +33,8 @@ static stp_result fail_facet(const reader* r, uint64_t facet)
                     (unsigned long long)facet + 1);
 }
 
-// Adds the collected triangles as an object below the root, or as a part of the root if they have
-// no name.
+// Adds the collected triangles as an object below the root. Without a name they become a part of
+// the last object: the root, or the solid before.
 static stp_result end_solid(reader* r, const char* name)
 {
     stp_scene* scene = r->import->scene;

@@ -36,7 +36,8 @@ static uint32_t count_components(const char* type)
     return 0;
 }
 
-// The bytes of `count` elements of `size` bytes, `stride` apart, `offset` into a view.
+// Finds `count` elements of `size` bytes, from `offset` on in a view. *stride receives their
+// distance; NULL: they are packed.
 static stp_result find_elements(stp_gltf_scope* scope, const stp_gltf_accessor* accessor,
                                 uint32_t view, size_t offset, size_t count, size_t size,
                                 size_t* stride, const unsigned char** bytes)
@@ -320,7 +321,7 @@ stp_result stp_gltf_accessor_floats(stp_gltf_scope* scope, const stp_gltf_access
         return STP_OK;
     }
     // expands all elements with their substitutes, then copies the selected ones
-    float* all = STP_NEW_ZEROED(context, float, accessor->count* components);
+    float* all = STP_NEW_ZEROED(context, float, (accessor->count * components));
     if (all == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;
     }

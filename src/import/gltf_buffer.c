@@ -79,8 +79,7 @@ stp_result stp_gltf_load_buffers(stp_gltf_scope* scope, stp_gltf* gltf)
 
 void stp_gltf_release_buffers(const stp_gltf* gltf)
 {
-    if (!gltf->import->alone) { // otherwise it is the caller's memory, which releasing would
-                                // discard
+    if (!gltf->import->alone) { // else the caller's memory, which this would discard
         stp_file_evict(&gltf->import->file);
     }
     for (size_t i = 0; i < stp_gltf_count(gltf, STP_GLTF_BUFFERS); ++i) {

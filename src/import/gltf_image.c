@@ -6,26 +6,26 @@
 
 #include <string.h>
 
-// Decoded immediately, before the scene takes them and may move them out of memory.
+// Pixels decoded together, before the scene takes them and may move them out of memory.
 #define PIXELS_OF_BATCH ((uint64_t)1 << 24)
 #define PIXEL_BYTES 8u // including the decoder's buffers
 
 enum { WRAP_REPEAT = 10497, WRAP_CLAMP = 33071, WRAP_MIRROR = 33648, FILTER_NEAREST = 9728 };
 
 typedef struct image_state {
-    const unsigned char* bytes; ///< NULL: the picture cannot be had
+    const unsigned char* bytes; ///< NULL: not available, or already decoded
     size_t size;
     unsigned char* owned;
     stp_mapped_file file;
     stp_image_info info;
     stp_result result;
     stp_texture decoded;
-    uint32_t first_request; ///< of those that show this image; STP_NONE: none
+    uint32_t first_request; ///< first request for this image; STP_NONE: none
 } image_state;
 
 typedef struct texture_request {
     uint32_t image;
-    uint32_t next; ///< of the same image
+    uint32_t next; ///< next request for the same image; STP_NONE: none
     stp_wrap wrap_u, wrap_v;
     bool nearest;
     uint32_t scene_texture;
@@ -349,7 +349,7 @@ static stp_result add_texture(stp_gltf_scope* scope, stp_gltf_textures* textures
         scope, stp_scene_add_texture(gltf->import->scene, &texture, &request->scene_texture));
 }
 
-// End of the requests that are decoded together: at least one, with at most a batch's pixels.
+// End of the requests that are decoded together: at least one, until a batch's pixels are reached.
 static size_t end_batch(const stp_gltf* gltf, const stp_gltf_textures* textures, size_t begin)
 {
     size_t end = begin;

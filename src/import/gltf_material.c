@@ -16,8 +16,8 @@ typedef struct material_reader {
     pending_material* pending;
 } material_reader;
 
-// Sine and cosine from the series after halving the angle: the C library's results differ between
-// machines.
+// Sine and cosine from the series after halving the angle four times: the C library's results
+// differ between machines.
 static void rotate(double angle, double* sine, double* cosine)
 {
     double turns = angle / (2.0 * STP_PI);

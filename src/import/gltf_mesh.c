@@ -5,7 +5,7 @@
 #include <string.h>
 
 #define ELEMENTS_OF_BATCH ((uint64_t)1 << 21) // vertices and indices
-#define ELEMENT_BYTES 64u                     // of a vertex with all it may have, about
+#define ELEMENT_BYTES 64u                     // about the size of a vertex with all attributes
 
 typedef struct primitive_loop {
     const stp_gltf* gltf;
@@ -91,7 +91,7 @@ static stp_result add_primitive(stp_gltf* gltf, stp_gltf_primitive* primitive, s
     return stp_scene_add_mesh(scene, &mesh, &part->part.index);
 }
 
-// Counts line primitives in [begin, end).
+// Logs the messages of primitives [begin, end), adds them to the scene, and counts those of lines.
 static stp_result add_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
                                  stp_gltf_primitive* primitives, size_t begin, size_t end,
                                  size_t* line_count)
@@ -117,7 +117,7 @@ static stp_result add_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
     return STP_OK;
 }
 
-// End of the primitives that are read together: at least one, with at most a batch's elements.
+// End of the primitives that are read together: at least one, until a batch's elements are reached.
 static size_t end_batch(const stp_gltf* gltf, const stp_gltf_primitive* primitives, size_t begin,
                         size_t count)
 {

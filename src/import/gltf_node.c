@@ -5,7 +5,7 @@
 
 static bool is_finite_affine(const stp_affine* a)
 {
-    double sum = 0.0; // not finite if any element is not: the sum becomes infinite or NaN
+    double sum = 0.0; // becomes NaN if any element is not finite
     for (int r = 0; r < 3; ++r) {
         for (int c = 0; c < 4; ++c) {
             sum += a->m[r][c] - a->m[r][c];

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-// As for vertices: nodes may share meshes and instances without limit, and valid files do.
+// As in gltf_limit.c: nodes may share meshes and instances without limit, and valid files do.
 #define PARTS_ALWAYS_ALLOWED ((size_t)1 << 22)
 #define INSTANCES_ALWAYS_ALLOWED ((size_t)1 << 20)
 #define SHARES_PER_BYTE 16
@@ -87,7 +87,7 @@ static stp_result read_instance_values(object_writer* writer, const json_t* attr
                              accessor.count, accessor.component_count);
     }
     *count = accessor.count;
-    *values = STP_NEW_ARRAY(writer->gltf->context, float, accessor.count* components);
+    *values = STP_NEW_ARRAY(writer->gltf->context, float, (accessor.count * components));
     if (*values == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;
     }

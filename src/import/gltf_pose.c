@@ -89,7 +89,8 @@ static stp_result read_skin(stp_gltf_scope* scope, uint32_t skin, const stp_gltf
     return result;
 }
 
-// Sums the matrices of a vertex. Returns their total weight, or a failure.
+// Sums the weighted matrices of a vertex; *total receives their weight. Fails if a joint does not
+// exist.
 static stp_result blend(stp_gltf_scope* scope, const skin_arrays* arrays, size_t vertex,
                         stp_affine* blended, double* total)
 {
@@ -99,7 +100,7 @@ static stp_result blend(stp_gltf_scope* scope, const skin_arrays* arrays, size_t
         double weight = (double)arrays->weights[k / 4][4 * vertex + k % 4];
         float joint = arrays->joints[k / 4][4 * vertex + k % 4];
         if (!(weight > 0.0) || weight > 1e6) {
-            continue; // no joints or no weight
+            continue; // no weight, or an implausible one
         }
         if (!(joint >= 0.0f) || joint >= (float)arrays->matrix_count) {
             return stp_gltf_fail(scope, STP_ERROR_FORMAT,

@@ -18,8 +18,8 @@ static stp_result draco_attribute(stp_gltf_scope* scope, const stp_gltf_vertices
         return stp_gltf_fail(scope, STP_ERROR_FORMAT,
                              "%s: the compressed mesh has no attribute of id %zu", name, id);
     }
-    float* all = STP_NEW_ARRAY(context, float, vertices->count* count);
-    float* out = STP_NEW_ARRAY(context, float, selection->count* count);
+    float* all = STP_NEW_ARRAY(context, float, (vertices->count * count));
+    float* out = STP_NEW_ARRAY(context, float, (selection->count * count));
     if (all == NULL || out == NULL) {
         stp_free(context, all);
         stp_free(context, out);
@@ -54,7 +54,8 @@ static stp_result plain_attribute(stp_gltf_scope* scope, const stp_gltf_vertices
         return STP_OK;
     }
     *components = accessor.component_count;
-    float* out = STP_NEW_ARRAY(scope->gltf->context, float, vertices->selection.count** components);
+    float* out =
+        STP_NEW_ARRAY(scope->gltf->context, float, (vertices->selection.count * (*components)));
     if (out == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
@@ -136,7 +137,7 @@ static float to_unit(float x)
     return x > 0.0f ? stp_min(x, 1.0f) : 0.0f; // NaN becomes 0
 }
 
-// COLOR_0, four per vertex, 0..1.
+// COLOR_0: three or four floats per vertex, not clamped.
 static stp_result read_colors(stp_gltf_scope* scope, const stp_gltf_vertices* vertices,
                               float** colors, uint32_t* components)
 {
@@ -312,7 +313,7 @@ static stp_result open_draco(stp_gltf_scope* scope, const json_t* json, stp_gltf
     return STP_OK;
 }
 
-// Number of vertices of the primitive; false if it has no positions and therefore shows nothing.
+// Finds the number of vertices of the primitive; *shows becomes false if it has no positions.
 static stp_result open_vertices(stp_gltf_scope* scope, const json_t* json,
                                 stp_gltf_vertices* vertices, bool* shows)
 {

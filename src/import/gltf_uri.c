@@ -46,7 +46,7 @@ static int base64_digit(char c)
                                   : -1;
 }
 
-// False if a character is not base64 (RFC 4648, 4).
+// False if the text is not base64 (RFC 4648, 4).
 static bool base64_decode(const char* text, size_t length, unsigned char* out, size_t* size)
 {
     while (length > 0 && text[length - 1] == '=') {

@@ -36,7 +36,7 @@ static stp_vec3 position(const work* w, uint32_t point)
 
 typedef struct grid_step {
     stp_vec3 vector;
-    float squared; ///< of its length; 0: there is no neighbour on the same surface
+    float squared; ///< squared length; 0: there is no neighbour on the same surface
 } grid_step;
 
 // The step from p to a neighbour within a distance, given squared.

@@ -49,7 +49,7 @@ typedef struct stream {
     const unsigned char* bytes;
     size_t size, at;
     bool is_short;      ///< more was read than there is
-    const char* buffer; ///< that stb_image fills ahead, perhaps beyond the end; NULL: not yet known
+    const char* buffer; ///< stb_image's read-ahead buffer; it may ask beyond the end; NULL: unknown
 } stream;
 
 // The first read fills the buffer. Rows that are read past it must be whole.
@@ -87,7 +87,7 @@ typedef struct plain {
     bool known, opaque, runs;
     uint32_t pixel_bits;
     size_t palette_gap; ///< bytes by which a palette is shorter than the values of a pixel allow
-    size_t start;       ///< of the pixels; only with a gap
+    size_t start;       ///< BMP: offset of the pixels
 } plain;
 
 // Pictures stored from right to left, and palettes that do not begin at 0, are not decoded.

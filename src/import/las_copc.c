@@ -20,13 +20,13 @@ enum { LEVELS = 64 };
 
 typedef struct hierarchy {
     const stp_las* las;
-    uint8_t* levels_of;            ///< chunks; NULL: not needed
-    uint64_t of_level[LEVELS + 1]; ///< points
-    uint64_t points;               ///< of all entries so far
+    uint8_t* levels_of;            ///< level of each chunk; NULL: not needed
+    uint64_t of_level[LEVELS + 1]; ///< points of each level; deeper ones in the last
+    uint64_t points;               ///< points of all entries so far
     uint64_t entries;              ///< so far; a valid file has at most `maximum`
     uint64_t maximum;
-    uint64_t nodes;  ///< with points
-    uint32_t levels; ///< of nodes with points
+    uint64_t nodes;  ///< nodes with points
+    uint32_t levels; ///< levels down to the deepest node with points
     const char* fault;
 } hierarchy;
 
@@ -128,7 +128,7 @@ bool stp_las_sample_copc(stp_las* las, uint64_t maximum)
     memset(levels, LEVELS, las->chunk_count);
     bool good = read_hierarchy(las, levels, &h) && h.fault == NULL;
     uint64_t points = 0;
-    uint32_t end = 0; // of the levels that are read; always at least the first
+    uint32_t end = 0; // levels [0, end) are read, always at least the first
     while (good && end < LEVELS && (end == 0 || points + h.of_level[end] <= maximum)) {
         points += h.of_level[end++];
     }

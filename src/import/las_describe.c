@@ -11,7 +11,7 @@
 
 enum {
     EXTRA_ID = 4,
-    EXTRA_SIZE = 192, // of an entry
+    EXTRA_SIZE = 192, // bytes of an entry
     EXTRA_TYPE = 2,
     EXTRA_OPTIONS = 3,
     EXTRA_NAME = 4,

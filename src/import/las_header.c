@@ -75,7 +75,7 @@ static stp_result read_transform(stp_las* las, const unsigned char* bytes)
             return stp_fail(las->context, STP_ERROR_FORMAT,
                             "%s: the scale of its %c is %g and the offset %g: they must be finite, "
                             "and the scale not 0",
-                            las->import->path, "xyz"[i], las -> scale[i], las -> offset[i]);
+                            las->import->path, (char)('x' + i), las->scale[i], las->offset[i]);
         }
     }
     return STP_OK;

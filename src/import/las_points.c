@@ -6,9 +6,9 @@
 
 #include <string.h>
 
-enum { CLASS_MASK = 31 }; // of formats 0 to 5; the other bits are flags
+enum { CLASS_MASK = 31 }; // the class in formats 0 to 5; the other bits are flags
 
-// The first 20 bytes of formats 0 to 5, without the position.
+// The first 20 bytes of formats 0 to 5, without position and intensity.
 static void read_old_record(const unsigned char* p, stp_las_block* block, size_t i)
 {
     block->return_number[i] = p[14] & 7;
@@ -18,7 +18,7 @@ static void read_old_record(const unsigned char* p, stp_las_block* block, size_t
     block->source[i] = stp_read_u16(p + 18);
 }
 
-// The first 22 bytes of formats 6 to 10, without the position.
+// The first 22 bytes of formats 6 to 10, without position and intensity.
 static void read_new_record(const unsigned char* p, stp_las_block* block, size_t i)
 {
     block->return_number[i] = p[14] & 15;

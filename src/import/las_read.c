@@ -237,7 +237,7 @@ static stp_result read_sets(reading* r, uint64_t points_in_set)
     return result;
 }
 
-// Whether the first points of some chunks have colours of more than 8 bits.
+// Sets r->wide if the first points of some chunks have colours of more than 8 bits.
 static stp_result probe_colors(reading* r)
 {
     const stp_las* las = r->las;

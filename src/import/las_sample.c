@@ -20,8 +20,8 @@ static stp_result sample_records(stp_las* las, uint64_t maximum)
     stp_free(las->context, las->chunks);
     las->chunks = chunks;
     las->chunk_count = (size_t)runs;
-    for (uint64_t i = 0; i < runs;
-         ++i) { // step is larger than a run: there are more points than `maximum`
+    // several runs do not overlap: there are at least four times as many points as `maximum`
+    for (uint64_t i = 0; i < runs; ++i) {
         uint64_t first = i * step;
         uint64_t left = las->point_count - first, count = left < RUN ? left : RUN;
         chunks[i] = (stp_las_chunk){.offset = las->points + first * las->record_size,

@@ -61,7 +61,7 @@ typedef struct stp_laz_integer {
     stp_laz_model sizes[STP_LAZ_MAX_CONTEXTS];
     stp_laz_model corrections[STP_LAZ_MAX_BITS]; ///< by k, from 1 on
     stp_laz_bit bit;                             ///< k = 0: 0 or 1
-    uint32_t k;                                  ///< of the difference decoded last
+    uint32_t k;                                  ///< size of the difference decoded last
 } stp_laz_integer;
 
 /// Allocates the numbers of models. If `bytes` is NULL, it only counts them: models are made twice.
@@ -83,7 +83,7 @@ void stp_laz_model_update(stp_laz_model* model);
 void stp_laz_bit_reset(stp_laz_bit* bit, uint32_t epoch);
 void stp_laz_bit_update(stp_laz_bit* bit);
 
-/// A decoder over [bytes, bytes + size); tail as above.
+/// A decoder over [bytes, bytes + size). `tail`: STP_LAZ_TAIL bytes that live as long as it.
 stp_laz_decoder stp_laz_decoder_begin(const unsigned char* bytes, size_t size, unsigned char* tail,
                                       uint32_t epoch);
 /// Copies the rest of the input to the tail and appends zeros. Fails beyond that.
@@ -95,7 +95,8 @@ static inline bool stp_laz_is_good(const stp_laz_decoder* d)
     return !d->failed && d->at <= d->last;
 }
 
-/// Ensures that `bytes` can be read without further checks (three per symbol), plus four more.
+/// Ensures that `bytes` can be read without further checks: three per symbol, and four for reading
+/// ahead, which the caller includes.
 STP_LAZ_INLINE void stp_laz_ensure(stp_laz_decoder* d, size_t bytes)
 {
     if ((size_t)(d->end - d->at) < bytes) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Shared by both kinds of LAZ chunks: GPS times, colours, and the choice of models by the returns
-// of a pulse.
+// Shared by both kinds of LAZ chunks: GPS times, colours, and the choice of models by the sizes of
+// differences.
 #pragma once
 
 #include "import/laz_coder.h"

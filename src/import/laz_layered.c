@@ -46,7 +46,7 @@ enum { LAYERS = NIR + 1, POINT_LAYERS = TIME + 1 };
 typedef struct layer {
     stp_laz_decoder decoder;
     bool changes;     ///< otherwise all points have the first one's value
-    unsigned channel; ///< of the last point
+    unsigned channel; ///< channel of the last point
     unsigned met;     ///< bit c: channel c has last values
     unsigned char tail[STP_LAZ_TAIL];
 } layer;
@@ -73,7 +73,7 @@ struct stp_laz_layered {
     channel_models channels[CHANNELS];
     layer layers[LAYERS];
     bool fixed;                  ///< colours follow their own channel; see next_rgb
-    uint8_t said[STP_LAS_BLOCK]; ///< by the first layer
+    uint8_t said[STP_LAS_BLOCK]; ///< per point: channel and bits of the first layer
     uint8_t z_context[STP_LAS_BLOCK];
 };
 
@@ -473,7 +473,7 @@ static void next_nir(stp_laz_layered* l, size_t first, size_t count, stp_las_blo
     at->decoder = d;
 }
 
-// An empty layer: every point has the value of the first, which every channel still holds.
+// An empty layer: every point has the value of the first, which that point's channel still holds.
 static void repeat(const stp_laz_layered* l, layer_kind kind, size_t first, size_t count,
                    stp_las_block* block)
 {

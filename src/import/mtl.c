@@ -130,8 +130,8 @@ static stp_result read_texture(mtl* m, stp_text at, stp_texture_use* use)
     return result;
 }
 
-// map_d: the alpha of the same picture, or the brightness of another one of the same size, becomes
-// the alpha of the base colour's picture.
+// map_d: the alpha of its picture, or the red channel if that picture is opaque, becomes the alpha
+// of the base colour's picture, which must have the same size.
 static stp_result apply_alpha_map(mtl* m)
 {
     stp_scene* scene = m->import->scene;

@@ -21,12 +21,12 @@ typedef struct builder {
     const uint32_t* polygon_ends;
     size_t corner_count, polygon_count;
     uint32_t first_position;
-    uint32_t* ranks;     ///< of each corner's position among those used; NULL: positions are dense
-    size_t bucket_count; ///< positions used, or from the first to the last one used
+    uint32_t* ranks;           ///< per corner: rank of its position among those used; NULL: dense
+    size_t bucket_count;       ///< positions used, or from the first to the last one used
     _Atomic uint32_t* buckets; ///< where each position's corners end in `sorted`
     uint32_t* sorted;          ///< corners, gathered by position
-    uint32_t* first_vertex;    ///< of each bucket
-    uint32_t* vertices;        ///< of each corner; first counted within its bucket
+    uint32_t* first_vertex;    ///< per bucket; until the sum, its number of vertices
+    uint32_t* vertices;        ///< per corner; at first counted within its bucket
     bool has_texcoords, has_normals;
     bool large; ///< built alone
     atomic_bool out_of_memory;

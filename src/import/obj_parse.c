@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#define CHUNKS_PER_THREAD 4 // that are in memory until they are moved to the scratch file
+#define CHUNKS_PER_THREAD 4 ///< chunks in memory until they are moved to the scratch file
 
 void* stp_obj_grow(stp_context* context, stp_obj_array* array, size_t count, size_t size)
 {

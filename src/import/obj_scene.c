@@ -9,8 +9,8 @@
 typedef struct build {
     stp_obj* obj;
     stp_mesh* built; ///< one for each of obj->meshes
-    uint32_t* first; ///< of each group's meshes; STP_NONE: none
-    uint32_t* next;  ///< of the same group; STP_NONE: none
+    uint32_t* first; ///< per group: its first mesh; STP_NONE: none
+    uint32_t* next;  ///< per mesh: the next one of its group; STP_NONE: none
     bool* needed;    ///< whether a group has meshes, or one below it has
     atomic_bool out_of_memory;
 } build;

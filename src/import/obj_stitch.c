@@ -261,7 +261,7 @@ static stp_result place_runs(stp_obj* obj)
     return obj->corners != NULL && obj->polygons != NULL ? STP_OK : stp_obj_no_room(obj);
 }
 
-// The absolute index, or STP_OBJ_ABSENT with *good false.
+// The absolute index. STP_OBJ_ABSENT if `index` is; also, with *good false, if it does not exist.
 static uint32_t resolve(uint32_t index, size_t base, size_t count, bool* good)
 {
     if (index == STP_OBJ_ABSENT) {

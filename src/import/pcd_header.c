@@ -4,8 +4,8 @@
 
 #include <string.h>
 
-#define LINES_MAX 64                   ///< of a header, comments included
-#define COUNT_LIMIT (INT64_C(1) << 48) ///< of points: more than any file can hold
+#define LINES_MAX 64                   ///< maximum lines of a header, comments included
+#define COUNT_LIMIT (INT64_C(1) << 48) ///< more points than any file can hold
 
 typedef struct header {
     stp_import* import;
@@ -105,8 +105,8 @@ static stp_result read_line(header* h, stp_text at, bool* last)
         *last = true;
         return read_encoding(h, end);
     }
-    return good ? STP_OK
-                : fail_line(h, "expected a count below 2^48"); // VERSION, VIEWPOINT, comments
+    // VERSION, VIEWPOINT and comments are ignored
+    return good ? STP_OK : fail_line(h, "expected a count below 2^48");
 }
 
 // Checks that the four lists match and make a row.

@@ -11,7 +11,7 @@ size_t stp_ply_type_size(stp_ply_type type)
     return sizes[type];
 }
 
-// A header line without its line end, and the remaining words.
+// The remaining words of a header line.
 typedef struct line {
     stp_text at;
 } line;

@@ -71,8 +71,8 @@ static bool is_compound(stp_text at, stp_text end)
 }
 
 typedef struct wkt_scan {
-    bool systems[MAX_DEPTH], compounds[MAX_DEPTH]; ///< of the open words
-    int depth, best;                               ///< best: of the code that was found
+    bool systems[MAX_DEPTH], compounds[MAX_DEPTH]; ///< kinds of the open words, by depth
+    int depth, best; ///< number of open words; depth of the code that was found
 } wkt_scan;
 
 // Uses a system's own code, or for a compound system without a code that of its first part. Codes

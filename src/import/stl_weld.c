@@ -60,8 +60,7 @@ static stp_result grow(stp_weld* weld)
     }
     uint32_t vertex = 0;
     for (size_t i = 0; i < weld->index_count; ++i) {
-        if (weld->indices[i] == vertex) { // its first corner: vertices are numbered in order of
-                                          // appearance
+        if (weld->indices[i] == vertex) { // its first corner: numbers follow the order of corners
             insert(weld, (uint32_t)i);
             vertex += 1;
         }

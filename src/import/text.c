@@ -56,8 +56,7 @@ static double scale_decimal(uint64_t digits, int exponent)
     return exponent < -400 ? 0.0 : scale_far(value, exponent);
 }
 
-// "nan", "-nan(ind)", "inf", "infinity"; also what old Microsoft libraries print: "1.#IND",
-// "1.#INF".
+// "nan", "-nan(ind)", "inf", "infinity"; the sign was read before.
 static stp_text read_special(stp_text at, bool negative, double* value)
 {
     stp_text end = at;

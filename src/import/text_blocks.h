@@ -15,7 +15,7 @@ typedef struct stp_text_blocks {
     stp_context* context;
     stp_text_block* blocks;
     size_t count;
-    uint64_t line_count; ///< of all; a last line without an end counts
+    uint64_t line_count; ///< lines of all blocks; a last line without an end counts
     unsigned char* tail; ///< a copy of the last lines, with room behind it
 } stp_text_blocks;
 

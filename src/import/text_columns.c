@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#define HEADER_LINES 100 ///< maximum number of lines before the points
-#define SAMPLES 500      ///< number of sampled lines
+#define HEADER_LINES 100 ///< the first point must be in one of these lines
+#define SAMPLES 500      ///< maximum number of sampled lines
 #define MIN_LINE 6       ///< bytes of a point and its line end
 #define WINDOW 4096      ///< bytes in which a sampled line must begin
 
@@ -164,7 +164,7 @@ static void read_row(stp_text at, row* r)
     }
 }
 
-// Reads a line's words as column names. @return whether x, y and z are among them
+// Reads a line's words as column names. @return whether they are `wanted` valid columns
 static bool read_header(stp_text at, uint32_t wanted, stp_columns* columns)
 {
     *columns = (stp_columns){0};
@@ -302,7 +302,7 @@ static void take_sample(samples* s, stp_text at)
     }
 }
 
-// Lines from all over the text, at positions that depend only on its size.
+// Lines from all over the text, at positions that depend on the text alone.
 static void take_samples(samples* s, const stp_text_blocks* blocks, size_t first_block,
                          stp_text first)
 {

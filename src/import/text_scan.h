@@ -63,8 +63,7 @@ static inline stp_text stp_scan_number(stp_text start, double* value)
         return stp_read_number(start, value);
     }
     double magnitude = (double)(int64_t)digits;
-    if (fraction >
-        0) { // columns repeat, so this is predicted; a division takes longer than the rest
+    if (fraction > 0) { // predicted, as columns repeat; a division takes longer than the rest
         magnitude /= tens[fraction];
     }
     uint64_t bits;
