@@ -6,6 +6,8 @@
 #include "base/context.h"
 #include "import/text.h"
 
+#include <assert.h>
+
 typedef struct stp_text_block {
     stp_text begin, end; ///< ends behind a line end, with STP_SCAN_MARGIN readable bytes behind it
     uint64_t first_line; ///< from 0
@@ -56,6 +58,8 @@ static inline stp_line_cursor stp_line_cursor_at(const stp_text_blocks* blocks, 
 /// Advances to the next line, which must exist.
 static inline void stp_line_cursor_next(stp_line_cursor* cursor)
 {
+    assert(cursor->block < cursor->blocks->count &&
+           cursor->at < cursor->blocks->blocks[cursor->block].end && "at the start of a line");
     cursor->at = stp_next_line(cursor->at);
     if (cursor->at == cursor->blocks->blocks[cursor->block].end &&
         cursor->block + 1 < cursor->blocks->count) {
