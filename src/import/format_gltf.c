@@ -4,6 +4,7 @@
 #include "base/bytes.h"
 #include "import/gltf.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -85,6 +86,7 @@ static stp_result open_glb(stp_gltf_scope* scope, stp_gltf* gltf, json_text* tex
         size_t size = stp_read_u32(file->bytes + at);
         uint32_t type = stp_read_u32(file->bytes + at + 4);
         at += CHUNK_HEADER_SIZE;
+        assert(at <= length && length <= file->size);
         if (size > length - at) {
             return stp_gltf_fail(scope, STP_ERROR_TRUNCATED,
                                  "chunk %zu has %zu bytes, but only %zu are left", chunk, size,

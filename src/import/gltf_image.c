@@ -4,6 +4,7 @@
 #include "import/gltf.h"
 #include "import/surface.h"
 
+#include <assert.h>
 #include <string.h>
 
 // Pixels decoded together, before the scene takes them and may move them out of memory.
@@ -166,6 +167,7 @@ stp_result stp_gltf_textures_want(stp_gltf_scope* scope, stp_gltf_textures* text
     }
     textures->requests = requests;
     *request = (uint32_t)textures->request_count;
+    assert(textures->request_count < textures->request_capacity);
     requests[textures->request_count++] = wanted;
     return STP_OK;
 }
@@ -296,6 +298,7 @@ static stp_result measure_images(stp_gltf_scope* scope, stp_gltf_textures* textu
 static stp_result decode_images(stp_gltf_scope* scope, stp_gltf_textures* textures, size_t begin,
                                 size_t end)
 {
+    assert(begin < end && end <= textures->request_count);
     decode_loop loop = {scope->gltf->context, textures, begin};
     stp_parallel_for(loop.context, end - begin, 1, decode_job, &loop);
     for (size_t i = begin; i < end; ++i) {
@@ -313,6 +316,7 @@ static stp_result decode_images(stp_gltf_scope* scope, stp_gltf_textures* textur
 // Gives a texture copies of its texels and encoded bytes. @return false if memory runs out
 static bool copy_picture(stp_context* context, stp_texture* texture)
 {
+    assert(texture->texels != NULL && texture->encoded_size > 0 && "it was decoded");
     size_t size = (size_t)texture->width * texture->height * 4;
     uint8_t* texels = stp_alloc(context, size);
     uint8_t* encoded = stp_alloc(context, texture->encoded_size);
@@ -359,6 +363,7 @@ static size_t end_batch(const stp_gltf* gltf, const stp_gltf_textures* textures,
         pixels += decodes(textures, end) ? (uint64_t)image->info.width * image->info.height : 0;
         end += 1;
     }
+    assert(end > begin && end <= textures->request_count);
     return end;
 }
 
@@ -378,5 +383,6 @@ stp_result stp_gltf_textures_load(stp_gltf_scope* scope, stp_gltf_textures* text
 
 uint32_t stp_gltf_textures_get(const stp_gltf_textures* textures, uint32_t request)
 {
+    assert(request == STP_NONE || request < textures->request_count);
     return request == STP_NONE ? STP_NONE : textures->requests[request].scene_texture;
 }

@@ -2,6 +2,7 @@
 // Reads all visible primitives in jobs and adds them to the scene in file order.
 #include "import/gltf_primitive.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define ELEMENTS_OF_BATCH ((uint64_t)1 << 21) // vertices and indices
@@ -21,6 +22,8 @@ static char* copy_message(stp_context* context, const char* message)
 
 static void set_place(stp_gltf_scope* scope, const stp_gltf_primitive* primitive)
 {
+    assert(primitive->variant < scope->gltf->variant_count);
+    assert(primitive->index < scope->gltf->variants[primitive->variant].primitive_count);
     stp_gltf_set_place(scope, "meshes[%u].primitives[%zu]",
                        scope->gltf->variants[primitive->variant].mesh, primitive->index);
 }
@@ -75,6 +78,7 @@ static void plan_primitives(const stp_gltf* gltf, stp_gltf_primitive* primitives
 static stp_result add_primitive(stp_gltf* gltf, stp_gltf_primitive* primitive, stp_gltf_part* part)
 {
     stp_scene* scene = gltf->import->scene;
+    assert(!primitive->present || primitive->result == STP_OK);
     part->present = primitive->present;
     if (!primitive->present) {
         return STP_OK;
@@ -128,6 +132,7 @@ static size_t end_batch(const stp_gltf* gltf, const stp_gltf_primitive* primitiv
         elements += stp_gltf_primitive_elements(gltf, variant, primitives[end].index);
         end += 1;
     }
+    assert(end > begin && end <= count);
     return end;
 }
 

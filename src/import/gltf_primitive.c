@@ -4,6 +4,7 @@
 
 #include "base/color.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -28,6 +29,7 @@ static stp_result draco_attribute(stp_gltf_scope* scope, const stp_gltf_vertices
     stp_draco_values(vertices->draco, (uint32_t)id, all);
     for (size_t i = 0; i < selection->count; ++i) {
         size_t vertex = selection->map != NULL ? selection->map[i] : selection->first + i;
+        assert(vertex < vertices->count);
         for (size_t c = 0; c < count; ++c) {
             float value = all[vertex * count + c] / divisor;
             out[i * count + c] = divisor != 1.0f ? stp_max(value, -1.0f) : value;
@@ -67,6 +69,7 @@ stp_result stp_gltf_attribute(stp_gltf_scope* scope, const stp_gltf_vertices* ve
                               const char* name, uint32_t components[2], float** values)
 {
     uint32_t index = STP_NONE, count = components[0];
+    assert(components[0] <= components[1]);
     *values = NULL;
     stp_result result =
         stp_gltf_index(scope, vertices->attributes, name, STP_GLTF_ACCESSORS, &index);
@@ -157,6 +160,7 @@ static stp_result read_mesh_colors(stp_gltf_scope* scope, const stp_gltf_vertice
     if (result != STP_OK || colors == NULL) {
         return result;
     }
+    assert(components == 3 || components == 4);
     size_t count = vertices->selection.count;
     mesh->colors = STP_NEW_ARRAY(context, uint16_t, count * 4);
     for (size_t i = 0; mesh->colors != NULL && i < count; ++i) {
@@ -179,6 +183,7 @@ static stp_result read_point_colors(stp_gltf_scope* scope, const stp_gltf_vertic
     if (result != STP_OK || colors == NULL) {
         return result;
     }
+    assert(components == 3 || components == 4);
     size_t count = vertices->selection.count;
     points->colors = STP_NEW_ARRAY(context, uint8_t, count * 4);
     for (size_t i = 0; points->colors != NULL && i < count; ++i) {
@@ -238,6 +243,7 @@ static stp_result read_triangles(stp_gltf_scope* scope, const json_t* mesh_json,
     }
     mesh->name = stp_gltf_text(mesh_json, "name");
     mesh->triangle_count = (uint32_t)triangle_count;
+    assert(vertices->selection.count > 0 && vertices->selection.count < STP_NONE);
     mesh->vertex_count = (uint32_t)vertices->selection.count;
     result =
         read_geometry(scope, mesh_json, json, variant, vertices, &mesh->positions, &mesh->normals);
@@ -265,6 +271,7 @@ static stp_result read_points(stp_gltf_scope* scope, const json_t* mesh_json, co
         return result;
     }
     points->name = stp_gltf_text(mesh_json, "name");
+    assert(vertices->selection.count < STP_NONE);
     points->point_count = (uint32_t)vertices->selection.count;
     result = read_geometry(scope, mesh_json, json, variant, vertices, &points->positions,
                            &points->normals);
