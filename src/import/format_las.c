@@ -5,6 +5,7 @@
 #include "base/bytes.h"
 #include "import/las.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -36,12 +37,14 @@ static uint64_t name_extra_bytes(const stp_las* las, char text[TEXT_SIZE])
                                      (int)length, name);
         }
     }
+    assert(used < TEXT_SIZE);
     return count;
 }
 
 /// Counts content that is not kept, and lists extra bytes in one warning.
 static void report_losses(stp_las* las)
 {
+    assert(las->record_size >= las->layout.size);
     size_t extra = las->record_size - las->layout.size;
     char names[TEXT_SIZE];
     if (las->layout.wave != STP_LAS_NO_FIELD) {

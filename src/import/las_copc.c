@@ -5,6 +5,7 @@
 #include "base/bytes.h"
 #include "import/las.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -30,6 +31,18 @@ typedef struct hierarchy {
     const char* fault;
 } hierarchy;
 
+#ifndef NDEBUG
+static bool are_chunks_in_order(const stp_las* las)
+{
+    for (size_t i = 1; i < las->chunk_count; ++i) {
+        if (las->chunks[i - 1].offset > las->chunks[i].offset) {
+            return false;
+        }
+    }
+    return true;
+}
+#endif
+
 // The chunk at an offset of the file; chunks are in file order.
 static stp_las_chunk* chunk_at(const stp_las* las, uint64_t place)
 {
@@ -50,6 +63,7 @@ static void add_node(hierarchy* h, uint32_t level, uint64_t place, uint64_t coun
 {
     stp_las_chunk* chunk = h->levels_of != NULL ? chunk_at(h->las, place) : NULL;
     level = level < LEVELS ? level : LEVELS;
+    assert(chunk == NULL || chunk->offset == place);
     h->points += count;
     h->of_level[level] += count;
     h->nodes += count > 0;
@@ -125,6 +139,7 @@ bool stp_las_sample_copc(stp_las* las, uint64_t maximum)
     if (levels == NULL) {
         return false; // chunks are sampled without
     }
+    assert(are_chunks_in_order(las) && "they are searched by offset");
     memset(levels, LEVELS, las->chunk_count);
     bool good = read_hierarchy(las, levels, &h) && h.fault == NULL;
     uint64_t points = 0;
@@ -132,6 +147,7 @@ bool stp_las_sample_copc(stp_las* las, uint64_t maximum)
     while (good && end < LEVELS && (end == 0 || points + h.of_level[end] <= maximum)) {
         points += h.of_level[end++];
     }
+    assert(end <= LEVELS && "chunks outside the hierarchy have level LEVELS");
     for (size_t i = 0; i < las->chunk_count && good; ++i) {
         las->chunks[i].read = levels[i] < end ? las->chunks[i].count : 0;
     }
