@@ -3,6 +3,7 @@
 #include "import/assimp_writer.h"
 #include "import/surface.h"
 
+#include <assert.h>
 #include <assimp/material.h>
 #include <math.h>
 #include <stdlib.h>
@@ -46,6 +47,7 @@ static uint32_t find_embedded(const struct aiScene* scene, const char* path)
     if (path[0] == '*') {
         return (uint32_t)strtoul(path + 1, NULL, 10);
     }
+    assert(scene->mNumTextures == 0 || scene->mTextures != NULL);
     for (uint32_t i = 0; i < scene->mNumTextures; ++i) {
         const char* name = file_name(scene->mTextures[i]->mFilename.data);
         if (name[0] != '\0' && strcmp(name, file_name(path)) == 0) {

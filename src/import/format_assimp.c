@@ -7,6 +7,7 @@
 #include "import/assimp_stream.h"
 #include "import/sandbox.h"
 
+#include <assert.h>
 #include <assimp/cimport.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -84,6 +85,7 @@ static void limit(int resource, uint64_t maximum)
 // Never returns.
 static void run_child(const helper* h, int descriptor)
 {
+    assert(descriptor > 2 && "the standard streams are replaced");
     static const int signals[] = {SIGSEGV, SIGBUS,  SIGABRT, SIGFPE,
                                   SIGILL,  SIGTERM, SIGXCPU, SIGPIPE};
     for (size_t i = 0; i < sizeof(signals) / sizeof(signals[0]); ++i) {
@@ -154,6 +156,7 @@ static stp_result receive(helper* h, bool* ended)
         return stp_fail_memory(h->context);
     }
     h->bytes = bytes;
+    assert(h->size < h->capacity);
     ssize_t count = read(h->descriptor, bytes + h->size, h->capacity - h->size);
     if (count < 0 && errno != EINTR && errno != EAGAIN) {
         return stp_fail(h->context, STP_ERROR_IO, "%s: the pipe to assimp broke: %s",
@@ -222,6 +225,7 @@ static stp_result run_helper(helper* h)
     }
     int status = 0;
     bool reaped = false;
+    assert(h->process > 0 && "kill and waitpid take other numbers for groups");
     result = receive_all(h, &status, &reaped);
     close(h->descriptor);
     if (result != STP_OK && !reaped) {
