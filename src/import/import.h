@@ -16,7 +16,8 @@ typedef struct stp_import_desc {
     /// Columns of point texts: "x,y,z,r,g,b,intensity,nx,ny,nz,class,-" in any order; NULL:
     /// detected from the header, or from number and values
     const char* columns;
-    /// Not NULL: for point formats with a header, reads only the header, into this.
+    /// Not NULL: point formats with a header describe it here. If that is all (`alone`), as for LAS,
+    /// no points are read; PCD and E57 read them as usual.
     struct stp_scan_info* scan;
     /// Not 0: reads about this many points from all over the file, without warnings; see
     /// stp_import_sample.
