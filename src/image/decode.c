@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "image/image_codecs.h"
 
+#include <assert.h>
 #include <spng.h>
 #include <stdio.h>
 #include <string.h>
@@ -127,6 +128,7 @@ static stp_result measure_jpeg(const unsigned char* bytes, size_t size, stp_imag
 // Adobe writes CMYK inverted: 255 is no ink.
 static void cmyk_to_rgba(uint8_t* texels, size_t texel_size)
 {
+    assert(texel_size % 4 == 0);
     for (size_t i = 0; i + 4 <= texel_size; i += 4) {
         unsigned black = texels[i + 3];
         for (size_t c = 0; c < 3; ++c) {
@@ -226,6 +228,7 @@ stp_result stp_image_measure(const unsigned char* bytes, size_t size, stp_image_
 // several scans.
 static bool has_many_scans(const unsigned char* bytes, size_t size)
 {
+    assert(size >= 3 && bytes[0] == 0xFF && bytes[1] == 0xD8 && "a JPEG file");
     size_t at = 2;
     unsigned components = UINT8_MAX;
     while (at + 10 <= size && bytes[at] == 0xFF) {
@@ -265,6 +268,9 @@ uint64_t stp_image_decoder_bytes(const stp_image_info* info, const unsigned char
 stp_result stp_image_decode_into(const unsigned char* bytes, size_t size, stp_image_info* info,
                                  uint8_t* texels)
 {
+    assert(info->width > 0 && info->height > 0 && "stp_image_measure accepted it");
+    assert(info->kind == STP_IMAGE_PNG || info->kind == STP_IMAGE_JPEG ||
+           info->kind == STP_IMAGE_WEBP);
     size_t texel_size = (size_t)info->width * info->height * 4;
     switch (info->kind) {
     case STP_IMAGE_PNG:
@@ -279,6 +285,7 @@ stp_result stp_image_decode_into(const unsigned char* bytes, size_t size, stp_im
 stp_result stp_image_decode_measured(stp_context* context, const unsigned char* bytes, size_t size,
                                      stp_image_info* info, stp_image* image)
 {
+    assert((uint64_t)info->width * info->height <= PIXEL_LIMIT && "stp_image_measure accepted it");
     uint64_t own_bytes = stp_image_decoder_bytes(info, bytes, size);
     if (!stp_reserve(context, own_bytes)) {
         return STP_ERROR_OUT_OF_MEMORY;

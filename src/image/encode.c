@@ -2,6 +2,7 @@
 // Encodes texels to PNG, in memory that the context counts.
 #include "image/image_codecs.h"
 
+#include <assert.h>
 #include <spng.h>
 #include <string.h>
 
@@ -27,6 +28,7 @@ static int append(spng_ctx* codec, void* user, void* source, size_t size)
         return SPNG_IO_ERROR;
     }
     sink->bytes = grown;
+    assert(sink->size + size <= sink->capacity);
     memcpy(sink->bytes + sink->size, source, size);
     sink->size += size;
     return 0;
@@ -57,6 +59,7 @@ static void choose_channels(const stp_image* image, png_rows* rows)
         has_color = has_color || texel[0] != texel[1] || texel[0] != texel[2];
     }
     rows->channels = (has_color ? 3u : 1u) + (has_alpha ? 1u : 0u);
+    assert(rows->channels >= 1 && rows->channels <= 4);
     rows->color_type = has_color
                            ? has_alpha ? SPNG_COLOR_TYPE_TRUECOLOR_ALPHA : SPNG_COLOR_TYPE_TRUECOLOR
                        : has_alpha ? SPNG_COLOR_TYPE_GRAYSCALE_ALPHA
@@ -66,6 +69,7 @@ static void choose_channels(const stp_image* image, png_rows* rows)
 /// Copies the chosen channels. @return false if out of memory
 static bool pack_rows(stp_context* context, const stp_image* image, png_rows* rows)
 {
+    assert(rows->channels < 4 && rows->owned == NULL);
     size_t channels = rows->channels, last = channels - 1;
     rows->owned = stp_alloc_array(context, count_pixels(image), channels);
     for (size_t i = 0; rows->owned != NULL && i < count_pixels(image); ++i) {
@@ -120,6 +124,7 @@ stp_result stp_image_encode_png(stp_context* context, const stp_image* image,
         stp_free(context, sink.bytes);
         return sink.out_of_memory || code == SPNG_EMEM ? STP_ERROR_OUT_OF_MEMORY : STP_ERROR_FORMAT;
     }
+    assert(sink.size > 0 && !sink.out_of_memory);
     *bytes = sink.bytes;
     *size = sink.size;
     return STP_OK;

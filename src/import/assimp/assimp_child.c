@@ -5,6 +5,7 @@
 #include "import/assimp/assimp_files.h"
 #include "import/assimp/assimp_writer.h"
 
+#include <assert.h>
 #include <assimp/cimport.h>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
@@ -27,6 +28,7 @@ void stp_assimp_put(stp_assimp_writer* w, const void* bytes, size_t size)
 {
     const unsigned char* at = bytes;
     while (size > 0 && !w->failed) {
+        assert(w->used < STP_ASSIMP_BUFFER_SIZE && "a full buffer was flushed");
         size_t room = STP_ASSIMP_BUFFER_SIZE - w->used;
         size_t part = size < room ? size : room;
         memcpy(w->buffer + w->used, at, part);
@@ -140,6 +142,7 @@ static int has_extension(const char* path, const char* words)
         lower[i] = c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
     }
     const char* found = dot != NULL && lower[0] != '\0' ? strstr(words, lower) : NULL;
+    assert(words[0] == ' ' && words[strlen(words) - 1] == ' ' && "every word has spaces around");
     size_t length = strlen(lower);
     return found != NULL && found[-1] == ' ' && found[length] == ' ';
 }
@@ -151,7 +154,7 @@ static void put_axes(stp_assimp_writer* w, const char* path)
     double unit = 0.0;
     if (has_extension(path, " fbx ")) {
         up = metadata_number(w->scene, "UpAxis", 1.0) == 2.0 ? 'z' : 'y';
-        unit = metadata_number(w->scene, "UnitScaleFactor", 1.0) * 0.01; // of a centimetre
+        unit = metadata_number(w->scene, "UnitScaleFactor", 1.0) * 0.01; // in centimetres
     } else if (has_extension(path, " dae zae ifc ifczip ")) {
         up = 'y';
         unit = 1.0;
@@ -217,6 +220,7 @@ static void put_scene(stp_assimp_writer* w, const char* path)
 
 static void put_refusals(stp_assimp_writer* w, const stp_assimp_files* files)
 {
+    assert(files->refused <= 2 && (files->refused == 0) == (files->reason == NULL));
     stp_assimp_put_u32(w, files->refused);
     if (files->refused > 0) {
         stp_assimp_put_text(w, files->first, strlen(files->first));

@@ -3,6 +3,7 @@
 #include "import/assimp/assimp_writer.h"
 #include "import/reading/surface.h"
 
+#include <assert.h>
 #include <assimp/material.h>
 #include <math.h>
 #include <stdlib.h>
@@ -40,12 +41,13 @@ static const char* file_name(const char* path)
     return name;
 }
 
-// "*3" is the third embedded texture; some formats name embedded ones by their file name.
+// "*3" is the embedded texture of index 3; some formats name embedded ones by their file name.
 static uint32_t find_embedded(const struct aiScene* scene, const char* path)
 {
     if (path[0] == '*') {
         return (uint32_t)strtoul(path + 1, NULL, 10);
     }
+    assert(scene->mNumTextures == 0 || scene->mTextures != NULL);
     for (uint32_t i = 0; i < scene->mNumTextures; ++i) {
         const char* name = file_name(scene->mTextures[i]->mFilename.data);
         if (name[0] != '\0' && strcmp(name, file_name(path)) == 0) {

@@ -2,6 +2,7 @@
 // Nodes and cameras of assimp's scene, as the child process writes them.
 #include "import/assimp/assimp_writer.h"
 
+#include <assert.h>
 #include <assimp/cimport.h>
 #include <stdlib.h>
 #include <string.h>
@@ -60,6 +61,7 @@ static const char** list_moving(const struct aiScene* scene, size_t* count)
             }
         }
     }
+    assert(*count <= limit);
     if (names != NULL) {
         qsort(names, *count, sizeof(char*), compare_names);
     }
@@ -112,8 +114,10 @@ void stp_assimp_put_nodes(stp_assimp_writer* w)
 {
     node_walk walk = {0};
     walk.moving = list_moving(w->scene, &walk.moving_count);
-    stp_assimp_put_u32(w, count_nodes(w->scene->mRootNode));
+    uint32_t count = count_nodes(w->scene->mRootNode);
+    stp_assimp_put_u32(w, count);
     put_nodes(w, &walk, w->scene->mRootNode, STP_NONE);
+    assert(walk.written == count);
 }
 
 static const struct aiNode* find_node(const struct aiNode* node, const char* name)

@@ -3,6 +3,7 @@
 
 #include "import/reading/path_rules.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -44,6 +45,7 @@ static size_t read_file(struct aiFile* file, char* out, size_t size, size_t coun
         memcpy(out, f->bytes + f->at, done);
     }
     f->at += done;
+    assert(done <= whole * size && f->at <= f->size);
     return done / size;
 }
 
@@ -71,6 +73,7 @@ static enum aiReturn seek(struct aiFile* file, size_t offset, enum aiOrigin orig
     if (to > f->size) {
         return aiReturn_FAILURE;
     }
+    assert(f->at <= f->size);
     f->at = to;
     return aiReturn_SUCCESS;
 }
@@ -115,6 +118,7 @@ static void extend_time(stp_assimp_files* files, const struct stat* status)
 {
     uint64_t stored = (uint64_t)status->st_blocks * 512, size = (uint64_t)status->st_size;
     uint64_t which = (uint64_t)status->st_ino ^ (uint64_t)status->st_dev << 40;
+    assert(files->opened_count <= STP_ASSIMP_OPENED);
     for (unsigned i = 0; i < files->opened_count; ++i) {
         if (files->opened[i] == which) {
             return;

@@ -21,11 +21,11 @@ static inline uint64_t stp_assimp_seconds_for(uint64_t bytes)
 
 typedef struct stp_assimp_files {
     struct aiFileIO io; ///< passed to assimp
-    const char* path;   ///< of the model
+    const char* path;   ///< path of the model
     const unsigned char* bytes;
     size_t size;
     bool alone; ///< only the model itself may be read
-    // recently opened files: each file adds time only once
+    // the first files that were opened: each adds time only once
     uint64_t opened[STP_ASSIMP_OPENED];
     unsigned opened_count;
     // files that exist but were refused

@@ -2,6 +2,7 @@
 // The parent's side of the stream: every count, index and number is checked before use.
 #include "import/assimp/assimp_reader.h"
 
+#include <assert.h>
 #include <string.h>
 
 stp_result stp_assimp_fail_stream(const stp_assimp_reader* r, const char* what)
@@ -12,6 +13,7 @@ stp_result stp_assimp_fail_stream(const stp_assimp_reader* r, const char* what)
 
 const unsigned char* stp_assimp_take(stp_assimp_reader* r, size_t count, size_t size)
 {
+    assert(r->at <= r->end);
     if (size != 0 && count > (size_t)(r->end - r->at) / size) {
         return NULL;
     }
@@ -53,6 +55,7 @@ stp_result stp_assimp_take_text(stp_assimp_reader* r, const char** text)
 
 bool stp_assimp_take_count(stp_assimp_reader* r, size_t minimum, uint32_t* count)
 {
+    assert(minimum > 0);
     return stp_assimp_take_u32(r, count) && *count <= (size_t)(r->end - r->at) / minimum;
 }
 
@@ -100,6 +103,7 @@ static stp_result read_node(stp_assimp_reader* r, uint32_t index)
         if (!stp_assimp_take_u32(r, &mesh) || mesh >= r->mesh_count) {
             return stp_assimp_fail_stream(r, "nodes");
         }
+        assert(r->objects[index] + 1 == r->import->scene->object_count && "parts join the last");
         if (r->parts[mesh].index != STP_NONE) {
             result = stp_scene_add_part(r->import->scene, r->parts[mesh]);
         }
@@ -273,6 +277,7 @@ stp_result stp_assimp_read_stream(stp_import* import, const unsigned char* bytes
                            .at = bytes,
                            .end = bytes + size,
                            .pictures = stp_pictures_create(import)};
+    assert(bytes != NULL || size == 0);
     uint32_t magic, kind = 0;
     stp_result result = stp_assimp_take_u32(&r, &magic) && magic == STP_ASSIMP_MAGIC
                             ? read_refusals(&r)

@@ -12,13 +12,13 @@ typedef struct stp_assimp_reader {
     const unsigned char* at;
     const unsigned char* end;
     stp_pictures pictures;
-    uint32_t* textures; ///< of each embedded one, in the scene; STP_NONE: could not be read
+    uint32_t* textures; ///< embedded textures, as indices in the scene; STP_NONE: not readable
     uint32_t texture_count;
     uint32_t* materials;
     uint32_t material_count;
-    stp_part* parts; ///< of each mesh; index STP_NONE: nothing
+    stp_part* parts; ///< part of each mesh; index STP_NONE: nothing
     uint32_t mesh_count;
-    uint32_t* objects; ///< of each node
+    uint32_t* objects; ///< object of each node
 } stp_assimp_reader;
 
 /// Logs that `what` is invalid. @return STP_ERROR_FORMAT

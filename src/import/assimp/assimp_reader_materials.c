@@ -2,6 +2,8 @@
 // Textures and materials of the stream.
 #include "import/assimp/assimp_reader.h"
 
+#include <assert.h>
+
 static bool all_finite(const float* numbers, size_t count)
 {
     for (size_t i = 0; i < count; ++i) {
@@ -82,6 +84,7 @@ static stp_result read_use(stp_assimp_reader* r, const char* material, stp_textu
     }
     if (source[0] == STP_ASSIMP_EMBEDDED && source[1] < r->texture_count) {
         use->texture = r->textures[source[1]];
+        assert(use->texture == STP_NONE || use->texture < r->import->scene->texture_count);
         if (use->texture != STP_NONE) {
             r->import->scene->textures[use->texture].wrap_u = (stp_wrap)in.wrap_u;
             r->import->scene->textures[use->texture].wrap_v = (stp_wrap)in.wrap_v;
@@ -90,6 +93,8 @@ static stp_result read_use(stp_assimp_reader* r, const char* material, stp_textu
         result = stp_pictures_read(&r->pictures, material != NULL ? material : "material", path,
                                    (stp_wrap)in.wrap_u, &use->texture);
     }
+    assert(result != STP_OK || use->texture == STP_NONE ||
+           use->texture < r->import->scene->texture_count);
     use->texcoord = in.texcoord < 2 ? in.texcoord : 0;
     if (all_finite(in.scale, 2) && all_finite(in.offset, 2)) {
         // coordinates were flipped: v_file = 1 - v, and back

@@ -2,6 +2,7 @@
 // Meshes and points of the stream.
 #include "import/assimp/assimp_reader.h"
 
+#include <assert.h>
 #include <string.h>
 
 static void free_mesh(stp_context* context, const stp_mesh* mesh)
@@ -78,6 +79,7 @@ static stp_result add_points(stp_assimp_reader* r, stp_mesh* mesh, const float* 
             set.colors[i] = stp_unorm8(colors[i]);
         }
     }
+    assert(mesh->positions != NULL && set.point_count > 0);
     set.positions = mesh->positions;
     set.normals = mesh->normals;
     mesh->positions = mesh->normals = NULL;
@@ -97,6 +99,7 @@ static stp_result add_mesh(stp_assimp_reader* r, stp_mesh* mesh, const float* co
             mesh->colors[i] = stp_unorm16(i % 4 < 3 ? stp_srgb_to_linear(colors[i]) : colors[i]);
         }
     }
+    assert(mesh->positions != NULL && mesh->indices != NULL && mesh->triangle_count > 0);
     stp_mesh given = *mesh;
     *mesh = (stp_mesh){0};
     return stp_scene_add_mesh(r->import->scene, &given, &part->index);

@@ -7,14 +7,14 @@
 //   stream    magic, refusals, then either  FAILED, text
 //             or  SCENE, up, unit, textures, materials, meshes, nodes, views, losses, END
 //   refusals  u32: 0, 1 or 2 (several) files that the model must not name; if any: text of the
-//   first, text why
+//             first, text why
 //   a list    u32 count, then its items; a text: u32 length (at most STP_ASSIMP_TEXT_LIMIT), bytes
 //   texture   text name, u32 width, u32 height, bytes: RGBA; height 0: a picture file of `width`
-//   bytes
+//             bytes
 //   material  text name, stp_assimp_material, two uses (base colour, emissive)
 //   a use     u32 source, u32 index (of an embedded texture), text path, stp_assimp_use
 //   mesh      text name, stp_assimp_mesh, positions, normals, texcoords, colours, indices as its
-//   flags say
+//             flags say
 //   node      text name, u32 parent, u32 flags, f64 transform[3][4], list of u32 meshes
 //   view      text name, f64 eye[3], target[3], up[3], fov
 //   losses    u32 animations, skins, morph targets, line meshes, lights (stp_assimp_losses)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What the child process writes assimp's scene with (assimp_stream.h).
+// Functions by which the child process writes assimp's scene (assimp_stream.h).
 #pragma once
 
 #include "import/assimp/assimp_stream.h"

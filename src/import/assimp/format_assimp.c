@@ -7,6 +7,7 @@
 #include "import/assimp/assimp_stream.h"
 #include "import/assimp/sandbox.h"
 
+#include <assert.h>
 #include <assimp/cimport.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -84,11 +85,11 @@ static void limit(int resource, uint64_t maximum)
 // Never returns.
 static void run_child(const helper* h, int descriptor)
 {
+    assert(descriptor > 2 && "the standard streams are replaced");
     static const int signals[] = {SIGSEGV, SIGBUS,  SIGABRT, SIGFPE,
                                   SIGILL,  SIGTERM, SIGXCPU, SIGPIPE};
     for (size_t i = 0; i < sizeof(signals) / sizeof(signals[0]); ++i) {
-        (void)signal(signals[i], SIG_DFL); // the host's signal handlers must not run in this
-                                           // process
+        (void)signal(signals[i], SIG_DFL); // the host's signal handlers must not run here
     }
 #ifdef __linux__
     (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -125,7 +126,7 @@ static stp_result start(helper* h)
     }
     (void)fcntl(ends[0], F_SETFD, FD_CLOEXEC);
     (void)fcntl(ends[1], F_SETFD, FD_CLOEXEC);
-    // the write end must not be one of the standard streams, which the child closes
+    // the write end must not be one of the standard streams, which the child replaces
     int writing = ends[1] > 2 ? ends[1] : fcntl(ends[1], F_DUPFD_CLOEXEC, 3);
     h->process = writing >= 0 ? fork() : -1;
     if (h->process == 0) {
@@ -155,6 +156,7 @@ static stp_result receive(helper* h, bool* ended)
         return stp_fail_memory(h->context);
     }
     h->bytes = bytes;
+    assert(h->size < h->capacity);
     ssize_t count = read(h->descriptor, bytes + h->size, h->capacity - h->size);
     if (count < 0 && errno != EINTR && errno != EAGAIN) {
         return stp_fail(h->context, STP_ERROR_IO, "%s: the pipe to assimp broke: %s",
@@ -179,8 +181,7 @@ static stp_result receive_all(helper* h, int* status, bool* reaped)
         if (ready > 0) {
             result = receive(h, &ended);
         } else if (*reaped) {
-            return STP_OK; // it is dead and nothing is left, although another process holds the
-                           // pipe open
+            return STP_OK; // it has ended and nothing is left, but another process has the pipe
         } else {
             result = stp_progress(h->context, "import", 0.2);
             *reaped = waitpid(h->process, status, WNOHANG) == h->process;
@@ -224,6 +225,7 @@ static stp_result run_helper(helper* h)
     }
     int status = 0;
     bool reaped = false;
+    assert(h->process > 0 && "kill and waitpid take other numbers for groups");
     result = receive_all(h, &status, &reaped);
     close(h->descriptor);
     if (result != STP_OK && !reaped) {

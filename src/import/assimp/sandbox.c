@@ -2,6 +2,8 @@
 #define _GNU_SOURCE // O_PATH, syscall
 #include "import/assimp/sandbox.h"
 
+#include <assert.h>
+
 #ifdef __linux__
 
 #include <errno.h>
@@ -142,6 +144,7 @@ static void close_range_of(unsigned first, unsigned last)
 
 void stp_sandbox_enter(const char* folder, int kept)
 {
+    assert(kept > 2 && "the standard streams stay open in any case");
     close_range_of(3, (unsigned)kept - 1);
     close_range_of((unsigned)kept + 1, ~0u);
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) {

@@ -34,7 +34,7 @@ typedef struct stp_e57 {
     stp_import* import;
     uint64_t logical_size;
     uint64_t xml_logical, xml_length;
-    stp_arena arena; ///< of the tree
+    stp_arena arena; ///< memory of the tree
     stp_e57_node* root;
 } stp_e57;
 
@@ -88,9 +88,9 @@ typedef struct stp_e57_field {
     bool used, is_float;
     uint32_t stream;
     unsigned bits;        ///< 0: each value is `minimum`
-    int64_t minimum;      ///< of integers: added to the stored bits
-    double scale, offset; ///< of integers
-    double low, high;     ///< of values, if specified; else low > high
+    int64_t minimum;      ///< integers: added to the stored bits
+    double scale, offset; ///< integers: value = integer * scale + offset
+    double low, high;     ///< range of values, if specified; else low > high
 } stp_e57_field;
 
 typedef struct stp_e57_scan {
@@ -101,7 +101,7 @@ typedef struct stp_e57_scan {
     stp_e57_field fields[STP_E57_SLOTS];
     bool has_places, spherical;
     uint32_t unused;        ///< fields that are not kept
-    uint64_t columns, rows; ///< of its grid; 0: it has none
+    uint64_t columns, rows; ///< size of its grid; 0: it has none
     // location of its packets:
     uint64_t packet_count;
     uint64_t* places; ///< per used field and packet: offset of its bytes

@@ -2,6 +2,8 @@
 #include "base/io/bytes.h"
 #include "import/e57/e57.h"
 
+#include <assert.h>
+
 #define SECTION_HEADER 32
 #define PACKET_HEADER 6
 #define STREAMS_MAX 4096
@@ -56,6 +58,7 @@ static stp_result add_packet(finder* f, uint32_t size)
         !stp_e57_copy(f->e57, f->at + PACKET_HEADER, lengths, 2 * (size_t)count)) {
         return fail(f, "a packet and the records have different numbers of fields");
     }
+    assert(count <= STREAMS_MAX && f->used_count <= STP_E57_SLOTS);
     size_t first = (size_t)scan->packet_count * f->used_count, needed = first + 2 * f->used_count;
     uint64_t* places = stp_grow_array(context, scan->places, &f->capacity_places, needed, 8);
     scan->places = places != NULL ? places : scan->places;
@@ -84,6 +87,7 @@ static stp_result read_packets(finder* f)
 {
     stp_result result = STP_OK;
     while (result == STP_OK && f->end - f->at >= 4 && f->at < f->end) {
+        assert(f->at <= f->end && f->end <= f->e57->logical_size);
         unsigned char head[PACKET_HEADER] = {0};
         size_t held = f->end - f->at < PACKET_HEADER ? 4 : PACKET_HEADER;
         if (!stp_e57_copy(f->e57, f->at, head, held)) {
@@ -131,6 +135,7 @@ stp_result stp_e57_find_packets(const stp_e57* e57, uint32_t number, stp_e57_sca
     finder f = {.e57 = e57, .scan = scan, .number = number};
     for (int slot = 0; slot < STP_E57_SLOTS; ++slot) {
         if (scan->fields[slot].used) {
+            assert(scan->fields[slot].stream < scan->stream_count);
             f.used[f.used_count++] = scan->fields[slot].stream;
         }
     }
@@ -157,6 +162,7 @@ void stp_e57_copy_stream(const stp_e57* e57, const stp_e57_scan* scan, stp_e57_s
         index += i < (int)slot && scan->fields[i].used;
         used += scan->fields[i].used;
     }
+    assert(scan->fields[slot].used && index < used);
     uint64_t low = 0, high = scan->packet_count;
     while (high - low > 1) { // the last packet with no more than `begin` bytes before it
         uint64_t middle = low + (high - low) / 2;
@@ -170,10 +176,12 @@ void stp_e57_copy_stream(const stp_e57* e57, const stp_e57_scan* scan, stp_e57_s
         uint64_t before = scan->before[packet * used + index];
         uint64_t length = scan->before[(packet + 1) * used + index] - before;
         uint64_t from = begin - before, held = length - from;
+        assert(before <= begin && from <= length);
         size_t part = held < size ? (size_t)held : size;
         (void)stp_e57_copy(e57, scan->places[packet * used + index] + from, bytes, part);
         bytes += part;
         size -= part;
         begin += part;
     }
+    assert(size == 0 && "check_streams found enough bytes");
 }

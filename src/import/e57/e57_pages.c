@@ -4,6 +4,7 @@
 #include "base/io/crc32c.h"
 #include "import/e57/e57.h"
 
+#include <assert.h>
 #include <stdatomic.h>
 #include <string.h>
 
@@ -40,6 +41,7 @@ static stp_result check_all_pages(const stp_e57* e57, size_t page_count)
     atomic_init(&c.first_bad, page_count);
     stp_parallel_for(import->context, page_count, GRAIN, check_pages, &c);
     size_t bad = atomic_load(&c.first_bad);
+    assert(bad <= page_count);
     return bad == page_count
                ? STP_OK
                : stp_fail(import->context, STP_ERROR_FORMAT,
@@ -84,6 +86,7 @@ stp_result stp_e57_open_pages(stp_e57* e57)
         return stp_fail(import->context, STP_ERROR_FORMAT,
                         "%s: its XML section lies outside the file", import->path);
     }
+    assert(e57->xml_logical + e57->xml_length <= e57->logical_size);
     return check_all_pages(e57, (size_t)(size / STP_E57_PAGE));
 }
 
@@ -101,6 +104,7 @@ size_t stp_e57_peek(const stp_e57* e57, uint64_t logical, const unsigned char** 
     }
     size_t within = (size_t)(logical % STP_E57_PAYLOAD);
     *bytes = e57->import->file.bytes + (size_t)(logical / STP_E57_PAYLOAD) * STP_E57_PAGE + within;
+    assert(*bytes + (STP_E57_PAYLOAD - within) <= e57->import->file.bytes + e57->import->file.size);
     return STP_E57_PAYLOAD - within;
 }
 

@@ -8,6 +8,7 @@
 #include "import/reading/grid_normals.h"
 #include "import/reading/intensity.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -27,8 +28,8 @@ typedef struct reader {
     const stp_e57* e57;
     const stp_e57_scan* scan;
     stp_cloud cloud;
-    buffers* rooms;               ///< a worker each
-    atomic_uint_least32_t* cells; ///< of the grid: the first record of each; NULL: no grid
+    buffers* rooms;               ///< one per worker
+    atomic_uint_least32_t* cells; ///< first record of each grid cell, or STP_NONE; NULL: no grid
 } reader;
 
 static bool has(const reader* r, stp_e57_slot slot)
@@ -39,6 +40,7 @@ static bool has(const reader* r, stp_e57_slot slot)
 // `at` has eight readable bytes behind the value.
 static uint64_t read_bits(const unsigned char* bytes, uint64_t at, unsigned bits)
 {
+    assert(bits >= 1 && bits <= 64);
     const unsigned char* from = bytes + (at >> 3);
     unsigned shift = (unsigned)at & 7;
     uint64_t value = stp_read_u64(from) >> shift;
@@ -54,6 +56,8 @@ static void read_field(const reader* r, stp_e57_slot slot, uint64_t first, size_
     const stp_e57_field* f = &r->scan->fields[slot];
     double* out = room->values[slot];
     uint64_t bit = first * f->bits, begin = bit / 8, end = (bit + count * f->bits + 7) / 8;
+    assert(count <= RUN && end - begin + 16 <= BYTES && f->bits <= 64);
+    assert(first + count <= r->scan->record_count);
     memset(room->bytes + (end - begin), 0, 16);
     stp_e57_copy_stream(r->e57, r->scan, slot, begin, room->bytes, (size_t)(end - begin));
     if (f->is_float) {
@@ -160,6 +164,7 @@ static void store_cells(const reader* r, size_t first, size_t count, const buffe
         if (!good) {
             continue;
         }
+        assert((uint64_t)column * scan->rows + (uint64_t)row < scan->rows * scan->columns);
         atomic_uint_least32_t* cell = &r->cells[(size_t)column * (size_t)scan->rows + (size_t)row];
         uint_least32_t old = atomic_load_explicit(cell, memory_order_relaxed);
         while (first + i < old &&
@@ -170,6 +175,7 @@ static void store_cells(const reader* r, size_t first, size_t count, const buffe
 
 static void store_run(const reader* r, size_t first, size_t count, const buffers* room)
 {
+    assert(count <= RUN && first + count <= r->cloud.set.point_count);
     void* const* attributes = r->cloud.set.attributes;
     for (size_t i = 0; i < count; ++i) {
         double place[3] = {room->values[STP_E57_X][i], room->values[STP_E57_Y][i],
@@ -269,7 +275,9 @@ static stp_result add_grid_normals(reader* r)
     }
     for (size_t i = 0; i < count; ++i) {
         cells[i] = (uint32_t)atomic_load_explicit(&r->cells[i], memory_order_relaxed);
+        assert(cells[i] == STP_NONE || cells[i] < r->cloud.set.point_count);
     }
+    assert(r->scan->columns < STP_NONE && r->scan->rows < STP_NONE);
     const double* origin = r->cloud.origin;
     stp_scan_grid grid = {.columns = (uint32_t)r->scan->columns,
                           .rows = (uint32_t)r->scan->rows,

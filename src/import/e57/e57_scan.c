@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "import/e57/e57.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -66,6 +67,7 @@ static unsigned count_bits(uint64_t span)
     while (bits < 64 && span >> bits != 0) {
         bits += 1;
     }
+    assert(bits == 64 || span >> bits == 0);
     return bits;
 }
 
@@ -157,6 +159,7 @@ static bool read_pose(const stp_e57_node* node, stp_affine* pose)
     if (!(size > 1e-12 && size < 1e12) || !(fabs(t[0]) + fabs(t[1]) + fabs(t[2]) < 1e15)) {
         return false;
     }
+    assert(isfinite(size) && isfinite(t[0]) && isfinite(t[1]) && isfinite(t[2]));
     double s = 2.0 / size, w = q[0], x = q[1], y = q[2], z = q[3];
     const double m[3][3] = {{1.0 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)},
                             {s * (x * y + w * z), 1.0 - s * (x * x + z * z), s * (y * z - w * x)},
@@ -191,6 +194,7 @@ static void find_grid(stp_e57_scan* scan)
     }
     uint64_t rows = (uint64_t)(row->high - row->low) + 1;
     uint64_t columns = (uint64_t)(column->high - column->low) + 1;
+    assert(rows > 0 && columns > 0 && rows <= UINT64_C(1) << 31 && columns <= UINT64_C(1) << 31);
     // a mostly empty grid gives no neighbours and would waste memory
     if (rows * columns <= 8 * scan->record_count + 65536) {
         scan->rows = rows;

@@ -2,6 +2,7 @@
 #include "import/e57/e57.h"
 #include "import/text/text.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <expat.h>
 #include <stdlib.h>
@@ -16,7 +17,7 @@ typedef struct parsing {
     XML_Parser parser;
     stp_e57_node* open; ///< innermost element
     size_t depth, node_count;
-    char* text; ///< of the innermost element so far
+    char* text; ///< text of the innermost element so far
     size_t length, capacity;
     bool out_of_memory;
     const char* refused; ///< why parsing was stopped; NULL: it was not
@@ -101,6 +102,7 @@ static void XMLCALL end_element(void* user, const XML_Char* name)
         stop(p, NULL);
         return;
     }
+    assert(p->depth > 0);
     p->length = 0;
     p->depth -= 1;
     p->open = p->open->parent;
@@ -109,6 +111,7 @@ static void XMLCALL end_element(void* user, const XML_Char* name)
 static void XMLCALL add_text(void* user, const XML_Char* bytes, int length)
 {
     parsing* p = user;
+    assert(length >= 0 && p->length <= p->capacity);
     size_t needed = p->length + (size_t)length;
     if (needed > p->capacity) {
         char* grown = stp_grow_array(p->e57->import->context, p->text, &p->capacity, needed, 1);
@@ -158,6 +161,7 @@ static stp_result parse(parsing* p)
         const unsigned char* bytes = (const unsigned char*)"";
         size_t held = at < end ? stp_e57_peek(e57, at, &bytes) : 0;
         held = held < end - at ? held : (size_t)(end - at);
+        assert((held > 0 || at == end) && "the section lies within the file");
         at += held;
         if (XML_Parse(p->parser, (const char*)bytes, (int)held, at == end) != XML_STATUS_OK) {
             return fail(p);

@@ -5,6 +5,7 @@
 // the grid of rows and columns. Pictures are not read.
 #include "import/e57/e57.h"
 
+#include <assert.h>
 #include <string.h>
 
 static uint64_t count_children(const stp_e57_node* node)
@@ -28,6 +29,7 @@ static stp_result read_scan(stp_e57* e57, const stp_e57_node* node, uint32_t num
         stp_losses_add(&import->losses, STP_LOSS_SCAN, 1);
         return STP_OK;
     }
+    assert(scan.stream_count >= 3 && scan.unused <= scan.stream_count);
     stp_losses_add(&import->losses, STP_LOSS_COLUMN, scan.unused);
     result = stp_e57_find_packets(e57, number, &scan);
     result = result == STP_OK ? stp_e57_read_records(e57, number, &scan) : result;

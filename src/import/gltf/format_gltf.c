@@ -4,6 +4,7 @@
 #include "base/io/bytes.h"
 #include "import/gltf/gltf.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -85,6 +86,7 @@ static stp_result open_glb(stp_gltf_scope* scope, stp_gltf* gltf, json_text* tex
         size_t size = stp_read_u32(file->bytes + at);
         uint32_t type = stp_read_u32(file->bytes + at + 4);
         at += CHUNK_HEADER_SIZE;
+        assert(at <= length && length <= file->size);
         if (size > length - at) {
             return stp_gltf_fail(scope, STP_ERROR_TRUNCATED,
                                  "chunk %zu has %zu bytes, but only %zu are left", chunk, size,
@@ -104,9 +106,9 @@ static stp_result open_glb(stp_gltf_scope* scope, stp_gltf* gltf, json_text* tex
     return STP_OK;
 }
 
-// Estimates the parser's memory: each brace, colon, comma or quote stands for an object, member,
-// value or text (an empty object takes 224 bytes, a member 112, a number 32; measured with jansson
-// 2.14).
+// Estimates the parser's memory: each brace, bracket, colon, comma or quote stands for an object,
+// array, member, value or text (an empty object takes 224 bytes, a member 112, a number 32; measured
+// with jansson 2.14).
 static uint64_t parsed_bytes(json_text text)
 {
     static const uint16_t costs[256] = {

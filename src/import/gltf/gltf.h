@@ -61,7 +61,7 @@ typedef struct stp_gltf_node {
     const json_t* json;
     uint32_t parent, mesh, skin, camera;
     uint32_t flags;
-    uint32_t variant; ///< of its mesh
+    uint32_t variant; ///< index of its mesh's variant; STP_NONE: none is shown
     uint32_t object;
     stp_affine local, world; ///< world: within the file, before axis conversion
 } stp_gltf_node;
@@ -84,15 +84,14 @@ typedef struct stp_gltf {
     stp_import* import;
     stp_context* context;
     json_t* root;
-    uint64_t root_bytes;                      ///< of memory counted for it
+    uint64_t root_bytes;                      ///< memory reserved for `root`
     const json_t* lists[STP_GLTF_LIST_COUNT]; ///< each NULL or an array
     stp_gltf_buffer* buffers;
     const unsigned char* chunk; ///< binary chunk of a .glb; NULL: none
     size_t chunk_size;
     unsigned char** decoded_views; ///< by buffer view; NULL if it is not compressed
-    size_t content_bytes;          ///< of all files and data URIs; the limits are proportional to
-                                   /// it
-    uint32_t first_material;       ///< in the scene
+    size_t content_bytes;          ///< size of the model and the files beside it; scales the limits
+    uint32_t first_material;       ///< index in the scene of the file's first material
     stp_gltf_material* materials;
     stp_gltf_node* nodes;
     uint32_t* node_order; ///< parents before children, each node once
@@ -152,7 +151,7 @@ STP_MUST_USE stp_result stp_gltf_number(stp_gltf_scope* scope, const json_t* obj
                                         const char* key, double* value);
 STP_MUST_USE stp_result stp_gltf_numbers(stp_gltf_scope* scope, const json_t* object,
                                          const char* key, size_t count, double* values);
-/// Texts and flags; the fallback if missing or of another type.
+/// Texts and flags; NULL or false if missing or of another type.
 const char* stp_gltf_text(const json_t* object, const char* key);
 bool stp_gltf_flag(const json_t* object, const char* key);
 /// An element of an array as an index below `limit`.
@@ -188,8 +187,8 @@ STP_MUST_USE stp_result stp_gltf_decompress_views(stp_gltf_scope* scope, stp_glt
 
 // gltf_limit.c
 
-/// The cost of reading one primitive of a variant's mesh: indices, or vertices including its morph
-/// targets.
+/// The cost of reading one primitive of a variant: its indices, or else vertices, plus vertices for
+/// each morph target and sparse attribute, plus the joints of the skin.
 uint64_t stp_gltf_primitive_elements(const stp_gltf* gltf, const stp_gltf_variant* variant,
                                      size_t index);
 /// How many elements of a given size to read before the scene takes them and may move them out of

@@ -3,6 +3,7 @@
 
 #include "base/io/bytes.h"
 
+#include <assert.h>
 #include <string.h>
 
 static size_t component_size(stp_gltf_component component)
@@ -36,7 +37,8 @@ static uint32_t count_components(const char* type)
     return 0;
 }
 
-// The bytes of `count` elements of `size` bytes, `stride` apart, `offset` into a view.
+// Finds `count` elements of `size` bytes, from `offset` on in a view. *stride receives their
+// distance; NULL: they are packed.
 static stp_result find_elements(stp_gltf_scope* scope, const stp_gltf_accessor* accessor,
                                 uint32_t view, size_t offset, size_t count, size_t size,
                                 size_t* stride, const unsigned char** bytes)
@@ -64,6 +66,7 @@ static stp_result find_elements(stp_gltf_scope* scope, const stp_gltf_accessor* 
                              "from byte %zu on, but bufferViews[%u] has %zu bytes",
                              accessor->index, count, size, step, offset, view, view_size);
     }
+    assert(count == 0 || offset + (count - 1) * step + size <= view_size);
     *bytes = *bytes != NULL && count != 0 ? *bytes + offset : NULL;
     return STP_OK;
 }
@@ -144,6 +147,7 @@ static stp_result get_sparse(stp_gltf_scope* scope, const json_t* sparse,
     if (result != STP_OK) {
         return result;
     }
+    assert(count <= accessor->count);
     accessor->sparse_count = count;
     return check_sparse_indices(scope, accessor);
 }
@@ -298,6 +302,7 @@ static void substitute(const stp_gltf_accessor* accessor, float* all)
     for (size_t i = 0; i < accessor->sparse_count; ++i) {
         size_t element =
             read_unsigned(accessor->sparse_component, accessor->sparse_indices + i * index_size);
+        assert(element < accessor->count && "check_sparse_indices");
         for (size_t c = 0; c < components; ++c) {
             all[element * components + c] = read_component(
                 accessor->component, accessor->sparse_values + (i * components + c) * size,
@@ -306,11 +311,24 @@ static void substitute(const stp_gltf_accessor* accessor, float* all)
     }
 }
 
+#ifndef NDEBUG
+static bool selects_existing(const stp_gltf_selection* selection, size_t count)
+{
+    for (size_t i = 0; selection->map != NULL && i < selection->count; ++i) {
+        if (selection->map[i] >= count) {
+            return false;
+        }
+    }
+    return selection->map != NULL || selection->first + selection->count <= count;
+}
+#endif
+
 stp_result stp_gltf_accessor_floats(stp_gltf_scope* scope, const stp_gltf_accessor* accessor,
                                     const stp_gltf_selection* selection, float* out)
 {
     stp_context* context = scope->gltf->context;
     size_t components = accessor->component_count;
+    assert(selects_existing(selection, accessor->count));
     if (accessor->sparse_count == 0 && accessor->bytes != NULL) {
         convert(accessor, selection, out);
         return STP_OK;
@@ -320,7 +338,8 @@ stp_result stp_gltf_accessor_floats(stp_gltf_scope* scope, const stp_gltf_access
         return STP_OK;
     }
     // expands all elements with their substitutes, then copies the selected ones
-    float* all = STP_NEW_ZEROED(context, float, accessor->count* components);
+    assert(accessor->sparse_indices != NULL && accessor->sparse_values != NULL);
+    float* all = STP_NEW_ZEROED(context, float, (accessor->count * components));
     if (all == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
@@ -366,6 +385,7 @@ stp_result stp_gltf_accessor_indices(stp_gltf_scope* scope, const stp_gltf_acces
     for (size_t i = 0; i < accessor->sparse_count; ++i) {
         size_t element =
             read_unsigned(accessor->sparse_component, accessor->sparse_indices + i * sparse_size);
+        assert(element < accessor->count && "check_sparse_indices");
         out[element] = read_unsigned(component, accessor->sparse_values + i * value_size);
     }
     return STP_OK;

@@ -15,14 +15,14 @@ typedef enum stp_gltf_component {
 
 typedef struct stp_gltf_accessor {
     uint32_t index;
-    const unsigned char* bytes; ///< of element 0; NULL: all elements are zero
+    const unsigned char* bytes; ///< element 0; NULL: all elements are zero
     size_t stride, count;
     stp_gltf_component component;
     uint32_t component_count; ///< 1 to 4, 9 or 16
     bool normalized;
     size_t sparse_count; ///< elements replaced
     stp_gltf_component sparse_component;
-    const unsigned char* sparse_indices; ///< ascending, each below count: checked
+    const unsigned char* sparse_indices; ///< each below count (checked); any order
     const unsigned char* sparse_values;  ///< packed
 } stp_gltf_accessor;
 

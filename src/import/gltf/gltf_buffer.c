@@ -2,6 +2,8 @@
 // Buffers and buffer views (3.6.1): every range is checked against the actual data.
 #include "import/gltf/gltf.h"
 
+#include <assert.h>
+
 static stp_result load_external(stp_gltf_scope* scope, const char* uri, stp_gltf_buffer* buffer)
 {
     const stp_gltf* gltf = scope->gltf;
@@ -54,6 +56,7 @@ static stp_result load_buffer(stp_gltf_scope* scope, size_t index, stp_gltf* glt
         return stp_gltf_fail(scope, STP_ERROR_TRUNCATED,
                              "byteLength is %zu, but there are %zu bytes", length, buffer->size);
     }
+    assert(buffer->bytes != NULL || length == 0);
     buffer->size = length;
     gltf->content_bytes += buffer->file.size;
     return STP_OK;
@@ -79,8 +82,7 @@ stp_result stp_gltf_load_buffers(stp_gltf_scope* scope, stp_gltf* gltf)
 
 void stp_gltf_release_buffers(const stp_gltf* gltf)
 {
-    if (!gltf->import->alone) { // otherwise it is the caller's memory, which releasing would
-                                // discard
+    if (!gltf->import->alone) { // else the caller's memory, which this would discard
         stp_file_evict(&gltf->import->file);
     }
     for (size_t i = 0; i < stp_gltf_count(gltf, STP_GLTF_BUFFERS); ++i) {
@@ -105,6 +107,7 @@ void stp_gltf_free_buffers(stp_gltf* gltf)
 stp_result stp_gltf_buffer_range(stp_gltf_scope* scope, uint32_t buffer, size_t offset, size_t size,
                                  const unsigned char** bytes)
 {
+    assert(buffer < stp_gltf_count(scope->gltf, STP_GLTF_BUFFERS));
     const stp_gltf_buffer* from = &scope->gltf->buffers[buffer];
     if (from->bytes == NULL && size != 0) {
         return stp_gltf_fail(scope, STP_ERROR_FORMAT, "buffers[%u] has no data", buffer);
@@ -124,6 +127,7 @@ stp_result stp_gltf_view(stp_gltf_scope* scope, uint32_t view, const unsigned ch
     const json_t* json;
     uint32_t buffer = STP_NONE;
     size_t offset = 0;
+    assert(view < stp_gltf_count(scope->gltf, STP_GLTF_BUFFER_VIEWS));
     *size = 0;
     *stride = 0;
     stp_result result = stp_gltf_item(scope, STP_GLTF_BUFFER_VIEWS, view, &json);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "import/gltf/gltf_draco.h"
 
+#include <assert.h>
 #include <cstdio>
 #include <cstring>
 #include <draco/compression/decode.h>
@@ -108,6 +109,7 @@ stp_draco_result stp_draco_decode(const void* bytes, size_t size, stp_draco_mesh
             std::snprintf(reason, 80, "indices past the end");
             return STP_DRACO_DAMAGED;
         }
+        assert(made->num_faces() == 0 || made->num_points() > 0);
         *mesh = new stp_draco_mesh{std::move(made)};
         return STP_DRACO_OK;
     } catch (const std::bad_alloc&) {
@@ -137,6 +139,7 @@ void stp_draco_indices(const stp_draco_mesh* mesh, uint32_t* out)
 {
     for (draco::FaceIndex f(0); f < mesh->mesh->num_faces(); ++f) {
         for (size_t c = 0; c < 3; ++c) {
+            assert(mesh->mesh->face(f)[c].value() < mesh->mesh->num_points());
             *out++ = mesh->mesh->face(f)[c].value();
         }
     }

@@ -4,28 +4,29 @@
 #include "import/gltf/gltf.h"
 #include "import/reading/surface.h"
 
+#include <assert.h>
 #include <string.h>
 
-// Decoded immediately, before the scene takes them and may move them out of memory.
+// Pixels decoded together, before the scene takes them and may move them out of memory.
 #define PIXELS_OF_BATCH ((uint64_t)1 << 24)
 #define PIXEL_BYTES 8u // including the decoder's buffers
 
 enum { WRAP_REPEAT = 10497, WRAP_CLAMP = 33071, WRAP_MIRROR = 33648, FILTER_NEAREST = 9728 };
 
 typedef struct image_state {
-    const unsigned char* bytes; ///< NULL: the picture cannot be had
+    const unsigned char* bytes; ///< NULL: not available, or already decoded
     size_t size;
     unsigned char* owned;
     stp_mapped_file file;
     stp_image_info info;
     stp_result result;
     stp_texture decoded;
-    uint32_t first_request; ///< of those that show this image; STP_NONE: none
+    uint32_t first_request; ///< first request for this image; STP_NONE: none
 } image_state;
 
 typedef struct texture_request {
     uint32_t image;
-    uint32_t next; ///< of the same image
+    uint32_t next; ///< next request for the same image; STP_NONE: none
     stp_wrap wrap_u, wrap_v;
     bool nearest;
     uint32_t scene_texture;
@@ -166,6 +167,7 @@ stp_result stp_gltf_textures_want(stp_gltf_scope* scope, stp_gltf_textures* text
     }
     textures->requests = requests;
     *request = (uint32_t)textures->request_count;
+    assert(textures->request_count < textures->request_capacity);
     requests[textures->request_count++] = wanted;
     return STP_OK;
 }
@@ -296,6 +298,7 @@ static stp_result measure_images(stp_gltf_scope* scope, stp_gltf_textures* textu
 static stp_result decode_images(stp_gltf_scope* scope, stp_gltf_textures* textures, size_t begin,
                                 size_t end)
 {
+    assert(begin < end && end <= textures->request_count);
     decode_loop loop = {scope->gltf->context, textures, begin};
     stp_parallel_for(loop.context, end - begin, 1, decode_job, &loop);
     for (size_t i = begin; i < end; ++i) {
@@ -313,6 +316,7 @@ static stp_result decode_images(stp_gltf_scope* scope, stp_gltf_textures* textur
 // Gives a texture copies of its texels and encoded bytes. @return false if memory runs out
 static bool copy_picture(stp_context* context, stp_texture* texture)
 {
+    assert(texture->texels != NULL && texture->encoded_size > 0 && "it was decoded");
     size_t size = (size_t)texture->width * texture->height * 4;
     uint8_t* texels = stp_alloc(context, size);
     uint8_t* encoded = stp_alloc(context, texture->encoded_size);
@@ -349,7 +353,7 @@ static stp_result add_texture(stp_gltf_scope* scope, stp_gltf_textures* textures
         scope, stp_scene_add_texture(gltf->import->scene, &texture, &request->scene_texture));
 }
 
-// End of the requests that are decoded together: at least one, with at most a batch's pixels.
+// End of the requests that are decoded together: at least one, until a batch's pixels are reached.
 static size_t end_batch(const stp_gltf* gltf, const stp_gltf_textures* textures, size_t begin)
 {
     size_t end = begin;
@@ -359,6 +363,7 @@ static size_t end_batch(const stp_gltf* gltf, const stp_gltf_textures* textures,
         pixels += decodes(textures, end) ? (uint64_t)image->info.width * image->info.height : 0;
         end += 1;
     }
+    assert(end > begin && end <= textures->request_count);
     return end;
 }
 
@@ -378,5 +383,6 @@ stp_result stp_gltf_textures_load(stp_gltf_scope* scope, stp_gltf_textures* text
 
 uint32_t stp_gltf_textures_get(const stp_gltf_textures* textures, uint32_t request)
 {
+    assert(request == STP_NONE || request < textures->request_count);
     return request == STP_NONE ? STP_NONE : textures->requests[request].scene_texture;
 }

@@ -5,6 +5,7 @@
 #include "base/math/sort.h"
 #include "import/gltf/gltf_primitive.h"
 
+#include <assert.h>
 #include <string.h>
 
 static stp_result check_indices(stp_gltf_scope* scope, const uint32_t* indices, size_t count,
@@ -78,6 +79,7 @@ static size_t unroll(const uint32_t* indices, size_t count, stp_gltf_mode mode, 
             memcpy(out + 3 * triangles++, (const uint32_t[3]){a, b, c}, 3 * sizeof(uint32_t));
         }
     }
+    assert(triangles == 0 || triangles <= count - 2);
     return triangles;
 }
 
@@ -125,6 +127,7 @@ static stp_result number_used(stp_gltf_scope* scope, uint32_t low, size_t range,
     for (size_t i = 0; i < range; ++i) {
         used += numbers[i];
     }
+    assert(used > 0 && used <= count && used <= range);
     uint32_t* map = STP_NEW_ARRAY(context, uint32_t, used);
     if (map == NULL) {
         stp_free(context, numbers);
@@ -169,6 +172,7 @@ static stp_result number_sorted(stp_gltf_scope* scope, uint32_t* indices, size_t
         }
         indices[(uint32_t)sorted[i]] = (uint32_t)(used - 1);
     }
+    assert(used > 0 && used <= count);
     stp_free(context, items);
     *selection = (stp_gltf_selection){.count = used, .map = map};
     return STP_OK;
@@ -186,6 +190,7 @@ static stp_result select_vertices(stp_gltf_scope* scope, uint32_t* indices, size
         *selection = (stp_gltf_selection){0};
         return STP_OK;
     }
+    assert(low <= high);
     size_t range = (size_t)high - low + 1;
     if (range / 64 > count) {
         return number_sorted(scope, indices, count, selection);
@@ -212,6 +217,18 @@ static stp_result draco_triangles(stp_gltf_scope* scope, const stp_draco_mesh* d
     return STP_OK;
 }
 
+#ifndef NDEBUG
+static bool are_below(const uint32_t* indices, size_t count, size_t limit)
+{
+    for (size_t i = 0; i < count; ++i) {
+        if (indices[i] >= limit) {
+            return false;
+        }
+    }
+    return true;
+}
+#endif
+
 stp_result stp_gltf_triangles(stp_gltf_scope* scope, const json_t* primitive, stp_gltf_mode mode,
                               stp_gltf_vertices* vertices, uint32_t** indices,
                               size_t* triangle_count)
@@ -231,9 +248,14 @@ stp_result stp_gltf_triangles(stp_gltf_scope* scope, const json_t* primitive, st
     if (result == STP_OK && *triangle_count > UINT32_MAX / 3) {
         result = stp_gltf_fail(scope, STP_ERROR_LIMIT, "it has %zu triangles", *triangle_count);
     }
-    return result != STP_OK
-               ? result
-               : select_vertices(scope, *indices, *triangle_count * 3, &vertices->selection);
+    if (result == STP_OK) {
+        result = select_vertices(scope, *indices, *triangle_count * 3, &vertices->selection);
+    }
+    const stp_gltf_selection* selection = &vertices->selection;
+    assert(result != STP_OK || are_below(*indices, *triangle_count * 3, selection->count));
+    assert(result != STP_OK || selection->first + selection->count <= vertices->count);
+    (void)selection;
+    return result;
 }
 
 stp_result stp_gltf_points(stp_gltf_scope* scope, const json_t* primitive,

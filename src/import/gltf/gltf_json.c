@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "import/gltf/gltf.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -26,6 +27,7 @@ static void keep_message(stp_gltf_scope* scope, char* out, const char* format, v
     int written = snprintf(out, STP_GLTF_MESSAGE_SIZE, "%s%s", scope->place,
                            scope->place[0] != '\0' ? ": " : "");
     size_t used = written > 0 ? (size_t)written : 0;
+    assert(used < STP_GLTF_MESSAGE_SIZE && "the place is much shorter");
     vsnprintf(out + used, STP_GLTF_MESSAGE_SIZE - used, format, list);
 }
 
@@ -59,6 +61,7 @@ stp_result stp_gltf_scope_end(stp_gltf_scope* scope, stp_result result)
     if (result == STP_OK || scope->logged) {
         return result;
     }
+    assert(scope->error[0] != '\0' || result == STP_ERROR_OUT_OF_MEMORY);
     return scope->error[0] != '\0' ? stp_fail(context, result, "%s: %s", path, scope->error)
                                    : stp_fail_memory(context);
 }
@@ -76,6 +79,7 @@ static const char* list_name(stp_gltf_list list)
         STP_GLTF_LISTS(X)
 #undef X
     };
+    assert((unsigned)list < STP_GLTF_LIST_COUNT);
     return names[list];
 }
 
@@ -217,6 +221,7 @@ stp_result stp_gltf_numbers(stp_gltf_scope* scope, const json_t* object, const c
     if (member == NULL) {
         return STP_OK;
     }
+    assert(count > 0);
     bool fits = json_is_array(member) && json_array_size(member) == count;
     for (size_t i = 0; fits && i < count; ++i) {
         const json_t* element = json_array_get(member, i);

@@ -4,6 +4,8 @@
 // limited to a multiple of the amount stored.
 #include "import/gltf/gltf.h"
 
+#include <assert.h>
+
 #define ELEMENTS_ALWAYS_ALLOWED ((uint64_t)1 << 24)
 #define ELEMENTS_PER_BYTE 256
 #define DECODED_ALWAYS_ALLOWED ((uint64_t)1 << 26)
@@ -62,6 +64,7 @@ static uint64_t compressed_bytes(const stp_gltf* gltf, const json_t* primitive)
 static stp_result check(stp_gltf_scope* scope, uint64_t claimed, uint64_t allowed,
                         uint64_t per_byte, const char* what)
 {
+    assert(per_byte > 0);
     size_t content = scope->gltf->content_bytes;
     if (claimed > allowed && claimed / per_byte > content) {
         return stp_gltf_fail(scope, STP_ERROR_LIMIT, "%llu %s are claimed in a file of %zu bytes",
@@ -81,6 +84,7 @@ static uint64_t variant_elements(const stp_gltf* gltf, const stp_gltf_variant* v
 
 static const json_t* find_primitives(const stp_gltf* gltf, const stp_gltf_variant* variant)
 {
+    assert(variant->mesh < stp_gltf_count(gltf, STP_GLTF_MESHES));
     const json_t* mesh = json_array_get(gltf->lists[STP_GLTF_MESHES], variant->mesh);
     return json_object_get(mesh, "primitives");
 }
@@ -94,6 +98,7 @@ uint64_t stp_gltf_primitive_elements(const stp_gltf* gltf, const stp_gltf_varian
 uint64_t stp_gltf_batch(const stp_gltf* gltf, uint64_t maximum, uint64_t bytes_each)
 {
     const stp_scene* scene = gltf->import->scene;
+    assert(bytes_each > 0 && maximum > 0);
     uint64_t fits = scene->spill != NULL ? scene->spill_above / bytes_each : maximum;
     return fits < maximum ? fits : maximum;
 }

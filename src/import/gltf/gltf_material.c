@@ -3,6 +3,7 @@
 // specular-glossiness.
 #include "import/gltf/gltf.h"
 
+#include <assert.h>
 #include <string.h>
 
 typedef struct pending_material {
@@ -16,13 +17,14 @@ typedef struct material_reader {
     pending_material* pending;
 } material_reader;
 
-// Sine and cosine from the series after halving the angle: the C library's results differ between
-// machines.
+// Sine and cosine from the series after halving the angle four times: the C library's results
+// differ between machines.
 static void rotate(double angle, double* sine, double* cosine)
 {
     double turns = angle / (2.0 * STP_PI);
     turns = turns < -1e9 || turns > 1e9 ? 0.0 : turns - (double)(int64_t)turns;
     double x = turns * 2.0 * STP_PI / 16.0; // below 0.4: the terms soon pass the last bit
+    assert(x > -0.4 && x < 0.4);
     double s = 0.0, c = 0.0, term = 1.0;
     for (int n = 0; n < 16; ++n) {
         double signed_term = (n / 2) % 2 == 0 ? term : -term;
@@ -34,6 +36,7 @@ static void rotate(double angle, double* sine, double* cosine)
         c = c * c - s * s;
         s = doubled;
     }
+    assert(s * s + c * c > 0.999999 && s * s + c * c < 1.000001);
     *sine = s;
     *cosine = c;
 }
@@ -76,6 +79,7 @@ static stp_result read_transform(stp_gltf_scope* scope, const json_t* info, stp_
 // The set of a mesh that TEXCOORD_n goes into, adding one if needed; false if no set is free.
 static bool find_slot(stp_gltf_material* slots, size_t texcoord, uint32_t* slot)
 {
+    assert(slots->set_count <= STP_GLTF_TEXCOORD_SETS);
     for (uint32_t i = 0; i < slots->set_count; ++i) {
         if (slots->sets[i] == texcoord) {
             *slot = i;
@@ -132,6 +136,7 @@ static stp_result read_factors(stp_gltf_scope* scope, const json_t* json, const 
                                size_t count, float* factors)
 {
     double values[4];
+    assert(count <= sizeof(values) / sizeof(values[0]));
     for (size_t i = 0; i < count; ++i) {
         values[i] = (double)factors[i];
     }
@@ -260,6 +265,7 @@ static stp_result add_materials(stp_gltf_scope* scope, const stp_gltf_textures* 
         }
         gltf->materials[i] = pending[i].slots;
         stp_result result = stp_gltf_logged(scope, stp_scene_add_material(scene, material, NULL));
+        assert(result != STP_OK || scene->material_count == gltf->first_material + i + 1);
         if (result != STP_OK) {
             return result;
         }

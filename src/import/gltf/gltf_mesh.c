@@ -2,10 +2,11 @@
 // Reads all visible primitives in jobs and adds them to the scene in file order.
 #include "import/gltf/gltf_primitive.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define ELEMENTS_OF_BATCH ((uint64_t)1 << 21) // vertices and indices
-#define ELEMENT_BYTES 64u                     // of a vertex with all it may have, about
+#define ELEMENT_BYTES 64u                     // about the size of a vertex with all attributes
 
 typedef struct primitive_loop {
     const stp_gltf* gltf;
@@ -21,6 +22,8 @@ static char* copy_message(stp_context* context, const char* message)
 
 static void set_place(stp_gltf_scope* scope, const stp_gltf_primitive* primitive)
 {
+    assert(primitive->variant < scope->gltf->variant_count);
+    assert(primitive->index < scope->gltf->variants[primitive->variant].primitive_count);
     stp_gltf_set_place(scope, "meshes[%u].primitives[%zu]",
                        scope->gltf->variants[primitive->variant].mesh, primitive->index);
 }
@@ -75,6 +78,7 @@ static void plan_primitives(const stp_gltf* gltf, stp_gltf_primitive* primitives
 static stp_result add_primitive(stp_gltf* gltf, stp_gltf_primitive* primitive, stp_gltf_part* part)
 {
     stp_scene* scene = gltf->import->scene;
+    assert(!primitive->present || primitive->result == STP_OK);
     part->present = primitive->present;
     if (!primitive->present) {
         return STP_OK;
@@ -91,7 +95,7 @@ static stp_result add_primitive(stp_gltf* gltf, stp_gltf_primitive* primitive, s
     return stp_scene_add_mesh(scene, &mesh, &part->part.index);
 }
 
-// Counts line primitives in [begin, end).
+// Logs the messages of primitives [begin, end), adds them to the scene, and counts those of lines.
 static stp_result add_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
                                  stp_gltf_primitive* primitives, size_t begin, size_t end,
                                  size_t* line_count)
@@ -117,7 +121,7 @@ static stp_result add_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
     return STP_OK;
 }
 
-// End of the primitives that are read together: at least one, with at most a batch's elements.
+// End of the primitives that are read together: at least one, until a batch's elements are reached.
 static size_t end_batch(const stp_gltf* gltf, const stp_gltf_primitive* primitives, size_t begin,
                         size_t count)
 {
@@ -128,6 +132,7 @@ static size_t end_batch(const stp_gltf* gltf, const stp_gltf_primitive* primitiv
         elements += stp_gltf_primitive_elements(gltf, variant, primitives[end].index);
         end += 1;
     }
+    assert(end > begin && end <= count);
     return end;
 }
 

@@ -3,6 +3,7 @@
 // encoded by libmeshoptimizer.
 #include "import/gltf/gltf.h"
 
+#include <assert.h>
 #include <meshoptimizer.h>
 #include <string.h>
 
@@ -33,6 +34,7 @@ static int find_word(const char* word, const char* const* words, int count)
     while (word != NULL && found < count && strcmp(word, words[found]) != 0) {
         found += 1;
     }
+    assert(found >= 0 && found <= count);
     return found;
 }
 
@@ -57,6 +59,7 @@ static stp_result check_view(stp_gltf_scope* scope, const compressed_view* view)
         return stp_gltf_fail(scope, STP_ERROR_FORMAT, "%zu indices do not make triangles",
                              view->count);
     }
+    assert(view->stride > 0 && view->stride <= VERTEX_STRIDE_LIMIT);
     if (view->count / EXPANSION_LIMIT > (view->size + EXPANSION_LIMIT) / view->stride) {
         return stp_gltf_fail(scope, STP_ERROR_FORMAT, "%zu bytes cannot hold %zu elements of %zu",
                              view->size, view->count, view->stride);
@@ -108,6 +111,8 @@ static stp_result read_view(stp_gltf_scope* scope, const json_t* json, compresse
 static stp_result decode_view(stp_gltf_scope* scope, const compressed_view* view,
                               unsigned char* out)
 {
+    assert(view->mode != MODE_TRIANGLES || view->count % 3 == 0);
+    assert(view->filter == FILTER_NONE || view->mode == MODE_ATTRIBUTES);
     int error = 0;
     if (view->mode == MODE_ATTRIBUTES) {
         error = meshopt_decodeVertexBuffer(out, view->count, view->stride, view->bytes, view->size);
@@ -171,7 +176,7 @@ typedef struct view_loop {
     stp_result* results;
 } view_loop;
 
-// Processes a piece of the loop: stores short reasons; the calling thread repeats the first failure
+// Processes a piece of the loop: stores results only; the calling thread repeats the first failure
 // to log it.
 static void decompress_job(size_t begin, size_t end, uint32_t worker, void* user)
 {

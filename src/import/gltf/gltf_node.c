@@ -3,9 +3,11 @@
 // recurses, because a hierarchy may be as deep as the file is long.
 #include "import/gltf/gltf_accessor.h"
 
+#include <assert.h>
+
 static bool is_finite_affine(const stp_affine* a)
 {
-    double sum = 0.0; // not finite if any element is not: the sum becomes infinite or NaN
+    double sum = 0.0; // becomes NaN if any element is not finite
     for (int r = 0; r < 3; ++r) {
         for (int c = 0; c < 4; ++c) {
             sum += a->m[r][c] - a->m[r][c];
@@ -131,6 +133,7 @@ static stp_result order_nodes(stp_gltf_scope* scope, stp_gltf* gltf)
             if (result != STP_OK) {
                 return result;
             }
+            assert(top > done && "each node is pushed once");
             gltf->node_order[--top] = child;
         }
     }
@@ -138,6 +141,7 @@ static stp_result order_nodes(stp_gltf_scope* scope, stp_gltf* gltf)
         return STP_OK;
     }
     // every node has at most one parent, so a node that no root reaches belongs to a cycle
+    assert(done < count && top == count);
     uint32_t lost = 0;
     for (size_t i = 0; i < done; ++i) {
         gltf->nodes[gltf->node_order[i]].flags |= STP_GLTF_IN_SCENE;
@@ -157,6 +161,7 @@ static stp_result place_nodes(stp_gltf_scope* scope, stp_gltf* gltf)
         node->world = node->local;
         if (node->parent != STP_NONE) {
             const stp_gltf_node* parent = &gltf->nodes[node->parent];
+            assert(node->parent < gltf->node_count && node->parent != index);
             node->world = stp_affine_multiply(parent->world, node->local);
             node->flags |= parent->flags & STP_GLTF_IN_SCENE;
         }
@@ -243,6 +248,7 @@ static stp_result add_variant(stp_gltf* gltf, stp_gltf_node* node, uint32_t inde
 {
     bool has_weights = (node->flags & STP_GLTF_HAS_WEIGHTS) != 0;
     bool is_plain = node->skin == STP_NONE && !has_weights;
+    assert(node->mesh < stp_gltf_count(gltf, STP_GLTF_MESHES));
     if (is_plain && plain_variants[node->mesh] != STP_NONE) {
         node->variant = plain_variants[node->mesh];
         return STP_OK;

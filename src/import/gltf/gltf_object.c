@@ -3,10 +3,11 @@
 // cameras.
 #include "import/gltf/gltf_accessor.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-// As for vertices: nodes may share meshes and instances without limit, and valid files do.
+// As in gltf_limit.c: nodes may share meshes and instances without limit, and valid files do.
 #define PARTS_ALWAYS_ALLOWED ((size_t)1 << 22)
 #define INSTANCES_ALWAYS_ALLOWED ((size_t)1 << 20)
 #define SHARES_PER_BYTE 16
@@ -52,6 +53,7 @@ static stp_result add_object(object_writer* writer, const stp_gltf_node* node, c
 static stp_result add_parts(object_writer* writer, const stp_gltf_node* node)
 {
     const stp_gltf_variant* variant = &writer->gltf->variants[node->variant];
+    assert(node->variant < writer->gltf->variant_count && "shown nodes with a mesh have one");
     writer->part_count += variant->primitive_count;
     stp_result result = check_limit(writer, writer->part_count, PARTS_ALWAYS_ALLOWED, "primitives");
     for (size_t i = 0; result == STP_OK && i < variant->primitive_count; ++i) {
@@ -87,7 +89,7 @@ static stp_result read_instance_values(object_writer* writer, const json_t* attr
                              accessor.count, accessor.component_count);
     }
     *count = accessor.count;
-    *values = STP_NEW_ARRAY(writer->gltf->context, float, accessor.count* components);
+    *values = STP_NEW_ARRAY(writer->gltf->context, float, (accessor.count * components));
     if (*values == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
@@ -202,6 +204,7 @@ static stp_result add_node(object_writer* writer, stp_gltf_node* node)
     name = name != NULL ? name : stp_gltf_text(mesh, "name");
     uint32_t parent =
         node->parent == STP_NONE ? gltf->import->root : gltf->nodes[node->parent].object;
+    assert(parent < writer->scene->object_count && "parents come first");
     stp_result result = add_object(writer, node, name, parent, &node->local, &node->object);
     if (result != STP_OK || node->mesh == STP_NONE) {
         return result;
@@ -216,6 +219,7 @@ static stp_result add_node(object_writer* writer, stp_gltf_node* node)
 static stp_result write_view(object_writer* writer, const stp_gltf_node* node, const json_t* camera,
                              double fov)
 {
+    assert(fov > 0.0 && fov < STP_PI);
     stp_affine root = writer->scene->objects[writer->gltf->import->root].transform;
     stp_affine world = stp_affine_multiply(root, node->world);
     stp_vec3d eye = {world.m[0][3], world.m[1][3], world.m[2][3]};

@@ -2,6 +2,7 @@
 // The rest pose: morph targets at their default weights (3.7.2.2), then skins (3.7.3.3).
 #include "import/gltf/gltf_primitive.h"
 
+#include <assert.h>
 #include <stdio.h>
 
 enum { JOINT_SETS = 4 }; // sixteen joints per vertex; the specification requires only four
@@ -27,6 +28,7 @@ static stp_result add_deltas(stp_gltf_scope* scope, const stp_gltf_vertices* ver
     if (values != NULL) {
         result = stp_gltf_attribute(scope, vertices, name, components, &deltas);
     }
+    assert(deltas == NULL || (result == STP_OK && components[0] == 3));
     for (size_t i = 0; deltas != NULL && i < vertices->selection.count * 3; ++i) {
         values[i] += weight * deltas[i];
     }
@@ -89,17 +91,19 @@ static stp_result read_skin(stp_gltf_scope* scope, uint32_t skin, const stp_gltf
     return result;
 }
 
-// Sums the matrices of a vertex. Returns their total weight, or a failure.
+// Sums the weighted matrices of a vertex; *total receives their weight. Fails if a joint does not
+// exist.
 static stp_result blend(stp_gltf_scope* scope, const skin_arrays* arrays, size_t vertex,
                         stp_affine* blended, double* total)
 {
     *blended = (stp_affine){0};
     *total = 0.0;
+    assert(arrays->set_count <= JOINT_SETS);
     for (size_t k = 0; k < arrays->set_count * 4; ++k) {
         double weight = (double)arrays->weights[k / 4][4 * vertex + k % 4];
         float joint = arrays->joints[k / 4][4 * vertex + k % 4];
         if (!(weight > 0.0) || weight > 1e6) {
-            continue; // no joints or no weight
+            continue; // no weight, or an implausible one
         }
         if (!(joint >= 0.0f) || joint >= (float)arrays->matrix_count) {
             return stp_gltf_fail(scope, STP_ERROR_FORMAT,
@@ -119,6 +123,7 @@ static stp_result blend(stp_gltf_scope* scope, const skin_arrays* arrays, size_t
 
 static void move_vertex(const stp_affine* matrix, double total, float* position, float* normal)
 {
+    assert(total > 0.0 && "vertices without weight stay");
     stp_vec3d p = stp_affine_point(
         matrix, (stp_vec3d){(double)position[0], (double)position[1], (double)position[2]});
     position[0] = (float)(p.x / total);

@@ -4,6 +4,7 @@
 
 #include "base/math/color.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -18,8 +19,8 @@ static stp_result draco_attribute(stp_gltf_scope* scope, const stp_gltf_vertices
         return stp_gltf_fail(scope, STP_ERROR_FORMAT,
                              "%s: the compressed mesh has no attribute of id %zu", name, id);
     }
-    float* all = STP_NEW_ARRAY(context, float, vertices->count* count);
-    float* out = STP_NEW_ARRAY(context, float, selection->count* count);
+    float* all = STP_NEW_ARRAY(context, float, (vertices->count * count));
+    float* out = STP_NEW_ARRAY(context, float, (selection->count * count));
     if (all == NULL || out == NULL) {
         stp_free(context, all);
         stp_free(context, out);
@@ -28,6 +29,7 @@ static stp_result draco_attribute(stp_gltf_scope* scope, const stp_gltf_vertices
     stp_draco_values(vertices->draco, (uint32_t)id, all);
     for (size_t i = 0; i < selection->count; ++i) {
         size_t vertex = selection->map != NULL ? selection->map[i] : selection->first + i;
+        assert(vertex < vertices->count);
         for (size_t c = 0; c < count; ++c) {
             float value = all[vertex * count + c] / divisor;
             out[i * count + c] = divisor != 1.0f ? stp_max(value, -1.0f) : value;
@@ -54,7 +56,8 @@ static stp_result plain_attribute(stp_gltf_scope* scope, const stp_gltf_vertices
         return STP_OK;
     }
     *components = accessor.component_count;
-    float* out = STP_NEW_ARRAY(scope->gltf->context, float, vertices->selection.count** components);
+    float* out =
+        STP_NEW_ARRAY(scope->gltf->context, float, (vertices->selection.count * (*components)));
     if (out == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
@@ -66,6 +69,7 @@ stp_result stp_gltf_attribute(stp_gltf_scope* scope, const stp_gltf_vertices* ve
                               const char* name, uint32_t components[2], float** values)
 {
     uint32_t index = STP_NONE, count = components[0];
+    assert(components[0] <= components[1]);
     *values = NULL;
     stp_result result =
         stp_gltf_index(scope, vertices->attributes, name, STP_GLTF_ACCESSORS, &index);
@@ -136,7 +140,7 @@ static float to_unit(float x)
     return x > 0.0f ? stp_min(x, 1.0f) : 0.0f; // NaN becomes 0
 }
 
-// COLOR_0, four per vertex, 0..1.
+// COLOR_0: three or four floats per vertex, not clamped.
 static stp_result read_colors(stp_gltf_scope* scope, const stp_gltf_vertices* vertices,
                               float** colors, uint32_t* components)
 {
@@ -156,6 +160,7 @@ static stp_result read_mesh_colors(stp_gltf_scope* scope, const stp_gltf_vertice
     if (result != STP_OK || colors == NULL) {
         return result;
     }
+    assert(components == 3 || components == 4);
     size_t count = vertices->selection.count;
     mesh->colors = STP_NEW_ARRAY(context, uint16_t, count * 4);
     for (size_t i = 0; mesh->colors != NULL && i < count; ++i) {
@@ -178,6 +183,7 @@ static stp_result read_point_colors(stp_gltf_scope* scope, const stp_gltf_vertic
     if (result != STP_OK || colors == NULL) {
         return result;
     }
+    assert(components == 3 || components == 4);
     size_t count = vertices->selection.count;
     points->colors = STP_NEW_ARRAY(context, uint8_t, count * 4);
     for (size_t i = 0; points->colors != NULL && i < count; ++i) {
@@ -237,6 +243,7 @@ static stp_result read_triangles(stp_gltf_scope* scope, const json_t* mesh_json,
     }
     mesh->name = stp_gltf_text(mesh_json, "name");
     mesh->triangle_count = (uint32_t)triangle_count;
+    assert(vertices->selection.count > 0 && vertices->selection.count < STP_NONE);
     mesh->vertex_count = (uint32_t)vertices->selection.count;
     result =
         read_geometry(scope, mesh_json, json, variant, vertices, &mesh->positions, &mesh->normals);
@@ -264,6 +271,7 @@ static stp_result read_points(stp_gltf_scope* scope, const json_t* mesh_json, co
         return result;
     }
     points->name = stp_gltf_text(mesh_json, "name");
+    assert(vertices->selection.count < STP_NONE);
     points->point_count = (uint32_t)vertices->selection.count;
     result = read_geometry(scope, mesh_json, json, variant, vertices, &points->positions,
                            &points->normals);
@@ -312,7 +320,7 @@ static stp_result open_draco(stp_gltf_scope* scope, const json_t* json, stp_gltf
     return STP_OK;
 }
 
-// Number of vertices of the primitive; false if it has no positions and therefore shows nothing.
+// Finds the number of vertices of the primitive; *shows becomes false if it has no positions.
 static stp_result open_vertices(stp_gltf_scope* scope, const json_t* json,
                                 stp_gltf_vertices* vertices, bool* shows)
 {

@@ -39,7 +39,8 @@ typedef struct stp_gltf_primitive {
 } stp_gltf_primitive;
 
 /// Reads an attribute of the selected vertices into `values` (stp_alloc); NULL if the primitive
-/// lacks it. `components` holds the allowed range and receives the actual number.
+/// lacks it, or (with a warning) if it has too few elements. `components` holds the allowed range
+/// and receives the actual number.
 STP_MUST_USE stp_result stp_gltf_attribute(stp_gltf_scope* scope, const stp_gltf_vertices* vertices,
                                            const char* name, uint32_t components[2],
                                            float** values);

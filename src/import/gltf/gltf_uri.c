@@ -2,6 +2,7 @@
 // URIs of buffers and images (2.8): relative paths and embedded data.
 #include "import/gltf/gltf.h"
 
+#include <assert.h>
 #include <string.h>
 
 bool stp_gltf_uri_is_data(const char* uri)
@@ -33,6 +34,7 @@ static size_t percent_decode(const char* text, size_t length, unsigned char* out
             out[written++] = (unsigned char)text[i];
         }
     }
+    assert(written <= length);
     return written;
 }
 
@@ -46,7 +48,7 @@ static int base64_digit(char c)
                                   : -1;
 }
 
-// False if a character is not base64 (RFC 4648, 4).
+// False if the text is not base64 (RFC 4648, 4).
 static bool base64_decode(const char* text, size_t length, unsigned char* out, size_t* size)
 {
     while (length > 0 && text[length - 1] == '=') {
@@ -64,6 +66,7 @@ static bool base64_decode(const char* text, size_t length, unsigned char* out, s
             out[written++] = (unsigned char)(bits >> (6 - 2 * (i % 4)));
         }
     }
+    assert(written <= length);
     *size = written;
     return length % 4 != 1;
 }

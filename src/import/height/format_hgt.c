@@ -7,12 +7,13 @@
 // leave holes.
 #include "import/reading/surface.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define VOID (-32768)
-#define DEGREE 111319.490793273573 ///< metres: of the equator of WGS 84, a = 6378137
+#define DEGREE 111319.490793273573 ///< metres per degree on the equator of WGS 84, a = 6378137
 #define GRAIN ((size_t)16)         ///< rows
 #define PI 3.14159265358979323846
 
@@ -22,12 +23,13 @@ typedef struct tile {
     uint32_t side;         ///< heights in a row
     double step_x, step_y; ///< metres
     stp_mesh mesh;
-    uint32_t* first; ///< of each row: triangles of the rows before it
+    uint32_t* first; ///< per row: number of triangles of the rows before it
 } tile;
 
 // Cosine of an angle up to 90 degrees: a power series, for the same result on every machine.
 static double cosine_of_degrees(double degrees)
 {
+    assert(degrees >= -90.0 && degrees <= 90.0 && "the series converges fast");
     double x = degrees * (PI / 180.0), square = x * x, term = 1.0, sum = 1.0;
     for (int i = 1; i <= 14; ++i) {
         term *= -square / (double)((2 * i - 1) * (2 * i));
@@ -38,6 +40,7 @@ static double cosine_of_degrees(double degrees)
 
 static int height_at(const tile* t, uint32_t row, uint32_t column)
 {
+    assert(row < t->side && column < t->side);
     const unsigned char* at = t->bytes + 2 * ((size_t)row * t->side + column);
     return (int16_t)(at[0] << 8 | at[1]);
 }
@@ -148,6 +151,7 @@ static void write_rows(size_t begin, size_t end, uint32_t worker, void* user)
         for (uint32_t column = 0; column + 1 < t->side; ++column) {
             out = write_cell(t, row, column, out);
         }
+        assert(out == t->mesh.indices + 3 * (size_t)t->first[row + 1] && "as counted");
     }
 }
 
@@ -155,6 +159,7 @@ static stp_result make_mesh(tile* t)
 {
     stp_context* context = t->import->context;
     size_t side = t->side;
+    assert(side >= 2 && side * side < STP_NONE);
     t->first = STP_NEW_ZEROED(context, uint32_t, side + 1);
     t->mesh.positions = STP_NEW_ARRAY(context, float, 3 * side * side);
     if (t->first == NULL || t->mesh.positions == NULL) {
@@ -165,6 +170,7 @@ static stp_result make_mesh(tile* t)
     for (size_t row = 0; row < side; ++row) {
         t->first[row + 1] += t->first[row];
     }
+    assert(t->first[side] <= 2 * (side - 1) * (side - 1));
     t->mesh.vertex_count = (uint32_t)(side * side);
     t->mesh.triangle_count = t->first[side];
     t->mesh.indices = STP_NEW_ARRAY(context, uint32_t, 3 * (size_t)t->mesh.triangle_count);

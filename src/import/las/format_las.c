@@ -5,6 +5,7 @@
 #include "base/io/bytes.h"
 #include "import/las/las.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -12,7 +13,7 @@
 
 enum {
     EXTRA_BYTES_ID = 4,
-    EXTRA_SIZE = 192, // of an entry
+    EXTRA_SIZE = 192, // bytes of an entry
     EXTRA_NAME = 4,
     EXTRA_NAME_SIZE = 32,
     TEXT_SIZE = 512
@@ -36,12 +37,14 @@ static uint64_t name_extra_bytes(const stp_las* las, char text[TEXT_SIZE])
                                      (int)length, name);
         }
     }
+    assert(used < TEXT_SIZE);
     return count;
 }
 
-/// Counts content that is not kept, and lists extra bytes in one notice.
+/// Counts content that is not kept, and lists extra bytes in one warning.
 static void report_losses(stp_las* las)
 {
+    assert(las->record_size >= las->layout.size);
     size_t extra = las->record_size - las->layout.size;
     char names[TEXT_SIZE];
     if (las->layout.wave != STP_LAS_NO_FIELD) {

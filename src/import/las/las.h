@@ -27,7 +27,7 @@ typedef struct stp_las_layout {
 typedef struct stp_las_chunk {
     uint64_t offset, size; ///< within the file
     uint64_t first, count; ///< points
-    uint64_t read;         ///< the first points, which are read; others are skipped
+    uint64_t read;         ///< number of its first points that are read
 } stp_las_chunk;
 
 typedef enum stp_laz_items { STP_LAZ_RAW, STP_LAZ_POINTWISE, STP_LAZ_LAYERED } stp_laz_items;
@@ -35,7 +35,7 @@ typedef enum stp_laz_items { STP_LAZ_RAW, STP_LAZ_POINTWISE, STP_LAZ_LAYERED } s
 typedef struct stp_las {
     stp_import* import;
     stp_context* context;
-    unsigned minor;  ///< of the version
+    unsigned minor;  ///< minor version, 0 to 4
     unsigned format; ///< 0 to 10
     bool compressed; ///< from the format byte
     bool wkt;        ///< the coordinate system is stored as WKT
@@ -127,8 +127,8 @@ STP_MUST_USE stp_result stp_las_list_records(stp_las* las);
 /// records. For a smaller file, empties it. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_las_sample(stp_las* las, uint64_t maximum);
 /// Marks the chunks of COPC levels 0 up to those that together have `maximum` points; other chunks
-/// read nothing. @return false if the file is not COPC or its hierarchy is damaged: nothing was
-/// changed
+/// read nothing. @return false if the file is not COPC, its hierarchy is damaged or has no points
+/// in these levels, or memory runs out: the caller chooses what is read
 bool stp_las_sample_copc(stp_las* las, uint64_t maximum);
 /// Number of chunks from `first` on that form a set of at most `points_in_set` points, at least
 /// one, and their number of points.

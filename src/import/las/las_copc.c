@@ -5,6 +5,7 @@
 #include "base/io/bytes.h"
 #include "import/las/las.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -20,15 +21,27 @@ enum { LEVELS = 64 };
 
 typedef struct hierarchy {
     const stp_las* las;
-    uint8_t* levels_of;            ///< chunks; NULL: not needed
-    uint64_t of_level[LEVELS + 1]; ///< points
-    uint64_t points;               ///< of all entries so far
+    uint8_t* levels_of;            ///< level of each chunk; NULL: not needed
+    uint64_t of_level[LEVELS + 1]; ///< points of each level; deeper ones in the last
+    uint64_t points;               ///< points of all entries so far
     uint64_t entries;              ///< so far; a valid file has at most `maximum`
     uint64_t maximum;
-    uint64_t nodes;  ///< with points
-    uint32_t levels; ///< of nodes with points
+    uint64_t nodes;  ///< nodes with points
+    uint32_t levels; ///< levels down to the deepest node with points
     const char* fault;
 } hierarchy;
+
+#ifndef NDEBUG
+static bool are_chunks_in_order(const stp_las* las)
+{
+    for (size_t i = 1; i < las->chunk_count; ++i) {
+        if (las->chunks[i - 1].offset > las->chunks[i].offset) {
+            return false;
+        }
+    }
+    return true;
+}
+#endif
 
 // The chunk at an offset of the file; chunks are in file order.
 static stp_las_chunk* chunk_at(const stp_las* las, uint64_t place)
@@ -50,6 +63,7 @@ static void add_node(hierarchy* h, uint32_t level, uint64_t place, uint64_t coun
 {
     stp_las_chunk* chunk = h->levels_of != NULL ? chunk_at(h->las, place) : NULL;
     level = level < LEVELS ? level : LEVELS;
+    assert(chunk == NULL || chunk->offset == place);
     h->points += count;
     h->of_level[level] += count;
     h->nodes += count > 0;
@@ -125,13 +139,15 @@ bool stp_las_sample_copc(stp_las* las, uint64_t maximum)
     if (levels == NULL) {
         return false; // chunks are sampled without
     }
+    assert(are_chunks_in_order(las) && "they are searched by offset");
     memset(levels, LEVELS, las->chunk_count);
     bool good = read_hierarchy(las, levels, &h) && h.fault == NULL;
     uint64_t points = 0;
-    uint32_t end = 0; // of the levels that are read; always at least the first
+    uint32_t end = 0; // levels [0, end) are read, always at least the first
     while (good && end < LEVELS && (end == 0 || points + h.of_level[end] <= maximum)) {
         points += h.of_level[end++];
     }
+    assert(end <= LEVELS && "chunks outside the hierarchy have level LEVELS");
     for (size_t i = 0; i < las->chunk_count && good; ++i) {
         las->chunks[i].read = levels[i] < end ? las->chunks[i].count : 0;
     }

@@ -6,12 +6,13 @@
 
 #include <stipple/attributes.h>
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
 enum {
     EXTRA_ID = 4,
-    EXTRA_SIZE = 192, // of an entry
+    EXTRA_SIZE = 192, // bytes of an entry
     EXTRA_TYPE = 2,
     EXTRA_OPTIONS = 3,
     EXTRA_NAME = 4,
@@ -65,6 +66,7 @@ static void add_extra(const stp_las* las, stp_scan_info* info)
     static const char* const types[EXTRA_TYPES + 1] = {"bytes", "u8",  "i8",  "u16", "i16", "u32",
                                                        "i32",   "u64", "i64", "f32", "f64"};
     static const uint8_t sizes[EXTRA_TYPES + 1] = {1, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+    assert(las->record_size >= las->layout.size);
     size_t left = las->record_size - las->layout.size;
     stp_las_record record = {0};
     uint64_t count = 0;
@@ -79,6 +81,7 @@ static void add_extra(const stp_las* las, stp_scan_info* info)
         unsigned values = known ? (type - 1) / EXTRA_TYPES + 1 : at[EXTRA_OPTIONS];
         size_t size = (size_t)values * sizes[base];
         left -= size < left ? size : left;
+        assert(base <= EXTRA_TYPES && left <= las->record_size - las->layout.size);
         stp_scan_field* f = stp_scan_add_field(info, (const char*)at + EXTRA_NAME, EXTRA_NAME_SIZE,
                                                types[base], false);
         if (f != NULL) {

@@ -2,6 +2,7 @@
 #include "base/io/bytes.h"
 #include "import/las/las.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -75,7 +76,7 @@ static stp_result read_transform(stp_las* las, const unsigned char* bytes)
             return stp_fail(las->context, STP_ERROR_FORMAT,
                             "%s: the scale of its %c is %g and the offset %g: they must be finite, "
                             "and the scale not 0",
-                            las->import->path, "xyz"[i], las -> scale[i], las -> offset[i]);
+                            las->import->path, (char)('x' + i), las->scale[i], las->offset[i]);
         }
     }
     return STP_OK;
@@ -100,6 +101,7 @@ static void read_counts(stp_las* las, const unsigned char* bytes)
 static stp_result check_count(const stp_las* las)
 {
     uint64_t size = las->import->file.size;
+    assert(las->record_size >= las->layout.size && las->record_size > 0);
     uint64_t room = las->points < size ? size - las->points : 0;
     if (!las->compressed && las->point_count > room / las->record_size) {
         return stp_fail(las->context, STP_ERROR_TRUNCATED,
@@ -178,6 +180,7 @@ static bool next_record(const stp_las* las, stp_las_records* records, stp_las_re
         records->damaged = true;
         return false;
     }
+    assert(at + head + record->size <= size && "the record lies within the file");
     records->at = at + head + record->size;
     records->index += 1;
     return true;

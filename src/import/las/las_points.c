@@ -4,11 +4,12 @@
 #include "base/io/bytes.h"
 #include "import/las/las.h"
 
+#include <assert.h>
 #include <string.h>
 
-enum { CLASS_MASK = 31 }; // of formats 0 to 5; the other bits are flags
+enum { CLASS_MASK = 31 }; // the class in formats 0 to 5; the other bits are flags
 
-// The first 20 bytes of formats 0 to 5, without the position.
+// The first 20 bytes of formats 0 to 5, without position and intensity.
 static void read_old_record(const unsigned char* p, stp_las_block* block, size_t i)
 {
     block->return_number[i] = p[14] & 7;
@@ -18,7 +19,7 @@ static void read_old_record(const unsigned char* p, stp_las_block* block, size_t
     block->source[i] = stp_read_u16(p + 18);
 }
 
-// The first 22 bytes of formats 6 to 10, without the position.
+// The first 22 bytes of formats 6 to 10, without position and intensity.
 static void read_new_record(const unsigned char* p, stp_las_block* block, size_t i)
 {
     block->return_number[i] = p[14] & 15;
@@ -32,6 +33,7 @@ void stp_las_read_records(const stp_las* las, const unsigned char* bytes, size_t
                           stp_las_block* block, size_t first)
 {
     stp_las_layout layout = las->layout;
+    assert(first + count <= STP_LAS_BLOCK && layout.size <= las->record_size);
     for (size_t i = first; i < first + count; ++i, bytes += las->record_size) {
         for (size_t k = 0; k < 3; ++k) {
             block->position[k][i] = (int32_t)stp_read_u32(bytes + 4 * k);
@@ -100,6 +102,7 @@ static bool store_values(void* column, size_t first, const void* values, size_t 
 {
     const unsigned char* from = values;
     unsigned char any = 0;
+    assert(size > 0 && size <= sizeof(uint64_t));
     memcpy((unsigned char*)column + first * size, from, count * size);
     for (size_t i = 0; i < count * size; ++i) {
         any |= from[i];
@@ -121,6 +124,7 @@ unsigned stp_las_store_block(const stp_las* las, const stp_las_block* block, siz
         [STP_ATTRIBUTE_NEAR_INFRARED] = block->nir,
     };
     unsigned seen = 0;
+    assert(count <= STP_LAS_BLOCK && first + count <= set->point_count);
     store_positions(las, block, count, set->positions + 3 * first);
     if (set->colors != NULL) {
         seen = store_colors(block, count, wide, set->colors + 4 * first);

@@ -7,6 +7,7 @@
 #include "base/io/bytes.h"
 #include "import/las/laz.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <string.h>
@@ -65,6 +66,7 @@ static bool prepare(const stp_las* las, worker* w)
 static bool next_block(const stp_las* las, worker* w, const stp_las_chunk* chunk, uint64_t done,
                        size_t count)
 {
+    assert(count > 0 && count <= STP_LAS_BLOCK && done + count <= chunk->count);
     if (w->laz != NULL) {
         return (done > 0 || stp_laz_begin(w->laz, chunk)) && stp_laz_next(w->laz, count, w->block);
     }
@@ -87,6 +89,7 @@ static void read_chunk(reading* r, worker* w, size_t index)
 {
     const stp_las_chunk* chunk = &r->chunks[index];
     uint64_t first = chunk->first - r->chunks[0].first;
+    assert(chunk->read <= chunk->count && first + chunk->read <= r->set->point_count);
     unsigned seen = 0;
     for (uint64_t done = 0; done < chunk->read;) {
         size_t count = block_size(chunk->read - done);
@@ -177,6 +180,8 @@ static bool needs_wide(const reading* r)
 static stp_result read_set(reading* r, size_t first, size_t count, uint64_t point_count)
 {
     stp_las* las = r->las;
+    assert(count > 0 && first + count <= las->chunk_count && point_count <= MAX_IN_SET);
+    assert(r->set_count < las->chunk_count && "a set holds at least one chunk");
     stp_point_columns_desc desc = stp_las_columns(las, (uint32_t)point_count);
     r->set = &r->sets[r->set_count];
     r->chunks = las->chunks + first;
@@ -195,6 +200,7 @@ static stp_result read_set(reading* r, size_t first, size_t count, uint64_t poin
         return stp_fail_memory(las->context);
     }
     size_t bad = atomic_load(&r->bad_chunk);
+    assert(bad == SIZE_MAX || bad < count);
     if (bad != SIZE_MAX) {
         const stp_las_chunk* chunk = &r->chunks[bad];
         return stp_fail(las->context, STP_ERROR_FORMAT,
@@ -208,6 +214,7 @@ static stp_result read_set(reading* r, size_t first, size_t count, uint64_t poin
 size_t stp_las_chunks_of_set(const stp_las* las, size_t first, uint64_t points_in_set,
                              uint64_t* point_count)
 {
+    assert(first < las->chunk_count);
     size_t count = 1;
     *point_count = las->chunks[first].read;
     while (first + count < las->chunk_count &&
@@ -215,6 +222,7 @@ size_t stp_las_chunks_of_set(const stp_las* las, size_t first, uint64_t points_i
         *point_count += las->chunks[first + count].read;
         count += 1;
     }
+    assert(first + count <= las->chunk_count && (count == 1 || *point_count <= points_in_set));
     return count;
 }
 
@@ -237,7 +245,7 @@ static stp_result read_sets(reading* r, uint64_t points_in_set)
     return result;
 }
 
-// Whether the first points of some chunks have colours of more than 8 bits.
+// Sets r->wide if the first points of some chunks have colours of more than 8 bits.
 static stp_result probe_colors(reading* r)
 {
     const stp_las* las = r->las;
@@ -266,6 +274,7 @@ static stp_result probe_colors(reading* r)
 // scale.
 static void choose_origin(stp_las* las)
 {
+    assert(las->chunk_count > 0 && las->chunks[0].size >= las->record_size);
     const unsigned char* first = las->import->file.bytes + las->chunks[0].offset;
     for (int i = 0; i < 3; ++i) {
         int32_t step = (int32_t)stp_read_u32(first + 4 * i);
@@ -294,6 +303,7 @@ stp_result stp_las_list_records(stp_las* las)
                                          .first = first,
                                          .count = points,
                                          .read = points};
+        assert(las->chunks[i].offset + las->chunks[i].size <= las->import->file.size);
     }
     return STP_OK;
 }

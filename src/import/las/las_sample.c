@@ -2,6 +2,7 @@
 // Selects a few points all over a LAS file for a first picture.
 #include "import/las/las.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -12,18 +13,21 @@ enum {
 // Uncompressed files: runs at even distances.
 static stp_result sample_records(stp_las* las, uint64_t maximum)
 {
+    assert(maximum > 0);
     uint64_t runs = (maximum + RUN - 1) / RUN, step = las->point_count / runs;
     stp_las_chunk* chunks = STP_NEW_ARRAY(las->context, stp_las_chunk, (size_t)runs);
     if (chunks == NULL) {
         return stp_fail_memory(las->context);
     }
+    assert(runs == 1 || step >= RUN);
     stp_free(las->context, las->chunks);
     las->chunks = chunks;
     las->chunk_count = (size_t)runs;
-    for (uint64_t i = 0; i < runs;
-         ++i) { // step is larger than a run: there are more points than `maximum`
+    // several runs do not overlap: there are at least four times as many points as `maximum`
+    for (uint64_t i = 0; i < runs; ++i) {
         uint64_t first = i * step;
         uint64_t left = las->point_count - first, count = left < RUN ? left : RUN;
+        assert(first < las->point_count && count > 0);
         chunks[i] = (stp_las_chunk){.offset = las->points + first * las->record_size,
                                     .size = count * las->record_size,
                                     .count = count,
@@ -37,6 +41,7 @@ static void sample_chunks(stp_las* las, uint64_t maximum)
 {
     uint64_t each = (maximum + las->chunk_count - 1) / las->chunk_count;
     each = each < RUN ? RUN : each;
+    assert(maximum > 0 && las->chunk_count > 0 && each > 0);
     uint64_t wanted = (maximum + each - 1) / each;
     size_t step = (size_t)(las->chunk_count / wanted);
     step = step > 0 ? step : 1;
@@ -60,11 +65,13 @@ static void compact_chunks(stp_las* las)
             las->chunks[kept++] = c;
         }
     }
+    assert(kept <= las->chunk_count && first <= las->point_count);
     las->chunk_count = kept;
 }
 
 stp_result stp_las_sample(stp_las* las, uint64_t maximum)
 {
+    assert(maximum > 0);
     stp_result result = STP_OK;
     if (las->point_count / MIN_SAVING < maximum || las->chunk_count == 0) {
         las->chunk_count = 0;

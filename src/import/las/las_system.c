@@ -3,6 +3,7 @@
 #include "base/io/bytes.h"
 #include "import/las/las.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -156,6 +157,7 @@ static bool may_be_degrees(const stp_las* las, const coordinate_system* s)
 
 static void scale_heights(stp_las* las, double factor)
 {
+    assert(factor > 0.0 && isfinite(factor));
     las->scale[2] *= factor;
     las->offset[2] *= factor;
     las->low[2] *= factor;

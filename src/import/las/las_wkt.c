@@ -4,6 +4,8 @@
 #include "import/las/las.h"
 #include "import/text/text.h"
 
+#include <assert.h>
+
 enum { MAX_DEPTH = 32 };
 
 typedef enum word_kind {
@@ -63,6 +65,7 @@ static bool is_letter(unsigned char c)
 // The end of a quoted text; a quote in it is doubled, which reads as two texts here.
 static stp_text skip_quoted(stp_text at, stp_text end)
 {
+    assert(at < end && *at == '"');
     for (at += 1; at < end && *at != '"'; ++at) {
     }
     return at < end ? at + 1 : end;
@@ -92,6 +95,7 @@ typedef struct scanner {
 
 static void open_word(scanner* s, word_kind kind, stp_text at, stp_text end)
 {
+    assert(s->depth >= 0 && s->depth < MAX_DEPTH);
     word_kind parent = s->depth > 0 ? s->stack[s->depth - 1] : COMPOUND;
     word_kind owner = parent == AXIS && s->depth > 1 ? s->stack[s->depth - 2] : parent;
     if (kind == UNIT && owner == HORIZONTAL) {

@@ -3,8 +3,11 @@
 
 #include "import/las/laz_items.h"
 
+#include <assert.h>
+
 static void make_models(stp_laz* laz, stp_laz_pool* pool)
 {
+    assert((laz->pointwise != NULL) != (laz->layered != NULL));
     if (laz->pointwise != NULL) {
         stp_laz_pointwise_make(pool, laz->pointwise);
     } else {
@@ -33,8 +36,11 @@ stp_laz* stp_laz_create(const stp_las* las)
         stp_laz_destroy(las, laz);
         return NULL;
     }
+    size_t size = pool.used;
     pool = (stp_laz_pool){.bytes = laz->numbers};
     make_models(laz, &pool);
+    assert(pool.used == size && "the models fill the memory that was counted");
+    (void)size;
     return laz;
 }
 
@@ -50,6 +56,7 @@ void stp_laz_destroy(const stp_las* las, stp_laz* laz)
 
 bool stp_laz_begin(stp_laz* laz, const stp_las_chunk* chunk)
 {
+    assert(chunk->offset + chunk->size <= laz->las->import->file.size);
     laz->chunk = *chunk;
     laz->given = 0;
     laz->epoch += 1;
@@ -60,6 +67,7 @@ bool stp_laz_next(stp_laz* laz, size_t count, stp_las_block* block)
 {
     const stp_las* las = laz->las;
     size_t first = 0;
+    assert(count > 0 && count <= STP_LAS_BLOCK && laz->given + count <= laz->chunk.count);
     if (laz->given == 0) {
         const unsigned char* raw = las->import->file.bytes + laz->chunk.offset;
         const unsigned char* bytes = raw + las->record_size;

@@ -34,8 +34,8 @@ typedef struct stp_laz_layered stp_laz_layered;
 
 struct stp_laz {
     const stp_las* las;
-    unsigned char* numbers; ///< of all models
-    uint32_t epoch;         ///< of the chunk
+    unsigned char* numbers; ///< memory of all models
+    uint32_t epoch;         ///< number of the current chunk; models of earlier ones are reset
     stp_las_chunk chunk;
     uint64_t given; ///< points of the chunk so far
     stp_laz_pointwise* pointwise;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "import/las/laz_coder.h"
 
+#include <assert.h>
+
 enum {
     SHARE_BITS = 15,
     BIT_SHARE_BITS = 13,
@@ -20,6 +22,7 @@ static unsigned table_bits(unsigned symbols)
 
 void stp_laz_model_make(stp_laz_pool* pool, stp_laz_model* model, unsigned symbols)
 {
+    assert(symbols >= 2 && symbols < 1u << SHARE_BITS);
     unsigned bits = table_bits(symbols);
     size_t size = (2 * symbols + 2 + ((size_t)1 << bits)) * sizeof(uint16_t);
     if (pool->bytes != NULL) {
@@ -43,6 +46,7 @@ void stp_laz_models_make(stp_laz_pool* pool, stp_laz_model* models, size_t count
 void stp_laz_integer_make(stp_laz_pool* pool, stp_laz_integer* integer, unsigned bits,
                           unsigned contexts)
 {
+    assert((bits == 16 || bits == 32) && contexts > 0 && contexts <= STP_LAZ_MAX_CONTEXTS);
     stp_laz_models_make(pool, integer->sizes, contexts, bits + 1);
     for (unsigned k = 1; k <= bits && k < STP_LAZ_MAX_BITS; ++k) {
         unsigned high = k < STP_LAZ_HIGH_BITS ? k : STP_LAZ_HIGH_BITS;
@@ -66,12 +70,14 @@ void stp_laz_model_update(stp_laz_model* m)
     unsigned round = (1u << m->shift) - 1;
     for (unsigned i = 0; i < symbols; ++i) {
         uint32_t share = scale * sum >> (31 - SHARE_BITS);
+        assert(share <= 1u << SHARE_BITS && (i == 0 || share >= m->shares[i - 1]));
         m->shares[i] = (uint16_t)share;
         sum += m->counts[i];
         for (unsigned first = (share + round) >> m->shift; slot < first; ++slot) {
             m->table[slot] = (uint16_t)(i - 1);
         }
     }
+    assert(sum == m->total && "the total is that of the counts");
     for (; slot < slots; ++slot) {
         m->table[slot] = (uint16_t)(symbols - 1);
     }
@@ -111,6 +117,7 @@ void stp_laz_bit_update(stp_laz_bit* m)
         m->zero_count = (m->zero_count + 1) >> 1;
         m->count += m->zero_count == m->count;
     }
+    assert(m->zero_count > 0 && m->zero_count < m->count && "both bits stay possible");
     uint32_t scale = ((uint32_t)1 << 31) / m->count;
     m->zero_share = m->zero_count * scale >> (31 - BIT_SHARE_BITS);
     uint32_t cycle = m->cycle * 5 / 4;
@@ -132,6 +139,7 @@ stp_laz_decoder stp_laz_decoder_begin(const unsigned char* bytes, size_t size, u
         d.value = d.value << 8 | *d.at++;
     }
     d.value -= d.value == UINT32_MAX; // never written: value is below length
+    assert(d.value < d.length);
     return d;
 }
 
@@ -139,6 +147,7 @@ stp_laz_decoder stp_laz_refill(stp_laz_decoder d)
 {
     size_t left = (size_t)(d.end - d.at);
     bool in_tail = d.end == d.tail + STP_LAZ_TAIL;
+    assert(d.at <= d.end && left <= STP_LAZ_MAX_ENSURED && "less than was asked for is left");
     if (!in_tail) {
         memcpy(d.tail, d.at, left);
         memset(d.tail + left, 0, STP_LAZ_TAIL - left);

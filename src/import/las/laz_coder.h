@@ -14,6 +14,7 @@
 // once for many symbols (stp_laz_ensure).
 #pragma once
 
+#include <assert.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -61,7 +62,7 @@ typedef struct stp_laz_integer {
     stp_laz_model sizes[STP_LAZ_MAX_CONTEXTS];
     stp_laz_model corrections[STP_LAZ_MAX_BITS]; ///< by k, from 1 on
     stp_laz_bit bit;                             ///< k = 0: 0 or 1
-    uint32_t k;                                  ///< of the difference decoded last
+    uint32_t k;                                  ///< size of the difference decoded last
 } stp_laz_integer;
 
 /// Allocates the numbers of models. If `bytes` is NULL, it only counts them: models are made twice.
@@ -83,7 +84,7 @@ void stp_laz_model_update(stp_laz_model* model);
 void stp_laz_bit_reset(stp_laz_bit* bit, uint32_t epoch);
 void stp_laz_bit_update(stp_laz_bit* bit);
 
-/// A decoder over [bytes, bytes + size); tail as above.
+/// A decoder over [bytes, bytes + size). `tail`: STP_LAZ_TAIL bytes that live as long as it.
 stp_laz_decoder stp_laz_decoder_begin(const unsigned char* bytes, size_t size, unsigned char* tail,
                                       uint32_t epoch);
 /// Copies the rest of the input to the tail and appends zeros. Fails beyond that.
@@ -95,9 +96,11 @@ static inline bool stp_laz_is_good(const stp_laz_decoder* d)
     return !d->failed && d->at <= d->last;
 }
 
-/// Ensures that `bytes` can be read without further checks (three per symbol), plus four more.
+/// Ensures that `bytes` can be read without further checks: three per symbol, and four for reading
+/// ahead, which the caller includes.
 STP_LAZ_INLINE void stp_laz_ensure(stp_laz_decoder* d, size_t bytes)
 {
+    assert(bytes >= 4 && bytes <= STP_LAZ_MAX_ENSURED);
     if ((size_t)(d->end - d->at) < bytes) {
         *d = stp_laz_refill(*d);
     }
@@ -105,6 +108,7 @@ STP_LAZ_INLINE void stp_laz_ensure(stp_laz_decoder* d, size_t bytes)
 
 STP_LAZ_INLINE void stp_laz_renormalise(stp_laz_decoder* d)
 {
+    assert(d->length > 0 && d->value < d->length);
     unsigned shift = (unsigned)__builtin_clz(d->length) & 24u;
     uint32_t next;
     memcpy(&next, d->at, 4);
@@ -127,6 +131,7 @@ STP_LAZ_INLINE uint32_t stp_laz_symbol(stp_laz_decoder* d, stp_laz_model* m)
     while (m->shares[symbol + 1] <= share) {
         symbol += 1;
     }
+    assert(symbol < m->symbols && m->shares[symbol] <= share);
     uint32_t low = m->shares[symbol] * unit, high = m->shares[symbol + 1] * unit;
     high = symbol + 1u == m->symbols ? d->length : high;
     d->value -= low;
@@ -161,6 +166,7 @@ STP_LAZ_INLINE uint32_t stp_laz_bit_symbol(stp_laz_decoder* d, stp_laz_bit* m)
 /// 1 to 19 equally likely bits.
 STP_LAZ_INLINE uint32_t stp_laz_few_bits(stp_laz_decoder* d, unsigned bits)
 {
+    assert(bits >= 1 && bits <= 19);
     d->length >>= bits;
     uint32_t value = d->value / d->length;
     d->value -= value * d->length;
@@ -180,6 +186,7 @@ STP_LAZ_INLINE uint32_t stp_laz_raw_bits(stp_laz_decoder* d, unsigned bits)
 /// The difference that was decoded, as a number to be added modulo 2^32 (or 2^16).
 STP_LAZ_INLINE uint32_t stp_laz_difference(stp_laz_decoder* d, stp_laz_integer* m, unsigned context)
 {
+    assert(context < STP_LAZ_MAX_CONTEXTS);
     uint32_t k = stp_laz_symbol(d, &m->sizes[context]);
     m->k = k;
     if (k == 0) {
@@ -225,4 +232,6 @@ STP_LAZ_INLINE void stp_laz_median_add(stp_laz_median* m, int32_t v)
     m->values[2] = stp_laz_larger(b, stp_laz_smaller(c, v));
     m->values[3] = stp_laz_larger(c, stp_laz_smaller(d, v));
     m->values[4] = stp_laz_larger(d, v);
+    assert(m->values[0] <= m->values[1] && m->values[1] <= m->values[2]);
+    assert(m->values[2] <= m->values[3] && m->values[3] <= m->values[4]);
 }

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// Shared by both kinds of LAZ chunks: GPS times, colours, and the choice of models by the returns
-// of a pulse.
+// Shared by both kinds of LAZ chunks: GPS times, colours, and the choice of models by the sizes of
+// differences.
 #pragma once
 
 #include "import/las/laz_coder.h"
+
+#include <assert.h>
 
 enum {
     STP_LAZ_TIME_FACTORS = 511, ///< symbols of factors of the last difference: 0 to 500, -1 to -10
@@ -27,6 +29,7 @@ typedef struct stp_laz_time {
 /// 0.
 static inline void stp_laz_time_make(stp_laz_pool* pool, stp_laz_time* t, unsigned unchanged)
 {
+    assert(unchanged <= 1);
     stp_laz_model_make(pool, &t->factor, STP_LAZ_TIME_FACTORS + 4 + unchanged);
     stp_laz_model_make(pool, &t->start, 5 + unchanged);
     stp_laz_integer_make(pool, &t->integer, 32, 9);
@@ -63,6 +66,7 @@ static inline void stp_laz_time_jump(stp_laz_decoder* d, stp_laz_time* t)
 static inline void stp_laz_time_multiply(stp_laz_decoder* d, stp_laz_time* t, int symbol)
 {
     int factor = symbol <= STP_LAZ_TIME_LARGEST ? symbol : STP_LAZ_TIME_LARGEST - symbol;
+    assert(factor >= STP_LAZ_TIME_SMALLEST && factor <= STP_LAZ_TIME_LARGEST);
     bool extreme = factor == 0 || factor == STP_LAZ_TIME_LARGEST || factor == STP_LAZ_TIME_SMALLEST;
     unsigned context = factor == 1                      ? 1
                        : factor == 0                    ? 7
@@ -90,6 +94,7 @@ static inline uint64_t stp_laz_time_next(stp_laz_decoder* d, stp_laz_time* t, un
 {
     for (int i = 0; i < STP_LAZ_TIME_ATTEMPTS; ++i) {
         uint32_t symbol, jump; // symbols from `jump` on change the sequence
+        assert(t->last < 4 && t->next < 4);
         if (t->differences[t->last] == 0) {
             symbol = stp_laz_symbol(d, &t->start);
             jump = 1 + unchanged;
@@ -133,6 +138,7 @@ static inline void stp_laz_rgb_make(stp_laz_pool* pool, stp_laz_rgb* rgb)
 // A changed byte, decoded as the difference from the clamped `near`.
 STP_LAZ_INLINE int stp_laz_byte(stp_laz_decoder* d, stp_laz_model* m, int near)
 {
+    assert(m->symbols == 256 && "a symbol per byte");
     int clamped = near < 0 ? 0 : near > 255 ? 255 : near;
     return ((int)stp_laz_symbol(d, m) + clamped) & 255;
 }

@@ -13,6 +13,8 @@
 #include "import/las/laz.h"
 #include "import/las/laz_items.h"
 
+#include <assert.h>
+
 enum {
     CHANNELS = 4,
     RETURN_CONTEXTS = 6,
@@ -46,7 +48,7 @@ enum { LAYERS = NIR + 1, POINT_LAYERS = TIME + 1 };
 typedef struct layer {
     stp_laz_decoder decoder;
     bool changes;     ///< otherwise all points have the first one's value
-    unsigned channel; ///< of the last point
+    unsigned channel; ///< channel of the last point
     unsigned met;     ///< bit c: channel c has last values
     unsigned char tail[STP_LAZ_TAIL];
 } layer;
@@ -73,7 +75,7 @@ struct stp_laz_layered {
     channel_models channels[CHANNELS];
     layer layers[LAYERS];
     bool fixed;                  ///< colours follow their own channel; see next_rgb
-    uint8_t said[STP_LAS_BLOCK]; ///< by the first layer
+    uint8_t said[STP_LAS_BLOCK]; ///< per point: channel and bits of the first layer
     uint8_t z_context[STP_LAS_BLOCK];
 };
 
@@ -138,6 +140,7 @@ static bool open_layers(stp_laz* laz, const unsigned char* bytes, size_t size)
     if (size < 4 + 4 * all || stp_read_u32(bytes) != laz->chunk.count) {
         return false;
     }
+    assert(known <= LAYERS && all >= known && (has_rgb || !has_nir));
     const unsigned char* sizes = bytes + 4;
     uint64_t at = 4 + 4 * (uint64_t)all;
     for (size_t i = 0; i < LAYERS; ++i) {
@@ -198,6 +201,7 @@ bool stp_laz_layered_begin(stp_laz* laz, const stp_las_block* block, const unsig
 // Switches to the channel of a point. @return whether it is new to the layer
 static inline bool enter(layer* at, unsigned channel)
 {
+    assert(channel < CHANNELS && (at->met >> at->channel & 1) != 0);
     bool first = (at->met >> channel & 1) == 0;
     at->met |= 1u << channel;
     at->channel = channel;
@@ -262,6 +266,7 @@ static void next_xy(stp_laz_layered* l, size_t first, size_t count, stp_las_bloc
         c = next_channel(&d, l, changed);
         next_returns(&d, c, changed);
         unsigned n = c->return_count, r = c->return_number, single = n == 1;
+        assert(n < 16 && r < 16 && at->channel < CHANNELS);
         c->new_time = changed >> 4 & 1;
         unsigned steps = return_contexts[n][r] * 2u + c->new_time;
         stp_laz_median *x_steps = &c->x_steps[steps], *y_steps = &c->y_steps[steps];
@@ -304,6 +309,7 @@ static void next_z(stp_laz_layered* l, size_t first, size_t count, stp_las_block
         unsigned n = block->return_count[i], r = block->return_number[i];
         unsigned level = n > r ? n - r : r - n;
         level = level < LEVELS ? level : LEVELS - 1;
+        assert(l->z_context[i] < 20 && "the models of z");
         uint32_t step = stp_laz_difference(&d, &c->z, l->z_context[i]);
         c->height = (int32_t)((uint32_t)c->heights[level] + step);
         c->heights[level] = c->height;
@@ -473,7 +479,7 @@ static void next_nir(stp_laz_layered* l, size_t first, size_t count, stp_las_blo
     at->decoder = d;
 }
 
-// An empty layer: every point has the value of the first, which every channel still holds.
+// An empty layer: every point has the value of the first, which that point's channel still holds.
 static void repeat(const stp_laz_layered* l, layer_kind kind, size_t first, size_t count,
                    stp_las_block* block)
 {
@@ -521,6 +527,7 @@ bool stp_laz_layered_next(stp_laz* laz, size_t first, size_t count, stp_las_bloc
         [ANGLE] = next_angle, [SOURCE] = next_source,
         [TIME] = next_time,   [RGB] = next_rgb,
         [NIR] = next_nir};
+    assert(first + count <= STP_LAS_BLOCK);
     stp_laz_layered* l = laz->layered;
     bool good = true;
     for (int i = 0; i < LAYERS && count > 0; ++i) {

@@ -4,6 +4,8 @@
 #include "import/las/laz.h"
 #include "import/las/laz_items.h"
 
+#include <assert.h>
+
 enum {
     POINT_BYTES = 384, // upper bound for the items of a point, without extra bytes
     BYTE_RUN = 64,     // extra bytes between two bounds checks
@@ -84,6 +86,7 @@ stp_laz_pointwise* stp_laz_pointwise_create(const stp_las* las)
     if (p == NULL) {
         return NULL;
     }
+    assert(las->record_size >= las->layout.size && las->format < 6);
     p->extra_count = las->record_size - las->layout.size;
     p->extra = STP_NEW_ZEROED(las->context, stp_laz_model, p->extra_count + 1);
     if (p->extra == NULL) {
@@ -154,6 +157,7 @@ STP_LAZ_INLINE void next_position(stp_laz_decoder* d, stp_laz_pointwise* p, last
 {
     unsigned n = last->bits >> 3 & 7, r = last->bits & 7;
     unsigned context = return_contexts[n][r], level = n > r ? n - r : r - n, single = n == 1;
+    assert(context < 16 && level < sizeof(last->heights) / sizeof(last->heights[0]));
     stp_laz_median *x_steps = &last->x_steps[context], *y_steps = &last->y_steps[context];
     uint32_t step = (uint32_t)x_steps->values[2] + stp_laz_difference(d, &p->x, single);
     last->position[0] = (int32_t)((uint32_t)last->position[0] + step);
@@ -171,6 +175,7 @@ STP_LAZ_INLINE void next_position(stp_laz_decoder* d, stp_laz_pointwise* p, last
 static void skip_wave(stp_laz_decoder* d, wave_models* w)
 {
     (void)stp_laz_symbol(d, &w->packet);
+    assert(w->kind < 4);
     w->kind = stp_laz_symbol(d, &w->kinds[w->kind]);
     if (w->kind == 2) {
         (void)stp_laz_difference(d, &w->offset, 0);
@@ -211,6 +216,7 @@ static void skip_rest(stp_laz_pointwise* p, bool wave)
 bool stp_laz_pointwise_next(stp_laz* laz, size_t first, size_t count, stp_las_block* block)
 {
     stp_laz_pointwise* p = laz->pointwise;
+    assert(first + count <= STP_LAS_BLOCK);
     stp_laz_decoder d = p->decoder;
     last_point* last = &p->last;
     bool has_time = laz->las->layout.time != STP_LAS_NO_FIELD;

@@ -4,6 +4,7 @@
 #include "base/io/bytes.h"
 #include "import/las/laz.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -61,6 +62,7 @@ static size_t expect_items(const stp_las* las, item items[MAX_ITEMS])
     if (extra > 0) {
         items[count++] = (item){layered ? BYTES_NEW : BYTES, extra, version};
     }
+    assert(count <= MAX_ITEMS);
     return count;
 }
 
@@ -159,6 +161,7 @@ static stp_result read_entries(stp_las* las, table_reader* t, uint32_t chunk_siz
     uint32_t count = 0, size = 0;
     for (size_t i = 0; i < las->chunk_count; ++i) {
         uint64_t left = las->point_count - given;
+        assert(given <= las->point_count && at <= end);
         stp_laz_ensure(&t->decoder, 64);
         if (chunk_size == VARIABLE) {
             count += stp_laz_difference(&t->decoder, &t->integer, 0);
@@ -198,8 +201,11 @@ static stp_result decode_table(stp_las* las, table_reader* t, uint32_t chunk_siz
     if (t->numbers == NULL || las->chunks == NULL) {
         return stp_fail_memory(las->context);
     }
+    size_t size = pool.used;
     pool = (stp_laz_pool){.bytes = t->numbers};
     stp_laz_integer_make(&pool, &t->integer, 32, 2);
+    assert(pool.used == size && "the models fill the memory that was counted");
+    (void)size;
     const stp_mapped_file* file = &las->import->file;
     t->decoder = stp_laz_decoder_begin(file->bytes + table + 8, (size_t)(file->size - table - 8),
                                        t->tail, 1);
@@ -211,6 +217,7 @@ static stp_result decode_table(stp_las* las, table_reader* t, uint32_t chunk_siz
 static stp_result find_table(const stp_las* las, uint64_t* table)
 {
     const stp_mapped_file* file = &las->import->file;
+    assert(las->points <= file->size && "the header was checked");
     if (file->size - las->points < 8) {
         return fail_table(las, "is missing");
     }
@@ -227,6 +234,7 @@ static stp_result find_table(const stp_las* las, uint64_t* table)
 // Files of the first versions and small ones have one chunk and no table.
 static stp_result make_single_chunk(stp_las* las)
 {
+    assert(las->points <= las->import->file.size && "the header was checked");
     uint64_t size = las->import->file.size - las->points;
     las->chunks = STP_NEW_ARRAY(las->context, stp_las_chunk, 1);
     if (las->chunks == NULL) {

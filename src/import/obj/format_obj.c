@@ -6,6 +6,7 @@
 #include "import/obj/obj.h"
 #include "import/reading/surface.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define CHUNK_SIZE ((size_t)1 << 20)
@@ -55,6 +56,7 @@ static stp_result read_libraries(stp_obj* obj)
                 continue;
             }
             char names[4097];
+            assert(events[k].length < sizeof(names) && "longer names were cut");
             memcpy(names, events[k].text, events[k].length);
             names[events[k].length] = '\0';
             join_escaped(names);
@@ -119,6 +121,7 @@ static void destroy(stp_obj* obj)
 
 stp_result stp_obj_read(stp_import* import, size_t chunk_size)
 {
+    assert(chunk_size > 0);
     stp_context* context = import->context;
     stp_obj obj = {.import = import,
                    .context = context,

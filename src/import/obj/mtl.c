@@ -6,6 +6,7 @@
 #include "import/obj/obj.h"
 #include "import/reading/surface.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -55,6 +56,7 @@ static void read_color(stp_text at, float out[3])
 // Options begin with '-' and have a known number of words; the file name is the rest of the line.
 static stp_text skip_option(stp_text at, stp_text word, map_options* options)
 {
+    assert(*at == '-' && at < word);
     static const struct {
         const char* name;
         int words;
@@ -91,6 +93,7 @@ static stp_text skip_option(stp_text at, stp_text word, map_options* options)
 static stp_result copy_rest(mtl* m, stp_text at, const char** text)
 {
     at = stp_skip_blanks(at);
+    assert(at < m->end && m->end[-1] == '\n');
     stp_text end = memchr(at, '\n', (size_t)(m->end - at));
     while (end > at && stp_is_blank(end[-1])) {
         --end;
@@ -130,8 +133,8 @@ static stp_result read_texture(mtl* m, stp_text at, stp_texture_use* use)
     return result;
 }
 
-// map_d: the alpha of the same picture, or the brightness of another one of the same size, becomes
-// the alpha of the base colour's picture.
+// map_d: the alpha of its picture, or the red channel if that picture is opaque, becomes the alpha
+// of the base colour's picture, which must have the same size.
 static stp_result apply_alpha_map(mtl* m)
 {
     stp_scene* scene = m->import->scene;
@@ -139,6 +142,7 @@ static stp_result apply_alpha_map(mtl* m)
     if (m->alpha_map == NULL || color == STP_NONE) {
         return STP_OK;
     }
+    assert(color < scene->texture_count);
     stp_wrap wrap = scene->textures[color].wrap_u;
     stp_result result = stp_pictures_read(&m->pictures, m->name, m->alpha_map, wrap, &alpha);
     if (result != STP_OK || alpha == STP_NONE) {

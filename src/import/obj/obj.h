@@ -19,7 +19,7 @@
 #define STP_OBJ_INDEX_LIMIT INT64_C(0x3fffffff)    ///< most elements of a kind
 
 #define STP_OBJ_SMALL_MESH ((size_t)1 << 16) ///< corners; smaller meshes are built side by side
-#define STP_OBJ_NO_COLOR (-1.0f) ///< of a position without a colour among others that have one
+#define STP_OBJ_NO_COLOR (-1.0f) ///< marks a position without a colour among others that have one
 
 typedef struct stp_obj_corner {
     uint32_t position, texcoord, normal; ///< from 0; STP_OBJ_ABSENT: none
@@ -111,7 +111,7 @@ typedef struct stp_obj {
     stp_lookup group_names, mesh_keys, material_names, libraries;
 } stp_obj;
 
-/// One component of `obj->colors`, 0..1; white if the file has none.
+/// One component of `obj->colors`, 0..1; white if the position has no colour.
 static inline float stp_obj_color(const stp_obj* obj, size_t index)
 {
     float value = obj->colors[index];
@@ -127,7 +127,8 @@ static inline bool stp_obj_is_continued(stp_text line, stp_text end)
     return end > line && end[-1] == '\\';
 }
 
-/// Space for `count` more items; NULL if memory runs out. The caller adds to `count`.
+/// Space for `count` more items; NULL if memory runs out. The caller adds to
+/// `array->count`.
 void* stp_obj_grow(stp_context* context, stp_obj_array* array, size_t count, size_t size);
 
 /// Creates `scratch` if the file is large compared to the memory limit of the scene.

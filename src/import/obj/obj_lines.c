@@ -2,6 +2,7 @@
 // Parses the lines of a chunk of OBJ text to arrays.
 #include "import/obj/obj.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -68,6 +69,7 @@ static bool add_color(parser* p, const double* rgb)
 {
     stp_obj_chunk* chunk = p->chunk;
     size_t before = chunk->positions.count - 1;
+    assert(chunk->positions.count > chunk->colors.count && "the position was added before");
     size_t missing = before - chunk->colors.count;
     float* colors = grow(p, &chunk->colors, missing + 1, 3 * sizeof(float));
     if (colors == NULL) {
@@ -116,6 +118,7 @@ static stp_text read_position(parser* p, stp_text line, stp_text at)
 // them.
 static stp_text read_attribute(parser* p, stp_text at, stp_obj_array* array, int size)
 {
+    assert(size == 2 || size == 3);
     double n[3] = {0};
     int count;
     at = read_numbers(p, at, n, size, &count);
@@ -144,7 +147,9 @@ static bool encode_index(int64_t index, size_t count, uint32_t* out)
     }
     int64_t relative = (int64_t)count + index;
     *out = (uint32_t)(STP_OBJ_RELATIVE_ZERO + relative);
-    return index < 0 && index >= -STP_OBJ_INDEX_LIMIT && relative < STP_OBJ_INDEX_LIMIT;
+    bool good = index < 0 && index >= -STP_OBJ_INDEX_LIMIT && relative < STP_OBJ_INDEX_LIMIT;
+    assert(!good || ((*out & STP_OBJ_RELATIVE) != 0 && *out != STP_OBJ_ABSENT));
+    return good;
 }
 
 static inline stp_text read_index(stp_text at, size_t count, uint32_t* out, bool* good)
@@ -332,6 +337,7 @@ static stp_text skip_line(parser* p, stp_text line, stp_text at)
     stp_text end = p->chunk->end;
     bool comment = *stp_skip_blanks(line) == '#';
     for (;;) {
+        assert(at < end);
         stp_text stop = *at == '\n' ? at : memchr(at, '\n', (size_t)(end - at));
         if (comment || stop + 1 >= end || !stp_obj_is_continued(at, stop)) {
             return stop + 1;
@@ -343,6 +349,7 @@ static stp_text skip_line(parser* p, stp_text line, stp_text at)
 void stp_obj_parse_chunk(stp_context* context, stp_obj_chunk* chunk, const double origin[3])
 {
     parser p = {.context = context, .chunk = chunk, .origin = origin};
+    assert(chunk->begin < chunk->end && chunk->end[-1] == '\n');
     stp_text at = chunk->begin;
     while (at < chunk->end) {
         stp_text line = at;

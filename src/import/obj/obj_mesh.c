@@ -9,6 +9,7 @@
 #include "import/reading/surface.h"
 #include "import/reading/triangulate.h"
 
+#include <assert.h>
 #include <stdatomic.h>
 #include <string.h>
 
@@ -21,12 +22,12 @@ typedef struct builder {
     const uint32_t* polygon_ends;
     size_t corner_count, polygon_count;
     uint32_t first_position;
-    uint32_t* ranks;     ///< of each corner's position among those used; NULL: positions are dense
-    size_t bucket_count; ///< positions used, or from the first to the last one used
+    uint32_t* ranks;           ///< per corner: rank of its position among those used; NULL: dense
+    size_t bucket_count;       ///< positions used, or from the first to the last one used
     _Atomic uint32_t* buckets; ///< where each position's corners end in `sorted`
     uint32_t* sorted;          ///< corners, gathered by position
-    uint32_t* first_vertex;    ///< of each bucket
-    uint32_t* vertices;        ///< of each corner; first counted within its bucket
+    uint32_t* first_vertex;    ///< per bucket; until the sum, its number of vertices
+    uint32_t* vertices;        ///< per corner; at first counted within its bucket
     bool has_texcoords, has_normals;
     bool large; ///< built alone
     atomic_bool out_of_memory;
@@ -35,6 +36,7 @@ typedef struct builder {
 
 static void find_range(builder* b)
 {
+    assert(b->corner_count > 0 && b->corner_count <= UINT32_MAX);
     uint32_t low = UINT32_MAX, high = 0;
     for (size_t i = 0; i < b->corner_count; ++i) {
         const stp_obj_corner* corner = &b->corners[i];
@@ -43,6 +45,7 @@ static void find_range(builder* b)
         b->has_texcoords |= corner->texcoord != STP_OBJ_ABSENT;
         b->has_normals |= corner->normal != STP_OBJ_ABSENT;
     }
+    assert(low <= high && high < b->obj->position_count && "indices were checked");
     b->first_position = low;
     b->bucket_count = (size_t)(high - low) + 1;
 }
@@ -80,6 +83,7 @@ static bool rank_positions(builder* b)
             rank += i > 0 && sorted[i] >> 32 != sorted[i - 1] >> 32;
             b->ranks[(uint32_t)sorted[i]] = rank;
         }
+        assert(rank < count);
         b->bucket_count = (size_t)rank + 1;
     }
     free_table(b, items);
@@ -108,6 +112,7 @@ static void scatter_corners(size_t begin, size_t end, uint32_t worker, void* use
     builder* b = user;
     for (size_t i = begin; i < end; ++i) {
         uint32_t slot = atomic_fetch_add_explicit(bucket_of(b, i), 1, memory_order_relaxed);
+        assert(slot < b->corner_count);
         b->sorted[slot] = (uint32_t)i;
     }
 }
@@ -157,6 +162,18 @@ static void sort_bucket(const builder* b, uint32_t* corners, size_t count)
     }
 }
 
+#ifndef NDEBUG
+static bool is_sorted(const builder* b, const uint32_t* corners, size_t count)
+{
+    for (size_t i = 1; i < count; ++i) {
+        if (attributes(b, corners[i - 1]) > attributes(b, corners[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+#endif
+
 static size_t bucket_begin(const builder* b, size_t bucket)
 {
     return bucket > 0 ? atomic_load_explicit(&b->buckets[bucket - 1], memory_order_relaxed) : 0;
@@ -173,7 +190,9 @@ static void number_variants(size_t begin, size_t end, uint32_t worker, void* use
     builder* b = user;
     for (size_t bucket = begin; bucket < end; ++bucket) {
         size_t first = bucket_begin(b, bucket), last = bucket_end(b, bucket);
+        assert(first <= last && last <= b->corner_count);
         sort_bucket(b, b->sorted + first, last - first);
+        assert(is_sorted(b, b->sorted + first, last - first));
         uint32_t variants = 0;
         for (size_t i = first; i < last; ++i) {
             bool same = i > first && attributes(b, b->sorted[i]) == attributes(b, b->sorted[i - 1]);
@@ -188,6 +207,9 @@ static void write_vertex(const builder* b, uint32_t vertex, const stp_obj_corner
 {
     const stp_obj* obj = b->obj;
     size_t v = vertex, p = corner->position;
+    assert(vertex < b->mesh.vertex_count && p < obj->position_count);
+    assert(corner->texcoord == STP_OBJ_ABSENT || corner->texcoord < obj->texcoord_count);
+    assert(corner->normal == STP_OBJ_ABSENT || corner->normal < obj->normal_count);
     memcpy(b->mesh.positions + 3 * v, obj->positions + 3 * p, 3 * sizeof(float));
     if (b->mesh.texcoords[0] != NULL) {
         // OBJ's v starts at the bottom of the picture
@@ -238,6 +260,8 @@ static void write_triangles(size_t begin, size_t end, uint32_t worker, void* use
     for (size_t polygon = begin; polygon < end; ++polygon) {
         size_t first = polygon > 0 ? b->polygon_ends[polygon - 1] : 0;
         uint32_t count = (uint32_t)(b->polygon_ends[polygon] - first);
+        assert(first <= b->polygon_ends[polygon] && count >= 3);
+        assert(first - 2 * polygon + count - 2 <= b->mesh.triangle_count);
         // every polygon before had two triangles fewer than corners
         uint32_t* triangles = b->mesh.indices + 3 * (first - 2 * polygon);
         if (!stp_triangulate(b->context, b->mesh.positions, b->vertices + first, count,
@@ -256,6 +280,7 @@ static size_t sum_buckets(builder* b)
         atomic_store_explicit(&b->buckets[i], sum, memory_order_relaxed);
         sum += count;
     }
+    assert(sum == b->corner_count);
     return sum;
 }
 
@@ -267,6 +292,7 @@ static size_t sum_vertices(builder* b)
         b->first_vertex[i] = sum;
         sum += count;
     }
+    assert(sum > 0 && sum <= b->corner_count);
     return sum;
 }
 
@@ -325,6 +351,9 @@ void stp_obj_free_mesh(stp_context* context, const stp_mesh* mesh)
 
 stp_result stp_obj_build_mesh(stp_obj* obj, const stp_obj_mesh* in, stp_mesh* out)
 {
+    assert(in->first_corner + in->corner_count <= obj->corner_count);
+    assert(in->polygon_count > 0 && in->first_polygon + in->polygon_count <= obj->polygon_count);
+    assert(obj->polygons[in->first_polygon + in->polygon_count - 1] == in->corner_count);
     builder b = {.obj = obj,
                  .context = obj->context,
                  .corners = obj->corners + in->first_corner,

@@ -2,13 +2,15 @@
 // Cuts OBJ text into chunks of whole lines and parses them on all threads.
 #include "import/obj/obj.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
-#define CHUNKS_PER_THREAD 4 // that are in memory until they are moved to the scratch file
+#define CHUNKS_PER_THREAD 4 ///< chunks in memory until they are moved to the scratch file
 
 void* stp_obj_grow(stp_context* context, stp_obj_array* array, size_t count, size_t size)
 {
+    assert(array->count <= array->capacity && size > 0);
     if (array->items == NULL || array->capacity - array->count < count) {
         void* items =
             stp_grow_array(context, array->items, &array->capacity, array->count + count, size);
@@ -52,6 +54,7 @@ static stp_result parse_into_scratch(stp_obj* obj)
 // The end of a chunk of at least `size` bytes: after a line end without a preceding backslash.
 static stp_text chunk_end(stp_text begin, size_t size, stp_text end)
 {
+    assert(begin < end && size > 0);
     if ((size_t)(end - begin) <= size) {
         return end;
     }
@@ -82,6 +85,7 @@ static stp_result cut_chunks(stp_obj* obj, size_t chunk_size)
         }
         whole = start;
     }
+    assert(whole <= size && (whole == 0 || bytes[whole - 1] == '\n'));
     size_t limit = whole / chunk_size + 2;
     obj->chunks = STP_NEW_ZEROED(obj->context, stp_obj_chunk, limit);
     if (obj->chunks == NULL) {
@@ -103,6 +107,7 @@ static stp_result cut_chunks(stp_obj* obj, size_t chunk_size)
         obj->chunks[obj->chunk_count++] =
             (stp_obj_chunk){.begin = obj->tail, .end = obj->tail + length + 1};
     }
+    assert(obj->chunk_count <= limit && "all but the last hold chunk_size bytes");
     return STP_OK;
 }
 
@@ -140,6 +145,7 @@ static stp_result report(const stp_obj* obj)
             return stp_fail_memory(obj->context);
         }
         if (chunk->error != NULL) {
+            assert(chunk->error_at >= chunk->begin && chunk->error_at < chunk->end);
             for (size_t k = 0; k < i; ++k) {
                 const stp_obj_chunk* before = &obj->chunks[k];
                 lines += stp_line_number(before->begin, (size_t)(before->end - before->begin)) - 1;
@@ -154,6 +160,7 @@ static stp_result report(const stp_obj* obj)
 
 stp_result stp_obj_parse(stp_obj* obj, size_t chunk_size)
 {
+    assert(chunk_size > 0 && obj->chunk_count == 0);
     stp_result result = cut_chunks(obj, chunk_size);
     if (result != STP_OK) {
         return result;

@@ -3,14 +3,15 @@
 #include "import/obj/obj.h"
 #include "import/reading/surface.h"
 
+#include <assert.h>
 #include <stdatomic.h>
 #include <string.h>
 
 typedef struct build {
     stp_obj* obj;
     stp_mesh* built; ///< one for each of obj->meshes
-    uint32_t* first; ///< of each group's meshes; STP_NONE: none
-    uint32_t* next;  ///< of the same group; STP_NONE: none
+    uint32_t* first; ///< per group: its first mesh; STP_NONE: none
+    uint32_t* next;  ///< per mesh: the next one of its group; STP_NONE: none
     bool* needed;    ///< whether a group has meshes, or one below it has
     atomic_bool out_of_memory;
 } build;
@@ -101,10 +102,12 @@ static void link_groups(build* all)
     const stp_obj_group* groups = obj->groups.items;
     memset(all->first, 0xff, obj->groups.count * sizeof(uint32_t));
     for (size_t i = obj->meshes.count; i-- > 0;) {
+        assert(meshes[i].group < obj->groups.count);
         all->next[i] = all->first[meshes[i].group];
         all->first[meshes[i].group] = (uint32_t)i;
     }
     for (size_t i = obj->groups.count; i-- > 0;) { // those below come later in the list
+        assert(groups[i].parent == STP_NONE || groups[i].parent < i);
         all->needed[i] = all->needed[i] || all->first[i] != STP_NONE;
         if (all->needed[i] && groups[i].parent != STP_NONE) {
             all->needed[groups[i].parent] = true;
@@ -147,6 +150,7 @@ static stp_result add_points(stp_obj* obj)
     }
     for (size_t i = 0; i < count; ++i) {
         size_t p = all ? i : obj->points[i];
+        assert(p < obj->position_count && "indices were checked");
         memcpy(set.positions + 3 * i, obj->positions + 3 * p, 3 * sizeof(float));
         if (normals) {
             const float* in = obj->normals + 3 * p;
@@ -167,6 +171,7 @@ stp_result stp_obj_build(stp_obj* obj)
     if (obj->meshes.count == 0 && obj->position_count == 0) {
         return stp_fail(obj->context, STP_ERROR_FORMAT, "%s: has no positions", obj->import->path);
     }
+    assert(obj->meshes.count == 0 || obj->groups.count > 0);
     stp_affine* placed = &obj->import->scene->objects[obj->import->root].transform;
     stp_affine shift = stp_affine_identity();
     for (int i = 0; i < 3; ++i) {

@@ -3,6 +3,7 @@
 // that is large compared to the memory limit, the data goes to a temporary file.
 #include "import/obj/obj.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define SHARE 2 ///< reciprocal share of the scene's memory: larger files use a scratch file
@@ -38,6 +39,7 @@ stp_result stp_obj_open_scratch(stp_obj* obj)
 
 stp_result stp_obj_move_chunk(stp_obj* obj, stp_obj_chunk* chunk)
 {
+    assert(!chunk->in_scratch);
     sized_array arrays[CHUNK_ARRAYS];
     list_arrays(chunk, arrays);
     size_t size = 0;
@@ -48,6 +50,7 @@ stp_result stp_obj_move_chunk(stp_obj* obj, stp_obj_chunk* chunk)
     if (at == NULL) {
         return stp_obj_no_room(obj);
     }
+    const unsigned char* end = at + size;
     for (int i = 0; i < CHUNK_ARRAYS; ++i) {
         stp_obj_array* array = arrays[i].array;
         if (array->count != 0) {
@@ -58,6 +61,8 @@ stp_result stp_obj_move_chunk(stp_obj* obj, stp_obj_chunk* chunk)
         array->capacity = array->count;
         at += padded_size(&arrays[i]);
     }
+    assert(at == end && "the arrays fill it");
+    (void)end;
     chunk->in_scratch = true;
     return STP_OK;
 }
@@ -76,6 +81,7 @@ void stp_obj_free_chunk(const stp_obj* obj, stp_obj_chunk* chunk)
 
 void* stp_obj_alloc(stp_obj* obj, size_t count, size_t size)
 {
+    assert(size > 0);
     if (obj->scratch == NULL || count > SIZE_MAX / size) {
         return stp_alloc_array(obj->context, count, size);
     }

@@ -4,6 +4,7 @@
 #include "import/obj/obj.h"
 #include "import/reading/surface.h"
 
+#include <assert.h>
 #include <stdatomic.h>
 #include <string.h>
 
@@ -30,6 +31,7 @@ static void copy_chunk(stitch* s, size_t index)
     stp_obj* obj = s->obj;
     stp_obj_chunk* chunk = &obj->chunks[index];
     const chunk_base* base = &s->bases[index];
+    assert(chunk->colors.count == 0 || chunk->colors.count == chunk->positions.count);
     copy_items(obj->positions, base->position, &chunk->positions, 3 * sizeof(float));
     copy_items(obj->texcoords, base->texcoord, &chunk->texcoords, 2 * sizeof(float));
     copy_items(obj->normals, base->normal, &chunk->normals, 3 * sizeof(float));
@@ -72,6 +74,7 @@ static stp_result join_elements(stitch* s)
         obj->has_colors |= chunk->colors.count != 0;
         color_max = chunk->color_max > color_max ? chunk->color_max : color_max;
     }
+    assert(sum.polygon == obj->polygon_count && "runs hold all polygons");
     s->bases[obj->chunk_count] = sum;
     obj->position_count = sum.position;
     obj->texcoord_count = sum.texcoord;
@@ -153,6 +156,7 @@ typedef struct cursor {
 static stp_result add_run(stp_obj* obj, const cursor* at, uint32_t chunk_index, size_t begin,
                           size_t end)
 {
+    assert(begin <= end && end <= obj->chunks[chunk_index].polygons.count);
     if (begin == end) {
         return STP_OK;
     }
@@ -161,6 +165,7 @@ static stp_result add_run(stp_obj* obj, const cursor* at, uint32_t chunk_index, 
     stp_obj_run run = {.chunk = chunk_index, .polygon = begin, .polygon_count = end - begin};
     run.corner = begin > 0 ? ends[begin - 1] : 0;
     run.corner_count = ends[end - 1] - run.corner;
+    assert(run.corner_count >= 3 * run.polygon_count && "smaller faces were left out");
     uint32_t material = at->material, group = at->group != STP_NONE ? at->group : at->object;
     stp_result result = STP_OK;
     if (material == STP_NONE) {
@@ -256,12 +261,13 @@ static stp_result place_runs(stp_obj* obj)
         mesh->corner_count += runs[i].corner_count;
         mesh->polygon_count += runs[i].polygon_count;
     }
+    assert(obj->corner_count >= 3 * obj->polygon_count);
     obj->corners = stp_obj_alloc(obj, obj->corner_count, sizeof(stp_obj_corner));
     obj->polygons = stp_obj_alloc(obj, obj->polygon_count, sizeof(uint32_t));
     return obj->corners != NULL && obj->polygons != NULL ? STP_OK : stp_obj_no_room(obj);
 }
 
-// The absolute index, or STP_OBJ_ABSENT with *good false.
+// The absolute index. STP_OBJ_ABSENT if `index` is; also, with *good false, if it does not exist.
 static uint32_t resolve(uint32_t index, size_t base, size_t count, bool* good)
 {
     if (index == STP_OBJ_ABSENT) {
@@ -302,6 +308,7 @@ static void resolve_run(stitch* s, const stp_obj_run* run)
             stp_atomic_min(&s->bad_polygon, base->polygon + run->polygon + polygon);
         }
         obj->polygons[run->target_polygon + polygon] = (uint32_t)(ends[polygon] + shift);
+        assert(corner == ends[polygon] - run->corner && corner <= run->corner_count);
     }
 }
 
@@ -351,6 +358,7 @@ static stp_result join_points(stitch* s)
                 resolve(points[k], s->bases[i].position, obj->position_count, &good);
         }
     }
+    assert(target == obj->point_count);
     return good ? STP_OK
                 : stp_fail(
                       obj->context, STP_ERROR_FORMAT,

@@ -12,6 +12,7 @@
 #include "import/text/text_blocks.h"
 #include "import/text/text_scan.h"
 
+#include <assert.h>
 #include <lzf.h>
 #include <math.h>
 #include <stdatomic.h>
@@ -36,7 +37,7 @@ typedef struct reader {
     stp_import* import;
     stp_pcd pcd;
     const stp_pcd_field* slots[SLOTS]; ///< NULL: the file has none
-    const unsigned char* base[SLOTS];  ///< binary: of the first point
+    const unsigned char* base[SLOTS];  ///< binary: the field in the first point
     size_t stride[SLOTS];
     stp_cloud cloud;
     stp_intensity_range intensity;
@@ -75,6 +76,7 @@ static void find_slots(reader* r)
 
 static double read_value(const unsigned char* at, const stp_pcd_field* f)
 {
+    assert(f->type == 'F' ? f->size == 4 || f->size == 8 : f->size <= 8);
     if (f->type == 'F') {
         return f->size == 4 ? (double)stp_read_f32(at) : stp_read_f64(at);
     }
@@ -142,6 +144,7 @@ static void store_columns(const reader* r, size_t first, size_t count, double v[
                           seen* own)
 {
     const stp_point_set* set = &r->cloud.set;
+    assert(count <= ROWS && first + count <= set->point_count);
     for (size_t i = 0; i < count && set->normals != NULL; ++i) {
         stp_vec3 n = stp_normalize((stp_vec3){(float)v[NX][i], (float)v[NY][i], (float)v[NZ][i]});
         memcpy(set->normals + 3 * (first + i), &n, sizeof(n));
@@ -172,6 +175,7 @@ static void read_rows(size_t begin, size_t end, uint32_t worker, void* user)
 {
     reader* r = user;
     seen own = r->workers[worker];
+    assert(begin % GRAIN == 0 && end <= r->pcd.point_count);
     if (begin / GRAIN % RELEASE_EVERY == RELEASE_EVERY - 1) {
         stp_point_columns_release(r->import, &r->cloud.set);
     }
@@ -264,7 +268,7 @@ static void read_blocks(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Reads all points once. @return the range of their intensities
+// Reads all points once. @return the range of their intensities, and the number of empty cells
 static seen read_once(reader* r)
 {
     stp_context* context = r->import->context;
@@ -345,6 +349,7 @@ static stp_result fill_cloud(reader* r)
     }
     r->intensity = guess_intensity(r);
     seen all = read_once(r);
+    assert(all.empty <= r->pcd.point_count);
     stp_intensity_range right = stp_intensity_find_range(all.low, all.high);
     if (right.low != r->intensity.low || right.high != r->intensity.high) {
         r->intensity = right;
@@ -379,6 +384,7 @@ static stp_result read_text(reader* r)
     if (result != STP_OK) {
         return result;
     }
+    assert(r->blocks.line_count >= r->pcd.body_line && "the header's lines count, too");
     uint64_t held = r->blocks.line_count - r->pcd.body_line;
     return held < r->pcd.point_count ? fail_short(r, held) : fill_cloud(r);
 }
@@ -392,6 +398,7 @@ static stp_result read_binary(reader* r)
     }
     for (int i = 0; i < SLOTS; ++i) {
         if (r->slots[i] != NULL) {
+            assert(r->slots[i]->offset + r->slots[i]->size <= r->pcd.row_size);
             r->base[i] = file->bytes + r->pcd.body + r->slots[i]->offset;
             r->stride[i] = r->pcd.row_size;
         }
@@ -433,6 +440,7 @@ static stp_result read_compressed(reader* r)
     }
     for (int i = 0; i < SLOTS; ++i) {
         if (r->slots[i] != NULL) {
+            assert(count * (r->slots[i]->offset + r->slots[i]->size) <= size);
             r->base[i] = bytes + (size_t)count * r->slots[i]->offset;
             r->stride[i] = r->slots[i]->size;
         }

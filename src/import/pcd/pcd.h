@@ -32,8 +32,8 @@ typedef struct stp_pcd {
     uint64_t body_line; ///< its line, from 0
 } stp_pcd;
 
-/// Reads everything up to the line DATA. @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_TRUNCATED,
-/// STP_ERROR_UNSUPPORTED (logged)
+/// Reads everything up to the line DATA. @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_TRUNCATED
+/// (logged)
 STP_MUST_USE stp_result stp_pcd_read_header(stp_import* import, stp_pcd* pcd);
 
 /// Describes the points from the header. Padding fields are skipped; those whose slot is `unused`

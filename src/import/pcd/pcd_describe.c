@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "import/pcd/pcd.h"
 
+#include <assert.h>
 #include <stdio.h>
 
 void stp_pcd_describe(const stp_import* import, const stp_pcd* pcd, const uint8_t* slots,
@@ -9,6 +10,7 @@ void stp_pcd_describe(const stp_import* import, const stp_pcd* pcd, const uint8_
     static const char* const types[3][4] = {
         {"u8", "u16", "u32", "u64"}, {"i8", "i16", "i32", "i64"}, {"f8", "f16", "f32", "f64"}};
     static const char* const encodings[] = {"ascii", "binary", "binary_compressed"};
+    assert(pcd->field_count > 0 && pcd->field_count <= STP_PCD_FIELDS);
     *info = (stp_scan_info){.format = "pcd",
                             .point_count = pcd->point_count,
                             .scan_count = 1,
@@ -24,6 +26,8 @@ void stp_pcd_describe(const stp_import* import, const stp_pcd* pcd, const uint8_
         const stp_pcd_field* f = &pcd->fields[i];
         int kind = f->type == 'U' ? 0 : f->type == 'I' ? 1 : 2;
         int size = f->size == 1 ? 0 : f->size == 2 ? 1 : f->size == 4 ? 2 : 3;
+        assert((kind < 2 || size >= 2) && "floats have four bytes or eight");
+        assert(f->offset + f->size * f->count <= pcd->row_size);
         stp_scan_field* added = f->name[0] == '_'
                                     ? NULL
                                     : stp_scan_add_field(info, f->name, sizeof(f->name),

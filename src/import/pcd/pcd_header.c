@@ -2,10 +2,11 @@
 #include "import/pcd/pcd.h"
 #include "import/text/text.h"
 
+#include <assert.h>
 #include <string.h>
 
-#define LINES_MAX 64                   ///< of a header, comments included
-#define COUNT_LIMIT (INT64_C(1) << 48) ///< of points: more than any file can hold
+#define LINES_MAX 64                   ///< maximum lines of a header, comments included
+#define COUNT_LIMIT (INT64_C(1) << 48) ///< more points than any file can hold
 
 typedef struct header {
     stp_import* import;
@@ -24,6 +25,7 @@ static stp_result fail_line(const header* h, const char* what)
 // Reads one word of the four lines that describe fields. @return NULL, or the error
 static const char* take_word(header* h, int kind, uint32_t index, stp_text at, stp_text end)
 {
+    assert(index < STP_PCD_FIELDS && at < end);
     stp_pcd_field* f = &h->pcd->fields[index];
     size_t length = (size_t)(end - at);
     int64_t value = -1;
@@ -105,8 +107,8 @@ static stp_result read_line(header* h, stp_text at, bool* last)
         *last = true;
         return read_encoding(h, end);
     }
-    return good ? STP_OK
-                : fail_line(h, "expected a count below 2^48"); // VERSION, VIEWPOINT, comments
+    // VERSION, VIEWPOINT and comments are ignored
+    return good ? STP_OK : fail_line(h, "expected a count below 2^48");
 }
 
 // Checks that the four lists match and make a row.
@@ -124,6 +126,7 @@ static stp_result check_lists(header* h)
     for (uint32_t i = 0; i < count; ++i) {
         stp_pcd_field* f = &pcd->fields[i];
         f->count = counted ? f->count : 1;
+        assert(f->count > 0 && f->size > 0 && (f->size & (f->size - 1)) == 0);
         f->offset = pcd->row_size;
         pcd->row_size += f->size * f->count;
         if (f->type == 'F' && f->size < 4) {
@@ -135,6 +138,7 @@ static stp_result check_lists(header* h)
     bool sized = h->width >= 0 && h->height >= 0 && h->width < (int64_t)1 << 40 &&
                  h->height < (int64_t)1 << 22;
     int64_t area = sized ? h->width * h->height : -1;
+    assert(area >= -1 && "the product does not overflow");
     if (h->points < 0 && area < 0) {
         return stp_fail(h->import->context, STP_ERROR_FORMAT,
                         "%s: its header has neither POINTS nor WIDTH and HEIGHT", h->import->path);
@@ -168,6 +172,7 @@ stp_result stp_pcd_read_header(stp_import* import, stp_pcd* pcd)
         }
         pcd->body = (size_t)(end - bytes) + 1;
     }
+    assert(pcd->body <= size && (pcd->body == 0 || bytes[pcd->body - 1] == '\n'));
     pcd->body_line = h.line;
     return last ? check_lists(&h)
                 : stp_fail(import->context, STP_ERROR_FORMAT,

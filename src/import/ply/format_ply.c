@@ -7,6 +7,7 @@
 #include "import/reading/point_columns.h"
 #include "import/reading/surface.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <string.h>
@@ -28,7 +29,7 @@ typedef struct vertices {
     const unsigned char* rows; ///< binary rows without lists; NULL: the values come one by one
     size_t count;
     float *positions, *normals, *texcoords, *colors;
-    stp_ply_attributes attributes; ///< of points alone
+    stp_ply_attributes attributes; ///< only in files without faces
     atomic_bool bright;            ///< a colour written as float is above 1
     stp_ply_room room;
 } vertices;
@@ -99,6 +100,7 @@ static stp_result alloc_columns(vertices* v)
 
 static void store_row(vertices* v, size_t row, const double* n)
 {
+    assert(row < v->count);
     for (size_t i = 0; i < 3; ++i) {
         v->positions[3 * row + i] = (float)(n[X + i] - v->origin[i]);
     }
@@ -219,6 +221,7 @@ static stp_result read_vertices(vertices* v, stp_ply_cursor* cursor)
     if (cursor->text != NULL || element->has_lists) {
         return read_rows_one_by_one(v, cursor);
     }
+    assert(v->count * element->row_size <= (size_t)(cursor->end - cursor->at) && "was checked");
     v->rows = cursor->at;
     for (int i = 0; i < 3 && v->count > 0; ++i) {
         v->origin[i] =
@@ -234,6 +237,7 @@ static stp_result skip_element(stp_ply_cursor* cursor, const stp_ply_element* el
 {
     if (!element->has_lists && cursor->text == NULL) {
         cursor->at += element->count * element->row_size; // was checked
+        assert(cursor->at <= cursor->end);
         return STP_OK;
     }
     for (uint64_t row = 0; element->property_count > 0 && row < element->count; ++row) {
@@ -320,6 +324,7 @@ static void drop_bad_points(vertices* v)
         }
         kept += 1;
     }
+    assert(kept <= v->count);
     if (kept < v->count) {
         stp_warn(v->ply->context, "%s: %llu points without a finite position are left out",
                  v->ply->import->path, (unsigned long long)(v->count - kept));
@@ -398,6 +403,7 @@ static stp_result add_mesh(vertices* v, stp_ply_faces* f)
     stp_scene* scene = v->ply->import->scene;
     stp_mesh mesh = {.vertex_count = (uint32_t)v->count,
                      .triangle_count = (uint32_t)(f->count / 3)};
+    assert(f->count % 3 == 0 && f->count / 3 < STP_NONE && v->count < STP_NONE);
     stp_result result = check_positions(v);
     if (result == STP_OK) {
         result = add_material(v, &mesh.material);

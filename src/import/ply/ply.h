@@ -24,10 +24,10 @@ typedef enum stp_ply_encoding { STP_PLY_ASCII, STP_PLY_LITTLE, STP_PLY_BIG } stp
 
 typedef struct stp_ply_property {
     const char* name;
-    stp_ply_type type; ///< of the value, or of a list's items
+    stp_ply_type type; ///< type of the value, or of a list's items
     bool is_list;
-    stp_ply_type count_type; ///< of a list's length
-    size_t offset;           ///< within a row without lists, binary
+    stp_ply_type count_type; ///< type of a list's length
+    size_t offset;           ///< bytes from the start of a binary row without lists
 } stp_ply_property;
 
 typedef struct stp_ply_element {
@@ -89,7 +89,7 @@ bool stp_ply_is_one_of(const char* name, const char* words);
 typedef struct stp_ply_faces {
     uint32_t* indices;
     size_t count, capacity; ///< numbers
-    uint32_t* corners;      ///< of the face being read
+    uint32_t* corners;      ///< corners of the face being read
     size_t corner_capacity;
     uint64_t small; ///< skipped faces with fewer than three corners
     bool any;       ///< the file has faces
@@ -104,9 +104,8 @@ enum { STP_PLY_COLUMNS = 4 }; ///< positions, normals, texcoords, colours: float
 
 /// Location of columns.
 typedef struct stp_ply_room {
-    bool spilled;       ///< positions and normals are in the scene's spill file, the rest in
-                        /// `scratch`
-    stp_spill* scratch; ///< to be destroyed; may be NULL
+    bool spilled;       ///< positions, normals and attributes are in the scene's spill file
+    stp_spill* scratch; ///< then: texcoords and colours; to be destroyed; may be NULL
 } stp_ply_room;
 
 /// Allocates columns by their sizes; the first always. Free them even after a failure. @return

@@ -3,6 +3,7 @@
 // properties of PLY files.
 #include "import/ply/ply.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -69,6 +70,7 @@ stp_result stp_ply_alloc_attributes(const stp_ply* ply, const stp_ply_room* room
 // The nearest whole number within bounds; NaN gives the lower bound.
 static double whole_within(double value, double low, double high)
 {
+    assert(low <= high);
     return value > low ? (value < high ? floor(value + 0.5) : high) : low;
 }
 
@@ -82,6 +84,7 @@ static double scale_of(const stp_ply_property* property, int attribute)
 
 void stp_ply_store_attribute(stp_ply_attributes* a, int attribute, size_t row, double value)
 {
+    assert(attribute >= 0 && attribute < STP_ATTRIBUTES);
     void* column = a->columns[attribute];
     if (column == NULL) {
         return;
@@ -109,6 +112,7 @@ void stp_ply_store_attribute(stp_ply_attributes* a, int attribute, size_t row, d
 
 void stp_ply_move_attributes(stp_ply_attributes* a, size_t from, size_t to)
 {
+    assert(to <= from);
     for (int k = 0; k < STP_ATTRIBUTES; ++k) {
         size_t size = a->scaled_later[k] ? sizeof(float) : stp_attribute_size((stp_attribute)k);
         unsigned char* column = a->columns[k];
@@ -122,6 +126,7 @@ void stp_ply_move_attributes(stp_ply_attributes* a, size_t from, size_t to)
 static void scale_column(stp_ply_attributes* a, int attribute, size_t count)
 {
     unsigned char* column = a->columns[attribute];
+    assert(stp_attribute_size((stp_attribute)attribute) <= sizeof(float) && "scaled in place");
     double scale = atomic_load(&a->strong[attribute]) ? 1.0 : 65535.0;
     for (size_t i = 0; i < count; ++i) {
         float value;

@@ -4,6 +4,8 @@
 #include "import/ply/ply.h"
 #include "import/reading/point_columns.h"
 
+#include <assert.h>
+
 bool stp_ply_has_faces(const stp_ply* ply)
 {
     for (size_t i = 0; i < ply->element_count; ++i) {
@@ -27,6 +29,7 @@ stp_result stp_ply_alloc_columns(const stp_ply* ply, stp_ply_room* room,
     *room = (stp_ply_room){0};
     room->spilled = stp_points_go_to_spill(scene, size) && !stp_ply_has_faces(ply);
     if (room->spilled) {
+        assert(scene->spill != NULL && "it was chosen by its size");
         stp_result result = stp_spill_create_sibling(scene->spill, &room->scratch);
         result = result == STP_OK ? stp_bulk_alloc_spilled(scene->spill, columns, 2) : result;
         return result == STP_OK ? stp_bulk_alloc_spilled(room->scratch, columns + 2, 2) : result;
@@ -50,6 +53,7 @@ void stp_ply_release_columns(const stp_ply* ply, const stp_ply_room* room)
 {
     if (room->spilled) {
         stp_point_columns_release(ply->import, &(stp_point_set){.spilled = true});
+        assert(room->scratch != NULL && "spilled columns have a second file");
         stp_spill_release_pages(room->scratch);
     }
 }

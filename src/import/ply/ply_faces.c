@@ -3,6 +3,7 @@
 #include "import/ply/ply.h"
 #include "import/reading/triangulate.h"
 
+#include <assert.h>
 #include <string.h>
 
 bool stp_ply_is_one_of(const char* name, const char* words)
@@ -44,6 +45,7 @@ static stp_result read_corners(stp_ply_cursor* cursor, const stp_ply_element* el
     if (corners == NULL) {
         return stp_fail_memory(context);
     }
+    assert(*count <= f->corner_capacity);
     f->corners = corners;
     for (uint64_t i = 0; i < *count; ++i) {
         double value;
@@ -75,6 +77,7 @@ static uint32_t* add_triangles(stp_context* context, stp_ply_faces* f, size_t tr
     }
     f->indices = indices;
     f->count += 3 * triangles;
+    assert(f->count % 3 == 0 && f->count <= f->capacity);
     return indices + f->count - 3 * triangles;
 }
 
@@ -96,6 +99,7 @@ static stp_result add_strip(stp_context* context, stp_ply_faces* f, size_t count
             out[written++] = c[0];
         }
     }
+    assert(written <= 3 * count && written % 3 == 0);
     f->count -= 3 * count - written;
     return STP_OK;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "import/ply/ply.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define HEADER_LIMIT ((size_t)1 << 20) ///< maximum bytes of a header
@@ -8,10 +9,11 @@
 size_t stp_ply_type_size(stp_ply_type type)
 {
     static const size_t sizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+    assert((unsigned)type < sizeof(sizes) / sizeof(sizes[0]));
     return sizes[type];
 }
 
-// A header line without its line end, and the remaining words.
+// The remaining words of a header line.
 typedef struct line {
     stp_text at;
 } line;
@@ -182,6 +184,7 @@ stp_result stp_ply_read_header(stp_ply* ply)
         }
         at = (size_t)((stp_text)memchr(file->bytes + at, '\n', whole - at) - file->bytes) + 1;
     }
+    assert(at <= whole && (at == 0 || file->bytes[at - 1] == '\n'));
     ply->body = at;
     if (!done && file->size > HEADER_LIMIT) {
         return stp_fail(ply->context, STP_ERROR_FORMAT, "%s: its header has no end_header",

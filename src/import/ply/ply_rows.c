@@ -2,6 +2,7 @@
 #include "base/io/bytes.h"
 #include "import/ply/ply.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -54,6 +55,7 @@ stp_result stp_ply_cursor_open(stp_ply* ply, stp_ply_cursor* cursor)
 {
     const stp_mapped_file* file = &ply->import->file;
     size_t size = file->size - ply->body;
+    assert(ply->body <= file->size);
     *cursor = (stp_ply_cursor){
         .ply = ply, .at = file->bytes + ply->body, .end = file->bytes + file->size};
     if (ply->encoding == STP_PLY_ASCII) {
@@ -92,6 +94,8 @@ stp_result stp_ply_check_rows(const stp_ply_cursor* cursor, const stp_ply_elemen
 
 bool stp_ply_next(stp_ply_cursor* cursor, stp_ply_type type, double* value)
 {
+    assert(cursor->at <= cursor->end);
+    assert(cursor->text == NULL || cursor->end[-1] == '\n');
     if (cursor->text == NULL) {
         size_t size = stp_ply_type_size(type);
         if ((size_t)(cursor->end - cursor->at) < size) {
@@ -123,6 +127,7 @@ bool stp_ply_next(stp_ply_cursor* cursor, stp_ply_type type, double* value)
 
 bool stp_ply_next_list(stp_ply_cursor* cursor, const stp_ply_property* property, uint64_t* length)
 {
+    assert(property->is_list && property->count_type < STP_PLY_FLOAT32);
     double count;
     if (!stp_ply_next(cursor, property->count_type, &count) || !(count >= 0.0)) {
         return false;
@@ -146,6 +151,7 @@ bool stp_ply_skip(stp_ply_cursor* cursor, const stp_ply_property* property)
     double value;
     if (cursor->text == NULL && property->is_list) {
         cursor->at += count * stp_ply_type_size(property->type); // was checked
+        assert(cursor->at <= cursor->end);
         return true;
     }
     for (; count > 0; --count) {
@@ -159,6 +165,7 @@ bool stp_ply_skip(stp_ply_cursor* cursor, const stp_ply_property* property)
 stp_result stp_ply_fail_row(const stp_ply_cursor* cursor, const stp_ply_element* element,
                             uint64_t row)
 {
+    assert(row < element->count);
     const char* path = cursor->ply->import->path;
     bool ended = cursor->at >= cursor->end || cursor->text == NULL;
     return ended ? stp_fail(cursor->ply->context, STP_ERROR_TRUNCATED,

@@ -3,6 +3,7 @@
 
 #include "scene/bulk.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define FAR 4096.0                    ///< coordinates up to here keep their digits as floats
@@ -41,6 +42,7 @@ void stp_cloud_set_origin(stp_cloud* cloud, const double place[3])
     for (int i = 0; i < 3; ++i) {
         bool far = fabs(place[i]) >= FAR && fabs(place[i]) < 1e15;
         cloud->origin[i] = far ? (double)(int64_t)(place[i] / ROUND) * ROUND : 0.0;
+        assert(!far || fabs(place[i] - cloud->origin[i]) < ROUND);
     }
 }
 
@@ -59,9 +61,11 @@ static void drop_empty(stp_cloud* cloud)
         while (at < count && at - begin < LONGEST_RUN && !stp_cloud_is_empty(cloud, at)) {
             at += 1;
         }
+        assert(kept <= begin && "points move to the front");
         for (int i = 0; i < STP_POINT_ARRAYS && kept != begin && at > begin; ++i) {
             unsigned char* bytes = arrays[i].bytes;
             size_t size = arrays[i].size / count;
+            assert(arrays[i].size % count == 0 && "a whole number of points");
             if (bytes != NULL) {
                 memmove(bytes + kept * size, bytes + begin * size, (at - begin) * size);
             }
@@ -71,6 +75,7 @@ static void drop_empty(stp_cloud* cloud)
             at += 1;
         }
     }
+    assert(kept <= count);
     cloud->set.point_count = (uint32_t)kept;
 }
 
@@ -87,6 +92,7 @@ stp_result stp_cloud_finish(stp_cloud* cloud, const char* name, const stp_affine
     if (result != STP_OK) {
         return result;
     }
+    assert(object < scene->object_count);
     stp_affine shift = stp_affine_identity();
     for (int i = 0; i < 3; ++i) {
         shift.m[i][3] = cloud->origin[i];

@@ -6,6 +6,7 @@
 
 #include "import/reading/point_columns.h"
 
+#include <assert.h>
 #include <math.h>
 
 typedef struct stp_cloud {
@@ -26,24 +27,27 @@ STP_MUST_USE stp_result stp_cloud_create(stp_cloud* cloud, stp_import* import, u
 void stp_cloud_destroy(stp_cloud* cloud);
 
 /// Chooses a round position near `place` as the origin if it is far from zero, as in national
-/// grids, where floats would lose digits. Non-finite coordinates count as zero. Call it before
-/// filling cells.
+/// grids, where floats would lose digits. Coordinates that are not finite, or reach 1e15, count as
+/// zero. Call it before filling cells.
 void stp_cloud_set_origin(stp_cloud* cloud, const double place[3]);
 
 static inline void stp_cloud_leave_empty(const stp_cloud* cloud, size_t cell)
 {
+    assert(cell < cloud->set.point_count);
     float* p = cloud->set.positions + 3 * cell;
     p[0] = p[1] = p[2] = NAN;
 }
 
 static inline bool stp_cloud_is_empty(const stp_cloud* cloud, size_t cell)
 {
+    assert(cell < cloud->set.point_count);
     return isnan(cloud->set.positions[3 * cell]);
 }
 
 /// Sets the position of a cell. @return false if it is not finite: the cell is empty
 static inline bool stp_cloud_place(const stp_cloud* cloud, size_t cell, const double place[3])
 {
+    assert(cell < cloud->set.point_count);
     float* p = cloud->set.positions + 3 * cell;
     for (int i = 0; i < 3; ++i) {
         p[i] = (float)(place[i] - cloud->origin[i]);

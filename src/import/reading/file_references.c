@@ -3,6 +3,7 @@
 #include "import/reading/import.h"
 #include "import/reading/path_rules.h"
 
+#include <assert.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -30,6 +31,7 @@ stp_result stp_import_resolve(stp_import* import, const char* reference, const c
 {
     const char* reason;
     stp_result result = resolve(import, reference, path, &reason);
+    assert(result != STP_OK || (*path == NULL) == (reason != NULL));
     if (result == STP_OK && *path == NULL) {
         return stp_fail(import->context, STP_ERROR_FORMAT,
                         "%s: the reference \"%.200s\" is rejected: %s", import->path, reference,
@@ -51,6 +53,7 @@ stp_result stp_import_resolve_optional(stp_import* import, const char* place, co
         reason = "the file does not exist";
         *path = NULL;
     }
+    assert(*path != NULL || reason != NULL);
     if (*path == NULL) {
         stp_warn(import->context, "%s: %s: \"%.200s\" is left out: %s", import->path, place,
                  reference, reason);

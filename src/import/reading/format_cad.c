@@ -3,6 +3,7 @@
 // Exact CAD formats, which describe surfaces instead of triangles: rejected with advice.
 #include "import/reading/import.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -14,6 +15,7 @@ static const char step_start[] = "ISO-10303-21;";
 
 static bool contains(const unsigned char* bytes, size_t size, const char* word)
 {
+    assert(word[0] != '\0' && "it would be contained in everything");
     size_t length = strlen(word);
     for (size_t at = 0; at + length <= size; ++at) {
         if (memcmp(bytes + at, word, length) == 0) {

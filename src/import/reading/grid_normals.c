@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "import/reading/grid_normals.h"
 
+#include <assert.h>
 #include <string.h>
 
 /// Maximum ratio of the distances to opposite neighbours; above it, the farther one is behind a
@@ -25,6 +26,7 @@ static uint32_t point_at(const work* w, int64_t column, int64_t row)
     }
     size_t cell = (size_t)column * g->rows + (size_t)row;
     uint32_t point = g->cells != NULL ? g->cells[cell] : (uint32_t)cell;
+    assert(point == STP_NONE || point < w->cloud->set.point_count);
     return point != STP_NONE && !stp_cloud_is_empty(w->cloud, point) ? point : STP_NONE;
 }
 
@@ -36,7 +38,7 @@ static stp_vec3 position(const work* w, uint32_t point)
 
 typedef struct grid_step {
     stp_vec3 vector;
-    float squared; ///< of its length; 0: there is no neighbour on the same surface
+    float squared; ///< squared length; 0: there is no neighbour on the same surface
 } grid_step;
 
 // The step from p to a neighbour within a distance, given squared.
@@ -120,6 +122,8 @@ void stp_grid_normals(stp_cloud* cloud, const stp_scan_grid* grid)
     if (cloud->set.point_count == 0) { // there may be any number of empty columns
         return;
     }
+    assert(cloud->set.normals != NULL);
+    assert(grid->cells != NULL || (uint64_t)grid->columns * grid->rows == cloud->set.point_count);
     if (grid->cells != NULL) {
         stp_parallel_for(context, cloud->set.point_count, POINT_GRAIN, clear_normals, &w);
     }

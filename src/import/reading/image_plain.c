@@ -6,6 +6,7 @@
 
 #include "base/io/bytes.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define PIXEL_LIMIT (UINT64_C(1) << 28)
@@ -49,7 +50,7 @@ typedef struct stream {
     const unsigned char* bytes;
     size_t size, at;
     bool is_short;      ///< more was read than there is
-    const char* buffer; ///< that stb_image fills ahead, perhaps beyond the end; NULL: not yet known
+    const char* buffer; ///< stb_image's read-ahead buffer; it may ask beyond the end; NULL: unknown
 } stream;
 
 // The first read fills the buffer. Rows that are read past it must be whole.
@@ -63,6 +64,7 @@ static int read_bytes(void* user, char* out, int size)
         memcpy(out, s->bytes + s->at, count);
     }
     s->at += count;
+    assert(s->at <= s->size);
     return (int)count;
 }
 
@@ -87,7 +89,7 @@ typedef struct plain {
     bool known, opaque, runs;
     uint32_t pixel_bits;
     size_t palette_gap; ///< bytes by which a palette is shorter than the values of a pixel allow
-    size_t start;       ///< of the pixels; only with a gap
+    size_t start;       ///< BMP: offset of the pixels
 } plain;
 
 // Pictures stored from right to left, and palettes that do not begin at 0, are not decoded.
@@ -121,6 +123,7 @@ static plain describe_bmp(const unsigned char* bytes, size_t size)
 // The file with the missing entries of the palette as zeros: black.
 static unsigned char* fill_palette(stp_context* context, const plain* p, stream* s)
 {
+    assert(p->palette_gap > 0 && p->start <= s->size);
     unsigned char* copy = stp_alloc_zeroed(context, s->size + p->palette_gap, 1);
     if (copy != NULL) {
         memcpy(copy, s->bytes, p->start);
@@ -165,6 +168,7 @@ static stp_result decode(const plain* p, stream* s, stp_texture* texture, const 
     for (uint64_t i = 0; i < pixels && p->opaque; ++i) {
         texels[4 * i + 3] = 255;
     }
+    assert((uint64_t)(uint32_t)width * rows == pixels && pixels <= PIXEL_LIMIT);
     texture->width = (uint32_t)width;
     texture->height = (uint32_t)rows;
     texture->texels = texels;
@@ -174,6 +178,7 @@ static stp_result decode(const plain* p, stream* s, stp_texture* texture, const 
 stp_result stp_image_decode_plain(stp_context* context, const unsigned char* bytes, size_t size,
                                   stp_texture* texture, const char** reason)
 {
+    assert(bytes != NULL || size == 0);
     allocator = context;
     is_out_of_memory = false;
     bool is_bmp = size >= 2 && bytes[0] == 'B' && bytes[1] == 'M';

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "import/reading/import.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define PEEK_SIZE 4096 ///< enough to recognise a format
@@ -83,6 +84,7 @@ bool stp_import_takes_columns(const char* path)
     unsigned char bytes[PEEK_SIZE];
     stp_mapped_file start = {.bytes = bytes, .size = stp_file_peek(path, bytes, sizeof(bytes))};
     const stp_importer* importer = find_importer(path, &start);
+    assert(start.size <= sizeof(bytes));
     return importer != NULL && importer->columns;
 }
 
@@ -109,6 +111,7 @@ void stp_import_set_axes(stp_import* import, char up, double unit_metres)
 {
     stp_scene* scene = import->scene;
     bool first = import->root == 0;
+    assert(import->root < scene->object_count && "its root object was added");
     double unit = unit_metres > 0.0 ? unit_metres : import->desc.unit_metres;
     double scale = 1.0;
     import->unit_metres = unit;
@@ -164,6 +167,7 @@ static stp_result read_with(const stp_importer* importer, stp_import* import)
         up = import->desc.up;
     }
     double scene_unit = import->scene->unit_metres;
+    assert(import->root + 1 == import->scene->object_count && "the file's objects come after it");
     stp_import_set_axes(import, up, 0.0);
     result = importer->read(import);
     if (result == STP_OK && import->desc.sample_points == 0) {
@@ -229,6 +233,7 @@ stp_result stp_import_sample(stp_scene* scene, const char* path, const stp_impor
 stp_result stp_import_memory(stp_scene* scene, const char* name, const void* bytes, size_t size,
                              const stp_import_desc* desc)
 {
+    assert(bytes != NULL || size == 0);
     stp_import import = {.context = scene->context,
                          .scene = scene,
                          .path = name,

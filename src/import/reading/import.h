@@ -16,7 +16,8 @@ typedef struct stp_import_desc {
     /// Columns of point texts: "x,y,z,r,g,b,intensity,nx,ny,nz,class,-" in any order; NULL:
     /// detected from the header, or from number and values
     const char* columns;
-    /// Not NULL: for point formats with a header, reads only the header, into this.
+    /// Not NULL: point formats with a header describe it here. If that is all (`alone`), as for LAS,
+    /// no points are read; PCD and E57 read them as usual.
     struct stp_scan_info* scan;
     /// Not 0: reads about this many points from all over the file, without warnings; see
     /// stp_import_sample.
@@ -37,11 +38,10 @@ typedef struct stp_import {
     stp_mapped_file file;
     stp_import_desc desc;
     uint32_t root;
-    double unit_metres; ///< of the file, once its axes are set; 0: unknown
+    double unit_metres; ///< length of the file's unit, once its axes are set; 0: unknown
     bool wants_unit;    ///< warn if the unit is not known
-    stp_losses losses;  ///< content that the importer does not keep; reported after the file is
-                        /// read
-    uint64_t picture_pixels, picture_bytes; ///< of all pictures so far
+    stp_losses losses;  ///< content that is not kept; reported after reading
+    uint64_t picture_pixels, picture_bytes; ///< sums over all pictures read so far
     bool alone; ///< the bytes came from memory: no file beside it may be read
 } stp_import;
 
@@ -63,7 +63,8 @@ typedef struct stp_importer {
 /// extension. Several files form one scene: its unit is the first known one, the others are scaled
 /// to it, and a file without a unit is assumed to use it, with a warning. @return STP_OK;
 /// STP_ERROR_IO, STP_ERROR_TRUNCATED, STP_ERROR_FORMAT, STP_ERROR_UNSUPPORTED, STP_ERROR_LIMIT,
-/// STP_ERROR_OUT_OF_MEMORY, each with one logged sentence that names file and location
+/// STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED, each with one logged sentence that names file and
+/// location
 STP_MUST_USE stp_result stp_import_file(stp_scene* scene, const char* path,
                                         const stp_import_desc* desc);
 
@@ -97,7 +98,7 @@ void stp_import_set_axes(stp_import* import, char up, double unit_metres);
 /// The path of a file that `reference` (a relative URI or path, already percent-decoded) names,
 /// relative to the imported file's folder. Rejects absolute paths, drive letters, URLs and ".."
 /// that leave the folder. Backslashes count as slashes. @return STP_OK with an arena copy (of the
-/// scene's text arena), or STP_ERROR_FORMAT (logged)
+/// scene's text arena), STP_ERROR_FORMAT or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_import_resolve(stp_import* import, const char* reference,
                                            const char** path);
 

@@ -3,6 +3,8 @@
 // Files use their own units for the strength of an echo; the scene uses 0 to 65535.
 #pragma once
 
+#include <assert.h>
+
 /// The values that become 0 and 65535.
 typedef struct stp_intensity_range {
     double low, high;
@@ -31,6 +33,7 @@ static inline double stp_intensity_factor(stp_intensity_range range)
 /// Rounds to a whole number and clamps to `maximum`; NaN gives 0.
 static inline double stp_quantize(double value, double maximum)
 {
+    assert(maximum > 0.0 && "callers cast the result to an unsigned type");
     value = value > 0.0 ? value + 0.5 : 0.0;
     return value < maximum ? value : maximum;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "import/reading/lookup.h"
 
+#include <assert.h>
 #include <string.h>
 
 // Tables are seeded with an address, so that a malicious file cannot cause collisions. The seed
@@ -12,6 +13,7 @@ static stp_hash hash_key(const stp_lookup* lookup, const void* key, size_t size)
 
 static stp_lookup_entry* find_slot(stp_lookup_entry* entries, size_t size, stp_hash hash)
 {
+    assert(size > 0 && (size & (size - 1)) == 0 && "a power of two");
     for (size_t slot = hash.low & (size - 1);; slot = (slot + 1) & (size - 1)) {
         stp_lookup_entry* entry = &entries[slot];
         if (entry->used == 0 || stp_hash_equal(entry->hash, hash)) {
@@ -35,6 +37,7 @@ static stp_result grow(stp_lookup* lookup)
     stp_free(lookup->context, lookup->entries);
     lookup->entries = entries;
     lookup->size = size;
+    assert(2 * lookup->count <= size && "searches end at a free slot");
     return STP_OK;
 }
 
@@ -53,6 +56,7 @@ stp_result stp_lookup_add(stp_lookup* lookup, const void* key, size_t size, uint
         *entry = (stp_lookup_entry){.hash = hash, .value = fresh, .used = 1};
         lookup->count += 1;
     }
+    assert(2 * lookup->count <= lookup->size && "half of the slots are free");
     *value = entry->value;
     return STP_OK;
 }
@@ -62,6 +66,7 @@ uint32_t stp_lookup_find(const stp_lookup* lookup, const void* key, size_t size,
     if (lookup->count == 0) {
         return missing;
     }
+    assert(lookup->count < lookup->size && "searches end at a free slot");
     stp_lookup_entry* entry = find_slot(lookup->entries, lookup->size, hash_key(lookup, key, size));
     return entry->used != 0 ? entry->value : missing;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "import/reading/losses.h"
 
+#include <assert.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -18,6 +19,7 @@ static const loss_text texts[STP_LOSS_COUNT] = {
 
 void stp_losses_add(stp_losses* losses, stp_loss loss, uint64_t count)
 {
+    assert((unsigned)loss < STP_LOSS_COUNT);
     losses->counts[loss] += count;
 }
 
@@ -34,6 +36,7 @@ void stp_losses_add_extension(stp_losses* losses, const char* name)
         unsigned char c = (unsigned char)name[i];
         losses->extensions[used + gap + i] = (char)(c == 0 || (c > 0x20 && c < 0x7F) ? c : '?');
     }
+    assert(strlen(losses->extensions) == used + gap + length);
 }
 
 typedef struct sentence {
@@ -50,6 +53,7 @@ static void append(sentence* s, const char* format, ...)
     va_start(list, format);
     int gap =
         snprintf(s->bytes + s->used, sizeof(s->bytes) - s->used, "%s", s->used > 0 ? "; " : "");
+    assert(s->used + (size_t)gap < sizeof(s->bytes) && "it is longer than all texts together");
     s->used += (size_t)gap;
     int length = vsnprintf(s->bytes + s->used, sizeof(s->bytes) - s->used, format, list);
     size_t room = sizeof(s->bytes) - s->used - 1;

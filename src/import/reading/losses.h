@@ -35,13 +35,14 @@ enum { STP_LOSS_EXTENSIONS_SIZE = 512 };
 /// All zero: nothing was lost.
 typedef struct stp_losses {
     uint64_t counts[STP_LOSS_COUNT];
-    char extensions[STP_LOSS_EXTENSIONS_SIZE]; ///< names apart by ", "
+    char extensions[STP_LOSS_EXTENSIONS_SIZE]; ///< names, separated by ", "
     uint32_t unnamed_extensions;               ///< number of extensions that did not fit
 } stp_losses;
 
 void stp_losses_add(stp_losses* losses, stp_loss loss, uint64_t count);
 
-/// Adds an unsupported extension. Unprintable characters become "?".
+/// Adds an unsupported extension. Spaces and characters other than printable
+/// ASCII become "?".
 void stp_losses_add_extension(stp_losses* losses, const char* name);
 
 /// Logs one warning, "PATH: not kept: ...", if anything was lost.

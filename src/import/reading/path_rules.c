@@ -2,6 +2,7 @@
 #define _XOPEN_SOURCE 700 // realpath
 #include "import/reading/path_rules.h"
 
+#include <assert.h>
 #include <limits.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -63,6 +64,7 @@ static const char* join(const char* folder, size_t folder_length, const char* re
             end += length;
         }
         at += length + (at[length] != '\0');
+        assert(end >= start && end - start <= at - reference);
     }
     *end = '\0';
     return end == start ? "it does not name a file" : NULL;
@@ -76,6 +78,7 @@ static bool is_below(const char* path, size_t folder_length)
     if (folder_length >= sizeof(folder)) {
         return false;
     }
+    assert(folder_length == 0 || path[folder_length - 1] == '/');
     memcpy(folder, path, folder_length);
     folder[folder_length] = '\0';
     char* real_folder = realpath(folder_length != 0 ? folder : ".", NULL);

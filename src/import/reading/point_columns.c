@@ -3,6 +3,8 @@
 
 #include "scene/bulk.h"
 
+#include <assert.h>
+
 /// Reciprocal share of the scene's memory: larger point sets go directly to its spill file
 #define SHARE 2
 
@@ -31,6 +33,7 @@ stp_result stp_point_columns_create(stp_import* import, const stp_point_columns_
     stp_scene* scene = import->scene;
     stp_bulk_array arrays[STP_POINT_ARRAYS];
     uint64_t bytes = 0;
+    assert(desc->attributes >> STP_ATTRIBUTES == 0 && "a bit per attribute");
     size_columns(desc, arrays);
     for (int i = 0; i < STP_POINT_ARRAYS; ++i) {
         bytes += arrays[i].size;
@@ -50,6 +53,8 @@ stp_result stp_point_columns_create(stp_import* import, const stp_point_columns_
         stp_point_columns_free(import, set);
         return result;
     }
+    assert(!desc->normals || set->normals != NULL || desc->point_count == 0);
+    assert(!desc->colors || set->colors != NULL || desc->point_count == 0);
     set->point_count = desc->point_count;
     return STP_OK;
 }
@@ -67,6 +72,7 @@ void stp_point_columns_free(stp_import* import, stp_point_set* set)
 stp_result stp_point_columns_add(stp_import* import, stp_point_set* set)
 {
     stp_part part = {.kind = STP_PART_POINTS};
+    assert(import->root < import->scene->object_count && "parts belong to the last object");
     stp_point_columns_release(import, set);
     stp_result result = set->spilled ? stp_scene_add_spilled_points(import->scene, set, &part.index)
                                      : stp_scene_add_point_set(import->scene, set, &part.index);
@@ -77,6 +83,7 @@ stp_result stp_point_columns_add(stp_import* import, stp_point_set* set)
 void stp_point_columns_release(stp_import* import, const stp_point_set* set)
 {
     if (set->spilled) {
+        assert(import->scene->spill != NULL && "spilled sets live in it");
         if (!import->alone) { // mapped
             stp_file_evict(&import->file);
         }
@@ -86,6 +93,7 @@ void stp_point_columns_release(stp_import* import, const stp_point_set* set)
 
 void stp_import_set_origin(stp_import* import, const double origin[3])
 {
+    assert(import->root < import->scene->object_count);
     stp_affine* placed = &import->scene->objects[import->root].transform;
     stp_affine shift = stp_affine_identity();
     for (int i = 0; i < 3; ++i) {

@@ -3,6 +3,7 @@
 
 #include "import/text/text.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,6 +12,7 @@ enum { MAX_DEPTH = 32 };
 stp_scan_field* stp_scan_add_field(stp_scan_info* info, const char* name, size_t name_size,
                                    const char* type, bool kept)
 {
+    assert(info->field_count <= STP_SCAN_FIELDS && name_size > 0);
     if (info->field_count == STP_SCAN_FIELDS) {
         info->unnamed += 1;
         return NULL;
@@ -39,6 +41,7 @@ static bool is_system(stp_text at, stp_text end)
 
 static void copy_quoted(const char* quote, char* to, size_t size)
 {
+    assert(*quote == '"' && size > 0);
     size_t length = strcspn(quote + 1, "\"");
     length = length < size ? length : size - 1;
     memcpy(to, quote + 1, length);
@@ -49,6 +52,7 @@ static void copy_quoted(const char* quote, char* to, size_t size)
 static uint32_t read_code(const char* bracket)
 {
     static const char owner[] = "\"EPSG\"";
+    assert(*bracket == '[' || *bracket == '(');
     const char* at = bracket + 1 + strspn(bracket + 1, " \t\r\n");
     if (strncmp(at, owner, sizeof(owner) - 1) != 0) {
         return 0;
@@ -71,8 +75,8 @@ static bool is_compound(stp_text at, stp_text end)
 }
 
 typedef struct wkt_scan {
-    bool systems[MAX_DEPTH], compounds[MAX_DEPTH]; ///< of the open words
-    int depth, best;                               ///< best: of the code that was found
+    bool systems[MAX_DEPTH], compounds[MAX_DEPTH]; ///< kinds of the open words, by depth
+    int depth, best; ///< number of open words; depth of the code that was found
 } wkt_scan;
 
 // Uses a system's own code, or for a compound system without a code that of its first part. Codes
@@ -82,6 +86,7 @@ static void open_word(wkt_scan* s, stp_text word, stp_text end, const char* brac
                       stp_system_identity* found)
 {
     int depth = s->depth;
+    assert(depth >= 0 && depth < MAX_DEPTH && s->best <= MAX_DEPTH);
     bool code = stp_word_is(word, end, "authority") || stp_word_is(word, end, "id");
     bool counts = code && depth > 0 && s->systems[depth - 1] && depth < s->best;
     uint32_t number = counts ? read_code(bracket) : 0;

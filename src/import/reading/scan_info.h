@@ -18,7 +18,7 @@ typedef struct stp_scan_field {
     const char* type;         ///< "u8", "i16", "f64", "bits", "bytes", ...
     uint32_t count;           ///< values of a point
     bool kept;                ///< the importer reads it
-    bool extra;               ///< of LAS: one of the extra bytes
+    bool extra;               ///< LAS: it is one of the extra bytes
 } stp_scan_field;
 
 typedef struct stp_scan_info {
@@ -26,20 +26,20 @@ typedef struct stp_scan_info {
     bool alone;         ///< no point was read: the header has everything that `info` prints
     char version[STP_SCAN_NAME];
     uint64_t point_count;
-    uint64_t scan_count;   ///< of E57; else 1
-    int point_format;      ///< of LAS; -1: the format has none
-    uint32_t record_bytes; ///< of an uncompressed point; 0: points have no fixed size
+    uint64_t scan_count;   ///< E57: number of scans; else 1
+    int point_format;      ///< LAS: 0 to 10; other formats: -1
+    uint32_t record_bytes; ///< size of an uncompressed point; 0: points have no fixed size
     bool has_box, has_steps;
     double low[3], high[3];     ///< in the file's own coordinates
-    double scale[3], offset[3]; ///< of integer coordinates
-    double unit_metres;         ///< of heights and positions, if the file specifies it; 0: unknown
+    double scale[3], offset[3]; ///< position = integer coordinate * scale + offset
+    double unit_metres;         ///< unit of heights and positions, if specified; 0: unknown
     bool compressed;
     char compressor[STP_SCAN_COMPRESSOR];
     uint64_t chunk_count;
-    uint64_t chunk_points; ///< of the largest chunk
+    uint64_t chunk_points; ///< points of the largest chunk
     bool copc;
     uint32_t copc_levels;
-    uint64_t copc_nodes; ///< with points
+    uint64_t copc_nodes; ///< nodes with points
     stp_scan_field fields[STP_SCAN_FIELDS];
     uint32_t field_count;
     uint32_t unnamed; ///< fields that are left out of the list

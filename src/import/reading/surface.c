@@ -5,6 +5,7 @@
 #include "image/image_codecs.h"
 #include "import/reading/image_plain.h"
 
+#include <assert.h>
 #include <string.h>
 
 stp_material stp_material_plain(void)
@@ -21,7 +22,9 @@ stp_result stp_add_plain_material(stp_import* import, uint32_t* index)
         return STP_OK;
     }
     stp_material material = stp_material_plain();
-    return stp_scene_add_material(import->scene, &material, index);
+    stp_result result = stp_scene_add_material(import->scene, &material, index);
+    assert(result != STP_OK || *index < import->scene->material_count);
+    return result;
 }
 
 float stp_srgb_to_linear(float value)
@@ -35,6 +38,7 @@ float stp_srgb_to_linear(float value)
     // between two table entries the curve is straight to 5e-6
     float scaled = value * 255.0f;
     int below = (int)scaled;
+    assert(below >= 0 && below <= 255 && "the value is between 0 and 1");
     float low = stp_srgb8_to_linear((uint8_t)below);
     float high = stp_srgb8_to_linear((uint8_t)(below < 255 ? below + 1 : 255));
     return low + (high - low) * (scaled - (float)below);
@@ -73,6 +77,7 @@ _Static_assert((int)STP_IMAGE_PNG == (int)STP_TEXTURE_PNG &&
 stp_result stp_picture_decode_kept(stp_context* context, const unsigned char* bytes, size_t size,
                                    stp_image_info* info, stp_texture* texture)
 {
+    assert(size > 0 && info->width > 0 && info->height > 0 && "stp_image_measure accepted it");
     uint8_t* kept = stp_alloc(context, size);
     if (kept == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;
@@ -83,6 +88,7 @@ stp_result stp_picture_decode_kept(stp_context* context, const unsigned char* by
         stp_free(context, kept);
         return result;
     }
+    assert(image.width == info->width && image.height == info->height);
     memcpy(kept, bytes, size);
     texture->width = image.width;
     texture->height = image.height;
@@ -176,6 +182,7 @@ stp_result stp_pictures_read(stp_pictures* pictures, const char* place, const ch
     if (result == STP_OK && read) {
         result = stp_scene_add_texture(import->scene, &picture, texture);
     }
+    assert(*texture == STP_NONE || *texture < import->scene->texture_count);
     return result != STP_OK ? result
                             : stp_lookup_add(&pictures->known, &key, sizeof(key), *texture, &found);
 }

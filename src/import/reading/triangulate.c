@@ -3,6 +3,7 @@
 
 #include "base/math/math.h"
 
+#include <assert.h>
 #include <math.h>
 
 // Point-in-triangle tests per corner: polygons with up to about as many concave corners are
@@ -89,6 +90,7 @@ static bool is_ear(ring* r, uint32_t corner, bool touching)
             r->reflex[i] = r->reflex[--r->reflex_count]; // already cut, or convex by now
             continue;
         }
+        assert(r->next[r->previous[other]] == other && "it is still in the ring");
         flat_point p = r->points[other];
         bool own = other == before || other == after;
         bool touches = same_point(p, a) || same_point(p, b) || same_point(p, c);
@@ -113,6 +115,7 @@ static void cut_ears(ring* r, const uint32_t* corners, uint32_t count, uint32_t*
             continue;
         }
         uint32_t before = r->previous[at], after = r->next[at];
+        assert(r->next[before] == at && r->previous[after] == at && before != after);
         *triangles++ = corners[before];
         *triangles++ = corners[at];
         *triangles++ = corners[after];
@@ -123,6 +126,7 @@ static void cut_ears(ring* r, const uint32_t* corners, uint32_t count, uint32_t*
         left -= 1;
         misses = 0;
     }
+    assert(r->next[r->next[r->next[at]]] == at && "three corners are left");
     *triangles++ = corners[r->previous[at]];
     *triangles++ = corners[at];
     *triangles = corners[r->next[at]];
@@ -177,6 +181,7 @@ static bool cut_concave(stp_context* context, const float* positions, const uint
                 r.reflex[r.reflex_count++] = i;
             }
         }
+        assert(r.reflex_count <= count);
         cut_ears(&r, corners, count, triangles);
     }
     stp_free(context, r.points);
@@ -201,6 +206,7 @@ static void split_quad(const float* positions, const uint32_t* corners, uint32_t
 bool stp_triangulate(stp_context* context, const float* positions, const uint32_t* corners,
                      uint32_t count, uint32_t* triangles)
 {
+    assert(count >= 3);
     if (count == 3) {
         make_fan(corners, 3, triangles);
         return true;

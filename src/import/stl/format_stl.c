@@ -9,6 +9,7 @@
 #include "import/stl/stl_weld.h"
 #include "import/text/text.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define HEADER_SIZE ((size_t)84)
@@ -19,11 +20,11 @@ typedef struct reader {
     stp_context* context;
     stp_weld weld; ///< the mesh in the making
     uint32_t material;
-    // of a text:
+    // texts only:
     const unsigned char* tail; ///< a copy of an unfinished last line
     size_t tail_at;            ///< where it is in the file
     size_t facet_start;        ///< indices before the facet in the making
-    const char* name;          ///< of the solid in the making; may be NULL
+    const char* name;          ///< name of the solid being read; may be NULL
 } reader;
 
 static stp_result fail_facet(const reader* r, uint64_t facet)
@@ -33,8 +34,8 @@ static stp_result fail_facet(const reader* r, uint64_t facet)
                     (unsigned long long)facet + 1);
 }
 
-// Adds the collected triangles as an object below the root, or as a part of the root if they have
-// no name.
+// Adds the collected triangles as an object below the root. Without a name they become a part of
+// the last object: the root, or the solid before.
 static stp_result end_solid(reader* r, const char* name)
 {
     stp_scene* scene = r->import->scene;
@@ -75,6 +76,7 @@ static stp_result read_binary(reader* r, size_t facet_count)
         return stp_fail(r->context, STP_ERROR_LIMIT, "%s: has more than 2^32 corners",
                         r->import->path);
     }
+    assert(HEADER_SIZE + facet_count * STP_STL_FACET_SIZE <= r->import->file.size);
     stp_result result = stp_weld_begin(&r->weld, facets, facet_count);
     for (size_t i = 0; result == STP_OK && i < 3 * facet_count; ++i) {
         stp_vec3 p = stp_stl_corner(facets, i);
@@ -138,6 +140,7 @@ static stp_result read_line(reader* r, stp_text at, bool in_tail)
     }
     if (stp_word_is(word, next, "endfacet") || stp_word_is(word, next, "endloop")) {
         size_t corners = r->weld.index_count - r->facet_start;
+        assert(r->facet_start <= r->weld.index_count);
         r->facet_start = r->weld.index_count;
         return corners == 3 || corners == 0
                    ? STP_OK
@@ -153,6 +156,7 @@ static stp_result read_line(reader* r, stp_text at, bool in_tail)
 
 static stp_result read_lines(reader* r, stp_text at, stp_text end, bool in_tail)
 {
+    assert(at == end || end[-1] == '\n');
     stp_result result = STP_OK;
     while (at < end && result == STP_OK) {
         result = read_line(r, at, in_tail);

@@ -4,6 +4,7 @@
 #include "base/io/bytes.h"
 #include "base/io/hash.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define FIRST_SLOTS ((size_t)64)
@@ -20,12 +21,14 @@ stp_vec3 stp_stl_corner(const unsigned char* facets, size_t corner)
 // cause collisions.
 static size_t first_slot(const stp_weld* weld, stp_vec3 place)
 {
+    assert(weld->slot_count > 0 && (weld->slot_count & (weld->slot_count - 1)) == 0);
     stp_hash seed = {.low = (uint64_t)(uintptr_t)weld};
     return stp_hash_bytes(seed, &place, sizeof(place)).low & (weld->slot_count - 1);
 }
 
 static stp_vec3 place_of(const stp_weld* weld, uint32_t entry)
 {
+    assert(entry < (weld->facets != NULL ? weld->index_count : weld->vertex_count));
     if (weld->facets != NULL) {
         return stp_stl_corner(weld->facets, entry);
     }
@@ -60,12 +63,12 @@ static stp_result grow(stp_weld* weld)
     }
     uint32_t vertex = 0;
     for (size_t i = 0; i < weld->index_count; ++i) {
-        if (weld->indices[i] == vertex) { // its first corner: vertices are numbered in order of
-                                          // appearance
+        if (weld->indices[i] == vertex) { // its first corner: numbers follow the order of corners
             insert(weld, (uint32_t)i);
             vertex += 1;
         }
     }
+    assert(vertex == weld->vertex_count);
     return STP_OK;
 }
 
@@ -83,6 +86,7 @@ static stp_result keep_place(stp_weld* weld, stp_vec3 place)
 
 stp_result stp_weld_begin(stp_weld* weld, const unsigned char* facets, size_t count)
 {
+    assert(count < UINT32_MAX / 3 && weld->index_count == 0 && "it starts empty");
     weld->facets = facets;
     weld->indices = STP_NEW_ARRAY(weld->context, uint32_t, 3 * count);
     weld->index_capacity = 3 * count;
@@ -92,6 +96,8 @@ stp_result stp_weld_begin(stp_weld* weld, const unsigned char* facets, size_t co
 stp_result stp_weld_add(stp_weld* weld, stp_vec3 place)
 {
     stp_result result = STP_OK;
+    assert(weld->index_count < UINT32_MAX - 1 && weld->vertex_count <= weld->index_count);
+    assert(weld->facets == NULL || weld->index_count < weld->index_capacity);
     if (2 * (weld->vertex_count + 1) > weld->slot_count) {
         result = grow(weld);
     }
@@ -104,6 +110,7 @@ stp_result stp_weld_add(stp_weld* weld, stp_vec3 place)
     if (result != STP_OK) {
         return result;
     }
+    assert(2 * weld->vertex_count < weld->slot_count && "searches end at a free slot");
     weld->indices = indices;
     size_t slot = first_slot(weld, place);
     for (uint32_t found; (found = weld->slots[slot]) != 0;
@@ -143,6 +150,7 @@ stp_result stp_weld_finish(stp_weld* weld)
             vertex += 1;
         }
     }
+    assert(vertex == weld->vertex_count && "vertices are numbered in the order of corners");
     return STP_OK;
 }
 

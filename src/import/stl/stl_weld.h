@@ -14,10 +14,10 @@
 /// All zero with a context is an empty mesh.
 typedef struct stp_weld {
     stp_context* context;
-    const unsigned char* facets; ///< of a binary file; NULL: places are kept in `positions`
+    const unsigned char* facets; ///< binary file: not owned; NULL: places are in `positions`
     uint32_t* slots;   ///< 0: free; else 1 + the first corner at a place, or 1 + its vertex
     size_t slot_count; ///< a power of two, or 0
-    float* positions;  ///< of a binary file: once it is finished
+    float* positions;  ///< 3 per vertex; binary file: made by stp_weld_finish
     uint32_t* indices;
     size_t vertex_count, vertex_capacity; ///< capacity in vertices
     size_t index_count, index_capacity;

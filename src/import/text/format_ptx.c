@@ -7,16 +7,17 @@
 #include "import/reading/surface.h"
 #include "import/text/text_points.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 
 enum { HEADER_LINES = 10 };
-#define NUMBER_LIMIT 1e15 ///< of the header
+#define NUMBER_LIMIT 1e15 ///< magnitudes in the header must be below it
 
 typedef struct reader {
     stp_import* import;
     stp_text_blocks blocks;
-    uint64_t line; ///< of the scan's header
+    uint64_t line; ///< first line of the scan's header, from 0
     uint32_t scan; ///< from 1
     uint32_t columns, rows;
     double scanner[3];
@@ -68,6 +69,7 @@ static stp_result check_number(const reader* r, uint64_t line, double value)
     }
     static const char* const contents[] = {"scanner's position", "scanner's axes",
                                            "rotation of the pose", "translation of the pose"};
+    assert(line >= r->line + 2 && line < r->line + HEADER_LINES);
     uint64_t row = line - r->line - 2;
     int kind = row == 0 ? 0 : row < 4 ? 1 : row < 7 ? 2 : 3;
     return stp_fail(r->import->context, STP_ERROR_FORMAT,
@@ -79,6 +81,7 @@ static stp_result check_number(const reader* r, uint64_t line, double value)
 static stp_result read_header(reader* r)
 {
     double n[4];
+    assert(r->line < r->blocks.line_count);
     if (r->blocks.line_count - r->line < HEADER_LINES) {
         return stp_fail(
             r->import->context, STP_ERROR_TRUNCATED,
@@ -172,6 +175,7 @@ static stp_result fill_cloud(const reader* r, const stp_columns* columns, stp_cl
                               .ranges = stp_column_ranges_empty()};
     points.ranges.low[STP_COLUMN_INTENSITY] = 0.0;
     points.ranges.high[STP_COLUMN_INTENSITY] = 1.0;
+    assert((uint64_t)r->columns * r->rows == cloud->set.point_count && "a line per cell");
     set_origin(r, cloud);
     stp_result result = stp_text_points_read(&points);
     if (result != STP_OK) {
@@ -203,6 +207,7 @@ static stp_result read_scan(reader* r)
             "%s: scan %u has %u columns of %u cells, but the file ends after %llu cells",
             r->import->path, r->scan, r->columns, r->rows, (unsigned long long)left);
     }
+    assert(r->line + HEADER_LINES + cells <= r->blocks.line_count);
     stp_columns columns = {0};
     if (cells > 0 && !find_columns(r, &columns)) {
         return fail_line(r, r->line + HEADER_LINES,

@@ -6,6 +6,7 @@
 #include "import/reading/surface.h"
 #include "import/text/text_points.h"
 
+#include <assert.h>
 #include <string.h>
 
 static stp_result check_counts(stp_import* import, const stp_text_points* points)
@@ -32,6 +33,7 @@ static stp_result read_points(stp_import* import, const stp_text_blocks* blocks,
         return result;
     }
     stp_point_columns_desc columns = stp_text_points_wants(&found.columns);
+    assert(found.first_line < blocks->line_count && "it has a point");
     result = stp_cloud_create(cloud, import, blocks->line_count - found.first_line, &columns);
     if (result != STP_OK) {
         return result;

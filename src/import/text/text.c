@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "import/text/text.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
 bool stp_word_is(stp_text at, stp_text end, const char* word)
 {
+    assert(at <= end);
     for (; at < end && *word != '\0'; ++at, ++word) {
         unsigned char c = *at;
         c = c >= 'A' && c <= 'Z' ? (unsigned char)(c - 'A' + 'a') : c;
@@ -26,6 +28,7 @@ static double scale_far(double value, int exponent)
 {
     static const double squares[] = {1e16, 1e32, 1e64, 1e128, 1e256};
     unsigned rest = (unsigned)(exponent < 0 ? -exponent : exponent);
+    assert(rest < 16u << (sizeof(squares) / sizeof(squares[0])) && "a bit per square");
     double low = powers_of_ten[rest % 16];
     value = exponent < 0 ? value / low : value * low;
     rest /= 16;
@@ -56,8 +59,7 @@ static double scale_decimal(uint64_t digits, int exponent)
     return exponent < -400 ? 0.0 : scale_far(value, exponent);
 }
 
-// "nan", "-nan(ind)", "inf", "infinity"; also what old Microsoft libraries print: "1.#IND",
-// "1.#INF".
+// "nan", "-nan(ind)", "inf", "infinity"; the sign was read before.
 static stp_text read_special(stp_text at, bool negative, double* value)
 {
     stp_text end = at;
@@ -134,6 +136,7 @@ stp_text stp_read_number(stp_text at, double* value)
         int64_t sum = dropped - after_point;
         exponent = (int)(sum < -100000 ? -100000 : sum > 100000 ? 100000 : sum);
     }
+    assert(digits < UINT64_C(10000000000000000000) && "at most 19 digits are kept");
     if (*at == '#') {
         *value = (double)NAN; // 1.#IND, 1.#INF, 1.#QNAN
         return stp_skip_word(at);

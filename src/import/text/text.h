@@ -49,7 +49,8 @@ bool stp_word_is(stp_text at, stp_text end, const char* word);
 /// Only basic arithmetic: the same bits on every machine, in every locale.
 stp_text stp_read_number(stp_text at, double* value);
 
-/// Reads a whole number (after blanks), clamped to the range of `value`. @return as above
+/// Reads a whole number (after blanks); values beyond about 9.2e18 become +-INT64_MAX / 10.
+/// @return the text after it, or NULL if it is not a number
 stp_text stp_read_integer(stp_text at, int64_t* value);
 
 /// Splits bytes into whole lines, used in place, and an unfinished last line, which the caller

@@ -3,6 +3,7 @@
 
 #include "import/text/text_scan.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define SPAN ((size_t)1 << 20)
@@ -36,6 +37,7 @@ static void count_lines(size_t begin, size_t end, uint32_t worker, void* user)
         for (; at < to; ++at) {
             lines += c->bytes[at] == '\n';
         }
+        assert(lines <= to - from);
         stp_text found = memchr(c->bytes + from, '\n', to - from);
         c->spans[i] = (span){found != NULL ? (size_t)(found - c->bytes) + 1 : 0, lines};
     }
@@ -60,6 +62,21 @@ static void make_blocks(stp_text_blocks* b, const counting* c, size_t span_count
     b->line_count = line;
 }
 
+#ifndef NDEBUG
+// Whether no block is empty, each ends with a line, and lines are numbered without a gap.
+static bool are_blocks_in_order(const stp_text_blocks* b)
+{
+    for (size_t i = 0; i < b->count; ++i) {
+        const stp_text_block* block = &b->blocks[i];
+        if (block->begin >= block->end || block->end[-1] != '\n' ||
+            block->first_line >= (i + 1 < b->count ? b->blocks[i + 1].first_line : b->line_count)) {
+            return false;
+        }
+    }
+    return true;
+}
+#endif
+
 // Copies the last lines, so that in-place readers can read past their end.
 static stp_result copy_tail(stp_text_blocks* b, stp_text bytes, size_t size, size_t* cut)
 {
@@ -71,6 +88,7 @@ static stp_result copy_tail(stp_text_blocks* b, stp_text bytes, size_t size, siz
     }
     memcpy(b->tail, bytes + whole, rest);
     memset(b->tail + rest, '\n', 1 + STP_SCAN_MARGIN);
+    assert(whole == 0 || (bytes[whole - 1] == '\n' && rest >= STP_SCAN_MARGIN));
     *cut = whole;
     return STP_OK;
 }
@@ -96,6 +114,7 @@ stp_result stp_text_blocks_create(stp_context* context, stp_text bytes, size_t s
     }
     stp_parallel_for(context, span_count, 1, count_lines, &c);
     make_blocks(b, &c, span_count);
+    assert(b->count <= span_count && "one more is free for the tail");
     stp_free(context, c.spans);
     size_t rest = size - c.size;
     bool ended = b->tail[rest - 1] == '\n';
@@ -104,6 +123,7 @@ stp_result stp_text_blocks_create(stp_context* context, stp_text bytes, size_t s
     for (size_t i = 0; i < tail_size; ++i) {
         b->line_count += b->tail[i] == '\n';
     }
+    assert(are_blocks_in_order(b));
     return STP_OK;
 }
 
@@ -119,6 +139,7 @@ void stp_text_blocks_destroy(stp_text_blocks* b)
 size_t stp_text_blocks_find(const stp_text_blocks* b, uint64_t line)
 {
     size_t low = 0, high = b->count;
+    assert(line < b->line_count && "the line exists");
     while (high - low > 1) {
         size_t middle = low + (high - low) / 2;
         if (b->blocks[middle].first_line <= line) {
@@ -127,6 +148,8 @@ size_t stp_text_blocks_find(const stp_text_blocks* b, uint64_t line)
             high = middle;
         }
     }
+    assert(b->blocks[low].first_line <= line);
+    assert(low + 1 == b->count || line < b->blocks[low + 1].first_line);
     return low;
 }
 
@@ -137,5 +160,6 @@ stp_text stp_text_blocks_line(const stp_text_blocks* b, uint64_t line)
     for (uint64_t i = block->first_line; i < line; ++i) {
         at = stp_next_line(at);
     }
+    assert(at < block->end);
     return at;
 }

@@ -6,6 +6,8 @@
 #include "base/core/context.h"
 #include "import/text/text.h"
 
+#include <assert.h>
+
 typedef struct stp_text_block {
     stp_text begin, end; ///< ends behind a line end, with STP_SCAN_MARGIN readable bytes behind it
     uint64_t first_line; ///< from 0
@@ -15,7 +17,7 @@ typedef struct stp_text_blocks {
     stp_context* context;
     stp_text_block* blocks;
     size_t count;
-    uint64_t line_count; ///< of all; a last line without an end counts
+    uint64_t line_count; ///< lines of all blocks; a last line without an end counts
     unsigned char* tail; ///< a copy of the last lines, with room behind it
 } stp_text_blocks;
 
@@ -56,6 +58,8 @@ static inline stp_line_cursor stp_line_cursor_at(const stp_text_blocks* blocks, 
 /// Advances to the next line, which must exist.
 static inline void stp_line_cursor_next(stp_line_cursor* cursor)
 {
+    assert(cursor->block < cursor->blocks->count &&
+           cursor->at < cursor->blocks->blocks[cursor->block].end && "at the start of a line");
     cursor->at = stp_next_line(cursor->at);
     if (cursor->at == cursor->blocks->blocks[cursor->block].end &&
         cursor->block + 1 < cursor->blocks->count) {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "import/text/text_columns.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
-#define HEADER_LINES 100 ///< maximum number of lines before the points
-#define SAMPLES 500      ///< number of sampled lines
+#define HEADER_LINES 100 ///< the first point must be in one of these lines
+#define SAMPLES 500      ///< maximum number of sampled lines
 #define MIN_LINE 6       ///< bytes of a point and its line end
 #define WINDOW 4096      ///< bytes in which a sampled line must begin
 
@@ -76,12 +77,14 @@ static uint8_t column_named(stp_text begin, stp_text end)
 static const char* check_columns(stp_columns* c)
 {
     uint32_t uses[STP_COLUMN_SLOTS + 1] = {0}, all = c->count;
+    assert(all <= STP_COLUMNS_MAX);
     while (c->count > 0 && c->roles[c->count - 1] == STP_COLUMN_SKIP) {
         c->count -= 1;
     }
     for (uint32_t i = 0; i < c->count; ++i) {
         uses[c->roles[i]] += 1;
     }
+    assert(c->count <= all && "columns are only dropped");
     c->unused = uses[STP_COLUMN_SKIP] + all - c->count;
     for (int i = 0; i < STP_COLUMN_SLOTS; ++i) {
         if (uses[i] > 1) {
@@ -162,9 +165,10 @@ static void read_row(stp_text at, row* r)
         at = stp_skip_blanks(end);
         at = stp_separates(*at) ? stp_skip_blanks(at + 1) : at;
     }
+    assert(r->numbers <= r->count && r->count <= STP_COLUMNS_MAX);
 }
 
-// Reads a line's words as column names. @return whether x, y and z are among them
+// Reads a line's words as column names. @return whether they are `wanted` valid columns
 static bool read_header(stp_text at, uint32_t wanted, stp_columns* columns)
 {
     *columns = (stp_columns){0};
@@ -194,6 +198,7 @@ static bool read_header(stp_text at, uint32_t wanted, stp_columns* columns)
 
 static bool all_within(const samples* s, uint32_t column, token_kind kind, double low, double high)
 {
+    assert(column < s->columns);
     for (size_t i = 0; i < s->count; ++i) {
         const row* r = &s->rows[i];
         bool good = r->kinds[column] == kind || (kind == TOKEN_FRACTION && r->kinds[column] != 0);
@@ -206,6 +211,7 @@ static bool all_within(const samples* s, uint32_t column, token_kind kind, doubl
 
 static bool any_fraction(const samples* s, uint32_t column, uint32_t count)
 {
+    assert(column + count <= s->columns);
     for (size_t i = 0; i < s->count * count; ++i) {
         if (s->rows[i / count].kinds[column + i % count] == TOKEN_FRACTION) {
             return true;
@@ -227,6 +233,7 @@ static bool are_colors(const samples* s, uint32_t column, double maximum)
 // Whether columns are unit vectors, some perhaps zero, and not all of them unsigned whole numbers.
 static bool are_normals(const samples* s, uint32_t column)
 {
+    assert(column + 3 <= s->columns);
     bool any = false, negative = false;
     for (size_t i = 0; i < s->count; ++i) {
         const double* n = s->rows[i].values + column;
@@ -251,6 +258,7 @@ static uint32_t free_run(const stp_columns* c, uint32_t begin)
 
 static void set_triple(stp_columns* c, uint32_t at, uint8_t first)
 {
+    assert(at + 3 <= c->count && first + 3 <= STP_COLUMN_SLOTS);
     for (uint8_t i = 0; i < 3; ++i) {
         c->roles[at + i] = first + i;
     }
@@ -272,6 +280,7 @@ static void guess_colors(const samples* s, bool intensity_first, stp_columns* c)
 // x, y, z, then normals, colours and an intensity, by their values.
 static void guess(const samples* s, bool intensity_first, stp_columns* c)
 {
+    assert(s->columns >= 3 && s->columns <= STP_COLUMNS_MAX && "the first line is a point");
     *c = (stp_columns){.count = s->columns};
     memset(c->roles, STP_COLUMN_SKIP, sizeof(c->roles));
     set_triple(c, 0, STP_COLUMN_X);
@@ -289,7 +298,9 @@ static void guess(const samples* s, bool intensity_first, stp_columns* c)
             break;
         }
     }
-    (void)check_columns(c); // x, y and z occur exactly once
+    const char* wrong = check_columns(c);
+    assert(wrong == NULL && "x, y and z occur once, the others in triples");
+    (void)wrong;
 }
 
 // Adds the line to the samples if it has as many columns as the first.
@@ -302,10 +313,11 @@ static void take_sample(samples* s, stp_text at)
     }
 }
 
-// Lines from all over the text, at positions that depend only on its size.
+// Lines from all over the text, at positions that depend on the text alone.
 static void take_samples(samples* s, const stp_text_blocks* blocks, size_t first_block,
                          stp_text first)
 {
+    assert(first_block < blocks->count && s->count <= SAMPLES);
     size_t block_count = blocks->count - first_block;
     size_t each = block_count < SAMPLES ? SAMPLES / block_count : 1;
     size_t step = block_count < SAMPLES ? 1 : (block_count + SAMPLES - 1) / SAMPLES;
@@ -399,6 +411,7 @@ static void choose_columns(const stp_text_blocks* blocks, const beginning* b, co
 
 static void measure(const samples* s, stp_columns_found* found)
 {
+    assert(s->count > 0 && found->columns.count <= s->columns);
     found->ranges = stp_column_ranges_empty();
     for (uint32_t c = 0; c < found->columns.count; ++c) {
         uint8_t role = found->columns.roles[c];

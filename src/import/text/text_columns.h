@@ -26,8 +26,8 @@ enum { STP_COLUMN_SLOTS = STP_COLUMN_SKIP, STP_COLUMNS_MAX = 32 };
 
 typedef struct stp_columns {
     uint8_t roles[STP_COLUMNS_MAX]; ///< an stp_column each
-    uint32_t count;                 ///< up to the last used one
-    uint32_t unused;                ///< columns of the file that are not
+    uint32_t count;                 ///< number of columns up to the last used one
+    uint32_t unused;                ///< number of the file's columns that are not used
 } stp_columns;
 
 /// Minimum and maximum of each column.
@@ -59,11 +59,11 @@ const char* stp_columns_parse(const char* names, stp_columns* columns);
 /// Layout of a text with one point per line.
 typedef struct stp_columns_found {
     stp_columns columns;
-    uint64_t first_line;      ///< of the points
+    uint64_t first_line;      ///< index of the first line of points, from 0
     uint64_t declared;        ///< points by the count lines before that
     double first[3];          ///< the first position
     bool color_fractions;     ///< a colour is written with a point or an exponent
-    stp_column_ranges ranges; ///< of some lines
+    stp_column_ranges ranges; ///< ranges of the sampled lines
 } stp_columns_found;
 
 /// Examines the first lines and a sample of the others. import->desc.columns has priority.

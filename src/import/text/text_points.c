@@ -5,6 +5,7 @@
 #include "import/reading/intensity.h"
 #include "import/text/text_scan.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <string.h>
@@ -124,6 +125,7 @@ read_value(const stp_columns* columns, uint32_t column, stp_text at, double* val
     if (role == STP_COLUMN_SKIP) {
         return skip_value(at);
     }
+    assert(role < STP_COLUMN_SLOTS);
     at = *at != '\n' ? stp_scan_number(at, &values[role]) : NULL;
     return at != NULL && ends_value(*at) ? at : NULL;
 }
@@ -215,9 +217,11 @@ static cursor begin_block(const reading* r, const stp_text_block* b)
                 .line = b->first_line,
                 .end_line = p->first_line + p->cloud->set.point_count,
                 .counts = {.first_bad = UINT64_MAX}};
+    assert(c.at < c.end);
     for (; c.line < p->first_line; ++c.line) {
         c.at = stp_next_line(c.at);
     }
+    assert(c.at < c.end && c.line < p->blocks->line_count && "the block has a line to read");
     return c;
 }
 
@@ -232,6 +236,7 @@ static inline void take_line(reading* r, cursor* c, stp_text rest, const double*
 {
     const stp_text_points* p = r->points;
     size_t cell = (size_t)(c->line - p->first_line);
+    assert(c->line >= p->first_line && cell < p->cloud->set.point_count);
     if (rest == NULL) {
         read_other_line(r, c->at, c->line, &c->counts);
         c->at = stp_next_line(c->at);
@@ -306,6 +311,7 @@ static stp_result read_once(reading* r, stp_column_ranges* all)
     stp_context* context = p->cloud->import->context;
     uint32_t workers = stp_context_thread_count(context);
     uint64_t last_line = p->first_line + p->cloud->set.point_count - 1;
+    assert(last_line < p->blocks->line_count && "there is a line for each cell");
     r->end_block = stp_text_blocks_find(p->blocks, last_line) + 1;
     for (uint32_t i = 0; i < workers; ++i) {
         r->ranges[i] = stp_column_ranges_empty();
@@ -320,6 +326,7 @@ static stp_result read_once(reading* r, stp_column_ranges* all)
     atomic_init(&r->first_bad, UINT64_MAX);
     r->first_block = stp_text_blocks_find(p->blocks, p->first_line);
     size_t blocks = r->end_block - r->first_block;
+    assert(r->first_block < r->end_block && r->end_block <= p->blocks->count);
     stp_loop_report report = {.stage = "import", .unit = "blocks", .total = blocks};
     stp_result result =
         stp_parallel_for_reported(context, (blocks + 1) / 2, 1, read_blocks, r, &report);
@@ -354,6 +361,7 @@ stp_result stp_text_points_read(stp_text_points* p)
     if (p->cloud->set.point_count == 0) {
         return STP_OK;
     }
+    assert(p->columns.count >= 3 && p->columns.count <= STP_COLUMNS_MAX);
     reading r = {.points = p};
     r.ranges = STP_NEW_ARRAY(context, stp_column_ranges, stp_context_thread_count(context));
     if (r.ranges == NULL) {
@@ -378,6 +386,7 @@ stp_result stp_text_points_read(stp_text_points* p)
     p->count_lines += atomic_load(&r.count_lines);
     p->lines = atomic_load(&r.lines);
     p->not_finite = atomic_load(&r.not_finite);
+    assert(p->not_finite <= p->lines && p->lines <= p->cloud->set.point_count);
     stp_losses_add(&p->cloud->import->losses, STP_LOSS_POINT, p->not_finite);
     return report_bad_line(&r);
 }

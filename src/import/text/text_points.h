@@ -20,7 +20,7 @@ typedef struct stp_text_points {
     // results:
     uint64_t declared;   ///< points by all count lines
     uint64_t lines;      ///< lines with a point, or with a non-finite position
-    uint64_t not_finite; ///< of them
+    uint64_t not_finite; ///< lines with a position that is not finite
     uint64_t count_lines;
 } stp_text_points;
 
@@ -28,9 +28,10 @@ typedef struct stp_text_points {
 stp_point_columns_desc stp_text_points_wants(const stp_columns* columns);
 
 /// Fills all cells. Colours range to 255 (or 1 if written as fractions up to 1; or 65535 if one is
-/// above 255), intensities as in intensity.h. If the actual ranges differ from the expected ones,
-/// the text is read a second time. @return STP_OK; STP_ERROR_FORMAT for an invalid line, except the
-/// last one, which is reported as a loss; STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED (logged)
+/// above 255), intensities as in intensity.h. If the actual values need other scales than the
+/// expected ranges, the text is read a second time. @return STP_OK; STP_ERROR_FORMAT for an invalid
+/// line (unless `strict`, the last one is reported as a loss instead); STP_ERROR_OUT_OF_MEMORY,
+/// STP_ERROR_CANCELLED (logged)
 STP_MUST_USE stp_result stp_text_points_read(stp_text_points* points);
 
 /// Reads a complete file with one point per line (format_xyz.c), z up. `intensity_first` as for

@@ -6,6 +6,8 @@
 #include "base/io/bytes.h"
 #include "import/text/text.h"
 
+#include <assert.h>
+
 enum { STP_SCAN_MARGIN = 64 }; ///< bytes behind the text that must be readable
 
 // Number of leading digits among the next eight bytes. *values receives the value of each byte.
@@ -20,6 +22,7 @@ static inline unsigned stp_scan_digits(stp_text at, uint64_t* values)
 // The number formed by the first `count` (1 to 8) of eight digits, combined in pairs and fours.
 static inline uint64_t stp_join_digits(uint64_t values, unsigned count)
 {
+    assert(count >= 1 && count <= 8);
     values <<= 64 - 8 * count;
     values = values * 10 + (values >> 8);
     uint64_t low = (values & UINT64_C(0x000000FF000000FF)) * UINT64_C(0x000F424000000064);
@@ -62,9 +65,10 @@ static inline stp_text stp_scan_number(stp_text start, double* value)
     if ((*at | 0x20) == 'e' || *at == '#') {
         return stp_read_number(start, value);
     }
+    assert(whole + fraction <= 18 && digits < UINT64_C(1000000000000000000));
+    assert(fraction < sizeof(tens) / sizeof(tens[0]));
     double magnitude = (double)(int64_t)digits;
-    if (fraction >
-        0) { // columns repeat, so this is predicted; a division takes longer than the rest
+    if (fraction > 0) { // predicted, as columns repeat; a division takes longer than the rest
         magnitude /= tens[fraction];
     }
     uint64_t bits;
