@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-<<<<<<< HEAD:lab/scenes/mesh_builder.h
-// Builds triangles, and the shapes that machines, houses and plants consist of. Everything is
-// deterministic: no libm, so both compilers give the same bytes (lab/scenes/trigonometry.h has sine and
-=======
 // Builds meshes from vertices and triangles. Everything is deterministic: no functions of libm but
 // the square root, so both compilers give the same bytes (lab/scenes/trigonometry.h has sine and
->>>>>>> wt-builder:lab/scenes/mesh_builder.h
 // cosine).
 //
 // A builder that runs out of memory records the failure and ignores further calls: makers need not

@@ -208,13 +208,8 @@ static inline double stp_affine_determinant(const stp_affine* a)
            a->m[0][2] * (a->m[1][0] * a->m[2][1] - a->m[1][1] * a->m[2][0]);
 }
 
-<<<<<<< HEAD:src/base/math/math.h
-/// Upper bound on the length of a transformed unit vector. Exact for rotations and uniform scales;
-/// base/math/stretch.h is tighter and slower.
-=======
 /// Upper bound on the length of a transformed unit vector, except for shears that keep the axes
 /// equally long. Exact for rotations and uniform scales; base/math/stretch.h is tighter and slower.
->>>>>>> wt-select:src/base/math/math.h
 static inline double stp_affine_scale(const stp_affine* a)
 {
     // the longest column is exact for rotations and uniform scales; otherwise use the Frobenius

@@ -68,17 +68,10 @@ enum {
 /// Bounds of STP_GROUP_SPLATS consecutive splats of a set with ranges, for culling. Computed on
 /// loading; not stored.
 typedef struct stp_splat_group {
-<<<<<<< HEAD:src/base/splats/splat_columns.h
-    uint16_t low[3], high[3]; ///< of positions
-    uint16_t largest;         ///< code of the maximum radius (src/base/splats/splat_codes.h)
-    int8_t axis[3];           ///< of a cone that holds their normals, 127 is 1
-    uint8_t sine;             ///< of half its angle, 255 is 1; 255 also of wider cones
-=======
     uint16_t low[3], high[3]; ///< bounds of their grid positions
     uint16_t largest;         ///< code of the maximum radius (src/base/splats/splat_codes.h)
     int8_t axis[3];           ///< axis of a cone that holds their normals, 127 is 1
     uint8_t sine;             ///< sine of half the cone's angle, 255 is 1; 255 also if it is wider
->>>>>>> wt-select:src/base/splats/splat_columns.h
     uint64_t replaced;        ///< one bit per splat, lowest first: large triangles replace it
 } stp_splat_group;
 
