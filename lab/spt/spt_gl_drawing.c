@@ -25,8 +25,8 @@ struct spt_gl_drawing {
     spt_model* model;
     stp_store* store;
     frame_maker maker;
-    gl_renderer* renderer; ///< the maker's
-    uint32_t* words;       ///< NODE_WORDS a node, as shaders read them
+    stp_gl_renderer* renderer; ///< the maker's
+    uint32_t* words;           ///< NODE_WORDS a node, as shaders read them
     GLuint buffer;
     unsigned char* memory; ///< of the buffer, which stays mapped
     buffer_layout at;
@@ -61,7 +61,7 @@ static stp_result make_buffer(spt_gl_drawing* d)
     d->at.item = round_up((size_t)d->at.colors + points * sizeof(uint32_t));
     d->at.records = round_up((size_t)d->at.item + sizeof(item_block));
     d->at.commands = round_up((size_t)d->at.records + blocks * sizeof(record_block));
-    d->at.end = round_up((size_t)d->at.commands + blocks * sizeof(struct gl_command));
+    d->at.end = round_up((size_t)d->at.commands + blocks * sizeof(struct stp_gl_command));
     gl->CreateBuffers(1, &d->buffer);
     gl->NamedBufferStorage(d->buffer, d->at.end, NULL, access);
     d->memory = gl->MapNamedBufferRange(d->buffer, 0, d->at.end, access);
@@ -104,7 +104,7 @@ stp_result spt_gl_drawing_create(spt_model* model, spt_gl_drawing** drawing)
     if (result != STP_OK) {
         return result;
     }
-    d->renderer = (gl_renderer*)d->maker.renderer;
+    d->renderer = (stp_gl_renderer*)d->maker.renderer;
     d->renderer->keeps_all = d->renderer->unshaded = true;
     stp_draw_gl_set_splats(d->maker.renderer, STP_GL_SPLATS_POINTS);
     d->words = STP_NEW_ARRAY(context, uint32_t, NODE_WORDS * (size_t)model->tree->count + 1);
@@ -155,10 +155,10 @@ static void finish(const stp_gl* gl)
 
 static uint64_t count_covered(const spt_gl_drawing* d)
 {
-    const gl_renderer* r = d->renderer;
+    const stp_gl_renderer* r = d->renderer;
     uint64_t count = 0, whole = (uint64_t)SPT_WIDTH * SPT_HEIGHT;
-    gl_read_texture(&r->gl, r->target.ids, GL_RED_INTEGER, GL_UNSIGNED_INT, SPT_WIDTH, SPT_HEIGHT,
-                    whole * sizeof(uint32_t), d->pixels);
+    stp_gl_read_texture(&r->gl, r->target.ids, GL_RED_INTEGER, GL_UNSIGNED_INT, SPT_WIDTH,
+                        SPT_HEIGHT, whole * sizeof(uint32_t), d->pixels);
     for (size_t i = 0; i < whole; ++i) {
         count += d->pixels[i] != NO_ID ? 1 : 0;
     }
@@ -168,7 +168,7 @@ static uint64_t count_covered(const spt_gl_drawing* d)
 /// What the renderer does before it draws, for points of the buffer.
 static void begin_points(spt_gl_drawing* d)
 {
-    gl_renderer* r = d->renderer;
+    stp_gl_renderer* r = d->renderer;
     const stp_gl* gl = &r->gl;
     const GLuint nothing[4] = {NO_ID, NO_ID, NO_ID, NO_ID};
     const GLfloat far = 0.0f;
@@ -176,8 +176,8 @@ static void begin_points(spt_gl_drawing* d)
     item.flags = ITEM_SHAPES;
     item.colors = (uint32_t)((size_t)d->at.colors / sizeof(uint32_t));
     memcpy(d->memory + d->at.item, &item, sizeof(item));
-    gl_set_visible_state(r);
-    gl_bind_frame(r);
+    stp_gl_set_visible_state(r);
+    stp_gl_bind_frame(r);
     gl->ClearNamedFramebufferuiv(r->target.framebuffer, GL_COLOR, 0, nothing);
     gl->ClearNamedFramebufferfv(r->target.framebuffer, GL_DEPTH, 0, &far);
     gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, BINDING_PAGES, d->buffer, 0, d->at.item);
@@ -185,7 +185,7 @@ static void begin_points(spt_gl_drawing* d)
                         sizeof(item));
     gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, BINDING_RECORDS, d->buffer, d->at.records,
                         d->at.commands - d->at.records);
-    gl_splat_pass_begin(r);
+    stp_gl_splat_pass_begin(r);
     gl->Enable(GL_PROGRAM_POINT_SIZE);
     gl->BindVertexArray(r->splats.vertex_array);
     gl->UseProgram(r->splats.points);
@@ -202,14 +202,14 @@ static void fill_block(spt_gl_drawing* d, uint32_t block, const uint32_t* nodes,
         places[PLACE_WORDS * i + 1] = words[1];
         shapes[i] = words[2];
     }
-    struct gl_command* commands = (struct gl_command*)(void*)(d->memory + d->at.commands);
-    commands[block] = (struct gl_command){count, 1, 0, block};
+    struct stp_gl_command* commands = (struct stp_gl_command*)(void*)(d->memory + d->at.commands);
+    commands[block] = (struct stp_gl_command){count, 1, 0, block};
 }
 
 static void draw_traversal(spt_gl_drawing* d, uint32_t* nodes, const spt_view* view,
                            spt_times* times)
 {
-    gl_renderer* r = d->renderer;
+    stp_gl_renderer* r = d->renderer;
     const stp_gl* gl = &r->gl;
     double start = stp_clock_ms();
     begin_points(d);
@@ -219,14 +219,14 @@ static void draw_traversal(spt_gl_drawing* d, uint32_t* nodes, const spt_view* v
         uint32_t begin = block * SPT_BLOCK;
         fill_block(d, block, nodes + begin, count - begin < SPT_BLOCK ? count - begin : SPT_BLOCK);
         times->gather_ms += stp_clock_ms() - from;
-        GLintptr of_block = d->at.commands + block * (GLintptr)sizeof(struct gl_command);
+        GLintptr of_block = d->at.commands + block * (GLintptr)sizeof(struct stp_gl_command);
         gl->MultiDrawArraysIndirect(GL_POINTS, (const void*)of_block, 1, 0);
         from = stp_clock_ms();
     }
     gl->Disable(GL_PROGRAM_POINT_SIZE);
-    gl_splat_pass_large(r, r->splats.large);
+    stp_gl_splat_pass_large(r, r->splats.large);
     finish(gl);
-    gl_leave_state(r);
+    stp_gl_leave_state(r);
     times->traversal_ms += stp_clock_ms() - start;
     times->traversal_splats += count;
     times->traversal_pixels += count_covered(d);
@@ -235,7 +235,7 @@ static void draw_traversal(spt_gl_drawing* d, uint32_t* nodes, const spt_view* v
 static stp_result draw_sequence(spt_gl_drawing* d, const spt_view* view, bool grouped,
                                 spt_times* times)
 {
-    gl_renderer* r = d->renderer;
+    stp_gl_renderer* r = d->renderer;
     stp_draw_item item = {.kind = STP_DRAW_SURFELS,
                           .prefix = view->prefix,
                           .full_prefix = view->prefix,
@@ -255,10 +255,10 @@ static stp_result draw_sequence(spt_gl_drawing* d, const spt_view* view, bool gr
     double took = stp_clock_ms() - start;
     start = stp_clock_ms();
     r->list = &list;
-    result = result == STP_OK ? gl_frame_make(r) : result; // again, measured alone
-    gl_frame_place(r, 0);
+    result = result == STP_OK ? stp_gl_frame_make(r) : result; // again, measured alone
+    stp_gl_frame_place(r, 0);
     double test_ms = stp_clock_ms() - start;
-    const gl_commands* commands = &r->frame.commands[GL_COMMANDS_SPLATS];
+    const stp_gl_commands* commands = &r->frame.commands[GL_COMMANDS_SPLATS];
     uint64_t submitted = 0;
     for (size_t i = 0; i < commands->count; ++i) {
         submitted += commands->commands[i].count;

@@ -39,6 +39,10 @@ nm -D --defined-only "$library" | awk '{ print $3 }' | sort > exported
 [ "$(wc -l < exported)" -ge 30 ] || fail "the library exports too few symbols"
 diff declared exported > differences || fail "declared (<) and exported (>) functions differ: $(cat differences)"
 
+# the static library, too, takes no names but its own (and those of C++ templates)
+nm --defined-only -g "$lib/libstipple.a" 2> /dev/null | awk 'NF == 3 { print $3 }' | grep -vE '^(stp_|_Z|DW\.ref\.)' | sort -u > foreign
+[ ! -s foreign ] || fail "libstipple.a defines $(head -n 5 foreign | tr '\n' ' ')"
+
 # each header alone, in either language, by clang (by the compiler of the build: tests header.*)
 for header in "$prefix"/include/stipple/*.h; do
     command -v clang > /dev/null || break

@@ -24,7 +24,7 @@ typedef struct rows {
 } rows;
 
 // All kernels, applied to random rows.
-static void run_kernels(const cpu_effect_kernels* k, rows* r)
+static void run_kernels(const stp_cpu_effect_kernels* k, rows* r)
 {
     uint64_t state = 0;
     for (int i = 0; i < ROW + 2 * PAD; ++i) {
@@ -55,7 +55,7 @@ static void run_kernels(const cpu_effect_kernels* k, rows* r)
 void test_effect_kernels_agree(test_state* test)
 {
     static rows expected, got;
-    run_kernels(&cpu_effect_kernels_portable, &expected);
+    run_kernels(&stp_cpu_effect_kernels_portable, &expected);
     for (int i = 0; i < ROW; ++i) { // against the expected values
         float maximum = -2.0f, minimum = 2.0f, found;
         for (int k = -3; k <= 3; ++k) {
@@ -64,18 +64,18 @@ void test_effect_kernels_agree(test_state* test)
             minimum = v < minimum ? v : minimum;
         }
         CHECK(expected.out[7][i] == maximum);
-        cpu_effect_kernels_portable.minimum(expected.near[0] + PAD + i, 3, &found, 1);
+        stp_cpu_effect_kernels_portable.minimum(expected.near[0] + PAD + i, 3, &found, 1);
         CHECK(found == minimum);
         CHECK(expected.out[3][i] > 0.0f && expected.out[3][i] <= 1.0f);
         CHECK(expected.out[4][i] >= 0.0f && expected.out[4][i] <= 1.0f);
     }
 #if defined(__x86_64__)
     if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
-        run_kernels(&cpu_effect_kernels_avx2, &got);
+        run_kernels(&stp_cpu_effect_kernels_avx2, &got);
         CHECK_EQUAL(0, memcmp(expected.out, got.out, sizeof(got.out)));
     }
     if (stp_processor_detect() >= STP_PROCESSOR_AVX512) {
-        run_kernels(&cpu_effect_kernels_avx512, &got);
+        run_kernels(&stp_cpu_effect_kernels_avx512, &got);
         CHECK_EQUAL(0, memcmp(expected.out, got.out, sizeof(got.out)));
     }
 #endif

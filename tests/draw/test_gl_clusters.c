@@ -48,7 +48,7 @@ static void add_sheets(made_picture* p)
 /// Compares the shares of all clusters with those computed one by one. @return how many are drawn
 static uint32_t compare_shares(test_state* test, made_gl* m)
 {
-    gl_renderer* r = (gl_renderer*)m->renderer;
+    stp_gl_renderer* r = (stp_gl_renderer*)m->renderer;
     stp_box box = coded.bounds;
     const float offset[3] = {0.5f * (box.min.x + box.max.x), 0.5f * (box.min.y + box.max.y),
                              0.5f * (box.min.z + box.max.z)};
@@ -56,7 +56,7 @@ static uint32_t compare_shares(test_state* test, made_gl* m)
     r->frame.shares.next = 0;
     for (size_t i = 0; i < m->picture.list.count; ++i) {
         const stp_draw_item* item = &m->picture.list.items[i];
-        const float* shares = gl_cluster_shares_get(&r->frame.shares, i);
+        const float* shares = stp_gl_cluster_shares_get(&r->frame.shares, i);
         stp_clusters clusters;
         stp_placed_item placed;
         CHECK(item->kind == STP_DRAW_MESH);

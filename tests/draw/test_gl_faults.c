@@ -115,7 +115,7 @@ void test_gl_reports_a_lost_context(test_state* test)
     }
     CHECK_EQUAL(STP_OK, make(&f));
     CHECK_EQUAL(STP_OK, draw(&f));
-    gl_renderer* r = (gl_renderer*)f.made.renderer;
+    stp_gl_renderer* r = (stp_gl_renderer*)f.made.renderer;
     r->gl.GetGraphicsResetStatus = lost_status;
     CHECK_EQUAL(STP_ERROR_UNSUPPORTED, draw(&f));
     CHECK_EQUAL(1, f.log.errors);
@@ -130,7 +130,7 @@ void test_gl_reports_lack_of_graphics_memory(test_state* test)
         return;
     }
     CHECK_EQUAL(STP_OK, make(&f));
-    gl_renderer* r = (gl_renderer*)f.made.renderer;
+    stp_gl_renderer* r = (stp_gl_renderer*)f.made.renderer;
     PFNGLGETERRORPROC get_error = r->gl.GetError;
     CHECK_EQUAL(STP_OK, draw(&f));
     f.made.picture.view.width = 3; // another target
@@ -154,7 +154,7 @@ void test_gl_fails_where_a_debug_context_complains(test_state* test)
     }
     CHECK_EQUAL(STP_OK, make(&f));
     CHECK_EQUAL(STP_OK, draw(&f));
-    gl_renderer* r = (gl_renderer*)f.made.renderer;
+    stp_gl_renderer* r = (stp_gl_renderer*)f.made.renderer;
     r->gl.Enable(GL_TEXTURE_BUFFER_BINDING); // not a capability
     CHECK_EQUAL(STP_ERROR_UNSUPPORTED, draw(&f));
     CHECK(f.log.errors == 1 && strncmp(f.log.text, "gl: ", 4) == 0);
@@ -172,7 +172,7 @@ void test_gl_restores_the_context_as_documented(test_state* test)
         SKIP("there is no OpenGL");
     }
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));
-    const gl_renderer* r = (const gl_renderer*)m.renderer;
+    const stp_gl_renderer* r = (const stp_gl_renderer*)m.renderer;
     static const struct {
         GLenum name;
         GLint value;

@@ -121,8 +121,8 @@ static stp_result draw_by(fixture* f, stp_renderer* renderer)
 /// Number of splats that the commands of the last picture draw for its last eye.
 static uint64_t count_splats(const fixture* f)
 {
-    const gl_commands* c =
-        &((const gl_renderer*)f->gl.renderer)->frame.commands[GL_COMMANDS_SPLATS];
+    const stp_gl_commands* c =
+        &((const stp_gl_renderer*)f->gl.renderer)->frame.commands[GL_COMMANDS_SPLATS];
     uint64_t count = 0;
     for (size_t i = 0; i < c->count; ++i) {
         count += c->commands[i].count;
@@ -148,7 +148,7 @@ static void choose_view(fixture* f, int i, bool within)
 /// OpenGL draws fewer splats, with few commands.
 static void check_commands(test_state* test, const fixture* f)
 {
-    const gl_renderer* r = (const gl_renderer*)f->gl.renderer;
+    const stp_gl_renderer* r = (const stp_gl_renderer*)f->gl.renderer;
     size_t commands = r->frame.commands[GL_COMMANDS_SPLATS].count;
     CHECK(10 * count_splats(f) < 9 * (uint64_t)f->item.prefix);
     CHECK(commands > 1 && commands < f->item.prefix / STP_GROUP_SPLATS / 4);
@@ -176,7 +176,7 @@ static void compare_views(test_state* test, fixture* f, bool within)
 {
     static uint8_t whole[4 * PIXELS], by_gl[4 * PIXELS];
     uint64_t fragments[2] = {0};
-    gl_renderer* r = (gl_renderer*)f->gl.renderer;
+    stp_gl_renderer* r = (stp_gl_renderer*)f->gl.renderer;
     for (int i = 0; i < VIEWS; ++i) {
         stp_draw_gl_set_splats(f->gl.renderer,
                                i % 2 == 0 ? STP_GL_SPLATS_POINTS : STP_GL_SPLATS_COMPUTE);
@@ -255,7 +255,7 @@ void test_gl_groups_keep_to_runs(test_state* test)
         CHECK(!failed);
         SKIP("there is no OpenGL");
     }
-    gl_renderer* r = (gl_renderer*)f.gl.renderer;
+    stp_gl_renderer* r = (stp_gl_renderer*)f.gl.renderer;
     stp_draw_run runs[] = {
         {.end = 64 * 20}, {64 * 20, 64 * 301, 1.2f, 2.0f}, {64 * 301, f.item.prefix, 0.0f, 1.5f}};
     f.runs = runs;
@@ -270,7 +270,7 @@ void test_gl_groups_keep_to_runs(test_state* test)
         }
     }
     CHECK_EQUAL(0, made_count_different(whole, f.pixels, 0));
-    const gl_commands* c = &r->frame.commands[GL_COMMANDS_SPLATS];
+    const stp_gl_commands* c = &r->frame.commands[GL_COMMANDS_SPLATS];
     CHECK(c->count > 3 && count_splats(&f) < f.item.prefix);
     for (size_t i = 0; i < c->count; ++i) {
         const record_block* record = &r->frame.records[c->commands[i].base];

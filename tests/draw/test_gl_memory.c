@@ -295,33 +295,33 @@ void test_small_gl_scenes_use_one_page(test_state* test)
 {
     enum { LIMIT = 64 << 20, SCENE = 20 << 20, WORDS = 1000 };
     made_gl m;
-    gl_pool pool;
+    stp_gl_pool pool;
     if (!begin(test, &m, NULL, NULL)) {
         return;
     }
-    stp_gl gl = ((gl_renderer*)m.renderer)->gl;
-    CHECK_EQUAL(STP_OK, gl_pool_create(m.picture.context, &gl, 1, LIMIT, SCENE, &pool));
+    stp_gl gl = ((stp_gl_renderer*)m.renderer)->gl;
+    CHECK_EQUAL(STP_OK, stp_gl_pool_create(m.picture.context, &gl, 1, LIMIT, SCENE, &pool));
     uint32_t shift = pool.page_shift; // 32 MiB: the next power of two
     CHECK_EQUAL(32 << 20, 4 << shift);
-    CHECK(gl_pool_take(&pool, 0, WORDS));
+    CHECK(stp_gl_pool_take(&pool, 0, WORDS));
     CHECK_EQUAL(1, pool.page_count);
-    gl_pool_destroy(&pool);
+    stp_gl_pool_destroy(&pool);
     // eight pages hold the limit, however small the scene is
-    CHECK_EQUAL(STP_OK, gl_pool_create(m.picture.context, &gl, 1, LIMIT, 1, &pool));
+    CHECK_EQUAL(STP_OK, stp_gl_pool_create(m.picture.context, &gl, 1, LIMIT, 1, &pool));
     CHECK_EQUAL(LIMIT / 8, 4 << pool.page_shift);
     // but the first one is no larger than the scene needs, if it needs that little
-    CHECK(gl_pool_take(&pool, 0, WORDS));
+    CHECK(stp_gl_pool_take(&pool, 0, WORDS));
     CHECK_EQUAL(1 << 20, 4 * pool.spans.total);
-    gl_pool_drop(&pool, 0);
-    CHECK(gl_pool_take(&pool, 0, 1 << 20)); // 4 MiB
+    stp_gl_pool_drop(&pool, 0);
+    CHECK(stp_gl_pool_take(&pool, 0, 1 << 20)); // 4 MiB
     CHECK_EQUAL(2, pool.page_count);
-    gl_pool_destroy(&pool);
+    stp_gl_pool_destroy(&pool);
     // where memory is short, a page is smaller
     gl.GetError = first_buffer_fails;
-    CHECK_EQUAL(STP_OK, gl_pool_create(m.picture.context, &gl, 1, LIMIT, SCENE, &pool));
-    CHECK(gl_pool_take(&pool, 0, WORDS));
+    CHECK_EQUAL(STP_OK, stp_gl_pool_create(m.picture.context, &gl, 1, LIMIT, SCENE, &pool));
+    CHECK(stp_gl_pool_take(&pool, 0, WORDS));
     CHECK_EQUAL(shift - 1, pool.page_shift);
     CHECK_EQUAL(1, pool.page_count);
-    gl_pool_destroy(&pool);
+    stp_gl_pool_destroy(&pool);
     made_gl_end(&m);
 }

@@ -48,7 +48,7 @@ static void choose_view(made_picture* p, uint64_t round, int frame)
 /// Commands postponed in the last sample: by the first pass, and by both.
 static void read_aside(const made_gl* m, uint32_t aside[2])
 {
-    const gl_renderer* r = (const gl_renderer*)m->renderer;
+    const stp_gl_renderer* r = (const stp_gl_renderer*)m->renderer;
     r->gl.GetNamedBufferSubData(r->occlusion.counters, 0, 2 * sizeof(uint32_t), aside);
 }
 
@@ -62,7 +62,7 @@ void test_gl_occlusion_changes_no_pixel(test_state* test)
         CHECK(!failed);
         SKIP("there is no OpenGL");
     }
-    gl_renderer* r = (gl_renderer*)m.renderer;
+    stp_gl_renderer* r = (stp_gl_renderer*)m.renderer;
     uint32_t first = 0, both = 0, seen_after_all = 0;
     for (uint64_t round = 0; round < ROUNDS; ++round) {
         stp_gl_splats way = round % 3 == 0 ? STP_GL_SPLATS_COMPUTE : STP_GL_SPLATS_POINTS;
@@ -101,7 +101,7 @@ void test_gl_occlusion_leaves_out_undecided_groups(test_state* test)
         CHECK(!failed);
         SKIP("there is no OpenGL");
     }
-    gl_renderer* r = (gl_renderer*)m.renderer;
+    stp_gl_renderer* r = (stp_gl_renderer*)m.renderer;
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));
     CHECK(r->occlusion.known && !r->occlusion.culls); // there was no previous picture
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));

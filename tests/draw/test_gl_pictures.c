@@ -250,7 +250,7 @@ void test_gl_textures_from_small_files_fit_one_page(test_state* test)
     }
     CHECK(m.picture.scene.texture_count == 1);
     compare(test, &m);
-    const gl_pool* pool = &((gl_renderer*)m.renderer)->pool;
+    const stp_gl_pool* pool = &((stp_gl_renderer*)m.renderer)->pool;
     CHECK(pool->spans.total * 4 >= 5 << 20);
     CHECK_EQUAL(1, pool->page_count);
     stp_free(m.picture.context, png);
@@ -409,7 +409,7 @@ void test_gl_pictures_stay_where_they_are_drawn(test_state* test)
         return;
     }
     made_picture* p = &m.picture;
-    gl_renderer* r = (gl_renderer*)m.renderer;
+    stp_gl_renderer* r = (stp_gl_renderer*)m.renderer;
     static uint8_t kept[4 * PIXELS];
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));
     p->style.background = true;
@@ -426,8 +426,8 @@ void test_gl_pictures_stay_where_they_are_drawn(test_state* test)
     CHECK_EQUAL(splats, p->stats.splats);
     CHECK_EQUAL(0, r->timer.count); // of the last picture
     uint64_t covered = p->stats.covered_pixels;
-    gl_read_texture(&r->gl, stp_draw_gl_texture(m.renderer), GL_RGBA, GL_UNSIGNED_BYTE,
-                    PICTURE_SIDE, PICTURE_SIDE, sizeof(kept), kept);
+    stp_gl_read_texture(&r->gl, stp_draw_gl_texture(m.renderer), GL_RGBA, GL_UNSIGNED_BYTE,
+                        PICTURE_SIDE, PICTURE_SIDE, sizeof(kept), kept);
     CHECK(made_count_different(kept, m.pixels, 6) > 100);
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));
     CHECK_EQUAL(covered, p->stats.covered_pixels);
@@ -436,8 +436,8 @@ void test_gl_pictures_stay_where_they_are_drawn(test_state* test)
     const uint64_t row = UINT64_C(4) * PICTURE_SIDE, bands[] = {1, row, 5 * row + 3, 63 * row};
     for (size_t i = 0; i < sizeof(bands) / sizeof(bands[0]); ++i) {
         memset(kept, 1, sizeof(kept));
-        gl_read_texture(&r->gl, stp_draw_gl_texture(m.renderer), GL_RGBA, GL_UNSIGNED_BYTE,
-                        PICTURE_SIDE, PICTURE_SIDE, bands[i], kept);
+        stp_gl_read_texture(&r->gl, stp_draw_gl_texture(m.renderer), GL_RGBA, GL_UNSIGNED_BYTE,
+                            PICTURE_SIDE, PICTURE_SIDE, bands[i], kept);
         CHECK_EQUAL(0, made_count_different(kept, m.pixels, 0));
     }
     made_gl_end(&m);

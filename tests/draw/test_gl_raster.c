@@ -14,11 +14,11 @@ typedef struct visible {
 
 static void read_visible(made_gl* m, visible* v)
 {
-    const gl_renderer* r = (const gl_renderer*)m->renderer;
-    gl_read_texture(&r->gl, r->target.ids, GL_RED_INTEGER, GL_UNSIGNED_INT, PICTURE_SIDE,
-                    PICTURE_SIDE, sizeof(v->ids), v->ids);
-    gl_read_texture(&r->gl, r->target.nearness, GL_DEPTH_COMPONENT, GL_FLOAT, PICTURE_SIDE,
-                    PICTURE_SIDE, sizeof(v->nearness), v->nearness);
+    const stp_gl_renderer* r = (const stp_gl_renderer*)m->renderer;
+    stp_gl_read_texture(&r->gl, r->target.ids, GL_RED_INTEGER, GL_UNSIGNED_INT, PICTURE_SIDE,
+                        PICTURE_SIDE, sizeof(v->ids), v->ids);
+    stp_gl_read_texture(&r->gl, r->target.nearness, GL_DEPTH_COMPONENT, GL_FLOAT, PICTURE_SIDE,
+                        PICTURE_SIDE, sizeof(v->nearness), v->nearness);
 }
 
 static int count_other_ids(const visible* a, const visible* b)
@@ -95,13 +95,13 @@ void test_gl_splats_are_chosen_by_measuring(test_state* test)
     }
     CHECK(speed.fixed_ns[0] == 0 && speed.fixed_ns[1] > 0);
     // many splats of one size are drawn by the cheapest way
-    gl_renderer* r = (gl_renderer*)m.renderer;
+    stp_gl_renderer* r = (stp_gl_renderer*)m.renderer;
     for (int i = 0; i < STP_GL_SPLAT_SIZES; ++i) {
         bool points = speed.splat_ns[0][i] <= speed.splat_ns[1][i];
-        stp_gl_splats way = gl_splat_choice_find(r, UINT64_C(1) << 40, speed.sizes[i]);
+        stp_gl_splats way = stp_gl_splat_choice_find(r, UINT64_C(1) << 40, speed.sizes[i]);
         CHECK(points == (way == STP_GL_SPLATS_POINTS));
     }
-    CHECK_EQUAL(STP_GL_SPLATS_POINTS, gl_splat_choice_find(r, 0, 1));
+    CHECK_EQUAL(STP_GL_SPLATS_POINTS, stp_gl_splat_choice_find(r, 0, 1));
     // the picture is not the measured one
     CHECK_EQUAL(STP_OK, made_picture_draw(&m.picture));
     CHECK(made_count_different(m.pixels, m.picture.pixels, 6) <= PIXELS / 50);

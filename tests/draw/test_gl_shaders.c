@@ -24,7 +24,7 @@ static int compile(stp_context* context, const checked_shader* shader)
     const char* stage = strstr(shader->name, ".comp.") != NULL   ? "comp"
                         : strstr(shader->name, ".vert.") != NULL ? "vert"
                                                                  : "frag";
-    char* text = gl_program_text(context, shader->name, shader->defines);
+    char* text = stp_gl_program_text(context, shader->name, shader->defines);
     if (text == NULL) {
         return -1;
     }

@@ -10,7 +10,7 @@
 enum { WORDS = 4096, REGIONS = 3, KEPT = 200, STEPS = 20000 };
 
 typedef struct shared {
-    gl_spans spans;
+    stp_gl_spans spans;
     uint8_t taken[REGIONS][WORDS]; ///< each word: whether it is in use
     uint32_t kept[KEPT], asked[KEPT];
     uint32_t count;
@@ -54,14 +54,15 @@ static bool is_all(const uint8_t* words, uint32_t count, uint8_t value)
 
 static void take_one(test_state* test, shared* s, uint32_t asked)
 {
-    uint32_t rounded = (uint32_t)gl_spans_round(asked);
+    uint32_t rounded = (uint32_t)stp_gl_spans_round(asked);
     bool room = has_room(s, rounded);
-    uint32_t span = gl_spans_take(&s->spans, asked);
+    uint32_t span = stp_gl_spans_take(&s->spans, asked);
     CHECK(room == (span != SPANS_NONE));
     if (!room) {
         return;
     }
-    uint32_t first = gl_spans_first(&s->spans, span), count = gl_spans_count(&s->spans, span);
+    uint32_t first = stp_gl_spans_first(&s->spans, span),
+             count = stp_gl_spans_count(&s->spans, span);
     uint8_t* words = words_at(s, first, count);
     CHECK_EQUAL(rounded, count);
     CHECK(first % SPANS_UNIT == 0 && words != NULL);
@@ -72,11 +73,11 @@ static void take_one(test_state* test, shared* s, uint32_t asked)
 
 static void give_one(test_state* test, shared* s, uint32_t at)
 {
-    uint32_t span = s->kept[at], count = gl_spans_count(&s->spans, span);
-    uint8_t* words = words_at(s, gl_spans_first(&s->spans, span), count);
+    uint32_t span = s->kept[at], count = stp_gl_spans_count(&s->spans, span);
+    uint8_t* words = words_at(s, stp_gl_spans_first(&s->spans, span), count);
     CHECK(words != NULL && is_all(words, count, 1));
     memset(words, 0, count);
-    gl_spans_release(&s->spans, span);
+    stp_gl_spans_release(&s->spans, span);
     s->kept[at] = s->kept[--s->count];
 }
 
@@ -85,7 +86,7 @@ void test_gl_spans_are_those_of_a_map(test_state* test)
     static shared s;
     s = (shared){.spans.context = test_context(NULL, 1, NULL)};
     for (int i = 0; i < REGIONS; ++i) {
-        CHECK(gl_spans_add_region(&s.spans, region_firsts[i], WORDS));
+        CHECK(stp_gl_spans_add_region(&s.spans, region_firsts[i], WORDS));
     }
     for (uint32_t step = 0; step < STEPS; ++step) {
         uint64_t bits = stp_rng_hash(7, step);
@@ -98,7 +99,7 @@ void test_gl_spans_are_those_of_a_map(test_state* test)
         }
         uint64_t used = 0;
         for (uint32_t i = 0; i < s.count; ++i) {
-            used += gl_spans_count(&s.spans, s.kept[i]);
+            used += stp_gl_spans_count(&s.spans, s.kept[i]);
         }
         CHECK_EQUAL(used, s.spans.used);
     }
@@ -106,10 +107,10 @@ void test_gl_spans_are_those_of_a_map(test_state* test)
         give_one(test, &s, s.count / 2);
     }
     for (int i = 0; i < REGIONS; ++i) { // all neighbours are joined again
-        CHECK(gl_spans_take(&s.spans, WORDS) != SPANS_NONE);
+        CHECK(stp_gl_spans_take(&s.spans, WORDS) != SPANS_NONE);
     }
-    CHECK_EQUAL(SPANS_NONE, gl_spans_take(&s.spans, 1));
-    gl_spans_destroy(&s.spans);
+    CHECK_EQUAL(SPANS_NONE, stp_gl_spans_take(&s.spans, 1));
+    stp_gl_spans_destroy(&s.spans);
     stp_context_destroy(s.spans.context);
 }
 
@@ -117,22 +118,22 @@ void test_gl_spans_survive_failing_memory(test_state* test)
 {
     for (int fail = 0; fail < 40; ++fail) {
         test_heap heap = TEST_HEAP(-1);
-        gl_spans spans = {.context = test_context(&heap, 1, NULL)};
+        stp_gl_spans spans = {.context = test_context(&heap, 1, NULL)};
         uint32_t kept[64], count = 0;
         heap.fail_at = heap.count + fail;
-        bool added = gl_spans_add_region(&spans, 0, 1u << 16);
+        bool added = stp_gl_spans_add_region(&spans, 0, 1u << 16);
         for (uint32_t i = 0; i < 64 && added; ++i) {
-            uint32_t span = gl_spans_take(&spans, 16 * (i + 1));
+            uint32_t span = stp_gl_spans_take(&spans, 16 * (i + 1));
             if (span != SPANS_NONE) {
                 kept[count++] = span;
             }
         }
         for (uint32_t i = 0; i < count; ++i) {
-            gl_spans_release(&spans, kept[i]);
+            stp_gl_spans_release(&spans, kept[i]);
         }
         CHECK_EQUAL(0, spans.used);
-        CHECK(!added || gl_spans_take(&spans, 1u << 16) != SPANS_NONE);
-        gl_spans_destroy(&spans);
+        CHECK(!added || stp_gl_spans_take(&spans, 1u << 16) != SPANS_NONE);
+        stp_gl_spans_destroy(&spans);
         stp_context_destroy(spans.context);
         CHECK_EQUAL(0, heap.live_bytes);
     }
@@ -140,11 +141,11 @@ void test_gl_spans_survive_failing_memory(test_state* test)
 
 void test_gl_spans_refuse_invalid_sizes(test_state* test)
 {
-    gl_spans spans = {.context = test_context(NULL, 1, NULL)};
-    CHECK(gl_spans_add_region(&spans, 0, 1u << 10));
-    CHECK_EQUAL(SPANS_NONE, gl_spans_take(&spans, 0));
-    CHECK_EQUAL(SPANS_NONE, gl_spans_take(&spans, UINT32_MAX));
-    CHECK_EQUAL(SPANS_NONE, gl_spans_take(&spans, (1u << 10) + 1));
-    gl_spans_destroy(&spans);
+    stp_gl_spans spans = {.context = test_context(NULL, 1, NULL)};
+    CHECK(stp_gl_spans_add_region(&spans, 0, 1u << 10));
+    CHECK_EQUAL(SPANS_NONE, stp_gl_spans_take(&spans, 0));
+    CHECK_EQUAL(SPANS_NONE, stp_gl_spans_take(&spans, UINT32_MAX));
+    CHECK_EQUAL(SPANS_NONE, stp_gl_spans_take(&spans, (1u << 10) + 1));
+    stp_gl_spans_destroy(&spans);
     stp_context_destroy(spans.context);
 }

@@ -13,9 +13,9 @@
 enum { SURFACES = 40, LIT = 100, BUFFERS = 3, ROW = 300 };
 
 typedef struct tables {
-    cpu_shade_surface surfaces[SURFACES];
+    stp_cpu_shade_surface surfaces[SURFACES];
     uint8_t encode[CPU_ENCODE_SIZE + 3];
-    cpu_shade_scene scene;
+    stp_cpu_shade_scene scene;
 } tables;
 
 typedef struct dice {
@@ -32,14 +32,14 @@ static float unit(dice* d)
     return (float)(next(d) >> 40) * (1.0f / 16777216.0f);
 }
 
-static void make_surface(cpu_shade_surface* s, int number, dice* rng)
+static void make_surface(stp_cpu_shade_surface* s, int number, dice* rng)
 {
     const float emissive[3] = {unit(rng) * 0.2f, 0, 0.1f};
     for (int k = 0; k < 3; ++k) {
         s->color[k] = unit(rng);
         s->normal[k] = number == 0 ? 0.0f : 2.0f * unit(rng) - 1.0f;
     }
-    s->material = cpu_make_shade_material(unit(rng), unit(rng), emissive, number % 4 == 1);
+    s->material = stp_cpu_make_shade_material(unit(rng), unit(rng), emissive, number % 4 == 1);
 }
 
 static void make_tables(tables* t, dice* rng)
@@ -50,19 +50,19 @@ static void make_tables(tables* t, dice* rng)
     for (int i = 0; i < CPU_ENCODE_SIZE; ++i) {
         t->encode[i] = stp_linear_to_srgb8(((float)i + 0.5f) / (float)CPU_ENCODE_SIZE);
     }
-    t->scene = (cpu_shade_scene){.encode = t->encode,
-                                 .light = {.key = {-0.45f, 0.65f, 0.62f},
-                                           .up = {0, 1, 0},
-                                           .left_box = {-0.6f, 0.64f, 0.48f},
-                                           .right_box = {0.8f, 0.0f, 0.6f}},
-                                 .start = {-0.3f, 0.2f, 0.9f},
-                                 .across = {0.001f, 0, 0.0001f},
-                                 .down = {0, -0.002f, 0.0001f}};
+    t->scene = (stp_cpu_shade_scene){.encode = t->encode,
+                                     .light = {.key = {-0.45f, 0.65f, 0.62f},
+                                               .up = {0, 1, 0},
+                                               .left_box = {-0.6f, 0.64f, 0.48f},
+                                               .right_box = {0.8f, 0.0f, 0.6f}},
+                                     .start = {-0.3f, 0.2f, 0.9f},
+                                     .across = {0.001f, 0, 0.0001f},
+                                     .down = {0, -0.002f, 0.0001f}};
 }
 
-static void make_lanes(cpu_shade_lanes* lanes, dice* rng, uint32_t count)
+static void make_lanes(stp_cpu_shade_lanes* lanes, dice* rng, uint32_t count)
 {
-    *lanes = (cpu_shade_lanes){.count = count, .wants_linear = true};
+    *lanes = (stp_cpu_shade_lanes){.count = count, .wants_linear = true};
     for (uint32_t i = 0; i < count; ++i) {
         lanes->surface[i] = (uint32_t)(next(rng) % SURFACES);
         lanes->x[i] = 64.0f * unit(rng);
@@ -100,7 +100,7 @@ static void mirror_one(const stp_lighting* light, stp_vec3 r, float rough, float
 
 /// The key light's highlight.
 static float gloss_one(const stp_lighting* light, stp_vec3 eye, float toward, float facing,
-                       const cpu_shade_material* m)
+                       const stp_cpu_shade_material* m)
 {
     float square = 2.0f + 2.0f * stp_dot(eye, light->key);
     float along = stp_max(toward + facing, 0.0f);
@@ -110,7 +110,7 @@ static float gloss_one(const stp_lighting* light, stp_vec3 eye, float toward, fl
            (1.0f - m->rough);
 }
 
-static stp_vec3 find_eye(const cpu_shade_scene* scene, float x, float y)
+static stp_vec3 find_eye(const stp_cpu_shade_scene* scene, float x, float y)
 {
     stp_vec3 eye = scene->start;
     if (!scene->parallel) {
@@ -121,13 +121,13 @@ static stp_vec3 find_eye(const cpu_shade_scene* scene, float x, float y)
 }
 
 /// The same lane in plain C.
-static void light_one(const cpu_shade_scene* scene, const cpu_shade_surface* s, float x, float y,
-                      float out[3])
+static void light_one(const stp_cpu_shade_scene* scene, const stp_cpu_shade_surface* s, float x,
+                      float y, float out[3])
 {
     static const float sky[3] = {LIGHT_SKY_R, LIGHT_SKY_G, LIGHT_SKY_B};
     static const float ground[3] = {LIGHT_GROUND_R, LIGHT_GROUND_G, LIGHT_GROUND_B};
     static const float key[3] = {LIGHT_KEY_R, LIGHT_KEY_G, LIGHT_KEY_B};
-    const cpu_shade_material* m = &s->material;
+    const stp_cpu_shade_material* m = &s->material;
     stp_vec3 n = unit_or_zero((stp_vec3){s->normal[0], s->normal[1], s->normal[2]});
     stp_vec3 eye = find_eye(scene, x, y);
     float facing = stp_dot(n, eye), mirrored[3];
@@ -153,7 +153,7 @@ static void light_one(const cpu_shade_scene* scene, const cpu_shade_surface* s, 
     }
 }
 
-static bool agrees(const tables* t, const cpu_shade_lanes* lanes)
+static bool agrees(const tables* t, const stp_cpu_shade_lanes* lanes)
 {
     for (uint32_t i = 0; i < lanes->count; ++i) {
         float wanted[3];
@@ -176,16 +176,16 @@ static bool agrees(const tables* t, const cpu_shade_lanes* lanes)
     return true;
 }
 
-static int list_variants(const cpu_shade_kernels* variants[3])
+static int list_variants(const stp_cpu_shade_kernels* variants[3])
 {
     int count = 0;
-    variants[count++] = &cpu_shade_kernels_portable;
+    variants[count++] = &stp_cpu_shade_kernels_portable;
 #if defined(__x86_64__)
     if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
-        variants[count++] = &cpu_shade_kernels_avx2;
+        variants[count++] = &stp_cpu_shade_kernels_avx2;
     }
     if (stp_processor_detect() >= STP_PROCESSOR_AVX512) {
-        variants[count++] = &cpu_shade_kernels_avx512;
+        variants[count++] = &stp_cpu_shade_kernels_avx512;
     }
 #endif
     return count;
@@ -194,10 +194,10 @@ static int list_variants(const cpu_shade_kernels* variants[3])
 void test_shade_lights_as_one_by_one(test_state* test)
 {
     static tables t;
-    static cpu_shade_lanes lanes;
+    static stp_cpu_shade_lanes lanes;
     dice rng = {7, 0};
     make_tables(&t, &rng);
-    const cpu_shade_kernels* variants[3];
+    const stp_cpu_shade_kernels* variants[3];
     int count = list_variants(variants);
     for (int round = 0; round < 40; ++round) {
         make_lanes(&lanes, &rng, round % 2 == 0 ? LIT : 1 + (uint32_t)round);
@@ -212,7 +212,7 @@ void test_shade_lights_as_one_by_one(test_state* test)
 }
 
 static bool is_merged(uint64_t made[BUFFERS][ROW], uint32_t at, uint32_t size,
-                      const cpu_shade_merged* row)
+                      const stp_cpu_shade_merged* row)
 {
     bool good = true;
     uint32_t before = 0;
@@ -235,7 +235,7 @@ void test_shade_merges_the_nearest_and_empties(test_state* test)
 {
     static uint64_t made[BUFFERS][ROW], used[BUFFERS][ROW];
     dice rng = {8, 0};
-    const cpu_shade_kernels* variants[3];
+    const stp_cpu_shade_kernels* variants[3];
     int count = list_variants(variants);
     for (int round = 0; round < 20; ++round) {
         for (int k = 0; k < BUFFERS; ++k) {
@@ -247,7 +247,7 @@ void test_shade_merges_the_nearest_and_empties(test_state* test)
         }
         for (int v = 0; v < count; ++v) {
             uint64_t* buffers[BUFFERS] = {used[0], used[1], used[2]};
-            cpu_shade_merged row;
+            stp_cpu_shade_merged row;
             memcpy(used, made, sizeof(used));
             memset(&row, 0xFF, sizeof(row));
             const uint32_t at = 101, size = round % 2 == 0 ? SHADE_WIDTH : 37;
@@ -268,11 +268,11 @@ void test_shade_spreads_runs(test_state* test)
 {
     enum { SPACE = SHADE_WIDTH + SHADE_LANES_MAX, LANES = 2 * SHADE_WIDTH + SHADE_LANES_MAX };
     dice rng = {10, 0};
-    const cpu_shade_kernels* variants[3];
+    const stp_cpu_shade_kernels* variants[3];
     int count = list_variants(variants);
     for (int round = 0; round < 40; ++round) {
-        cpu_shade_run runs[SHADE_WIDTH];
-        cpu_shade_nearness near[SHADE_WIDTH];
+        stp_cpu_shade_run runs[SHADE_WIDTH];
+        stp_cpu_shade_nearness near[SHADE_WIDTH];
         uint32_t lanes[LANES], wanted[SHADE_WIDTH];
         float nearness[SPACE], wanted_depth[SHADE_WIDTH];
         uint32_t run_count = 0, lane = 0;
@@ -285,10 +285,10 @@ void test_shade_spreads_runs(test_state* test)
         for (uint32_t x = 0; x < SHADE_WIDTH; ++run_count) {
             uint32_t length = 1 + (uint32_t)next(&rng) % (round % 2 == 0 ? 50 : 5);
             length = length < SHADE_WIDTH - x ? length : SHADE_WIDTH - x;
-            cpu_shade_run* run = &runs[run_count];
-            *run = (cpu_shade_run){(uint8_t)x, (uint8_t)length, (uint16_t)run_count, (uint16_t)lane,
-                                   next(&rng) % 2 == 0};
-            near[run_count] = (cpu_shade_nearness){0.9f + unit(&rng), unit(&rng)};
+            stp_cpu_shade_run* run = &runs[run_count];
+            *run = (stp_cpu_shade_run){(uint8_t)x, (uint8_t)length, (uint16_t)run_count,
+                                       (uint16_t)lane, next(&rng) % 2 == 0};
+            near[run_count] = (stp_cpu_shade_nearness){0.9f + unit(&rng), unit(&rng)};
             for (uint32_t k = 0; k < length; ++k, ++x) {
                 wanted[x] = lanes[lane + (run->flat ? k / SHADE_REACH : k)];
                 wanted_depth[x] = near[run_count].factor * nearness[x] + near[run_count].shift;
@@ -309,22 +309,22 @@ void test_shade_spreads_runs(test_state* test)
 void test_shade_keeps_all_surfaces_of_two_tiles(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
-    cpu_shade_memory* memory = cpu_make_shade_memory(context);
+    stp_cpu_shade_memory* memory = stp_cpu_make_shade_memory(context);
     CHECK(memory != NULL);
     if (memory == NULL) {
         stp_context_destroy(context);
         return;
     }
-    cpu_reset_surfaces(memory);
-    CHECK((uintptr_t)memory->surfaces % sizeof(cpu_shade_surface) == 0);
+    stp_cpu_reset_surfaces(memory);
+    CHECK((uintptr_t)memory->surfaces % sizeof(stp_cpu_shade_surface) == 0);
     dice rng = {9, 0};
     static uint32_t ids[2][SHADE_PIXELS], places[2][SHADE_PIXELS];
     for (int number = 0; number < 50; ++number) {
-        cpu_shade_tile* tile = cpu_begin_tile(memory);
+        stp_cpu_shade_tile* tile = stp_cpu_begin_tile(memory);
         int now = number % 2;
         for (int i = 0; i < SHADE_PIXELS; ++i) {
             ids[now][i] = (uint32_t)(next(&rng) % (number % 4 < 2 ? 300 : 1 << 20));
-            places[now][i] = cpu_find_surface(memory, tile, ids[now][i]);
+            places[now][i] = stp_cpu_find_surface(memory, tile, ids[now][i]);
         }
         for (int i = 0; i < SHADE_PIXELS; ++i) {
             CHECK(places[now][i] < SHADE_KEPT && memory->slots[places[now][i]].id == ids[now][i]);
@@ -339,10 +339,10 @@ void test_shade_keeps_all_surfaces_of_two_tiles(test_state* test)
         tile->miss_count = 0;
         for (int i = 0; i < SHADE_PIXELS; ++i) {
             bool remembered = places[now][i] < SHADE_CACHE;
-            CHECK(!remembered || cpu_find_surface(memory, tile, ids[now][i]) == places[now][i]);
+            CHECK(!remembered || stp_cpu_find_surface(memory, tile, ids[now][i]) == places[now][i]);
         }
         CHECK(tile->miss_count == 0);
     }
-    cpu_destroy_shade_memory(context, memory);
+    stp_cpu_destroy_shade_memory(context, memory);
     stp_context_destroy(context);
 }

@@ -30,7 +30,7 @@ static bool is_same(uint32_t count, const uint32_t widths[3], uint64_t seed, uin
                                     .layout = STP_CLUSTER_PLAIN};
         same = same && bytes[k] != NULL;
     }
-    *done = same ? clusters_unpack_avx2(runs, count, 0.125f, positions) : 0;
+    *done = same ? stp_clusters_unpack_avx2(runs, count, 0.125f, positions) : 0;
     same = same && *done <= count;
     for (uint32_t i = 0; same && i < 3 * *done; ++i) {
         float wanted = (float)stp_cluster_value(&runs[i % 3], i / 3) * 0.125f;

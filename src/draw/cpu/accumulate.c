@@ -6,18 +6,18 @@
 
 enum { LINEAR_FULL = 65535 }; ///< times the maximum of 4096 frames: fits 32 bits
 
-void cpu_continue_accumulation(cpu_renderer* r, const stp_view* view, const stp_draw_list* list,
-                               const stp_draw_style* style)
+void stp_cpu_continue_accumulation(stp_cpu_renderer* r, const stp_view* view,
+                                   const stp_draw_list* list, const stp_draw_style* style)
 {
-    cpu_accumulation* a = &r->accumulation;
+    stp_cpu_accumulation* a = &r->accumulation;
     if (!stp_resting_continues(&a->resting, view, list, style)) {
         a->frames = 0;
     }
 }
 
-stp_result cpu_make_accumulation(cpu_renderer* r, uint32_t frames)
+stp_result stp_cpu_make_accumulation(stp_cpu_renderer* r, uint32_t frames)
 {
-    cpu_accumulation* a = &r->accumulation;
+    stp_cpu_accumulation* a = &r->accumulation;
     stp_context* context = r->base.context;
     size_t needed = (size_t)r->width * r->height * r->eye_count;
     if (a->linear == NULL) {
@@ -46,8 +46,8 @@ stp_result cpu_make_accumulation(cpu_renderer* r, uint32_t frames)
 
 static void add_rows(size_t begin, size_t end, uint32_t worker, void* user)
 {
-    cpu_renderer* r = user;
-    const cpu_accumulation* a = &r->accumulation;
+    stp_cpu_renderer* r = user;
+    const stp_cpu_accumulation* a = &r->accumulation;
     (void)worker;
     for (size_t at = begin * r->width; at < end * r->width; ++at) {
         const uint8_t* in = r->image->pixels + 4 * at;
@@ -60,7 +60,7 @@ static void add_rows(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-void cpu_add_frame(cpu_renderer* r)
+void stp_cpu_add_frame(stp_cpu_renderer* r)
 {
     assert(r->accumulation.frames < 4096 && "sums of more frames overflow 32 bits");
     stp_team_run(&r->team, r->height, CPU_BAND_ROWS, add_rows, r);
@@ -68,7 +68,7 @@ void cpu_add_frame(cpu_renderer* r)
 
 static void show_rows(size_t begin, size_t end, uint32_t worker, void* user)
 {
-    cpu_renderer* r = user;
+    stp_cpu_renderer* r = user;
     const stp_draw_style* style = r->style;
     float whole = 1.0f / (float)r->accumulation.frames;
     uint64_t covered = 0;
@@ -96,13 +96,13 @@ static void show_rows(size_t begin, size_t end, uint32_t worker, void* user)
     r->workers[worker].covered += covered;
 }
 
-void cpu_show_frames(cpu_renderer* r)
+void stp_cpu_show_frames(stp_cpu_renderer* r)
 {
     assert(r->accumulation.frames > 0 && "there is no mean of nothing");
     stp_team_run(&r->team, r->height, CPU_BAND_ROWS, show_rows, r);
 }
 
-void cpu_destroy_accumulation(cpu_renderer* r)
+void stp_cpu_destroy_accumulation(stp_cpu_renderer* r)
 {
     stp_free(r->base.context, r->accumulation.memory);
     stp_free(r->base.context, r->accumulation.linear);

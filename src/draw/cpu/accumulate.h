@@ -8,14 +8,14 @@
 #include "draw/cpu/cpu.h"
 
 /// Drops the frames so far if they are of another view, list or style.
-void cpu_continue_accumulation(cpu_renderer* r, const stp_view* view, const stp_draw_list* list,
-                               const stp_draw_style* style);
+void stp_cpu_continue_accumulation(stp_cpu_renderer* r, const stp_view* view,
+                                   const stp_draw_list* list, const stp_draw_style* style);
 
 /// Allocates the sums; `frames` frames are already in them. @return STP_OK or
 /// STP_ERROR_OUT_OF_MEMORY (logged)
-STP_MUST_USE stp_result cpu_make_accumulation(cpu_renderer* r, uint32_t frames);
+STP_MUST_USE stp_result stp_cpu_make_accumulation(stp_cpu_renderer* r, uint32_t frames);
 /// Adds the picture of the current eye to its sums of `frames` frames so far.
-void cpu_add_frame(cpu_renderer* r);
+void stp_cpu_add_frame(stp_cpu_renderer* r);
 /// Replaces that picture by the mean of all frames, at least one.
-void cpu_show_frames(cpu_renderer* r);
-void cpu_destroy_accumulation(cpu_renderer* r);
+void stp_cpu_show_frames(stp_cpu_renderer* r);
+void stp_cpu_destroy_accumulation(stp_cpu_renderer* r);

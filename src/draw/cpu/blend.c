@@ -7,9 +7,9 @@
 #include <assert.h>
 #include <string.h>
 
-static stp_result make_room(cpu_renderer* r)
+static stp_result make_room(stp_cpu_renderer* r)
 {
-    cpu_blend* b = &r->blend;
+    stp_cpu_blend* b = &r->blend;
     size_t needed = (size_t)r->width * r->height;
     if (needed <= b->capacity) {
         return STP_OK;
@@ -26,12 +26,12 @@ static stp_result make_room(cpu_renderer* r)
     return STP_OK;
 }
 
-static stp_result make_bits(cpu_renderer* r)
+static stp_result make_bits(stp_cpu_renderer* r)
 {
-    cpu_blend* b = &r->blend;
+    stp_cpu_blend* b = &r->blend;
     void* visible = b->visible;
-    stp_result result = cpu_grow(r->base.context, &visible, &b->visible_capacity, r->late_count,
-                                 sizeof(*b->visible));
+    stp_result result = stp_cpu_grow(r->base.context, &visible, &b->visible_capacity, r->late_count,
+                                     sizeof(*b->visible));
     b->visible = visible;
     if (result == STP_OK && r->late_count > 0) {
         memset(b->visible, 0, r->late_count * sizeof(*b->visible));
@@ -45,15 +45,15 @@ static uint32_t count_blocks(uint32_t pixels, uint32_t shift)
 }
 
 /// Allocates blocks and windows; splats touch few of them.
-static stp_result make_blocks(cpu_renderer* r)
+static stp_result make_blocks(stp_cpu_renderer* r)
 {
-    cpu_blend* b = &r->blend;
-    b->block_shift = 3 + cpu_choose_level(r, &r->frame, STP_DEPTH_PYRAMID_LEVELS);
+    stp_cpu_blend* b = &r->blend;
+    b->block_shift = 3 + stp_cpu_choose_level(r, &r->frame, STP_DEPTH_PYRAMID_LEVELS);
     size_t columns = count_blocks(r->width, b->block_shift);
     size_t count = columns * count_blocks(r->height, b->block_shift);
     void* blocks = b->blocks;
     stp_result result =
-        cpu_grow(r->base.context, &blocks, &b->block_capacity, 2 * count, sizeof(*b->blocks));
+        stp_cpu_grow(r->base.context, &blocks, &b->block_capacity, 2 * count, sizeof(*b->blocks));
     b->blocks = blocks;
     return result;
 }
@@ -61,18 +61,18 @@ static stp_result make_blocks(cpu_renderer* r)
 /// Finds the nearest of all workers' pixels; only pixels of splats are blended.
 static void find_rows(size_t begin, size_t end, uint32_t worker, void* user)
 {
-    const cpu_renderer* r = user;
+    const stp_cpu_renderer* r = user;
     uint32_t slot = 0, last = UINT32_MAX;
     (void)worker;
     for (size_t at = begin * r->width; at < end * r->width; ++at) {
-        uint64_t pixel = cpu_nearest_of_workers(r, at);
+        uint64_t pixel = stp_cpu_nearest_of_workers(r, at);
         r->blend.sums[2 * at] = r->blend.sums[2 * at + 1] = 0;
         r->blend.planes[at] = (stp_raster_plane){.nearness = FLT_MAX, .id = UINT32_MAX};
         if (pixel != STP_RASTER_EMPTY) {
             uint32_t id = stp_raster_id(pixel);
-            const cpu_item* item = &r->items[slot];
+            const stp_cpu_item* item = &r->items[slot];
             if (id - item->first_id >= item->count) {
-                slot = cpu_find_item(r, id);
+                slot = stp_cpu_find_item(r, id);
                 item = &r->items[slot];
             }
             assert((item->kind == STP_DRAW_MESH || id - item->first_id < item->count) &&
@@ -91,7 +91,7 @@ static void find_rows(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-stp_result cpu_find_visible(cpu_renderer* r)
+stp_result stp_cpu_find_visible(stp_cpu_renderer* r)
 {
     stp_result result = make_room(r);
     result = result == STP_OK ? make_bits(r) : result;
@@ -99,16 +99,16 @@ stp_result cpu_find_visible(cpu_renderer* r)
     if (result == STP_OK) {
         stp_team_run(&r->team, r->height, CPU_BAND_ROWS, find_rows, r);
     }
-    return result == STP_OK && cpu_is_stopped(r) ? STP_ERROR_CANCELLED : result;
+    return result == STP_OK && stp_cpu_is_stopped(r) ? STP_ERROR_CANCELLED : result;
 }
 
 typedef struct splat_lighter {
-    const cpu_renderer* r;
+    const stp_cpu_renderer* r;
     uint32_t slot; ///< index of the item
-    const cpu_shade_kernels* kernels;
-    cpu_shade_scene scene;
-    cpu_shade_lanes lanes;
-    _Alignas(64) cpu_shade_surface surfaces[SHADE_LANES_MAX];
+    const stp_cpu_shade_kernels* kernels;
+    stp_cpu_shade_scene scene;
+    stp_cpu_shade_lanes lanes;
+    _Alignas(64) stp_cpu_shade_surface surfaces[SHADE_LANES_MAX];
 } splat_lighter;
 
 /// Lights splats like pixels at their centres.
@@ -123,7 +123,7 @@ static void light_splats(void* user, uint32_t first, uint32_t count, const float
         s->lanes.x[i] = x[there];
         s->lanes.y[i] = y[there];
         if (i < count) {
-            cpu_make_splat_surface(s->r, s->slot, first + i, &s->surfaces[i]);
+            stp_cpu_make_splat_surface(s->r, s->slot, first + i, &s->surfaces[i]);
         }
     }
     s->lanes.count = count;
@@ -142,7 +142,7 @@ static void light_splats(void* user, uint32_t first, uint32_t count, const float
 /// maximum nearness, so nothing is added there.
 static void find_blocks(size_t begin, size_t end, uint32_t worker, void* user)
 {
-    const cpu_renderer* r = user;
+    const stp_cpu_renderer* r = user;
     uint32_t shift = r->blend.block_shift, columns = count_blocks(r->width, shift);
     (void)worker;
     for (size_t row = begin; row < end; ++row) {
@@ -163,7 +163,7 @@ static void find_blocks(size_t begin, size_t end, uint32_t worker, void* user)
 }
 
 /// Occlusion test: splats behind all planes they overlap contribute nothing.
-static void find_windows(cpu_renderer* r)
+static void find_windows(stp_cpu_renderer* r)
 {
     uint32_t columns = count_blocks(r->width, r->blend.block_shift);
     uint32_t rows = count_blocks(r->height, r->blend.block_shift);
@@ -172,7 +172,7 @@ static void find_windows(cpu_renderer* r)
                             r->blend.blocks + (size_t)columns * rows);
 }
 
-static stp_raster_occluder make_occluder(const cpu_renderer* r, const cpu_item* item)
+static stp_raster_occluder make_occluder(const stp_cpu_renderer* r, const stp_cpu_item* item)
 {
     static const float nowhere[3] = {0.0f, 0.0f, 0.0f};
     uint32_t shift = r->blend.block_shift, columns = count_blocks(r->width, shift);
@@ -183,13 +183,14 @@ static stp_raster_occluder make_occluder(const cpu_renderer* r, const cpu_item* 
     frame.center_y += r->shift_y;
     stp_placement_view_rows(&frame, &item->draw->transform, nowhere, rows);
     stp_raster_occluder occluder =
-        cpu_make_occluder(&frame, (const double(*)[4])rows, &item->draw->transform,
-                          r->blend.blocks + count, columns, shift);
+        stp_cpu_make_occluder(&frame, (const double(*)[4])rows, &item->draw->transform,
+                              r->blend.blocks + count, columns, shift);
     occluder.apart = STP_BLEND_AWAY;
     return occluder;
 }
 
-void cpu_blend_range(const cpu_renderer* r, const cpu_item* item, const stp_raster_splats* splats)
+void stp_cpu_blend_range(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                         const stp_raster_splats* splats)
 {
     stp_raster_blend blend = {.width = r->width,
                               .height = r->height,
@@ -210,8 +211,8 @@ void cpu_blend_range(const cpu_renderer* r, const cpu_item* item, const stp_rast
     splat_lighter lighter;
     lighter.r = r;
     lighter.slot = (uint32_t)(item - r->items);
-    lighter.kernels = cpu_choose_shade_kernels();
-    lighter.scene = cpu_make_shade_scene(r);
+    lighter.kernels = stp_cpu_choose_shade_kernels();
+    lighter.scene = stp_cpu_make_shade_scene(r);
     blend.sums = (_Atomic uint64_t*)r->blend.sums;
     blend.texture = r->style->filter == STP_FILTER_TEXTURED ? &r->blend.texture : NULL;
     blend.colors = light_splats;
@@ -221,7 +222,7 @@ void cpu_blend_range(const cpu_renderer* r, const cpu_item* item, const stp_rast
 
 static void mix_rows(size_t begin, size_t end, uint32_t worker, void* user)
 {
-    const cpu_renderer* r = user;
+    const stp_cpu_renderer* r = user;
     (void)worker;
     for (size_t at = begin * r->width; at < end * r->width; ++at) {
         uint64_t first = r->blend.sums[2 * at], second = r->blend.sums[2 * at + 1];
@@ -239,7 +240,7 @@ static void mix_rows(size_t begin, size_t end, uint32_t worker, void* user)
 
 static void copy_plane_rows(size_t begin, size_t end, uint32_t worker, void* user)
 {
-    const cpu_renderer* r = user;
+    const stp_cpu_renderer* r = user;
     (void)worker;
     for (size_t at = begin * r->width; at < end * r->width; ++at) {
         const stp_raster_plane* plane = &r->blend.planes[at];
@@ -249,11 +250,11 @@ static void copy_plane_rows(size_t begin, size_t end, uint32_t worker, void* use
     }
 }
 
-stp_result cpu_find_plane_depths(cpu_renderer* r)
+stp_result stp_cpu_find_plane_depths(stp_cpu_renderer* r)
 {
     assert(r->blend.stage == CPU_BLEND_NONE && r->blend.capacity >= (size_t)r->width * r->height);
     r->blend.stage = CPU_BLEND_PLANES;
-    stp_result result = cpu_draw_items(r, 0);
+    stp_result result = stp_cpu_draw_items(r, 0);
     r->blend.stage = CPU_BLEND_NONE;
     if (result == STP_OK) {
         stp_team_run(&r->team, r->height, CPU_BAND_ROWS, copy_plane_rows, r);
@@ -261,11 +262,11 @@ stp_result cpu_find_plane_depths(cpu_renderer* r)
     return result;
 }
 
-stp_result cpu_blend_splats(cpu_renderer* r)
+stp_result stp_cpu_blend_splats(stp_cpu_renderer* r)
 {
     assert(r->blend.stage == CPU_BLEND_NONE && r->blend.capacity >= (size_t)r->width * r->height);
     r->blend.stage = CPU_BLEND_PLANES;
-    stp_result result = cpu_draw_items(r, 0);
+    stp_result result = stp_cpu_draw_items(r, 0);
     if (result == STP_OK) {
         find_windows(r);
     }
@@ -274,7 +275,7 @@ stp_result cpu_blend_splats(cpu_renderer* r)
         r->blend.texture = texture != NULL ? *texture : stp_splat_texture_gaussian();
     }
     r->blend.stage = CPU_BLEND_SPLATS;
-    result = result == STP_OK ? cpu_draw_items(r, 0) : result;
+    result = result == STP_OK ? stp_cpu_draw_items(r, 0) : result;
     r->blend.stage = CPU_BLEND_NONE;
     if (result == STP_OK) {
         stp_team_run(&r->team, r->height, CPU_BAND_ROWS, mix_rows, r);
@@ -282,7 +283,7 @@ stp_result cpu_blend_splats(cpu_renderer* r)
     return result;
 }
 
-void cpu_destroy_blend(cpu_renderer* r)
+void stp_cpu_destroy_blend(stp_cpu_renderer* r)
 {
     stp_free(r->base.context, r->blend.planes);
     stp_free(r->base.context, r->blend.sums);

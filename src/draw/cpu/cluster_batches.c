@@ -13,8 +13,8 @@ typedef struct batch {
     uint32_t indices[3 * BATCH_CLUSTERS * STP_CLUSTER_TRIANGLES];
 } batch;
 
-static bool draw_batch(const cpu_renderer* r, const cpu_item* item, const batch* b,
-                       const stp_raster_target* target, cpu_keep* keep, cpu_worker* worker)
+static bool draw_batch(const stp_cpu_renderer* r, const stp_cpu_item* item, const batch* b,
+                       const stp_raster_target* target, stp_cpu_keep* keep, stp_cpu_worker* worker)
 {
     assert(b->cluster_count <= BATCH_CLUSTERS &&
            b->vertex_count <= BATCH_CLUSTERS * STP_CLUSTER_VERTICES &&
@@ -22,16 +22,16 @@ static bool draw_batch(const cpu_renderer* r, const cpu_item* item, const batch*
     if (b->triangle_count == 0) {
         return true;
     }
-    const stp_raster_layer layer = cpu_make_layer(r, worker);
+    const stp_raster_layer layer = stp_cpu_make_layer(r, worker);
     stp_raster_mesh mesh = {.positions = b->positions,
                             .vertex_count = b->vertex_count,
                             .indices = b->indices,
                             .triangle_count = b->triangle_count,
                             .offset = {item->offset[0], item->offset[1], item->offset[2]},
                             .fragments = &worker->fragments};
-    if (keep->cut_mask != 0 || cpu_item_needs_keep(item)) {
+    if (keep->cut_mask != 0 || stp_cpu_item_needs_keep(item)) {
         keep->first_triangle = b->first_triangle;
-        mesh.keep = cpu_keep_fragment;
+        mesh.keep = stp_cpu_keep_fragment;
         mesh.keep_user = keep;
         mesh.layer = r->layers.stage == CPU_LAYERS_PEEL ? &layer : NULL;
     }
@@ -40,13 +40,13 @@ static bool draw_batch(const cpu_renderer* r, const cpu_item* item, const batch*
                                 item->first_id + b->first_triangle, &worker->scratch) == STP_OK;
 }
 
-stp_bounding cpu_bound(const cpu_renderer* r, const cpu_item* item)
+stp_bounding stp_cpu_bound(const stp_cpu_renderer* r, const stp_cpu_item* item)
 {
     return stp_bounding_make(item->camera.matrix.m, item->camera.nearness_limit, item->offset,
                              r->width, r->height);
 }
 
-void cpu_drop_triangles(uint32_t* indices, uint32_t first, uint32_t count, float share)
+void stp_cpu_drop_triangles(uint32_t* indices, uint32_t first, uint32_t count, float share)
 {
     for (uint32_t i = 0; i < count; ++i) {
         if (!stp_draw_keeps(first + i, share)) {
@@ -55,7 +55,7 @@ void cpu_drop_triangles(uint32_t* indices, uint32_t first, uint32_t count, float
     }
 }
 
-static void add_cluster(const cpu_item* item, uint32_t index, float share, batch* b)
+static void add_cluster(const stp_cpu_item* item, uint32_t index, float share, batch* b)
 {
     assert(b->cluster_count < BATCH_CLUSTERS && index < item->clusters.cluster_count);
     stp_cluster cluster;
@@ -67,7 +67,7 @@ static void add_cluster(const cpu_item* item, uint32_t index, float share, batch
     uint32_t* indices = b->indices + 3 * (size_t)b->triangle_count;
     stp_cluster_indices(&cluster, b->vertex_count, indices);
     if (share < 1.0f) {
-        cpu_drop_triangles(indices, cluster.first_triangle, cluster.triangle_count, share);
+        stp_cpu_drop_triangles(indices, cluster.first_triangle, cluster.triangle_count, share);
     }
     b->vertex_count += cluster.vertex_count;
     b->triangle_count += cluster.triangle_count;
@@ -75,30 +75,32 @@ static void add_cluster(const cpu_item* item, uint32_t index, float share, batch
 }
 
 /// Whether any of a cluster may be visible.
-static bool is_seen(const cpu_renderer* r, const cpu_item* item, const stp_bounding* bounding,
-                    stp_box box, uint32_t bit, cpu_cluster_range* range)
+static bool is_seen(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                    const stp_bounding* bounding, stp_box box, uint32_t bit,
+                    stp_cpu_cluster_range* range)
 {
     if ((range->wanted & bit) == 0 || stp_bounding_misses(bounding, box)) {
         return false;
     }
-    if (r->occluding != NULL && cpu_hides(r, item, box)) {
+    if (r->occluding != NULL && stp_cpu_hides(r, item, box)) {
         range->hidden |= bit;
         return false;
     }
     return true;
 }
 
-bool cpu_draw_clusters(const cpu_renderer* r, const cpu_item* item, cpu_cluster_range* range,
-                       const stp_raster_target* target, cpu_worker* worker)
+bool stp_cpu_draw_clusters(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                           stp_cpu_cluster_range* range, const stp_raster_target* target,
+                           stp_cpu_worker* worker)
 {
     assert(range->begin <= range->end && range->end - range->begin <= 32 && "one bit each");
     stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
     batch* b = stp_arena_alloc(&worker->scratch, sizeof(*b));
-    cpu_keep_memory memory = {.triangle = UINT32_MAX};
-    cpu_cuts cuts;
-    cpu_find_cuts(r, item, &cuts);
-    cpu_keep keep = {.renderer = r, .item = item, .memory = &memory, .cuts = &cuts};
-    stp_bounding bounding = cpu_bound(r, item);
+    stp_cpu_keep_memory memory = {.triangle = UINT32_MAX};
+    stp_cpu_cuts cuts;
+    stp_cpu_find_cuts(r, item, &cuts);
+    stp_cpu_keep keep = {.renderer = r, .item = item, .memory = &memory, .cuts = &cuts};
+    stp_bounding bounding = stp_cpu_bound(r, item);
     bool enough = b != NULL;
     for (uint32_t i = range->begin; enough && i < range->end;) {
         b->vertex_count = b->triangle_count = b->cluster_count = 0;
@@ -106,7 +108,7 @@ bool cpu_draw_clusters(const cpu_renderer* r, const cpu_item* item, cpu_cluster_
         while (i < range->end && b->cluster_count < BATCH_CLUSTERS) {
             stp_box box = stp_clusters_bounds(&item->clusters, i);
             float share = stp_draw_share(item->draw, stp_bounding_min_depth(&bounding, box));
-            bool seen = share > 0.0f && !cpu_cuts_drop(&cuts, item, box, &keep.cut_mask) &&
+            bool seen = share > 0.0f && !stp_cpu_cuts_drop(&cuts, item, box, &keep.cut_mask) &&
                         is_seen(r, item, &bounding, box, 1u << (i - range->begin), range);
             if (!seen && b->cluster_count != 0) {
                 i += 1;

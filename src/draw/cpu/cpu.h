@@ -35,15 +35,15 @@ enum {
 };
 
 /// A texture, decoded as colour, as data, or both.
-typedef struct cpu_texture {
+typedef struct stp_cpu_texture {
     stp_texture_pyramid as_color, as_data;
     bool has_color, has_data;
     bool is_asked;    ///< scheduled for decoding
     uint64_t arrival; ///< arrival number of its texels (stp_store_texture_arrival)
-} cpu_texture;
+} stp_cpu_texture;
 
 /// Columns of a surfel set (stp_splats) that is drawn.
-typedef struct cpu_surfels {
+typedef struct stp_cpu_surfels {
     stp_vec3 origin;
     float step;
     const uint16_t* positions;
@@ -52,11 +52,11 @@ typedef struct cpu_surfels {
     const uint32_t *shapes, *ranges; ///< NULL: none
     const stp_splat_group* groups;   ///< NULL: none
     bool plain_coverages, unknown_signs;
-} cpu_surfels;
+} stp_cpu_surfels;
 
 /// A draw item with all data for its pieces and pixels. Views of large scenes have a hundred
 /// thousand items.
-typedef struct cpu_item {
+typedef struct stp_cpu_item {
     stp_draw_kind kind;
     uint32_t first_id, count;
     uint32_t first_piece;
@@ -71,7 +71,7 @@ typedef struct cpu_item {
     float radius;              ///< splat radius, item space
     const stp_draw_item* draw; ///< the list's item
     const stp_draw_run* runs;  ///< NULL: every splat is drawn at any depth
-    cpu_surfels surfels;
+    stp_cpu_surfels surfels;
     const uint8_t* colors;     ///< colours of the prefix's octave, 3 bytes per surfel
     const uint8_t* low_colors; ///< colours of the previous octave, for the first `low_count`
     const uint8_t *coverages, *low_coverages;
@@ -91,27 +91,27 @@ typedef struct cpu_item {
     // Occlusion culling of parts of items (occlude.c):
     double occluder_rows[3][4]; ///< from item space to right, down, depth of the pyramid's view
     stp_raster_occluder occluder;
-    size_t late; ///< offset of its bits in cpu_eye.late, in units of 16
-} cpu_item;
+    size_t late; ///< offset of its bits in stp_cpu_eye.late, in units of 16
+} stp_cpu_item;
 
-typedef struct cpu_shade_item cpu_shade_item;
-typedef struct cpu_shade_material cpu_shade_material;
-typedef struct cpu_shade_memory cpu_shade_memory;
+typedef struct stp_cpu_shade_item stp_cpu_shade_item;
+typedef struct stp_cpu_shade_material stp_cpu_shade_material;
+typedef struct stp_cpu_shade_memory stp_cpu_shade_memory;
 
-typedef struct cpu_worker {
-    uint64_t* pixels;          ///< buffer of the current eye, a part of `memory`
-    uint64_t* memory;          ///< for the pixels of all eyes, one after the other
-    uint64_t** buffers;        ///< buffers of the workers that drew; room for all workers
-    cpu_shade_memory* shading; ///< cache of recently shaded surfaces
+typedef struct stp_cpu_worker {
+    uint64_t* pixels;              ///< buffer of the current eye, a part of `memory`
+    uint64_t* memory;              ///< for the pixels of all eyes, one after the other
+    uint64_t** buffers;            ///< buffers of the workers that drew; room for all workers
+    stp_cpu_shade_memory* shading; ///< cache of recently shaded surfaces
     stp_arena scratch;
     uint64_t fragments, covered;
     uint64_t layer_found;  ///< fragments of the current piece between the layer's bounds
     uint64_t layer_pixels; ///< shaded pixels of the current layer
     bool drew, failed;
-} cpu_worker;
+} stp_cpu_worker;
 
 /// One eye of a view.
-typedef struct cpu_eye {
+typedef struct stp_cpu_eye {
     stp_view_frame frame;
     stp_image picture;
     // Splats and clusters occluded in the first pass, to be tested again in the second: one bit
@@ -124,31 +124,31 @@ typedef struct cpu_eye {
     float* windows; ///< occlusion test of splats (raster/occluder.h)
     size_t window_capacity;
     uint32_t window_level; ///< pyramid level of the windows
-} cpu_eye;
+} stp_cpu_eye;
 
 /// Inputs of the selection for samples in two passes.
-typedef struct cpu_two_passes {
+typedef struct stp_cpu_two_passes {
     const stp_view* view;
     stp_quality quality;
     stp_draw_list* list;
     bool hides_nodes; ///< selection may cull with pyramids
     bool selected;    ///< the list holds the first pass of the next sample
     double select_ms; ///< selection time
-} cpu_two_passes;
+} stp_cpu_two_passes;
 
 /// Memory for post-shading effects (effects.h).
-typedef struct cpu_effects {
+typedef struct stp_cpu_effects {
     float* memory;
     size_t capacity;
     stp_depth_pyramid pyramid; ///< for parallel projection, without a culling pyramid
-} cpu_effects;
+} stp_cpu_effects;
 
 /// Memory for the filter (blend.h).
-typedef struct cpu_blend {
+typedef struct stp_cpu_blend {
     stp_raster_plane* planes;
     uint64_t* sums; ///< 2 per pixel
     size_t capacity;
-    uint16_t* visible; ///< one bit per surfel, like the bits of cpu_item.late
+    uint16_t* visible; ///< one bit per surfel, like the bits of stp_cpu_item.late
     size_t visible_capacity;
     float* blocks; ///< minimum nearness of planes, then the windows of an occluder
     size_t block_capacity;
@@ -156,10 +156,10 @@ typedef struct cpu_blend {
     stp_splat_texture texture; ///< for STP_FILTER_TEXTURED
     /// Operation on splats that replaces drawing them.
     enum { CPU_BLEND_NONE, CPU_BLEND_PLANES, CPU_BLEND_SPLATS } stage;
-} cpu_blend;
+} stp_cpu_blend;
 
 /// Layers of transparent surfaces (layers.h).
-typedef struct cpu_layers {
+typedef struct stp_cpu_layers {
     bool possible, of_splats; ///< whether the scene has transparent surfaces, and splats of them
     bool warned;              ///< a warning about missing memory was logged
     uint8_t of_shading[256];  ///< per shading: whether its splats are transparent
@@ -176,10 +176,10 @@ typedef struct cpu_layers {
     float* light;   ///< 4 per pixel: linear colour of the layers so far, and their transmittance
     uint8_t* alive; ///< per piece: whether it may still have visible fragments
     size_t alive_capacity;
-} cpu_layers;
+} stp_cpu_layers;
 
 /// Sum of frames, each shifted by a fraction of a pixel (accumulate.h).
-typedef struct cpu_accumulation {
+typedef struct stp_cpu_accumulation {
     /// Sums of the current eye, 4 per pixel: linear colour times alpha, and alpha
     uint32_t* sums;
     uint32_t* memory;    ///< memory of the sums of all eyes
@@ -187,58 +187,58 @@ typedef struct cpu_accumulation {
     size_t capacity;     ///< pixels
     uint32_t frames;     ///< summed frames; 0: none yet, or outdated
     stp_resting resting; ///< inputs of those frames
-} cpu_accumulation;
+} stp_cpu_accumulation;
 
-typedef struct cpu_renderer {
+typedef struct stp_cpu_renderer {
     stp_renderer base;
     stp_store* store;
     const stp_store_directory* directory;
-    stp_team team;       ///< for drawing and shading
-    cpu_worker* workers; ///< one per thread
-    size_t pixel_count;  ///< capacity of the buffers, for all eyes
-    float* depths;       ///< true nearness of the pixels of all eyes
+    stp_team team;           ///< for drawing and shading
+    stp_cpu_worker* workers; ///< one per thread
+    size_t pixel_count;      ///< capacity of the buffers, for all eyes
+    float* depths;           ///< true nearness of the pixels of all eyes
     /// 4 per pixel: linear colour and number of covering samples; NULL until supersampling
     float* all_sums;
     size_t sum_count;
     uint8_t* eye_pixels; ///< for pictures of two eyes, one after the other
     size_t eye_pixel_count;
-    cpu_texture* textures;
+    stp_cpu_texture* textures;
     uint32_t* asked; ///< indices of textures scheduled for decoding; room for all
-    cpu_item* items;
+    stp_cpu_item* items;
     size_t item_count, item_capacity;
     uint64_t large_count; ///< triangles tested for drawing together with splats
     uint32_t piece_count;
-    cpu_eye eyes[STP_EYES_MAX];
+    stp_cpu_eye eyes[STP_EYES_MAX];
     stp_depth_pyramid
         pyramids[STP_EYES_MAX]; ///< depths of the eyes' last pictures; no levels: none
     size_t late_count;          ///< occlusion bits of all items, in units of 16
-    cpu_effects effects;
-    cpu_accumulation accumulation;
-    cpu_blend blend;
+    stp_cpu_effects effects;
+    stp_cpu_accumulation accumulation;
+    stp_cpu_blend blend;
     stp_caps* caps; ///< NULL until a style needs them
-    cpu_layers layers;
-    float decode[256];                   ///< sRGB byte to linear
-    uint8_t encode[CPU_ENCODE_SIZE + 3]; ///< read in fours
-    cpu_shade_material* shade_materials; ///< see cpu_make_shade_materials
-    cpu_shade_item* shade_items;
+    stp_cpu_layers layers;
+    float decode[256];                       ///< sRGB byte to linear
+    uint8_t encode[CPU_ENCODE_SIZE + 3];     ///< read in fours
+    stp_cpu_shade_material* shade_materials; ///< see stp_cpu_make_shade_materials
+    stp_cpu_shade_item* shade_items;
     uint32_t* first_ids; ///< first ids of items, ascending
     size_t shade_item_capacity, first_id_capacity;
     uint32_t* id_starts; ///< item of each 2^id_shift-th id
     size_t id_start_capacity;
     uint32_t id_shift;
     // this frame
-    cpu_two_passes* two_passes; ///< NULL: single pass
+    stp_cpu_two_passes* two_passes; ///< NULL: single pass
     uint32_t eye_count;
     const stp_draw_style* style;
     const stp_sections* sections;
     const stp_visibility* visibility; ///< NULL: everything is shown
     // the current eye (select_eye)
-    cpu_eye* eye;
+    stp_cpu_eye* eye;
     stp_view_frame frame;
     stp_image* image;
     float *depth, *sums;
     const stp_depth_pyramid* occluding; ///< optional occluders of splats and clusters in this pass
-    const cpu_eye* placed;              ///< the eye that items are placed for
+    const stp_cpu_eye* placed;          ///< the eye that items are placed for
     double nearness_scale, nearness_offset; ///< nearness = offset + scale / depth, or scale * depth
     double mesh_depth; ///< depth offset of triangles, in pixel sides at their depth
     uint32_t width, height;
@@ -246,35 +246,36 @@ typedef struct cpu_renderer {
     uint32_t sample, sample_count; ///< index and number of summed supersamples; 0 and 1: no sums
     uint32_t pattern;              ///< the sample's index, for hashed alpha
     double shift_x, shift_y;
-} cpu_renderer;
+} stp_cpu_renderer;
 
 /// Converts an item's nearness in the buffer to true nearness.
-static inline float cpu_true_nearness(const cpu_item* item, float nearness)
+static inline float stp_cpu_true_nearness(const stp_cpu_item* item, float nearness)
 {
     return item->near_factor * nearness + item->near_shift;
 }
 
 /// Looks up data and textures for a list's items from `first`; earlier items are already prepared.
 /// Failures are logged.
-STP_MUST_USE stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list, size_t first);
+STP_MUST_USE stp_result stp_cpu_prepare_items(stp_cpu_renderer* r, const stp_draw_list* list,
+                                              size_t first);
 /// Computes matrices of items from `first` for the current eye; of all items if earlier ones are of
 /// another eye.
-void cpu_place_items(cpu_renderer* r, const stp_draw_list* list, size_t first);
-void cpu_destroy_textures(cpu_renderer* r);
+void stp_cpu_place_items(stp_cpu_renderer* r, const stp_draw_list* list, size_t first);
+void stp_cpu_destroy_textures(stp_cpu_renderer* r);
 
 /// Factor on splat radii.
-static inline float cpu_splat_scale(const cpu_renderer* r)
+static inline float stp_cpu_splat_scale(const stp_cpu_renderer* r)
 {
     return r->style->splat_scale > 0.0f ? r->style->splat_scale : 1.0f;
 }
 
 /// Draws a piece. @return whether parts of it were occluded
-bool cpu_draw_piece(cpu_renderer* r, const cpu_item* item, uint32_t piece, bool late,
-                    const stp_raster_target* target, cpu_worker* worker);
+bool stp_cpu_draw_piece(stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t piece, bool late,
+                        const stp_raster_target* target, stp_cpu_worker* worker);
 /// The item that a piece belongs to.
-const cpu_item* cpu_item_of_piece(const cpu_renderer* r, uint32_t piece);
+const stp_cpu_item* stp_cpu_item_of_piece(const stp_cpu_renderer* r, uint32_t piece);
 /// Depth bounds of fragments in the current layer, for a worker.
-static inline stp_raster_layer cpu_make_layer(const cpu_renderer* r, cpu_worker* worker)
+static inline stp_raster_layer stp_cpu_make_layer(const stp_cpu_renderer* r, stp_cpu_worker* worker)
 {
     return (stp_raster_layer){.nearer = r->layers.nearer,
                               .farther = r->layers.farther,
@@ -285,127 +286,131 @@ static inline stp_raster_layer cpu_make_layer(const cpu_renderer* r, cpu_worker*
 /// Draws all items from a piece into the workers' buffers; of earlier pieces, only content occluded
 /// so far for the eye.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged), or STP_ERROR_CANCELLED
-STP_MUST_USE stp_result cpu_draw_items(cpu_renderer* r, uint32_t first_piece);
+STP_MUST_USE stp_result stp_cpu_draw_items(stp_cpu_renderer* r, uint32_t first_piece);
 
 /// Allocates occlusion bits of items from `first`, whose pieces are counted. @return STP_OK or
 /// STP_ERROR_OUT_OF_MEMORY (logged)
-STP_MUST_USE stp_result cpu_prepare_late(cpu_renderer* r, size_t first);
+STP_MUST_USE stp_result stp_cpu_prepare_late(stp_cpu_renderer* r, size_t first);
 /// Whether anything drawn so far was occluded for an eye.
-bool cpu_is_any_late(const cpu_renderer* r, const cpu_eye* eye);
+bool stp_cpu_is_any_late(const stp_cpu_renderer* r, const stp_cpu_eye* eye);
 /// Prepares the occlusion test of splats for the current eye. @return STP_OK or
 /// STP_ERROR_OUT_OF_MEMORY (logged)
-STP_MUST_USE stp_result cpu_prepare_occluder(cpu_renderer* r);
+STP_MUST_USE stp_result stp_cpu_prepare_occluder(stp_cpu_renderer* r);
 /// Prepares the occlusion test of an item.
-void cpu_place_occluder(const cpu_renderer* r, const stp_draw_item* draw, cpu_item* item);
+void stp_cpu_place_occluder(const stp_cpu_renderer* r, const stp_draw_item* draw,
+                            stp_cpu_item* item);
 /// Prepares the occlusion test of an item's splats against windows of a view's picture, with blocks
 /// of 2^shift pixels per side; `rows` map item space to the view (stp_placement_view_rows).
-stp_raster_occluder cpu_make_occluder(const stp_view_frame* frame, const double rows[3][4],
-                                      const stp_affine* transform, const float* windows,
-                                      uint32_t columns, uint32_t shift);
+stp_raster_occluder stp_cpu_make_occluder(const stp_view_frame* frame, const double rows[3][4],
+                                          const stp_affine* transform, const float* windows,
+                                          uint32_t columns, uint32_t shift);
 /// The finest level, 0 or more, whose blocks are so large that splats up to twice the list's size
 /// touch few.
-uint32_t cpu_choose_level(const cpu_renderer* r, const stp_view_frame* frame, uint32_t level_count);
+uint32_t stp_cpu_choose_level(const stp_cpu_renderer* r, const stp_view_frame* frame,
+                              uint32_t level_count);
 /// Grows an array to at least this many elements. @return STP_OK or STP_ERROR_OUT_OF_MEMORY
 /// (logged)
-STP_MUST_USE stp_result cpu_grow(stp_context* context, void** memory, size_t* capacity,
-                                 size_t wanted, size_t size);
+STP_MUST_USE stp_result stp_cpu_grow(stp_context* context, void** memory, size_t* capacity,
+                                     size_t wanted, size_t size);
 /// Prepares the occlusion test of all items before `first` with content occluded for the eye.
-void cpu_place_late_occluders(cpu_renderer* r, const stp_draw_list* list, size_t first);
+void stp_cpu_place_late_occluders(stp_cpu_renderer* r, const stp_draw_list* list, size_t first);
 /// Whether the pyramid occludes a box in item space.
-bool cpu_hides(const cpu_renderer* r, const cpu_item* item, stp_box box);
+bool stp_cpu_hides(const stp_cpu_renderer* r, const stp_cpu_item* item, stp_box box);
 /// Writes the nearest of the workers' buffers to `depth`, for rows [begin, end): lower bounds of the
 /// true nearness, 0 for background.
-void cpu_find_depths(cpu_renderer* r, uint32_t begin, uint32_t end, cpu_worker* worker);
+void stp_cpu_find_depths(stp_cpu_renderer* r, uint32_t begin, uint32_t end, stp_cpu_worker* worker);
 
 /// Prepares materials for shading: 256 surfel shadings, then those of meshes and points, then the
 /// same unlit. Called once per renderer. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
-STP_MUST_USE stp_result cpu_make_shade_materials(cpu_renderer* r);
+STP_MUST_USE stp_result stp_cpu_make_shade_materials(stp_cpu_renderer* r);
 /// Builds the item tables of shading, from `first`, and allocates memory for workers.
 /// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
-STP_MUST_USE stp_result cpu_prepare_shading(cpu_renderer* r, size_t first);
-void cpu_destroy_shading(cpu_renderer* r);
+STP_MUST_USE stp_result stp_cpu_prepare_shading(stp_cpu_renderer* r, size_t first);
+void stp_cpu_destroy_shading(stp_cpu_renderer* r);
 /// Call before shading each sample: invalidates cached triangles.
-void cpu_begin_shading(cpu_renderer* r);
+void stp_cpu_begin_shading(stp_cpu_renderer* r);
 
 /// Shades rows [begin, end), clears their buffers, and writes the picture or adds to the sums.
-void cpu_shade_rows(cpu_renderer* r, uint32_t begin, uint32_t end, cpu_worker* worker);
+void stp_cpu_shade_rows(stp_cpu_renderer* r, uint32_t begin, uint32_t end, stp_cpu_worker* worker);
 /// Resolves the sums of all samples into the picture.
-void cpu_average_rows(cpu_renderer* r, uint32_t begin, uint32_t end, uint64_t* covered);
+void stp_cpu_average_rows(stp_cpu_renderer* r, uint32_t begin, uint32_t end, uint64_t* covered);
 
 /// A triangle with all attributes of its corners.
-typedef struct cpu_triangle {
+typedef struct stp_cpu_triangle {
     float position[3][3]; ///< relative to the item's offset
     float texcoord[2][3][2];
     float color[3][4];  ///< linear, 1 is full
     stp_vec3 normal[3]; ///< not of unit length
     bool has_texcoord[2], has_color, has_normal;
-} cpu_triangle;
+} stp_cpu_triangle;
 
 /// 16-bit octahedral; not of unit length.
-stp_vec3 cpu_decode_normal(const int16_t* code);
+stp_vec3 stp_cpu_decode_normal(const int16_t* code);
 
 /// Reads triangles; access to neighbours of the previous triangle is faster.
-typedef struct cpu_reader {
-    const cpu_item* item; ///< item of the last triangle; NULL: none yet
-    uint32_t index;       ///< index of the last triangle
-    cpu_triangle triangle;
-    const cpu_item* cluster_item; ///< mesh of the open cluster; NULL: none
+typedef struct stp_cpu_reader {
+    const stp_cpu_item* item; ///< item of the last triangle; NULL: none yet
+    uint32_t index;           ///< index of the last triangle
+    stp_cpu_triangle triangle;
+    const stp_cpu_item* cluster_item; ///< mesh of the open cluster; NULL: none
     stp_cluster cluster;
-} cpu_reader;
+} stp_cpu_reader;
 
 /// Triangle `index` of a mesh item; valid until the next call.
-const cpu_triangle* cpu_read_triangle(cpu_reader* reader, const cpu_item* item, uint32_t index);
+const stp_cpu_triangle* stp_cpu_read_triangle(stp_cpu_reader* reader, const stp_cpu_item* item,
+                                              uint32_t index);
 /// Reads triangle `index` of a mesh of clusters, from the cluster that holds it.
-void cpu_read_from_cluster(const cpu_item* item, const stp_cluster* cluster, uint32_t index,
-                           cpu_triangle* out);
+void stp_cpu_read_from_cluster(const stp_cpu_item* item, const stp_cluster* cluster, uint32_t index,
+                               stp_cpu_triangle* out);
 
 /// Cached values of the last fragment's triangle, shared by its fragments.
-typedef struct cpu_keep_memory {
+typedef struct stp_cpu_keep_memory {
     uint32_t triangle; ///< UINT32_MAX: none yet
     float w[3], density;
     uint32_t pattern; ///< key of its alpha thresholds
-    cpu_reader reader;
-} cpu_keep_memory;
+    stp_cpu_reader reader;
+} stp_cpu_keep_memory;
 
 /// The view's planes that may cut an item (stp_draw_item.sections), in item space relative to
 /// `offset`.
-typedef struct cpu_cuts {
+typedef struct stp_cpu_cuts {
     uint32_t count;
     float rows[STP_SECTION_PLANES][4]; ///< cut away if row . (x, 1) > 0
-} cpu_cuts;
+} stp_cpu_cuts;
 
-void cpu_find_cuts(const cpu_renderer* r, const cpu_item* item, cpu_cuts* cuts);
+void stp_cpu_find_cuts(const stp_cpu_renderer* r, const stp_cpu_item* item, stp_cpu_cuts* cuts);
 /// Whether a box in item space is entirely cut away. Adds the bits of planes that intersect it to
 /// `mask`.
-bool cpu_cuts_drop(const cpu_cuts* cuts, const cpu_item* item, stp_box box, uint32_t* mask);
+bool stp_cpu_cuts_drop(const stp_cpu_cuts* cuts, const stp_cpu_item* item, stp_box box,
+                       uint32_t* mask);
 /// Whether an item may have splats or points of hidden classes.
-bool cpu_hides_some(const cpu_renderer* r, const cpu_item* item);
+bool stp_cpu_hides_some(const stp_cpu_renderer* r, const stp_cpu_item* item);
 /// Filters splats by their centres: drops those that are cut away or hidden, and thins those of a
 /// ghost. Sets `wanted`, in the worker's scratch memory, and `share`. @return false if out of
 /// memory
-bool cpu_cut_splats(const cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats,
-                    cpu_worker* worker);
+bool stp_cpu_cut_splats(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                        stp_raster_splats* splats, stp_cpu_worker* worker);
 
 /// Whether a fragment is drawn, for cut-out and transparent materials, section planes and ghosts.
-typedef struct cpu_keep {
-    const cpu_renderer* renderer;
-    const cpu_item* item;
+typedef struct stp_cpu_keep {
+    const stp_cpu_renderer* renderer;
+    const stp_cpu_item* item;
     uint32_t first_triangle;
-    cpu_keep_memory* memory;
-    const cpu_cuts* cuts;
+    stp_cpu_keep_memory* memory;
+    const stp_cpu_cuts* cuts;
     uint32_t cut_mask; ///< bits of planes that may cut the drawn content
-} cpu_keep;
+} stp_cpu_keep;
 
-bool cpu_keep_fragment(const void* user, uint32_t triangle, float weight1, float weight2,
-                       uint32_t x, uint32_t y);
+bool stp_cpu_keep_fragment(const void* user, uint32_t triangle, float weight1, float weight2,
+                           uint32_t x, uint32_t y);
 /// Seed of the current sample.
-static inline uint32_t cpu_sample_seed(const cpu_renderer* r, const cpu_item* item)
+static inline uint32_t stp_cpu_sample_seed(const stp_cpu_renderer* r, const stp_cpu_item* item)
 {
     return item->seed + r->pattern * 0x9E3779B1u;
 }
 
 /// The nearest of all workers' pixels at a position.
-static inline uint64_t cpu_nearest_of_workers(const cpu_renderer* r, size_t at)
+static inline uint64_t stp_cpu_nearest_of_workers(const stp_cpu_renderer* r, size_t at)
 {
     uint64_t pixel = STP_RASTER_EMPTY;
     for (uint32_t k = 0; k < r->team.threads; ++k) {
@@ -415,50 +420,51 @@ static inline uint64_t cpu_nearest_of_workers(const cpu_renderer* r, size_t at)
     return pixel;
 }
 
-bool cpu_item_needs_keep(const cpu_item* item);
+bool stp_cpu_item_needs_keep(const stp_cpu_item* item);
 /// Share of a ghost's pixels that is drawn.
-static inline float cpu_ghost_share(const cpu_renderer* r)
+static inline float stp_cpu_ghost_share(const stp_cpu_renderer* r)
 {
     return r->style->ghost > 0.0f ? r->style->ghost : 0.2f;
 }
 
-stp_vec2 cpu_mesh_uv(const cpu_triangle* triangle, const stp_store_texture_use* use,
-                     const float weight[3]);
+stp_vec2 stp_cpu_mesh_uv(const stp_cpu_triangle* triangle, const stp_store_texture_use* use,
+                         const float weight[3]);
 /// Texels of `pyramid` per item unit along a triangle.
-float cpu_mesh_density(const cpu_triangle* triangle, const stp_store_texture_use* use,
-                       const stp_texture_pyramid* pyramid);
+float stp_cpu_mesh_density(const stp_cpu_triangle* triangle, const stp_store_texture_use* use,
+                           const stp_texture_pyramid* pyramid);
 /// Base colour with texture and vertex colours, at a point of a triangle; a pixel there is
 /// `footprint` texels wide.
-void cpu_mesh_color(const cpu_item* item, const cpu_triangle* triangle, const float weight[3],
-                    float footprint, float out[4]);
+void stp_cpu_mesh_color(const stp_cpu_item* item, const stp_cpu_triangle* triangle,
+                        const float weight[3], float footprint, float out[4]);
 
 /// Visible part of an item's space.
-stp_bounding cpu_bound(const cpu_renderer* r, const cpu_item* item);
+stp_bounding stp_cpu_bound(const stp_cpu_renderer* r, const stp_cpu_item* item);
 /// Makes triangles outside the drawn share of a mesh degenerate: `first` is the index of the first
 /// one in the mesh.
-void cpu_drop_triangles(uint32_t* indices, uint32_t first, uint32_t count, float share);
+void stp_cpu_drop_triangles(uint32_t* indices, uint32_t first, uint32_t count, float share);
 
 /// Clusters of an item, at most 32.
-typedef struct cpu_cluster_range {
+typedef struct stp_cpu_cluster_range {
     uint32_t begin, end;
     uint32_t wanted; ///< one bit each: only these
     uint32_t hidden; ///< one bit each: set for those that the pyramid occluded
-} cpu_cluster_range;
+} stp_cpu_cluster_range;
 
 /// Draws clusters, culling those outside the view or occluded. @return false if out of memory
-bool cpu_draw_clusters(const cpu_renderer* r, const cpu_item* item, cpu_cluster_range* range,
-                       const stp_raster_target* target, cpu_worker* worker);
+bool stp_cpu_draw_clusters(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                           stp_cpu_cluster_range* range, const stp_raster_target* target,
+                           stp_cpu_worker* worker);
 
 /// Whether large triangles replace splats of an item's prefix.
-bool cpu_leaves_out_splats(const cpu_item* item);
+bool stp_cpu_leaves_out_splats(const stp_cpu_item* item);
 /// Finds the large triangles of an item that draws only those.
-STP_MUST_USE stp_result cpu_find_large(cpu_renderer* r, cpu_item* item);
+STP_MUST_USE stp_result stp_cpu_find_large(stp_cpu_renderer* r, stp_cpu_item* item);
 /// Draws large triangles [begin, end) of an item. @return false if out of memory
-bool cpu_draw_large(const cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
-                    const stp_raster_target* target, cpu_worker* worker);
+bool stp_cpu_draw_large(const stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t begin,
+                        uint32_t end, const stp_raster_target* target, stp_cpu_worker* worker);
 
 /// Whether the caller has cancelled the picture (stp_renderer_set_stop).
-static inline bool cpu_is_stopped(const cpu_renderer* r)
+static inline bool stp_cpu_is_stopped(const stp_cpu_renderer* r)
 {
     return stp_renderer_is_stopped(&r->base);
 }

@@ -16,7 +16,7 @@ enum { SUPERSAMPLE_LIMIT = 64, SCRATCH_BLOCK = 1 << 20 };
 
 static void destroy(stp_renderer* renderer)
 {
-    cpu_renderer* r = (cpu_renderer*)renderer;
+    stp_cpu_renderer* r = (stp_cpu_renderer*)renderer;
     stp_context* context = renderer->context;
     for (uint32_t i = 0; r->workers != NULL && i < r->team.threads; ++i) {
         stp_free(context, r->workers[i].memory);
@@ -28,13 +28,13 @@ static void destroy(stp_renderer* renderer)
         stp_free(context, r->eyes[i].late_pieces);
         stp_free(context, r->eyes[i].windows);
     }
-    cpu_destroy_textures(r);
-    cpu_destroy_shading(r);
-    cpu_destroy_effects(r);
-    cpu_destroy_accumulation(r);
-    cpu_destroy_blend(r);
+    stp_cpu_destroy_textures(r);
+    stp_cpu_destroy_shading(r);
+    stp_cpu_destroy_effects(r);
+    stp_cpu_destroy_accumulation(r);
+    stp_cpu_destroy_blend(r);
     stp_caps_destroy(r->caps);
-    cpu_destroy_layers(r);
+    stp_cpu_destroy_layers(r);
     stp_free(context, r->layers.alive);
     stp_free(context, r->workers);
     stp_free(context, r->depths);
@@ -46,10 +46,10 @@ static void destroy(stp_renderer* renderer)
 
 static const float* get_depth(const stp_renderer* renderer)
 {
-    return ((const cpu_renderer*)renderer)->depths;
+    return ((const stp_cpu_renderer*)renderer)->depths;
 }
 
-void cpu_empty_pixels(cpu_renderer* r)
+void stp_cpu_empty_pixels(stp_cpu_renderer* r)
 {
     for (uint32_t i = 0; i < r->team.threads; ++i) {
         for (size_t k = 0; r->workers[i].memory != NULL && k < r->pixel_count; ++k) {
@@ -60,7 +60,7 @@ void cpu_empty_pixels(cpu_renderer* r)
 }
 
 /// Allocates the pixels of all eyes. Buffers are empty between frames.
-static stp_result make_buffers(cpu_renderer* r, size_t needed)
+static stp_result make_buffers(stp_cpu_renderer* r, size_t needed)
 {
     stp_context* context = r->base.context;
     if (needed <= r->pixel_count) {
@@ -79,12 +79,12 @@ static stp_result make_buffers(cpu_renderer* r, size_t needed)
         return stp_fail_memory(context);
     }
     r->pixel_count = needed;
-    cpu_empty_pixels(r);
+    stp_cpu_empty_pixels(r);
     return STP_OK;
 }
 
 /// Allocates memory for a frame.
-static stp_result make_room(cpu_renderer* r, bool with_sums)
+static stp_result make_room(stp_cpu_renderer* r, bool with_sums)
 {
     stp_context* context = r->base.context;
     size_t needed = (size_t)r->width * r->height * r->eye_count;
@@ -107,7 +107,7 @@ static stp_result make_room(cpu_renderer* r, bool with_sums)
 }
 
 /// Sets up the eyes of a view, and the area of each.
-static stp_result place_eyes(cpu_renderer* r, const stp_view* view, stp_image* image)
+static stp_result place_eyes(stp_cpu_renderer* r, const stp_view* view, stp_image* image)
 {
     r->eye_count = stp_view_eye_count(view);
     assert(r->eye_count > 0 && r->eye_count <= STP_EYES_MAX);
@@ -130,13 +130,15 @@ static stp_result place_eyes(cpu_renderer* r, const stp_view* view, stp_image* i
 }
 
 /// Whether the bytes of each sample are post-processed.
-static bool works_on_bytes(const cpu_renderer* r, const stp_draw_style* style, const stp_view* view)
+static bool works_on_bytes(const stp_cpu_renderer* r, const stp_draw_style* style,
+                           const stp_view* view)
 {
     bool caps = style->caps && view->sections.count > 0;
-    return cpu_has_effects(style) || cpu_has_filter(style) || caps || cpu_wants_layers(r, style);
+    return stp_cpu_has_effects(style) || stp_cpu_has_filter(style) || caps ||
+           stp_cpu_wants_layers(r, style);
 }
 
-static stp_result begin_frame(cpu_renderer* r, const stp_view* view, const stp_draw_list* list,
+static stp_result begin_frame(stp_cpu_renderer* r, const stp_view* view, const stp_draw_list* list,
                               const stp_draw_style* style, stp_image* image, uint32_t first,
                               bool summed)
 {
@@ -149,12 +151,12 @@ static stp_result begin_frame(cpu_renderer* r, const stp_view* view, const stp_d
     r->splat_size = list->mixes ? stp_max(list->splat_size, 1.0f) : 0.0f;
     r->mesh_depth = stp_placement_mesh_depth(list);
     result = make_room(r, style->supersample > 1 && summed);
-    result = result == STP_OK && !summed ? cpu_make_accumulation(r, first) : result;
+    result = result == STP_OK && !summed ? stp_cpu_make_accumulation(r, first) : result;
     for (uint32_t i = 0; i < r->eye_count && r->eye_count > 1 && result == STP_OK; ++i) {
         r->eyes[i].picture.pixels = r->eye_pixels + 4 * (size_t)i * r->width * r->height;
     }
     if (result == STP_OK) {
-        cpu_begin_layers(r);
+        stp_cpu_begin_layers(r);
     }
     for (uint32_t i = 0; i < r->team.threads; ++i) {
         r->workers[i].fragments = r->workers[i].covered = 0;
@@ -164,7 +166,7 @@ static stp_result begin_frame(cpu_renderer* r, const stp_view* view, const stp_d
 }
 
 /// Draws samples [first, end) of side * side.
-static stp_result draw_part(cpu_renderer* r, const stp_view* view, const stp_draw_list* list,
+static stp_result draw_part(stp_cpu_renderer* r, const stp_view* view, const stp_draw_list* list,
                             const stp_draw_style* style, stp_image* image, uint32_t first,
                             uint32_t end, stp_draw_stats* stats)
 {
@@ -180,15 +182,15 @@ static stp_result draw_part(cpu_renderer* r, const stp_view* view, const stp_dra
     r->team.stopped = r->base.stop;
     stp_result result = begin_frame(r, view, list, style, image, first, summed);
     if (result == STP_OK) {
-        result = summed ? cpu_draw_summed(r, list, side, stats)
-                        : cpu_draw_accumulated(r, list, side, first, end, stats);
+        result = summed ? stp_cpu_draw_summed(r, list, side, stats)
+                        : stp_cpu_draw_accumulated(r, list, side, first, end, stats);
     }
     assert((summed || result != STP_OK || r->accumulation.frames == end) &&
            "the sums hold the samples before `first` and the new ones");
     if (result == STP_OK && r->eye_count > 1) {
-        cpu_join_eyes(r, image);
+        stp_cpu_join_eyes(r, image);
     }
-    result = result == STP_OK && cpu_is_stopped(r) ? STP_ERROR_CANCELLED : result;
+    result = result == STP_OK && stp_cpu_is_stopped(r) ? STP_ERROR_CANCELLED : result;
     if (result == STP_ERROR_CANCELLED) {
         r->accumulation.frames = 0; // sums may be incomplete
     }
@@ -211,7 +213,7 @@ static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_d
 {
     uint32_t side = style->supersample > 1 ? style->supersample : 1;
     side = side <= SUPERSAMPLE_LIMIT ? side : SUPERSAMPLE_LIMIT + 1;
-    cpu_renderer* r = (cpu_renderer*)renderer;
+    stp_cpu_renderer* r = (stp_cpu_renderer*)renderer;
     stp_result result = draw_part(r, view, list, style, image, 0, side * side, stats);
     if (side > 1 && works_on_bytes(r, style, view)) {
         r->accumulation.frames = 0; // its sums were consumed
@@ -232,11 +234,11 @@ static stp_result accumulate(stp_renderer* renderer, const stp_view* view,
                              const stp_quality* quality, const stp_draw_style* style,
                              stp_draw_list* list, stp_image* image, stp_draw_stats* stats)
 {
-    cpu_renderer* r = (cpu_renderer*)renderer;
+    stp_cpu_renderer* r = (stp_cpu_renderer*)renderer;
     stp_draw_style finer = *style;
     finer.supersample = style->supersample > 2 ? style->supersample : 2;
-    cpu_two_passes passes = {
-        .view = view, .quality = *quality, .list = list, .hides_nodes = !cpu_has_filter(style)};
+    stp_cpu_two_passes passes = {
+        .view = view, .quality = *quality, .list = list, .hides_nodes = !stp_cpu_has_filter(style)};
     double start = stp_clock_ms();
     *stats = (stp_draw_stats){0};
     passes.quality.occlusion = NULL; // every visible input decides whether the sums continue
@@ -244,7 +246,7 @@ static stp_result accumulate(stp_renderer* renderer, const stp_view* view,
     if (result != STP_OK) {
         return result;
     }
-    cpu_continue_accumulation(r, view, list, &finer);
+    stp_cpu_continue_accumulation(r, view, list, &finer);
     r->visibility = quality->visibility;
     uint32_t first = r->accumulation.frames;
     uint32_t all = finer.supersample * finer.supersample, end = first < all ? first + 1 : all;
@@ -261,16 +263,16 @@ static stp_result draw_selected(stp_renderer* renderer, const stp_view* view,
                                 const stp_quality* quality, const stp_draw_style* style,
                                 stp_draw_list* list, stp_image* image, stp_draw_stats* stats)
 {
-    cpu_renderer* r = (cpu_renderer*)renderer;
+    stp_cpu_renderer* r = (stp_cpu_renderer*)renderer;
     bool occludes = may_occlude(view, quality, style);
-    cpu_two_passes passes = {.view = view,
-                             .quality = *quality,
-                             .list = list,
-                             .hides_nodes = occludes && !cpu_has_filter(style)};
+    stp_cpu_two_passes passes = {.view = view,
+                                 .quality = *quality,
+                                 .list = list,
+                                 .hides_nodes = occludes && !stp_cpu_has_filter(style)};
     *stats = (stp_draw_stats){0};
     r->two_passes = &passes;
     r->visibility = quality->visibility;
-    stp_result result = cpu_select_sample(r);
+    stp_result result = stp_cpu_select_sample(r);
     r->two_passes = occludes ? &passes : NULL;
     if (result == STP_OK) {
         result = draw(renderer, view, list, style, image, stats);
@@ -283,7 +285,7 @@ static stp_result draw_selected(stp_renderer* renderer, const stp_view* view,
 
 stp_result stp_draw_cpu_create(stp_context* context, stp_store* store, stp_renderer** renderer)
 {
-    cpu_renderer* r = STP_NEW_ZEROED(context, cpu_renderer, 1);
+    stp_cpu_renderer* r = STP_NEW_ZEROED(context, stp_cpu_renderer, 1);
     *renderer = NULL;
     if (r == NULL) {
         return stp_fail_memory(context);
@@ -301,15 +303,15 @@ stp_result stp_draw_cpu_create(stp_context* context, stp_store* store, stp_rende
     r->layers.of_splats = memchr(r->layers.of_shading, 1, sizeof(r->layers.of_shading)) != NULL;
     r->team = stp_team_create_useful(context);
     assert(r->team.threads > 0);
-    r->workers = STP_NEW_ZEROED(context, cpu_worker, r->team.threads);
-    r->textures = STP_NEW_ZEROED(context, cpu_texture, (size_t)r->directory->texture_count + 1);
+    r->workers = STP_NEW_ZEROED(context, stp_cpu_worker, r->team.threads);
+    r->textures = STP_NEW_ZEROED(context, stp_cpu_texture, (size_t)r->directory->texture_count + 1);
     r->asked = STP_NEW_ARRAY(context, uint32_t, (size_t)r->directory->texture_count + 1);
     if (r->workers == NULL || r->textures == NULL || r->asked == NULL) {
         destroy(&r->base);
         return stp_fail_memory(context);
     }
     for (uint32_t i = 0; i < r->team.threads; ++i) {
-        cpu_worker* worker = &r->workers[i];
+        stp_cpu_worker* worker = &r->workers[i];
         worker->scratch = stp_arena_create(context, SCRATCH_BLOCK);
         stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
         // any worker may need scratch memory in a later frame, which must not allocate
@@ -325,7 +327,7 @@ stp_result stp_draw_cpu_create(stp_context* context, stp_store* store, stp_rende
     for (int i = 0; i < CPU_ENCODE_SIZE; ++i) {
         r->encode[i] = stp_linear_to_srgb8(((float)i + 0.5f) / (float)CPU_ENCODE_SIZE);
     }
-    if (cpu_make_shade_materials(r) != STP_OK) {
+    if (stp_cpu_make_shade_materials(r) != STP_OK) {
         destroy(&r->base);
         return STP_ERROR_OUT_OF_MEMORY;
     }

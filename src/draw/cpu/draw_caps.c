@@ -6,14 +6,14 @@
 #include <string.h>
 
 typedef struct cap_rows {
-    cpu_renderer* r;
+    stp_cpu_renderer* r;
     const stp_cap_picture* caps;
 } cap_rows;
 
 static void put_rows(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const cap_rows* rows = user;
-    cpu_renderer* r = rows->r;
+    stp_cpu_renderer* r = rows->r;
     for (size_t i = begin * r->width; i < end * r->width; ++i) {
         float near = rows->caps->nearness[i];
         if (near > r->depth[i]) {
@@ -29,9 +29,9 @@ static void put_rows(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-stp_result cpu_put_caps(cpu_renderer* r)
+stp_result stp_cpu_put_caps(stp_cpu_renderer* r)
 {
-    assert(cpu_has_caps(r));
+    assert(stp_cpu_has_caps(r));
     stp_result result = STP_OK;
     if (r->caps == NULL) {
         result = stp_caps_create(r->base.context, r->store, &r->caps);

@@ -13,8 +13,8 @@ enum { SCRATCH_ROWS = 3, BLUR_REACH = 2, CLOSE_MAX = 4 };
 #define BLUR_SLOPE 4.0f ///< neighbours that rise more steeply belong to another surface
 
 typedef struct effect_frame {
-    cpu_renderer* r;
-    const cpu_effect_kernels* kernels;
+    stp_cpu_renderer* r;
+    const stp_cpu_effect_kernels* kernels;
     const stp_depth_pyramid* pyramid;
     size_t stride, pad;
     float *near, *spare, *far, *factor; ///< planes, each height * stride floats
@@ -25,19 +25,19 @@ typedef struct effect_frame {
     bool constant; ///< the gain is the same everywhere: parallel projection
 } effect_frame;
 
-static const cpu_effect_kernels* choose_kernels(void)
+static const stp_cpu_effect_kernels* choose_kernels(void)
 {
 #if defined(__x86_64__)
     switch (stp_processor_detect()) {
     case STP_PROCESSOR_AVX512:
-        return &cpu_effect_kernels_avx512;
+        return &stp_cpu_effect_kernels_avx512;
     case STP_PROCESSOR_AVX2:
-        return &cpu_effect_kernels_avx2;
+        return &stp_cpu_effect_kernels_avx2;
     case STP_PROCESSOR_BASELINE:
         break;
     }
 #endif
-    return &cpu_effect_kernels_portable;
+    return &stp_cpu_effect_kernels_portable;
 }
 
 /// First pixel of a row; rows outside the picture are infinitely far.
@@ -218,7 +218,7 @@ static void blur_across(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-static uint8_t darken(const cpu_renderer* r, uint8_t color, float factor)
+static uint8_t darken(const stp_cpu_renderer* r, uint8_t color, float factor)
 {
     float scaled = r->decode[color] * factor * (float)CPU_ENCODE_SIZE;
     float top = (float)(CPU_ENCODE_SIZE - 1);
@@ -228,7 +228,7 @@ static uint8_t darken(const cpu_renderer* r, uint8_t color, float factor)
 static void darken_rows(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const effect_frame* f = user;
-    const cpu_renderer* r = f->r;
+    const stp_cpu_renderer* r = f->r;
     float* occlusion = scratch_row(f, worker, 2);
     float share =
         f->shape.pair_count > 0 ? STP_OCCLUSION_STRENGTH / (float)f->shape.pair_count : 0.0f;
@@ -256,9 +256,9 @@ static void darken_rows(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-static stp_result make_room(cpu_renderer* r, effect_frame* f)
+static stp_result make_room(stp_cpu_renderer* r, effect_frame* f)
 {
-    cpu_effects* e = &r->effects;
+    stp_cpu_effects* e = &r->effects;
     int32_t reach = 3 * CLOSE_MAX;
     for (uint32_t i = 0; i < f->shape.pair_count; ++i) {
         int32_t x = abs(f->shape.pairs[i].x);
@@ -294,7 +294,7 @@ static stp_result make_room(cpu_renderer* r, effect_frame* f)
 
 /// Returns the pyramid that culling will use for the next frame; in parallel projection, without
 /// culling, a separate one.
-static stp_result find_pyramid(cpu_renderer* r, effect_frame* f)
+static stp_result find_pyramid(stp_cpu_renderer* r, effect_frame* f)
 {
     stp_depth_pyramid* pyramid =
         r->frame.parallel ? &r->effects.pyramid : &r->pyramids[r->eye - r->eyes];
@@ -310,9 +310,9 @@ static void run(const effect_frame* f, stp_job job)
     stp_team_run(&f->r->team, f->r->height, EFFECT_BAND_ROWS, job, &copy);
 }
 
-stp_result cpu_apply_effects(cpu_renderer* r)
+stp_result stp_cpu_apply_effects(stp_cpu_renderer* r)
 {
-    assert(cpu_has_effects(r->style) && r->splat_size >= 0.0f);
+    assert(stp_cpu_has_effects(r->style) && r->splat_size >= 0.0f);
     effect_frame f = {.r = r, .kernels = choose_kernels()};
     f.shape = stp_effect_shape_make(r->style, r->height, r->splat_size);
     f.constant = r->frame.parallel;
@@ -341,7 +341,7 @@ stp_result cpu_apply_effects(cpu_renderer* r)
     return STP_OK;
 }
 
-void cpu_destroy_effects(cpu_renderer* r)
+void stp_cpu_destroy_effects(stp_cpu_renderer* r)
 {
     stp_free(r->base.context, r->effects.memory);
     stp_depth_pyramid_destroy(r->base.context, &r->effects.pyramid);

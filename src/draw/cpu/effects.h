@@ -18,7 +18,7 @@ enum {
 
 /// Loops over the pixels of a row. All arithmetic is single IEEE operations: all variants give the
 /// same bits.
-typedef struct cpu_effect_kernels {
+typedef struct stp_cpu_effect_kernels {
     /// Maximum (minimum) of values at offsets -reach .. reach.
     void (*greatest)(const float* in, int32_t reach, float* out, uint32_t count);
     void (*minimum)(const float* in, int32_t reach, float* out, uint32_t count);
@@ -40,16 +40,16 @@ typedef struct cpu_effect_kernels {
     /// Interpolates between two rows of blocks, then along them.
     void (*spread)(const float* const rows[2], float share, float* mixed, uint32_t columns,
                    float* out, uint32_t count);
-} cpu_effect_kernels;
+} stp_cpu_effect_kernels;
 
-extern const cpu_effect_kernels cpu_effect_kernels_portable, cpu_effect_kernels_avx2,
-    cpu_effect_kernels_avx512;
+extern const stp_cpu_effect_kernels stp_cpu_effect_kernels_portable, stp_cpu_effect_kernels_avx2,
+    stp_cpu_effect_kernels_avx512;
 
-static inline bool cpu_has_effects(const stp_draw_style* style)
+static inline bool stp_cpu_has_effects(const stp_draw_style* style)
 {
     return style->eye_dome > 0.0f || style->ambient_occlusion > 0.0f;
 }
 
 /// Darkens the frame's picture. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
-STP_MUST_USE stp_result cpu_apply_effects(cpu_renderer* r);
-void cpu_destroy_effects(cpu_renderer* r);
+STP_MUST_USE stp_result stp_cpu_apply_effects(stp_cpu_renderer* r);
+void stp_cpu_destroy_effects(stp_cpu_renderer* r);

@@ -4,10 +4,10 @@
 
 #include "draw/cpu/effects_rows.h"
 
-const cpu_effect_kernels cpu_effect_kernels_avx2 = EFFECT_KERNELS;
+const stp_cpu_effect_kernels stp_cpu_effect_kernels_avx2 = EFFECT_KERNELS;
 
 #else
 
-typedef int cpu_effects_avx2_unused;
+typedef int stp_cpu_effects_avx2_unused;
 
 #endif

@@ -2,4 +2,4 @@
 // The loops of effects_rows.h for any CPU.
 #include "draw/cpu/effects_rows.h"
 
-const cpu_effect_kernels cpu_effect_kernels_portable = EFFECT_KERNELS;
+const stp_cpu_effect_kernels stp_cpu_effect_kernels_portable = EFFECT_KERNELS;

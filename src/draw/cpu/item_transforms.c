@@ -8,7 +8,8 @@
 #include <assert.h>
 #include <string.h>
 
-static void place_item(const stp_placement* placement, const stp_draw_item* draw, cpu_item* item)
+static void place_item(const stp_placement* placement, const stp_draw_item* draw,
+                       stp_cpu_item* item)
 {
     stp_placed_item placed;
     stp_placement_place(placement, draw, item->offset, &placed);
@@ -19,7 +20,7 @@ static void place_item(const stp_placement* placement, const stp_draw_item* draw
     memcpy(item->normal_matrix, placed.normal_matrix, sizeof(item->normal_matrix));
 }
 
-void cpu_place_items(cpu_renderer* r, const stp_draw_list* list, size_t first)
+void stp_cpu_place_items(stp_cpu_renderer* r, const stp_draw_list* list, size_t first)
 {
     assert(first <= r->item_count && r->item_count <= list->count && "prepared items");
     const stp_placement placement = {.frame = r->frame,
@@ -30,13 +31,13 @@ void cpu_place_items(cpu_renderer* r, const stp_draw_list* list, size_t first)
                                      .shift_y = r->shift_y};
     for (size_t i = r->placed == r->eye ? first : 0; i < r->item_count; ++i) {
         place_item(&placement, &list->items[i], &r->items[i]);
-        cpu_place_occluder(r, &list->items[i], &r->items[i]);
+        stp_cpu_place_occluder(r, &list->items[i], &r->items[i]);
     }
     r->placed = r->eye;
 }
 
 /// Colours of a prefix's octave, and of the previous octave.
-static void choose_octave(cpu_item* item, const stp_splats* surfels, uint32_t prefix)
+static void choose_octave(stp_cpu_item* item, const stp_splats* surfels, uint32_t prefix)
 {
     stp_octave_choice choice = stp_placement_choose_octave(surfels, prefix);
     uint32_t lower = choice.octave > 0 ? choice.octave - 1 : 0;
@@ -51,14 +52,14 @@ static void choose_octave(cpu_item* item, const stp_splats* surfels, uint32_t pr
 }
 
 /// Decodes a texture on first use.
-static stp_result find_texture(cpu_renderer* r, const stp_store_texture_use* use, bool data,
+static stp_result find_texture(stp_cpu_renderer* r, const stp_store_texture_use* use, bool data,
                                const stp_texture_pyramid** out)
 {
     *out = NULL;
     if (use->texture == STP_STORE_NONE) {
         return STP_OK;
     }
-    cpu_texture* texture = &r->textures[use->texture];
+    stp_cpu_texture* texture = &r->textures[use->texture];
     bool* made = data ? &texture->has_data : &texture->has_color;
     stp_texture_pyramid* pyramid = data ? &texture->as_data : &texture->as_color;
     if (!*made) {
@@ -81,7 +82,7 @@ static stp_result find_texture(cpu_renderer* r, const stp_store_texture_use* use
     return STP_OK;
 }
 
-static void release_texture(cpu_renderer* r, cpu_texture* texture)
+static void release_texture(stp_cpu_renderer* r, stp_cpu_texture* texture)
 {
     if (texture->has_color) {
         stp_texture_pyramid_destroy(r->base.context, &texture->as_color);
@@ -89,11 +90,11 @@ static void release_texture(cpu_renderer* r, cpu_texture* texture)
     if (texture->has_data) {
         stp_texture_pyramid_destroy(r->base.context, &texture->as_data);
     }
-    *texture = (cpu_texture){0};
+    *texture = (stp_cpu_texture){0};
 }
 
 /// Drops decoded data of evicted texels.
-static void release_old_textures(cpu_renderer* r)
+static void release_old_textures(stp_cpu_renderer* r)
 {
     for (uint32_t i = 0; i < r->directory->texture_count; ++i) {
         uint64_t arrival = stp_store_texture_arrival(r->store, i);
@@ -104,7 +105,7 @@ static void release_old_textures(cpu_renderer* r)
     }
 }
 
-void cpu_destroy_textures(cpu_renderer* r)
+void stp_cpu_destroy_textures(stp_cpu_renderer* r)
 {
     for (uint32_t i = 0; r->textures != NULL && i < r->directory->texture_count; ++i) {
         release_texture(r, &r->textures[i]);
@@ -113,7 +114,7 @@ void cpu_destroy_textures(cpu_renderer* r)
     stp_free(r->base.context, r->asked);
 }
 
-static stp_result find_mesh(cpu_renderer* r, uint32_t index, cpu_item* item)
+static stp_result find_mesh(stp_cpu_renderer* r, uint32_t index, stp_cpu_item* item)
 {
     const stp_store_mesh* known = stp_store_describe_mesh(r->store, index);
     stp_result result = stp_store_is_clustered(r->store, index)
@@ -133,7 +134,7 @@ static stp_result find_mesh(cpu_renderer* r, uint32_t index, cpu_item* item)
         item->unit_count = item->clusters.cluster_count;
         item->piece_units = CPU_PIECE_CLUSTERS;
     }
-    result = item->draw->large ? cpu_find_large(r, item) : result;
+    result = item->draw->large ? stp_cpu_find_large(r, item) : result;
     if (result != STP_OK) {
         return result;
     }
@@ -166,7 +167,7 @@ static stp_result find_mesh(cpu_renderer* r, uint32_t index, cpu_item* item)
 }
 
 /// Reads only the octaves that the prefix needs.
-static stp_result find_surfels(cpu_renderer* r, const stp_draw_item* draw, cpu_item* item)
+static stp_result find_surfels(stp_cpu_renderer* r, const stp_draw_item* draw, stp_cpu_item* item)
 {
     const stp_splats* known = stp_store_describe_surfels(r->store, draw->index);
     uint32_t full = draw->full_prefix > draw->prefix ? draw->full_prefix : draw->prefix;
@@ -176,29 +177,29 @@ static stp_result find_surfels(cpu_renderer* r, const stp_draw_item* draw, cpu_i
     if (result != STP_OK) {
         return result;
     }
-    item->surfels = (cpu_surfels){.origin = got.origin,
-                                  .step = got.step,
-                                  .positions = got.positions,
-                                  .normals = got.normals,
-                                  .materials = got.materials,
-                                  .shapes = got.shapes,
-                                  .ranges = got.ranges,
-                                  .groups = got.groups,
-                                  .plain_coverages = got.plain_coverages,
-                                  .unknown_signs = known->unknown_signs};
+    item->surfels = (stp_cpu_surfels){.origin = got.origin,
+                                      .step = got.step,
+                                      .positions = got.positions,
+                                      .normals = got.normals,
+                                      .materials = got.materials,
+                                      .shapes = got.shapes,
+                                      .ranges = got.ranges,
+                                      .groups = got.groups,
+                                      .plain_coverages = got.plain_coverages,
+                                      .unknown_signs = known->unknown_signs};
     item->count = draw->prefix < got.count ? draw->prefix : got.count;
     choose_octave(item, &got, full < got.count ? full : got.count);
     return STP_OK;
 }
 
-static stp_result prepare_item(cpu_renderer* r, const stp_draw_list* list,
-                               const stp_draw_item* draw, cpu_item* item)
+static stp_result prepare_item(stp_cpu_renderer* r, const stp_draw_list* list,
+                               const stp_draw_item* draw, stp_cpu_item* item)
 {
     stp_result result = STP_OK;
-    *item = (cpu_item){
+    *item = (stp_cpu_item){
         .kind = draw->kind, .first_id = draw->first_id, .count = draw->prefix, .draw = draw};
     item->seed = stp_placement_seed(draw);
-    item->radius = draw->radius * cpu_splat_scale(r);
+    item->radius = draw->radius * stp_cpu_splat_scale(r);
     if (draw->run_count > 0) {
         item->runs = list->runs + draw->first_run;
     }
@@ -222,7 +223,7 @@ static stp_result prepare_item(cpu_renderer* r, const stp_draw_list* list,
 }
 
 /// Schedules a texture for decoding, once. @return number of scheduled textures
-static uint32_t schedule_texture(cpu_renderer* r, uint32_t texture, uint32_t count)
+static uint32_t schedule_texture(stp_cpu_renderer* r, uint32_t texture, uint32_t count)
 {
     if (texture != STP_STORE_NONE && !r->textures[texture].is_asked) {
         assert(count < r->directory->texture_count && "each is scheduled once");
@@ -233,7 +234,7 @@ static uint32_t schedule_texture(cpu_renderer* r, uint32_t texture, uint32_t cou
 }
 
 /// Decodes textures first used by items from `first`, on all threads.
-static void decode_pictures(cpu_renderer* r, const stp_draw_list* list, size_t first)
+static void decode_pictures(stp_cpu_renderer* r, const stp_draw_list* list, size_t first)
 {
     uint32_t count = 0;
     for (size_t i = first; r->directory->texture_count > 1 && i < list->count; ++i) {
@@ -251,23 +252,23 @@ static void decode_pictures(cpu_renderer* r, const stp_draw_list* list, size_t f
 }
 
 /// Makes an item of large triangles that draws none.
-static void skip_item(const cpu_renderer* r, const stp_draw_item* draw, cpu_item* item)
+static void skip_item(const stp_cpu_renderer* r, const stp_draw_item* draw, stp_cpu_item* item)
 {
     const stp_store_mesh* mesh = stp_store_describe_mesh(r->store, draw->index);
-    *item = (cpu_item){.kind = draw->kind,
-                       .first_id = draw->first_id,
-                       .count = mesh->triangle_count,
-                       .piece_units = CPU_PIECE_TRIANGLES,
-                       .draw = draw,
-                       .material = &r->directory->materials[mesh->material]};
+    *item = (stp_cpu_item){.kind = draw->kind,
+                           .first_id = draw->first_id,
+                           .count = mesh->triangle_count,
+                           .piece_units = CPU_PIECE_TRIANGLES,
+                           .draw = draw,
+                           .material = &r->directory->materials[mesh->material]};
 }
 
-stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list, size_t first)
+stp_result stp_cpu_prepare_items(stp_cpu_renderer* r, const stp_draw_list* list, size_t first)
 {
     assert(first <= list->count && (first == 0 || first == r->item_count) && "items are appended");
     if (list->count > r->item_capacity) {
-        cpu_item* items = stp_grow_array(r->base.context, r->items, &r->item_capacity, list->count,
-                                         sizeof(*items));
+        stp_cpu_item* items = stp_grow_array(r->base.context, r->items, &r->item_capacity,
+                                             list->count, sizeof(*items));
         if (items == NULL) {
             return stp_fail_memory(r->base.context);
         }
@@ -287,7 +288,7 @@ stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list, size_t 
     uint64_t pieces = first > 0 ? r->piece_count : 0;
     bool leaves_out = false; // whether large triangles replace splats of the set that they follow
     for (size_t i = first; i < list->count; ++i) {
-        cpu_item* item = &r->items[i];
+        stp_cpu_item* item = &r->items[i];
         const stp_draw_item* draw = &list->items[i];
         stp_result result = STP_OK;
         assert((i == 0 || item[-1].first_id <= draw->first_id) && "ids ascend");
@@ -303,12 +304,12 @@ stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list, size_t 
             item->unit_count = item->count;
             item->piece_units = CPU_PIECE_SPLATS;
         }
-        leaves_out = draw->large ? leaves_out : cpu_leaves_out_splats(item);
+        leaves_out = draw->large ? leaves_out : stp_cpu_leaves_out_splats(item);
         item->first_piece = (uint32_t)pieces;
         pieces += ((uint64_t)item->unit_count + item->piece_units - 1) / item->piece_units;
         r->item_count = i + 1;
     }
     assert(pieces <= UINT32_MAX);
     r->piece_count = (uint32_t)pieces; // at most one per id plus one per item
-    return cpu_prepare_late(r, first);
+    return stp_cpu_prepare_late(r, first);
 }

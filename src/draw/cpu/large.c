@@ -6,7 +6,7 @@
 
 enum { BATCH_TRIANGLES = 256 };
 
-bool cpu_leaves_out_splats(const cpu_item* item)
+bool stp_cpu_leaves_out_splats(const stp_cpu_item* item)
 {
     bool any = false;
     uint32_t groups = (item->count + STP_GROUP_SPLATS - 1) / STP_GROUP_SPLATS;
@@ -16,7 +16,7 @@ bool cpu_leaves_out_splats(const cpu_item* item)
     return any && item->draw->beside_triangles;
 }
 
-stp_result cpu_find_large(cpu_renderer* r, cpu_item* item)
+stp_result stp_cpu_find_large(stp_cpu_renderer* r, stp_cpu_item* item)
 {
     const stp_draw_item* draw = item->draw;
     stp_result result =
@@ -39,7 +39,7 @@ typedef struct batch {
 } batch;
 
 /// Whether a triangle is drawn, by the depth of its nearest corner.
-static bool is_wanted(const cpu_item* item, const float corners[9], float level)
+static bool is_wanted(const stp_cpu_item* item, const float corners[9], float level)
 {
     const float* w = item->camera.matrix.m[3];
     float nearest = FLT_MAX, from = item->draw->fade_begin;
@@ -53,8 +53,8 @@ static bool is_wanted(const cpu_item* item, const float corners[9], float level)
            level >= stp_max(item->draw->level_per_depth * nearest, item->draw->level_min);
 }
 
-static bool draw_batch(const cpu_renderer* r, const cpu_item* item, batch* b,
-                       const stp_raster_target* target, cpu_worker* worker)
+static bool draw_batch(const stp_cpu_renderer* r, const stp_cpu_item* item, batch* b,
+                       const stp_raster_target* target, stp_cpu_worker* worker)
 {
     assert(b->count > 0 && b->count <= BATCH_TRIANGLES);
     const stp_raster_mesh mesh = {.positions = b->positions,
@@ -71,7 +71,7 @@ static bool draw_batch(const cpu_renderer* r, const cpu_item* item, batch* b,
 }
 
 /// Adds a triangle if it is drawn.
-static void add_triangle(const cpu_item* item, const stp_cluster* cluster, uint32_t triangle,
+static void add_triangle(const stp_cpu_item* item, const stp_cluster* cluster, uint32_t triangle,
                          float level, batch* b)
 {
     assert(b->count < BATCH_TRIANGLES && "a full batch is drawn first");
@@ -90,8 +90,8 @@ static void add_triangle(const cpu_item* item, const stp_cluster* cluster, uint3
     }
 }
 
-bool cpu_draw_large(const cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
-                    const stp_raster_target* target, cpu_worker* worker)
+bool stp_cpu_draw_large(const stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t begin,
+                        uint32_t end, const stp_raster_target* target, stp_cpu_worker* worker)
 {
     assert(begin <= end && end <= item->unit_count);
     stp_cluster cluster = {.triangle_count = 0};

@@ -7,25 +7,25 @@
 #include <assert.h>
 #include <string.h>
 
-bool cpu_wants_layers(const cpu_renderer* r, const stp_draw_style* style)
+bool stp_cpu_wants_layers(const stp_cpu_renderer* r, const stp_draw_style* style)
 {
     return r->layers.possible && style->transparency == STP_TRANSPARENCY_LAYERS;
 }
 
-static bool make_room(cpu_renderer* r)
+static bool make_room(stp_cpu_renderer* r)
 {
-    cpu_layers* l = &r->layers;
+    stp_cpu_layers* l = &r->layers;
     stp_context* context = r->base.context;
     size_t needed = (size_t)r->width * r->height;
     if (needed > l->capacity) {
-        cpu_destroy_layers(r);
+        stp_cpu_destroy_layers(r);
         l->nearer = STP_NEW_ARRAY(context, uint64_t, needed);
         l->farther = STP_NEW_ARRAY(context, uint64_t, needed);
         l->splats_below = STP_NEW_ARRAY(context, float, needed);
         l->light = STP_NEW_ARRAY(context, float, 4 * needed);
         if (l->nearer == NULL || l->farther == NULL || l->splats_below == NULL ||
             l->light == NULL) {
-            cpu_destroy_layers(r);
+            stp_cpu_destroy_layers(r);
             return false;
         }
         l->capacity = needed;
@@ -33,11 +33,11 @@ static bool make_room(cpu_renderer* r)
     return true;
 }
 
-void cpu_begin_layers(cpu_renderer* r)
+void stp_cpu_begin_layers(stp_cpu_renderer* r)
 {
-    cpu_layers* l = &r->layers;
+    stp_cpu_layers* l = &r->layers;
     l->stage = CPU_LAYERS_NONE;
-    if (!cpu_wants_layers(r, r->style)) {
+    if (!stp_cpu_wants_layers(r, r->style)) {
         return;
     }
     if (make_room(r)) {
@@ -54,11 +54,11 @@ void cpu_begin_layers(cpu_renderer* r)
 
 static void keep_rows(size_t begin, size_t end, uint32_t worker, void* user)
 {
-    cpu_renderer* r = user;
-    cpu_layers* l = &r->layers;
+    stp_cpu_renderer* r = user;
+    stp_cpu_layers* l = &r->layers;
     (void)worker;
     for (size_t at = begin * r->width; at < end * r->width; ++at) {
-        uint64_t pixel = cpu_nearest_of_workers(r, at);
+        uint64_t pixel = stp_cpu_nearest_of_workers(r, at);
         l->farther[at] = pixel;
         l->nearer[at] = 0;
         l->splats_below[at] = FLT_MAX;
@@ -67,7 +67,7 @@ static void keep_rows(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-void cpu_keep_opaque(cpu_renderer* r)
+void stp_cpu_keep_opaque(stp_cpu_renderer* r)
 {
     assert(r->layers.stage == CPU_LAYERS_OPAQUE);
     assert(r->layers.capacity >= (size_t)r->width * r->height);
@@ -75,19 +75,19 @@ void cpu_keep_opaque(cpu_renderer* r)
 }
 
 /// Whether an item may have transparent parts.
-static bool may_have(const cpu_renderer* r, const cpu_item* item)
+static bool may_have(const stp_cpu_renderer* r, const stp_cpu_item* item)
 {
     return item->kind == STP_DRAW_MESH ? item->glass != STP_TRANSPARENT_NOWHERE
                                        : item->kind == STP_DRAW_SURFELS && r->layers.of_splats;
 }
 
 /// Marks the pieces that may have visible fragments, one byte each. @param any whether there are any
-static stp_result list_pieces(cpu_renderer* r, bool* any)
+static stp_result list_pieces(stp_cpu_renderer* r, bool* any)
 {
-    cpu_layers* l = &r->layers;
+    stp_cpu_layers* l = &r->layers;
     void* alive = l->alive;
-    stp_result result =
-        cpu_grow(r->base.context, &alive, &l->alive_capacity, r->piece_count, sizeof(*l->alive));
+    stp_result result = stp_cpu_grow(r->base.context, &alive, &l->alive_capacity, r->piece_count,
+                                     sizeof(*l->alive));
     l->alive = alive;
     *any = false;
     for (size_t i = 0; i < r->item_count && result == STP_OK; ++i) {
@@ -102,21 +102,21 @@ static stp_result list_pieces(cpu_renderer* r, bool* any)
 
 static void draw_pieces(size_t begin, size_t end, uint32_t index, void* user)
 {
-    cpu_renderer* r = user;
-    cpu_worker* worker = &r->workers[index];
+    stp_cpu_renderer* r = user;
+    stp_cpu_worker* worker = &r->workers[index];
     stp_raster_target target = {
         .width = r->width, .height = r->height, .stride = r->width, .pixels = worker->pixels};
     assert(begin < end && end <= r->piece_count);
-    const cpu_item* item = cpu_item_of_piece(r, (uint32_t)begin);
+    const stp_cpu_item* item = stp_cpu_item_of_piece(r, (uint32_t)begin);
     for (uint32_t piece = (uint32_t)begin; piece < end; ++piece) {
-        const cpu_item* last = r->items + r->item_count - 1;
+        const stp_cpu_item* last = r->items + r->item_count - 1;
         while (item < last && item[1].first_piece <= piece) {
             item += 1;
         }
         if (r->layers.alive[piece] != 0) {
             worker->drew = true;
             worker->layer_found = 0;
-            cpu_draw_piece(r, item, piece, false, &target, worker);
+            stp_cpu_draw_piece(r, item, piece, false, &target, worker);
             r->layers.alive[piece] =
                 worker->layer_found > 0; // fewer fragments lie behind after each pass
         }
@@ -125,12 +125,12 @@ static void draw_pieces(size_t begin, size_t end, uint32_t index, void* user)
 
 static void shade_bands(size_t begin, size_t end, uint32_t worker, void* user)
 {
-    cpu_renderer* r = user;
-    cpu_shade_rows(r, (uint32_t)begin, (uint32_t)end, &r->workers[worker]);
+    stp_cpu_renderer* r = user;
+    stp_cpu_shade_rows(r, (uint32_t)begin, (uint32_t)end, &r->workers[worker]);
 }
 
 /// Minimum nearness of splats that belong to the surface of a splat.
-static float find_below(const cpu_renderer* r, const cpu_item* item, float nearness)
+static float find_below(const stp_cpu_renderer* r, const stp_cpu_item* item, float nearness)
 {
     double thickness =
         (double)STP_TRANSPARENT_THICKNESS * (double)item->radius * (double)item->scale;
@@ -140,7 +140,7 @@ static float find_below(const cpu_renderer* r, const cpu_item* item, float nearn
 }
 
 /// Composites one pixel of a layer.
-static void add_pixel(cpu_layers* l, size_t at, const float color[3], float alpha)
+static void add_pixel(stp_cpu_layers* l, size_t at, const float color[3], float alpha)
 {
     float* light = l->light + 4 * at;
     float share = light[3] * stp_clamp(alpha, 0.0f, 1.0f);
@@ -150,22 +150,22 @@ static void add_pixel(cpu_layers* l, size_t at, const float color[3], float alph
     light[3] -= share;
 }
 
-void cpu_take_layer(cpu_renderer* r, cpu_worker* worker, const cpu_shade_tile* tile)
+void stp_cpu_take_layer(stp_cpu_renderer* r, stp_cpu_worker* worker, const stp_cpu_shade_tile* tile)
 {
-    cpu_layers* l = &r->layers;
-    const cpu_shade_memory* memory = worker->shading;
-    const cpu_shade_lanes* lanes = &memory->lanes;
+    stp_cpu_layers* l = &r->layers;
+    const stp_cpu_shade_memory* memory = worker->shading;
+    const stp_cpu_shade_lanes* lanes = &memory->lanes;
     assert(l->stage == CPU_LAYERS_PEEL && lanes->wants_linear &&
            "layers are composited in linear light");
     for (uint32_t row = 0; row < tile->height; ++row) {
-        const cpu_shade_merged* merged = &tile->rows[row];
+        const stp_cpu_shade_merged* merged = &tile->rows[row];
         size_t first = (size_t)(tile->y + row) * r->width + tile->x;
         for (uint32_t i = tile->row_runs[row]; i < tile->row_runs[row + 1]; ++i) {
-            const cpu_shade_run* run = &tile->runs[i];
+            const stp_cpu_shade_run* run = &tile->runs[i];
             if (run->surface == SHADE_EMPTY) {
                 continue;
             }
-            const cpu_item* item = &r->items[memory->item[run->surface]];
+            const stp_cpu_item* item = &r->items[memory->item[run->surface]];
             bool splat = item->kind != STP_DRAW_MESH;
             for (uint32_t k = 0; k < run->length && run->x + k < tile->width; ++k) {
                 uint32_t x = run->x + k, lane = run->lane + (run->flat ? k / SHADE_REACH : k);
@@ -187,7 +187,7 @@ void cpu_take_layer(cpu_renderer* r, cpu_worker* worker, const cpu_shade_tile* t
 }
 
 /// Pixels of a drawn layer.
-static uint64_t count_pixels(cpu_renderer* r)
+static uint64_t count_pixels(stp_cpu_renderer* r)
 {
     uint64_t pixels = 0;
     for (uint32_t i = 0; i < r->team.threads; ++i) {
@@ -201,7 +201,7 @@ static uint64_t count_pixels(cpu_renderer* r)
 /// Composites the layers over the picture.
 static void compose_rows(size_t begin, size_t end, uint32_t worker, void* user)
 {
-    cpu_renderer* r = user;
+    stp_cpu_renderer* r = user;
     uint64_t covered = 0;
     for (size_t at = begin * r->width; at < end * r->width; ++at) {
         const float* light = r->layers.light + 4 * at;
@@ -225,9 +225,9 @@ static void compose_rows(size_t begin, size_t end, uint32_t worker, void* user)
     r->workers[worker].covered += covered;
 }
 
-stp_result cpu_draw_layers(cpu_renderer* r)
+stp_result stp_cpu_draw_layers(stp_cpu_renderer* r)
 {
-    cpu_layers* l = &r->layers;
+    stp_cpu_layers* l = &r->layers;
     bool any;
     assert(l->stage == CPU_LAYERS_OPAQUE && "layers begin before anything is drawn");
     stp_result result = list_pieces(r, &any);
@@ -244,7 +244,7 @@ stp_result cpu_draw_layers(cpu_renderer* r)
         }
         stp_team_run(&r->team, r->height, CPU_BAND_ROWS, shade_bands, r);
         any = count_pixels(r) > 0;
-        result = result == STP_OK && cpu_is_stopped(r) ? STP_ERROR_CANCELLED : result;
+        result = result == STP_OK && stp_cpu_is_stopped(r) ? STP_ERROR_CANCELLED : result;
     }
     l->count -= l->count > 0 && !any; // the last pass found none
     if (l->count > 0 && result == STP_OK) {
@@ -255,9 +255,9 @@ stp_result cpu_draw_layers(cpu_renderer* r)
     return result;
 }
 
-void cpu_destroy_layers(cpu_renderer* r)
+void stp_cpu_destroy_layers(stp_cpu_renderer* r)
 {
-    cpu_layers* l = &r->layers;
+    stp_cpu_layers* l = &r->layers;
     stp_context* context = r->base.context;
     stp_free(context, l->nearer);
     stp_free(context, l->farther);
@@ -268,8 +268,9 @@ void cpu_destroy_layers(cpu_renderer* r)
     l->capacity = 0;
 }
 
-uint32_t cpu_pick_transparent(const cpu_renderer* r, const cpu_item* item, bool transparent,
-                              stp_raster_splats* splats, cpu_worker* worker)
+uint32_t stp_cpu_pick_transparent(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                                  bool transparent, stp_raster_splats* splats,
+                                  stp_cpu_worker* worker)
 {
     assert(splats->begin % 16 == 0 && splats->begin <= splats->end && "bits in words of 16");
     uint32_t others = 0, left = 0;
@@ -285,7 +286,7 @@ uint32_t cpu_pick_transparent(const cpu_renderer* r, const cpu_item* item, bool 
         for (uint32_t i = 0; i < count; ++i) {
             uint32_t is = r->layers.of_shading[materials[first + i]] != 0;
             glass |= (is & (uint32_t)(coverages != NULL &&
-                                      cpu_coverage_share(item, coverages[first + i]) < 255))
+                                      stp_cpu_coverage_share(item, coverages[first + i]) < 255))
                      << i;
         }
         uint32_t wanted = splats->wanted != NULL ? splats->wanted[first / 16] : 0xFFFFu;
@@ -302,17 +303,17 @@ uint32_t cpu_pick_transparent(const cpu_renderer* r, const cpu_item* item, bool 
     return left;
 }
 
-void cpu_draw_transparent(const cpu_renderer* r, const cpu_item* item,
-                          const stp_raster_splats* splats, const stp_raster_target* target,
-                          cpu_worker* worker)
+void stp_cpu_draw_transparent(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                              const stp_raster_splats* splats, const stp_raster_target* target,
+                              stp_cpu_worker* worker)
 {
     assert(r->layers.stage != CPU_LAYERS_OPAQUE && "transparent splats would hide opaque ones");
-    const stp_raster_layer layer = cpu_make_layer(r, worker);
-    const stp_raster_transparency glass = {.layer =
-                                               r->layers.stage == CPU_LAYERS_PEEL ? &layer : NULL,
-                                           .seed = item->seed,
-                                           .sample = r->pattern,
-                                           .share = item->draw->ghost ? cpu_ghost_share(r) : 1.0f};
+    const stp_raster_layer layer = stp_cpu_make_layer(r, worker);
+    const stp_raster_transparency glass = {
+        .layer = r->layers.stage == CPU_LAYERS_PEEL ? &layer : NULL,
+        .seed = item->seed,
+        .sample = r->pattern,
+        .share = item->draw->ghost ? stp_cpu_ghost_share(r) : 1.0f};
     worker->fragments +=
         stp_raster_draw_transparent(target, &item->camera, splats, item->first_id, &glass);
 }

@@ -14,24 +14,25 @@
 
 /// Whether the current picture has layers; otherwise transparent surfaces are drawn by alpha
 /// thresholds.
-bool cpu_wants_layers(const cpu_renderer* r, const stp_draw_style* style);
+bool stp_cpu_wants_layers(const stp_cpu_renderer* r, const stp_draw_style* style);
 
 /// Allocates layers, before anything is drawn. Without enough memory, logs a warning once and draws
 /// no layers.
-void cpu_begin_layers(cpu_renderer* r);
+void stp_cpu_begin_layers(stp_cpu_renderer* r);
 /// Saves the opaque visibility. Call before shading the opaque picture, which clears the buffers.
-void cpu_keep_opaque(cpu_renderer* r);
+void stp_cpu_keep_opaque(stp_cpu_renderer* r);
 /// Call after shading the opaque picture: draws all layers over the picture of the current eye,
 /// whose items are placed.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged), or STP_ERROR_CANCELLED
-STP_MUST_USE stp_result cpu_draw_layers(cpu_renderer* r);
-void cpu_destroy_layers(cpu_renderer* r);
+STP_MUST_USE stp_result stp_cpu_draw_layers(stp_cpu_renderer* r);
+void stp_cpu_destroy_layers(stp_cpu_renderer* r);
 
 /// Composites a shaded tile of a layer.
-void cpu_take_layer(cpu_renderer* r, cpu_worker* worker, const cpu_shade_tile* tile);
+void stp_cpu_take_layer(stp_cpu_renderer* r, stp_cpu_worker* worker,
+                        const stp_cpu_shade_tile* tile);
 
 /// Share of a surfel's pixels drawn by a stored coverage, of 255; cut disks count as whole.
-static inline uint8_t cpu_coverage_share(const cpu_item* item, uint8_t coverage)
+static inline uint8_t stp_cpu_coverage_share(const stp_cpu_item* item, uint8_t coverage)
 {
     return stp_coverage_share(item->surfels.plain_coverages ? stp_coverage_of_plain[coverage]
                                                             : coverage);
@@ -40,9 +41,10 @@ static inline uint8_t cpu_coverage_share(const cpu_item* item, uint8_t coverage)
 /// Filters splats by material and coverage: keeps the transparent ones, or the opaque ones. Sets
 /// `wanted`, in the worker's scratch memory, if there are both. @return number of kept splats; sets
 /// the worker's `failed` if out of memory
-uint32_t cpu_pick_transparent(const cpu_renderer* r, const cpu_item* item, bool transparent,
-                              stp_raster_splats* splats, cpu_worker* worker);
+uint32_t stp_cpu_pick_transparent(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                                  bool transparent, stp_raster_splats* splats,
+                                  stp_cpu_worker* worker);
 /// Draws the transparent surfels of a range.
-void cpu_draw_transparent(const cpu_renderer* r, const cpu_item* item,
-                          const stp_raster_splats* splats, const stp_raster_target* target,
-                          cpu_worker* worker);
+void stp_cpu_draw_transparent(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                              const stp_raster_splats* splats, const stp_raster_target* target,
+                              stp_cpu_worker* worker);

@@ -10,8 +10,8 @@
 /// Pyramid levels used for splats: blocks of up to 64 pixels.
 enum { MAX_SHIFT = 6, FIRST_SHIFT = 3 };
 
-stp_result cpu_grow(stp_context* context, void** memory, size_t* capacity, size_t wanted,
-                    size_t size)
+stp_result stp_cpu_grow(stp_context* context, void** memory, size_t* capacity, size_t wanted,
+                        size_t size)
 {
     if (wanted <= *capacity) {
         return STP_OK;
@@ -25,14 +25,14 @@ stp_result cpu_grow(stp_context* context, void** memory, size_t* capacity, size_
     return STP_OK;
 }
 
-stp_result cpu_prepare_late(cpu_renderer* r, size_t first)
+stp_result stp_cpu_prepare_late(stp_cpu_renderer* r, size_t first)
 {
     assert(first <= r->item_count);
     if (first == 0) {
         r->late_count = 0;
     }
     for (size_t i = first; i < r->item_count; ++i) {
-        cpu_item* item = &r->items[i];
+        stp_cpu_item* item = &r->items[i];
         item->late = r->late_count;
         if (item->clusters.bytes != NULL) {
             r->late_count += 2 * (((size_t)item->unit_count + 31) / 32);
@@ -42,22 +42,22 @@ stp_result cpu_prepare_late(cpu_renderer* r, size_t first)
     }
     stp_result result = STP_OK;
     for (uint32_t i = 0; i < r->eye_count && result == STP_OK; ++i) {
-        cpu_eye* eye = &r->eyes[i];
+        stp_cpu_eye* eye = &r->eyes[i];
         void* late = eye->late;
         void* pieces = eye->late_pieces;
-        result = cpu_grow(r->base.context, &late, &eye->late_capacity, r->late_count,
-                          sizeof(*eye->late));
+        result = stp_cpu_grow(r->base.context, &late, &eye->late_capacity, r->late_count,
+                              sizeof(*eye->late));
         eye->late = late;
         if (result == STP_OK) {
-            result =
-                cpu_grow(r->base.context, &pieces, &eye->late_piece_capacity, r->piece_count, 1);
+            result = stp_cpu_grow(r->base.context, &pieces, &eye->late_piece_capacity,
+                                  r->piece_count, 1);
             eye->late_pieces = pieces;
         }
     }
     return result;
 }
 
-bool cpu_is_any_late(const cpu_renderer* r, const cpu_eye* eye)
+bool stp_cpu_is_any_late(const stp_cpu_renderer* r, const stp_cpu_eye* eye)
 {
     bool any = false;
     for (uint32_t i = 0; i < r->piece_count; ++i) {
@@ -66,7 +66,8 @@ bool cpu_is_any_late(const cpu_renderer* r, const cpu_eye* eye)
     return any;
 }
 
-uint32_t cpu_choose_level(const cpu_renderer* r, const stp_view_frame* frame, uint32_t level_count)
+uint32_t stp_cpu_choose_level(const stp_cpu_renderer* r, const stp_view_frame* frame,
+                              uint32_t level_count)
 {
     double width = 2.0 * (1.1 * (double)r->splat_size * frame->corner + 0.51);
     double maximum = (double)(STP_DEPTH_PYRAMID_BLOCK * (STP_RASTER_OCCLUDER_BLOCKS - 1));
@@ -79,17 +80,18 @@ uint32_t cpu_choose_level(const cpu_renderer* r, const stp_view_frame* frame, ui
     return level;
 }
 
-stp_result cpu_prepare_occluder(cpu_renderer* r)
+stp_result stp_cpu_prepare_occluder(stp_cpu_renderer* r)
 {
     const stp_depth_pyramid* p = r->occluding;
-    cpu_eye* eye = r->eye;
+    stp_cpu_eye* eye = r->eye;
     if (p == NULL) {
         return STP_OK;
     }
-    uint32_t level = cpu_choose_level(r, &p->frame, p->level_count);
+    uint32_t level = stp_cpu_choose_level(r, &p->frame, p->level_count);
     void* windows = eye->windows;
-    stp_result result = cpu_grow(r->base.context, &windows, &eye->window_capacity,
-                                 (size_t)p->columns[level] * p->rows[level], sizeof(*eye->windows));
+    stp_result result =
+        stp_cpu_grow(r->base.context, &windows, &eye->window_capacity,
+                     (size_t)p->columns[level] * p->rows[level], sizeof(*eye->windows));
     eye->windows = windows;
     eye->window_level = level;
     if (result == STP_OK) {
@@ -98,9 +100,9 @@ stp_result cpu_prepare_occluder(cpu_renderer* r)
     return result;
 }
 
-stp_raster_occluder cpu_make_occluder(const stp_view_frame* frame, const double rows[3][4],
-                                      const stp_affine* transform, const float* windows,
-                                      uint32_t columns, uint32_t shift)
+stp_raster_occluder stp_cpu_make_occluder(const stp_view_frame* frame, const double rows[3][4],
+                                          const stp_affine* transform, const float* windows,
+                                          uint32_t columns, uint32_t shift)
 {
     assert(columns > 0 && shift >= FIRST_SHIFT && shift <= MAX_SHIFT);
     stp_raster_occluder occluder = {
@@ -124,7 +126,8 @@ stp_raster_occluder cpu_make_occluder(const stp_view_frame* frame, const double 
     return occluder;
 }
 
-void cpu_place_occluder(const cpu_renderer* r, const stp_draw_item* draw, cpu_item* item)
+void stp_cpu_place_occluder(const stp_cpu_renderer* r, const stp_draw_item* draw,
+                            stp_cpu_item* item)
 {
     static const float nowhere[3] = {0.0f, 0.0f, 0.0f};
     const stp_depth_pyramid* p = r->occluding;
@@ -137,13 +140,13 @@ void cpu_place_occluder(const cpu_renderer* r, const stp_draw_item* draw, cpu_it
     }
     uint32_t level = r->eye->window_level;
     item->occluder =
-        cpu_make_occluder(&p->frame, (const double(*)[4])item->occluder_rows, &draw->transform,
-                          r->eye->windows, p->columns[level], FIRST_SHIFT + level);
+        stp_cpu_make_occluder(&p->frame, (const double(*)[4])item->occluder_rows, &draw->transform,
+                              r->eye->windows, p->columns[level], FIRST_SHIFT + level);
     double behind = 1.0 + r->mesh_depth / p->frame.scale;
     item->occluder.behind = (float)(behind * (1.0 + 1e-5));
 }
 
-void cpu_place_late_occluders(cpu_renderer* r, const stp_draw_list* list, size_t first)
+void stp_cpu_place_late_occluders(stp_cpu_renderer* r, const stp_draw_list* list, size_t first)
 {
     assert(first <= r->item_count && r->item_count <= list->count);
     for (size_t i = 0; i < first; ++i) {
@@ -153,12 +156,12 @@ void cpu_place_late_occluders(cpu_renderer* r, const stp_draw_list* list, size_t
             late = r->eye->late_pieces[piece] != 0;
         }
         if (late) {
-            cpu_place_occluder(r, &list->items[i], &r->items[i]);
+            stp_cpu_place_occluder(r, &list->items[i], &r->items[i]);
         }
     }
 }
 
-bool cpu_hides(const cpu_renderer* r, const cpu_item* item, stp_box box)
+bool stp_cpu_hides(const stp_cpu_renderer* r, const stp_cpu_item* item, stp_box box)
 {
     assert(r->occluding != NULL && "rows were placed for a pyramid");
     stp_boxd wide = {stp_to_double(box.min), stp_to_double(box.max)};

@@ -12,7 +12,7 @@
 #include <assert.h>
 #include <string.h>
 
-static void choose_nearness(cpu_renderer* r)
+static void choose_nearness(stp_cpu_renderer* r)
 {
     stp_placement placement = {.frame = r->frame, .mesh_depth = r->mesh_depth};
     stp_placement_choose_nearness(&placement, r->directory);
@@ -21,12 +21,12 @@ static void choose_nearness(cpu_renderer* r)
 }
 
 /// Makes this eye the current one.
-static void select_eye(cpu_renderer* r, uint32_t number)
+static void select_eye(stp_cpu_renderer* r, uint32_t number)
 {
     size_t first = (size_t)number * r->width * r->height;
     assert(number < r->eye_count && first + (size_t)r->width * r->height <= r->pixel_count);
     const stp_depth_pyramid* pyramid = &r->pyramids[number];
-    cpu_accumulation* a = &r->accumulation;
+    stp_cpu_accumulation* a = &r->accumulation;
     r->eye = &r->eyes[number];
     r->frame = r->eye->frame;
     r->image = &r->eye->picture;
@@ -42,25 +42,25 @@ static void select_eye(cpu_renderer* r, uint32_t number)
 
 static void shade_bands(size_t begin, size_t end, uint32_t worker, void* user)
 {
-    cpu_renderer* r = user;
-    cpu_shade_rows(r, (uint32_t)begin, (uint32_t)end, &r->workers[worker]);
+    stp_cpu_renderer* r = user;
+    stp_cpu_shade_rows(r, (uint32_t)begin, (uint32_t)end, &r->workers[worker]);
 }
 
 static void average_bands(size_t begin, size_t end, uint32_t worker, void* user)
 {
-    cpu_renderer* r = user;
-    cpu_average_rows(r, (uint32_t)begin, (uint32_t)end, &r->workers[worker].covered);
+    stp_cpu_renderer* r = user;
+    stp_cpu_average_rows(r, (uint32_t)begin, (uint32_t)end, &r->workers[worker].covered);
 }
 
 static void find_depths(size_t begin, size_t end, uint32_t worker, void* user)
 {
-    cpu_renderer* r = user;
-    cpu_find_depths(r, (uint32_t)begin, (uint32_t)end, &r->workers[worker]);
+    stp_cpu_renderer* r = user;
+    stp_cpu_find_depths(r, (uint32_t)begin, (uint32_t)end, &r->workers[worker]);
 }
 
 /// Builds the pyramid of the current eye from its depths. Its picture may be shifted by a fraction
 /// of a pixel.
-static stp_result make_pyramid(cpu_renderer* r)
+static stp_result make_pyramid(stp_cpu_renderer* r)
 {
     stp_view_frame frame = r->frame;
     frame.center_x += r->shift_x;
@@ -70,9 +70,9 @@ static stp_result make_pyramid(cpu_renderer* r)
                                   &r->pyramids[r->eye - r->eyes]);
 }
 
-stp_result cpu_select_sample(cpu_renderer* r)
+stp_result stp_cpu_select_sample(stp_cpu_renderer* r)
 {
-    cpu_two_passes* passes = r->two_passes;
+    stp_cpu_two_passes* passes = r->two_passes;
     assert(!passes->selected && "a selection is drawn before the next");
     double start = stp_clock_ms();
     bool known = false;
@@ -88,15 +88,15 @@ stp_result cpu_select_sample(cpu_renderer* r)
 }
 
 /// After the first pass of all eyes: selects deferred nodes that are visible.
-static stp_result select_rejected(cpu_renderer* r, size_t first)
+static stp_result select_rejected(stp_cpu_renderer* r, size_t first)
 {
-    cpu_two_passes* passes = r->two_passes;
+    stp_cpu_two_passes* passes = r->two_passes;
     stp_result result = STP_OK;
     for (uint32_t i = 0; i < r->eye_count && result == STP_OK; ++i) {
         select_eye(r, i);
         stp_team_run(&r->team, r->height, CPU_BAND_ROWS, find_depths, r);
         double start = stp_clock_ms();
-        result = cpu_is_stopped(r) ? STP_ERROR_CANCELLED : make_pyramid(r);
+        result = stp_cpu_is_stopped(r) ? STP_ERROR_CANCELLED : make_pyramid(r);
         passes->select_ms += stp_clock_ms() - start;
     }
     double start = stp_clock_ms();
@@ -106,75 +106,75 @@ static stp_result select_rejected(cpu_renderer* r, size_t first)
                                      passes->list);
     }
     passes->select_ms += stp_clock_ms() - start;
-    return result == STP_OK ? cpu_prepare_items(r, passes->list, first) : result;
+    return result == STP_OK ? stp_cpu_prepare_items(r, passes->list, first) : result;
 }
 
-static stp_result draw_first_pass(cpu_renderer* r, const stp_draw_list* list)
+static stp_result draw_first_pass(stp_cpu_renderer* r, const stp_draw_list* list)
 {
-    stp_result result = cpu_prepare_items(r, list, 0);
+    stp_result result = stp_cpu_prepare_items(r, list, 0);
     r->placed = NULL;
     for (uint32_t i = 0; i < r->eye_count && result == STP_OK; ++i) {
         r->eyes[i].made = false;
         select_eye(r, i);
-        result = cpu_prepare_occluder(r);
+        result = stp_cpu_prepare_occluder(r);
         if (result != STP_OK) {
             return result;
         }
-        cpu_place_items(r, list, 0);
-        result = i == 0 ? cpu_prepare_shading(r, 0) : STP_OK;
-        result = result == STP_OK ? cpu_draw_items(r, 0) : result;
+        stp_cpu_place_items(r, list, 0);
+        result = i == 0 ? stp_cpu_prepare_shading(r, 0) : STP_OK;
+        result = result == STP_OK ? stp_cpu_draw_items(r, 0) : result;
     }
     return result;
 }
 
 /// Whether anything was occluded for any eye.
-static bool is_any_hidden(const cpu_renderer* r)
+static bool is_any_hidden(const stp_cpu_renderer* r)
 {
     bool any = r->two_passes->list->hidden_count > 0;
     for (uint32_t i = 0; i < r->eye_count; ++i) {
-        any = any || cpu_is_any_late(r, &r->eyes[i]);
+        any = any || stp_cpu_is_any_late(r, &r->eyes[i]);
     }
     return any;
 }
 
 /// Shades the current eye's buffers into its picture.
-static stp_result finish_picture(cpu_renderer* r)
+static stp_result finish_picture(stp_cpu_renderer* r)
 {
-    bool blends = cpu_has_filter(r->style) && r->splat_size > 0.0f;
+    bool blends = stp_cpu_has_filter(r->style) && r->splat_size > 0.0f;
     bool disks = r->style->splat_shape == STP_SPLAT_DISK; // squares have no planes
     bool planes = disks && r->style->plane_depth && !blends && r->splat_size > 0.0f;
-    stp_result result = blends || planes ? cpu_find_visible(r) : STP_OK;
+    stp_result result = blends || planes ? stp_cpu_find_visible(r) : STP_OK;
     if (result != STP_OK) {
         return result;
     }
     bool layered = r->layers.stage != CPU_LAYERS_NONE;
     if (layered) {
-        cpu_keep_opaque(r);
+        stp_cpu_keep_opaque(r);
     }
-    cpu_begin_shading(r);
+    stp_cpu_begin_shading(r);
     stp_team_run(&r->team, r->height, CPU_BAND_ROWS, shade_bands, r);
-    result = cpu_is_stopped(r) ? STP_ERROR_CANCELLED : STP_OK;
+    result = stp_cpu_is_stopped(r) ? STP_ERROR_CANCELLED : STP_OK;
     if (blends) {
         r->occluding = NULL;
-        result = result == STP_OK ? cpu_blend_splats(r) : result;
+        result = result == STP_OK ? stp_cpu_blend_splats(r) : result;
     } else if (planes) {
         r->occluding = NULL;
-        result = result == STP_OK ? cpu_find_plane_depths(r) : result;
+        result = result == STP_OK ? stp_cpu_find_plane_depths(r) : result;
     }
-    if (result == STP_OK && cpu_has_caps(r)) {
-        result = cpu_put_caps(r);
+    if (result == STP_OK && stp_cpu_has_caps(r)) {
+        result = stp_cpu_put_caps(r);
     }
-    if (result == STP_OK && cpu_has_effects(r->style)) {
-        result = cpu_apply_effects(r);
+    if (result == STP_OK && stp_cpu_has_effects(r->style)) {
+        result = stp_cpu_apply_effects(r);
     }
     if (result == STP_OK && r->two_passes != NULL && !r->eye->made) {
         result = make_pyramid(r);
     }
-    return result == STP_OK && layered ? cpu_draw_layers(r) : result;
+    return result == STP_OK && layered ? stp_cpu_draw_layers(r) : result;
 }
 
 /// Draws the second pass and shades, eye by eye; the last eye's items are already placed.
-static stp_result draw_second_pass(cpu_renderer* r, const stp_draw_list* list, bool again,
+static stp_result draw_second_pass(stp_cpu_renderer* r, const stp_draw_list* list, bool again,
                                    size_t first, uint32_t first_piece, stp_draw_stats* stats)
 {
     assert(first <= r->item_count && first_piece <= r->piece_count && "items are appended");
@@ -182,17 +182,17 @@ static stp_result draw_second_pass(cpu_renderer* r, const stp_draw_list* list, b
     for (uint32_t i = r->eye_count; i-- > 0 && result == STP_OK;) {
         double start = stp_clock_ms();
         select_eye(r, i);
-        result = again ? cpu_prepare_occluder(r) : STP_OK;
+        result = again ? stp_cpu_prepare_occluder(r) : STP_OK;
         if (result != STP_OK) {
             return result;
         }
         if (again && r->placed == r->eye) {
-            cpu_place_late_occluders(r, list, first);
+            stp_cpu_place_late_occluders(r, list, first);
         }
-        cpu_place_items(r, list, again ? first : r->item_count);
+        stp_cpu_place_items(r, list, again ? first : r->item_count);
         if (again) {
-            result = i + 1 == r->eye_count ? cpu_prepare_shading(r, first) : STP_OK;
-            result = result == STP_OK ? cpu_draw_items(r, first_piece) : result;
+            result = i + 1 == r->eye_count ? stp_cpu_prepare_shading(r, first) : STP_OK;
+            result = result == STP_OK ? stp_cpu_draw_items(r, first_piece) : result;
         }
         double drawn = stp_clock_ms();
         result = result == STP_OK ? finish_picture(r) : result;
@@ -202,16 +202,16 @@ static stp_result draw_second_pass(cpu_renderer* r, const stp_draw_list* list, b
     return result;
 }
 
-static stp_result draw_sample(cpu_renderer* r, const stp_draw_list* list, uint32_t side,
+static stp_result draw_sample(stp_cpu_renderer* r, const stp_draw_list* list, uint32_t side,
                               uint32_t sample, stp_draw_stats* stats)
 {
-    cpu_two_passes* passes = r->two_passes;
+    stp_cpu_two_passes* passes = r->two_passes;
     assert(side > 0 && sample < side * side);
     r->pattern = sample;
     r->shift_x = 0.5 - ((double)(sample % side) + 0.5) / (double)side;
     r->shift_y = 0.5 - ((double)(sample / side) + 0.5) / (double)side;
-    stp_result result = passes != NULL && !passes->selected ? cpu_select_sample(r) : STP_OK;
-    result = result == STP_OK && cpu_is_stopped(r) ? STP_ERROR_CANCELLED : result;
+    stp_result result = passes != NULL && !passes->selected ? stp_cpu_select_sample(r) : STP_OK;
+    result = result == STP_OK && stp_cpu_is_stopped(r) ? STP_ERROR_CANCELLED : result;
     double start = stp_clock_ms(), select_ms = passes != NULL ? passes->select_ms : 0.0;
     result = result == STP_OK ? draw_first_pass(r, list) : result;
     size_t first = r->item_count;
@@ -229,7 +229,7 @@ static stp_result draw_sample(cpu_renderer* r, const stp_draw_list* list, uint32
         result = draw_second_pass(r, list, again, first, first_piece, stats);
     }
     if (result != STP_OK) {
-        cpu_empty_pixels(r);
+        stp_cpu_empty_pixels(r);
     }
     for (uint32_t i = 0; i < r->team.threads; ++i) {
         r->workers[i].drew = false;
@@ -237,8 +237,8 @@ static stp_result draw_sample(cpu_renderer* r, const stp_draw_list* list, uint32
     return result;
 }
 
-stp_result cpu_draw_summed(cpu_renderer* r, const stp_draw_list* list, uint32_t side,
-                           stp_draw_stats* stats)
+stp_result stp_cpu_draw_summed(stp_cpu_renderer* r, const stp_draw_list* list, uint32_t side,
+                               stp_draw_stats* stats)
 {
     stp_result result = STP_OK;
     r->sample_count = side * side;
@@ -254,28 +254,28 @@ stp_result cpu_draw_summed(cpu_renderer* r, const stp_draw_list* list, uint32_t 
     return result;
 }
 
-static void add_frames(cpu_renderer* r)
+static void add_frames(stp_cpu_renderer* r)
 {
     for (uint32_t i = 0; i < r->eye_count; ++i) {
         select_eye(r, i);
-        cpu_add_frame(r);
+        stp_cpu_add_frame(r);
     }
     r->accumulation.frames += 1;
 }
 
-static void show_frames(cpu_renderer* r)
+static void show_frames(stp_cpu_renderer* r)
 {
     for (uint32_t i = 0; i < r->team.threads; ++i) {
         r->workers[i].covered = 0;
     }
     for (uint32_t i = 0; i < r->eye_count; ++i) {
         select_eye(r, i);
-        cpu_show_frames(r);
+        stp_cpu_show_frames(r);
     }
 }
 
-stp_result cpu_draw_accumulated(cpu_renderer* r, const stp_draw_list* list, uint32_t side,
-                                uint32_t first, uint32_t end, stp_draw_stats* stats)
+stp_result stp_cpu_draw_accumulated(stp_cpu_renderer* r, const stp_draw_list* list, uint32_t side,
+                                    uint32_t first, uint32_t end, stp_draw_stats* stats)
 {
     assert(first <= end && end <= side * side);
     const stp_draw_style* style = r->style;
@@ -301,14 +301,14 @@ stp_result cpu_draw_accumulated(cpu_renderer* r, const stp_draw_list* list, uint
 }
 
 typedef struct joined_rows {
-    const cpu_renderer* r;
+    const stp_cpu_renderer* r;
     stp_image* image;
 } joined_rows;
 
 static void join_rows(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const joined_rows* rows = user;
-    const cpu_renderer* r = rows->r;
+    const stp_cpu_renderer* r = rows->r;
     size_t size = 4 * (size_t)r->width, whole = 4 * (size_t)rows->image->width;
     assert(r->eye_count * size <= whole && "eyes lie side by side");
     (void)worker;
@@ -321,7 +321,7 @@ static void join_rows(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-void cpu_join_eyes(cpu_renderer* r, stp_image* image)
+void stp_cpu_join_eyes(stp_cpu_renderer* r, stp_image* image)
 {
     joined_rows rows = {r, image};
     stp_team_run(&r->team, r->height, CPU_BAND_ROWS, join_rows, &rows);

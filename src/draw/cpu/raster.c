@@ -9,7 +9,7 @@
 #include <string.h>
 
 /// The last item whose first piece is at or before `piece`.
-const cpu_item* cpu_item_of_piece(const cpu_renderer* r, uint32_t piece)
+const stp_cpu_item* stp_cpu_item_of_piece(const stp_cpu_renderer* r, uint32_t piece)
 {
     assert(r->item_count > 0 && piece < r->piece_count);
     size_t low = 0, high = r->item_count;
@@ -45,20 +45,21 @@ static bool record_hidden(const uint16_t* bits, uint32_t begin, uint32_t end)
 
 /// Pieces drawn by a pass.
 typedef struct piece_loop {
-    cpu_renderer* r;
+    stp_cpu_renderer* r;
     uint32_t first;
     uint32_t first_new; ///< earlier pieces draw only content occluded so far
 } piece_loop;
 
-typedef void (*range_drawer)(const cpu_renderer* r, const cpu_item* item,
+typedef void (*range_drawer)(const stp_cpu_renderer* r, const stp_cpu_item* item,
                              const stp_raster_splats* splats, const stp_raster_target* target,
-                             cpu_worker* worker);
+                             stp_cpu_worker* worker);
 
-static void draw_range(const cpu_renderer* r, const cpu_item* item, const stp_raster_splats* splats,
-                       const stp_raster_target* target, cpu_worker* worker)
+static void draw_range(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                       const stp_raster_splats* splats, const stp_raster_target* target,
+                       stp_cpu_worker* worker)
 {
     if (r->blend.stage != CPU_BLEND_NONE) {
-        cpu_blend_range(r, item, splats);
+        stp_cpu_blend_range(r, item, splats);
         return;
     }
     worker->fragments +=
@@ -74,8 +75,8 @@ static void clear_hidden(const stp_raster_splats* splats, uint32_t begin, uint32
 }
 
 /// Draws the splats of a piece, run by run.
-static void draw_runs(cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats,
-                      const stp_raster_target* target, cpu_worker* worker, range_drawer draw)
+static void draw_runs(stp_cpu_renderer* r, const stp_cpu_item* item, stp_raster_splats* splats,
+                      const stp_raster_target* target, stp_cpu_worker* worker, range_drawer draw)
 {
     uint32_t begin = splats->begin, end = splats->end, run = 0;
     if (item->runs == NULL || item->draw->scattered) {
@@ -102,8 +103,8 @@ static void draw_runs(cpu_renderer* r, const cpu_item* item, stp_raster_splats* 
 }
 
 /// Draws surfels of which some may be transparent: these skip the occlusion test.
-static void draw_both(cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats, bool late,
-                      const stp_raster_target* target, cpu_worker* worker)
+static void draw_both(stp_cpu_renderer* r, const stp_cpu_item* item, stp_raster_splats* splats,
+                      bool late, const stp_raster_target* target, stp_cpu_worker* worker)
 {
     stp_raster_splats opaque = *splats, glass = *splats;
     if (splats->normals == NULL) { // fixed-size points, all opaque
@@ -113,7 +114,7 @@ static void draw_both(cpu_renderer* r, const cpu_item* item, stp_raster_splats* 
         return;
     }
     if (r->layers.stage != CPU_LAYERS_PEEL) {
-        cpu_pick_transparent(r, item, false, &opaque, worker);
+        stp_cpu_pick_transparent(r, item, false, &opaque, worker);
         draw_runs(r, item, &opaque, target, worker, draw_range);
     }
     if (r->layers.stage == CPU_LAYERS_OPAQUE || r->blend.stage != CPU_BLEND_NONE || late) {
@@ -121,8 +122,8 @@ static void draw_both(cpu_renderer* r, const cpu_item* item, stp_raster_splats* 
     }
     glass.hidden = NULL;
     glass.occluder = NULL;
-    if (cpu_pick_transparent(r, item, true, &glass, worker) > 0) {
-        draw_runs(r, item, &glass, target, worker, cpu_draw_transparent);
+    if (stp_cpu_pick_transparent(r, item, true, &glass, worker) > 0) {
+        draw_runs(r, item, &glass, target, worker, stp_cpu_draw_transparent);
     }
 }
 
@@ -133,8 +134,8 @@ static float shape_scale(const stp_draw_item* draw)
 
 /// Selects the surfels whose ranges hold the level at their depth. @return false if there are none,
 /// or memory is short
-static bool pick_levels(const cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats,
-                        cpu_worker* worker)
+static bool pick_levels(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                        stp_raster_splats* splats, stp_cpu_worker* worker)
 {
     if (item->kind != STP_DRAW_SURFELS || item->surfels.ranges == NULL) {
         return true;
@@ -161,7 +162,7 @@ static bool pick_levels(const cpu_renderer* r, const cpu_item* item, stp_raster_
 
 /// Selects the splats of a scattered item's runs. @return false if there are none, or memory is
 /// short
-static bool pick_runs(const cpu_item* item, stp_raster_splats* splats, cpu_worker* worker)
+static bool pick_runs(const stp_cpu_item* item, stp_raster_splats* splats, stp_cpu_worker* worker)
 {
     if (!item->draw->scattered || item->runs == NULL) {
         return true;
@@ -203,7 +204,7 @@ static bool pick_runs(const cpu_item* item, stp_raster_splats* splats, cpu_worke
 
 /// Sets the wanted size of points. They are drawn in full: such pictures have no occlusion test
 /// (may_occlude), and sections are tested separately.
-static void fix_size(const cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats)
+static void fix_size(const stp_cpu_renderer* r, const stp_cpu_item* item, stp_raster_splats* splats)
 {
     if (stp_point_size_is_fixed(r->style, item->draw)) {
         stp_point_radius radius = stp_point_radius_of(r->style, item->draw);
@@ -217,16 +218,16 @@ static void fix_size(const cpu_renderer* r, const cpu_item* item, stp_raster_spl
 }
 
 /// Draws splats [begin, end) of a piece. `late`: those occluded so far.
-static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
-                        bool late, const stp_raster_target* target, cpu_worker* worker)
+static void draw_splats(stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t begin, uint32_t end,
+                        bool late, const stp_raster_target* target, stp_cpu_worker* worker)
 {
     assert(begin <= end && begin % 16 == 0 && "bits of pieces share no word");
     stp_raster_splats splats = {.begin = begin,
                                 .end = end,
                                 .radius = item->radius,
-                                .seed = cpu_sample_seed(r, item),
+                                .seed = stp_cpu_sample_seed(r, item),
                                 .squares = r->style->splat_shape == STP_SPLAT_SQUARE &&
-                                           !cpu_has_filter(r->style)};
+                                           !stp_cpu_has_filter(r->style)};
     if (item->kind == STP_DRAW_SURFELS) {
         splats.positions = item->surfels.positions;
         splats.normals = item->surfels.normals;
@@ -237,7 +238,7 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
         splats.plain_coverages = item->surfels.plain_coverages;
         splats.shapes = item->surfels.shapes;
         splats.radius = splats.shapes != NULL
-                            ? item->surfels.step * cpu_splat_scale(r) * shape_scale(item->draw)
+                            ? item->surfels.step * stp_cpu_splat_scale(r) * shape_scale(item->draw)
                             : splats.radius;
         splats.low_share = (uint32_t)(256.0f * (1.0f - item->blend) + 0.5f);
         assert(splats.low_share <= 256);
@@ -259,13 +260,13 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
         splats.occluder = NULL;
     }
     stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
-    bool cut = item->draw->sections != 0 || item->draw->ghost || cpu_hides_some(r, item);
+    bool cut = item->draw->sections != 0 || item->draw->ghost || stp_cpu_hides_some(r, item);
     bool left = late || (pick_levels(r, item, &splats, worker) && pick_runs(item, &splats, worker));
     if (item->draw->scattered && item->runs != NULL) {
         splats.nearest = item->runs[0].nearest;
         splats.farthest = item->runs[0].farthest;
     }
-    if (cut && left && !cpu_cut_splats(r, item, &splats, worker)) {
+    if (cut && left && !stp_cpu_cut_splats(r, item, &splats, worker)) {
         worker->failed = true;
     } else if (!left) {
         clear_hidden(&splats, splats.begin, splats.end);
@@ -277,32 +278,32 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
     stp_arena_rewind(&worker->scratch, mark);
 }
 
-static void draw_triangles(cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
-                           const stp_raster_target* target, cpu_worker* worker)
+static void draw_triangles(stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t begin,
+                           uint32_t end, const stp_raster_target* target, stp_cpu_worker* worker)
 {
     assert(begin <= end && end <= item->count);
-    cpu_keep_memory memory = {.triangle = UINT32_MAX};
-    const stp_raster_layer layer = cpu_make_layer(r, worker);
-    cpu_cuts cuts;
-    cpu_find_cuts(r, item, &cuts);
-    cpu_keep keep = {.renderer = r,
-                     .item = item,
-                     .first_triangle = begin,
-                     .memory = &memory,
-                     .cuts = &cuts,
-                     .cut_mask = (1u << cuts.count) - 1};
+    stp_cpu_keep_memory memory = {.triangle = UINT32_MAX};
+    const stp_raster_layer layer = stp_cpu_make_layer(r, worker);
+    stp_cpu_cuts cuts;
+    stp_cpu_find_cuts(r, item, &cuts);
+    stp_cpu_keep keep = {.renderer = r,
+                         .item = item,
+                         .first_triangle = begin,
+                         .memory = &memory,
+                         .cuts = &cuts,
+                         .cut_mask = (1u << cuts.count) - 1};
     stp_raster_mesh mesh = {.positions = item->mesh.positions,
                             .vertex_count = item->mesh.vertex_count,
                             .triangle_count = end - begin,
                             .offset = {item->offset[0], item->offset[1], item->offset[2]},
                             .fragments = &worker->fragments};
-    if (keep.cut_mask != 0 || cpu_item_needs_keep(item)) {
-        mesh.keep = cpu_keep_fragment;
+    if (keep.cut_mask != 0 || stp_cpu_item_needs_keep(item)) {
+        mesh.keep = stp_cpu_keep_fragment;
         mesh.keep_user = &keep;
         mesh.layer = r->layers.stage == CPU_LAYERS_PEEL ? &layer : NULL;
     }
     stp_box box = item->mesh.bounds;
-    stp_bounding bounding = cpu_bound(r, item);
+    stp_bounding bounding = stp_cpu_bound(r, item);
     float share = stp_draw_share(item->draw, stp_bounding_min_depth(&bounding, box));
     stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
     size_t corners = 3 * (size_t)(end - begin);
@@ -315,7 +316,7 @@ static void draw_triangles(cpu_renderer* r, const cpu_item* item, uint32_t begin
         kept[i] = stp_store_mesh_corner(&item->mesh, 3 * (size_t)begin + i);
     }
     if (share < 1.0f) {
-        cpu_drop_triangles(kept, begin, end - begin, share);
+        stp_cpu_drop_triangles(kept, begin, end - begin, share);
     }
     mesh.indices = kept;
     stp_result result = stp_raster_triangles(target, 0, r->height, &item->camera.matrix,
@@ -325,8 +326,8 @@ static void draw_triangles(cpu_renderer* r, const cpu_item* item, uint32_t begin
     worker->failed = worker->failed || result != STP_OK;
 }
 
-bool cpu_draw_piece(cpu_renderer* r, const cpu_item* item, uint32_t piece, bool late,
-                    const stp_raster_target* target, cpu_worker* worker)
+bool stp_cpu_draw_piece(stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t piece, bool late,
+                        const stp_raster_target* target, stp_cpu_worker* worker)
 {
     uint32_t size = item->piece_units;
     uint32_t from = (piece - item->first_piece) * size;
@@ -339,17 +340,17 @@ bool cpu_draw_piece(cpu_renderer* r, const cpu_item* item, uint32_t piece, bool 
         return false;
     }
     if (item->draw->large) {
-        bool enough = cpu_draw_large(r, item, from, to, target, worker);
+        bool enough = stp_cpu_draw_large(r, item, from, to, target, worker);
         worker->failed = worker->failed || !enough;
         return false;
     }
     if (item->clusters.bytes != NULL) {
         uint16_t* bits = r->eye->late + item->late + (size_t)2 * (piece - item->first_piece);
-        cpu_cluster_range range = {.begin = from, .end = to, .wanted = UINT32_MAX};
+        stp_cpu_cluster_range range = {.begin = from, .end = to, .wanted = UINT32_MAX};
         if (late) {
             range.wanted = (uint32_t)bits[0] | (uint32_t)bits[1] << 16;
         }
-        bool enough = cpu_draw_clusters(r, item, &range, target, worker);
+        bool enough = stp_cpu_draw_clusters(r, item, &range, target, worker);
         worker->failed = worker->failed || !enough;
         if (!late) {
             bits[0] = (uint16_t)range.hidden;
@@ -369,28 +370,28 @@ bool cpu_draw_piece(cpu_renderer* r, const cpu_item* item, uint32_t piece, bool 
 static void draw_pieces(size_t begin, size_t end, uint32_t index, void* user)
 {
     const piece_loop* loop = user;
-    cpu_renderer* r = loop->r;
+    stp_cpu_renderer* r = loop->r;
     begin += loop->first;
     end += loop->first;
-    cpu_worker* worker = &r->workers[index];
+    stp_cpu_worker* worker = &r->workers[index];
     stp_raster_target target = {
         .width = r->width, .height = r->height, .stride = r->width, .pixels = worker->pixels};
     assert(begin < end && end <= r->piece_count);
     worker->drew = true;
-    const cpu_item* item = cpu_item_of_piece(r, (uint32_t)begin);
-    for (uint32_t piece = (uint32_t)begin; piece < end && !cpu_is_stopped(r); ++piece) {
-        const cpu_item* last = r->items + r->item_count - 1;
+    const stp_cpu_item* item = stp_cpu_item_of_piece(r, (uint32_t)begin);
+    for (uint32_t piece = (uint32_t)begin; piece < end && !stp_cpu_is_stopped(r); ++piece) {
+        const stp_cpu_item* last = r->items + r->item_count - 1;
         while (item < last && item[1].first_piece <= piece) {
             item += 1;
         }
         bool late = piece < loop->first_new;
         if (!late || r->eye->late_pieces[piece] != 0) {
-            r->eye->late_pieces[piece] = cpu_draw_piece(r, item, piece, late, &target, worker);
+            r->eye->late_pieces[piece] = stp_cpu_draw_piece(r, item, piece, late, &target, worker);
         }
     }
 }
 
-stp_result cpu_draw_items(cpu_renderer* r, uint32_t first_piece)
+stp_result stp_cpu_draw_items(stp_cpu_renderer* r, uint32_t first_piece)
 {
     assert(first_piece <= r->piece_count);
     piece_loop loop = {.r = r, .first = first_piece, .first_new = first_piece};
@@ -408,5 +409,5 @@ stp_result cpu_draw_items(cpu_renderer* r, uint32_t first_piece)
             return stp_fail_memory(r->base.context);
         }
     }
-    return cpu_is_stopped(r) ? STP_ERROR_CANCELLED : STP_OK;
+    return stp_cpu_is_stopped(r) ? STP_ERROR_CANCELLED : STP_OK;
 }

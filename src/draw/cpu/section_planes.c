@@ -22,13 +22,13 @@ static void relax(double row[4], const double reach[3], double steps)
     row[3] -= ROUNDED * size;
 }
 
-void cpu_find_cuts(const cpu_renderer* r, const cpu_item* item, cpu_cuts* cuts)
+void stp_cpu_find_cuts(const stp_cpu_renderer* r, const stp_cpu_item* item, stp_cpu_cuts* cuts)
 {
     cuts->count = 0;
     if (item->draw->sections == 0) {
         return;
     }
-    assert(item->kind == STP_DRAW_MESH && "splats are tested by cpu_cut_splats");
+    assert(item->kind == STP_DRAW_MESH && "splats are tested by stp_cpu_cut_splats");
     stp_box box = stp_store_describe_mesh(r->store, item->draw->index)->bounds;
     const double reach[3] = {0.5 * ((double)box.max.x - (double)box.min.x),
                              0.5 * ((double)box.max.y - (double)box.min.y),
@@ -46,7 +46,8 @@ void cpu_find_cuts(const cpu_renderer* r, const cpu_item* item, cpu_cuts* cuts)
     }
 }
 
-bool cpu_cuts_drop(const cpu_cuts* cuts, const cpu_item* item, stp_box box, uint32_t* mask)
+bool stp_cpu_cuts_drop(const stp_cpu_cuts* cuts, const stp_cpu_item* item, stp_box box,
+                       uint32_t* mask)
 {
     const float low[3] = {box.min.x, box.min.y, box.min.z};
     const float high[3] = {box.max.x, box.max.y, box.max.z};
@@ -72,7 +73,7 @@ bool cpu_cuts_drop(const cpu_cuts* cuts, const cpu_item* item, stp_box box, uint
 }
 
 /// Planes in the units of splat positions.
-static void turn_cuts(const cpu_renderer* r, const cpu_item* item, bool grid,
+static void turn_cuts(const stp_cpu_renderer* r, const stp_cpu_item* item, bool grid,
                       float rows[STP_SECTION_PLANES][4], uint32_t* count)
 {
     const float origin[3] = {grid ? item->surfels.origin.x : 0.0f,
@@ -137,7 +138,7 @@ static uint16_t find_left(const stp_raster_splats* splats, uint32_t first, uint3
     return left;
 }
 
-bool cpu_hides_some(const cpu_renderer* r, const cpu_item* item)
+bool stp_cpu_hides_some(const stp_cpu_renderer* r, const stp_cpu_item* item)
 {
     bool marked =
         item->kind == STP_DRAW_SURFELS ? item->coverages != NULL : item->points.colors != NULL;
@@ -145,7 +146,7 @@ bool cpu_hides_some(const cpu_renderer* r, const cpu_item* item)
 }
 
 /// Bits of up to 16 splats or points of visible classes (store/sets/coloring.h).
-static uint16_t find_shown(const cpu_item* item, uint32_t first, uint32_t count)
+static uint16_t find_shown(const stp_cpu_item* item, uint32_t first, uint32_t count)
 {
     assert(count <= 16 && "one word of bits");
     uint16_t shown = 0;
@@ -158,11 +159,11 @@ static uint16_t find_shown(const cpu_item* item, uint32_t first, uint32_t count)
     return shown;
 }
 
-bool cpu_cut_splats(const cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats,
-                    cpu_worker* worker)
+bool stp_cpu_cut_splats(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                        stp_raster_splats* splats, stp_cpu_worker* worker)
 {
-    splats->share = item->draw->ghost ? stp_placement_ghost_part(cpu_ghost_share(r)) : 0.0f;
-    bool hides = cpu_hides_some(r, item);
+    splats->share = item->draw->ghost ? stp_placement_ghost_part(stp_cpu_ghost_share(r)) : 0.0f;
+    bool hides = stp_cpu_hides_some(r, item);
     if (item->draw->sections == 0 && !hides) {
         return true;
     }

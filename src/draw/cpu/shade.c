@@ -11,25 +11,26 @@
 
 /// Parameters of one band of the picture.
 typedef struct shader {
-    cpu_renderer* r;
-    cpu_worker* worker;
-    cpu_shade_memory* memory;
-    const cpu_shade_kernels* kernels;
-    cpu_shade_scene scene;
+    stp_cpu_renderer* r;
+    stp_cpu_worker* worker;
+    stp_cpu_shade_memory* memory;
+    const stp_cpu_shade_kernels* kernels;
+    stp_cpu_shade_scene scene;
     stp_draw_heights heights;
     uint32_t buffer_count;
     uint64_t** buffers; ///< pixels of the workers that drew
     uint32_t empty;     ///< colour of background pixels
 } shader;
 
-static uint8_t encode(const cpu_renderer* r, float linear)
+static uint8_t encode(const stp_cpu_renderer* r, float linear)
 {
     float scaled = linear * (float)CPU_ENCODE_SIZE;
     float top = (float)(CPU_ENCODE_SIZE - 1);
     return r->encode[scaled >= top ? CPU_ENCODE_SIZE - 1 : scaled > 0.0f ? (int)scaled : 0];
 }
 
-static void write_pixel(const cpu_renderer* r, const float color[3], float coverage, uint8_t* out)
+static void write_pixel(const stp_cpu_renderer* r, const float color[3], float coverage,
+                        uint8_t* out)
 {
     const stp_draw_style* style = r->style;
     float back = style->background ? 1.0f - coverage : 0.0f;
@@ -46,7 +47,7 @@ static void write_pixel(const cpu_renderer* r, const float color[3], float cover
 }
 
 /// Direction to the eye for a tile: the negative of (forward + right u + down v).
-static void place_eye(const cpu_renderer* r, uint32_t x, uint32_t y, cpu_shade_scene* scene)
+static void place_eye(const stp_cpu_renderer* r, uint32_t x, uint32_t y, stp_cpu_shade_scene* scene)
 {
     const stp_view_frame* f = &r->frame;
     stp_vec3d start = stp_scaled(f->forward, -1.0);
@@ -61,15 +62,15 @@ static void place_eye(const cpu_renderer* r, uint32_t x, uint32_t y, cpu_shade_s
     scene->parallel = f->parallel;
 }
 
-cpu_shade_scene cpu_make_shade_scene(const cpu_renderer* r)
+stp_cpu_shade_scene stp_cpu_make_shade_scene(const stp_cpu_renderer* r)
 {
-    cpu_shade_scene scene = {.encode = r->encode,
-                             .light = stp_lighting_make(&r->frame, r->style->headlight)};
+    stp_cpu_shade_scene scene = {.encode = r->encode,
+                                 .light = stp_lighting_make(&r->frame, r->style->headlight)};
     place_eye(r, 0, 0, &scene);
     return scene;
 }
 
-static void merge_tile(const shader* s, cpu_shade_tile* tile)
+static void merge_tile(const shader* s, stp_cpu_shade_tile* tile)
 {
     uint64_t any = 0;
     for (uint32_t row = 0; row < tile->height; ++row) {
@@ -80,11 +81,11 @@ static void merge_tile(const shader* s, cpu_shade_tile* tile)
     tile->any = any != 0;
 }
 
-static void find_runs(const shader* s, cpu_shade_tile* tile)
+static void find_runs(const shader* s, stp_cpu_shade_tile* tile)
 {
     uint32_t count = 0;
     for (uint32_t row = 0; row < tile->height; ++row) {
-        const cpu_shade_merged* merged = &tile->rows[row];
+        const stp_cpu_shade_merged* merged = &tile->rows[row];
         tile->row_runs[row] = count;
         assert((merged->starts & 1) != 0 && "runs cover the whole row");
         for (uint64_t starts = merged->starts; starts != 0;) {
@@ -93,9 +94,9 @@ static void find_runs(const shader* s, cpu_shade_tile* tile)
             uint32_t end = starts != 0 ? (uint32_t)__builtin_ctzll(starts) : SHADE_WIDTH;
             uint32_t id = merged->ids[x + 1];
             uint32_t surface =
-                id == UINT32_MAX ? SHADE_EMPTY : cpu_find_surface(s->memory, tile, id);
+                id == UINT32_MAX ? SHADE_EMPTY : stp_cpu_find_surface(s->memory, tile, id);
             assert(x < end && count < SHADE_PIXELS);
-            tile->runs[count++] = (cpu_shade_run){
+            tile->runs[count++] = (stp_cpu_shade_run){
                 .x = (uint8_t)x, .length = (uint8_t)(end - x), .surface = (uint16_t)surface};
         }
     }
@@ -103,9 +104,9 @@ static void find_runs(const shader* s, cpu_shade_tile* tile)
 }
 
 /// Colour of the normal on the visible side; (x, y) is relative to the tile.
-static void color_normal(const shader* s, float x, float y, cpu_shade_surface* surface)
+static void color_normal(const shader* s, float x, float y, stp_cpu_shade_surface* surface)
 {
-    const cpu_shade_scene* scene = &s->scene;
+    const stp_cpu_shade_scene* scene = &s->scene;
     stp_vec3 n =
         stp_normalize((stp_vec3){surface->normal[0], surface->normal[1], surface->normal[2]});
     stp_vec3 eye = scene->start;
@@ -120,8 +121,8 @@ static void color_normal(const shader* s, float x, float y, cpu_shade_surface* s
 }
 
 /// Lanes of a run with a single colour and normal.
-static uint32_t add_flat_lanes(cpu_shade_lanes* lanes, uint32_t at, const cpu_shade_run* run,
-                               uint32_t row)
+static uint32_t add_flat_lanes(stp_cpu_shade_lanes* lanes, uint32_t at,
+                               const stp_cpu_shade_run* run, uint32_t row)
 {
     for (uint32_t x = 0; x < run->length; x += SHADE_REACH, ++at) {
         uint32_t left = run->length - x, size = left < SHADE_REACH ? left : SHADE_REACH;
@@ -133,17 +134,17 @@ static uint32_t add_flat_lanes(cpu_shade_lanes* lanes, uint32_t at, const cpu_sh
 }
 
 /// Surfaces per pixel, with colours of heights or normals.
-static void recolor(const shader* s, const cpu_shade_tile* tile, const cpu_shade_run* run,
-                    uint32_t row, cpu_shade_surface* surfaces)
+static void recolor(const shader* s, const stp_cpu_shade_tile* tile, const stp_cpu_shade_run* run,
+                    uint32_t row, stp_cpu_shade_surface* surfaces)
 {
-    const cpu_renderer* r = s->r;
-    const cpu_shade_nearness near = s->memory->nearness[run->surface];
+    const stp_cpu_renderer* r = s->r;
+    const stp_cpu_shade_nearness near = s->memory->nearness[run->surface];
     static const float dark[3] = {0};
     for (uint32_t k = 0; k < run->length; ++k) {
-        cpu_shade_surface* surface = &surfaces[k];
+        stp_cpu_shade_surface* surface = &surfaces[k];
         bool unlit = surface->material.unlit > 0.0f || r->style->coloring == STP_DRAW_NORMALS;
         float x = (float)(tile->x + run->x + k) + 0.5f, y = (float)(tile->y + row) + 0.5f;
-        surface->material = cpu_make_shade_material(0.0f, 1.0f, dark, unlit);
+        surface->material = stp_cpu_make_shade_material(0.0f, 1.0f, dark, unlit);
         if (r->style->coloring == STP_DRAW_NORMALS) {
             color_normal(s, (float)(run->x + k) + 0.5f, (float)row + 0.5f, surface);
             continue;
@@ -157,13 +158,14 @@ static void recolor(const shader* s, const cpu_shade_tile* tile, const cpu_shade
 }
 
 /// Surfaces of a run's pixels, one per pixel.
-static void make_own_surfaces(const shader* s, const cpu_shade_tile* tile, const cpu_shade_run* run,
-                              uint32_t row, cpu_shade_surface* surfaces)
+static void make_own_surfaces(const shader* s, const stp_cpu_shade_tile* tile,
+                              const stp_cpu_shade_run* run, uint32_t row,
+                              stp_cpu_shade_surface* surfaces)
 {
-    cpu_shade_memory* memory = s->memory;
+    stp_cpu_shade_memory* memory = s->memory;
     if (memory->kind[run->surface] != SHADE_FLAT) {
-        cpu_make_pixel_surfaces(s->r, memory, run, tile->x + run->x, tile->y + row,
-                                tile->rows[row].nearness + run->x, surfaces);
+        stp_cpu_make_pixel_surfaces(s->r, memory, run, tile->x + run->x, tile->y + row,
+                                    tile->rows[row].nearness + run->x, surfaces);
     }
     for (uint32_t k = 0; memory->kind[run->surface] == SHADE_FLAT && k < run->length; ++k) {
         surfaces[k] = memory->surfaces[run->surface];
@@ -173,13 +175,13 @@ static void make_own_surfaces(const shader* s, const cpu_shade_tile* tile, const
     }
 }
 
-static void add_lanes(const shader* s, cpu_shade_tile* tile, uint32_t row)
+static void add_lanes(const shader* s, stp_cpu_shade_tile* tile, uint32_t row)
 {
-    cpu_shade_memory* memory = s->memory;
-    cpu_shade_lanes* lanes = &memory->lanes;
+    stp_cpu_shade_memory* memory = s->memory;
+    stp_cpu_shade_lanes* lanes = &memory->lanes;
     uint32_t at = lanes->count;
     for (uint32_t i = tile->row_runs[row]; i < tile->row_runs[row + 1]; ++i) {
-        cpu_shade_run* run = &tile->runs[i];
+        stp_cpu_shade_run* run = &tile->runs[i];
         run->flat = memory->kind[run->surface] == SHADE_FLAT &&
                     s->r->style->coloring == STP_DRAW_OWN_COLORS;
         if (run->surface == SHADE_EMPTY) {
@@ -202,9 +204,9 @@ static void add_lanes(const shader* s, cpu_shade_tile* tile, uint32_t row)
     lanes->count = at;
 }
 
-static void light_tile(shader* s, cpu_shade_tile* tile)
+static void light_tile(shader* s, stp_cpu_shade_tile* tile)
 {
-    cpu_shade_lanes* lanes = &s->memory->lanes;
+    stp_cpu_shade_lanes* lanes = &s->memory->lanes;
     lanes->count = 0;
     place_eye(s->r, tile->x, tile->y, &s->scene);
     for (uint32_t row = 0; row < tile->height; ++row) {
@@ -216,13 +218,13 @@ static void light_tile(shader* s, cpu_shade_tile* tile)
     s->kernels->light(&s->scene, s->memory->surfaces, lanes);
 }
 
-static void add_to_sums(const shader* s, const cpu_shade_tile* tile, uint32_t row)
+static void add_to_sums(const shader* s, const stp_cpu_shade_tile* tile, uint32_t row)
 {
-    const cpu_renderer* r = s->r;
-    const cpu_shade_lanes* lanes = &s->memory->lanes;
+    const stp_cpu_renderer* r = s->r;
+    const stp_cpu_shade_lanes* lanes = &s->memory->lanes;
     float* sums = r->sums + 4 * ((size_t)(tile->y + row) * r->width + tile->x);
     for (uint32_t i = tile->row_runs[row]; i < tile->row_runs[row + 1]; ++i) {
-        const cpu_shade_run* run = &tile->runs[i];
+        const stp_cpu_shade_run* run = &tile->runs[i];
         bool there = run->surface != SHADE_EMPTY;
         for (uint32_t k = 0; k < run->length && run->x + k < tile->width; ++k) {
             float* sum = sums + 4 * (size_t)(run->x + k);
@@ -240,10 +242,10 @@ static void add_to_sums(const shader* s, const cpu_shade_tile* tile, uint32_t ro
 
 /// Kernels write past a row's end: into the next tile, which is written later, or into a scratch
 /// row.
-static void spread_row(const shader* s, const cpu_shade_tile* tile, uint32_t row)
+static void spread_row(const shader* s, const stp_cpu_shade_tile* tile, uint32_t row)
 {
-    cpu_renderer* r = s->r;
-    const cpu_shade_memory* memory = s->memory;
+    stp_cpu_renderer* r = s->r;
+    const stp_cpu_shade_memory* memory = s->memory;
     uint8_t own_colors[4 * (SHADE_WIDTH + SHADE_LANES_MAX)];
     float own_depth[SHADE_WIDTH + SHADE_LANES_MAX];
     size_t at = (size_t)(tile->y + row) * r->width + tile->x;
@@ -261,10 +263,10 @@ static void spread_row(const shader* s, const cpu_shade_tile* tile, uint32_t row
     }
 }
 
-static void write_tile(const shader* s, const cpu_shade_tile* tile)
+static void write_tile(const shader* s, const stp_cpu_shade_tile* tile)
 {
     if (s->r->layers.stage == CPU_LAYERS_PEEL) {
-        cpu_take_layer(s->r, s->worker, tile);
+        stp_cpu_take_layer(s->r, s->worker, tile);
         return;
     }
     for (uint32_t row = 0; row < tile->height; ++row) {
@@ -277,9 +279,9 @@ static void write_tile(const shader* s, const cpu_shade_tile* tile)
     }
 }
 
-static void write_nothing(const shader* s, const cpu_shade_tile* tile)
+static void write_nothing(const shader* s, const stp_cpu_shade_tile* tile)
 {
-    cpu_renderer* r = s->r;
+    stp_cpu_renderer* r = s->r;
     if (r->layers.stage == CPU_LAYERS_PEEL) {
         return;
     }
@@ -297,7 +299,7 @@ static void write_nothing(const shader* s, const cpu_shade_tile* tile)
 }
 
 /// Buffers of workers that have drawn.
-static uint32_t find_buffers(const cpu_renderer* r, uint64_t** buffers)
+static uint32_t find_buffers(const stp_cpu_renderer* r, uint64_t** buffers)
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < r->team.threads; ++i) {
@@ -308,15 +310,15 @@ static uint32_t find_buffers(const cpu_renderer* r, uint64_t** buffers)
     return count;
 }
 
-static shader make_shader(cpu_renderer* r, cpu_worker* worker)
+static shader make_shader(stp_cpu_renderer* r, stp_cpu_worker* worker)
 {
     const float nothing[3] = {0};
-    cpu_shade_memory* memory = worker->shading;
+    stp_cpu_shade_memory* memory = worker->shading;
     shader s = {.r = r,
                 .worker = worker,
                 .memory = memory,
-                .kernels = cpu_choose_shade_kernels(),
-                .scene = cpu_make_shade_scene(r),
+                .kernels = stp_cpu_choose_shade_kernels(),
+                .scene = stp_cpu_make_shade_scene(r),
                 .buffers = worker->buffers};
     const stp_draw_pixels pixels = {r->shift_x, r->shift_y, r->nearness_scale, r->nearness_offset};
     s.heights = stp_draw_heights_make(&r->frame, &pixels, r->style);
@@ -331,11 +333,11 @@ static shader make_shader(cpu_renderer* r, cpu_worker* worker)
 }
 
 /// Collects the ids of a tile, and prefetches their data.
-static cpu_shade_tile* begin_tile(const shader* s, uint32_t x, uint32_t y, uint32_t end)
+static stp_cpu_shade_tile* begin_tile(const shader* s, uint32_t x, uint32_t y, uint32_t end)
 {
     uint32_t left = s->r->width - x, rows = end - y;
     assert(x < s->r->width && y < end && end <= s->r->height);
-    cpu_shade_tile* tile = cpu_begin_tile(s->memory);
+    stp_cpu_shade_tile* tile = stp_cpu_begin_tile(s->memory);
     tile->x = x;
     tile->y = y;
     tile->width = left < SHADE_WIDTH ? left : SHADE_WIDTH;
@@ -343,30 +345,30 @@ static cpu_shade_tile* begin_tile(const shader* s, uint32_t x, uint32_t y, uint3
     merge_tile(s, tile);
     if (tile->any) {
         find_runs(s, tile);
-        cpu_prefetch_surfaces(s->r, s->memory, tile);
+        stp_cpu_prefetch_surfaces(s->r, s->memory, tile);
     }
     return tile;
 }
 
-static void finish_tile(shader* s, cpu_shade_tile* tile)
+static void finish_tile(shader* s, stp_cpu_shade_tile* tile)
 {
     if (!tile->any) {
         write_nothing(s, tile);
         return;
     }
-    cpu_make_surfaces(s->r, s->memory, tile);
+    stp_cpu_make_surfaces(s->r, s->memory, tile);
     light_tile(s, tile);
     write_tile(s, tile);
 }
 
-void cpu_shade_rows(cpu_renderer* r, uint32_t begin, uint32_t end, cpu_worker* worker)
+void stp_cpu_shade_rows(stp_cpu_renderer* r, uint32_t begin, uint32_t end, stp_cpu_worker* worker)
 {
     assert(begin <= end && end <= r->height && worker->shading != NULL);
     shader s = make_shader(r, worker);
-    cpu_shade_tile* before = NULL;
+    stp_cpu_shade_tile* before = NULL;
     for (uint32_t y = begin; y < end; y += SHADE_ROWS) {
         for (uint32_t x = 0; x < r->width; x += SHADE_WIDTH) {
-            cpu_shade_tile* tile = begin_tile(&s, x, y, end);
+            stp_cpu_shade_tile* tile = begin_tile(&s, x, y, end);
             if (before != NULL) {
                 finish_tile(&s, before);
             }
@@ -378,7 +380,7 @@ void cpu_shade_rows(cpu_renderer* r, uint32_t begin, uint32_t end, cpu_worker* w
     }
 }
 
-void cpu_find_depths(cpu_renderer* r, uint32_t begin, uint32_t end, cpu_worker* worker)
+void stp_cpu_find_depths(stp_cpu_renderer* r, uint32_t begin, uint32_t end, stp_cpu_worker* worker)
 {
     uint32_t count = find_buffers(r, worker->buffers);
     for (size_t at = (size_t)begin * r->width; at < (size_t)end * r->width; ++at) {
@@ -390,7 +392,7 @@ void cpu_find_depths(cpu_renderer* r, uint32_t begin, uint32_t end, cpu_worker* 
     }
 }
 
-void cpu_average_rows(cpu_renderer* r, uint32_t begin, uint32_t end, uint64_t* covered)
+void stp_cpu_average_rows(stp_cpu_renderer* r, uint32_t begin, uint32_t end, uint64_t* covered)
 {
     assert(begin <= end && end <= r->height && r->sample_count > 1 &&
            "otherwise there are no sums");

@@ -33,7 +33,7 @@ enum {
 };
 
 /// Lighting parameters of a material, computed once per store.
-struct cpu_shade_material {
+struct stp_cpu_shade_material {
     float metallic;
     float rough;     ///< 0: most polished, 1: not polished
     float a2, gloss; ///< shape and size of the key light's highlight
@@ -42,158 +42,160 @@ struct cpu_shade_material {
 };
 
 /// A surface to light: sixteen floats; the normal's fourth is padding.
-typedef struct cpu_shade_surface {
+typedef struct stp_cpu_shade_surface {
     float color[4];  ///< linear, and opacity
     float normal[4]; ///< scene space, any length; zero: none
-    cpu_shade_material material;
-} cpu_shade_surface;
+    stp_cpu_shade_material material;
+} stp_cpu_shade_surface;
 
-/// True nearness = factor * buffer nearness + shift: cpu_true_nearness.
-typedef struct cpu_shade_nearness {
+/// True nearness = factor * buffer nearness + shift: stp_cpu_true_nearness.
+typedef struct stp_cpu_shade_nearness {
     float factor, shift;
-} cpu_shade_nearness;
+} stp_cpu_shade_nearness;
 
 /// Inputs of surfaces, per item.
-struct cpu_shade_item {
+struct stp_cpu_shade_item {
     float normal_matrix[3][3];
     float blend;
-    cpu_shade_nearness nearness;
+    stp_cpu_shade_nearness nearness;
     uint32_t first_id, count;
     uint32_t low_count; ///< 0: no blending
-    uint32_t material;  ///< meshes and points: index in cpu_renderer.shade_materials
+    uint32_t material;  ///< meshes and points: index in stp_cpu_renderer.shade_materials
     stp_draw_kind kind;
     const uint8_t *colors, *low_colors, *materials;
     const int8_t* normals;
 };
 
 /// Light and eye.
-typedef struct cpu_shade_scene {
+typedef struct stp_cpu_shade_scene {
     const uint8_t* encode; ///< three bytes longer than its size
     stp_lighting light;
     /// Towards the eye from (x, y) of a tile: start + across x + down y, not of unit length.
     stp_vec3 start, across, down;
     bool parallel; ///< towards the eye: start
-} cpu_shade_scene;
+} stp_cpu_shade_scene;
 
 /// Lanes lit together. Padding lanes, up to a whole vector, hold valid surfaces.
-typedef struct cpu_shade_lanes {
+typedef struct stp_cpu_shade_lanes {
     uint32_t count;
     bool wants_linear;
     uint32_t surface[SHADE_LANES];
     float x[SHADE_LANES], y[SHADE_LANES]; ///< positions, relative to the tile
     uint32_t bytes[SHADE_LANES + SHADE_WIDTH + SHADE_LANES_MAX];
     float linear[3][SHADE_LANES]; ///< only if requested
-} cpu_shade_lanes;
+} stp_cpu_shade_lanes;
 
 /// A row of a tile. Pixels beyond the picture are empty.
-typedef struct cpu_shade_merged {
+typedef struct stp_cpu_shade_merged {
     uint32_t ids[1 + SHADE_WIDTH]; ///< id of pixel i is at i + 1; UINT32_MAX: none
     float nearness[SHADE_WIDTH + SHADE_LANES_MAX];
     uint64_t there;  ///< covered pixels: bit i is pixel i
     uint64_t starts; ///< first pixel, and those whose id differs from the previous pixel's
-} cpu_shade_merged;
+} stp_cpu_shade_merged;
 
 /// Pixels of one row.
-typedef struct cpu_shade_run {
+typedef struct stp_cpu_shade_run {
     uint8_t x, length;      ///< pixels of the tile's row
     uint16_t surface, lane; ///< indices of the surface and of the first lane
     bool flat;              ///< one lane for SHADE_REACH pixels
-} cpu_shade_run;
+} stp_cpu_shade_run;
 
 /// @param roughness,metallic 0..1
-cpu_shade_material cpu_make_shade_material(float metallic, float roughness, const float emissive[3],
-                                           bool unlit);
+stp_cpu_shade_material stp_cpu_make_shade_material(float metallic, float roughness,
+                                                   const float emissive[3], bool unlit);
 
-typedef struct cpu_shade_kernels {
+typedef struct stp_cpu_shade_kernels {
     /// Takes the minimum of `count` buffers at `at` and clears them there.
     void (*merge)(uint64_t* const* buffers, uint32_t count, size_t at, uint32_t size,
-                  cpu_shade_merged* row);
-    void (*light)(const cpu_shade_scene* scene, const cpu_shade_surface* surfaces,
-                  cpu_shade_lanes* lanes);
+                  stp_cpu_shade_merged* row);
+    void (*light)(const stp_cpu_shade_scene* scene, const stp_cpu_shade_surface* surfaces,
+                  stp_cpu_shade_lanes* lanes);
     /// Writes colours and true nearness of runs, up to SHADE_LANES_MAX - 1 pixels past the end.
-    void (*spread)(const cpu_shade_run* run, const cpu_shade_run* end,
-                   const cpu_shade_nearness* surfaces, const uint32_t* lanes, const float* nearness,
-                   uint8_t* colors, float* depth);
-} cpu_shade_kernels;
+    void (*spread)(const stp_cpu_shade_run* run, const stp_cpu_shade_run* end,
+                   const stp_cpu_shade_nearness* surfaces, const uint32_t* lanes,
+                   const float* nearness, uint8_t* colors, float* depth);
+} stp_cpu_shade_kernels;
 
-extern const cpu_shade_kernels cpu_shade_kernels_portable, cpu_shade_kernels_avx2,
-    cpu_shade_kernels_avx512;
-const cpu_shade_kernels* cpu_choose_shade_kernels(void);
+extern const stp_cpu_shade_kernels stp_cpu_shade_kernels_portable, stp_cpu_shade_kernels_avx2,
+    stp_cpu_shade_kernels_avx512;
+const stp_cpu_shade_kernels* stp_cpu_choose_shade_kernels(void);
 
 /// Variation among the pixels of an id.
-typedef enum cpu_shade_kind {
+typedef enum stp_cpu_shade_kind {
     SHADE_FLAT,     ///< not at all
     SHADE_SMOOTH,   ///< triangles with a varying normal or colour
     SHADE_TEXTURED, ///< triangles with textures
-} cpu_shade_kind;
+} stp_cpu_shade_kind;
 
-typedef struct cpu_shade_tile {
+typedef struct stp_cpu_shade_tile {
     uint32_t x, y, width, height;
     uint32_t number; ///< counts tiles
     bool any;        ///< has covered pixels
-    cpu_shade_merged rows[SHADE_ROWS];
+    stp_cpu_shade_merged rows[SHADE_ROWS];
     uint32_t row_runs[SHADE_ROWS + 1]; ///< first run of each row, then the number of runs
-    cpu_shade_run runs[SHADE_PIXELS];
+    stp_cpu_shade_run runs[SHADE_PIXELS];
     uint32_t extra;      ///< next tile-local slot
     uint32_t miss_count; ///< surfaces allocated, but not filled yet
     uint16_t misses[SHADE_PIXELS];
-} cpu_shade_tile;
+} stp_cpu_shade_tile;
 
-typedef struct cpu_triangle_memory cpu_triangle_memory;
+typedef struct stp_cpu_triangle_memory stp_cpu_triangle_memory;
 
 /// Surface cache of a worker, and its tiles: data of a tile is prefetched while the previous tile
 /// is lit.
-struct cpu_shade_memory {
-    cpu_shade_surface* surfaces; ///< SHADE_SURFACES, one cache line each
-    unsigned char* room;         ///< memory of the surfaces
+struct stp_cpu_shade_memory {
+    stp_cpu_shade_surface* surfaces; ///< SHADE_SURFACES, one cache line each
+    unsigned char* room;             ///< memory of the surfaces
     struct {
         uint32_t id;   ///< UINT32_MAX: none
         uint32_t tile; ///< tile of its last use
     } slots[SHADE_KEPT];
     uint32_t item[SHADE_KEPT];
     uint32_t cluster[SHADE_KEPT]; ///< triangles: index of the cluster
-    cpu_shade_nearness nearness[SHADE_KEPT + 1];
+    stp_cpu_shade_nearness nearness[SHADE_KEPT + 1];
     uint8_t kind[SHADE_KEPT + 1];
     uint32_t tile_count;
     uint32_t last_item;
-    cpu_shade_tile tiles[2];
-    cpu_shade_lanes lanes;
-    cpu_triangle_memory* triangles;
+    stp_cpu_shade_tile tiles[2];
+    stp_cpu_shade_lanes lanes;
+    stp_cpu_triangle_memory* triangles;
 };
 
 /// NULL if out of memory.
-cpu_shade_memory* cpu_make_shade_memory(stp_context* context);
-void cpu_destroy_shade_memory(stp_context* context, cpu_shade_memory* memory);
-void cpu_reset_surfaces(cpu_shade_memory* memory);
+stp_cpu_shade_memory* stp_cpu_make_shade_memory(stp_context* context);
+void stp_cpu_destroy_shade_memory(stp_context* context, stp_cpu_shade_memory* memory);
+void stp_cpu_reset_surfaces(stp_cpu_shade_memory* memory);
 /// NULL if out of memory. Free it with stp_free.
-cpu_triangle_memory* cpu_make_triangle_memory(stp_context* context);
-void cpu_reset_triangles(cpu_triangle_memory* memory);
+stp_cpu_triangle_memory* stp_cpu_make_triangle_memory(stp_context* context);
+void stp_cpu_reset_triangles(stp_cpu_triangle_memory* memory);
 
 /// Index of the item that `id` belongs to.
-uint32_t cpu_find_item(const cpu_renderer* r, uint32_t id);
+uint32_t stp_cpu_find_item(const stp_cpu_renderer* r, uint32_t id);
 
 /// Starts the next tile: slots of the tile before the previous one may be reused.
-cpu_shade_tile* cpu_begin_tile(cpu_shade_memory* memory);
+stp_cpu_shade_tile* stp_cpu_begin_tile(stp_cpu_shade_memory* memory);
 /// Surface of an id, which may not be filled yet.
-uint32_t cpu_find_surface(cpu_shade_memory* memory, cpu_shade_tile* tile, uint32_t id);
+uint32_t stp_cpu_find_surface(stp_cpu_shade_memory* memory, stp_cpu_shade_tile* tile, uint32_t id);
 /// Prefetches the data of a tile's unfilled surfaces.
-void cpu_prefetch_surfaces(const cpu_renderer* r, cpu_shade_memory* memory,
-                           const cpu_shade_tile* tile);
+void stp_cpu_prefetch_surfaces(const stp_cpu_renderer* r, stp_cpu_shade_memory* memory,
+                               const stp_cpu_shade_tile* tile);
 /// Fills a tile's unfilled surfaces.
-void cpu_make_surfaces(const cpu_renderer* r, cpu_shade_memory* memory, cpu_shade_tile* tile);
+void stp_cpu_make_surfaces(const stp_cpu_renderer* r, stp_cpu_shade_memory* memory,
+                           stp_cpu_shade_tile* tile);
 
 /// The surface of a surfel or point, by its item and its index there.
-void cpu_make_splat_surface(const cpu_renderer* r, uint32_t slot, uint32_t index,
-                            cpu_shade_surface* surface);
+void stp_cpu_make_splat_surface(const stp_cpu_renderer* r, uint32_t slot, uint32_t index,
+                                stp_cpu_shade_surface* surface);
 /// Light and eye for places in the whole picture.
-cpu_shade_scene cpu_make_shade_scene(const cpu_renderer* r);
+stp_cpu_shade_scene stp_cpu_make_shade_scene(const stp_cpu_renderer* r);
 
-void cpu_prefetch_triangle(const cpu_renderer* r, cpu_shade_memory* memory, uint32_t at);
+void stp_cpu_prefetch_triangle(const stp_cpu_renderer* r, stp_cpu_shade_memory* memory,
+                               uint32_t at);
 /// Fills surface `at` of a prefetched triangle, and its cached data.
-cpu_shade_kind cpu_make_triangle_surface(const cpu_renderer* r, cpu_shade_memory* memory,
-                                         uint32_t at);
+stp_cpu_shade_kind stp_cpu_make_triangle_surface(const stp_cpu_renderer* r,
+                                                 stp_cpu_shade_memory* memory, uint32_t at);
 /// Makes per-pixel surfaces, from `out`, for a run of a triangle that is not flat; (x, y) is its
 /// first pixel in the picture, `nearness` is from the buffer.
-void cpu_make_pixel_surfaces(const cpu_renderer* r, cpu_shade_memory* memory,
-                             const cpu_shade_run* run, uint32_t x, uint32_t y,
-                             const float* nearness, cpu_shade_surface* out);
+void stp_cpu_make_pixel_surfaces(const stp_cpu_renderer* r, stp_cpu_shade_memory* memory,
+                                 const stp_cpu_shade_run* run, uint32_t x, uint32_t y,
+                                 const float* nearness, stp_cpu_shade_surface* out);

@@ -33,7 +33,7 @@ static inline uint32_t lanes_mask(lanes_int a)
 }
 
 /// Transposed surfaces: field k of all.
-static inline void lanes_turn(const cpu_shade_surface* surfaces, const uint32_t* index,
+static inline void lanes_turn(const stp_cpu_shade_surface* surfaces, const uint32_t* index,
                               lanes_float field[16])
 {
     for (int k = 0; k < 16; k += 4) {
@@ -54,7 +54,7 @@ static inline void lanes_turn(const cpu_shade_surface* surfaces, const uint32_t*
 
 #include "draw/cpu/shade_lanes.h"
 
-const cpu_shade_kernels cpu_shade_kernels_avx2 = {merge_row, light_all, spread_row};
+const stp_cpu_shade_kernels stp_cpu_shade_kernels_avx2 = {merge_row, light_all, spread_row};
 
 #else
 

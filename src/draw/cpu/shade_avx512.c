@@ -35,7 +35,7 @@ static inline uint32_t lanes_mask(lanes_int a)
     return _mm512_movepi32_mask((__m512i)a);
 }
 
-static inline __m512 load_four(const cpu_shade_surface* surfaces, const uint32_t* index, int k)
+static inline __m512 load_four(const stp_cpu_shade_surface* surfaces, const uint32_t* index, int k)
 {
     __m512 v = _mm512_castps128_ps512(_mm_loadu_ps((const float*)&surfaces[index[0]] + k));
     v = _mm512_mask_broadcast_f32x4(v, 0x00F0, _mm_loadu_ps((const float*)&surfaces[index[4]] + k));
@@ -45,7 +45,7 @@ static inline __m512 load_four(const cpu_shade_surface* surfaces, const uint32_t
 }
 
 /// Transposed surfaces: field k of all.
-static inline void lanes_turn(const cpu_shade_surface* surfaces, const uint32_t* index,
+static inline void lanes_turn(const stp_cpu_shade_surface* surfaces, const uint32_t* index,
                               lanes_float field[16])
 {
     for (int k = 0; k < 16; k += 4) {
@@ -64,7 +64,7 @@ static inline void lanes_turn(const cpu_shade_surface* surfaces, const uint32_t*
 
 #include "draw/cpu/shade_lanes.h"
 
-const cpu_shade_kernels cpu_shade_kernels_avx512 = {merge_row, light_all, spread_row};
+const stp_cpu_shade_kernels stp_cpu_shade_kernels_avx512 = {merge_row, light_all, spread_row};
 
 #else
 

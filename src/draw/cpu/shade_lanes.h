@@ -9,7 +9,7 @@
 #include <assert.h>
 #include <string.h>
 
-enum { SURFACE_FLOATS = sizeof(cpu_shade_surface) / sizeof(float) };
+enum { SURFACE_FLOATS = sizeof(stp_cpu_shade_surface) / sizeof(float) };
 
 static inline lanes_float load_float(const float* from)
 {
@@ -64,7 +64,7 @@ static inline void normalize(lanes_float v[3])
     }
 }
 
-static inline void direct_to_eye(const cpu_shade_scene* s, lanes_float x, lanes_float y,
+static inline void direct_to_eye(const stp_cpu_shade_scene* s, lanes_float x, lanes_float y,
                                  lanes_float eye[3])
 {
     const float start[3] = {s->start.x, s->start.y, s->start.z};
@@ -159,7 +159,7 @@ static inline void light_lanes(const stp_lighting* light, const lanes_float eye[
     }
 }
 
-static inline lanes_int encode_lanes(const cpu_shade_scene* scene, lanes_float linear)
+static inline lanes_int encode_lanes(const stp_cpu_shade_scene* scene, lanes_float linear)
 {
     const float top = (float)(CPU_ENCODE_SIZE - 1);
     lanes_float scaled = linear * (float)CPU_ENCODE_SIZE;
@@ -168,8 +168,8 @@ static inline lanes_int encode_lanes(const cpu_shade_scene* scene, lanes_float l
     return lanes_gather_byte(scene->encode, __builtin_convertvector(scaled, lanes_int));
 }
 
-static void light_all(const cpu_shade_scene* scene, const cpu_shade_surface* surfaces,
-                      cpu_shade_lanes* lanes)
+static void light_all(const stp_cpu_shade_scene* scene, const stp_cpu_shade_surface* surfaces,
+                      stp_cpu_shade_lanes* lanes)
 {
     assert(lanes->count <= SHADE_PIXELS && "the last vector may be padded");
     for (uint32_t at = 0; at < lanes->count; at += LANES) {
@@ -190,14 +190,14 @@ static void light_all(const cpu_shade_scene* scene, const cpu_shade_surface* sur
 }
 
 /// Writes up to LANES - 1 pixels past the end.
-static void spread_row(const cpu_shade_run* run, const cpu_shade_run* end,
-                       const cpu_shade_nearness* surfaces, const uint32_t* lanes,
+static void spread_row(const stp_cpu_shade_run* run, const stp_cpu_shade_run* end,
+                       const stp_cpu_shade_nearness* surfaces, const uint32_t* lanes,
                        const float* nearness, uint8_t* restrict colors, float* restrict depth)
 {
     for (; run < end; ++run) {
-        cpu_shade_run now = *run;
+        stp_cpu_shade_run now = *run;
         assert(now.length > 0 && (uint32_t)now.x + now.length <= SHADE_WIDTH);
-        cpu_shade_nearness near = surfaces[now.surface];
+        stp_cpu_shade_nearness near = surfaces[now.surface];
         const uint32_t* lane = lanes + now.lane;
         for (uint32_t k = 0; k < now.length; k += LANES) {
             uint32_t x = now.x + k;
@@ -234,7 +234,7 @@ static inline void merge_one(uint64_t* restrict from, uint32_t size, uint64_t* r
 }
 
 static void merge_row(uint64_t* const* buffers, uint32_t count, size_t at, uint32_t size,
-                      cpu_shade_merged* restrict row)
+                      stp_cpu_shade_merged* restrict row)
 {
     assert(size > 0 && size <= SHADE_WIDTH);
     uint64_t pixels[SHADE_WIDTH];

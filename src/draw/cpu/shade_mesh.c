@@ -34,29 +34,29 @@ typedef struct open_cluster {
     stp_cluster cluster;
 } open_cluster;
 
-struct cpu_triangle_memory {
+struct stp_cpu_triangle_memory {
     cluster_place places[PLACES];
-    open_cluster open[OPEN]; ///< neighbouring pixels belong to few clusters
-    cpu_reader reader;       ///< for meshes without clusters
-    cpu_triangle triangle;   ///< read last
+    open_cluster open[OPEN];   ///< neighbouring pixels belong to few clusters
+    stp_cpu_reader reader;     ///< for meshes without clusters
+    stp_cpu_triangle triangle; ///< read last
     mixed_triangle mixed[SHADE_KEPT];
 };
 
-cpu_triangle_memory* cpu_make_triangle_memory(stp_context* context)
+stp_cpu_triangle_memory* stp_cpu_make_triangle_memory(stp_context* context)
 {
-    return STP_NEW_ZEROED(context, cpu_triangle_memory, 1);
+    return STP_NEW_ZEROED(context, stp_cpu_triangle_memory, 1);
 }
 
-void cpu_reset_triangles(cpu_triangle_memory* memory)
+void stp_cpu_reset_triangles(stp_cpu_triangle_memory* memory)
 {
     memset(memory->places, 0, sizeof(memory->places));
     for (int i = 0; i < OPEN; ++i) {
         memory->open[i].item = UINT32_MAX;
     }
-    memory->reader = (cpu_reader){0};
+    memory->reader = (stp_cpu_reader){0};
 }
 
-static void find_cluster(const cpu_item* item, uint32_t index, cluster_place* place)
+static void find_cluster(const stp_cpu_item* item, uint32_t index, cluster_place* place)
 {
     const stp_clusters* clusters = &item->clusters;
     uint32_t cluster = stp_clusters_find(clusters, index);
@@ -68,9 +68,9 @@ static void find_cluster(const cpu_item* item, uint32_t index, cluster_place* pl
     stp_clusters_prefetch(clusters, cluster);
 }
 
-void cpu_prefetch_triangle(const cpu_renderer* r, cpu_shade_memory* memory, uint32_t at)
+void stp_cpu_prefetch_triangle(const stp_cpu_renderer* r, stp_cpu_shade_memory* memory, uint32_t at)
 {
-    const cpu_item* item = &r->items[memory->item[at]];
+    const stp_cpu_item* item = &r->items[memory->item[at]];
     uint32_t id = memory->slots[at].id;
     assert(at < SHADE_KEPT && id >= item->first_id);
     if (item->clusters.bytes != NULL) {
@@ -83,7 +83,7 @@ void cpu_prefetch_triangle(const cpu_renderer* r, cpu_shade_memory* memory, uint
     }
 }
 
-static const stp_cluster* open_cluster_of(const cpu_item* item, cpu_shade_memory* memory,
+static const stp_cluster* open_cluster_of(const stp_cpu_item* item, stp_cpu_shade_memory* memory,
                                           uint32_t at)
 {
     uint32_t slot = memory->item[at], index = memory->cluster[at];
@@ -98,15 +98,15 @@ static const stp_cluster* open_cluster_of(const cpu_item* item, cpu_shade_memory
 }
 
 /// Triangle of surface `at`, valid until the next call.
-static const cpu_triangle* read_triangle(const cpu_item* item, cpu_shade_memory* memory,
-                                         uint32_t at)
+static const stp_cpu_triangle* read_triangle(const stp_cpu_item* item, stp_cpu_shade_memory* memory,
+                                             uint32_t at)
 {
-    cpu_triangle_memory* triangles = memory->triangles;
+    stp_cpu_triangle_memory* triangles = memory->triangles;
     uint32_t index = memory->slots[at].id - item->first_id;
     if (item->clusters.bytes == NULL) {
-        return cpu_read_triangle(&triangles->reader, item, index);
+        return stp_cpu_read_triangle(&triangles->reader, item, index);
     }
-    cpu_read_from_cluster(item, open_cluster_of(item, memory, at), index, &triangles->triangle);
+    stp_cpu_read_from_cluster(item, open_cluster_of(item, memory, at), index, &triangles->triangle);
     return &triangles->triangle;
 }
 
@@ -120,8 +120,8 @@ static stp_vec3 flat_normal(const float c[3][3])
 /// Weight functions: with corners (X, Y, W) on the screen, the weight of corner 0 is the
 /// determinant of (X1 - x W1, Y1 - y W1) and (X2 - x W2, Y2 - y W2), which is linear in x and y;
 /// cyclic for the others.
-static void make_lines(const cpu_renderer* r, const cpu_item* item, const cpu_triangle* triangle,
-                       double line[3][3])
+static void make_lines(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                       const stp_cpu_triangle* triangle, double line[3][3])
 {
     static const int rows[3] = {0, 1, 3};
     double corner[3][3], maximum = 0.0, sign = 0.0;
@@ -150,7 +150,7 @@ static void make_lines(const cpu_renderer* r, const cpu_item* item, const cpu_tr
 }
 
 /// From the item to the scene.
-static four turn(const cpu_shade_item* item, stp_vec3 v)
+static four turn(const stp_cpu_shade_item* item, stp_vec3 v)
 {
     const float(*m)[3] = item->normal_matrix;
     return (four){m[0][0] * v.x + m[0][1] * v.y + m[0][2] * v.z,
@@ -159,7 +159,7 @@ static four turn(const cpu_shade_item* item, stp_vec3 v)
 }
 
 /// From the item to the scene, normalized; zero stays zero.
-static four turn_to_unit(const cpu_shade_item* item, stp_vec3 v)
+static four turn_to_unit(const stp_cpu_shade_item* item, stp_vec3 v)
 {
     four turned = turn(item, v), squares = turned * turned;
     float square = squares[0] + squares[1] + squares[2];
@@ -184,8 +184,9 @@ static bool may_cancel(const four normal[3])
     return false;
 }
 
-static void mix_triangle(const cpu_renderer* r, const cpu_item* item, const cpu_shade_item* shade,
-                         const cpu_triangle* triangle, mixed_triangle* mixed)
+static void mix_triangle(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                         const stp_cpu_shade_item* shade, const stp_cpu_triangle* triangle,
+                         mixed_triangle* mixed)
 {
     const float* base = item->material->base_color;
     mixed->is_smooth = triangle->has_normal;
@@ -193,7 +194,7 @@ static void mix_triangle(const cpu_renderer* r, const cpu_item* item, const cpu_
     mixed->density = 0.0f;
     if (item->base_color != NULL) {
         mixed->density =
-            cpu_mesh_density(triangle, &item->material->base_color_texture, item->base_color);
+            stp_cpu_mesh_density(triangle, &item->material->base_color_texture, item->base_color);
     }
     make_lines(r, item, triangle, mixed->line);
     for (int k = 0; k < 3; ++k) {
@@ -213,7 +214,7 @@ static void mix_triangle(const cpu_renderer* r, const cpu_item* item, const cpu_
 
 /// Normal of a triangle, if it has a single one and its mesh consists of clusters without colours.
 /// @return false otherwise
-static bool find_only_normal(const cpu_item* item, cpu_shade_memory* memory, uint32_t at,
+static bool find_only_normal(const stp_cpu_item* item, stp_cpu_shade_memory* memory, uint32_t at,
                              stp_vec3* normal)
 {
     if (item->clusters.bytes == NULL || (item->clusters.present & STP_COLUMN_COLORS) != 0) {
@@ -242,8 +243,9 @@ static bool find_only_normal(const cpu_item* item, cpu_shade_memory* memory, uin
     return true;
 }
 
-static void make_flat(const cpu_renderer* r, const cpu_item* item, const cpu_shade_item* shade,
-                      stp_vec3 normal, const float* vertex_color, cpu_shade_surface* surface)
+static void make_flat(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                      const stp_cpu_shade_item* shade, stp_vec3 normal, const float* vertex_color,
+                      stp_cpu_shade_surface* surface)
 {
     four turned = turn(shade, normal);
     memcpy(surface->normal, &turned, sizeof(turned));
@@ -254,12 +256,12 @@ static void make_flat(const cpu_renderer* r, const cpu_item* item, const cpu_sha
     }
 }
 
-cpu_shade_kind cpu_make_triangle_surface(const cpu_renderer* r, cpu_shade_memory* memory,
-                                         uint32_t at)
+stp_cpu_shade_kind stp_cpu_make_triangle_surface(const stp_cpu_renderer* r,
+                                                 stp_cpu_shade_memory* memory, uint32_t at)
 {
-    const cpu_item* item = &r->items[memory->item[at]];
-    const cpu_shade_item* shade = &r->shade_items[memory->item[at]];
-    cpu_shade_surface* surface = &memory->surfaces[at];
+    const stp_cpu_item* item = &r->items[memory->item[at]];
+    const stp_cpu_shade_item* shade = &r->shade_items[memory->item[at]];
+    stp_cpu_shade_surface* surface = &memory->surfaces[at];
     assert(item->kind == STP_DRAW_MESH && at < SHADE_KEPT);
     bool textured =
         item->base_color != NULL || item->metallic_roughness != NULL || item->emissive != NULL;
@@ -268,7 +270,7 @@ cpu_shade_kind cpu_make_triangle_surface(const cpu_renderer* r, cpu_shade_memory
         make_flat(r, item, shade, normal, NULL, surface);
         return SHADE_FLAT;
     }
-    const cpu_triangle* triangle = read_triangle(item, memory, at);
+    const stp_cpu_triangle* triangle = read_triangle(item, memory, at);
     bool one_normal = !triangle->has_normal || are_alike(triangle->normal, sizeof(stp_vec3));
     bool one_color = !triangle->has_color || are_alike(triangle->color, sizeof(triangle->color[0]));
     if (textured || !one_normal || !one_color) {
@@ -286,31 +288,31 @@ static four mix(const four corners[3], four share)
     return corners[0] * share[0] + corners[1] * share[1] + corners[2] * share[2];
 }
 
-static void sample_texture(const cpu_triangle* triangle, const stp_store_texture_use* use,
+static void sample_texture(const stp_cpu_triangle* triangle, const stp_store_texture_use* use,
                            const stp_texture_pyramid* pyramid, const float weight[3],
                            float pixel_size, float texel[4])
 {
-    float footprint = cpu_mesh_density(triangle, use, pyramid) * pixel_size;
-    stp_texture_sample(pyramid, cpu_mesh_uv(triangle, use, weight), footprint, texel);
+    float footprint = stp_cpu_mesh_density(triangle, use, pyramid) * pixel_size;
+    stp_texture_sample(pyramid, stp_cpu_mesh_uv(triangle, use, weight), footprint, texel);
 }
 
 /// Applies textures to a pixel.
-static void texture_pixel(const cpu_renderer* r, const cpu_item* item, const cpu_triangle* triangle,
-                          float density, const float weight[3], float nearness,
-                          cpu_shade_surface* out)
+static void texture_pixel(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                          const stp_cpu_triangle* triangle, float density, const float weight[3],
+                          float nearness, stp_cpu_shade_surface* out)
 {
     const stp_store_material* material = item->material;
     float depth = item->camera.parallel ? 1.0f : (float)r->nearness_scale / nearness;
     float pixel_size = depth / (item->camera.pixel_scale * item->scale);
     float texel[4];
-    cpu_mesh_color(item, triangle, weight, density * pixel_size, texel);
+    stp_cpu_mesh_color(item, triangle, weight, density * pixel_size, texel);
     memcpy(out->color, texel, sizeof(out->color));
     if (item->metallic_roughness != NULL) {
         sample_texture(triangle, &material->metallic_roughness_texture, item->metallic_roughness,
                        weight, pixel_size, texel);
-        cpu_shade_material made =
-            cpu_make_shade_material(material->metallic * texel[2], material->roughness * texel[1],
-                                    out->material.emissive, out->material.unlit > 0.0f);
+        stp_cpu_shade_material made = stp_cpu_make_shade_material(
+            material->metallic * texel[2], material->roughness * texel[1], out->material.emissive,
+            out->material.unlit > 0.0f);
         out->material = made;
     }
     if (item->emissive != NULL) {
@@ -336,18 +338,18 @@ static four find_shares(const mixed_triangle* mixed, uint32_t x, uint32_t y, fou
     return share;
 }
 
-void cpu_make_pixel_surfaces(const cpu_renderer* r, cpu_shade_memory* memory,
-                             const cpu_shade_run* run, uint32_t x, uint32_t y,
-                             const float* nearness, cpu_shade_surface* out)
+void stp_cpu_make_pixel_surfaces(const stp_cpu_renderer* r, stp_cpu_shade_memory* memory,
+                                 const stp_cpu_shade_run* run, uint32_t x, uint32_t y,
+                                 const float* nearness, stp_cpu_shade_surface* out)
 {
     assert(run->surface < SHADE_KEPT && memory->kind[run->surface] != SHADE_FLAT);
     const mixed_triangle* mixed = &memory->triangles->mixed[run->surface];
-    const cpu_shade_surface* surface = &memory->surfaces[run->surface];
-    const cpu_item* item = &r->items[memory->item[run->surface]];
-    cpu_shade_nearness near = memory->nearness[run->surface];
-    const cpu_triangle* textured = memory->kind[run->surface] == SHADE_TEXTURED
-                                       ? read_triangle(item, memory, run->surface)
-                                       : NULL;
+    const stp_cpu_shade_surface* surface = &memory->surfaces[run->surface];
+    const stp_cpu_item* item = &r->items[memory->item[run->surface]];
+    stp_cpu_shade_nearness near = memory->nearness[run->surface];
+    const stp_cpu_triangle* textured = memory->kind[run->surface] == SHADE_TEXTURED
+                                           ? read_triangle(item, memory, run->surface)
+                                           : NULL;
     four step, start = find_shares(mixed, x, y, &step);
     for (uint32_t i = 0; i < run->length; ++i, ++out) {
         four share = start + step * (float)i;

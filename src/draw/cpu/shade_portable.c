@@ -30,7 +30,7 @@ static inline uint32_t lanes_mask(lanes_int a)
 }
 
 /// Transposed surfaces: field k of all.
-static inline void lanes_turn(const cpu_shade_surface* surfaces, const uint32_t* index,
+static inline void lanes_turn(const stp_cpu_shade_surface* surfaces, const uint32_t* index,
                               lanes_float field[16])
 {
     const float* s[4];
@@ -44,19 +44,19 @@ static inline void lanes_turn(const cpu_shade_surface* surfaces, const uint32_t*
 
 #include "draw/cpu/shade_lanes.h"
 
-const cpu_shade_kernels cpu_shade_kernels_portable = {merge_row, light_all, spread_row};
+const stp_cpu_shade_kernels stp_cpu_shade_kernels_portable = {merge_row, light_all, spread_row};
 
-const cpu_shade_kernels* cpu_choose_shade_kernels(void)
+const stp_cpu_shade_kernels* stp_cpu_choose_shade_kernels(void)
 {
 #if defined(__x86_64__)
     switch (stp_processor_detect()) {
     case STP_PROCESSOR_AVX512:
-        return &cpu_shade_kernels_avx512;
+        return &stp_cpu_shade_kernels_avx512;
     case STP_PROCESSOR_AVX2:
-        return &cpu_shade_kernels_avx2;
+        return &stp_cpu_shade_kernels_avx2;
     case STP_PROCESSOR_BASELINE:
         break;
     }
 #endif
-    return &cpu_shade_kernels_portable;
+    return &stp_cpu_shade_kernels_portable;
 }

@@ -9,27 +9,27 @@
 #include <assert.h>
 #include <string.h>
 
-void cpu_reset_surfaces(cpu_shade_memory* memory)
+void stp_cpu_reset_surfaces(stp_cpu_shade_memory* memory)
 {
     for (int i = 0; i < SHADE_KEPT; ++i) {
         memory->slots[i].id = UINT32_MAX;
         memory->slots[i].tile = 0;
     }
     memory->tile_count = memory->last_item = 0;
-    cpu_reset_triangles(memory->triangles);
+    stp_cpu_reset_triangles(memory->triangles);
 }
 
-cpu_shade_tile* cpu_begin_tile(cpu_shade_memory* memory)
+stp_cpu_shade_tile* stp_cpu_begin_tile(stp_cpu_shade_memory* memory)
 {
     uint32_t which = memory->tile_count++ & 1;
-    cpu_shade_tile* tile = &memory->tiles[which];
+    stp_cpu_shade_tile* tile = &memory->tiles[which];
     tile->number = memory->tile_count + 1; // above 1: slots with 0 are free
     tile->extra = SHADE_CACHE + which * SHADE_PIXELS;
     tile->miss_count = 0;
     return tile;
 }
 
-uint32_t cpu_find_surface(cpu_shade_memory* memory, cpu_shade_tile* tile, uint32_t id)
+uint32_t stp_cpu_find_surface(stp_cpu_shade_memory* memory, stp_cpu_shade_tile* tile, uint32_t id)
 {
     assert(id != UINT32_MAX && "the background has no surface");
     uint32_t at = id * 0x9E3779B1u >> (32 - SHADE_CACHE_BITS);
@@ -47,7 +47,7 @@ uint32_t cpu_find_surface(cpu_shade_memory* memory, cpu_shade_tile* tile, uint32
     return at;
 }
 
-static void turn(const cpu_shade_item* item, float x, float y, float z, float out[3])
+static void turn(const stp_cpu_shade_item* item, float x, float y, float z, float out[3])
 {
     for (int k = 0; k < 3; ++k) {
         const float* m = item->normal_matrix[k];
@@ -56,7 +56,7 @@ static void turn(const cpu_shade_item* item, float x, float y, float z, float ou
 }
 
 /// stp_octahedral_decode without normalization
-static void turn_code(const cpu_shade_item* item, const int8_t* code, float out[3])
+static void turn_code(const stp_cpu_shade_item* item, const int8_t* code, float out[3])
 {
     float u = (float)code[0], v = (float)code[1];
     float z = 127.0f - fabsf(u) - fabsf(v);
@@ -67,23 +67,24 @@ static void turn_code(const cpu_shade_item* item, const int8_t* code, float out[
 }
 
 /// Opacity of a transparent surfel.
-static float cpu_find_opacity(const cpu_renderer* r, const cpu_shade_item* shade, uint32_t index)
+static float stp_cpu_find_opacity(const stp_cpu_renderer* r, const stp_cpu_shade_item* shade,
+                                  uint32_t index)
 {
-    const cpu_item* item = &r->items[shade - r->shade_items];
+    const stp_cpu_item* item = &r->items[shade - r->shade_items];
     float opacity = 1.0f;
     if (item->coverages != NULL) {
-        opacity = stp_transparent_opacity(cpu_coverage_share(item, item->coverages[index]));
+        opacity = stp_transparent_opacity(stp_cpu_coverage_share(item, item->coverages[index]));
         if (index < shade->low_count) {
             float before =
-                stp_transparent_opacity(cpu_coverage_share(item, item->low_coverages[index]));
+                stp_transparent_opacity(stp_cpu_coverage_share(item, item->low_coverages[index]));
             opacity = before + (opacity - before) * item->blend;
         }
     }
-    return item->draw->ghost ? opacity * cpu_ghost_share(r) : opacity;
+    return item->draw->ghost ? opacity * stp_cpu_ghost_share(r) : opacity;
 }
 
-static void make_surfel(const cpu_renderer* r, const cpu_shade_item* item, uint32_t index,
-                        cpu_shade_surface* surface)
+static void make_surfel(const stp_cpu_renderer* r, const stp_cpu_shade_item* item, uint32_t index,
+                        stp_cpu_shade_surface* surface)
 {
     const uint8_t* color = item->colors + 3 * (size_t)index;
     for (int k = 0; k < 3; ++k) {
@@ -99,12 +100,12 @@ static void make_surfel(const cpu_renderer* r, const cpu_shade_item* item, uint3
     turn_code(item, item->normals + 2 * (size_t)index, surface->normal);
     surface->material = r->shade_materials[item->materials[index]];
     if (r->layers.stage == CPU_LAYERS_PEEL) {
-        surface->color[3] = cpu_find_opacity(r, item, index);
+        surface->color[3] = stp_cpu_find_opacity(r, item, index);
     }
 }
 
-static void make_point(const cpu_renderer* r, uint32_t slot, uint32_t index,
-                       cpu_shade_surface* surface)
+static void make_point(const stp_cpu_renderer* r, uint32_t slot, uint32_t index,
+                       stp_cpu_shade_surface* surface)
 {
     const stp_store_point_set* points = &r->items[slot].points;
     stp_vec3 normal = {0};
@@ -115,16 +116,16 @@ static void make_point(const cpu_renderer* r, uint32_t slot, uint32_t index,
         }
     }
     if (points->normals != NULL) {
-        normal = cpu_decode_normal(points->normals + 2 * (size_t)index);
+        normal = stp_cpu_decode_normal(points->normals + 2 * (size_t)index);
     }
     turn(&r->shade_items[slot], normal.x, normal.y, normal.z, surface->normal);
     surface->material = r->shade_materials[r->shade_items[slot].material];
 }
 
-void cpu_make_splat_surface(const cpu_renderer* r, uint32_t slot, uint32_t index,
-                            cpu_shade_surface* surface)
+void stp_cpu_make_splat_surface(const stp_cpu_renderer* r, uint32_t slot, uint32_t index,
+                                stp_cpu_shade_surface* surface)
 {
-    const cpu_shade_item* item = &r->shade_items[slot];
+    const stp_cpu_shade_item* item = &r->shade_items[slot];
     if (item->kind == STP_DRAW_SURFELS) {
         make_surfel(r, item, index, surface);
     } else {
@@ -132,7 +133,7 @@ void cpu_make_splat_surface(const cpu_renderer* r, uint32_t slot, uint32_t index
     }
 }
 
-static void prefetch_surfel(const cpu_shade_item* item, size_t index)
+static void prefetch_surfel(const stp_cpu_shade_item* item, size_t index)
 {
     __builtin_prefetch(item->colors + 3 * index);
     __builtin_prefetch(item->normals + 2 * index);
@@ -142,15 +143,15 @@ static void prefetch_surfel(const cpu_shade_item* item, size_t index)
     }
 }
 
-void cpu_prefetch_surfaces(const cpu_renderer* r, cpu_shade_memory* memory,
-                           const cpu_shade_tile* tile)
+void stp_cpu_prefetch_surfaces(const stp_cpu_renderer* r, stp_cpu_shade_memory* memory,
+                               const stp_cpu_shade_tile* tile)
 {
     uint32_t slot = memory->last_item;
     for (uint32_t i = 0; i < tile->miss_count; ++i) {
         uint32_t at = tile->misses[i], id = memory->slots[at].id;
-        const cpu_shade_item* item = &r->shade_items[slot];
+        const stp_cpu_shade_item* item = &r->shade_items[slot];
         if (id - item->first_id >= item->count) {
-            slot = cpu_find_item(r, id);
+            slot = stp_cpu_find_item(r, id);
             item = &r->shade_items[slot];
         }
         assert(id >= item->first_id && slot < r->item_count && "every id belongs to an item");
@@ -158,53 +159,54 @@ void cpu_prefetch_surfaces(const cpu_renderer* r, cpu_shade_memory* memory,
         if (item->kind == STP_DRAW_SURFELS) {
             prefetch_surfel(item, id - item->first_id);
         } else if (item->kind == STP_DRAW_MESH) {
-            cpu_prefetch_triangle(r, memory, at);
+            stp_cpu_prefetch_triangle(r, memory, at);
         }
     }
     memory->last_item = slot;
 }
 
-void cpu_make_surfaces(const cpu_renderer* r, cpu_shade_memory* memory, cpu_shade_tile* tile)
+void stp_cpu_make_surfaces(const stp_cpu_renderer* r, stp_cpu_shade_memory* memory,
+                           stp_cpu_shade_tile* tile)
 {
     for (uint32_t i = 0; i < tile->miss_count; ++i) {
         uint32_t at = tile->misses[i], slot = memory->item[at];
-        const cpu_shade_item* item = &r->shade_items[slot];
-        cpu_shade_surface* surface = &memory->surfaces[at];
+        const stp_cpu_shade_item* item = &r->shade_items[slot];
+        stp_cpu_shade_surface* surface = &memory->surfaces[at];
         uint32_t index = memory->slots[at].id - item->first_id;
         assert((item->kind == STP_DRAW_MESH || index < item->count) && "a splat of the item");
         memory->nearness[at] = item->nearness;
         memory->kind[at] = SHADE_FLAT;
         if (item->kind != STP_DRAW_MESH) {
-            cpu_make_splat_surface(r, slot, index, surface);
+            stp_cpu_make_splat_surface(r, slot, index, surface);
         } else {
-            memory->kind[at] = (uint8_t)cpu_make_triangle_surface(r, memory, at);
+            memory->kind[at] = (uint8_t)stp_cpu_make_triangle_surface(r, memory, at);
         }
     }
     tile->miss_count = 0;
 }
 
-cpu_shade_memory* cpu_make_shade_memory(stp_context* context)
+stp_cpu_shade_memory* stp_cpu_make_shade_memory(stp_context* context)
 {
     const size_t line = 64;
-    cpu_shade_memory* memory = STP_NEW_ZEROED(context, cpu_shade_memory, 1);
+    stp_cpu_shade_memory* memory = STP_NEW_ZEROED(context, stp_cpu_shade_memory, 1);
     if (memory == NULL) {
         return NULL;
     }
-    memory->triangles = cpu_make_triangle_memory(context);
-    memory->room =
-        STP_NEW_ZEROED(context, unsigned char, SHADE_SURFACES * sizeof(cpu_shade_surface) + line);
+    memory->triangles = stp_cpu_make_triangle_memory(context);
+    memory->room = STP_NEW_ZEROED(context, unsigned char,
+                                  SHADE_SURFACES * sizeof(stp_cpu_shade_surface) + line);
     if (memory->triangles == NULL || memory->room == NULL) {
-        cpu_destroy_shade_memory(context, memory);
+        stp_cpu_destroy_shade_memory(context, memory);
         return NULL;
     }
     size_t past = (uintptr_t)memory->room % line;
     void* begin = memory->room + (line - past) % line;
-    assert((uintptr_t)begin % sizeof(cpu_shade_surface) == 0 && "one cache line each");
+    assert((uintptr_t)begin % sizeof(stp_cpu_shade_surface) == 0 && "one cache line each");
     memory->surfaces = begin;
     return memory;
 }
 
-void cpu_destroy_shade_memory(stp_context* context, cpu_shade_memory* memory)
+void stp_cpu_destroy_shade_memory(stp_context* context, stp_cpu_shade_memory* memory)
 {
     if (memory != NULL) {
         stp_free(context, memory->triangles);

@@ -7,55 +7,56 @@
 
 enum { SHADINGS = 256, ID_TABLE_SIZE = 1 << 16 };
 
-cpu_shade_material cpu_make_shade_material(float metallic, float roughness, const float emissive[3],
-                                           bool unlit)
+stp_cpu_shade_material stp_cpu_make_shade_material(float metallic, float roughness,
+                                                   const float emissive[3], bool unlit)
 {
     float a = stp_max(roughness, 0.25f);
     float a2 = a * a * a * a;
-    return (cpu_shade_material){.metallic = metallic,
-                                .rough = (a - 0.25f) * (1.0f / 0.75f),
-                                .a2 = a2,
-                                .gloss = 1.0f / (4.0f * a2 + 0.2f),
-                                .emissive = {emissive[0], emissive[1], emissive[2]},
-                                .unlit = unlit ? 1.0f : 0.0f};
+    return (stp_cpu_shade_material){.metallic = metallic,
+                                    .rough = (a - 0.25f) * (1.0f / 0.75f),
+                                    .a2 = a2,
+                                    .gloss = 1.0f / (4.0f * a2 + 0.2f),
+                                    .emissive = {emissive[0], emissive[1], emissive[2]},
+                                    .unlit = unlit ? 1.0f : 0.0f};
 }
 
-stp_result cpu_make_shade_materials(cpu_renderer* r)
+stp_result stp_cpu_make_shade_materials(stp_cpu_renderer* r)
 {
     const stp_store_directory* d = r->directory;
     size_t count = d->material_count;
-    r->shade_materials = STP_NEW_ARRAY(r->base.context, cpu_shade_material, SHADINGS + 2 * count);
+    r->shade_materials =
+        STP_NEW_ARRAY(r->base.context, stp_cpu_shade_material, SHADINGS + 2 * count);
     if (r->shade_materials == NULL) {
         return stp_fail_memory(r->base.context);
     }
     const float dark[3] = {0};
     for (uint32_t i = 0; i < SHADINGS; ++i) {
-        r->shade_materials[i] = cpu_make_shade_material(0.0f, 1.0f, dark, false);
+        r->shade_materials[i] = stp_cpu_make_shade_material(0.0f, 1.0f, dark, false);
         if (i < d->shading_count) {
             const stp_shading* s = &d->shadings[i];
             bool unlit = (s->flags & STP_SHADING_UNLIT) != 0;
             r->shade_materials[i] =
-                cpu_make_shade_material(s->metallic, s->roughness, s->emissive, unlit);
+                stp_cpu_make_shade_material(s->metallic, s->roughness, s->emissive, unlit);
         }
     }
     for (size_t i = 0; i < count; ++i) {
         const stp_store_material* m = &d->materials[i];
         bool unlit = (m->flags & STP_SHADING_UNLIT) != 0;
-        cpu_shade_material* made = r->shade_materials + SHADINGS + i;
-        made[0] = cpu_make_shade_material(m->metallic, m->roughness, m->emissive, unlit);
+        stp_cpu_shade_material* made = r->shade_materials + SHADINGS + i;
+        made[0] = stp_cpu_make_shade_material(m->metallic, m->roughness, m->emissive, unlit);
         made[count] = made[0];
         made[count].unlit = 1.0f;
     }
     return STP_OK;
 }
 
-static cpu_shade_item make_item(const cpu_renderer* r, const cpu_item* item)
+static stp_cpu_shade_item make_item(const stp_cpu_renderer* r, const stp_cpu_item* item)
 {
-    cpu_shade_item made = {.kind = item->kind,
-                           .first_id = item->first_id,
-                           .count = item->count,
-                           .blend = item->blend,
-                           .nearness = {item->near_factor, item->near_shift}};
+    stp_cpu_shade_item made = {.kind = item->kind,
+                               .first_id = item->first_id,
+                               .count = item->count,
+                               .blend = item->blend,
+                               .nearness = {item->near_factor, item->near_shift}};
     for (int k = 0; k < 9; ++k) {
         made.normal_matrix[k / 3][k % 3] = item->normal_matrix[k / 3][k % 3];
     }
@@ -74,7 +75,7 @@ static cpu_shade_item make_item(const cpu_renderer* r, const cpu_item* item)
 }
 
 /// Item of the first id in each run of 2^id_shift ids, plus a last entry.
-static void index_ids(cpu_renderer* r, uint64_t id_count)
+static void index_ids(stp_cpu_renderer* r, uint64_t id_count)
 {
     uint32_t item = 0, last = (uint32_t)r->item_count - 1;
     uint64_t runs = (id_count >> r->id_shift) + 1;
@@ -88,12 +89,12 @@ static void index_ids(cpu_renderer* r, uint64_t id_count)
     r->id_starts[runs] = last;
 }
 
-static bool make_room(cpu_renderer* r)
+static bool make_room(stp_cpu_renderer* r)
 {
     stp_context* context = r->base.context;
     if (r->item_count > r->shade_item_capacity) {
-        cpu_shade_item* items = stp_grow_array(context, r->shade_items, &r->shade_item_capacity,
-                                               r->item_count, sizeof(*items));
+        stp_cpu_shade_item* items = stp_grow_array(context, r->shade_items, &r->shade_item_capacity,
+                                                   r->item_count, sizeof(*items));
         if (items == NULL) {
             return false;
         }
@@ -112,7 +113,7 @@ static bool make_room(cpu_renderer* r)
     }
     for (uint32_t i = 0; i < r->team.threads; ++i) {
         if (r->workers[i].shading == NULL) {
-            r->workers[i].shading = cpu_make_shade_memory(context);
+            r->workers[i].shading = stp_cpu_make_shade_memory(context);
         }
         if (r->workers[i].buffers == NULL) {
             r->workers[i].buffers = STP_NEW_ARRAY(context, uint64_t*, r->team.threads);
@@ -124,7 +125,7 @@ static bool make_room(cpu_renderer* r)
     return r->id_starts != NULL;
 }
 
-stp_result cpu_prepare_shading(cpu_renderer* r, size_t first)
+stp_result stp_cpu_prepare_shading(stp_cpu_renderer* r, size_t first)
 {
     assert(first <= r->item_count);
     if (!make_room(r)) {
@@ -138,7 +139,7 @@ stp_result cpu_prepare_shading(cpu_renderer* r, size_t first)
         r->first_ids[i] = r->items[i].first_id;
         assert((i == 0 || r->first_ids[i - 1] <= r->first_ids[i]) && "ids are searched by halving");
     }
-    const cpu_item* last = &r->items[r->item_count - 1];
+    const stp_cpu_item* last = &r->items[r->item_count - 1];
     uint64_t id_count = (uint64_t)last->first_id + last->count;
     r->id_shift = 0;
     while (id_count >> r->id_shift > ID_TABLE_SIZE - 1) {
@@ -148,7 +149,7 @@ stp_result cpu_prepare_shading(cpu_renderer* r, size_t first)
     return STP_OK;
 }
 
-uint32_t cpu_find_item(const cpu_renderer* r, uint32_t id)
+uint32_t stp_cpu_find_item(const stp_cpu_renderer* r, uint32_t id)
 {
     const uint32_t* starts = r->id_starts + (id >> r->id_shift);
     uint32_t low = starts[0], high = starts[1] + 1;
@@ -164,18 +165,18 @@ uint32_t cpu_find_item(const cpu_renderer* r, uint32_t id)
     return low;
 }
 
-void cpu_begin_shading(cpu_renderer* r)
+void stp_cpu_begin_shading(stp_cpu_renderer* r)
 {
     for (uint32_t i = 0; i < r->team.threads; ++i) {
-        cpu_reset_surfaces(r->workers[i].shading);
+        stp_cpu_reset_surfaces(r->workers[i].shading);
     }
 }
 
-void cpu_destroy_shading(cpu_renderer* r)
+void stp_cpu_destroy_shading(stp_cpu_renderer* r)
 {
     stp_context* context = r->base.context;
     for (uint32_t i = 0; r->workers != NULL && i < r->team.threads; ++i) {
-        cpu_destroy_shade_memory(context, r->workers[i].shading);
+        stp_cpu_destroy_shade_memory(context, r->workers[i].shading);
         stp_free(context, r->workers[i].buffers);
     }
     stp_free(context, r->shade_materials);

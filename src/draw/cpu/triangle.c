@@ -5,7 +5,7 @@
 #include <assert.h>
 #include <string.h>
 
-stp_vec3 cpu_decode_normal(const int16_t* code)
+stp_vec3 stp_cpu_decode_normal(const int16_t* code)
 {
     float u = (float)code[0] * (1.0f / 32767.0f), v = (float)code[1] * (1.0f / 32767.0f);
     float z = 1.0f - fabsf(u) - fabsf(v);
@@ -15,14 +15,14 @@ stp_vec3 cpu_decode_normal(const int16_t* code)
     return (stp_vec3){u, v, z};
 }
 
-static void set_position(const cpu_item* item, const float* p, float out[3])
+static void set_position(const stp_cpu_item* item, const float* p, float out[3])
 {
     for (int c = 0; c < 3; ++c) {
         out[c] = p[c] - item->offset[c];
     }
 }
 
-static void read_columns(const cpu_item* item, uint32_t index, cpu_triangle* out)
+static void read_columns(const stp_cpu_item* item, uint32_t index, stp_cpu_triangle* out)
 {
     const stp_store_mesh* mesh = &item->mesh;
     out->has_normal = mesh->normals != NULL;
@@ -31,7 +31,7 @@ static void read_columns(const cpu_item* item, uint32_t index, cpu_triangle* out
         size_t v = stp_store_mesh_corner(mesh, 3 * (size_t)index + k);
         set_position(item, mesh->positions + 3 * v, out->position[k]);
         if (out->has_normal) {
-            out->normal[k] = cpu_decode_normal(mesh->normals + 2 * v);
+            out->normal[k] = stp_cpu_decode_normal(mesh->normals + 2 * v);
         }
         for (int c = 0; c < 4 && out->has_color; ++c) {
             out->color[k][c] = (float)mesh->colors[4 * v + (size_t)c] * (1.0f / 65535.0f);
@@ -47,7 +47,7 @@ static void read_columns(const cpu_item* item, uint32_t index, cpu_triangle* out
     }
 }
 
-static void open_cluster(cpu_reader* reader, const cpu_item* item, uint32_t index)
+static void open_cluster(stp_cpu_reader* reader, const stp_cpu_item* item, uint32_t index)
 {
     const stp_cluster* open = &reader->cluster;
     if (reader->cluster_item != item || index < open->first_triangle ||
@@ -58,8 +58,8 @@ static void open_cluster(cpu_reader* reader, const cpu_item* item, uint32_t inde
     }
 }
 
-void cpu_read_from_cluster(const cpu_item* item, const stp_cluster* cluster, uint32_t index,
-                           cpu_triangle* out)
+void stp_cpu_read_from_cluster(const stp_cpu_item* item, const stp_cluster* cluster, uint32_t index,
+                               stp_cpu_triangle* out)
 {
     const stp_clusters* clusters = &item->clusters;
     uint32_t local = index - cluster->first_triangle;
@@ -86,7 +86,8 @@ void cpu_read_from_cluster(const cpu_item* item, const stp_cluster* cluster, uin
     }
 }
 
-const cpu_triangle* cpu_read_triangle(cpu_reader* reader, const cpu_item* item, uint32_t index)
+const stp_cpu_triangle* stp_cpu_read_triangle(stp_cpu_reader* reader, const stp_cpu_item* item,
+                                              uint32_t index)
 {
     assert(item->kind == STP_DRAW_MESH && "points have no triangles");
     if (reader->item == item && reader->index == index) {
@@ -96,7 +97,7 @@ const cpu_triangle* cpu_read_triangle(cpu_reader* reader, const cpu_item* item, 
     reader->index = index;
     if (item->clusters.bytes != NULL) {
         open_cluster(reader, item, index);
-        cpu_read_from_cluster(item, &reader->cluster, index, &reader->triangle);
+        stp_cpu_read_from_cluster(item, &reader->cluster, index, &reader->triangle);
     } else {
         read_columns(item, index, &reader->triangle);
     }

@@ -9,8 +9,8 @@
 
 enum { GHOST_SEED = 0x6057 }; // independent of the pixels that alpha removes
 
-stp_vec2 cpu_mesh_uv(const cpu_triangle* triangle, const stp_store_texture_use* use,
-                     const float weight[3])
+stp_vec2 stp_cpu_mesh_uv(const stp_cpu_triangle* triangle, const stp_store_texture_use* use,
+                         const float weight[3])
 {
     int set = use->texcoord != 0 ? 1 : 0;
     if (!triangle->has_texcoord[set]) {
@@ -26,8 +26,8 @@ stp_vec2 cpu_mesh_uv(const cpu_triangle* triangle, const stp_store_texture_use* 
     return (stp_vec2){t[0][0] * u + t[0][1] * v + t[0][2], t[1][0] * u + t[1][1] * v + t[1][2]};
 }
 
-float cpu_mesh_density(const cpu_triangle* triangle, const stp_store_texture_use* use,
-                       const stp_texture_pyramid* pyramid)
+float stp_cpu_mesh_density(const stp_cpu_triangle* triangle, const stp_store_texture_use* use,
+                           const stp_texture_pyramid* pyramid)
 {
     int set = use->texcoord != 0 ? 1 : 0;
     if (!triangle->has_texcoord[set]) {
@@ -46,7 +46,7 @@ float cpu_mesh_density(const cpu_triangle* triangle, const stp_store_texture_use
     return area > 0.0f ? sqrtf(stp_min(texels / area, FLT_MAX)) : 0.0f;
 }
 
-static float vertex_color(const cpu_triangle* triangle, const float weight[3], int channel)
+static float vertex_color(const stp_cpu_triangle* triangle, const float weight[3], int channel)
 {
     float sum = 0.0f;
     for (int corner = 0; corner < 3; ++corner) {
@@ -55,8 +55,8 @@ static float vertex_color(const cpu_triangle* triangle, const float weight[3], i
     return sum;
 }
 
-void cpu_mesh_color(const cpu_item* item, const cpu_triangle* triangle, const float weight[3],
-                    float footprint, float out[4])
+void stp_cpu_mesh_color(const stp_cpu_item* item, const stp_cpu_triangle* triangle,
+                        const float weight[3], float footprint, float out[4])
 {
     const stp_store_material* material = item->material;
     for (int k = 0; k < 4; ++k) {
@@ -65,7 +65,8 @@ void cpu_mesh_color(const cpu_item* item, const cpu_triangle* triangle, const fl
     if (item->base_color != NULL) {
         const stp_store_texture_use* use = &material->base_color_texture;
         float texel[4];
-        stp_texture_sample(item->base_color, cpu_mesh_uv(triangle, use, weight), footprint, texel);
+        stp_texture_sample(item->base_color, stp_cpu_mesh_uv(triangle, use, weight), footprint,
+                           texel);
         for (int k = 0; k < 4; ++k) {
             out[k] *= texel[k];
         }
@@ -75,7 +76,7 @@ void cpu_mesh_color(const cpu_item* item, const cpu_triangle* triangle, const fl
     }
 }
 
-bool cpu_item_needs_keep(const cpu_item* item)
+bool stp_cpu_item_needs_keep(const stp_cpu_item* item)
 {
     const stp_store_material* material = item->material;
     if (item->draw->ghost) {
@@ -97,7 +98,7 @@ static float noise(uint64_t seed, uint32_t x, uint32_t y)
 }
 
 /// Key of a triangle's alpha thresholds: its facing, and its position along that direction.
-static uint32_t find_pattern(const cpu_item* item, const cpu_triangle* triangle)
+static uint32_t find_pattern(const stp_cpu_item* item, const stp_cpu_triangle* triangle)
 {
     const float *a = triangle->position[0], *b = triangle->position[1], *c = triangle->position[2];
     stp_vec3 across = stp_cross((stp_vec3){b[0] - a[0], b[1] - a[1], b[2] - a[2]},
@@ -111,12 +112,12 @@ static uint32_t find_pattern(const cpu_item* item, const cpu_triangle* triangle)
     return stp_blue_noise_key(item->seed, 2 * axis + (along < 0.0f ? 1 : 0), (int32_t)cell);
 }
 
-static void remember_triangle(const cpu_keep* keep, uint32_t index)
+static void remember_triangle(const stp_cpu_keep* keep, uint32_t index)
 {
-    const cpu_item* item = keep->item;
-    cpu_keep_memory* memory = keep->memory;
+    const stp_cpu_item* item = keep->item;
+    stp_cpu_keep_memory* memory = keep->memory;
     const float* w = item->camera.matrix.m[3];
-    const cpu_triangle* triangle = cpu_read_triangle(&memory->reader, item, index);
+    const stp_cpu_triangle* triangle = stp_cpu_read_triangle(&memory->reader, item, index);
     memory->triangle = index;
     for (int k = 0; k < 3; ++k) {
         const float* p = triangle->position[k];
@@ -126,12 +127,13 @@ static void remember_triangle(const cpu_keep* keep, uint32_t index)
     memory->density = 0.0f;
     if (item->base_color != NULL) {
         memory->density =
-            cpu_mesh_density(triangle, &item->material->base_color_texture, item->base_color);
+            stp_cpu_mesh_density(triangle, &item->material->base_color_texture, item->base_color);
     }
 }
 
 /// Whether a point of a triangle is cut away.
-static bool is_cut(const cpu_keep* keep, const cpu_triangle* triangle, const float weight[3])
+static bool is_cut(const stp_cpu_keep* keep, const stp_cpu_triangle* triangle,
+                   const float weight[3])
 {
     assert(keep->cut_mask >> keep->cuts->count == 0 && "bits of known planes");
     float at[3];
@@ -149,9 +151,9 @@ static bool is_cut(const cpu_keep* keep, const cpu_triangle* triangle, const flo
 }
 
 /// Whether a fragment of a blended material is drawn.
-static bool keeps_alpha(const cpu_keep* keep, float alpha, uint32_t x, uint32_t y)
+static bool keeps_alpha(const stp_cpu_keep* keep, float alpha, uint32_t x, uint32_t y)
 {
-    const cpu_renderer* r = keep->renderer;
+    const stp_cpu_renderer* r = keep->renderer;
     switch (r->layers.stage) {
     case CPU_LAYERS_OPAQUE:
         return alpha >= STP_ALPHA_OPAQUE_FROM;
@@ -163,24 +165,24 @@ static bool keeps_alpha(const cpu_keep* keep, float alpha, uint32_t x, uint32_t 
     }
 }
 
-bool cpu_keep_fragment(const void* user, uint32_t triangle, float weight1, float weight2,
-                       uint32_t x, uint32_t y)
+bool stp_cpu_keep_fragment(const void* user, uint32_t triangle, float weight1, float weight2,
+                           uint32_t x, uint32_t y)
 {
-    const cpu_keep* keep = user;
-    const cpu_item* item = keep->item;
-    const cpu_keep_memory* memory = keep->memory;
+    const stp_cpu_keep* keep = user;
+    const stp_cpu_item* item = keep->item;
+    const stp_cpu_keep_memory* memory = keep->memory;
     assert(item->kind == STP_DRAW_MESH && triangle <= UINT32_MAX - keep->first_triangle);
     const stp_store_material* material = item->material;
     triangle += keep->first_triangle;
     if (memory->triangle != triangle) {
         remember_triangle(keep, triangle);
     }
-    const cpu_triangle* corners = &memory->reader.triangle;
+    const stp_cpu_triangle* corners = &memory->reader.triangle;
     float weight[3] = {1.0f - weight1 - weight2, weight1, weight2};
-    uint64_t seed = (uint64_t)cpu_sample_seed(keep->renderer, item) << 32 | triangle;
+    uint64_t seed = (uint64_t)stp_cpu_sample_seed(keep->renderer, item) << 32 | triangle;
     if ((keep->cut_mask != 0 && is_cut(keep, corners, weight)) ||
         (item->draw->ghost &&
-         noise(stp_rng_hash(seed, GHOST_SEED), x, y) >= cpu_ghost_share(keep->renderer))) {
+         noise(stp_rng_hash(seed, GHOST_SEED), x, y) >= stp_cpu_ghost_share(keep->renderer))) {
         return false;
     }
     if (material->alpha == STP_STORE_OPAQUE) {
@@ -197,7 +199,7 @@ bool cpu_keep_fragment(const void* user, uint32_t triangle, float weight1, float
     float depth = weight[0] * memory->w[0] + weight[1] * memory->w[1] +
                   weight[2] * memory->w[2]; // W is 1 everywhere in parallel projection
     float footprint = memory->density * depth / (item->camera.pixel_scale * item->scale);
-    stp_vec2 uv = cpu_mesh_uv(corners, &material->base_color_texture, weight);
+    stp_vec2 uv = stp_cpu_mesh_uv(corners, &material->base_color_texture, weight);
     if (masked) {
         return stp_cutout_keeps(item->base_color, uv, footprint, own, material->alpha_cutoff);
     }

@@ -6,20 +6,20 @@
 
 #include <assert.h>
 
-void gl_cap_pass_destroy(gl_renderer* r)
+void stp_gl_cap_pass_destroy(stp_gl_renderer* r)
 {
-    gl_cap_pass* pass = &r->cap_pass;
+    stp_gl_cap_pass* pass = &r->cap_pass;
     const GLuint textures[] = {pass->nearness, pass->pixels};
     stp_caps_destroy(pass->caps);
     r->gl.DeleteProgram(pass->program);
     r->gl.DeleteTextures(2, textures);
-    *pass = (gl_cap_pass){0};
+    *pass = (stp_gl_cap_pass){0};
 }
 
-static stp_result make_textures(gl_renderer* r)
+static stp_result make_textures(stp_gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
-    gl_cap_pass* pass = &r->cap_pass;
+    stp_gl_cap_pass* pass = &r->cap_pass;
     const GLuint old[] = {pass->nearness, pass->pixels};
     uint32_t width = r->target.width, height = r->target.height;
     if (pass->width == width && pass->height == height) {
@@ -28,8 +28,8 @@ static stp_result make_textures(gl_renderer* r)
     gl->DeleteTextures(2, old);
     while (gl->GetError() != GL_NO_ERROR) { // discard errors of earlier calls
     }
-    pass->nearness = gl_make_texture(gl, GL_R32F, width, height, "nearness of caps");
-    pass->pixels = gl_make_texture(gl, GL_RGBA8, width, height, "caps");
+    pass->nearness = stp_gl_make_texture(gl, GL_R32F, width, height, "nearness of caps");
+    pass->pixels = stp_gl_make_texture(gl, GL_RGBA8, width, height, "caps");
     pass->width = width;
     pass->height = height;
     if (gl->GetError() != GL_NO_ERROR) {
@@ -41,26 +41,26 @@ static stp_result make_textures(gl_renderer* r)
     return STP_OK;
 }
 
-static stp_result prepare(gl_renderer* r)
+static stp_result prepare(stp_gl_renderer* r)
 {
-    gl_cap_pass* pass = &r->cap_pass;
+    stp_gl_cap_pass* pass = &r->cap_pass;
     stp_result result = STP_OK;
     if (pass->caps == NULL) {
         result = stp_caps_create(r->base.context, r->store, &pass->caps);
     }
     if (result == STP_OK && pass->program == 0) {
-        result = gl_program_create_compute(r->base.context, &r->gl, "caps.comp.glsl", NULL,
-                                           &pass->program);
+        result = stp_gl_program_create_compute(r->base.context, &r->gl, "caps.comp.glsl", NULL,
+                                               &pass->program);
     }
     return result == STP_OK ? make_textures(r) : result;
 }
 
 /// Uploads the caps, and draws them where they are nearest.
-static void put(gl_renderer* r, const stp_cap_picture* picture)
+static void put(stp_gl_renderer* r, const stp_cap_picture* picture)
 {
     const stp_gl* gl = &r->gl;
-    const gl_target* t = &r->target;
-    const gl_cap_pass* pass = &r->cap_pass;
+    const stp_gl_target* t = &r->target;
+    const stp_gl_cap_pass* pass = &r->cap_pass;
     GLsizei width = (GLsizei)t->width, height = (GLsizei)t->height;
     assert(pass->width == t->width && pass->height == t->height && "one texel per pixel");
     gl->TextureSubImage2D(pass->nearness, 0, 0, 0, width, height, GL_RED, GL_FLOAT,
@@ -72,12 +72,12 @@ static void put(gl_renderer* r, const stp_cap_picture* picture)
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_COUNTERS, r->shade.counters);
     gl->BindImageTexture(IMAGE_PICTURE, t->picture, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
     gl->BindImageTexture(IMAGE_DEPTH, t->depths, 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
-    gl_dispatch_pixels(r, pass->program, t->width, t->height);
+    stp_gl_dispatch_pixels(r, pass->program, t->width, t->height);
     gl->MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                       GL_TEXTURE_UPDATE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
-stp_result gl_cap_pass_draw(gl_renderer* r)
+stp_result stp_gl_cap_pass_draw(stp_gl_renderer* r)
 {
     r->cap_pass.shows = false;
     if (!r->style->caps || r->view->sections.count == 0) {

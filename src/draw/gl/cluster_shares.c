@@ -9,7 +9,7 @@
 
 enum { GRAIN = 1024 }; ///< clusters per piece of the loop
 
-struct gl_share_item {
+struct stp_gl_share_item {
     size_t item;  ///< index in the list
     size_t first; ///< index of its first share
     const stp_draw_item* draw;
@@ -17,11 +17,11 @@ struct gl_share_item {
     stp_bounding bounding;
 };
 
-static gl_share_item* add_item(gl_renderer* r)
+static stp_gl_share_item* add_item(stp_gl_renderer* r)
 {
-    gl_cluster_shares* s = &r->frame.shares;
+    stp_gl_cluster_shares* s = &r->frame.shares;
     if (s->count == s->capacity) {
-        gl_share_item* items =
+        stp_gl_share_item* items =
             stp_grow_array(r->base.context, s->items, &s->capacity, s->count + 1, sizeof(*items));
         if (items == NULL) {
             return NULL;
@@ -31,7 +31,7 @@ static gl_share_item* add_item(gl_renderer* r)
     return &s->items[s->count++];
 }
 
-static stp_result list_items(gl_renderer* r, size_t* cluster_count)
+static stp_result list_items(stp_gl_renderer* r, size_t* cluster_count)
 {
     stp_placed_item where;
     *cluster_count = 0;
@@ -41,7 +41,7 @@ static stp_result list_items(gl_renderer* r, size_t* cluster_count)
             !stp_store_is_clustered(r->store, draw->index)) {
             continue;
         }
-        gl_share_item* item = add_item(r);
+        stp_gl_share_item* item = add_item(r);
         if (item == NULL) {
             return stp_fail_memory(r->base.context);
         }
@@ -67,7 +67,7 @@ static stp_result list_items(gl_renderer* r, size_t* cluster_count)
 /// Shares of clusters [begin, end) of all items.
 static void find_shares(size_t begin, size_t end, uint32_t worker, void* user)
 {
-    gl_cluster_shares* s = user;
+    stp_gl_cluster_shares* s = user;
     (void)worker;
     size_t low = 0, high = s->count;
     while (high - low > 1) { // the last item that begins at or before `begin`
@@ -80,7 +80,7 @@ static void find_shares(size_t begin, size_t end, uint32_t worker, void* user)
             low += 1;
             assert(low < s->count && "items hold all clusters");
         }
-        const gl_share_item* item = &s->items[low];
+        const stp_gl_share_item* item = &s->items[low];
         stp_box box = stp_clusters_bounds(&item->clusters, (uint32_t)(i - item->first));
         float share = stp_draw_share(item->draw, stp_bounding_min_depth(&item->bounding, box));
         bool drawn = share > 0.0f && !stp_bounding_misses(&item->bounding, box);
@@ -88,9 +88,9 @@ static void find_shares(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-stp_result gl_cluster_shares_find(gl_renderer* r)
+stp_result stp_gl_cluster_shares_find(stp_gl_renderer* r)
 {
-    gl_cluster_shares* s = &r->frame.shares;
+    stp_gl_cluster_shares* s = &r->frame.shares;
     size_t count;
     s->count = s->next = 0;
     stp_result result = list_items(r, &count);
@@ -113,7 +113,7 @@ stp_result gl_cluster_shares_find(gl_renderer* r)
     return STP_OK;
 }
 
-const float* gl_cluster_shares_get(gl_cluster_shares* s, size_t item)
+const float* stp_gl_cluster_shares_get(stp_gl_cluster_shares* s, size_t item)
 {
     while (s->items[s->next].item < item) {
         s->next += 1;
@@ -123,9 +123,9 @@ const float* gl_cluster_shares_get(gl_cluster_shares* s, size_t item)
     return s->shares + s->items[s->next].first;
 }
 
-void gl_cluster_shares_destroy(stp_context* context, gl_cluster_shares* s)
+void stp_gl_cluster_shares_destroy(stp_context* context, stp_gl_cluster_shares* s)
 {
     stp_free(context, s->items);
     stp_free(context, s->shares);
-    *s = (gl_cluster_shares){0};
+    *s = (stp_gl_cluster_shares){0};
 }

@@ -5,22 +5,22 @@
 
 #include "select/select.h"
 
-struct gl_renderer;
+struct stp_gl_renderer;
 
-typedef struct gl_share_item gl_share_item;
+typedef struct stp_gl_share_item stp_gl_share_item;
 
-typedef struct gl_cluster_shares {
-    gl_share_item* items; ///< meshes of the list, in its order
+typedef struct stp_gl_cluster_shares {
+    stp_gl_share_item* items; ///< meshes of the list, in its order
     size_t count, capacity;
     float* shares; ///< drawn share of each of their clusters; 0: not drawn
     size_t share_capacity;
     size_t next; ///< item of the last request; earlier ones are skipped
-} gl_cluster_shares;
+} stp_gl_cluster_shares;
 
 /// Finds the shares for the renderer's list and placement.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, or as the store's functions; logged
-STP_MUST_USE stp_result gl_cluster_shares_find(struct gl_renderer* r);
+STP_MUST_USE stp_result stp_gl_cluster_shares_find(struct stp_gl_renderer* r);
 /// Shares of a mesh of the list that is clustered and not of large triangles. Ask in the list's
 /// order.
-const float* gl_cluster_shares_get(gl_cluster_shares* shares, size_t item);
-void gl_cluster_shares_destroy(stp_context* context, gl_cluster_shares* shares);
+const float* stp_gl_cluster_shares_get(stp_gl_cluster_shares* shares, size_t item);
+void stp_gl_cluster_shares_destroy(stp_context* context, stp_gl_cluster_shares* shares);

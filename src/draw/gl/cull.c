@@ -11,13 +11,13 @@
 #include <assert.h>
 #include <string.h>
 
-static stp_bounding bound(const gl_renderer* r, const item_block* item)
+static stp_bounding bound(const stp_gl_renderer* r, const item_block* item)
 {
     return stp_bounding_make(item->rows, item->nearness_limit, item->offset, r->target.width,
                              r->target.height);
 }
 
-static bool needs_keep(const gl_renderer* r, const item_block* item, uint32_t present)
+static bool needs_keep(const stp_gl_renderer* r, const item_block* item, uint32_t present)
 {
     const stp_store_material* material = &r->directory->materials[item->material];
     if ((item->flags & ITEM_GHOST) != 0 || item->sections != 0) {
@@ -38,11 +38,12 @@ static bool needs_keep(const gl_renderer* r, const item_block* item, uint32_t pr
 
 /// Commands that draw the clusters of a mesh.
 typedef struct cluster_kinds {
-    gl_command_kind kind;
+    stp_gl_command_kind kind;
     bool again; ///< also for layers
 } cluster_kinds;
 
-static cluster_kinds choose_kinds(const gl_renderer* r, const item_block* item, uint32_t present)
+static cluster_kinds choose_kinds(const stp_gl_renderer* r, const item_block* item,
+                                  uint32_t present)
 {
     cluster_kinds kinds = {.kind = GL_COMMANDS_TRIANGLES};
     const stp_store_material* material = &r->directory->materials[item->material];
@@ -57,21 +58,21 @@ static cluster_kinds choose_kinds(const gl_renderer* r, const item_block* item, 
     return kinds;
 }
 
-static bool add_cluster(gl_renderer* r, uint32_t index, cluster_kinds kinds, uint32_t cluster,
+static bool add_cluster(stp_gl_renderer* r, uint32_t index, cluster_kinds kinds, uint32_t cluster,
                         uint32_t triangles, float share)
 {
-    record_block* record = gl_frame_add_command(r, kinds.kind, 3 * triangles);
+    record_block* record = stp_gl_frame_add_command(r, kinds.kind, 3 * triangles);
     if (record != NULL) {
         record->item = index;
         record->address = r->frame.items[index].address + CLUSTER_WORDS * cluster;
         record->share = share;
     }
-    return record != NULL &&
-           (!kinds.again || gl_frame_repeat_command(r, GL_COMMANDS_GLASS_TRIANGLES, 3 * triangles));
+    return record != NULL && (!kinds.again || stp_gl_frame_repeat_command(
+                                                  r, GL_COMMANDS_GLASS_TRIANGLES, 3 * triangles));
 }
 
 /// Adds a mesh of columns, without culling: all its clusters have the same share.
-static stp_result add_columns(gl_renderer* r, uint32_t index, stp_store_mesh* mesh)
+static stp_result add_columns(stp_gl_renderer* r, uint32_t index, stp_store_mesh* mesh)
 {
     item_block* item = &r->frame.items[index];
     const stp_draw_item* draw = r->frame.placed[index].draw;
@@ -101,7 +102,7 @@ static uint32_t count_triangles(const stp_clusters* clusters, uint32_t index)
     return end - stp_clusters_first_triangle(clusters, index);
 }
 
-stp_result gl_cull_mesh(gl_renderer* r, uint32_t index)
+stp_result stp_gl_cull_mesh(stp_gl_renderer* r, uint32_t index)
 {
     item_block* item = &r->frame.items[index];
     const stp_draw_item* draw = r->frame.placed[index].draw;
@@ -119,7 +120,7 @@ stp_result gl_cull_mesh(gl_renderer* r, uint32_t index)
     item->flags |= colors ? ITEM_HAS_COLORS : 0u;
     item->cluster_count = clusters.cluster_count;
     cluster_kinds kind = choose_kinds(r, item, clusters.present);
-    const float* shares = gl_cluster_shares_get(&r->frame.shares, index);
+    const float* shares = stp_gl_cluster_shares_get(&r->frame.shares, index);
     for (uint32_t i = 0; i < clusters.cluster_count; ++i) {
         if (shares[i] > 0.0f &&
             !add_cluster(r, index, kind, i, count_triangles(&clusters, i), shares[i])) {
@@ -130,10 +131,10 @@ stp_result gl_cull_mesh(gl_renderer* r, uint32_t index)
 }
 
 /// Sets the bits of clusters that have any of the large triangles of an item.
-static stp_result mark_clusters(gl_renderer* r, const stp_draw_item* draw,
+static stp_result mark_clusters(stp_gl_renderer* r, const stp_draw_item* draw,
                                 const stp_clusters* clusters)
 {
-    gl_frame* f = &r->frame;
+    stp_gl_frame* f = &r->frame;
     stp_large_triangles large;
     stp_result result =
         stp_store_get_large_triangles(r->store, draw->index, draw->large_min, &large);
@@ -160,7 +161,7 @@ static stp_result mark_clusters(gl_renderer* r, const stp_draw_item* draw,
     return STP_OK;
 }
 
-stp_result gl_cull_large(gl_renderer* r, uint32_t index)
+stp_result stp_gl_cull_large(stp_gl_renderer* r, uint32_t index)
 {
     item_block* item = &r->frame.items[index];
     const stp_draw_item* draw = r->frame.placed[index].draw;

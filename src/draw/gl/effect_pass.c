@@ -7,9 +7,9 @@
 
 #include <assert.h>
 
-void gl_effect_pass_destroy(gl_renderer* r)
+void stp_gl_effect_pass_destroy(stp_gl_renderer* r)
 {
-    gl_effect_pass* pass = &r->effects;
+    stp_gl_effect_pass* pass = &r->effects;
     const GLuint textures[] = {pass->planes[0], pass->planes[1], pass->block_plane, pass->two[0],
                                pass->two[1]};
     r->gl.DeleteProgram(pass->window);
@@ -19,12 +19,12 @@ void gl_effect_pass_destroy(gl_renderer* r)
     r->gl.DeleteProgram(pass->darken);
     r->gl.DeleteBuffers(1, &pass->buffer);
     r->gl.DeleteTextures(5, textures);
-    *pass = (gl_effect_pass){0};
+    *pass = (stp_gl_effect_pass){0};
 }
 
-static stp_result make_programs(gl_renderer* r)
+static stp_result make_programs(stp_gl_renderer* r)
 {
-    gl_effect_pass* pass = &r->effects;
+    stp_gl_effect_pass* pass = &r->effects;
     stp_context* context = r->base.context;
     const struct {
         const char* name;
@@ -37,8 +37,8 @@ static stp_result make_programs(gl_renderer* r)
     stp_result result = STP_OK;
     for (size_t i = 0; i < sizeof(programs) / sizeof(programs[0]) && result == STP_OK; ++i) {
         if (*programs[i].program == 0) {
-            result = gl_program_create_compute(context, &r->gl, programs[i].name, NULL,
-                                               programs[i].program);
+            result = stp_gl_program_create_compute(context, &r->gl, programs[i].name, NULL,
+                                                   programs[i].program);
         }
     }
     if (result == STP_OK && pass->buffer == 0) {
@@ -48,10 +48,10 @@ static stp_result make_programs(gl_renderer* r)
     return result;
 }
 
-static stp_result make_planes(gl_renderer* r)
+static stp_result make_planes(stp_gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
-    gl_effect_pass* pass = &r->effects;
+    stp_gl_effect_pass* pass = &r->effects;
     uint32_t width = r->target.width, height = r->target.height;
     if (pass->width == width && pass->height == height) {
         return STP_OK;
@@ -62,12 +62,12 @@ static stp_result make_planes(gl_renderer* r)
     while (gl->GetError() != GL_NO_ERROR) { // discard errors of earlier calls
     }
     for (int i = 0; i < 2; ++i) {
-        pass->planes[i] = gl_make_texture(gl, GL_R32F, width, height, "nearness of effects");
-        pass->two[i] = gl_make_texture(gl, GL_RG32F, width, height, "shades");
+        pass->planes[i] = stp_gl_make_texture(gl, GL_R32F, width, height, "nearness of effects");
+        pass->two[i] = stp_gl_make_texture(gl, GL_RG32F, width, height, "shades");
     }
     pass->block_plane =
-        gl_make_texture(gl, GL_R32F, (width + EFFECT_BLOCK - 1) / EFFECT_BLOCK,
-                        (height + EFFECT_BLOCK - 1) / EFFECT_BLOCK, "blocks of nearness");
+        stp_gl_make_texture(gl, GL_R32F, (width + EFFECT_BLOCK - 1) / EFFECT_BLOCK,
+                            (height + EFFECT_BLOCK - 1) / EFFECT_BLOCK, "blocks of nearness");
     pass->width = width;
     pass->height = height;
     if (gl->GetError() != GL_NO_ERROR) {
@@ -79,7 +79,7 @@ static stp_result make_planes(gl_renderer* r)
     return STP_OK;
 }
 
-static void send_numbers(gl_renderer* r, const stp_effect_shape* shape)
+static void send_numbers(stp_gl_renderer* r, const stp_effect_shape* shape)
 {
     assert(shape->pair_count <= EFFECT_PAIRS && shape->light_step > 0);
     const stp_placement* p = &r->placement;
@@ -107,23 +107,23 @@ static void send_numbers(gl_renderer* r, const stp_effect_shape* shape)
 
 _Static_assert(EFFECT_PAIRS == STP_EFFECT_PAIRS, "room for all pairs");
 
-static void run(gl_renderer* r, GLuint program, GLuint out, GLenum format, uint32_t width,
+static void run(stp_gl_renderer* r, GLuint program, GLuint out, GLenum format, uint32_t width,
                 uint32_t height)
 {
     const stp_gl* gl = &r->gl;
     gl->BindImageTexture(IMAGE_PLANE, out, 0, GL_FALSE, 0, GL_WRITE_ONLY, format);
-    gl_dispatch_pixels(r, program, width, height);
+    stp_gl_dispatch_pixels(r, program, width, height);
     gl->MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
 }
 
 /// Nearness without gaps between disks: closes gaps narrower than the valley between disks, and
 /// keeps silhouettes. @return the plane that holds it
-static GLuint close_gaps(gl_renderer* r, int32_t reach)
+static GLuint close_gaps(stp_gl_renderer* r, int32_t reach)
 {
     assert(reach > 0 && "without gaps the depths are read as they are");
     static const GLint axes[4][2] = {{1, 0}, {0, 1}, {1, 0}, {0, 1}};
     const stp_gl* gl = &r->gl;
-    gl_effect_pass* pass = &r->effects;
+    stp_gl_effect_pass* pass = &r->effects;
     GLuint from = r->target.depths;
     gl->UseProgram(pass->window);
     for (int i = 0; i < 4; ++i) {
@@ -137,9 +137,9 @@ static GLuint close_gaps(gl_renderer* r, int32_t reach)
     return from;
 }
 
-static void find_blocks(gl_renderer* r)
+static void find_blocks(stp_gl_renderer* r)
 {
-    gl_effect_pass* pass = &r->effects;
+    stp_gl_effect_pass* pass = &r->effects;
     r->gl.UseProgram(pass->blocks);
     r->gl.BindTextureUnit(UNIT_FROM, r->target.depths);
     r->gl.Uniform1i(0, (GLint)(r->eye * r->target.height));
@@ -149,7 +149,7 @@ static void find_blocks(gl_renderer* r)
 }
 
 /// A pass that reads pixel nearness and a plane.
-static void run_on(gl_renderer* r, GLuint program, GLuint from, GLuint to, GLint near_row)
+static void run_on(stp_gl_renderer* r, GLuint program, GLuint from, GLuint to, GLint near_row)
 {
     r->gl.UseProgram(program);
     r->gl.Uniform1i(0, near_row);
@@ -157,10 +157,10 @@ static void run_on(gl_renderer* r, GLuint program, GLuint from, GLuint to, GLint
     run(r, program, to, GL_RG32F, r->effects.width, r->effects.height);
 }
 
-stp_result gl_effect_pass_draw(gl_renderer* r)
+stp_result stp_gl_effect_pass_draw(stp_gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
-    gl_effect_pass* pass = &r->effects;
+    stp_gl_effect_pass* pass = &r->effects;
     float size = r->list->mixes ? stp_max(r->list->splat_size, 1.0f) : 0.0f;
     stp_effect_shape shape = stp_effect_shape_make(r->style, r->target.height, size);
     if (!(shape.light > 0.0f) && shape.pair_count == 0) {

@@ -8,17 +8,17 @@
 
 #include <stipple/base.h>
 
-struct gl_renderer;
+struct stp_gl_renderer;
 
 /// Programs and planes are created on first use. Zero-initialize it.
-typedef struct gl_effect_pass {
+typedef struct stp_gl_effect_pass {
     GLuint window, blocks, shades, blur, darken;
     GLuint buffer;                         ///< effect_block
     GLuint planes[2], block_plane, two[2]; ///< an eye's nearness; its blocks; shading factors
     uint32_t width, height;                ///< size of the planes
-} gl_effect_pass;
+} stp_gl_effect_pass;
 
-void gl_effect_pass_destroy(struct gl_renderer* r);
+void stp_gl_effect_pass_destroy(struct stp_gl_renderer* r);
 /// Darkens the picture of the last shaded eye, if the style enables it.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_UNSUPPORTED; logged
-STP_MUST_USE stp_result gl_effect_pass_draw(struct gl_renderer* r);
+STP_MUST_USE stp_result stp_gl_effect_pass_draw(struct stp_gl_renderer* r);

@@ -8,32 +8,32 @@
 #include <assert.h>
 #include <stdio.h>
 
-bool gl_filter_is_tolerant(const gl_renderer* r)
+bool stp_gl_filter_is_tolerant(const stp_gl_renderer* r)
 {
     return r->style->filter == STP_FILTER_BLEND || r->style->filter == STP_FILTER_TEXTURED;
 }
 
-static stp_result make_two_pass_programs(gl_renderer* r)
+static stp_result make_two_pass_programs(stp_gl_renderer* r)
 {
-    gl_filter_pass* pass = &r->filter;
+    stp_gl_filter_pass* pass = &r->filter;
     stp_context* context = r->base.context;
     char defines[256];
-    gl_page_defines(r, "", defines, sizeof(defines));
+    stp_gl_page_defines(r, "", defines, sizeof(defines));
     stp_result result = STP_OK;
     if (pass->planes_program == 0) {
-        result = gl_program_create_compute(context, &r->gl, "planes.comp.glsl", defines,
-                                           &pass->planes_program);
+        result = stp_gl_program_create_compute(context, &r->gl, "planes.comp.glsl", defines,
+                                               &pass->planes_program);
     }
     if (result == STP_OK && pass->blend == 0) {
-        result = gl_program_create(context, &r->gl, "blend.vert.glsl", "blend.frag.glsl", defines,
-                                   &pass->blend);
+        result = stp_gl_program_create(context, &r->gl, "blend.vert.glsl", "blend.frag.glsl",
+                                       defines, &pass->blend);
     }
     return result;
 }
 
-static stp_result make_one_pass_programs(gl_renderer* r)
+static stp_result make_one_pass_programs(stp_gl_renderer* r)
 {
-    gl_filter_pass* pass = &r->filter;
+    stp_gl_filter_pass* pass = &r->filter;
     stp_context* context = r->base.context;
     char more[96], defines[256];
     bool ordered = stp_gl_has(&r->gl, "GL_ARB_fragment_shader_interlock");
@@ -41,22 +41,22 @@ static stp_result make_one_pass_programs(gl_renderer* r)
     GLuint* program = textured ? &pass->textured : &pass->tolerant;
     snprintf(more, sizeof(more), "#define LEAVES\n%s%s", ordered ? "#define INTERLOCK\n" : "",
              textured ? "#define TEXTURED\n" : "");
-    gl_page_defines(r, more, defines, sizeof(defines));
+    stp_gl_page_defines(r, more, defines, sizeof(defines));
     stp_result result = STP_OK;
     if (*program == 0) {
-        result = gl_program_create(context, &r->gl, "blend.vert.glsl", "tolerant.frag.glsl",
-                                   defines, program);
+        result = stp_gl_program_create(context, &r->gl, "blend.vert.glsl", "tolerant.frag.glsl",
+                                       defines, program);
     }
     if (result == STP_OK && pass->tolerant_merge == 0) {
-        result = gl_program_create(context, &r->gl, "screen.vert.glsl", "tolerant_merge.frag.glsl",
-                                   "", &pass->tolerant_merge);
+        result = stp_gl_program_create(context, &r->gl, "screen.vert.glsl",
+                                       "tolerant_merge.frag.glsl", "", &pass->tolerant_merge);
     }
     return result;
 }
 
-static void destroy_targets(gl_renderer* r)
+static void destroy_targets(stp_gl_renderer* r)
 {
-    gl_filter_pass* pass = &r->filter;
+    stp_gl_filter_pass* pass = &r->filter;
     const GLuint textures[] = {pass->planes, pass->sums};
     r->gl.DeleteFramebuffers(1, &pass->framebuffer);
     r->gl.DeleteFramebuffers(1, &pass->merged);
@@ -67,9 +67,9 @@ static void destroy_targets(gl_renderer* r)
     pass->bytes = 0;
 }
 
-void gl_filter_pass_destroy(gl_renderer* r)
+void stp_gl_filter_pass_destroy(stp_gl_renderer* r)
 {
-    gl_filter_pass* pass = &r->filter;
+    stp_gl_filter_pass* pass = &r->filter;
     destroy_targets(r);
     r->gl.DeleteProgram(pass->planes_program);
     r->gl.DeleteProgram(pass->blend);
@@ -78,10 +78,10 @@ void gl_filter_pass_destroy(gl_renderer* r)
     r->gl.DeleteTextures(1, &pass->splat_texture);
     r->gl.DeleteProgram(pass->tolerant_merge);
     r->gl.DeleteVertexArrays(1, &pass->vertex_array);
-    *pass = (gl_filter_pass){0};
+    *pass = (stp_gl_filter_pass){0};
 }
 
-static stp_result fail(gl_renderer* r)
+static stp_result fail(stp_gl_renderer* r)
 {
     destroy_targets(r);
     return stp_fail(r->base.context, STP_ERROR_OUT_OF_MEMORY,
@@ -89,7 +89,7 @@ static stp_result fail(gl_renderer* r)
                     r->target.height);
 }
 
-static GLuint make_texture(gl_renderer* r, const char* label)
+static GLuint make_texture(stp_gl_renderer* r, const char* label)
 {
     const stp_gl* gl = &r->gl;
     GLuint texture;
@@ -103,11 +103,11 @@ static GLuint make_texture(gl_renderer* r, const char* label)
 }
 
 /// Textures of the picture's size; `pixels`: also those for blending in one pass.
-static stp_result make_targets(gl_renderer* r, bool pixels)
+static stp_result make_targets(stp_gl_renderer* r, bool pixels)
 {
-    gl_filter_pass* pass = &r->filter;
+    stp_gl_filter_pass* pass = &r->filter;
     const stp_gl* gl = &r->gl;
-    const gl_target* t = &r->target;
+    const stp_gl_target* t = &r->target;
     while (gl->GetError() != GL_NO_ERROR) { // discard errors of earlier calls
     }
     if (pass->vertex_array == 0) {
@@ -144,31 +144,31 @@ static stp_result make_targets(gl_renderer* r, bool pixels)
     return gl->GetError() != GL_NO_ERROR ? fail(r) : STP_OK;
 }
 
-static void find_planes(gl_renderer* r)
+static void find_planes(stp_gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
-    const gl_target* t = &r->target;
+    const stp_gl_target* t = &r->target;
     gl->BindTextureUnit(UNIT_IDS, t->ids);
     gl->BindTextureUnit(UNIT_NEARNESS, t->nearness);
     gl->BindImageTexture(IMAGE_PLANES, r->filter.planes, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-    gl_dispatch_pixels(r, r->filter.planes_program, t->width, t->height);
+    stp_gl_dispatch_pixels(r, r->filter.planes_program, t->width, t->height);
     gl->MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
 }
 
-stp_result gl_filter_pass_blend(gl_renderer* r)
+stp_result stp_gl_filter_pass_blend(stp_gl_renderer* r)
 {
     assert(r->style->filter == STP_FILTER_EWA);
     const stp_gl* gl = &r->gl;
-    gl_filter_pass* pass = &r->filter;
+    stp_gl_filter_pass* pass = &r->filter;
     const GLfloat none[4] = {0};
-    gl_splat_source source;
+    stp_gl_splat_source source;
     stp_result result = make_targets(r, false);
     result = result == STP_OK ? make_two_pass_programs(r) : result;
     if (result != STP_OK) {
         return result;
     }
     gl->ClearNamedFramebufferfv(pass->framebuffer, GL_COLOR, 0, none);
-    if (!gl_splat_source_find(r, &source)) {
+    if (!stp_gl_splat_source_find(r, &source)) {
         return STP_OK;
     }
     find_planes(r);
@@ -178,13 +178,13 @@ stp_result gl_filter_pass_blend(gl_renderer* r)
     gl->Enable(GL_BLEND);
     gl->BlendEquation(GL_FUNC_ADD);
     gl->BlendFunc(GL_ONE, GL_ONE);
-    result = gl_splat_pass_points(r, &source, pass->blend);
-    gl_set_visible_state(r);
+    result = stp_gl_splat_pass_points(r, &source, pass->blend);
+    stp_gl_set_visible_state(r);
     return result;
 }
 
 /// The style's texture, which may change between pictures, and the weight of one-pixel splats.
-static void send_texture(gl_renderer* r)
+static void send_texture(stp_gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
     GLuint* texture = &r->filter.splat_texture;
@@ -208,10 +208,10 @@ static void send_texture(gl_renderer* r)
 }
 
 /// Copies the buffer's pixels to where shading and other passes read them.
-static void merge_tolerant(gl_renderer* r)
+static void merge_tolerant(stp_gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
-    gl_filter_pass* pass = &r->filter;
+    stp_gl_filter_pass* pass = &r->filter;
     gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     gl->BindFramebuffer(GL_FRAMEBUFFER, pass->merged);
     gl->Viewport(0, 0, (GLsizei)r->target.width, (GLsizei)r->target.height);
@@ -219,17 +219,17 @@ static void merge_tolerant(gl_renderer* r)
     gl->UseProgram(pass->tolerant_merge);
     gl->DrawArrays(GL_TRIANGLES, 0, 3);
     r->draw_calls += 1;
-    gl_set_visible_state(r);
+    stp_gl_set_visible_state(r);
 }
 
-stp_result gl_filter_pass_draw_tolerant(gl_renderer* r)
+stp_result stp_gl_filter_pass_draw_tolerant(stp_gl_renderer* r)
 {
-    assert(gl_filter_is_tolerant(r));
+    assert(stp_gl_filter_is_tolerant(r));
     const stp_gl* gl = &r->gl;
-    gl_filter_pass* pass = &r->filter;
+    stp_gl_filter_pass* pass = &r->filter;
     const GLuint zero = 0;
     const GLfloat none[4] = {0};
-    gl_splat_source source;
+    stp_gl_splat_source source;
     stp_result result = make_targets(r, true);
     result = result == STP_OK ? make_one_pass_programs(r) : result;
     if (result != STP_OK) {
@@ -243,25 +243,25 @@ stp_result gl_filter_pass_draw_tolerant(gl_renderer* r)
     if (textured) {
         send_texture(r);
     }
-    if (gl_splat_source_find(r, &source)) {
+    if (stp_gl_splat_source_find(r, &source)) {
         gl->BindTextureUnit(UNIT_NEARNESS, r->target.nearness);
         gl->BindFramebuffer(GL_FRAMEBUFFER, pass->framebuffer);
         gl->Disable(GL_DEPTH_TEST);
         gl->ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE); // the shader has no outputs
         gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RASTER_PIXELS, pass->pixels);
-        gl_splat_pass_begin(r);
-        result = gl_splat_pass_points(r, &source, textured ? pass->textured : pass->tolerant);
-        gl_set_visible_state(r);
+        stp_gl_splat_pass_begin(r);
+        result = stp_gl_splat_pass_points(r, &source, textured ? pass->textured : pass->tolerant);
+        stp_gl_set_visible_state(r);
         if (result == STP_OK) {
-            gl_splat_pass_large(r, r->splats.large);
+            stp_gl_splat_pass_large(r, r->splats.large);
             merge_tolerant(r);
         }
-        gl_bind_frame(r);
+        stp_gl_bind_frame(r);
     }
     return result;
 }
 
-void gl_filter_pass_bind(gl_renderer* r)
+void stp_gl_filter_pass_bind(stp_gl_renderer* r)
 {
     if (r->style->filter != STP_FILTER_NONE) {
         r->gl.BindTextureUnit(UNIT_BLENDED, r->filter.sums);

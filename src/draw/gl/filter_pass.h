@@ -7,9 +7,9 @@
 
 #include "draw/gl/gl.h"
 
-struct gl_renderer;
+struct stp_gl_renderer;
 
-typedef struct gl_filter_pass {
+typedef struct stp_gl_filter_pass {
     GLuint planes_program, blend;              ///< for two passes; 0: not created yet
     GLuint tolerant, textured, tolerant_merge; ///< for one pass
     GLuint splat_texture;                      ///< R8; 0: not created yet
@@ -19,20 +19,20 @@ typedef struct gl_filter_pass {
     GLuint pixels;                    ///< tolerant_pixel
     uint64_t bytes;                   ///< size of `pixels`
     uint32_t width, height;
-} gl_filter_pass;
+} stp_gl_filter_pass;
 
-void gl_filter_pass_destroy(struct gl_renderer* r);
+void stp_gl_filter_pass_destroy(struct stp_gl_renderer* r);
 
 /// Whether the style's filter blends in one pass.
-bool gl_filter_is_tolerant(const struct gl_renderer* r);
+bool stp_gl_filter_is_tolerant(const struct stp_gl_renderer* r);
 
 /// Call after the visibility buffer is drawn. @return STP_OK, STP_ERROR_OUT_OF_MEMORY,
 /// STP_ERROR_UNSUPPORTED; logged
-STP_MUST_USE stp_result gl_filter_pass_blend(struct gl_renderer* r);
+STP_MUST_USE stp_result stp_gl_filter_pass_blend(struct stp_gl_renderer* r);
 
 /// Draws the splats' part of the visibility buffer and their colours in one pass. @return as
-/// gl_filter_pass_blend
-STP_MUST_USE stp_result gl_filter_pass_draw_tolerant(struct gl_renderer* r);
+/// stp_gl_filter_pass_blend
+STP_MUST_USE stp_result stp_gl_filter_pass_draw_tolerant(struct stp_gl_renderer* r);
 
 /// Binds the blended colours for shading.
-void gl_filter_pass_bind(struct gl_renderer* r);
+void stp_gl_filter_pass_bind(struct stp_gl_renderer* r);

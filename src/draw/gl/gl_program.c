@@ -114,7 +114,7 @@ static void add_file(text_maker* maker, const char* name, size_t length)
     stp_free(maker->context, text);
 }
 
-char* gl_program_text(stp_context* context, const char* name, const char* defines)
+char* stp_gl_program_text(stp_context* context, const char* name, const char* defines)
 {
     text_maker maker = {.context = context};
     add(&maker, version, sizeof(version) - 1);
@@ -138,7 +138,7 @@ static int first_line(const char* text)
 static stp_result compile(stp_context* context, const stp_gl* gl, GLenum stage, const char* name,
                           const char* defines, GLuint program)
 {
-    char* text = gl_program_text(context, name, defines);
+    char* text = stp_gl_program_text(context, name, defines);
     if (text == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
@@ -197,16 +197,16 @@ static stp_result create(stp_context* context, const stp_gl* gl, const char* con
     return STP_OK;
 }
 
-stp_result gl_program_create(stp_context* context, const stp_gl* gl, const char* vertex,
-                             const char* fragment, const char* defines, GLuint* program)
+stp_result stp_gl_program_create(stp_context* context, const stp_gl* gl, const char* vertex,
+                                 const char* fragment, const char* defines, GLuint* program)
 {
     const char* const names[] = {vertex, fragment};
     const GLenum stages[] = {GL_VERTEX_SHADER, GL_FRAGMENT_SHADER};
     return create(context, gl, names, stages, 2, defines, program);
 }
 
-stp_result gl_program_create_compute(stp_context* context, const stp_gl* gl, const char* compute,
-                                     const char* defines, GLuint* program)
+stp_result stp_gl_program_create_compute(stp_context* context, const stp_gl* gl,
+                                         const char* compute, const char* defines, GLuint* program)
 {
     const GLenum stages[] = {GL_COMPUTE_SHADER};
     return create(context, gl, &compute, stages, 1, defines, program);

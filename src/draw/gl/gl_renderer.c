@@ -19,40 +19,40 @@ enum {
 static const uint64_t default_memory = UINT64_C(1) << 30;
 static const uint64_t band_bytes = UINT64_C(1) << 30; // OpenGL's counts per call have 31 bits
 
-static void destroy_programs(gl_renderer* r)
+static void destroy_programs(stp_gl_renderer* r)
 {
     if (r->program_pages > 0) {
-        gl_splat_pass_destroy(r);
-        gl_raster_pass_destroy(r);
-        gl_filter_pass_destroy(r);
-        gl_occlusion_pass_destroy(r);
-        gl_triangle_pass_destroy(r);
-        gl_shade_pass_destroy(r);
-        gl_layer_pass_destroy_programs(r);
+        stp_gl_splat_pass_destroy(r);
+        stp_gl_raster_pass_destroy(r);
+        stp_gl_filter_pass_destroy(r);
+        stp_gl_occlusion_pass_destroy(r);
+        stp_gl_triangle_pass_destroy(r);
+        stp_gl_shade_pass_destroy(r);
+        stp_gl_layer_pass_destroy_programs(r);
     }
     r->program_pages = 0;
 }
 
 static void destroy(stp_renderer* renderer)
 {
-    gl_renderer* r = (gl_renderer*)renderer;
+    stp_gl_renderer* r = (stp_gl_renderer*)renderer;
     stp_context* context = renderer->context;
     if (r->pool.gl != NULL) { // the context's functions are known
         destroy_programs(r);
-        gl_timer_destroy(&r->gl, &r->timer);
-        gl_target_destroy(r);
-        gl_frame_destroy(r);
-        gl_effect_pass_destroy(r);
-        gl_cap_pass_destroy(r);
-        gl_layer_pass_destroy(r);
-        gl_pool_destroy(&r->pool);
+        stp_gl_timer_destroy(&r->gl, &r->timer);
+        stp_gl_target_destroy(r);
+        stp_gl_frame_destroy(r);
+        stp_gl_effect_pass_destroy(r);
+        stp_gl_cap_pass_destroy(r);
+        stp_gl_layer_pass_destroy(r);
+        stp_gl_pool_destroy(&r->pool);
         const GLuint buffers[] = {r->light_materials, r->materials};
         r->gl.DeleteBuffers(2, buffers);
         if (r->debug != NULL) {
             r->gl.DebugMessageCallback(NULL, NULL);
         }
     }
-    gl_entries_destroy(r);
+    stp_gl_entries_destroy(r);
     if (r->readback != NULL) {
         stp_free(context, r->readback->depth);
     }
@@ -62,7 +62,7 @@ static void destroy(stp_renderer* renderer)
 }
 
 /// Programs support at least the current number of pages: most pools have one.
-stp_result gl_make_programs(gl_renderer* r)
+stp_result stp_gl_make_programs(stp_gl_renderer* r)
 {
     uint32_t pages = 1;
     while (pages < r->pool.page_count) {
@@ -76,10 +76,10 @@ stp_result gl_make_programs(gl_renderer* r)
     destroy_programs(r);
     r->program_pages = pages;
     r->program_squares = squares;
-    stp_result result = gl_splat_pass_create(r);
-    result = result == STP_OK ? gl_raster_pass_create(r) : result;
-    result = result == STP_OK ? gl_triangle_pass_create(r) : result;
-    result = result == STP_OK ? gl_shade_pass_create(r) : result;
+    stp_result result = stp_gl_splat_pass_create(r);
+    result = result == STP_OK ? stp_gl_raster_pass_create(r) : result;
+    result = result == STP_OK ? stp_gl_triangle_pass_create(r) : result;
+    result = result == STP_OK ? stp_gl_shade_pass_create(r) : result;
     if (result != STP_OK) {
         destroy_programs(r);
     }
@@ -87,7 +87,7 @@ stp_result gl_make_programs(gl_renderer* r)
 }
 
 /// Errors since the last call: a lost context, or an error reported by a debug context.
-static stp_result check(gl_renderer* r)
+static stp_result check(stp_gl_renderer* r)
 {
     GLenum reset = r->gl.GetGraphicsResetStatus();
     if (reset != GL_NO_ERROR) {
@@ -105,14 +105,14 @@ static stp_result check(gl_renderer* r)
     return STP_OK;
 }
 
-static stp_result read_picture(gl_renderer* r, stp_image* image)
+static stp_result read_picture(stp_gl_renderer* r, stp_image* image)
 {
-    gl_read_texture(&r->gl, r->target.picture, GL_RGBA, GL_UNSIGNED_BYTE, image->width,
-                    image->height, band_bytes, image->pixels);
+    stp_gl_read_texture(&r->gl, r->target.picture, GL_RGBA, GL_UNSIGNED_BYTE, image->width,
+                        image->height, band_bytes, image->pixels);
     return check(r);
 }
 
-static stp_result begin_picture(gl_renderer* r, const stp_view* view, const stp_draw_list* list,
+static stp_result begin_picture(stp_gl_renderer* r, const stp_view* view, const stp_draw_list* list,
                                 const stp_draw_style* style, const stp_image* image, uint32_t side)
 {
     bool fits = image == NULL || (image->width == view->width && image->height == view->height);
@@ -131,16 +131,16 @@ static stp_result begin_picture(gl_renderer* r, const stp_view* view, const stp_
     r->style = style;
     r->list = list;
     r->readback->has_depth = false;
-    return gl_target_make(r, view, side > 1);
+    return stp_gl_target_make(r, view, side > 1);
 }
 
 /// Times and pixels of a picture in progress (those of an earlier one), or finished.
-static void read_times(gl_renderer* r, bool done, stp_draw_stats* stats)
+static void read_times(stp_gl_renderer* r, bool done, stp_draw_stats* stats)
 {
-    gl_timer_read(&r->gl, &r->timer, done);
+    stp_gl_timer_read(&r->gl, &r->timer, done);
     // estimate: each takes as long as the last
     double parts = (double)r->counted_samples * r->target.eye_count;
-    stats->covered_pixels = done ? gl_shade_pass_read(r, GL_COUNTER_COVERED) : 0;
+    stats->covered_pixels = done ? stp_gl_shade_pass_read(r, GL_COUNTER_COVERED) : 0;
     stats->fragments = r->target.eye_count * r->timer.fragments;
     stats->draw_ms = r->timer.known ? parts * r->timer.draw_ms : stats->draw_ms;
     stats->shade_ms = parts * r->timer.shade_ms;
@@ -148,11 +148,11 @@ static void read_times(gl_renderer* r, bool done, stp_draw_stats* stats)
 
 void stp_draw_gl_finish_stats(stp_renderer* renderer, stp_draw_stats* stats)
 {
-    read_times((gl_renderer*)renderer, true, stats);
+    read_times((stp_gl_renderer*)renderer, true, stats);
 }
 
 /// Statistics of a picture in progress, or finished if `image` was read.
-static void count_picture(gl_renderer* r, uint32_t samples, double cpu_ms, bool done,
+static void count_picture(stp_gl_renderer* r, uint32_t samples, double cpu_ms, bool done,
                           stp_draw_stats* stats)
 {
     uint32_t eyes = r->target.eye_count;
@@ -167,26 +167,27 @@ static void count_picture(gl_renderer* r, uint32_t samples, double cpu_ms, bool 
 }
 
 /// Whether the bytes of each sample are post-processed.
-static bool works_on_bytes(const gl_renderer* r, const stp_draw_style* style, const stp_view* view)
+static bool works_on_bytes(const stp_gl_renderer* r, const stp_draw_style* style,
+                           const stp_view* view)
 {
     bool caps = style->caps && view->sections.count > 0;
     bool layers = r->layer_pass.possible && style->transparency == STP_TRANSPARENCY_LAYERS;
     return style->eye_dome > 0.0f || style->ambient_occlusion > 0.0f || caps || layers;
 }
 
-static stp_result draw_range(gl_renderer* r, const stp_view* view, const stp_draw_list* list,
-                             const stp_draw_style* style, const gl_sample_range* range,
+static stp_result draw_range(stp_gl_renderer* r, const stp_view* view, const stp_draw_list* list,
+                             const stp_draw_style* style, const stp_gl_sample_range* range,
                              stp_image* image, stp_draw_stats* stats)
 {
     assert(range->first <= range->end && (range->sums || range->end - range->first == 1));
     double start = stp_clock_ms();
     *stats = (stp_draw_stats){0};
-    r->clock = (gl_clock){0};
+    r->clock = (stp_gl_clock){0};
     stp_result result = begin_picture(r, view, list, style, image, range->side);
     for (uint32_t i = 0; i < stp_view_eye_count(view) && result == STP_OK; ++i) {
-        result = gl_draw_eye(r, i, range);
+        result = stp_gl_draw_eye(r, i, range);
     }
-    gl_leave_state(r);
+    stp_gl_leave_state(r);
     double issued = stp_clock_ms();
     if (result == STP_OK) {
         result = image != NULL ? read_picture(r, image) : check(r);
@@ -204,11 +205,11 @@ static stp_result draw_range(gl_renderer* r, const stp_view* view, const stp_dra
 static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_draw_list* list,
                        const stp_draw_style* style, stp_image* image, stp_draw_stats* stats)
 {
-    gl_renderer* r = (gl_renderer*)renderer;
+    stp_gl_renderer* r = (stp_gl_renderer*)renderer;
     uint32_t side = style->supersample > 1 ? style->supersample : 1;
     side = side <= SUPERSAMPLE_LIMIT ? side : SUPERSAMPLE_LIMIT + 1;
     bool bytes = side > 1 && works_on_bytes(r, style, view);
-    gl_sample_range range = {
+    stp_gl_sample_range range = {
         .side = side, .end = side * side, .sums = side > 1, .bytes = bytes, .scattered = bytes};
     r->accumulation.frames = 0; // its picture is overwritten, and its sums may be consumed or reset
     return draw_range(r, view, list, style, &range, image, stats);
@@ -218,7 +219,7 @@ static stp_result draw_selected(stp_renderer* renderer, const stp_view* view,
                                 const stp_quality* quality, const stp_draw_style* style,
                                 stp_draw_list* list, stp_image* image, stp_draw_stats* stats)
 {
-    gl_renderer* r = (gl_renderer*)renderer;
+    stp_gl_renderer* r = (stp_gl_renderer*)renderer;
     stp_quality whole = *quality;
     whole.occlusion = NULL;
     double start = stp_clock_ms();
@@ -235,8 +236,8 @@ static stp_result draw_selected(stp_renderer* renderer, const stp_view* view,
 
 static const float* get_depth(const stp_renderer* renderer)
 {
-    const gl_renderer* r = (const gl_renderer*)renderer;
-    gl_readback* back = r->readback;
+    const stp_gl_renderer* r = (const stp_gl_renderer*)renderer;
+    stp_gl_readback* back = r->readback;
     size_t count = (size_t)r->target.width * r->target.height * r->target.eye_count;
     if (count > back->capacity) {
         stp_free(renderer->context, back->depth);
@@ -245,8 +246,8 @@ static const float* get_depth(const stp_renderer* renderer)
         back->has_depth = false;
     }
     if (back->depth != NULL && !back->has_depth && count > 0) {
-        gl_read_texture(&r->gl, r->target.depths, GL_RED, GL_FLOAT, r->target.width,
-                        r->target.height * r->target.eye_count, band_bytes, back->depth);
+        stp_gl_read_texture(&r->gl, r->target.depths, GL_RED, GL_FLOAT, r->target.width,
+                            r->target.height * r->target.eye_count, band_bytes, back->depth);
         back->has_depth = true;
     }
     return back->depth;
@@ -256,7 +257,7 @@ static stp_result accumulate(stp_renderer* renderer, const stp_view* view,
                              const stp_quality* quality, const stp_draw_style* style,
                              stp_draw_list* list, stp_image* image, stp_draw_stats* stats)
 {
-    gl_renderer* r = (gl_renderer*)renderer;
+    stp_gl_renderer* r = (stp_gl_renderer*)renderer;
     stp_draw_style finer = *style;
     finer.supersample = style->supersample > 2 ? style->supersample : 2;
     finer.supersample =
@@ -270,18 +271,18 @@ static stp_result accumulate(stp_renderer* renderer, const stp_view* view,
     if (result != STP_OK) {
         return result;
     }
-    gl_accumulation* a = &r->accumulation;
+    stp_gl_accumulation* a = &r->accumulation;
     bool same = stp_resting_continues(&a->resting, view, list, &finer) &&
                 a->width == r->target.full_width && a->height == r->target.height &&
                 r->frame.coming == 0;
     a->frames = same ? a->frames : 0;
     uint32_t all = finer.supersample * finer.supersample;
-    gl_sample_range range = {.side = finer.supersample,
-                             .first = a->frames,
-                             .end = a->frames < all ? a->frames + 1 : all,
-                             .sums = true,
-                             .bytes = true,
-                             .scattered = true};
+    stp_gl_sample_range range = {.side = finer.supersample,
+                                 .first = a->frames,
+                                 .end = a->frames < all ? a->frames + 1 : all,
+                                 .sums = true,
+                                 .bytes = true,
+                                 .scattered = true};
     r->visibility = quality->visibility;
     result = draw_range(r, view, list, &finer, &range, image, stats);
     r->visibility = NULL;
@@ -299,7 +300,7 @@ static void APIENTRY on_message(GLenum source, GLenum type, GLuint id, GLenum se
     // user pointer to the renderer's memory, returned by OpenGL unchanged
     union {
         const void* given;
-        gl_debug* debug;
+        stp_gl_debug* debug;
     } to = {.given = user};
     (void)source;
     (void)id;
@@ -314,9 +315,9 @@ static void APIENTRY on_message(GLenum source, GLenum type, GLuint id, GLenum se
     }
 }
 
-static stp_result listen(gl_renderer* r)
+static stp_result listen(stp_gl_renderer* r)
 {
-    r->debug = STP_NEW_ZEROED(r->base.context, gl_debug, 1);
+    r->debug = STP_NEW_ZEROED(r->base.context, stp_gl_debug, 1);
     if (r->debug == NULL) {
         return stp_fail_memory(r->base.context);
     }
@@ -327,7 +328,7 @@ static stp_result listen(gl_renderer* r)
 }
 
 /// Queries the context, and checks the required features.
-static stp_result check_context(gl_renderer* r, const stp_draw_gl_desc* desc)
+static stp_result check_context(stp_gl_renderer* r, const stp_draw_gl_desc* desc)
 {
     stp_context* context = r->base.context;
     const char* lacking = stp_gl_load(&r->gl, desc);
@@ -374,7 +375,7 @@ static uint64_t estimate_bytes(const stp_store* store)
 stp_result stp_draw_gl_create(stp_context* context, stp_store* store, const stp_draw_gl_desc* desc,
                               stp_renderer** renderer)
 {
-    gl_renderer* r = STP_NEW_ZEROED(context, gl_renderer, 1);
+    stp_gl_renderer* r = STP_NEW_ZEROED(context, stp_gl_renderer, 1);
     *renderer = NULL;
     if (r == NULL) {
         return stp_fail_memory(context);
@@ -388,18 +389,18 @@ stp_result stp_draw_gl_create(stp_context* context, stp_store* store, const stp_
     r->store = store;
     r->directory = stp_store_get_directory(store);
     r->upload_bytes = desc->upload_bytes;
-    r->readback = STP_NEW_ZEROED(context, gl_readback, 1);
+    r->readback = STP_NEW_ZEROED(context, stp_gl_readback, 1);
     stp_result result = r->readback != NULL ? check_context(r, desc) : stp_fail_memory(context);
-    result = result == STP_OK ? gl_entries_create(r) : result;
+    result = result == STP_OK ? stp_gl_entries_create(r) : result;
     if (result == STP_OK) {
         uint64_t memory = desc->memory_bytes > 0 ? desc->memory_bytes : default_memory;
-        result = gl_pool_create(context, &r->gl, r->entries.count, memory, estimate_bytes(store),
-                                &r->pool);
+        result = stp_gl_pool_create(context, &r->gl, r->entries.count, memory,
+                                    estimate_bytes(store), &r->pool);
     }
     if (result == STP_OK) {
-        gl_timer_create(&r->gl, &r->timer);
-        result = gl_materials_create(r);
-        result = result == STP_OK ? gl_layer_pass_create(r) : result;
+        stp_gl_timer_create(&r->gl, &r->timer);
+        result = stp_gl_materials_create(r);
+        result = result == STP_OK ? stp_gl_layer_pass_create(r) : result;
     }
     if (result == STP_OK) {
         result = check(r);
@@ -414,12 +415,12 @@ stp_result stp_draw_gl_create(stp_context* context, stp_store* store, const stp_
 
 uint32_t stp_draw_gl_texture(const stp_renderer* renderer)
 {
-    return ((const gl_renderer*)renderer)->target.picture;
+    return ((const stp_gl_renderer*)renderer)->target.picture;
 }
 
 stp_draw_gl_stats stp_draw_gl_get_stats(const stp_renderer* renderer)
 {
-    const gl_renderer* r = (const gl_renderer*)renderer;
+    const stp_gl_renderer* r = (const stp_gl_renderer*)renderer;
     return (stp_draw_gl_stats){.memory_bytes = r->pool.limit_words * sizeof(uint32_t),
                                .resident_bytes = r->pool.spans.used * sizeof(uint32_t),
                                .uploaded_bytes = r->pool.uploaded_bytes,

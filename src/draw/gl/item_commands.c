@@ -15,12 +15,12 @@
 #define RIM_DEPTH 4.0f
 #define BACK_DEPTH 2.0f
 
-static struct gl_command* add_command(gl_renderer* r, gl_command_kind kind)
+static struct stp_gl_command* add_command(stp_gl_renderer* r, stp_gl_command_kind kind)
 {
-    gl_commands* c = &r->frame.commands[kind];
+    stp_gl_commands* c = &r->frame.commands[kind];
     if (c->count == c->capacity) {
-        struct gl_command* commands = stp_grow_array(r->base.context, c->commands, &c->capacity,
-                                                     c->count + 1, sizeof(*commands));
+        struct stp_gl_command* commands = stp_grow_array(r->base.context, c->commands, &c->capacity,
+                                                         c->count + 1, sizeof(*commands));
         if (commands == NULL) {
             return NULL;
         }
@@ -29,21 +29,21 @@ static struct gl_command* add_command(gl_renderer* r, gl_command_kind kind)
     return &c->commands[c->count++];
 }
 
-bool gl_frame_repeat_command(gl_renderer* r, gl_command_kind kind, uint32_t count)
+bool stp_gl_frame_repeat_command(stp_gl_renderer* r, stp_gl_command_kind kind, uint32_t count)
 {
     assert(r->frame.record_count > 0 && "there is a record to repeat");
-    struct gl_command* command = add_command(r, kind);
+    struct stp_gl_command* command = add_command(r, kind);
     if (command != NULL) {
-        *command = (struct gl_command){count, 1, 0, (uint32_t)r->frame.record_count - 1};
+        *command = (struct stp_gl_command){count, 1, 0, (uint32_t)r->frame.record_count - 1};
     }
     return command != NULL;
 }
 
-record_block* gl_frame_add_command(gl_renderer* r, gl_command_kind kind, uint32_t count)
+record_block* stp_gl_frame_add_command(stp_gl_renderer* r, stp_gl_command_kind kind, uint32_t count)
 {
     assert(r->frame.record_count < UINT32_MAX && "commands name their record in 32 bits");
-    gl_frame* f = &r->frame;
-    struct gl_command* command = add_command(r, kind);
+    stp_gl_frame* f = &r->frame;
+    struct stp_gl_command* command = add_command(r, kind);
     if (command == NULL) {
         return NULL;
     }
@@ -56,16 +56,16 @@ record_block* gl_frame_add_command(gl_renderer* r, gl_command_kind kind, uint32_
         }
         f->records = records;
     }
-    *command = (struct gl_command){count, 1, 0, (uint32_t)f->record_count};
+    *command = (struct stp_gl_command){count, 1, 0, (uint32_t)f->record_count};
     record_block* record = &f->records[f->record_count++];
     *record =
         (record_block){.share = 1.0f, .nearest = -HUGE_VALF, .farthest = HUGE_VALF, .reach = 1.0f};
     return record;
 }
 
-chunk_block* gl_frame_add_chunk(gl_renderer* r, item_block* item)
+chunk_block* stp_gl_frame_add_chunk(stp_gl_renderer* r, item_block* item)
 {
-    gl_frame* f = &r->frame;
+    stp_gl_frame* f = &r->frame;
     if (f->chunk_count == f->chunk_capacity) {
         chunk_block* chunks = stp_grow_array(r->base.context, f->chunks, &f->chunk_capacity,
                                              f->chunk_count + 1, sizeof(*chunks));
@@ -78,7 +78,7 @@ chunk_block* gl_frame_add_chunk(gl_renderer* r, item_block* item)
     return &f->chunks[f->chunk_count++];
 }
 
-static stp_result make_points(gl_renderer* r, uint32_t index)
+static stp_result make_points(stp_gl_renderer* r, uint32_t index)
 {
     const stp_draw_item* draw = r->frame.placed[index].draw;
     item_block* item = &r->frame.items[index];
@@ -98,7 +98,7 @@ static stp_result make_points(gl_renderer* r, uint32_t index)
     item->first_chunk = (uint32_t)r->frame.chunk_count;
     for (uint32_t begin = 0; begin < wanted; begin += UPLOAD_POINTS) {
         uint32_t left = points.point_count - begin;
-        gl_upload got = gl_upload_points(r, draw->index, begin / UPLOAD_POINTS, begin == 0);
+        stp_gl_upload got = stp_gl_upload_points(r, draw->index, begin / UPLOAD_POINTS, begin == 0);
         if (got == GL_UPLOAD_FAILED) {
             return r->failure;
         }
@@ -106,44 +106,44 @@ static stp_result make_points(gl_renderer* r, uint32_t index)
             r->frame.missing += 1;
             break;
         }
-        chunk_block* chunk = gl_frame_add_chunk(r, item);
+        chunk_block* chunk = stp_gl_frame_add_chunk(r, item);
         if (chunk == NULL) {
             return stp_fail_memory(r->base.context);
         }
         uint32_t entry = r->entries.point_sets[draw->index] + begin / UPLOAD_POINTS;
         *chunk = (chunk_block){.begin = begin,
                                .end = begin + (left < UPLOAD_POINTS ? left : UPLOAD_POINTS),
-                               .address = gl_address(r, entry)};
+                               .address = stp_gl_address(r, entry)};
         item->count = chunk->end < wanted ? chunk->end : wanted;
         assert(begin < item->count && chunk->end <= points.point_count);
-        const gl_splat_chunk splats = {.begin = begin,
-                                       .end = item->count,
-                                       .places = chunk->address,
-                                       .place_words = 3,
-                                       .reach = 1.0f};
-        if (!gl_splat_commands_add(r, index, &splats, NULL)) {
+        const stp_gl_splat_chunk splats = {.begin = begin,
+                                           .end = item->count,
+                                           .places = chunk->address,
+                                           .place_words = 3,
+                                           .reach = 1.0f};
+        if (!stp_gl_splat_commands_add(r, index, &splats, NULL)) {
             return stp_fail_memory(r->base.context);
         }
     }
     return STP_OK;
 }
 
-static stp_result upload_texture(gl_renderer* r, const stp_store_texture_use* use, bool data,
+static stp_result upload_texture(stp_gl_renderer* r, const stp_store_texture_use* use, bool data,
                                  uint32_t* address)
 {
     *address = NO_ADDRESS;
     if (use->texture == STP_STORE_NONE) {
         return STP_OK;
     }
-    gl_upload got = gl_upload_texture(r, use->texture, data);
+    stp_gl_upload got = stp_gl_upload_texture(r, use->texture, data);
     if (got == GL_UPLOAD_THERE) {
-        *address = gl_address(r, r->entries.textures + 2 * use->texture + (data ? 1u : 0u));
+        *address = stp_gl_address(r, r->entries.textures + 2 * use->texture + (data ? 1u : 0u));
     }
     r->frame.missing += got != GL_UPLOAD_THERE ? 1 : 0;
     return got == GL_UPLOAD_FAILED ? r->failure : STP_OK;
 }
 
-static stp_result make_mesh(gl_renderer* r, uint32_t index)
+static stp_result make_mesh(stp_gl_renderer* r, uint32_t index)
 {
     const stp_draw_item* draw = r->frame.placed[index].draw;
     item_block* item = &r->frame.items[index];
@@ -162,17 +162,17 @@ static stp_result make_mesh(gl_renderer* r, uint32_t index)
     if (result == STP_OK) {
         result = upload_texture(r, &material->emissive_texture, false, &item->emissive);
     }
-    gl_upload got = result == STP_OK ? gl_upload_mesh(r, draw->index) : GL_UPLOAD_FAILED;
+    stp_gl_upload got = result == STP_OK ? stp_gl_upload_mesh(r, draw->index) : GL_UPLOAD_FAILED;
     if (got != GL_UPLOAD_THERE) {
         r->frame.missing += 1;
         return got == GL_UPLOAD_FAILED ? r->failure : STP_OK;
     }
     item->count = known->triangle_count;
-    item->address = gl_address(r, r->entries.meshes + draw->index);
-    return draw->large ? gl_cull_large(r, index) : gl_cull_mesh(r, index);
+    item->address = stp_gl_address(r, r->entries.meshes + draw->index);
+    return draw->large ? stp_gl_cull_large(r, index) : stp_gl_cull_mesh(r, index);
 }
 
-static void place_splats(const gl_renderer* r, const gl_placed* placed,
+static void place_splats(const stp_gl_renderer* r, const stp_gl_placed* placed,
                          const stp_placed_item* where, item_block* item)
 {
     static const uint16_t somewhere[3] = {0};
@@ -217,9 +217,9 @@ static void place_splats(const gl_renderer* r, const gl_placed* placed,
 }
 
 /// Position of an item, for the placement's shift.
-static void place_item(gl_renderer* r, uint32_t index, uint32_t pattern)
+static void place_item(stp_gl_renderer* r, uint32_t index, uint32_t pattern)
 {
-    const gl_placed* placed = &r->frame.placed[index];
+    const stp_gl_placed* placed = &r->frame.placed[index];
     item_block* item = &r->frame.items[index];
     stp_placed_item where;
     stp_placement_place(&r->placement, placed->draw, placed->offset, &where);
@@ -244,20 +244,20 @@ static void place_item(gl_renderer* r, uint32_t index, uint32_t pattern)
     }
 }
 
-void gl_frame_place(gl_renderer* r, uint32_t pattern)
+void stp_gl_frame_place(stp_gl_renderer* r, uint32_t pattern)
 {
     for (size_t i = 0; i < r->frame.item_count; ++i) {
         place_item(r, (uint32_t)i, pattern);
     }
 }
 
-static stp_result make_item(gl_renderer* r, uint32_t index)
+static stp_result make_item(stp_gl_renderer* r, uint32_t index)
 {
     const stp_draw_item* draw = &r->list->items[index];
     item_block* item = &r->frame.items[index];
-    gl_placed* placed = &r->frame.placed[index];
+    stp_gl_placed* placed = &r->frame.placed[index];
     float scale = r->style->splat_scale > 0.0f ? r->style->splat_scale : 1.0f;
-    *placed = (gl_placed){.draw = draw, .scale = scale, .radius = draw->radius * scale};
+    *placed = (stp_gl_placed){.draw = draw, .scale = scale, .radius = draw->radius * scale};
     *item = (item_block){
         .kind = (uint32_t)draw->kind,
         .first_id = draw->first_id,
@@ -270,7 +270,7 @@ static stp_result make_item(gl_renderer* r, uint32_t index)
         .emissive = NO_ADDRESS};
     switch (draw->kind) {
     case STP_DRAW_SURFELS:
-        return gl_set_item_make(r, index);
+        return stp_gl_set_item_make(r, index);
     case STP_DRAW_POINTS:
         return make_points(r, index);
     case STP_DRAW_MESH:
@@ -286,9 +286,9 @@ static stp_result make_item(gl_renderer* r, uint32_t index)
 }
 
 /// Item of the first id in each run of 2^id_shift ids, a last entry, and all first ids.
-static stp_result make_lookup(gl_renderer* r)
+static stp_result make_lookup(stp_gl_renderer* r)
 {
-    gl_frame* f = &r->frame;
+    stp_gl_frame* f = &r->frame;
     size_t needed = ID_TABLE + 2 + f->item_count;
     if (needed > f->lookup_capacity) {
         uint32_t* lookup = stp_grow_array(r->base.context, f->lookup, &f->lookup_capacity, needed,
@@ -323,9 +323,9 @@ static stp_result make_lookup(gl_renderer* r)
     return STP_OK;
 }
 
-static bool make_room(gl_renderer* r, size_t count)
+static bool make_room(stp_gl_renderer* r, size_t count)
 {
-    gl_frame* f = &r->frame;
+    stp_gl_frame* f = &r->frame;
     if (count > f->item_capacity) {
         item_block* items =
             stp_grow_array(r->base.context, f->items, &f->item_capacity, count, sizeof(*items));
@@ -335,7 +335,7 @@ static bool make_room(gl_renderer* r, size_t count)
         f->items = items;
     }
     if (count > f->placed_capacity) {
-        gl_placed* placed =
+        stp_gl_placed* placed =
             stp_grow_array(r->base.context, f->placed, &f->placed_capacity, count, sizeof(*placed));
         if (placed == NULL) {
             return false;
@@ -347,21 +347,22 @@ static bool make_room(gl_renderer* r, size_t count)
 
 /// Data without a coarser stand-in comes first, for all items: if memory is short, finer data is
 /// evicted.
-static stp_result upload_urgent(gl_renderer* r)
+static stp_result upload_urgent(stp_gl_renderer* r)
 {
     for (size_t i = 0; i < r->list->count; ++i) {
         const stp_draw_item* draw = &r->list->items[i];
-        gl_upload got = GL_UPLOAD_THERE;
+        stp_gl_upload got = GL_UPLOAD_THERE;
         if (draw->large) {
             continue; // the set represents them
         }
         if (draw->kind == STP_DRAW_MESH) {
-            got = gl_upload_mesh(r, draw->index);
+            got = stp_gl_upload_mesh(r, draw->index);
         } else if (draw->kind == STP_DRAW_POINTS) {
-            got = draw->prefix > 0 ? gl_upload_points(r, draw->index, 0, true) : got;
+            got = draw->prefix > 0 ? stp_gl_upload_points(r, draw->index, 0, true) : got;
         } else if (stp_store_describe_surfels(r->store, draw->index)->octave_count > 0) {
-            got = gl_upload_octave(r, draw->index, 0, false, true);
-            got = got == GL_UPLOAD_THERE ? gl_upload_octave(r, draw->index, 0, true, true) : got;
+            got = stp_gl_upload_octave(r, draw->index, 0, false, true);
+            got =
+                got == GL_UPLOAD_THERE ? stp_gl_upload_octave(r, draw->index, 0, true, true) : got;
         }
         if (got == GL_UPLOAD_FAILED) {
             return r->failure;
@@ -370,9 +371,9 @@ static stp_result upload_urgent(gl_renderer* r)
     return STP_OK;
 }
 
-stp_result gl_frame_make(gl_renderer* r)
+stp_result stp_gl_frame_make(stp_gl_renderer* r)
 {
-    gl_frame* f = &r->frame;
+    stp_gl_frame* f = &r->frame;
     size_t count = r->list->count;
     if (!make_room(r, count)) {
         return stp_fail_memory(r->base.context);
@@ -387,9 +388,9 @@ stp_result gl_frame_make(gl_renderer* r)
     for (int i = 0; i < GL_COMMAND_KINDS; ++i) {
         f->commands[i].count = 0;
     }
-    gl_pool_begin_frame(&r->pool);
+    stp_gl_pool_begin_frame(&r->pool);
     stp_result result = upload_urgent(r);
-    result = result == STP_OK ? gl_cluster_shares_find(r) : result;
+    result = result == STP_OK ? stp_gl_cluster_shares_find(r) : result;
     for (size_t i = 0; i < count && result == STP_OK; ++i) {
         result = make_item(r, (uint32_t)i);
         f->item_count = i + 1;
@@ -398,13 +399,13 @@ stp_result gl_frame_make(gl_renderer* r)
     return result == STP_OK ? make_lookup(r) : result;
 }
 
-void gl_frame_destroy(gl_renderer* r)
+void stp_gl_frame_destroy(stp_gl_renderer* r)
 {
-    gl_frame* f = &r->frame;
+    stp_gl_frame* f = &r->frame;
     stp_context* context = r->base.context;
-    gl_ring_destroy(&r->gl, &f->ring);
+    stp_gl_ring_destroy(&r->gl, &f->ring);
     r->gl.DeleteBuffers(1, &f->buffer);
-    gl_cluster_shares_destroy(context, &f->shares);
+    stp_gl_cluster_shares_destroy(context, &f->shares);
     for (int i = 0; i < GL_COMMAND_KINDS; ++i) {
         stp_free(context, f->commands[i].commands);
     }

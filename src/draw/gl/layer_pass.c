@@ -12,9 +12,9 @@
 _Static_assert(STP_BLUE_NOISE_SIDE == NOISE_SIDE, "as shaders have it");
 _Static_assert(STP_TRANSPARENT_CELL_SHIFT == GLASS_CELL_SHIFT, "as shaders have it");
 
-stp_result gl_layer_pass_create(gl_renderer* r)
+stp_result stp_gl_layer_pass_create(stp_gl_renderer* r)
 {
-    gl_layer_pass* pass = &r->layer_pass;
+    stp_gl_layer_pass* pass = &r->layer_pass;
     pass->possible = stp_transparency_of_scene(r->directory);
     stp_transparency_of_shadings(r->directory, pass->of_shading);
     pass->of_splats = memchr(pass->of_shading, 1, sizeof(pass->of_shading)) != NULL;
@@ -25,9 +25,9 @@ stp_result gl_layer_pass_create(gl_renderer* r)
     return STP_OK;
 }
 
-void gl_layer_pass_destroy_programs(gl_renderer* r)
+void stp_gl_layer_pass_destroy_programs(stp_gl_renderer* r)
 {
-    gl_layer_pass* pass = &r->layer_pass;
+    stp_gl_layer_pass* pass = &r->layer_pass;
     GLuint* programs[] = {&pass->triangles, &pass->points, &pass->large, &pass->take,
                           &pass->compose};
     for (size_t i = 0; i < sizeof(programs) / sizeof(programs[0]); ++i) {
@@ -36,9 +36,9 @@ void gl_layer_pass_destroy_programs(gl_renderer* r)
     }
 }
 
-static void destroy_textures(gl_renderer* r)
+static void destroy_textures(stp_gl_renderer* r)
 {
-    gl_layer_pass* pass = &r->layer_pass;
+    stp_gl_layer_pass* pass = &r->layer_pass;
     for (int i = 0; i < 2; ++i) {
         const GLuint textures[] = {pass->layers[i].ids, pass->layers[i].nearness};
         r->gl.DeleteFramebuffers(1, &pass->layers[i].framebuffer);
@@ -51,19 +51,19 @@ static void destroy_textures(gl_renderer* r)
     pass->width = pass->height = 0;
 }
 
-void gl_layer_pass_destroy(gl_renderer* r)
+void stp_gl_layer_pass_destroy(stp_gl_renderer* r)
 {
-    gl_layer_pass_destroy_programs(r);
+    stp_gl_layer_pass_destroy_programs(r);
     destroy_textures(r);
     r->gl.DeleteBuffers(1, &r->layer_pass.noise);
     r->layer_pass.noise = 0;
 }
 
 /// Makes the textures of layers. @return false if memory is short
-static bool make_textures(gl_renderer* r)
+static bool make_textures(stp_gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
-    gl_layer_pass* pass = &r->layer_pass;
+    stp_gl_layer_pass* pass = &r->layer_pass;
     uint32_t width = r->target.width, height = r->target.height;
     if (pass->width == width && pass->height == height) {
         return true;
@@ -73,9 +73,9 @@ static bool make_textures(gl_renderer* r)
     }
     bool complete = true;
     for (int i = 0; i < 2; ++i) {
-        pass->layers[i].ids = gl_make_texture(gl, GL_R32UI, width, height, "layer ids");
+        pass->layers[i].ids = stp_gl_make_texture(gl, GL_R32UI, width, height, "layer ids");
         pass->layers[i].nearness =
-            gl_make_texture(gl, GL_DEPTH_COMPONENT32F, width, height, "layer nearness");
+            stp_gl_make_texture(gl, GL_DEPTH_COMPONENT32F, width, height, "layer nearness");
         GLuint framebuffer;
         gl->CreateFramebuffers(1, &framebuffer);
         gl->NamedFramebufferTexture(framebuffer, GL_COLOR_ATTACHMENT0, pass->layers[i].ids, 0);
@@ -85,8 +85,8 @@ static bool make_textures(gl_renderer* r)
                                    GL_FRAMEBUFFER_COMPLETE;
         pass->layers[i].framebuffer = framebuffer;
     }
-    pass->light = gl_make_texture(gl, GL_RGBA32F, width, height, "layers");
-    pass->below = gl_make_texture(gl, GL_R32F, width, height, "layer surfaces");
+    pass->light = stp_gl_make_texture(gl, GL_RGBA32F, width, height, "layers");
+    pass->below = stp_gl_make_texture(gl, GL_R32F, width, height, "layer surfaces");
     if (gl->GetError() != GL_NO_ERROR || !complete) {
         destroy_textures(r);
         return false;
@@ -96,9 +96,9 @@ static bool make_textures(gl_renderer* r)
     return true;
 }
 
-void gl_layer_pass_begin(gl_renderer* r)
+void stp_gl_layer_pass_begin(stp_gl_renderer* r)
 {
-    gl_layer_pass* pass = &r->layer_pass;
+    stp_gl_layer_pass* pass = &r->layer_pass;
     bool wanted = pass->possible && r->style->transparency == STP_TRANSPARENCY_LAYERS;
     pass->active = wanted && make_textures(r);
     if (wanted && !pass->active && !pass->warned) {
@@ -110,21 +110,22 @@ void gl_layer_pass_begin(gl_renderer* r)
     }
 }
 
-static stp_result make_programs(gl_renderer* r)
+static stp_result make_programs(stp_gl_renderer* r)
 {
-    gl_layer_pass* pass = &r->layer_pass;
+    stp_gl_layer_pass* pass = &r->layer_pass;
     stp_context* context = r->base.context;
     char keep[256], layer[256];
-    gl_page_defines(r, "#define KEEP\n#define LAYER\n", keep, sizeof(keep));
-    gl_page_defines(r, "#define LAYER\n", layer, sizeof(layer));
+    stp_gl_page_defines(r, "#define KEEP\n#define LAYER\n", keep, sizeof(keep));
+    stp_gl_page_defines(r, "#define LAYER\n", layer, sizeof(layer));
     const struct {
         GLuint* program;
         const char *vertex, *fragment, *defines;
-    } programs[] = {{&pass->triangles, "triangle.vert.glsl", "triangle.frag.glsl", keep},
-                    {&pass->points, "splat.vert.glsl", "splat.frag.glsl", layer},
-                    {&pass->large, gl_large_vertex_shader(r), gl_large_fragment_shader(r), layer},
-                    {&pass->take, "layer.comp.glsl", NULL, layer},
-                    {&pass->compose, "compose.comp.glsl", NULL, NULL}};
+    } programs[] = {
+        {&pass->triangles, "triangle.vert.glsl", "triangle.frag.glsl", keep},
+        {&pass->points, "splat.vert.glsl", "splat.frag.glsl", layer},
+        {&pass->large, stp_gl_large_vertex_shader(r), stp_gl_large_fragment_shader(r), layer},
+        {&pass->take, "layer.comp.glsl", NULL, layer},
+        {&pass->compose, "compose.comp.glsl", NULL, NULL}};
     stp_result result = STP_OK;
     for (size_t i = 0; i < sizeof(programs) / sizeof(programs[0]) && result == STP_OK; ++i) {
         bool of_splats =
@@ -132,26 +133,27 @@ static stp_result make_programs(gl_renderer* r)
         if (*programs[i].program != 0 || (of_splats && !pass->of_splats)) {
             continue;
         }
-        result = programs[i].fragment != NULL
-                     ? gl_program_create(context, &r->gl, programs[i].vertex, programs[i].fragment,
-                                         programs[i].defines, programs[i].program)
-                     : gl_program_create_compute(context, &r->gl, programs[i].vertex,
-                                                 programs[i].defines, programs[i].program);
+        result =
+            programs[i].fragment != NULL
+                ? stp_gl_program_create(context, &r->gl, programs[i].vertex, programs[i].fragment,
+                                        programs[i].defines, programs[i].program)
+                : stp_gl_program_create_compute(context, &r->gl, programs[i].vertex,
+                                                programs[i].defines, programs[i].program);
     }
     return result;
 }
 
 /// Draws a layer into textures `number` (0 or 1); the others hold the previous layer.
-static stp_result draw_layer(gl_renderer* r, int number)
+static stp_result draw_layer(stp_gl_renderer* r, int number)
 {
     assert((number == 0 || number == 1) && r->layer_pass.active);
     const stp_gl* gl = &r->gl;
-    gl_layer_pass* pass = &r->layer_pass;
+    stp_gl_layer_pass* pass = &r->layer_pass;
     const GLuint nothing[4] = {NO_ID, NO_ID, NO_ID, NO_ID};
     const GLfloat far = 0.0f;
     GLuint framebuffer = pass->layers[number].framebuffer;
-    gl_set_visible_state(r);
-    gl_bind_frame(r);
+    stp_gl_set_visible_state(r);
+    stp_gl_bind_frame(r);
     gl->BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     gl->ClearNamedFramebufferuiv(framebuffer, GL_COLOR, 0, nothing);
     gl->ClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &far);
@@ -164,49 +166,49 @@ static stp_result draw_layer(gl_renderer* r, int number)
     gl->BindTextureUnit(UNIT_CAPS, r->cap_pass.shows ? r->cap_pass.nearness : r->target.nearness);
     gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, r->frame.buffer);
     gl->BindBuffer(GL_PARAMETER_BUFFER_ARB, r->frame.buffer);
-    const gl_commands* triangles = &r->frame.commands[GL_COMMANDS_GLASS_TRIANGLES];
+    const stp_gl_commands* triangles = &r->frame.commands[GL_COMMANDS_GLASS_TRIANGLES];
     stp_result result = STP_OK;
     if (triangles->count > 0) {
         gl->BindVertexArray(r->triangles.vertex_array);
         gl->UseProgram(pass->triangles);
-        result =
-            gl_portion_draw(r, GL_TRIANGLES, triangles, triangles->offset, triangles->count_offset);
+        result = stp_gl_portion_draw(r, GL_TRIANGLES, triangles, triangles->offset,
+                                     triangles->count_offset);
     }
-    const gl_commands* splats = &r->frame.commands[GL_COMMANDS_GLASS_SPLATS];
+    const stp_gl_commands* splats = &r->frame.commands[GL_COMMANDS_GLASS_SPLATS];
     if (splats->count > 0 && result == STP_OK) {
-        gl_splat_pass_begin(r);
+        stp_gl_splat_pass_begin(r);
         gl->Enable(GL_PROGRAM_POINT_SIZE);
         gl->BindVertexArray(r->splats.vertex_array);
         gl->UseProgram(pass->points);
-        result = gl_portion_draw(r, GL_POINTS, splats, splats->offset, splats->count_offset);
+        result = stp_gl_portion_draw(r, GL_POINTS, splats, splats->offset, splats->count_offset);
         gl->Disable(GL_PROGRAM_POINT_SIZE);
-        gl_splat_pass_large(r, pass->large);
+        stp_gl_splat_pass_large(r, pass->large);
     }
     return result;
 }
 
 /// Composites the layer. @return number of its pixels
-static uint32_t take_layer(gl_renderer* r, int number)
+static uint32_t take_layer(stp_gl_renderer* r, int number)
 {
     const stp_gl* gl = &r->gl;
-    gl_layer_pass* pass = &r->layer_pass;
-    uint32_t before = gl_shade_pass_read(r, GL_COUNTER_LAYERS);
-    gl_bind_frame(r);
+    stp_gl_layer_pass* pass = &r->layer_pass;
+    uint32_t before = stp_gl_shade_pass_read(r, GL_COUNTER_LAYERS);
+    stp_gl_bind_frame(r);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_COUNTERS, r->shade.counters);
     gl->BindTextureUnit(UNIT_IDS, pass->layers[number].ids);
     gl->BindTextureUnit(UNIT_NEARNESS, pass->layers[number].nearness);
     gl->BindImageTexture(IMAGE_LIGHT, pass->light, 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
     gl->BindImageTexture(IMAGE_BELOW, pass->below, 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
-    gl_dispatch_pixels(r, pass->take, r->target.width, r->target.height);
+    stp_gl_dispatch_pixels(r, pass->take, r->target.width, r->target.height);
     gl->MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                       GL_BUFFER_UPDATE_BARRIER_BIT);
-    return gl_shade_pass_read(r, GL_COUNTER_LAYERS) - before;
+    return stp_gl_shade_pass_read(r, GL_COUNTER_LAYERS) - before;
 }
 
-stp_result gl_layer_pass_draw(gl_renderer* r)
+stp_result stp_gl_layer_pass_draw(stp_gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
-    gl_layer_pass* pass = &r->layer_pass;
+    stp_gl_layer_pass* pass = &r->layer_pass;
     assert(pass->active && pass->width == r->target.width && pass->height == r->target.height);
     pass->count = 0;
     if (r->frame.commands[GL_COMMANDS_GLASS_TRIANGLES].count == 0 &&
@@ -234,7 +236,7 @@ stp_result gl_layer_pass_draw(gl_renderer* r)
     pass->count -= pixels == 0; // the last pass found none
     assert(pass->count <= STP_LAYERS_MAX);
     gl->BindImageTexture(IMAGE_PICTURE, r->target.picture, 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8);
-    gl_dispatch_pixels(r, pass->compose, r->target.width, r->target.height);
+    stp_gl_dispatch_pixels(r, pass->compose, r->target.width, r->target.height);
     gl->MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                       GL_TEXTURE_UPDATE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
     return STP_OK;

@@ -8,9 +8,9 @@
 #include "base/core/context.h"
 #include "draw/gl/gl.h"
 
-struct gl_renderer;
+struct stp_gl_renderer;
 
-typedef struct gl_layer_pass {
+typedef struct stp_gl_layer_pass {
     bool possible, of_splats; ///< whether the scene has transparent surfaces, and splats of them
     bool active;              ///< the current picture has layers
     bool warned;              ///< a warning about missing memory was logged
@@ -23,16 +23,16 @@ typedef struct gl_layer_pass {
     } layers[2];
     GLuint light, below;
     uint32_t count; ///< layers of the last picture, without the final empty pass
-} gl_layer_pass;
+} stp_gl_layer_pass;
 
 /// Finds the transparent surfaces of the scene. @return STP_OK; logged
-STP_MUST_USE stp_result gl_layer_pass_create(struct gl_renderer* r);
-void gl_layer_pass_destroy(struct gl_renderer* r);
+STP_MUST_USE stp_result stp_gl_layer_pass_create(struct stp_gl_renderer* r);
+void stp_gl_layer_pass_destroy(struct stp_gl_renderer* r);
 /// Deletes the programs, which depend on the number of pages.
-void gl_layer_pass_destroy_programs(struct gl_renderer* r);
+void stp_gl_layer_pass_destroy_programs(struct stp_gl_renderer* r);
 /// Decides whether a picture has layers. Call before its items are made. Logs a warning once if
 /// memory is insufficient.
-void gl_layer_pass_begin(struct gl_renderer* r);
+void stp_gl_layer_pass_begin(struct stp_gl_renderer* r);
 /// Call after the opaque picture is drawn: draws all layers over it. Waits after each. @return as
-/// gl_program_create
-STP_MUST_USE stp_result gl_layer_pass_draw(struct gl_renderer* r);
+/// stp_gl_program_create
+STP_MUST_USE stp_result stp_gl_layer_pass_draw(struct stp_gl_renderer* r);

@@ -45,7 +45,7 @@ static GLuint make_buffer(const stp_gl* gl, const void* from, size_t size, const
     return buffer;
 }
 
-stp_result gl_materials_create(gl_renderer* r)
+stp_result stp_gl_materials_create(stp_gl_renderer* r)
 {
     const stp_store_directory* d = r->directory;
     stp_context* context = r->base.context;

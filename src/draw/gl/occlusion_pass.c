@@ -7,17 +7,17 @@
 #include <assert.h>
 #include <string.h>
 
-void gl_occlusion_pass_destroy(gl_renderer* r)
+void stp_gl_occlusion_pass_destroy(stp_gl_renderer* r)
 {
-    gl_occlusion_pass* pass = &r->occlusion;
+    stp_gl_occlusion_pass* pass = &r->occlusion;
     const GLuint buffers[] = {pass->pyramid, pass->counters};
     r->gl.DeleteProgram(pass->cull);
     r->gl.DeleteProgram(pass->fill);
     r->gl.DeleteBuffers(2, buffers);
-    *pass = (gl_occlusion_pass){0};
+    *pass = (stp_gl_occlusion_pass){0};
 }
 
-bool gl_occlusion_pass_serves(const gl_renderer* r)
+bool stp_gl_occlusion_pass_serves(const stp_gl_renderer* r)
 {
     return r->target.eye_count == 1 && !r->placement.frame.parallel &&
            r->style->filter == STP_FILTER_NONE && r->style->point_sizing == STP_POINTS_ADAPTIVE &&
@@ -45,9 +45,9 @@ static void multiply(const double a[4][4], const double b[4][4], double out[4][4
     }
 }
 
-void gl_occlusion_pass_set_view(const gl_renderer* r, view_block* view)
+void stp_gl_occlusion_pass_set_view(const stp_gl_renderer* r, view_block* view)
 {
-    const gl_occlusion_pass* pass = &r->occlusion;
+    const stp_gl_occlusion_pass* pass = &r->occlusion;
     const stp_view_frame *now = &r->placement.frame, *then = &pass->frame;
     view->corner = (float)now->corner;
     if (!pass->known || now->parallel) {
@@ -78,9 +78,9 @@ void gl_occlusion_pass_set_view(const gl_renderer* r, view_block* view)
     }
 }
 
-static stp_result make_cull(gl_renderer* r)
+static stp_result make_cull(stp_gl_renderer* r)
 {
-    gl_occlusion_pass* pass = &r->occlusion;
+    stp_gl_occlusion_pass* pass = &r->occlusion;
     char defines[256];
     if (pass->counters == 0) {
         r->gl.CreateBuffers(1, &pass->counters);
@@ -89,12 +89,12 @@ static stp_result make_cull(gl_renderer* r)
     }
     return pass->cull != 0
                ? STP_OK
-               : gl_program_create_compute(r->base.context, &r->gl, "occlude.comp.glsl",
-                                           gl_page_defines(r, "", defines, sizeof(defines)),
-                                           &pass->cull);
+               : stp_gl_program_create_compute(r->base.context, &r->gl, "occlude.comp.glsl",
+                                               stp_gl_page_defines(r, "", defines, sizeof(defines)),
+                                               &pass->cull);
 }
 
-stp_result gl_occlusion_pass_cull(gl_renderer* r, bool late)
+stp_result stp_gl_occlusion_pass_cull(stp_gl_renderer* r, bool late)
 {
     const stp_gl* gl = &r->gl;
     const GLuint zero = 0;
@@ -102,7 +102,7 @@ stp_result gl_occlusion_pass_cull(gl_renderer* r, bool late)
     if (result != STP_OK) {
         return result;
     }
-    gl_occlusion_pass* pass = &r->occlusion;
+    stp_gl_occlusion_pass* pass = &r->occlusion;
     if (!late) {
         gl->ClearNamedBufferSubData(pass->counters, GL_R32UI, 0, 2 * sizeof(uint32_t),
                                     GL_RED_INTEGER, GL_UNSIGNED_INT, &zero);
@@ -113,7 +113,7 @@ stp_result gl_occlusion_pass_cull(gl_renderer* r, bool late)
     gl->UseProgram(pass->cull);
     gl->Uniform1ui(1, late ? 1 : 0);
     for (int i = 0; i < GL_COMMANDS_CULLED; ++i) {
-        const gl_commands* c = &r->frame.commands[i];
+        const stp_gl_commands* c = &r->frame.commands[i];
         if (c->count > 0) {
             gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, BINDING_OCCLUDED_COMMANDS,
                                 r->frame.buffer, c->offset,
@@ -124,14 +124,14 @@ stp_result gl_occlusion_pass_cull(gl_renderer* r, bool late)
         }
     }
     gl->MemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
-    gl_bind_frame(r);
+    stp_gl_bind_frame(r);
     return STP_OK;
 }
 
-static stp_result make_pyramid(gl_renderer* r)
+static stp_result make_pyramid(stp_gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
-    gl_occlusion_pass* pass = &r->occlusion;
+    stp_gl_occlusion_pass* pass = &r->occlusion;
     uint64_t blocks = 0;
     if (pass->width == r->target.width && pass->height == r->target.height) {
         return STP_OK;
@@ -158,15 +158,15 @@ static stp_result make_pyramid(gl_renderer* r)
     return STP_OK;
 }
 
-stp_result gl_occlusion_pass_fill(gl_renderer* r)
+stp_result stp_gl_occlusion_pass_fill(stp_gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
-    gl_occlusion_pass* pass = &r->occlusion;
+    stp_gl_occlusion_pass* pass = &r->occlusion;
     const uint32_t tile = GROUP_SIDE * PYRAMID_BLOCK;
     stp_result result = make_pyramid(r);
     if (result == STP_OK && pass->fill == 0) {
-        result =
-            gl_program_create_compute(r->base.context, gl, "pyramid.comp.glsl", NULL, &pass->fill);
+        result = stp_gl_program_create_compute(r->base.context, gl, "pyramid.comp.glsl", NULL,
+                                               &pass->fill);
     }
     if (result != STP_OK) {
         return result;
@@ -183,7 +183,7 @@ stp_result gl_occlusion_pass_fill(gl_renderer* r)
     pass->shift_x = r->placement.shift_x;
     pass->shift_y = r->placement.shift_y;
     pass->nearness_scale = r->placement.nearness_scale;
-    gl_bind_frame(r);
+    stp_gl_bind_frame(r);
     return STP_OK;
 }
 

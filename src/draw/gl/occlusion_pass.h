@@ -9,10 +9,10 @@
 #include "draw/gl/gl.h"
 #include "select/view_frame.h"
 
-struct gl_renderer;
+struct stp_gl_renderer;
 struct view_block;
 
-typedef struct gl_occlusion_pass {
+typedef struct stp_gl_occlusion_pass {
     GLuint cull, fill;      ///< programs; created on first use
     GLuint pyramid;         ///< levels of blocks, floats
     GLuint counters;        ///< commands deferred after the first pass, and culled in the end
@@ -21,19 +21,19 @@ typedef struct gl_occlusion_pass {
     bool culls;             ///< the last sample was drawn in two passes
     stp_view_frame frame;   ///< frame of the pyramid's picture; then the rest of its projection
     double shift_x, shift_y, nearness_scale;
-} gl_occlusion_pass;
+} stp_gl_occlusion_pass;
 
-void gl_occlusion_pass_destroy(struct gl_renderer* r);
+void stp_gl_occlusion_pass_destroy(struct stp_gl_renderer* r);
 
 /// Whether this sample can be drawn in two passes: one eye, perspective, no filter (which blends
 /// occluded splats), and no fixed-size points.
-bool gl_occlusion_pass_serves(const struct gl_renderer* r);
+bool stp_gl_occlusion_pass_serves(const struct stp_gl_renderer* r);
 /// Fills its part of the view block.
-void gl_occlusion_pass_set_view(const struct gl_renderer* r, struct view_block* view);
+void stp_gl_occlusion_pass_set_view(const struct stp_gl_renderer* r, struct view_block* view);
 /// `late` false: defers commands that the pyramid of an earlier picture occludes. `late` true:
 /// draws deferred commands that this picture's pyramid does not occlude. @return as
-/// gl_program_create
-STP_MUST_USE stp_result gl_occlusion_pass_cull(struct gl_renderer* r, bool late);
+/// stp_gl_program_create
+STP_MUST_USE stp_result stp_gl_occlusion_pass_cull(struct stp_gl_renderer* r, bool late);
 /// Builds the pyramid of everything drawn so far. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, as
-/// gl_program_create; logged
-STP_MUST_USE stp_result gl_occlusion_pass_fill(struct gl_renderer* r);
+/// stp_gl_program_create; logged
+STP_MUST_USE stp_result stp_gl_occlusion_pass_fill(struct stp_gl_renderer* r);

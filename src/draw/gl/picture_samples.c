@@ -14,13 +14,13 @@
 enum { POINT_MARGIN = 64 };
 
 /// One sample, and the use of its result.
-typedef struct gl_sample {
+typedef struct stp_gl_sample {
     uint32_t side, place;   ///< index among side x side
     uint32_t number, count; ///< samples summed before it, and including it
     bool sums;              ///< shading adds it to the sums
     bool bare;              ///< shaded to bytes without a background, then added to the sums
     bool shows;             ///< the picture is resolved from the sums
-} gl_sample;
+} stp_gl_sample;
 
 static void set_vec3(vec4 out, stp_vec3d v)
 {
@@ -29,7 +29,7 @@ static void set_vec3(vec4 out, stp_vec3d v)
     out[2] = (float)v.z;
 }
 
-static void set_light(const gl_renderer* r, const stp_view_frame* f, view_block* view)
+static void set_light(const stp_gl_renderer* r, const stp_view_frame* f, view_block* view)
 {
     stp_lighting light = stp_lighting_make(f, r->style->headlight);
     set_vec3(view->light, stp_to_double(light.key));
@@ -53,7 +53,7 @@ static void set_eye(const stp_placement* p, view_block* view)
     set_vec3(view->eye_start, start);
 }
 
-static void set_heights(const gl_renderer* r, const stp_placement* p, view_block* view)
+static void set_heights(const stp_gl_renderer* r, const stp_placement* p, view_block* view)
 {
     const stp_draw_pixels pixels = {p->shift_x, p->shift_y, p->nearness_scale, p->nearness_offset};
     stp_draw_heights h = stp_draw_heights_make(&p->frame, &pixels, r->style);
@@ -83,7 +83,7 @@ static float ghost_share(const stp_draw_style* style)
     return style->ghost > 0.0f ? stp_min(style->ghost, 1.0f) : 0.2f;
 }
 
-static view_block make_view(const gl_renderer* r, const gl_sample* sample)
+static view_block make_view(const stp_gl_renderer* r, const stp_gl_sample* sample)
 {
     assert(sample->number < sample->count && r->eye < r->target.eye_count);
     const stp_placement* p = &r->placement;
@@ -120,7 +120,7 @@ static view_block make_view(const gl_renderer* r, const gl_sample* sample)
     set_eye(p, &view);
     set_heights(r, p, &view);
     set_cuts(p, &r->view->sections, &view);
-    gl_occlusion_pass_set_view(r, &view);
+    stp_gl_occlusion_pass_set_view(r, &view);
     for (int k = 0; k < 3; ++k) {
         view.background[k] = stp_srgb8_to_linear(r->style->background_color[k]);
     }
@@ -131,10 +131,10 @@ static view_block make_view(const gl_renderer* r, const gl_sample* sample)
     return view;
 }
 
-void gl_set_visible_state(gl_renderer* r)
+void stp_gl_set_visible_state(stp_gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
-    const gl_target* t = &r->target;
+    const stp_gl_target* t = &r->target;
     gl->BindFramebuffer(GL_FRAMEBUFFER, t->framebuffer);
     gl->Disable(GL_SCISSOR_TEST);
     gl->Disable(GL_BLEND);
@@ -151,60 +151,60 @@ void gl_set_visible_state(gl_renderer* r)
 }
 
 /// Draws the commands of triangles, and of splats that are not large.
-static stp_result draw_commands(gl_renderer* r, bool late)
+static stp_result draw_commands(stp_gl_renderer* r, bool late)
 {
-    stp_result result = gl_triangle_pass_draw(r);
-    return result == STP_OK ? gl_splat_choice_draw(r, late) : result;
+    stp_result result = stp_gl_triangle_pass_draw(r);
+    return result == STP_OK ? stp_gl_splat_choice_draw(r, late) : result;
 }
 
 /// Draws content that the previous picture does not occlude, then the rest that this one does not
 /// occlude. The first picture is drawn in one pass; its depths serve the next ones.
-static stp_result draw_passes(gl_renderer* r)
+static stp_result draw_passes(stp_gl_renderer* r)
 {
-    gl_occlusion_pass* pass = &r->occlusion;
-    bool serves = gl_occlusion_pass_serves(r);
+    stp_gl_occlusion_pass* pass = &r->occlusion;
+    bool serves = stp_gl_occlusion_pass_serves(r);
     bool known = pass->known && pass->width == r->target.width && pass->height == r->target.height;
     pass->culls = serves && known;
-    stp_result result = pass->culls ? gl_occlusion_pass_cull(r, false) : STP_OK;
+    stp_result result = pass->culls ? stp_gl_occlusion_pass_cull(r, false) : STP_OK;
     result = result == STP_OK ? draw_commands(r, false) : result;
     if (result == STP_OK && serves) {
-        result = gl_occlusion_pass_fill(r);
+        result = stp_gl_occlusion_pass_fill(r);
     }
     if (result == STP_OK && pass->culls) {
-        result = gl_occlusion_pass_cull(r, true);
+        result = stp_gl_occlusion_pass_cull(r, true);
         result = result == STP_OK ? draw_commands(r, true) : result;
     }
     if (result == STP_OK) {
-        gl_splat_choice_draw_large(r);
-        result = gl_portion_wait(r);
+        stp_gl_splat_choice_draw_large(r);
+        result = stp_gl_portion_wait(r);
     }
     return result;
 }
 
 /// Draws the visibility buffer of one sample.
-static stp_result draw_visible(gl_renderer* r)
+static stp_result draw_visible(stp_gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
-    const gl_target* t = &r->target;
+    const stp_gl_target* t = &r->target;
     const GLuint nothing[4] = {NO_ID, NO_ID, NO_ID, NO_ID};
     const GLfloat far = 0.0f;
-    gl_set_visible_state(r);
-    gl_bind_frame(r);
+    stp_gl_set_visible_state(r);
+    stp_gl_bind_frame(r);
     gl->ClearNamedFramebufferuiv(t->framebuffer, GL_COLOR, 0, nothing);
     gl->ClearNamedFramebufferfv(t->framebuffer, GL_DEPTH, 0, &far);
-    if (gl_filter_is_tolerant(r)) {
-        stp_result result = gl_triangle_pass_draw(r);
-        return result == STP_OK ? gl_filter_pass_draw_tolerant(r) : result;
+    if (stp_gl_filter_is_tolerant(r)) {
+        stp_result result = stp_gl_triangle_pass_draw(r);
+        return result == STP_OK ? stp_gl_filter_pass_draw_tolerant(r) : result;
     }
     stp_result result = draw_passes(r);
     if (result == STP_OK && r->style->filter == STP_FILTER_EWA) {
-        result = gl_filter_pass_blend(r);
+        result = stp_gl_filter_pass_blend(r);
     }
     return result;
 }
 
 /// Restores the state that draw_gl.h promises.
-void gl_leave_state(const gl_renderer* r)
+void stp_gl_leave_state(const stp_gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
     gl->UseProgram(0);
@@ -218,52 +218,52 @@ void gl_leave_state(const gl_renderer* r)
 }
 
 /// Shades the visibility buffer into the picture or the sums.
-static stp_result shade(gl_renderer* r, const gl_sample* sample)
+static stp_result shade(stp_gl_renderer* r, const stp_gl_sample* sample)
 {
-    stp_result result = gl_shade_pass_draw(r, sample->sums);
-    result = result == STP_OK ? gl_portion_wait(r) : result;
+    stp_result result = stp_gl_shade_pass_draw(r, sample->sums);
+    result = result == STP_OK ? stp_gl_portion_wait(r) : result;
     if (result == STP_OK && !sample->sums) {
-        result = gl_cap_pass_draw(r);
-        result = result == STP_OK ? gl_effect_pass_draw(r) : result;
-        result = result == STP_OK ? gl_portion_wait(r) : result;
+        result = stp_gl_cap_pass_draw(r);
+        result = result == STP_OK ? stp_gl_effect_pass_draw(r) : result;
+        result = result == STP_OK ? stp_gl_portion_wait(r) : result;
     }
     if (result == STP_OK && r->layer_pass.active) {
-        result = gl_layer_pass_draw(r);
+        result = stp_gl_layer_pass_draw(r);
     }
     if (result == STP_OK && sample->bare) {
-        result = gl_shade_pass_add(r);
+        result = stp_gl_shade_pass_add(r);
     }
-    return result == STP_OK && sample->shows ? gl_shade_pass_average(r) : result;
+    return result == STP_OK && sample->shows ? stp_gl_shade_pass_average(r) : result;
 }
 
-static stp_result draw_sample(gl_renderer* r, const gl_sample* sample)
+static stp_result draw_sample(stp_gl_renderer* r, const stp_gl_sample* sample)
 {
     view_block view = make_view(r, sample);
-    stp_result result = gl_frame_send(r, &view);
-    result = result == STP_OK ? gl_splat_choice_measure(r) : result;
+    stp_result result = stp_gl_frame_send(r, &view);
+    result = result == STP_OK ? stp_gl_splat_choice_measure(r) : result;
     if (result != STP_OK) {
         return result;
     }
     if (r->eye == 0) {
         r->draw_calls = r->dispatches = 0;
     }
-    bool timed = gl_timer_begin(&r->gl, &r->timer);
+    bool timed = stp_gl_timer_begin(&r->gl, &r->timer);
     result = draw_visible(r);
     if (timed) {
-        gl_timer_mark(&r->gl, &r->timer, GL_TIMER_DRAWN);
+        stp_gl_timer_mark(&r->gl, &r->timer, GL_TIMER_DRAWN);
     }
     if (result == STP_OK && !r->unshaded) {
         result = shade(r, sample);
     }
     if (timed) {
-        gl_timer_end(&r->gl, &r->timer);
+        stp_gl_timer_end(&r->gl, &r->timer);
     }
-    gl_ring_mark(&r->gl, &r->frame.ring);
-    gl_ring_mark(&r->gl, &r->pool.ring);
+    stp_gl_ring_mark(&r->gl, &r->frame.ring);
+    stp_gl_ring_mark(&r->gl, &r->pool.ring);
     return result;
 }
 
-stp_result gl_draw_eye(gl_renderer* r, uint32_t eye, const gl_sample_range* range)
+stp_result stp_gl_draw_eye(stp_gl_renderer* r, uint32_t eye, const stp_gl_sample_range* range)
 {
     assert(eye < stp_view_eye_count(r->view) && range->end <= range->side * range->side);
     stp_view one = stp_view_of_eye(r->view, eye);
@@ -272,25 +272,25 @@ stp_result gl_draw_eye(gl_renderer* r, uint32_t eye, const gl_sample_range* rang
         return stp_fail(r->base.context, STP_ERROR_ARGUMENT, "view: has no second eye");
     }
     stp_placement_make(&r->placement, r->directory, r->list);
-    gl_layer_pass_begin(r);
+    stp_gl_layer_pass_begin(r);
     double start = stp_clock_ms();
-    stp_result result = gl_frame_make(r);
+    stp_result result = stp_gl_frame_make(r);
     r->clock.prepare += stp_clock_ms() - start;
-    result = result == STP_OK ? gl_make_programs(r) : result;
+    result = result == STP_OK ? stp_gl_make_programs(r) : result;
     // otherwise the picture stays unchanged
     if (result == STP_OK && eye == 0 && range->first < range->end) {
-        gl_shade_pass_clear(r);
+        stp_gl_shade_pass_clear(r);
     }
     for (uint32_t k = range->first; k < range->end && result == STP_OK; ++k) {
-        gl_sample sample = {.side = range->side,
-                            .place = range->scattered ? stp_resting_sample(range->side, k) : k,
-                            .number = k,
-                            .count = k + 1,
-                            .sums = range->sums && !range->bytes,
-                            .bare = range->bytes,
-                            .shows = range->sums && k + 1 == range->end};
+        stp_gl_sample sample = {.side = range->side,
+                                .place = range->scattered ? stp_resting_sample(range->side, k) : k,
+                                .number = k,
+                                .count = k + 1,
+                                .sums = range->sums && !range->bytes,
+                                .bare = range->bytes,
+                                .shows = range->sums && k + 1 == range->end};
         stp_placement_shift(&r->placement, range->side, sample.place);
-        gl_frame_place(r, sample.place);
+        stp_gl_frame_place(r, sample.place);
         result = draw_sample(r, &sample);
     }
     return result;

@@ -39,29 +39,29 @@ static uint32_t choose_first(uint32_t page_shift, uint64_t scene_bytes)
     return 1u << shift;
 }
 
-stp_result gl_pool_create(stp_context* context, const stp_gl* gl, size_t entry_count,
-                          uint64_t limit_bytes, uint64_t scene_bytes, gl_pool* pool)
+stp_result stp_gl_pool_create(stp_context* context, const stp_gl* gl, size_t entry_count,
+                              uint64_t limit_bytes, uint64_t scene_bytes, stp_gl_pool* pool)
 {
-    *pool = (gl_pool){.context = context,
-                      .gl = gl,
-                      .spans.context = context,
-                      .entry_count = entry_count,
-                      .first_used = POOL_NONE,
-                      .last_used = POOL_NONE};
+    *pool = (stp_gl_pool){.context = context,
+                          .gl = gl,
+                          .spans.context = context,
+                          .entry_count = entry_count,
+                          .first_used = POOL_NONE,
+                          .last_used = POOL_NONE};
     pool->page_shift = choose_shift(gl, limit_bytes, scene_bytes);
     pool->first_words = choose_first(pool->page_shift, scene_bytes);
     assert(pool->first_words <= 1u << pool->page_shift && "pages have equal ranges of addresses");
     uint64_t maximum = (uint64_t)POOL_PAGES_MAX << pool->page_shift;
     pool->limit_words = limit_bytes / WORD < maximum ? limit_bytes / WORD : maximum;
-    pool->entries = STP_NEW_ARRAY(context, gl_entry, entry_count + 1);
+    pool->entries = STP_NEW_ARRAY(context, stp_gl_entry, entry_count + 1);
     if (pool->entries == NULL) {
         return stp_fail_memory(context);
     }
     for (size_t i = 0; i < entry_count; ++i) {
-        pool->entries[i] = (gl_entry){.address = POOL_NONE};
+        pool->entries[i] = (stp_gl_entry){.address = POOL_NONE};
     }
-    if (!gl_ring_create(gl, RING_BYTES, &pool->ring)) {
-        gl_pool_destroy(pool);
+    if (!stp_gl_ring_create(gl, RING_BYTES, &pool->ring)) {
+        stp_gl_pool_destroy(pool);
         return stp_fail(context, STP_ERROR_OUT_OF_MEMORY,
                         "gl: graphics memory cannot be mapped for uploads of %d MiB",
                         RING_BYTES >> 20);
@@ -69,24 +69,24 @@ stp_result gl_pool_create(stp_context* context, const stp_gl* gl, size_t entry_c
     return STP_OK;
 }
 
-void gl_pool_destroy(gl_pool* pool)
+void stp_gl_pool_destroy(stp_gl_pool* pool)
 {
     if (pool->gl == NULL) {
         return;
     }
-    gl_ring_destroy(pool->gl, &pool->ring);
+    stp_gl_ring_destroy(pool->gl, &pool->ring);
     pool->gl->DeleteBuffers((GLsizei)pool->page_count, pool->pages);
-    gl_spans_destroy(&pool->spans);
+    stp_gl_spans_destroy(&pool->spans);
     stp_free(pool->context, pool->entries);
-    *pool = (gl_pool){0};
+    *pool = (stp_gl_pool){0};
 }
 
-void gl_pool_begin_frame(gl_pool* pool)
+void stp_gl_pool_begin_frame(stp_gl_pool* pool)
 {
     pool->frame += 1;
 }
 
-static void unlink_entry(gl_pool* pool, const gl_entry* entry)
+static void unlink_entry(stp_gl_pool* pool, const stp_gl_entry* entry)
 {
     if (entry->previous != POOL_NONE) {
         pool->entries[entry->previous].next = entry->next;
@@ -100,9 +100,9 @@ static void unlink_entry(gl_pool* pool, const gl_entry* entry)
     }
 }
 
-static void append_entry(gl_pool* pool, uint32_t index)
+static void append_entry(stp_gl_pool* pool, uint32_t index)
 {
-    gl_entry* entry = &pool->entries[index];
+    stp_gl_entry* entry = &pool->entries[index];
     entry->previous = pool->last_used;
     entry->next = POOL_NONE;
     entry->used_frame = pool->frame;
@@ -114,26 +114,26 @@ static void append_entry(gl_pool* pool, uint32_t index)
     pool->last_used = index;
 }
 
-void gl_pool_use(gl_pool* pool, uint32_t entry)
+void stp_gl_pool_use(stp_gl_pool* pool, uint32_t entry)
 {
-    assert(entry < pool->entry_count && gl_pool_has(pool, entry));
+    assert(entry < pool->entry_count && stp_gl_pool_has(pool, entry));
     if (pool->entries[entry].used_frame != pool->frame) {
         unlink_entry(pool, &pool->entries[entry]);
         append_entry(pool, entry);
     }
 }
 
-void gl_pool_drop(gl_pool* pool, uint32_t entry)
+void stp_gl_pool_drop(stp_gl_pool* pool, uint32_t entry)
 {
-    assert(entry < pool->entry_count && gl_pool_has(pool, entry) && "dropped once");
-    gl_entry* dropped = &pool->entries[entry];
+    assert(entry < pool->entry_count && stp_gl_pool_has(pool, entry) && "dropped once");
+    stp_gl_entry* dropped = &pool->entries[entry];
     unlink_entry(pool, dropped);
-    gl_spans_release(&pool->spans, dropped->span);
+    stp_gl_spans_release(&pool->spans, dropped->span);
     dropped->address = POOL_NONE;
 }
 
 /// Creates a buffer of `count` words.
-static bool make_page(gl_pool* pool, uint32_t count)
+static bool make_page(stp_gl_pool* pool, uint32_t count)
 {
     assert(pool->page_count < POOL_PAGES_MAX && count > 0 && count % SPANS_UNIT == 0);
     const stp_gl* gl = pool->gl;
@@ -143,7 +143,7 @@ static bool make_page(gl_pool* pool, uint32_t count)
     gl->CreateBuffers(1, page);
     gl->NamedBufferStorage(*page, (GLsizeiptr)count * WORD, NULL, 0);
     if (gl->GetError() != GL_NO_ERROR ||
-        !gl_spans_add_region(&pool->spans, pool->page_count << pool->page_shift, count)) {
+        !stp_gl_spans_add_region(&pool->spans, pool->page_count << pool->page_shift, count)) {
         gl->DeleteBuffers(1, page);
         return false;
     }
@@ -153,7 +153,7 @@ static bool make_page(gl_pool* pool, uint32_t count)
 }
 
 /// Words of another page: 0 if the limit allows none.
-static uint32_t find_page_words(const gl_pool* pool)
+static uint32_t find_page_words(const stp_gl_pool* pool)
 {
     uint32_t size = 1u << pool->page_shift;
     if (pool->page_count == 0 && pool->first_words < size) {
@@ -167,7 +167,7 @@ static uint32_t find_page_words(const gl_pool* pool)
 
 /// Adds a buffer if the limit allows one. If memory is short, it is smaller; after a smaller first
 /// one, so are the addresses of all later ones.
-static bool add_page(gl_pool* pool)
+static bool add_page(stp_gl_pool* pool)
 {
     uint32_t count = find_page_words(pool);
     if (count == 0) {
@@ -188,40 +188,41 @@ static bool add_page(gl_pool* pool)
     return made;
 }
 
-bool gl_pool_take(gl_pool* pool, uint32_t entry, uint64_t words)
+bool stp_gl_pool_take(stp_gl_pool* pool, uint32_t entry, uint64_t words)
 {
-    assert(entry < pool->entry_count && !gl_pool_has(pool, entry) && "it has no place yet");
-    gl_entry* taken = &pool->entries[entry];
+    assert(entry < pool->entry_count && !stp_gl_pool_has(pool, entry) && "it has no place yet");
+    stp_gl_entry* taken = &pool->entries[entry];
     words = words > 0 ? words : 1; // empty entries have a place, too
     if (words > 1u << pool->page_shift) {
         return false;
     }
-    uint32_t span = gl_spans_take(&pool->spans, (uint32_t)words);
+    uint32_t span = stp_gl_spans_take(&pool->spans, (uint32_t)words);
     while (span == SPANS_NONE) {
         uint32_t oldest = pool->first_used;
         if (!add_page(pool)) {
             if (oldest == POOL_NONE || pool->entries[oldest].used_frame == pool->frame) {
                 return false;
             }
-            gl_pool_drop(pool, oldest);
+            stp_gl_pool_drop(pool, oldest);
             pool->dropped += 1;
         }
-        span = gl_spans_take(&pool->spans, (uint32_t)words);
+        span = stp_gl_spans_take(&pool->spans, (uint32_t)words);
     }
     taken->span = span;
-    taken->address = gl_spans_first(&pool->spans, span);
-    assert(gl_spans_count(&pool->spans, span) >= words && taken->address != POOL_NONE);
+    taken->address = stp_gl_spans_first(&pool->spans, span);
+    assert(stp_gl_spans_count(&pool->spans, span) >= words && taken->address != POOL_NONE);
     append_entry(pool, entry);
     return true;
 }
 
-bool gl_pool_write(gl_pool* pool, uint64_t words, gl_ring_part* part)
+bool stp_gl_pool_write(stp_gl_pool* pool, uint64_t words, stp_gl_ring_part* part)
 {
     assert(words > 0 && words <= POOL_PART_WORDS && "half of the ring at most");
-    return gl_ring_take(pool->gl, &pool->ring, words * WORD, part);
+    return stp_gl_ring_take(pool->gl, &pool->ring, words * WORD, part);
 }
 
-void gl_pool_send(gl_pool* pool, const gl_ring_part* part, uint32_t address, uint64_t words)
+void stp_gl_pool_send(stp_gl_pool* pool, const stp_gl_ring_part* part, uint32_t address,
+                      uint64_t words)
 {
     uint32_t place = address & ((1u << pool->page_shift) - 1);
     assert(words > 0 && words <= POOL_PART_WORDS && address != POOL_NONE);

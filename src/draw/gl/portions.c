@@ -8,7 +8,7 @@
 static const uint64_t portion_vertices = 100000; // a few milliseconds on a CPU, much less on a GPU
 static const GLuint64 check_every = 1000000;     // nanoseconds
 
-stp_result gl_portion_wait(gl_renderer* r)
+stp_result stp_gl_portion_wait(stp_gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
     if (r->base.stop == NULL) {
@@ -25,7 +25,7 @@ stp_result gl_portion_wait(gl_renderer* r)
 }
 
 /// End of the batch that begins with a command.
-static size_t find_end(const struct gl_command* commands, size_t first, size_t count)
+static size_t find_end(const struct stp_gl_command* commands, size_t first, size_t count)
 {
     assert(first < count && "a batch has a command");
     uint64_t vertices = commands[first].count;
@@ -37,8 +37,8 @@ static size_t find_end(const struct gl_command* commands, size_t first, size_t c
     return end;
 }
 
-stp_result gl_portion_draw(gl_renderer* r, GLenum mode, const gl_commands* commands,
-                           GLintptr offset, GLintptr count_offset)
+stp_result stp_gl_portion_draw(stp_gl_renderer* r, GLenum mode, const stp_gl_commands* commands,
+                               GLintptr offset, GLintptr count_offset)
 {
     const stp_gl* gl = &r->gl;
     if (r->base.stop == NULL) {
@@ -50,10 +50,10 @@ stp_result gl_portion_draw(gl_renderer* r, GLenum mode, const gl_commands* comma
     stp_result result = STP_OK;
     for (size_t first = 0, end; first < commands->count && result == STP_OK; first = end) {
         end = find_end(commands->commands, first, commands->count);
-        GLintptr at = offset + (GLintptr)(first * sizeof(struct gl_command));
+        GLintptr at = offset + (GLintptr)(first * sizeof(struct stp_gl_command));
         gl->MultiDrawArraysIndirect(mode, (const void*)at, (GLsizei)(end - first), 0);
         r->draw_calls += 1;
-        result = gl_portion_wait(r);
+        result = stp_gl_portion_wait(r);
     }
     return result;
 }

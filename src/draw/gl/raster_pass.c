@@ -8,42 +8,42 @@
 
 enum { GROUPS_ACROSS = 32768 };
 
-uint64_t gl_raster_groups(uint64_t splats)
+uint64_t stp_gl_raster_groups(uint64_t splats)
 {
     return (splats + RASTER_GROUP - 1) / RASTER_GROUP;
 }
 
-stp_result gl_raster_pass_create(gl_renderer* r)
+stp_result stp_gl_raster_pass_create(stp_gl_renderer* r)
 {
-    gl_raster_pass* pass = &r->raster;
+    stp_gl_raster_pass* pass = &r->raster;
     stp_context* context = r->base.context;
     char defines[256];
-    *pass = (gl_raster_pass){0};
+    *pass = (stp_gl_raster_pass){0};
     r->gl.CreateVertexArrays(1, &pass->vertex_array);
-    stp_result result =
-        gl_program_create_compute(context, &r->gl, "raster.comp.glsl",
-                                  gl_page_defines(r, "", defines, sizeof(defines)), &pass->program);
+    stp_result result = stp_gl_program_create_compute(
+        context, &r->gl, "raster.comp.glsl", stp_gl_page_defines(r, "", defines, sizeof(defines)),
+        &pass->program);
     if (result == STP_OK) {
-        result = gl_program_create(context, &r->gl, "screen.vert.glsl", "merge.frag.glsl", "",
-                                   &pass->merge);
+        result = stp_gl_program_create(context, &r->gl, "screen.vert.glsl", "merge.frag.glsl", "",
+                                       &pass->merge);
     }
     return result;
 }
 
-void gl_raster_pass_destroy(gl_renderer* r)
+void stp_gl_raster_pass_destroy(stp_gl_renderer* r)
 {
-    gl_raster_pass* pass = &r->raster;
+    stp_gl_raster_pass* pass = &r->raster;
     const stp_gl* gl = &r->gl;
     gl->DeleteProgram(pass->program);
     gl->DeleteProgram(pass->merge);
     gl->DeleteVertexArrays(1, &pass->vertex_array);
     gl->DeleteBuffers(1, &pass->pixels);
-    *pass = (gl_raster_pass){0};
+    *pass = (stp_gl_raster_pass){0};
 }
 
-static stp_result make_pixels(gl_renderer* r)
+static stp_result make_pixels(stp_gl_renderer* r)
 {
-    gl_raster_pass* pass = &r->raster;
+    stp_gl_raster_pass* pass = &r->raster;
     const stp_gl* gl = &r->gl;
     uint64_t needed = (uint64_t)r->target.width * r->target.height * sizeof(uint64_t);
     GLint64 maximum = 0;
@@ -70,7 +70,7 @@ static stp_result make_pixels(gl_renderer* r)
     return STP_OK;
 }
 
-static void clear(const gl_renderer* r)
+static void clear(const stp_gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
     const GLuint ones = UINT32_MAX, zero = 0;
@@ -81,18 +81,18 @@ static void clear(const gl_renderer* r)
                                 GL_UNSIGNED_INT, &ones);
 }
 
-static void bind(const gl_renderer* r, const gl_splat_source* source)
+static void bind(const stp_gl_renderer* r, const stp_gl_splat_source* source)
 {
     const stp_gl* gl = &r->gl;
     GLsizeiptr count = source->count;
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RASTER_PIXELS, r->raster.pixels);
     gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, BINDING_RASTER_COMMANDS, source->buffer,
-                        source->offset, count * (GLsizeiptr)sizeof(struct gl_command));
+                        source->offset, count * (GLsizeiptr)sizeof(struct stp_gl_command));
     gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, BINDING_RASTER_GROUPS, source->buffer,
                         source->groups_offset, count * (GLsizeiptr)sizeof(uint32_t));
 }
 
-static void dispatch(gl_renderer* r, uint64_t groups)
+static void dispatch(stp_gl_renderer* r, uint64_t groups)
 {
     uint64_t rows = (groups + GROUPS_ACROSS - 1) / GROUPS_ACROSS;
     uint64_t across = groups < GROUPS_ACROSS ? groups : GROUPS_ACROSS;
@@ -101,10 +101,10 @@ static void dispatch(gl_renderer* r, uint64_t groups)
     r->dispatches += 1;
 }
 
-static void merge(gl_renderer* r)
+static void merge(stp_gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
-    const gl_target* t = &r->target;
+    const stp_gl_target* t = &r->target;
     gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     gl->UseProgram(r->raster.merge);
     gl->BindVertexArray(r->raster.vertex_array);
@@ -113,10 +113,10 @@ static void merge(gl_renderer* r)
     r->draw_calls += 1;
 }
 
-stp_result gl_raster_pass_draw(gl_renderer* r, const gl_splat_source* source)
+stp_result stp_gl_raster_pass_draw(stp_gl_renderer* r, const stp_gl_splat_source* source)
 {
     const stp_gl* gl = &r->gl;
-    const gl_raster_pass* pass = &r->raster;
+    const stp_gl_raster_pass* pass = &r->raster;
     assert(source->count > 0 && source->groups <= (uint64_t)GROUPS_ACROSS * 65535);
     stp_result result = make_pixels(r);
     if (result != STP_OK) {

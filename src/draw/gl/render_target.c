@@ -6,7 +6,7 @@
 
 #include <assert.h>
 
-void gl_dispatch_pixels(gl_renderer* r, GLuint program, uint32_t width, uint32_t height)
+void stp_gl_dispatch_pixels(stp_gl_renderer* r, GLuint program, uint32_t width, uint32_t height)
 {
     r->gl.UseProgram(program);
     r->gl.DispatchCompute((width + GROUP_SIDE - 1) / GROUP_SIDE,
@@ -14,8 +14,8 @@ void gl_dispatch_pixels(gl_renderer* r, GLuint program, uint32_t width, uint32_t
     r->dispatches += 1;
 }
 
-GLuint gl_make_texture(const stp_gl* gl, GLenum format, uint32_t width, uint32_t height,
-                       const char* label)
+GLuint stp_gl_make_texture(const stp_gl* gl, GLenum format, uint32_t width, uint32_t height,
+                           const char* label)
 {
     GLuint texture;
     gl->CreateTextures(GL_TEXTURE_2D, 1, &texture);
@@ -26,8 +26,8 @@ GLuint gl_make_texture(const stp_gl* gl, GLenum format, uint32_t width, uint32_t
     return texture;
 }
 
-void gl_read_texture(const stp_gl* gl, GLuint texture, GLenum format, GLenum type, uint32_t width,
-                     uint32_t height, uint64_t band_bytes, void* pixels)
+void stp_gl_read_texture(const stp_gl* gl, GLuint texture, GLenum format, GLenum type,
+                         uint32_t width, uint32_t height, uint64_t band_bytes, void* pixels)
 {
     assert(width > 0 && band_bytes <= INT32_MAX && "sizes per call have 31 bits");
     uint64_t row_bytes = UINT64_C(4) * width;
@@ -42,30 +42,30 @@ void gl_read_texture(const stp_gl* gl, GLuint texture, GLenum format, GLenum typ
     }
 }
 
-void gl_target_destroy(gl_renderer* r)
+void stp_gl_target_destroy(stp_gl_renderer* r)
 {
-    gl_target* t = &r->target;
+    stp_gl_target* t = &r->target;
     const GLuint textures[] = {t->ids, t->nearness, t->picture, t->depths, t->sums};
     r->gl.DeleteFramebuffers(1, &t->framebuffer);
     r->gl.DeleteTextures(5, textures);
-    *t = (gl_target){0};
+    *t = (stp_gl_target){0};
 }
 
-static stp_result fail(gl_renderer* r, uint32_t width, uint32_t height)
+static stp_result fail(stp_gl_renderer* r, uint32_t width, uint32_t height)
 {
-    gl_target_destroy(r);
+    stp_gl_target_destroy(r);
     return stp_fail(r->base.context, STP_ERROR_OUT_OF_MEMORY,
                     "gl: not enough graphics memory for a picture of %ux%u", width, height);
 }
 
-static void make_textures(gl_renderer* r)
+static void make_textures(stp_gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
-    gl_target* t = &r->target;
-    t->ids = gl_make_texture(gl, GL_R32UI, t->width, t->height, "ids");
-    t->nearness = gl_make_texture(gl, GL_DEPTH_COMPONENT32F, t->width, t->height, "nearness");
-    t->picture = gl_make_texture(gl, GL_RGBA8, t->full_width, t->height, "picture");
-    t->depths = gl_make_texture(gl, GL_R32F, t->width, t->height * t->eye_count, "depths");
+    stp_gl_target* t = &r->target;
+    t->ids = stp_gl_make_texture(gl, GL_R32UI, t->width, t->height, "ids");
+    t->nearness = stp_gl_make_texture(gl, GL_DEPTH_COMPONENT32F, t->width, t->height, "nearness");
+    t->picture = stp_gl_make_texture(gl, GL_RGBA8, t->full_width, t->height, "picture");
+    t->depths = stp_gl_make_texture(gl, GL_R32F, t->width, t->height * t->eye_count, "depths");
     gl->CreateFramebuffers(1, &t->framebuffer);
     gl->NamedFramebufferTexture(t->framebuffer, GL_COLOR_ATTACHMENT0, t->ids, 0);
     gl->NamedFramebufferTexture(t->framebuffer, GL_DEPTH_ATTACHMENT, t->nearness, 0);
@@ -75,11 +75,11 @@ static void make_textures(gl_renderer* r)
     }
 }
 
-stp_result gl_target_make(gl_renderer* r, const stp_view* view, bool sums)
+stp_result stp_gl_target_make(stp_gl_renderer* r, const stp_view* view, bool sums)
 {
     assert(view->width > 0 && view->height > 0 && "the view was checked");
     const stp_gl* gl = &r->gl;
-    gl_target* t = &r->target;
+    stp_gl_target* t = &r->target;
     stp_view one = stp_view_of_eye(view, 0);
     uint32_t eyes = stp_view_eye_count(view);
     GLint maximum = 0;
@@ -92,8 +92,8 @@ stp_result gl_target_make(gl_renderer* r, const stp_view* view, bool sums)
     while (gl->GetError() != GL_NO_ERROR) { // discard errors of earlier calls
     }
     if (t->full_width != view->width || t->height != one.height || t->eye_count != eyes) {
-        gl_target_destroy(r);
-        *t = (gl_target){
+        stp_gl_target_destroy(r);
+        *t = (stp_gl_target){
             .width = one.width, .height = one.height, .eye_count = eyes, .full_width = view->width};
         make_textures(r);
         GLenum status = gl->CheckNamedFramebufferStatus(t->framebuffer, GL_DRAW_FRAMEBUFFER);
@@ -102,7 +102,7 @@ stp_result gl_target_make(gl_renderer* r, const stp_view* view, bool sums)
         }
     }
     if (sums && t->sums == 0) {
-        t->sums = gl_make_texture(gl, GL_RGBA32F, t->full_width, t->height, "sums");
+        t->sums = stp_gl_make_texture(gl, GL_RGBA32F, t->full_width, t->height, "sums");
         if (gl->GetError() != GL_NO_ERROR) {
             return fail(r, view->width, view->height);
         }

@@ -5,23 +5,23 @@
 
 enum { RING_ALIGNMENT = 256 };
 
-bool gl_ring_create(const stp_gl* gl, uint64_t size, gl_ring* ring)
+bool stp_gl_ring_create(const stp_gl* gl, uint64_t size, stp_gl_ring* ring)
 {
     assert(size > 0 && size % RING_ALIGNMENT == 0 && "parts at its end stay aligned");
     const GLbitfield flags = GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
-    *ring = (gl_ring){.size = size};
+    *ring = (stp_gl_ring){.size = size};
     gl->CreateBuffers(1, &ring->buffer);
     gl->NamedBufferStorage(ring->buffer, (GLsizeiptr)size, NULL, flags);
     ring->memory = gl->MapNamedBufferRange(ring->buffer, 0, (GLsizeiptr)size, flags);
     if (ring->memory == NULL) {
-        gl_ring_destroy(gl, ring);
+        stp_gl_ring_destroy(gl, ring);
         return false;
     }
     gl->ObjectLabel(GL_BUFFER, ring->buffer, -1, "ring");
     return true;
 }
 
-void gl_ring_destroy(const stp_gl* gl, gl_ring* ring)
+void stp_gl_ring_destroy(const stp_gl* gl, stp_gl_ring* ring)
 {
     for (uint32_t i = 0; i < ring->fence_count; ++i) {
         gl->DeleteSync(ring->fences[(ring->first_fence + i) % RING_FENCES].sync);
@@ -32,11 +32,11 @@ void gl_ring_destroy(const stp_gl* gl, gl_ring* ring)
     if (ring->buffer != 0) {
         gl->DeleteBuffers(1, &ring->buffer);
     }
-    *ring = (gl_ring){0};
+    *ring = (stp_gl_ring){0};
 }
 
 /// Waits for the oldest fence. @return false if there is none, or the context is lost
-static bool wait_for_one(const stp_gl* gl, gl_ring* ring)
+static bool wait_for_one(const stp_gl* gl, stp_gl_ring* ring)
 {
     if (ring->fence_count == 0) {
         return false;
@@ -57,7 +57,7 @@ static bool wait_for_one(const stp_gl* gl, gl_ring* ring)
     return state == GL_ALREADY_SIGNALED || state == GL_CONDITION_SATISFIED;
 }
 
-bool gl_ring_take(const stp_gl* gl, gl_ring* ring, uint64_t size, gl_ring_part* part)
+bool stp_gl_ring_take(const stp_gl* gl, stp_gl_ring* ring, uint64_t size, stp_gl_ring_part* part)
 {
     assert(size <= ring->size / 2 && "larger than a ring can allocate");
     uint64_t begin = (ring->head + RING_ALIGNMENT - 1) / RING_ALIGNMENT * RING_ALIGNMENT;
@@ -66,7 +66,7 @@ bool gl_ring_take(const stp_gl* gl, gl_ring* ring, uint64_t size, gl_ring_part* 
     }
     while (begin + size > ring->tail + ring->size) {
         if (ring->marked != ring->head && ring->fence_count == 0) {
-            gl_ring_mark(gl, ring);
+            stp_gl_ring_mark(gl, ring);
         }
         if (!wait_for_one(gl, ring)) {
             return false;
@@ -76,11 +76,11 @@ bool gl_ring_take(const stp_gl* gl, gl_ring* ring, uint64_t size, gl_ring_part* 
     assert(ring->tail <= ring->head && ring->head - ring->tail <= ring->size &&
            "nothing unread is overwritten");
     assert(begin % RING_ALIGNMENT == 0 && begin % ring->size + size <= ring->size);
-    *part = (gl_ring_part){ring->memory + begin % ring->size, (GLintptr)(begin % ring->size)};
+    *part = (stp_gl_ring_part){ring->memory + begin % ring->size, (GLintptr)(begin % ring->size)};
     return true;
 }
 
-void gl_ring_mark(const stp_gl* gl, gl_ring* ring)
+void stp_gl_ring_mark(const stp_gl* gl, stp_gl_ring* ring)
 {
     if (ring->marked == ring->head) {
         return;

@@ -8,13 +8,13 @@
 
 enum { RING_FENCES = 64 };
 
-typedef struct gl_ring_part {
+typedef struct stp_gl_ring_part {
     void* memory;
     GLintptr offset; ///< in the buffer
-} gl_ring_part;
+} stp_gl_ring_part;
 
 /// Zero-initialize it.
-typedef struct gl_ring {
+typedef struct stp_gl_ring {
     GLuint buffer;
     unsigned char* memory;
     uint64_t size;
@@ -27,16 +27,17 @@ typedef struct gl_ring {
     } fences[RING_FENCES];
     uint32_t first_fence, fence_count;
     uint64_t waits; ///< number of times the CPU waited for the GPU
-} gl_ring;
+} stp_gl_ring;
 
 /// @return false if out of memory
-STP_MUST_USE bool gl_ring_create(const stp_gl* gl, uint64_t size, gl_ring* ring);
-void gl_ring_destroy(const stp_gl* gl, gl_ring* ring);
+STP_MUST_USE bool stp_gl_ring_create(const stp_gl* gl, uint64_t size, stp_gl_ring* ring);
+void stp_gl_ring_destroy(const stp_gl* gl, stp_gl_ring* ring);
 
 /// Allocates `size` bytes, at most half of the ring, aligned to 256. Waits only if the GPU has not
 /// yet read that part. Commands that read it must be issued before the next allocation. @return
 /// false if the context is lost
-STP_MUST_USE bool gl_ring_take(const stp_gl* gl, gl_ring* ring, uint64_t size, gl_ring_part* part);
+STP_MUST_USE bool stp_gl_ring_take(const stp_gl* gl, stp_gl_ring* ring, uint64_t size,
+                                   stp_gl_ring_part* part);
 
 /// Inserts a fence. Call after the commands that read the parts allocated so far.
-void gl_ring_mark(const stp_gl* gl, gl_ring* ring);
+void stp_gl_ring_mark(const stp_gl* gl, stp_gl_ring* ring);

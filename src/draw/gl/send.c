@@ -11,7 +11,7 @@ enum { PART_ALIGNMENT = 256, RING_MIN = 1 << 20, RING_FRAMES = 6, BUFFER_MIN = 1
 
 /// Blocks written consecutively. Offsets are those in the buffer that shaders read.
 typedef struct layout {
-    gl_ring_part part;
+    stp_gl_ring_part part;
     uint64_t used;
 } layout;
 
@@ -31,7 +31,7 @@ static GLintptr put(layout* l, const void* from, size_t size)
     return offset;
 }
 
-static uint64_t measure(const gl_frame* f)
+static uint64_t measure(const stp_gl_frame* f)
 {
     const size_t sizes[] = {f->item_count * sizeof(*f->items),
                             f->record_count * sizeof(*f->records),
@@ -52,9 +52,9 @@ static uint64_t measure(const gl_frame* f)
 }
 
 /// A ring that holds several frames of this size.
-static bool make_ring(gl_renderer* r, uint64_t needed)
+static bool make_ring(stp_gl_renderer* r, uint64_t needed)
 {
-    gl_ring* ring = &r->frame.ring;
+    stp_gl_ring* ring = &r->frame.ring;
     if (needed <= ring->size / 3) {
         return true;
     }
@@ -62,15 +62,15 @@ static bool make_ring(gl_renderer* r, uint64_t needed)
     while (size < RING_FRAMES * needed) {
         size *= 2;
     }
-    gl_ring_destroy(&r->gl, ring);
-    return gl_ring_create(&r->gl, size, ring);
+    stp_gl_ring_destroy(&r->gl, ring);
+    return stp_gl_ring_create(&r->gl, size, ring);
 }
 
 /// A buffer of the GPU that holds the frame.
-static bool make_buffer(gl_renderer* r, uint64_t needed)
+static bool make_buffer(stp_gl_renderer* r, uint64_t needed)
 {
     const stp_gl* gl = &r->gl;
-    gl_frame* f = &r->frame;
+    stp_gl_frame* f = &r->frame;
     if (needed <= f->buffer_size) {
         return true;
     }
@@ -91,25 +91,25 @@ static bool make_buffer(gl_renderer* r, uint64_t needed)
 }
 
 /// The first group of each splat command.
-static void put_groups(gl_frame* f, layout* l)
+static void put_groups(stp_gl_frame* f, layout* l)
 {
-    const gl_commands* splats = &f->commands[GL_COMMANDS_SPLATS];
+    const stp_gl_commands* splats = &f->commands[GL_COMMANDS_SPLATS];
     uint32_t* first = (uint32_t*)(void*)((unsigned char*)l->part.memory + l->used);
     f->group_count = 0;
     for (size_t i = 0; i < splats->count; ++i) {
         first[i] = (uint32_t)f->group_count;
-        f->group_count += gl_raster_groups(splats->commands[i].count);
+        f->group_count += stp_gl_raster_groups(splats->commands[i].count);
     }
     assert(f->group_count <= UINT32_MAX && "first groups have 32 bits");
     f->groups_offset = (GLintptr)l->used;
     l->used += round_up(splats->count > 0 ? splats->count * sizeof(uint32_t) : 1);
 }
 
-static void put_commands(gl_frame* f, layout* l)
+static void put_commands(stp_gl_frame* f, layout* l)
 {
     uint32_t counts[GL_COMMAND_KINDS];
     for (int i = 0; i < GL_COMMAND_KINDS; ++i) {
-        gl_commands* c = &f->commands[i];
+        stp_gl_commands* c = &f->commands[i];
         c->offset = put(l, c->commands, c->count * sizeof(*c->commands));
         counts[i] = (uint32_t)c->count;
     }
@@ -119,14 +119,14 @@ static void put_commands(gl_frame* f, layout* l)
     }
 }
 
-stp_result gl_frame_send(gl_renderer* r, const view_block* view)
+stp_result stp_gl_frame_send(stp_gl_renderer* r, const view_block* view)
 {
     const stp_gl* gl = &r->gl;
-    gl_frame* f = &r->frame;
+    stp_gl_frame* f = &r->frame;
     uint64_t needed = measure(f);
     layout l = {.used = 0};
     if (!make_ring(r, needed) || !make_buffer(r, needed) ||
-        !gl_ring_take(gl, &f->ring, needed, &l.part)) {
+        !stp_gl_ring_take(gl, &f->ring, needed, &l.part)) {
         return stp_fail(r->base.context, STP_ERROR_OUT_OF_MEMORY,
                         "gl: not enough graphics memory for a frame's %zu items", f->item_count);
     }
@@ -143,16 +143,16 @@ stp_result gl_frame_send(gl_renderer* r, const view_block* view)
     return STP_OK;
 }
 
-static void bind(const gl_renderer* r, GLuint binding, GLintptr offset, size_t size)
+static void bind(const stp_gl_renderer* r, GLuint binding, GLintptr offset, size_t size)
 {
     r->gl.BindBufferRange(GL_SHADER_STORAGE_BUFFER, binding, r->frame.buffer, offset,
                           (GLsizeiptr)(size > 0 ? size : 16));
 }
 
-void gl_bind_frame(gl_renderer* r)
+void stp_gl_bind_frame(stp_gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
-    const gl_frame* f = &r->frame;
+    const stp_gl_frame* f = &r->frame;
     for (uint32_t i = 0; i < r->pool.page_count; ++i) {
         gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_PAGES + i, r->pool.pages[i]);
     }

@@ -15,13 +15,13 @@ typedef struct octaves_here {
     uint32_t colors; ///< index of the octave that provides the colours
 } octaves_here;
 
-static gl_upload upload_octaves(gl_renderer* r, uint32_t set, uint32_t places, uint32_t colors,
-                                octaves_here* here)
+static stp_gl_upload upload_octaves(stp_gl_renderer* r, uint32_t set, uint32_t places,
+                                    uint32_t colors, octaves_here* here)
 {
-    gl_upload got = GL_UPLOAD_THERE;
+    stp_gl_upload got = GL_UPLOAD_THERE;
     *here = (octaves_here){0};
     while (here->places < places && got == GL_UPLOAD_THERE) {
-        got = gl_upload_octave(r, set, here->places, false, here->places == 0);
+        got = stp_gl_upload_octave(r, set, here->places, false, here->places == 0);
         here->places += got == GL_UPLOAD_THERE ? 1 : 0;
     }
     assert((got != GL_UPLOAD_THERE || here->places == places) && here->places <= places);
@@ -29,22 +29,24 @@ static gl_upload upload_octaves(gl_renderer* r, uint32_t set, uint32_t places, u
         return got;
     }
     // the wanted colours, or the finest resident ones, or at least the coarsest
-    gl_upload coloured = gl_upload_octave(r, set, colors, true, colors == 0);
+    stp_gl_upload coloured = stp_gl_upload_octave(r, set, colors, true, colors == 0);
     here->colors = colors;
     while (coloured != GL_UPLOAD_THERE && coloured != GL_UPLOAD_FAILED && here->colors > 0) {
         here->colors -= 1;
         coloured =
-            here->colors == 0 || gl_pool_has(&r->pool, gl_octave_entry(r, set, here->colors, true))
-                ? gl_upload_octave(r, set, here->colors, true, here->colors == 0)
+            here->colors == 0 ||
+                    stp_gl_pool_has(&r->pool, stp_gl_octave_entry(r, set, here->colors, true))
+                ? stp_gl_upload_octave(r, set, here->colors, true, here->colors == 0)
                 : GL_UPLOAD_LATER;
     }
     return coloured;
 }
 
 /// Extends the box of an item's splats by an octave.
-static void hold_octave(const gl_renderer* r, uint32_t set, uint32_t octave, item_block* item)
+static void hold_octave(const stp_gl_renderer* r, uint32_t set, uint32_t octave, item_block* item)
 {
-    const gl_octave_box* box = &r->entries.boxes[gl_octave_entry(r, set, octave, false) / 2];
+    const stp_gl_octave_box* box =
+        &r->entries.boxes[stp_gl_octave_entry(r, set, octave, false) / 2];
     for (int k = 0; k < 3; ++k) {
         float low = (float)box->low[k], high = (float)box->high[k];
         item->box_low[k] = octave == 0 ? low : stp_min(item->box_low[k], low);
@@ -53,36 +55,37 @@ static void hold_octave(const gl_renderer* r, uint32_t set, uint32_t octave, ite
 }
 
 /// The splats of an octave, up to the end of the item's prefix.
-static gl_splat_chunk find_chunk(const gl_renderer* r, uint32_t set, uint32_t octave,
-                                 const chunk_block* chunk, uint32_t prefix)
+static stp_gl_splat_chunk find_chunk(const stp_gl_renderer* r, uint32_t set, uint32_t octave,
+                                     const chunk_block* chunk, uint32_t prefix)
 {
     assert(chunk->begin < chunk->end && chunk->begin < prefix && "octaves hold splats");
     const stp_splats* known = stp_store_describe_surfels(r->store, set);
-    const gl_octave_box* box = &r->entries.boxes[gl_octave_entry(r, set, octave, false) / 2];
+    const stp_gl_octave_box* box =
+        &r->entries.boxes[stp_gl_octave_entry(r, set, octave, false) / 2];
     uint32_t count = chunk->end - chunk->begin;
     bool shapes = (known->columns & STP_SPLATS_SHAPES) != 0;
-    return (gl_splat_chunk){.begin = chunk->begin,
-                            .end = prefix < chunk->end ? prefix : chunk->end,
-                            .places = chunk->address,
-                            .place_words = 2,
-                            .options = chunk->address + 2 * count + (count + 3) / 4,
-                            .option_words = gl_option_words(known),
-                            .reach = shapes ? stp_shape_radius(box->largest) : 1.0f};
+    return (stp_gl_splat_chunk){.begin = chunk->begin,
+                                .end = prefix < chunk->end ? prefix : chunk->end,
+                                .places = chunk->address,
+                                .place_words = 2,
+                                .options = chunk->address + 2 * count + (count + 3) / 4,
+                                .option_words = stp_gl_option_words(known),
+                                .reach = shapes ? stp_shape_radius(box->largest) : 1.0f};
 }
 
 /// Uploads the meshes whose large triangles follow a set, if they replace any splat of these
 /// octaves.
-static stp_result upload_large(gl_renderer* r, uint32_t index, uint32_t octaves)
+static stp_result upload_large(stp_gl_renderer* r, uint32_t index, uint32_t octaves)
 {
     const stp_draw_item* set = r->frame.placed[index].draw;
     const stp_draw_item *draw = set + 1, *end = r->list->items + r->list->count;
     bool all = false;
     r->frame.beside = false;
     for (uint32_t k = 0; k < octaves && set->beside_triangles; ++k) {
-        all = all || r->entries.boxes[gl_octave_entry(r, set->index, k, false) / 2].replaced;
+        all = all || r->entries.boxes[stp_gl_octave_entry(r, set->index, k, false) / 2].replaced;
     }
     for (; all && draw < end && draw->large; ++draw) {
-        gl_upload got = gl_upload_mesh(r, draw->index);
+        stp_gl_upload got = stp_gl_upload_mesh(r, draw->index);
         r->frame.missing += got != GL_UPLOAD_THERE ? 1 : 0;
         all = got == GL_UPLOAD_THERE;
         if (got == GL_UPLOAD_FAILED) {
@@ -101,7 +104,7 @@ typedef struct set_octaves {
     bool drawn; ///< false: nothing resident yet
 } set_octaves;
 
-static stp_result find_octaves(gl_renderer* r, const stp_draw_item* draw, uint32_t prefix,
+static stp_result find_octaves(stp_gl_renderer* r, const stp_draw_item* draw, uint32_t prefix,
                                set_octaves* found)
 {
     const stp_splats* known = stp_store_describe_surfels(r->store, draw->index);
@@ -110,7 +113,7 @@ static stp_result find_octaves(gl_renderer* r, const stp_draw_item* draw, uint32
     *found = (set_octaves){.choice = stp_placement_choose_octave(known, full)};
     octaves_here* here = &found->here;
     stp_octave_choice* choice = &found->choice;
-    gl_upload got =
+    stp_gl_upload got =
         upload_octaves(r, draw->index, stp_store_octaves_for(known, prefix), choice->octave, here);
     if (got == GL_UPLOAD_FAILED) {
         return r->failure;
@@ -126,7 +129,7 @@ static stp_result find_octaves(gl_renderer* r, const stp_draw_item* draw, uint32
     if (here->colors < choice->octave) { // drawn as a complete earlier octave
         *choice = (stp_octave_choice){.octave = here->colors, .blend = 1.0f};
     } else if (choice->blend < 1.0f && choice->low_count > 0 &&
-               gl_upload_octave(r, draw->index, choice->octave - 1, true, false) !=
+               stp_gl_upload_octave(r, draw->index, choice->octave - 1, true, false) !=
                    GL_UPLOAD_THERE) {
         choice->blend = 1.0f; // until they are resident
         r->frame.missing += 1;
@@ -136,7 +139,7 @@ static stp_result find_octaves(gl_renderer* r, const stp_draw_item* draw, uint32
 
 /// Reduces an item that draws a state of a set to the nearest state in a shorter prefix. Sets
 /// `*prefix` to the state's.
-static stp_result cut_shorter(gl_renderer* r, const stp_draw_item* draw, uint32_t octaves,
+static stp_result cut_shorter(stp_gl_renderer* r, const stp_draw_item* draw, uint32_t octaves,
                               uint32_t* prefix, item_block* item)
 {
     stp_splats got;
@@ -155,10 +158,10 @@ static stp_result cut_shorter(gl_renderer* r, const stp_draw_item* draw, uint32_
 }
 
 /// Sets colours and splat size of an item, and limits its prefix to the drawn part.
-static stp_result begin_item(gl_renderer* r, uint32_t index, const set_octaves* octaves,
+static stp_result begin_item(stp_gl_renderer* r, uint32_t index, const set_octaves* octaves,
                              uint32_t* prefix)
 {
-    gl_placed* placed = &r->frame.placed[index];
+    stp_gl_placed* placed = &r->frame.placed[index];
     const stp_draw_item* draw = placed->draw;
     const stp_splats* known = stp_store_describe_surfels(r->store, draw->index);
     item_block* item = &r->frame.items[index];
@@ -183,48 +186,50 @@ static stp_result begin_item(gl_renderer* r, uint32_t index, const set_octaves* 
     }
     assert(*prefix <= maximum && "resident, with colours");
     item->count = *prefix;
-    item->colors = gl_address(r, gl_octave_entry(r, draw->index, choice.octave, true));
+    item->colors = stp_gl_address(r, stp_gl_octave_entry(r, draw->index, choice.octave, true));
     item->blend = choice.blend;
     if (choice.blend < 1.0f && choice.low_count > 0) {
         item->low_count = choice.low_count;
-        item->low_colors = gl_address(r, gl_octave_entry(r, draw->index, choice.octave - 1, true));
+        item->low_colors =
+            stp_gl_address(r, stp_gl_octave_entry(r, draw->index, choice.octave - 1, true));
     }
     return STP_OK;
 }
 
-static stp_result add_octaves(gl_renderer* r, uint32_t index, uint32_t prefix, uint32_t octaves)
+static stp_result add_octaves(stp_gl_renderer* r, uint32_t index, uint32_t prefix, uint32_t octaves)
 {
     const stp_draw_item* draw = r->frame.placed[index].draw;
     const stp_splats* known = stp_store_describe_surfels(r->store, draw->index);
     item_block* item = &r->frame.items[index];
-    gl_splat_groups groups = {.groups = NULL};
+    stp_gl_splat_groups groups = {.groups = NULL};
     stp_result result = upload_large(r, index, octaves);
-    result = result == STP_OK ? gl_splat_groups_make(r, index, octaves, &groups) : result;
+    result = result == STP_OK ? stp_gl_splat_groups_make(r, index, octaves, &groups) : result;
     if (result != STP_OK) {
         return result;
     }
     item->first_chunk = (uint32_t)r->frame.chunk_count;
     for (uint32_t k = 0, begin = 0; k < octaves && begin < prefix; ++k) {
-        chunk_block* chunk = gl_frame_add_chunk(r, item);
+        chunk_block* chunk = stp_gl_frame_add_chunk(r, item);
         if (chunk == NULL) {
             return stp_fail_memory(r->base.context);
         }
-        *chunk = (chunk_block){.begin = begin,
-                               .end = known->octave_ends[k],
-                               .address = gl_address(r, gl_octave_entry(r, draw->index, k, false))};
+        *chunk = (chunk_block){
+            .begin = begin,
+            .end = known->octave_ends[k],
+            .address = stp_gl_address(r, stp_gl_octave_entry(r, draw->index, k, false))};
         begin = chunk->end;
         hold_octave(r, draw->index, k, item);
-        gl_splat_chunk splats = find_chunk(r, draw->index, k, chunk, prefix);
-        if (!gl_splat_commands_add(r, index, &splats, &groups)) {
+        stp_gl_splat_chunk splats = find_chunk(r, draw->index, k, chunk, prefix);
+        if (!stp_gl_splat_commands_add(r, index, &splats, &groups)) {
             return stp_fail_memory(r->base.context);
         }
     }
     return STP_OK;
 }
 
-stp_result gl_set_item_make(gl_renderer* r, uint32_t index)
+stp_result stp_gl_set_item_make(stp_gl_renderer* r, uint32_t index)
 {
-    gl_placed* placed = &r->frame.placed[index];
+    stp_gl_placed* placed = &r->frame.placed[index];
     const stp_draw_item* draw = placed->draw;
     const stp_splats* known = stp_store_describe_surfels(r->store, draw->index);
     item_block* item = &r->frame.items[index];

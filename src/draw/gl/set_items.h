@@ -6,4 +6,4 @@
 
 /// Makes the item of a set from its resident part, with splats large enough for it.
 /// @return STP_OK, or as uploads and the store's functions; logged
-STP_MUST_USE stp_result gl_set_item_make(gl_renderer* r, uint32_t index);
+STP_MUST_USE stp_result stp_gl_set_item_make(stp_gl_renderer* r, uint32_t index);

@@ -5,12 +5,12 @@
 
 #include <assert.h>
 
-stp_result gl_shade_pass_create(gl_renderer* r)
+stp_result stp_gl_shade_pass_create(stp_gl_renderer* r)
 {
-    gl_shade_pass* pass = &r->shade;
+    stp_gl_shade_pass* pass = &r->shade;
     stp_context* context = r->base.context;
     char defines[256];
-    *pass = (gl_shade_pass){0};
+    *pass = (stp_gl_shade_pass){0};
     r->gl.CreateBuffers(1, &pass->counters);
     r->gl.NamedBufferStorage(pass->counters, GL_COUNTERS * sizeof(uint32_t), NULL,
                              GL_DYNAMIC_STORAGE_BIT);
@@ -18,34 +18,34 @@ stp_result gl_shade_pass_create(gl_renderer* r)
     r->gl.CreateBuffers(1, &pass->copied);
     r->gl.NamedBufferStorage(pass->copied, GL_COUNTERS * sizeof(uint32_t), NULL,
                              GL_CLIENT_STORAGE_BIT);
-    return gl_program_create_compute(context, &r->gl, "shade.comp.glsl",
-                                     gl_page_defines(r, "", defines, sizeof(defines)),
-                                     &pass->shade);
+    return stp_gl_program_create_compute(context, &r->gl, "shade.comp.glsl",
+                                         stp_gl_page_defines(r, "", defines, sizeof(defines)),
+                                         &pass->shade);
 }
 
 /// A program that few pictures use.
-static stp_result need(gl_renderer* r, GLuint* program, const char* name, const char* defines)
+static stp_result need(stp_gl_renderer* r, GLuint* program, const char* name, const char* defines)
 {
     return *program != 0
                ? STP_OK
-               : gl_program_create_compute(r->base.context, &r->gl, name, defines, program);
+               : stp_gl_program_create_compute(r->base.context, &r->gl, name, defines, program);
 }
 
-void gl_shade_pass_destroy(gl_renderer* r)
+void stp_gl_shade_pass_destroy(stp_gl_renderer* r)
 {
-    gl_shade_pass* pass = &r->shade;
+    stp_gl_shade_pass* pass = &r->shade;
     r->gl.DeleteProgram(pass->shade);
     r->gl.DeleteProgram(pass->sums);
     r->gl.DeleteProgram(pass->average);
     r->gl.DeleteProgram(pass->add);
     r->gl.DeleteBuffers(1, &pass->counters);
     r->gl.DeleteBuffers(1, &pass->copied);
-    *pass = (gl_shade_pass){0};
+    *pass = (stp_gl_shade_pass){0};
 }
 
-static void bind_pictures(gl_renderer* r, bool sums)
+static void bind_pictures(stp_gl_renderer* r, bool sums)
 {
-    const gl_target* t = &r->target;
+    const stp_gl_target* t = &r->target;
     r->gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_COUNTERS, r->shade.counters);
     r->gl.BindImageTexture(IMAGE_PICTURE, t->picture, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
     r->gl.BindImageTexture(IMAGE_DEPTH, t->depths, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
@@ -54,19 +54,20 @@ static void bind_pictures(gl_renderer* r, bool sums)
     }
 }
 
-static void finish(gl_renderer* r)
+static void finish(stp_gl_renderer* r)
 {
     r->gl.MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                         GL_TEXTURE_UPDATE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
-stp_result gl_shade_pass_draw(gl_renderer* r, bool sums)
+stp_result stp_gl_shade_pass_draw(stp_gl_renderer* r, bool sums)
 {
     assert((!sums || r->target.sums != 0) && "the target is made for sums");
     char defines[256];
     if (sums) {
-        stp_result result = need(r, &r->shade.sums, "shade.comp.glsl",
-                                 gl_page_defines(r, "#define SUMS\n", defines, sizeof(defines)));
+        stp_result result =
+            need(r, &r->shade.sums, "shade.comp.glsl",
+                 stp_gl_page_defines(r, "#define SUMS\n", defines, sizeof(defines)));
         if (result != STP_OK) {
             return result;
         }
@@ -74,13 +75,14 @@ stp_result gl_shade_pass_draw(gl_renderer* r, bool sums)
     bind_pictures(r, sums);
     r->gl.BindTextureUnit(UNIT_IDS, r->target.ids);
     r->gl.BindTextureUnit(UNIT_NEARNESS, r->target.nearness);
-    gl_filter_pass_bind(r);
-    gl_dispatch_pixels(r, sums ? r->shade.sums : r->shade.shade, r->target.width, r->target.height);
+    stp_gl_filter_pass_bind(r);
+    stp_gl_dispatch_pixels(r, sums ? r->shade.sums : r->shade.shade, r->target.width,
+                           r->target.height);
     finish(r);
     return STP_OK;
 }
 
-stp_result gl_shade_pass_add(gl_renderer* r)
+stp_result stp_gl_shade_pass_add(stp_gl_renderer* r)
 {
     assert(r->target.sums != 0);
     stp_result result = need(r, &r->shade.add, "add.comp.glsl", NULL);
@@ -88,31 +90,31 @@ stp_result gl_shade_pass_add(gl_renderer* r)
         bind_pictures(r, true);
         r->gl.BindImageTexture(IMAGE_PICTURE, r->target.picture, 0, GL_FALSE, 0, GL_READ_ONLY,
                                GL_RGBA8);
-        gl_dispatch_pixels(r, r->shade.add, r->target.width, r->target.height);
+        stp_gl_dispatch_pixels(r, r->shade.add, r->target.width, r->target.height);
         finish(r);
     }
     return result;
 }
 
-stp_result gl_shade_pass_average(gl_renderer* r)
+stp_result stp_gl_shade_pass_average(stp_gl_renderer* r)
 {
     assert(r->target.sums != 0);
     stp_result result = need(r, &r->shade.average, "average.comp.glsl", NULL);
     if (result == STP_OK) {
         bind_pictures(r, true);
-        gl_dispatch_pixels(r, r->shade.average, r->target.width, r->target.height);
+        stp_gl_dispatch_pixels(r, r->shade.average, r->target.width, r->target.height);
         finish(r);
     }
     return result;
 }
 
-void gl_shade_pass_clear(gl_renderer* r)
+void stp_gl_shade_pass_clear(stp_gl_renderer* r)
 {
     const uint32_t none[GL_COUNTERS] = {0};
     r->gl.NamedBufferSubData(r->shade.counters, 0, sizeof(none), none);
 }
 
-uint32_t gl_shade_pass_read(gl_renderer* r, gl_counter counter)
+uint32_t stp_gl_shade_pass_read(stp_gl_renderer* r, stp_gl_counter counter)
 {
     assert(counter < GL_COUNTERS);
     const stp_gl* gl = &r->gl;

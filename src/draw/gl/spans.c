@@ -3,10 +3,10 @@
 
 #include <assert.h>
 
-void gl_spans_destroy(gl_spans* spans)
+void stp_gl_spans_destroy(stp_gl_spans* spans)
 {
     stp_free(spans->context, spans->spans);
-    *spans = (gl_spans){.context = spans->context};
+    *spans = (stp_gl_spans){.context = spans->context};
 }
 
 /// List of free spans for a size.
@@ -19,7 +19,7 @@ static uint32_t list_of(uint32_t count)
 }
 
 /// Takes an unused entry. @return SPANS_NONE if out of memory
-static uint32_t make_entry(gl_spans* s)
+static uint32_t make_entry(stp_gl_spans* s)
 {
     if (s->unused != 0) {
         uint32_t entry = s->unused - 1;
@@ -27,7 +27,7 @@ static uint32_t make_entry(gl_spans* s)
         return entry;
     }
     if (s->count == s->capacity) {
-        gl_span* grown =
+        stp_gl_span* grown =
             stp_grow_array(s->context, s->spans, &s->capacity, s->count + 1, sizeof(*grown));
         if (grown == NULL) {
             return SPANS_NONE;
@@ -37,15 +37,15 @@ static uint32_t make_entry(gl_spans* s)
     return (uint32_t)s->count++;
 }
 
-static void drop_entry(gl_spans* s, uint32_t entry)
+static void drop_entry(stp_gl_spans* s, uint32_t entry)
 {
     s->spans[entry].next = s->unused;
     s->unused = entry + 1;
 }
 
-static void put_in_list(gl_spans* s, uint32_t entry)
+static void put_in_list(stp_gl_spans* s, uint32_t entry)
 {
-    gl_span* span = &s->spans[entry];
+    stp_gl_span* span = &s->spans[entry];
     assert(!span->is_free && "in one list at most");
     uint32_t list = list_of(span->count);
     span->is_free = true;
@@ -59,9 +59,9 @@ static void put_in_list(gl_spans* s, uint32_t entry)
     s->sublists[list / SPANS_SUBLISTS] |= (uint8_t)(1u << (list % SPANS_SUBLISTS));
 }
 
-static void take_from_list(gl_spans* s, uint32_t entry)
+static void take_from_list(stp_gl_spans* s, uint32_t entry)
 {
-    gl_span* span = &s->spans[entry];
+    stp_gl_span* span = &s->spans[entry];
     uint32_t list = list_of(span->count), doubling = list / SPANS_SUBLISTS;
     assert(span->is_free && s->heads[list] != 0 && "it is in the list of its size");
     span->is_free = false;
@@ -79,7 +79,7 @@ static void take_from_list(gl_spans* s, uint32_t entry)
     }
 }
 
-bool gl_spans_add_region(gl_spans* spans, uint32_t first, uint32_t count)
+bool stp_gl_spans_add_region(stp_gl_spans* spans, uint32_t first, uint32_t count)
 {
     assert(first % SPANS_UNIT == 0 && count % SPANS_UNIT == 0 && count > 0);
     uint32_t entry = make_entry(spans);
@@ -87,14 +87,14 @@ bool gl_spans_add_region(gl_spans* spans, uint32_t first, uint32_t count)
         return false;
     }
     spans->spans[entry] =
-        (gl_span){.first = first, .count = count, .before = SPANS_NONE, .after = SPANS_NONE};
+        (stp_gl_span){.first = first, .count = count, .before = SPANS_NONE, .after = SPANS_NONE};
     put_in_list(spans, entry);
     spans->total += count;
     return true;
 }
 
 /// A free span of a list above `list`: every span there is larger than all spans of `list`.
-static uint32_t find_beyond(const gl_spans* s, uint32_t list)
+static uint32_t find_beyond(const stp_gl_spans* s, uint32_t list)
 {
     uint32_t doubling = list / SPANS_SUBLISTS, within = list % SPANS_SUBLISTS;
     uint32_t sublists = s->sublists[doubling] & ~((2u << within) - 1u);
@@ -109,7 +109,7 @@ static uint32_t find_beyond(const gl_spans* s, uint32_t list)
     return s->heads[doubling * SPANS_SUBLISTS + (uint32_t)__builtin_ctz(sublists)] - 1;
 }
 
-static uint32_t find_free(const gl_spans* s, uint32_t count)
+static uint32_t find_free(const stp_gl_spans* s, uint32_t count)
 {
     uint32_t list = list_of(count);
     uint32_t head = s->heads[list];
@@ -126,9 +126,9 @@ static uint32_t find_free(const gl_spans* s, uint32_t count)
     return found;
 }
 
-uint32_t gl_spans_take(gl_spans* spans, uint32_t count)
+uint32_t stp_gl_spans_take(stp_gl_spans* spans, uint32_t count)
 {
-    uint64_t rounded = gl_spans_round(count);
+    uint64_t rounded = stp_gl_spans_round(count);
     if (count == 0 || rounded > UINT32_MAX) {
         return SPANS_NONE;
     }
@@ -143,11 +143,11 @@ uint32_t gl_spans_take(gl_spans* spans, uint32_t count)
             return SPANS_NONE;
         }
         take_from_list(spans, found);
-        gl_span* span = &spans->spans[found];
-        spans->spans[rest] = (gl_span){.first = span->first + count,
-                                       .count = span->count - count,
-                                       .before = found,
-                                       .after = span->after};
+        stp_gl_span* span = &spans->spans[found];
+        spans->spans[rest] = (stp_gl_span){.first = span->first + count,
+                                           .count = span->count - count,
+                                           .before = found,
+                                           .after = span->after};
         if (span->after != SPANS_NONE) {
             spans->spans[span->after].before = rest;
         }
@@ -164,9 +164,9 @@ uint32_t gl_spans_take(gl_spans* spans, uint32_t count)
 }
 
 /// Merges two neighbouring spans; removes `second`.
-static void join(gl_spans* s, uint32_t first, uint32_t second)
+static void join(stp_gl_spans* s, uint32_t first, uint32_t second)
 {
-    gl_span *a = &s->spans[first], *b = &s->spans[second];
+    stp_gl_span *a = &s->spans[first], *b = &s->spans[second];
     assert(a->after == second && b->before == first && a->first + a->count == b->first);
     a->count += b->count;
     a->after = b->after;
@@ -176,9 +176,9 @@ static void join(gl_spans* s, uint32_t first, uint32_t second)
     drop_entry(s, second);
 }
 
-void gl_spans_release(gl_spans* spans, uint32_t span)
+void stp_gl_spans_release(stp_gl_spans* spans, uint32_t span)
 {
-    gl_span* given = &spans->spans[span];
+    stp_gl_span* given = &spans->spans[span];
     assert(!given->is_free && "given back twice");
     assert(given->count <= spans->used);
     spans->used -= given->count;

@@ -17,14 +17,14 @@ enum {
     REPEATS = 3,
 };
 
-const float gl_splat_sizes[SPLAT_SIZES] = {1.0f, 3.0f, 8.0f};
+const float stp_gl_splat_sizes[SPLAT_SIZES] = {1.0f, 3.0f, 8.0f};
 
 /// Synthetic splats all over the picture, in a separate buffer.
 typedef struct made_splats {
     GLuint buffer;
     uint32_t count, commands;
     GLintptr items, records, end; ///< the page's words come first
-    gl_splat_source source;
+    stp_gl_splat_source source;
 } made_splats;
 
 static GLintptr round_up(size_t offset)
@@ -40,11 +40,11 @@ static void lay_out(made_splats* s)
     s->records = round_up((size_t)s->items + sizeof(item_block));
     s->source.offset = round_up((size_t)s->records + s->commands * sizeof(record_block));
     s->source.count_offset =
-        round_up((size_t)s->source.offset + s->commands * sizeof(struct gl_command));
+        round_up((size_t)s->source.offset + s->commands * sizeof(struct stp_gl_command));
     s->source.groups_offset = round_up((size_t)s->source.count_offset + sizeof(uint32_t));
     s->end = round_up((size_t)s->source.groups_offset + s->commands * sizeof(uint32_t));
     s->source.count = s->commands;
-    s->source.groups = gl_raster_groups(s->count);
+    s->source.groups = stp_gl_raster_groups(s->count);
 }
 
 static void fill(const made_splats* s, unsigned char* memory)
@@ -57,7 +57,7 @@ static void fill(const made_splats* s, unsigned char* memory)
         words[2 * s->count + i] = 0xFF808080u;
     }
     record_block* records = (record_block*)(void*)(memory + s->records);
-    struct gl_command* commands = (struct gl_command*)(void*)(memory + s->source.offset);
+    struct stp_gl_command* commands = (struct stp_gl_command*)(void*)(memory + s->source.offset);
     uint32_t* groups = (uint32_t*)(void*)(memory + s->source.groups_offset);
     for (uint32_t i = 0; i < s->commands; ++i) {
         uint32_t first = i * COMMAND_SPLATS;
@@ -66,13 +66,13 @@ static void fill(const made_splats* s, unsigned char* memory)
                                     .share = 1.0f,
                                     .nearest = -HUGE_VALF,
                                     .farthest = HUGE_VALF};
-        commands[i] = (struct gl_command){COMMAND_SPLATS, 1, 0, i};
-        groups[i] = (uint32_t)gl_raster_groups(first);
+        commands[i] = (struct stp_gl_command){COMMAND_SPLATS, 1, 0, i};
+        groups[i] = (uint32_t)stp_gl_raster_groups(first);
     }
     memcpy(memory + s->source.count_offset, &s->commands, sizeof(s->commands));
 }
 
-static stp_result make_splats(gl_renderer* r, made_splats* s)
+static stp_result make_splats(stp_gl_renderer* r, made_splats* s)
 {
     const stp_gl* gl = &r->gl;
     *s = (made_splats){.count = r->is_software ? SOFTWARE_SPLATS : HARDWARE_SPLATS};
@@ -89,7 +89,7 @@ static stp_result make_splats(gl_renderer* r, made_splats* s)
     return STP_OK;
 }
 
-static void set_size(const gl_renderer* r, const made_splats* s, float size)
+static void set_size(const stp_gl_renderer* r, const made_splats* s, float size)
 {
     float width = (float)r->target.width, height = (float)r->target.height;
     item_block item = {.kind = KIND_SURFELS,
@@ -113,10 +113,10 @@ static void set_size(const gl_renderer* r, const made_splats* s, float size)
     r->gl.NamedBufferSubData(s->buffer, s->items, sizeof(item), &item);
 }
 
-static void bind_splats(gl_renderer* r, const made_splats* s)
+static void bind_splats(stp_gl_renderer* r, const made_splats* s)
 {
     const stp_gl* gl = &r->gl;
-    gl_bind_frame(r);
+    stp_gl_bind_frame(r);
     gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, BINDING_PAGES, s->buffer, 0, s->items);
     gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, BINDING_ITEMS, s->buffer, s->items,
                         sizeof(item_block));
@@ -124,14 +124,15 @@ static void bind_splats(gl_renderer* r, const made_splats* s)
                         s->commands * (GLsizeiptr)sizeof(record_block));
 }
 
-static stp_result draw_path(gl_renderer* r, stp_gl_splats way, const gl_splat_source* source)
+static stp_result draw_path(stp_gl_renderer* r, stp_gl_splats way,
+                            const stp_gl_splat_source* source)
 {
     stp_result result = STP_OK;
     if (way == STP_GL_SPLATS_POINTS) {
-        result = gl_splat_pass_points(r, source, r->splats.points);
+        result = stp_gl_splat_pass_points(r, source, r->splats.points);
     } else {
-        result = gl_raster_pass_draw(r, source);
-        gl_set_visible_state(r);
+        result = stp_gl_raster_pass_draw(r, source);
+        stp_gl_set_visible_state(r);
     }
     return result;
 }
@@ -149,7 +150,7 @@ static void finish(const stp_gl* gl)
 
 /// Time stamp in nanoseconds. A software renderer may rasterise after its own time stamps: there,
 /// waits for completion and reads the CPU clock.
-static double read_time(const gl_renderer* r, GLuint query)
+static double read_time(const stp_gl_renderer* r, GLuint query)
 {
     GLuint64 now = 0;
     if (r->is_software) {
@@ -161,8 +162,9 @@ static double read_time(const gl_renderer* r, GLuint query)
 }
 
 /// Minimum of several runs in nanoseconds, after a warm-up.
-static stp_result time_path(gl_renderer* r, stp_gl_splats way, const gl_splat_source* source,
-                            const GLuint queries[2], double* best)
+static stp_result time_path(stp_gl_renderer* r, stp_gl_splats way,
+                            const stp_gl_splat_source* source, const GLuint queries[2],
+                            double* best)
 {
     const stp_gl* gl = &r->gl;
     const GLfloat far = 0.0f;
@@ -172,7 +174,7 @@ static stp_result time_path(gl_renderer* r, stp_gl_splats way, const gl_splat_so
         gl->ClearNamedFramebufferfv(r->target.framebuffer, GL_DEPTH, 0, &far);
         double begin = r->is_software ? read_time(r, 0) : 0.0;
         gl->QueryCounter(queries[0], GL_TIMESTAMP);
-        gl_splat_pass_begin(r);
+        stp_gl_splat_pass_begin(r);
         result = draw_path(r, way, source);
         gl->QueryCounter(queries[1], GL_TIMESTAMP);
         begin = r->is_software ? begin : read_time(r, queries[0]);
@@ -182,22 +184,22 @@ static stp_result time_path(gl_renderer* r, stp_gl_splats way, const gl_splat_so
     return result;
 }
 
-static stp_result measure_path(gl_renderer* r, stp_gl_splats way, const made_splats* s,
+static stp_result measure_path(stp_gl_renderer* r, stp_gl_splats way, const made_splats* s,
                                const GLuint queries[2])
 {
-    gl_splat_choice* c = &r->splat_choice;
+    stp_gl_splat_choice* c = &r->splat_choice;
     int at = (int)way - 1;
     assert(at >= 0 && at < SPLAT_WAYS && "automatic is no path");
     stp_result result = STP_OK;
     if (way != STP_GL_SPLATS_POINTS) {
-        gl_splat_source nothing = s->source;
+        stp_gl_splat_source nothing = s->source;
         nothing.groups = 0;
         bind_splats(r, s);
         result = time_path(r, way, &nothing, queries, &c->fixed_ns[at]);
     }
     for (int i = 0; i < SPLAT_SIZES && result == STP_OK; ++i) {
         double all = 0.0;
-        set_size(r, s, gl_splat_sizes[i]);
+        set_size(r, s, stp_gl_splat_sizes[i]);
         bind_splats(r, s);
         result = time_path(r, way, &s->source, queries, &all);
         // nothing is free
@@ -206,9 +208,9 @@ static stp_result measure_path(gl_renderer* r, stp_gl_splats way, const made_spl
     return result;
 }
 
-stp_result gl_splat_choice_measure(gl_renderer* r)
+stp_result stp_gl_splat_choice_measure(stp_gl_renderer* r)
 {
-    gl_splat_choice* c = &r->splat_choice;
+    stp_gl_splat_choice* c = &r->splat_choice;
     const stp_gl* gl = &r->gl;
     made_splats splats;
     GLuint queries[2];
@@ -222,7 +224,7 @@ stp_result gl_splat_choice_measure(gl_renderer* r)
         return result;
     }
     gl->CreateQueries(GL_TIMESTAMP, 2, queries);
-    gl_set_visible_state(r);
+    stp_gl_set_visible_state(r);
     for (int way = STP_GL_SPLATS_POINTS; way <= STP_GL_SPLATS_COMPUTE && result == STP_OK; ++way) {
         result = measure_path(r, (stp_gl_splats)way, &splats, queries);
     }
@@ -239,19 +241,19 @@ stp_result gl_splat_choice_measure(gl_renderer* r)
 static double price(const double* splat_ns, float size)
 {
     int i = 0;
-    while (i + 2 < SPLAT_SIZES && size > gl_splat_sizes[i + 1]) {
+    while (i + 2 < SPLAT_SIZES && size > stp_gl_splat_sizes[i + 1]) {
         i += 1;
     }
-    assert(i + 1 < SPLAT_SIZES && gl_splat_sizes[i] < gl_splat_sizes[i + 1]);
-    double part = ((double)size - (double)gl_splat_sizes[i]) /
-                  ((double)gl_splat_sizes[i + 1] - (double)gl_splat_sizes[i]);
+    assert(i + 1 < SPLAT_SIZES && stp_gl_splat_sizes[i] < stp_gl_splat_sizes[i + 1]);
+    double part = ((double)size - (double)stp_gl_splat_sizes[i]) /
+                  ((double)stp_gl_splat_sizes[i + 1] - (double)stp_gl_splat_sizes[i]);
     part = fmin(fmax(part, 0.0), 1.0);
     return splat_ns[i] + part * (splat_ns[i + 1] - splat_ns[i]);
 }
 
-stp_gl_splats gl_splat_choice_find(const gl_renderer* r, uint64_t splats, float size)
+stp_gl_splats stp_gl_splat_choice_find(const stp_gl_renderer* r, uint64_t splats, float size)
 {
-    const gl_splat_choice* c = &r->splat_choice;
+    const stp_gl_splat_choice* c = &r->splat_choice;
     if (c->wanted != STP_GL_SPLATS_AUTO || !c->measured) {
         return c->wanted != STP_GL_SPLATS_AUTO ? c->wanted : STP_GL_SPLATS_POINTS;
     }
@@ -270,22 +272,22 @@ stp_gl_splats gl_splat_choice_find(const gl_renderer* r, uint64_t splats, float 
     return best;
 }
 
-bool gl_splat_source_find(const gl_renderer* r, gl_splat_source* source)
+bool stp_gl_splat_source_find(const stp_gl_renderer* r, stp_gl_splat_source* source)
 {
-    const gl_commands* commands = &r->frame.commands[GL_COMMANDS_SPLATS];
-    *source = (gl_splat_source){.buffer = r->frame.buffer,
-                                .offset = commands->offset,
-                                .count_offset = commands->count_offset,
-                                .groups_offset = r->frame.groups_offset,
-                                .groups = r->frame.group_count,
-                                .count = (uint32_t)commands->count};
+    const stp_gl_commands* commands = &r->frame.commands[GL_COMMANDS_SPLATS];
+    *source = (stp_gl_splat_source){.buffer = r->frame.buffer,
+                                    .offset = commands->offset,
+                                    .count_offset = commands->count_offset,
+                                    .groups_offset = r->frame.groups_offset,
+                                    .groups = r->frame.group_count,
+                                    .count = (uint32_t)commands->count};
     return commands->count > 0;
 }
 
-stp_result gl_splat_choice_draw(gl_renderer* r, bool late)
+stp_result stp_gl_splat_choice_draw(stp_gl_renderer* r, bool late)
 {
-    gl_splat_choice* c = &r->splat_choice;
-    if (!late && !gl_splat_source_find(r, &c->source)) {
+    stp_gl_splat_choice* c = &r->splat_choice;
+    if (!late && !stp_gl_splat_source_find(r, &c->source)) {
         c->source.count = 0;
     }
     if (c->source.count == 0) {
@@ -294,36 +296,36 @@ stp_result gl_splat_choice_draw(gl_renderer* r, bool late)
     stp_result result = STP_OK;
     if (!late) {
         float scale = r->style->splat_scale > 0.0f ? r->style->splat_scale : 1.0f;
-        c->used = gl_splat_choice_find(r, r->list->splat_count, r->list->splat_size * scale);
-        gl_splat_pass_begin(r);
+        c->used = stp_gl_splat_choice_find(r, r->list->splat_count, r->list->splat_size * scale);
+        stp_gl_splat_pass_begin(r);
     }
     // the second pass is small, and an undrawn point costs less than a group that draws nothing
     stp_gl_splats way = late ? STP_GL_SPLATS_POINTS : c->used;
     result = result == STP_OK ? draw_path(r, way, &c->source) : result;
-    gl_bind_frame(r);
+    stp_gl_bind_frame(r);
     return result;
 }
 
-void gl_splat_choice_draw_large(gl_renderer* r)
+void stp_gl_splat_choice_draw_large(stp_gl_renderer* r)
 {
     if (r->splat_choice.source.count > 0) {
-        gl_splat_pass_large(r, r->splats.large);
-        gl_bind_frame(r);
+        stp_gl_splat_pass_large(r, r->splats.large);
+        stp_gl_bind_frame(r);
     }
 }
 
 void stp_draw_gl_set_splats(stp_renderer* renderer, stp_gl_splats splats)
 {
-    ((gl_renderer*)renderer)->splat_choice.wanted = splats;
+    ((stp_gl_renderer*)renderer)->splat_choice.wanted = splats;
 }
 
 _Static_assert((int)SPLAT_SIZES == (int)STP_GL_SPLAT_SIZES, "sizes reported to the caller");
 
 stp_draw_gl_speed stp_draw_gl_get_speed(const stp_renderer* renderer)
 {
-    const gl_splat_choice* c = &((const gl_renderer*)renderer)->splat_choice;
+    const stp_gl_splat_choice* c = &((const stp_gl_renderer*)renderer)->splat_choice;
     stp_draw_gl_speed speed = {.sizes = {0}};
-    memcpy(speed.sizes, gl_splat_sizes, sizeof(speed.sizes));
+    memcpy(speed.sizes, stp_gl_splat_sizes, sizeof(speed.sizes));
     memcpy(speed.splat_ns, c->splat_ns, sizeof(speed.splat_ns));
     memcpy(speed.fixed_ns, c->fixed_ns, sizeof(speed.fixed_ns));
     return speed;

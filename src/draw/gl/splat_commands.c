@@ -12,13 +12,13 @@ enum {
 // Samples are shifted by up to half a pixel, and filters widen splats by about one pixel.
 static const float margin_px = 2.0f;
 
-stp_result gl_splat_groups_make(gl_renderer* r, uint32_t index, uint32_t octaves,
-                                gl_splat_groups* groups)
+stp_result stp_gl_splat_groups_make(stp_gl_renderer* r, uint32_t index, uint32_t octaves,
+                                    stp_gl_splat_groups* groups)
 {
     assert(octaves > 0 && index < r->list->count);
-    const gl_placed* placed = &r->frame.placed[index];
+    const stp_gl_placed* placed = &r->frame.placed[index];
     const stp_draw_item* draw = placed->draw;
-    *groups = (gl_splat_groups){.groups = NULL};
+    *groups = (stp_gl_splat_groups){.groups = NULL};
     const stp_splats* known = stp_store_describe_surfels(r->store, draw->index);
     if ((known->columns & STP_SPLATS_RANGES) == 0 || r->keeps_groups) {
         return STP_OK;
@@ -51,7 +51,7 @@ typedef struct splat_range {
     uint32_t begin, end;
 } splat_range;
 
-static bool is_dropped(const gl_splat_groups* groups, uint32_t group)
+static bool is_dropped(const stp_gl_splat_groups* groups, uint32_t group)
 {
     if (group >= groups->count) {
         return false;
@@ -63,7 +63,7 @@ static bool is_dropped(const gl_splat_groups* groups, uint32_t group)
 
 /// First part of a range that one command draws. Includes short runs of invisible groups. @return
 /// false if nothing is drawn
-static bool find_part(const gl_splat_groups* groups, splat_range range, splat_range* part)
+static bool find_part(const stp_gl_splat_groups* groups, splat_range range, splat_range* part)
 {
     *part = range;
     if (groups == NULL || groups->groups == NULL || range.begin == range.end) {
@@ -84,13 +84,13 @@ static bool find_part(const gl_splat_groups* groups, splat_range range, splat_ra
     return group < end;
 }
 
-static bool add_command(gl_renderer* r, uint32_t index, const gl_splat_chunk* chunk,
+static bool add_command(stp_gl_renderer* r, uint32_t index, const stp_gl_splat_chunk* chunk,
                         splat_range range, const stp_draw_run* run)
 {
     assert(chunk->begin <= range.begin && range.begin < range.end && range.end <= chunk->end);
     const stp_draw_item* draw = r->frame.placed[index].draw;
     uint32_t count = range.end - range.begin, before = range.begin - chunk->begin;
-    record_block* record = gl_frame_add_command(r, GL_COMMANDS_SPLATS, count);
+    record_block* record = stp_gl_frame_add_command(r, GL_COMMANDS_SPLATS, count);
     if (record == NULL) {
         return false;
     }
@@ -104,11 +104,11 @@ static bool add_command(gl_renderer* r, uint32_t index, const gl_splat_chunk* ch
         record->farthest = run->farthest;
     }
     return draw->kind != STP_DRAW_SURFELS || !r->layer_pass.active || !r->layer_pass.of_splats ||
-           gl_frame_repeat_command(r, GL_COMMANDS_GLASS_SPLATS, count);
+           stp_gl_frame_repeat_command(r, GL_COMMANDS_GLASS_SPLATS, count);
 }
 
-bool gl_splat_commands_add(gl_renderer* r, uint32_t index, const gl_splat_chunk* chunk,
-                           const gl_splat_groups* groups)
+bool stp_gl_splat_commands_add(stp_gl_renderer* r, uint32_t index, const stp_gl_splat_chunk* chunk,
+                               const stp_gl_splat_groups* groups)
 {
     const stp_draw_item* draw = r->frame.placed[index].draw;
     const stp_draw_run* runs = draw->run_count > 0 ? r->list->runs + draw->first_run : NULL;

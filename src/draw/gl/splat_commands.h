@@ -7,26 +7,27 @@
 #include "raster/splat_groups.h"
 
 /// The groups of an item in a view.
-typedef struct gl_splat_groups {
+typedef struct stp_gl_splat_groups {
     const stp_splat_group* groups; ///< NULL: all splats are drawn
     uint32_t count;                ///< splats beyond these groups are always drawn
     stp_raster_groups view;
     bool beside; ///< omits splats that large triangles replace
-} gl_splat_groups;
+} stp_gl_splat_groups;
 
 /// Groups of a placed surfel item, of which `octaves` are drawn.
 /// @return STP_OK, or as stp_store_get_surfels_prefix
-STP_MUST_USE stp_result gl_splat_groups_make(gl_renderer* r, uint32_t index, uint32_t octaves,
-                                             gl_splat_groups* groups);
+STP_MUST_USE stp_result stp_gl_splat_groups_make(stp_gl_renderer* r, uint32_t index,
+                                                 uint32_t octaves, stp_gl_splat_groups* groups);
 
 /// Consecutive splats of an item in the pool.
-typedef struct gl_splat_chunk {
+typedef struct stp_gl_splat_chunk {
     uint32_t begin, end;            ///< index in the item
     uint32_t places, place_words;   ///< address of the first, and words per splat
     uint32_t options, option_words; ///< the same for shapes and ranges
     float reach;                    ///< maximum radius, relative to the item's
-} gl_splat_chunk;
+} stp_gl_splat_chunk;
 
 /// Adds commands for a chunk. `groups`: NULL, or the item's. @return false if out of memory
-STP_MUST_USE bool gl_splat_commands_add(gl_renderer* r, uint32_t index, const gl_splat_chunk* chunk,
-                                        const gl_splat_groups* groups);
+STP_MUST_USE bool stp_gl_splat_commands_add(stp_gl_renderer* r, uint32_t index,
+                                            const stp_gl_splat_chunk* chunk,
+                                            const stp_gl_splat_groups* groups);

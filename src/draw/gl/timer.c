@@ -3,30 +3,30 @@
 
 #include <assert.h>
 
-void gl_timer_create(const stp_gl* gl, gl_timer* timer)
+void stp_gl_timer_create(const stp_gl* gl, stp_gl_timer* timer)
 {
-    *timer = (gl_timer){0};
+    *timer = (stp_gl_timer){0};
     for (int i = 0; i < TIMER_FRAMES; ++i) {
         gl->CreateQueries(GL_TIMESTAMP, GL_TIMER_POINTS, timer->queries[i]);
     }
     gl->CreateQueries(GL_SAMPLES_PASSED, TIMER_FRAMES, timer->samples);
 }
 
-void gl_timer_destroy(const stp_gl* gl, gl_timer* timer)
+void stp_gl_timer_destroy(const stp_gl* gl, stp_gl_timer* timer)
 {
     gl->DeleteQueries(TIMER_FRAMES * GL_TIMER_POINTS, timer->queries[0]);
     gl->DeleteQueries(TIMER_FRAMES, timer->samples);
-    *timer = (gl_timer){0};
+    *timer = (stp_gl_timer){0};
 }
 
-static uint32_t now_at(const gl_timer* timer)
+static uint32_t now_at(const stp_gl_timer* timer)
 {
     return (timer->first + timer->count) % TIMER_FRAMES;
 }
 
-bool gl_timer_begin(const stp_gl* gl, gl_timer* timer)
+bool stp_gl_timer_begin(const stp_gl* gl, stp_gl_timer* timer)
 {
-    gl_timer_read(gl, timer, false);
+    stp_gl_timer_read(gl, timer, false);
     if (timer->count == TIMER_FRAMES) {
         return false;
     }
@@ -35,7 +35,7 @@ bool gl_timer_begin(const stp_gl* gl, gl_timer* timer)
     return true;
 }
 
-void gl_timer_mark(const stp_gl* gl, const gl_timer* timer, gl_timer_point point)
+void stp_gl_timer_mark(const stp_gl* gl, const stp_gl_timer* timer, stp_gl_timer_point point)
 {
     assert(timer->count < TIMER_FRAMES && point != GL_TIMER_BEGIN && "a frame was begun");
     if (point == GL_TIMER_DRAWN) {
@@ -44,13 +44,13 @@ void gl_timer_mark(const stp_gl* gl, const gl_timer* timer, gl_timer_point point
     gl->QueryCounter(timer->queries[now_at(timer)][point], GL_TIMESTAMP);
 }
 
-void gl_timer_end(const stp_gl* gl, gl_timer* timer)
+void stp_gl_timer_end(const stp_gl* gl, stp_gl_timer* timer)
 {
-    gl_timer_mark(gl, timer, GL_TIMER_SHADED);
+    stp_gl_timer_mark(gl, timer, GL_TIMER_SHADED);
     timer->count += 1;
 }
 
-void gl_timer_read(const stp_gl* gl, gl_timer* timer, bool wait)
+void stp_gl_timer_read(const stp_gl* gl, stp_gl_timer* timer, bool wait)
 {
     while (timer->count > 0) {
         const GLuint* queries = timer->queries[timer->first];

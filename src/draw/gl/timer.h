@@ -5,31 +5,31 @@
 
 #include "draw/gl/gl.h"
 
-typedef enum gl_timer_point {
+typedef enum stp_gl_timer_point {
     GL_TIMER_BEGIN,
     GL_TIMER_DRAWN,
     GL_TIMER_SHADED,
     GL_TIMER_POINTS
-} gl_timer_point;
+} stp_gl_timer_point;
 
 enum { TIMER_FRAMES = 6 };
 
 /// Zero-initialize it.
-typedef struct gl_timer {
+typedef struct stp_gl_timer {
     GLuint queries[TIMER_FRAMES][GL_TIMER_POINTS];
     GLuint samples[TIMER_FRAMES]; ///< pixels written to the visibility buffer
     uint32_t first, count;        ///< frames with pending queries
     bool known;                   ///< times are valid
     double draw_ms, shade_ms;     ///< times of the last completed frame
     uint64_t fragments;
-} gl_timer;
+} stp_gl_timer;
 
-void gl_timer_create(const stp_gl* gl, gl_timer* timer);
-void gl_timer_destroy(const stp_gl* gl, gl_timer* timer);
+void stp_gl_timer_create(const stp_gl* gl, stp_gl_timer* timer);
+void stp_gl_timer_destroy(const stp_gl* gl, stp_gl_timer* timer);
 /// Starts timing a frame. Skips the frame if too many queries are pending.
 /// @return whether it is timed
-bool gl_timer_begin(const stp_gl* gl, gl_timer* timer);
-void gl_timer_mark(const stp_gl* gl, const gl_timer* timer, gl_timer_point point);
-void gl_timer_end(const stp_gl* gl, gl_timer* timer);
+bool stp_gl_timer_begin(const stp_gl* gl, stp_gl_timer* timer);
+void stp_gl_timer_mark(const stp_gl* gl, const stp_gl_timer* timer, stp_gl_timer_point point);
+void stp_gl_timer_end(const stp_gl* gl, stp_gl_timer* timer);
 /// Collects finished queries; `wait`: waits for all.
-void gl_timer_read(const stp_gl* gl, gl_timer* timer, bool wait);
+void stp_gl_timer_read(const stp_gl* gl, stp_gl_timer* timer, bool wait);

@@ -16,10 +16,10 @@ static uint32_t point_chunks(const stp_store_point_set* points)
     return (uint32_t)(((uint64_t)points->point_count + UPLOAD_POINTS - 1) / UPLOAD_POINTS);
 }
 
-stp_result gl_entries_create(gl_renderer* r)
+stp_result stp_gl_entries_create(stp_gl_renderer* r)
 {
     const stp_store_directory* d = r->directory;
-    gl_entries* entries = &r->entries;
+    stp_gl_entries* entries = &r->entries;
     entries->sets = STP_NEW_ARRAY(r->base.context, uint32_t, (size_t)d->surfels_count + 1);
     entries->point_sets = STP_NEW_ARRAY(r->base.context, uint32_t, (size_t)d->point_set_count + 1);
     if (entries->sets == NULL || entries->point_sets == NULL) {
@@ -42,40 +42,41 @@ stp_result gl_entries_create(gl_renderer* r)
         return stp_fail(r->base.context, STP_ERROR_LIMIT, "gl: the scene has too many parts");
     }
     entries->count = (uint32_t)count;
-    entries->boxes = STP_NEW_ARRAY(r->base.context, gl_octave_box, (size_t)entries->meshes / 2 + 1);
+    entries->boxes =
+        STP_NEW_ARRAY(r->base.context, stp_gl_octave_box, (size_t)entries->meshes / 2 + 1);
     return entries->boxes != NULL ? STP_OK : stp_fail_memory(r->base.context);
 }
 
-void gl_entries_destroy(gl_renderer* r)
+void stp_gl_entries_destroy(stp_gl_renderer* r)
 {
     stp_free(r->base.context, r->entries.sets);
     stp_free(r->base.context, r->entries.point_sets);
     stp_free(r->base.context, r->entries.boxes);
 }
 
-gl_writer gl_writer_begin(gl_renderer* r, uint32_t entry, uint64_t words)
+stp_gl_writer stp_gl_writer_begin(stp_gl_renderer* r, uint32_t entry, uint64_t words)
 {
-    assert(gl_pool_has(&r->pool, entry) && "room was taken first");
-    return (gl_writer){.pool = &r->pool, .address = gl_address(r, entry), .left = words};
+    assert(stp_gl_pool_has(&r->pool, entry) && "room was taken first");
+    return (stp_gl_writer){.pool = &r->pool, .address = stp_gl_address(r, entry), .left = words};
 }
 
-static void send(gl_writer* w)
+static void send(stp_gl_writer* w)
 {
     if (w->used > 0 && !w->failed) {
         assert(w->used <= w->room && w->room <= w->left && "no more than announced");
-        gl_pool_send(w->pool, &w->part, w->address, w->used);
+        stp_gl_pool_send(w->pool, &w->part, w->address, w->used);
         w->address += w->used;
         w->left -= w->used;
         w->used = 0;
     }
 }
 
-void gl_writer_turn(gl_writer* writer)
+void stp_gl_writer_turn(stp_gl_writer* writer)
 {
     assert(writer->failed || writer->used == writer->room);
     send(writer);
     uint64_t room = writer->left < POOL_PART_WORDS ? writer->left : POOL_PART_WORDS;
-    if (room == 0 || !gl_pool_write(writer->pool, room, &writer->part)) {
+    if (room == 0 || !stp_gl_pool_write(writer->pool, room, &writer->part)) {
         writer->failed = true;
         return;
     }
@@ -84,13 +85,13 @@ void gl_writer_turn(gl_writer* writer)
 }
 
 /// Sends the rest. @return false if the context is lost, or words are missing
-static bool end_writer(gl_writer* writer)
+static bool end_writer(stp_gl_writer* writer)
 {
     send(writer);
     return !writer->failed && writer->left == 0;
 }
 
-gl_upload gl_upload_begin(gl_renderer* r, uint32_t entry, uint64_t words, bool urgent)
+stp_gl_upload stp_gl_upload_begin(stp_gl_renderer* r, uint32_t entry, uint64_t words, bool urgent)
 {
     // at least one item is always uploaded
     if (!urgent && r->upload_bytes > 0 && r->pool.uploaded_bytes > 0 &&
@@ -98,16 +99,17 @@ gl_upload gl_upload_begin(gl_renderer* r, uint32_t entry, uint64_t words, bool u
         r->frame.coming += 1;
         return GL_UPLOAD_LATER;
     }
-    return gl_pool_take(&r->pool, entry, words) ? GL_UPLOAD_THERE : GL_UPLOAD_NO_ROOM;
+    return stp_gl_pool_take(&r->pool, entry, words) ? GL_UPLOAD_THERE : GL_UPLOAD_NO_ROOM;
 }
 
-gl_upload gl_upload_end(gl_renderer* r, uint32_t entry, gl_writer* writer, bool good)
+stp_gl_upload stp_gl_upload_end(stp_gl_renderer* r, uint32_t entry, stp_gl_writer* writer,
+                                bool good)
 {
     bool written = end_writer(writer);
     if (good && written) {
         return GL_UPLOAD_THERE;
     }
-    gl_pool_drop(&r->pool, entry);
+    stp_gl_pool_drop(&r->pool, entry);
     if (good) { // otherwise already logged
         r->failure = stp_fail(r->base.context, STP_ERROR_UNSUPPORTED,
                               "gl: the graphics context was lost while data was uploaded");
@@ -115,9 +117,9 @@ gl_upload gl_upload_end(gl_renderer* r, uint32_t entry, gl_writer* writer, bool 
     return GL_UPLOAD_FAILED;
 }
 
-static gl_octave_box bound_places(const stp_splats* surfels, uint32_t begin, uint32_t end)
+static stp_gl_octave_box bound_places(const stp_splats* surfels, uint32_t begin, uint32_t end)
 {
-    gl_octave_box box = {.low = {UINT16_MAX, UINT16_MAX, UINT16_MAX}};
+    stp_gl_octave_box box = {.low = {UINT16_MAX, UINT16_MAX, UINT16_MAX}};
     bool tells = surfels->shapes != NULL && (surfels->columns & STP_SPLATS_REPLACED) != 0;
     for (size_t i = begin; i < end; ++i) {
         const uint16_t* p = surfels->positions + 3 * i;
@@ -132,77 +134,79 @@ static gl_octave_box bound_places(const stp_splats* surfels, uint32_t begin, uin
     return box;
 }
 
-static void write_places(const stp_splats* surfels, uint32_t begin, uint32_t end, gl_writer* w)
+static void write_places(const stp_splats* surfels, uint32_t begin, uint32_t end, stp_gl_writer* w)
 {
     for (size_t i = begin; i < end; ++i) {
         const uint16_t* p = surfels->positions + 3 * i;
         const uint8_t* n = (const uint8_t*)surfels->normals + 2 * i;
-        gl_write(w, (uint32_t)p[0] | (uint32_t)p[1] << 16);
-        gl_write(w, (uint32_t)p[2] | (uint32_t)n[0] << 16 | (uint32_t)n[1] << 24);
+        stp_gl_write(w, (uint32_t)p[0] | (uint32_t)p[1] << 16);
+        stp_gl_write(w, (uint32_t)p[2] | (uint32_t)n[0] << 16 | (uint32_t)n[1] << 24);
     }
     for (size_t i = begin; i < end; i += 4) {
         uint32_t word = 0;
         for (size_t k = 0; k < 4 && i + k < end; ++k) {
             word |= (uint32_t)surfels->materials[i + k] << (8 * k);
         }
-        gl_write(w, word);
+        stp_gl_write(w, word);
     }
 }
 
 /// Writes shape and range of each splat, if the set has them.
-static void write_options(const stp_splats* surfels, uint32_t begin, uint32_t end, gl_writer* w)
+static void write_options(const stp_splats* surfels, uint32_t begin, uint32_t end, stp_gl_writer* w)
 {
     for (size_t i = begin; i < end; ++i) {
         if (surfels->shapes != NULL) {
-            gl_write(w, surfels->shapes[i]);
+            stp_gl_write(w, surfels->shapes[i]);
         }
         if (surfels->ranges != NULL) {
-            gl_write(w, surfels->ranges[i]);
+            stp_gl_write(w, surfels->ranges[i]);
         }
     }
 }
 
-uint32_t gl_option_words(const stp_splats* surfels)
+uint32_t stp_gl_option_words(const stp_splats* surfels)
 {
     return ((surfels->columns & STP_SPLATS_SHAPES) != 0 ? 1u : 0u) +
            ((surfels->columns & STP_SPLATS_RANGES) != 0 ? 1u : 0u);
 }
 
-static void write_colors(const stp_splats* surfels, uint64_t begin, uint32_t count, gl_writer* w)
+static void write_colors(const stp_splats* surfels, uint64_t begin, uint32_t count,
+                         stp_gl_writer* w)
 {
     for (uint64_t i = begin; i < begin + count; ++i) {
         const uint8_t* c = surfels->colors + 3 * i;
         uint8_t coverage = surfels->coverages != NULL ? surfels->coverages[i] : STP_COVERAGE_WHOLE;
         coverage = surfels->plain_coverages ? stp_coverage_of_plain[coverage] : coverage;
-        gl_write(w, (uint32_t)c[0] | (uint32_t)c[1] << 8 | (uint32_t)c[2] << 16 |
-                        (uint32_t)coverage << 24);
+        stp_gl_write(w, (uint32_t)c[0] | (uint32_t)c[1] << 8 | (uint32_t)c[2] << 16 |
+                            (uint32_t)coverage << 24);
     }
 }
 
-gl_upload gl_upload_octave(gl_renderer* r, uint32_t set, uint32_t octave, bool colors, bool urgent)
+stp_gl_upload stp_gl_upload_octave(stp_gl_renderer* r, uint32_t set, uint32_t octave, bool colors,
+                                   bool urgent)
 {
-    uint32_t entry = gl_octave_entry(r, set, octave, colors);
-    if (gl_pool_has(&r->pool, entry)) {
-        gl_pool_use(&r->pool, entry);
+    uint32_t entry = stp_gl_octave_entry(r, set, octave, colors);
+    if (stp_gl_pool_has(&r->pool, entry)) {
+        stp_gl_pool_use(&r->pool, entry);
         return GL_UPLOAD_THERE;
     }
     const stp_splats* known = stp_store_describe_surfels(r->store, set);
     assert(octave < known->octave_count);
     uint32_t end = known->octave_ends[octave];
     uint32_t begin = octave > 0 ? known->octave_ends[octave - 1] : 0, count = end - begin;
-    uint64_t options = (uint64_t)gl_option_words(known) * count;
+    uint64_t options = (uint64_t)stp_gl_option_words(known) * count;
     uint64_t words = colors ? end : 2 * (uint64_t)count + (count + 3) / 4 + options;
-    gl_upload result = gl_upload_begin(r, entry, words, urgent);
+    stp_gl_upload result = stp_gl_upload_begin(r, entry, words, urgent);
     if (result != GL_UPLOAD_THERE) {
         return result;
     }
-    gl_writer writer = gl_writer_begin(r, entry, words);
+    stp_gl_writer writer = stp_gl_writer_begin(r, entry, words);
     stp_splats surfels;
     stp_result got = stp_store_get_surfels_prefix(r->store, set, octave + 1, &surfels);
     bool good = got == STP_OK;
     r->failure = good ? r->failure : got;
     if (good && surfels.octave_count <= octave) { // truncated file: it never arrives
-        gl_pool_drop(&r->pool, entry);
+        stp_gl_pool_drop(&r->pool, entry);
         return GL_UPLOAD_LATER;
     }
     if (good && colors) {
@@ -212,14 +216,15 @@ gl_upload gl_upload_octave(gl_renderer* r, uint32_t set, uint32_t octave, bool c
         write_options(&surfels, begin, end, &writer);
         r->entries.boxes[entry / 2] = bound_places(&surfels, begin, end);
     }
-    return gl_upload_end(r, entry, &writer, good);
+    return stp_gl_upload_end(r, entry, &writer, good);
 }
 
-gl_upload gl_upload_points(gl_renderer* r, uint32_t point_set, uint32_t chunk, bool urgent)
+stp_gl_upload stp_gl_upload_points(stp_gl_renderer* r, uint32_t point_set, uint32_t chunk,
+                                   bool urgent)
 {
     uint32_t entry = r->entries.point_sets[point_set] + chunk;
-    if (gl_pool_has(&r->pool, entry)) {
-        gl_pool_use(&r->pool, entry);
+    if (stp_gl_pool_has(&r->pool, entry)) {
+        stp_gl_pool_use(&r->pool, entry);
         return GL_UPLOAD_THERE;
     }
     stp_store_point_set points;
@@ -231,30 +236,30 @@ gl_upload gl_upload_points(gl_renderer* r, uint32_t point_set, uint32_t chunk, b
     end = end < points.point_count ? end : points.point_count;
     assert(begin <= end && "a chunk of the set");
     uint64_t each = 3u + (points.colors != NULL ? 1u : 0u) + (points.normals != NULL ? 1u : 0u);
-    gl_upload result = gl_upload_begin(r, entry, each * (end - begin), urgent);
+    stp_gl_upload result = stp_gl_upload_begin(r, entry, each * (end - begin), urgent);
     if (result != GL_UPLOAD_THERE) {
         return result;
     }
-    gl_writer writer = gl_writer_begin(r, entry, each * (end - begin));
+    stp_gl_writer writer = stp_gl_writer_begin(r, entry, each * (end - begin));
     bool hides = stp_store_get_coloring(r->store)->hides && points.colors != NULL;
     for (size_t i = begin; i < end; ++i) {
         bool hidden = hides && points.colors[4 * i + 3] == 0;
         for (size_t k = 0; k < 3; ++k) {
-            gl_write_float(&writer,
-                           hidden ? 2.0f * (float)HIDDEN_PLACE : points.positions[3 * i + k]);
+            stp_gl_write_float(&writer,
+                               hidden ? 2.0f * (float)HIDDEN_PLACE : points.positions[3 * i + k]);
         }
     }
     for (size_t i = begin; i < end && points.colors != NULL; ++i) {
         uint32_t word;
         memcpy(&word, points.colors + 4 * i, sizeof(word));
-        gl_write(&writer, word);
+        stp_gl_write(&writer, word);
     }
     for (size_t i = begin; i < end && points.normals != NULL; ++i) {
         uint32_t word;
         memcpy(&word, points.normals + 2 * i, sizeof(word));
-        gl_write(&writer, word);
+        stp_gl_write(&writer, word);
     }
-    return gl_upload_end(r, entry, &writer, true);
+    return stp_gl_upload_end(r, entry, &writer, true);
 }
 
 /// Size in words of the alpha cutoffs of levels from `first`.
@@ -266,7 +271,7 @@ static uint64_t count_cutoffs(const stp_texture_pyramid* pyramid, uint32_t first
 
 /// First level that fits into half a page together with all coarser ones, or the coarsest, and
 /// their size in words.
-static uint32_t choose_level(const gl_renderer* r, const stp_texture_pyramid* pyramid,
+static uint32_t choose_level(const stp_gl_renderer* r, const stp_texture_pyramid* pyramid,
                              uint64_t* words)
 {
     uint32_t first = 0;
@@ -281,7 +286,7 @@ static uint32_t choose_level(const gl_renderer* r, const stp_texture_pyramid* py
     return first < pyramid->level_count ? first : pyramid->level_count - 1;
 }
 
-static void write_texture(const stp_texture_pyramid* pyramid, uint32_t first, gl_writer* w)
+static void write_texture(const stp_texture_pyramid* pyramid, uint32_t first, stp_gl_writer* w)
 {
     uint64_t cutoffs = count_cutoffs(pyramid, first);
     uint32_t flags =
@@ -291,28 +296,28 @@ static void write_texture(const stp_texture_pyramid* pyramid, uint32_t first, gl
         (uint32_t)(cutoffs / STP_CUTOUT_STEPS) << TEXTURE_CUTOFF_SHIFT |
         (first > 0 ? TEXTURE_REDUCED : 0u);
     uint32_t place = TEXTURE_HEADER, count = pyramid->level_count - first;
-    gl_write(w, flags);
-    gl_write(w, count);
+    stp_gl_write(w, flags);
+    stp_gl_write(w, count);
     for (uint32_t i = first; i < pyramid->level_count; ++i) {
-        gl_write(w, pyramid->width[i]);
-        gl_write(w, pyramid->height[i]);
-        gl_write(w, place);
+        stp_gl_write(w, pyramid->width[i]);
+        stp_gl_write(w, pyramid->height[i]);
+        stp_gl_write(w, place);
         place += pyramid->width[i] * pyramid->height[i];
     }
     assert(first < pyramid->level_count && TEXTURE_SIZES + 3 * count <= TEXTURE_HEADER);
     for (uint32_t i = TEXTURE_SIZES + 3 * count; i < TEXTURE_HEADER; ++i) {
-        gl_write(w, 0);
+        stp_gl_write(w, 0);
     }
     for (uint32_t i = first; i < pyramid->level_count; ++i) {
         size_t texels = (size_t)pyramid->width[i] * pyramid->height[i];
         for (size_t k = 0; k < texels; ++k) {
             uint32_t word;
             memcpy(&word, pyramid->texels[i] + 4 * k, sizeof(word));
-            gl_write(w, word);
+            stp_gl_write(w, word);
         }
     }
     for (uint64_t k = 0; k < cutoffs; ++k) {
-        gl_write_float(w, pyramid->cutoffs[(uint64_t)first * STP_CUTOUT_STEPS + k]);
+        stp_gl_write_float(w, pyramid->cutoffs[(uint64_t)first * STP_CUTOUT_STEPS + k]);
     }
 }
 
@@ -320,7 +325,7 @@ _Static_assert(STP_CUTOUT_STEPS == TEXTURE_CUTOFFS, "as shaders have it");
 _Static_assert(TEXTURE_SIZES + 3 * STP_TEXTURE_LEVELS <= TEXTURE_HEADER, "room for all levels");
 
 /// Whether the alpha of a texture cuts anything out.
-static bool is_cut_out(const gl_renderer* r, uint32_t texture)
+static bool is_cut_out(const stp_gl_renderer* r, uint32_t texture)
 {
     for (uint32_t i = 0; i < r->directory->material_count; ++i) {
         const stp_store_material* m = &r->directory->materials[i];
@@ -331,8 +336,8 @@ static bool is_cut_out(const gl_renderer* r, uint32_t texture)
     return false;
 }
 
-static gl_upload upload_texels(gl_renderer* r, uint32_t texture, bool data,
-                               const stp_store_texture* source)
+static stp_gl_upload upload_texels(stp_gl_renderer* r, uint32_t texture, bool data,
+                                   const stp_store_texture* source)
 {
     uint32_t entry = r->entries.textures + 2 * texture + (data ? 1u : 0u);
     stp_texture_pyramid pyramid;
@@ -353,27 +358,27 @@ static gl_upload upload_texels(gl_renderer* r, uint32_t texture, bool data,
     }
     uint64_t words;
     uint32_t first = choose_level(r, &pyramid, &words);
-    gl_upload result = gl_upload_begin(r, entry, words, true);
+    stp_gl_upload result = stp_gl_upload_begin(r, entry, words, true);
     if (result == GL_UPLOAD_THERE) {
-        gl_writer writer = gl_writer_begin(r, entry, words);
+        stp_gl_writer writer = stp_gl_writer_begin(r, entry, words);
         write_texture(&pyramid, first, &writer);
-        result = gl_upload_end(r, entry, &writer, true);
+        result = stp_gl_upload_end(r, entry, &writer, true);
     }
     stp_texture_pyramid_destroy(r->base.context, &pyramid);
     return result;
 }
 
-gl_upload gl_upload_texture(gl_renderer* r, uint32_t texture, bool data)
+stp_gl_upload stp_gl_upload_texture(stp_gl_renderer* r, uint32_t texture, bool data)
 {
     uint32_t entry = r->entries.textures + 2 * texture + (data ? 1u : 0u);
-    if (gl_pool_has(&r->pool, entry)) {
-        gl_pool_use(&r->pool, entry);
+    if (stp_gl_pool_has(&r->pool, entry)) {
+        stp_gl_pool_use(&r->pool, entry);
         return GL_UPLOAD_THERE;
     }
     stp_store_texture source;
     uint8_t* decoded; // texels are not needed after the upload
     r->failure = stp_store_load_texture(r->store, texture, &source, &decoded);
-    gl_upload result =
+    stp_gl_upload result =
         r->failure == STP_OK ? upload_texels(r, texture, data, &source) : GL_UPLOAD_FAILED;
     stp_free(r->base.context, decoded);
     return result;

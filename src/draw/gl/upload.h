@@ -14,71 +14,74 @@ enum {
 };
 
 /// Creates the tables of entries. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
-STP_MUST_USE stp_result gl_entries_create(gl_renderer* r);
-void gl_entries_destroy(gl_renderer* r);
+STP_MUST_USE stp_result stp_gl_entries_create(stp_gl_renderer* r);
+void stp_gl_entries_destroy(stp_gl_renderer* r);
 
 /// Result of an upload request.
-typedef enum gl_upload {
+typedef enum stp_gl_upload {
     GL_UPLOAD_THERE,   ///< resident in the pool
     GL_UPLOAD_LATER,   ///< upload limit of the frame reached
     GL_UPLOAD_NO_ROOM, ///< pool full: this frame uses all of it
     GL_UPLOAD_FAILED,  ///< reading the store failed, or the context is lost; logged
-} gl_upload;
+} stp_gl_upload;
 
 /// Words per splat of shapes and ranges, which follow an octave's positions and materials.
-uint32_t gl_option_words(const stp_splats* surfels);
+uint32_t stp_gl_option_words(const stp_splats* surfels);
 
 /// Requests octave `octave` of a set: the positions of its own surfels, or the colours of all
 /// surfels up to its end. `urgent`: ignores the upload limit.
-gl_upload gl_upload_octave(gl_renderer* r, uint32_t set, uint32_t octave, bool colors, bool urgent);
-gl_upload gl_upload_mesh(gl_renderer* r, uint32_t mesh);
-gl_upload gl_upload_points(gl_renderer* r, uint32_t point_set, uint32_t chunk, bool urgent);
-gl_upload gl_upload_texture(gl_renderer* r, uint32_t texture, bool data);
+stp_gl_upload stp_gl_upload_octave(stp_gl_renderer* r, uint32_t set, uint32_t octave, bool colors,
+                                   bool urgent);
+stp_gl_upload stp_gl_upload_mesh(stp_gl_renderer* r, uint32_t mesh);
+stp_gl_upload stp_gl_upload_points(stp_gl_renderer* r, uint32_t point_set, uint32_t chunk,
+                                   bool urgent);
+stp_gl_upload stp_gl_upload_texture(stp_gl_renderer* r, uint32_t texture, bool data);
 
-static inline uint32_t gl_octave_entry(const gl_renderer* r, uint32_t set, uint32_t octave,
-                                       bool colors)
+static inline uint32_t stp_gl_octave_entry(const stp_gl_renderer* r, uint32_t set, uint32_t octave,
+                                           bool colors)
 {
     return r->entries.sets[set] + 2 * octave + (colors ? 1u : 0u);
 }
 
-static inline uint32_t gl_address(const gl_renderer* r, uint32_t entry)
+static inline uint32_t stp_gl_address(const stp_gl_renderer* r, uint32_t entry)
 {
     return r->pool.entries[entry].address;
 }
 
 /// Sequential writer of words to an item in the pool.
-typedef struct gl_writer {
-    gl_pool* pool;
+typedef struct stp_gl_writer {
+    stp_gl_pool* pool;
     uint32_t address;
     uint64_t left;   ///< remaining words
     uint32_t* words; ///< space in the ring
     uint32_t used, room;
-    gl_ring_part part;
+    stp_gl_ring_part part;
     bool failed;
-} gl_writer;
+} stp_gl_writer;
 
-gl_writer gl_writer_begin(gl_renderer* r, uint32_t entry, uint64_t words);
+stp_gl_writer stp_gl_writer_begin(stp_gl_renderer* r, uint32_t entry, uint64_t words);
 /// Sends the written words and gets more space.
-void gl_writer_turn(gl_writer* writer);
+void stp_gl_writer_turn(stp_gl_writer* writer);
 
-static inline void gl_write(gl_writer* writer, uint32_t word)
+static inline void stp_gl_write(stp_gl_writer* writer, uint32_t word)
 {
     if (writer->used == writer->room) {
-        gl_writer_turn(writer);
+        stp_gl_writer_turn(writer);
     }
     if (!writer->failed) {
         writer->words[writer->used++] = word;
     }
 }
 
-static inline void gl_write_float(gl_writer* writer, float value)
+static inline void stp_gl_write_float(stp_gl_writer* writer, float value)
 {
     uint32_t word;
     memcpy(&word, &value, sizeof(word));
-    gl_write(writer, word);
+    stp_gl_write(writer, word);
 }
 
 /// Starts an upload of `words`. @return GL_UPLOAD_THERE if there is room, and it can be written
-gl_upload gl_upload_begin(gl_renderer* r, uint32_t entry, uint64_t words, bool urgent);
+stp_gl_upload stp_gl_upload_begin(stp_gl_renderer* r, uint32_t entry, uint64_t words, bool urgent);
 /// Ends an upload: after a failure, nothing of it is in the pool.
-gl_upload gl_upload_end(gl_renderer* r, uint32_t entry, gl_writer* writer, bool good);
+stp_gl_upload stp_gl_upload_end(stp_gl_renderer* r, uint32_t entry, stp_gl_writer* writer,
+                                bool good);

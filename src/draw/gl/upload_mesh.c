@@ -45,29 +45,29 @@ static uint64_t words_of(const mesh_source* source, const cluster_shape* shape)
 }
 
 static void write_header(const mesh_source* source, const cluster_shape* shape, uint64_t place,
-                         gl_writer* w)
+                         stp_gl_writer* w)
 {
     uint32_t at = (uint32_t)place, vertices = shape->vertices;
-    gl_write(w, shape->first_triangle);
-    gl_write(w, shape->triangles);
-    gl_write(w, at);
+    stp_gl_write(w, shape->first_triangle);
+    stp_gl_write(w, shape->triangles);
+    stp_gl_write(w, at);
     at += shape->triangles;
-    gl_write(w, at);
+    stp_gl_write(w, at);
     at += 3 * vertices;
-    gl_write(w, at);
+    stp_gl_write(w, at);
     at += shape->normals;
     for (int set = 0; set < 2; ++set) {
-        gl_write(w, source->reads[set] ? at : 0);
+        stp_gl_write(w, source->reads[set] ? at : 0);
         at += source->reads[set] ? 2 * vertices : 0;
     }
-    gl_write(w, source->colors ? at : 0);
+    stp_gl_write(w, source->colors ? at : 0);
     const float box[6] = {shape->box.min.x, shape->box.min.y, shape->box.min.z,
                           shape->box.max.x, shape->box.max.y, shape->box.max.z};
     for (int k = 0; k < 6; ++k) {
-        gl_write_float(w, box[k]);
+        stp_gl_write_float(w, box[k]);
     }
-    gl_write(w, vertices);
-    gl_write(w, 0);
+    stp_gl_write(w, vertices);
+    stp_gl_write(w, 0);
 }
 
 static uint32_t pack_normal(float u, float v)
@@ -81,7 +81,7 @@ static uint32_t pack_pair(float low, float high)
     return (uint32_t)(low * 65535.0f + 0.5f) | (uint32_t)(high * 65535.0f + 0.5f) << 16;
 }
 
-static void write_normals(const stp_cluster* cluster, gl_writer* w)
+static void write_normals(const stp_cluster* cluster, stp_gl_writer* w)
 {
     const float scale = 32767.0f / (float)STP_CLUSTER_NORMAL_LIMIT;
     for (uint32_t i = 0; i < cluster->normal_count; ++i) {
@@ -89,11 +89,11 @@ static void write_normals(const stp_cluster* cluster, gl_writer* w)
         float v = (float)stp_cluster_value(&cluster->runs[STP_CLUSTER_NORMAL_V], i) * scale;
         u = stp_clamp(u, -32767.0f, 32767.0f);
         v = stp_clamp(v, -32767.0f, 32767.0f);
-        gl_write(w, pack_normal(u + (u < 0.0f ? -0.5f : 0.5f), v + (v < 0.0f ? -0.5f : 0.5f)));
+        stp_gl_write(w, pack_normal(u + (u < 0.0f ? -0.5f : 0.5f), v + (v < 0.0f ? -0.5f : 0.5f)));
     }
 }
 
-static void write_cluster(const mesh_source* source, const stp_cluster* cluster, gl_writer* w)
+static void write_cluster(const mesh_source* source, const stp_cluster* cluster, stp_gl_writer* w)
 {
     float positions[3 * STP_CLUSTER_VERTICES];
     uint32_t indices[3 * STP_CLUSTER_TRIANGLES];
@@ -103,19 +103,19 @@ static void write_cluster(const mesh_source* source, const stp_cluster* cluster,
         uint32_t lighting = i < cluster->smooth_count ? TRIANGLE_SMOOTH
                             : i < faces               ? TRIANGLE_FACE
                                                       : TRIANGLE_PLAIN;
-        gl_write(w, indices[3 * i] | indices[3 * i + 1] << 10 | indices[3 * i + 2] << 20 |
-                        lighting << 30);
+        stp_gl_write(w, indices[3 * i] | indices[3 * i + 1] << 10 | indices[3 * i + 2] << 20 |
+                            lighting << 30);
     }
     stp_cluster_positions(source->clusters, cluster, positions);
     for (uint32_t i = 0; i < 3 * cluster->vertex_count; ++i) {
-        gl_write_float(w, positions[i]);
+        stp_gl_write_float(w, positions[i]);
     }
     write_normals(cluster, w);
     for (uint32_t set = 0; set < 2; ++set) {
         for (uint32_t i = 0; i < cluster->vertex_count && source->reads[set]; ++i) {
             stp_vec2 uv = stp_cluster_texcoord(source->clusters, cluster, set, i);
-            gl_write_float(w, uv.x);
-            gl_write_float(w, uv.y);
+            stp_gl_write_float(w, uv.x);
+            stp_gl_write_float(w, uv.y);
         }
     }
     for (uint32_t i = 0; i < cluster->vertex_count && source->colors; ++i) {
@@ -124,13 +124,13 @@ static void write_cluster(const mesh_source* source, const stp_cluster* cluster,
         for (int k = 0; k < 4; ++k) { // may be any number in a forged file
             color[k] = stp_clamp(color[k], 0.0f, 1.0f);
         }
-        gl_write(w, pack_pair(color[0], color[1]));
-        gl_write(w, pack_pair(color[2], color[3]));
+        stp_gl_write(w, pack_pair(color[0], color[1]));
+        stp_gl_write(w, pack_pair(color[2], color[3]));
     }
 }
 
 /// Triangles of columns: corners are not shared.
-static void write_columns(const mesh_source* source, const cluster_shape* shape, gl_writer* w)
+static void write_columns(const mesh_source* source, const cluster_shape* shape, stp_gl_writer* w)
 {
     assert(shape->vertices == 3 * shape->triangles && shape->vertices <= 1024 &&
            "10 bits a corner");
@@ -138,25 +138,25 @@ static void write_columns(const mesh_source* source, const cluster_shape* shape,
     size_t first = 3 * (size_t)shape->first_triangle;
     uint32_t lighting = mesh->normals != NULL ? TRIANGLE_SMOOTH : TRIANGLE_PLAIN;
     for (uint32_t i = 0; i < shape->triangles; ++i) {
-        gl_write(w, 3 * i | (3 * i + 1) << 10 | (3 * i + 2) << 20 | lighting << 30);
+        stp_gl_write(w, 3 * i | (3 * i + 1) << 10 | (3 * i + 2) << 20 | lighting << 30);
     }
     for (uint32_t i = 0; i < shape->vertices; ++i) {
         for (size_t c = 0; c < 3; ++c) {
-            gl_write_float(w,
-                           mesh->positions[3 * (size_t)stp_store_mesh_corner(mesh, first + i) + c]);
+            stp_gl_write_float(
+                w, mesh->positions[3 * (size_t)stp_store_mesh_corner(mesh, first + i) + c]);
         }
     }
     for (uint32_t i = 0; i < shape->normals; ++i) {
         uint32_t word;
         memcpy(&word, mesh->normals + 2 * (size_t)stp_store_mesh_corner(mesh, first + i),
                sizeof(word));
-        gl_write(w, word);
+        stp_gl_write(w, word);
     }
     for (int set = 0; set < 2; ++set) {
         for (uint32_t i = 0; i < shape->vertices && source->reads[set]; ++i) {
-            gl_write_float(
+            stp_gl_write_float(
                 w, mesh->texcoords[set][2 * (size_t)stp_store_mesh_corner(mesh, first + i)]);
-            gl_write_float(
+            stp_gl_write_float(
                 w, mesh->texcoords[set][2 * (size_t)stp_store_mesh_corner(mesh, first + i) + 1]);
         }
     }
@@ -164,12 +164,12 @@ static void write_columns(const mesh_source* source, const cluster_shape* shape,
         uint32_t words[2];
         memcpy(words, mesh->colors + 4 * (size_t)stp_store_mesh_corner(mesh, first + i),
                sizeof(words));
-        gl_write(w, words[0]);
-        gl_write(w, words[1]);
+        stp_gl_write(w, words[0]);
+        stp_gl_write(w, words[1]);
     }
 }
 
-static void write_mesh(const mesh_source* source, uint32_t count, gl_writer* w)
+static void write_mesh(const mesh_source* source, uint32_t count, stp_gl_writer* w)
 {
     stp_cluster cluster;
     uint64_t place = (uint64_t)count * CLUSTER_WORDS;
@@ -189,7 +189,7 @@ static void write_mesh(const mesh_source* source, uint32_t count, gl_writer* w)
 }
 
 /// Texture coordinates that the material's textures read.
-static void choose_texcoords(const gl_renderer* r, uint32_t material, bool reads[2])
+static void choose_texcoords(const stp_gl_renderer* r, uint32_t material, bool reads[2])
 {
     const stp_store_material* m = &r->directory->materials[material];
     const stp_store_texture_use* uses[] = {&m->base_color_texture, &m->metallic_roughness_texture,
@@ -202,11 +202,11 @@ static void choose_texcoords(const gl_renderer* r, uint32_t material, bool reads
     }
 }
 
-gl_upload gl_upload_mesh(gl_renderer* r, uint32_t mesh)
+stp_gl_upload stp_gl_upload_mesh(stp_gl_renderer* r, uint32_t mesh)
 {
     uint32_t entry = r->entries.meshes + mesh;
-    if (gl_pool_has(&r->pool, entry)) {
-        gl_pool_use(&r->pool, entry);
+    if (stp_gl_pool_has(&r->pool, entry)) {
+        stp_gl_pool_use(&r->pool, entry);
         return GL_UPLOAD_THERE;
     }
     stp_clusters clusters;
@@ -239,11 +239,11 @@ gl_upload gl_upload_mesh(gl_renderer* r, uint32_t mesh)
         cluster_shape shape = shape_of(&source, i, &cluster);
         words += words_of(&source, &shape);
     }
-    gl_upload result = gl_upload_begin(r, entry, words, true);
+    stp_gl_upload result = stp_gl_upload_begin(r, entry, words, true);
     if (result != GL_UPLOAD_THERE) {
         return result;
     }
-    gl_writer writer = gl_writer_begin(r, entry, words);
+    stp_gl_writer writer = stp_gl_writer_begin(r, entry, words);
     write_mesh(&source, count, &writer);
-    return gl_upload_end(r, entry, &writer, true);
+    return stp_gl_upload_end(r, entry, &writer, true);
 }

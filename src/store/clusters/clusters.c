@@ -386,8 +386,8 @@ void stp_cluster_positions(const stp_clusters* clusters, const stp_cluster* clus
     uint32_t done = 0;
 #if defined(__x86_64__)
     if (clusters->unpacks_many) {
-        done =
-            clusters_unpack_avx2(cluster->runs, cluster->vertex_count, clusters->step, positions);
+        done = stp_clusters_unpack_avx2(cluster->runs, cluster->vertex_count, clusters->step,
+                                        positions);
     }
 #endif
     for (uint32_t k = 0; k < 3; ++k) {

@@ -13,7 +13,7 @@ enum {
 
 typedef struct encoding {
     stp_context* context;
-    cluster_maker* maker;
+    stp_cluster_maker* maker;
     unsigned char* entries;
     unsigned char* data;
     size_t entry_count, entry_capacity, data_size, data_capacity;
@@ -43,8 +43,8 @@ static bool append_cluster(encoding* e, uint32_t first_triangle)
     }
     clusters_entry entry = {.offset = (uint32_t)(e->data_size / 4),
                             .first_triangle = first_triangle};
-    cluster_maker_finish(e->maker, &entry);
-    e->data_size += clusters_pack(e->maker, &entry, e->data + e->data_size);
+    stp_cluster_maker_finish(e->maker, &entry);
+    e->data_size += stp_clusters_pack(e->maker, &entry, e->data + e->data_size);
     for (int k = 0; k < 3; ++k) {
         const int32_t* values = e->maker->values[k];
         for (uint32_t v = 0; v < e->maker->vertex_count; ++v) {
@@ -68,19 +68,19 @@ static uint32_t gather_parts(encoding* e, const uint64_t* order, uint32_t at, ui
     uint32_t other = STP_CLUSTER_VERTICES / clusters_part_vertices(part_class);
     maximum = part * (other < maximum ? other : maximum);
     maximum = end - at < maximum ? end - at : maximum;
-    if (cluster_maker_take_parts(e->maker, order + at, maximum, part_class)) {
+    if (stp_cluster_maker_take_parts(e->maker, order + at, maximum, part_class)) {
         return at + maximum;
     }
-    cluster_maker_begin(e->maker);
+    stp_cluster_maker_begin(e->maker);
     uint32_t stop = at + maximum;
-    while (at < stop && cluster_maker_add(e->maker, (uint32_t)order[at])) {
+    while (at < stop && stp_cluster_maker_add(e->maker, (uint32_t)order[at])) {
         at += 1;
     }
     return at;
 }
 
 /// Prefetches the vertices of a triangle further along the curve.
-static void prefetch(const cluster_maker* m, const uint64_t* order, uint32_t at, uint32_t end)
+static void prefetch(const stp_cluster_maker* m, const uint64_t* order, uint32_t at, uint32_t end)
 {
     if (end - at > 2 * PREFETCH) {
         const uint32_t* next = m->mesh->indices + 3 * (size_t)(uint32_t)order[at + PREFETCH];
@@ -98,12 +98,12 @@ static uint32_t gather_triangles(encoding* e, const uint64_t* order, uint32_t at
     if (left > maximum && left < 2 * maximum) {
         maximum = (left + 1) / 2; // avoids a last cluster of few triangles
     }
-    cluster_maker_begin(e->maker);
+    stp_cluster_maker_begin(e->maker);
     for (; at < end && at - first < maximum; ++at) {
         if (order != NULL) {
             prefetch(e->maker, order, at, end);
         }
-        if (!cluster_maker_add(e->maker, order != NULL ? (uint32_t)order[at] : at)) {
+        if (!stp_cluster_maker_add(e->maker, order != NULL ? (uint32_t)order[at] : at)) {
             break;
         }
     }
@@ -194,7 +194,7 @@ static float find_largest(const float* numbers, size_t count)
 /// large for its step
 static bool prepare(encoding* e, const stp_store_mesh* mesh, double step)
 {
-    cluster_maker* m = e->maker;
+    stp_cluster_maker* m = e->maker;
     e->step_exponent = exponent_of(step);
     double largest = (double)find_largest(mesh->positions, 3 * (size_t)mesh->vertex_count);
     if (!(step > 0.0) || e->step_exponent < CLUSTERS_EXPONENT_MIN ||
@@ -243,9 +243,9 @@ static stp_result sort_triangles(encoding* e, const stp_store_mesh* mesh, uint64
         stp_free(e->context, scratch);
         return stp_fail_memory(e->context);
     }
-    *order = clusters_sort(mesh, places, items, scratch);
+    *order = stp_clusters_sort(mesh, places, items, scratch);
     scratch = *order == items ? scratch : items;
-    stp_result result = clusters_sort_parts(e->context, mesh, places, order, &scratch);
+    stp_result result = stp_clusters_sort_parts(e->context, mesh, places, order, &scratch);
     stp_free(e->context, scratch);
     return result;
 }
@@ -257,7 +257,7 @@ static stp_result encode(encoding* e, const stp_store_mesh* mesh, stp_coded_mesh
     if (places == NULL) {
         return stp_fail_memory(e->context);
     }
-    clusters_place_vertices(mesh, e->maker->inverse_step, places);
+    stp_clusters_place_vertices(mesh, e->maker->inverse_step, places);
     e->maker->places = places;
     uint64_t* order = NULL;
     stp_result result = STP_OK;
@@ -281,7 +281,7 @@ stp_result stp_clusters_encode(stp_context* context, const stp_store_mesh* mesh,
                                stp_coded_mesh* coded)
 {
     *coded = (stp_coded_mesh){0};
-    encoding e = {.context = context, .maker = STP_NEW_ZEROED(context, cluster_maker, 1)};
+    encoding e = {.context = context, .maker = STP_NEW_ZEROED(context, stp_cluster_maker, 1)};
     if (e.maker == NULL) {
         return stp_fail_memory(context);
     }

@@ -7,7 +7,7 @@
 enum { CLUSTER_SLOTS = 1024 };
 
 /// Rounds to the nearest integer, ties upwards. The value must be within the range of clusters.
-int32_t clusters_round(double value);
+int32_t stp_clusters_round(double value);
 
 /// A vertex on the grid of the mesh or of a cluster.
 typedef struct cluster_place {
@@ -31,8 +31,8 @@ static inline int32_t clusters_normal_v(uint32_t normal)
 }
 
 /// Rounds all vertices of a mesh and copies their normals. Coordinates must fit the grid.
-void clusters_place_vertices(const stp_store_mesh* mesh, double inverse_step,
-                             cluster_place* places);
+void stp_clusters_place_vertices(const stp_store_mesh* mesh, double inverse_step,
+                                 cluster_place* places);
 
 /// Classes of loose parts start at 1; 0 is not loose.
 static inline uint32_t clusters_part_class(uint32_t triangles, uint32_t vertices)
@@ -53,7 +53,7 @@ static inline uint32_t clusters_part_vertices(uint32_t part_class)
 typedef enum cluster_group { GROUP_SMOOTH, GROUP_FACE, GROUP_PLAIN, GROUP_COUNT } cluster_group;
 
 /// A cluster being gathered.
-typedef struct cluster_maker {
+typedef struct stp_cluster_maker {
     const stp_store_mesh* mesh;
     const cluster_place* places; ///< of the mesh's vertices
     double inverse_step;
@@ -74,34 +74,36 @@ typedef struct cluster_maker {
     uint8_t groups[STP_CLUSTER_TRIANGLES];
     uint16_t slots[CLUSTER_SLOTS],
         next[STP_CLUSTER_VERTICES]; ///< hash chains of vertices: index + 1; 0 ends
-} cluster_maker;
+} stp_cluster_maker;
 
 /// Sorts the triangles of a mesh along a Hilbert curve through their centres. `items` gets them in
 /// its low 32 bits. `items` and `scratch` have room for all triangles. @return `items` or `scratch`
-uint64_t* clusters_sort(const stp_store_mesh* mesh, const cluster_place* places, uint64_t* items,
-                        uint64_t* scratch);
+uint64_t* stp_clusters_sort(const stp_store_mesh* mesh, const cluster_place* places,
+                            uint64_t* items, uint64_t* scratch);
 
 /// Moves loose parts to the end, class by class, each along the curve. `order` comes from
-/// clusters_sort; `scratch` has the same room. Afterwards the bits above a triangle's index hold
+/// stp_clusters_sort; `scratch` has the same room. Afterwards the bits above a triangle's index hold
 /// the class of its part, 0 if it is not loose. May swap the two arrays.
-stp_result clusters_sort_parts(stp_context* context, const stp_store_mesh* mesh,
-                               const cluster_place* places, uint64_t** order, uint64_t** scratch);
+stp_result stp_clusters_sort_parts(stp_context* context, const stp_store_mesh* mesh,
+                                   const cluster_place* places, uint64_t** order,
+                                   uint64_t** scratch);
 
-void cluster_maker_begin(cluster_maker* maker);
+void stp_cluster_maker_begin(stp_cluster_maker* maker);
 /// @return false if the cluster has no room for the triangle
-bool cluster_maker_add(cluster_maker* maker, uint32_t triangle);
+bool stp_cluster_maker_add(stp_cluster_maker* maker, uint32_t triangle);
 /// Fills a cluster with loose parts of one class: `count` triangles, in the low 32 bits of
 /// `triangles`. @return false if adding them one by one is better
-bool cluster_maker_take_parts(cluster_maker* maker, const uint64_t* triangles, uint32_t count,
-                              uint32_t part_class);
+bool stp_cluster_maker_take_parts(stp_cluster_maker* maker, const uint64_t* triangles,
+                                  uint32_t count, uint32_t part_class);
 /// Sorts triangles into groups, and vertices with normals to the front.
-void cluster_maker_finish(cluster_maker* maker, clusters_entry* entry);
+void stp_cluster_maker_finish(stp_cluster_maker* maker, clusters_entry* entry);
 
-/// Maximum size that clusters_pack writes.
+/// Maximum size that stp_clusters_pack writes.
 enum {
     CLUSTER_MAX_BYTES =
         3 * STP_CLUSTER_TRIANGLES + STP_CLUSTER_CHANNELS * (8 * STP_CLUSTER_VERTICES + 16)
 };
 /// Writes a finished cluster and the origin of its positions. @return bytes written, a multiple of
 /// 4
-size_t clusters_pack(const cluster_maker* maker, clusters_entry* entry, unsigned char* bytes);
+size_t stp_clusters_pack(const stp_cluster_maker* maker, clusters_entry* entry,
+                         unsigned char* bytes);

@@ -42,7 +42,7 @@ static int32_t round_color(uint16_t linear)
 }
 
 /// Channels of a vertex other than position and normal.
-static int32_t read_extra(const cluster_maker* m, uint32_t vertex, uint32_t channel)
+static int32_t read_extra(const stp_cluster_maker* m, uint32_t vertex, uint32_t channel)
 {
     const stp_store_mesh* mesh = m->mesh;
     if (channel >= STP_CLUSTER_COLORS) {
@@ -50,11 +50,11 @@ static int32_t read_extra(const cluster_maker* m, uint32_t vertex, uint32_t chan
         return channel < STP_CLUSTER_COLORS + 3 ? round_color(color) : (color + 128) / 257;
     }
     uint32_t set = (channel - STP_CLUSTER_TEXCOORDS) / 2, k = (channel - STP_CLUSTER_TEXCOORDS) % 2;
-    return clusters_round((double)mesh->texcoords[set][2 * (size_t)vertex + k] *
-                          m->texcoord_inverses[set]);
+    return stp_clusters_round((double)mesh->texcoords[set][2 * (size_t)vertex + k] *
+                              m->texcoord_inverses[set]);
 }
 
-static void read_corner(const cluster_maker* m, uint32_t vertex, corner* c)
+static void read_corner(const stp_cluster_maker* m, uint32_t vertex, corner* c)
 {
     c->place = m->places[vertex];
     if (m->shift != 0) {
@@ -62,7 +62,8 @@ static void read_corner(const cluster_maker* m, uint32_t vertex, corner* c)
         const double scale = m->inverse_step / unit; // exact: both are powers of two
         for (size_t k = 0; k < 3; ++k) {
             c->place.at[k] =
-                clusters_round((double)m->mesh->positions[3 * (size_t)vertex + k] * scale) * unit;
+                stp_clusters_round((double)m->mesh->positions[3 * (size_t)vertex + k] * scale) *
+                unit;
         }
     }
     uint32_t hash = (uint32_t)c->place.at[0] * 0x9e3779b1u ^
@@ -127,7 +128,7 @@ static direction true_plane(const stp_store_mesh* mesh, const uint32_t* vertex)
 }
 
 /// Chooses a triangle's group, and sets the normal of its first corner if the mesh has none.
-static cluster_group choose_group(const cluster_maker* m, const uint32_t* vertex, corner c[3])
+static cluster_group choose_group(const stp_cluster_maker* m, const uint32_t* vertex, corner c[3])
 {
     direction rounded = rounded_plane(c);
     if (!(dot(rounded, rounded) > 0.0)) {
@@ -161,7 +162,7 @@ static cluster_group choose_group(const cluster_maker* m, const uint32_t* vertex
     return plain ? GROUP_PLAIN : GROUP_FACE;
 }
 
-static bool is_same(const cluster_maker* m, uint32_t vertex, const corner* c)
+static bool is_same(const stp_cluster_maker* m, uint32_t vertex, const corner* c)
 {
     bool same = memcmp(m->vertices[vertex].at, c->place.at, sizeof(c->place.at)) == 0;
     for (uint32_t i = 0; i < m->extra_count; ++i) {
@@ -174,7 +175,8 @@ typedef enum wanted { WANT_ANY, WANT_NORMAL, WANT_NONE } wanted;
 
 /// Finds or adds a vertex at the corner's position with the given normal, without one, or with any.
 /// @return STP_CLUSTER_VERTICES if there is none
-static uint32_t find_vertex(const cluster_maker* m, const corner* c, wanted want, uint32_t normal)
+static uint32_t find_vertex(const stp_cluster_maker* m, const corner* c, wanted want,
+                            uint32_t normal)
 {
     for (uint32_t link = m->slots[c->slot]; link != 0; link = m->next[link - 1]) {
         uint32_t v = link - 1;
@@ -187,7 +189,7 @@ static uint32_t find_vertex(const cluster_maker* m, const corner* c, wanted want
     return STP_CLUSTER_VERTICES;
 }
 
-static uint32_t add_vertex(cluster_maker* m, const corner* c)
+static uint32_t add_vertex(stp_cluster_maker* m, const corner* c)
 {
     uint32_t v = m->vertex_count++;
     m->vertices[v] = c->place;
@@ -200,20 +202,20 @@ static uint32_t add_vertex(cluster_maker* m, const corner* c)
     return v;
 }
 
-static uint32_t set_normal(cluster_maker* m, uint32_t vertex, uint32_t normal)
+static uint32_t set_normal(stp_cluster_maker* m, uint32_t vertex, uint32_t normal)
 {
     m->vertices[vertex].normal = normal;
     m->has_normal[vertex] = true;
     return vertex;
 }
 
-static uint32_t any_vertex(cluster_maker* m, const corner* c)
+static uint32_t any_vertex(stp_cluster_maker* m, const corner* c)
 {
     uint32_t v = find_vertex(m, c, WANT_ANY, 0);
     return v < STP_CLUSTER_VERTICES ? v : add_vertex(m, c);
 }
 
-static uint32_t smooth_vertex(cluster_maker* m, const corner* c)
+static uint32_t smooth_vertex(stp_cluster_maker* m, const corner* c)
 {
     uint32_t normal = store_normal(c->place.normal);
     uint32_t v = find_vertex(m, c, WANT_NORMAL, normal);
@@ -226,7 +228,7 @@ static uint32_t smooth_vertex(cluster_maker* m, const corner* c)
 
 /// Rotates the triangle so that its first corner is a vertex with the triangle's normal: one that
 /// has it, one without a normal, or a new one.
-static void face_vertices(cluster_maker* m, const corner c[3], uint8_t out[3])
+static void face_vertices(stp_cluster_maker* m, const corner c[3], uint8_t out[3])
 {
     uint32_t normal = store_normal(c[0].place.normal);
     uint32_t first = STP_CLUSTER_VERTICES, turn = 0;
@@ -245,7 +247,7 @@ static void face_vertices(cluster_maker* m, const corner c[3], uint8_t out[3])
     out[2] = (uint8_t)any_vertex(m, &c[(turn + 2) % 3]);
 }
 
-void cluster_maker_begin(cluster_maker* m)
+void stp_cluster_maker_begin(stp_cluster_maker* m)
 {
     m->triangle_count = 0;
     m->vertex_count = 0;
@@ -254,7 +256,7 @@ void cluster_maker_begin(cluster_maker* m)
     memset(m->slots, 0, sizeof(m->slots));
 }
 
-bool cluster_maker_add(cluster_maker* m, uint32_t triangle)
+bool stp_cluster_maker_add(stp_cluster_maker* m, uint32_t triangle)
 {
     if (m->triangle_count == STP_CLUSTER_TRIANGLES || m->vertex_count > STP_CLUSTER_VERTICES - 3) {
         return false;
@@ -280,7 +282,8 @@ bool cluster_maker_add(cluster_maker* m, uint32_t triangle)
 
 /// Exponent of the squared length, in steps, of the shortest edge of one part; INT32_MAX: it has
 /// none.
-static int32_t shortest_octave(const cluster_maker* m, const uint64_t* triangles, uint32_t count)
+static int32_t shortest_octave(const stp_cluster_maker* m, const uint64_t* triangles,
+                               uint32_t count)
 {
     double minimum = DBL_MAX;
     for (uint32_t i = 0; i < count; ++i) {
@@ -302,7 +305,7 @@ static int32_t shortest_octave(const cluster_maker* m, const uint64_t* triangles
 
 /// Number of low bits that positions of loose parts can drop: short edges keep 2^PART_BITS steps.
 /// Loose parts touch nothing else, so no cracks appear.
-static uint32_t choose_shift(const cluster_maker* m, const uint64_t* triangles, uint32_t count,
+static uint32_t choose_shift(const stp_cluster_maker* m, const uint64_t* triangles, uint32_t count,
                              uint32_t part)
 {
     int32_t octaves[STP_CLUSTER_TRIANGLES] = {0};
@@ -333,7 +336,7 @@ static uint32_t find_in_part(const uint32_t* sources, uint32_t known, uint32_t v
 
 /// Vertices used by the triangles of a part, by their input indices; at most STP_CLUSTER_VERTICES +
 /// 1.
-static uint32_t count_sources(const cluster_maker* m, const uint64_t* triangles, uint32_t count)
+static uint32_t count_sources(const stp_cluster_maker* m, const uint64_t* triangles, uint32_t count)
 {
     uint32_t sources[STP_CLUSTER_VERTICES], known = 0;
     for (uint32_t i = 0; i < 3 * count; ++i) {
@@ -349,7 +352,7 @@ static uint32_t count_sources(const cluster_maker* m, const uint64_t* triangles,
 }
 
 /// @return whether the triangle's own plane lights it
-static bool add_part_triangle(cluster_maker* m, uint32_t triangle, uint32_t first,
+static bool add_part_triangle(stp_cluster_maker* m, uint32_t triangle, uint32_t first,
                               uint32_t* sources)
 {
     const uint32_t* vertex = m->mesh->indices + 3 * (size_t)triangle;
@@ -371,11 +374,11 @@ static bool add_part_triangle(cluster_maker* m, uint32_t triangle, uint32_t firs
     return choose_group(m, vertex, c) == GROUP_PLAIN;
 }
 
-bool cluster_maker_take_parts(cluster_maker* m, const uint64_t* triangles, uint32_t count,
-                              uint32_t part_class)
+bool stp_cluster_maker_take_parts(stp_cluster_maker* m, const uint64_t* triangles, uint32_t count,
+                                  uint32_t part_class)
 {
     uint32_t part = clusters_part_triangles(part_class);
-    cluster_maker_begin(m);
+    stp_cluster_maker_begin(m);
     m->group = clusters_part_vertices(part_class);
     // without normals, planes alone light the faces, so they must not turn
     bool coarse = m->mesh->normals != NULL && !m->mesh->cut;
@@ -402,7 +405,7 @@ bool cluster_maker_take_parts(cluster_maker* m, const uint64_t* triangles, uint3
 
 /// Moves vertices with normals to the front and splits vertices into channels. @return how many
 /// have normals
-static uint32_t order_vertices(cluster_maker* m)
+static uint32_t order_vertices(stp_cluster_maker* m)
 {
     uint8_t place[STP_CLUSTER_VERTICES];
     uint32_t normals = 0, count = m->vertex_count;
@@ -438,7 +441,7 @@ static uint32_t order_vertices(cluster_maker* m)
     return normals;
 }
 
-void cluster_maker_finish(cluster_maker* m, clusters_entry* entry)
+void stp_cluster_maker_finish(stp_cluster_maker* m, clusters_entry* entry)
 {
     uint8_t sorted[STP_CLUSTER_TRIANGLES][3];
     uint32_t counts[GROUP_COUNT] = {0}, at[GROUP_COUNT];

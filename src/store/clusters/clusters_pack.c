@@ -118,7 +118,7 @@ static unsigned char* write_values(packing* p, unsigned char* out)
 }
 
 /// Axes share one layout and one shift, because the entry has only one of each.
-static unsigned char* pack_positions(const cluster_maker* m, clusters_entry* entry,
+static unsigned char* pack_positions(const stp_cluster_maker* m, clusters_entry* entry,
                                      unsigned char* out)
 {
     packing axes[3];
@@ -166,7 +166,7 @@ static unsigned char* pack_channel(const int32_t* values, uint32_t count, uint32
 }
 
 /// Whether all parts repeat the first one's triangles, with shifted vertex indices.
-static bool are_parts_alike(const cluster_maker* m, uint32_t parts)
+static bool are_parts_alike(const stp_cluster_maker* m, uint32_t parts)
 {
     if (m->group == 0 || parts * m->group != m->vertex_count || m->triangle_count % parts != 0) {
         return false;
@@ -181,7 +181,7 @@ static bool are_parts_alike(const cluster_maker* m, uint32_t parts)
     return alike;
 }
 
-size_t clusters_pack(const cluster_maker* m, clusters_entry* entry, unsigned char* bytes)
+size_t stp_clusters_pack(const stp_cluster_maker* m, clusters_entry* entry, unsigned char* bytes)
 {
     entry->group = (uint8_t)m->group;
     entry->repeats = m->group != 0 && are_parts_alike(m, m->vertex_count / m->group);

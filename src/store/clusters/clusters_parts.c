@@ -236,8 +236,9 @@ static bool allocate(stp_context* context, part_finder* f)
     return f->vertices != NULL && f->first != NULL && f->next != NULL && f->slots != NULL;
 }
 
-stp_result clusters_sort_parts(stp_context* context, const stp_store_mesh* mesh,
-                               const cluster_place* places, uint64_t** order, uint64_t** scratch)
+stp_result stp_clusters_sort_parts(stp_context* context, const stp_store_mesh* mesh,
+                                   const cluster_place* places, uint64_t** order,
+                                   uint64_t** scratch)
 {
     part_finder f = {.mesh = mesh, .places = places};
     f.parents = STP_NEW_ARRAY(context, uint32_t, mesh->vertex_count);

@@ -5,7 +5,7 @@
 typedef float lanes_float __attribute__((vector_size(16)));
 typedef int32_t lanes_int __attribute__((vector_size(16)));
 
-int32_t clusters_round(double value)
+int32_t stp_clusters_round(double value)
 {
     double limit = (double)CLUSTERS_NUMBER_LIMIT;
     value = value > limit ? limit : value < -limit ? -limit : value;
@@ -14,7 +14,7 @@ int32_t clusters_round(double value)
     return whole + (rest >= 0.5) - (rest < -0.5);
 }
 
-/// clusters_round of three floats times a power of two, in single precision. Product, integer part
+/// stp_clusters_round of three floats times a power of two, in single precision. Product, integer part
 /// and fraction are exact, except for values that round to 0.
 static void round_place(lanes_float position, float scale, uint32_t normal, cluster_place* place)
 {
@@ -33,7 +33,8 @@ static uint32_t read_normal(const stp_store_mesh* mesh, size_t vertex)
     return normals != NULL ? clusters_join_normal(normals[2 * vertex], normals[2 * vertex + 1]) : 0;
 }
 
-void clusters_place_vertices(const stp_store_mesh* mesh, double inverse_step, cluster_place* places)
+void stp_clusters_place_vertices(const stp_store_mesh* mesh, double inverse_step,
+                                 cluster_place* places)
 {
     const bool narrow = inverse_step < 0x1p-126 || inverse_step > 0x1p127; // no normal float
     const float scale = narrow ? 0.0f : (float)inverse_step;
@@ -43,7 +44,7 @@ void clusters_place_vertices(const stp_store_mesh* mesh, double inverse_step, cl
         uint32_t normal = read_normal(mesh, v);
         if (narrow) {
             for (size_t k = 0; k < 3; ++k) {
-                places[v].at[k] = clusters_round((double)p[k] * inverse_step);
+                places[v].at[k] = stp_clusters_round((double)p[k] * inverse_step);
             }
             places[v].normal = normal;
             continue;

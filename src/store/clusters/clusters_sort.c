@@ -93,8 +93,8 @@ static lanes_int find_cell(const curve* c, const cluster_place* places, const ui
     return __builtin_convertvector(scaled, lanes_int);
 }
 
-uint64_t* clusters_sort(const stp_store_mesh* mesh, const cluster_place* places, uint64_t* items,
-                        uint64_t* scratch)
+uint64_t* stp_clusters_sort(const stp_store_mesh* mesh, const cluster_place* places,
+                            uint64_t* items, uint64_t* scratch)
 {
     const uint32_t count = mesh->triangle_count;
     const curve c = choose_cells(places, mesh->vertex_count);

@@ -68,8 +68,8 @@ static inline void store_vertices(const __m256 axis[3], float* out)
     _mm256_storeu_ps(out + 2 * GROUP, _mm256_blend_ps(_mm256_blend_ps(x, y, 0x49), z, 0x92));
 }
 
-uint32_t clusters_unpack_avx2(const stp_cluster_run runs[3], uint32_t count, float step,
-                              float* positions)
+uint32_t stp_clusters_unpack_avx2(const stp_cluster_run runs[3], uint32_t count, float step,
+                                  float* positions)
 {
     static const uint8_t nothing[GROUP_BYTES];
     const uint8_t* bits[3];
