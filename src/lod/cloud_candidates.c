@@ -69,7 +69,7 @@ bool stp_sources_have_normals(const stp_scene* scene, const stp_source_list* lis
     return true;
 }
 
-// Bounding box of a set's prefix, or a larger one: its grid.
+// Box around the surfels of a set's prefix, in the captured space; a rotation enlarges it.
 static stp_boxd box_of_set(const stp_placed_set* set)
 {
     stp_boxd box = stp_boxd_empty();

@@ -22,7 +22,7 @@ typedef struct filling {
     const float* normals;   ///< the same, or NULL
     const stp_grid* from;   ///< grid whose columns hold the points; NULL: the arrays above
     uint32_t stride;
-    uint32_t* buckets; ///< of each point
+    uint32_t* buckets; ///< bucket of each point
 } filling;
 
 static const stp_grid_kernels* choose_kernels(void)

@@ -16,7 +16,7 @@ enum {
     PSP_BYTES = 1000, ///< per sample
     STOCHASTIC_VERSION = 4,
     STOCHASTIC_BYTES = 120, ///< per sample
-    SPT_COLORS = 48,        ///< of 255: if colours differ by more, a node's error is its diameter
+    SPT_COLORS = 48,        ///< if colours differ by more, of 255, a node's error is its diameter
 };
 
 stp_method_options stp_method_options_default(void)

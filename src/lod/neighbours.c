@@ -122,7 +122,8 @@ static bool scan_ranges(disk_scan* scan)
     return done;
 }
 
-// Cells more than four apart may share a bucket; visits each bucket once.
+// Cells four or more apart may share a bucket; visits a bucket once, if it is among the last
+// KNOWN_LIMIT visited.
 static bool is_known(disk_scan* scan, uint32_t begin)
 {
     uint32_t known = scan->known_count < KNOWN_LIMIT ? scan->known_count : KNOWN_LIMIT;
@@ -171,7 +172,7 @@ static void scan_disk(disk_scan* scan)
         return;
     }
     add_cells(scan, middle[0], middle[0], middle[1], middle[2]);
-    if (scan_ranges(scan)) { // most disks are solid, which is found here
+    if (scan_ranges(scan)) { // most disks are full, which is found here
         return;
     }
     for (int32_t z = scan->low[2]; z <= scan->high[2]; ++z) {

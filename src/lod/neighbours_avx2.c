@@ -133,7 +133,7 @@ static inline void store_nearest(uint32_t* nearest, uint32_t count, __m256i surf
     _mm256_maskstore_epi32((int*)nearest, mask, surfel);
 }
 
-// Merges all pieces into one.
+// Surfels of all ranges in one list. Copies may write eight values past the end.
 typedef struct surfel_list {
     float x[LIST_SIZE + 8], y[LIST_SIZE + 8], z[LIST_SIZE + 8];
     float nx[LIST_SIZE + 8], ny[LIST_SIZE + 8], nz[LIST_SIZE + 8];
@@ -145,7 +145,7 @@ static inline void copy_eight(float* to, const float* from)
     _mm256_storeu_ps(to, _mm256_loadu_ps(from));
 }
 
-// @return their number; LIST_SIZE + 1 if there are too many
+// Copies the surfels of all ranges. @return their number; LIST_SIZE + 1 if there are too many
 static inline uint32_t list_surfels(surfel_list* list, const stp_grid* surfels,
                                     const stp_near_ranges* ranges, bool sides)
 {
@@ -280,7 +280,7 @@ static inline void add_fractions(const stp_grid* samples, uint32_t at, uint32_t 
     }
 }
 
-// Half sides of eight samples' squares, and the number of near samples with a weight above one.
+// Half sides of eight samples' squares. Adds the additional weight of near samples of sets.
 static inline __m256 choose_footprints(const stp_grid* samples, uint32_t at, uint32_t near,
                                        const stp_disk_query* query, stp_disk* disk)
 {

@@ -230,7 +230,7 @@ static normal_loop loop_of(const stp_normal_search* search, float radius)
                          .missing = search->missing};
 }
 
-/// Sorts the candidates by cells of the size of a radius, and estimates missing normals within it.
+/// Sorts the candidates into cells slightly wider than a radius, and estimates missing normals within it.
 static stp_result search_all(stp_normal_search* search, float radius)
 {
     const stp_candidates* c = search->candidates;
@@ -245,7 +245,7 @@ static stp_result search_all(stp_normal_search* search, float radius)
     return result;
 }
 
-/// Estimates missing normals within some radii, without sorting again.
+/// Estimates missing normals within `reach` times the radius, without sorting again.
 static stp_result search_few(stp_normal_search* search, uint32_t count, uint32_t reach)
 {
     uint32_t* list = STP_NEW_ARRAY(search->context, uint32_t, count);

@@ -10,7 +10,7 @@
 
 enum {
     LANES = 8,
-    MAX_SQUARINGS = 12, ///< of a matrix: its 4096th power
+    MAX_SQUARINGS = 12, ///< squarings of a matrix: its 4096th power
 };
 /// Twice the share of the other eigenvalues in the trace, before the last squaring squares it
 #define CONVERGED 1e-5f

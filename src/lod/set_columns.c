@@ -28,7 +28,7 @@ static inline void copy_values(const unsigned char* column, const uint32_t* from
     }
 }
 
-// Each size has a loop of its own.
+// Each size of an attribute has a loop of its own.
 void stp_copy_attribute(stp_attribute attribute, const void* column, const uint32_t* from,
                         size_t count, void* to_column, const uint32_t* to)
 {

@@ -6,7 +6,7 @@
 enum {
     FIRST_OCTAVE = 64, ///< splats
     OCTAVE_GROWTH = 4,
-    FINEST_STEP = 8, ///< of the prefix table: an eighth more
+    FINEST_STEP = 8, ///< finest step of the prefix table: an eighth more splats
 };
 
 void stp_set_octaves_make(stp_splats* set)

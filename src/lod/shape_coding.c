@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-#define ANY_NORMALS (255u << 24) ///< of a disk
+#define ANY_NORMALS (255u << 24) ///< unbounded normal spread of a disk
 
 static float off_axis(const stp_shape_directions* directions, uint32_t code, stp_shape_axis along)
 {

@@ -26,7 +26,7 @@ typedef struct walk {
     thinning mode;
     double small;   ///< instances with a smaller extent are thinned
     size_t kept;    ///< instances that are not thinned
-    uint64_t* uses; ///< by node: of parts and sets below; made when first thinned
+    uint64_t* uses; ///< per node: instances of parts and sets below; NULL until thinned
     /// Count of thinned instances; one of `every` is kept; number of the next one
     uint64_t thin_uses, every, number;
     bool lacks_normals; ///< some point sets of the scene lack normals
@@ -186,7 +186,7 @@ static stp_result enter_parts(walk* w, const frame* f, double scale)
     return result;
 }
 
-// Visits a node: lists its set, or its parts, and then pushes its children.
+// Visits a node: lists its set; or lists its parts and pushes the node, so that its children follow.
 static stp_result enter(walk* w, frame f, bool first)
 {
     const stp_node* node = &w->scene->nodes[f.node];
