@@ -7,6 +7,8 @@
 
 #include "base/context.h"
 
+#include <assert.h>
+
 enum {
     STP_CELL_LANES = 8, ///< columns may be read in vectors of this many points, past their end
     STP_CELL_ROWS = 9,  ///< rows around a cell, itself included
@@ -35,6 +37,7 @@ void stp_cell_rows_destroy(stp_context* context, stp_cell_rows* rows);
 /// Index of a sorted point among the given positions.
 static inline uint32_t stp_cell_rows_index(const stp_cell_rows* rows, size_t at)
 {
+    assert(at < rows->count);
     return (uint32_t)(rows->items[at] & (((uint64_t)1 << rows->index_bits) - 1));
 }
 

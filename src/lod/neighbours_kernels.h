@@ -4,6 +4,8 @@
 
 #include "lod/neighbours.h"
 
+#include <assert.h>
+
 enum {
     STP_NEAR_LANES = 8,        ///< samples tested together
     STP_NEAR_RANGE_LIMIT = 40, ///< 2 x 2 x 2 cells of surfels, rows of 4 x 4 x 4 cells of samples
@@ -17,6 +19,7 @@ typedef struct stp_near_ranges {
 
 static inline void stp_near_ranges_add(stp_near_ranges* ranges, uint32_t begin, uint32_t end)
 {
+    assert(begin <= end && ranges->count < STP_NEAR_RANGE_LIMIT);
     ranges->begins[ranges->count] = begin;
     ranges->ends[ranges->count] = end;
     ranges->count += begin != end;
