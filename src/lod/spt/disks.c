@@ -45,7 +45,7 @@ static const double sines[SLABS] = {
     0.19509032201612861,
 };
 
-// Coordinate frame of the children: the plane of a disk, or space.
+// Axes of a disk's plane.
 typedef struct frame {
     stp_vec3d across, along;
 } frame;
@@ -223,7 +223,7 @@ static void find_directions(stp_vec3 normal, slab_directions* d)
     }
 }
 
-// Minimum of width_along() over all directions, in vectorized loops.
+// Minimum of width_along() over SLABS directions in the disk's plane, in vectorized loops.
 static double find_narrowest(const stp_tree_disk* disk, const stp_tree_disk* children,
                              uint32_t count)
 {

@@ -13,7 +13,7 @@ enum {
     BLOCK = 64,   ///< normals encoded per batch
 };
 
-#define HALF_DIAGONAL 0.8660254f ///< of a unit cube
+#define HALF_DIAGONAL 0.8660254f ///< half the diagonal of a unit cube
 
 typedef struct splat_maker {
     const stp_point_tree* tree;
@@ -106,7 +106,7 @@ static uint8_t find_coverage(const splat_maker* m, uint32_t node)
     return mean < 254.0 / 255.0 ? stp_coverage_of_share(mean) : STP_COVERAGE_WHOLE;
 }
 
-/// Makes all but the encoded normal. @return the normal
+/// Makes all but the encoded normal and the level of replacement. @return the normal
 static stp_vec3 make_splat(const splat_maker* m, uint32_t node, stp_node_splat* splat)
 {
     const stp_tree_disk* disk = &m->tree->disks[node];
@@ -122,7 +122,7 @@ static stp_vec3 make_splat(const splat_maker* m, uint32_t node, stp_node_splat* 
     // rounding to the grid moves centres by up to half the diagonal of a cell
     float radius = disk->radius / grid->step + HALF_DIAGONAL;
     splat->shape = stp_shape_disk(radius, find_spread(m->tree, node), false);
-    // else uses the direction of its first leaf
+    // a sphere uses the normal of its first leaf
     bool turned = stp_dot(disk->normal, disk->normal) > 0.0f;
     return turned ? disk->normal : m->tree->disks[leaf].normal;
 }

@@ -9,16 +9,16 @@
 enum {
     BRIDGE_LEAVES = 128, ///< leaves of a component from which a bridge across a gap is searched
     BRIDGES_MAX = 64,    ///< maximum number of components for which a bridge is searched
-    WORDS = 64,          ///< of 64 buckets each
+    WORDS = 64,          ///< words with a bit for each of 64 buckets
 };
 #define ACROSS 0.5f     // weight of a step perpendicular to a surface
-#define WEIGHT_MAX 3.5f // of a step
+#define WEIGHT_MAX 3.5f // maximum weight of a step
 #define GAP 4.0f        // maximum gap, relative to the sum of both leaves' sides
 
 /// A step from an oriented leaf to another one.
 typedef struct orient_step {
     uint32_t to, from;
-    uint32_t next; ///< in the same bucket
+    uint32_t next; ///< next step in the same bucket; UINT32_MAX: none
 } orient_step;
 
 /// Steps in buckets of about the same weight; the last one that was added to a bucket comes first.
@@ -27,7 +27,7 @@ typedef struct step_queue {
     uint32_t count;              ///< steps that were ever added
     uint64_t filled;             ///< one bit per word
     uint64_t words[WORDS];       ///< one bit per bucket that is not empty
-    uint32_t firsts[64 * WORDS]; ///< of each bucket
+    uint32_t firsts[64 * WORDS]; ///< first step of each bucket that is not empty
 } step_queue;
 
 typedef struct orienter {

@@ -4,9 +4,9 @@
 enum { NEWTON_STEPS = 6 };
 #define ROOT_THREE 1.7320508075688772
 #define IS_ROOT 0.1 // maximum remainder of the polynomial, relative to its largest term
-// two eigenvalues count as equal if they differ by less than this, relative to the larger one
+// two eigenvalues count as alike if their ratio is above this
 #define ALIKE 0.1
-#define CERTAIN 1e-24 // squares of eigenvalues; below it, no direction is distinct
+#define CERTAIN 1e-24 // relative to powers of the trace; below it, no direction is distinct
 
 void stp_scatter_add(stp_scatter* s, double x, double y, double z)
 {

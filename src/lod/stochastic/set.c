@@ -24,15 +24,15 @@ enum {
     GRAIN = 16384, ///< points
     LEAF_GRAIN = 32,
     BATCH = 64,       ///< splats whose normals are encoded together
-    OCTAVES_MAX = 16, ///< of 2^32 points
+    OCTAVES_MAX = 16, ///< more octaves than 2^32 points have
 };
 #define SEED UINT64_C(0x42686B72)
-#define LARGEST 2.0f // maximum radius of isolated points' splats, relative to the median spacing
+#define LARGEST 2.0f // maximum spacing of isolated points, relative to the median spacing
 /// Radius of a splat, in sides of the square that it represents (STP_CUE_COVERING)
 #define GROWTH 1.05f
 #define DISK_RATIO 0.8f          // ratio of radii from which a splat is a disk
 #define FINEST 0x1p-10           // minimum grid step, in spacings; finer steps would waste bits
-#define HALF_DIAGONAL 0.8660255f // of a unit cube
+#define HALF_DIAGONAL 0.8660255f // half the diagonal of a unit cube
 /// Spacings of leaves are clamped to this factor above and below the median spacing
 #define OUTLIER 8.0f
 
@@ -351,7 +351,7 @@ static void write_some(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// Coverage radius of each prefix: the spacing of its random sample, plus half a cell.
+/// Coverage radius of each prefix: the spacing of its sample, plus half the diagonal of a cell.
 static void make_table(set_maker* m)
 {
     stp_splats* s = m->splats;

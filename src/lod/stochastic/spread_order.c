@@ -11,7 +11,7 @@ enum {
     /// Maximum points spread together; larger leaves are processed in blocks
     BLOCK = 2048,
     SHARE = 4, ///< one in this many points is spread
-    LEAST = 4, ///< with fewer points, any order is good enough
+    LEAST = 4, ///< with at most this many points, any order is good enough
     WIDE = 16, ///< distances compared together
 };
 
@@ -19,7 +19,7 @@ enum {
 /// opposite sides.
 typedef struct spread_block {
     int16_t at[3][BLOCK];
-    /// Squared distance to the nearest chosen point, over 2^16; -1: chosen itself
+    /// Squared distance to the nearest chosen point, over 2^17; -1: chosen itself
     int16_t far[BLOCK];
     uint32_t index[BLOCK];
     uint32_t count;
