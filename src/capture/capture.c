@@ -81,9 +81,10 @@ static double clamp_resolution(double resolution, double maximum)
 
 /// Bounds for choosing the resolution.
 typedef struct frame {
-    double widest;   ///< longer side of the widest view, in scene units
-    double maximum;  ///< highest resolution
-    double outlines; ///< of the box in all views: upper bound of the covered area, in square units
+    double widest;  ///< longer side of the widest view, in scene units
+    double maximum; ///< highest resolution
+    double
+        outlines; ///< area of the box in all views, square units: upper bound of the covered area
     uint64_t wanted; ///< candidates
 } frame;
 
@@ -297,7 +298,7 @@ static void move_silhouettes(stp_capture_job* job, stp_candidates* candidates)
     job->keeps_silhouettes = false; // fill views are drawn separately
 }
 
-// Numbers everything, and finds the box of all. @return whether there is anything, through `empty`
+// Numbers everything, and finds the box of all. Sets `empty` if there is nothing.
 static stp_result begin_job(stp_capture_job* job, bool* empty)
 {
     stp_boxd box = stp_boxd_empty();

@@ -18,14 +18,14 @@ typedef struct draw_worker {
     stp_arena scratch;
     uint64_t* pixels;     ///< room for the largest band
     uint64_t* pass;       ///< the same, if several passes are needed
-    uint64_t* primitives; ///< of the nearest pixels so far, if several passes are needed
+    uint64_t* primitives; ///< nearest one of each pixel so far, if several passes are needed
 } draw_worker;
 
 typedef struct draw_state {
     stp_capture_job* job;
     draw_worker* workers;
     size_t first_band;  ///< first band to draw
-    size_t band_pixels; ///< of the largest band
+    size_t band_pixels; ///< pixels of the largest band
     bool passes;        ///< whether several passes are needed
     atomic_bool failed;
 } draw_state;
@@ -41,7 +41,7 @@ static void merge_pass(draw_worker* worker, size_t pixel_count, uint64_t first_p
     }
 }
 
-/// Draws all sets the same way.
+/// Draws all sets in as many passes as 32-bit ids require.
 static stp_result draw_sets_in_passes(const stp_capture_job* job, const stp_capture_band* band,
                                       const stp_raster_target* pass, size_t pixel_count,
                                       draw_worker* worker)

@@ -139,7 +139,7 @@ static inline void push(queue* to, const float p[3][LANES], unsigned lane, uint6
     to->pixels[to->count++] = pixel;
 }
 
-// Takes up to eight points from a queue. Their memory stays valid until the queue is filled again.
+// Takes the last points from a queue, up to eight, and copies them to `p` and `pixels`.
 static points pop(queue* from, float p[3][LANES], uint64_t* pixels[LANES], unsigned* asked)
 {
     uint32_t count = from->count < LANES ? from->count : LANES;

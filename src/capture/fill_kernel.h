@@ -19,7 +19,7 @@ typedef struct stp_fill_view {
 typedef struct stp_fill_query {
     float x[3], y[3], z[3], origin[3];
     float toward[3];
-    const stp_fill_surface* surface; ///< of the candidates
+    const stp_fill_surface* surface; ///< one per candidate
     uint32_t view_count;
     stp_fill_view looks[STP_CAPTURE_FILL_DIRECTIONS];
 } stp_fill_query;

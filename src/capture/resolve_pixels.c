@@ -86,8 +86,8 @@ typedef struct seen_triangle {
     uint32_t corner[3];
     stp_vec3d position[3];
     double x[3], y[3]; ///< pixels, from the centre of the current pixel
-    double area;       ///< twice, square pixels
-    double weight[3];  ///< of the corners, at the pixel's centre
+    double area;       ///< twice the signed area, in square pixels
+    double weight[3];  ///< weights of the corners at the pixel's centre
 } seen_triangle;
 
 static seen_triangle project_triangle(const stp_capture_view* view, const current_part* part,

@@ -16,15 +16,15 @@
 #define CHUNK 2048u           // surfels transformed at a time
 #define SIMILAR 1e-4          // tolerance for rotation plus uniform scale
 #define PIXELS_PER_SURFEL 4.0 // pixels worth testing to save one surfel
-#define BOX_SLACK 1e-5        // relative to the disks' radius and rim
+#define BOX_SLACK 1e-5        // of nearness, for rounding
 
 // Projection of a set's grid to the screen.
 typedef struct set_projection {
     stp_affine placement; ///< own space to captured space minus its centre
-    stp_vec3d origin;     ///< of the grid, placed
+    stp_vec3d origin;     ///< origin of the grid, placed
     double row[3][3],
         at_origin[3]; ///< x, y, nearness: of an offset in own space, and at the grid's origin
-    double middle[3], reach[3]; ///< of the bounding box of all disks
+    double middle[3], reach[3]; ///< middle and half extent of the box of all disks
 } set_projection;
 
 static set_projection project_set(const stp_capture_job* job, const stp_capture_view* view,

@@ -279,7 +279,7 @@ static drawn_part find_colour(const stp_splats* s, const stp_set_entries* look, 
     return (drawn_part){chance, solid < 1.0f};
 }
 
-// The set of a surfel, searched from `set` on.
+// The set of a surfel. Tests `set` first.
 static size_t find_set(const stp_capture_job* job, uint64_t surfel, size_t set)
 {
     if (set < job->set_count && surfel >= job->first_surfels[set] &&
@@ -352,7 +352,7 @@ static void resolve_pieces(size_t begin, size_t end, uint32_t worker, void* user
     }
 }
 
-// Records the spacing of the sets' surfels and the area they represent.
+// Records the largest radius of the sets' disks; visible surface may be as far from a candidate.
 static void note_radii(const stp_placed_set* sets, size_t count, stp_candidates* candidates)
 {
     for (size_t i = 0; i < count; ++i) {

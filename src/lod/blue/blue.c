@@ -17,10 +17,10 @@
 #define CANDIDATES_PER_SURFEL 12u
 #define MIN_CANDIDATES 6000u    // small objects must keep their shape
 #define MAX_CANDIDATES 1750000u // Brandt, Table 2
-#define FINE_PIXEL 0x1p-7       // of triangles, in coarse ones: for a diagonal of 1,024
+#define FINE_PIXEL 0x1p-7       // for triangles, in coarse pixels: a 1,024th of the diagonal
 #define NORMAL_SPACINGS 2.5f    // radius for estimating a point's normal
-#define SPARSE_PART 128u        // sparse parts of a cloud count if they have this share of points
-#define MIN_EXTENT 0x1p-60      // scene units; squared distances below it underflow
+#define SPARSE_PART 128u   // sparse parts of a cloud count if they have one in this many points
+#define MIN_EXTENT 0x1p-60 // scene units; squared distances below it underflow
 
 typedef struct blue {
     const stp_scene* scene;
@@ -31,7 +31,7 @@ typedef struct blue {
     bool from_points;
     bool two_sided;
     uint32_t wanted;   ///< surfels
-    uint32_t distinct; ///< of the ordered ones: without coincident points
+    uint32_t distinct; ///< number of ordered candidates, without coincident points
     uint32_t* order;
     float* radii;
     stp_finish_input finish;
@@ -198,7 +198,7 @@ static stp_result sort_radii(const blue* b, float* sorted)
         return stp_fail_memory(b->scene->context);
     }
     for (uint32_t i = 0; i < count; ++i) {
-        uint32_t bits; // of numbers that are not negative, as ordered as they are
+        uint32_t bits; // of floats that are not negative: they sort alike
         memcpy(&bits, &b->radii[i], sizeof(bits));
         items[i] = (uint64_t)(0x7FFFFFFFu - bits) << 32 | bits;
     }

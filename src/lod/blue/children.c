@@ -21,7 +21,7 @@ typedef struct children {
     double surfel_count;
     double seen; ///< visible share of the estimate
     stp_source_list list;
-    double pixel; ///< of the list
+    double pixel; ///< pixel size for which the list was made
 } children;
 
 double stp_coarse_pixel(const stp_scene* scene, uint32_t node)

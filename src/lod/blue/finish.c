@@ -11,12 +11,12 @@
 #define PAPER_COUNT 1000u // p_m, as in Brandt 4.1
 #define GRAIN 16384
 #define AHEAD 24u        // candidates to prefetch ahead
-#define OVERLAP_MAX 64.0 // disks of an octave over each place
+#define OVERLAP_MAX 64.0 // maximum number of disks of an octave over each place, on average
 
 typedef struct finish {
     const stp_finish_input* input;
     stp_splats* surfels;
-    float* positions; ///< of the surfels, relative to the candidates' origin
+    float* positions; ///< 3 per surfel, relative to the candidates' origin
     float* normals;
     float* envelope; ///< coverage radius of the first i surfels
 } finish;

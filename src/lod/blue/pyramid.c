@@ -85,7 +85,7 @@ static void add_surfels(stp_pyramid* p, const stp_grid* samples, const stp_pyram
     }
 }
 
-// Fills the entry of a surfel without assigned samples from the finer entry.
+// Entry of a surfel without assigned samples: its finer entry, or that of its own candidate.
 static stp_pyramid_entry single_entry(const stp_pyramid* p, const stp_pyramid_entry* finer,
                                       uint32_t surfel)
 {

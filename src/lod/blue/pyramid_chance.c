@@ -106,8 +106,8 @@ typedef struct chooser {
     uint32_t octave;
     stp_pyramid_entry* entries;
     float disk_radius;
-    double pixels;      ///< of the capture, in the disks' radius
-    uint32_t stride;    ///< of the examined candidates
+    double pixels;      ///< radius of the disks in pixels of the capture
+    uint32_t stride;    ///< every stride-th candidate is examined
     float margin;       ///< extent of surface beyond them, relative to the disks' radius
     double disk, whole; ///< areas: of a disk; of the surface nearest to a surfel of a whole surface
     bool is_cloud;
@@ -242,7 +242,7 @@ static stp_result search_surroundings(const chooser* c, const uint32_t* doubtful
                                       .found = found};
     float asked = stp_max(p->cuts.farthest + SLACK - c->margin, 0.0f);
     search.reach_asked = asked * asked * 1.0001f; // disks with a larger extent are drawn whole
-    // few samples, or irregular points: squares twice as wide close the gaps
+    // few samples, or irregular points: squares half again as wide close the gaps
     bool wide = c->stride == 1 || c->is_cloud;
     float spacing = sqrtf((float)c->stride) / (float)c->pixels;
     search.footprint = stp_min((wide ? 0.75f : 0.5f) * spacing, 0.5f);

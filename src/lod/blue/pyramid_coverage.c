@@ -8,7 +8,7 @@
 // Surfels that sample a disk have a coverage radius of an eighth of its radius: then each cell of
 // the stencil, a quarter wide, that is full of surface contains at least one.
 #define SAMPLE_RADIUS 0.125f
-// If candidates sample, each represents up to this share of a disk's pixels.
+// If candidates sample, each represents up to one in this many of a disk's pixels.
 #define DISK_CANDIDATES 32.0
 // Half the side of a square, relative to the radius of a disk of equal area.
 #define DISK_SQUARE 0.88622693f

@@ -8,7 +8,7 @@
 #include "base/octahedral.h"
 #include "lod/blue/pyramid.h"
 
-#define RADIUS 3.0     // minimum pixels of a disk in a picture, if silhouettes have that many
+#define RADIUS 3.0 // minimum radius of a disk in a picture, in pixels, if silhouettes have as many
 #define MIN_FACING 0.2 // cosine: disks are not seen from flatter directions
 // Share of a disk's pixels outside a silhouette: closed up to the first value, not from the second.
 #define OUTER_FEW 0.0f
@@ -26,7 +26,7 @@ typedef struct placed_disk {
 
 // A disk's measurements in a view.
 typedef struct verdict {
-    float outer; ///< number of its pixels outside the silhouettes
+    float outer; ///< share of its pixels outside the silhouette
     float open;  ///< mean probability that nothing is drawn at pixels where something was seen
 } verdict;
 
@@ -38,14 +38,14 @@ typedef struct closer {
     placed_disk* disks;
     stp_disk_cut cuts[256];             ///< by code
     uint32_t shrink;                    ///< silhouette pixels per picture pixel, along each side
-    verdict* verdicts[STP_SILHOUETTES]; ///< of each disk
+    verdict* verdicts[STP_SILHOUETTES]; ///< per view, one per disk
     bool failed[STP_SILHOUETTES];
 } closer;
 
 // One view of an octave.
 typedef struct picture {
     const stp_silhouette* from;
-    double scale; ///< of the silhouette's pixels
+    double scale; ///< picture pixels per silhouette pixel
     uint32_t width, height;
     float* seen; ///< per pixel, the share where the capture saw anything
     float* open; ///< per pixel, the probability that no disk is drawn
