@@ -9,6 +9,8 @@
 #include "lod/blue/stencil.h"
 #include "lod/neighbours.h"
 
+#include <assert.h>
+
 /// One entry of the pyramid.
 typedef struct stp_pyramid_entry {
     uint32_t color[3]; ///< linear, integers
@@ -41,6 +43,7 @@ static inline uint64_t stp_candidate_area(const stp_candidate_areas* areas, uint
                                           uint8_t alpha)
 {
     if (candidate >= areas->first_of_sets) {
+        assert(areas->of_sets != NULL && "surfels of sets have areas");
         double area = (double)areas->of_sets[candidate - areas->first_of_sets] * areas->per_area;
         return (uint64_t)(area < 1.0 ? 1.0 : area > 0x1p40 ? 0x1p40 : area);
     }
@@ -91,6 +94,7 @@ typedef struct stp_octave_plan {
 
 static inline uint16_t stp_pyramid_fraction(double value)
 {
+    assert(value >= 0.0 && value < 1.0 + 1e-6);
     return (uint16_t)(value * 65535.0 + 0.5);
 }
 

@@ -15,6 +15,8 @@
 
 #include "base/math.h"
 
+#include <assert.h>
+
 typedef struct stp_stencil {
     uint64_t disk;
     uint64_t sectors[8];
@@ -26,6 +28,7 @@ stp_stencil stp_stencil_make(void);
 /// (u, v) itself. In units of the disk's radius: the disk is within [-1, 1] x [-1, 1].
 static inline uint64_t stp_stencil_cells(float u, float v, float half)
 {
+    assert(!(half < 0.0f));
     float u0 = 4.0f * (u - half) + 4.5f,
           u1 = 4.0f * (u + half) + 3.5f; // their floors are the outermost cells
     float v0 = 4.0f * (v - half) + 4.5f, v1 = 4.0f * (v + half) + 3.5f;
