@@ -6,6 +6,7 @@
 
 #include "base/math.h"
 
+#include <assert.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -35,6 +36,7 @@ static inline bool stp_silhouette_holds(const stp_silhouette* s, stp_vec3d at)
         return false;
     }
     uint32_t column = (uint32_t)x, row = (uint32_t)y;
+    assert(column / 32 < stp_silhouette_stride(s->width));
     uint32_t word = s->words[(size_t)row * stp_silhouette_stride(s->width) + column / 32];
     return (word >> (column % 32) & 1) != 0;
 }

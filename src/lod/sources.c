@@ -76,7 +76,7 @@ static stp_result add_set(walk* w, const frame* f, const stp_splats* set, double
         return stp_fail_memory(context);
     }
     list->sets = sets;
-    assert(prefix > 0 && prefix <= set->count);
+    assert(prefix <= set->count);
     float radius = stp_prefix_table_radius(&set->table, prefix) + set->candidate_radius;
     const stp_node* node = &w->scene->nodes[f->node];
     sets[list->set_count++] =
