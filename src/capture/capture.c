@@ -83,10 +83,9 @@ static double clamp_resolution(double resolution, double maximum)
 
 /// Bounds for choosing the resolution.
 typedef struct frame {
-    double widest;  ///< longer side of the widest view, in scene units
-    double maximum; ///< highest resolution
-    double
-        outlines; ///< area of the box in all views, square units: upper bound of the covered area
+    double widest;   ///< longer side of the widest view, in scene units
+    double maximum;  ///< highest resolution
+    double outlines; ///< area of the box in all views: upper bound of the covered area
     uint64_t wanted; ///< candidates
 } frame;
 

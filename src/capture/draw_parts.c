@@ -51,8 +51,8 @@ static part_projection project_part(const stp_capture_job* job, const stp_captur
 static bool holds_centre(double middle, double reach, uint32_t begin, uint32_t end)
 {
     assert(begin <= end);
-    const double margin =
-        1.0 / 64.0; // coordinates are snapped to 1/256, and rounded to float before
+    // coordinates are snapped to 1/256, and rounded to float before
+    const double margin = 1.0 / 64.0;
     double low = middle - reach - margin - 0.5, high = middle + reach + margin - 0.5;
     if (!(high >= (double)begin && low <= (double)end - 1.0)) {
         return false;

@@ -16,8 +16,8 @@ enum {
 
 typedef struct stp_silhouette {
     stp_vec3d toward; ///< unit, towards the viewer
-    stp_vec3d right,
-        down; ///< pixels in a scene unit, of positions relative to the candidates' origin
+    /// Axes in pixels per scene unit, for positions relative to the candidates' origin
+    stp_vec3d right, down;
     double shift_x, shift_y;
     uint32_t width, height;
     uint32_t* words; ///< a bit a pixel, each row of whole words; owned

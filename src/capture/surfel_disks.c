@@ -24,8 +24,8 @@
 typedef struct set_projection {
     stp_affine placement; ///< own space to captured space minus its centre
     stp_vec3d origin;     ///< origin of the grid, placed
-    double row[3][3],
-        at_origin[3]; ///< x, y, nearness: of an offset in own space, and at the grid's origin
+    /// x, y, nearness: of an offset in own space, and at the grid's origin
+    double row[3][3], at_origin[3];
     double middle[3], reach[3]; ///< middle and half extent of the box of all disks
 } set_projection;
 

@@ -17,8 +17,8 @@ enum {
 typedef struct stp_cell_rows {
     uint32_t count, cell_count;
     uint32_t* starts; ///< first point of each cell, and the end
-    uint64_t*
-        numbers; ///< number of each cell, ascending: by z, then y, then x; UINT64_MAX at the end
+    /// Number of each cell, ascending: by z, then y, then x; UINT64_MAX at the end
+    uint64_t* numbers;
     uint64_t* items;       ///< per sorted point: number of its cell above its index
     unsigned index_bits;   ///< bits of an index in `items`
     unsigned axis_bits[3]; ///< bits of x, y, z in a cell's number

@@ -123,7 +123,8 @@ static bool allocate(stp_context* context, stp_grid* grid, bool normals)
     int count = normals ? 6 : 4;
     grid->starts = STP_NEW_ARRAY(context, uint32_t, (size_t)grid->mask + 2);
     grid->index = STP_NEW_ARRAY(context, uint32_t, stride);
-    float* columns = STP_NEW_ARRAY(context, float, stride*(size_t)count);
+    size_t floats = stride * (size_t)count;
+    float* columns = STP_NEW_ARRAY(context, float, floats);
     grid->x = columns;
     if (grid->starts == NULL || grid->index == NULL || columns == NULL) {
         return false;

@@ -30,8 +30,8 @@ void stp_choose_position_grid(stp_boxd box, double min_step, stp_vec3* origin, f
     for (bool fits = false; !fits; size *= fits ? 1.0 : 2.0) {
         fits = true;
         for (int axis = 0; axis < 3; ++axis) {
-            double align =
-                size; // far from zero a float only holds multiples of a larger power of two
+            // far from zero a float only holds multiples of a larger power of two
+            double align = size;
             while (fabs(low[axis]) / align >= 0x1p24 - 1.0) {
                 align *= 2.0;
             }

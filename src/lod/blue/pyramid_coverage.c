@@ -67,8 +67,8 @@ static float candidate_footprint(const stp_pyramid* p, const stp_octave_plan* pl
 static uint32_t sample_count(const stp_pyramid* p, float radius)
 {
     const float* envelope = p->input->envelope;
-    uint32_t low = 1,
-             high = p->surfels->count; // first index at which the envelope is small enough
+    // searches the first index at which the envelope is small enough
+    uint32_t low = 1, high = p->surfels->count;
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
         if (envelope[middle] <= radius * SAMPLE_RADIUS) {
