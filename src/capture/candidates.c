@@ -2,11 +2,13 @@
 // The columns of candidates: their memory, and appending covered pixels.
 #include "capture/capture_internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 // Moves a column to a larger allocation.
 static bool move_column(stp_context* context, void** column, size_t count, size_t room, size_t size)
 {
+    assert(count <= room);
     void* moved = stp_alloc_array(context, room, size);
     if (moved == NULL) {
         return false;
@@ -38,6 +40,7 @@ stp_result stp_capture_make_room(stp_capture_job* job, uint64_t more, uint64_t s
                                  stp_candidates* candidates)
 {
     stp_context* context = job->scene->context;
+    assert(candidates->count <= job->room && "the columns have room for what is there");
     uint64_t count = candidates->count + more;
     if (count >= UINT32_MAX) {
         return stp_fail(context, STP_ERROR_LIMIT,
@@ -57,6 +60,7 @@ stp_result stp_capture_append(stp_capture_job* job, uint64_t spare, stp_candidat
     if (result == STP_OK) {
         stp_capture_resolve(job, candidates, candidates->count);
         candidates->count += (uint32_t)job->covered_pixels;
+        assert(candidates->count <= job->room);
         stp_capture_drop_bands(job);
     }
     return result;

@@ -5,6 +5,7 @@
 #include "capture/capture_internal.h"
 #include "capture/fill.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define DEFAULT_CANDIDATES UINT64_C(1750000)
@@ -70,6 +71,7 @@ static stp_result count_primitives(stp_capture_job* job, stp_boxd* box)
 static double outline_area(const stp_capture_job* job, stp_vec3d toward)
 {
     stp_vec3d h = job->half_extent;
+    assert(!(h.x < 0.0) && !(h.y < 0.0) && !(h.z < 0.0));
     return 4.0 *
            (fabs(toward.x) * h.y * h.z + fabs(toward.y) * h.x * h.z + fabs(toward.z) * h.x * h.y);
 }
@@ -83,13 +85,14 @@ static double clamp_resolution(double resolution, double maximum)
 typedef struct frame {
     double widest;   ///< longer side of the widest view, in scene units
     double maximum;  ///< highest resolution
-    double outlines; ///< of the box in all views: upper bound of the covered area, in square units
+    double outlines; ///< area of the box in all views: upper bound of the covered area
     uint64_t wanted; ///< candidates
 } frame;
 
 static frame make_frame(const stp_capture_job* job, const stp_vec3d* directions, uint32_t count,
                         uint64_t wanted)
 {
+    assert(wanted > 0 && count > 0);
     frame f = {.wanted = wanted};
     double area;
     f.widest = stp_capture_widest(job, directions, count, &area);
@@ -109,6 +112,7 @@ static double choose_pixel_size(const frame* f, double area, double* resolution)
     double pixel_size = area > 0.0 ? sqrt(area / (double)f->wanted) : finest;
     *resolution = clamp_resolution(f->widest / pixel_size, f->maximum);
     *resolution = (double)(uint32_t)(*resolution + 0.5);
+    assert(*resolution >= (double)STP_CAPTURE_RESOLUTION_MIN);
     return f->widest / *resolution;
 }
 
@@ -144,6 +148,7 @@ static stp_result draw_wanted(stp_capture_job* job, const stp_vec3d* directions,
     for (int attempt = 0; result == STP_OK && attempt < ATTEMPTS; ++attempt) {
         double pixel_size = f.widest / *resolution;
         bool sparse = area < f.outlines / EMPTIEST;
+        assert(drawn <= count);
         if (drawn == 0) {
             area = sparse ? f.outlines / EMPTIEST : area;
             pixel_size = choose_pixel_size(&f, area, resolution);
@@ -198,6 +203,7 @@ static stp_result draw_views(stp_capture_job* job, const stp_capture_desc* desc,
     } else {
         result = draw_wanted(job, directions, count, wanted, &resolution);
     }
+    assert(resolution >= 1.0 && resolution <= (double)STP_CAPTURE_RESOLUTION_MAX);
     candidates->pixel_size = widest > 0.0 ? widest / resolution : 1.0;
     candidates->resolution = (uint32_t)resolution;
     candidates->direction_count = count;
@@ -218,6 +224,7 @@ static stp_result find_view_starts(const stp_capture_job* job, stp_candidates* c
     for (uint32_t view = 0; view < candidates->direction_count; ++view) {
         candidates->view_starts[view + 1] += candidates->view_starts[view];
     }
+    assert(candidates->view_starts[candidates->direction_count] == (uint32_t)job->covered_pixels);
     return STP_OK;
 }
 
@@ -239,10 +246,12 @@ static stp_result make_candidates(stp_capture_job* job, const stp_capture_desc* 
     }
     if (result == STP_OK) {
         result = stp_capture_append(job, fill ? first / FILL_ROOM : 0, candidates);
+        assert(result != STP_OK || candidates->count == first);
     }
     if (result == STP_OK && fill) {
         stp_fill_map_set_surface(context, &map, candidates);
         result = stp_capture_fill(job, &map, candidates);
+        assert(candidates->count >= first);
         candidates->filled = candidates->count - (uint32_t)first;
     }
     stp_fill_map_destroy(context, &map);
@@ -251,6 +260,7 @@ static stp_result make_candidates(stp_capture_job* job, const stp_capture_desc* 
     if (result == STP_OK && job->set_count != 0) {
         result = stp_capture_make_room(job, stp_capture_seen_count(job), 0, candidates);
         result = result == STP_OK ? stp_capture_resolve_sets(job, candidates) : result;
+        assert(result != STP_OK || candidates->set_count == stp_capture_seen_count(job));
     }
     return result;
 }
@@ -280,6 +290,7 @@ static void move_silhouettes(stp_capture_job* job, stp_candidates* candidates)
 {
     for (uint32_t v = 0; v < job->view_count && v < STP_SILHOUETTES; ++v) {
         stp_capture_view* view = &job->views[v];
+        assert(candidates->silhouette_count == v && "the first views have silhouettes, or none");
         if (view->silhouette == NULL) {
             break;
         }
@@ -297,7 +308,7 @@ static void move_silhouettes(stp_capture_job* job, stp_candidates* candidates)
     job->keeps_silhouettes = false; // fill views are drawn separately
 }
 
-// Numbers everything, and finds the box of all. @return whether there is anything, through `empty`
+// Numbers everything, and finds the box of all. Sets `empty` if there is nothing.
 static stp_result begin_job(stp_capture_job* job, bool* empty)
 {
     stp_boxd box = stp_boxd_empty();
@@ -323,6 +334,7 @@ static void end_job(stp_capture_job* job)
 static stp_capture_job make_job(const stp_scene* scene, const stp_capture_sources* sources,
                                 uint64_t ids_per_pass)
 {
+    assert(ids_per_pass > 0 && ids_per_pass < UINT32_MAX && "an id is left for empty pixels");
     return (stp_capture_job){
         .scene = scene,
         .parts = sources->parts,

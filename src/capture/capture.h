@@ -33,7 +33,7 @@ typedef struct stp_capture_desc {
     double pixel_size;          ///< side of a pixel in scene units; 0: from `resolution`
     uint64_t wanted_candidates; ///< for the automatic resolution; default 1.75 million
     bool no_fill;               ///< skip the fill (fill.h); 26 directions are never filled
-    const stp_capture_textures* textures; ///< of this scene; NULL: made for this call
+    const stp_capture_textures* textures; ///< textures of this scene; NULL: made for this call
 } stp_capture_desc;
 
 /// A prefix of a surfel set that replaces the geometry it was made from (Brandt 3.4), with its
@@ -41,7 +41,7 @@ typedef struct stp_capture_desc {
 typedef struct stp_placed_set {
     const stp_splats* surfels;
     uint32_t prefix;      ///< surfels of the prefix, at least 1
-    float radius;         ///< of their disks, in the set's own space
+    float radius;         ///< radius of their disks, in the set's own space
     stp_affine transform; ///< to the captured space
     bool unknown_signs;   ///< either side of a splat may be outside
 } stp_placed_set;
@@ -78,7 +78,7 @@ typedef struct stp_candidates {
     /// Maximum distance of visible surface from a candidate; 0: half a pixel's diagonal
     double surface_radius;
     uint32_t resolution, direction_count;
-    stp_silhouette silhouettes[STP_SILHOUETTES]; ///< of the first directions
+    stp_silhouette silhouettes[STP_SILHOUETTES]; ///< silhouettes of the first directions
     uint32_t silhouette_count;                   ///< 0: none kept
     uint32_t filled; ///< captured candidates, before those of sets, that the main directions missed
     uint64_t covered_pixels, triangle_views; ///< statistics
@@ -109,7 +109,7 @@ static inline uint32_t stp_first_of_sets(const stp_candidates* candidates)
 
 /// Captures the parts (their transforms relative to the captured node's space).
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED, or STP_ERROR_LIMIT if the
-/// requested resolution gives 2^32 candidates or more
+/// requested resolution gives 2^32 - 1 candidates or more
 STP_MUST_USE stp_result stp_capture_parts(const stp_scene* scene, const stp_placed_part* parts,
                                           size_t part_count, const stp_capture_desc* desc,
                                           stp_candidates* candidates);
@@ -120,7 +120,8 @@ STP_MUST_USE stp_result stp_candidates_add_sets(stp_context* context, const stp_
                                                 size_t set_count, stp_candidates* candidates);
 /// Captures parts and sets into the same pictures. A disk that wins pixels yields its surfel once,
 /// at the surfel's own position, so surfaces do not grow. A surfel whose neighbours won all its
-/// pixels is taken too if its centre is not occluded. With sets, the desc must give the pixel size.
+/// pixels is taken too if its centre is not occluded. With sets, the desc should give the pixel
+/// size: the resolution is not chosen automatically.
 /// @return as stp_capture_parts
 STP_MUST_USE stp_result stp_capture_all(const stp_scene* scene, const stp_capture_sources* sources,
                                         const stp_capture_desc* desc, stp_candidates* candidates);

@@ -23,7 +23,7 @@ struct stp_capture_textures {
 /// A parallel projection in pixels: x = right . p + shift_x, y = down . p + shift_y.
 typedef struct stp_capture_view {
     stp_vec3d toward;      ///< unit, towards the viewer
-    stp_vec3d right, down; ///< unit over pixel size
+    stp_vec3d right, down; ///< unit vectors, divided by the pixel size
     double shift_x, shift_y;
     stp_vec3d depth; ///< nearness = depth . p + 1.5, between 1.1 and 1.9
     uint32_t width, height;
@@ -46,11 +46,11 @@ typedef struct stp_capture_job {
     const stp_placed_part* parts;
     size_t part_count;
     uint64_t* first_primitives; ///< first primitive of each part, and the total
-    stp_box* boxes; ///< of each part, in its own space; contiguous, as each view tests all of them
+    stp_box* boxes; ///< box of each part, in its own space; contiguous, as each view tests all
     const stp_placed_set* sets;
     size_t set_count;
     uint64_t* first_surfels; ///< first surfel of each set, and the total; numbered after parts
-    stp_boxd* set_boxes;     ///< of each set's disks, in the captured space
+    stp_boxd* set_boxes;     ///< box of each set's disks, in the captured space
     _Atomic uint32_t* seen;  ///< one bit per surfel
     stp_vec3d centre, half_extent;
     const stp_texture_pyramid* pyramids; ///< per texture
@@ -61,7 +61,7 @@ typedef struct stp_capture_job {
     size_t band_count;
     stp_capture_band* bands;
     uint64_t covered_pixels;
-    bool keeps_silhouettes;                 ///< of the first views
+    bool keeps_silhouettes;                 ///< whether to keep those of the first views
     uint64_t room;                          ///< candidates that fit into the columns
     const struct stp_fill_map* represented; ///< drops pixels known to it; NULL: keep all
 } stp_capture_job;
@@ -86,7 +86,7 @@ static inline uint64_t stp_capture_primitive_count(const stp_capture_job* job)
 void stp_capture_set_views(stp_capture_job* job, const stp_vec3d* directions, uint32_t count,
                            double pixel_size);
 
-/// Longer side of the widest view, in scene units; `area`: of all views together.
+/// Longer side of the widest view, in scene units; `area` receives that of all views together.
 double stp_capture_widest(const stp_capture_job* job, const stp_vec3d* directions, uint32_t count,
                           double* area);
 
@@ -113,8 +113,8 @@ STP_MUST_USE stp_result stp_capture_draw_sets(const stp_capture_job* job,
                                               size_t end, uint32_t first_id,
                                               const stp_raster_target* target, stp_arena* scratch);
 
-/// Marks the visible surfels of a band's finished buffer and clears their pixels. `primitives`: of
-/// each pixel, if ids do not identify them.
+/// Marks the visible surfels of a band's finished buffer and clears their pixels. `primitives`:
+/// that of each pixel; NULL: ids are primitives.
 void stp_capture_take_surfels(const stp_capture_job* job, const stp_capture_band* band,
                               const stp_raster_target* target, const uint64_t* primitives);
 
@@ -147,7 +147,7 @@ void stp_capture_resolve(const stp_capture_job* job, stp_candidates* candidates,
 float stp_capture_alpha(const stp_material* material, const stp_texture_pyramid* level0,
                         const stp_mesh* mesh, uint32_t triangle, float weight1, float weight2);
 
-/// Texture coordinates of a texture use at a point of a triangle; false if the mesh has none.
+/// Texture coordinates of a texture use at a vertex; false if the mesh has none.
 bool stp_capture_texcoord(const stp_mesh* mesh, const stp_texture_use* use, uint32_t vertex,
                           double uv[2]);
 

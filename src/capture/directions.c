@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "capture/capture.h"
 
+#include <assert.h>
+
 /// Corners of a cube, then the middles of its faces, then of its edges.
 static void cube_directions(uint32_t count, stp_vec3d* directions)
 {
     static const int components[3] = {3, 1, 2}; // non-zero components
     uint32_t made = 0;
     for (int step = 0; made < count; ++step) {
+        assert(step < 3);
         for (int code = 0; code < 27; ++code) {
             int x = code % 3 - 1, y = code / 3 % 3 - 1, z = code / 9 - 1;
             if ((x != 0) + (y != 0) + (z != 0) == components[step]) {
+                assert(made < count && "counts end with whole steps");
                 directions[made++] = stp_normalized((stp_vec3d){(double)x, (double)y, (double)z});
             }
         }
@@ -23,6 +27,7 @@ static void spiral_directions(uint32_t count, stp_vec3d* directions)
     double c = 1.0, s = 0.0;
     for (uint32_t i = 0; i < count; ++i) {
         double y = 1.0 - (2.0 * (double)i + 1.0) / (double)count;
+        assert(y > -1.0 && y < 1.0);
         double r = sqrt(1.0 - y * y);
         directions[i] = (stp_vec3d){r * c, y, r * s};
         double next = c * turn_cosine - s * turn_sine;

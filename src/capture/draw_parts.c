@@ -7,6 +7,8 @@
 #include "capture/fill.h"
 #include "raster/triangles.h"
 
+#include <assert.h>
+
 /// Pixels worth testing to save one triangle.
 #define PIXELS_PER_TRIANGLE 4.0
 
@@ -48,8 +50,9 @@ static part_projection project_part(const stp_capture_job* job, const stp_captur
 /// Whether a screen range contains a pixel centre of [begin, end).
 static bool holds_centre(double middle, double reach, uint32_t begin, uint32_t end)
 {
-    const double margin =
-        1.0 / 64.0; // coordinates are snapped to 1/256, and rounded to float before
+    assert(begin <= end);
+    // coordinates are snapped to 1/256, and rounded to float before
+    const double margin = 1.0 / 64.0;
     double low = middle - reach - margin - 0.5, high = middle + reach + margin - 0.5;
     if (!(high >= (double)begin && low <= (double)end - 1.0)) {
         return false;
@@ -114,6 +117,8 @@ static stp_result draw_mesh(const stp_capture_job* job, size_t part,
                             const stp_capture_band* band, uint64_t pass_begin, stp_arena* scratch)
 {
     const stp_mesh* mesh = &job->scene->meshes[job->parts[part].part.index];
+    assert(job->first_primitives[part] >= pass_begin);
+    assert(job->first_primitives[part + 1] - pass_begin <= UINT32_MAX && "ids are 32-bit numbers");
     mask_state mask = {
         .mesh = mesh,
         .material = &job->scene->materials[mesh->material],
@@ -149,6 +154,8 @@ static void draw_points(const stp_capture_job* job, size_t part, const part_proj
                         uint64_t pass_begin)
 {
     const stp_point_set* points = &job->scene->point_sets[job->parts[part].part.index];
+    assert(job->first_primitives[part] >= pass_begin);
+    assert(job->first_primitives[part + 1] - pass_begin <= UINT32_MAX && "ids are 32-bit numbers");
     uint32_t first_id = (uint32_t)(job->first_primitives[part] - pass_begin);
     for (uint32_t i = 0; i < points->point_count; ++i) {
         if (job->represented != NULL &&
@@ -166,6 +173,7 @@ static void draw_points(const stp_capture_job* job, size_t part, const part_proj
             screen[1] >= (double)band->row_begin && screen[1] < (double)band->row_end) {
             uint64_t pixel = stp_raster_pixel((float)screen[2], first_id + i);
             size_t row = (size_t)screen[1] - band->row_begin;
+            assert(row < target->height);
             uint64_t* place = target->pixels + row * target->stride + (size_t)screen[0];
             *place = pixel < *place ? pixel : *place;
         }
@@ -271,6 +279,8 @@ stp_result stp_capture_draw_parts(const stp_capture_job* job, const stp_capture_
                                   size_t begin, size_t end, const stp_raster_target* target,
                                   stp_arena* scratch)
 {
+    assert(begin < end && end <= job->part_count);
+    assert(target->height == band->row_end - band->row_begin);
     stp_arena_mark mark = stp_arena_get_mark(scratch);
     size_t count = 0;
     const uint64_t* keys = find_parts(job, band, begin, end, scratch, &count);
@@ -278,6 +288,7 @@ stp_result stp_capture_draw_parts(const stp_capture_job* job, const stp_capture_
     uint64_t pass_begin = job->first_primitives[begin];
     for (size_t i = 0; i < count && result == STP_OK; ++i) {
         size_t part = begin + stp_raster_id(keys[i]);
+        assert(part < end);
         prefetch_parts(job, keys + i, count - i, begin);
         part_projection projection =
             project_part(job, &job->views[band->view], part, &job->boxes[part]);

@@ -3,6 +3,7 @@
 #include "capture/capture_internal.h"
 #include "capture/fill.h"
 
+#include <assert.h>
 #include <stdatomic.h>
 #include <string.h>
 
@@ -18,14 +19,14 @@ typedef struct draw_worker {
     stp_arena scratch;
     uint64_t* pixels;     ///< room for the largest band
     uint64_t* pass;       ///< the same, if several passes are needed
-    uint64_t* primitives; ///< of the nearest pixels so far, if several passes are needed
+    uint64_t* primitives; ///< nearest one of each pixel so far, if several passes are needed
 } draw_worker;
 
 typedef struct draw_state {
     stp_capture_job* job;
     draw_worker* workers;
     size_t first_band;  ///< first band to draw
-    size_t band_pixels; ///< of the largest band
+    size_t band_pixels; ///< pixels of the largest band
     bool passes;        ///< whether several passes are needed
     atomic_bool failed;
 } draw_state;
@@ -41,7 +42,7 @@ static void merge_pass(draw_worker* worker, size_t pixel_count, uint64_t first_p
     }
 }
 
-/// Draws all sets the same way.
+/// Draws all sets in as many passes as 32-bit ids require.
 static stp_result draw_sets_in_passes(const stp_capture_job* job, const stp_capture_band* band,
                                       const stp_raster_target* pass, size_t pixel_count,
                                       draw_worker* worker)
@@ -52,6 +53,7 @@ static stp_result draw_sets_in_passes(const stp_capture_job* job, const stp_capt
                job->first_surfels[end + 1] - job->first_surfels[begin] <= job->ids_per_pass) {
             end += 1;
         }
+        assert(end <= job->set_count);
         memset(worker->pass, 0xFF, pixel_count * sizeof(uint64_t));
         stp_result result = stp_capture_draw_sets(job, band, begin, end, 0, pass, &worker->scratch);
         if (result != STP_OK) {
@@ -94,6 +96,7 @@ static stp_result draw_in_one_pass(const stp_capture_job* job, const stp_capture
                                    const stp_raster_target* target, size_t pixel_count,
                                    draw_worker* worker)
 {
+    assert(stp_capture_primitive_count(job) <= job->ids_per_pass);
     memset(worker->pixels, 0xFF, pixel_count * sizeof(uint64_t));
     stp_result result = STP_OK;
     if (job->part_count != 0) {
@@ -137,6 +140,7 @@ static void mark_silhouette(const stp_capture_view* view, const stp_capture_band
                             const uint64_t* pixels)
 {
     uint32_t stride = stp_silhouette_stride(view->width);
+    assert(band->row_end <= view->height);
     for (uint32_t row = band->row_begin; row < band->row_end; ++row) {
         const uint64_t* from = pixels + (size_t)(row - band->row_begin) * view->width;
         uint32_t* words = view->silhouette + (size_t)row * stride;
@@ -161,6 +165,7 @@ static stp_result compact_pixels(stp_context* context, const draw_worker* worker
     if (band->pixels == NULL || band->primitives == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
+    assert(count <= pixel_count && band->count == 0);
     band->count = (uint32_t)count;
     for (size_t i = 0, out = 0; out < count;) {
         size_t end = i + GROUP < pixel_count ? i + GROUP : pixel_count;
@@ -169,6 +174,7 @@ static stp_result compact_pixels(stp_context* context, const draw_worker* worker
             continue;
         }
         for (; i < end; ++i) {
+            assert(out <= count && "room for one more than there are");
             band->pixels[out] = (uint32_t)(first + i);
             band->primitives[out] = passes ? worker->primitives[i] : stp_raster_id(pixels[i]);
             out += pixels[i] != STP_RASTER_EMPTY;
@@ -205,6 +211,7 @@ static void draw_bands(size_t begin, size_t end, uint32_t worker_index, void* us
         }
         size_t first = (size_t)band->row_begin * view->width;
         size_t pixel_count = (size_t)(band->row_end - band->row_begin) * view->width;
+        assert(pixel_count <= state->band_pixels && first + pixel_count <= UINT32_MAX);
         stp_raster_target target = {
             .width = view->width,
             .height = band->row_end - band->row_begin,
@@ -255,6 +262,7 @@ static stp_result make_bands(stp_capture_job* job, uint32_t begin, uint32_t end,
             job->bands = grown;
             uint32_t left = view->height - row;
             uint32_t row_end = row + (left < rows ? left : rows);
+            assert(row < row_end && row_end <= view->height);
             job->bands[job->band_count++] =
                 (stp_capture_band){.view = v, .row_begin = row, .row_end = row_end};
         }
@@ -304,6 +312,7 @@ static stp_result make_silhouettes(const stp_capture_job* job, uint32_t begin, u
 
 stp_result stp_capture_draw(stp_capture_job* job, uint32_t begin, uint32_t end)
 {
+    assert(begin <= end && end <= job->view_count);
     stp_context* context = job->scene->context;
     draw_state state = {
         .job = job,

@@ -4,6 +4,7 @@
 #include "base/core/processor.h"
 #include "capture/fill_kernel.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -40,6 +41,7 @@ static void mark_band(stp_fill_map* map, const stp_capture_band* band)
             row_start += view->width;
         }
         size_t column = band->pixels[i] - row_start;
+        assert(row < band->row_end && (i == 0 || band->pixels[i] > band->pixels[i - 1]));
         words[row * words_per_row(view) + column / 32].covered |= (uint32_t)1 << column % 32;
     }
 }
@@ -66,6 +68,7 @@ static stp_result mark_points(const stp_capture_job* job, stp_fill_map* map)
         const stp_capture_band* band = &job->bands[b];
         for (uint32_t i = 0; i < band->count; ++i) {
             uint64_t primitive = band->primitives[i];
+            assert(primitive < stp_capture_part_primitives(job) && "surfels are taken before");
             map->points[primitive / 64] |= (uint64_t)1 << primitive % 64;
         }
     }
@@ -75,6 +78,7 @@ static stp_result mark_points(const stp_capture_job* job, stp_fill_map* map)
 stp_result stp_fill_map_create(const stp_capture_job* job, const stp_candidates* candidates,
                                stp_fill_map* map)
 {
+    assert(job->view_count < STP_CAPTURE_FILL_DIRECTIONS && candidates->pixel_size > 0.0);
     *map = (stp_fill_map){
         .views = job->views, .view_count = job->view_count, .pixel_size = candidates->pixel_size};
     size_t total = 0;
@@ -95,6 +99,7 @@ stp_result stp_fill_map_create(const stp_capture_job* job, const stp_candidates*
         map->words[i].first = sum;
         sum += (uint32_t)__builtin_popcount(map->words[i].covered);
     }
+    assert(sum == (uint32_t)job->covered_pixels && "each candidate has its pixel");
     return has_points(job) ? mark_points(job, map) : STP_OK;
 }
 
@@ -113,6 +118,7 @@ static void write_surface(size_t begin, size_t end, uint32_t worker, void* user)
         while (i >= c->view_starts[view + 1]) {
             view += 1;
         }
+        assert(view < job->map->view_count);
         float depth[3];
         to_floats(job->map->views[view].depth, depth);
         const float *p = c->positions + 3 * i, *n = c->normals + 3 * i;
@@ -129,6 +135,7 @@ static void write_surface(size_t begin, size_t end, uint32_t worker, void* user)
 void stp_fill_map_set_surface(stp_context* context, stp_fill_map* map,
                               const stp_candidates* candidates)
 {
+    assert(candidates->view_starts[map->view_count] == candidates->count);
     surface_job job = {map, candidates};
     stp_parallel_for(context, candidates->view_starts[map->view_count], GRAIN, write_surface, &job);
 }
@@ -150,6 +157,7 @@ static stp_vec3d step_of(stp_vec3d axis)
 void stp_fill_drop_known(const stp_fill_map* map, const stp_capture_view* view, uint32_t first_row,
                          const stp_raster_target* target)
 {
+    assert(map->view_count > 0 && map->view_count < STP_CAPTURE_FILL_DIRECTIONS);
     stp_fill_query query = {
         .surface = map->surface,
         .view_count = map->view_count,
@@ -193,6 +201,7 @@ static uint32_t find_directions(uint32_t count, stp_vec3d* directions)
     stp_capture_directions(STP_CAPTURE_FILL_DIRECTIONS, all);
     uint32_t shared = count == CORNERS || count == FACES_AND_CORNERS ? count : 0;
     uint32_t left = STP_CAPTURE_FILL_DIRECTIONS - shared;
+    assert(shared <= STP_CAPTURE_FILL_DIRECTIONS);
     memcpy(directions, all + shared, left * sizeof(all[0]));
     return left;
 }
@@ -202,6 +211,7 @@ static stp_result draw_fill_views(stp_capture_job* job, const stp_fill_map* map,
                                   const stp_vec3d* directions, uint32_t count,
                                   stp_candidates* candidates)
 {
+    assert(count > 0 && count <= STP_CAPTURE_FILL_DIRECTIONS);
     stp_capture_view views[STP_CAPTURE_FILL_DIRECTIONS];
     stp_capture_job further = *job;
     further.views = views;
@@ -222,6 +232,9 @@ static stp_result draw_fill_views(stp_capture_job* job, const stp_fill_map* map,
 stp_result stp_capture_fill(stp_capture_job* job, const stp_fill_map* map,
                             stp_candidates* candidates)
 {
+    assert(candidates->count == candidates->view_starts[map->view_count] &&
+           "the candidates are those of the map");
+    assert(!job->keeps_silhouettes && "further views have none");
     stp_vec3d directions[STP_CAPTURE_FILL_DIRECTIONS];
     uint32_t count = find_directions(candidates->direction_count, directions);
     uint32_t first = candidates->count, faces = FACES_AND_CORNERS - CORNERS;

@@ -33,15 +33,15 @@ typedef struct stp_fill_map {
     uint32_t view_count; ///< fewer than STP_CAPTURE_FILL_DIRECTIONS
     double pixel_size;   ///< distance within which one candidate represents another
     stp_fill_word* words;
-    stp_fill_surface* surface; ///< of each candidate
+    stp_fill_surface* surface; ///< one per candidate
     uint64_t* points; ///< one bit per primitive: points that are candidates; NULL: no points
-    size_t starts[STP_CAPTURE_FILL_DIRECTIONS]; ///< of each view in `words`
+    size_t starts[STP_CAPTURE_FILL_DIRECTIONS]; ///< first word of each view
 } stp_fill_map;
 
 /// Creates the map from the job's bands, whose pixels will become candidates 0 and up.
 STP_MUST_USE stp_result stp_fill_map_create(const stp_capture_job* job,
                                             const stp_candidates* candidates, stp_fill_map* map);
-/// Stores positions and normals, once the candidates exist.
+/// Stores the surface of each candidate, once the candidates exist.
 void stp_fill_map_set_surface(stp_context* context, stp_fill_map* map,
                               const stp_candidates* candidates);
 void stp_fill_map_destroy(stp_context* context, stp_fill_map* map);

@@ -7,6 +7,7 @@
 
 #if defined(__x86_64__)
 
+#include <assert.h>
 #include <immintrin.h>
 
 enum { LANES = 8 };
@@ -133,16 +134,18 @@ static inline unsigned test_places(const stp_fill_query* q, const stp_fill_view*
 
 static inline void push(queue* to, const float p[3][LANES], unsigned lane, uint64_t* pixel)
 {
+    assert(to->count < 2 * LANES);
     for (int k = 0; k < 3; ++k) {
         to->p[k][to->count] = p[k][lane];
     }
     to->pixels[to->count++] = pixel;
 }
 
-// Takes up to eight points from a queue. Their memory stays valid until the queue is filled again.
+// Takes the last points from a queue, up to eight, and copies them to `p` and `pixels`.
 static points pop(queue* from, float p[3][LANES], uint64_t* pixels[LANES], unsigned* asked)
 {
     uint32_t count = from->count < LANES ? from->count : LANES;
+    assert(count > 0);
     from->count -= count;
     points out;
     for (int k = 0; k < 3; ++k) {
@@ -214,6 +217,7 @@ static inline __m256i load_upper(const uint64_t* pixels)
 static inline void scan_eight(scan* s, uint64_t* pixels, unsigned there, float column, float y)
 {
     const stp_fill_query* q = s->query;
+    assert(s->unseen.count < LANES && s->alone.count < LANES && "queues have room for eight");
     const __m256i ones = _mm256_set1_epi32(-1);
     __m256i upper = load_upper(pixels);
     unsigned empty =

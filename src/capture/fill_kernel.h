@@ -5,6 +5,8 @@
 
 #include "capture/fill.h"
 
+#include <assert.h>
+
 /// A main view, in the coordinates of a further one: column = x . p + x_shift, row = y . p +
 /// y_shift, nearness = z . p + 1.5.
 typedef struct stp_fill_view {
@@ -19,7 +21,7 @@ typedef struct stp_fill_view {
 typedef struct stp_fill_query {
     float x[3], y[3], z[3], origin[3];
     float toward[3];
-    const stp_fill_surface* surface; ///< of the candidates
+    const stp_fill_surface* surface; ///< one per candidate
     uint32_t view_count;
     stp_fill_view looks[STP_CAPTURE_FILL_DIRECTIONS];
 } stp_fill_query;
@@ -62,6 +64,7 @@ static inline bool is_represented_at(const stp_fill_query* q, const stp_fill_vie
         return false;
     }
     uint32_t column = (uint32_t)x, row = (uint32_t)y;
+    assert(column / 32 < look->words_per_row);
     const stp_fill_word* word = &look->words[row * look->words_per_row + column / 32];
     uint32_t bit = (uint32_t)1 << column % 32;
     if ((word->covered & bit) == 0) {
@@ -98,6 +101,7 @@ static inline bool is_near(const stp_fill_query* q, const stp_fill_view* look, c
 static inline bool has_representative(const stp_fill_query* q, const float p[3],
                                       uint32_t* favourite)
 {
+    assert(*favourite < q->view_count);
     if (is_seen(q, &q->looks[*favourite], p)) { // the view that saw the previous pixel sees most
         return true;
     }

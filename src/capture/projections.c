@@ -2,9 +2,12 @@
 // Parallel projections from all sides, at one scale.
 #include "capture/capture_internal.h"
 
+#include <assert.h>
+
 /// Unit vectors across the direction of view.
 static void view_axes(stp_vec3d toward, stp_vec3d* right, stp_vec3d* down)
 {
+    assert(fabs(stp_dotd(toward, toward) - 1.0) < 1e-3);
     stp_vec3d up = fabs(toward.y) > 0.95 ? (stp_vec3d){0.0, 0.0, -1.0} : (stp_vec3d){0.0, 1.0, 0.0};
     *right = stp_normalized(stp_crossd(up, toward));
     *down = stp_crossd(*right, toward);
@@ -35,6 +38,7 @@ double stp_capture_widest(const stp_capture_job* job, const stp_vec3d* direction
 void stp_capture_set_views(stp_capture_job* job, const stp_vec3d* directions, uint32_t count,
                            double pixel_size)
 {
+    assert(pixel_size > 0.0);
     double reach = sqrt(stp_dotd(job->half_extent, job->half_extent));
     reach = reach > 0.0 ? reach : 1.0;
     job->view_count = count;
@@ -43,6 +47,8 @@ void stp_capture_set_views(stp_capture_job* job, const stp_vec3d* directions, ui
         stp_vec3d right, down;
         view_axes(directions[i], &right, &down);
         // one extra pixel on each side, for rounding
+        assert(!(extent_along(job, right) / pixel_size >= 65536.0));
+        assert(!(extent_along(job, down) / pixel_size >= 65536.0) && "pixels are 32-bit numbers");
         view->width = (uint32_t)(extent_along(job, right) / pixel_size) + 3;
         view->height = (uint32_t)(extent_along(job, down) / pixel_size) + 3;
         view->shift_x = (double)view->width * 0.5;

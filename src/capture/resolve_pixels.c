@@ -3,6 +3,7 @@
 #include "base/math/color.h"
 #include "capture/capture_internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { RESOLVE_GRAIN = 4096 };
@@ -50,6 +51,7 @@ static void find_part(const stp_capture_job* job, uint64_t primitive, current_pa
         primitive < first[current->part + 1]) {
         return;
     }
+    assert(primitive < first[job->part_count]);
     size_t low = 0, high = job->part_count; // first[low] <= primitive < first[high]
     while (high - low > 1) {
         size_t middle = low + (high - low) / 2;
@@ -59,6 +61,7 @@ static void find_part(const stp_capture_job* job, uint64_t primitive, current_pa
             high = middle;
         }
     }
+    assert(first[low] <= primitive && primitive < first[low + 1]);
     stp_part which = job->parts[low].part;
     current->part = low;
     current->placement = stp_capture_placement(job, low);
@@ -86,13 +89,14 @@ typedef struct seen_triangle {
     uint32_t corner[3];
     stp_vec3d position[3];
     double x[3], y[3]; ///< pixels, from the centre of the current pixel
-    double area;       ///< twice, square pixels
-    double weight[3];  ///< of the corners, at the pixel's centre
+    double area;       ///< twice the signed area, in square pixels
+    double weight[3];  ///< weights of the corners at the pixel's centre
 } seen_triangle;
 
 static seen_triangle project_triangle(const stp_capture_view* view, const current_part* part,
                                       uint32_t triangle, double pixel_x, double pixel_y)
 {
+    assert(triangle < part->mesh->triangle_count);
     seen_triangle t;
     for (int k = 0; k < 3; ++k) {
         t.corner[k] = part->mesh->indices[3 * (size_t)triangle + (size_t)k];
@@ -228,6 +232,7 @@ static void store(stp_candidates* out, size_t i, stp_vec3d position, stp_vec3d n
 static void resolve_point(const stp_capture_job* job, const stp_capture_view* view,
                           const current_part* part, uint32_t point, stp_candidates* out, size_t i)
 {
+    assert(point < part->points->point_count);
     const stp_point_set* points = part->points;
     const stp_material* material = &job->scene->materials[part->material];
     stp_vec3d normal = {0};
@@ -255,6 +260,7 @@ static void resolve_triangle(const stp_capture_job* job, const stp_capture_view*
                              stp_candidates* out, size_t i)
 {
     uint32_t column = pixel % view->width, row = pixel / view->width;
+    assert(row < view->height);
     double x = (double)column + 0.5, y = (double)row + 0.5;
     seen_triangle t = project_triangle(view, part, triangle, x, y);
     stp_vec3d position = {0};
@@ -298,6 +304,7 @@ static void resolve_entries(const resolve_state* state, const stp_capture_band* 
     for (size_t i = begin; i < end; ++i) {
         uint64_t primitive = band->primitives[i];
         size_t candidate = first + (i - begin);
+        assert(candidate < job->room);
         find_part(job, primitive, part);
         uint32_t within = (uint32_t)(primitive - job->first_primitives[part->part]);
         if (part->mesh != NULL) {
@@ -330,6 +337,7 @@ static void resolve_range(size_t begin, size_t end, uint32_t worker, void* user)
 
 void stp_capture_resolve(const stp_capture_job* job, stp_candidates* candidates, size_t first)
 {
+    assert(first + job->covered_pixels <= job->room);
     resolve_state state = {job, candidates, first};
     stp_parallel_for(job->scene->context, (size_t)job->covered_pixels, RESOLVE_GRAIN, resolve_range,
                      &state);

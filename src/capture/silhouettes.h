@@ -6,6 +6,7 @@
 
 #include "base/math/math.h"
 
+#include <assert.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -15,8 +16,8 @@ enum {
 
 typedef struct stp_silhouette {
     stp_vec3d toward; ///< unit, towards the viewer
-    stp_vec3d right,
-        down; ///< pixels in a scene unit, of positions relative to the candidates' origin
+    /// Axes in pixels per scene unit, for positions relative to the candidates' origin
+    stp_vec3d right, down;
     double shift_x, shift_y;
     uint32_t width, height;
     uint32_t* words; ///< a bit a pixel, each row of whole words; owned
@@ -35,6 +36,7 @@ static inline bool stp_silhouette_holds(const stp_silhouette* s, stp_vec3d at)
         return false;
     }
     uint32_t column = (uint32_t)x, row = (uint32_t)y;
+    assert(column / 32 < stp_silhouette_stride(s->width));
     uint32_t word = s->words[(size_t)row * stp_silhouette_stride(s->width) + column / 32];
     return (word >> (column % 32) & 1) != 0;
 }

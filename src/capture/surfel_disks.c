@@ -7,6 +7,8 @@
 #include "base/splats/octahedral.h"
 #include "raster/splats.h"
 
+#include <assert.h>
+
 // The rim of a disk is pushed back by this fraction of its radius, so that among overlapping disks
 // the one with the nearest centre is visible. Disks seen from behind are pushed back further and
 // hide nothing that faces the viewer.
@@ -16,15 +18,15 @@
 #define CHUNK 2048u           // surfels transformed at a time
 #define SIMILAR 1e-4          // tolerance for rotation plus uniform scale
 #define PIXELS_PER_SURFEL 4.0 // pixels worth testing to save one surfel
-#define BOX_SLACK 1e-5        // relative to the disks' radius and rim
+#define BOX_SLACK 1e-5        // of nearness, for rounding
 
 // Projection of a set's grid to the screen.
 typedef struct set_projection {
     stp_affine placement; ///< own space to captured space minus its centre
-    stp_vec3d origin;     ///< of the grid, placed
-    double row[3][3],
-        at_origin[3]; ///< x, y, nearness: of an offset in own space, and at the grid's origin
-    double middle[3], reach[3]; ///< of the bounding box of all disks
+    stp_vec3d origin;     ///< origin of the grid, placed
+    /// x, y, nearness: of an offset in own space, and at the grid's origin
+    double row[3][3], at_origin[3];
+    double middle[3], reach[3]; ///< middle and half extent of the box of all disks
 } set_projection;
 
 static set_projection project_set(const stp_capture_job* job, const stp_capture_view* view,
@@ -79,6 +81,7 @@ static bool is_hidden(const set_projection* p, const stp_raster_target* target, 
     size_t x1 = (size_t)stp_clampd(p->middle[0] + p->reach[0] + 1.0, 0.0, right);
     size_t y0 = (size_t)stp_clampd(top - p->reach[1] - 1.0, 0.0, bottom);
     size_t y1 = (size_t)stp_clampd(top + p->reach[1] + 1.0, 0.0, bottom);
+    assert(x0 <= x1 && y0 <= y1);
     if ((double)(x1 - x0 + 1) * (double)(y1 - y0 + 1) > PIXELS_PER_SURFEL * (double)surfels) {
         return false;
     }
@@ -212,6 +215,9 @@ stp_result stp_capture_draw_sets(const stp_capture_job* job, const stp_capture_b
                                  size_t begin, size_t end, uint32_t first_id,
                                  const stp_raster_target* target, stp_arena* scratch)
 {
+    assert(begin <= end && end <= job->set_count);
+    assert(first_id + (job->first_surfels[end] - job->first_surfels[begin]) <= UINT32_MAX &&
+           "ids are 32-bit numbers");
     if (begin == end) {
         return STP_OK;
     }
@@ -239,6 +245,7 @@ stp_result stp_capture_draw_sets(const stp_capture_job* job, const stp_capture_b
     stp_result result = STP_OK;
     for (size_t i = 0; i < count && result == STP_OK; ++i) {
         size_t set = begin + stp_raster_id(keys[i]);
+        assert(set < end);
         set_projection projection = project_set(job, view, set);
         uint32_t id = first_id + (uint32_t)(job->first_surfels[set] - job->first_surfels[begin]);
         if (is_hidden(&projection, target, band->row_begin, job->sets[set].prefix)) {

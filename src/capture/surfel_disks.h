@@ -6,6 +6,7 @@
 #include "base/math/stretch.h"
 #include "capture/capture_internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 /// Entries of the colour pyramid that a prefix is drawn with (base/splats/splat_columns.h).
@@ -20,6 +21,7 @@ static inline stp_set_entries stp_set_entries_of(const stp_splats* surfels, uint
 {
     stp_set_entries look = {0};
     uint32_t octave = 0;
+    assert(prefix <= surfels->count);
     if ((surfels->columns & STP_SPLATS_FLAT_COLORS) != 0) { // one colour each
         look.share = 1.0f;
         return look;
@@ -33,6 +35,7 @@ static inline stp_set_entries stp_set_entries_of(const stp_splats* surfels, uint
     uint32_t end = surfels->octave_ends[octave];
     look.share =
         end > look.before ? (float)(prefix - look.before) / (float)(end - look.before) : 1.0f;
+    assert(prefix >= look.before && look.share <= 1.0f);
     return look;
 }
 

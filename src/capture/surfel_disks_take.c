@@ -6,6 +6,8 @@
 #include "base/splats/splat_place.h"
 #include "capture/surfel_disks.h"
 
+#include <assert.h>
+
 #define MIN_FACING 0.3       // cosine: views at flatter angles do not decide a centre's visibility
 #define DEPTH_TOLERANCE 0.5  // maximum depth of a centre behind the visible surface, in radii
 #define WORDS_PER_PIECE 512u // words of bits resolved by one piece of a loop
@@ -38,6 +40,7 @@ stp_result stp_capture_prepare_sets(stp_capture_job* job, stp_boxd* box)
     uint64_t sum = 0;
     for (size_t i = 0; i < job->set_count; ++i) {
         const stp_placed_set* set = &job->sets[i];
+        assert(set->prefix <= set->surfels->count && !(set->radius < 0.0f));
         stp_set_placing placing = stp_set_placing_make(set->surfels, &set->transform);
         stp_boxd points = stp_boxd_empty();
         for (uint32_t k = 0; k < set->prefix; ++k) {
@@ -76,6 +79,7 @@ static bool was_seen(const stp_capture_job* job, uint64_t surfel)
 
 static void mark_seen(const stp_capture_job* job, uint64_t surfel)
 {
+    assert(surfel < job->first_surfels[job->set_count]);
     if (!was_seen(job, surfel)) {
         atomic_fetch_or_explicit(&job->seen[surfel / 32], UINT32_C(1) << (surfel & 31),
                                  memory_order_relaxed);
@@ -135,6 +139,7 @@ static bool is_centre_visible(const sight* s, uint32_t surfel)
         return false;
     }
     size_t column = (size_t)at[0], row = (size_t)at[1];
+    assert(row - s->band->row_begin < s->target->height);
     uint64_t pixel = s->target->pixels[(row - s->band->row_begin) * s->target->stride + column];
     double seen = pixel != STP_RASTER_EMPTY ? (double)stp_raster_nearness(pixel) : 0.0;
     double reach = s->radius * s->depth;
@@ -191,6 +196,7 @@ void stp_capture_take_surfels(const stp_capture_job* job, const stp_capture_band
     if (job->set_count == 0) {
         return;
     }
+    assert(target->stride == target->width && "rows without gaps: pixels are read as one row");
     uint64_t first = stp_capture_part_primitives(job);
     size_t count = (size_t)target->height * target->width;
     for (size_t i = next_drawn(target, 0, count); i < count; i = next_drawn(target, i + 1, count)) {
@@ -279,7 +285,7 @@ static drawn_part find_colour(const stp_splats* s, const stp_set_entries* look, 
     return (drawn_part){chance, solid < 1.0f};
 }
 
-// The set of a surfel, searched from `set` on.
+// The set of a surfel. Tests `set` first.
 static size_t find_set(const stp_capture_job* job, uint64_t surfel, size_t set)
 {
     if (set < job->set_count && surfel >= job->first_surfels[set] &&
@@ -291,6 +297,7 @@ static size_t find_set(const stp_capture_job* job, uint64_t surfel, size_t set)
         size_t middle = low + (high - low) / 2;
         *(surfel >= job->first_surfels[middle] ? &low : &high) = middle;
     }
+    assert(surfel >= job->first_surfels[low] && surfel < job->first_surfels[low + 1]);
     return low;
 }
 
@@ -318,6 +325,7 @@ static void write_candidate(stp_candidates* out, size_t to, const stp_set_placin
     drawn_part drawn = find_colour(placing->surfels, look, surfel, out->colors + 4 * to);
     double own = drawn.has_holes ? stp_share_of_chance((double)drawn.area) * area.disk
                                  : (double)drawn.area * area.whole;
+    assert(to >= out->count && !(own < 0.0));
     out->set_areas[to - out->count] = (float)(own < area.whole ? own : area.whole);
     out->materials[to] = placing->surfels->materials[surfel];
 }
@@ -352,7 +360,7 @@ static void resolve_pieces(size_t begin, size_t end, uint32_t worker, void* user
     }
 }
 
-// Records the spacing of the sets' surfels and the area they represent.
+// Records the largest radius of the sets' disks; visible surface may be as far from a candidate.
 static void note_radii(const stp_placed_set* sets, size_t count, stp_candidates* candidates)
 {
     for (size_t i = 0; i < count; ++i) {
@@ -367,6 +375,7 @@ static void note_radii(const stp_placed_set* sets, size_t count, stp_candidates*
 stp_result stp_capture_resolve_sets(const stp_capture_job* job, stp_candidates* candidates)
 {
     stp_context* context = job->scene->context;
+    assert(candidates->set_areas == NULL && candidates->set_count == 0);
     uint64_t words = word_count(job);
     size_t pieces = (size_t)((words + WORDS_PER_PIECE - 1) / WORDS_PER_PIECE);
     resolve_sets r = {job, candidates, STP_NEW_ARRAY(context, uint64_t, pieces)};
@@ -385,6 +394,7 @@ stp_result stp_capture_resolve_sets(const stp_capture_job* job, stp_candidates* 
         }
         sum += (uint64_t)__builtin_popcount(word_at(job, word));
     }
+    assert(sum <= job->room && "the columns have room for all");
     stp_parallel_for(context, pieces, 1, resolve_pieces, &r);
     stp_free(context, r.starts);
     candidates->set_count = (uint32_t)(sum - candidates->count);
@@ -420,6 +430,7 @@ static void place_whole_sets(size_t begin, size_t end, uint32_t worker, void* us
 stp_result stp_candidates_add_sets(stp_context* context, const stp_placed_set* sets,
                                    size_t set_count, stp_candidates* candidates)
 {
+    assert(candidates->set_areas == NULL && candidates->set_count == 0);
     size_t* starts = STP_NEW_ARRAY(context, size_t, set_count + 1);
     if (starts == NULL) {
         return stp_fail_memory(context);
@@ -434,6 +445,7 @@ stp_result stp_candidates_add_sets(stp_context* context, const stp_placed_set* s
         stp_free(context, starts);
         return stp_fail_memory(context);
     }
+    assert(end <= UINT32_MAX);
     place_sets p = {sets, candidates, starts};
     stp_parallel_for(context, set_count, 1, place_whole_sets, &p);
     stp_free(context, starts);

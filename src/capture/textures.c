@@ -2,9 +2,12 @@
 // Material inputs of a capture: texture coordinates, alpha, and mip levels of base colours.
 #include "capture/capture_internal.h"
 
+#include <assert.h>
+
 bool stp_capture_texcoord(const stp_mesh* mesh, const stp_texture_use* use, uint32_t vertex,
                           double uv[2])
 {
+    assert(vertex < mesh->vertex_count);
     const float* texcoords = use->texcoord < 2 ? mesh->texcoords[use->texcoord] : NULL;
     if (texcoords == NULL) {
         return false;
@@ -53,6 +56,7 @@ float stp_capture_alpha(const stp_material* material, const stp_texture_pyramid*
                         const stp_mesh* mesh, uint32_t triangle, float weight1, float weight2)
 {
     const stp_texture_use* use = &material->base_color_texture;
+    assert(triangle < mesh->triangle_count);
     const uint32_t* corner = mesh->indices + 3 * (size_t)triangle;
     float weight[3] = {1.0f - weight1 - weight2, weight1, weight2};
     float alpha = material->base_color[3];
@@ -106,6 +110,7 @@ stp_result stp_capture_textures_add(stp_capture_textures* textures, const stp_ma
         return STP_OK;
     }
     stp_texture_pyramid level0 = stp_capture_level0(textures->scene, material);
+    assert(level0.level_count == 1 && "a texture is used");
     stp_result result = stp_texture_pyramid_create(textures->scene->context, texture->texels,
                                                    texture->width, texture->height, false, pyramid);
     if (result == STP_OK) {

@@ -4,6 +4,7 @@
 #include "base/core/parallel_sort.h"
 #include "base/math/math.h"
 
+#include <assert.h>
 #include <math.h>
 
 #define GRAIN 16384
@@ -33,6 +34,7 @@ static void number_points(size_t begin, size_t end, uint32_t worker, void* user)
         uint64_t number = coordinate(s, (double)p[2] - s->corner.z);
         number = number << rows->axis_bits[1] | coordinate(s, (double)p[1] - s->corner.y);
         number = number << rows->axis_bits[0] | coordinate(s, (double)p[0] - s->corner.x);
+        assert(stp_bit_width(number) + rows->index_bits <= 64 && "choose_cells makes numbers fit");
         rows->items[i] = number << rows->index_bits | i;
     }
 }
@@ -106,10 +108,12 @@ static stp_result list_cells(stp_context* context, stp_cell_rows* rows)
     for (uint32_t i = 0; i < rows->count; ++i) {
         uint64_t number = rows->items[i] >> rows->index_bits;
         if (number != last) {
+            assert((cells == 0 || number > last) && "items are sorted by cell");
             rows->numbers[cells] = last = number;
             rows->starts[cells++] = i;
         }
     }
+    assert(cells == rows->cell_count);
     rows->starts[cells] = rows->count;
     rows->numbers[cells] = UINT64_MAX; // ends every row
     return STP_OK;
@@ -151,6 +155,7 @@ static stp_result sort_points(stp_context* context, row_sorter* s)
 stp_result stp_cell_rows_make(stp_context* context, const float* positions, uint32_t count,
                               float cell, stp_cell_rows* rows)
 {
+    assert(!(cell < 0.0f));
     *rows = (stp_cell_rows){.count = count};
     row_sorter sorter = {.rows = rows, .positions = positions};
     choose_cells(&sorter, cell);
@@ -171,6 +176,7 @@ void stp_cell_rows_destroy(stp_context* context, stp_cell_rows* rows)
 /// because it is usually close.
 static uint32_t find_cell(const stp_cell_rows* rows, uint32_t from, uint64_t number)
 {
+    assert(from <= rows->cell_count);
     uint32_t low = from, step = 1, high;
     while (step < rows->cell_count - low && rows->numbers[low + step - 1] < number) {
         low += step;
@@ -202,6 +208,7 @@ static uint64_t offset_of_row(const stp_cell_rows* rows, int row)
 
 void stp_cell_window_start(const stp_cell_rows* rows, uint32_t cell, stp_cell_window* window)
 {
+    assert(cell < rows->cell_count);
     window->rows = rows;
     for (int r = 0; r < STP_CELL_ROWS; ++r) {
         window->begins[r] = find_cell(rows, 0, rows->numbers[cell] + offset_of_row(rows, r) - 1);
@@ -211,16 +218,19 @@ void stp_cell_window_start(const stp_cell_rows* rows, uint32_t cell, stp_cell_wi
 void stp_cell_window_move(stp_cell_window* window, uint32_t cell)
 {
     const stp_cell_rows* rows = window->rows;
+    assert(cell < rows->cell_count);
     for (int r = 0; r < STP_CELL_ROWS; ++r) {
         uint64_t middle = rows->numbers[cell] + offset_of_row(rows, r);
         uint32_t at = window->begins[r];
         while (rows->numbers[at] < middle - 1) {
             at += 1;
         }
+        assert((at == 0 || rows->numbers[at - 1] < middle - 1) && "windows only move forward");
         window->begins[r] = at;
         while (rows->numbers[at] <= middle + 1) {
             at += 1;
         }
+        assert(at - window->begins[r] <= 3);
         window->ends[r] = at;
     }
 }
@@ -236,13 +246,19 @@ stp_cell_reach stp_cell_reach_around(const stp_cell_rows* rows, uint64_t number,
         reach.largest[k] = maximum - at < far ? maximum - at : far;
         shift += rows->axis_bits[k];
     }
+    assert(shift + rows->index_bits <= 64 && stp_bit_width(number) <= shift);
     return reach;
 }
 
 void stp_cell_reach_row(const stp_cell_rows* rows, stp_cell_reach* reach, int64_t y, int64_t z,
                         uint32_t* begin, uint32_t* end)
 {
+    assert(reach->minimum[1] <= y && y <= reach->largest[1]);
+    assert(reach->minimum[2] <= z && z <= reach->largest[2]);
     uint64_t middle = reach->number + row_offset(rows, y, z);
+    assert((reach->next == 0 ||
+            rows->numbers[reach->next - 1] < middle + (uint64_t)reach->minimum[0]) &&
+           "rows ascend by z, then y");
     *begin = find_cell(rows, reach->next, middle + (uint64_t)reach->minimum[0]);
     *end = find_cell(rows, *begin, middle + (uint64_t)reach->largest[0] + 1);
     reach->next = *end;

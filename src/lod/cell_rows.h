@@ -7,6 +7,8 @@
 
 #include "base/core/context.h"
 
+#include <assert.h>
+
 enum {
     STP_CELL_LANES = 8, ///< columns may be read in vectors of this many points, past their end
     STP_CELL_ROWS = 9,  ///< rows around a cell, itself included
@@ -14,17 +16,18 @@ enum {
 
 typedef struct stp_cell_rows {
     uint32_t count, cell_count;
-    uint32_t* starts;  ///< first point of each cell, and the end
-    uint64_t* numbers; ///< of each cell: ascending by z, then y, then x
-    uint64_t* items;   ///< of each point: number of its cell above its index
-    unsigned index_bits;
-    unsigned axis_bits[3]; ///< of x, y, z in a cell's number
+    uint32_t* starts; ///< first point of each cell, and the end
+    /// Number of each cell, ascending: by z, then y, then x; UINT64_MAX at the end
+    uint64_t* numbers;
+    uint64_t* items;       ///< per sorted point: number of its cell above its index
+    unsigned index_bits;   ///< bits of an index in `items`
+    unsigned axis_bits[3]; ///< bits of x, y, z in a cell's number
     float *x, *y, *z;      ///< positions in this order, in one block of memory
 } stp_cell_rows;
 
 /// Sorts points by cell, and by index within each cell.
 /// @param positions 3 per point, finite
-/// @param cell side of a cell, above 0; doubled until cell numbers fit into 64 bits with the index
+/// @param cell side of a cell, raised to at least 2^-100; doubled until cell numbers fit into 64 bits with the index
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_cell_rows_destroy, also after a
 ///         failure
 STP_MUST_USE stp_result stp_cell_rows_make(stp_context* context, const float* positions,
@@ -34,6 +37,7 @@ void stp_cell_rows_destroy(stp_context* context, stp_cell_rows* rows);
 /// Index of a sorted point among the given positions.
 static inline uint32_t stp_cell_rows_index(const stp_cell_rows* rows, size_t at)
 {
+    assert(at < rows->count);
     return (uint32_t)(rows->items[at] & (((uint64_t)1 << rows->index_bits) - 1));
 }
 
@@ -50,13 +54,15 @@ void stp_cell_window_move(stp_cell_window* window, uint32_t cell);
 
 /// Offsets of cells that are at most some cells away from one, within the grid.
 typedef struct stp_cell_reach {
-    uint64_t number;                ///< of the cell
-    int64_t minimum[3], largest[3]; ///< of x, y, z
+    uint64_t number;                ///< number of the cell
+    int64_t minimum[3], largest[3]; ///< offsets of x, y, z, in cells
     uint32_t next;                  ///< cells before this one are passed
 } stp_cell_reach;
 
-/// @param number of the cell that contains a point
+/// @param number number of the cell that contains a point
+/// @param cells maximum distance on each axis, in cells
 stp_cell_reach stp_cell_reach_around(const stp_cell_rows* rows, uint64_t number, uint32_t cells);
-/// Finds the cells of a row by searching from the previous row on: rows must ascend by z, then y.
+/// Finds the cells of a row, at offsets y and z, by searching from the previous row on: rows must
+/// ascend by z, then y.
 void stp_cell_reach_row(const stp_cell_rows* rows, stp_cell_reach* reach, int64_t y, int64_t z,
                         uint32_t* begin, uint32_t* end);

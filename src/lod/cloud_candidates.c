@@ -4,6 +4,7 @@
 #include "base/math/color.h"
 #include "base/splats/splat_place.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define GRAIN 16384
@@ -49,6 +50,7 @@ static void place_points(size_t begin, size_t end, uint32_t worker, void* user)
 static void place_set(placing* p)
 {
     const stp_point_set* set = &p->scene->point_sets[p->part->part.index];
+    assert(set->material < p->scene->material_count);
     const stp_material* material = &p->scene->materials[set->material];
     for (int i = 0; i < 3; ++i) {
         p->base_color[i] = stp_linear_to_srgb8(material->base_color[i]);
@@ -62,6 +64,7 @@ static void place_set(placing* p)
 bool stp_sources_have_normals(const stp_scene* scene, const stp_source_list* list)
 {
     for (size_t i = 0; i < list->part_count; ++i) {
+        assert(list->parts[i].part.kind == STP_PART_POINTS);
         if (scene->point_sets[list->parts[i].part.index].normals == NULL) {
             return false;
         }
@@ -69,9 +72,10 @@ bool stp_sources_have_normals(const stp_scene* scene, const stp_source_list* lis
     return true;
 }
 
-// Bounding box of a set's prefix, or a larger one: its grid.
+// Box around the surfels of a set's prefix, in the captured space; a rotation enlarges it.
 static stp_boxd box_of_set(const stp_placed_set* set)
 {
+    assert(set->prefix <= set->surfels->count);
     stp_boxd box = stp_boxd_empty();
     for (uint32_t i = 0; i < set->prefix; ++i) {
         stp_boxd_add(&box, stp_splat_place(set->surfels, i));
@@ -86,6 +90,7 @@ static stp_result count_points(const stp_scene* scene, const stp_source_list* li
     *count = 0;
     for (size_t i = 0; i < list->part_count; ++i) {
         const stp_placed_part* part = &list->parts[i];
+        assert(part->part.kind == STP_PART_POINTS);
         const stp_point_set* set = &scene->point_sets[part->part.index];
         stp_boxd local = {stp_to_double(set->bounds.min), stp_to_double(set->bounds.max)};
         stp_boxd placed = stp_affine_box(&part->transform, local);
@@ -157,6 +162,7 @@ static stp_result gather_attributes(const stp_scene* scene, const stp_source_lis
             const stp_placed_set* set = &list->sets[i];
             first = copy_values(set->surfels->attributes[a], set->prefix, size, first, column);
         }
+        assert(first == count && "a value for each candidate");
     }
     return STP_OK;
 }
@@ -192,6 +198,7 @@ stp_result stp_candidates_of_cloud(const stp_scene* scene, const stp_source_list
     if (result == STP_OK && list->set_count != 0) {
         result = stp_candidates_add_sets(scene->context, list->sets, list->set_count, candidates);
     }
+    assert(result != STP_OK || candidates->count == count);
     if (result != STP_OK) {
         stp_candidates_destroy(scene->context, candidates);
     }

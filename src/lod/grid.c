@@ -4,6 +4,7 @@
 #include "base/core/processor.h"
 #include "lod/grid_kernels.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -22,7 +23,7 @@ typedef struct filling {
     const float* normals;   ///< the same, or NULL
     const stp_grid* from;   ///< grid whose columns hold the points; NULL: the arrays above
     uint32_t stride;
-    uint32_t* buckets; ///< of each point
+    uint32_t* buckets; ///< bucket of each point
 } filling;
 
 static const stp_grid_kernels* choose_kernels(void)
@@ -93,6 +94,7 @@ static void copy_columns(size_t begin, size_t end, uint32_t worker, void* user)
     bool normals = has_normals(grid);
     for (size_t at = begin; at < end; ++at) {
         uint32_t i = grid->index[at];
+        assert(i < from->count);
         grid->index[at] = from->index[i];
         grid->x[at] = from->x[i];
         grid->y[at] = from->y[i];
@@ -111,6 +113,7 @@ static uint32_t bucket_mask(uint32_t count)
     while (buckets < count && buckets < (1u << 30)) {
         buckets *= 2;
     }
+    assert((buckets & (buckets - 1)) == 0 && "the mask selects lower bits of a hash");
     return buckets - 1;
 }
 
@@ -120,7 +123,8 @@ static bool allocate(stp_context* context, stp_grid* grid, bool normals)
     int count = normals ? 6 : 4;
     grid->starts = STP_NEW_ARRAY(context, uint32_t, (size_t)grid->mask + 2);
     grid->index = STP_NEW_ARRAY(context, uint32_t, stride);
-    float* columns = STP_NEW_ARRAY(context, float, (size_t)count* stride);
+    size_t floats = stride * (size_t)count;
+    float* columns = STP_NEW_ARRAY(context, float, floats);
     grid->x = columns;
     if (grid->starts == NULL || grid->index == NULL || columns == NULL) {
         return false;
@@ -161,10 +165,12 @@ static void place_points(stp_context* context, filling* f)
         end += grid->starts[bucket];
         grid->starts[bucket] = end;
     }
+    assert(end == grid->count && "each point is in a bucket");
     grid->starts[(size_t)grid->mask + 1] = end;
     for (uint32_t i = grid->count; i > 0; --i) {
         grid->index[--grid->starts[f->buckets[i - 1]]] = (i - 1) * f->stride;
     }
+    assert(grid->starts[0] == 0 && "all ends became starts");
     stp_job fill = f->normals != NULL ? fill_columns : fill_positions;
     stp_parallel_for(context, grid->count, GRAIN, f->from != NULL ? copy_columns : fill, f);
 }
@@ -173,6 +179,7 @@ static stp_result fill_grid(stp_context* context, filling* f, uint32_t count, fl
                             float offset, double crowd)
 {
     stp_grid* grid = f->grid;
+    assert(f->stride > 0);
     cell = cell > MIN_CELL ? cell : MIN_CELL;
     count = count / f->stride + (count % f->stride != 0);
     *grid = (stp_grid){.count = count,
@@ -195,6 +202,7 @@ static stp_result fill_grid(stp_context* context, filling* f, uint32_t count, fl
         grid->inverse_cell = 1.0f / grid->cell;
     }
     place_points(context, f);
+    assert(grid->cell >= 0.5f * MIN_CELL && "its inverse is finite");
     stp_free(context, f->buckets);
     return STP_OK;
 }
@@ -226,6 +234,7 @@ stp_result stp_grid_create_uncrowded(stp_context* context, const float* position
 stp_result stp_grid_thin(stp_context* context, const stp_grid* from, uint32_t stride, float cell,
                          stp_grid* grid)
 {
+    assert(grid != from && "the points are copied from it");
     filling f = {.grid = grid,
                  .points = {from->x, from->y, from->z, stride},
                  .from = from,

@@ -13,10 +13,10 @@ typedef struct stp_grid {
     float cell, inverse_cell; ///< side of a cell, and its reciprocal
     float offset;             ///< cells begin at multiples of `cell`, plus this on each axis
     uint32_t mask;            ///< number of buckets - 1
-    uint32_t* starts;         ///< of each bucket in the columns, and the end
-    uint32_t* index;
-    float *x, *y, *z;    ///< positions and normals, in one block of memory
-    float *nx, *ny, *nz; ///< without normals all three are one column of zeros
+    uint32_t* starts;         ///< first point of each bucket in the columns, and the end
+    uint32_t* index;          ///< index of each point in the given arrays
+    float *x, *y, *z;         ///< positions and normals, in one block of memory
+    float *nx, *ny, *nz;      ///< without normals all three are one column of zeros
 } stp_grid;
 
 /// Builds a grid of points with positions and normals, 3 floats each; `normals` may be NULL.
@@ -24,13 +24,13 @@ STP_MUST_USE stp_result stp_grid_create(stp_context* context, const float* posit
                                         const float* normals, uint32_t count, float cell,
                                         float offset, stp_grid* grid);
 /// The same with offset 0, and the given cell size or the largest half, quarter, ... of it with
-/// which no bucket is crowded.
+/// which buckets are not crowded, on average over the points.
 STP_MUST_USE stp_result stp_grid_create_uncrowded(stp_context* context, const float* positions,
                                                   const float* normals, uint32_t count, float cell,
                                                   stp_grid* grid);
 /// Builds a grid, with offset 0, of every stride-th point of another. Consecutive points are
-/// neighbours in space: each region is thinned equally, and reading is fast. `index` is the same as
-/// in that grid.
+/// neighbours in space: each region is thinned equally, and reading is fast. `index` refers to
+/// the same arrays as in that grid.
 STP_MUST_USE stp_result stp_grid_thin(stp_context* context, const stp_grid* from, uint32_t stride,
                                       float cell, stp_grid* grid);
 void stp_grid_destroy(stp_context* context, stp_grid* grid);

@@ -5,6 +5,8 @@
 
 #include "base/math/triples_avx2.h"
 
+#include <assert.h>
+
 enum { LANES = 8 };
 
 // stp_grid_cell of eight coordinates.
@@ -30,6 +32,7 @@ static inline __m256i within_block(__m256i cell, int shift)
 // stp_grid_bucket of eight cells.
 static inline __m256i hash_cells(const stp_grid* grid, __m256i x, __m256i y, __m256i z)
 {
+    assert(grid->mask >= 63 && (grid->mask & (grid->mask + 1)) == 0);
     __m256i hash = multiply(_mm256_srli_epi32(x, 2), 0x9E3779B1u);
     hash = _mm256_xor_si256(hash, multiply(_mm256_srli_epi32(y, 2), 0x85EBCA77u));
     hash = _mm256_xor_si256(hash, multiply(_mm256_srli_epi32(z, 2), 0xC2B2AE3Du));
@@ -51,6 +54,7 @@ static inline __m256 load_apart(const float* p, size_t stride)
 static void find_buckets(const stp_grid* grid, const stp_grid_points* points, size_t begin,
                          size_t end, uint32_t* buckets)
 {
+    assert(begin <= end && points->stride > 0);
     bool triples = points->stride == 3 && points->y == points->x + 1 && points->z == points->x + 2;
     size_t i = begin;
     for (; end - i >= LANES; i += LANES) {
@@ -67,6 +71,7 @@ static void find_buckets(const stp_grid* grid, const stp_grid_points* points, si
             hash_cells(grid, find_cells(grid, x), find_cells(grid, y), find_cells(grid, z));
         _mm256_storeu_si256((__m256i*)(buckets + i), bucket);
     }
+    assert(end - i < LANES && "fewer points than lanes are left");
     stp_grid_kernels_portable.find_buckets(grid, points, i, end, buckets);
 }
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "lod/grid_kernels.h"
 
+#include <assert.h>
+
 static void find_buckets(const stp_grid* grid, const stp_grid_points* points, size_t begin,
                          size_t end, uint32_t* buckets)
 {
+    assert(begin <= end && points->stride > 0);
     for (size_t i = begin; i < end; ++i) {
         size_t at = i * points->stride;
         buckets[i] =

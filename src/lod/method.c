@@ -6,6 +6,7 @@
 #include "lod/spt/spt_set.h"
 #include "lod/stochastic/set.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -16,7 +17,7 @@ enum {
     PSP_BYTES = 1000, ///< per sample
     STOCHASTIC_VERSION = 4,
     STOCHASTIC_BYTES = 120, ///< per sample
-    SPT_COLORS = 48,        ///< of 255: if colours differ by more, a node's error is its diameter
+    SPT_COLORS = 48,        ///< if colours differ by more, of 255, a node's error is its diameter
 };
 
 stp_method_options stp_method_options_default(void)
@@ -40,6 +41,7 @@ static uint64_t spt_bytes(uint64_t samples, uint64_t triangles)
 static stp_result make_spt(stp_context* context, const stp_method_source* source,
                            const stp_method_options* options, stp_splats* splats)
 {
+    assert(source->triangle_count == 0 || source->corners != NULL);
     const stp_spt_desc desc = {.tree = options->tree,
                                .corners = source->corners,
                                .triangle_count = source->triangle_count};
@@ -109,6 +111,7 @@ static stp_result make_stochastic_alone(const stp_scene* scene, uint32_t node,
                                               .shading_of_material = shading_of_material,
                                               .wanted = found.wanted,
                                               .has_normals = !found.two_sided};
+        assert(found.wanted <= found.candidates.count);
         result = stp_stochastic_make_set(scene->context, &source, &options->leaves, splats);
         report->order_ms = stp_clock_ms() - captured;
     }

@@ -12,8 +12,8 @@
 
 /// Options of all methods. Start from stp_method_options_default(); all zero is not the default.
 typedef struct stp_method_options {
-    stp_tree_desc tree;   ///< of `spt`
-    stp_leaf_desc leaves; ///< of `stochastic`
+    stp_tree_desc tree;   ///< options of `spt`
+    stp_leaf_desc leaves; ///< options of `stochastic`
 } stp_method_options;
 
 stp_method_options stp_method_options_default(void);
@@ -36,7 +36,7 @@ typedef struct stp_method {
     bool finds_signs;  ///< it determines the outside of points without normals
     /// Adds to a content key everything besides samples that affects a set. NULL if `make` is NULL.
     stp_hash (*hash)(stp_hash key, const stp_method_options* options);
-    /// Memory needed for making a set.
+    /// Bytes of memory needed for making a set. NULL if `make` is NULL.
     uint64_t (*bytes)(uint64_t samples, uint64_t triangles);
     /// Makes a node's set. NULL: the samples are the set.
     /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)

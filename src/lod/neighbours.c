@@ -5,6 +5,7 @@
 #include "base/math/math.h"
 #include "lod/neighbours_kernels.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define BUCKET_GRAIN 1024
@@ -31,6 +32,7 @@ static void find_ranges(const stp_grid* grid, const int32_t cell[3], stp_near_ra
     for (int corner = 0; corner < 8; corner += (int)together) {
         uint32_t bucket = stp_grid_bucket(grid, cell[0] + (corner & 1), cell[1] + (corner >> 1 & 1),
                                           cell[2] + (corner >> 2));
+        assert(bucket + together <= grid->mask + 1 && "they are in one block of buckets");
         stp_near_ranges_add(ranges, grid->starts[bucket], grid->starts[bucket + together]);
     }
 }
@@ -55,6 +57,7 @@ static void search_buckets(size_t begin, size_t end, uint32_t worker, void* user
                                stp_grid_cell(samples, samples->y[at]),
                                stp_grid_cell(samples, samples->z[at])};
             run = job->kernels->find_run(samples, at, last); // mostly all of a bucket
+            assert(at < run && run <= last);
             find_ranges(surfels, cell, &ranges);
             job->kernels->find_nearest(surfels, &ranges, samples, at, run, job->rule,
                                        job->search->nearest);
@@ -64,6 +67,10 @@ static void search_buckets(size_t begin, size_t end, uint32_t worker, void* user
 
 void stp_nearest_search_run(stp_context* context, const stp_nearest_search* search)
 {
+    assert(search->samples->cell == search->surfels->cell);
+    assert(search->surfels->offset == 0.0f);
+    assert(search->samples->offset == 0.5f * search->samples->cell);
+    assert(!(search->surfels->cell < 2.0f * search->radius) && "2 x 2 x 2 cells suffice");
     nearest_job job = {.search = search,
                        .kernels = stp_near_kernels_select(),
                        .rule = {.limit = search->radius * search->radius,
@@ -88,6 +95,7 @@ typedef struct disk_scan {
 static void add_cells(disk_scan* scan, int32_t x, int32_t last, int32_t y, int32_t z)
 {
     const stp_grid* samples = scan->search->samples;
+    assert(x <= last && (x | 3) == (last | 3) && "they are in one block of buckets");
     uint32_t bucket = stp_grid_bucket(samples, x, y, z);
     stp_near_ranges_add(&scan->ranges, samples->starts[bucket],
                         samples->starts[bucket + (uint32_t)(last - x) + 1]);
@@ -122,7 +130,8 @@ static bool scan_ranges(disk_scan* scan)
     return done;
 }
 
-// Cells more than four apart may share a bucket; visits each bucket once.
+// Cells four or more apart may share a bucket; visits a bucket once, if it is among the last
+// KNOWN_LIMIT visited.
 static bool is_known(disk_scan* scan, uint32_t begin)
 {
     uint32_t known = scan->known_count < KNOWN_LIMIT ? scan->known_count : KNOWN_LIMIT;
@@ -171,7 +180,7 @@ static void scan_disk(disk_scan* scan)
         return;
     }
     add_cells(scan, middle[0], middle[0], middle[1], middle[2]);
-    if (scan_ranges(scan)) { // most disks are solid, which is found here
+    if (scan_ranges(scan)) { // most disks are full, which is found here
         return;
     }
     for (int32_t z = scan->low[2]; z <= scan->high[2]; ++z) {
@@ -229,6 +238,7 @@ static void search_disks(size_t begin, size_t end, uint32_t worker, void* user)
     scan.ranges.count = 0;
     for (size_t i = begin; i < end; ++i) {
         uint32_t surfel = job->search->visit[i];
+        assert(scan.ranges.count == 0 && "nothing is left of the previous disk");
         if (i + AHEAD < end) {
             uint32_t next = job->search->visit[i + AHEAD];
             __builtin_prefetch(job->search->positions + 3 * (size_t)next);
@@ -245,6 +255,11 @@ static void search_disks(size_t begin, size_t end, uint32_t worker, void* user)
 
 void stp_disk_search_run(stp_context* context, const stp_disk_search* search)
 {
+    assert(search->count == 0 || search->radius > 0.0f);
+    assert(!(search->footprint < 0.0f));
+    assert(search->set_count == 0 || search->set_count <= search->sample_count);
+    assert((search->set_count == 0 || search->set_footprint <= search->footprint) &&
+           "the search reaches as far as the larger footprint");
     disk_job job = {.search = search, .kernels = stp_near_kernels_select()};
     stp_parallel_for(context, search->count, SURFEL_GRAIN, search_disks, &job);
 }

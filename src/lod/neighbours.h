@@ -25,7 +25,7 @@ void stp_nearest_search_run(stp_context* context, const stp_nearest_search* sear
 typedef struct stp_disk {
     uint64_t cells;     ///< cells of the stencil
     uint64_t fractions; ///< sum over the samples
-    uint32_t count;     ///< of samples
+    uint32_t count;     ///< number of samples, weighted
     bool full;          ///< with `until_full`, count and sum are then undefined
 } stp_disk;
 
@@ -41,12 +41,12 @@ typedef struct stp_disk_search {
     const float* positions;    ///< 3 per surfel
     const float* normals;      ///< 3 per surfel
     const uint32_t* visit;     ///< surfels to visit, best in a spatially coherent order
-    uint32_t count;            ///< of `visit`
-    float radius;              ///< of the disks
+    uint32_t count;            ///< number of surfels in `visit`
+    float radius;              ///< radius of the disks, above 0
     bool two_sided;            ///< ignores the sign of normals
     bool until_full;           ///< stop once a disk is known to be full
     const stp_stencil* stencil;
-    stp_disk* disks; ///< result: of each surfel visited, by its index
+    stp_disk* disks; ///< result: content of the disk of each visited surfel, by its index
 } stp_disk_search;
 
 void stp_disk_search_run(stp_context* context, const stp_disk_search* search);

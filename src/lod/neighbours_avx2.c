@@ -3,6 +3,7 @@
 
 #if defined(__x86_64__)
 
+#include <assert.h>
 #include <immintrin.h>
 
 #define ANY_AGREEMENT (-2.0f) // below any dot product of two normals
@@ -50,6 +51,7 @@ static inline __m256i equal_first(__m256i a, __m256i first)
 
 static uint32_t find_run(const stp_grid* samples, uint32_t begin, uint32_t end)
 {
+    assert(begin < end && end <= samples->count);
     __m256i x = find_cells(samples, samples->x + begin),
             y = find_cells(samples, samples->y + begin),
             z = find_cells(samples, samples->z + begin);
@@ -128,12 +130,13 @@ static inline void test_surfels(eight_samples* a, eight_samples* b, const surfel
 
 static inline void store_nearest(uint32_t* nearest, uint32_t count, __m256i surfel)
 {
+    assert(count > 0 && "counts above eight mean all lanes");
     __m256i lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     __m256i mask = _mm256_cmpgt_epi32(_mm256_set1_epi32((int)count), lanes);
     _mm256_maskstore_epi32((int*)nearest, mask, surfel);
 }
 
-// Merges all pieces into one.
+// Surfels of all ranges in one list. Copies may write eight values past the end.
 typedef struct surfel_list {
     float x[LIST_SIZE + 8], y[LIST_SIZE + 8], z[LIST_SIZE + 8];
     float nx[LIST_SIZE + 8], ny[LIST_SIZE + 8], nz[LIST_SIZE + 8];
@@ -145,7 +148,7 @@ static inline void copy_eight(float* to, const float* from)
     _mm256_storeu_ps(to, _mm256_loadu_ps(from));
 }
 
-// @return their number; LIST_SIZE + 1 if there are too many
+// Copies the surfels of all ranges. @return their number; LIST_SIZE + 1 if there are too many
 static inline uint32_t list_surfels(surfel_list* list, const stp_grid* surfels,
                                     const stp_near_ranges* ranges, bool sides)
 {
@@ -168,6 +171,7 @@ static inline uint32_t list_surfels(surfel_list* list, const stp_grid* surfels,
             _mm256_storeu_si256((__m256i*)(list->index + to), index);
         }
         count += end - begin;
+        assert(count <= LIST_SIZE);
     }
     return count;
 }
@@ -280,7 +284,7 @@ static inline void add_fractions(const stp_grid* samples, uint32_t at, uint32_t 
     }
 }
 
-// Half sides of eight samples' squares, and the number of near samples with a weight above one.
+// Half sides of eight samples' squares. Adds the additional weight of near samples of sets.
 static inline __m256 choose_footprints(const stp_grid* samples, uint32_t at, uint32_t near,
                                        const stp_disk_query* query, stp_disk* disk)
 {
@@ -306,6 +310,7 @@ static bool scan_disk(const stp_grid* samples, const stp_near_ranges* ranges,
     __m256i lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     for (uint32_t range = 0; range < ranges->count; ++range) {
         uint32_t end = ranges->ends[range];
+        assert(end <= samples->count);
         for (uint32_t at = ranges->begins[range]; at < end; at += STP_NEAR_LANES) {
             vector3 offset =
                 subtract(load_vectors(samples->x + at, samples->y + at, samples->z + at), centre);
@@ -344,6 +349,7 @@ static bool scan_disk(const stp_grid* samples, const stp_near_ranges* ranges,
 static float nearest_squared(const float* x, const float* y, const float* z, uint32_t count,
                              stp_vec3 place)
 {
+    assert(count % STP_NEAR_LANES == 0);
     vector3 centre = repeat_vector(place.x, place.y, place.z);
     __m256 minimum = _mm256_set1_ps(FLT_MAX);
     for (uint32_t i = 0; i < count; i += STP_NEAR_LANES) {

@@ -4,6 +4,8 @@
 
 #include "lod/neighbours.h"
 
+#include <assert.h>
+
 enum {
     STP_NEAR_LANES = 8,        ///< samples tested together
     STP_NEAR_RANGE_LIMIT = 40, ///< 2 x 2 x 2 cells of surfels, rows of 4 x 4 x 4 cells of samples
@@ -17,6 +19,7 @@ typedef struct stp_near_ranges {
 
 static inline void stp_near_ranges_add(stp_near_ranges* ranges, uint32_t begin, uint32_t end)
 {
+    assert(begin <= end && ranges->count < STP_NEAR_RANGE_LIMIT);
     ranges->begins[ranges->count] = begin;
     ranges->ends[ranges->count] = end;
     ranges->count += begin != end;
@@ -24,18 +27,18 @@ static inline void stp_near_ranges_add(stp_near_ranges* ranges, uint32_t begin, 
 
 /// Search parameters for surfels near a sample.
 typedef struct stp_near_rule {
-    float limit;         ///< squared distance
-    float min_agreement; ///< of normals
+    float limit;         ///< maximum squared distance
+    float min_agreement; ///< minimum dot product of both normals
 } stp_near_rule;
 
 /// A disk whose samples are searched.
 typedef struct stp_disk_query {
     float x, y, z, nx, ny, nz;
-    float limit;          ///< squared distance
-    float min_agreement;  ///< of normals
-    stp_vec3 tangents[2]; ///< over the disk's radius
+    float limit;          ///< maximum squared distance
+    float min_agreement;  ///< minimum dot product of both normals
+    stp_vec3 tangents[2]; ///< axes of the disk's plane, divided by its radius
     float footprint;      ///< half the side of a sample's square, over the radius
-    float set_footprint;  ///< of those from `first_of_sets` on, by index
+    float set_footprint;  ///< the same for samples from index `first_of_sets` on
     uint32_t first_of_sets;
     uint32_t set_weight;
     const uint16_t* fractions; ///< by index, or NULL

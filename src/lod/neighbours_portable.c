@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "lod/neighbours_kernels.h"
 
+#include <assert.h>
+
 static uint32_t find_run(const stp_grid* samples, uint32_t begin, uint32_t end)
 {
+    assert(begin < end && end <= samples->count);
     int32_t x = stp_grid_cell(samples, samples->x[begin]),
             y = stp_grid_cell(samples, samples->y[begin]),
             z = stp_grid_cell(samples, samples->z[begin]);
@@ -19,6 +22,7 @@ static void find_nearest(const stp_grid* surfels, const stp_near_ranges* ranges,
                          const stp_grid* samples, uint32_t begin, uint32_t end, stp_near_rule rule,
                          uint32_t* nearest)
 {
+    assert(begin <= end && end <= samples->count);
     for (uint32_t at = begin; at < end; ++at) {
         float x = samples->x[at], y = samples->y[at], z = samples->z[at];
         float nx = samples->nx[at], ny = samples->ny[at], nz = samples->nz[at];
@@ -53,6 +57,7 @@ static bool scan_disk(const stp_grid* samples, const stp_near_ranges* ranges,
                       const stp_disk_query* query, stp_disk* disk)
 {
     for (uint32_t range = 0; range < ranges->count; ++range) {
+        assert(ranges->ends[range] <= samples->count);
         for (uint32_t i = ranges->begins[range]; i < ranges->ends[range]; ++i) {
             stp_vec3 offset = {samples->x[i] - query->x, samples->y[i] - query->y,
                                samples->z[i] - query->z};
@@ -81,6 +86,7 @@ static bool scan_disk(const stp_grid* samples, const stp_near_ranges* ranges,
 static float nearest_squared(const float* x, const float* y, const float* z, uint32_t count,
                              stp_vec3 place)
 {
+    assert(count % STP_NEAR_LANES == 0 && "other variants read whole vectors");
     float minimum = FLT_MAX;
     for (uint32_t i = 0; i < count; ++i) {
         stp_vec3 offset = {place.x - x[i], place.y - y[i], place.z - z[i]};

@@ -5,6 +5,7 @@
 #include "base/math/math.h"
 #include "lod/point_normals_kernels.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -56,6 +57,7 @@ static stp_vec3 direction_of(const float m[STP_NORMAL_MATRIX])
 static void set_normals(const normal_loop* s, sum_batch* batch)
 {
     float matrices[BATCH][STP_NORMAL_MATRIX];
+    assert(batch->count <= BATCH);
     s->kernels->project((const float(*)[STP_NORMAL_SUMS])batch->sums, batch->count, matrices);
     for (uint32_t i = 0; i < batch->count; ++i) {
         uint32_t index = batch->index[i];
@@ -80,6 +82,8 @@ static void copy_vectors(float* to, const float* from, uint32_t count)
 static void add_cells(const stp_cell_rows* rows, uint32_t begin, uint32_t end,
                       stp_near_points* near)
 {
+    assert(begin <= end && end <= rows->cell_count);
+    assert(near->count + (end - begin) * CELL_POINTS + LANES <= STP_NEAR_POINTS_MAX);
     uint32_t first = rows->starts[begin], size = rows->starts[end] - first;
     if (size <= CELL_POINTS) {
         copy_vectors(near->x + near->count, rows->x + first, size);
@@ -102,6 +106,7 @@ static void add_cells(const stp_cell_rows* rows, uint32_t begin, uint32_t end,
 /// Pads a list with points far away from everything.
 static void pad(stp_near_points* near)
 {
+    assert(near->count <= STP_NEAR_POINTS_MAX && "a multiple of LANES: padding fits");
     for (; near->count % LANES != 0; ++near->count) {
         near->x[near->count] = near->y[near->count] = near->z[near->count] = INFINITY;
     }
@@ -110,6 +115,7 @@ static void pad(stp_near_points* near)
 /// Counts the last sums of a batch in, unless they are of too few neighbours.
 static void keep_sums(const normal_loop* s, uint32_t index, sum_batch* batch)
 {
+    assert(batch->count < BATCH && "full batches are finished at once");
     if (batch->sums[batch->count][0] >= (float)MIN_NEIGHBOURS) {
         batch->index[batch->count++] = index;
         if (batch->count == BATCH) {
@@ -230,10 +236,11 @@ static normal_loop loop_of(const stp_normal_search* search, float radius)
                          .missing = search->missing};
 }
 
-/// Sorts the candidates by cells of the size of a radius, and estimates missing normals within it.
+/// Sorts the candidates into cells slightly wider than a radius, and estimates missing normals within it.
 static stp_result search_all(stp_normal_search* search, float radius)
 {
     const stp_candidates* c = search->candidates;
+    assert(!(radius < 0.0f));
     stp_cell_rows_destroy(search->context, &search->rows);
     search->radius = radius;
     stp_result result = stp_cell_rows_make(search->context, c->positions, c->count,
@@ -245,7 +252,7 @@ static stp_result search_all(stp_normal_search* search, float radius)
     return result;
 }
 
-/// Estimates missing normals within some radii, without sorting again.
+/// Estimates missing normals within `reach` times the radius, without sorting again.
 static stp_result search_few(stp_normal_search* search, uint32_t count, uint32_t reach)
 {
     uint32_t* list = STP_NEW_ARRAY(search->context, uint32_t, count);
@@ -258,6 +265,7 @@ static stp_result search_few(stp_normal_search* search, uint32_t count, uint32_t
             list[listed++] = at;
         }
     }
+    assert(listed == count && "each candidate is in one cell");
     normal_loop loop = loop_of(search, search->radius * (float)reach);
     loop.list = list;
     loop.reach = reach;
@@ -289,6 +297,7 @@ stp_result stp_normal_search_start(stp_context* context, stp_candidates* candida
 
 stp_result stp_normal_search_finish(stp_normal_search* search)
 {
+    assert(search->rows.count == search->candidates->count && "the search has started");
     stp_result result = STP_OK;
     uint32_t missing = count_missing(search), reach = 1;
     for (int i = 0; i < DOUBLINGS && missing > 0 && result == STP_OK; ++i) {

@@ -21,7 +21,7 @@ typedef struct stp_normal_search {
     stp_candidates* candidates;
     uint8_t* missing; ///< one per candidate: 1 if it still needs a normal; the caller may set 0
     float radius;
-    stp_cell_rows rows; ///< of cells as large as `radius`
+    stp_cell_rows rows; ///< the candidates, in cells slightly wider than `radius`
 } stp_normal_search;
 
 /// Estimates normals within `radius`, which is above 0.

@@ -6,11 +6,12 @@
 
 #include "lod/point_normals_kernels.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
     LANES = 8,
-    MAX_SQUARINGS = 12, ///< of a matrix: its 4096th power
+    MAX_SQUARINGS = 12, ///< squarings of a matrix: its 4096th power
 };
 /// Twice the share of the other eigenvalues in the trace, before the last squaring squares it
 #define CONVERGED 1e-5f
@@ -33,6 +34,7 @@ static inline float sum_lanes(const lanes_float* sums)
 static void sum_near(const stp_near_points* points, float squared_radius, stp_vec3 position,
                      float out[STP_NORMAL_SUMS])
 {
+    assert(points->count % LANES == 0 && points->count <= STP_NEAR_POINTS_MAX);
     const lanes_float one = {1, 1, 1, 1, 1, 1, 1, 1};
     lanes_float sums[STP_NORMAL_SUMS] = {0};
     for (uint32_t i = 0; i < points->count; i += LANES) {
@@ -99,8 +101,10 @@ static inline void load_lanes(const float (*sums)[STP_NORMAL_SUMS], size_t count
                               lanes_float out[STP_NORMAL_SUMS])
 {
     float columns[STP_NORMAL_SUMS][LANES];
+    assert(count > 0 && count <= LANES);
     for (size_t k = 0; k < LANES; ++k) {
         const float* from = sums[k < count ? k : 0];
+        assert(from[0] >= 1.0f && "sums of at least one point");
         for (int i = 0; i < STP_NORMAL_SUMS; ++i) {
             columns[i][k] = from[i];
         }

@@ -5,11 +5,15 @@
 #include "base/splats/prefix_table.h"
 #include "capture/surfel_disks.h"
 
+#include <assert.h>
 #include <string.h>
 
 stp_result stp_method_samples_take(stp_context* context, const stp_splats* set,
                                    stp_method_samples* samples)
 {
+    assert(set->count > 0);
+    assert((set->columns & STP_SPLATS_FLAT_COLORS) != 0 ||
+           (set->octave_count > 0 && set->octave_ends[set->octave_count - 1] == set->count));
     size_t count = set->count, finest = stp_set_entries_of(set, set->count).first;
     *samples = (stp_method_samples){
         .coverages = set->coverages + finest,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/set_columns.h"
 
+#include <assert.h>
 #include <string.h>
 
 void stp_splats_destroy(stp_context* context, stp_splats* surfels)
@@ -28,10 +29,11 @@ static inline void copy_values(const unsigned char* column, const uint32_t* from
     }
 }
 
-// Each size has a loop of its own.
+// Each size of an attribute has a loop of its own.
 void stp_copy_attribute(stp_attribute attribute, const void* column, const uint32_t* from,
                         size_t count, void* to_column, const uint32_t* to)
 {
+    assert(attribute < STP_ATTRIBUTES);
     size_t size = stp_attribute_size(attribute);
     if (size == 1) {
         copy_values(column, from, count, to_column, to, 1);
@@ -46,6 +48,7 @@ void stp_copy_attribute(stp_attribute attribute, const void* column, const uint3
 
 stp_result stp_splats_make_columns(stp_context* context, stp_splats* s)
 {
+    assert((s->columns & STP_SPLATS_FLAT_COLORS) != 0 && "one colour per splat");
     size_t count = s->count;
     s->positions = STP_NEW_ARRAY(context, uint16_t, 3 * count);
     s->normals = STP_NEW_ARRAY(context, int8_t, 2 * count);

@@ -5,6 +5,8 @@
 #include "base/core/context.h"
 #include "base/splats/splat_columns.h"
 
+#include <assert.h>
+
 /// Frees the columns of a set, which were allocated with stp_alloc.
 void stp_splats_destroy(stp_context* context, stp_splats* surfels);
 
@@ -22,6 +24,7 @@ void stp_copy_attribute(stp_attribute attribute, const void* column, const uint3
 /// Rounds a coordinate to the position grid of a set.
 static inline uint16_t stp_splats_grid_place(float at, float origin, float step)
 {
+    assert(step > 0.0f);
     float place = (at - origin) / step + 0.5f;
     return place > 0.0f ? (place < 65535.0f ? (uint16_t)place : 65535) : 0;
 }

@@ -11,6 +11,6 @@ void stp_set_octaves_make(stp_splats* set);
 /// after it, rounded up as ranges are.
 /// @param highest_left for each splat an upper bound, never rising, of the highest levels of it and
 ///         all after it
-/// @param scale of those bounds, to levels
+/// @param scale factor from those bounds to levels
 /// @param reach the level that all splats reach
 void stp_set_table_make(stp_splats* set, const float* highest_left, float scale, float reach);

@@ -3,9 +3,10 @@
 
 #include "base/splats/coverage.h"
 
+#include <assert.h>
 #include <math.h>
 
-#define ANY_NORMALS (255u << 24) ///< of a disk
+#define ANY_NORMALS (255u << 24) ///< unbounded normal spread of a disk
 
 static float off_axis(const stp_shape_directions* directions, uint32_t code, stp_shape_axis along)
 {
@@ -35,6 +36,7 @@ static uint32_t find_change(const stp_shape_directions* directions, stp_shape_ax
     while (low + 1 < STP_SHAPE_TURN && (off_axis(directions, low + 1, along) < 0.0f) == negative) {
         low += 1;
     }
+    assert(low < STP_SHAPE_TURN);
     return low;
 }
 
@@ -48,6 +50,7 @@ void stp_shape_directions_make(stp_shape_directions* directions)
         float place = ((float)i + 0.5f) / (float)STP_SHAPE_GUESSES;
         float x = 1.0f - 2.0f * place;
         low = find_change(directions, (stp_shape_axis){x, 1.0f - fabsf(x)}, low);
+        assert((i == 0 || low >= directions->guesses[i - 1]) && "classes ascend as codes do");
         directions->guesses[i] = (uint8_t)low;
     }
 }
@@ -66,12 +69,14 @@ uint32_t stp_shape_direction(const stp_shape_directions* directions, stp_shape_a
 uint32_t stp_shape_of_codes(const stp_shape_directions* directions, uint32_t larger,
                             uint32_t smaller, stp_vec3 major, const int8_t normal[2])
 {
+    assert(larger < STP_SHAPE_NOT_FINITE);
     if (smaller >= larger) {
         return larger | larger << 12 | ANY_NORMALS;
     }
     stp_disk_axes axes = stp_disk_axes_of((float)normal[0], (float)normal[1]);
     stp_shape_axis along = {stp_dot(major, axes.x), stp_dot(major, axes.y)};
     uint32_t direction = stp_shape_direction(directions, along);
+    assert(direction < STP_SHAPE_TURN);
     return larger | smaller << 12 | direction << 24;
 }
 

@@ -4,6 +4,8 @@
 #include "base/math/stretch.h"
 #include "base/splats/prefix_table.h"
 
+#include <assert.h>
+
 typedef enum thinning { THIN_NOTHING, THIN_COUNT, THIN_LIST } thinning;
 
 // A node during traversal.
@@ -26,7 +28,7 @@ typedef struct walk {
     thinning mode;
     double small;   ///< instances with a smaller extent are thinned
     size_t kept;    ///< instances that are not thinned
-    uint64_t* uses; ///< by node: of parts and sets below; made when first thinned
+    uint64_t* uses; ///< per node: instances of parts and sets below; NULL until thinned
     /// Count of thinned instances; one of `every` is kept; number of the next one
     uint64_t thin_uses, every, number;
     bool lacks_normals; ///< some point sets of the scene lack normals
@@ -74,6 +76,7 @@ static stp_result add_set(walk* w, const frame* f, const stp_splats* set, double
         return stp_fail_memory(context);
     }
     list->sets = sets;
+    assert(prefix <= set->count);
     float radius = stp_prefix_table_radius(&set->table, prefix) + set->candidate_radius;
     const stp_node* node = &w->scene->nodes[f->node];
     sets[list->set_count++] =
@@ -142,6 +145,7 @@ static stp_result count_uses(walk* w, uint32_t top)
         uint64_t sum = node->part_count;
         for (uint32_t k = 0; k < node->edge_count; ++k) {
             uint32_t child = w->scene->edges[node->first_edge + k].node;
+            assert(child < i && "children have lower indices");
             bool moving = (w->scene->nodes[child].flags & STP_OBJECT_MOVING) != 0;
             sum = add_saturated(sum, moving ? 0 : w->uses[child]);
         }
@@ -153,6 +157,7 @@ static stp_result count_uses(walk* w, uint32_t top)
 // Whether the next `count` thinned instances include a kept one.
 static bool holds_kept(const walk* w, uint64_t count)
 {
+    assert(w->every > 0 && "instances were counted");
     uint64_t rest = w->number % w->every;
     return count > 0 && (rest == 0 || count > w->every - rest);
 }
@@ -186,7 +191,7 @@ static stp_result enter_parts(walk* w, const frame* f, double scale)
     return result;
 }
 
-// Visits a node: lists its set, or its parts, and then pushes its children.
+// Visits a node: lists its set; or lists its parts and pushes the node, so that its children follow.
 static stp_result enter(walk* w, frame f, bool first)
 {
     const stp_node* node = &w->scene->nodes[f.node];
@@ -230,6 +235,7 @@ static stp_result walk_once(walk* w, uint32_t node)
     while (result == STP_OK && w->depth > 0 && w->kept <= w->limit) {
         frame* f = &w->stack[w->depth - 1];
         const stp_node* at = &w->scene->nodes[f->node];
+        assert(f->next_edge <= at->edge_count);
         if (f->next_edge == at->edge_count) {
             w->depth -= 1;
             continue;
@@ -260,6 +266,7 @@ static stp_result walk_thinned(walk* w, uint32_t node)
 {
     stp_result result = count_uses(w, node);
     size_t limit = w->limit;
+    assert(limit > 0 && w->kept > limit && "otherwise nothing needs thinning");
     w->small = w->pixel;
     w->mode = THIN_COUNT;
     w->limit = limit / 2;
@@ -274,6 +281,9 @@ static stp_result walk_thinned(walk* w, uint32_t node)
     w->limit = SIZE_MAX;
     clear_list(w->list);
     result = result == STP_OK ? walk_once(w, node) : result;
+    assert((result != STP_OK || w->thin_uses >= UINT64_MAX / 2 || w->small >= 1e299 ||
+            w->list->part_count + w->list->set_count <= limit) &&
+           "what is left fits");
     stp_free(w->scene->context, w->uses);
     return result;
 }

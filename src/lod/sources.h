@@ -21,13 +21,13 @@ typedef struct stp_source_list {
     stp_placed_part* parts;
     stp_placed_set* sets;
     size_t part_count, part_capacity, set_count, set_capacity;
-    uint64_t triangle_count, point_count; ///< of everything that the list represents
-    uint64_t part_triangles;              ///< of the parts alone
-    double surfels;                       ///< of all sets' prefixes
+    uint64_t triangle_count, point_count; ///< counts of everything that the list represents
+    uint64_t part_triangles;              ///< triangles of the parts alone
+    double surfels;                       ///< surfels in all sets' prefixes
     /// Approximate pixels covered by the parts in eight directions, without occlusion
     double pixels;
     double coarsest;  ///< the smallest pixel at which all of the listed sets are dense enough
-    uint64_t thinned; ///< uses left out
+    uint64_t thinned; ///< number of instances left out
 } stp_source_list;
 
 /// Lists the sources of `node` for a pixel of `pixel_size`. `sets` may be NULL; the node's own set

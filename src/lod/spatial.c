@@ -4,6 +4,8 @@
 #include "base/math/sort.h"
 #include "lod/grid.h"
 
+#include <assert.h>
+
 #define AXIS_BITS 10u
 
 static uint32_t place_on_axis(float coordinate, float low, float scale)
@@ -36,6 +38,7 @@ stp_result stp_sort_spatially(stp_context* context, const float* positions, uint
     }
     const uint64_t* sorted = stp_sort_u64(keys, keys + count, count, 32, 3 * AXIS_BITS);
     for (uint32_t i = 0; i < count; ++i) {
+        assert((i == 0 || sorted[i] > sorted[i - 1]) && "by code, then by index");
         order[i] = (uint32_t)sorted[i];
     }
     stp_free(context, keys);

@@ -9,6 +9,7 @@
 #include "lod/cloud_candidates.h"
 #include "lod/point_normals.h"
 
+#include <assert.h>
 #include <string.h>
 
 // a quarter of Brandt 5.2: blue.h. More give pictures of the same SSIM
@@ -17,10 +18,10 @@
 #define CANDIDATES_PER_SURFEL 12u
 #define MIN_CANDIDATES 6000u    // small objects must keep their shape
 #define MAX_CANDIDATES 1750000u // Brandt, Table 2
-#define FINE_PIXEL 0x1p-7       // of triangles, in coarse ones: for a diagonal of 1,024
+#define FINE_PIXEL 0x1p-7       // for triangles, in coarse pixels: a 1,024th of the diagonal
 #define NORMAL_SPACINGS 2.5f    // radius for estimating a point's normal
-#define SPARSE_PART 128u        // sparse parts of a cloud count if they have this share of points
-#define MIN_EXTENT 0x1p-60      // scene units; squared distances below it underflow
+#define SPARSE_PART 128u   // sparse parts of a cloud count if they have one in this many points
+#define MIN_EXTENT 0x1p-60 // scene units; squared distances below it underflow
 
 typedef struct blue {
     const stp_scene* scene;
@@ -31,7 +32,7 @@ typedef struct blue {
     bool from_points;
     bool two_sided;
     uint32_t wanted;   ///< surfels
-    uint32_t distinct; ///< of the ordered ones: without coincident points
+    uint32_t distinct; ///< number of ordered candidates, without coincident points
     uint32_t* order;
     float* radii;
     stp_finish_input finish;
@@ -89,8 +90,10 @@ static void round_prefixes(stp_source_list* list)
         const stp_splats* set = list->sets[i].surfels;
         uint32_t octave = 0;
         if ((set->columns & STP_SPLATS_FLAT_COLORS) != 0) {
+            assert(list->sets[i].prefix <= set->count);
             while (set->octave_ends[octave] < list->sets[i].prefix) {
                 octave += 1;
+                assert(octave < set->octave_count);
             }
             list->sets[i].prefix = set->octave_ends[octave];
         }
@@ -163,6 +166,7 @@ static stp_result append_coincident(blue* b)
             b->order[next++] = i;
         }
     }
+    assert(next == count && "the order is a permutation");
     b->finish.count = next;
     stp_free(b->scene->context, chosen);
     return STP_OK;
@@ -172,6 +176,7 @@ static stp_result order_candidates(blue* b)
 {
     stp_context* context = b->scene->context;
     const stp_candidates* c = &b->candidates;
+    assert(b->wanted > 0 && b->wanted <= c->count);
     b->order = STP_NEW_ARRAY(context, uint32_t, b->wanted);
     b->radii = STP_NEW_ARRAY(context, float, b->wanted);
     if (b->order == NULL || b->radii == NULL) {
@@ -181,6 +186,7 @@ static stp_result order_candidates(blue* b)
     stp_result result =
         stp_order_points(context, &b->order_desc, c->positions, normals, c->count, b->wanted,
                          b->order, b->radii, &b->finish.count, &b->finish.final_radius, NULL);
+    assert(result != STP_OK || b->finish.count <= b->wanted);
     b->distinct = b->finish.count;
     return result == STP_OK ? append_coincident(b) : result;
 }
@@ -198,14 +204,16 @@ static stp_result sort_radii(const blue* b, float* sorted)
         return stp_fail_memory(b->scene->context);
     }
     for (uint32_t i = 0; i < count; ++i) {
-        uint32_t bits; // of numbers that are not negative, as ordered as they are
+        uint32_t bits; // of floats that are not negative: they sort alike
         memcpy(&bits, &b->radii[i], sizeof(bits));
+        assert(bits <= 0x7FFFFFFFu && "radii are not negative");
         items[i] = (uint64_t)(0x7FFFFFFFu - bits) << 32 | bits;
     }
     const uint64_t* order = stp_sort_u64(items, items + count, count, 32, 31);
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t bits = (uint32_t)order[i];
         memcpy(&sorted[i], &bits, sizeof(bits));
+        assert(i == 0 || !(sorted[i] > sorted[i - 1]));
     }
     stp_free(b->scene->context, items);
     return STP_OK;
@@ -232,6 +240,7 @@ static stp_result measure_spacing(blue* b)
     stp_free(b->scene->context, sorted);
     // All points are covered: the remaining candidates are duplicates.
     bool all = !(b->finish.final_radius > 0.0f);
+    assert(count <= b->candidates.count);
     double part = all ? 1.0 : (double)count / (double)b->candidates.count;
     b->candidates.pixel_size = (double)spacing * sqrt(part);
     return result;
@@ -298,6 +307,7 @@ stp_result stp_blue_find_candidates(const stp_scene* scene, uint32_t node,
     blue b = {.scene = scene, .desc = desc};
     stp_result result = make_candidates(&b, node);
     stp_source_list_destroy(scene->context, &b.list);
+    assert(result != STP_OK || b.wanted <= b.candidates.count);
     *found = (stp_blue_candidates){.candidates = b.candidates,
                                    .wanted = b.wanted,
                                    .from_points = b.from_points,

@@ -17,8 +17,8 @@ typedef struct stp_blue_desc {
     uint32_t surfel_count;
     /// Existing sets of the nodes below, by scene node: NULL or a set of count 0 if there is none.
     /// If a set is dense enough, its surfels are captured instead of triangles (Brandt 3.4;
-    /// design.md, Capture), and the visible surfels themselves become candidates. NULL: always
-    /// triangles.
+    /// docs/algorithms/capture.md), and the visible surfels themselves become candidates. NULL:
+    /// always triangles.
     const stp_splats* const* sets;
 } stp_blue_desc;
 
@@ -48,7 +48,7 @@ typedef struct stp_blue_candidates {
     stp_candidates candidates;
     uint32_t wanted; ///< number to choose
     bool from_points;
-    bool two_sided; ///< points without normals: to be estimated
+    bool two_sided; ///< points without normals, which are to be estimated
 } stp_blue_candidates;
 
 /// Finds the candidates of everything below a node, as stp_blue_make does; none if nothing is

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/blue/children.h"
 
+#include <assert.h>
+
 #define WANTED_EACH 5.0 // candidates per surfel: already evenly spread, without duplicates
 #define MIN_EACH 4.0
 #define MIN_CANDIDATES 6000.0
@@ -21,7 +23,7 @@ typedef struct children {
     double surfel_count;
     double seen; ///< visible share of the estimate
     stp_source_list list;
-    double pixel; ///< of the list
+    double pixel; ///< pixel size for which the list was made
 } children;
 
 double stp_coarse_pixel(const stp_scene* scene, uint32_t node)
@@ -37,6 +39,7 @@ double stp_coarse_pixel(const stp_scene* scene, uint32_t node)
 static stp_result list_at(children* c, double pixel)
 {
     stp_source_list_destroy(c->scene->context, &c->list);
+    assert(pixel > 0.0);
     c->pixel = pixel;
     return stp_list_sources(c->scene, c->node, c->desc->sets, pixel, STP_SOURCE_LIMIT, &c->list);
 }
@@ -62,6 +65,7 @@ static double wanted(const children* c, double each)
 // Smallest pixel size that keeps a picture's cost proportional to its candidates.
 static double finest_pixel(double widest, double candidates)
 {
+    assert(candidates > 0.0);
     double affordable = sqrt(STP_CAPTURE_MAX_PIXELS_EACH / VIEWS * candidates);
     return widest / (affordable < MAX_RESOLUTION ? affordable : MAX_RESOLUTION);
 }
@@ -71,6 +75,7 @@ static double finest_pixel(double widest, double candidates)
 static stp_result find_pixel(children* c, double goal)
 {
     stp_result result = STP_OK;
+    assert(goal > 0.0 && c->seen > 0.0);
     double finest = finest_pixel(stp_coarse_pixel(c->scene, c->node) * COARSE_RESOLUTION, goal);
     for (int i = 0; i < TRIES && result == STP_OK; ++i) {
         double ratio = estimate(c) * c->seen / goal;
@@ -133,6 +138,7 @@ static stp_result choose_pixel(children* c)
     stp_result result = STP_OK;
     double finest = 0.0;
     for (int i = 0; result == STP_OK; ++i) {
+        assert((size_t)i < sizeof(tries) / sizeof(tries[0]) && "the last one is affordable");
         result = find_pixel(c, wanted(c, tries[i].each));
         bool affordable =
             c->list.part_triangles <= tries[i].triangles && c->list.surfels <= tries[i].surfels;
@@ -181,6 +187,7 @@ static stp_result capture(children* c, stp_candidates* candidates, bool* capture
             result = list_at(c, finest);
         }
     }
+    assert(result != STP_OK || c->pixel > 0.0);
     if (result == STP_OK && uses_sets(c)) {
         *captured = true;
         result = capture_once(c, candidates);

@@ -12,10 +12,10 @@
 /// Initial pixel size for a node.
 double stp_coarse_pixel(const stp_scene* scene, uint32_t node);
 
-/// Captures the sources of a node at the pixel size that gives about seven candidates for each of
+/// Captures the sources of a node at the pixel size that gives about five candidates for each of
 /// `surfel_count` surfels; a small capture measures the hidden share. Sets too coarse for that are
-/// opened. If this leads to more than two million triangles, uses sets that give only six
-/// candidates per surfel, or as many as they have, at least four.
+/// opened. If this leads to more than two million triangles or 1.5 million surfels, chooses pixels
+/// that give only 4.5 candidates per surfel, or else four.
 /// @param captured false if no set would be used: then nothing was captured
 /// @return as stp_capture_all
 STP_MUST_USE stp_result stp_capture_children(const stp_scene* scene, uint32_t node,

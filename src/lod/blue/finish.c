@@ -6,17 +6,18 @@
 #include "lod/blue/blue.h"
 #include "lod/set_columns.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define PAPER_COUNT 1000u // p_m, as in Brandt 4.1
 #define GRAIN 16384
 #define AHEAD 24u        // candidates to prefetch ahead
-#define OVERLAP_MAX 64.0 // disks of an octave over each place
+#define OVERLAP_MAX 64.0 // maximum number of disks of an octave over each place, on average
 
 typedef struct finish {
     const stp_finish_input* input;
     stp_splats* surfels;
-    float* positions; ///< of the surfels, relative to the candidates' origin
+    float* positions; ///< 3 per surfel, relative to the candidates' origin
     float* normals;
     float* envelope; ///< coverage radius of the first i surfels
 } finish;
@@ -32,6 +33,7 @@ static void gather_surfels(size_t begin, size_t end, uint32_t worker, void* user
             __builtin_prefetch(candidates->positions + next);
             __builtin_prefetch(candidates->normals + next);
         }
+        assert(f->input->order[i] < candidates->count);
         size_t from = 3 * (size_t)f->input->order[i];
         memcpy(f->positions + 3 * i, candidates->positions + from, 3 * sizeof(float));
         memcpy(f->normals + 3 * i, candidates->normals + from, 3 * sizeof(float));
@@ -42,6 +44,7 @@ static void gather_surfels(size_t begin, size_t end, uint32_t worker, void* user
 static uint16_t quantise(double position, double origin, double per_step)
 {
     double value = (position - origin) * per_step + 0.5;
+    assert(!(value < 0.0) && !(value >= 65536.0) && "the grid spans all positions");
     return (uint16_t)(value < 0.0 ? 0.0 : value > 65535.0 ? 65535.0 : value);
 }
 
@@ -93,6 +96,7 @@ static void make_envelope(finish* f)
 {
     float maximum = f->input->final_radius;
     for (uint32_t i = f->input->count; i > 0; --i) {
+        assert(!(f->input->radii[i - 1] < 0.0f));
         maximum = stp_max(maximum, f->input->radii[i - 1]);
         f->envelope[i - 1] = maximum;
     }
@@ -104,6 +108,7 @@ static stp_result allocate_columns(stp_context* context, stp_splats* s)
     for (uint32_t i = 0; i < s->octave_count; ++i) {
         entries += s->octave_ends[i];
     }
+    assert(s->octave_count > 0 && s->octave_ends[s->octave_count - 1] == s->count);
     s->positions = STP_NEW_ARRAY(context, uint16_t, 3 * (size_t)s->count);
     s->normals = STP_NEW_ARRAY(context, int8_t, 2 * (size_t)s->count);
     s->materials = STP_NEW_ARRAY(context, uint8_t, s->count);
@@ -157,6 +162,7 @@ static void make_tables(finish* f)
     // the table's guarantee holds for the rounded positions: they lie within half a step on each
     // axis. Adding a constant keeps interpolation conservative: log(r + c) is convex where log r is
     // linear.
+    assert(s->table.size > 0 && s->table.count[s->table.size - 1] == s->count);
     float rounding = s->step * 0.8660255f;
     for (uint32_t i = 0; i < s->table.size; ++i) {
         s->table.radius[i] = (s->table.radius[i] + rounding) * (1.0f + 0x1p-22f);
@@ -211,6 +217,8 @@ static stp_result finish_surfels(stp_context* context, finish* f)
 stp_result stp_finish_surfels(stp_context* context, const stp_finish_input* input,
                               stp_splats* surfels)
 {
+    assert(input->count > 0 && input->count <= input->candidates->count);
+    assert(!(input->final_radius < 0.0f));
     *surfels = (stp_splats){0};
     finish f = {.input = input, .surfels = surfels};
     stp_result result = finish_surfels(context, &f);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Turns an order of candidates into surfels: positions on a grid, octaves, the colour pyramid,
-// coverage, and the tables that choose prefixes (design.md, Finish).
+// coverage, and the tables that choose prefixes (docs/algorithms/finish.md).
 #pragma once
 
 #include "base/splats/splat_columns.h"
@@ -17,15 +17,16 @@ typedef struct stp_finish_input {
     bool two_sided; ///< ignores the sign of normals, which is estimated in point clouds
 } stp_finish_input;
 
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED; `surfels` is then empty
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED (logged); `surfels` is empty after
+/// a failure
 STP_MUST_USE stp_result stp_finish_surfels(stp_context* context, const stp_finish_input* input,
                                            stp_splats* surfels);
 
 // Its parts, one file each:
 
-/// Grid for positions in a box of node space: the smallest power-of-two step with which 65,535
-/// steps span the box, and an origin on the grid that a float represents exactly. Neighbouring
-/// pieces with the same step therefore round to the same positions.
+/// Grid for positions in a box of node space: the smallest power-of-two step, at least `min_step`,
+/// with which 65,535 steps span the box, and an origin on the grid that a float represents exactly.
+/// Neighbouring pieces with the same step therefore round to the same positions.
 void stp_choose_position_grid(stp_boxd box, double min_step, stp_vec3* origin, float* step);
 
 /// Cuts an order into octaves, from its end: the last octave ends with the last surfel, the
@@ -42,9 +43,9 @@ float stp_median_spacing(const float* positions, uint32_t count);
 /// Inputs and output of the pyramid.
 typedef struct stp_pyramid_input {
     const stp_finish_input* finish;
-    const float* positions; ///< of the surfels, 3 each, as the candidates'
-    const float* normals;   ///< of the surfels, 3 each
-    const float* envelope;
+    const float* positions; ///< 3 per surfel, relative to the candidates' origin
+    const float* normals;   ///< 3 per surfel
+    const float* envelope;  ///< coverage radius of the first i surfels
     float candidate_radius;
 } stp_pyramid_input;
 

@@ -3,6 +3,7 @@
 #include "lod/blue/finish.h"
 #include "lod/neighbours_kernels.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 #define GRID_STEPS 65535.0
@@ -13,6 +14,7 @@
 void stp_choose_position_grid(stp_boxd box, double min_step, stp_vec3* origin, float* step)
 {
     double low[3] = {box.min.x, box.min.y, box.min.z}, high[3] = {box.max.x, box.max.y, box.max.z};
+    assert(!(min_step < 0.0));
     double extent = min_step * GRID_STEPS;
     for (int axis = 0; axis < 3; ++axis) {
         extent = high[axis] - low[axis] > extent ? high[axis] - low[axis] : extent;
@@ -28,8 +30,8 @@ void stp_choose_position_grid(stp_boxd box, double min_step, stp_vec3* origin, f
     for (bool fits = false; !fits; size *= fits ? 1.0 : 2.0) {
         fits = true;
         for (int axis = 0; axis < 3; ++axis) {
-            double align =
-                size; // far from zero a float only holds multiples of a larger power of two
+            // far from zero a float only holds multiples of a larger power of two
+            double align = size;
             while (fabs(low[axis]) / align >= 0x1p24 - 1.0) {
                 align *= 2.0;
             }
@@ -39,11 +41,15 @@ void stp_choose_position_grid(stp_boxd box, double min_step, stp_vec3* origin, f
     }
     *origin = (stp_vec3){(float)start[0], (float)start[1], (float)start[2]};
     *step = (float)size;
+    assert((double)origin->x == start[0] && (double)origin->y == start[1] &&
+           (double)origin->z == start[2] && (double)*step == size &&
+           "floats hold the grid exactly");
 }
 
 uint32_t stp_choose_octaves(const float* envelope, float margin, double area_limit, uint32_t count,
                             uint32_t ends[STP_OCTAVE_LIMIT])
 {
+    assert(count > 0 && !(margin < 0.0f));
     uint32_t last = count - 1; // the last surfel with a disk
     while (last > 0 && !(envelope[last] + margin > 0.0f)) {
         last -= 1;
@@ -70,7 +76,9 @@ uint32_t stp_choose_octaves(const float* envelope, float margin, double area_lim
     }
     for (uint32_t i = 0; i < size; ++i) {
         ends[i] = reversed[size - 1 - i];
+        assert((i == 0 || ends[i] > ends[i - 1]) && "octaves ascend");
     }
+    assert(ends[size - 1] == count);
     return size;
 }
 
@@ -96,6 +104,7 @@ static uint32_t fill_spacing_columns(spacing_columns* to, const float* positions
     for (; count % STP_NEAR_LANES != 0; ++count) {
         to->x[count] = to->y[count] = to->z[count] = INFINITY;
     }
+    assert(count <= SPACING_PIECE && "a piece is a whole number of vectors");
     return count;
 }
 
@@ -116,6 +125,7 @@ float stp_median_spacing(const float* positions, uint32_t count)
         uint32_t filled = fill_spacing_columns(&columns, positions + 3 * (size_t)begin, size);
         for (uint32_t s = 0; s < asked; ++s) {
             uint32_t i = (uint32_t)((uint64_t)s * count / asked);
+            assert(i < count);
             const float* p = positions + 3 * (size_t)i;
             float own = p[0];
             bool inside = i >= begin && i - begin < size;

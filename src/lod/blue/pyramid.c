@@ -11,6 +11,7 @@
 
 #include "base/math/color.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define LINEAR_ONE 1048576.0f // linear light as integers: 1 is 2^20
@@ -55,6 +56,7 @@ static void add_candidates(stp_pyramid* p, const stp_grid* samples)
             __builtin_prefetch(&p->sums[p->nearest[at + AHEAD] & INT32_MAX]);
         }
         if (p->nearest[at] != UINT32_MAX) {
+            assert(p->nearest[at] < p->surfels->count);
             sample s = candidate_sample(p, samples->index[at]);
             s.toward[0] = (float)s.area * samples->nx[at];
             s.toward[1] = (float)s.area * samples->ny[at];
@@ -73,6 +75,7 @@ static void add_surfels(stp_pyramid* p, const stp_grid* samples, const stp_pyram
             __builtin_prefetch(&next->toward[2]); // may be on the next cache line
             __builtin_prefetch(&p->sums[p->nearest[at + AHEAD] & INT32_MAX]);
         }
+        assert(p->nearest[at] == UINT32_MAX || p->nearest[at] < samples->count);
         const stp_pyramid_entry* e = &finer[samples->index[at]];
         if (p->nearest[at] != UINT32_MAX) {
             sample s = {.color = {e->color[0], e->color[1], e->color[2]},
@@ -85,7 +88,7 @@ static void add_surfels(stp_pyramid* p, const stp_grid* samples, const stp_pyram
     }
 }
 
-// Fills the entry of a surfel without assigned samples from the finer entry.
+// Entry of a surfel without assigned samples: its finer entry, or that of its own candidate.
 static stp_pyramid_entry single_entry(const stp_pyramid* p, const stp_pyramid_entry* finer,
                                       uint32_t surfel)
 {
@@ -118,6 +121,7 @@ static void average_octave(stp_pyramid* p, uint32_t octave, const stp_pyramid_en
             e->toward[k] = (float)sum->toward[k];
         }
         double one = (double)sum->area * alpha_one;
+        assert(one > 0.0 && (double)sum->alpha <= one * (1.0 + 1e-9));
         e->alpha = stp_pyramid_fraction((double)sum->alpha / one);
         e->area = (float)sum->area;
     }
@@ -228,6 +232,7 @@ static stp_result color_octave(stp_pyramid* p, uint32_t octave, stp_octave_plan*
     }
     plan->cell = surfels.cell;
     plan->radius = stp_min(plan->radius, plan->cell * 0.4995f);
+    assert(!(2.0f * plan->radius > plan->cell) && "2 x 2 x 2 cells hold all within the radius");
     result =
         finest ? make_finest(p, octave, plan, &surfels) : make_coarser(p, octave, plan, &surfels);
     stp_grid_destroy(p->context, &surfels);
@@ -270,6 +275,7 @@ static void write_kept(size_t begin, size_t end, uint32_t worker, void* user)
     const stp_pyramid* p = user;
     const uint8_t* colors = p->input->finish->candidates->colors;
     const uint32_t* order = p->input->finish->order;
+    assert(p->entry_count >= p->surfels->count && "the finest octave comes last");
     size_t first = p->entry_count - p->surfels->count;
     for (size_t i = begin; i < end; ++i) {
         if (i + AHEAD < end) {
@@ -312,6 +318,7 @@ static stp_result allocate_pyramid(stp_pyramid* p)
         p->fractions[i] = p->fraction_column + total;
         total += s->octave_ends[i];
     }
+    assert(total == p->entry_count);
     return STP_OK;
 }
 
@@ -329,6 +336,8 @@ static void free_pyramid(stp_pyramid* p)
 stp_result stp_make_pyramid(stp_context* context, const stp_pyramid_input* input,
                             stp_splats* surfels)
 {
+    assert(surfels->octave_count > 0 && surfels->octave_count <= STP_OCTAVE_LIMIT);
+    assert(surfels->octave_ends[surfels->octave_count - 1] == surfels->count);
     stp_pyramid p = {
         .context = context, .input = input, .surfels = surfels, .stencil = stp_stencil_make()};
     p.areas = stp_candidate_areas_make(input->finish->candidates);

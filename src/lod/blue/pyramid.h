@@ -9,14 +9,16 @@
 #include "lod/blue/stencil.h"
 #include "lod/neighbours.h"
 
+#include <assert.h>
+
 /// One entry of the pyramid.
 typedef struct stp_pyramid_entry {
     uint32_t color[3]; ///< linear, integers
     uint16_t alpha;    ///< mean opacity, 65535 is 1
     uint16_t fraction; ///< share of the disk that is surface, times opacity, 65535 is 1
-    float area;        ///< of the surface nearest to it, in STP_AREA_UNITS
-    float toward[3];   ///< the same, times its normals: vectors, summed
-    uint8_t coverage;  ///< result: drawn part of the disk (base/splats/coverage.h)
+    float area;        ///< area of the surface nearest to it, in STP_AREA_UNITS
+    float toward[3];   ///< sum of that surface's normals, each times its area
+    uint8_t coverage;  ///< result: drawn part of the disk (base/coverage.h)
 } stp_pyramid_entry;
 
 typedef struct stp_pyramid_sum {
@@ -28,7 +30,7 @@ enum { STP_AREA_UNITS = 4096 }; ///< a pixel of the capture; areas are integers
 
 /// Area that candidates represent, in STP_AREA_UNITS.
 typedef struct stp_candidate_areas {
-    uint32_t captured, blended, filled; ///< of each candidate captured as a pixel
+    uint32_t captured, blended, filled; ///< area of an opaque, a blended, and a filled-in candidate
     uint32_t first_filled, first_of_sets;
     const float* of_sets; ///< scene units squared
     double per_area;      ///< STP_AREA_UNITS per scene unit squared
@@ -36,11 +38,12 @@ typedef struct stp_candidate_areas {
 
 stp_candidate_areas stp_candidate_areas_make(const stp_candidates* candidates);
 
-/// At least 1.
+/// Area that a candidate represents, in STP_AREA_UNITS: at least 1.
 static inline uint64_t stp_candidate_area(const stp_candidate_areas* areas, uint32_t candidate,
                                           uint8_t alpha)
 {
     if (candidate >= areas->first_of_sets) {
+        assert(areas->of_sets != NULL && "surfels of sets have areas");
         double area = (double)areas->of_sets[candidate - areas->first_of_sets] * areas->per_area;
         return (uint64_t)(area < 1.0 ? 1.0 : area > 0x1p40 ? 0x1p40 : area);
     }
@@ -51,8 +54,8 @@ static inline uint64_t stp_candidate_area(const stp_candidate_areas* areas, uint
 
 /// Parts of a disk that coverage codes draw.
 typedef struct stp_cut_table {
-    uint64_t cells[256]; ///< of the stencil
-    float areas[256];    ///< of the disk's area, 0 to 1
+    uint64_t cells[256]; ///< cells of the stencil
+    float areas[256];    ///< share of the disk's area, 0 to 1
     stp_disk_cut cuts[256];
     float farthest; ///< maximum extent of a cut disk along the direction of its cut
 } stp_cut_table;
@@ -68,11 +71,11 @@ typedef struct stp_pyramid {
     stp_pyramid_entry* octaves[STP_OCTAVE_LIMIT]; ///< entries of each octave, in one array
     uint16_t* fractions[STP_OCTAVE_LIMIT];        ///< the same fractions, as columns for searches
     stp_pyramid_entry* entries;
-    size_t entry_count; ///< of all octaves
+    size_t entry_count; ///< number of entries of all octaves
     uint16_t* fraction_column;
     stp_pyramid_sum* sums;
     stp_grid candidates; ///< all samples, in cells for the finest octave
-    uint32_t* nearest;   ///< of each sample, in its grid's order
+    uint32_t* nearest;   ///< nearest surfel of each sample, in its grid's order
     /// For the finest octave that is not drawn whole, created on first use; coarser ones use a
     /// prefix.
     stp_disk* disks;
@@ -86,11 +89,12 @@ typedef struct stp_octave_plan {
     float disk_radius;    ///< radius of its disks
     uint32_t dense_count; ///< number of surfels that sample the disks; 0: every stride-th candidate
     uint32_t stride;
-    float cell; ///< of the grids
+    float cell; ///< side of the grids' cells
 } stp_octave_plan;
 
 static inline uint16_t stp_pyramid_fraction(double value)
 {
+    assert(value >= 0.0 && value < 1.0 + 1e-6);
     return (uint16_t)(value * 65535.0 + 0.5);
 }
 
@@ -113,7 +117,7 @@ enum { STP_VIEWS_TOLD = 8 }; ///< maximum distinguished directions of a capture
 
 /// Content of the cylinder over a surfel's disk. Lengths are relative to the disk's radius.
 typedef struct stp_surroundings {
-    uint64_t cells; ///< of the stencil, on the disk's axes (stp_disk_axes_of)
+    uint64_t cells; ///< cells of the stencil, on the disk's axes (stp_disk_axes_of)
     /// Projected area, along the normal, of surface that faces as the surfel does, in
     /// STP_AREA_UNITS
     float area;
@@ -133,15 +137,15 @@ typedef struct stp_surroundings_search {
     float footprint;
     const uint32_t* visit; ///< surfels
     size_t count;
-    float radius; ///< of the disks
-    /// Computes cells and extent only, and stops for disks whose content extends farther than this
-    /// (a square) on all sides.
+    float radius; ///< radius of the disks
+    /// Computes cells and extent only, and stops for disks whose content extends farther than
+    /// `reach_asked` on all sides.
     bool only_reach;
-    float reach_asked;
-    stp_surroundings* found;        ///< result: of each surfel visited
-    const uint32_t* view_starts;    ///< candidates of each direction, or NULL
+    float reach_asked;              ///< squared extent, relative to the radius
+    stp_surroundings* found;        ///< result: one per visited surfel, in that order
+    const uint32_t* view_starts;    ///< filled in: first candidate of each direction, or NULL
     stp_vec3 views[STP_VIEWS_TOLD]; ///< filled in: the directions
-    float pixel;                    ///< filled in: of the capture, over the disk's area
+    float pixel;                    ///< filled in: area of a capture pixel over a disk's
     float across[STP_CUT_DIRECTIONS / 2], along[STP_CUT_DIRECTIONS / 2]; ///< filled in
 } stp_surroundings_search;
 

@@ -7,6 +7,8 @@
 // together with the colours, in pixels of the capture.
 #include "lod/blue/pyramid.h"
 
+#include <assert.h>
+
 // Disks that are known to be full have more than this share of the surface nearest to surfels of
 // whole surfaces.
 #define WHOLE 0.5
@@ -56,6 +58,7 @@
 
 stp_candidate_areas stp_candidate_areas_make(const stp_candidates* candidates)
 {
+    assert(candidates->filled <= stp_first_of_sets(candidates));
     double views = (double)candidates->direction_count;
     // one of n directions sees a quarter of its pixels' area, averaged over all orientations
     double each = views > 0.0 ? 4.0 / views : 1.0;
@@ -73,6 +76,7 @@ stp_candidate_areas stp_candidate_areas_make(const stp_candidates* candidates)
 
 static double ramp(double value, double low, double high)
 {
+    assert(low < high);
     return stp_clampd((value - low) / (high - low), 0.0, 1.0);
 }
 
@@ -106,8 +110,8 @@ typedef struct chooser {
     uint32_t octave;
     stp_pyramid_entry* entries;
     float disk_radius;
-    double pixels;      ///< of the capture, in the disks' radius
-    uint32_t stride;    ///< of the examined candidates
+    double pixels;      ///< radius of the disks in pixels of the capture
+    uint32_t stride;    ///< every stride-th candidate is examined
     float margin;       ///< extent of surface beyond them, relative to the disks' radius
     double disk, whole; ///< areas: of a disk; of the surface nearest to a surfel of a whole surface
     bool is_cloud;
@@ -116,6 +120,7 @@ typedef struct chooser {
 static chooser make_chooser(stp_pyramid* p, uint32_t octave, const stp_octave_plan* plan)
 {
     double pixel = p->input->finish->candidates->pixel_size;
+    assert(pixel > 0.0 && plan->disk_radius > 0.0f && "other octaves are whole");
     double reach = (double)plan->radius / pixel, disk = (double)plan->disk_radius / pixel;
     reach = reach > 0.5 ? reach : 0.5;
     // four of eight views see a surface, so there are two candidates per pixel; one for points
@@ -163,6 +168,7 @@ static bool is_opaque(const chooser* c, const stp_pyramid_entry* e)
 // which are listed along the curve
 static size_t choose_whole(const chooser* c, uint32_t* doubtful)
 {
+    assert(c->p->visit_count == c->p->surfels->octave_ends[c->octave]);
     size_t count = 0;
     for (uint32_t at = 0; at < c->p->visit_count; ++at) {
         uint32_t i = c->p->visit[at];
@@ -198,11 +204,13 @@ static uint8_t choose(const chooser* c, uint32_t surfel, const stp_surroundings*
     const stp_pyramid_entry* e = &c->entries[surfel];
     bool finest = c->octave + 1 == c->p->surfels->octave_count;
     uint8_t code = stp_cut_choose(table, found, SLACK - c->margin);
+    assert(table->cells[code] != 0);
     double cells = (double)__builtin_popcountll(found->cells & table->cells[code]) /
                    (double)__builtin_popcountll(table->cells[code]);
     if (c->is_cloud) { // no holes, and no pixels
         return cells >= FULL_CELLS ? code : STP_COVERAGE_WHOLE;
     }
+    assert(found->total >= 1.0f && !(found->area > found->total * 1.001f));
     bool corner = stp_stencil_is_solid(&c->p->stencil, found->cells);
     double hit = (double)__builtin_popcountll(found->cells & c->p->stencil.disk) /
                  (double)__builtin_popcountll(c->p->stencil.disk);
@@ -225,6 +233,7 @@ static uint8_t choose(const chooser* c, uint32_t surfel, const stp_surroundings*
     }
     double share = is_opaque(c, e) ? (double)table->areas[code] : (double)e->alpha / 65535.0;
     share = 1.0 - sqrt(1.0 - (share < 1.0 ? share : 1.0));
+    assert(share >= 0.0 && share <= 1.0 && solid >= 0.0 && solid <= 1.0);
     return stp_coverage_of_share(
         share * solid + thin_share(c, surfel, (double)found->area / c->disk) * (1.0 - solid));
 }
@@ -242,7 +251,7 @@ static stp_result search_surroundings(const chooser* c, const uint32_t* doubtful
                                       .found = found};
     float asked = stp_max(p->cuts.farthest + SLACK - c->margin, 0.0f);
     search.reach_asked = asked * asked * 1.0001f; // disks with a larger extent are drawn whole
-    // few samples, or irregular points: squares twice as wide close the gaps
+    // few samples, or irregular points: squares half again as wide close the gaps
     bool wide = c->stride == 1 || c->is_cloud;
     float spacing = sqrtf((float)c->stride) / (float)c->pixels;
     search.footprint = stp_min((wide ? 0.75f : 0.5f) * spacing, 0.5f);

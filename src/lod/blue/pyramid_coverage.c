@@ -5,10 +5,12 @@
 // one is dense enough.
 #include "lod/blue/pyramid.h"
 
+#include <assert.h>
+
 // Surfels that sample a disk have a coverage radius of an eighth of its radius: then each cell of
 // the stencil, a quarter wide, that is full of surface contains at least one.
 #define SAMPLE_RADIUS 0.125f
-// If candidates sample, each represents up to this share of a disk's pixels.
+// If candidates sample, each represents up to one in this many of a disk's pixels.
 #define DISK_CANDIDATES 32.0
 // Half the side of a square, relative to the radius of a disk of equal area.
 #define DISK_SQUARE 0.88622693f
@@ -65,8 +67,8 @@ static float candidate_footprint(const stp_pyramid* p, const stp_octave_plan* pl
 static uint32_t sample_count(const stp_pyramid* p, float radius)
 {
     const float* envelope = p->input->envelope;
-    uint32_t low = 1,
-             high = p->surfels->count; // first index at which the envelope is small enough
+    // searches the first index at which the envelope is small enough
+    uint32_t low = 1, high = p->surfels->count;
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
         if (envelope[middle] <= radius * SAMPLE_RADIUS) {
@@ -75,6 +77,7 @@ static uint32_t sample_count(const stp_pyramid* p, float radius)
             low = middle + 1;
         }
     }
+    assert((low == p->surfels->count || envelope[low] <= radius * SAMPLE_RADIUS) && low > 0);
     bool all = low == p->surfels->count;
     return all && p->input->finish->final_radius > radius * SAMPLE_RADIUS ? 0 : low;
 }
@@ -93,6 +96,7 @@ void stp_pyramid_plan_octave(const stp_pyramid* p, uint32_t octave, stp_octave_p
     // wide enough that few cells surround a disk
     float wide = plan->disk_radius + (plan->dense_count != 0 ? 0.0f : candidate_footprint(p, plan));
     plan->cell = stp_max(2.002f * plan->radius, wide);
+    assert(plan->disk_radius > 0.0f && plan->stride > 0 && plan->dense_count <= s->count);
 }
 
 static void set_fraction(stp_pyramid* p, uint32_t octave, uint32_t surfel, double fraction)
@@ -151,12 +155,14 @@ static void list_prefix(stp_pyramid* p, uint32_t count)
         p->visit[listed] = surfel;
         listed += surfel < count;
     }
+    assert(listed == count && "a longer list holds each surfel once");
     p->visit_count = listed;
 }
 
 static stp_disk_search begin_disk_search(stp_pyramid* p, uint32_t octave,
                                          const stp_octave_plan* plan, const stp_grid* samples)
 {
+    assert(p->visit_count == p->surfels->octave_ends[octave]);
     return (stp_disk_search){
         .samples = samples,
         .positions = p->input->positions,
@@ -177,6 +183,7 @@ static void cover_by_surfels(stp_pyramid* p, uint32_t octave, const stp_octave_p
     uint32_t finer = octave + 1;
     while (p->surfels->octave_ends[finer] < plan->dense_count) {
         finer += 1;
+        assert(finer < p->surfels->octave_count);
     }
     search.fractions = p->fractions[finer];
     stp_disk_search_run(p->context, &search);
@@ -262,6 +269,7 @@ stp_result stp_pyramid_cover(stp_pyramid* p, uint32_t octave, const stp_octave_p
     if (result != STP_OK) {
         return result;
     }
+    assert(p->candidates.index != NULL && "the finest octave has made the grid");
     if (octave + 1 == p->surfels->octave_count) {
         cover_by_candidates(p, octave, plan, &p->candidates);
         return STP_OK;

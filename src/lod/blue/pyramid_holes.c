@@ -8,7 +8,9 @@
 #include "base/splats/octahedral.h"
 #include "lod/blue/pyramid.h"
 
-#define RADIUS 3.0     // minimum pixels of a disk in a picture, if silhouettes have that many
+#include <assert.h>
+
+#define RADIUS 3.0 // minimum radius of a disk in a picture, in pixels, if silhouettes have as many
 #define MIN_FACING 0.2 // cosine: disks are not seen from flatter directions
 // Share of a disk's pixels outside a silhouette: closed up to the first value, not from the second.
 #define OUTER_FEW 0.0f
@@ -26,7 +28,7 @@ typedef struct placed_disk {
 
 // A disk's measurements in a view.
 typedef struct verdict {
-    float outer; ///< number of its pixels outside the silhouettes
+    float outer; ///< share of its pixels outside the silhouette
     float open;  ///< mean probability that nothing is drawn at pixels where something was seen
 } verdict;
 
@@ -38,14 +40,14 @@ typedef struct closer {
     placed_disk* disks;
     stp_disk_cut cuts[256];             ///< by code
     uint32_t shrink;                    ///< silhouette pixels per picture pixel, along each side
-    verdict* verdicts[STP_SILHOUETTES]; ///< of each disk
+    verdict* verdicts[STP_SILHOUETTES]; ///< per view, one per disk
     bool failed[STP_SILHOUETTES];
 } closer;
 
 // One view of an octave.
 typedef struct picture {
     const stp_silhouette* from;
-    double scale; ///< of the silhouette's pixels
+    double scale; ///< picture pixels per silhouette pixel
     uint32_t width, height;
     float* seen; ///< per pixel, the share where the capture saw anything
     float* open; ///< per pixel, the probability that no disk is drawn
@@ -88,6 +90,7 @@ static bool make_outline(const closer* c, const picture* view, uint32_t surfel, 
     out->right = clamp_to(out->x + wide + 1.0, view->width);
     out->top = clamp_to(out->y - high, view->height);
     out->bottom = clamp_to(out->y + high + 1.0, view->height);
+    assert(out->left <= out->right && out->top <= out->bottom);
     return true;
 }
 
@@ -121,6 +124,7 @@ static void find_span(const outline* o, const stp_disk_cut* cut, uint32_t row, u
     if (end >= begin && end >= 0.0) {
         span[0] = o->left + clamp_to(ceil(begin), o->right - o->left);
         span[1] = o->left + clamp_to(floor(end) + 1.0, o->right - o->left);
+        assert(span[0] <= span[1] && span[1] <= o->right);
     }
 }
 
@@ -135,6 +139,7 @@ static uint32_t count_pixels(const uint32_t* words, uint32_t width, uint32_t x, 
         sum += (uint32_t)__builtin_popcount(bits);
         x += here;
     }
+    assert(sum <= count);
     return sum;
 }
 
@@ -169,6 +174,7 @@ static bool begin_picture(const closer* c, const stp_silhouette* from, picture* 
 
 static void draw_disk(const closer* c, const picture* view, const outline* o, uint8_t code)
 {
+    assert(o->right <= view->width && o->bottom <= view->height);
     const stp_disk_cut* cut = stp_coverage_cuts(code) ? &c->cuts[code] : NULL;
     float left = 1.0f - (float)stp_coverage_share(code) / 255.0f;
     for (uint32_t row = o->top; row < o->bottom; ++row) {
@@ -248,6 +254,7 @@ static void close_in_views(size_t begin, size_t end, uint32_t worker, void* user
 
 static float ramp(float value, float low, float high)
 {
+    assert(low < high);
     return stp_clamp((value - low) / (high - low), 0.0f, 1.0f);
 }
 
@@ -288,6 +295,7 @@ stp_result stp_pyramid_close_holes(stp_pyramid* p, uint32_t octave, const stp_oc
     for (uint32_t i = 0; i < c.count; ++i) {
         doubtful += c.entries[i].coverage != STP_COVERAGE_WHOLE;
     }
+    assert(views <= STP_SILHOUETTES);
     if (views == 0 || doubtful == 0) {
         return STP_OK;
     }
@@ -296,6 +304,7 @@ stp_result stp_pyramid_close_holes(stp_pyramid* p, uint32_t octave, const stp_oc
     }
     double pixels = (double)plan->disk_radius / from->pixel_size / RADIUS;
     c.shrink = pixels >= 2.0 ? pixels < 4096.0 ? (uint32_t)pixels : 4096 : 1;
+    assert(c.shrink > 0);
     c.disks = STP_NEW_ARRAY(p->context, placed_disk, c.count);
     if (c.disks == NULL) {
         return stp_fail_memory(p->context);

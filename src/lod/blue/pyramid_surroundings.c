@@ -7,6 +7,7 @@
 #include "base/splats/octahedral.h"
 #include "lod/blue/pyramid.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define GRAIN 64
@@ -68,6 +69,7 @@ static void extend_reach(const stp_surroundings_search* s, disk* d, float u, flo
 
 static uint32_t find_view(const uint32_t starts[STP_VIEWS_TOLD + 1], uint32_t index)
 {
+    assert(index < starts[STP_VIEWS_TOLD]);
     uint32_t view = 0;
     for (uint32_t k = 1; k < STP_VIEWS_TOLD; ++k) {
         view += index >= starts[k];
@@ -82,6 +84,7 @@ static void add_candidate(const stp_surroundings_search* s, disk* d, uint32_t i,
     float agreement = d->normal.x * g->nx[i] + d->normal.y * g->ny[i] + d->normal.z * g->nz[i];
     agreement = s->pyramid->input->finish->two_sided ? fabsf(agreement) : agreement;
     uint32_t index = g->index[i];
+    assert(i < g->count && index < s->pyramid->input->finish->candidates->count);
     uint8_t alpha = s->pyramid->input->finish->candidates->colors[4 * (size_t)index + 3];
     float area = (float)stp_candidate_area(&s->pyramid->areas, index, alpha);
     d->found.total += area;
@@ -170,6 +173,7 @@ static void search_cylinder(const stp_surroundings_search* s, disk* d)
         float wide = r * sqrtf(stp_max(0.0f, 1.0f - n[k] * n[k])) + r * BEFORE * n[k];
         low[k] = stp_grid_cell(g, at[k] - wide);
         high[k] = stp_grid_cell(g, at[k] + wide);
+        assert(high[k] - low[k] <= 3 && "cells of a cylinder share no bucket");
     }
     for (int32_t z = low[2]; z <= high[2]; ++z) {
         for (int32_t y = low[1]; y <= high[1] && !is_done(s, d); ++y) {
@@ -218,6 +222,8 @@ static void find_views(stp_surroundings_search* search)
 
 void stp_surroundings_search_run(stp_context* context, stp_surroundings_search* search)
 {
+    assert(search->count == 0 || (search->radius > 0.0f && search->stride > 0));
+    assert(!(search->samples->cell < search->radius));
     find_views(search);
     for (uint32_t k = 0; k < STP_CUT_DIRECTIONS / 2; ++k) {
         stp_disk_cut cut =
@@ -249,6 +255,7 @@ void stp_cut_table_make(const stp_stencil* stencil, stp_cut_table* table)
         table->cuts[code] = stp_coverage_cut((uint8_t)code);
         table->cells[code] = cells_of(stencil, table->cuts[code]);
         table->areas[code] = stp_coverage_area((uint8_t)code);
+        assert(table->cells[code] != 0 && table->areas[code] > 0.0f);
         table->farthest = stp_max(table->farthest, table->cuts[code].high);
     }
     table->cells[STP_COVERAGE_WHOLE] = stencil->disk;
@@ -264,6 +271,7 @@ uint8_t stp_cut_choose(const stp_cut_table* table, const stp_surroundings* found
         uint32_t at = code - (uint32_t)(half ? STP_COVERAGE_HALVES : STP_COVERAGE_STRIPS);
         uint32_t direction = at / (half ? STP_CUT_HALF_OFFSETS : STP_CUT_STRIP_OFFSETS);
         uint32_t opposite = (direction + STP_CUT_DIRECTIONS / 2) % STP_CUT_DIRECTIONS;
+        assert(direction < STP_CUT_DIRECTIONS);
         const stp_disk_cut* cut = &table->cuts[code];
         if (found->reach[direction] <= cut->high + slack &&
             -found->reach[opposite] >= cut->low - slack &&

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/blue/stencil.h"
 
+#include <assert.h>
+
 // A disk with at least this much surface counts as solid: single cells may be missed by the
 // samples.
 #define NEARLY_SOLID 0.94f
@@ -22,6 +24,7 @@ stp_stencil stp_stencil_make(void)
             stencil.sectors[2 * quadrant + 1] |= far_v >= far_u ? bit : 0;
         }
     }
+    assert(__builtin_popcountll(stencil.disk) == 52);
     return stencil;
 }
 
@@ -32,5 +35,6 @@ float stp_stencil_fraction(const stp_stencil* stencil, uint64_t cells)
     }
     float fraction = (float)__builtin_popcountll(cells & stencil->disk) /
                      (float)__builtin_popcountll(stencil->disk);
+    assert(fraction <= 1.0f);
     return fraction >= NEARLY_SOLID ? 1.0f : fraction;
 }

@@ -15,6 +15,8 @@
 
 #include "base/math/math.h"
 
+#include <assert.h>
+
 typedef struct stp_stencil {
     uint64_t disk;
     uint64_t sectors[8];
@@ -26,8 +28,9 @@ stp_stencil stp_stencil_make(void);
 /// (u, v) itself. In units of the disk's radius: the disk is within [-1, 1] x [-1, 1].
 static inline uint64_t stp_stencil_cells(float u, float v, float half)
 {
-    float u0 = 4.0f * (u - half) + 4.5f,
-          u1 = 4.0f * (u + half) + 3.5f; // their floors are the outermost cells
+    assert(!(half < 0.0f));
+    // floors of these are the outermost cells
+    float u0 = 4.0f * (u - half) + 4.5f, u1 = 4.0f * (u + half) + 3.5f;
     float v0 = 4.0f * (v - half) + 4.5f, v1 = 4.0f * (v + half) + 3.5f;
     float cu = 4.0f * u + 4.0f, cv = 4.0f * v + 4.0f;
     u0 = stp_min(u0, cu), u1 = stp_max(u1, cu), v0 = stp_min(v0, cv), v1 = stp_max(v1, cv);

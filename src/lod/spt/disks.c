@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/spt/disks.h"
 
+#include <assert.h>
+
 enum {
     ROUNDS = 24, ///< iterations of moving the centre towards the farthest child
     SLABS = 16,  ///< directions in which widths are measured
@@ -45,7 +47,7 @@ static const double sines[SLABS] = {
     0.19509032201612861,
 };
 
-// Coordinate frame of the children: the plane of a disk, or space.
+// Axes of a disk's plane.
 typedef struct frame {
     stp_vec3d across, along;
 } frame;
@@ -54,6 +56,7 @@ typedef struct frame {
 static frame make_frame(stp_vec3 normal)
 {
     double x = (double)normal.x, y = (double)normal.y, z = (double)normal.z;
+    assert(x != 0.0 || y != 0.0 || z != 0.0);
     double sign = z < 0.0 ? -1.0 : 1.0, a = -1.0 / (sign + z), b = x * y * a;
     return (frame){{1.0 + sign * x * x * a, sign * b, -sign * x}, {b, sign + y * y * a, -y}};
 }
@@ -108,6 +111,7 @@ static inline void measure_extents(const flat_children* f, stp_vec3d center, uin
 // Maximum distance from a centre to the far side of a child, and that child.
 static double max_extent(const flat_children* f, stp_vec3d center, uint32_t* farthest)
 {
+    assert(f->count > 0 && f->count <= STP_DISK_CHILDREN);
     double extents[STP_DISK_CHILDREN], maximum = -1.0;
     measure_extents(f, center, 0, extents);
     if (f->count > STP_DISK_CHILDREN / 2) {
@@ -158,6 +162,7 @@ stp_tree_disk stp_disk_enclose(const stp_tree_disk* children, const float* weigh
     double sum = 0.0;
     for (uint32_t i = 0; i < count; ++i) {
         double weight = (double)weights[i];
+        assert(weight > 0.0 && !(children[i].radius < 0.0f));
         middle = stp_addd(middle, stp_scaled(stp_to_double(children[i].center), weight));
         normal = stp_addd(normal, stp_scaled(stp_to_double(children[i].normal), weight));
         sum += weight;
@@ -183,6 +188,7 @@ stp_tree_disk stp_disk_enclose(const stp_tree_disk* children, const float* weigh
     // far from the origin, rounding moves the centre by more than the radius
     offset = flatten(stp_subd(stp_to_double(disk.center), middle), disk.normal);
     disk.radius = (float)(max_extent(&flat, offset, &farthest) * (1.0 + 1e-6));
+    assert(!(disk.radius < 0.0f));
     return disk;
 }
 
@@ -223,7 +229,7 @@ static void find_directions(stp_vec3 normal, slab_directions* d)
     }
 }
 
-// Minimum of width_along() over all directions, in vectorized loops.
+// Minimum of width_along() over SLABS directions in the disk's plane, in vectorized loops.
 static double find_narrowest(const stp_tree_disk* disk, const stp_tree_disk* children,
                              uint32_t count)
 {
@@ -257,6 +263,7 @@ static double find_narrowest(const stp_tree_disk* disk, const stp_tree_disk* chi
 stp_disk_error stp_disk_measure(const stp_tree_disk* disk, const stp_tree_disk* children,
                                 uint32_t count)
 {
+    assert(count > 0 && "the width of nothing is infinite");
     double diameter = 2.0 * (double)disk->radius;
     if (is_sphere(disk)) {
         return (stp_disk_error){(float)diameter, (float)diameter, (float)diameter};

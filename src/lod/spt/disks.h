@@ -10,7 +10,7 @@ enum { STP_DISK_CHILDREN = 8 }; ///< maximum children of an octree node
 /// A disk in space. A normal of length 0 makes it a sphere: for points with unknown orientation.
 typedef struct stp_tree_disk {
     stp_vec3 center;
-    stp_vec3 normal; ///< of unit length, or zero
+    stp_vec3 normal; ///< unit length, or zero
     float radius;
 } stp_tree_disk;
 

@@ -6,6 +6,7 @@
 #include "base/splats/splat_codes.h"
 #include "lod/set_columns.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -13,7 +14,7 @@ enum {
     BLOCK = 64,   ///< normals encoded per batch
 };
 
-#define HALF_DIAGONAL 0.8660254f ///< of a unit cube
+#define HALF_DIAGONAL 0.8660254f ///< half the diagonal of a unit cube
 
 typedef struct splat_maker {
     const stp_point_tree* tree;
@@ -46,6 +47,7 @@ static uint8_t find_spread(const stp_point_tree* tree, uint32_t node)
 static uint32_t first_leaf(const stp_point_tree* tree, uint32_t node)
 {
     while (tree->points[node] == UINT32_MAX) {
+        assert(node + 1 < tree->ends[node] && "an inner node has children");
         node += 1;
     }
     return node;
@@ -64,6 +66,7 @@ static uint32_t find_cluster(stp_vec3 n)
     // each row alternates upright and inverted triangles
     bool turned = x * scale - (float)a + (y * scale - (float)b) > 1.0f && a + b < 3;
     static const uint32_t rows[4] = {0, 7, 12, 15};
+    assert(a + b <= 3 && (!turned || a + b < 3));
     return 16 * octant + rows[a] + 2 * b + (turned ? 1 : 0);
 }
 
@@ -93,6 +96,7 @@ static void sum_areas(splat_maker* m)
         area += own;
         leaves += i < m->tree->count && m->tree->points[i] != UINT32_MAX;
     }
+    assert(leaves == m->tree->leaf_count);
 }
 
 static uint8_t find_coverage(const splat_maker* m, uint32_t node)
@@ -101,12 +105,13 @@ static uint8_t find_coverage(const splat_maker* m, uint32_t node)
     if (point != UINT32_MAX) {
         return m->samples->coverages[point];
     }
+    assert(m->leaves[end] > m->leaves[node] && "each node has leaves");
     double area = m->areas[end] - m->areas[node];
     double mean = area / (double)(m->leaves[end] - m->leaves[node]);
     return mean < 254.0 / 255.0 ? stp_coverage_of_share(mean) : STP_COVERAGE_WHOLE;
 }
 
-/// Makes all but the encoded normal. @return the normal
+/// Makes all but the encoded normal and the level of replacement. @return the normal
 static stp_vec3 make_splat(const splat_maker* m, uint32_t node, stp_node_splat* splat)
 {
     const stp_tree_disk* disk = &m->tree->disks[node];
@@ -122,7 +127,7 @@ static stp_vec3 make_splat(const splat_maker* m, uint32_t node, stp_node_splat* 
     // rounding to the grid moves centres by up to half the diagonal of a cell
     float radius = disk->radius / grid->step + HALF_DIAGONAL;
     splat->shape = stp_shape_disk(radius, find_spread(m->tree, node), false);
-    // else uses the direction of its first leaf
+    // a sphere uses the normal of its first leaf
     bool turned = stp_dot(disk->normal, disk->normal) > 0.0f;
     return turned ? disk->normal : m->tree->disks[leaf].normal;
 }
@@ -153,6 +158,7 @@ static void find_replaced(const splat_maker* m)
         uint32_t point = t->points[i];
         float minimum = point != UINT32_MAX ? m->desc->replaced[point] : HUGE_VALF;
         for (uint32_t c = i + 1; c < t->ends[i]; c = t->ends[c]) {
+            assert(t->ends[c] <= t->ends[i] && "subtrees of children are in that of their parent");
             minimum = fminf(minimum, m->splats[c].replaced);
         }
         m->splats[i].replaced = minimum;
@@ -163,6 +169,7 @@ stp_result stp_node_splats_make(stp_context* context, const stp_point_tree* tree
                                 const stp_method_samples* samples, const stp_node_splats_desc* desc,
                                 stp_node_splat** splats)
 {
+    assert(desc->step > 0.0f && samples->points.count == tree->leaf_count);
     size_t count = tree->count;
     splat_maker m = {
         .tree = tree,

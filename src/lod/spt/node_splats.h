@@ -8,8 +8,8 @@ typedef struct stp_node_splat {
     uint16_t position[3]; ///< on the grid of the set
     int8_t normal[2];     ///< octahedral; of a sphere, that of its first leaf
     uint8_t color[3];
-    uint8_t material; ///< of its first leaf
-    uint8_t coverage; ///< of a leaf, its sample's; otherwise the mean share of the leaves below
+    uint8_t material; ///< shading of its first leaf
+    uint8_t coverage; ///< a leaf has its sample's; other nodes the mean share of the leaves below
     uint8_t cluster;  ///< index of the normal's direction among 128 (Dachsbacher et al. 2003, 3.10)
     uint32_t shape;   ///< base/splats/splat_codes.h; without the flag for replacement by triangles
     float replaced;   ///< level up to which large triangles surround all leaves below

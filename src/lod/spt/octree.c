@@ -4,6 +4,7 @@
 #include "base/core/parallel_sort.h"
 #include "base/math/morton.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -91,6 +92,7 @@ static void find_items(size_t begin, size_t end, uint32_t worker, void* user)
         find_places(at[2], o->root.center.z, o->root.half, places[2]);
         for (size_t i = 0; i < count; ++i) {
             uint64_t code = stp_morton(places[0][i], places[1][i], places[2][i]);
+            assert(code >> 3 * SORTED_LEVELS == 0 && "the sort reads these bits only");
             o->items[first + i] = code << 32 | (first + i);
         }
     }
@@ -99,6 +101,7 @@ static void find_items(size_t begin, size_t end, uint32_t worker, void* user)
 stp_result stp_octree_make(stp_context* context, const float* positions, uint32_t count,
                            stp_octree* octree)
 {
+    assert(count > 0);
     *octree = (stp_octree){
         .positions = positions,
         .count = count,
@@ -156,6 +159,7 @@ static uint32_t find_end(const stp_octree* o, uint32_t begin, uint32_t end, uint
             high = middle;
         }
     }
+    assert(begin < low && low <= end);
     return low;
 }
 
@@ -165,8 +169,10 @@ static uint32_t divide_sorted(const stp_octree* o, const stp_octree_box* box, ui
     uint32_t shift = (31u - (uint32_t)__builtin_clz(differing)) / 3 * 3, count = 0;
     for (uint32_t begin = box->begin; begin < box->end; begin = children[count - 1].end) {
         uint32_t end = find_end(o, begin, box->end, shift);
+        assert(count < 8 && "codes differ in one octant only");
         children[count++] = (stp_octree_box){begin, end, SORTED_LEVELS - shift / 3, o->root};
     }
+    assert(count >= 2 && children[count - 1].end == box->end);
     return count;
 }
 
@@ -190,6 +196,7 @@ static uint32_t split(const stp_octree* o, const stp_octree_box* box, uint32_t b
         filled += counts[k] > 0;
         counts[k] = begins[k];
     }
+    assert(begins[8] == box->end && "each item is in an octant");
     if (filled > 1) {
         for (uint32_t i = box->begin; i < box->end; ++i) {
             uint32_t octant = few ? octants[i - box->begin]
@@ -204,6 +211,7 @@ static uint32_t split(const stp_octree* o, const stp_octree_box* box, uint32_t b
 
 uint32_t stp_octree_divide(const stp_octree* octree, stp_octree_box box, stp_octree_box children[8])
 {
+    assert(box.end <= octree->count && box.end - box.begin >= 2);
     if (box.level <= SORTED_LEVELS) {
         uint32_t code = code_of(octree, box.begin);
         uint32_t differing = code ^ code_of(octree, box.end - 1);
@@ -234,5 +242,6 @@ uint32_t stp_octree_divide(const stp_octree* octree, stp_octree_box box, stp_oct
                 (stp_octree_box){begins[k], begins[k + 1], box.level + 1, child_cell(&box.cell, k)};
         }
     }
+    assert(count >= 2 && children[0].begin == box.begin && children[count - 1].end == box.end);
     return count;
 }

@@ -6,6 +6,8 @@
 #include "base/core/context.h"
 #include "base/math/math.h"
 
+#include <assert.h>
+
 /// A cube of the octree.
 typedef struct stp_octree_cell {
     stp_vec3d center;
@@ -39,6 +41,7 @@ void stp_octree_destroy(stp_context* context, stp_octree* octree);
 /// Index of the point of an item.
 static inline uint32_t stp_octree_point(const stp_octree* octree, uint32_t item)
 {
+    assert(item < octree->count);
     return (uint32_t)octree->items[item];
 }
 

@@ -3,6 +3,7 @@
 
 #include "lod/spt/octree.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -75,6 +76,7 @@ static void finish_node(const maker* m, uint32_t node)
     double color[3] = {0}, sum = 0.0;
     uint32_t count = 0, end = t->ends[node];
     for (uint32_t c = node + 1; c < end; c = t->ends[c]) {
+        assert(count < STP_DISK_CHILDREN && t->ends[c] <= end);
         children[count] = t->disks[c];
         weights[count++] = (float)m->weights[c];
         sum += (double)m->weights[c];
@@ -85,6 +87,7 @@ static void finish_node(const maker* m, uint32_t node)
         tangential = fmaxf(tangential, t->tangential[c]);
         error = fmaxf(error, t->errors[c]);
     }
+    assert(count >= 2 && "inner nodes with one child are skipped");
     uint8_t* own = t->colors + 3 * (size_t)node;
     for (int k = 0; k < 3; ++k) {
         own[k] = (uint8_t)(color[k] / sum + 0.5);
@@ -102,6 +105,7 @@ static void finish_node(const maker* m, uint32_t node)
     t->perpendicular[node] = fmaxf(perpendicular, found.perpendicular);
     t->tangential[node] = fmaxf(tangential, found.tangential);
     t->errors[node] = fmaxf(error, found.geometric);
+    assert(sum <= (double)m->points->count && "a point is one leaf");
     m->weights[node] = (uint32_t)sum;
 }
 
@@ -143,6 +147,7 @@ static uint32_t find_sizes(const stp_octree* octree, const stp_octree_box* box, 
             size += find_sizes(octree, &children[k], sizes + size);
         }
     }
+    assert(size < 2 * (box->end - box->begin) && "it fits from twice the first point on");
     sizes[0] = size;
     return size;
 }
@@ -166,6 +171,7 @@ static void number_nodes(maker* m)
         p->node = m->tree->count;
         m->tree->count += is_subtree(p) ? m->sizes[2 * (size_t)p->box.begin] : 1;
     }
+    assert(m->tree->count < 2 * m->points->count);
 }
 
 static stp_result make_arrays(maker* m)
@@ -195,6 +201,7 @@ static void finish_subtree(const maker* m, const piece* p)
         t->ends[p->node + i] = p->node + i + sizes[i];
         t->points[p->node + i] = sizes[i] == 1 ? stp_octree_point(&m->octree, item++) : UINT32_MAX;
     }
+    assert(item == p->box.end && "each point is a leaf");
     for (uint32_t node = p->node + sizes[0]; node-- > p->node;) { // children before parents
         if (t->points[node] != UINT32_MAX) {
             finish_leaf(m, node);
@@ -221,6 +228,7 @@ static void finish_above(const maker* m)
     stp_point_tree* t = m->tree;
     for (size_t i = m->piece_count; i-- > 0;) {
         const piece* p = &m->pieces[i];
+        assert(i < p->after && p->after <= m->piece_count);
         if (!is_subtree(p)) {
             t->ends[p->node] = p->after < m->piece_count ? m->pieces[p->after].node : t->count;
             t->points[p->node] = UINT32_MAX;
@@ -302,6 +310,7 @@ uint32_t stp_point_tree_traverse(const stp_point_tree* tree, const stp_tree_view
 {
     uint32_t count = 0;
     for (uint32_t node = 0; node < tree->count;) {
+        assert(tree->ends[node] > node && tree->ends[node] <= tree->count);
         bool is_leaf = tree->ends[node] == node + 1;
         if (is_leaf || suffices(tree, node, view)) {
             nodes[count++] = node;
@@ -310,5 +319,6 @@ uint32_t stp_point_tree_traverse(const stp_point_tree* tree, const stp_tree_view
             node += 1;
         }
     }
+    assert(count <= tree->leaf_count && "selected subtrees are disjoint");
     return count;
 }

@@ -5,6 +5,8 @@
 #include "base/splats/triangle_level.h"
 #include "lod/grid.h"
 
+#include <assert.h>
+
 enum {
     LEAF_TRIANGLES = 4,
     DEPTH_MAX = 33,
@@ -52,6 +54,7 @@ static float find_level(const float* corners, uint32_t triangle)
 
 static bounds make_tree(replaced* r, uint32_t node, range of)
 {
+    assert(of.begin < of.end && node < 2 * (size_t)r->count + 1);
     bounds b = {.box = stp_box_empty()};
     if (of.end - of.begin <= LEAF_TRIANGLES) {
         for (uint32_t i = of.begin; i < of.end; ++i) {
@@ -130,6 +133,7 @@ static float find_on(const replaced* r, stp_vec3 p)
         }
         if (of.end - of.begin > LEAF_TRIANGLES) {
             uint32_t middle = of.begin + (of.end - of.begin) / 2;
+            assert(size + 2 <= DEPTH_MAX && "each level adds one range");
             stack[size].node = 2 * node + 1;
             stack[size++].of = (range){of.begin, middle};
             stack[size].node = 2 * node + 2;
@@ -201,6 +205,7 @@ static stp_result find_all(stp_context* context, replaced* r)
     stp_result result = stp_grid_create(context, r->samples->positions, r->samples->normals,
                                         points->count, BESIDE * points->radius, 0.0f, &grid);
     if (result == STP_OK) {
+        assert(!(grid.cell < BESIDE * points->radius) && "27 cells hold all neighbours");
         r->grid = &grid;
         (void)make_tree(r, 0, (range){0, r->count});
         stp_parallel_for(context, points->count, 512, find_all_on, r);
@@ -213,6 +218,7 @@ static stp_result find_all(stp_context* context, replaced* r)
 stp_result stp_spt_find_replaced(stp_context* context, const stp_method_samples* samples,
                                  float step, const float* corners, uint32_t count, float* levels)
 {
+    assert(count == 0 || (corners != NULL && step > 0.0f));
     size_t sample_count = samples->points.count;
     for (size_t i = 0; i < sample_count; ++i) {
         levels[i] = 0.0f;

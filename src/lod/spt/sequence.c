@@ -3,6 +3,7 @@
 
 #include "base/core/parallel_sort.h"
 
+#include <assert.h>
 #include <string.h>
 
 static double distance_between(stp_vec3d a, stp_vec3d b)
@@ -21,6 +22,7 @@ static float round_up(double x)
 // Bits of a nonnegative float, which sort like the float.
 static uint32_t bits_of(float x)
 {
+    assert(!(x < 0.0f) && "bits of negative floats sort the other way");
     uint32_t bits;
     memcpy(&bits, &x, sizeof(bits));
     return bits;
@@ -66,6 +68,7 @@ static void fill_sequence(size_t begin, size_t end, uint32_t worker, void* user)
         s->centers[i] = m->tree->disks[node].center;
         s->lowest[i] = m->tree->errors[node];
         s->highest[i] = m->highest[node];
+        assert((i == begin || !(s->highest[i] > s->highest[i - 1])) && "descending");
     }
 }
 
@@ -83,6 +86,7 @@ static stp_result fill(stp_context* context, maker* m)
     if (m->sorted == NULL) {
         return stp_fail_memory(context);
     }
+    assert((uint32_t)m->sorted[0] == 0 && "the root, for all high levels, comes first");
     stp_parallel_for(context, s->count, GRAIN, fill_sequence, m);
     return STP_OK;
 }
@@ -90,6 +94,7 @@ static stp_result fill(stp_context* context, maker* m)
 stp_result stp_point_sequence_make(stp_context* context, const stp_point_tree* tree,
                                    double max_allowed, stp_point_sequence* sequence)
 {
+    assert(max_allowed >= 0.0);
     size_t count = tree->count;
     *sequence = (stp_point_sequence){
         .count = tree->count,
@@ -128,6 +133,7 @@ void stp_point_sequence_destroy(stp_context* context, stp_point_sequence* sequen
 stp_sequence_range stp_point_sequence_range(const stp_point_sequence* sequence, double allowed,
                                             double nearest, double farthest)
 {
+    assert(!(farthest < nearest));
     uint32_t low = 0, high = sequence->count;
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
@@ -147,6 +153,7 @@ stp_sequence_range stp_point_sequence_range(const stp_point_sequence* sequence, 
 uint32_t stp_point_sequence_select(const stp_point_sequence* sequence, const stp_tree_view* view,
                                    stp_sequence_range range, uint32_t* nodes)
 {
+    assert(range.begin <= range.end && range.end <= sequence->count);
     uint32_t count = 0;
     for (uint32_t i = range.begin; i < range.end; ++i) {
         double distance = distance_between(view->eye, stp_to_double(sequence->centers[i]));

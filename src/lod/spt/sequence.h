@@ -13,9 +13,9 @@
 /// Nodes sorted by descending highest level, so that a view needs only a prefix.
 typedef struct stp_point_sequence {
     uint32_t count;
-    uint32_t* nodes;   ///< node of the tree
-    stp_vec3* centers; ///< centres of the nodes' disks
-    float *lowest, *highest;
+    uint32_t* nodes;         ///< node of the tree
+    stp_vec3* centers;       ///< centres of the nodes' disks
+    float *lowest, *highest; ///< range of levels of each node
 } stp_point_sequence;
 
 /// @param max_allowed maximum stp_tree_view.allowed of any view; larger values cause more overlap

@@ -11,6 +11,7 @@
 #include "lod/spt/replaced.h"
 #include "lod/spt/sequence.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -91,6 +92,7 @@ static void find_keys(size_t begin, size_t end, uint32_t worker, void* user)
         }
         const stp_node_splat* node = &m->nodes[m->sequence.nodes[i]];
         uint64_t replaced = is_replaced(m, node, i) ? 1 : 0;
+        assert(band < 64 && node->cluster < 128 && "bits of the key do not overlap");
         m->keys[i] = band << 58 | replaced << 57 | (uint64_t)node->cluster << 50 |
                      (uint64_t)find_place(node->position) << 32 | i;
     }
@@ -115,6 +117,7 @@ static void fill_splats(size_t begin, size_t end, uint32_t worker, void* user)
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
         uint32_t at = (uint32_t)m->arranged[i];
+        assert(at < m->sequence.count);
         const stp_node_splat* node = &m->nodes[m->sequence.nodes[at]];
         memcpy(s->positions + 3 * i, node->position, sizeof(node->position));
         memcpy(s->normals + 2 * i, node->normal, sizeof(node->normal));
@@ -142,6 +145,7 @@ static stp_result make(spt_maker* m, const stp_spt_desc* desc)
         stp_set_octaves_make(s);
         stp_set_table_make(s, m->sequence.highest, 0.5f,
                            stp_prefix_table_radius(&m->samples->table, m->samples->count));
+        assert(s->table.count[s->table.size - 1] == s->count);
         result = arrange(m);
     }
     if (result == STP_OK) {

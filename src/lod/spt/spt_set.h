@@ -8,16 +8,17 @@
 
 typedef struct stp_spt_desc {
     stp_tree_desc tree;
-    const float* corners; ///< of the node's large triangles (replaced.h), 9 floats each
+    const float* corners; ///< 9 floats per large triangle of the node (replaced.h)
     uint32_t triangle_count;
 } stp_spt_desc;
 
 /// Makes the splats of a node from its evenly spaced samples, a set of method `blue`. Each surfel
 /// becomes a leaf with the size at which it is drawn. Ranges and the prefix table hold half errors:
 /// a splat is drawn if the requested radius lies in its range. Splats are sorted by descending
-/// highest level. Leaves count as exact; beyond the table's last radius the samples are too sparse.
-/// A splat is marked as replaced if it is drawn only at levels at which large triangles surround
-/// its samples. Arrays of the result are allocated with stp_alloc.
+/// highest level, and between two breakpoints of the table by direction and position. Leaves count
+/// as exact; beyond the table's last radius the samples are too sparse. A splat is marked as
+/// replaced if it is drawn only at levels at which large triangles surround its samples. Arrays of
+/// the result are allocated with stp_alloc.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_spt_make(stp_context* context, const stp_splats* samples,
                                      const stp_spt_desc* desc, stp_splats* splats);

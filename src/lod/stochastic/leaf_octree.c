@@ -5,6 +5,7 @@
 #include "base/splats/leaf_codes.h"
 #include "lod/stochastic/scatter.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -52,6 +53,7 @@ typedef struct octree_maker {
 /// repetition).
 static void scatter_of(const octree_maker* m, const stp_leaf_cell* cell, double matrix[6])
 {
+    assert(m->desc->sample > 0 && cell->begin < cell->end);
     uint32_t count = cell->end - cell->begin;
     uint32_t taken = count < m->desc->sample ? count : m->desc->sample;
     stp_scatter scatter = {0};
@@ -82,6 +84,7 @@ static bool is_leaf(const octree_maker* m, const stp_leaf_cell* cell)
 /// Octant of a cell at this depth that contains a position.
 static uint32_t side_of(const uint16_t at[3], uint32_t depth)
 {
+    assert(depth < STP_LEAF_DEPTH_MAX);
     uint32_t shift = STP_LEAF_DEPTH_MAX - 1 - depth;
     return (at[0] >> shift & 1u) | (at[1] >> shift & 1u) << 1 | (at[2] >> shift & 1u) << 2;
 }
@@ -99,6 +102,7 @@ static void divide(octree_maker* m, const stp_leaf_cell* cell, uint32_t ends[SID
         at += counts[s];
         ends[s] = at;
     }
+    assert(at == cell->end);
     for (uint32_t i = cell->begin; i < cell->end; ++i) {
         m->scratch[next[side_of(m->points[i].at, cell->depth)]++] = m->points[i];
     }
@@ -109,6 +113,13 @@ static void divide(octree_maker* m, const stp_leaf_cell* cell, uint32_t ends[SID
 static stp_result add_leaf(octree_maker* m, const stp_leaf_cell* leaf)
 {
     stp_leaf_octree* octree = m->octree;
+    assert(leaf->begin < leaf->end);
+    assert(leaf->begin ==
+           (octree->leaf_count > 0 ? octree->leaves[octree->leaf_count - 1].end : 0));
+    assert(
+        (octree->leaf_count == 0 || stp_leaf_morton(octree->leaves[octree->leaf_count - 1].corner) <
+                                        stp_leaf_morton(leaf->corner)) &&
+        "leaves ascend along the Morton curve");
     if (octree->leaf_count == m->leaf_capacity) {
         stp_leaf_cell* grown =
             stp_grow_array(m->context, octree->leaves, &m->leaf_capacity,
@@ -146,10 +157,12 @@ static stp_result divide_all(octree_maker* m, uint32_t count)
                 part.corner[k] = (uint16_t)(cell.corner[k] + ((unsigned)s >> k & 1u) * half);
             }
             if (part.end > part.begin) {
+                assert(height < STACK);
                 stack[height++] = part;
             }
         }
     }
+    assert(result != STP_OK || m->octree->leaves[m->octree->leaf_count - 1].end == count);
     return result;
 }
 
@@ -165,6 +178,7 @@ static void shuffle(const octree_maker* m)
         for (uint32_t i = 0; i < count; ++i) {
             uint32_t with =
                 stp_rng_below(m->seed ^ UINT64_C(0x5354), (uint64_t)leaf->begin + i, i + 1);
+            assert(with <= i);
             order[i] = order[with];
             order[with] = m->points[leaf->begin + i].index;
         }

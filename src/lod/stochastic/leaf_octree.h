@@ -10,7 +10,7 @@ enum { STP_LEAF_NEIGHBOURS_MAX = 32 };
 
 /// Parameters of the octree and of normal estimation.
 typedef struct stp_leaf_desc {
-    uint32_t budget; ///< maximum points of a leaf, at least `minimum`: the paper's max_point_budget
+    uint32_t budget;  ///< maximum points of a leaf above `minimum`: the paper's max_point_budget
     uint32_t minimum; ///< cubes with at most this many points are not divided
     /// Maximum l0 / (l0 + l1 + l2) of a flat leaf; 0.005 or 0.001 (Table 1, Figure 1)
     float flatness;
@@ -31,7 +31,7 @@ stp_leaf_desc stp_leaf_desc_default(void);
 typedef struct stp_leaf_cell {
     uint32_t begin, end;
     uint16_t corner[3];
-    uint8_t depth;
+    uint8_t depth; ///< subdivisions, at most STP_LEAF_DEPTH_MAX
 } stp_leaf_cell;
 
 typedef struct stp_leaf_octree {
@@ -41,7 +41,7 @@ typedef struct stp_leaf_octree {
 } stp_leaf_octree;
 
 /// @param positions 3 per point, on the grid
-/// @param seed seed of the random orders
+/// @param seed seed of the random samples and orders
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_leaf_octree_destroy, also after a
 ///         failure
 STP_MUST_USE stp_result stp_leaf_octree_make(stp_context* context, const uint16_t* positions,

@@ -4,6 +4,7 @@
 #include "base/splats/leaf_codes.h"
 #include "lod/stochastic/scatter.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -38,6 +39,7 @@ static const uint32_t* points_of(const property_loop* l, size_t leaf, uint32_t m
                                  uint32_t* count)
 {
     const stp_leaf_cell* at = &l->octree->leaves[leaf];
+    assert(at->begin < at->end && "no leaf is empty");
     uint32_t all = at->end - at->begin;
     *count = all < maximum ? all : maximum;
     return l->octree->order + at->begin;
@@ -54,6 +56,7 @@ static stp_vec3d place_of(const property_loop* l, size_t leaf, uint32_t point)
 {
     const uint16_t* p = l->points->positions + 3 * (size_t)point;
     const uint16_t* c = l->octree->leaves[leaf].corner;
+    assert(p[0] >= c[0] && p[1] >= c[1] && p[2] >= c[2]);
     return (stp_vec3d){(double)p[0] - (double)c[0], (double)p[1] - (double)c[1],
                        (double)p[2] - (double)c[2]};
 }
@@ -69,6 +72,7 @@ typedef struct edge_points {
 static uint32_t find_nearest(const edge_points* among, uint32_t point,
                              uint32_t nearest[EDGE_NEIGHBOURS])
 {
+    assert(point < among->count);
     float x = among->at[0][point], y = among->at[1][point], z = among->at[2][point];
     uint32_t keys[EDGE_AMONG], found = 0;
     for (uint32_t i = 0; i < among->count; ++i) {
@@ -86,6 +90,7 @@ static uint32_t find_nearest(const edge_points* among, uint32_t point,
         }
         nearest[at] = keys[i];
     }
+    assert(found == (among->count < EDGE_NEIGHBOURS ? among->count : EDGE_NEIGHBOURS));
     return found;
 }
 
@@ -146,6 +151,7 @@ static void measure_places(size_t begin, size_t end, uint32_t worker, void* user
         double matrix[6], e[3];
         stp_scatter_matrix(&scatter, matrix);
         stp_symmetric_eigenvalues(matrix, e);
+        assert(!(e[0] > e[1]) && !(e[1] > e[2]) && "the normal belongs to the smallest one");
         double sum = matrix[0] + matrix[3] + matrix[5];
         double flatness = sum > 0.0 && e[0] > 0.0 ? e[0] / sum : 0.0;
         double area = e[1] > 0.0 ? AREA_OF_SCATTER * sqrt(e[1] * e[2]) : 0.0;
@@ -312,6 +318,7 @@ static void find_ellipse(const property_loop* l, size_t leaf)
         along_v = kept;
     }
     f->ratio = stp_max((float)(smaller / larger), MIN_RATIO);
+    assert(f->ratio >= MIN_RATIO && f->ratio <= 1.0f);
     f->stretch = stp_normalize(stp_add(stp_scale(u, (float)along_u), stp_scale(v, (float)along_v)));
 }
 
@@ -336,6 +343,7 @@ static void measure_curvatures(size_t begin, size_t end, uint32_t worker, void* 
             }
             lowest[at] = cosine;
         }
+        assert(found == kept && kept <= count);
         float minimum = lowest[kept - 1];
         l->properties[i].spread =
             minimum > 0.0f ? sqrtf(stp_max(1.0f - minimum * minimum, 0.0f)) : 1.0f;

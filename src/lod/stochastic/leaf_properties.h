@@ -33,14 +33,14 @@ typedef struct stp_leaf_properties {
     bool edge;  ///< it may contain an edge
 } stp_leaf_properties;
 
-/// Computes plane, flatness, area and edge of each leaf, on all threads. Leaves with few points use
-/// the median spacing.
+/// Computes plane, flatness, area and edge of each leaf, on all threads. Leaves with few points get
+/// area and spacing 0.
 /// @param scatters NULL, or receives the scatter of each leaf's sample, relative to its corner
 void stp_leaf_measure_planes(stp_context* context, const stp_leaf_octree* octree,
                              const stp_leaf_points* points, stp_leaf_properties* properties,
                              stp_scatter* scatters);
 
-/// Median spacing over all points. 0 without leaves.
+/// Median spacing over the points of leaves with a spacing above 0. 0 without such leaves.
 float stp_leaf_median_spacing(const stp_leaf_octree* octree, const stp_leaf_properties* properties);
 
 /// Sets the representative normals if signs are known; otherwise they stay as

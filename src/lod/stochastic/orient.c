@@ -4,21 +4,22 @@
 #include "base/splats/leaf_codes.h"
 #include "lod/psp/nearest_points.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
     BRIDGE_LEAVES = 128, ///< leaves of a component from which a bridge across a gap is searched
     BRIDGES_MAX = 64,    ///< maximum number of components for which a bridge is searched
-    WORDS = 64,          ///< of 64 buckets each
+    WORDS = 64,          ///< words with a bit for each of 64 buckets
 };
 #define ACROSS 0.5f     // weight of a step perpendicular to a surface
-#define WEIGHT_MAX 3.5f // of a step
+#define WEIGHT_MAX 3.5f // maximum weight of a step
 #define GAP 4.0f        // maximum gap, relative to the sum of both leaves' sides
 
 /// A step from an oriented leaf to another one.
 typedef struct orient_step {
     uint32_t to, from;
-    uint32_t next; ///< in the same bucket
+    uint32_t next; ///< next step in the same bucket; UINT32_MAX: none
 } orient_step;
 
 /// Steps in buckets of about the same weight; the last one that was added to a bucket comes first.
@@ -27,7 +28,7 @@ typedef struct step_queue {
     uint32_t count;              ///< steps that were ever added
     uint64_t filled;             ///< one bit per word
     uint64_t words[WORDS];       ///< one bit per bucket that is not empty
-    uint32_t firsts[64 * WORDS]; ///< of each bucket
+    uint32_t firsts[64 * WORDS]; ///< first step of each bucket that is not empty
 } step_queue;
 
 typedef struct orienter {
@@ -52,6 +53,7 @@ static uint32_t bucket_of(float weight)
 
 static void push(step_queue* q, uint32_t bucket, uint32_t to, uint32_t from)
 {
+    assert(bucket < 64 * WORDS);
     uint64_t bit = UINT64_C(1) << bucket % 64, word_bit = UINT64_C(1) << bucket / 64;
     uint32_t next = (q->words[bucket / 64] & bit) != 0 ? q->firsts[bucket] : UINT32_MAX;
     q->steps[q->count] = (orient_step){to, from, next};
@@ -63,7 +65,9 @@ static void push(step_queue* q, uint32_t bucket, uint32_t to, uint32_t from)
 /// A step of the least weight. The queue must not be empty.
 static orient_step pop(step_queue* q)
 {
+    assert(q->filled != 0);
     uint32_t word = (uint32_t)__builtin_ctzll(q->filled);
+    assert(q->words[word] != 0 && "bits of words and of buckets agree");
     uint32_t bucket = 64 * word + (uint32_t)__builtin_ctzll(q->words[word]);
     orient_step step = q->steps[q->firsts[bucket]];
     q->firsts[bucket] = step.next;
@@ -117,6 +121,7 @@ static void turn(orienter* o, uint32_t to, uint32_t from)
 
 static void reach(orienter* o, uint32_t leaf)
 {
+    assert(!o->done[leaf] && "each leaf is reached once: steps have room for each link");
     o->done[leaf] = true;
     for (uint32_t i = o->begins[leaf]; i < o->begins[leaf + 1]; ++i) {
         uint32_t to = o->links[i];
@@ -180,6 +185,7 @@ static stp_result link_leaves(stp_context* context, orienter* o)
     memset(o->begins, 0, ((size_t)o->count + 2) * sizeof(*o->begins));
     for (size_t i = 0; i < all; ++i) {
         if (o->neighbours[i] != UINT32_MAX) {
+            assert(o->neighbours[i] < o->count && o->neighbours[i] != i / o->near);
             o->begins[i / o->near + 2] += 1;
             o->begins[o->neighbours[i] + 2] += 1;
         }
@@ -194,6 +200,8 @@ static stp_result link_leaves(stp_context* context, orienter* o)
             o->links[o->begins[b + 1]++] = a;
         }
     }
+    assert(o->begins[0] == 0 && o->begins[o->count] == o->begins[o->count + 1] &&
+           "all ends became starts");
     return STP_OK;
 }
 
@@ -211,6 +219,7 @@ static void find_pieces(orienter* o)
             stack[height++] = first;
         }
         while (height > 0) {
+            assert(height <= o->count && "each leaf is stacked once");
             uint32_t leaf = stack[--height];
             for (uint32_t i = o->begins[leaf]; i < o->begins[leaf + 1]; ++i) {
                 if (o->pieces[o->links[i]] == UINT32_MAX) {
@@ -295,12 +304,14 @@ static void orient_all(orienter* o)
             o->properties[highest].normal = stp_scale(o->properties[highest].normal, -1.0f);
         }
         spread_from(o, across ? to : highest);
+        assert(o->queue.count <= o->begins[o->count] && "a step for each link, at most");
     }
 }
 
 stp_result stp_orient_leaves(stp_context* context, const stp_leaf_octree* octree,
                              stp_leaf_properties* properties, uint32_t neighbours)
 {
+    assert(neighbours > 0 && neighbours <= STP_LEAF_NEIGHBOURS_MAX);
     size_t count = octree->leaf_count, links = 2 * (size_t)neighbours * count;
     orienter o = {.octree = octree,
                   .properties = properties,

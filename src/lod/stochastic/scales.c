@@ -3,6 +3,8 @@
 
 #include "base/splats/leaf_codes.h"
 
+#include <assert.h>
+
 enum { GRAIN = 256 }; ///< leaves
 #define PERSISTS 0.5  // minimum ratio of flatness to that of the scale below, for a persistent edge
 
@@ -32,6 +34,7 @@ static uint32_t find_leaf(const stp_leaf_octree* octree, uint64_t code)
             high = middle;
         }
     }
+    assert(low == octree->leaf_count || stp_leaf_morton(octree->leaves[low].corner) >= code);
     return low;
 }
 
@@ -52,8 +55,14 @@ static float measure_cube(const scale_loop* l, const stp_leaf_cell* leaf, uint32
                                 (double)(part->corner[1] - (leaf->corner[1] & mask)),
                                 (double)(part->corner[2] - (leaf->corner[2] & mask))};
         double points = (double)(part->end - part->begin);
+        assert((part->corner[0] & mask) == (leaf->corner[0] & mask) &&
+               (part->corner[1] & mask) == (leaf->corner[1] & mask) &&
+               (part->corner[2] & mask) == (leaf->corner[2] & mask) &&
+               "leaves of a cube are consecutive");
+        assert(l->scatters[i].count > 0.0);
         stp_scatter_merge(&sum, &l->scatters[i], points / l->scatters[i].count, from);
     }
+    assert(sum.count > 0.0 && "the cube holds the leaf itself");
     double matrix[6];
     stp_scatter_matrix(&sum, matrix);
     return (float)stp_scatter_flatness(matrix);
@@ -93,6 +102,7 @@ void stp_leaf_measure_scales(stp_context* context, const stp_leaf_octree* octree
                              const stp_scatter* scatters, uint32_t scales,
                              stp_leaf_properties* properties)
 {
+    assert(scales <= STP_LEAF_SCALES_MAX);
     scale_loop loop = {octree, scatters, scales, properties};
     if (scales > 1) {
         stp_parallel_for(context, octree->leaf_count, GRAIN, limit_some, &loop);

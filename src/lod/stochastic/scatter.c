@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "lod/stochastic/scatter.h"
 
+#include <assert.h>
+
 enum { NEWTON_STEPS = 6 };
 #define ROOT_THREE 1.7320508075688772
 #define IS_ROOT 0.1 // maximum remainder of the polynomial, relative to its largest term
-// two eigenvalues count as equal if they differ by less than this, relative to the larger one
+// two eigenvalues count as alike if their ratio is above this
 #define ALIKE 0.1
-#define CERTAIN 1e-24 // squares of eigenvalues; below it, no direction is distinct
+#define CERTAIN 1e-24 // relative to powers of the trace; below it, no direction is distinct
 
 void stp_scatter_add(stp_scatter* s, double x, double y, double z)
 {
@@ -25,6 +27,7 @@ void stp_scatter_add(stp_scatter* s, double x, double y, double z)
 void stp_scatter_merge(stp_scatter* s, const stp_scatter* other, double weight,
                        const double from[3])
 {
+    assert(!(weight < 0.0));
     double x = from[0], y = from[1], z = from[2], n = other->count;
     s->count += weight * n;
     s->x += weight * (other->x + n * x);
@@ -100,6 +103,7 @@ void stp_symmetric_eigenvalues(const double m[6], double eigenvalues[3])
     double middle = mean - 2.0 * scale * (t + low);
     middle = middle < eigenvalues[2] ? middle : eigenvalues[2];
     eigenvalues[1] = middle > eigenvalues[0] ? middle : eigenvalues[0];
+    assert(!(eigenvalues[0] > eigenvalues[1]) && !(eigenvalues[1] > eigenvalues[2]));
 }
 
 bool stp_smallest_eigenvalue(const double m[6], double* eigenvalue)
@@ -141,6 +145,7 @@ double stp_scatter_flatness(const double matrix[6])
 {
     double e[3], sum = matrix[0] + matrix[3] + matrix[5];
     stp_symmetric_eigenvalues(matrix, e);
+    assert(!(3.0 * e[0] > sum + 1e-6 * fabs(sum)) && "the smallest is at most the mean");
     return sum > 0.0 && e[0] > 0.0 ? e[0] / sum : 0.0;
 }
 

@@ -33,7 +33,7 @@ void stp_symmetric_eigenvalues(const double matrix[6], double eigenvalues[3]);
 /// the reciprocals of all three is the ratio of two coefficients of the characteristic polynomial,
 /// and the smallest one dominates that sum. The estimate is at most the smallest eigenvalue; it is
 /// accepted if it is almost a root of the polynomial (4.2).
-/// @return false if the region is not flat
+/// @return false if the region is not flat, or nearly a line
 bool stp_smallest_eigenvalue(const double matrix[6], double* eigenvalue);
 
 /// Unit eigenvector of an eigenvalue that differs from the other two; (0, 1, 0) if no direction is

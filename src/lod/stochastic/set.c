@@ -18,21 +18,22 @@
 #include "lod/stochastic/spread_order.h"
 #include "lod/stochastic/trim.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
     GRAIN = 16384, ///< points
     LEAF_GRAIN = 32,
     BATCH = 64,       ///< splats whose normals are encoded together
-    OCTAVES_MAX = 16, ///< of 2^32 points
+    OCTAVES_MAX = 16, ///< more octaves than 2^32 points have
 };
 #define SEED UINT64_C(0x42686B72)
-#define LARGEST 2.0f // maximum radius of isolated points' splats, relative to the median spacing
+#define LARGEST 2.0f // maximum spacing of isolated points, relative to the median spacing
 /// Radius of a splat, in sides of the square that it represents (STP_CUE_COVERING)
 #define GROWTH 1.05f
 #define DISK_RATIO 0.8f          // ratio of radii from which a splat is a disk
 #define FINEST 0x1p-10           // minimum grid step, in spacings; finer steps would waste bits
-#define HALF_DIAGONAL 0.8660255f // of a unit cube
+#define HALF_DIAGONAL 0.8660255f // half the diagonal of a unit cube
 /// Spacings of leaves are clamped to this factor above and below the median spacing
 #define OUTLIER 8.0f
 
@@ -147,6 +148,7 @@ static stp_result spread(set_maker* m)
     if (kept < all) {
         stp_leaf_trim(&m->octree, m->properties, ranked, kept);
     }
+    assert(m->octree.leaves[m->octree.leaf_count - 1].end == kept);
     stp_spread_order_place(context, ranked, kept, &m->octree);
     stp_free(context, ranked);
     return STP_OK;
@@ -255,6 +257,7 @@ static void write_splat(const set_maker* m, const leaf_shape* shape, uint32_t fr
 {
     stp_splats* s = m->splats;
     const stp_candidates* c = m->candidates;
+    assert(from < c->count && at < s->count);
     uint32_t material = c->materials[from];
     bool of_set = from >= stp_first_of_sets(c);
     memcpy(s->positions + 3 * (size_t)at, m->places + 3 * (size_t)from, 3 * sizeof(uint16_t));
@@ -273,6 +276,7 @@ static void write_leaf(const set_maker* m, uint32_t index)
 {
     const stp_leaf_cell* leaf = &m->octree.leaves[index];
     const stp_leaf_properties* f = &m->properties[index];
+    assert(index < m->splats->leaf_count && leaf->depth <= STP_LEAF_DEPTH_MAX);
     stp_splat_leaf* out = &m->splats->leaves[index];
     bool edge = f->edge;
     *out = (stp_splat_leaf){
@@ -316,6 +320,7 @@ static void write_batch(const set_maker* m, const leaf_shape* shape, uint32_t be
     float normals[3 * BATCH] = {0};
     int8_t codes[2 * BATCH];
     uint32_t at[BATCH];
+    assert(begin < end && end - begin <= BATCH && end <= m->splats->count);
     const uint32_t* from = m->octree.order + begin;
     prefetch_points(m, end, BATCH);
     for (uint32_t i = 0; i < end - begin; ++i) {
@@ -326,6 +331,7 @@ static void write_batch(const set_maker* m, const leaf_shape* shape, uint32_t be
     for (uint32_t i = 0; i < end - begin; ++i) {
         uint32_t octave = stp_leaf_octave_of(begin + i + 1, m->splats->octave_count);
         at[i] = next[octave]++;
+        assert(at[i] < m->splats->octave_ends[octave]);
         write_splat(m, shape, from[i], codes + 2 * i, at[i]);
     }
     copy_attributes(m, from, at, end - begin);
@@ -347,11 +353,14 @@ static void write_some(size_t begin, size_t end, uint32_t worker, void* user)
             uint32_t last = leaf->end - i < BATCH ? leaf->end : i + BATCH;
             write_batch(m, &shape, i, last, next);
         }
+        assert(next[octaves - 1] ==
+                   stp_leaf_run_of(leaf->begin, leaf->end, octaves - 1, octaves, count).end &&
+               "its run in the last octave is full");
         write_leaf(m, (uint32_t)l);
     }
 }
 
-/// Coverage radius of each prefix: the spacing of its random sample, plus half a cell.
+/// Coverage radius of each prefix: the spacing of its sample, plus half the diagonal of a cell.
 static void make_table(set_maker* m)
 {
     stp_splats* s = m->splats;
@@ -363,6 +372,7 @@ static void make_table(set_maker* m)
         s->table.count[k] = end;
         s->table.radius[k] = s->step * (GROWTH * m->spacing * sparser + HALF_DIAGONAL);
     }
+    assert(s->octave_count <= OCTAVES_MAX && s->octave_ends[s->octave_count - 1] == s->count);
     s->table.size = s->octave_count;
     double radius = m->candidates->surface_radius;
     radius = radius > 0.0 ? radius : m->candidates->pixel_size * 0.70710678118654752;
@@ -374,6 +384,8 @@ static stp_result make_set(set_maker* m)
     stp_context* context = m->context;
     stp_splats* s = m->splats;
     uint32_t count = m->candidates->count;
+    assert((m->source->shading_of_material != NULL || m->candidates->set_count == count) &&
+           "only surfels of sets have a shading");
     s->count = count < m->source->wanted ? count : m->source->wanted;
     choose_grid(m);
     m->places = STP_NEW_ARRAY(context, uint16_t, 3 * (size_t)count);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Sets of method `stochastic`: all points of a cloud, or a random sample of a mesh's candidates.
-// They are ordered by octree leaf, and at random within each leaf, so that a view draws as many
-// splats of each leaf as it needs (Bhakar, Luo, Mudur 2004).
+// They are ordered by octree leaf, the first ones of each leaf evenly spread and the others at
+// random, so that a view draws as many splats of each leaf as it needs (Bhakar, Luo, Mudur 2004).
 #pragma once
 
 #include "capture/capture.h"
@@ -11,7 +11,7 @@ enum { STP_STOCHASTIC_COLUMNS = STP_SPLATS_SHAPES | STP_SPLATS_FLAT_COLORS };
 
 /// Input of a set.
 typedef struct stp_stochastic_source {
-    stp_candidates* candidates; ///< chosen ones move to the front; normals may change
+    stp_candidates* candidates; ///< read; normals are set if `has_normals` is false
     /// Coverage codes, 1 per candidate, if all are wanted; NULL: from the colours' alpha
     const uint8_t* coverages;
     const uint8_t* shading_of_material;

@@ -4,6 +4,7 @@
 #include "base/splats/leaf_codes.h"
 #include "base/splats/leaf_runs.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -11,7 +12,7 @@ enum {
     /// Maximum points spread together; larger leaves are processed in blocks
     BLOCK = 2048,
     SHARE = 4, ///< one in this many points is spread
-    LEAST = 4, ///< with fewer points, any order is good enough
+    LEAST = 4, ///< with at most this many points, any order is good enough
     WIDE = 16, ///< distances compared together
 };
 
@@ -19,7 +20,7 @@ enum {
 /// opposite sides.
 typedef struct spread_block {
     int16_t at[3][BLOCK];
-    /// Squared distance to the nearest chosen point, over 2^16; -1: chosen itself
+    /// Squared distance to the nearest chosen point, over 2^17; -1: chosen itself
     int16_t far[BLOCK];
     uint32_t index[BLOCK];
     uint32_t count;
@@ -41,6 +42,7 @@ static void take_points(spread_block* b, const spread_loop* l, const stp_leaf_ce
     for (uint32_t i = 0; i < b->count; ++i) {
         const uint16_t* p = l->positions + 3 * (size_t)b->index[i];
         for (int k = 0; k < 3; ++k) {
+            assert((uint32_t)(p[k] - leaf->corner[k]) < stp_leaf_width(leaf->depth));
             uint32_t wide = (uint32_t)(p[k] - leaf->corner[k]) << leaf->depth;
             b->at[k][i] = (int16_t)(int32_t)((wide & 0xFFFFu) - 0x8000u);
         }
@@ -55,6 +57,7 @@ static void take_points(spread_block* b, const spread_loop* l, const stp_leaf_ce
 /// distance
 static int16_t choose_point(spread_block* b, uint32_t chosen)
 {
+    assert(b->far[chosen] >= 0 && "each point is chosen once");
     int16_t x = b->at[0][chosen], y = b->at[1][chosen], z = b->at[2][chosen], maximum = -1;
     b->far[chosen] = -1;
     for (uint32_t i = 0; i < b->count; ++i) {
@@ -83,6 +86,7 @@ static uint32_t find_first(const spread_block* b, int16_t far)
     }
     for (i -= WIDE; b->far[i] != far; ++i) {
     }
+    assert(i < b->count);
     return i;
 }
 
@@ -127,6 +131,7 @@ static void spread_points(spread_block* b, uint32_t* ranked)
             ranked[done++] = b->index[i];
         }
     }
+    assert(done == b->count && "ranks are a permutation");
 }
 
 static void spread_leaves(size_t begin, size_t end, uint32_t worker, void* user)
@@ -168,6 +173,7 @@ static void place_leaves(size_t begin, size_t end, uint32_t worker, void* user)
                 }
             }
         }
+        assert(next == l->from + leaf->end && "each place belongs to one octave");
     }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/stochastic/trim.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -40,6 +41,7 @@ void stp_leaf_trim(stp_leaf_octree* octree, stp_leaf_properties* properties, uin
     for (uint32_t l = 0; l < octree->leaf_count; ++l) {
         all += octree->leaves[l].end - octree->leaves[l].begin;
     }
+    assert(wanted < all);
     for (uint32_t l = 0; l < octree->leaf_count; ++l) {
         stp_leaf_cell leaf = octree->leaves[l];
         uint32_t has = leaf.end - leaf.begin;
@@ -49,7 +51,9 @@ void stp_leaf_trim(stp_leaf_octree* octree, stp_leaf_properties* properties, uin
         uint32_t left = wanted - kept; // later leaves may have too few, or none may be left
         count = count < left ? count : left;
         count = left - count > all ? left - all : count;
+        assert(count <= has && count <= left && left - count <= all);
         carried -= (double)count;
+        assert(kept <= leaf.begin && leaves <= l && "points and leaves only move forward");
         if (count > 0) {
             memmove(ranked + kept, ranked + leaf.begin, count * sizeof(*ranked));
             leaf.begin = kept;
@@ -58,5 +62,6 @@ void stp_leaf_trim(stp_leaf_octree* octree, stp_leaf_properties* properties, uin
             octree->leaves[leaves++] = leaf;
         }
     }
+    assert(kept == wanted && all == 0);
     octree->leaf_count = leaves;
 }
