@@ -117,7 +117,7 @@ stp_result stp_store_sizes_of_plan(stp_context* context, const stp_store_content
     return STP_OK;
 }
 
-// The only object below another (the last one seen), and the number of such objects.
+// Number of children of an object, and the last of them.
 typedef struct below {
     uint32_t count, last;
 } below;

@@ -10,8 +10,8 @@
 /// A mesh, point set, texture or surfel set.
 typedef struct stp_store_amount {
     uint64_t count, bytes; ///< triangles, points, texels or surfels; bytes of its blocks
-    uint32_t material;     ///< of a mesh or point set
-    uint32_t owner;        ///< of a texture: the first one that shares its block
+    uint32_t material;     ///< only for meshes and point sets
+    uint32_t owner;        ///< only for textures: the first texture with this block
 } stp_store_amount;
 
 typedef struct stp_store_sizes {

@@ -19,7 +19,7 @@ typedef struct accumulator {
     stp_context* context;
     const stp_store_sizes* sizes;
     const stp_store_directory* directory;
-    uint64_t* sums; ///< of one kind, by node
+    uint64_t* sums; ///< by node: count of the current kind, with all instances
     // number of the last walk that visited each item; walks are numbered from 1
     uint32_t *nodes_met, *meshes_met, *point_sets_met, *textures_met, *sets_met;
     uint32_t walk;
