@@ -5,6 +5,8 @@
 #include "base/splat_columns.h"
 #include "store/format.h"
 
+#include <assert.h>
+
 enum { STP_STORE_COLUMN_LIMIT = 7 };
 
 /// A column: a byte range of a block. Absent ones have size 0.
@@ -53,6 +55,7 @@ uint64_t stp_store_surfel_columns(const stp_splats* surfels, uint32_t octave,
 /// Number of surfels before octave `octave`.
 static inline uint32_t stp_store_octave_begin(const stp_splats* surfels, uint32_t octave)
 {
+    assert(octave <= surfels->octave_count);
     return octave == 0 ? 0 : surfels->octave_ends[octave - 1];
 }
 

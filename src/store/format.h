@@ -3,6 +3,7 @@
 // Constants of the `.stip` format; docs/format.md defines them.
 #pragma once
 
+#include <assert.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -114,5 +115,6 @@ typedef struct stp_store_block {
 
 static inline uint64_t stp_store_align(uint64_t offset, uint64_t alignment)
 {
+    assert(alignment != 0 && (alignment & (alignment - 1)) == 0);
     return (offset + alignment - 1) & ~(alignment - 1);
 }

@@ -11,6 +11,8 @@
 #include "base/splat_columns.h"
 #include "store/summary.h"
 
+#include <assert.h>
+
 #define STP_STORE_NONE UINT32_MAX
 
 /// A use of a texture; see stp_texture_use in src/scene/scene.h.
@@ -61,6 +63,7 @@ typedef struct stp_store_mesh {
 /// be overwritten after its check.
 static inline uint32_t stp_store_mesh_corner(const stp_store_mesh* mesh, size_t corner)
 {
+    assert(corner < 3 * (size_t)mesh->triangle_count);
     uint32_t vertex = *(const volatile uint32_t*)(mesh->indices + corner); // read once
     return vertex < mesh->vertex_count ? vertex : 0;
 }
@@ -158,6 +161,8 @@ typedef struct stp_store_directory {
 static inline uint32_t stp_store_set_of(const stp_store_directory* directory, uint32_t method,
                                         uint32_t node)
 {
+    assert(node < directory->node_count);
+    assert(method == 0 || method < directory->method_count);
     const uint32_t* sets = method != 0 ? directory->methods[method].sets : NULL;
     return sets != NULL ? sets[node] : directory->nodes[node].surfels;
 }
