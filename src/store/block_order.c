@@ -165,8 +165,8 @@ static valued_block value_octave(const stp_store_content* content, uint32_t set,
     return (valued_block){block, (double)block.radius};
 }
 
-// Leaves follow the first octave with as many splats as leaves: before that, few leaves have any
-// splat.
+// Leaves follow the first octave that ends with at least as many splats as leaves: before that, few
+// leaves have any splat.
 static valued_block value_leaves(const stp_store_content* content, uint32_t set, double scale)
 {
     const stp_splats* surfels = &content->surfels[set];

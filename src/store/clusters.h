@@ -38,7 +38,7 @@ typedef struct stp_coded_mesh {
     const void* bytes;
     size_t size;
     uint32_t cluster_count, triangle_count, vertex_count; ///< vertices: sum over clusters
-    stp_box bounds;                                       ///< of the quantised positions
+    stp_box bounds;                                       ///< box around the quantised positions
 } stp_coded_mesh;
 
 /// Codes a mesh on the grid of `step` (base/position_grid.h) into memory of the context (stp_free

@@ -6,7 +6,7 @@
 #include "base/context.h"
 
 enum {
-    TEXCOORD_EXPONENT = -16, // at most a sixteenth of a texel of an 8k texture
+    TEXCOORD_EXPONENT = -16, // rounds to within a sixteenth of a texel of an 8k texture
     FLOAT_DIGITS = 23,
     PREFETCH = 8, // distance in triangles
 };

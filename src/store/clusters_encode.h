@@ -55,14 +55,14 @@ typedef enum cluster_group { GROUP_SMOOTH, GROUP_FACE, GROUP_PLAIN, GROUP_COUNT 
 /// A cluster being gathered.
 typedef struct cluster_maker {
     const stp_store_mesh* mesh;
-    const cluster_place* places; ///< of the mesh's vertices
+    const cluster_place* places; ///< the mesh's vertices on its grid
     double inverse_step;
     double texcoord_inverses[2];
     uint32_t present;
     /// Channels other than positions that distinguish vertices.
     uint32_t extra_channels[STP_CLUSTER_CHANNELS];
     uint32_t extra_count;
-    // Of the cluster:
+    // The current cluster:
     uint32_t triangle_count, vertex_count;
     uint32_t shift;                               ///< positions are multiples of 2^shift steps
     uint32_t group;                               ///< vertices per part; 0: no loose parts

@@ -14,7 +14,7 @@ enum {
     CLUSTERS_EXPONENT_MIN = -149,
     CLUSTERS_EXPONENT_MAX = 96, ///< any 32-bit multiple of such a step is finite
     CLUSTERS_NUMBER_LIMIT = (1 << 30) - 1,
-    CLUSTERS_CHANNEL_BYTES = 8, ///< of the table entry of an extra channel
+    CLUSTERS_CHANNEL_BYTES = 8, ///< size of an extra channel's table entry
     CLUSTERS_MAX_SHIFT = 24,
     CLUSTERS_MAX_OWN = 32,
 };
@@ -34,7 +34,7 @@ typedef struct clusters_entry {
     uint8_t last_vertex;
     uint8_t smooth_count, face_count;
     uint8_t group; ///< vertices per part; 0: no parts
-    uint8_t shift; ///< of x, y, z
+    uint8_t shift; ///< x, y and z are multiples of 2^shift steps from `origin`
     bool repeats;  ///< all parts repeat the first one's triangles
     bool grouped;  ///< x, y, z have a layer of parts
     uint8_t own_width[3];
@@ -127,7 +127,7 @@ static inline void clusters_write_channel(unsigned char* p, const clusters_chann
     p[7] = channel->shift;
 }
 
-/// Of x, y or z.
+/// The channel of x, y or z (`k`: 0 to 2).
 static inline clusters_channel clusters_position_channel(const clusters_entry* entry, uint32_t k)
 {
     return (clusters_channel){entry->origin[k], entry->width[k], entry->own_width[k],
