@@ -22,6 +22,7 @@
 
 #include "store/store.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -125,6 +126,7 @@ void stp_clusters_prefetch(const stp_clusters* clusters, uint32_t index);
 /// Number `i` of an array of numbers of `width` bits.
 static inline uint32_t stp_cluster_bits(const unsigned char* bytes, uint32_t width, uint32_t i)
 {
+    assert(width <= 32 && i < STP_CLUSTER_VERTICES);
     uint64_t bits;
     uint32_t at = i * width;
     memcpy(&bits, bytes + (at >> 3), sizeof(bits));
@@ -150,6 +152,7 @@ static inline int32_t stp_cluster_value(const stp_cluster_run* run, uint32_t i)
 static inline void stp_cluster_corners(const stp_cluster* cluster, uint32_t triangle,
                                        uint32_t corners[3])
 {
+    assert(triangle < cluster->triangle_count);
     uint32_t part = triangle / cluster->period, first = part * cluster->stride;
     const uint8_t* index = cluster->indices + 3 * (size_t)(triangle - part * cluster->period);
     for (int k = 0; k < 3; ++k) {
@@ -182,6 +185,7 @@ static inline stp_vec2 stp_cluster_texcoord(const stp_clusters* clusters,
                                             const stp_cluster* cluster, uint32_t set,
                                             uint32_t vertex)
 {
+    assert(set < 2);
     const stp_cluster_run* runs = &cluster->runs[STP_CLUSTER_TEXCOORDS + 2 * set];
     return (stp_vec2){(float)stp_cluster_value(&runs[0], vertex) * clusters->texcoord_steps[set],
                       (float)stp_cluster_value(&runs[1], vertex) * clusters->texcoord_steps[set]};

@@ -4,6 +4,8 @@
 
 #include "store/clusters_layout.h"
 
+#include <assert.h>
+
 enum { CLUSTER_SLOTS = 1024 };
 
 /// Rounds to the nearest integer, ties upwards. The value must be within the range of clusters.
@@ -37,6 +39,7 @@ void clusters_place_vertices(const stp_store_mesh* mesh, double inverse_step,
 /// Classes of loose parts start at 1; 0 is not loose.
 static inline uint32_t clusters_part_class(uint32_t triangles, uint32_t vertices)
 {
+    assert(vertices <= 255 && triangles <= UINT32_MAX >> 8);
     return triangles << 8 | vertices;
 }
 

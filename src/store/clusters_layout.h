@@ -6,6 +6,8 @@
 #include "store/clusters.h"
 #include "store/format.h"
 
+#include <assert.h>
+
 enum {
     CLUSTERS_HEADER_BYTES = 24,
     CLUSTERS_ENTRY_BYTES = 32,
@@ -65,11 +67,13 @@ static inline clusters_entry clusters_read_entry(const unsigned char* p)
 
 static inline void clusters_write_entry(unsigned char* p, const clusters_entry* entry)
 {
+    assert(entry->normal_count <= entry->last_vertex + 1u && entry->shift <= CLUSTERS_MAX_SHIFT);
     stp_write_u32(p, entry->offset);
     stp_write_u32(p + 4, entry->first_triangle);
     for (int k = 0; k < 3; ++k) {
         stp_write_u32(p + 8 + 4 * k, (uint32_t)entry->origin[k]);
         p[20 + k] = entry->width[k];
+        assert(entry->width[k] <= 32 && entry->own_width[k] < 32 && "own widths have 5 bits");
     }
     p[23] = entry->triangle_count;
     p[24] = entry->last_vertex;
@@ -130,6 +134,7 @@ static inline void clusters_write_channel(unsigned char* p, const clusters_chann
 /// The channel of x, y or z (`k`: 0 to 2).
 static inline clusters_channel clusters_position_channel(const clusters_entry* entry, uint32_t k)
 {
+    assert(k <= STP_CLUSTER_Z);
     return (clusters_channel){entry->origin[k], entry->width[k], entry->own_width[k],
                               entry->grouped ? STP_CLUSTER_GROUPED : STP_CLUSTER_PLAIN,
                               entry->shift};
@@ -139,6 +144,7 @@ static inline clusters_channel clusters_position_channel(const clusters_entry* e
 static inline uint32_t clusters_base_bytes(const clusters_channel* channel, uint32_t count,
                                            uint32_t group)
 {
+    assert(channel->layout == STP_CLUSTER_PLAIN || group != 0);
     uint32_t values = channel->layout == STP_CLUSTER_PLAIN ? count : (count + group - 1) / group;
     return (values * channel->width + 7) / 8;
 }
@@ -162,6 +168,7 @@ static inline uint32_t clusters_index_triangles(const clusters_entry* entry)
 
 static inline float clusters_power_of_two(int exponent)
 {
+    assert(exponent >= -1022 && exponent <= 1023 && "a normal double");
     uint64_t bits = (uint64_t)(exponent + 1023) << 52;
     double value;
     memcpy(&value, &bits, sizeof(value));
