@@ -61,7 +61,7 @@ static void flatten(uint32_t* parents, uint32_t count)
     }
 }
 
-/// Counts the triangles of each root; needs a flat forest. @return triangles in small parts
+/// Flattens the forest and counts the triangles of each root. @return triangles in small parts
 static uint32_t count_small(const part_finder* f)
 {
     const stp_store_mesh* mesh = f->mesh;

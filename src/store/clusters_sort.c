@@ -7,7 +7,7 @@
 enum {
     CURVE_BITS = 10,
     INDEX_BITS = 32,
-    SUM_BITS = 20, // of a corner's coordinate, so that the sum of three is exact as a float
+    SUM_BITS = 20, // bits of a corner's coordinate; the sum of three is exact as a float
     LANES = 4,
 };
 

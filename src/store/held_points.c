@@ -19,7 +19,7 @@ typedef struct columns {
 /// A set on its way into columns.
 typedef struct filling {
     const stp_splats* set;
-    const uint8_t *colors, *coverages; ///< of its finest octave
+    const uint8_t *colors, *coverages; ///< entries of the set's finest octave
     bool hides;                        ///< coverage 0 hides a splat (coloring.h)
     columns to;
 } filling;

@@ -19,11 +19,11 @@ struct stp_store_large {
 
 typedef struct found_triangles {
     uint64_t* keys; ///< band (inverted), then triangle
-    float* levels;  ///< of the mesh's triangles
+    float* levels;  ///< by triangle of the mesh; only those found are set
     size_t count;
 } found_triangles;
 
-/// Two bands per octave; 0 for the largest values.
+/// Two bands per octave, numbered from large levels to small ones; 0 is infinity.
 static uint32_t find_band(float level)
 {
     uint32_t bits;
@@ -84,7 +84,8 @@ static void free_large(stp_context* context, stp_store_large* large)
     }
 }
 
-// The largest power of four not above the value, so that a mesh used at many scales gets few lists.
+// A power of four, at most the value and more than an eighth of it, so that a mesh used at many
+// scales gets few lists.
 static float round_to_power_of_four(float minimum)
 {
     int power;

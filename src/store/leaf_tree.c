@@ -7,10 +7,10 @@
 
 enum {
     STACK = 8 * (STP_LEAF_DEPTH_MAX + 1),
-    RESERVED = 128, ///< flag bit of a leaf's position
+    RESERVED = 128, ///< bit of a leaf's `place` that must be 0
 };
 
-/// Leaves [begin, end) to be added to the tree; their splats begin at `first`.
+/// Leaves [begin, end) to be added to the tree.
 typedef struct leaf_range {
     uint32_t begin, end;
 } leaf_range;
@@ -68,7 +68,7 @@ static stp_leaf_node node_of_cube(const stp_splat_leaf* leaves, leaf_range range
     return node;
 }
 
-/// Bounds the angle between a part's normals and another normal by the sum of both sines.
+/// Bounds the sine of the angle between a part's normals and another normal: the sum of two sines.
 static float spread_to(const stp_leaf_node* part, stp_vec3 normal)
 {
     stp_vec3 n = stp_octahedral_decode(part->normal[0], part->normal[1]);

@@ -83,7 +83,7 @@ static stp_result check_first(const stp_store_validator* validator, const stp_st
     return STP_OK;
 }
 
-// Each set of the other methods belongs to exactly one node.
+// Whether the nodes name only sets of the method, and as many as it has.
 static bool are_bijective(const stp_store_directory* d, uint32_t method)
 {
     const stp_store_method* m = &d->methods[method];

@@ -16,7 +16,7 @@ typedef enum kind {
 } kind;
 
 enum {
-    CLASSES = 17, ///< of numbers: bits of the magnitude, 0 to 16
+    CLASSES = 17, ///< classes of numbers by the bits of their magnitude, 0 to 16
     CLASS_BITS = 5,
     LEARNT = 2,     ///< modelled bits after the leading one
     LEAVES = KINDS, ///< offset of the models of leaves
@@ -28,7 +28,7 @@ enum {
 
 /// Models of a signed number.
 typedef struct number_model {
-    stp_bit_model tree[1 << CLASS_BITS]; ///< of the class, highest bit first
+    stp_bit_model tree[1 << CLASS_BITS]; ///< for the bits of the class, highest first
     stp_bit_model negative[CLASSES];
     stp_bit_model upper[CLASSES][1 << LEARNT];
 } number_model;
@@ -50,7 +50,7 @@ typedef struct splat {
 typedef struct codec {
     stp_range_coder coder;
     const stp_splats* set;
-    uint32_t leaf_shape; ///< of the previous leaf
+    uint32_t leaf_shape; ///< shape of the previous leaf
     bool failed;         ///< decoding: the input is invalid
     models models;
 } codec;
@@ -58,8 +58,8 @@ typedef struct codec {
 /// The prediction context of a splat.
 typedef struct context {
     kind kind;
-    splat parent; ///< of a base splat: the previous one
-    splat first;  ///< of a second child: the first one
+    splat parent; ///< the splat it replaces; for a base splat, the previous one
+    splat first;  ///< only for second children: the first child
 } context;
 
 static splat load(const stp_splats* s, uint32_t index)

@@ -27,7 +27,7 @@ static bool make_child(const stp_outline_item* item, uint32_t object, uint32_t n
     return true;
 }
 
-/// The object whose children are an item's children: its own object, or the prototype that it uses.
+/// The range of an item's children: those of its own object, else of the prototype that it uses.
 static stp_result find_children(stp_outline* outline, const stp_outline_item* item, uint32_t* first,
                                 uint32_t* end)
 {
@@ -155,7 +155,7 @@ stp_result stp_outline_describe(stp_outline* outline, const stp_outline_item* it
     return result;
 }
 
-/// The number of objects from one up to its topmost ancestor.
+/// Lists an object and its ancestors, lowest first. `count` is their number, even if above `room`.
 static stp_result list_above(stp_outline* outline, uint32_t object, uint32_t* above, size_t room,
                              size_t* count)
 {

@@ -36,8 +36,8 @@ stp_result stp_outline_path(stp_outline* outline, const stp_outline_item* item, 
     return STP_OK;
 }
 
-/// The next UTF-8 character, in lower case for Latin, Greek and Cyrillic. Invalid UTF-8 counts as
-/// bytes.
+/// The next UTF-8 character of at most two bytes, in lower case for Latin, Greek and Cyrillic. All
+/// else counts as bytes.
 static uint32_t next_folded(const char** text)
 {
     const unsigned char* p = (const unsigned char*)*text;

@@ -285,12 +285,14 @@ STP_MUST_USE stp_result stp_store_check_open(stp_store* store, bool quick,
                                              stp_store_check_report* report);
 STP_MUST_USE stp_result stp_store_check(stp_context* context, const char* path, bool quick);
 
-/// A surfel set or mesh as stored, checksums verified. Pointers are valid as long as the store.
+/// A surfel set as stored; its blocks are verified when its columns are requested. Pointers are
+/// valid as long as the store.
 typedef struct stp_store_stored_surfels {
     uint32_t index;            ///< STP_STORE_NONE: no such key in the file
     const stp_splats* surfels; ///< without columns (stp_store_get_surfels)
 } stp_store_stored_surfels;
 
+/// A mesh as stored; the checksum of its block is verified. Pointers are valid as long as the store.
 typedef struct stp_store_stored_mesh {
     uint32_t index;             ///< STP_STORE_NONE: no such key in the file
     const stp_store_mesh* mesh; ///< without columns
