@@ -6,6 +6,7 @@
 #include "store/clusters.h"
 #include "store/internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 // A mesh's list. Shorter lists that callers may still use are chained behind it.
@@ -26,6 +27,7 @@ typedef struct found_triangles {
 /// Two bands per octave, numbered from large levels to small ones; 0 is infinity.
 static uint32_t find_band(float level)
 {
+    assert(level >= 0.0f);
     uint32_t bits;
     memcpy(&bits, &level, sizeof(bits));
     return (0x7F800000u - bits) >> 22;
@@ -68,6 +70,7 @@ static stp_result keep_found(stp_store* store, found_triangles* found, uint64_t*
     for (size_t i = 0; i < found->count; ++i) {
         large->triangles[i] = (uint32_t)sorted[i];
         large->levels[i] = found->levels[(uint32_t)sorted[i]];
+        assert(i == 0 || find_band(large->levels[i - 1]) <= find_band(large->levels[i]));
     }
     large->count = (uint32_t)found->count;
     return STP_OK;
@@ -168,5 +171,7 @@ uint32_t stp_large_triangles_find(const stp_large_triangles* list, float level)
             high = middle;
         }
     }
+    assert((low == 0 || find_band(list->levels[low - 1]) <= band) &&
+           (low == list->count || find_band(list->levels[low]) > band));
     return low;
 }

@@ -5,6 +5,8 @@
 #include "base/leaf_runs.h"
 #include "base/octahedral.h"
 
+#include <assert.h>
+
 enum {
     STACK = 8 * (STP_LEAF_DEPTH_MAX + 1),
     RESERVED = 128, ///< bit of a leaf's `place` that must be 0
@@ -31,6 +33,7 @@ static stp_leaf_node node_of_leaf(const stp_splat_leaf* leaf)
 /// Depth of the smallest cube that contains two different positions.
 static uint32_t common_depth(uint64_t a, uint64_t b)
 {
+    assert(a != b);
     uint32_t bit = 63u - (uint32_t)__builtin_clzll(a ^ b);
     return STP_LEAF_DEPTH_MAX - 1 - bit / 3;
 }
@@ -52,6 +55,7 @@ static uint32_t push_parts(const stp_splat_leaf* leaves, leaf_range range, uint3
                 high = middle;
             }
         }
+        assert(height < STACK);
         stack[height++] = (leaf_range){low, end};
         end = low;
     }
@@ -130,11 +134,14 @@ uint32_t stp_leaf_tree_make(const stp_splat_leaf* leaves, uint32_t leaf_count, s
         while (next < count && nodes[next].leaf < end) {
             next = nodes[next].next;
         }
+        assert(next > i && next <= count);
         nodes[i].next = next;
         if (nodes[i].leaf_count > 1) {
             sum_up(nodes, i);
         }
     }
+    assert(count <= stp_leaf_tree_max_nodes(leaf_count));
+    assert(count == 0 || (nodes[0].next == count && nodes[0].count == place));
     return count;
 }
 

@@ -3,6 +3,7 @@
 #include "store/instances.h"
 #include "store/outline_internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 static const uint64_t visit_limit = UINT64_C(1) << 25;
@@ -113,6 +114,7 @@ stp_result stp_outline_children(stp_outline* outline, const stp_outline_item* it
 {
     uint32_t begin, end;
     *count = 0;
+    assert(item->depth <= STP_OUTLINE_DEPTH);
     stp_result result = find_children(outline, item, &begin, &end);
     if (result == STP_OK && begin == end) {
         (void)find_places(outline, item, first, room, items, count);
@@ -277,6 +279,7 @@ stp_result stp_outline_find(stp_outline* outline, stp_store_part part, const stp
         stp_outline_item holder;
         result = find_holder(outline, item, &instance, &search, &holder, &found);
         if (result == STP_OK && found) {
+            assert(holder.depth == item->depth + 1 && "each step descends, so the loop ends");
             *item = holder;
         }
     }
