@@ -27,7 +27,7 @@ typedef struct stp_load {
     stp_splats columns;      ///< surfels: in `memory`, cut to `to`
     stp_splats before;       ///< the resident columns; `from` octaves are copied from them
     stp_clusters clusters;   ///< a coded mesh, opened
-    stp_store_leaves leaves; ///< of a set, opened
+    stp_store_leaves leaves; ///< leaves of a set, opened
 } stp_load;
 
 /// A resource of the store and how much of it is resident.
@@ -36,12 +36,12 @@ typedef struct stp_resident {
     uint64_t bytes;
     stp_load* load;   ///< NULL: no load in flight
     uint64_t used;    ///< number of the update that last wanted it
-    uint64_t arrival; ///< the store's arrival counter
+    uint64_t arrival; ///< number of its last load among all of the store
     float need, octave_need;
     uint8_t level;   ///< resident octaves; of other resources 0 or 1
     uint8_t maximum; ///< maximum possible level
     uint8_t pinned;  ///< octaves that are never dropped
-    uint8_t wanted;  ///< wanted by update `used`
+    uint8_t wanted;  ///< level that update `used` wanted
 } stp_resident;
 
 /// A heap entry: smallest order first, then smallest resource.

@@ -209,7 +209,7 @@ static uint64_t find_limit(const stp_residency* r)
     return limit;
 }
 
-/// Target level of a load from the resource's own level: small octaves are loaded together.
+/// The level that a step from level `from` reaches: small octaves are loaded together.
 static uint32_t find_next(const stp_residency* r, uint32_t resource, uint32_t from, uint32_t target)
 {
     uint32_t to = from + 1;

@@ -124,7 +124,7 @@ static void publish_points(const stp_residency* r, uint32_t index, void* memory)
     }
 }
 
-/// NULL: the resource is dropped.
+/// Publishes a resource other than a set. `memory` NULL: the resource is dropped.
 static void publish(const stp_residency* r, uint32_t resource, void* memory, const stp_load* load)
 {
     stp_resident_kind kind = stp_residency_kind(r, resource);

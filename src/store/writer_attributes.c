@@ -10,7 +10,7 @@
 
 enum {
     BATCH = 32,        ///< chunks compressed at once
-    BINS = 1 << 16,    ///< of a histogram
+    BINS = 1 << 16,    ///< bins of a histogram
     PERCENT = 2,       ///< share of values below the lower percentile, and above the higher one
     CLASS_COUNT = 256, ///< distinct values that are counted
 };

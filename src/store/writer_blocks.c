@@ -130,7 +130,7 @@ stp_result stp_store_write_blocks(stp_store_writing* w)
     for (uint32_t i = 0; i < w->plan.block_count && result == STP_OK; ++i) {
         if (w->plan.blocks[i].kind == STP_BLOCK_SURFELS) {
             result = stp_store_batch_add(batch, i);
-        } else { // after all octaves
+        } else { // after the octaves before it
             result = stp_store_batch_flush(batch);
             bool values = w->plan.blocks[i].kind == STP_BLOCK_ATTRIBUTES ||
                           w->plan.blocks[i].kind == STP_BLOCK_POINT_ATTRIBUTES;

@@ -27,7 +27,7 @@ struct stp_store_batch {
     size_t count;
     unsigned char* bytes; ///< room for BATCH chunks
     uint32_t* parents;    ///< operators: SPLITS_MAX per chunk
-    unsigned char* table; ///< of the block being written
+    unsigned char* table; ///< chunk table of the block being written
     size_t table_capacity;
     stp_store_packer** packers; ///< one per thread, created on first use
     uint32_t thread_count;

@@ -9,7 +9,7 @@
 enum { PAGES_AT_ONCE = 16 }; ///< pages compressed at once
 
 typedef struct packed_page {
-    size_t size;        ///< of its content
+    size_t size;        ///< size of its content
     size_t stored_size; ///< 0: out of memory
     uint32_t crc;
 } packed_page;
@@ -17,14 +17,14 @@ typedef struct packed_page {
 struct stp_store_packing {
     stp_store_writing* w;
     stp_store_section* section;
-    size_t page_bytes; ///< of every page but the last one
+    size_t page_bytes; ///< size of every page but the last one
     unsigned char *content, *stored;
     size_t room; ///< capacity of `content` and `stored` in pages
     packed_page pages[PAGES_AT_ONCE];
     size_t count;  ///< pages gathered; the last one may be incomplete
     size_t filled; ///< bytes of the last one
     unsigned char* table;
-    uint64_t table_bytes, written; ///< entries of `table`
+    uint64_t table_bytes, written; ///< size of `table`; number of entries filled in
     stp_store_packer** packers;    ///< one per thread, created on first use
     uint32_t thread_count;
 };
