@@ -7,6 +7,7 @@
 #include "store/internal.h"
 #include "store/residency.h"
 
+#include <assert.h>
 #include <pthread.h>
 #include <stdatomic.h>
 
@@ -84,6 +85,7 @@ struct stp_residency {
 
 static inline stp_resident_kind stp_residency_kind(const stp_residency* r, uint32_t resource)
 {
+    assert(resource < r->firsts[STP_RESIDENT_KINDS] && "or the loop would not end");
     uint32_t kind = STP_RESIDENT_SURFELS;
     while (resource >= r->firsts[kind + 1]) {
         kind += 1;
@@ -94,6 +96,7 @@ static inline stp_resident_kind stp_residency_kind(const stp_residency* r, uint3
 /// The set of a resource of that kind.
 static inline const stp_splats* stp_residency_surfels(const stp_residency* r, uint32_t resource)
 {
+    assert(stp_residency_kind(r, resource) == STP_RESIDENT_SURFELS);
     return stp_store_describe_surfels(r->store, resource - r->firsts[STP_RESIDENT_SURFELS]);
 }
 
@@ -101,6 +104,7 @@ static inline const stp_splats* stp_residency_surfels(const stp_residency* r, ui
 static inline const stp_store_texture* stp_residency_texture(const stp_residency* r,
                                                              uint32_t resource)
 {
+    assert(stp_residency_kind(r, resource) == STP_RESIDENT_TEXTURE);
     return stp_store_describe_texture(r->store, resource - r->firsts[STP_RESIDENT_TEXTURE]);
 }
 

@@ -4,6 +4,7 @@
 #include "store/internal.h"
 #include "store/writing.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { PAGES_AT_ONCE = 16 }; ///< pages compressed at once
@@ -31,6 +32,7 @@ struct stp_store_packing {
 
 stp_result stp_store_packing_begin(stp_store_writing* w, stp_store_section* section)
 {
+    assert(w->packing == NULL && "sections do not overlap");
     stp_store_packing* p = STP_NEW_ZEROED(w->context, stp_store_packing, 1);
     w->packing = p;
     if (p == NULL) {
@@ -41,6 +43,7 @@ stp_result stp_store_packing_begin(stp_store_writing* w, stp_store_section* sect
     p->section = section;
     p->page_bytes = stp_store_packed_page_bytes(section);
     p->room = pages < PAGES_AT_ONCE ? (size_t)pages : PAGES_AT_ONCE;
+    assert(p->room >= 1 && "empty sections are not packed");
     p->table_bytes = stp_store_packed_table_bytes(section);
     p->thread_count = stp_context_thread_count(w->context);
     p->content = stp_alloc_array(w->context, p->room, p->page_bytes);
@@ -95,6 +98,7 @@ static stp_result flush(stp_store_packing* p)
         if (page->stored_size == 0) {
             return stp_fail_memory(p->w->context);
         }
+        assert((p->written + 1) * STP_STORE_PIECE_ENTRY <= p->table_bytes);
         unsigned char* entry = p->table + p->written * STP_STORE_PIECE_ENTRY;
         stp_write_u32(entry, (uint32_t)page->stored_size);
         stp_write_u32(entry + 4, page->crc);
@@ -131,6 +135,7 @@ stp_result stp_store_packing_end(stp_store_packing* p)
     stp_store_section* section = p->section;
     stp_result result = flush(p);
     if (result == STP_OK) {
+        assert(p->written * STP_STORE_PIECE_ENTRY == p->table_bytes && "every page is written");
         result =
             stp_file_writer_patch(p->w->file, section->offset, p->table, (size_t)p->table_bytes);
     }
