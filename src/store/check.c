@@ -8,7 +8,7 @@
 
 #define SMALL_DIRECTORY ((uint64_t)512 << 10) // a quick check reads smaller ones whole
 
-// Of compressed data, keeps only the columns that are checked.
+// Reads and decodes all columns of an octave, but keeps only those that are validated.
 static stp_result check_surfels(stp_store* store, const stp_store_block* block)
 {
     stp_store_octave_span span = stp_store_span_of(stp_store_describe_surfels(store, block->owner),

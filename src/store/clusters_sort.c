@@ -70,7 +70,9 @@ static curve choose_cells(const cluster_place* places, uint32_t count)
     assert(count >= 1);
     lanes_int minimum = load(&places[0]), maximum = minimum;
     for (uint32_t v = 1; v < count; ++v) {
-        lanes_int place = load(&places[v]), less = place<minimum, more = place> maximum;
+        lanes_int place = load(&places[v]);
+        lanes_int less = place < minimum;
+        lanes_int more = place > maximum;
         minimum = (place & less) | (minimum & ~less);
         maximum = (place & more) | (maximum & ~more);
     }
