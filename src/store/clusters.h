@@ -152,7 +152,6 @@ static inline int32_t stp_cluster_value(const stp_cluster_run* run, uint32_t i)
 static inline void stp_cluster_corners(const stp_cluster* cluster, uint32_t triangle,
                                        uint32_t corners[3])
 {
-    assert(triangle < cluster->triangle_count);
     uint32_t part = triangle / cluster->period, first = part * cluster->stride;
     const uint8_t* index = cluster->indices + 3 * (size_t)(triangle - part * cluster->period);
     for (int k = 0; k < 3; ++k) {
