@@ -5,6 +5,7 @@
 #include "store/file/internal.h"
 #include "store/sets/operators.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -17,6 +18,7 @@ enum {
 stp_store_octave_span stp_store_span_of(const stp_splats* surfels, uint32_t octave,
                                         uint32_t encoding)
 {
+    assert(octave < surfels->octave_count);
     uint32_t first = stp_store_octave_begin(surfels, octave);
     return (stp_store_octave_span){
         .first = first,
@@ -71,6 +73,7 @@ uint32_t stp_store_chunk_count(const stp_store_octave_span* span)
 
 uint32_t stp_store_chunk_end(const stp_store_octave_span* span, uint32_t chunk)
 {
+    assert(chunk < stp_store_chunk_count(span));
     uint32_t colors = color_chunks(span);
     uint64_t end = span->end;
     if (span->encoding != STP_STORE_ENCODING_PLAIN && chunk < colors) {
@@ -91,6 +94,7 @@ static uint32_t chunk_begin(const stp_store_octave_span* span, uint32_t chunk)
 static uint64_t measure(const stp_store_octave_span* span, uint32_t begin, uint32_t end,
                         uint64_t sizes[STP_SURFEL_COLUMNS])
 {
+    assert(span->begin <= begin && begin <= end && end <= span->end);
     uint64_t colors = end - begin;
     uint64_t places = end > span->first ? end - (begin > span->first ? begin : span->first) : 0;
     sizes[STP_SURFEL_POSITIONS] = 6 * places;
@@ -113,6 +117,7 @@ uint64_t stp_store_chunk_columns(const stp_store_octave_span* span, uint32_t chu
         columns[i] = (stp_store_column){.offset = end, .size = size};
         end += size;
     }
+    assert(span->encoding == STP_STORE_ENCODING_PLAIN || end <= STP_STORE_PIECE_BYTES);
     return end;
 }
 
@@ -228,6 +233,7 @@ static const char* decode_chunk(block_reader* at, const stp_store_octave_span* s
     unsigned char decoded[STP_STORE_PIECE_BYTES];
     stp_store_column columns[STP_STORE_COLUMN_LIMIT];
     size_t size = (size_t)stp_store_chunk_columns(span, chunk, columns);
+    assert(stored_size <= size);
     bool operators = span->encoding == STP_STORE_ENCODING_OPERATORS;
     uint32_t begin = chunk_begin(span, chunk), end = stp_store_chunk_end(span, chunk);
     if (stored_size == size) {
@@ -285,6 +291,9 @@ const char* stp_store_read_chunks(const stp_store_block_source* source,
                                   const stp_store_octave_span* span, uint32_t begin, uint32_t end,
                                   void* const targets[STP_SURFEL_COLUMNS], uint64_t* read_bytes)
 {
+    assert(begin <= end && end <= stp_store_chunk_count(span));
+    assert(span->encoding != STP_STORE_ENCODING_OPERATORS ||
+           (source->set != NULL && source->waiting != NULL));
     block_reader at = {.source = source};
     unsigned char* places[STP_SURFEL_COLUMNS];
     uint64_t sizes[STP_SURFEL_COLUMNS], offset = 0;

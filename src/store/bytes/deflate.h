@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Separately compressed pieces of a file: chunks of octaves and pages of the directory. A piece
+// Separately compressed pieces of a file: chunks of blocks and pages of the directory. A piece
 // whose stored size is smaller than its content is a DEFLATE stream, padded with zero bytes to at
 // least 1/STP_STORE_PIECE_RATIO of that size.
 #pragma once
@@ -19,7 +19,8 @@ typedef struct libdeflate_compressor stp_store_packer;
 /// NULL if memory runs out.
 stp_store_packer* stp_store_packer_create(void);
 void stp_store_packer_destroy(stp_store_packer* packer);
-/// Compresses a piece into `out`, which has room for `size` bytes; copies it if `packer` is NULL.
+/// Compresses a piece into `out`, which has room for `size` bytes; copies it if it does not shrink or
+/// `packer` is NULL.
 /// @return the bytes stored, at most `size`
 size_t stp_store_pack(stp_store_packer* packer, const void* bytes, size_t size, void* out);
 

@@ -5,10 +5,12 @@
 #include "base/io/bytes.h"
 #include "store/file/internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 static stp_store_packed* state_of(stp_store* store, const stp_store_section* section)
 {
+    assert(section >= store->sections && section < store->sections + store->section_count);
     return &store->packed[section - store->sections];
 }
 
@@ -57,6 +59,7 @@ stp_result stp_store_open_packed(stp_store* store, const stp_store_section* sect
 
 size_t stp_store_page_size(const stp_store_section* section, uint64_t page)
 {
+    assert(page < stp_store_packed_page_count(section));
     uint32_t page_bytes = stp_store_packed_page_bytes(section);
     uint64_t left = stp_store_content_bytes(section) - page * page_bytes;
     return left < page_bytes ? (size_t)left : page_bytes;
@@ -66,6 +69,8 @@ stp_result stp_store_read_page(stp_store* store, const stp_store_section* sectio
                                void* out)
 {
     const uint64_t* offsets = state_of(store, section)->offsets;
+    assert(offsets != NULL && "stp_store_open_packed comes first");
+    assert(offsets[page + 1] <= section->offset + section->size);
     const unsigned char* entry = store->file.bytes + section->offset + page * STP_STORE_PIECE_ENTRY;
     const unsigned char* stored = store->file.bytes + offsets[page];
     uint64_t stored_size = offsets[page + 1] - offsets[page];

@@ -8,6 +8,8 @@
 #include "store/bytes/deflate.h"
 #include "store/file/format.h"
 
+#include <assert.h>
+
 static inline bool stp_store_is_packed(const stp_store_section* section)
 {
     return (section->flags & STP_SECTION_PACKED) != 0;
@@ -22,6 +24,7 @@ static inline uint64_t stp_store_content_bytes(const stp_store_section* section)
 /// Decoded size of every page but the last one.
 static inline uint32_t stp_store_packed_page_bytes(const stp_store_section* section)
 {
+    assert(section->record_size != 0 && section->record_size <= STP_STORE_PIECE_BYTES);
     return STP_STORE_PIECE_BYTES / section->record_size * section->record_size;
 }
 

@@ -7,7 +7,7 @@
 
 typedef struct stp_store_page_sums {
     stp_context* context;
-    uint32_t* crcs; ///< of all pages so far; the last one may be incomplete (stp_free)
+    uint32_t* crcs; ///< checksums of all pages so far, the last perhaps incomplete (stp_free)
     size_t count, capacity;
     size_t filled;                       ///< bytes in the last page
     bool open;                           ///< a section is being written

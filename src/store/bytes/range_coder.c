@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "store/bytes/range_coder.h"
 
+#include <assert.h>
+
 enum { CODE_BYTES = 4 };
 
 static void emit(stp_range_coder* c, uint32_t byte)
@@ -16,6 +18,7 @@ static void emit(stp_range_coder* c, uint32_t byte)
 void stp_range_put_byte(stp_range_coder* c)
 {
     uint32_t carry = (uint32_t)(c->low >> 32);
+    assert(c->encoding && carry <= 1);
     uint32_t top = (uint32_t)(c->low >> 24) & 0xFFu;
     if (top != 0xFFu || carry != 0 || c->held == 0) {
         if (c->held > 0) {
@@ -55,6 +58,7 @@ void stp_range_decode_begin(stp_range_coder* c, const unsigned char* input, size
 
 bool stp_range_decode_ends_well(const stp_range_coder* c)
 {
+    assert(!c->encoding);
     for (size_t i = c->at; i < c->size; ++i) {
         if (c->input[i] != 0) {
             return false;

@@ -5,6 +5,7 @@
 // algorithm for removing redundancy from a digitised message. 1979.
 #pragma once
 
+#include <assert.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -43,6 +44,7 @@ void stp_range_put_byte(stp_range_coder* coder);
 
 static inline void stp_range_normalize(stp_range_coder* c)
 {
+    assert(c->range != 0 && "or the loop would not end");
     while (c->range < 1u << 24) {
         c->range <<= 8;
         if (c->encoding) {
@@ -57,6 +59,7 @@ static inline void stp_range_normalize(stp_range_coder* c)
 /// A bit of 0 takes the range `bound`. @return the bit; when encoding, it is `bit`
 static inline uint32_t stp_range_code_split(stp_range_coder* c, uint32_t bound, uint32_t bit)
 {
+    assert(bound > 0 && bound < c->range);
     if (!c->encoding) {
         bit = c->code >= bound ? 1 : 0;
         c->code -= bit != 0 ? bound : 0;
@@ -71,6 +74,7 @@ static inline uint32_t stp_range_code_split(stp_range_coder* c, uint32_t bound, 
 /// Codes a bit with a model and updates the model.
 static inline uint32_t stp_range_code_bit(stp_range_coder* c, stp_bit_model* model, uint32_t bit)
 {
+    assert(model->seen <= STP_BIT_SETTLED);
     uint32_t share = model->zero >> 4;
     bit = stp_range_code_split(c, (c->range >> 12) * (share > 0 ? share : 1), bit);
     uint32_t part = 2u * model->seen + 3u; // 2 (bits seen + 1.5)
@@ -83,6 +87,7 @@ static inline uint32_t stp_range_code_bit(stp_range_coder* c, stp_bit_model* mod
 /// Codes `count` bits (at most 16) with equal probabilities, highest first.
 static inline uint32_t stp_range_code_plain(stp_range_coder* c, uint32_t count, uint32_t value)
 {
+    assert(count <= 16 && value >> count == 0);
     uint32_t made = 0;
     for (uint32_t i = count; i-- > 0;) {
         made = made << 1 | stp_range_code_split(c, c->range >> 1, value >> i & 1u);

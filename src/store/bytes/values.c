@@ -5,6 +5,7 @@
 #include "store/bytes/chunks.h"
 #include "store/file/internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { TABLE_CRC = 4, ENTRIES = 512 };
@@ -57,6 +58,7 @@ static uint64_t read_value(const unsigned char* bytes, size_t size)
 void stp_store_split_values(const void* values, size_t count, size_t size, bool differences,
                             unsigned char* out)
 {
+    assert(size >= 1 && size <= sizeof(uint64_t));
     const unsigned char* from = values;
     uint64_t before = 0;
     for (size_t i = 0; i < count; ++i) {
@@ -119,6 +121,7 @@ static const char* take_chunk(chunk_reader* at, uint64_t chunk, uint64_t offset,
     size_t size = stp_attribute_size(at->attribute);
     uint64_t each = stp_store_values_each(at->attribute), begin = chunk * each;
     uint64_t left = at->values->count - begin, count = left < each ? left : each;
+    assert(begin < at->values->count && "the chunk exists");
     size_t bytes = (size_t)count * size, stored_size = stp_read_u32(entry);
     if (stored_size > bytes) {
         return "size of a chunk";
@@ -140,6 +143,7 @@ static const char* take_chunk(chunk_reader* at, uint64_t chunk, uint64_t offset,
     }
     uint64_t from = at->first > begin ? at->first : begin;
     uint64_t to = at->end < begin + count ? at->end : begin + count;
+    assert(from < to && "only chunks with requested values are decoded");
     at->take(at->user, from, joined + (from - begin) * size, (size_t)(to - from));
     return NULL;
 }
@@ -150,6 +154,7 @@ static const char* walk_table(chunk_reader* at, uint64_t begin, uint64_t end, bo
 {
     unsigned char bytes[ENTRIES * STP_STORE_PIECE_ENTRY], crc_bytes[TABLE_CRC];
     const stp_store_values* v = at->values;
+    assert(stp_store_can_hold_values(v->attributes, v->count, v->block->size));
     uint64_t chunks = stp_store_values_chunks(v->attributes, v->count), offset = 0;
     uint64_t table = v->block->size - table_bytes(v->attributes, v->count);
     uint64_t before =
@@ -166,6 +171,7 @@ static const char* walk_table(chunk_reader* at, uint64_t begin, uint64_t end, bo
         for (size_t i = 0; i < count && fault == NULL; ++i, ++done) {
             const unsigned char* entry = bytes + i * STP_STORE_PIECE_ENTRY;
             uint64_t stored = stp_read_u32(entry);
+            assert(offset <= table && "chunks precede their table");
             fault = stored > table - offset ? "size of a chunk" : NULL;
             if (fault == NULL && take && done >= begin && done < end) {
                 fault = take_chunk(at, done - before, offset, entry);
@@ -195,6 +201,7 @@ const char* stp_store_read_values(const stp_store_values* values, stp_attribute 
     if (first >= end) {
         return NULL;
     }
+    assert(end <= values->count && stp_store_has_bit(values->attributes, attribute));
     uint64_t each = stp_store_values_each(attribute);
     uint64_t before = stp_store_values_chunks(
         values->attributes & (stp_attribute_bit(attribute) - 1), values->count);

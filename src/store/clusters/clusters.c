@@ -7,6 +7,7 @@
 #include "store/clusters/clusters_layout.h"
 #include "store/clusters/clusters_unpack.h"
 
+#include <assert.h>
 #include <stdatomic.h>
 
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
@@ -15,6 +16,7 @@
 
 static const unsigned char* entry_at(const stp_clusters* clusters, uint32_t index)
 {
+    assert(index < clusters->cluster_count);
     return clusters->bytes + CLUSTERS_HEADER_BYTES + (size_t)index * CLUSTERS_ENTRY_BYTES;
 }
 
@@ -289,10 +291,12 @@ void stp_clusters_get(const stp_clusters* clusters, uint32_t index, stp_cluster*
     if (end == NULL || (uint64_t)(end - table) > left) {
         get_nothing(cluster);
     }
+    assert(cluster->period >= 1 && "stp_cluster_corners divides by it");
 }
 
 void stp_cluster_indices(const stp_cluster* cluster, uint32_t first, uint32_t* indices)
 {
+    assert(cluster->vertex_count <= UINT32_MAX - first);
     uint32_t length = 3 * cluster->period, begin = 0;
     for (uint32_t at = 0; at < 3 * cluster->triangle_count; at += length) {
         uint32_t limit = cluster->vertex_count - begin;
@@ -311,6 +315,7 @@ uint32_t stp_clusters_first_triangle(const stp_clusters* clusters, uint32_t inde
 
 uint32_t stp_clusters_find(const stp_clusters* clusters, uint32_t triangle)
 {
+    assert(triangle < clusters->triangle_count);
     // Clusters hold about equally many triangles, so this guess is close.
     uint32_t count = clusters->cluster_count, step = 1;
     uint32_t guess = (uint32_t)((uint64_t)triangle * count / clusters->triangle_count);
@@ -338,6 +343,7 @@ uint32_t stp_clusters_find(const stp_clusters* clusters, uint32_t triangle)
             high = middle;
         }
     }
+    assert(low < clusters->cluster_count);
     return low;
 }
 
@@ -390,6 +396,7 @@ void stp_cluster_positions(const stp_clusters* clusters, const stp_cluster* clus
                                         positions);
     }
 #endif
+    assert(done <= cluster->vertex_count);
     for (uint32_t k = 0; k < 3; ++k) {
         const stp_cluster_run run = cluster->runs[k];
         if (run.layout != STP_CLUSTER_PLAIN) {

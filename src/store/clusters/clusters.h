@@ -22,6 +22,7 @@
 
 #include "store/file/store.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -38,7 +39,7 @@ typedef struct stp_coded_mesh {
     const void* bytes;
     size_t size;
     uint32_t cluster_count, triangle_count, vertex_count; ///< vertices: sum over clusters
-    stp_box bounds;                                       ///< of the quantised positions
+    stp_box bounds;                                       ///< box around the quantised positions
 } stp_coded_mesh;
 
 /// Codes a mesh on the grid of `step` (base/math/position_grid.h) into memory of the context (stp_free
@@ -125,6 +126,7 @@ void stp_clusters_prefetch(const stp_clusters* clusters, uint32_t index);
 /// Number `i` of an array of numbers of `width` bits.
 static inline uint32_t stp_cluster_bits(const unsigned char* bytes, uint32_t width, uint32_t i)
 {
+    assert(width <= 32 && i < STP_CLUSTER_VERTICES);
     uint64_t bits;
     uint32_t at = i * width;
     memcpy(&bits, bytes + (at >> 3), sizeof(bits));
@@ -182,6 +184,7 @@ static inline stp_vec2 stp_cluster_texcoord(const stp_clusters* clusters,
                                             const stp_cluster* cluster, uint32_t set,
                                             uint32_t vertex)
 {
+    assert(set < 2);
     const stp_cluster_run* runs = &cluster->runs[STP_CLUSTER_TEXCOORDS + 2 * set];
     return (stp_vec2){(float)stp_cluster_value(&runs[0], vertex) * clusters->texcoord_steps[set],
                       (float)stp_cluster_value(&runs[1], vertex) * clusters->texcoord_steps[set]};

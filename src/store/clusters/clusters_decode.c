@@ -4,10 +4,13 @@
 #include "store/clusters/clusters.h"
 #include "store/file/format.h"
 
+#include <assert.h>
+
 static void decode_triangle(const stp_clusters* clusters, const stp_cluster* cluster,
                             uint32_t triangle, stp_decoded_mesh* mesh)
 {
     size_t at = (size_t)cluster->first_triangle + triangle;
+    assert(at < mesh->triangle_count && "also if the mapped file was overwritten");
     uint32_t corner[3];
     stp_cluster_corners(cluster, triangle, corner);
     stp_vec3 p[3], n[3];

@@ -5,8 +5,10 @@
 
 #include "base/core/context.h"
 
+#include <assert.h>
+
 enum {
-    TEXCOORD_EXPONENT = -16, // at most a sixteenth of a texel of an 8k texture
+    TEXCOORD_EXPONENT = -16, // rounds to within a sixteenth of a texel of an 8k texture
     FLOAT_DIGITS = 23,
     PREFETCH = 8, // distance in triangles
 };
@@ -41,6 +43,7 @@ static bool append_cluster(encoding* e, uint32_t first_triangle)
             return false;
         }
     }
+    assert(e->data_size % 4 == 0 && "offsets count units of 4 bytes");
     clusters_entry entry = {.offset = (uint32_t)(e->data_size / 4),
                             .first_triangle = first_triangle};
     stp_cluster_maker_finish(e->maker, &entry);
@@ -120,6 +123,7 @@ static stp_result cut_clusters(encoding* e, const uint64_t* order, uint32_t tria
         bool loose = order != NULL && order[at] >> 32 != 0;
         uint32_t first = at;
         at = loose ? gather_parts(e, order, at, end) : gather_triangles(e, order, at, end);
+        assert(at > first && at <= end && e->maker->triangle_count == at - first);
         if (!append_cluster(e, first)) {
             return stp_fail_memory(e->context);
         }
@@ -137,6 +141,7 @@ static stp_result join(const encoding* e, uint32_t triangle_count, stp_coded_mes
     size_t entry_bytes = e->entry_count * CLUSTERS_ENTRY_BYTES;
     size_t begin = CLUSTERS_HEADER_BYTES + entry_bytes;
     size_t size = begin + e->data_size + CLUSTERS_PADDING_BYTES;
+    assert(e->vertex_count <= UINT32_MAX && (begin + e->data_size) / 4 <= UINT32_MAX);
     unsigned char* bytes = stp_alloc(e->context, size);
     if (bytes == NULL) {
         return stp_fail_memory(e->context);
@@ -202,6 +207,7 @@ static bool prepare(encoding* e, const stp_store_mesh* mesh, double step)
         !(largest / step <= (double)CLUSTERS_NUMBER_LIMIT)) {
         return false;
     }
+    assert((double)clusters_power_of_two(e->step_exponent) == step && "a power of two");
     m->mesh = mesh;
     m->inverse_step = 1.0 / step;
     for (uint32_t k = 0; k < 3; ++k) {
@@ -229,6 +235,7 @@ static bool prepare(encoding* e, const stp_store_mesh* mesh, double step)
             m->extra_channels[m->extra_count++] = STP_CLUSTER_COLORS + k;
         }
     }
+    assert(m->extra_count <= STP_CLUSTER_CHANNELS - STP_CLUSTER_TEXCOORDS);
     return true;
 }
 

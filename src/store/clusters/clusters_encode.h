@@ -4,10 +4,12 @@
 
 #include "store/clusters/clusters_layout.h"
 
+#include <assert.h>
+
 enum { CLUSTER_SLOTS = 1024 };
 
-/// Rounds to the nearest integer, ties upwards. The value must be within the range of clusters.
-int32_t stp_clusters_round(double value);
+/// Rounds to the nearest integer, ties upwards, and clamps to CLUSTERS_NUMBER_LIMIT in magnitude.
+int32_t clusters_round(double value);
 
 /// A vertex on the grid of the mesh or of a cluster.
 typedef struct cluster_place {
@@ -37,6 +39,7 @@ void stp_clusters_place_vertices(const stp_store_mesh* mesh, double inverse_step
 /// Classes of loose parts start at 1; 0 is not loose.
 static inline uint32_t clusters_part_class(uint32_t triangles, uint32_t vertices)
 {
+    assert(vertices <= 255 && triangles <= UINT32_MAX >> 8);
     return triangles << 8 | vertices;
 }
 
@@ -55,14 +58,14 @@ typedef enum cluster_group { GROUP_SMOOTH, GROUP_FACE, GROUP_PLAIN, GROUP_COUNT 
 /// A cluster being gathered.
 typedef struct stp_cluster_maker {
     const stp_store_mesh* mesh;
-    const cluster_place* places; ///< of the mesh's vertices
+    const cluster_place* places; ///< the mesh's vertices on its grid
     double inverse_step;
     double texcoord_inverses[2];
     uint32_t present;
     /// Channels other than positions that distinguish vertices.
     uint32_t extra_channels[STP_CLUSTER_CHANNELS];
     uint32_t extra_count;
-    // Of the cluster:
+    // The current cluster:
     uint32_t triangle_count, vertex_count;
     uint32_t shift;                               ///< positions are multiples of 2^shift steps
     uint32_t group;                               ///< vertices per part; 0: no loose parts

@@ -4,6 +4,8 @@
 #include "base/splats/octahedral.h"
 #include "store/clusters/clusters_encode.h"
 
+#include <assert.h>
+
 // Squared cosine of a third of a degree: closer directions shade alike in 8 bits.
 #define ALIKE 0.999964
 
@@ -74,6 +76,7 @@ static void read_corner(const stp_cluster_maker* m, uint32_t vertex, corner* c)
         hash ^= hash >> 15;
     }
     c->slot = (hash ^ hash >> 15) * 0x85ebca77u >> 22;
+    assert(c->slot < CLUSTER_SLOTS);
 }
 
 static direction cross(direction a, direction b)
@@ -173,10 +176,9 @@ static bool is_same(const stp_cluster_maker* m, uint32_t vertex, const corner* c
 
 typedef enum wanted { WANT_ANY, WANT_NORMAL, WANT_NONE } wanted;
 
-/// Finds or adds a vertex at the corner's position with the given normal, without one, or with any.
-/// @return STP_CLUSTER_VERTICES if there is none
-static uint32_t find_vertex(const stp_cluster_maker* m, const corner* c, wanted want,
-                            uint32_t normal)
+/// Finds a vertex at the corner's position with the given normal, without one, or with any. @return
+/// STP_CLUSTER_VERTICES if there is none
+static uint32_t find_vertex(const cluster_maker* m, const corner* c, wanted want, uint32_t normal)
 {
     for (uint32_t link = m->slots[c->slot]; link != 0; link = m->next[link - 1]) {
         uint32_t v = link - 1;
@@ -191,6 +193,7 @@ static uint32_t find_vertex(const stp_cluster_maker* m, const corner* c, wanted 
 
 static uint32_t add_vertex(stp_cluster_maker* m, const corner* c)
 {
+    assert(m->vertex_count < STP_CLUSTER_VERTICES);
     uint32_t v = m->vertex_count++;
     m->vertices[v] = c->place;
     for (uint32_t i = 0; i < m->extra_count; ++i) {
@@ -377,6 +380,7 @@ static bool add_part_triangle(stp_cluster_maker* m, uint32_t triangle, uint32_t 
 bool stp_cluster_maker_take_parts(stp_cluster_maker* m, const uint64_t* triangles, uint32_t count,
                                   uint32_t part_class)
 {
+    assert(part_class != 0 && count >= 1 && count <= STP_CLUSTER_TRIANGLES);
     uint32_t part = clusters_part_triangles(part_class);
     stp_cluster_maker_begin(m);
     m->group = clusters_part_vertices(part_class);
@@ -414,6 +418,7 @@ static uint32_t order_vertices(stp_cluster_maker* m)
     }
     for (uint32_t v = 0, with = 0, without = normals; v < count; ++v) {
         uint32_t at = m->has_normal[v] ? with++ : without++;
+        assert(at < (m->has_normal[v] ? normals : count) && "a permutation, normals first");
         const cluster_place* vertex = &m->vertices[v];
         place[v] = (uint8_t)at;
         m->values[STP_CLUSTER_X][at] = vertex->at[0];
@@ -443,6 +448,7 @@ static uint32_t order_vertices(stp_cluster_maker* m)
 
 void stp_cluster_maker_finish(stp_cluster_maker* m, clusters_entry* entry)
 {
+    assert(m->triangle_count >= 1 && m->vertex_count >= 1 && "clusters are never empty");
     uint8_t sorted[STP_CLUSTER_TRIANGLES][3];
     uint32_t counts[GROUP_COUNT] = {0}, at[GROUP_COUNT];
     for (uint32_t t = 0; t < m->triangle_count; ++t) {
@@ -454,6 +460,7 @@ void stp_cluster_maker_finish(stp_cluster_maker* m, clusters_entry* entry)
     for (uint32_t t = 0; t < m->triangle_count; ++t) {
         memcpy(sorted[at[m->groups[t]]++], m->corners[t], sizeof(sorted[0]));
     }
+    assert(at[GROUP_SMOOTH] == counts[GROUP_SMOOTH] && at[GROUP_PLAIN] == m->triangle_count);
     memcpy(m->corners, sorted, m->triangle_count * sizeof(sorted[0]));
     entry->triangle_count = (uint8_t)m->triangle_count;
     entry->last_vertex = (uint8_t)(m->vertex_count - 1);

@@ -6,6 +6,8 @@
 #include "store/clusters/clusters.h"
 #include "store/file/format.h"
 
+#include <assert.h>
+
 enum {
     CLUSTERS_HEADER_BYTES = 24,
     CLUSTERS_ENTRY_BYTES = 32,
@@ -14,7 +16,7 @@ enum {
     CLUSTERS_EXPONENT_MIN = -149,
     CLUSTERS_EXPONENT_MAX = 96, ///< any 32-bit multiple of such a step is finite
     CLUSTERS_NUMBER_LIMIT = (1 << 30) - 1,
-    CLUSTERS_CHANNEL_BYTES = 8, ///< of the table entry of an extra channel
+    CLUSTERS_CHANNEL_BYTES = 8, ///< size of an extra channel's table entry
     CLUSTERS_MAX_SHIFT = 24,
     CLUSTERS_MAX_OWN = 32,
 };
@@ -34,7 +36,7 @@ typedef struct clusters_entry {
     uint8_t last_vertex;
     uint8_t smooth_count, face_count;
     uint8_t group; ///< vertices per part; 0: no parts
-    uint8_t shift; ///< of x, y, z
+    uint8_t shift; ///< x, y and z are multiples of 2^shift steps from `origin`
     bool repeats;  ///< all parts repeat the first one's triangles
     bool grouped;  ///< x, y, z have a layer of parts
     uint8_t own_width[3];
@@ -65,11 +67,13 @@ static inline clusters_entry clusters_read_entry(const unsigned char* p)
 
 static inline void clusters_write_entry(unsigned char* p, const clusters_entry* entry)
 {
+    assert(entry->normal_count <= entry->last_vertex + 1u && entry->shift <= CLUSTERS_MAX_SHIFT);
     stp_write_u32(p, entry->offset);
     stp_write_u32(p + 4, entry->first_triangle);
     for (int k = 0; k < 3; ++k) {
         stp_write_u32(p + 8 + 4 * k, (uint32_t)entry->origin[k]);
         p[20 + k] = entry->width[k];
+        assert(entry->width[k] <= 32 && entry->own_width[k] < 32 && "own widths have 5 bits");
     }
     p[23] = entry->triangle_count;
     p[24] = entry->last_vertex;
@@ -127,9 +131,10 @@ static inline void clusters_write_channel(unsigned char* p, const clusters_chann
     p[7] = channel->shift;
 }
 
-/// Of x, y or z.
+/// The channel of x, y or z (`k`: 0 to 2).
 static inline clusters_channel clusters_position_channel(const clusters_entry* entry, uint32_t k)
 {
+    assert(k <= STP_CLUSTER_Z);
     return (clusters_channel){entry->origin[k], entry->width[k], entry->own_width[k],
                               entry->grouped ? STP_CLUSTER_GROUPED : STP_CLUSTER_PLAIN,
                               entry->shift};
@@ -139,6 +144,7 @@ static inline clusters_channel clusters_position_channel(const clusters_entry* e
 static inline uint32_t clusters_base_bytes(const clusters_channel* channel, uint32_t count,
                                            uint32_t group)
 {
+    assert(channel->layout == STP_CLUSTER_PLAIN || group != 0);
     uint32_t values = channel->layout == STP_CLUSTER_PLAIN ? count : (count + group - 1) / group;
     return (values * channel->width + 7) / 8;
 }
@@ -162,6 +168,7 @@ static inline uint32_t clusters_index_triangles(const clusters_entry* entry)
 
 static inline float clusters_power_of_two(int exponent)
 {
+    assert(exponent >= -1022 && exponent <= 1023 && "a normal double");
     uint64_t bits = (uint64_t)(exponent + 1023) << 52;
     double value;
     memcpy(&value, &bits, sizeof(value));

@@ -2,13 +2,17 @@
 // Packs a gathered cluster into bits. Each channel uses its smallest layout.
 #include "store/clusters/clusters_encode.h"
 
+#include <assert.h>
+
 /// Little-endian, lowest bit first. @return the end
 static unsigned char* pack_values(const uint32_t* values, uint32_t count, uint32_t width,
                                   unsigned char* out)
 {
+    assert(width >= 1 && width <= 32);
     uint64_t bits = 0;
     uint32_t filled = 0;
     for (uint32_t i = 0; i < count; ++i) {
+        assert((uint64_t)values[i] >> width == 0 && "the value fits its width");
         bits |= (uint64_t)values[i] << filled;
         filled += width;
         if (filled >= 32) {
@@ -41,6 +45,7 @@ typedef struct packing {
 /// Finds the origin, the width, and the low bits that all values share.
 static void measure_values(packing* p, const int32_t* values)
 {
+    assert(p->count >= 1);
     int32_t minimum = values[0];
     uint32_t all = 0, maximum = 0;
     for (uint32_t i = 1; i < p->count; ++i) {
@@ -63,6 +68,7 @@ static void drop_bits(packing* p, uint32_t shift)
     p->channel.shift = (uint8_t)shift;
     p->channel.width -= p->channel.width > shift ? (uint8_t)shift : p->channel.width;
     for (uint32_t i = 0; i < p->count && shift > 0; ++i) {
+        assert((p->values[i] & ((1u << shift) - 1u)) == 0 && "only zero bits are dropped");
         p->values[i] >>= shift;
     }
 }
@@ -71,6 +77,7 @@ static void drop_bits(packing* p, uint32_t shift)
 /// all parts
 static bool split_values(packing* p)
 {
+    assert(p->group != 0);
     uint32_t maximum = 0;
     bool alike = true;
     for (uint32_t first = 0, part = 0; first < p->count; first += p->group, ++part) {
@@ -121,6 +128,7 @@ static unsigned char* write_values(packing* p, unsigned char* out)
 static unsigned char* pack_positions(const stp_cluster_maker* m, clusters_entry* entry,
                                      unsigned char* out)
 {
+    const unsigned char* start = out;
     packing axes[3];
     uint32_t shift = CLUSTERS_MAX_SHIFT, plain = 0, grouped = 0;
     for (uint32_t k = 0; k < 3; ++k) {
@@ -146,6 +154,8 @@ static unsigned char* pack_positions(const stp_cluster_maker* m, clusters_entry*
         entry->width[k] = axes[k].channel.width;
         entry->own_width[k] = axes[k].channel.own_width;
     }
+    assert((size_t)(out - start) == (entry->grouped ? grouped : plain) && "as measured");
+    (void)start;
     return out;
 }
 
@@ -183,6 +193,7 @@ static bool are_parts_alike(const stp_cluster_maker* m, uint32_t parts)
 
 size_t stp_clusters_pack(const stp_cluster_maker* m, clusters_entry* entry, unsigned char* bytes)
 {
+    assert(m->group <= UINT8_MAX && m->vertex_count >= 1 && m->triangle_count >= 1);
     entry->group = (uint8_t)m->group;
     entry->repeats = m->group != 0 && are_parts_alike(m, m->vertex_count / m->group);
     uint32_t counts[STP_CLUSTER_CHANNELS], extra = 0;
@@ -201,8 +212,10 @@ size_t stp_clusters_pack(const stp_cluster_maker* m, clusters_entry* entry, unsi
             table += CLUSTERS_CHANNEL_BYTES;
         }
     }
+    assert(table == bytes + (size_t)CLUSTERS_CHANNEL_BYTES * extra);
     while (((size_t)(out - bytes) & 3) != 0) {
         *out++ = 0;
     }
+    assert((size_t)(out - bytes) <= CLUSTER_MAX_BYTES);
     return (size_t)(out - bytes);
 }

@@ -8,6 +8,8 @@
 #include "base/core/context.h"
 #include "store/clusters/clusters_encode.h"
 
+#include <assert.h>
+
 enum {
     MAX_TRIANGLES = 32, // per part
     MAX_VERTICES = 32,
@@ -33,6 +35,7 @@ typedef struct part_finder {
 static uint32_t find_root(uint32_t* parents, uint32_t v)
 {
     while (parents[v] != v) {
+        assert(parents[v] < v && "parents have lower indices, so the loop ends");
         parents[v] = parents[parents[v]];
         v = parents[v];
     }
@@ -58,10 +61,11 @@ static void flatten(uint32_t* parents, uint32_t count)
 {
     for (uint32_t v = 0; v < count; ++v) {
         parents[v] = parents[parents[v]];
+        assert(parents[parents[v]] == parents[v] && "lower vertices are flat already");
     }
 }
 
-/// Counts the triangles of each root; needs a flat forest. @return triangles in small parts
+/// Flattens the forest and counts the triangles of each root. @return triangles in small parts
 static uint32_t count_small(const part_finder* f)
 {
     const stp_store_mesh* mesh = f->mesh;
@@ -128,6 +132,7 @@ static uint32_t count_shared(const part_finder* f, const uint64_t* order)
 /// soup and no part would stay loose.
 static bool is_soup(const part_finder* f, const uint64_t* order)
 {
+    assert(f->mesh->triangle_count >= WINDOW);
     uint32_t windows = f->mesh->triangle_count / WINDOW_EVERY + 1, shared = 0;
     for (uint32_t i = 0; i < windows; ++i) {
         uint64_t last = f->mesh->triangle_count - WINDOW;
@@ -187,6 +192,8 @@ static uint32_t classify(const part_finder* f, uint32_t triangle, uint32_t* root
 
 static uint32_t bucket_of(uint32_t class)
 {
+    assert(class == 0 || (clusters_part_triangles(class) - 1 < MAX_TRIANGLES &&
+                          clusters_part_vertices(class) - 1 < MAX_VERTICES));
     return class == 0 ? 0
                       : (clusters_part_triangles(class) - 1) * MAX_VERTICES +
                             clusters_part_vertices(class);
@@ -209,6 +216,7 @@ static void sort_parts(const part_finder* f, const uint64_t* order, uint64_t* ou
         places[i] = begin;
         begin += sizes[i] < MIN_OF_CLASS ? 0 : sizes[i];
     }
+    assert(begin == count && "every triangle has a place");
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t t = (uint32_t)order[i], class = classify(f, t, &root), bucket = bucket_of(class);
         if (bucket == 0 || sizes[bucket] < MIN_OF_CLASS) {

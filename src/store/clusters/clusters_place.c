@@ -2,6 +2,8 @@
 // Rounds vertices to the mesh's grid.
 #include "store/clusters/clusters_encode.h"
 
+#include <assert.h>
+
 typedef float lanes_float __attribute__((vector_size(16)));
 typedef int32_t lanes_int __attribute__((vector_size(16)));
 
@@ -36,6 +38,7 @@ static uint32_t read_normal(const stp_store_mesh* mesh, size_t vertex)
 void stp_clusters_place_vertices(const stp_store_mesh* mesh, double inverse_step,
                                  cluster_place* places)
 {
+    assert(inverse_step > 0.0 && inverse_step < HUGE_VAL);
     const bool narrow = inverse_step < 0x1p-126 || inverse_step > 0x1p127; // no normal float
     const float scale = narrow ? 0.0f : (float)inverse_step;
     const size_t count = mesh->vertex_count;

@@ -4,10 +4,12 @@
 #include "base/math/sort.h"
 #include "store/clusters/clusters_encode.h"
 
+#include <assert.h>
+
 enum {
     CURVE_BITS = 10,
     INDEX_BITS = 32,
-    SUM_BITS = 20, // of a corner's coordinate, so that the sum of three is exact as a float
+    SUM_BITS = 20, // bits of a corner's coordinate; the sum of three is exact as a float
     LANES = 4,
 };
 
@@ -65,9 +67,12 @@ static lanes_int load(const cluster_place* place)
 /// Cells that span the longest side of the vertices' box.
 static curve choose_cells(const cluster_place* places, uint32_t count)
 {
+    assert(count >= 1);
     lanes_int minimum = load(&places[0]), maximum = minimum;
     for (uint32_t v = 1; v < count; ++v) {
-        lanes_int place = load(&places[v]), less = place<minimum, more = place> maximum;
+        lanes_int place = load(&places[v]);
+        lanes_int less = place < minimum;
+        lanes_int more = place > maximum;
         minimum = (place & less) | (minimum & ~less);
         maximum = (place & more) | (maximum & ~more);
     }
@@ -90,12 +95,15 @@ static lanes_int find_cell(const curve* c, const cluster_place* places, const ui
         sum += ((lanes_uint)load(&places[corner[k]]) - c->minimum) >> c->shift;
     }
     lanes_float scaled = __builtin_convertvector((lanes_int)sum, lanes_float) * c->scale;
-    return __builtin_convertvector(scaled, lanes_int);
+    lanes_int cell = __builtin_convertvector(scaled, lanes_int);
+    assert(((cell[0] | cell[1] | cell[2]) & ~((1 << CURVE_BITS) - 1)) == 0 && "within the curve");
+    return cell;
 }
 
 uint64_t* stp_clusters_sort(const stp_store_mesh* mesh, const cluster_place* places,
                             uint64_t* items, uint64_t* scratch)
 {
+    assert(items != scratch);
     const uint32_t count = mesh->triangle_count;
     const curve c = choose_cells(places, mesh->vertex_count);
     for (uint32_t t = 0; t < count; t += LANES) {

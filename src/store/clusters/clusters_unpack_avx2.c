@@ -6,6 +6,7 @@
 #include "store/clusters/clusters_layout.h"
 #include "store/clusters/clusters_unpack.h"
 
+#include <assert.h>
 #include <immintrin.h>
 
 enum { GROUP = 8, GROUP_BYTES = 16 };
@@ -18,6 +19,7 @@ typedef struct unpacking {
 
 static unpacking make_unpacking(const stp_cluster_run* run)
 {
+    assert(run->width <= CLUSTERS_UNPACK_WIDTH && run->shift < 32);
     __m256i bit = _mm256_mullo_epi32(_mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7),
                                      _mm256_set1_epi32((int)run->width));
     // each lane gets four bytes from its first one on; bytes past the end wrap around and are
@@ -98,6 +100,7 @@ uint32_t stp_clusters_unpack_avx2(const stp_cluster_run runs[3], uint32_t count,
         }
         store_vertices(axis, positions + 3 * (size_t)done);
     }
+    assert(done <= count && done % GROUP == 0);
     return done;
 }
 

@@ -4,6 +4,7 @@
 #include "store/file/texture_images.h"
 #include "store/sets/columns.h"
 
+#include <assert.h>
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -41,6 +42,7 @@ static uint32_t points_attributes(const stp_store_point_set* points)
 uint32_t stp_store_planned_attributes(const stp_store_content* content,
                                       const stp_store_block* block)
 {
+    assert(block->kind == STP_BLOCK_ATTRIBUTES || block->kind == STP_BLOCK_POINT_ATTRIBUTES);
     return block->kind == STP_BLOCK_ATTRIBUTES
                ? stp_splats_attributes(&content->surfels[block->owner])
                : points_attributes(&content->point_sets[block->owner]);
@@ -85,6 +87,7 @@ static void add_node(const stp_store_content* content, uint32_t index, shown_nod
     shown_node at = nodes[index];
     for (uint32_t k = 0; k < node->edge_count; ++k) {
         const stp_store_edge* edge = &directory->edges[node->first_edge + k];
+        assert(edge->node < index && "the walk meets parents before children");
         shown_node* child = &nodes[edge->node];
         double larger = largest_scale(&edge->transform);
         child->scale = fmax(child->scale, at.scale * larger);
@@ -94,6 +97,7 @@ static void add_node(const stp_store_content* content, uint32_t index, shown_nod
     for (uint32_t m = 0; m == 0 || m < directory->method_count; ++m) {
         uint32_t set = stp_store_set_of(directory, m, index);
         if (set != STP_STORE_NONE) {
+            assert(set < directory->surfels_count);
             s->set_scales[set] = fmax(s->set_scales[set], at.scale);
         }
     }
@@ -154,6 +158,7 @@ static valued_block value_octave(const stp_store_content* content, uint32_t set,
 {
     stp_store_column columns[STP_STORE_COLUMN_LIMIT];
     const stp_splats* surfels = &content->surfels[set];
+    assert(octave < surfels->octave_count);
     float radius = radius_reached(&surfels->table, surfels->octave_ends[octave]);
     stp_store_block block = {
         .kind = STP_BLOCK_SURFELS,
@@ -165,11 +170,12 @@ static valued_block value_octave(const stp_store_content* content, uint32_t set,
     return (valued_block){block, (double)block.radius};
 }
 
-// Leaves follow the first octave with as many splats as leaves: before that, few leaves have any
-// splat.
+// Leaves follow the first octave that ends with at least as many splats as leaves: before that, few
+// leaves have any splat.
 static valued_block value_leaves(const stp_store_content* content, uint32_t set, double scale)
 {
     const stp_splats* surfels = &content->surfels[set];
+    assert(surfels->octave_count != 0 && "only splats have leaves");
     uint32_t octave = 0;
     while (octave + 1 < surfels->octave_count &&
            surfels->octave_ends[octave] < surfels->leaf_count) {
@@ -335,6 +341,18 @@ static int compare_blocks(const void* left, const void* right)
     return a->block.owner < b->block.owner ? -1 : a->block.owner > b->block.owner ? 1 : 0;
 }
 
+#ifndef NDEBUG
+static bool are_ordered(const valued_block* blocks, uint32_t count)
+{
+    for (uint32_t i = 1; i < count; ++i) {
+        if (compare_blocks(&blocks[i - 1], &blocks[i]) >= 0) {
+            return false;
+        }
+    }
+    return true;
+}
+#endif
+
 // Puts the blocks of all owners into the plan, in file order.
 static stp_result order_blocks(stp_context* context, const stp_store_content* content,
                                const shown* s, const uint32_t* texture_owners, stp_store_plan* plan)
@@ -343,8 +361,12 @@ static stp_result order_blocks(stp_context* context, const stp_store_content* co
     if (blocks == NULL) {
         return stp_fail_memory(context);
     }
+    uint32_t planned = plan->block_count;
     plan->block_count = add_blocks(content, s, texture_owners, blocks);
+    assert(plan->block_count <= planned);
+    (void)planned;
     qsort(blocks, plan->block_count, sizeof(blocks[0]), compare_blocks);
+    assert(are_ordered(blocks, plan->block_count) && "the order is total");
     for (uint32_t i = 0; i < plan->block_count; ++i) {
         plan->blocks[i] = blocks[i].block;
     }
@@ -358,6 +380,7 @@ static void place_blocks(uint64_t data_offset, const uint32_t* first_octaves, st
     uint64_t end = data_offset;
     for (uint32_t i = 0; i < plan->block_count; ++i) {
         stp_store_block* block = &plan->blocks[i];
+        assert((i == 0 || block->radius <= block[-1].radius) && "the reader refuses other orders");
         block->offset = stp_store_align(end, STP_STORE_ALIGNMENT);
         end = block->offset + block->size;
         switch (block->kind) {
@@ -429,6 +452,8 @@ static stp_result plan_blocks(stp_context* context, const stp_store_content* con
     if (result == STP_OK) {
         place_blocks(data_offset, first_octaves, plan);
         for (uint32_t i = 0; i < directory->texture_count; ++i) {
+            assert(texture_owners[i] <= i &&
+                   texture_owners[texture_owners[i]] == texture_owners[i]);
             plan->texture_blocks[i] = plan->texture_blocks[texture_owners[i]];
         }
     }

@@ -3,6 +3,8 @@
 // place.
 #include "store/file/internal.h"
 
+#include <assert.h>
+
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
 #error "columns are used straight from the file, which is little-endian"
 #endif
@@ -45,6 +47,7 @@ static const void* column_at(const unsigned char* bytes, const stp_store_column*
 
 void stp_store_find_mesh_columns(uint32_t present, const unsigned char* bytes, stp_store_mesh* mesh)
 {
+    assert((uintptr_t)bytes % STP_STORE_COLUMN_ALIGNMENT == 0);
     stp_store_column c[STP_STORE_COLUMN_LIMIT];
     stp_store_mesh_columns(mesh->vertex_count, mesh->triangle_count, present, c);
     mesh->positions = column_at(bytes, &c[STP_MESH_POSITIONS], true);
@@ -60,6 +63,7 @@ void stp_store_find_mesh_columns(uint32_t present, const unsigned char* bytes, s
 void stp_store_find_point_columns(uint32_t present, const unsigned char* bytes,
                                   stp_store_point_set* points)
 {
+    assert((uintptr_t)bytes % STP_STORE_COLUMN_ALIGNMENT == 0);
     stp_store_column c[STP_STORE_COLUMN_LIMIT];
     stp_store_point_columns(points->point_count, present, c);
     points->positions = column_at(bytes, &c[STP_POINT_POSITIONS], true);
@@ -101,6 +105,7 @@ stp_result stp_store_get_mesh(stp_store* store, uint32_t index, stp_store_mesh* 
 
 bool stp_store_is_clustered(const stp_store* store, uint32_t index)
 {
+    assert(index < store->counts[STP_SECTION_MESHES]);
     const stp_store_mesh_record* records = store->tables[STP_SECTION_MESHES];
     return stp_store_block_at(store, records[index].block)->kind == STP_BLOCK_CLUSTERS;
 }
@@ -108,6 +113,7 @@ bool stp_store_is_clustered(const stp_store* store, uint32_t index)
 const char* stp_store_find_clusters(const stp_store* store, uint32_t index,
                                     const unsigned char* bytes, stp_clusters* clusters)
 {
+    assert(stp_store_is_clustered(store, index));
     const stp_store_mesh_record* records = store->tables[STP_SECTION_MESHES];
     const stp_store_clusters_record* known = store->tables[STP_SECTION_CLUSTERS];
     const stp_store_mesh_record* record = &records[index];
@@ -223,18 +229,21 @@ stp_result stp_store_get_point_set(stp_store* store, uint32_t index, stp_store_p
 
 const stp_store_mesh* stp_store_describe_mesh(const stp_store* store, uint32_t index)
 {
+    assert(index < store->counts[STP_SECTION_MESHES]);
     const stp_store_mesh_record* records = store->tables[STP_SECTION_MESHES];
     return &records[index].mesh;
 }
 
 const stp_store_point_set* stp_store_describe_point_set(const stp_store* store, uint32_t index)
 {
+    assert(index < store->counts[STP_SECTION_POINT_SETS]);
     const stp_store_point_record* records = store->tables[STP_SECTION_POINT_SETS];
     return &records[index].points;
 }
 
 const stp_splats* stp_store_describe_surfels(const stp_store* store, uint32_t index)
 {
+    assert(index < store->counts[STP_SECTION_SURFELS]);
     const stp_store_surfels_record* records = store->tables[STP_SECTION_SURFELS];
     return &records[index].surfels;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "store/file/store.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 // By triangle count, largest first; ties by position.
@@ -64,6 +65,7 @@ stp_result stp_store_census_create(stp_context* context,
             parts[at].member_count = 1;
         }
     }
+    assert(next == own && other == count && "the chosen candidates are exactly `own`");
     if (count > own) {
         parts[own].name = "others";
         parts[own].members = members + own;

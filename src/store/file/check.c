@@ -4,13 +4,16 @@
 #include "store/bytes/chunks.h"
 #include "store/file/internal.h"
 
+#include <assert.h>
+
 #define SMALL_DIRECTORY ((uint64_t)512 << 10) // a quick check reads smaller ones whole
 
-// Of compressed data, keeps only the columns that are checked.
+// Reads and decodes all columns of an octave, but keeps only those that are validated.
 static stp_result check_surfels(stp_store* store, const stp_store_block* block)
 {
     stp_store_octave_span span = stp_store_span_of(stp_store_describe_surfels(store, block->owner),
                                                    block->octave, block->encoding);
+    assert(block->encoding != STP_STORE_ENCODING_OPERATORS && "check_operators decodes these");
     stp_store_block_source source = {.block = block, .read = stp_store_read_mapped, .user = store};
     uint32_t count = span.end - span.first;
     uint64_t read_bytes = 0;
@@ -65,6 +68,7 @@ static stp_result check_operators(stp_store* store, uint32_t index)
 
 static stp_result check_zeros(const stp_store* store, uint64_t begin, uint64_t end)
 {
+    assert(begin <= end && "blocks and columns do not overlap");
     for (uint64_t at = begin; at < end; ++at) {
         if (store->file.bytes[at] != 0) {
             return stp_fail(store->context, STP_ERROR_FORMAT,
@@ -171,6 +175,7 @@ static stp_result check_blocks(stp_store* store, stp_store_check_report* report)
         end = block->offset + block->size;
         report->bytes_checked = end;
     }
+    assert(end == store->file_bytes && "the last block ends the file");
     return STP_OK;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "store/file/content_sizes.h"
 
+#include <assert.h>
+
 static stp_result create_sizes(stp_context* context, const stp_store_directory* directory,
                                stp_store_sizes* sizes)
 {
@@ -40,6 +42,7 @@ static void add_octaves(const stp_store_block* blocks, uint32_t count, stp_store
 static stp_store_amount amount_of_texture(const stp_store_texture* texture,
                                           const stp_store_block* block)
 {
+    assert(block->kind == STP_BLOCK_TEXTURE);
     return (stp_store_amount){.count = (uint64_t)texture->width * texture->height,
                               .bytes = block->size,
                               .owner = block->owner};
@@ -48,6 +51,7 @@ static stp_store_amount amount_of_texture(const stp_store_texture* texture,
 stp_result stp_store_sizes_of_file(const stp_store* store, stp_store_sizes* sizes)
 {
     const stp_store_directory* directory = &store->directory;
+    assert(!store->partial && "blocks are not read for a summary");
     const stp_store_mesh_record* meshes = store->tables[STP_SECTION_MESHES];
     const stp_store_point_record* point_sets = store->tables[STP_SECTION_POINT_SETS];
     const stp_store_texture_record* textures = store->tables[STP_SECTION_TEXTURES];
@@ -74,6 +78,7 @@ stp_result stp_store_sizes_of_file(const stp_store* store, stp_store_sizes* size
     for (uint32_t i = 0; i < directory->texture_count; ++i) {
         sizes->textures[i] =
             amount_of_texture(&textures[i].texture, stp_store_block_at(store, textures[i].block));
+        assert(sizes->textures[i].owner <= i && "the first texture with a block owns it");
     }
     for (uint32_t i = 0; i < directory->surfels_count; ++i) {
         sizes->sets[i].count = stp_store_describe_surfels(store, i)->count;
@@ -109,6 +114,7 @@ stp_result stp_store_sizes_of_plan(stp_context* context, const stp_store_content
     for (uint32_t i = 0; i < directory->texture_count; ++i) {
         sizes->textures[i] =
             amount_of_texture(&content->textures[i], &plan->blocks[plan->texture_blocks[i]]);
+        assert(sizes->textures[i].owner <= i && "the first texture with a block owns it");
     }
     for (uint32_t i = 0; i < directory->surfels_count; ++i) {
         sizes->sets[i].count = content->surfels[i].count;
@@ -117,7 +123,7 @@ stp_result stp_store_sizes_of_plan(stp_context* context, const stp_store_content
     return STP_OK;
 }
 
-// The only object below another (the last one seen), and the number of such objects.
+// Number of children of an object, and the last of them.
 typedef struct below {
     uint32_t count, last;
 } below;
@@ -125,6 +131,7 @@ typedef struct below {
 // Whether an object only places other objects and has no content itself.
 static bool is_place(const stp_store_directory* directory, uint32_t object, const below* children)
 {
+    assert(directory->objects[object].node != STP_STORE_NONE);
     return directory->nodes[directory->objects[object].node].part_count == 0 &&
            children[object].count != 0;
 }
@@ -135,6 +142,7 @@ static uint32_t find_place(const stp_store_directory* directory, below* children
     below roots = {0, STP_STORE_NONE};
     for (uint32_t i = 0; i < directory->object_count; ++i) {
         const stp_store_object* object = &directory->objects[i];
+        assert(object->parent == STP_STORE_NONE || object->parent < i);
         below* parent = object->parent != STP_STORE_NONE ? &children[object->parent] : &roots;
         if (object->node != STP_STORE_NONE) {
             *parent = (below){parent->count + 1, i};

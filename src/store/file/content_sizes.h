@@ -10,8 +10,8 @@
 /// A mesh, point set, texture or surfel set.
 typedef struct stp_store_amount {
     uint64_t count, bytes; ///< triangles, points, texels or surfels; bytes of its blocks
-    uint32_t material;     ///< of a mesh or point set
-    uint32_t owner;        ///< of a texture: the first one that shares its block
+    uint32_t material;     ///< only for meshes and point sets
+    uint32_t owner;        ///< only for textures: the first texture with this block
 } stp_store_amount;
 
 typedef struct stp_store_sizes {
@@ -19,9 +19,9 @@ typedef struct stp_store_sizes {
     stp_store_amount *meshes, *point_sets, *textures, *sets;
 } stp_store_sizes;
 
-/// Of an open file. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged; nothing to destroy)
+/// Sizes in an open file. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged; nothing to destroy)
 STP_MUST_USE stp_result stp_store_sizes_of_file(const stp_store* store, stp_store_sizes* sizes);
-/// Of content whose blocks are planned.
+/// Sizes of content whose blocks are planned.
 STP_MUST_USE stp_result stp_store_sizes_of_plan(stp_context* context,
                                                 const stp_store_content* content,
                                                 const stp_store_plan* plan, stp_store_sizes* sizes);

@@ -3,6 +3,7 @@
 // Constants of the `.stip` format; docs/format.md defines them.
 #pragma once
 
+#include <assert.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -18,10 +19,10 @@ enum {
     STP_STORE_HEADER_BYTES = 128,
     STP_STORE_SECTION_BYTES = 40,
     STP_STORE_SECTION_LIMIT = 256, ///< the root directory fits in the first 16 KiB
-    STP_STORE_ALIGNMENT = 64,      ///< of sections and blocks
+    STP_STORE_ALIGNMENT = 64,      ///< alignment of sections and blocks, in bytes
     STP_STORE_COLUMN_ALIGNMENT = 16,
     STP_STORE_RECORD_LIMIT = 256, ///< version 1 has no longer record
-    STP_STORE_PAGE_BYTES = 16384, ///< of a section, with its own checksum
+    STP_STORE_PAGE_BYTES = 16384, ///< size of a page: the part of a section with its own checksum
     STP_STORE_TEXT_LIMIT = 4095,  ///< bytes of a text that a record refers to
     STP_STORE_TEXTURE_LIMIT = 65536,
     STP_STORE_SHADING_LIMIT = 256,
@@ -75,9 +76,9 @@ typedef enum stp_store_block_kind {
     STP_BLOCK_TEXTURE,
     STP_BLOCK_SURFELS,
     STP_BLOCK_CLUSTERS,         ///< a coded mesh
-    STP_BLOCK_ATTRIBUTES = 7,   ///< of an octave of a surfel set
-    STP_BLOCK_POINT_ATTRIBUTES, ///< of a point set
-    STP_BLOCK_LEAVES,           ///< of a surfel set
+    STP_BLOCK_ATTRIBUTES = 7,   ///< attributes of an octave of a surfel set
+    STP_BLOCK_POINT_ATTRIBUTES, ///< attributes of a point set
+    STP_BLOCK_LEAVES,           ///< leaves of a surfel set
     STP_BLOCK_END
 } stp_store_block_kind;
 
@@ -114,5 +115,6 @@ typedef struct stp_store_block {
 
 static inline uint64_t stp_store_align(uint64_t offset, uint64_t alignment)
 {
+    assert(alignment != 0 && (alignment & (alignment - 1)) == 0);
     return (offset + alignment - 1) & ~(alignment - 1);
 }

@@ -3,6 +3,7 @@
 #include "base/io/bytes.h"
 #include "store/file/internal.h"
 
+#include <assert.h>
 #include <libdeflate.h>
 #include <string.h>
 
@@ -94,6 +95,7 @@ static stp_result read_fields(stp_store* store)
 
 static bool are_zero(const unsigned char* bytes, uint64_t begin, uint64_t end)
 {
+    assert(begin <= end);
     for (uint64_t i = begin; i < end; ++i) {
         if (bytes[i] != 0) {
             return false;
@@ -147,6 +149,7 @@ static stp_result read_sections(stp_store* store)
         return fail_format(store, "the section table does not fit before the data");
     }
     store->section_end = end;
+    assert(end <= store->file.size && "read_fields and check_sizes come first");
     if (stp_read_u32(p + 36) !=
         stp_store_crc(0, p + STP_STORE_HEADER_BYTES, (size_t)end - STP_STORE_HEADER_BYTES)) {
         return fail_format(store, "the checksum of the section table is wrong");
@@ -185,5 +188,7 @@ stp_result stp_store_read_header(stp_store* store)
     if (result == STP_OK) {
         result = check_sizes(store);
     }
-    return result == STP_OK ? read_sections(store) : result;
+    result = result == STP_OK ? read_sections(store) : result;
+    assert((result != STP_OK || store->data_offset <= store->file.size) && "directory is mapped");
+    return result;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "store/file/instances.h"
 
+#include <assert.h>
+
 #define SAME_PART 1e-6   // relative to the object's diagonal
 #define SAME_ROUND 1e-11 // relative to its coordinates
 
@@ -17,6 +19,7 @@ static double largest_of(stp_vec3d v)
 stp_instance stp_instance_of_node(const stp_store* store, uint32_t node,
                                   const stp_affine* transform)
 {
+    assert(node < stp_store_get_directory(store)->node_count);
     stp_instance instance = {.node = node, .transform = *transform};
     instance.bounds = stp_store_get_directory(store)->nodes[node].bounds;
     instance.center = stp_affine_point(transform, middle_of(&instance.bounds));
@@ -100,6 +103,7 @@ static bool find_below(stp_instance_search* search, uint32_t node, const stp_aff
     }
     for (uint32_t i = 0; i < n->edge_count; ++i) {
         const stp_store_edge* edge = &d->edges[n->first_edge + i];
+        assert(edge->node < node && "children have lower indices");
         bool lower =
             !instance->is_part && edge->node < instance->node; // children have lower indices
         if (lower || (search->reaches != NULL && search->reaches[edge->node] == 0)) {

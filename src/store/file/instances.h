@@ -17,7 +17,7 @@ typedef struct stp_instance {
     uint32_t node;
     stp_affine transform; ///< to scene space
     stp_boxd bounds;      ///< in its own space
-    stp_vec3d center;     ///< of the bounds, in scene space
+    stp_vec3d center;     ///< center of the bounds, in scene space
 } stp_instance;
 
 stp_instance stp_instance_of_node(const stp_store* store, uint32_t node,
@@ -36,7 +36,7 @@ typedef struct stp_instance_search {
     const stp_store_directory* directory;
     const uint8_t* reaches; ///< optional: for each node, whether it is worth descending
     uint64_t visits_left;
-    bool gave_up; ///< it reached the limit of visited nodes
+    bool gave_up; ///< it reached the limit of visited nodes or STP_INSTANCE_DEPTH
 } stp_instance_search;
 
 /// Whether a node with a transform is the occurrence, or contains it.

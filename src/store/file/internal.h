@@ -25,7 +25,7 @@ struct stp_store {
     stp_mapped_file file;
     bool mapped;         ///< false: the caller owns the bytes
     size_t mapped_bytes; ///< can exceed file.size: desc.prefix_bytes
-    int descriptor;      ///< of the mapped file, open for reading; -1: none
+    int descriptor;      ///< file descriptor of the mapped file; -1: none
     stp_store_open_desc desc;
 
     uint64_t file_bytes;  ///< according to the header
@@ -50,9 +50,9 @@ struct stp_store {
     stp_store_coloring coloring;
     bool objects_ready;
     bool partial; ///< opened for its summary: the graph and everything below it was not read
-    uint8_t* pages_checked; ///< one bit per page of the sections that are not packed
+    uint8_t* pages_checked; ///< one bit per page of unpacked sections, then one per section
     bool page_table_checked;
-    uint64_t bytes_checked;           ///< of the directory
+    uint64_t bytes_checked;           ///< bytes of the directory verified so far
     struct stp_store_key_table* keys; ///< created on first use
     struct stp_store_large** large;   ///< lists of large triangles by mesh; created on first use
     uint64_t arrivals;                ///< counts loads of bulk data by all residencies
@@ -86,7 +86,7 @@ STP_MUST_USE stp_result stp_store_read_table(stp_store* store, uint32_t type, st
 STP_MUST_USE stp_result stp_store_validate_summary(stp_store* store);
 /// Reads only what a summary needs, not the whole directory.
 STP_MUST_USE stp_result stp_store_read_head(stp_store* store);
-/// Checks some pages of each section that stp_store_read_head skips.
+/// Checks the page checksums themselves and the first page of every section.
 STP_MUST_USE stp_result stp_store_check_head(stp_store* store);
 
 /// Verifies the pages that hold a byte range of a section, once each; without page checksums, the

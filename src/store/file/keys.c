@@ -2,6 +2,7 @@
 // Content keys of surfel sets and meshes. A build finds the results of a previous build by them.
 #include "store/file/internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 // Hash table with open addressing: sets first, then meshes. A slot holds record index + 1.
@@ -26,6 +27,7 @@ static uint32_t* make_slots(stp_context* context, const stp_store_key* keys, uin
         size *= 2;
     }
     *mask = size - 1;
+    assert(size > count && (size & *mask) == 0 && "probing meets an empty slot");
     uint32_t* slots = STP_NEW_ZEROED(context, uint32_t, size);
     for (uint32_t i = 0; slots != NULL && i < count; ++i) {
         size_t slot = keys[i].hash.low & *mask;
@@ -111,6 +113,7 @@ stp_result stp_store_find_surfels_by_key(stp_store* store, stp_hash key,
         return STP_OK;
     }
     const stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
+    assert(index < store->directory.surfels_count);
     found->surfels = &sets[index].surfels;
     found->index = index;
     return STP_OK;
@@ -130,6 +133,7 @@ stp_result stp_store_find_mesh_by_key(stp_store* store, stp_hash key, stp_store_
         return STP_OK;
     }
     const stp_store_mesh_record* meshes = store->tables[STP_SECTION_MESHES];
+    assert(index < store->directory.mesh_count);
     const stp_store_block* block = stp_store_block_at(store, meshes[index].block);
     const unsigned char* bytes = NULL;
     result = stp_store_verify_block(store, block, &bytes);

@@ -2,6 +2,8 @@
 // Reads single objects from the file; pages are verified and decoded as needed.
 #include "store/file/internal.h"
 
+#include <assert.h>
+
 static stp_result read_record(stp_store* store, uint32_t index, stp_store_object* object)
 {
     const stp_store_section* section = store->known[STP_SECTION_OBJECTS];
@@ -30,6 +32,7 @@ static stp_result read_record(stp_store* store, uint32_t index, stp_store_object
     }
     stp_store_codec codec = {.input = records + offset, .text = &text};
     table->code(&codec, object);
+    assert(codec.offset == table->record_size && "a record has exactly its fields");
     const char* fault = codec.fault;
     if (fault == NULL && object->parent != STP_STORE_NONE && object->parent >= index) {
         fault = "has a parent with a higher index";

@@ -4,6 +4,8 @@
 #include "base/io/bytes.h"
 #include "store/file/internal.h"
 
+#include <assert.h>
+
 static uint64_t page_count_of(const stp_store_section* section)
 {
     return section->type == STP_SECTION_PAGES || stp_store_is_packed(section)
@@ -93,6 +95,7 @@ static stp_result verify_page(stp_store* store, const stp_store_section* section
         return STP_OK;
     }
     uint64_t begin = page * STP_STORE_PAGE_BYTES, end = begin + STP_STORE_PAGE_BYTES;
+    assert(begin < section->size && bit < table->count);
     end = end < section->size ? end : section->size;
     const unsigned char* bytes = store->file.bytes;
     uint32_t wanted = stp_read_u32(bytes + table->offset + bit * table->record_size);
@@ -109,6 +112,8 @@ static stp_result verify_page(stp_store* store, const stp_store_section* section
 stp_result stp_store_verify_range(stp_store* store, const stp_store_section* section,
                                   uint64_t offset, uint64_t size)
 {
+    assert(stp_store_is_packed(section) ||
+           (offset <= section->size && size <= section->size - offset));
     if (stp_store_is_packed(section)) {
         return stp_store_unpack_range(store, section, offset, size);
     }

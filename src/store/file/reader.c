@@ -4,6 +4,7 @@
 #include "store/file/texture_images.h"
 #include "store/sets/leaves_internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 stp_result stp_store_read_text(stp_store* store, uint32_t type, stp_store_text* text)
@@ -50,9 +51,11 @@ static stp_result decode_records(stp_store* store, const stp_store_section* sect
 {
     const stp_store_table* table = stp_store_table_of(section->type);
     char* elements = store->tables[section->type];
+    assert(first <= store->counts[section->type] && count <= store->counts[section->type] - first);
     for (uint32_t i = first; i < first + count; ++i, bytes += section->record_size) {
         stp_store_codec codec = {.input = bytes, .text = text};
         table->code(&codec, elements + i * table->element_size);
+        assert(codec.offset == table->record_size && "a record has exactly its fields");
         if (codec.fault != NULL) {
             return stp_fail(store->context, STP_ERROR_FORMAT, "%s: %s %u %s", store->path,
                             table->name, i, codec.fault);
@@ -84,6 +87,7 @@ stp_result stp_store_read_table(stp_store* store, uint32_t type, stp_store_text*
 {
     const stp_store_section* section = store->known[type];
     const stp_store_table* table = stp_store_table_of(type);
+    assert(table->code != NULL && store->tables[type] == NULL && "read once, or freed");
     if (section == NULL || section->count == 0) {
         return STP_OK;
     }
@@ -285,6 +289,7 @@ static stp_result finish_open(stp_store* made, stp_store** store)
         stp_store_close(made);
         return result;
     }
+    assert(!stp_store_is_truncated(made) || made->desc.accept_prefix);
     if (stp_store_is_truncated(made)) {
         stp_warn(made->context, "%s: ends after %zu of %llu bytes; showing the part that is there",
                  made->path, made->file.size, (unsigned long long)made->file_bytes);
@@ -315,6 +320,7 @@ stp_result stp_store_open_with(stp_context* context, const char* path,
 stp_result stp_store_open_memory(stp_context* context, const char* name, const void* bytes,
                                  size_t size, const stp_store_open_desc* desc, stp_store** store)
 {
+    assert((uintptr_t)bytes % STP_STORE_COLUMN_ALIGNMENT == 0 && "columns are used in place");
     stp_store* made = create_store(context, name, desc);
     if (made == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;

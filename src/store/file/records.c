@@ -3,6 +3,8 @@
 
 #include "base/io/bytes.h"
 
+#include <assert.h>
+
 static void note_fault(stp_store_codec* codec, const char* fault)
 {
     codec->fault = codec->fault != NULL ? codec->fault : fault;
@@ -84,6 +86,7 @@ static uint32_t add_text(stp_store_codec* codec, const char* text)
         }
         pool->bytes = grown;
     }
+    assert(length <= pool->capacity - pool->size && pool->size + length <= STP_STORE_NONE);
     uint32_t offset = (uint32_t)pool->size;
     memcpy(pool->bytes + offset, text, length);
     pool->size += length;
@@ -421,6 +424,7 @@ static void code_coordinates(stp_store_codec* codec, void* element)
 
 void stp_store_code_section(stp_store_codec* codec, stp_store_section* section)
 {
+    size_t begin = codec->offset;
     code_u32(codec, &section->type);
     code_u32(codec, &section->flags);
     code_u64(codec, &section->offset);
@@ -428,6 +432,8 @@ void stp_store_code_section(stp_store_codec* codec, stp_store_section* section)
     code_u64(codec, &section->count);
     code_u32(codec, &section->record_size);
     code_u32(codec, &section->crc);
+    assert(codec->offset - begin == STP_STORE_SECTION_BYTES);
+    (void)begin;
 }
 
 const stp_store_table* stp_store_table_of(uint32_t type)

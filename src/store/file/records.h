@@ -15,7 +15,7 @@
 typedef struct stp_store_text {
     stp_context* context;
     char* bytes;        ///< while writing: growing
-    const char* stored; ///< while reading: in the file
+    const char* stored; ///< while reading: the first text; the store owns the bytes
     size_t size, capacity;
     bool checked;        ///< while reading: all bytes are present and verified
     uint64_t uses, used; ///< while reading: number of uses by records, and their total bytes
@@ -161,7 +161,7 @@ typedef union stp_store_element {
     stp_store_certainty certainty;
 } stp_store_element;
 
-/// By section type; all 0 for unknown types and sections that are no tables.
+/// By section type; all 0 for unknown types. Sections of texts have no name and no `code`.
 const stp_store_table* stp_store_table_of(uint32_t type);
 
 /// The entries of the root directory.

@@ -3,6 +3,8 @@
 #include "base/core/saturate.h"
 #include "store/file/content_sizes.h"
 
+#include <assert.h>
+
 // Counts including instances: a node's own plus its children's.
 typedef enum instanced {
     INSTANCED_OBJECTS,
@@ -19,7 +21,7 @@ typedef struct accumulator {
     stp_context* context;
     const stp_store_sizes* sizes;
     const stp_store_directory* directory;
-    uint64_t* sums; ///< of one kind, by node
+    uint64_t* sums; ///< by node: count of the current kind, with all instances
     // number of the last walk that visited each item; walks are numbered from 1
     uint32_t *nodes_met, *meshes_met, *point_sets_met, *textures_met, *sets_met;
     uint32_t walk;
@@ -84,6 +86,7 @@ static uint64_t count_own(const accumulator* t, const stp_store_node* node, inst
 
 static uint32_t node_of(const accumulator* t, uint32_t object)
 {
+    assert(object < t->directory->object_count);
     return t->directory->objects[object].node;
 }
 
@@ -95,6 +98,7 @@ static void sum_instances(accumulator* t, instanced kind, const stp_store_census
         const stp_store_node* node = &d->nodes[i];
         t->sums[i] = count_own(t, node, kind);
         for (uint32_t k = 0; k < node->edge_count; ++k) {
+            assert(d->edges[node->first_edge + k].node < i);
             t->sums[i] =
                 stp_add_saturated(t->sums[i], t->sums[d->edges[node->first_edge + k].node]);
         }
@@ -120,6 +124,7 @@ static bool is_first_visit(const accumulator* t, uint32_t* met, uint32_t index)
 static void count_node(accumulator* t, uint32_t node)
 {
     if (node != STP_STORE_NONE && is_first_visit(t, t->nodes_met, node)) {
+        assert(t->stacked < t->directory->node_count && "each node enters once per walk");
         t->stack[t->stacked++] = node;
     }
 }
@@ -187,6 +192,7 @@ static void walk(accumulator* t, stp_store_figures* figures)
 static void sum_unique(accumulator* t, const stp_store_census* census, stp_store_summary* summary)
 {
     t->walk = 1;
+    assert(t->stacked == 0);
     count_node(t, t->directory->root);
     walk(t, &summary->figures);
     for (uint32_t i = 0; i < census->part_count; ++i) {
@@ -283,6 +289,7 @@ stp_result stp_store_count_figures(stp_context* context, const stp_store_sizes* 
                                    const stp_store_census* census, bool counted,
                                    stp_store_summary* summary)
 {
+    assert(census->part_count <= STP_STORE_SCENE_PARTS + 1);
     accumulator t = {.context = context, .sizes = sizes, .directory = sizes->directory};
     *summary = (stp_store_summary){0};
     summary->parts = STP_NEW_ZEROED(context, stp_store_scene_part, (size_t)census->part_count + 1);

@@ -3,13 +3,15 @@
 // A `.stip` file opened for reading: the whole scene as verified tables and columns, directly in
 // the mapped file. docs/format.md is the authority on the bytes.
 //
-// `stp_store_open` reads the directory (a few KB) and checks every count and offset in it. The data
+// `stp_store_open` reads the whole directory and checks every count and offset in it. The data
 // of a mesh, texture or surfel set is verified (checksum, index ranges) on first use.
 #pragma once
 
 #include "base/io/hash.h"
 #include "base/splats/splat_columns.h"
 #include "store/file/summary.h"
+
+#include <assert.h>
 
 #define STP_STORE_NONE UINT32_MAX
 
@@ -53,7 +55,7 @@ typedef struct stp_store_mesh {
     const float* texcoords[2]; ///< NULL, or 2 per vertex
     const uint16_t* colors;    ///< NULL, or 4 per vertex, linear, 65535 is 1
     const uint32_t* indices;   ///< 3 per triangle, each below vertex_count
-    double area; ///< of its triangles, in square units of its space; sorts blocks; not stored
+    double area; ///< total area of its triangles, in square units of its space; not stored
     bool cut;    ///< a piece of a larger mesh: its borders round like the whole's; not stored
 } stp_store_mesh;
 
@@ -61,6 +63,7 @@ typedef struct stp_store_mesh {
 /// be overwritten after its check.
 static inline uint32_t stp_store_mesh_corner(const stp_store_mesh* mesh, size_t corner)
 {
+    assert(corner < 3 * (size_t)mesh->triangle_count);
     uint32_t vertex = *(const volatile uint32_t*)(mesh->indices + corner); // read once
     return vertex < mesh->vertex_count ? vertex : 0;
 }
@@ -125,7 +128,7 @@ typedef struct stp_store_source {
     const char* path;
     const char* format;
     uint64_t bytes;
-    const char* coordinate_system; ///< of its points: WKT, or "EPSG:25832"; NULL: not known
+    const char* coordinate_system; ///< WKT, or a code such as "EPSG:25832"; NULL: not known
 } stp_store_source;
 
 typedef struct stp_store_attribute stp_store_attribute;             // store/sets/attribute_blocks.h
@@ -144,9 +147,10 @@ typedef struct stp_store_directory {
     const stp_shading* shadings;
     const stp_store_view* views;
     const stp_store_source* sources;
-    const stp_store_method* methods;       ///< the first method's sets are the nodes' own
-    const stp_store_attribute* attributes; ///< of points; made by the writer itself
-    const stp_store_attribute_value* attribute_values; ///< likewise
+    const stp_store_method* methods; ///< the first method's sets are the nodes' own
+    const stp_store_attribute*
+        attributes; ///< statistics of point attributes; the writer computes them
+    const stp_store_attribute_value* attribute_values; ///< points per class; the writer counts them
     uint32_t root;                                     ///< STP_STORE_NONE in an empty scene
     double unit_metres;                                ///< 0: unknown
     char up;                                           ///< the input's up axis
@@ -157,6 +161,8 @@ typedef struct stp_store_directory {
 static inline uint32_t stp_store_set_of(const stp_store_directory* directory, uint32_t method,
                                         uint32_t node)
 {
+    assert(node < directory->node_count);
+    assert(method == 0 || method < directory->method_count);
     const uint32_t* sets = method != 0 ? directory->methods[method].sets : NULL;
     return sets != NULL ? sets[node] : directory->nodes[node].surfels;
 }
@@ -165,7 +171,7 @@ static inline uint32_t stp_store_set_of(const stp_store_directory* directory, ui
 uint32_t stp_store_find_method(const stp_store_directory* directory, uint32_t id);
 
 /// Opens and checks the directory. @return STP_OK, or IO, TRUNCATED, FORMAT, VERSION, UNSUPPORTED
-/// (an unknown critical section), OUT_OF_MEMORY (logged)
+/// (an unknown critical section, or an unknown encoding of a block), OUT_OF_MEMORY (logged)
 ///
 /// The file stays mapped. Truncating it while open ends the process (SIGBUS) at the next access
 /// beyond its new end. Replacing it by renaming, as stp_store_write does, is safe.
@@ -182,8 +188,8 @@ typedef struct stp_store_open_desc {
     uint64_t prefix_bytes;
     /// Leaves `objects` NULL (with their count) until stp_store_load_objects.
     bool defer_objects;
-    /// Reads only the file's description: summary, views, sources and build parameters, a few KB
-    /// for a file of any size. Other tables are empty, and there is no root. Files without a
+    /// Reads only the file's description: summary, views, sources, methods and build parameters,
+    /// less than 1 MB of a file of any size. Other tables are empty, and there is no root. Files without a
     /// summary (version 1.0) are opened in full.
     bool summary_only;
 } stp_store_open_desc;
@@ -198,9 +204,9 @@ STP_MUST_USE stp_result stp_store_open_memory(stp_context* context, const char* 
                                               const void* bytes, size_t size,
                                               const stp_store_open_desc* desc, stp_store** store);
 STP_MUST_USE stp_result stp_store_load_objects(stp_store* store);
-/// Reads and checks one object in place, without allocating; works with deferred objects. The store
-/// owns its texts. `index` must be below the count. @return STP_OK, STP_ERROR_FORMAT,
-/// STP_ERROR_ARGUMENT (a store opened for its summary), STP_ERROR_OUT_OF_MEMORY; logged
+/// Reads and checks one object without loading the others; works with deferred objects. The store
+/// owns its texts. @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_ARGUMENT (no such object, or a store
+/// opened for its summary), STP_ERROR_OUT_OF_MEMORY; logged
 STP_MUST_USE stp_result stp_store_read_object(stp_store* store, uint32_t index,
                                               stp_store_object* object);
 /// Reads only an object's parent and node; ignores texts.
@@ -279,12 +285,14 @@ STP_MUST_USE stp_result stp_store_check_open(stp_store* store, bool quick,
                                              stp_store_check_report* report);
 STP_MUST_USE stp_result stp_store_check(stp_context* context, const char* path, bool quick);
 
-/// A surfel set or mesh as stored, checksums verified. Pointers are valid as long as the store.
+/// A surfel set as stored; its blocks are verified when its columns are requested. Pointers are
+/// valid as long as the store.
 typedef struct stp_store_stored_surfels {
     uint32_t index;            ///< STP_STORE_NONE: no such key in the file
     const stp_splats* surfels; ///< without columns (stp_store_get_surfels)
 } stp_store_stored_surfels;
 
+/// A mesh as stored; the checksum of its block is verified. Pointers are valid as long as the store.
 typedef struct stp_store_stored_mesh {
     uint32_t index;             ///< STP_STORE_NONE: no such key in the file
     const stp_store_mesh* mesh; ///< without columns

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "store/file/content_sizes.h"
 
+#include <assert.h>
 #include <string.h>
 
 // Computes the statistics with the given census, or with a guessed one.
@@ -131,6 +132,7 @@ stp_result stp_store_check_summary(stp_store* store)
     if (result != STP_OK) {
         return result;
     }
+    assert(found.part_count == stored->part_count);
     const char* wrong =
         is_whole_right(stored, &found, store->directory.node_count) ? NULL : "whole scene";
     for (uint32_t i = 0; i < stored->part_count; ++i) {

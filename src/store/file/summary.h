@@ -47,7 +47,7 @@ typedef struct stp_store_scene_part {
 
 typedef struct stp_store_summary {
     stp_store_figures figures;
-    stp_boxd bounds; ///< of the whole scene; empty if there is nothing
+    stp_boxd bounds; ///< bounding box of the whole scene; empty if the scene is
     uint32_t material_count, texture_count, mesh_count, point_set_count; ///< stored
     uint32_t part_count;
     stp_store_scene_part* parts;
@@ -66,7 +66,7 @@ typedef struct stp_store_census {
     uint64_t objects, unique_objects, instances;
     uint32_t part_count;
     stp_store_census_part* parts;
-    uint32_t* members; ///< of all parts
+    uint32_t* members; ///< owned: objects of all parts, part by part
 } stp_store_census;
 
 /// An object that becomes a part.

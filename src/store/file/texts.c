@@ -2,6 +2,7 @@
 // Texts of records: position, length, and limits on their use.
 #include "store/file/internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define USES_ALWAYS (UINT64_C(1) << 24) // total bytes of texts that any file may use
@@ -10,6 +11,7 @@
 
 const char* stp_store_use_text(stp_store_text* text, const char* at)
 {
+    assert(at >= text->stored && (size_t)(at - text->stored) < text->size);
     size_t left = text->size - (size_t)(at - text->stored);
     size_t maximum = left < STP_STORE_TEXT_LIMIT + 1 ? left : STP_STORE_TEXT_LIMIT + 1;
     size_t length = strnlen(at, maximum);
@@ -38,6 +40,7 @@ stp_result stp_store_verify_text(stp_store* store, uint32_t type, stp_store_text
     }
     const char* first = (const char*)content;
     uint64_t begin = (uint64_t)(text - first), size = stp_store_content_bytes(section);
+    assert(begin < size && "the text lies in this section");
     uint64_t maximum = begin + STP_STORE_TEXT_LIMIT + 1, end = size < maximum ? size : maximum;
     bool ended = false;
     for (uint64_t at = begin; at < end && !ended && result == STP_OK;) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "store/file/texture_images.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +12,7 @@
 
 static stp_store_texture_record* record_of(const stp_store* store, uint32_t index)
 {
+    assert(index < store->counts[STP_SECTION_TEXTURES]);
     stp_store_texture_record* records = store->tables[STP_SECTION_TEXTURES];
     return &records[index];
 }
@@ -92,6 +94,7 @@ stp_result stp_store_find_texture_owners(stp_context* context, const stp_store_c
                                 *b = &content->textures[keys[i].texture];
         if (a->encoded_size == b->encoded_size &&
             memcmp(a->encoded, b->encoded, a->encoded_size) == 0) {
+            assert(keys[i - 1].texture < keys[i].texture && "the first one is the owner");
             owners[keys[i].texture] = owners[keys[i - 1].texture];
         }
     }
@@ -242,6 +245,7 @@ stp_result stp_store_load_texture(stp_store* store, uint32_t index, stp_store_te
 static void keep_texels(const stp_store* store, uint32_t index, uint8_t* decoded)
 {
     if (decoded != NULL) {
+        assert(record_of(store, block_of(store, index)->owner)->decoded == NULL);
         record_of(store, block_of(store, index)->owner)->decoded = decoded;
     }
 }

@@ -4,6 +4,7 @@
 #include "base/splats/splat_codes.h"
 #include "store/sets/columns.h"
 
+#include <assert.h>
 #include <stdio.h>
 
 static bool is_reference(uint32_t index, uint32_t count)
@@ -122,6 +123,7 @@ static stp_result check_materials(const stp_store_validator* validator,
 stp_result stp_store_validate_graph(const stp_store_validator* validator,
                                     const stp_store_directory* directory)
 {
+    assert(validator->failure != STP_OK && "a fault must fail the call");
     stp_result result = check_nodes(validator, directory);
     if (result == STP_OK) {
         result = check_edges_and_parts(validator, directory);
@@ -149,6 +151,7 @@ stp_result stp_store_validate_graph(const stp_store_validator* validator,
 stp_result stp_store_validate_objects(const stp_store_validator* validator,
                                       const stp_store_directory* directory)
 {
+    assert(validator->failure != STP_OK && "a fault must fail the call");
     for (uint32_t i = 0; i < directory->object_count; ++i) {
         const stp_store_object* object = &directory->objects[i];
         if (!is_reference(object->parent, i)) {
@@ -297,6 +300,7 @@ static stp_result report_fault(const stp_store_validator* validator, const char*
 static stp_result report_fault(const stp_store_validator* validator, const char* format, ...)
 {
     char message[1024];
+    assert(validator->failure != STP_OK && "a fault must fail the call");
     va_list list;
     va_start(list, format);
     vsnprintf(message, sizeof(message), format, list);

@@ -2,6 +2,7 @@
 // Builds the outline: a counting sort of objects by their parents, in slices.
 #include "store/outline/outline_internal.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -160,6 +161,7 @@ stp_result stp_outline_prepare(stp_outline* outline, uint64_t records, bool* rea
     for (uint64_t i = 0; result == STP_OK && outline->phase != STP_OUTLINE_READY &&
                          (records == 0 || i < records);) {
         uint32_t end = outline->phase == STP_OUTLINE_SUM ? count + 1 : count;
+        assert(outline->next <= end);
         if (outline->next < end) {
             result = step(outline);
             outline->next += result == STP_OK ? 1 : 0;
@@ -196,6 +198,7 @@ static stp_result find_key(stp_outline* outline, uint64_t key, uint32_t* found)
 
 stp_result stp_outline_range(stp_outline* outline, uint32_t parent, uint32_t* first, uint32_t* end)
 {
+    assert(outline->phase == STP_OUTLINE_READY);
     uint64_t key = parent == STP_STORE_NONE ? 0 : (uint64_t)parent + 1;
     *first = *end = 0;
     stp_result result = find_key(outline, key, first);
@@ -204,6 +207,7 @@ stp_result stp_outline_range(stp_outline* outline, uint32_t parent, uint32_t* fi
 
 uint32_t stp_outline_prototype_of(const stp_outline* outline, uint32_t node)
 {
+    assert(outline->phase == STP_OUTLINE_READY && "prototypes are sorted");
     size_t low = 0, high = outline->prototype_count;
     while (low < high) {
         size_t middle = low + (high - low) / 2;

@@ -5,7 +5,7 @@
 // copy is one index per object, for finding children. That index is built in slices, between
 // frames.
 //
-//   file    objects in any order, each with its parent
+//   file    objects, each after its parent
 //   order   sorted by parent, so children are a range
 //
 // An *item* is an object as it occurs in the scene. Objects below a prototype are items wherever

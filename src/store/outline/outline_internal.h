@@ -27,7 +27,7 @@ struct stp_outline {
     uint32_t* places;                  ///< during sorting: destination of each parent's next child
     uint32_t* order;                   ///< objects sorted by parent, without prototypes
     uint32_t ordered_count;            ///< length of `order`
-    stp_outline_prototype* prototypes; ///< by node
+    stp_outline_prototype* prototypes; ///< once ready, sorted by node, then by object
     size_t prototype_count, prototype_capacity;
     /// For each node, whether a prototype's node is at or below it; NULL: no prototypes.
     uint8_t* uses_prototypes;

@@ -3,6 +3,7 @@
 #include "store/file/instances.h"
 #include "store/outline/outline_internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 static const uint64_t visit_limit = UINT64_C(1) << 25;
@@ -27,7 +28,7 @@ static bool make_child(const stp_outline_item* item, uint32_t object, uint32_t n
     return true;
 }
 
-/// The object whose children are an item's children: its own object, or the prototype that it uses.
+/// The range of an item's children: those of its own object, else of the prototype that it uses.
 static stp_result find_children(stp_outline* outline, const stp_outline_item* item, uint32_t* first,
                                 uint32_t* end)
 {
@@ -113,6 +114,7 @@ stp_result stp_outline_children(stp_outline* outline, const stp_outline_item* it
 {
     uint32_t begin, end;
     *count = 0;
+    assert(item->depth <= STP_OUTLINE_DEPTH);
     stp_result result = find_children(outline, item, &begin, &end);
     if (result == STP_OK && begin == end) {
         (void)find_places(outline, item, first, room, items, count);
@@ -155,7 +157,7 @@ stp_result stp_outline_describe(stp_outline* outline, const stp_outline_item* it
     return result;
 }
 
-/// The number of objects from one up to its topmost ancestor.
+/// Lists an object and its ancestors, lowest first. `count` is their number, even if above `room`.
 static stp_result list_above(stp_outline* outline, uint32_t object, uint32_t* above, size_t room,
                              size_t* count)
 {
@@ -277,6 +279,7 @@ stp_result stp_outline_find(stp_outline* outline, stp_store_part part, const stp
         stp_outline_item holder;
         result = find_holder(outline, item, &instance, &search, &holder, &found);
         if (result == STP_OK && found) {
+            assert(holder.depth == item->depth + 1 && "each step descends, so the loop ends");
             *item = holder;
         }
     }

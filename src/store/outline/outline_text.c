@@ -3,6 +3,7 @@
 #include "base/core/printable.h"
 #include "store/outline/outline_internal.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -15,6 +16,7 @@ stp_result stp_outline_path(stp_outline* outline, const stp_outline_item* item, 
                             size_t size)
 {
     size_t used = 0;
+    assert(item->depth <= STP_OUTLINE_DEPTH);
     if (size > 0) {
         text[0] = '\0';
     }
@@ -36,8 +38,8 @@ stp_result stp_outline_path(stp_outline* outline, const stp_outline_item* item, 
     return STP_OK;
 }
 
-/// The next UTF-8 character, in lower case for Latin, Greek and Cyrillic. Invalid UTF-8 counts as
-/// bytes.
+/// The next UTF-8 character of at most two bytes, in lower case for Latin, Greek and Cyrillic. All
+/// else counts as bytes.
 static uint32_t next_folded(const char** text)
 {
     const unsigned char* p = (const unsigned char*)*text;
@@ -90,6 +92,7 @@ stp_result stp_outline_search_on(stp_outline* outline, stp_outline_search* searc
                                  uint32_t room, uint32_t* objects, uint32_t* count)
 {
     uint32_t all = outline->directory->object_count;
+    assert(search->next <= all);
     *count = 0;
     for (uint32_t i = 0; i < records && search->next < all && *count < room; ++i) {
         stp_store_object object;
@@ -189,6 +192,7 @@ static stp_result find_rest(path_search* s, const stp_outline_item* item, const 
         for (uint32_t i = 0; result == STP_OK && i < count && s->visits > 0; ++i) {
             stp_store_object object;
             char number[16];
+            assert(items[i].depth == item->depth + 1);
             uint32_t index = items[i].objects[items[i].depth - 1];
             s->visits -= 1;
             result = stp_store_read_object(s->outline->store, index, &object);

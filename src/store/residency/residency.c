@@ -5,6 +5,7 @@
 #include "store/residency/residency_internal.h"
 #include "store/sets/leaves_internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { ALLOCATION_BYTES = 64 }; ///< context overhead per allocation
@@ -15,6 +16,7 @@ static const uint64_t batch_bytes = 16 << 20, max_pinned = 1 << 20;
 static const stp_store_block* block_of(const stp_store* store, stp_resident_kind kind,
                                        uint32_t index, uint32_t octave)
 {
+    assert(kind < STP_RESIDENT_KINDS);
     uint32_t block = 0;
     switch (kind) {
     case STP_RESIDENT_SURFELS: {
@@ -173,12 +175,14 @@ static stp_result find_uppermost(stp_residency* r, uint32_t method)
         if (set != STP_STORE_NONE && r->resources[set].maximum > 0) {
             if ((below & UPPERMOST) != 0 && r->resources[set].pinned == 0) {
                 r->resources[set].pinned = 1;
+                assert(r->pin_count < r->firsts[STP_RESIDENT_MESH] && "each set is pinned once");
                 r->pins[r->pin_count++] = set;
             }
             below = BELOW;
         }
         for (uint32_t k = 0; k < node->edge_count; ++k) {
             uint32_t child = directory->edges[node->first_edge + k].node;
+            assert(child < i && "the walk meets parents before children");
             bool moves = (directory->nodes[child].flags & 1u) != 0; // no ancestor's set shows it
             reached[child] |= moves ? UPPERMOST : below;
         }
@@ -191,6 +195,7 @@ static stp_result find_uppermost(stp_residency* r, uint32_t method)
 /// Other methods keep only the first octave.
 static void choose_pins(stp_residency* r)
 {
+    assert(r->first_pins <= r->pin_count);
     uint64_t whole = stp_memory_limit(r->context), limit = r->desc.limit_bytes;
     limit = limit == 0 || (whole != 0 && whole < limit) ? whole : limit;
     uint64_t left = limit != 0 && limit / 16 < max_pinned ? limit / 16 : max_pinned;
@@ -341,6 +346,7 @@ void stp_residency_update(stp_residency* r, const stp_data_request* requests, si
     take_arrived(r);
     stp_residency_plan(r, requests, count);
     stp_residency_start(r);
+    assert(r->under_way <= r->bytes && "loads in flight are counted");
     r->stats.limit_bytes = r->limit;
     r->stats.resident_bytes = r->bytes;
 }
@@ -429,6 +435,7 @@ uint32_t stp_store_resource_count(const stp_store* store)
 uint32_t stp_store_resource(const stp_store* store, stp_resident_kind kind, uint32_t index)
 {
     uint32_t firsts[STP_RESIDENT_KINDS + 1];
+    assert(kind < STP_RESIDENT_KINDS);
     count_resources(store, firsts);
     return firsts[kind] + index;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Bulk data under a memory limit (design.md, section 5). Worker threads read octaves of surfel
+// Bulk data under a memory limit (docs/design.md, Decisions). Worker threads read octaves of surfel
 // sets, meshes, point sets and textures, most needed first, and less needed data is dropped. With a
 // residency attached, a store gives only *resident* data and never waits for the disk.
 //
@@ -17,7 +17,7 @@ typedef enum stp_resident_kind {
     STP_RESIDENT_MESH,    ///< with the textures of its material
     STP_RESIDENT_POINTS,
     STP_RESIDENT_TEXTURE, ///< not as part of a mesh
-    STP_RESIDENT_LEAVES,  ///< of a set, with their tree
+    STP_RESIDENT_LEAVES,  ///< leaves of a set, with their tree
     STP_RESIDENT_KINDS
 } stp_resident_kind;
 
@@ -28,7 +28,7 @@ typedef struct stp_data_request {
     stp_resident_kind kind;
     uint32_t index;
     uint32_t octaves; ///< number of octaves, for surfels
-    float need;       ///< without any of it
+    float need;       ///< need while nothing of it is resident
     /// Surfels: the need of an octave is this times the radius covered without it.
     float octave_need;
     uint32_t resource; ///< stp_store_resource; ignored here, for callers that keep lists
@@ -51,8 +51,8 @@ typedef struct stp_residency_desc {
 } stp_residency_desc;
 
 typedef struct stp_residency_stats {
-    uint64_t limit_bytes;    ///< of the last update
-    uint64_t resident_bytes; ///< now, including loads in flight
+    uint64_t limit_bytes;    ///< limit at the last update
+    uint64_t resident_bytes; ///< at the last update, including loads in flight
     uint64_t peak_bytes;
     uint64_t read_bytes;      ///< from the file, since creation
     uint64_t loaded, dropped; ///< octaves and other resources

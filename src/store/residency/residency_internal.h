@@ -7,6 +7,7 @@
 #include "store/file/internal.h"
 #include "store/residency/residency.h"
 
+#include <assert.h>
 #include <pthread.h>
 #include <stdatomic.h>
 
@@ -27,7 +28,7 @@ typedef struct stp_load {
     stp_splats columns;      ///< surfels: in `memory`, cut to `to`
     stp_splats before;       ///< the resident columns; `from` octaves are copied from them
     stp_clusters clusters;   ///< a coded mesh, opened
-    stp_store_leaves leaves; ///< of a set, opened
+    stp_store_leaves leaves; ///< leaves of a set, opened
 } stp_load;
 
 /// A resource of the store and how much of it is resident.
@@ -36,12 +37,12 @@ typedef struct stp_resident {
     uint64_t bytes;
     stp_load* load;   ///< NULL: no load in flight
     uint64_t used;    ///< number of the update that last wanted it
-    uint64_t arrival; ///< the store's arrival counter
+    uint64_t arrival; ///< number of its last load among all of the store
     float need, octave_need;
     uint8_t level;   ///< resident octaves; of other resources 0 or 1
     uint8_t maximum; ///< maximum possible level
     uint8_t pinned;  ///< octaves that are never dropped
-    uint8_t wanted;  ///< wanted by update `used`
+    uint8_t wanted;  ///< level that update `used` wanted
 } stp_resident;
 
 /// A heap entry: smallest order first, then smallest resource.
@@ -84,6 +85,7 @@ struct stp_residency {
 
 static inline stp_resident_kind stp_residency_kind(const stp_residency* r, uint32_t resource)
 {
+    assert(resource < r->firsts[STP_RESIDENT_KINDS] && "or the loop would not end");
     uint32_t kind = STP_RESIDENT_SURFELS;
     while (resource >= r->firsts[kind + 1]) {
         kind += 1;
@@ -94,6 +96,7 @@ static inline stp_resident_kind stp_residency_kind(const stp_residency* r, uint3
 /// The set of a resource of that kind.
 static inline const stp_splats* stp_residency_surfels(const stp_residency* r, uint32_t resource)
 {
+    assert(stp_residency_kind(r, resource) == STP_RESIDENT_SURFELS);
     return stp_store_describe_surfels(r->store, resource - r->firsts[STP_RESIDENT_SURFELS]);
 }
 
@@ -101,6 +104,7 @@ static inline const stp_splats* stp_residency_surfels(const stp_residency* r, ui
 static inline const stp_store_texture* stp_residency_texture(const stp_residency* r,
                                                              uint32_t resource)
 {
+    assert(stp_residency_kind(r, resource) == STP_RESIDENT_TEXTURE);
     return stp_store_describe_texture(r->store, resource - r->firsts[STP_RESIDENT_TEXTURE]);
 }
 

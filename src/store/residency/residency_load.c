@@ -5,6 +5,7 @@
 #include "store/residency/residency_internal.h"
 #include "store/sets/leaves_internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 /// Read state of a block.
@@ -17,6 +18,7 @@ typedef struct block_reader {
 
 static bool read_next(block_reader* at, void* bytes, size_t size)
 {
+    assert(at->done <= at->block->size && size <= at->block->size - at->done);
     stp_residency* r = at->r;
     if (atomic_load_explicit(&r->ending, memory_order_relaxed)) {
         return false;
@@ -67,6 +69,7 @@ static bool read_part(void* user, uint64_t offset, void* bytes, size_t size)
 
 static bool read_octave(stp_residency* r, stp_load* load, uint32_t octave)
 {
+    assert(octave >= load->from && octave < load->to && "earlier octaves are copied");
     uint32_t index = load->resource - r->firsts[STP_RESIDENT_SURFELS];
     const stp_store_block* block = stp_residency_block(r, load->resource, octave);
     stp_store_octave_span span = stp_store_span_of(&load->columns, octave, block->encoding);
@@ -183,6 +186,7 @@ static bool decode_picture(const stp_residency* r, const stp_load* load,
 
 static void fill_load(stp_residency* r, stp_load* load)
 {
+    assert(load->from < load->to && load->memory != NULL);
     load->reached = load->from;
     load->read_bytes = 0;
     stp_resident_kind kind = stp_residency_kind(r, load->resource);
@@ -222,6 +226,7 @@ static void* run_reader(void* argument)
         pthread_mutex_lock(&r->mutex);
         load->next = r->arrived;
         r->arrived = load;
+        assert(r->busy > 0);
         r->busy -= 1;
         if (r->busy == 0) {
             pthread_cond_broadcast(&r->done);
@@ -233,6 +238,7 @@ static void* run_reader(void* argument)
 
 stp_result stp_residency_start_threads(stp_residency* r)
 {
+    assert(r->threads == NULL && r->thread_count == 0 && "started once");
     uint32_t wanted = r->desc.thread_count;
     r->threads = STP_NEW_ARRAY(r->context, pthread_t, wanted);
     if (r->threads == NULL) {
@@ -264,9 +270,11 @@ void stp_residency_end_threads(stp_residency* r)
 
 void stp_residency_start(stp_residency* r)
 {
+    assert((r->first_load == NULL) == (r->last_load == NULL));
     if (r->first_load == NULL) {
         return;
     }
+    assert(r->last_load->next == NULL);
     pthread_mutex_lock(&r->mutex);
     if (r->queue == NULL) {
         r->queue = r->first_load;

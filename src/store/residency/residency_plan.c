@@ -6,6 +6,7 @@
 #include "base/splats/prefix_table.h"
 #include "store/residency/residency_internal.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -61,6 +62,7 @@ static void note(stp_residency* r, uint32_t resource, uint32_t wanted, float nee
         t->wanted = 0;
         t->need = t->octave_need = 0.0f;
         if (t->pinned == 0) { // else it is among the steps already
+            assert(r->step_count < r->firsts[STP_RESIDENT_KINDS] && "each resource once");
             r->steps[r->step_count++].resource = resource;
         }
     }
@@ -92,6 +94,7 @@ static void note_requests(stp_residency* r, const stp_data_request* requests, si
     for (size_t i = 0; i < count; ++i) {
         const stp_data_request* request = &requests[i];
         uint32_t resource = r->firsts[request->kind] + request->index;
+        assert(request->kind < STP_RESIDENT_KINDS && resource < r->firsts[request->kind + 1]);
         bool surfels = request->kind == STP_RESIDENT_SURFELS;
         uint32_t octaves =
             request->octaves < STP_OCTAVE_LIMIT ? request->octaves : STP_OCTAVE_LIMIT;
@@ -128,6 +131,7 @@ static void sort_steps(stp_residency* r)
 static uint64_t order_of_victim(const stp_residency* r, uint32_t resource)
 {
     const stp_resident* t = &r->resources[resource];
+    assert(t->level >= 1);
     uint32_t target = find_target(r, t);
     if (target == 0) {
         return t->used;
@@ -156,11 +160,13 @@ static void drop_victim(stp_residency* r)
 {
     uint32_t resource = r->victims[0].resource;
     const stp_resident* t = &r->resources[resource];
+    assert(r->victim_count > 0 && t->load == NULL && t->level > t->pinned);
     uint32_t target = find_target(r, t);
     bool surfels = stp_residency_kind(r, resource) == STP_RESIDENT_SURFELS;
     r->dropped_wanted = r->dropped_wanted || (target > 0 && t->level <= target);
     uint32_t level = target == 0 ? t->pinned : surfels ? t->level - 1u : 0;
     level = t->level > target && target > level ? target : level;
+    assert(level < t->level && "make_room makes progress");
     stp_residency_drop(r, resource, level);
     if (t->level > t->pinned) {
         r->victims[0].order = order_of_victim(r, resource);
@@ -209,7 +215,7 @@ static uint64_t find_limit(const stp_residency* r)
     return limit;
 }
 
-/// Target level of a load from the resource's own level: small octaves are loaded together.
+/// The level that a step from level `from` reaches: small octaves are loaded together.
 static uint32_t find_next(const stp_residency* r, uint32_t resource, uint32_t from, uint32_t target)
 {
     uint32_t to = from + 1;
@@ -223,6 +229,7 @@ static stp_load* new_load(stp_residency* r, uint32_t resource)
 {
     stp_load* load = r->spare;
     if (load != NULL) {
+        assert(r->resources[resource].load == NULL && "one load at a time");
         r->spare = load->next;
         load->next = NULL;
         load->resource = resource;
@@ -249,6 +256,7 @@ static bool plan_step(stp_residency* r, uint32_t* skips)
     uint32_t to = stp_residency_kind(r, resource) == STP_RESIDENT_SURFELS
                       ? find_next(r, resource, from, target)
                       : 1;
+    assert(from < target && to <= t->maximum);
     uint64_t bytes = stp_residency_bytes(r, resource, to) +
                      stp_residency_transient(r, resource, to) - (load != NULL ? load->bytes : 0);
     if (r->under_way > 0 && r->under_way + bytes > r->desc.batch_bytes) {
@@ -290,6 +298,7 @@ static void prepare_loads(stp_residency* r)
             r->last_load = load;
             r->stats.loading += 1;
         } else {
+            assert(load->bytes <= r->under_way && load->bytes <= r->bytes);
             r->bytes -= load->bytes;
             r->under_way -= load->bytes;
             r->resources[load->resource].load = NULL;

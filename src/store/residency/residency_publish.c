@@ -4,8 +4,11 @@
 #include "store/residency/residency_internal.h"
 #include "store/sets/leaves_internal.h"
 
+#include <assert.h>
+
 static stp_store_surfels_record* surfels_record(const stp_residency* r, uint32_t resource)
 {
+    assert(stp_residency_kind(r, resource) == STP_RESIDENT_SURFELS);
     stp_store_surfels_record* records = r->store->tables[STP_SECTION_SURFELS];
     return &records[resource - r->firsts[STP_RESIDENT_SURFELS]];
 }
@@ -124,7 +127,7 @@ static void publish_points(const stp_residency* r, uint32_t index, void* memory)
     }
 }
 
-/// NULL: the resource is dropped.
+/// Publishes a resource other than a set. `memory` NULL: the resource is dropped.
 static void publish(const stp_residency* r, uint32_t resource, void* memory, const stp_load* load)
 {
     stp_resident_kind kind = stp_residency_kind(r, resource);
@@ -144,6 +147,7 @@ static void publish(const stp_residency* r, uint32_t resource, void* memory, con
 
 static void free_resource(stp_residency* r, stp_resident* t)
 {
+    assert(t->bytes <= r->bytes);
     stp_free(r->context, t->memory);
     r->bytes -= t->bytes;
     t->memory = NULL;
@@ -154,6 +158,8 @@ static void free_resource(stp_residency* r, stp_resident* t)
 void stp_residency_take(stp_residency* r, stp_load* load)
 {
     stp_resident* t = &r->resources[load->resource];
+    assert(t->load == load && t->level == load->from && "nothing is dropped while it loads");
+    assert(load->from <= load->reached && load->reached <= load->to && load->to <= t->maximum);
     t->load = NULL;
     r->under_way -= load->bytes;
     stp_residency_end_load(r, load);
@@ -189,6 +195,7 @@ void stp_residency_take(stp_residency* r, stp_load* load)
 static bool shorten(stp_residency* r, uint32_t resource, uint32_t level)
 {
     stp_resident* t = &r->resources[resource];
+    assert(level >= 1 && level < t->level);
     stp_store_surfels_record* record = surfels_record(r, resource);
     stp_splats columns = record->surfels;
     uint64_t bytes = stp_residency_bytes(r, resource, level);
@@ -211,6 +218,7 @@ static bool shorten(stp_residency* r, uint32_t resource, uint32_t level)
 void stp_residency_drop(stp_residency* r, uint32_t resource, uint32_t level)
 {
     stp_resident* t = &r->resources[resource];
+    assert(level < t->level);
     uint32_t before = t->level;
     if (stp_residency_kind(r, resource) != STP_RESIDENT_SURFELS) {
         publish(r, resource, NULL, NULL);

@@ -4,6 +4,7 @@
 #include "store/bytes/values.h"
 #include "store/file/internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 static stp_result fail(const stp_store* store, const char* what, uint32_t index, const char* fault)
@@ -92,6 +93,7 @@ static uint64_t count_of(const stp_store* store, const stp_store_block* block)
         return stp_store_describe_point_set(store, block->owner)->point_count;
     }
     const stp_splats* set = stp_store_describe_surfels(store, block->owner);
+    assert(block->octave < set->octave_count);
     return set->octave_ends[block->octave] - stp_store_octave_begin(set, block->octave);
 }
 
@@ -239,6 +241,7 @@ typedef struct value_target {
 static void take_values(void* user, uint64_t first, const void* values, size_t count)
 {
     const value_target* t = user;
+    assert(first >= t->first);
     memcpy(t->out + (first - t->first) * t->size, values, count * t->size);
 }
 
@@ -246,6 +249,7 @@ static void take_values(void* user, uint64_t first, const void* values, size_t c
 static stp_result get_values(stp_store* store, const stp_store_values* values,
                              stp_attribute attribute, uint64_t first, uint64_t end, void* out)
 {
+    assert(first <= end);
     value_target target = {out, first, stp_attribute_size(attribute)};
     uint64_t read_bytes = 0;
     if (values->block == NULL || !stp_store_has_bit(values->attributes, attribute)) {
@@ -308,6 +312,7 @@ stp_result stp_store_check_values(stp_store* store, const stp_store_block* block
 {
     const unsigned char* bytes = NULL;
     stp_store_values values = stp_store_values_of(store, block->kind, block->owner, block->octave);
+    assert((values.block == NULL || values.block == block) && "an owner has one block");
     stp_result result = stp_store_verify_block(store, block, &bytes);
     for (uint32_t a = 0; a < STP_ATTRIBUTES && result == STP_OK; ++a) {
         uint64_t read_bytes = 0;

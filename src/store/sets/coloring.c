@@ -4,6 +4,7 @@
 #include "base/math/color_map.h"
 #include "store/file/internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { MIN_COVERAGE = 1 }; ///< smallest code that is drawn where 0 hides a splat
@@ -105,6 +106,7 @@ static const char* paint_values(const stp_store_values* values, paint* p, uint64
 static void copy_earlier(const stp_store_coloring* c, const stp_splats* s, uint32_t octave,
                          size_t entry, bool colored)
 {
+    assert(octave > 0 && octave < s->octave_count);
     size_t count = stp_store_octave_begin(s, octave);
     size_t before = (size_t)stp_store_pyramid_begin(s, octave - 1);
     if (c->by_attribute && colored) {
@@ -134,6 +136,7 @@ const char* stp_store_color_octave(const stp_store* store, uint32_t index, uint3
             surfels->coverages[i] > MIN_COVERAGE ? surfels->coverages[i] : MIN_COVERAGE;
     }
     stp_store_values values = stp_store_values_of(store, STP_BLOCK_ATTRIBUTES, index, octave);
+    assert(values.block == NULL || values.count == end - entry - begin);
     if (!flat && octave > 0) {
         copy_earlier(c, surfels, octave, entry, stp_store_has_bit(values.attributes, c->attribute));
     }
@@ -159,6 +162,7 @@ const char* stp_store_color_points(const stp_store* store, uint32_t index, const
         }
     }
     stp_store_values values = stp_store_values_of(store, STP_BLOCK_POINT_ATTRIBUTES, index, 0);
+    assert(values.block == NULL || values.count == count);
     values.read = source->read;
     values.user = source->user;
     paint p = {.coloring = &store->coloring,

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "store/sets/columns.h"
 
+#include <assert.h>
+
 // Lays out columns one after the other, each at the next multiple of `alignment`.
 static uint64_t place(stp_store_column* columns, const uint64_t* sizes, size_t count,
                       uint64_t alignment)
 {
+    assert(count <= STP_STORE_COLUMN_LIMIT);
     uint64_t end = 0;
     for (size_t i = 0; i < STP_STORE_COLUMN_LIMIT; ++i) {
         uint64_t size = i < count ? sizes[i] : 0;
@@ -45,7 +48,9 @@ uint64_t stp_store_point_columns(uint32_t point_count, uint32_t present,
 uint64_t stp_store_surfel_columns(const stp_splats* surfels, uint32_t octave,
                                   stp_store_column columns[STP_STORE_COLUMN_LIMIT])
 {
+    assert(octave < surfels->octave_count);
     uint64_t prefix = surfels->octave_ends[octave];
+    assert(prefix >= stp_store_octave_begin(surfels, octave) && "octave ends ascend");
     uint64_t n = prefix - stp_store_octave_begin(surfels, octave);
     uint64_t entries = (surfels->columns & STP_SPLATS_FLAT_COLORS) != 0 ? n : prefix;
     uint64_t sizes[STP_SURFEL_COLUMNS] = {
@@ -62,6 +67,7 @@ uint64_t stp_store_surfel_columns(const stp_splats* surfels, uint32_t octave,
 
 uint64_t stp_store_pyramid_begin(const stp_splats* surfels, uint32_t octave)
 {
+    assert(octave <= surfels->octave_count);
     uint64_t entries = 0;
     if ((surfels->columns & STP_SPLATS_FLAT_COLORS) != 0) {
         return stp_store_octave_begin(surfels, octave);

@@ -5,6 +5,8 @@
 #include "base/splats/splat_columns.h"
 #include "store/file/format.h"
 
+#include <assert.h>
+
 enum { STP_STORE_COLUMN_LIMIT = 7 };
 
 /// A column: a byte range of a block. Absent ones have size 0.
@@ -45,14 +47,15 @@ uint64_t stp_store_mesh_columns(uint32_t vertex_count, uint32_t triangle_count, 
                                 stp_store_column columns[STP_STORE_COLUMN_LIMIT]);
 uint64_t stp_store_point_columns(uint32_t point_count, uint32_t present,
                                  stp_store_column columns[STP_STORE_COLUMN_LIMIT]);
-/// Of octave `octave`: the surfels it adds, with their colours and coverages. Colours cover the
-/// whole prefix unless they are flat.
+/// Columns of octave `octave`: the surfels it adds, with their colours and coverages. Colours and
+/// coverages are those of the whole prefix unless they are flat.
 uint64_t stp_store_surfel_columns(const stp_splats* surfels, uint32_t octave,
                                   stp_store_column columns[STP_STORE_COLUMN_LIMIT]);
 
 /// Number of surfels before octave `octave`.
 static inline uint32_t stp_store_octave_begin(const stp_splats* surfels, uint32_t octave)
 {
+    assert(octave <= surfels->octave_count);
     return octave == 0 ? 0 : surfels->octave_ends[octave - 1];
 }
 

@@ -5,6 +5,8 @@
 #include "store/file/texture_images.h"
 #include "store/sets/operators.h"
 
+#include <assert.h>
+
 static stp_result fail_format(const stp_store* store, const char* what, uint32_t index,
                               const char* fault)
 {
@@ -14,6 +16,7 @@ static stp_result fail_format(const stp_store* store, const char* what, uint32_t
 
 const stp_store_block* stp_store_block_at(const stp_store* store, uint32_t index)
 {
+    assert(index < store->counts[STP_SECTION_BLOCKS]);
     const stp_store_block* blocks = store->tables[STP_SECTION_BLOCKS];
     return &blocks[index];
 }
@@ -50,6 +53,7 @@ static stp_result check_block(const stp_store* store, uint32_t index, stp_store_
         [STP_BLOCK_TEXTURE] = "texture", [STP_BLOCK_SURFELS] = "surfel set",
         [STP_BLOCK_CLUSTERS] = "mesh",   [STP_BLOCK_LEAVES] = "surfel set",
     };
+    assert(wanted.kind < STP_BLOCK_END && names[wanted.kind] != NULL);
     if (index >= store->counts[STP_SECTION_BLOCKS]) {
         return fail_format(store, names[wanted.kind], wanted.owner, "its block does not exist");
     }
@@ -86,6 +90,7 @@ static stp_result check_block(const stp_store* store, uint32_t index, stp_store_
 
 bool stp_store_is_block_here(const stp_store* store, const stp_store_block* block)
 {
+    assert(block->offset <= store->file_bytes && block->size <= store->file_bytes - block->offset);
     return block->offset + block->size <= store->file.size;
 }
 
@@ -139,7 +144,9 @@ static stp_result link_octaves(stp_store* store, uint32_t index)
         if (k > 0 && number <= octaves[sets[index].first_octave + k - 1].block) {
             return fail_format(store, "surfel set", index, "its octaves are out of order");
         }
-        sets[index].whole += stp_store_is_block_here(store, stp_store_block_at(store, number));
+        bool here = stp_store_is_block_here(store, stp_store_block_at(store, number));
+        assert((!here || sets[index].whole == k) && "blocks in order: complete octaves come first");
+        sets[index].whole += here;
     }
     return STP_OK;
 }
@@ -172,6 +179,7 @@ static stp_result link_sets(stp_store* store)
 static bool is_coded(const stp_store* store, uint32_t mesh)
 {
     const stp_store_clusters_record* records = store->tables[STP_SECTION_CLUSTERS];
+    assert(records == NULL || mesh < store->counts[STP_SECTION_CLUSTERS]);
     return records != NULL && records[mesh].cluster_count != STP_STORE_NONE;
 }
 
@@ -205,6 +213,7 @@ static stp_result link_held_points(const stp_store* store, uint32_t index)
     const stp_store_point_record* sets = store->tables[STP_SECTION_POINT_SETS];
     const stp_store_surfels_record* splats = store->tables[STP_SECTION_SURFELS];
     const stp_store_point_record* record = &sets[index];
+    assert(record->points.held_by != 0);
     uint32_t set = record->points.held_by - 1;
     if (record->block != STP_STORE_NONE ||
         record->present != (STP_COLUMN_NORMALS | STP_COLUMN_COLORS) ||

@@ -4,6 +4,8 @@
 #include "base/splats/splat_codes.h"
 #include "store/file/internal.h"
 
+#include <assert.h>
+
 static void add_box(const stp_splats* s, uint32_t index, stp_splat_group* group)
 {
     const uint16_t* p = s->positions + 3 * (size_t)index;
@@ -58,6 +60,7 @@ static void add_cone(const stp_splats* s, uint32_t begin, uint32_t end, stp_spla
 
 void stp_store_make_groups(const stp_splats* s, uint32_t first, uint32_t end)
 {
+    assert(first <= end);
     for (uint32_t begin = first / STP_GROUP_SPLATS * STP_GROUP_SPLATS;
          s->groups != NULL && begin < end; begin += STP_GROUP_SPLATS) {
         stp_splat_group* group = &s->groups[begin / STP_GROUP_SPLATS];
@@ -66,6 +69,8 @@ void stp_store_make_groups(const stp_splats* s, uint32_t first, uint32_t end)
         for (uint32_t i = begin; i < after; ++i) {
             add_box(s, i, group);
         }
+        assert(group->low[0] <= group->high[0] && group->low[1] <= group->high[1] &&
+               group->low[2] <= group->high[2]);
         add_cone(s, begin, after, group);
     }
 }

@@ -5,6 +5,7 @@
 #include "base/splats/splat_place.h"
 #include "store/file/internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { OPAQUE = 255, GRAIN = 16384 };
@@ -19,7 +20,7 @@ typedef struct columns {
 /// A set on its way into columns.
 typedef struct filling {
     const stp_splats* set;
-    const uint8_t *colors, *coverages; ///< of its finest octave
+    const uint8_t *colors, *coverages; ///< entries of the set's finest octave
     bool hides;                        ///< coverage 0 hides a splat (coloring.h)
     columns to;
 } filling;
@@ -41,6 +42,7 @@ static void fill_points(size_t begin, size_t end, uint32_t worker, void* user)
 
 static void fill(const stp_store* store, const stp_splats* set, const columns* to)
 {
+    assert(set->octave_count >= 1);
     uint64_t finest = stp_store_colors_begin(set, set->octave_count - 1);
     filling f = {.set = set,
                  .colors = set->colors + 3 * finest,
@@ -53,6 +55,7 @@ static void fill(const stp_store* store, const stp_splats* set, const columns* t
 stp_result stp_store_make_held_points(stp_store* store, uint32_t index,
                                       stp_store_point_record* record)
 {
+    assert(record->points.held_by != 0);
     stp_splats set;
     stp_result result = stp_store_get_surfels(store, record->points.held_by - 1, &set);
     if (result != STP_OK) {

@@ -3,6 +3,7 @@
 #include "store/bytes/chunks.h"
 #include "store/file/internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 // Header of a set's memory. Shorter columns that callers may still use are chained behind it.
@@ -56,6 +57,7 @@ void stp_store_free_columns(stp_context* context, stp_store_surfels_record* reco
 void stp_store_set_columns(stp_store_surfels_record* record, stp_store_joined* joined,
                            const stp_splats* columns, uint32_t octave_count)
 {
+    assert(octave_count <= record->whole);
     record->joined = joined;
     record->ready = octave_count;
     record->surfels.positions = columns->positions;
@@ -83,6 +85,7 @@ enum { JOINED_GROUPS = STP_SURFEL_COLUMNS, JOINED_COLUMNS };
 static void measure_columns(const stp_splats* surfels, uint32_t octave_count,
                             uint64_t sizes[JOINED_COLUMNS])
 {
+    assert(octave_count <= surfels->octave_count);
     uint64_t n = stp_store_octave_begin(surfels, octave_count);
     uint64_t entries = stp_store_pyramid_begin(surfels, octave_count);
     sizes[STP_SURFEL_POSITIONS] = 6 * n;
@@ -141,6 +144,7 @@ stp_store_joined* stp_store_reserve_columns(stp_context* context, stp_splats* su
 void stp_store_copy_columns(const stp_splats* surfels, const stp_splats* before,
                             uint32_t octave_count)
 {
+    assert(octave_count <= before->octave_count && octave_count <= surfels->octave_count);
     uint64_t sizes[JOINED_COLUMNS];
     measure_columns(before, octave_count, sizes);
     memcpy(surfels->positions, before->positions, (size_t)sizes[STP_SURFEL_POSITIONS]);
@@ -160,6 +164,7 @@ void stp_store_copy_columns(const stp_splats* surfels, const stp_splats* before,
 void stp_store_octave_targets(const stp_splats* surfels, uint32_t octave,
                               void* targets[STP_SURFEL_COLUMNS])
 {
+    assert(octave < surfels->octave_count);
     size_t first = stp_store_octave_begin(surfels, octave);
     size_t entry = (size_t)stp_store_pyramid_begin(surfels, octave);
     targets[STP_SURFEL_POSITIONS] = surfels->positions + 3 * first;
@@ -186,6 +191,7 @@ const stp_store_block* stp_store_octave_block(const stp_store* store, uint32_t i
 {
     const stp_store_surfels_record* records = store->tables[STP_SECTION_SURFELS];
     const stp_store_octave* octaves = store->tables[STP_SECTION_OCTAVES];
+    assert(octave < records[index].surfels.octave_count);
     return stp_store_block_at(store, octaves[records[index].first_octave + octave].block);
 }
 
@@ -237,6 +243,7 @@ static stp_result join_octaves(stp_store* store, uint32_t index, uint32_t octave
 {
     stp_store_surfels_record* records = store->tables[STP_SECTION_SURFELS];
     stp_store_surfels_record* record = &records[index];
+    assert(octave_count > record->ready && octave_count <= record->whole);
     stp_splats made = record->surfels;
     stp_store_cut_surfels(&made, octave_count);
     stp_store_joined* joined = stp_store_reserve_columns(store->context, &made);
@@ -280,6 +287,7 @@ stp_result stp_store_get_surfels_prefix(stp_store* store, uint32_t index, uint32
     }
     *surfels = record->surfels;
     stp_store_cut_surfels(surfels, octave_count);
+    assert(surfels->octave_count <= record->ready && "only octaves in memory");
     return STP_OK;
 }
 

@@ -6,6 +6,7 @@
 #include "store/clusters/clusters.h"
 #include "store/file/internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 // A mesh's list. Shorter lists that callers may still use are chained behind it.
@@ -19,13 +20,14 @@ struct stp_store_large {
 
 typedef struct found_triangles {
     uint64_t* keys; ///< band (inverted), then triangle
-    float* levels;  ///< of the mesh's triangles
+    float* levels;  ///< by triangle of the mesh; only those found are set
     size_t count;
 } found_triangles;
 
-/// Two bands per octave; 0 for the largest values.
+/// Two bands per octave, numbered from large levels to small ones; 0 is infinity.
 static uint32_t find_band(float level)
 {
+    assert(level >= 0.0f);
     uint32_t bits;
     memcpy(&bits, &level, sizeof(bits));
     return (0x7F800000u - bits) >> 22;
@@ -68,6 +70,7 @@ static stp_result keep_found(stp_store* store, found_triangles* found, uint64_t*
     for (size_t i = 0; i < found->count; ++i) {
         large->triangles[i] = (uint32_t)sorted[i];
         large->levels[i] = found->levels[(uint32_t)sorted[i]];
+        assert(i == 0 || sorted[i - 1] >> 32 <= sorted[i] >> 32);
     }
     large->count = (uint32_t)found->count;
     return STP_OK;
@@ -84,7 +87,8 @@ static void free_large(stp_context* context, stp_store_large* large)
     }
 }
 
-// The largest power of four not above the value, so that a mesh used at many scales gets few lists.
+// A power of four, at most the value and more than an eighth of it, so that a mesh used at many
+// scales gets few lists.
 static float round_to_power_of_four(float minimum)
 {
     int power;

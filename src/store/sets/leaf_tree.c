@@ -5,12 +5,14 @@
 #include "base/splats/leaf_runs.h"
 #include "base/splats/octahedral.h"
 
+#include <assert.h>
+
 enum {
     STACK = 8 * (STP_LEAF_DEPTH_MAX + 1),
-    RESERVED = 128, ///< flag bit of a leaf's position
+    RESERVED = 128, ///< bit of a leaf's `place` that must be 0
 };
 
-/// Leaves [begin, end) to be added to the tree; their splats begin at `first`.
+/// Leaves [begin, end) to be added to the tree.
 typedef struct leaf_range {
     uint32_t begin, end;
 } leaf_range;
@@ -31,6 +33,7 @@ static stp_leaf_node node_of_leaf(const stp_splat_leaf* leaf)
 /// Depth of the smallest cube that contains two different positions.
 static uint32_t common_depth(uint64_t a, uint64_t b)
 {
+    assert(a != b);
     uint32_t bit = 63u - (uint32_t)__builtin_clzll(a ^ b);
     return STP_LEAF_DEPTH_MAX - 1 - bit / 3;
 }
@@ -52,6 +55,7 @@ static uint32_t push_parts(const stp_splat_leaf* leaves, leaf_range range, uint3
                 high = middle;
             }
         }
+        assert(height < STACK);
         stack[height++] = (leaf_range){low, end};
         end = low;
     }
@@ -68,7 +72,7 @@ static stp_leaf_node node_of_cube(const stp_splat_leaf* leaves, leaf_range range
     return node;
 }
 
-/// Bounds the angle between a part's normals and another normal by the sum of both sines.
+/// Bounds the sine of the angle between a part's normals and another normal: the sum of two sines.
 static float spread_to(const stp_leaf_node* part, stp_vec3 normal)
 {
     stp_vec3 n = stp_octahedral_decode(part->normal[0], part->normal[1]);
@@ -130,11 +134,14 @@ uint32_t stp_leaf_tree_make(const stp_splat_leaf* leaves, uint32_t leaf_count, s
         while (next < count && nodes[next].leaf < end) {
             next = nodes[next].next;
         }
+        assert(next > i && next <= count);
         nodes[i].next = next;
         if (nodes[i].leaf_count > 1) {
             sum_up(nodes, i);
         }
     }
+    assert(count <= stp_leaf_tree_max_nodes(leaf_count));
+    assert(count == 0 || (nodes[0].next == count && nodes[0].count == place));
     return count;
 }
 

@@ -3,6 +3,7 @@
 
 #include "store/sets/leaves_internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 _Static_assert(sizeof(stp_splat_leaf) == STP_STORE_LEAF_BYTES,
@@ -36,6 +37,7 @@ uint64_t stp_store_leaves_bytes(uint32_t leaf_count)
 const char* stp_store_open_leaves(const stp_store* store, uint32_t set, void* memory,
                                   stp_store_leaves* leaves)
 {
+    assert((uintptr_t)memory % _Alignof(stp_leaf_node) == 0);
     uint32_t count = stp_store_leaf_count(store, set);
     const stp_splat_leaf* first = memory;
     const char* fault =
@@ -51,6 +53,7 @@ const char* stp_store_open_leaves(const stp_store* store, uint32_t set, void* me
 
 void stp_store_publish_leaves(const stp_store* store, uint32_t set, const stp_store_leaves* leaves)
 {
+    assert(leaves == NULL || leaves->leaf_count == stp_store_leaf_count(store, set));
     record_of(store, set)->leaves = leaves != NULL ? *leaves : (stp_store_leaves){0};
 }
 
@@ -73,6 +76,7 @@ stp_result stp_store_get_leaves(stp_store* store, uint32_t set, stp_store_leaves
         if (memory == NULL) {
             return stp_fail_memory(store->context);
         }
+        assert(block->size == STP_STORE_LEAF_BYTES * (uint64_t)record->leaf_count);
         memcpy(memory, bytes, (size_t)block->size);
         const char* fault = stp_store_open_leaves(store, set, memory, &record->leaves);
         if (fault != NULL) {

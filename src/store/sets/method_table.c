@@ -4,6 +4,8 @@
 #include "store/file/internal.h"
 #include "store/writer/writing.h"
 
+#include <assert.h>
+
 enum { METHODS_MAX = 16 };
 
 static const stp_store_method only_blue = {.name = "blue", .id = STP_METHOD_BLUE};
@@ -32,6 +34,7 @@ bool stp_store_lists_methods(const stp_store_directory* directory)
 // What is wrong with a method whose sets must begin at `first_set`, or NULL.
 static const char* find_fault(const stp_store_directory* d, uint32_t index, uint32_t first_set)
 {
+    assert(first_set <= d->surfels_count);
     const stp_store_method* method = &d->methods[index];
     for (uint32_t i = 0; i < index; ++i) {
         if (d->methods[i].id == method->id) {
@@ -83,7 +86,7 @@ static stp_result check_first(const stp_store_validator* validator, const stp_st
     return STP_OK;
 }
 
-// Each set of the other methods belongs to exactly one node.
+// Whether the nodes name only sets of the method, and as many as it has.
 static bool are_bijective(const stp_store_directory* d, uint32_t method)
 {
     const stp_store_method* m = &d->methods[method];
@@ -137,6 +140,7 @@ static stp_result gather_sets(stp_store* store)
     const stp_store_directory* d = &store->directory;
     const uint32_t* nodes = store->tables[STP_SECTION_METHOD_NODES];
     uint32_t first = store->methods[0].set_count, count = store->counts[STP_SECTION_METHOD_NODES];
+    assert(first <= d->surfels_count);
     if (count != d->surfels_count - first) {
         return stp_fail(store->context, STP_ERROR_FORMAT, "%s: lists nodes for %u sets but has %u",
                         store->path, count, d->surfels_count - first);
@@ -157,6 +161,7 @@ static stp_result gather_sets(stp_store* store)
             sets[i] = STP_STORE_NONE;
         }
         for (uint32_t i = 0; i < store->methods[m].set_count; ++i) {
+            assert(store->methods[m].first_set - first < count - i && "sets follow each other");
             uint32_t set = store->methods[m].first_set + i, node = nodes[set - first];
             if (node >= d->node_count || sets[node] != STP_STORE_NONE) {
                 return stp_fail(store->context, STP_ERROR_FORMAT,

@@ -4,6 +4,7 @@
 #include "base/splats/splat_codes.h"
 #include "store/bytes/range_coder.h"
 
+#include <assert.h>
 #include <float.h>
 #include <math.h>
 
@@ -16,7 +17,7 @@ typedef enum kind {
 } kind;
 
 enum {
-    CLASSES = 17, ///< of numbers: bits of the magnitude, 0 to 16
+    CLASSES = 17, ///< classes of numbers by the bits of their magnitude, 0 to 16
     CLASS_BITS = 5,
     LEARNT = 2,     ///< modelled bits after the leading one
     LEAVES = KINDS, ///< offset of the models of leaves
@@ -28,7 +29,7 @@ enum {
 
 /// Models of a signed number.
 typedef struct number_model {
-    stp_bit_model tree[1 << CLASS_BITS]; ///< of the class, highest bit first
+    stp_bit_model tree[1 << CLASS_BITS]; ///< for the bits of the class, highest first
     stp_bit_model negative[CLASSES];
     stp_bit_model upper[CLASSES][1 << LEARNT];
 } number_model;
@@ -50,7 +51,7 @@ typedef struct splat {
 typedef struct codec {
     stp_range_coder coder;
     const stp_splats* set;
-    uint32_t leaf_shape; ///< of the previous leaf
+    uint32_t leaf_shape; ///< shape of the previous leaf
     bool failed;         ///< decoding: the input is invalid
     models models;
 } codec;
@@ -58,8 +59,8 @@ typedef struct codec {
 /// The prediction context of a splat.
 typedef struct context {
     kind kind;
-    splat parent; ///< of a base splat: the previous one
-    splat first;  ///< of a second child: the first one
+    splat parent; ///< the splat it replaces; for a base splat, the previous one
+    splat first;  ///< only for second children: the first child
 } context;
 
 static splat load(const stp_splats* s, uint32_t index)
@@ -115,6 +116,7 @@ static bool code_flag(codec* c, stp_bit_model* model, bool value)
 /// Codes a number of `count` bits as a path in a binary tree of models; the root is model[1].
 static uint32_t code_tree(codec* c, stp_bit_model* model, uint32_t count, uint32_t value)
 {
+    assert(count < 32 && value >> count == 0);
     uint32_t node = 1;
     for (uint32_t i = count; i-- > 0;) {
         node = node << 1 | stp_range_code_bit(&c->coder, &model[node], value >> i & 1u);
@@ -126,6 +128,7 @@ static uint32_t code_tree(codec* c, stp_bit_model* model, uint32_t count, uint32
 static int32_t code_number(codec* c, number_model* m, int32_t value)
 {
     uint32_t magnitude = magnitude_of(value);
+    assert(magnitude <= UINT16_MAX);
     uint32_t bits = code_tree(c, m->tree, CLASS_BITS, class_of(magnitude)), made = 1;
     if (bits == 0 || bits >= CLASSES) {
         c->failed = c->failed || bits != 0;
@@ -145,6 +148,7 @@ static int32_t code_number(codec* c, number_model* m, int32_t value)
 static uint32_t code_difference(codec* c, number_model* m, uint32_t width, uint32_t from,
                                 uint32_t value)
 {
+    assert(width >= 1 && width <= 16);
     uint32_t mask = (1u << width) - 1u, half = 1u << (width - 1);
     uint32_t difference = (value - from) & mask;
     int32_t number = (int32_t)difference - (difference >= half ? (int32_t)mask + 1 : 0);
@@ -235,6 +239,7 @@ static void code_position(codec* c, const context* x, double share, splat* s)
     unfold(x->parent.normal, normal);
     int last = magnitude_of(normal[1]) > magnitude_of(normal[0]) ? 1 : 0;
     last = magnitude_of(normal[2]) > magnitude_of(normal[last]) ? 2 : last;
+    assert(normal[last] != 0 && "the prediction divides by it");
     int a = (last + 1) % 3, b = (last + 2) % 3;
     const int order[3] = {a, b, last};
     for (int n = 0; n < 3; ++n) {
@@ -262,6 +267,7 @@ static uint32_t find_change(const context* x, const int32_t* parent, const int32
         uint32_t own = class_of(magnitude_of(first[k] - parent[k]));
         bits = own > bits ? own : bits;
     }
+    assert((uint32_t)x->kind + bits < CHANGES);
     return (uint32_t)x->kind + bits;
 }
 
@@ -347,6 +353,7 @@ size_t stp_operators_encode(const stp_operator_run* run, const uint32_t* parents
                             size_t room)
 {
     const stp_splats* set = run->set;
+    assert(run->base <= run->begin && run->begin <= run->end && run->end <= set->count);
     uint32_t base = run->base, split = (run->begin - base) / 2;
     codec c;
     stp_range_encode_begin(&c.coder, bytes, room);
@@ -360,6 +367,7 @@ size_t stp_operators_encode(const stp_operator_run* run, const uint32_t* parents
             base += in_base ? 1 : 0;
             split = 0;
         }
+        assert(in_base || (i - base) / 2 >= split);
         find_context(set, base, i, in_base ? UINT32_MAX : parents[(i - base) / 2 - split], &x);
         code_splat(&c, &x, &s);
     }
@@ -392,6 +400,7 @@ bool stp_operators_decode(const stp_operator_run* run, stp_operator_reader* read
     const stp_splats* set = run->set;
     codec c;
     stp_range_decode_begin(&c.coder, bytes, size);
+    assert(run->begin <= run->end && reader->base <= run->begin);
     begin(&c, set);
     for (uint32_t i = run->begin; i < run->end && !c.failed; ++i) {
         context x;
@@ -413,6 +422,7 @@ void stp_operators_begin(stp_operator_reader* reader, const uint32_t* ranges, ui
                          uint32_t* room)
 {
     stp_progressive_counts known = stp_progressive_count(ranges, count);
+    assert(known.base <= count);
     reader->base = known.base;
     reader->parent = UINT32_MAX;
     reader->queue = stp_progressive_queue_begin(ranges, count, known.splits, room);

@@ -21,7 +21,7 @@ typedef struct stp_operator_run {
 
 /// Encodes the splats of a run, which must be part of a valid set (stp_progressive_is_valid). Any
 /// thread.
-/// @param parents of the splits in the run, in order
+/// @param parents indices of the splats that the splits in the run replace, in order
 /// @return bytes written; 0 if `room` is too small
 size_t stp_operators_encode(const stp_operator_run* run, const uint32_t* parents, void* bytes,
                             size_t room);
@@ -30,12 +30,11 @@ size_t stp_operators_encode(const stp_operator_run* run, const uint32_t* parents
 typedef struct stp_operator_reader {
     stp_progressive_queue queue; ///< parents whose splits are still to come
     uint32_t base;               ///< base splats so far
-    uint32_t parent;             ///< of the last splat; UINT32_MAX: none
+    uint32_t parent;             ///< parent of the last splat; UINT32_MAX: none
 } stp_operator_reader;
 
 /// Starts after the first `count` splats of a set.
-/// @param ranges of the set; ranges of splats to be decoded are written through the set's own
-/// column
+/// @param ranges the set's column of ranges; decoding writes to it through the set
 /// @param room one index per splat up to the end of reading; the caller's
 void stp_operators_begin(stp_operator_reader* reader, const uint32_t* ranges, uint32_t count,
                          uint32_t* room);

@@ -2,6 +2,8 @@
 // Accuracy of the points in sets: whether normal signs are known, and the position error.
 #include "store/file/internal.h"
 
+#include <assert.h>
+
 stp_result stp_store_validate_certainty(const stp_store* store)
 {
     const stp_store_certainty* records = store->tables[STP_SECTION_CERTAINTY];
@@ -27,6 +29,7 @@ stp_result stp_store_link_certainty(stp_store* store)
                         store->counts[STP_SECTION_SURFELS]);
     }
     stp_result result = stp_store_validate_certainty(store);
+    assert(count <= store->counts[STP_SECTION_SURFELS]);
     for (uint32_t i = 0; i < count && result == STP_OK; ++i) {
         sets[i].surfels.unknown_signs = (records[i].flags & STP_CERTAINTY_UNKNOWN_SIGNS) != 0;
         sets[i].surfels.position_error = records[i].position_error;
@@ -39,6 +42,7 @@ double stp_store_position_error(const stp_store* store)
     const stp_store_certainty* records = store->tables[STP_SECTION_CERTAINTY];
     float maximum = 0.0f;
     for (uint32_t i = 0; i < store->counts[STP_SECTION_CERTAINTY]; ++i) {
+        assert(records[i].position_error >= 0.0f && "validated when the file was opened");
         maximum = records[i].position_error > maximum ? records[i].position_error : maximum;
     }
     return (double)maximum;

@@ -11,6 +11,7 @@
 #include "store/file/texture_images.h"
 #include "store/writer/writing.h"
 
+#include <assert.h>
 #include <string.h>
 
 stp_result stp_store_emit(stp_store_writing* w, const void* bytes, size_t size)
@@ -36,6 +37,7 @@ stp_result stp_store_pad(stp_store_writing* w)
 static stp_result patch_pages(stp_store_writing* w)
 {
     stp_store_section* section = &w->sections[STP_SECTION_PAGES];
+    assert(section->count == w->sums.count && !stp_store_is_packed(section));
     unsigned char* bytes = STP_NEW_ARRAY(w->context, unsigned char, (size_t)section->size + 1);
     if (bytes == NULL) {
         return stp_fail_memory(w->context);
@@ -60,6 +62,7 @@ static stp_result patch_header(stp_store_writing* w, uint64_t data_offset)
     for (uint32_t i = 0; i < w->section_count; ++i) {
         stp_store_code_section(&codec, &w->sections[w->types[i]]);
     }
+    assert(codec.offset == size && data_offset % STP_STORE_ALIGNMENT == 0);
     memcpy(bytes, STP_STORE_MAGIC, STP_STORE_MAGIC_BYTES);
     stp_write_u16(bytes + 8, STP_STORE_MAJOR);
     stp_write_u16(bytes + 10, STP_STORE_MINOR);
@@ -142,6 +145,8 @@ static stp_result patch_summary(stp_store_writing* w)
         result = stp_store_patch_section(w, STP_SECTION_SCENE_PARTS, w->summary.parts,
                                          w->summary.part_count);
     }
+    assert(result != STP_OK || w->text.size == 0 ||
+           (w->text.size <= whole.size && memcmp(w->text.bytes, whole.bytes, w->text.size) == 0));
     stp_free(w->context, w->text.bytes);
     w->text = whole;
     return result;
@@ -165,6 +170,7 @@ static stp_result write_all(stp_store_writing* w)
     if (result != STP_OK) {
         return result;
     }
+    assert(w->packing == NULL && !w->sums.open && "every section has ended");
     uint64_t data_offset = stp_file_writer_size(w->file);
     result = stp_store_write_blocks(w);
     if (result == STP_OK) {

@@ -5,12 +5,13 @@
 #include "store/file/internal.h"
 #include "store/writer/writing.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
 enum {
     BATCH = 32,        ///< chunks compressed at once
-    BINS = 1 << 16,    ///< of a histogram
+    BINS = 1 << 16,    ///< bins of a histogram
     PERCENT = 2,       ///< share of values below the lower percentile, and above the higher one
     CLASS_COUNT = 256, ///< distinct values that are counted
 };
@@ -24,6 +25,7 @@ typedef struct histogram {
 static uint64_t bin_of(const histogram* h, double value)
 {
     if (h->figures.attribute != STP_ATTRIBUTE_TIME) {
+        assert(value >= h->figures.low && value - h->figures.low < (double)BINS);
         return (uint64_t)(value - h->figures.low);
     }
     double width = h->figures.high - h->figures.low;
@@ -95,6 +97,7 @@ static void list_classes(const histogram* h, stp_store_writing* w)
 {
     for (uint32_t bin = 0; bin < CLASS_COUNT; ++bin) {
         if (h->bins[bin] != 0) {
+            assert(w->attribute_value_count < CLASS_COUNT);
             w->attribute_values[w->attribute_value_count++] =
                 (stp_store_attribute_value){.attribute = h->figures.attribute,
                                             .value = (uint32_t)value_of_bin(h, bin),
@@ -155,6 +158,7 @@ static void pack_values(size_t begin, size_t end, uint32_t worker, void* user)
     }
     for (size_t i = begin; i < end; ++i) {
         uint64_t first = (b->first + i) * each, left = b->count - first;
+        assert(first < b->count);
         size_t count = (size_t)(left < each ? left : each);
         bool good = b->packers[worker] != NULL || passing;
         stp_store_split_values(b->values + first * size, count, size,
@@ -202,6 +206,7 @@ static uint64_t count_of(const stp_store_writing* w, const stp_store_block* bloc
         return w->content->point_sets[block->owner].point_count;
     }
     const stp_splats* set = &w->content->surfels[block->owner];
+    assert(block->octave < set->octave_count);
     return set->octave_ends[block->octave] - stp_store_octave_begin(set, block->octave);
 }
 
@@ -225,11 +230,13 @@ static stp_result write_values(value_batch* b, stp_store_block* block)
         }
     }
     if (result == STP_OK) {
+        assert(next == table + size && "every chunk has an entry");
         stp_write_u32(next, stp_store_crc(0, table, size));
         result = stp_store_emit(w, table, size + 4);
     }
     block->crc = w->crc;
     block->size = stp_file_writer_size(w->file) - block->offset;
+    assert(result != STP_OK || stp_store_can_hold_values(attributes, b->count, block->size));
     stp_free(w->context, table);
     return result;
 }

@@ -25,6 +25,7 @@ static stp_result write_columns(stp_store_writing* w, const source_column* sourc
     uint64_t end = 0;
     stp_result result = STP_OK;
     for (size_t i = 0; i < count && result == STP_OK; ++i) {
+        assert(columns[i].offset >= end && columns[i].offset - end < STP_STORE_COLUMN_ALIGNMENT);
         result = stp_store_emit(w, zeros, (size_t)(columns[i].offset - end));
         if (result == STP_OK && columns[i].size != 0) {
             result = stp_store_emit(w, sources[i].bytes, (size_t)columns[i].size);
@@ -91,8 +92,11 @@ static stp_result write_block(stp_store_writing* w, const stp_store_block* block
     case STP_BLOCK_POINT_SET:
         return write_points(w, block->owner);
     case STP_BLOCK_LEAVES:
+        assert(block->size ==
+               STP_STORE_LEAF_BYTES * (uint64_t)w->content->surfels[block->owner].leaf_count);
         return stp_store_emit(w, w->content->surfels[block->owner].leaves, (size_t)block->size);
     default: {
+        assert(block->kind == STP_BLOCK_TEXTURE);
         const stp_store_texture* texture = &w->content->textures[block->owner];
         return stp_store_emit(w, texture->encoded != NULL ? texture->encoded : texture->texels,
                               (size_t)block->size);
@@ -130,7 +134,7 @@ stp_result stp_store_write_blocks(stp_store_writing* w)
     for (uint32_t i = 0; i < w->plan.block_count && result == STP_OK; ++i) {
         if (w->plan.blocks[i].kind == STP_BLOCK_SURFELS) {
             result = stp_store_batch_add(batch, i);
-        } else { // after all octaves
+        } else { // after the octaves before it
             result = stp_store_batch_flush(batch);
             bool values = w->plan.blocks[i].kind == STP_BLOCK_ATTRIBUTES ||
                           w->plan.blocks[i].kind == STP_BLOCK_POINT_ATTRIBUTES;
@@ -143,6 +147,10 @@ stp_result stp_store_write_blocks(stp_store_writing* w)
         written = stp_file_writer_size(w->file);
     }
     result = result == STP_OK ? stp_store_batch_flush(batch) : result;
+    assert(result != STP_OK || w->plan.block_count == 0 ||
+           w->plan.blocks[w->plan.block_count - 1].offset +
+                   w->plan.blocks[w->plan.block_count - 1].size ==
+               stp_file_writer_size(w->file));
     stp_store_batch_destroy(batch);
     return result;
 }
@@ -156,7 +164,7 @@ stp_result stp_store_patch_section(stp_store_writing* w, uint32_t type, const vo
     if (bytes == NULL) {
         return stp_fail_memory(w->context);
     }
-    assert(section->count == count);
+    assert(section->count == count && !stp_store_is_packed(section));
     stp_result result = STP_OK;
     for (uint32_t i = 0; i < count && result == STP_OK; ++i) {
         stp_store_element element;

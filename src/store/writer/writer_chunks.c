@@ -7,6 +7,7 @@
 #include "store/sets/operators.h"
 #include "store/writer/writing.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -27,7 +28,7 @@ struct stp_store_batch {
     size_t count;
     unsigned char* bytes; ///< room for BATCH chunks
     uint32_t* parents;    ///< operators: SPLITS_MAX per chunk
-    unsigned char* table; ///< of the block being written
+    unsigned char* table; ///< chunk table of the block being written
     size_t table_capacity;
     stp_store_packer** packers; ///< one per thread, created on first use
     uint32_t thread_count;
@@ -118,6 +119,7 @@ static size_t pack_operators(const stp_store_batch* b, size_t index, const unsig
         memset(out + made, 0, minimum - made);
         made = minimum;
     }
+    assert(made < size && "a chunk of full size is read as columns");
     return made;
 }
 
@@ -171,6 +173,7 @@ static stp_result write_chunk(stp_store_batch* b, const packed_chunk* chunk,
     stp_store_writing* w = b->w;
     stp_store_block* block = &w->plan.blocks[chunk->block];
     stp_store_octave_span span = span_of(w, block);
+    assert(chunk->chunk < stp_store_chunk_count(&span));
     size_t table_bytes = (size_t)stp_store_chunk_table_bytes(&span);
     if (chunk->size == 0) {
         return stp_fail_memory(w->context);
@@ -191,6 +194,8 @@ static stp_result write_chunk(stp_store_batch* b, const packed_chunk* chunk,
         }
     }
     block->size = stp_file_writer_size(w->file) - block->offset;
+    assert(result != STP_OK || chunk->chunk + 1 < stp_store_chunk_count(&span) ||
+           stp_store_can_hold(&span, block->size));
     return result;
 }
 
@@ -241,6 +246,7 @@ static void take_parents(stp_store_batch* b, uint32_t base, uint32_t begin, uint
     chunk->base = begin < base ? begin : base;
     if (end > base) {
         uint32_t first = begin > base ? (begin - base) / 2 : 0, last = (end - base + 1) / 2;
+        assert(first <= last && last - first <= SPLITS_MAX);
         memcpy(b->parents + b->count * SPLITS_MAX, order + first, (last - first) * sizeof(*order));
     }
 }
@@ -255,6 +261,7 @@ stp_result stp_store_batch_add(stp_store_batch* b, uint32_t block)
     uint32_t base = order != NULL ? stp_progressive_count(set->ranges, set->count).base : 0;
     for (uint32_t chunk = 0; chunk < count && result == STP_OK; ++chunk) {
         uint32_t end = stp_store_chunk_end(&span, chunk);
+        assert(b->count < BATCH && begin < end);
         b->chunks[b->count] =
             (packed_chunk){.block = block, .chunk = chunk, .encoding = STP_STORE_ENCODING_CHUNKS};
         if (order != NULL) {
@@ -266,6 +273,7 @@ stp_result stp_store_batch_add(stp_store_batch* b, uint32_t block)
             result = stp_store_batch_flush(b);
         }
     }
+    assert(result != STP_OK || begin == span.end);
     stp_free(b->w->context, order);
     return result;
 }

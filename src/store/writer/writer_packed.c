@@ -4,12 +4,13 @@
 #include "store/file/internal.h"
 #include "store/writer/writing.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { PAGES_AT_ONCE = 16 }; ///< pages compressed at once
 
 typedef struct packed_page {
-    size_t size;        ///< of its content
+    size_t size;        ///< size of its content
     size_t stored_size; ///< 0: out of memory
     uint32_t crc;
 } packed_page;
@@ -17,20 +18,21 @@ typedef struct packed_page {
 struct stp_store_packing {
     stp_store_writing* w;
     stp_store_section* section;
-    size_t page_bytes; ///< of every page but the last one
+    size_t page_bytes; ///< size of every page but the last one
     unsigned char *content, *stored;
     size_t room; ///< capacity of `content` and `stored` in pages
     packed_page pages[PAGES_AT_ONCE];
     size_t count;  ///< pages gathered; the last one may be incomplete
     size_t filled; ///< bytes of the last one
     unsigned char* table;
-    uint64_t table_bytes, written; ///< entries of `table`
+    uint64_t table_bytes, written; ///< size of `table`; number of entries filled in
     stp_store_packer** packers;    ///< one per thread, created on first use
     uint32_t thread_count;
 };
 
 stp_result stp_store_packing_begin(stp_store_writing* w, stp_store_section* section)
 {
+    assert(w->packing == NULL && "sections do not overlap");
     stp_store_packing* p = STP_NEW_ZEROED(w->context, stp_store_packing, 1);
     w->packing = p;
     if (p == NULL) {
@@ -41,6 +43,7 @@ stp_result stp_store_packing_begin(stp_store_writing* w, stp_store_section* sect
     p->section = section;
     p->page_bytes = stp_store_packed_page_bytes(section);
     p->room = pages < PAGES_AT_ONCE ? (size_t)pages : PAGES_AT_ONCE;
+    assert(p->room >= 1 && "empty sections are not packed");
     p->table_bytes = stp_store_packed_table_bytes(section);
     p->thread_count = stp_context_thread_count(w->context);
     p->content = stp_alloc_array(w->context, p->room, p->page_bytes);
@@ -95,6 +98,7 @@ static stp_result flush(stp_store_packing* p)
         if (page->stored_size == 0) {
             return stp_fail_memory(p->w->context);
         }
+        assert((p->written + 1) * STP_STORE_PIECE_ENTRY <= p->table_bytes);
         unsigned char* entry = p->table + p->written * STP_STORE_PIECE_ENTRY;
         stp_write_u32(entry, (uint32_t)page->stored_size);
         stp_write_u32(entry + 4, page->crc);
@@ -131,6 +135,7 @@ stp_result stp_store_packing_end(stp_store_packing* p)
     stp_store_section* section = p->section;
     stp_result result = flush(p);
     if (result == STP_OK) {
+        assert(p->written * STP_STORE_PIECE_ENTRY == p->table_bytes && "every page is written");
         result =
             stp_file_writer_patch(p->w->file, section->offset, p->table, (size_t)p->table_bytes);
     }

@@ -72,6 +72,7 @@ static stp_result begin_section(stp_store_writing* w, uint32_t type, uint64_t co
 {
     stp_result result = stp_store_pad(w);
     uint32_t record_size = stp_store_table_of(type)->record_size;
+    assert(record_size != 0 && w->packing == NULL && !w->sums.open);
     bool packed = is_to_be_packed(w, type, count * record_size);
     w->crc = 0;
     stp_store_page_sums_begin(&w->sums, type, packed);
@@ -127,6 +128,7 @@ stp_result stp_store_code_element(stp_store_writing* w, uint32_t type, uint32_t 
 static stp_result emit_element(stp_store_writing* w, uint32_t type, uint32_t index,
                                stp_store_element* element)
 {
+    assert(stp_store_table_of(type)->record_size <= STP_STORE_RECORD_LIMIT);
     unsigned char bytes[STP_STORE_RECORD_LIMIT];
     stp_result result = stp_store_code_element(w, type, index, element, bytes);
     return result == STP_OK ? stp_store_emit(w, bytes, stp_store_table_of(type)->record_size)
@@ -254,6 +256,7 @@ static stp_result write_sets(stp_store_writing* w, uint32_t type)
         octave += set->octave_count;
         breakpoint += set->table.size;
     }
+    assert(result != STP_OK || (octave == octaves && breakpoint == breakpoints));
     return end_section(w, type, result);
 }
 

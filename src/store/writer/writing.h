@@ -18,7 +18,7 @@ typedef struct stp_store_writing {
     const char* path;
     stp_file_writer* file;
     stp_store_plan plan;
-    uint32_t types[STP_SECTION_END]; ///< of the sections, in file order
+    uint32_t types[STP_SECTION_END]; ///< types of the sections, in file order
     uint32_t section_count;
     stp_store_section sections[STP_SECTION_END]; ///< by type
     stp_store_text text, object_text;
@@ -26,10 +26,10 @@ typedef struct stp_store_writing {
     stp_store_attribute attributes[STP_ATTRIBUTES]; ///< those that point sets have
     stp_store_attribute_value* attribute_values;    ///< owned
     uint32_t attribute_count, attribute_value_count;
-    uint32_t crc; ///< of the section or block being written
+    uint32_t crc; ///< checksum of the section or block being written, so far
     stp_store_page_sums sums;
     uint64_t unreleased_bytes;  ///< read from the content since its pages were last released
-    stp_store_packing* packing; ///< of the section being written; NULL: not packed
+    stp_store_packing* packing; ///< state of the section being written; NULL: not packed
 } stp_store_writing;
 
 /// The methods of the content, and the columns of their sets.
