@@ -18,7 +18,7 @@ typedef struct stp_pyramid_entry {
     uint16_t fraction; ///< share of the disk that is surface, times opacity, 65535 is 1
     float area;        ///< area of the surface nearest to it, in STP_AREA_UNITS
     float toward[3];   ///< sum of that surface's normals, each times its area
-    uint8_t coverage;  ///< result: drawn part of the disk (base/coverage.h)
+    uint8_t coverage;  ///< result: drawn part of the disk (base/splats/coverage.h)
 } stp_pyramid_entry;
 
 typedef struct stp_pyramid_sum {

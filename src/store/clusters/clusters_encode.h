@@ -9,7 +9,7 @@
 enum { CLUSTER_SLOTS = 1024 };
 
 /// Rounds to the nearest integer, ties upwards, and clamps to CLUSTERS_NUMBER_LIMIT in magnitude.
-int32_t clusters_round(double value);
+int32_t stp_clusters_round(double value);
 
 /// A vertex on the grid of the mesh or of a cluster.
 typedef struct cluster_place {

@@ -178,7 +178,8 @@ typedef enum wanted { WANT_ANY, WANT_NORMAL, WANT_NONE } wanted;
 
 /// Finds a vertex at the corner's position with the given normal, without one, or with any. @return
 /// STP_CLUSTER_VERTICES if there is none
-static uint32_t find_vertex(const cluster_maker* m, const corner* c, wanted want, uint32_t normal)
+static uint32_t find_vertex(const stp_cluster_maker* m, const corner* c, wanted want,
+                            uint32_t normal)
 {
     for (uint32_t link = m->slots[c->slot]; link != 0; link = m->next[link - 1]) {
         uint32_t v = link - 1;
