@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // usage: stp_tests [--jobs N] [NAME...]
-// Runs the named tests, or all of them, N at a time (default 1, at most 64). All tests start from this process:
-// under sanitizers, starting the program takes longer than most tests.
+//        stp_tests --jobs N --without FILE
+// Runs the named tests, or all of them (except those that FILE lists as unit.NAME, one a line), N at a time (default 1,
+// at most 64). All tests start from this process: under sanitizers, starting the program takes longer than most tests.
 #include "tests.h"
 
 #include <dirent.h>
@@ -235,6 +236,33 @@ static int is_wanted(const char* name, int argc, char** argv)
     return wanted;
 }
 
+/// Reads names to leave out. @return the text, in which each name is between line feeds; NULL if it cannot be read
+static char* read_names(const char* path)
+{
+    enum { SIZE_MAX_TEXT = 1 << 16 };
+    FILE* file = fopen(path, "rb");
+    char* text = file != NULL ? calloc(1, SIZE_MAX_TEXT + 2) : NULL;
+    size_t size = text != NULL ? fread(text + 1, 1, SIZE_MAX_TEXT, file) : 0;
+    if (file == NULL || text == NULL || size == SIZE_MAX_TEXT) {
+        fprintf(stderr, "%s: cannot be read, or is too long\n", path);
+        free(text);
+        text = NULL;
+    } else {
+        text[0] = '\n';
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+    return text;
+}
+
+static int is_listed(const char* names, const char* name)
+{
+    char line[256];
+    snprintf(line, sizeof(line), "\nunit.%s\n", name);
+    return names != NULL && strstr(names, line) != NULL;
+}
+
 int main(int argc, char** argv)
 {
     static named_test wanted[sizeof(tests) / sizeof(tests[0])];
@@ -244,16 +272,26 @@ int main(int argc, char** argv)
         jobs = atoi(argv[2]);
         first = 3;
     }
+    char* without = NULL;
+    if (argc == first + 2 && strcmp(argv[first], "--without") == 0) {
+        without = read_names(argv[first + 1]);
+        if (without == NULL) {
+            return TEST_FAILED;
+        }
+        argc = first;
+    }
     if (jobs < 1) {
         fprintf(stderr, "--jobs: expected a number from 1\n");
         return TEST_FAILED;
     }
     jobs = jobs < TEST_JOBS_MAX ? jobs : TEST_JOBS_MAX;
     for (size_t i = 0; i < sizeof(tests) / sizeof(tests[0]); ++i) {
-        if (is_wanted(tests[i].name, argc - first, argv + first)) {
+        if (is_wanted(tests[i].name, argc - first, argv + first) &&
+            !is_listed(without, tests[i].name)) {
             wanted[count++] = tests[i];
         }
     }
+    free(without);
     if (count == 0 || count + (size_t)first < (size_t)argc) {
         fprintf(stderr, "no test is named like one of the arguments\n");
         return TEST_FAILED;
