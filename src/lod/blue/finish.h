@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Turns an order of candidates into surfels: positions on a grid, octaves, the colour pyramid,
-// coverage, and the tables that choose prefixes (design.md, Finish).
+// coverage, and the tables that choose prefixes (docs/algorithms/finish.md).
 #pragma once
 
 #include "base/splats/splat_columns.h"
