@@ -132,7 +132,10 @@ def check_tests(path):
 
 
 def check_places(path):
-    """A row of a table with a file and then functions: the file has these functions."""
+    """A row of a table with a file and then functions: the file has these functions. A name `in` a file is there."""
+    for name, file in re.findall(r"`(\w+)` in `((?:src|include|program|lab)/[\w/.]+)`", text_of(path)):
+        if (ROOT / file).exists() and not re.search(rf"\b{name}\b", text_of(ROOT / file)):
+            yield f"{file} has no {name}"
     for file, cell in re.findall(r"\| `(src/[\w/.]+)` \| ((?:`\w+`(?:, )?)+) \|$", text_of(path), re.M):
         code = text_of(ROOT / file) if (ROOT / file).exists() else ""
         for name in re.findall(r"`(\w+)`", cell):

@@ -33,6 +33,7 @@ echo 'void test_that_exists(test_state* test)' > "$scratch/tests/test_one.c"
     printf 'word %.0s' {1..21} && echo
     echo 'See [nothing](missing.md), [no heading](testing.md#absent) and [this one](testing.md#a-heading).'
     echo 'The file `src/missing.c`, the function `stp_missing` and the member `stp_there.depth`.'
+    echo 'The function `there` in `src/there.c`, and `elsewhere` in `src/there.c`.'
     printf '\n| idea | `src/there.c` | `there`, `absent` |\n\n'
     echo 'Run `stipple build x.obj --missing` and `stipple missing`, not `stipple build x.obj --fresh`.'
 } > "$scratch/docs/faults.md"
@@ -53,6 +54,7 @@ docs/faults.md: no command: stipple missing
 docs/faults.md: no file for the link missing.md
 docs/faults.md: no file src/missing.c
 docs/faults.md: no heading for the link testing.md#absent
+docs/faults.md: src/there.c has no elsewhere
 docs/faults.md: src/there.c has no function absent
 docs/faults.md: stipple build has no option --missing
 docs/faults.md: stp_there has no member depth
