@@ -1,5 +1,5 @@
-"""Checks the comments of the code, for check_docs.py: a file, a section of a document, a member of a struct and an
-stp_ name that a comment mentions exist."""
+"""Checks the comments of the code, for check_docs.py: a file, a folder, a section of a document, a member of a struct
+and an stp_ name that a comment mentions exist."""
 import collections
 import functools
 import re
@@ -9,6 +9,7 @@ HASH_SUFFIXES = (".py", ".sh", "")  # comments begin with #; programs without a 
 SUFFIXES = (".c", ".h", ".cpp", ".glsl", *HASH_SUFFIXES)
 NAMED_SUFFIXES = "c|h|cpp|glsl|py|sh|md"
 FILE_NAME = re.compile(rf"(?<![\w./<*}}-])((?:[\w-]+/)*[\w-]+(?:\.[\w-]+)*\.(?:{NAMED_SUFFIXES}))(?![\w*/-])")
+PATH = re.compile(rf"(?<![\w./$*}}-])((?:{'|'.join(FOLDERS)}|docs|bench|examples)/[\w./*-]*[\w*])")
 SECTION = re.compile(r'([\w/-]+\.md)\)?(?:, section |, )("[^"]+"|\d+\b(?!-)|[A-Z][\w ,-]*)')
 MEMBER = re.compile(r"(?<![\w./>-])([a-z]\w+)\.([a-z]\w*)\b(?!\.\w|/)")
 NAME = re.compile(r"(?<![\w/$.-])((?:stp|STP)_\w*[A-Za-z0-9])(?![\w*]|\.\.\.|\.(?:c|h)\b)")
@@ -17,8 +18,9 @@ STRINGS = re.compile(r'"(?:\\.|[^"\\])*"|\'(?:\\.|[^\'\\])*\'')
 
 
 def code_files(root):
-    return [path for folder in FOLDERS for path in sorted((root / folder).rglob("*"))
-            if (path.suffix in SUFFIXES or path.name == "CMakeLists.txt") and path.is_file() and "golden" not in path.parts]
+    paths = [path for folder in FOLDERS for path in sorted((root / folder).rglob("*"))]
+    return [path for path in paths if (path.suffix in SUFFIXES or path.name == "CMakeLists.txt") and path.is_file()
+            and "golden" not in path.parts]
 
 
 class Comments:
@@ -104,6 +106,14 @@ class Checker:
                 continue
             yield match.start(), f"no file {name}"
 
+    def check_paths(self, text, _):
+        """Paths from the top: of folders, and of files of any kind; `*` stands for anything."""
+        for match in PATH.finditer(text):
+            name = match[1]
+            found = any(self.root.glob(name)) if "*" in name else name in self.ends
+            if not found and not FILE_NAME.fullmatch(name):
+                yield match.start(), f"nothing is at {name}"
+
     def check_sections(self, text, _):
         for match in SECTION.finditer(text):
             headings, section = self.headings(match[1]), match[2].strip('" ').lower()
@@ -123,10 +133,11 @@ class Checker:
                 yield match.start(), f"no code has the name {match[1]}"
 
     def faults(self):
+        checks = [self.check_files, self.check_paths, self.check_sections, self.check_members, self.check_names]
         for path, text in self.texts.items():
             for block in Comments(path, text).blocks():
                 joined = "\n".join(line for _, line in block)
                 flat = joined.replace("\n", " ")
-                for check in (self.check_files, self.check_sections, self.check_members, self.check_names):
+                for check in checks:
                     for at, fault in check(flat, path):
                         yield f"{path.relative_to(self.root)}:{block[joined.count(chr(10), 0, at)][0]}: {fault}"

@@ -23,7 +23,7 @@ const char* text = "// stp_in_a_string of nowhere.c";
 int there(void)
 END
 printf 'typedef struct stp_there {\n    int width;\n} stp_there;\n' > "$scratch/src/there.h"
-printf '#!/bin/sh\n# runs lost.sh\necho "# gone.sh"\n' > "$scratch/scripts/run"
+printf '#!/bin/sh\n# runs lost.sh in docs/nowhere\necho "# gone.sh"\n' > "$scratch/scripts/run"
 printf '"""Reads lost.py."""\nname = "gone.py"\n' > "$scratch/scripts/read.py"
 
 # a folder of documents with one fault of each kind
@@ -61,6 +61,7 @@ docs/faults.md: stp_there has no member depth
 docs/performance.md: 3001 words, at most 3000
 scripts/read.py:1: no file lost.py
 scripts/run:2: no file lost.sh
+scripts/run:2: nothing is at docs/nowhere
 src/there.c:2: no code has the name stp_gone
 src/there.c:2: no file missing.h
 src/there.c:2: stp_there has no member height
