@@ -5,6 +5,7 @@ docs/performance.md is short. What comments of the code name must exist, too (ch
 With `--tool build/release/program/stipple` and `--tool build/release/lab/stipple-lab`, every option in
 a command exists as well."""
 import argparse
+import fnmatch
 import functools
 import pathlib
 import re
@@ -71,6 +72,11 @@ def check_links(path):
 
 
 @functools.cache
+def comment_checker():
+    return check_comments.Checker(ROOT)
+
+
+@functools.cache
 def code_files():
     return [p for folder in FOLDERS if (ROOT / folder).is_dir() for p in (ROOT / folder).rglob("*")
             if p.is_file() and p.suffix in (*CODE_SUFFIXES, ".in", ".txt", ".cmake")]
@@ -94,7 +100,8 @@ def unit_tests():
 def file_exists(name):
     """Does a path, or the end of one, name a file or folder? `*` and capitals stand for anything."""
     pattern = re.sub(r"(?<![A-Za-z])[A-Z]{3,}(?![A-Za-z])", "*", name).rstrip("/")
-    return name in FOREIGN or any(any(ROOT.glob(f"{start}{pattern}")) for start in ("", "*/", "*/**/"))
+    ends = comment_checker().ends
+    return name in FOREIGN or pattern in ends or "*" in pattern and any(fnmatch.filter(ends, pattern))
 
 
 def check_names(path):
@@ -109,11 +116,6 @@ def check_names(path):
             yield f"no file {words[0]}"
         if re.fullmatch(r"(stp|STP)_\w+", name) and name not in identifiers():
             yield f"no code has the name {name}"
-
-
-@functools.cache
-def comment_checker():
-    return check_comments.Checker(ROOT)
 
 
 def check_members(path):
