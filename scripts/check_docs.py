@@ -1,14 +1,18 @@
 #!/usr/bin/env python3
 """Checks the documents: lines of prose have at most 100 columns, links lead somewhere, named files,
-functions and tests exist, pages of docs/algorithms have their parts, and docs/performance.md is
-short. With `--tool build/release/program/stipple` and `--tool build/release/lab/stipple-lab`, every option in a command
-exists as well."""
+functions, members of structs and tests exist, pages of docs/algorithms have their parts, and
+docs/performance.md is short. What comments of the code name must exist, too (check_comments.py).
+With `--tool build/release/program/stipple` and `--tool build/release/lab/stipple-lab`, every option in
+a command exists as well."""
 import argparse
+import fnmatch
 import functools
 import pathlib
 import re
 import subprocess
 import sys
+
+import check_comments
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent  # --root: another folder
 COLUMNS = 100
@@ -68,6 +72,11 @@ def check_links(path):
 
 
 @functools.cache
+def comment_checker():
+    return check_comments.Checker(ROOT)
+
+
+@functools.cache
 def code_files():
     return [p for folder in FOLDERS if (ROOT / folder).is_dir() for p in (ROOT / folder).rglob("*")
             if p.is_file() and p.suffix in (*CODE_SUFFIXES, ".in", ".txt", ".cmake")]
@@ -91,7 +100,8 @@ def unit_tests():
 def file_exists(name):
     """Does a path, or the end of one, name a file or folder? `*` and capitals stand for anything."""
     pattern = re.sub(r"(?<![A-Za-z])[A-Z]{3,}(?![A-Za-z])", "*", name).rstrip("/")
-    return name in FOREIGN or any(ROOT.glob(pattern)) or any(ROOT.glob(f"*/{pattern}")) or any(ROOT.glob(f"*/**/{pattern}"))
+    ends = comment_checker().ends
+    return name in FOREIGN or pattern in ends or "*" in pattern and any(fnmatch.filter(ends, pattern))
 
 
 def check_names(path):
@@ -101,10 +111,18 @@ def check_names(path):
         words = name.split()
         looks_like_path = re.fullmatch(r"[\w.*/+-]+", words[0]) and "..." not in words[0] and (
             words[0].split("/")[0] in FOLDERS and "/" in words[0] or words[0].endswith(CODE_SUFFIXES))
-        if looks_like_path and words[0] not in printed and not words[0].startswith("bench/results") and not file_exists(words[0]):
+        elsewhere = words[0] in printed or words[0].startswith("bench/results")
+        if looks_like_path and not elsewhere and not file_exists(words[0]):
             yield f"no file {words[0]}"
         if re.fullmatch(r"(stp|STP)_\w+", name) and name not in identifiers():
             yield f"no code has the name {name}"
+
+
+def check_members(path):
+    """A document may name members of stp_ structs alone: JSON has keys of the form word.word, too."""
+    for span in sorted(set(re.findall(r"`(stp_\w+\.\w+)`", text_of(path)))):
+        for _, fault in comment_checker().check_members(span, path):
+            yield fault
 
 
 def check_tests(path):
@@ -116,7 +134,10 @@ def check_tests(path):
 
 
 def check_places(path):
-    """A row of a table with a file and then functions: the file has these functions."""
+    """A row of a table with a file and then functions: the file has these functions. A name `in` a file is there."""
+    for name, file in re.findall(r"`(\w+)` in `((?:src|include|program|lab)/[\w/.]+)`", text_of(path)):
+        if (ROOT / file).exists() and not re.search(rf"\b{name}\b", text_of(ROOT / file)):
+            yield f"{file} has no {name}"
     for file, cell in re.findall(r"\| `(src/[\w/.]+)` \| ((?:`\w+`(?:, )?)+) \|$", text_of(path), re.M):
         code = text_of(ROOT / file) if (ROOT / file).exists() else ""
         for name in re.findall(r"`(\w+)`", cell):
@@ -189,13 +210,14 @@ def main():
         name = path.relative_to(ROOT)
         checks = [check_lines, check_links]
         if name.name != "CHANGELOG.md" and "notes" not in name.parts: # these tell of the past
-            checks += [check_names, check_places, check_tests]
+            checks += [check_names, check_members, check_places, check_tests]
             checks += [tool.check for tool in tools]
         if name.parent.name == "algorithms" and name.name != "README.md":
             checks.append(check_parts)
         if name.name == "performance.md":
             checks.append(check_length)
         bad += [f"{name}: {fault}" for check in checks for fault in check(path)]
+    bad += comment_checker().faults()
     print("\n".join(bad) or "documents ok")
     sys.exit(bool(bad))
 

@@ -13,7 +13,7 @@
 typedef struct program {
     const char* name;               ///< name of the executable, and prefix of its messages
     const command* const* commands; ///< sorted by name; NULL at the end
-    /// Whether options that only one table of one paper needs are accepted (option.lab_only).
+    /// Whether options that only one table of one paper needs are accepted.
     bool is_lab;
     /// Adds the scene that an input "scene:NAME,..." names, as stp_build_desc.generate. NULL: named
     /// scenes are refused.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Restructures a finished scene's graph spatially: neighbours share a node, no node has too many
-// children, and no leaf is too large (design.md, Partition). Shared nodes stay shared: each is cut
-// once, however often it is used.
+// children, and no leaf is too large (docs/algorithms/scene.md, Partition). Shared nodes stay
+// shared: each is cut once, however often it is used.
 //
 //   a node with 10,000 bolts             a mesh of 20 M triangles
 //        |                                      |

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Selects what to draw for a view: a pure function of scene, view, quality and occluders
-// (docs/design.md).
+// (docs/algorithms/select.md).
 //
 // Levels of detail change with depth. A node's surfels suffice beyond a switch depth; nearer, its
 // own triangles and its children are drawn. Around the switch depth both are drawn: each splat and

@@ -43,8 +43,8 @@ void stp_visibility_reset(stp_visibility* visibility, stp_show show);
 
 /// Sets an object and everything below it, overriding earlier settings there; not STP_SHOW_MIXED.
 /// The graph need not reach its node: partitioning may have moved an object's content into other
-/// nodes (docs/design.md), where it is found by its place. Coincident objects (the same node at the
-/// same place) are all set.
+/// nodes (docs/algorithms/scene.md), where it is found by its place. Coincident objects (the same
+/// node at the same place) are all set.
 /// @return STP_OK (also if the scene has no such object), STP_ERROR_LIMIT (the search would take
 /// too long), STP_ERROR_OUT_OF_MEMORY; logged. After a failure, the change may be partly applied.
 STP_MUST_USE stp_result stp_visibility_set(stp_visibility* visibility,

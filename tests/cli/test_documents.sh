@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# The documents agree with the program, and scripts/check_docs.py finds each kind of fault.
+# The documents agree with the program, the picture of the house with the code, and
+# scripts/check_docs.py finds each kind of fault, in documents and in comments.
 # Arguments: executable, scratch folder, source folder.
 set -u
 stipple=$1
@@ -8,12 +9,22 @@ source=$3
 rm -rf "$scratch"
 . "$(dirname "$0")/shared.sh"
 command -v python3 > /dev/null || exit 77
-mkdir -p "$scratch/docs/algorithms" "$scratch/tests" "$scratch/src"
+mkdir -p "$scratch/docs/algorithms" "$scratch/tests" "$scratch/src" "$scratch/scripts"
 
 python3 "$source/scripts/check_docs.py" --tool "$stipple" --tool "${stipple%/*/*}/lab/stipple-lab" > "$scratch/found" ||
     fail "documents have faults: $(cat "$scratch/found")"
+python3 "$source/scripts/draw_house.py" --check 2> "$scratch/found" || fail "$(cat "$scratch/found")"
 
-echo 'int there(void)' > "$scratch/src/there.c"
+cat > "$scratch/src/there.c" << 'END'
+// Begins as docs/testing.md, A heading, says; ends like there.c of src/there.c, stp_there.width and stp_there_*.
+// stp_gone is not in missing.h, nor is it stp_there.height
+// of src/absent/there.c (docs/testing.md, No heading).
+const char* text = "// stp_in_a_string of nowhere.c";
+int there(void)
+END
+printf 'typedef struct stp_there {\n    int width;\n} stp_there;\n' > "$scratch/src/there.h"
+printf '#!/bin/sh\n# runs lost.sh in docs/nowhere\necho "# gone.sh"\n' > "$scratch/scripts/run"
+printf '"""Reads lost.py."""\nname = "gone.py"\n' > "$scratch/scripts/read.py"
 
 # a folder of documents with one fault of each kind
 touch "$scratch/CHANGELOG.md" "$scratch/README.md"
@@ -21,7 +32,8 @@ echo 'void test_that_exists(test_state* test)' > "$scratch/tests/test_one.c"
 {
     printf 'word %.0s' {1..21} && echo
     echo 'See [nothing](missing.md), [no heading](testing.md#absent) and [this one](testing.md#a-heading).'
-    echo 'The file `src/missing.c` and the function `stp_missing`.'
+    echo 'The file `src/missing.c`, the function `stp_missing` and the member `stp_there.depth`.'
+    echo 'The function `there` in `src/there.c`, and `elsewhere` in `src/there.c`.'
     printf '\n| idea | `src/there.c` | `there`, `absent` |\n\n'
     echo 'Run `stipple build x.obj --missing` and `stipple missing`, not `stipple build x.obj --fresh`.'
 } > "$scratch/docs/faults.md"
@@ -42,9 +54,19 @@ docs/faults.md: no command: stipple missing
 docs/faults.md: no file for the link missing.md
 docs/faults.md: no file src/missing.c
 docs/faults.md: no heading for the link testing.md#absent
+docs/faults.md: src/there.c has no elsewhere
 docs/faults.md: src/there.c has no function absent
 docs/faults.md: stipple build has no option --missing
+docs/faults.md: stp_there has no member depth
 docs/performance.md: 3001 words, at most 3000
+scripts/read.py:1: no file lost.py
+scripts/run:2: no file lost.sh
+scripts/run:2: nothing is at docs/nowhere
+src/there.c:2: no code has the name stp_gone
+src/there.c:2: no file missing.h
+src/there.c:2: stp_there has no member height
+src/there.c:3: docs/testing.md has no section No heading
+src/there.c:3: no file src/absent/there.c
 END
 sort "$scratch/faults" | diff "$scratch/expected" - > "$scratch/difference" || fail "$(cat "$scratch/difference")"
 exit $((failures > 0))

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Properties of all decimators (src/lod/decimate).
+// Properties of all decimators (lab/decimate).
 #include "decimate_helpers.h"
 
 static decimate_model model;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Parts of decimators (src/lod/decimate) against brute force: quadrics, links, contractions, octree
+// Parts of decimators (lab/decimate) against brute force: quadrics, links, contractions, octree
 // cells, cells of chosen points.
 #include "decimate_helpers.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Splat sub-sampling (src/lod/decimate/subsample*): covers against brute force, counts, sides,
+// Splat sub-sampling (lab/decimate/subsample*): covers against brute force, counts, sides,
 // colours, any points.
 #include "tests.h"
 

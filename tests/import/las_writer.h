@@ -55,6 +55,6 @@ las_buffer las_write(const las_desc* desc);
 size_t las_write_record(const las_desc* desc, size_t index, unsigned char* to);
 size_t las_record_size(const las_desc* desc);
 
-// Compressed chunks: las_encoder_pointwise.c and las_encoder_layered.c.
+// Compressed chunks: support_las_pointwise.c and support_las_layered.c.
 void laz_write_pointwise(const las_desc* desc, size_t first, size_t count, las_buffer* out);
 void laz_write_layered(const las_desc* desc, size_t first, size_t count, las_buffer* out);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Codes of the optional columns of a splat set (docs/format.md, Shapes and ranges). Decoding is a
-// bit shift, so every kernel and shader gets the same bits. Rounding never makes a splat smaller or
-// a range narrower.
+// Codes of the optional columns of a splat set (docs/format.md, Blocks). Decoding is a bit shift,
+// so every kernel and shader gets the same bits. Rounding never makes a splat smaller or a range
+// narrower.
 //
 //   shape   bits 0-11: larger radius; 12-23: smaller radius; 24-31: direction of the larger one.
 //           A disk has no direction. Its bits 24-31 hold the normal spread instead: the sine of the

@@ -17,8 +17,8 @@ typedef struct stp_blue_desc {
     uint32_t surfel_count;
     /// Existing sets of the nodes below, by scene node: NULL or a set of count 0 if there is none.
     /// If a set is dense enough, its surfels are captured instead of triangles (Brandt 3.4;
-    /// docs/algorithms/capture.md), and the visible surfels themselves become candidates. NULL:
-    /// always triangles.
+    /// docs/algorithms/capture.md, Capture of upper nodes), and the visible surfels themselves
+    /// become candidates. NULL: always triangles.
     const stp_splats* const* sets;
 } stp_blue_desc;
 

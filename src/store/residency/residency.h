@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Bulk data under a memory limit (docs/design.md, Decisions). Worker threads read octaves of surfel
-// sets, meshes, point sets and textures, most needed first, and less needed data is dropped. With a
-// residency attached, a store gives only *resident* data and never waits for the disk.
+// Bulk data under a memory limit (docs/algorithms/residency.md). Worker threads read octaves of
+// surfel sets, meshes, point sets and textures, most needed first, and less needed data is dropped.
+// With a residency attached, a store gives only *resident* data and never waits for the disk.
 //
 // Everything but reading happens in stp_residency_update. The thread that selects and draws calls
 // it between frames. Between two calls the resident data does not change, and pointers from the
