@@ -153,8 +153,8 @@ typedef struct item_splats {
     const placing* placing;
     const stp_splats* set;
     const stp_draw_item* item;
-    double turn[3][3]; ///< of normals
-    double scale;      ///< of radii, as renderers have it
+    double turn[3][3]; ///< normal matrix
+    double scale;      ///< scale of radii, as renderers compute it
 } item_splats;
 
 static stp_vec3d turn_normal(const item_splats* s, stp_vec3d n)

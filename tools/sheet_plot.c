@@ -55,7 +55,7 @@ void sheet_flight_destroy(stp_context* context, sheet_flight* flight)
 typedef struct plot_axes {
     double t_low, t_high, low, high; ///< seconds, milliseconds
     bool logarithmic;
-    int x, y, width, height; ///< of the field
+    int x, y, width, height; ///< rectangle of the plot within the axes, pixels
 } plot_axes;
 
 static double place_x(const plot_axes* a, double t)

@@ -21,8 +21,8 @@ typedef struct store_maker {
     stp_context* context;
     const tool_splats* splats;
     char up;
-    stp_vec3d origin;      ///< of the node in the scene, along the scene's axes
-    stp_boxd bounds, room; ///< of the ellipses, and of their centres
+    stp_vec3d origin;      ///< position of the node in the scene, along the scene's axes
+    stp_boxd bounds, room; ///< bounding boxes of the ellipses and of their centres
     stp_shape_directions directions;
     stp_splats set;
 } store_maker;
@@ -56,8 +56,8 @@ static void measure_splats(store_maker* m)
     }
 }
 
-// The smallest power of two with which all centres fit on the grid and radii can be represented: at
-// most 2^29 steps.
+// A power of two with which all centres fit on the grid, and radii are at most 2^29 steps, so that
+// they can be represented.
 static float choose_step(const store_maker* m)
 {
     stp_vec3d size = stp_subd(m->room.max, m->room.min);

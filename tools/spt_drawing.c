@@ -9,7 +9,7 @@
 struct spt_drawing {
     spt_model* model;
     uint64_t* pixels;
-    // of a block of the nodes that a traversal selects
+    // columns of a block of nodes that a traversal selected
     uint16_t* positions;
     int8_t* normals;
     uint32_t* shapes;

@@ -29,7 +29,7 @@ struct spt_gl_drawing {
     gl_renderer* renderer; ///< the maker's
     uint32_t* words;       ///< NODE_WORDS a node, as shaders read them
     GLuint buffer;
-    unsigned char* memory; ///< of the buffer, which stays mapped
+    unsigned char* memory; ///< persistent mapping of the buffer
     buffer_layout at;
     uint32_t* pixels; ///< ids that were read back
     bool warm;
@@ -173,7 +173,7 @@ static void begin_points(spt_gl_drawing* d)
     const stp_gl* gl = &r->gl;
     const GLuint nothing[4] = {NO_ID, NO_ID, NO_ID, NO_ID};
     const GLfloat far = 0.0f;
-    item_block item = r->frame.items[0]; // of the same view
+    item_block item = r->frame.items[0]; // draw_sequence made it for the same view
     item.flags = ITEM_SHAPES;
     item.colors = (uint32_t)((size_t)d->at.colors / sizeof(uint32_t));
     memcpy(d->memory + d->at.item, &item, sizeof(item));

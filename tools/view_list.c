@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { NAMES_MAX = 32 }; ///< of the file; more are counted
+enum { NAMES_MAX = 32 }; ///< maximum number of listed names; others are counted
 
 typedef struct name_list {
     char text[2048];

@@ -15,10 +15,10 @@
 #include <string.h>
 
 #define MAX_PARTS ((size_t)1 << 22)
-#define MAX_SAMPLES 4.0 // of a pixel along either axis
-#define CELL 1.2        // area of a sample, in squares of the radius that all samples cover to
+#define MAX_SAMPLES 4.0 // maximum samples per pixel of the picture, along either axis
+#define CELL 1.2        // area per sample, in units of the squared coverage radius
 #define GROWTH 1.1f     // ellipses overlap a little, because outlines of regions are not ellipses
-#define MARGIN 0.38f    // of that radius: how far a sample's disk reaches beyond one of its area
+#define MARGIN 0.38f    // coverage radius less that of a disk as large as a sample, in the former
 #define SCATTERED 0.3f  // share of an ellipse that is surface, below which pixels are left out
 #define MIN_COSINE 0.3  // minimum cosine to which splats turn towards the viewer, to close rims
 #define FAR_NEIGHBOURS 4.0f // for clouds: maximum radius of a point, relative to the median
@@ -40,9 +40,9 @@ typedef struct splat_maker {
     stp_candidates candidates;
     stp_shading_set shadings;
     bool is_cloud, thinned;
-    float largest;   ///< radius of a point of a cloud
+    float largest;   ///< maximum radius of a point of a cloud
     float* areas;    ///< surface area that each candidate represents
-    uint8_t* colors; ///< of candidates, 3 each
+    uint8_t* colors; ///< 3 bytes per candidate, sRGB
     stp_psp_splats left;
     // by splat
     uint32_t* indices;
@@ -208,7 +208,7 @@ static stp_result measure_candidates(splat_maker* m)
         if (m->is_cloud) {
             continue;
         }
-        // of blended surfaces, every second pixel is seen
+        // only every second pixel of a blended surface is captured
         bool blended = m->scene->materials[c->materials[i]].alpha_mode == STP_ALPHA_BLEND;
         double hidden = (blended ? 2.0 : 1.0) * (m->thinned ? 2.0 : 1.0);
         m->areas[i] = (float)(hidden * c->pixel_size * c->pixel_size / cosine);

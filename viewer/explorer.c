@@ -6,7 +6,7 @@
 #include <string.h>
 
 enum {
-    RECORDS_A_STEP = 100000, ///< of objects per step: a few milliseconds
+    RECORDS_A_STEP = 100000, ///< objects to read per step: a few milliseconds
     CHILDREN_AT_ONCE = 256,
     UNFOLDED_AT_FIRST = 4,
 };

@@ -207,7 +207,7 @@ static void show_next_method(viewer* v)
     }
     uint32_t place = stp_store_find_method(d, (uint32_t)v->settings.splats_by);
     if (viewer_mixes_methods(v) && place == 0 && v->settings.splats_by != 0) {
-        v->settings.splats_by = 0; // after the last method, back to automatic
+        v->settings.splats_by = 0; // the first method comes last; then automatic again
         viewer_show_message(v, false, "Splats by %s, and by others where few suffice",
                             d->methods[0].name);
         return;

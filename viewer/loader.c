@@ -15,10 +15,10 @@ struct loader {
     pthread_mutex_t mutex;
     pthread_cond_t changed;
     bool quits;
-    uint32_t wanted, begun; ///< numbers of loads
-    char path[PATH_MAX];    ///< of the requested load
+    uint32_t wanted, begun; ///< numbers of the requested and of the current load
+    char path[PATH_MAX];    ///< file of the requested load
     loader_news news;
-    char draft[PATH_MAX]; ///< of the last build
+    char draft[PATH_MAX]; ///< path of the last build's drafts; empty: none
 };
 
 static void copy_text(char* out, size_t size, const char* text)

@@ -8,7 +8,7 @@
 
 #include <stdio.h>
 
-static const float half_edge = 23.0f; // of the cube, pixels at scale 1
+static const float half_edge = 23.0f; // half the cube's edge, pixels at scale 1
 static const float margin = 14.0f;    // to the picture's edge
 static const float bar_max = 160.0f;  // maximum width of the scale bar
 

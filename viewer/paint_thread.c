@@ -31,8 +31,8 @@ struct painter {
     atomic_bool stop; ///< abort it: another picture is wanted
     // the request
     paint_request request;
-    uint64_t number; ///< of the request
-    double request_ms;
+    uint64_t number;   ///< number of the request
+    double request_ms; ///< time of the request
     char open_path[PATH_MAX];
     uint32_t open_serial, opened_serial;
     // the results
@@ -71,7 +71,7 @@ static void on_log(stp_log_level level, const char* message, void* user)
     if (level == STP_LOG_NOTICE) {
         return;
     }
-    // set by the log callback while the thread draws, without the mutex
+    // the mutex is not held while the thread opens or draws, so it can be locked here
     pthread_mutex_lock(&p->mutex);
     snprintf(p->message, sizeof(p->message), "%s", message);
     p->message_is_error = level == STP_LOG_ERROR;
@@ -177,8 +177,8 @@ static void copy_depth(painter* p, painter_picture* picture)
     picture->is_empty = nearness != NULL && pixel == count;
 }
 
-/// Feeds OpenGL's timings of a finished frame to the budget, which learns from GPU time and CPU
-/// time.
+/// Adds OpenGL's timings of a finished frame to its figures. The budget learns from work_ms: CPU
+/// and GPU time.
 static void measure_gl(painter* p, paint_figures* figures)
 {
     stp_draw_stats stats = {0};
