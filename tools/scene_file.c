@@ -12,6 +12,7 @@
 #include "present/camera.h"
 #include "scenes/scenes.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -193,6 +194,7 @@ static bool name_draft(const char* cached, char* draft)
 {
     static const char ending[] = "-draft.stip";
     size_t length = strlen(cached) - strlen(".stip");
+    assert(strlen(cached) > strlen(".stip") && strcmp(cached + length, ".stip") == 0);
     if (length + sizeof(ending) > PATH_MAX) {
         return false;
     }
@@ -261,6 +263,7 @@ static stp_result locate(stp_context* context, const char* path, wish* w, char* 
 {
     char cached[SCENE_USES][PATH_MAX];
     bool built = false, known;
+    assert((int)w->use < SCENE_USES && "each use has a path");
     if (scene_is_input(path)) {
         known = cache_paths(context, path, NULL, cached);
     } else {
@@ -323,6 +326,7 @@ stp_result tool_open_scene_prefix(stp_context* context, const char* path, scene_
     stp_store_open_desc desc = {.accept_prefix = use != SCENE_FOR_ORIGINALS,
                                 .prefix_bytes = prefix->bytes};
     *store = NULL;
+    assert(prefix->percent >= 0.0 && prefix->percent <= 100.0);
     stp_result result = tool_locate_scene(context, path, use, located);
     if (result != STP_OK) {
         return result;

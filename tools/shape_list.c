@@ -10,6 +10,7 @@
 #include "present/camera.h"
 #include "store/clusters.h"
 
+#include <assert.h>
 #include <string.h>
 
 /// Transform from a file to its own axes, relative to the origin.
@@ -32,6 +33,7 @@ static stp_vec3d place(const placing* p, stp_vec3d at)
 static void* add_room(stp_context* context, void** array, size_t* capacity, size_t used,
                       size_t count, size_t size)
 {
+    assert(used <= *capacity && "the same unit counts both");
     if (used + count > *capacity || *array == NULL) {
         void* grown = stp_grow_array(context, *array, capacity, used + count + 1, size);
         if (grown == NULL) {
@@ -242,6 +244,7 @@ static stp_result add_splats(const placing* p, stp_store* store, const stp_draw_
             list->disks[list->disk_count++] = make_disk(&s, i);
         }
     }
+    assert(list->disk_count <= list->disk_capacity);
     return STP_OK;
 }
 

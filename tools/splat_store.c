@@ -9,6 +9,7 @@
 #include "lod/shape_coding.h"
 #include "store/writer.h"
 
+#include <assert.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -108,6 +109,9 @@ static stp_result make_set(store_maker* m)
                       .octave_ends = {m->splats->count},
                       .table = {.size = 1, .count = {m->splats->count}}};
     s->step = choose_step(m);
+    assert((double)s->step * GRID_STEPS >= m->room.max.x - m->room.min.x &&
+           (double)s->step * GRID_STEPS >= m->room.max.y - m->room.min.y &&
+           (double)s->step * GRID_STEPS >= m->room.max.z - m->room.min.z);
     s->origin = stp_to_float(m->room.min);
     stp_result result = stp_splats_make_columns(m->context, s);
     if (result != STP_OK) {

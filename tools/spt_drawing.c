@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "base/context.h"
 
+#include <assert.h>
 #include <string.h>
 
 struct spt_drawing {
@@ -68,8 +69,10 @@ static stp_raster_target target_of(const spt_drawing* d)
 static stp_splats gather(spt_drawing* d, const uint32_t* nodes, uint32_t count)
 {
     const spt_model* m = d->model;
+    assert(count <= SPT_BLOCK);
     for (size_t i = 0; i < count; ++i) {
         size_t node = nodes[i];
+        assert(node < m->tree->count);
         memcpy(d->positions + 3 * i, m->positions + 3 * node, 6);
         memcpy(d->normals + 2 * i, m->normals + 2 * node, 2);
         d->shapes[i] = m->shapes[node];

@@ -9,6 +9,7 @@
 #include "base/coverage.h"
 #include "draw/gl/gl_renderer.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -197,6 +198,7 @@ static void fill_block(spt_gl_drawing* d, uint32_t block, const uint32_t* nodes,
 {
     uint32_t* places = (uint32_t*)(void*)(d->memory + d->at.points) + (size_t)block * BLOCK_WORDS;
     uint32_t* shapes = places + PLACE_WORDS * SPT_BLOCK;
+    assert(count <= SPT_BLOCK && block <= d->model->tree->count / SPT_BLOCK);
     for (size_t i = 0; i < count; ++i) {
         const uint32_t* words = d->words + (size_t)NODE_WORDS * nodes[i];
         places[PLACE_WORDS * i] = words[0];

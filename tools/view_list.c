@@ -5,6 +5,7 @@
 
 #include "present/camera.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -25,6 +26,7 @@ static void add_name(name_list* list, const char* name)
     }
     int length = snprintf(list->text + list->used, room, "%s%s", list->count > 0 ? ", " : "", name);
     list->used += (size_t)length;
+    assert(list->used < sizeof(list->text) && "no name is cut off");
     list->count += 1;
 }
 

@@ -11,6 +11,7 @@
 #include "lod/psp/forest.h"
 #include "lod/psp/nearest_points.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -221,6 +222,7 @@ static void finish_splat(const splat_maker* m, uint32_t i)
 {
     stp_ellipse* e = &m->left.ellipses[i];
     uint32_t first = m->left.firsts[i];
+    assert(first < m->candidates.count);
     float major = stp_length(e->major), side = (float)m->candidates.pixel_size;
     float share = m->left.areas[i] / (float)(PI * (double)major * (double)e->minor);
     bool scattered = share < SCATTERED;
@@ -339,6 +341,7 @@ stp_result view_splats_trim(stp_context* context, const view_splats* made, const
     if (shares == NULL) {
         return made->has_outline ? stp_fail_memory(context) : STP_OK;
     }
+    assert(image->width == view->width && image->height == view->height);
     stp_vec3d gaze = stp_normalized(stp_subd(view->target, view->eye));
     double side = view->ortho_height / view->height;
     stp_vec3d right = stp_scaled(stp_normalized(stp_crossd(gaze, view->up)), side);

@@ -7,6 +7,7 @@
 
 #include "viewer/viewer.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <limits.h>
 #include <string.h>
@@ -34,6 +35,7 @@ int viewer_run(const viewer_options* options)
     size_t folder = find_folder(path, PATH_MAX);
     int code = ENOENT;
     for (size_t i = 0; i < 2 && code == ENOENT; ++i) {
+        assert(folder + strlen(places[i]) < sizeof(path));
         memcpy(path + folder, places[i], strlen(places[i]) + 1);
         (void)execv(path, tool_settings_get()->arguments);
         code = errno; // only after a failure

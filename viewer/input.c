@@ -4,6 +4,7 @@
 #include "gui.h"
 #include "panels.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -39,6 +40,7 @@ static void begin_drag(viewer* v)
     input_state* in = &v->input;
     SDL_Keymod keys = SDL_GetModState();
     bool shift = (keys & KMOD_SHIFT) != 0;
+    assert(in->button != 0 && in->drag == DRAG_NONE && "a drag begins once");
     stp_vec3d point;
     bool seen = camera_seen(v, in->start_x, in->start_y, &point);
     v->glide_start = -1.0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "loader.h"
 
+#include <assert.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -58,6 +59,7 @@ static void on_log(stp_log_level level, const char* message, void* user)
 
 static void set_state(loader* l, loader_state state, const char* store, bool complete)
 {
+    assert((state == LOADER_REFINING) == (store != NULL && !complete) && "a draft is refined");
     pthread_mutex_lock(&l->mutex);
     if (l->wanted == l->begun) {
         l->news.state = state;

@@ -6,6 +6,7 @@
 #include "present/scale_bar.h"
 #include "present/view_cube.h"
 
+#include <assert.h>
 #include <stdio.h>
 
 static const float half_edge = 23.0f; // half the cube's edge, pixels at scale 1
@@ -69,6 +70,7 @@ static int side_at(const viewer* v, float x, float y)
 const char* orientation_place(const viewer* v, int side, float* x, float* y)
 {
     stp_navigator n;
+    assert(side >= 0 && side < STP_VIEW_CUBE_SIDES);
     if (!is_shown(v) || !camera_of_picture(v, &n)) {
         return NULL;
     }

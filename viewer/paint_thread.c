@@ -6,6 +6,7 @@
 
 #include "base/clock.h"
 
+#include <assert.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -165,6 +166,7 @@ static void copy_depth(painter* p, painter_picture* picture)
 {
     const float* nearness = stp_renderer_depth(p->scene->renderers[p->uses_gl]);
     size_t count = (size_t)picture->image.width * picture->image.height;
+    assert(count <= picture->capacity);
     if (nearness != NULL) {
         memcpy(picture->nearness, nearness, count * sizeof(float));
     } else {
@@ -284,6 +286,7 @@ static void paint(painter* p)
     }
     figures.latency_ms = p->latency_ms;
     picture->figures = figures;
+    assert(p->painting != p->ready && p->ready != p->shown && p->shown != p->painting);
     int painted = p->painting;
     p->painting = p->ready;
     p->ready = painted;
@@ -514,6 +517,7 @@ const painter_picture* painter_take(painter* p)
     const painter_picture* taken = NULL;
     pthread_mutex_lock(&p->mutex);
     if (p->fresh) {
+        assert(p->painting != p->ready && p->ready != p->shown && p->shown != p->painting);
         int before = p->shown;
         p->shown = p->ready;
         p->ready = before;

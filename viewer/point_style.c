@@ -8,6 +8,7 @@
 #include "base/color_map.h"
 #include "lod/method.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -162,6 +163,7 @@ static void show_choice(viewer* v)
             colors[count++] = i;
         }
     }
+    assert(count > 0 && chosen < count && "own colours are always offered");
     if (gui_choice("Colour", &chosen, words, count,
                    "Colours points by a scan attribute, or everything by elevation or "
                    "normal")) {
