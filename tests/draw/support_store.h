@@ -4,7 +4,7 @@
 
 #include "store/writer.h"
 
-enum { MADE_LIMIT = 8 };
+enum { MADE_LIMIT = 16 };
 
 /// Fill the arrays and counts (they become the directory's), then call made_open().
 typedef struct made_scene {
