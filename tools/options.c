@@ -85,6 +85,7 @@ static const option* find_letter(const option* table, char letter)
     return NULL;
 }
 
+#ifndef NDEBUG
 // A command's table must not repeat a name or letter, including those of the common options.
 static bool table_is_sound(const option* table)
 {
@@ -101,6 +102,7 @@ static bool table_is_sound(const option* table)
     }
     return true;
 }
+#endif
 
 static void suggest(const option* table, const char* name, const option** best, unsigned* distance)
 {
