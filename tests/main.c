@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 // usage: stp_tests [--jobs N] [NAME...]
 //        stp_tests --jobs N --without FILE
-// Runs the named tests, or all of them (except those that FILE lists as unit.NAME, one a line), N at a time (default 1,
-// at most 64). All tests start from this process: under sanitizers, starting the program takes longer than most tests.
+// Runs the named tests, or all of them (except those that FILE lists as unit.NAME, one a line),
+// N at a time (default 1, at most 64). All tests start from this process: under sanitizers,
+// starting the program takes longer than most tests.
 #include "tests.h"
 
+#include <assert.h>
 #include <dirent.h>
 #include <errno.h>
 #include <signal.h>
@@ -22,7 +24,7 @@ typedef struct running_test {
     named_test test;
     pid_t child;
     char folder[512];
-    FILE* output; ///< of both streams; NULL: those of this process
+    FILE* output; ///< receives both output streams; NULL: they go where this process's go
     struct timespec start;
 } running_test;
 
@@ -45,7 +47,7 @@ void test_fail(const char* file, int line, const char* format, ...)
     _exit(TEST_FAILED); // without exit handlers: the sanitizer looks for leaks in one of them
 }
 
-/// Removes a folder and its contents; mounted or linked content stays.
+/// Removes a folder and its contents. Links are removed, not followed; mounts are not looked for.
 static void remove_folder(const char* path)
 {
     DIR* folder = opendir(path);
@@ -132,6 +134,7 @@ static int finish_test(const running_test* running, int status)
 {
     int code = WIFEXITED(status) ? WEXITSTATUS(status) : TEST_FAILED;
     code = code == TEST_PASSED || code == TEST_SKIPPED ? code : TEST_FAILED;
+    assert(strstr(running->folder, "/stp_test_") != NULL && "only a test's own folder is removed");
     remove_folder(running->folder);
     if (running->output != NULL && code != TEST_PASSED) {
         copy_output(running->output);
@@ -177,6 +180,7 @@ static void count_test(test_counts* counts, int code)
 
 static void free_slot(running_test running[], int* count, int slot, test_counts* counts, int code)
 {
+    assert(slot >= 0 && slot < *count && "the slot holds a running test");
     count_test(counts, code);
     fclose(running[slot].output);
     running[slot] = running[--*count];
@@ -207,6 +211,7 @@ void test_run_jobs(const named_test wanted[], size_t count, int jobs, test_count
 {
     running_test running[TEST_JOBS_MAX];
     int busy = 0;
+    assert(jobs >= 1 && jobs <= TEST_JOBS_MAX && "there is a slot per job");
     for (size_t i = 0; i < count; ++i) {
         FILE* output = tmpfile();
         if (output == NULL || !start_test(&running[busy], &wanted[i], output)) {

@@ -7,6 +7,7 @@
 
 #include <stipple/base.h>
 
+#include <assert.h>
 #include <pthread.h>
 #include <stdlib.h>
 
@@ -41,16 +42,17 @@ static inline void test_heap_free(void* memory, size_t size, void* user)
 {
     test_heap* heap = user;
     pthread_mutex_lock(&heap->mutex);
+    assert(heap->live_bytes >= size && "no more is freed than was allocated");
     heap->live_bytes -= size;
     pthread_mutex_unlock(&heap->mutex);
     free(memory);
 }
 
-/// The last message that a context logged, for tests of messages.
+/// The last error and the last warning that a context logged, for tests of messages.
 typedef struct test_log {
     char text[512]; ///< the last error
     int errors;
-    char warning[512]; ///< the last one
+    char warning[512]; ///< the last warning
     int warnings;
 } test_log;
 

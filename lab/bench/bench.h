@@ -11,19 +11,20 @@
 typedef struct bench_options {
     bool quick;        ///< a small case of everything, within seconds
     const char* model; ///< a model to measure on; NULL: the benchmark's own
-    uint32_t count;    ///< repetitions; 0: the benchmark's default
-    uint32_t first;    ///< repetitions to skip, so that a measurement can be split into parts
-    double splat_size; ///< of pictures of scenes
-    uint32_t method;   ///< STP_METHOD_*, of pictures of scenes; 0: the file's first
-    bool all_sizes;    ///< no size was given: all that are compared
-    bool has_eye;
-    stp_vec3d eye, target; ///< of the only picture, where `has_eye`
-    uint32_t size[2];      ///< of pictures of scenes, pixels; 0: the benchmark's own
-    uint32_t threads;      ///< that draw pictures of scenes, or build; 0: all
-    /// Bytes under which scenes are loaded while they are drawn; 0: they are mapped
+    uint32_t count;    ///< positions, runs or points; 0: the benchmark's default
+    uint32_t first;    ///< positions to skip, so that a measurement can be split into parts
+    double splat_size; ///< diameter of splats in pictures of scenes, pixels
+    uint32_t method;   ///< STP_METHOD_* that draws scenes; 0: the file's first
+    bool all_sizes;    ///< no splat size was given: compare several
+    bool has_eye;      ///< draw only the view from `eye` to `target`
+    stp_vec3d eye, target;
+    uint32_t size[2]; ///< width and height of pictures of scenes; 0: the benchmark's own
+    uint32_t threads; ///< worker threads; 0: the benchmark's default, mostly all processors
+    /// Memory limit in bytes under which scenes are loaded during drawing (gl: GPU memory); 0: the
+    /// file is mapped
     uint64_t memory;
-    bool uses_gl;         ///< of benchmarks that draw with either backend
-    const char* markdown; ///< a file for a table of what is drawn by OpenGL; NULL: none
+    bool uses_gl;         ///< spt: draw with OpenGL, not on the CPU
+    const char* markdown; ///< path of a Markdown table (backends, gl); NULL: none
 } bench_options;
 
 typedef struct benchmark {
@@ -36,11 +37,12 @@ typedef struct benchmark {
 /// All benchmarks, NULL at the end.
 const benchmark* const* benchmarks(void);
 
-/// Adds {name, params: {}, figures: {}} to the results.
+/// The objects of one result, to be filled.
 typedef struct bench_entry {
     json_t* params;  ///< borrowed
     json_t* figures; ///< borrowed
 } bench_entry;
+/// Adds {name, params: {}, figures: {}} to the results.
 bench_entry bench_result(json_t* results, const char* name);
 
 void bench_set_count(json_t* object, const char* key, uint64_t value);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// Benchmark `backends`: similarity of the CPU and OpenGL pictures of a scene's views, at three
-// splat sizes and with every option that changes pictures, with point splats and with compute
-// shaders; and similarity of both to the original triangles. --markdown writes a table row per
-// view.
+// Benchmark `backends`: similarity of the CPU and OpenGL pictures of a scene's views, at several
+// splat sizes and with options that change pictures, with point splats and with compute shaders;
+// and, at three sizes, similarity of both to the original triangles. --markdown writes a table row
+// per view.
 #include "draw/draw_gl.h"
 #include "lab/bench/bench.h"
 #include "program/drawing/frame.h"
@@ -12,6 +12,7 @@
 #include "select/sections.h"
 #include "select/visibility.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -105,7 +106,7 @@ static stp_result draw(frame_maker* maker, const picture_case* c, const stp_view
     if (!c->accumulate) {
         return frame_draw(maker, view, quality, image, figures);
     }
-    stp_view other = *view; // then the pattern repeats
+    stp_view other = *view; // another view restarts the accumulation
     other.fov_degrees *= 0.9;
     stp_result result = frame_accumulate(maker, &other, quality, ACCUMULATED, image);
     *figures = (frame_figures){.splat_size = c->splat_size};
@@ -124,10 +125,11 @@ static stp_result alike(backends_bench* b, const stp_image* one, const stp_image
     return result;
 }
 
-/// Channels that differ by more than six levels, per ten thousand pixels.
+/// Pixels with a channel that differs by more than six of 255 levels, per ten thousand pixels.
 static double count_different(const stp_image* one, const stp_image* other)
 {
     size_t count = (size_t)one->width * one->height, different = 0;
+    assert(one->width == other->width && one->height == other->height && count > 0);
     for (size_t i = 0; i < count; ++i) {
         bool differs = false;
         for (size_t k = 4 * i; k < 4 * i + 4; ++k) {
@@ -191,7 +193,7 @@ static stp_result compare_case(backends_bench* b, const picture_case* c, const c
         fprintf(b->table, " |");
     }
     for (int way = 0; way < WAYS && result == STP_OK; ++way) {
-        if (way == 0 || c->style.filter != STP_FILTER_BLEND) { // always point splats
+        if (way == 0 || c->style.filter != STP_FILTER_BLEND) { // blending always uses point splats
             result = compare_way(b, c, name, view, way, own);
         }
     }

@@ -46,7 +46,7 @@ static bool make_folder(bench_folder* folder)
 static void remove_folder(const bench_folder* folder)
 {
     (void)unlink(folder->file);
-    (void)rmdir(folder->path); // contains nothing else: a failed build has removed the rest
+    (void)rmdir(folder->path); // fails if an unsuccessful build left results in bench.stip.work
 }
 
 static stp_result read_file(stp_context* context, const char* path, built* out)

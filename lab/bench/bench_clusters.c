@@ -9,6 +9,7 @@
 #include "lab/scenes/solids.h"
 #include "program/options/program.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { REPEATS = 5 };
@@ -18,7 +19,8 @@ typedef struct coding {
     double encode_ms, decode_ms;
 } coding;
 
-/// The data of a mesh that drawing needs: positions and indices of each cluster.
+/// Decodes the data that drawing needs: positions and indices of each cluster. @return a sum that
+/// depends on them
 static float decode_mesh(const stp_coded_mesh* coded)
 {
     static float positions[3 * STP_CLUSTER_VERTICES];
@@ -120,6 +122,7 @@ static stp_result report(stp_scene* scene, size_t first, size_t end, const char*
                          json_t* results)
 {
     coding sum = {0};
+    assert(first <= end && end <= scene->mesh_count);
     for (size_t i = first; i < end; ++i) {
         stp_result result = code_mesh(scene->context, scene, &scene->meshes[i], &sum);
         if (result != STP_OK) {

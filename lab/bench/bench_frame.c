@@ -165,7 +165,7 @@ static void list_views(frame_bench* b)
     }
 }
 
-// With a memory limit, the data for the first view is loaded before each flight.
+// With a memory limit, a new maker starts with the coarsest data only.
 static stp_result recreate_maker(frame_bench* b)
 {
     stp_draw_style style = {.transparency = STP_TRANSPARENCY_PATTERN};

@@ -12,14 +12,15 @@
 #include "program/files/scene_file.h"
 #include "program/present/headless.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
 enum { MAX_VIEWS = 5, QUICK_VIEWS = 2, REPEATS = 9, QUICK_REPEATS = 3, WARM = 2 };
-static const uint64_t splat_bytes = 12; ///< read of each: place, normal, colour, coverage
+static const uint64_t splat_bytes = 12; ///< bytes read per splat: place, normal, colour, coverage
 static const uint64_t copied_bytes = UINT64_C(256) << 20, quick_copied_bytes = UINT64_C(8) << 20;
-static const double geometry_max_ms = 90000.0; ///< then it is left out
+static const double geometry_max_ms = 90000.0; ///< full geometry is skipped after this total time
 static const uint64_t hardware_memory = UINT64_C(12) << 30, software_memory = UINT64_C(2) << 30;
 
 typedef struct picture_size {
@@ -66,12 +67,12 @@ typedef struct gl_bench {
     const char* names[MAX_VIEWS];
     uint32_t view_count;
     double copied;      ///< bytes a second, read and written
-    double geometry_ms; ///< that full geometry has taken, by the clock
+    double geometry_ms; ///< wall-clock time of full geometry so far
     json_t* results;
     FILE* table; ///< NULL: none is wanted
 } gl_bench;
 
-/// Of one view in one way.
+/// Times of one view on one path: medians, and the slowest frame. Counts are the last frame's.
 typedef struct frame_times {
     double draw_ms, shade_ms, select_ms, slowest_ms;
     stp_draw_stats stats;
@@ -128,6 +129,7 @@ static void report(gl_bench* b, const picture_size* size, const char* view, cons
     static const char* const used[] = {"auto", "points", "compute"};
     double rate =
         t->draw_ms > 0.0 && !w->reference ? (double)t->stats.splats / (t->draw_ms * 1e-3) : 0.0;
+    assert((size_t)t->gl.splats < sizeof(used) / sizeof(used[0]) && "every path has a name");
     bench_entry e = bench_result(b->results, "gl");
     bench_set_text(e.params, "model", b->model);
     bench_set_text(e.params, "device", b->headless.device);
@@ -208,6 +210,7 @@ static void report_device(gl_bench* b)
 {
     static const char* const names[2] = {"points", "compute"};
     stp_draw_gl_speed speed = stp_draw_gl_get_speed(b->renderer);
+    assert(speed.sizes[0] <= speed.sizes[1] && speed.sizes[1] <= speed.sizes[2]);
     bench_entry e = bench_result(b->results, "gl ways");
     bench_set_text(e.params, "device", b->headless.device);
     bench_set_number(e.figures, "copied_bytes_per_second", b->copied);

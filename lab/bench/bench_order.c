@@ -12,6 +12,7 @@
 
 #include <stipple/order.h>
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -115,9 +116,21 @@ static bool measure_quality(bench_case* c, int kind, json_t* figures, float* cov
     return true;
 }
 
+#ifndef NDEBUG
+static bool radii_never_increase(const float* radii, uint32_t count)
+{
+    uint32_t i = 1;
+    while (i < count && radii[i] <= radii[i - 1]) {
+        i += 1;
+    }
+    return i >= count;
+}
+#endif
+
 // The shortest exact prefix that covers as well as the full result of the paper's fast schedule.
 static uint32_t prefix_as_good(const bench_case* c, float coverage)
 {
+    assert(radii_never_increase(c->radii, c->wanted) && "an exact order was measured last");
     uint32_t prefix = 1;
     while (prefix < c->wanted && c->radii[prefix] > coverage) {
         prefix += 1;

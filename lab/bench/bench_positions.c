@@ -10,6 +10,7 @@
 #include "program/drawing/frame.h"
 #include "program/files/scene_file.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -19,7 +20,7 @@ typedef struct place {
     const char* name;
     double x, z, half_width, half_depth;
     double above;   ///< the ground, metres
-    double decline; ///< of the view: metres down on one along
+    double decline; ///< slope of the view direction: metres down per metre forward
 } place;
 
 typedef struct position_bench {
@@ -85,16 +86,19 @@ static void set_ranks(const bench_entry* entry, double* values, uint32_t count)
         double part;
     } ranks[] = {{"min", 0.0},  {"p25", 0.25}, {"p50", 0.5}, {"p75", 0.75},
                  {"p95", 0.95}, {"p99", 0.99}, {"max", 1.0}};
+    assert(count > 0 && "a rank is a value");
     qsort(values, count, sizeof(values[0]), compare_doubles);
     for (size_t i = 0; i < sizeof(ranks) / sizeof(ranks[0]); ++i) {
         uint32_t rank = (uint32_t)ceil(ranks[i].part * count - 1e-9);
+        assert(rank <= count);
         bench_set_number(entry->figures, ranks[i].name, values[rank > 0 ? rank - 1 : 0]);
     }
 }
 
-/// Figures of the pictures at a position, as arrays with one value per picture.
+/// Figures of the pictures of a place, as arrays with one value per picture.
 typedef struct place_times {
-    double *second, *first, *splats, *triangles; ///< of one block
+    double *second, *first;     ///< frame times, milliseconds; `first` after a jump
+    double *splats, *triangles; ///< counts of the second frame
 } place_times;
 
 static void set_list(const bench_entry* entry, const char* key, const double* values,

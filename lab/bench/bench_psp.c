@@ -16,8 +16,8 @@
 #include <unistd.h>
 
 enum { POINTS = 1000000, QUICK_POINTS = 100000, SHARE = 100, REPEATS = 3 };
-#define CELL 1.2  // area of a sample, in squares of the radius that samples cover to
-#define AREA 12.6 // of the ball, about
+#define CELL 1.2  // area per sample, in units of the squared coverage radius
+#define AREA 12.6 // approximate surface area of the ball
 
 /// Points spread evenly on the ball, and the same as a set of samples.
 typedef struct ball {
@@ -89,7 +89,7 @@ static void destroy_ball(ball* b)
     *b = (ball){.context = b->context};
 }
 
-/// Stored bytes of the operators of a set; each operator splits a splat into two.
+/// Stored bytes of a set per operator; each operator splits a splat into two.
 static stp_result count_bytes(stp_context* context, const stp_splats* set, double* each)
 {
     char path[4096];

@@ -12,6 +12,7 @@
 #include "program/measure/image_compare.h"
 #include "select/camera.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -35,7 +36,7 @@ typedef struct quality_run {
     stp_image ours, reference;
     float* reference_nearness;
     uint32_t width, height;
-    float sizes[SIZE_COUNT]; ///< of splats, that are compared
+    float sizes[SIZE_COUNT]; ///< splat sizes that are compared, pixels
     uint32_t size_count;
     const stp_view* eye; ///< the only view, or NULL
     uint32_t method;     ///< STP_METHOD_*; 0: the file's first
@@ -48,10 +49,10 @@ typedef struct quality_sums {
     stp_surface_errors errors;
     uint64_t splats, triangles;
     double ssim[DIRECTION_COUNT], covered[DIRECTION_COUNT];
-    uint32_t worst; ///< direction with the most holes and wrong depths
+    uint32_t worst; ///< index of the view with the most holes and wrong depths
     uint64_t worst_errors;
-    double max_holes;            ///< of one picture, in 10,000 pixels of its interior
-    double min_area, area_limit; ///< of one picture, over the reference's
+    double max_holes;            ///< most holes of a picture, per 10,000 interior pixels
+    double min_area, area_limit; ///< smallest and largest covered area, over the reference's
 } quality_sums;
 
 // The views of a series.
@@ -59,7 +60,7 @@ typedef struct quality_series {
     const char* name;
     const char* const* views; ///< names, NULL at the end; NULL: the directions
     const stp_view* eye;      ///< one view instead
-    bool limit;               ///< from as near as the surfels suffice
+    bool limit;               ///< from the nearest distance at which the surfels suffice
     const float* sizes;
     uint32_t size_count, direction_count;
 } quality_series;
@@ -75,7 +76,7 @@ static stp_result draw_view(quality_run* run, const stp_view* view, float splat_
                : stp_renderer_draw(run->renderer, view, &run->list, &style, image, stats);
 }
 
-// The reference picture.
+// Draws the reference picture and keeps its depths.
 static stp_result draw_reference(quality_run* run, const stp_view* view)
 {
     stp_draw_stats stats;
@@ -131,6 +132,7 @@ static stp_result compare_view(quality_run* run, const stp_view* view, uint32_t 
     add_errors(sums, &errors, direction);
     sums->splats += stats.splats;
     sums->triangles += stats.triangles;
+    assert(sums->pictures < DIRECTION_COUNT && "no series has more views");
     sums->ssim[sums->pictures] = quality.ssim;
     sums->covered[sums->pictures] = quality.ssim_covered;
     sums->pictures += 1;
@@ -147,6 +149,7 @@ static void move_to_limit(const stp_splats* surfels, const stp_boxd* box, float 
     stp_vec3d half = stp_scaled(stp_subd(box->max, box->min), 0.5);
     double sphere = sqrt(stp_dotd(half, half));
     double pixel_angle = 2.0 * tan(view->fov_degrees * STP_PI / 360.0) / (double)view->height;
+    assert(surfels->table.size > 0 && splat_size > 0.0f);
     double reached = (double)surfels->table.radius[surfels->table.size - 1];
     double nearest = 2.0 * reached / pixel_angle / (double)splat_size * 1.001;
     stp_vec3d away = stp_normalized(stp_subd(view->eye, view->target));

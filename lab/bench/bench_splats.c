@@ -14,6 +14,7 @@
 #include "program/drawing/software_gl.h"
 #include "raster/splats.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { WIDTH = 1920, HEIGHT = 1080, MIN_REPEATS = 3, REPEATS = 7, PIECE = 16384, MAX_THREADS = 2 };
@@ -29,7 +30,7 @@ typedef struct splat_bench {
     uint64_t* buffers; ///< one picture a thread
     stp_raster_splats splats;
     stp_raster_camera camera;
-    uint64_t fragments[MAX_THREADS]; ///< of a worker
+    uint64_t fragments[MAX_THREADS]; ///< fragments drawn by each worker
     memory_speed memory;
 } splat_bench;
 
@@ -96,6 +97,7 @@ static bool create(splat_bench* b, uint32_t count, uint32_t threads)
 static void draw_piece(size_t begin, size_t end, uint32_t worker, void* user)
 {
     splat_bench* b = user;
+    assert(worker < b->threads && b->threads <= MAX_THREADS && "each worker has its own buffer");
     stp_raster_target target = {WIDTH, HEIGHT, WIDTH, b->buffers + (size_t)worker * WIDTH * HEIGHT};
     stp_raster_splats splats = b->splats;
     splats.begin = (uint32_t)begin;

@@ -15,6 +15,7 @@
 #include "lod/spt/sequence.h"
 #include "lod/spt/spt_set.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,7 +28,7 @@ enum {
 };
 
 #define PIXEL_ANGLE                                                                                \
-    (2.0 * 0.57735026918962576 / 1080.0) // of 1080 pixels in 60 degrees, at distance 1
+    (2.0 * 0.57735026918962576 / 1080.0) // a pixel's height at distance 1: 1080 in 60 degrees
 #define MAX_ALLOWED (8.0 * PIXEL_ANGLE)  // sequences are made for up to eight pixels
 
 static const double distances[DISTANCES] = {0.75, 1.5, 3, 6, 12, 24, 48}; // in sizes of the model
@@ -35,14 +36,14 @@ static const double distances[DISTANCES] = {0.75, 1.5, 3, 6, 12, 24, 48}; // in 
 typedef struct spt_bench {
     stp_context* context;
     stp_method_samples samples;
-    stp_splats surfels; ///< that they are taken from
+    stp_splats surfels; ///< the set that the samples are taken from
     stp_point_tree by_error, by_diameter;
     stp_point_sequence sequence;
     stp_vec3d center;
     double size;
     uint32_t* nodes; ///< room for all
     spt_model model;
-    // one of both
+    // one of the two, by backend; the other is NULL
     spt_drawing* drawing;
     spt_gl_drawing* gl_drawing;
 } spt_bench;
@@ -50,10 +51,10 @@ typedef struct spt_bench {
 /// Figures of the views from one distance, summed over directions.
 typedef struct spt_row {
     uint64_t unified, split, qsplat; ///< points that the traversal selects
-    uint64_t looked_at, coarse,
-        selected; ///< of the sequence: in the prefix, before its left bound, selected
+    /// Points of the sequence: in the prefix, before its left bound, selected
+    uint64_t looked_at, coarse, selected;
     double traverse_ms, sequence_ms;
-    spt_times times; ///< of drawing
+    spt_times times; ///< drawing times and counts
 } spt_row;
 
 /// The first surfels of the exact order, which are spread evenly.
@@ -151,7 +152,8 @@ static stp_result draw_view(spt_bench* b, const stp_tree_view* from, spt_times* 
     return STP_OK;
 }
 
-/// Draws a view by all paths. Distances of the prefix are those of the bounding sphere.
+/// Selects the points of a view by each traversal and by the sequence, and draws it. The prefix is
+/// chosen for the distances of the bounding sphere.
 static stp_result add_view(spt_bench* b, stp_vec3d eye, double distance, spt_row* row)
 {
     stp_tree_view view = {.eye = eye, .allowed = PIXEL_ANGLE};
@@ -161,6 +163,7 @@ static stp_result add_view(spt_bench* b, stp_vec3d eye, double distance, spt_row
     start = stp_clock_ms();
     stp_sequence_range range = stp_point_sequence_range(
         &b->sequence, view.allowed, fmax(distance - 0.5 * b->size, 0.0), distance + 0.5 * b->size);
+    assert(range.begin <= range.end && "the left bound lies in the prefix");
     row->selected += stp_point_sequence_select(&b->sequence, &view,
                                                (stp_sequence_range){0, range.end}, b->nodes);
     row->sequence_ms += stp_clock_ms() - start;

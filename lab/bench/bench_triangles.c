@@ -5,6 +5,7 @@
 #include "lab/bench/bench.h"
 #include "raster/triangles.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { WIDTH = 1920, HEIGHT = 1080, BAND_ROWS = 40, REPEATS = 7 };
@@ -12,7 +13,7 @@ enum { WIDTH = 1920, HEIGHT = 1080, BAND_ROWS = 40, REPEATS = 7 };
 typedef struct grid {
     float* positions;
     uint32_t* indices;
-    uint32_t columns, rows; ///< of quads, two triangles each
+    uint32_t columns, rows; ///< numbers of quads, two triangles each
     float size;             ///< side of a quad, pixels
 } grid;
 
@@ -77,6 +78,7 @@ static void draw_band(size_t begin, size_t end, uint32_t worker, void* user)
     float low = (float)begin / g->size - 2.0f, high = (float)end / g->size + 2.0f;
     uint32_t first = low > 0.0f ? (uint32_t)low : 0;
     uint32_t last = high < (float)g->rows ? (uint32_t)high : g->rows;
+    assert(begin < end && end <= HEIGHT && first <= last);
     stp_raster_mesh mesh = {
         .positions = g->positions,
         .vertex_count = (g->columns + 1) * (g->rows + 1),

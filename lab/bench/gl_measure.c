@@ -13,7 +13,7 @@ static bool load(const stp_headless* headless, stp_gl* gl)
     return stp_gl_load(gl, &desc) == NULL;
 }
 
-/// Between two time stamps; waits.
+/// Milliseconds between two time stamps; waits for them.
 static double read_ms(const stp_gl* gl, const GLuint queries[2])
 {
     GLuint64 begin = 0, end = 0;

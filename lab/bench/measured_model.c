@@ -4,6 +4,7 @@
 #include "base/math/rng.h"
 #include "import/reading/import.h"
 
+#include <assert.h>
 #include <string.h>
 
 /// Smooth noise in -1..1 on the integer lattice.
@@ -12,6 +13,7 @@ static float noise(float x, float y, float z)
     float at[3] = {x + 64.0f, y + 64.0f, z + 64.0f}, f[3];
     uint64_t cell[3];
     for (int k = 0; k < 3; ++k) {
+        assert(at[k] >= 0.0f && at[k] < 255.0f && "cells of 256 per axis are hashed");
         cell[k] = (uint64_t)at[k];
         float t = at[k] - (float)cell[k];
         f[k] = t * t * (3.0f - 2.0f * t);
@@ -72,6 +74,7 @@ static stp_result generate(stp_scene* scene, uint32_t cells)
         memcpy(index, (uint32_t[6]){i, i + 1, i + side, i + 1, i + side + 1, i + side}, 24);
         index += 6;
     }
+    assert(index == mesh.indices + 3 * (size_t)mesh.triangle_count);
     uint32_t mesh_index;
     stp_object object = {.name = "ball", .parent = STP_NONE, .transform = stp_affine_identity()};
     stp_result result = stp_scene_add_mesh(scene, &mesh, &mesh_index);

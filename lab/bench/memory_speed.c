@@ -4,6 +4,7 @@
 #include "base/core/clock.h"
 #include "base/math/rng.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -60,6 +61,7 @@ double memory_speed_copy(memory_speed* memory)
 static void update_piece(size_t begin, size_t end, uint32_t worker, void* user)
 {
     memory_speed* m = user;
+    assert(worker < m->threads && "each worker has its own picture");
     uint64_t* pixels = m->pixels + (size_t)worker * m->pixel_count;
     for (size_t i = begin; i < end; ++i) {
         uint64_t value = stp_rng_hash(3, i), *pixel = &pixels[m->places[i]];

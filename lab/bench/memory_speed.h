@@ -9,7 +9,7 @@ typedef struct memory_speed {
     stp_context* context;
     uint8_t* from;
     uint8_t* to;
-    uint32_t* places; ///< random, of pixels
+    uint32_t* places; ///< random indices of pixels
     uint64_t* pixels; ///< a picture for each thread
     uint32_t pixel_count, threads;
 } memory_speed;

@@ -8,6 +8,7 @@
 #include "program/options/command.h"
 #include "program/present/picture.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -94,6 +95,8 @@ static stp_result write_view(stp_context* context, const stp_candidates* c, uint
     static const char* const names[KIND_COUNT] = {"position", "normal", "color"};
     stp_vec3d up = {0.0, fabs(toward.y) > 0.95 ? 0.0 : 1.0, fabs(toward.y) > 0.95 ? -1.0 : 0.0};
     stp_vec3d right = stp_normalized(stp_crossd(up, toward)), down = stp_crossd(right, toward);
+    assert(c->view_starts[view] <= c->view_starts[view + 1] &&
+           c->view_starts[view + 1] <= c->count && "views partition the candidates");
     uint32_t side = c->resolution + 3;
     size_t count = (size_t)side * side;
     uint8_t* pixels[KIND_COUNT];

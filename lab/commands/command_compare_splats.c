@@ -12,6 +12,7 @@
 #include "program/options/command.h"
 #include "program/options/tool.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -66,12 +67,12 @@ typedef struct comparison {
     stp_context* context;
     const char *path, *model;
     input_kind kind, model_kind;
-    char up; ///< of the model
+    char up; ///< up axis in the model's own coordinates: x, y or z
     tool_shape_list drawn, original;
-    tool_splat_set splats;          ///< of a PLY
+    tool_splat_set splats;          ///< read from a PLY; else empty
     stp_store *store, *model_store; ///< open if the input is a .stip
     stp_hausdorff found;
-    stp_quality quality; ///< of the splats
+    stp_quality quality; ///< how pictures of `path` are drawn
     double diagonal, drawn_area;
     splat_pictures pictures;
 } comparison;
@@ -255,6 +256,7 @@ static json_t* describe_views(const comparison* c)
 
 static double percent_of(const comparison* c, double distance)
 {
+    assert(c->diagonal > 0.0 && "measure() refuses a model without one");
     return 100.0 * distance / c->diagonal;
 }
 

@@ -8,6 +8,7 @@
 #include "program/files/point_file.h"
 #include "program/options/command.h"
 
+#include <assert.h>
 #include <ctype.h>
 #include <math.h>
 #include <stdio.h>
@@ -93,6 +94,7 @@ static stp_result measure_prefix(study* s, size_t file, size_t prefix, const too
     if (spacings == NULL) {
         return stp_fail_memory(s->context);
     }
+    assert(file < MAX_FILES && prefix < s->prefix_count && s->spacings[file][prefix] == NULL);
     stp_distribution* d = &s->figures[file][prefix];
     stp_result result = stp_distribution_measure(s->context, ordered->positions, count,
                                                  of->positions, of->count, spacings, d);

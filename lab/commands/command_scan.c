@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple scan: a simulated laser scan of a scene, as test data whose truth is
-// known.
+// stipple scan: a simulated laser scan of a scene, as test data whose truth is known.
 #include "base/core/clock.h"
 #include "lab/scan/scan_file.h"
 #include "lab/scan/scan_stations.h"
@@ -11,6 +10,7 @@
 #include "program/options/option_value.h"
 #include "program/options/tool.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -109,8 +109,8 @@ static const option* options(void)
 typedef struct scan {
     stp_context* context;
     const char* path;
-    stp_scene* scene; ///< or
-    stp_store* store;
+    stp_scene* scene; ///< the input if it was imported, else NULL
+    stp_store* store; ///< the input if it is a .stip, else NULL
     scan_target target;
     scan_settings settings;
     scan_station* stations;
@@ -212,6 +212,7 @@ static stp_result sweep_station(scan* s, scan_file* file, uint32_t index, scan_p
 
 static stp_result sweep_all(scan* s)
 {
+    assert(s->settings.rows > 0 && s->settings.columns > 0 && s->station_count > 0);
     uint32_t batch = BATCH_POINTS / s->settings.rows;
     batch = batch > 0 ? batch : 1;
     scan_point* points = STP_NEW_ARRAY(s->context, scan_point, (size_t)batch * s->settings.rows);

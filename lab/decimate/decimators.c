@@ -8,6 +8,7 @@
 #include "program/files/splat_store.h"
 #include "program/options/tool.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -105,6 +106,7 @@ static stp_result write_triangles(stp_context* context, const tool_decimation* t
 int tool_decimate_by(stp_context* context, const tool_decimation* task)
 {
     const tool_points* points = task->points;
+    assert(task->by >= 1 && (size_t)task->by <= sizeof(table) / sizeof(table[0]));
     const stp_decimate_input input = {.count = points->count,
                                       .positions = points->positions,
                                       .normals = points->normals,

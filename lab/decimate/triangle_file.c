@@ -5,6 +5,7 @@
 #include "base/io/file.h"
 #include "program/files/point_file.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -51,7 +52,10 @@ stp_result tool_write_triangles(stp_context* context, const char* path, const to
         result = write_vertex(writer, t, i, doubles);
     }
     for (uint32_t i = 0; i < t->triangle_count && result == STP_OK; ++i) {
-        result = write_triangle(writer, t->triangles + 3 * (size_t)i);
+        const uint32_t* corners = t->triangles + 3 * (size_t)i;
+        assert(corners[0] < t->vertex_count && corners[1] < t->vertex_count &&
+               corners[2] < t->vertex_count);
+        result = write_triangle(writer, corners);
     }
     if (result != STP_OK) {
         stp_file_writer_abort(writer);

@@ -3,6 +3,7 @@
 
 #include "program/present/svg.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -16,12 +17,12 @@ enum {
     BOTTOM = 70,
 };
 
-static const double top_value = 1.2; // of the largest even spacing
+static const double top_value = 1.2; // end of the axis, relative to the largest even spacing
 
 static const char* const fills[] = {"#8da0cb", "#66c2a5", "#fc8d62",
                                     "#e78ac3", "#a6d854", "#ffd92f"};
 
-#define MIN_DENSITY 0.002 // of the densest
+#define MIN_DENSITY 0.002 // outlines end below this share of the largest density
 
 static double y_of(double value)
 {
@@ -62,9 +63,21 @@ static double value_at(const plot_violin* v, double fraction)
                : (double)v->values[(uint32_t)(fraction * (v->value_count - 1) + 0.5)];
 }
 
+#ifndef NDEBUG
+static bool is_ascending(const float* values, uint32_t count)
+{
+    uint32_t i = 1;
+    while (i < count && values[i - 1] <= values[i]) {
+        i += 1;
+    }
+    return i >= count;
+}
+#endif
+
 static void put_violin(svg* s, const plot_violin* v, double x, const char* fill)
 {
     double bins[BINS], half = VIOLIN_WIDTH * 0.42;
+    assert(is_ascending(v->values, v->value_count) && "quantiles are looked up");
     fill_bins(v, bins);
     int first = 0, last = BINS - 1; // no outline without samples
     while (first < last && bins[first] < MIN_DENSITY) {

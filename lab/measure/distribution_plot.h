@@ -7,9 +7,9 @@
 
 /// One violin: the spacings of one prefix of one order, relative to the largest even spacing.
 typedef struct plot_violin {
-    const char* label; ///< the order's
+    const char* label; ///< name of the order
     uint32_t count;    ///< points of the prefix
-    float* values;     ///< sorted; owned by the caller
+    float* values;     ///< ascending; owned by the caller
     uint32_t value_count;
 } plot_violin;
 

@@ -9,6 +9,7 @@
 #include "select/camera.h"
 #include "store/clusters/clusters.h"
 
+#include <assert.h>
 #include <string.h>
 
 /// Transform from a file to its own axes, relative to the origin.
@@ -31,6 +32,7 @@ static stp_vec3d place(const placing* p, stp_vec3d at)
 static void* add_room(stp_context* context, void** array, size_t* capacity, size_t used,
                       size_t count, size_t size)
 {
+    assert(used <= *capacity && "the same unit counts both");
     if (used + count > *capacity || *array == NULL) {
         void* grown = stp_grow_array(context, *array, capacity, used + count + 1, size);
         if (grown == NULL) {
@@ -152,8 +154,8 @@ typedef struct item_splats {
     const placing* placing;
     const stp_splats* set;
     const stp_draw_item* item;
-    double turn[3][3]; ///< of normals
-    double scale;      ///< of radii, as renderers have it
+    double turn[3][3]; ///< normal matrix
+    double scale;      ///< scale of radii, as renderers compute it
 } item_splats;
 
 static stp_vec3d turn_normal(const item_splats* s, stp_vec3d n)
@@ -241,6 +243,7 @@ static stp_result add_splats(const placing* p, stp_store* store, const stp_draw_
             list->disks[list->disk_count++] = make_disk(&s, i);
         }
     }
+    assert(list->disk_count <= list->disk_capacity);
     return STP_OK;
 }
 

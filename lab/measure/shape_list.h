@@ -18,15 +18,15 @@ typedef struct tool_shape_list {
     uint32_t* indices; ///< 3 per triangle
     float* points;     ///< 3 per point
     size_t disk_count, vertex_count, triangle_count, point_count;
-    size_t disk_capacity, position_capacity, index_capacity,
-        point_capacity; ///< of numbers but for disks
+    /// Capacities in disks, floats, indices and floats
+    size_t disk_capacity, position_capacity, index_capacity, point_capacity;
 } tool_shape_list;
 
 /// Adds the triangles and points of a scene. @return STP_OK, or a failure that was logged
 STP_MUST_USE stp_result tool_shapes_add_scene(tool_shape_list* list, const stp_scene* scene);
 
-/// Adds everything that a file shows, independent of a view: `splats` of a method (0: all), or its
-/// triangles and points.
+/// Adds everything that a file shows, independent of a view: the number of splats of the quality
+/// (0: all) by its method, or for a reference the triangles and points.
 STP_MUST_USE stp_result tool_shapes_add_store(stp_context* context, tool_shape_list* list,
                                               stp_store* store, const stp_quality* quality);
 

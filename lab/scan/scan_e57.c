@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-// E57 (ASTM E2807): for each station its pose and its points, relative to it, in packets of
-// columns; then XML that describes the sections. Misses are not stored; cells are identified by row
-// and column.
+// E57 (ASTM E2807): for each station its points, relative to it, in packets of columns; then XML
+// that describes these sections and has the poses. Misses are not stored; cells are identified by
+// row and column.
 #include "base/io/bytes.h"
 #include "base/math/rng.h"
 #include "lab/scan/scan_e57_pages.h"
 #include "lab/scan/scan_file.h"
 
+#include <assert.h>
 #include <stdio.h>
 
 enum {
@@ -30,7 +31,7 @@ typedef struct stored_station {
 
 struct scan_e57_state {
     e57_pages pages;
-    stored_station* stations; ///< behind this
+    stored_station* stations; ///< in the same allocation, after this struct
     uint32_t station_count;
     uint64_t section_page; ///< start of the section
     uint64_t data, logical;
@@ -71,6 +72,8 @@ static stp_result begin_station(scan_file* f, const scan_station* station)
 {
     e57* s = f->state;
     const unsigned char head[SECTION_HEADER] = {0};
+    assert(s->station_count < f->desc.stations && "there is room for the stations announced");
+    assert(s->pages.used == 0 && s->waiting == 0 && "a section starts a page");
     s->stations[s->station_count] = (stored_station){
         .station = *station, .section = e57_physical(&s->pages), .bounds = stp_boxd_empty()};
     s->section_page = s->pages.whole;
@@ -87,6 +90,7 @@ static stp_result put_packet(e57* s)
     static const unsigned char zeros[4] = {0};
     unsigned char head[PACKET_HEADER] = {1};
     uint32_t size = PACKET_HEADER + POINT * s->waiting, fill = (4 - size % 4) % 4;
+    assert(s->waiting <= PACKET_POINTS && size + fill <= 1u << 16 && "16 bits store the length");
     stp_write_u16(head + 2, (uint16_t)(size + fill - 1));
     stp_write_u16(head + 4, COLUMNS);
     for (size_t c = 0; c < COLUMNS; ++c) {
@@ -197,6 +201,7 @@ static stp_result put_station_xml(e57* s, const double shift[3], uint32_t index)
         "<columnIndex type=\"Integer\" minimum=\"0\" maximum=\"65535\">0</columnIndex></prototype>"
         "<codecs type=\"Vector\" allowHeterogeneousChildren=\"1\"></codecs></points>"
         "</vectorChild>\n";
+    assert(size > 0 && (size_t)size < sizeof(text) && "the description is not cut off");
     stp_result result = e57_put(&s->pages, text, (size_t)size);
     return result == STP_OK ? e57_put(&s->pages, prototype, sizeof(prototype) - 1) : result;
 }

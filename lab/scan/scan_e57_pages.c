@@ -3,6 +3,7 @@
 
 #include "base/io/crc32c.h"
 
+#include <assert.h>
 #include <string.h>
 
 static void seal(const unsigned char* payload, unsigned char page[E57_PAGE])
@@ -37,6 +38,7 @@ stp_result e57_put(e57_pages* pages, const void* bytes, size_t size)
 {
     const unsigned char* from = bytes;
     stp_result result = STP_OK;
+    assert(pages->used < E57_PAYLOAD && "full pages are written at once");
     while (size > 0 && result == STP_OK) {
         size_t room = E57_PAYLOAD - pages->used, part = size < room ? size : room;
         memcpy(pages->payload + pages->used, from, part);
@@ -62,6 +64,7 @@ stp_result e57_end_page(e57_pages* pages)
 stp_result e57_replace_page(e57_pages* pages, uint64_t number, const unsigned char* payload)
 {
     unsigned char page[E57_PAGE];
+    assert(number < pages->whole && "only a written page can be replaced");
     seal(payload, page);
     return stp_file_writer_patch(pages->writer, number * E57_PAGE, page, E57_PAGE);
 }

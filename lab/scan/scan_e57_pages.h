@@ -11,7 +11,7 @@ enum { E57_PAGE = 1024, E57_PAYLOAD = 1020 };
 typedef struct e57_pages {
     stp_file_writer* writer;
     uint64_t whole; ///< pages written
-    size_t used;    ///< of the next one
+    size_t used;    ///< buffered bytes of the next page, below E57_PAYLOAD
     unsigned char payload[E57_PAYLOAD];
 } e57_pages;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lab/scan/scan_file.h"
 
+#include <assert.h>
 #include <string.h>
 #include <strings.h>
 
@@ -48,6 +49,7 @@ stp_result scan_file_begin_station(scan_file* file, const scan_station* station)
 stp_result scan_file_add(scan_file* file, const scan_station* station, const scan_point* points,
                          size_t count)
 {
+    assert(file->writer != NULL && "the file is open");
     for (size_t i = 0; i < count; ++i) {
         const scan_point* p = &points[i];
         file->points += p->hit ? 1 : 0;
@@ -73,6 +75,7 @@ static void release(scan_file* file)
 
 stp_result scan_file_close(scan_file* file)
 {
+    assert(file->writer != NULL && "closed or aborted once");
     stp_result result = file->format->end != NULL ? file->format->end(file) : STP_OK;
     if (result != STP_OK) {
         scan_file_abort(file);
@@ -85,6 +88,7 @@ stp_result scan_file_close(scan_file* file)
 
 void scan_file_abort(scan_file* file)
 {
+    assert(file->writer != NULL && "closed or aborted once");
     stp_file_writer_abort(file->writer);
     release(file);
 }

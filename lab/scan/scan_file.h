@@ -11,7 +11,7 @@ typedef struct scan_file scan_file;
 /// A format. Functions are called in this order: begin, then for each station begin_station, add
 /// (several times) and end_station, then end. NULL functions are skipped.
 typedef struct scan_format {
-    const char* ending; ///< of the file's name, ".las"
+    const char* ending; ///< extension of file names, such as ".las"
     bool has_truth;     ///< it has columns for the truth
     stp_result (*begin)(scan_file* file);
     stp_result (*begin_station)(scan_file* file, const scan_station* station);
@@ -42,10 +42,10 @@ struct scan_file {
     const scan_format* format;
     scan_file_desc desc;
     uint64_t points, misses; ///< so far
-    stp_boxd bounds;         ///< of points so far, without the shift
+    stp_boxd bounds;         ///< bounds of the points so far, without the shift
     // state of the individual writers
-    double offset[3];             ///< LAS: of coordinates
-    stp_boxd stored;              ///< LAS: the least and largest numbers
+    double offset[3];             ///< LAS: to be added to stored coordinates, metres
+    stp_boxd stored;              ///< LAS: smallest and largest stored coordinates
     size_t header_size;           ///< PLY: bytes to be written over at the end
     struct scan_e57_state* state; ///< E57
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lab/scan/scan_stations.h"
 
+#include <assert.h>
+
 #define SWATH_PER_HEIGHT 1.1547005383792515 ///< twice the tangent of 30 degrees
 #define OVERLAP 1.25                        ///< swath of a line over the distance to the next
 #define RADIANS 0.017453292519943295
@@ -11,10 +13,11 @@ stp_result scan_plan_flight(const scan_target* target, double height, double ste
                             scan_settings* settings, scan_station* lines)
 {
     stp_boxd b = stp_caster_bounds(target->caster);
+    assert(count > 0 && step > 0.0 && settings->rows > 0 && "the resolution is set before");
     stp_vec3d size = stp_subd(b.max, b.min);
     bool east = size.x >= size.y;
     double length = east ? size.x : size.y, width = east ? size.y : size.x;
-    double minimum = fmax(1e-6, 0.01 * (length + size.z)); // of a model without a plan
+    double minimum = fmax(1e-6, 0.01 * (length + size.z)); // width of a model without an area
     double apart = fmax(width, minimum) / count;
     length = fmax(length, minimum);
     height = height > 0.0 ? height : OVERLAP * apart / SWATH_PER_HEIGHT;

@@ -4,6 +4,7 @@
 #include "base/io/bytes.h"
 #include "lab/scan/scan_file.h"
 
+#include <assert.h>
 #include <stdio.h>
 
 enum { HEADER = 1024 };
@@ -64,6 +65,7 @@ static stp_result add(scan_file* f, const scan_station* station, const scan_poin
             stp_write_f32(row + size + 4, p->range_error);
             size += 8;
         }
+        assert(size <= sizeof(row));
         result = stp_file_writer_append(f->writer, row, size);
     }
     return result;
@@ -73,6 +75,7 @@ static stp_result end(scan_file* f)
 {
     char text[HEADER];
     size_t size = put_header(f, text);
+    assert(size == f->header_size && size < HEADER && "points follow the header");
     return stp_file_writer_patch(f->writer, 0, text, size);
 }
 

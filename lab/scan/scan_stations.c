@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Candidates stand on floors: positions spread over the plan, each on the lowest surface that faces
-// up and has room above and around it. Each casts a few hundred rays and records which cells of the
+// up and has room above and around it. Each casts 960 rays and records which cells of the
 // model's box they hit. Then the candidate that adds the most cells is chosen repeatedly; its
 // weight is reduced if it is closer to chosen stations than evenly spread stations would be.
 #include "lab/scan/scan_stations.h"
@@ -9,8 +9,10 @@
 #include "base/math/rng.h"
 #include "lab/scenes/trigonometry.h"
 
+#include <assert.h>
+
 enum {
-    CELLS = 32, ///< of the box, along each axis
+    CELLS = 32, ///< cells of the model's box along each axis
     WORDS = CELLS * CELLS * CELLS / 64,
     TURN = 48,                ///< test rays per horizontal turn
     RISE = 20,                ///< rows of test rays, from below to above
@@ -236,6 +238,7 @@ static void choose(const chooser* c, uint32_t count, uint64_t* seen, stp_vec3d* 
     }
     for (uint32_t k = 0; k < c->placing->count; ++k) {
         candidate* best = find_best(c, count, seen);
+        assert(best != NULL && "RING alone has enough candidates");
         take(c, count, best, seen);
         stations[k] = best->place;
     }
@@ -245,6 +248,7 @@ stp_result scan_place_stations(const scan_target* target, const scan_placing* pl
                                stp_vec3d* stations)
 {
     stp_context* context = target->context;
+    assert(placing->count >= 1 && placing->count <= SCAN_MAX_STATIONS);
     chooser c = {.target = target,
                  .placing = placing,
                  .bounds = stp_caster_bounds(target->caster),

@@ -7,7 +7,7 @@
 enum { SCAN_MAX_STATIONS = 256 };
 
 typedef struct scan_placing {
-    uint32_t count; ///< of stations, 1..SCAN_MAX_STATIONS
+    uint32_t count; ///< number of stations, 1..SCAN_MAX_STATIONS
     double height;  ///< above the floor, metres; 0: 1.8, in small models a tenth of their diagonal
     double range;   ///< nothing farther is seen, metres
     uint64_t seed;

@@ -5,6 +5,8 @@
 #include "base/math/rng.h"
 #include "lab/scenes/trigonometry.h"
 
+#include <assert.h>
+
 #define LOWEST (-60.0) ///< degrees of elevation
 #define SPAN 150.0
 #define SWATH 60.0 ///< degrees across a flight
@@ -23,6 +25,7 @@ double scan_settings_set_resolution(scan_settings* settings, double resolution)
 scan_ray scan_ray_of(const scan_settings* settings, const scan_station* station, uint32_t column,
                      uint32_t row)
 {
+    assert(column < settings->columns && row < settings->rows);
     double part = ((double)row + 0.5) / (double)settings->rows;
     if (!settings->airborne) {
         double azimuth = (double)column / (double)settings->columns;
@@ -115,6 +118,7 @@ static void sweep_columns(size_t begin, size_t end, uint32_t worker, void* user)
 void scan_sweep(const scan_target* target, const scan_settings* settings,
                 const scan_station* station, uint32_t first, uint32_t count, scan_point* points)
 {
+    assert((uint64_t)first + count <= settings->columns);
     sweep s = {target, settings, station, first, points};
     stp_parallel_for(target->context, count, 1, sweep_columns, &s);
 }

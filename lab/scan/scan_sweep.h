@@ -9,8 +9,8 @@
 /// Settings of the scanner.
 typedef struct scan_settings {
     bool airborne;
-    uint32_t columns; ///< of a sweep
-    uint32_t rows;    ///< rays of a column
+    uint32_t columns; ///< columns per sweep
+    uint32_t rows;    ///< rays per column
     double noise;     ///< standard deviation of ranges, metres
     double range;     ///< nothing farther is met, metres
     double half;      ///< distance at which half of the light comes back, metres
@@ -22,7 +22,7 @@ typedef struct scan_station {
     uint32_t number; ///< from 1
     uint32_t columns, rows;
     stp_vec3d place; ///< metres, z up, without the file's shift
-    stp_vec3d along; ///< of a line of flight: from there to its end, level; else 0
+    stp_vec3d along; ///< flight line: horizontal vector from `place` to its end; else 0
 } scan_station;
 
 /// Sets the rows, and the columns of a standing scanner.
@@ -36,7 +36,7 @@ typedef struct scan_point {
     uint16_t intensity; ///< 65535: all light comes back
     uint8_t color[3];   ///< sRGB
     uint32_t row;       ///< from below, or from the left
-    uint32_t column;    ///< of the turn, or along the flight
+    uint32_t column;    ///< index within the turn, or along the flight
     uint32_t object;    ///< ground truth: which use of a mesh
     float normal[3];    ///< ground truth: surface normal, facing the scanner
     float range_error;  ///< ground truth: measured minus true distance, metres

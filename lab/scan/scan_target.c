@@ -5,6 +5,7 @@
 #include "select/select.h"
 #include "store/clusters/clusters.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define MAX_PARTS ((size_t)1 << 24)
@@ -289,6 +290,7 @@ bool scan_target_intersect(const scan_target* target, stp_vec3d origin, stp_vec3
                            double nearest, double farthest, scan_surface* surface)
 {
     stp_cast_hit hit;
+    assert(fabs(stp_dotd(direction, direction) - 1.0) < 1e-4 && "unit length");
     const stp_cast_ray ray = {origin, direction, nearest, farthest};
     scan_target* t = (scan_target*)(uintptr_t)target; // is_opaque_hit only reads it
     if (!stp_caster_intersect(target->caster, &ray, is_opaque_hit, t, &hit)) {

@@ -16,7 +16,7 @@ typedef struct scan_material {
     bool asks;     ///< whether alpha matters
     bool textured; ///< `texture` multiplies the base colour
     uint32_t texcoord;
-    stp_texture_pyramid texture; ///< of one level
+    stp_texture_pyramid texture; ///< a single level; texels are borrowed
 } scan_material;
 
 /// Data of a mesh that colours need, by the vertices of its triangles.
@@ -32,7 +32,7 @@ typedef struct scan_target {
     stp_context* context;
     stp_caster* caster; ///< lengths are metres, z is up
     stp_cast_mesh* meshes;
-    scan_columns* columns; ///< a mesh
+    scan_columns* columns; ///< one per mesh
     scan_material* materials;
     stp_cast_part* parts; ///< uses of meshes: an object of the truth is one of them, by its index
     uint32_t mesh_count, material_count, part_count;
@@ -51,10 +51,11 @@ void scan_target_destroy(scan_target* target);
 
 /// The surface that a ray hit.
 typedef struct scan_surface {
-    stp_vec3d place, normal; ///< of the triangle, facing the origin of the ray
-    bool from_behind;        ///< the triangle's winding shows its back
-    float color[3];          ///< linear; texture and colours of vertices included
-    double distance;         ///< metres
+    stp_vec3d place;  ///< position of the hit
+    stp_vec3d normal; ///< unit normal of the triangle, facing the origin of the ray
+    bool from_behind; ///< the triangle's winding shows its back
+    float color[3];   ///< linear; texture and colours of vertices included
+    double distance;  ///< metres
     uint32_t object;
 } scan_surface;
 

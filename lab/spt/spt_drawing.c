@@ -4,12 +4,13 @@
 #include "base/core/clock.h"
 #include "base/core/context.h"
 
+#include <assert.h>
 #include <string.h>
 
 struct spt_drawing {
     spt_model* model;
     uint64_t* pixels;
-    // of a block of the nodes that a traversal selects
+    // columns of a block of nodes that a traversal selected
     uint16_t* positions;
     int8_t* normals;
     uint32_t* shapes;
@@ -68,8 +69,10 @@ static stp_raster_target target_of(const spt_drawing* d)
 static stp_splats gather(spt_drawing* d, const uint32_t* nodes, uint32_t count)
 {
     const spt_model* m = d->model;
+    assert(count <= SPT_BLOCK);
     for (size_t i = 0; i < count; ++i) {
         size_t node = nodes[i];
+        assert(node < m->tree->count);
         memcpy(d->positions + 3 * i, m->positions + 3 * node, 6);
         memcpy(d->normals + 2 * i, m->normals + 2 * node, 2);
         d->shapes[i] = m->shapes[node];

@@ -8,6 +8,7 @@
 #include "lab/spt/spt_store.h"
 #include "program/drawing/frame.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -28,7 +29,7 @@ struct spt_gl_drawing {
     stp_gl_renderer* renderer; ///< the maker's
     uint32_t* words;           ///< NODE_WORDS a node, as shaders read them
     GLuint buffer;
-    unsigned char* memory; ///< of the buffer, which stays mapped
+    unsigned char* memory; ///< persistent mapping of the buffer
     buffer_layout at;
     uint32_t* pixels; ///< ids that were read back
     bool warm;
@@ -172,7 +173,7 @@ static void begin_points(spt_gl_drawing* d)
     const stp_gl* gl = &r->gl;
     const GLuint nothing[4] = {NO_ID, NO_ID, NO_ID, NO_ID};
     const GLfloat far = 0.0f;
-    item_block item = r->frame.items[0]; // of the same view
+    item_block item = r->frame.items[0]; // draw_sequence made it for the same view
     item.flags = ITEM_SHAPES;
     item.colors = (uint32_t)((size_t)d->at.colors / sizeof(uint32_t));
     memcpy(d->memory + d->at.item, &item, sizeof(item));
@@ -196,6 +197,7 @@ static void fill_block(spt_gl_drawing* d, uint32_t block, const uint32_t* nodes,
 {
     uint32_t* places = (uint32_t*)(void*)(d->memory + d->at.points) + (size_t)block * BLOCK_WORDS;
     uint32_t* shapes = places + PLACE_WORDS * SPT_BLOCK;
+    assert(count <= SPT_BLOCK && block <= d->model->tree->count / SPT_BLOCK);
     for (size_t i = 0; i < count; ++i) {
         const uint32_t* words = d->words + (size_t)NODE_WORDS * nodes[i];
         places[PLACE_WORDS * i] = words[0];

@@ -10,6 +10,7 @@
 #include "lod/set_columns.h"
 #include "store/file/internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 static void place_nodes(spt_model* m)
@@ -117,6 +118,7 @@ bool spt_model_make_view(const spt_model* m, const stp_tree_view* from, stp_vec3
     for (uint32_t i = 0; i < table->size && view->prefix == m->set.count; ++i) {
         view->prefix = (double)table->radius[i] <= level ? table->count[i] : view->prefix;
     }
+    assert(view->prefix <= m->set.count);
     return true;
 }
 

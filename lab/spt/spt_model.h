@@ -9,7 +9,7 @@
 
 #include <stipple/view.h>
 
-/// Of the picture, and the points that a traversal hands on together.
+/// Size of the picture, and maximum number of points that a traversal draws together.
 enum { SPT_WIDTH = 1920, SPT_HEIGHT = 1080, SPT_BLOCK = 4096 };
 
 typedef struct spt_model {
@@ -19,7 +19,7 @@ typedef struct spt_model {
     uint16_t* positions; ///< 3 per node, on the grid of the set
     int8_t* normals;     ///< 2 per node
     uint32_t* shapes;
-    uint16_t* bits; ///< a bit a splat of the sequence
+    uint16_t* bits; ///< one bit per splat of the sequence
 } spt_model;
 
 /// Sums over views of the times of selecting and drawing. CPU work besides drawing is also listed

@@ -10,6 +10,7 @@
 #include "program/reports/build_sizes.h"
 #include "program/reports/describe.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -430,6 +431,7 @@ static int run(int argc, char** argv)
     const stp_method* chosen[STP_METHOD_COUNT];
     uint32_t count = choose_methods(chosen);
     if (count == 0) {
+        assert(args.method != NULL && "the default method is known");
         return tool_usage_error(
             "--method is a list of blue, spt, psp and stochastic, each at most once, not %s",
             args.method);

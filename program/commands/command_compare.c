@@ -6,6 +6,7 @@
 #include "program/options/command.h"
 #include "program/present/picture.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -45,9 +46,10 @@ static const option* options(void)
     return table;
 }
 
-// Stores the difference in `a`.
+// Stores the amplified difference in `a`, which becomes opaque. Both are composited on black.
 static void subtract(stp_image* a, const stp_image* b)
 {
+    assert(a->width == b->width && a->height == b->height && "compared before");
     for (size_t i = 0; i < (size_t)a->width * a->height; ++i) {
         uint8_t *p = a->pixels + 4 * i, *q = b->pixels + 4 * i;
         for (int c = 0; c < 3; ++c) {

@@ -123,7 +123,8 @@ static int print_model(stp_context* context, const char* path)
     return code;
 }
 
-// Whether the file starts like a .stip; an unreadable file is left to the importer to report.
+// Whether the file starts like a .stip or has that extension. Any other file, also an unreadable
+// one, is left to the importer to report.
 static bool is_store(const char* path)
 {
     static const unsigned char magic[8] = {0x89, 'S', 'T', 'P', '\r', '\n', 0x1a, '\n'};

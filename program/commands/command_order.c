@@ -7,6 +7,7 @@
 
 #include <stipple/order.h>
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -86,6 +87,7 @@ static const option* options(void)
 static const char* word_at(const char* words, int index, char* buffer, size_t size)
 {
     while (index > 0) {
+        assert(*words != '\0' && "the list has a word at this index");
         index -= *words++ == '|';
     }
     size_t length = 0;

@@ -12,14 +12,15 @@
 #include "program/reports/pick_report.h"
 #include "select/camera.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum {
     REPEATS = 9,
-    STILL_SAMPLES = 16, ///< frames per picture if no option sets the quality
-    SUM_BYTES = 16,     ///< of a pixel, while frames are accumulated
-    SUMS_IN_MEMORY = 16,
+    STILL_SAMPLES = 16,  ///< frames per picture if no option sets the quality
+    SUM_BYTES = 16,      ///< bytes per pixel while frames are accumulated
+    SUMS_IN_MEMORY = 16, ///< frames are accumulated if the memory limit has room for these sums
 };
 static const double repeat_ms = 3000.0; // total time after which frames are not repeated any more
 static const double slow_ms =
@@ -117,7 +118,7 @@ typedef struct session {
     json_t* picked; ///< NULL: not requested
     stp_quality quality;
     frame_figures figures;
-    double picture_ms; ///< of all averaged frames
+    double picture_ms; ///< time of all averaged frames, milliseconds
 } session;
 
 /// Number of frames to average; 1: a single frame. Under a tight memory limit the memory goes to
@@ -187,7 +188,7 @@ static void place_eye(session* s, bool is_standard)
     } else if (is_standard && !stp_boxd_is_empty(box)) {
         view->target = stp_scaled(stp_addd(box.min, box.max), 0.5);
     }
-    view->up = args.has_up ? vector_of(args.up) : (stp_vec3d){0, 1, 0}; // as it was before the fit
+    view->up = args.has_up ? vector_of(args.up) : (stp_vec3d){0, 1, 0}; // not the named view's own
     view->ortho_height = args.ortho;
 }
 
@@ -242,6 +243,7 @@ static stp_result draw_frames(session* s)
         result = tool_is_interrupted() ? STP_ERROR_CANCELLED : result;
         total += frames[count++].frame_ms;
     }
+    assert(count <= maximum && maximum <= REPEATS);
     qsort(frames, count, sizeof(frames[0]), compare_figures);
     s->figures = frames[count / 2];
     s->picture_ms = s->figures.frame_ms;
@@ -374,7 +376,7 @@ static int render(session* s, const char* path)
     if (result != STP_OK) {
         return 1;
     }
-    if (tool_is_interrupted()) { // no picture, because it was not requested
+    if (tool_is_interrupted()) { // writes no picture
         return 1;
     }
     explain_empty(s, path);

@@ -5,6 +5,7 @@
 #include "program/present/picture.h"
 #include "program/present/sheet_plot.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -64,7 +65,7 @@ typedef enum cell_kind { CELL_PICTURE, CELL_FLIGHT, CELL_BREAK } cell_kind;
 
 typedef struct cell {
     cell_kind kind;
-    char* path; ///< of the argument, cut at "="
+    char* path; ///< the argument up to "="; not owned
     const char* caption;
     stp_image image; ///< fitted
     sheet_flight flight;
@@ -82,7 +83,8 @@ typedef struct sheet {
     size_t cell_count;
     sheet_row rows[CELLS_MAX];
     size_t row_count;
-    int columns, cell_width; ///< columns that are in use
+    int columns;    ///< columns in use: pictures of the longest row
+    int cell_width; ///< pixels
 } sheet;
 
 static bool has_suffix(const char* path, const char* suffix)
@@ -160,6 +162,7 @@ static void make_rows(sheet* s)
             tall = height > tall ? height : tall;
             lines = own > lines ? own : lines;
         }
+        assert(i > row->begin && "every row has a cell");
         row->end = i;
         row->height = tall + lines * CAPTION + GAP;
         int wide = s->cells[row->begin].kind == CELL_PICTURE ? (int)(row->end - row->begin) : 1;

@@ -19,7 +19,7 @@
 
 enum { DEFAULT_SPLATS = 2000, DEFAULT_SIZE = 256, SAMPLES = 16 };
 
-/// Triangles are not processed one by one if there are more than this, counting all instances.
+/// Models of more triangles, counting all instances, are built as by render.
 static const uint64_t max_triangles = UINT64_C(1) << 32;
 
 static struct {
@@ -105,7 +105,8 @@ static uint64_t splats_wanted(void)
     return args.splats > 0 ? args.splats : DEFAULT_SPLATS;
 }
 
-/// Draws the splats stored in the file, of method psp if it has them.
+/// Opens a .stip, whose splats of method psp are drawn if it has them, else those of its first
+/// method.
 static stp_result open_stored(thumbnail* t)
 {
     stp_result result = stp_store_open(t->context, t->path, &t->store);

@@ -8,6 +8,7 @@
 #include "program/options/cue_names.h"
 #include "program/viewer/panels/viewer.h"
 
+#include <assert.h>
 #include <string.h>
 
 static struct {
@@ -85,6 +86,7 @@ static const option* options(void)
         {0},
     };
     size_t count = sizeof(list) / sizeof(list[0]) - 1;
+    assert(count + POINT_COLOR_OPTION_ROOM <= sizeof(table) / sizeof(table[0]));
     memcpy(table, list, sizeof(list));
     (void)point_color_options_table(table + count, &args.colors);
     return table;

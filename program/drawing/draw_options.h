@@ -58,7 +58,8 @@ const option* draw_options_table(option* table, const option* own, draw_options*
 /// Rejects options that exclude each other and invalid values. @return 0, or 2 (message printed)
 int draw_options_check(const draw_options* options);
 
-/// Whether a store has splats by a method (STP_METHOD_*; 0: any). @return 0, or 1 (message printed)
+/// Checks that a store has splats by a method (STP_METHOD_*; 0: any), or no splats at all. @return
+/// 0, or 1 (message printed)
 int tool_check_method(uint32_t id, const stp_store* store, const char* path);
 /// Same for the requested method.
 int draw_options_check_method(const draw_options* options, const stp_store* store,

@@ -11,7 +11,7 @@ typedef struct drawing {
     stp_store* store;
     scene_show show;
     point_coloring coloring;
-    stp_splat_texture splat_texture; ///< of a file, for the maker's style
+    stp_splat_texture splat_texture; ///< read from a file; the maker's style points to it
     frame_maker maker;
 } drawing;
 

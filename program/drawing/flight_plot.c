@@ -2,13 +2,14 @@
 #include "program/drawing/flight_report.h"
 #include "program/present/svg.h"
 
+#include <assert.h>
 #include <math.h>
 
 enum {
     WIDTH = 900,
     LEFT = 80,
     RIGHT = 20,
-    PANEL = 130, ///< height of one
+    PANEL = 130, ///< height of a panel
     GAP = 40,
     TOP = 34,
     BOTTOM = 40,
@@ -76,7 +77,7 @@ static double round_step(double value)
     return round_up(value, steps, sizeof(steps) / sizeof(steps[0]));
 }
 
-// `high` is the maximum of the axis: all series of an axis have the same unit.
+// `high` is the maximum of the axis, so that all numbers of an axis get the same unit.
 static void put_number(svg* s, double value, double high)
 {
     double unit = high >= 1e6 ? 1e6 : high >= 1e4 ? 1e3 : 1.0;
@@ -163,6 +164,7 @@ stp_result flight_plot(stp_context* context, const char* path, const flight_reco
     const bool there[PANELS] = {
         true, true, true, true, record->has_popping, record->quality_count > 0};
     int count = 4 + there[4] + there[5], place = 0;
+    assert(record->frame_count > 0 && "times of the first and the last frame");
     svg s;
     stp_result result =
         svg_open(context, path, WIDTH, TOP + count * (PANEL + GAP) - GAP + BOTTOM, &s);
@@ -179,6 +181,7 @@ stp_result flight_plot(stp_context* context, const char* path, const flight_reco
         }
         double top = TOP + place++ * (PANEL + GAP);
         double high = round_axis(largest(&p, &panels[i]));
+        assert(high >= largest(&p, &panels[i]) && high > 0.0);
         put_axes(&p, &panels[i], top, high);
         if (panels[i].of_pictures) {
             put_pictures(&p, &panels[i], top);

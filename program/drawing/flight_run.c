@@ -3,12 +3,12 @@
 
 #include "program/measure/popping.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 
-enum {
-    WARM_FRAMES = 3
-}; // of the first view, before the flight: it is not the disk that is measured
+// Frames of the first view before the flight, so that the disk is not measured.
+enum { WARM_FRAMES = 3 };
 
 uint32_t flight_count_frames(const flight_plan* plan)
 {
@@ -52,6 +52,7 @@ void flight_record_destroy(stp_context* context, flight_record* record)
 static stp_view view_of_frame(const flight_plan* plan, const flight_record* record, uint32_t frame)
 {
     stp_view view = plan->view;
+    assert(frame < record->frame_count);
     stp_flight_get_view(plan->flight, record->times[frame], &view);
     view.fov_degrees = plan->view.fov_degrees > 0.0 ? plan->view.fov_degrees : view.fov_degrees;
     return view;
@@ -121,6 +122,7 @@ static stp_result compare_picture(void* user)
     study* s = user;
     uint32_t now = s->frame & 1;
     flight_quality* q = &s->record->qualities[s->record->quality_count];
+    assert(s->record->quality_count < s->record->frame_count && "one comparison per frame");
     q->frame = s->frame;
     return stp_image_compare(s->maker->context, &s->ours[now], &s->references[now], NULL, NULL,
                              &q->quality);
@@ -257,6 +259,7 @@ static int compare_doubles(const void* a, const void* b)
 static double value_at(const double* sorted, uint32_t count, double part)
 {
     uint32_t rank = (uint32_t)ceil(part * (double)count - 1e-9);
+    assert(count > 0 && rank <= count);
     return sorted[rank > 0 ? rank - 1 : 0];
 }
 

@@ -39,7 +39,7 @@ typedef struct flight_ranks {
 
 typedef struct flight_record {
     uint32_t frame_count;
-    double* times;       ///< of the flight, seconds
+    double* times;       ///< time of each frame on the flight's clock, seconds
     frame_figures first; ///< the first picture of all, before the flight
     frame_figures* frames;
     flight_quality* qualities;
@@ -47,7 +47,7 @@ typedef struct flight_record {
     double budget_ms; ///< 0: none
     bool has_popping;
     double popping_p50, popping_p999, popping_max;
-    double* poppings; ///< of each frame, the mean over its blocks, from the one before
+    double* poppings; ///< of each frame: mean popping of its blocks since the frame before
 } flight_record;
 
 /// Flies. The caller owns the record, also on failure (flight_record_destroy). Failures are logged.

@@ -5,13 +5,14 @@
 #include "draw/draw_gl.h"
 #include "program/options/tool.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 enum {
-    SETTLE_FRAMES = 150, ///< most
-    STEADY_FRAMES = 16,  ///< in a row without much change are settled: doubts fade that slowly
+    SETTLE_FRAMES = 150, ///< maximum frames until the splat size settles
+    STEADY_FRAMES = 16,  ///< frames in a row with little change after which it has settled
     LOADED_FRAMES = 200, ///< maximum frames while data is loaded
 };
 static const double settle_ms = 20000.0, steady_change = 0.02;
@@ -87,6 +88,7 @@ const char* frame_backend_name(const frame_maker* maker)
 
 stp_result frame_maker_stream(frame_maker* maker)
 {
+    assert(maker->residency == NULL && "loads on demand already");
     stp_result result =
         stp_residency_create(maker->store, &(stp_residency_desc){0}, &maker->residency);
     while (result == STP_OK && stp_residency_wait(maker->residency)) {
@@ -170,6 +172,8 @@ stp_result frame_draw(frame_maker* maker, const stp_view* view, const stp_qualit
     drawing_task task = {
         .maker = maker, .view = view, .quality = quality, .style = &maker->style, .image = image};
     const stp_draw_stats* stats = &task.stats;
+    assert(image == NULL ? maker->uses_gl
+                         : image->width == view->width && image->height == view->height);
     double start = stp_clock_ms();
     uint32_t eyes = stp_view_eye_count(view);
     stp_result result = frame_do(maker, draw_once, &task);
@@ -225,6 +229,7 @@ stp_result frame_draw_loaded(frame_maker* maker, const stp_view* view, const stp
 stp_result frame_accumulate(frame_maker* maker, const stp_view* view, const stp_quality* quality,
                             uint32_t count, stp_image* image)
 {
+    assert(count > 1 && "one frame is not accumulated");
     stp_draw_style style = maker->style;
     style.supersample = 2;
     while (style.supersample * style.supersample < count) {

@@ -14,7 +14,7 @@ typedef struct frame_figures {
     uint64_t splats, triangles, fragments, covered_pixels;
     uint64_t extra_splats; ///< drawn while levels blend
     uint64_t clusters, nodes, draw_calls;
-    uint32_t layers;  ///< of transparent surfaces
+    uint32_t layers;  ///< layers of transparent surfaces
     uint32_t missing; ///< resources the view needs that were not, or not completely, loaded
     bool on_gl;       ///< drawn by OpenGL, which fills these (stp_draw_gl_stats):
     double prepare_ms, issue_ms, read_ms;
@@ -75,8 +75,8 @@ STP_MUST_USE stp_result frame_accumulate(frame_maker* maker, const stp_view* vie
                                          const stp_quality* quality, uint32_t count,
                                          stp_image* image);
 
-/// Draws the view until the budget settles on a splat size, or gives up after some hundred frames
-/// or a time limit in seconds. Sets quality->splat_size.
+/// Draws the view until the budget settles on a splat size; gives up after 150 frames, 20 seconds
+/// or an interrupt. Sets quality->splat_size.
 STP_MUST_USE stp_result frame_settle(frame_maker* maker, const stp_view* view, stp_budget* budget,
                                      stp_quality* quality, stp_image* image);
 
@@ -96,11 +96,11 @@ typedef stp_result (*frame_task)(void* user);
 /// failure is logged.
 STP_MUST_USE stp_result frame_do(frame_maker* maker, frame_task task, void* user);
 
-/// Adds frame figures as in `render --json`. NULL if memory runs out.
+/// Describes frame figures as in `render --json`. NULL if memory runs out.
 json_t* frame_describe(const frame_figures* figures);
 
 /// Describes the renderer and the picture: `backend`, `device`, `width`, `height`. NULL if memory
 /// runs out.
 json_t* frame_maker_describe(const frame_maker* maker, uint32_t width, uint32_t height);
-/// Bytes in memory: the context's count, or without a limit the size of the mapped file.
+/// Bytes in memory: the context's count, and the size of the file if it is mapped.
 uint64_t frame_maker_resident_bytes(const frame_maker* maker);

@@ -3,6 +3,7 @@
 
 #include "select/sections.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -175,6 +176,7 @@ static stp_result set_item(scene_show* show, const stp_outline_item* item, stp_s
 static int set_named(scene_show* show, const char* name, stp_show as)
 {
     stp_outline* outline = show->outline;
+    assert(outline != NULL && show->visibility != NULL && "make_visibility was called");
     uint32_t found = 0;
     stp_result result = STP_OK;
     for (uint32_t i = 0; i < stp_outline_object_count(outline) && result == STP_OK; ++i) {

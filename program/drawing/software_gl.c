@@ -4,6 +4,7 @@
 #include "program/present/headless.h"
 
 #include <GL/glcorearb.h>
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -172,6 +173,7 @@ bool software_gl_upload(software_gl* gl, const float* positions, const float* no
 
 static void draw_first(software_gl* gl, float size_px, bool disks, GLsizei count)
 {
+    assert(gl->vertex_array != 0 && count <= gl->count && "points were uploaded");
     gl->glUseProgram(gl->programs[disks ? 1 : 0]);
     gl->glUniform1f(0, size_px);
     gl->glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Draws splats with an offscreen OpenGL context, for comparison; without a GPU that is Mesa's
-// llvmpipe.
+// Draws splats with an offscreen OpenGL context of a software renderer (Mesa's llvmpipe), for
+// comparison.
 #pragma once
 
 #include <stdbool.h>

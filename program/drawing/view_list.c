@@ -4,10 +4,11 @@
 #include "program/options/command.h"
 #include "select/camera.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { NAMES_MAX = 32 }; ///< of the file; more are counted
+enum { NAMES_MAX = 32 }; ///< maximum number of listed names; others are counted
 
 typedef struct name_list {
     char text[2048];
@@ -24,6 +25,7 @@ static void add_name(name_list* list, const char* name)
     }
     int length = snprintf(list->text + list->used, room, "%s%s", list->count > 0 ? ", " : "", name);
     list->used += (size_t)length;
+    assert(list->used < sizeof(list->text) && "no name is cut off");
     list->count += 1;
 }
 

@@ -10,14 +10,15 @@
 #include "lod/psp/nearest_points.h"
 #include "program/files/splat_store.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define MAX_PARTS ((size_t)1 << 22)
-#define MAX_SAMPLES 4.0 // of a pixel along either axis
-#define CELL 1.2        // area of a sample, in squares of the radius that all samples cover to
+#define MAX_SAMPLES 4.0 // maximum samples per pixel of the picture, along either axis
+#define CELL 1.2        // area per sample, in units of the squared coverage radius
 #define GROWTH 1.1f     // ellipses overlap a little, because outlines of regions are not ellipses
-#define MARGIN 0.38f    // of that radius: how far a sample's disk reaches beyond one of its area
+#define MARGIN 0.38f    // coverage radius less that of a disk as large as a sample, in the former
 #define SCATTERED 0.3f  // share of an ellipse that is surface, below which pixels are left out
 #define MIN_COSINE 0.3  // minimum cosine to which splats turn towards the viewer, to close rims
 #define FAR_NEIGHBOURS 4.0f // for clouds: maximum radius of a point, relative to the median
@@ -39,9 +40,9 @@ typedef struct splat_maker {
     stp_candidates candidates;
     stp_shading_set shadings;
     bool is_cloud, thinned;
-    float largest;   ///< radius of a point of a cloud
+    float largest;   ///< maximum radius of a point of a cloud
     float* areas;    ///< surface area that each candidate represents
-    uint8_t* colors; ///< of candidates, 3 each
+    uint8_t* colors; ///< 3 bytes per candidate, sRGB
     stp_psp_splats left;
     // by splat
     uint32_t* indices;
@@ -207,7 +208,7 @@ static stp_result measure_candidates(splat_maker* m)
         if (m->is_cloud) {
             continue;
         }
-        // of blended surfaces, every second pixel is seen
+        // only every second pixel of a blended surface is captured
         bool blended = m->scene->materials[c->materials[i]].alpha_mode == STP_ALPHA_BLEND;
         double hidden = (blended ? 2.0 : 1.0) * (m->thinned ? 2.0 : 1.0);
         m->areas[i] = (float)(hidden * c->pixel_size * c->pixel_size / cosine);
@@ -220,6 +221,7 @@ static void finish_splat(const splat_maker* m, uint32_t i)
 {
     stp_ellipse* e = &m->left.ellipses[i];
     uint32_t first = m->left.firsts[i];
+    assert(first < m->candidates.count);
     float major = stp_length(e->major), side = (float)m->candidates.pixel_size;
     float share = m->left.areas[i] / (float)(PI * (double)major * (double)e->minor);
     bool scattered = share < SCATTERED;
@@ -338,6 +340,7 @@ stp_result view_splats_trim(stp_context* context, const view_splats* made, const
     if (shares == NULL) {
         return made->has_outline ? stp_fail_memory(context) : STP_OK;
     }
+    assert(image->width == view->width && image->height == view->height);
     stp_vec3d gaze = stp_normalized(stp_subd(view->target, view->eye));
     double side = view->ortho_height / view->height;
     stp_vec3d right = stp_scaled(stp_normalized(stp_crossd(gaze, view->up)), side);

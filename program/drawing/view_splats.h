@@ -11,13 +11,13 @@
 #include <stipple/view.h>
 
 typedef struct view_splats {
-    stp_store* store;    ///< of the splats; NULL: the view sees nothing
+    stp_store* store;    ///< holds the splats; NULL: the view sees nothing
     uint32_t candidates; ///< pixels of the surface that were merged
     uint32_t splats;
     // outline of the visible content, finer than the picture
     bool has_outline;
     stp_silhouette outline;
-    stp_vec3d origin; ///< that its positions are relative to
+    stp_vec3d origin; ///< origin of the outline's coordinates, in the scene
 } view_splats;
 
 /// Captures a parallel view at two by two pixels per picture pixel at the usual size, and merges

@@ -5,6 +5,7 @@
 // names' first bytes rules out most positions.
 #include "program/files/companion_files.h"
 
+#include <assert.h>
 #include <dirent.h>
 #include <limits.h>
 #include <stdio.h>
@@ -21,7 +22,7 @@ enum {
 typedef struct neighbour {
     char* name;
     size_t length;
-    long prefix; ///< the longest name that begins this one; NONE
+    long prefix; ///< index of the longest other name that begins this one; or NONE
     bool is_named;
 } neighbour;
 
@@ -80,6 +81,7 @@ static void link_names(folder* f)
         while (other != NONE && !begins(&f->files[other], name, file->length)) {
             other = f->files[other].prefix;
         }
+        assert(other < (long)i && "following the links ends");
         file->prefix = other;
     }
 }
@@ -87,6 +89,7 @@ static void link_names(folder* f)
 // Marks the names at the beginning of a text.
 static void mark_names(folder* f, const unsigned char* text, size_t size)
 {
+    assert(size >= MIN_NAME && "or the first two bytes were not there");
     size_t low = 0, high = f->count; // names from `high` on come after the text
     while (low < high) {
         size_t middle = low + (high - low) / 2;

@@ -4,6 +4,7 @@
 #include "base/io/file.h"
 #include "program/options/tool.h"
 
+#include <assert.h>
 #include <dirent.h>
 #include <limits.h>
 #include <stdlib.h>
@@ -11,7 +12,7 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-enum { SEARCHED_BYTES = 1 << 24 }; ///< of a file, for the name of another
+enum { SEARCHED_BYTES = 1 << 24 }; ///< bytes of a file that are searched for another's name
 
 static const char* base_name(const char* path)
 {
@@ -26,6 +27,7 @@ static bool folder_of(const char* path, char folder[PATH_MAX])
     if (length >= PATH_MAX) {
         return false;
     }
+    assert(length == 0 || path[length - 1] == '/');
     memcpy(folder, length > 0 ? path : ".", length > 0 ? length : 1);
     folder[length > 0 ? length : 1] = '\0';
     return true;

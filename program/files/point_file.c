@@ -9,6 +9,7 @@
 #include "program/options/tool.h"
 #include "scene/bulk.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -61,6 +62,7 @@ static void copy_part(const stp_scene* scene, const stp_placed_part* placed, too
                       uint32_t first)
 {
     part_points part = find_points(scene, placed->part);
+    assert((uint64_t)first + part.count <= points->count);
     double turn[3][3];
     stp_affine_normal_matrix(&placed->transform, turn);
     for (uint32_t i = 0; i < part.count; ++i) {
@@ -156,6 +158,7 @@ static stp_result copy_parts(const stp_scene* scene, const char* path, const stp
         copy_part(scene, &parts[i], points, first);
         first += find_points(scene, parts[i].part).count;
     }
+    assert(first == points->count && "all points were copied");
     return STP_OK;
 }
 
@@ -202,6 +205,7 @@ static stp_result copy_triangles(const stp_scene* scene, const char* path,
         }
         first += find_points(scene, parts[i].part).count;
     }
+    assert(first == points->count && points->triangle_count == count);
     return STP_OK;
 }
 
@@ -345,6 +349,7 @@ static stp_result write_header(stp_file_writer* writer, const tool_points* point
         points->colors != NULL ? "property uchar red\nproperty uchar green\nproperty "
                                  "uchar blue\nproperty uchar alpha\n"
                                : "");
+    assert(size > 0 && (size_t)size < sizeof(text) && "the header is not cut off");
     return stp_file_writer_append(writer, text, (size_t)size);
 }
 
@@ -360,6 +365,7 @@ static stp_result write_point(stp_file_writer* writer, const tool_points* points
         memcpy(bytes + size, points->colors + 4 * i, 4);
         size += 4;
     }
+    assert(size <= sizeof(bytes));
     return stp_file_writer_append(writer, bytes, size);
 }
 
@@ -374,6 +380,7 @@ stp_result tool_write_points(stp_context* context, const char* path, const tool_
     }
     result = write_header(writer, points, count, doubles);
     for (uint32_t i = 0; i < count && result == STP_OK; ++i) {
+        assert(order[i] < points->count && "an order holds indices of points");
         result = write_point(writer, points, order[i], doubles);
     }
     if (result != STP_OK) {

@@ -10,7 +10,7 @@
 /// The points of a file: point sets and vertices of meshes.
 typedef struct tool_points {
     uint32_t count;
-    /// To be added to the positions; not 0 only where floats would lose digits without it
+    /// To be added to the positions: that of the caller, else the translation of the first part
     double origin[3];
     float* positions;    ///< 3 per point, along the file's own axes
     float* normals;      ///< 3 per point, unit or zero; NULL: the file has none
@@ -19,7 +19,7 @@ typedef struct tool_points {
     uint32_t triangle_count;
     char up;          ///< the file's up axis: x, y or z
     stp_spill* spill; ///< in the folder of the output; NULL: none was needed
-    bool spilled;     ///< the arrays are in it
+    bool spilled;     ///< positions, normals and colors are in `spill`
 } tool_points;
 
 /// Converts a position of a scene to the axes of its source file, as far as known: a scene's y is

@@ -11,6 +11,7 @@
 #include "program/options/tool.h"
 #include "select/camera.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -31,15 +32,15 @@ static const uint64_t quick_surfels = UINT64_C(100000), quick_triangles = UINT64
 
 enum {
     SCENE_USES = 4,
-    MEMORY_SHARE = 4, ///< of the limit, for meshes and points before they go to the spill file
+    MEMORY_SHARE = 4, ///< reciprocal share of the usable memory: more content is spilled
 };
 
 /// Purpose of opening a scene, and its watcher.
 typedef struct wish {
     scene_use use;
     const scene_watcher* watcher; ///< NULL: no watcher
-    char* draft;                  ///< of the watcher
-    bool drafted;                 ///< one was written
+    char* draft;                  ///< receives the path of drafts: PATH_MAX bytes of the watcher
+    bool drafted;                 ///< a draft was written
 } wish;
 
 bool tool_is_store_file(const char* path)
@@ -64,7 +65,8 @@ static bool make_folders(char* path)
     return mkdir(path, 0777) == 0 || errno == EEXIST;
 }
 
-/// Identity of a model for the cache: its bytes and those of the files that it names.
+/// Identity of a model for the cache: its name and bytes, and the names, sizes and times of files
+/// that it may use.
 static void hash_model(const char* path, const stp_mapped_file* file, stp_hash* hash)
 {
     const char* name = strrchr(path, '/') != NULL ? strrchr(path, '/') + 1 : path;
@@ -163,7 +165,7 @@ static bool is_cached(const char* path)
 
 typedef struct decision {
     scene_use use;
-    bool with_surfels; ///< decided: the built file serves any use
+    bool with_surfels; ///< result: the built file also serves SCENE_FOR_SPLATS
 } decision;
 
 static bool decide_surfels(const stp_scene* scene, void* user)
@@ -192,6 +194,7 @@ static bool name_draft(const char* cached, char* draft)
 {
     static const char ending[] = "-draft.stip";
     size_t length = strlen(cached) - strlen(".stip");
+    assert(strlen(cached) > strlen(".stip") && strcmp(cached + length, ".stip") == 0);
     if (length + sizeof(ending) > PATH_MAX) {
         return false;
     }
@@ -216,7 +219,7 @@ static void prepare_watching(wish* w, char cached[SCENE_USES][PATH_MAX], stp_bui
     }
 }
 
-/// Builds into the cache. @return its path in `located`
+/// Builds into the cache. `located` receives the path.
 static stp_result build_cached(stp_context* context, const char* path, wish* w,
                                char cached[SCENE_USES][PATH_MAX], char* located)
 {
@@ -260,6 +263,7 @@ static stp_result locate(stp_context* context, const char* path, wish* w, char* 
 {
     char cached[SCENE_USES][PATH_MAX];
     bool built = false, known;
+    assert((int)w->use < SCENE_USES && "each use has a path");
     if (program_is_scene(path)) {
         known = cache_paths(context, path, NULL, cached);
     } else {
@@ -280,7 +284,7 @@ static stp_result locate(stp_context* context, const char* path, wish* w, char* 
         if (is_cached(cached[i])) {
             stp_notice(context, "%s: taken from the cache, %s", path, cached[i]);
             if (w->watcher != NULL && name_draft(cached[i], w->draft)) {
-                (void)unlink(w->draft); // of a process that was killed
+                (void)unlink(w->draft); // left by a killed process
             }
             memcpy(located, cached[i], PATH_MAX);
             return STP_OK;
@@ -322,6 +326,7 @@ stp_result tool_open_scene_prefix(stp_context* context, const char* path, scene_
     stp_store_open_desc desc = {.accept_prefix = use != SCENE_FOR_ORIGINALS,
                                 .prefix_bytes = prefix->bytes};
     *store = NULL;
+    assert(prefix->percent >= 0.0 && prefix->percent <= 100.0);
     stp_result result = tool_locate_scene(context, path, use, located);
     if (result != STP_OK) {
         return result;

@@ -5,6 +5,7 @@
 #include "base/io/file.h"
 #include "program/files/point_file.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -40,6 +41,7 @@ static stp_result write_splat(stp_file_writer* writer, const tool_splats* s, siz
     size_t size = tool_put_position(bytes, center, s->origin, doubles);
     size += put_vector(bytes + size, e->normal);
     size += put_vector(bytes + size, e->major);
+    assert(size + 7 <= sizeof(bytes));
     stp_write_f32(bytes + size, e->minor);
     memcpy(bytes + size + 4, s->colors + 3 * index, 3);
     return stp_file_writer_append(writer, bytes, size + 7);

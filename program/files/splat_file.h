@@ -10,8 +10,8 @@
 typedef struct tool_splats {
     const stp_ellipse* ellipses;
     const uint8_t* colors;   ///< 3 each, sRGB
-    const uint32_t* indices; ///< of those that are written
-    uint32_t count;          ///< of indices
+    const uint32_t* indices; ///< splats to write, in this order
+    uint32_t count;          ///< number of indices
     double origin[3];        ///< to be added to centres
     // for a .stip only; by splat, as ellipses are
     const uint8_t* coverages;    ///< codes (base/splats/coverage.h); NULL: all are whole

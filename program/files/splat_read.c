@@ -4,6 +4,7 @@
 #include "base/io/file.h"
 #include "program/files/splat_file.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -149,6 +150,7 @@ static stp_result read_header(reader* r)
             return refuse(r, "a property is missing or is not a number of its type");
         }
     }
+    assert(r->row_size > 0 && "the required properties have a size");
     if (r->count == 0 || r->count > UINT32_MAX || r->count > (r->file.size - at) / r->row_size) {
         return refuse(r, "its size does not match its header, or it is empty");
     }

@@ -8,6 +8,7 @@
 #include "program/files/point_file.h"
 #include "store/writer/writer.h"
 
+#include <assert.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,8 +21,8 @@ typedef struct store_maker {
     stp_context* context;
     const tool_splats* splats;
     char up;
-    stp_vec3d origin;      ///< of the node in the scene, along the scene's axes
-    stp_boxd bounds, room; ///< of the ellipses, and of their centres
+    stp_vec3d origin;      ///< position of the node in the scene, along the scene's axes
+    stp_boxd bounds, room; ///< bounding boxes of the ellipses and of their centres
     stp_shape_directions directions;
     stp_splats set;
 } store_maker;
@@ -55,8 +56,8 @@ static void measure_splats(store_maker* m)
     }
 }
 
-// The smallest power of two with which all centres fit on the grid and radii can be represented: at
-// most 2^29 steps.
+// A power of two with which all centres fit on the grid, and radii are at most 2^29 steps, so that
+// they can be represented.
 static float choose_step(const store_maker* m)
 {
     stp_vec3d size = stp_subd(m->room.max, m->room.min);
@@ -107,6 +108,9 @@ static stp_result make_set(store_maker* m)
                       .octave_ends = {m->splats->count},
                       .table = {.size = 1, .count = {m->splats->count}}};
     s->step = choose_step(m);
+    assert((double)s->step * GRID_STEPS >= m->room.max.x - m->room.min.x &&
+           (double)s->step * GRID_STEPS >= m->room.max.y - m->room.min.y &&
+           (double)s->step * GRID_STEPS >= m->room.max.z - m->room.min.z);
     s->origin = stp_to_float(m->room.min);
     stp_result result = stp_splats_make_columns(m->context, s);
     if (result != STP_OK) {

@@ -5,7 +5,7 @@
 #include "program/files/splat_file.h"
 #include "store/file/store.h"
 
-/// Writes a .stip whose only node has these splats as its set, in their order, of method `psp`: all
+/// Writes a .stip whose only set has these splats, in their order, by method `psp`: all
 /// of them are drawn from any distance, or the first N with --splats N. The file's precision
 /// applies: 16 bits per coordinate, 8 bits for each component of a normal and for the direction of
 /// the major axis, radii up to 0.8 % too large. It contains neither points nor triangles.

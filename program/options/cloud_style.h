@@ -8,8 +8,8 @@
 /// Strength of eye-dome lighting for clouds, as --eye-dome takes it.
 #define CLOUD_EYE_DOME 1.0f
 
-/// Size of original points that are drawn because splats lack an attribute: by themselves they have
-/// none.
+/// Size of original points that are drawn because splats lack an attribute: points, unlike splats,
+/// have no size of their own.
 #define CLOUD_ORIGINAL_SIZE "3px"
 #define CLOUD_ORIGINAL_PIXELS 3.0f
 
@@ -22,7 +22,7 @@ typedef struct cloud_point_size {
     double width; ///< pixels or metres; 0: adaptive
 } cloud_point_size;
 
-enum { CLOUD_POINT_PIXELS = 64 }; ///< most
+enum { CLOUD_POINT_PIXELS = 64 }; ///< largest point size, pixels
 
 #define OPTION_POINT_SIZE(where)                                                                   \
     {                                                                                              \

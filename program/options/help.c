@@ -5,6 +5,7 @@
 #include "program/options/program.h"
 #include "program/options/tool.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { WIDTH = 96, TEXT_COLUMN = 30 };
@@ -13,6 +14,7 @@ enum { WIDTH = 96, TEXT_COLUMN = 30 };
 // the cursor's position. A line of text that begins with a space is an example and is not wrapped.
 static void print_wrapped(FILE* stream, const char* text, int indent, int column)
 {
+    assert(indent >= 0 && indent < WIDTH && column >= 0);
     while (*text != 0) {
         size_t length = strcspn(text, " \n");
         bool cut = indent + (int)length > WIDTH; // choices that fill more than a line
@@ -107,6 +109,7 @@ static void print_files(FILE* stream, const char* text)
     print_heading(stream, "Files");
     while (*text != 0) {
         size_t path = strcspn(text, "\t"), line = strcspn(text, "\n");
+        assert(path < line && "PATH<tab>description");
         char what[512];
         snprintf(what, sizeof(what), "%.*s", (int)(line - path - 1), text + path + 1);
         int column = fprintf(stream, "  %.*s", (int)path, text);

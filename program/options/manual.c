@@ -5,6 +5,7 @@
 #include "program/options/program.h"
 #include "program/options/tool.h"
 
+#include <assert.h>
 #include <ctype.h>
 #include <string.h>
 
@@ -181,6 +182,7 @@ static void print_files(FILE* stream, const char* text)
     fputs(".Sh FILES\n.Bl -tag -width Ds\n", stream);
     while (*text != 0) {
         size_t path = strcspn(text, "\t"), line = strcspn(text, "\n");
+        assert(path < line && "PATH<tab>description");
         fputs(".It Pa ", stream);
         print_line(stream, text, path);
         print_line(stream, text + path + 1, line - path - 1);

@@ -3,6 +3,7 @@
 
 #include "program/options/color_names.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -44,6 +45,7 @@ static number_rule read_rule(const char* words, const char* text)
         }
         word += length + (word[length] == '|');
     }
+    assert(rule.low <= rule.high && "the option allows no value");
     return rule;
 }
 

@@ -223,6 +223,7 @@ int options_parse(const option* table, int* argc, char** argv)
         const char* next = i + 1 < *argc ? argv[i + 1] : NULL;
         int used = 1, code = 0;
         if (only_arguments || text[0] != '-' || text[1] == 0) {
+            assert(left <= i && "arguments move to the front");
             argv[left++] = text;
         } else if (strcmp(text, "--") == 0) {
             only_arguments = true;

@@ -2,7 +2,8 @@
 //
 // GNU command lines from tables: --name VALUE, --name=VALUE, -n VALUE, -nVALUE, flags together
 // (-qv), options and arguments in any order, only arguments after --, the last of repeated options
-// counts. An option with an optional value takes the next word only if it is a number.
+// counts. An option with an optional value takes the next word only if it is a number, or its word
+// for 0.
 
 #include "program/options/command.h"
 

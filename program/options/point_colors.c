@@ -3,6 +3,7 @@
 
 #include "program/options/tool.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -26,6 +27,7 @@ static const stp_attribute attributes[POINT_COLORS] = {
 
 stp_attribute point_color_attribute(int color)
 {
+    assert(color >= 0 && color < POINT_COLORS);
     return attributes[color];
 }
 
@@ -34,6 +36,7 @@ const char* point_color_name(int color)
     static const char* const names[POINT_COLORS] = {
         "rgb",        "intensity", "elevation", "class",         "return", "returns",
         "scan-angle", "source",    "time",      "near-infrared", "normal"};
+    assert(color >= 0 && color < POINT_COLORS);
     return names[color];
 }
 
@@ -163,6 +166,7 @@ static bool is_drawn(const stp_store* store, uint32_t method, bool reference, st
         }
         return false;
     }
+    assert(d->method_count == 0 || method < d->method_count);
     const stp_store_method* m = d->method_count > 0 ? &d->methods[method] : NULL;
     for (uint32_t i = 0; m != NULL && i < m->set_count; ++i) {
         uint32_t set = m->first_set + i;
@@ -174,7 +178,7 @@ static bool is_drawn(const stp_store* store, uint32_t method, bool reference, st
     return false;
 }
 
-/// Whether all points have the requested attributes.
+/// Whether the splats of a method, or else the original points, have all requested attributes.
 static bool draws_all(const point_color_options* o, const stp_store* store, uint32_t method,
                       bool reference)
 {

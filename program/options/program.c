@@ -144,9 +144,8 @@ int program_main(const program* self, int argc, char** argv)
     if (!keep_arguments(argc, argv)) {
         return tool_error("out of memory");
     }
-    (void)signal(SIGPIPE, SIG_IGN); // a closed pipe is a failed write, with a message; so is a file
-                                    // that must not grow
-    (void)signal(SIGXFSZ, SIG_IGN); // and so is a file that may not grow further
+    (void)signal(SIGPIPE, SIG_IGN); // a closed pipe is a failed write, with a message
+    (void)signal(SIGXFSZ, SIG_IGN); // so is a file that reached its size limit
     (void)signal(SIGBUS, end_without_file);
     int first = 1;
     while (first < argc && argv[first][0] == '-') {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Progress for people and programs: a redrawn bar, or one JSON object per line. At most ten updates
-// per second, plus the beginning and end of each stage.
+// per second; JSON also reports the beginning and end of each stage.
 #pragma once
 
 #include <stipple/base.h>
@@ -24,8 +24,8 @@ typedef struct progress_state {
     FILE* stream;
     bool drawn; ///< a bar is on the terminal's last line
     stp_progress_report report;
-    progress_speed way;  ///< of the whole, or of the stage if the whole is unknown
-    progress_speed rate; ///< of the items that the stage counts
+    progress_speed way;  ///< speed of the whole, or of the stage if the whole is unknown
+    progress_speed rate; ///< speed at which the stage processes the items it counts
     double stage_start_ms, shown_ms;
 } progress_state;
 

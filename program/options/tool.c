@@ -6,6 +6,7 @@
 #include "program/options/program.h"
 #include "program/options/progress_line.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <pthread.h>
 #include <signal.h>
@@ -121,12 +122,14 @@ int tool_error(const char* format, ...)
 
 void tool_hold_errors(void)
 {
+    assert(!holds_errors && "errors are held once at a time");
     holds_errors = true;
     held_error[0] = 0;
 }
 
 void tool_release_errors(bool print)
 {
+    assert(holds_errors && "errors were held");
     holds_errors = false;
     if (print && held_error[0] != 0) {
         print_text("", "", "%s", held_error);

@@ -23,8 +23,8 @@ tool_settings* tool_settings_get(void);
 /// The command of that name, or NULL.
 const command* tool_find_command(const char* name);
 
-/// Whether to use escape sequences on this stream: it is a terminal, and NO_COLOR and TERM=dumb are
-/// not set.
+/// Whether to use escape sequences on this stream: it is a terminal, NO_COLOR is not set, and TERM
+/// is set to anything but dumb.
 bool tool_has_color(FILE* stream);
 
 /// Whether both paths exist and name the same file.

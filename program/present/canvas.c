@@ -4,6 +4,7 @@
 #include "base/io/file.h"
 #include "base/math/math.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stb_truetype.h>
 #include <stdio.h>
@@ -77,6 +78,7 @@ static void mix(canvas* c, int x, int y, double share, canvas_color color)
     if (x < 0 || y < 0 || (uint32_t)x >= c->image.width || (uint32_t)y >= c->image.height) {
         return;
     }
+    assert(share >= 0.0 && share <= 1.0 && "or the byte overflows");
     uint8_t* pixel = c->image.pixels + 4 * ((size_t)y * c->image.width + (size_t)x);
     for (int i = 0; i < 3; ++i) {
         pixel[i] = (uint8_t)(pixel[i] + share * (color.rgb[i] - pixel[i]) + 0.5);
@@ -224,6 +226,7 @@ static void average(const stp_image* from, const double low[2], const double hig
 stp_result canvas_fit(stp_context* context, const stp_image* picture, uint32_t width,
                       uint32_t height, stp_image* fitted)
 {
+    assert(picture->width > 0 && picture->height > 0 && "the ratio is finite");
     double ratio = fmin((double)width / picture->width, (double)height / picture->height);
     ratio = ratio >= 1.0 ? floor(ratio) : ratio;
     *fitted = (stp_image){.width = (uint32_t)fmax(1.0, floor(picture->width * ratio + 0.5)),

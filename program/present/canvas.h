@@ -38,8 +38,8 @@ void canvas_put(canvas* c, int x, int y, const stp_image* picture);
 int canvas_text(canvas* c, int x, int y, double size, canvas_color color, const char* text);
 int canvas_text_width(const canvas* c, double size, const char* text);
 
-/// A copy that fits into the width and height: a larger picture is reduced by averaging; one less
-/// than half as large is enlarged by a whole factor. Pixels from stp_alloc. @return STP_OK,
+/// A copy that fits into the width and height: a larger picture is reduced by averaging; one at
+/// most half as large is enlarged by a whole factor. Pixels from stp_alloc. @return STP_OK,
 /// STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result canvas_fit(stp_context* context, const stp_image* picture, uint32_t width,
                                    uint32_t height, stp_image* fitted);

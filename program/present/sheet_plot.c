@@ -3,6 +3,7 @@
 
 #include "base/math/math.h"
 
+#include <assert.h>
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
@@ -55,7 +56,7 @@ void sheet_flight_destroy(stp_context* context, sheet_flight* flight)
 typedef struct plot_axes {
     double t_low, t_high, low, high; ///< seconds, milliseconds
     bool logarithmic;
-    int x, y, width, height; ///< of the field
+    int x, y, width, height; ///< rectangle of the plot within the axes, pixels
 } plot_axes;
 
 static double place_x(const plot_axes* a, double t)
@@ -75,6 +76,7 @@ static double place_y(const plot_axes* a, double ms)
 static double round_number(double value, bool up)
 {
     static const double steps[] = {1.0, 2.0, 5.0, 10.0};
+    assert(value > 0.0 && "its logarithm is taken");
     double power = pow(10.0, floor(log10(value)));
     double below = power;
     for (int i = 0; i < 4; ++i) {
@@ -149,6 +151,7 @@ static void draw_flight(canvas* c, const plot_axes* a, const sheet_flight* fligh
 void sheet_plot(canvas* c, int x, int y, int width, int height, const sheet_flight* flights,
                 size_t count)
 {
+    assert(count > 0 && count <= SHEET_FLIGHTS_MAX && "each flight has its own colour");
     plot_axes a = find_axes(x, y, width, height, flights, count);
     draw_grid(c, &a);
     int legend = canvas_text(c, a.x, y + 22, text_size, dark, "frame time, ms") + 28;

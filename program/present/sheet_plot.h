@@ -18,7 +18,7 @@ typedef struct sheet_flight {
 STP_MUST_USE stp_result sheet_flight_read(stp_context* context, sheet_flight* flight);
 void sheet_flight_destroy(stp_context* context, sheet_flight* flight);
 
-/// Plots all flights over their common time, within a box; the axis is logarithmic if they differ
-/// by more than ten times.
+/// Plots all flights over one axis of time, within a box. The other axis is logarithmic if frame
+/// times differ by more than a factor of ten.
 void sheet_plot(canvas* c, int x, int y, int width, int height, const sheet_flight* flights,
                 size_t count);

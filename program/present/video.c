@@ -4,6 +4,7 @@
 #include "base/io/file.h"
 #include "program/present/picture.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -173,6 +174,7 @@ static bool name_frame(const video* v, uint32_t frame, char* path, size_t size)
 stp_result video_add(void* user, const stp_image* image, uint32_t frame)
 {
     video* v = user;
+    assert((v->is_folder || (v->child != 0 && v->row != NULL)) && "open and not closed");
     if (v->is_folder) {
         char path[4096];
         v->frame_count = frame + 1;

@@ -14,9 +14,9 @@ typedef struct video {
     const char* path;
     bool is_folder;
     bool made_folder;      ///< it was not there before
-    uint32_t frame_count;  ///< in the folder: those written are before it
-    pid_t child;           ///< 0: none
-    int pipe;              ///< to its standard input
+    uint32_t frame_count;  ///< number after the last frame that was written to the folder
+    pid_t child;           ///< ffmpeg; 0: not running
+    int pipe;              ///< write end of its standard input; -1: none
     char unfinished[4096]; ///< temporary output of the child, next to `path`
     uint8_t* row;
 } video;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "program/reports/build_sizes.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -17,12 +18,13 @@ static uint64_t size_of(const char* path)
                : 0;
 }
 
-/// Of the files that an array of a glTF names, in the folder of the model. Names with escapes count
-/// nothing.
+/// Total size of the files that an array of a glTF names, in the folder of the model. Names with
+/// escapes count as 0.
 static uint64_t sum_named(const json_t* root, const char* key, const char* model)
 {
     const char* slash = strrchr(model, '/');
     int folder = slash != NULL ? (int)(slash - model) + 1 : 0;
+    assert(folder >= 0 && "paths are shorter than INT_MAX");
     uint64_t sum = 0;
     size_t i;
     const json_t* value;

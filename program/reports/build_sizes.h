@@ -9,10 +9,10 @@
 /// scenes and unreadable files count as 0.
 uint64_t build_sizes_input(const char* const* inputs, size_t count);
 
-/// Whether the scene has no points and so few triangles (counting all uses) that drawing all of
-/// them is quick.
+/// Whether the file has splats although the scene has no points and so few triangles (counting all
+/// uses) that drawing all of them is quick.
 bool build_sizes_needs_no_splats(const scene_figures* figures);
 
-/// Prints input and output sizes, with splats, triangles and textures; the reason; and a notice if
-/// splats are not needed. On stdout.
+/// Prints on stdout: a notice if splats are not needed, the reason if the output is more than three
+/// times as large as the input, and the sizes of both.
 void build_sizes_print(uint64_t input_bytes, const scene_figures* figures);

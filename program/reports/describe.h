@@ -10,18 +10,20 @@
 
 typedef struct scene_figures {
     stp_store_summary summary;
-    stp_context* context; ///< whose memory the summary takes; NULL: it is the store's
-    const stp_store_directory* directory; ///< only views, sources, unit and up axis are used
+    stp_context* context; ///< owns the summary's memory; NULL: the store owns it
+    /// Borrowed; views, sources, unit, up axis, methods and attributes are used
+    const stp_store_directory* directory;
     uint64_t file_bytes;
-    uint64_t whole_bytes;                  ///< of a .stip; more than file_bytes if it is truncated
+    uint64_t whole_bytes; ///< complete size of a .stip; more than file_bytes if it is truncated
     uint32_t format_version, format_minor; ///< 0: not a .stip
-    double position_error; ///< of a .stip's points, scene units; 0: unknown, or no points
+    double position_error; ///< maximum error of a .stip's points, scene units; 0: unknown or none
 } scene_figures;
 
-/// Of an open store: its summary, or computed from its tables if it has none. No bulk data is read.
+/// Figures of an open store: its summary, or computed from its tables if it has none. No bulk data
+/// is read.
 STP_MUST_USE stp_result describe_store(stp_context* context, stp_store* store,
                                        scene_figures* figures);
-/// Of a scene that a writer would receive.
+/// Figures of a scene that a writer would receive.
 STP_MUST_USE stp_result describe_content(stp_context* context, const stp_store_content* content,
                                          scene_figures* figures);
 void describe_destroy(scene_figures* figures);

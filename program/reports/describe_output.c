@@ -5,6 +5,7 @@
 #include "program/reports/describe.h"
 #include "store/sets/attribute_blocks.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -198,6 +199,7 @@ const char* describe_count(uint64_t count, char out[32])
             unit += 1;
         }
         int digits = value < 9.995 ? 2 : value < 99.95 ? 1 : 0;
+        assert(unit >= 0 && "smaller counts are printed in full");
         snprintf(out, 32, "%.*f %c", digits, value, units[unit]);
     }
     return out;

@@ -3,6 +3,7 @@
 // without instancing.
 #include "program/reports/describe.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -96,6 +97,7 @@ static void print_name(const char* name, int width)
 {
     char text[4 * NAME_LIMIT + 64];
     int characters = 0, bytes = name_bytes(name, &characters);
+    assert(characters <= width && "the column is as wide as its widest name");
     snprintf(text, sizeof(text), "%.*s", bytes, name);
     printf("  ");
     describe_text(text);

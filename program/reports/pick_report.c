@@ -7,6 +7,7 @@
 #include "select/pick_ray.h"
 #include "store/sets/attribute_blocks.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -92,6 +93,7 @@ static json_t* describe_hit(scene_show* show, const stp_view* view, const stp_pi
     stp_pixel_width(view, &base, &slope);
     stp_snap_kind snap =
         stp_pick_snap(pick, snap_pixels * (base + slope * pick->distance), &snapped);
+    assert((size_t)snap < sizeof(snaps) / sizeof(snaps[0]) && "every kind has a name");
     json_t* object = describe_object(show, pick);
     if (object == NULL) {
         return NULL;

@@ -7,8 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
-// A scan as the figures that describe_json prints for any model: one object with its points. Bounds
-// use the scene's axes, as for an imported model.
+// Describes scans by the figures that describe_json prints for any model: one object per scan.
+// Bounds use the scene's axes, as for an imported model.
 static void make_figures(const stp_scene* scene, const stp_scan_info* info,
                          stp_store_directory* directory, stp_store_source* source,
                          scene_figures* figures)

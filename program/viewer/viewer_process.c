@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
-// The viewer is an executable of its own, `stipple-view` or `stipple-lab-view`, so that other commands do not load the window
-// system's libraries, which takes longer than many commands run. `stipple view` becomes that
-// program: it consists of the same commands, and parses the same arguments.
+// The viewer is an executable of its own, `stipple-view` or `stipple-lab-view`, so that other
+// commands do not load the window system's libraries, which takes longer than many commands run.
+// `view` becomes that executable: it consists of the same commands, and parses the same arguments.
 #include "program/options/program.h"
 #include "program/options/tool.h"
 #include "program/viewer/panels/viewer.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>

@@ -313,7 +313,7 @@ void test_file_remove_stale_removes_files_of_dead_writers(test_state* test)
         snprintf(name, sizeof(name), others[i], f.path, (long)child);
         CHECK(write_text(context, name, "another file"));
     }
-    stp_file_writer* writer = NULL; // of a living process
+    stp_file_writer* writer = NULL; // its temporary file belongs to a living process
     CHECK_EQUAL(STP_OK, stp_file_writer_open(context, path, &writer));
     CHECK_EQUAL(7, count_entries(&f));
     stp_file_remove_stale(context, path);

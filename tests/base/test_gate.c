@@ -11,7 +11,7 @@ enum { JOBS = 400, BUDGET = 1000 };
 typedef struct yard {
     stp_context* context;
     stp_gate* gate;
-    atomic_uint_fast64_t bytes; ///< of the jobs inside
+    atomic_uint_fast64_t bytes; ///< sum over the jobs inside
     atomic_uint jobs, bad, alone, done, reports;
     unsigned stop_at; ///< number of the report that stops; 0: none
 } yard;

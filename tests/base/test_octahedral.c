@@ -13,7 +13,8 @@ void test_many_octahedral_codes_are_those_of_each(test_state* test)
     static float normals[3 * COUNT];
     static int8_t codes[2 * COUNT + 2];
     for (uint32_t i = 0; i < 3 * COUNT; ++i) {
-        // of all lengths; many on the axes and edges of the octahedron, some zero or without a direction
+        // vectors of all lengths; many on the axes and edges of the octahedron, some zero or without
+        // a direction
         uint64_t kind = stp_rng_below(1, 2 * i, 8);
         float value = (float)stp_rng_below(1, 2 * i + 1, 2001) * 1e-3f - 1.0f;
         normals[i] = kind == 0 ? 0.0f : kind == 1 ? -0.0f : kind == 2 ? 0.5f : value;

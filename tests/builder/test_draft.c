@@ -30,7 +30,7 @@ typedef struct seen_draft {
     uint32_t meshes, point_sets, sets, objects, unknown_signs;
     uint64_t attributes; ///< a bit for each that any point has
     uint64_t triangles, points;
-    char first_name[64]; ///< of the objects
+    char first_name[64]; ///< name of the first object
     uint8_t pixels[4 * PIXELS];
 } seen_draft;
 

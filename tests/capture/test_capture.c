@@ -303,7 +303,7 @@ void test_capture_reads_textures_and_masks(test_state* test)
                 CHECK_EQUAL(clear ? 100 : 255, c.colors[4 * i + 3]);
             }
         }
-        float share = (float)sides[1] / (float)sides[0]; // of the right half
+        float share = (float)sides[1] / (float)sides[0]; // right half over left half
         CHECK(sides[0] > 5000);
         CHECK(mode != STP_ALPHA_OPAQUE || fabsf(share - 1.0f) < 0.05f);
         CHECK(mode != STP_ALPHA_MASK || share < 0.05f);

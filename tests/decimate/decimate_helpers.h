@@ -77,7 +77,8 @@ static inline uint32_t decimate_count_bare(const stp_decimate_input* input,
                                            const stp_decimate_output* output, float away)
 {
     uint32_t bare = 0;
-    float* squares = malloc((output->count + 1) * sizeof(float)); // of distances that may suffice
+    // squared distances from the centres beyond which a splat covers no point
+    float* squares = malloc((output->count + 1) * sizeof(float));
     for (uint32_t s = 0; s < output->count; ++s) {
         const stp_vec3* major = &output->ellipses[s].major;
         float square = major->x * major->x + major->y * major->y + major->z * major->z;

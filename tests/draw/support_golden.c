@@ -7,7 +7,7 @@
 
 enum { TOLERATED_LEVELS = 6, TOLERATED_PER_MILLION = 925 }; // 40 pixels of 208 x 208
 
-/// Pixels that differ by more than TOLERATED_LEVELS.
+/// Number of pixels that differ by more than TOLERATED_LEVELS; `difference` receives the levels.
 static uint32_t count_different(const stp_image* a, const stp_image* b, stp_image* difference)
 {
     uint32_t different = 0;

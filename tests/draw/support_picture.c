@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support_picture.h"
 
+#include <assert.h>
 #include <math.h>
 
 bool made_picture_begin(made_picture* p, test_heap* heap, uint32_t threads)
@@ -25,6 +26,7 @@ void made_picture_add(made_picture* p, double angle, stp_vec3d move, const uint8
 {
     made_scene* s = &p->scene;
     uint32_t at = s->node_count;
+    assert(at + 1 < MADE_LIMIT && at == s->mesh_count && "one node is left for the root");
     s->meshes[s->mesh_count++] = made_square(0);
     s->parts[s->part_count++] = (stp_store_part){STP_STORE_PART_MESH, at};
     s->nodes[s->node_count++] = (stp_store_node){.first_part = at,

@@ -3,6 +3,7 @@
 
 #include "base/splats/prefix_table.h"
 
+#include <assert.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -39,6 +40,7 @@ stp_store_mesh made_square(uint32_t material)
 
 stp_splats made_square_surfels(stp_context* context, uint32_t log_side, const uint8_t color[3])
 {
+    assert(log_side < 16 && "coordinates have 16 bits");
     uint32_t count = 1u << (2 * log_side);
     stp_splats s = {.count = count, .origin = {-1, -1, 0}, .step = 1.0f / 32768.0f};
     s.positions = STP_NEW_ZEROED(context, uint16_t, 3 * (size_t)count);

@@ -4,7 +4,7 @@
 
 #include "store/writer/writer.h"
 
-enum { MADE_LIMIT = 8 };
+enum { MADE_LIMIT = 16 };
 
 /// Fill the arrays and counts (they become the directory's), then call made_open().
 typedef struct made_scene {
@@ -20,8 +20,8 @@ typedef struct made_scene {
     stp_store_view views[MADE_LIMIT];
     uint32_t node_count, edge_count, part_count, material_count, shading_count, texture_count,
         mesh_count, point_set_count, surfels_count, view_count;
-    stp_store_method method;            ///< of all sets; no id: blue
-    const stp_coded_mesh* coded_meshes; ///< NULL, or one a mesh
+    stp_store_method method;            ///< the method of all sets; id 0: blue
+    const stp_coded_mesh* coded_meshes; ///< one per mesh; NULL: none
 } made_scene;
 
 /// A white, rough, opaque material without textures.
@@ -31,9 +31,9 @@ stp_store_material made_material(void);
 /// facing +z. Memory is static.
 stp_store_mesh made_square(uint32_t material);
 
-/// Surfels on the front of that square: a grid of side x side, ordered so that every prefix of 4^k
-/// is evenly spread; with prefix table and colours (all `color`). The arrays come from `context`
-/// (free them with made_free_surfels).
+/// Surfels on the front of that square: a grid of 2^log_side on each side, ordered so that every
+/// prefix of 4^k is evenly spread; with prefix table and colours (all `color`). The arrays come from
+/// `context` (free them with made_free_surfels).
 stp_splats made_square_surfels(stp_context* context, uint32_t log_side, const uint8_t color[3]);
 void made_free_surfels(stp_context* context, stp_splats* surfels);
 

@@ -88,7 +88,7 @@ void test_blend_keeps_surfaces_apart(test_state* test)
         CHECK_EQUAL(plain[4 * i + 3], c[3]);
     }
     CHECK_EQUAL(0, mixed);
-    CHECK(changed < 20); // of one colour each: nothing to blend
+    CHECK(changed < 20); // each square has one colour: nothing to blend
     made_picture_end(&p);
 }
 

@@ -18,7 +18,7 @@ typedef struct pair {
     stp_context* context;
     made_mesh mesh;
     stp_coded_mesh coded;
-    stp_store* stores[2]; ///< of columns, of clusters
+    stp_store* stores[2]; ///< stored as columns, as clusters
     uint8_t pixels[2][WIDTH * HEIGHT * 4];
 } pair;
 

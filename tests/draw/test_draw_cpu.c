@@ -234,7 +234,7 @@ void test_draw_cpu_colors_blend_between_octaves(test_state* test)
     add_node(&f, STP_STORE_PART_MESH, 0, 0);
     const struct {
         uint32_t splats;
-        int expected; // of the earlier surfels
+        int expected; // grey level of the earlier surfels
     } cases[] = {{200, 0}, {256, 0}, {640, 188}, {1024, 255}};
     for (int i = 0; i < 4; ++i) {
         f.quality.splat_count = cases[i].splats;

@@ -68,7 +68,8 @@ static stp_result draw(fixture* f)
 // Whether all pixels of the square are covered, except those at its edge.
 static bool is_whole(const fixture* f, double distance)
 {
-    double half = 0.5 * SIDE / (distance * 0.57735026918962576); // of the square, pixels
+    double half =
+        0.5 * SIDE / (distance * 0.57735026918962576); // half the square's side, in pixels
     int begin = (int)(0.5 * SIDE - half) + 2, end = (int)(0.5 * SIDE + half) - 2;
     for (int y = begin; y < end; ++y) {
         for (int x = begin; x < end; ++x) {

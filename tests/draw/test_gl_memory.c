@@ -138,7 +138,7 @@ void test_gl_uploads_keep_to_their_budget_for_both_eyes(test_state* test)
     m.picture.view.eye_distance = 0.3;
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));
     uint64_t whole = stp_draw_gl_get_stats(m.renderer).uploaded_bytes, sum = 0;
-    CHECK(whole > 4 * BUDGET); // of both eyes, although the second uploads nothing
+    CHECK(whole > 4 * BUDGET); // bytes of both eyes, although the second uploads nothing
     CHECK_EQUAL(STP_OK, made_gl_renew(&m, &settings));
     stp_draw_gl_stats stats = {.missing = 1};
     for (int frames = 0; stats.missing > 0 && frames < FRAMES_MAX; ++frames) {

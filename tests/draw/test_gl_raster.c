@@ -68,7 +68,7 @@ void test_gl_raster_gives_the_picture_of_points(test_state* test)
         }
     }
     m.picture.view.eye = (stp_vec3d){0.4, -0.3, 5};
-    m.picture.quality.splat_size = 4; // of many large splats
+    m.picture.quality.splat_size = 4; // many large splats
     m.picture.quality.splat_count = 400;
     compare_ways(test, &m);
     made_gl_end(&m);

@@ -22,7 +22,7 @@ enum { SIDE = 128, LOG_SIDE = 6, ROWS = 40, SMALL = 2 * ROWS * ROWS };
 typedef struct half_and_half {
     float positions[3 * (4 + (ROWS + 1) * (ROWS + 1))];
     uint32_t indices[3 * (2 + SMALL)];
-    float corners[18]; ///< of the two
+    float corners[18]; ///< corners of the two triangles
 } half_and_half;
 
 typedef struct fixture {
@@ -134,7 +134,8 @@ static stp_result select_items(fixture* f)
 // Number of uncovered pixels of one half of the square, without its outer edge.
 static int count_holes(const fixture* f, const uint8_t* pixels, bool left)
 {
-    double half = 0.5 * SIDE / (f->view.eye.z * 0.57735026918962576); // of the square, pixels
+    double half =
+        0.5 * SIDE / (f->view.eye.z * 0.57735026918962576); // half the square's side, in pixels
     int begin = (int)(0.5 * SIDE - half) + 2, end = (int)(0.5 * SIDE + half) - 2, count = 0;
     for (int y = begin; y < end; ++y) {
         for (int x = left ? begin : SIDE / 2; x < (left ? SIDE / 2 : end); ++x) {

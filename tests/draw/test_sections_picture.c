@@ -9,7 +9,7 @@
 #include <string.h>
 
 static const uint8_t white[3] = {255, 255, 255};
-static const double pixels_a_unit = 16.0; // of the square in z = 0
+static const double pixels_a_unit = 16.0; // pixels per unit of length in z = 0
 
 typedef enum made_of { OF_TRIANGLES, OF_CLUSTERS, OF_SPLATS, OF_KINDS } made_of;
 

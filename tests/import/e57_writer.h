@@ -7,13 +7,14 @@
 #include "base/io/bytes.h"
 #include "base/io/crc32c.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 enum { E57_STREAMS = 16, E57_ROOM = 1 << 20 };
 
 typedef struct e57_file {
-    unsigned char* bytes; ///< logical
+    unsigned char* bytes; ///< logical bytes: without checksums
     size_t size;
 } e57_file;
 
@@ -51,6 +52,8 @@ static inline uint64_t e57_add_points(e57_file* f, const e57_stream* streams, si
 {
     unsigned char* packed[E57_STREAMS];
     size_t sizes[E57_STREAMS], done[E57_STREAMS] = {0}, section = f->size, left = 0;
+    assert(stream_count <= E57_STREAMS && "the arrays hold all streams");
+    assert(section + 48 <= E57_ROOM && "the room holds the section's head");
     for (size_t s = 0; s < stream_count; ++s) {
         packed[s] = calloc(1, count * 8 + 8);
         sizes[s] = e57_pack(&streams[s], count, packed[s]);
@@ -73,6 +76,7 @@ static inline uint64_t e57_add_points(e57_file* f, const e57_stream* streams, si
             at += part;
         }
         f->size = begin + (at - begin + 3) / 4 * 4;
+        assert(f->size <= E57_ROOM && "the room holds the packet");
         f->bytes[begin] = 1;
         stp_write_u16(f->bytes + begin + 2, (uint16_t)(f->size - begin - 1));
         stp_write_u16(f->bytes + begin + 4, (uint16_t)stream_count);
@@ -84,10 +88,11 @@ static inline uint64_t e57_add_points(e57_file* f, const e57_stream* streams, si
     return e57_physical(section);
 }
 
-/// Appends the XML section. @return the file in pages (malloc), and frees the other
+/// Appends the XML section and frees the logical bytes. @return the file in pages (malloc)
 static inline unsigned char* e57_finish(e57_file* f, const char* xml, size_t* size)
 {
     size_t start = f->size, length = strlen(xml);
+    assert(start + length <= E57_ROOM && "the room holds the XML");
     memcpy(f->bytes + start, xml, length);
     f->size += length;
     size_t pages = (f->size + 1019) / 1020;

@@ -74,8 +74,8 @@ static inline int survives_failing_allocator(const char* name, const void* bytes
     return 0;
 }
 
-/// A scratch folder of this process; `path` receives folder/name. Files are written, never read
-/// back.
+/// Writes a file into the folder for temporary files; `path` receives its path. Its name has the
+/// process id, so that processes do not meet. @return whether all was written
 static inline int write_scratch(char path[256], const char* name, const void* bytes, size_t size)
 {
     const char* folder = getenv("TMPDIR");

@@ -21,7 +21,8 @@ static inline stp_hash digest_array(stp_hash hash, const void* array, size_t cou
                          : stp_hash_bytes(hash, "\xfe", 1);
 }
 
-/// Hashes everything an importer adds: meshes, points, materials, textures, objects.
+/// Hashes most of what an importer adds: meshes (without the second texture coordinates), points,
+/// base colours of materials, texels, objects (without their parts).
 static inline stp_hash digest_scene(const stp_scene* scene)
 {
     stp_hash hash = {0};

@@ -5,6 +5,7 @@
 #include "formats_test.h"
 #include "las_writer.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 static inline uint32_t las_random(uint32_t* state, uint32_t below)
@@ -104,6 +105,7 @@ static inline bool las_set_is_right(const las_desc* desc, const stp_point_set* s
     bool has_rgb =
         format == 2 || format == 3 || format == 5 || format == 7 || format == 8 || format == 10;
     size_t count = set->point_count;
+    assert(count <= sizeof(wanted) / sizeof(wanted[0]) && "the array holds a value per point");
     double scale = desc->scale != 0.0 ? desc->scale : 0.01;
     bool good = (set->colors != NULL) == has_rgb;
     for (size_t i = 0; i < count && good; ++i) {

@@ -20,23 +20,23 @@ typedef enum las_coding {
     LAS_RAW,
     LAZ_SINGLE,   ///< one chunk, no table; formats 0 to 5
     LAZ_CHUNKED,  ///< chunks of `chunk_size`
-    LAZ_VARIABLE, ///< chunks of 1, 2, 3, ... times `chunk_size`
+    LAZ_VARIABLE, ///< chunks of 1, 2, 3, 1, 2, 3, ... times `chunk_size`
 } las_coding;
 
 typedef struct las_desc {
     const las_point* points;
     size_t count;
-    unsigned format, extra; ///< extra: bytes of a point
+    unsigned format, extra; ///< extra: number of extra bytes of each point
     las_coding coding;
     uint32_t chunk_size;
     bool table_at_end;    ///< the file's end has its offset
     bool fixed;           ///< layered, version 4
     const char* wkt;      ///< may be NULL
-    const uint16_t* keys; ///< of GeoTIFF, four numbers each after a head of four; may be NULL
+    const uint16_t* keys; ///< GeoTIFF keys, four numbers each after a head of four; may be NULL
     size_t key_numbers;
     double scale, offset; ///< 0: scale 0.01
     bool extended_wkt;    ///< it lies in an EVLR
-    const char* vlr_user; ///< of one more VLR, the first; may be NULL
+    const char* vlr_user; ///< user id of one more VLR, written first; NULL: no such VLR
     unsigned vlr_id;
     const void* vlr;
     size_t vlr_size;

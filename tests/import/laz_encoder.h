@@ -8,6 +8,7 @@
 
 #include "import/las/laz_items.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 typedef struct laz_encoder {
@@ -45,6 +46,7 @@ static inline void laz_put_symbol(laz_encoder* e, stp_laz_model* m, unsigned sym
     if (m->epoch != 1) {
         stp_laz_model_reset(m, 1);
     }
+    assert(symbol < m->symbols && "the model has the symbol");
     uint32_t unit = e->length >> 15, low = m->shares[symbol] * unit;
     bool last = symbol + 1u == m->symbols;
     laz_narrow(e, low, (last ? e->length : m->shares[symbol + 1] * unit) - low);
@@ -76,11 +78,12 @@ static inline void laz_put_bits(laz_encoder* e, uint32_t value, unsigned bits)
         value >>= 16;
         bits -= 16;
     }
+    assert(value >> bits == 0 && "the value fits into its bits");
     uint32_t unit = e->length >> bits;
     laz_narrow(e, value * unit, unit);
 }
 
-/// The difference of `value` from `expected`, modulo 2^bits.
+/// Encodes the difference of `value` from `expected`, modulo 2^bits.
 static inline void laz_put_integer(laz_encoder* e, stp_laz_integer* m, int32_t expected,
                                    int32_t value, unsigned context, unsigned bits)
 {

@@ -4,7 +4,7 @@
 
 #include "formats_test.h"
 
-/// A digest that includes the attributes of points.
+/// A digest of the scene and, once more, of the points' attributes.
 static inline stp_hash digest_points(const stp_scene* scene)
 {
     stp_hash hash = digest_scene(scene);

@@ -9,7 +9,7 @@
 
 typedef struct spilled_import {
     stp_result result;
-    stp_hash digest; ///< of the scene
+    stp_hash digest; ///< digest of the scene
     uint64_t peak_bytes, left_bytes;
     bool spilled; ///< whether the points of the first set are in the spill file
 } spilled_import;

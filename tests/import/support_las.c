@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "laz_encoder.h"
 
+#include <assert.h>
 #include <string.h>
 
 void las_put(las_buffer* b, const void* bytes, size_t size)
@@ -18,6 +19,7 @@ void las_put(las_buffer* b, const void* bytes, size_t size)
 void las_put_number(las_buffer* b, uint64_t value, size_t size)
 {
     unsigned char bytes[8];
+    assert(size <= sizeof(bytes) && "a number has at most 8 bytes");
     for (size_t i = 0; i < size; ++i) {
         bytes[i] = (unsigned char)(value >> (8 * i));
     }
@@ -44,6 +46,7 @@ static bool has_rgb(unsigned format)
 size_t las_record_size(const las_desc* desc)
 {
     static const size_t sizes[11] = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
+    assert(desc->format <= 10 && "a point format of LAS");
     return sizes[desc->format] + desc->extra;
 }
 
@@ -82,6 +85,7 @@ size_t las_write_record(const las_desc* desc, size_t index, unsigned char* to)
     for (size_t k = b.size; k < las_record_size(desc); ++k) { // wave packets and extra bytes
         las_put_number(&b, (index * 7 + k) & 255, 1);
     }
+    assert(b.size == las_record_size(desc) && "a record has its full size");
     return b.size;
 }
 
@@ -89,6 +93,7 @@ static void put_vlr(las_buffer* b, const char* user, unsigned id, const void* by
                     bool extended)
 {
     char text[34] = {0};
+    assert(strlen(user) <= 16 && "the field holds the user id");
     memcpy(text + 2, user, strlen(user));
     las_put(b, text, 18);
     las_put_number(b, id, 2);
@@ -178,6 +183,7 @@ static void put_header(las_buffer* b, const las_desc* desc, unsigned vlrs)
 
 static void patch(las_buffer* b, size_t at, uint64_t value, size_t size)
 {
+    assert(at + size <= b->size && "only written bytes are patched");
     for (size_t i = 0; i < size; ++i) {
         b->bytes[at + i] = (unsigned char)(value >> (8 * i));
     }
@@ -222,6 +228,7 @@ static void put_chunks(las_buffer* b, const las_desc* desc)
                       : desc->coding == LAZ_VARIABLE ? (chunks % 3 + 1) * desc->chunk_size
                                                      : desc->chunk_size;
         size_t left = desc->count - first, begin = b->size;
+        assert(chunks < MAX_CHUNKS && wish > 0 && "the arrays hold all chunks");
         counts[chunks] = wish < left ? wish : left;
         (desc->format >= 6 ? laz_write_layered : laz_write_pointwise)(desc, first, counts[chunks],
                                                                       b);
@@ -260,6 +267,7 @@ las_buffer las_write(const las_desc* desc)
     }
     patch(&b, 96, b.size, 4);
     unsigned char record[256];
+    assert(las_record_size(desc) <= sizeof(record) && "the buffer holds a record");
     for (size_t i = 0; i < desc->count && desc->coding == LAS_RAW; ++i) {
         las_put(&b, record, las_write_record(desc, i, record));
     }

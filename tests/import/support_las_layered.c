@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "laz_encoder.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { XY, Z, CLASS, FLAGS, INTENSITY, ANGLE, USER, SOURCE, TIME, RGB, NIR, LAYERS, JUNK = 5 };
@@ -70,6 +71,7 @@ static unsigned return_context(unsigned n, unsigned r)
         "4344544444444444", "5344454444444444", "3344445444444444", "4344444544444444",
         "4344444454444444", "5344444445444444", "5344444444544444", "5334444444455444",
         "5334444444455544", "5334444444445554", "5334444444444555", "5334444444444455"};
+    assert(n < 16 && r < 16 && "returns have four bits");
     return (unsigned)(rows[n][r] - '0');
 }
 
@@ -82,6 +84,7 @@ static channel* put_xy(layered* l, const las_point* p, bool* new_time)
     unsigned context = (b->return_number == 1 ? 1u : 0u) |
                        (b->return_number >= b->return_count ? 2u : 0u) |
                        (before->new_time ? 4u : 0u);
+    assert(p->channel < 4 && "channels have two bits");
     channel* c = &l->channels[p->channel];
     const las_point* a = c->met ? &c->last : b;
     unsigned step = (unsigned)(p->return_number - a->return_number) & 15;
@@ -217,6 +220,9 @@ void laz_write_layered(const las_desc* desc, size_t first, size_t count, las_buf
 {
     unsigned char record[256];
     const las_point* p = &desc->points[first];
+    assert(desc->format >= 6 && "older formats are compressed pointwise");
+    assert(count > 0 && first + count <= desc->count && "the chunk has points of the file");
+    assert(p->channel < 4 && las_record_size(desc) <= sizeof(record));
     layered* l = calloc(1, sizeof(*l));
     stp_laz_pool pool = {0};
     make(&pool, l);

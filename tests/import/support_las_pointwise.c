@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "laz_encoder.h"
 
+#include <assert.h>
 #include <string.h>
 
 typedef struct wave_models {
@@ -123,6 +124,9 @@ void laz_write_pointwise(const las_desc* desc, size_t first, size_t count, las_b
     unsigned char last[256], now[256];
     bool has_time = desc->format != 0 && desc->format != 2;
     bool has_rgb = desc->format == 2 || desc->format == 3 || desc->format == 5;
+    assert(desc->format <= 5 && "newer formats are compressed in layers");
+    assert(desc->extra <= 16 && "there is a model per extra byte");
+    assert(count > 0 && first + count <= desc->count && "the chunk has points of the file");
     pointwise* p = calloc(1, sizeof(*p));
     stp_laz_pool pool = {0};
     make(&pool, p);

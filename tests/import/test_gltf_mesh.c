@@ -100,7 +100,7 @@ void test_gltf_converts_every_component_type(test_state* test)
     const struct {
         int type, normalized;
         unsigned char bytes[36]; // three vertices, interleaved 12 bytes apart
-        float x, y, z;           // of the second
+        float x, y, z;           // expected position of the second
     } cases[] = {
         {5120, 0, {[12] = 0x80, 0x7F, 0xFF}, -128, 127, -1},
         {5120, 1, {[12] = 0x80, 0x7F, 0xC1}, -1, 1, -63.0f / 127.0f},
@@ -265,7 +265,7 @@ void test_gltf_reads_colors_of_every_type(test_state* test)
         float floats[12];
         uint16_t middle[12];
         uint8_t narrow[12];
-        uint16_t expected[4]; // of the second vertex
+        uint16_t expected[4]; // colour of the second vertex
     } cases[] = {
         {5126, "VEC3", {0, 0, 0, 0.5f, 1.0f, 2.0f}, {0}, {0}, {32768, 65535, 65535, 65535}},
         {5126, "VEC4", {0, 0, 0, 0, -1.0f, 0, 1, 0.5f}, {0}, {0}, {0, 0, 65535, 32768}},

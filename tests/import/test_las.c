@@ -207,7 +207,7 @@ void test_las_splits_large_files_into_sets(test_state* test)
             stp_scene_use_spill(scene, spill, 1);
         }
         CHECK_EQUAL(STP_OK, import_in_sets(scene, file, 1000));
-        CHECK_EQUAL(4, scene->point_set_count); // of 800, 800, 800, 600
+        CHECK_EQUAL(4, scene->point_set_count); // with 800, 800, 800 and 600 points
         CHECK_EQUAL(4, scene->objects[0].part_count);
         size_t first = 0;
         for (size_t i = 0; i < 4; ++i) {

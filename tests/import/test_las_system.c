@@ -63,9 +63,9 @@ void test_las_finds_units_in_wkt(test_state* test)
 
 typedef struct system_case {
     las_desc desc;
-    const char* text;     ///< the scene's; NULL: none
+    const char* text;     ///< the scene's coordinate system; NULL: none
     double unit;          ///< 0: not known
-    const char* sentence; ///< of the log; NULL: no message
+    const char* sentence; ///< part of the logged message; NULL: no message
     stp_result result;
 } system_case;
 
@@ -211,7 +211,7 @@ void test_las_checks_the_hierarchy_of_copc(test_state* test)
         las_buffer b = {.bytes = vlr, .capacity = sizeof(vlr), .size = 40};
         las_put_number(&b, kind == 3 ? pages + 1000000 : pages, 8);
         las_put_number(&b, 64, 8);
-        b.size = 160 + 16; // of the root
+        b.size = 160 + 16; // after the key of the root's entry
         las_put_number(&b, 0, 8);
         las_put_number(&b, kind == 2 ? 1 << 30 : 1, 4);
         las_put_number(&b, kind == 1 ? 7 : COUNT / 2, 4);

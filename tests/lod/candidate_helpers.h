@@ -7,6 +7,7 @@
 #include "base/splats/coverage.h"
 #include "lod/blue/finish.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -141,6 +142,7 @@ static inline uint32_t maker_fill_cells(const stp_candidates* c, uint32_t* list,
         }
         cells[i].at = list[cells[i].begin];
     }
+    assert(count <= MAKER_CELLS && "no more cells than the grid has");
     return count;
 }
 
@@ -183,6 +185,7 @@ static inline void maker_update_cell(const stp_candidates* c, const uint32_t* li
 static inline void maker_order(maker* m, uint32_t wanted, float side)
 {
     const stp_candidates* c = &m->candidates;
+    assert(c->count > 0 && c->count <= MAKER_LIMIT && "candidates were added");
     float* distance = malloc(c->count * sizeof(float));
     uint32_t* list = malloc(c->count * sizeof(uint32_t));
     maker_cell* cells = malloc(MAKER_CELLS * sizeof(maker_cell));
@@ -236,6 +239,7 @@ static inline stp_result maker_finish(maker* m, stp_context* context, uint32_t w
 static inline size_t octave_start(const stp_splats* s, uint32_t octave)
 {
     size_t start = 0;
+    assert(octave <= s->octave_count && "the set has the octave");
     for (uint32_t i = 0; i < octave; ++i) {
         start += s->octave_ends[i];
     }
@@ -243,7 +247,7 @@ static inline size_t octave_start(const stp_splats* s, uint32_t octave)
 }
 
 /// Probability that a disk is drawn at a place, `offset` (over its radius) from its centre.
-/// `entry`: of its octave.
+/// `entry`: index of its coverage (see octave_start).
 static inline double drawn_chance(const stp_splats* s, size_t entry, uint32_t surfel,
                                   stp_vec3 offset)
 {

@@ -6,6 +6,7 @@
 #include "base/splats/octahedral.h"
 #include "base/splats/splat_columns.h"
 
+#include <assert.h>
 #include <math.h>
 
 enum { SAMPLES = 3000 };
@@ -25,10 +26,11 @@ static inline stp_vec3 sample_normal(uint32_t i, uint32_t count)
     return (stp_vec3){(float)(across * cos(around)), (float)y, (float)(across * sin(around))};
 }
 
-/// Samples on a sphere of about 0.92 around the origin that cover to `reach`. Materials, colours
-/// and coverages are zero.
+/// Samples on a sphere of radius about 0.92 around the origin that cover to `reach`. Materials,
+/// colours and coverages are zero.
 static inline void make_sphere_samples(samples* s, uint32_t count, float reach)
 {
+    assert(count <= SAMPLES && "the columns hold all samples");
     *s = (samples){.set = {.count = count,
                            .origin = {-1.0f, -1.0f, -1.0f},
                            .step = 1.0f / 32768.0f,

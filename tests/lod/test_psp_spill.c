@@ -112,7 +112,7 @@ void test_psp_spilled_splats_survive_failing_allocator(test_state* test)
 // threads. One message reports it.
 void test_psp_spilled_splats_say_that_the_disk_is_full(test_state* test)
 {
-    enum { SMALLEST = 4 << 20 }; // of a file's parts
+    enum { SMALLEST = 4 << 20 }; // bytes of the smallest part of a file
     struct rlimit old, limit;
     static float many[3 * 300000];
     for (uint32_t i = 0; i < 3 * 300000; ++i) {

@@ -126,7 +126,8 @@ void test_trimmed_leaves_are_as_dense_as_they_can_be(test_state* test)
             had[l] = leaves[l].end - leaves[l].begin;
         }
         stp_leaf_trim(&o, properties, ranked, wanted);
-        double thickest = 0.0, thinnest = HUGE_VAL; // of leaves that kept all points, and of others
+        // densities of points: the highest of leaves that kept all, and the lowest of the others
+        double thickest = 0.0, thinnest = HUGE_VAL;
         for (uint32_t l = 0; l < o.leaf_count; ++l) {
             uint32_t was = (uint32_t)properties[l].flatness,
                      count = leaves[l].end - leaves[l].begin;

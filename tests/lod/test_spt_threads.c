@@ -23,7 +23,7 @@ typedef struct cloud {
     float positions[3 * POINTS], normals[3 * POINTS];
     int8_t codes[2 * POINTS];
     uint8_t materials[POINTS], colors[3 * POINTS], coverages[POINTS];
-    float corners[9]; ///< of a large triangle
+    float corners[9]; ///< corners of a large triangle
     stp_tree_points points;
     stp_splats set;
 } cloud;

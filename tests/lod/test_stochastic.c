@@ -31,7 +31,7 @@ typedef struct cloud {
     float truth[3 * POINTS]; ///< normals of a block
     uint8_t colors[4 * POINTS];
     uint32_t materials[POINTS];
-    uint16_t intensities[POINTS]; ///< of point i: i
+    uint16_t intensities[POINTS]; ///< intensity of point i: i
     double times[POINTS];         ///< and 0.5 i
 } cloud;
 

@@ -104,7 +104,7 @@ static double own_radius(const splat_scene* s, uint32_t index)
 // The plane of a splat in view units.
 typedef struct splat_plane {
     double center[3], normal[3];
-    double direction[3], stretch; ///< of the smaller radius, and its extra weight
+    double direction[3], stretch; ///< direction of the smaller radius, and its extra weight
 } splat_plane;
 
 static void find_direction(const splat_scene* s, uint32_t index, splat_plane* plane)

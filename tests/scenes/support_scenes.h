@@ -11,11 +11,11 @@ typedef struct scene_sums {
     uint64_t objects, unique_objects, triangles, unique_triangles;
 } scene_sums;
 
-/// Of a finished scene (stp_scene_finish).
+/// Sums over a finished scene (stp_scene_finish).
 scene_sums sum_scene(const stp_scene* scene);
 
 /// Makes and finishes a scene; NULL on failure.
 stp_scene* make_scene(stp_context* context, const char* name, double scale, uint64_t seed);
 
-/// Hash of all meshes, objects, instances and views.
+/// Hash of all meshes, base colours of materials, objects and instances.
 stp_hash hash_scene(const stp_scene* scene);

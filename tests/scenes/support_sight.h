@@ -9,7 +9,7 @@
 typedef struct sight {
     const stp_scene* scene; ///< finished
     stp_placed_part* parts;
-    stp_boxd* boxes; ///< of each part, in scene space
+    stp_boxd* boxes; ///< bounding box of each part, in scene space
     size_t part_count;
 } sight;
 

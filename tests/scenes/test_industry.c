@@ -16,7 +16,7 @@ typedef struct industry_part {
     void (*plan)(assembly_plan* plan);
     const plan_counts* counts;
     part_adder add;
-    double width, depth, height; ///< of the area available to it
+    double width, depth, height; ///< size of the space available to it
     uint64_t hash;               ///< total of its meshes at the small scale
 } industry_part;
 
@@ -104,7 +104,7 @@ static double edge_ratio(const stp_scene* scene)
         }
         total += edges;
     }
-    double low = 0.0, size = 1.0; // of the bucket's upper end
+    double low = 0.0, size = 1.0; // both are upper ends of buckets
     for (int bits = 0; bits < 64; ++bits, size *= 2.0) {
         below += counts[bits];
         if (low == 0.0 && 20 * below >= total) {

@@ -74,7 +74,7 @@ static int compare_doubles(const void* left, const void* right)
 }
 
 typedef struct outcome {
-    double p50, p95, p99, size; ///< of the budget; mean size
+    double p50, p95, p99, size; ///< percentiles of time over budget; mean splat size
 } outcome;
 
 static outcome fly(const machine* m, stp_controller controller, double budget_ms)

@@ -20,7 +20,7 @@ typedef struct parts {
     stp_visibility* visibility;
     stp_draw_list list;
     stp_view view;
-    uint32_t splats[NODES]; ///< of each node in the list
+    uint32_t splats[NODES]; ///< number of splats of each node in the list
 } parts;
 
 static bool set_up(parts* p, test_heap* heap)

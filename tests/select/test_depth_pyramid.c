@@ -122,7 +122,7 @@ void test_depth_pyramid_hides_nothing_undecided(test_state* test)
     stp_depth_pyramid pyramid = {0};
     stp_boxd behind = {{-0.1, -0.1, 9}, {0.1, 0.1, 9.1}}, around = {{-1, -1, -1}, {1, 1, 1}};
     stp_boxd aside = {{50, 0, 5}, {51, 1, 6}}, back = {{-1, -1, -9}, {1, 1, -8}};
-    CHECK(!stp_depth_pyramid_hides(&pyramid, &behind, 1.0)); // of an empty picture
+    CHECK(!stp_depth_pyramid_hides(&pyramid, &behind, 1.0)); // the pyramid of an empty picture
     for (int i = 0; i < 64 * 64; ++i) {
         nearness[i] = 0.01f / 2.0f;
     }

@@ -21,7 +21,7 @@ typedef struct fixture {
     stp_draw_list list;
     double scale; ///< pixels per unit of x/z, of the view drawn last
     double size;
-    stp_fovea fovea; ///< of the next selection
+    stp_fovea fovea; ///< fovea of the next selection
 } fixture;
 
 // A square with 1,024 surfels, below it the same one with 16,384, below that (or in the same node)

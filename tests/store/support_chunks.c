@@ -3,9 +3,10 @@
 
 #include "base/math/rng.h"
 
+#include <assert.h>
 #include <string.h>
 
-/// Mostly equal bytes, so that they compress; some bytes are incompressible.
+/// Random bytes below `levels` (0: zeros). Few levels compress well, 256 do not compress.
 static void fill(uint64_t seed, void* bytes, size_t size, uint32_t levels)
 {
     unsigned char* out = bytes;
@@ -17,6 +18,7 @@ static void fill(uint64_t seed, void* bytes, size_t size, uint32_t levels)
 static bool make_set(stp_arena* arena, uint64_t seed, const uint32_t* ends, uint32_t octaves,
                      uint32_t columns, stp_splats* set)
 {
+    assert(octaves > 0 && octaves <= STP_OCTAVE_LIMIT && "the set holds the octaves");
     size_t entries = 0, count = ends[octaves - 1];
     *set = (stp_splats){
         .step = 0.5f, .columns = columns, .octave_count = octaves, .count = ends[octaves - 1]};

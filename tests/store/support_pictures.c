@@ -3,6 +3,7 @@
 
 #include "image/image_codecs.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 #include <turbojpeg.h>
@@ -12,6 +13,7 @@ uint8_t pictures_value(uint32_t x, uint32_t y, uint32_t channel)
 {
     const uint32_t values[] = {40 + 5 * (x & 31), 60 + 4 * (y & 31), 128 + (x & 31) + (y & 31),
                                255};
+    assert(channel < 4 && values[channel] < 256 && "a channel of a texel");
     return (uint8_t)values[channel];
 }
 

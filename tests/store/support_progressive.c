@@ -9,6 +9,7 @@
 #include "lod/psp/forest.h"
 #include "store/sets/operators.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -67,6 +68,7 @@ void progressive_sample_octaves(stp_splats* set, uint32_t first)
         set->octave_ends[set->octave_count++] = (uint32_t)end;
     }
     set->octave_ends[set->octave_count++] = set->count;
+    assert(set->octave_count <= STP_OCTAVE_LIMIT && "the set holds the octaves");
     set->table.size = set->octave_count;
     for (uint32_t k = 0; k < set->octave_count; ++k) {
         set->table.count[k] = set->octave_ends[k];

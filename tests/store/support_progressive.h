@@ -12,7 +12,7 @@ typedef struct progressive_desc {
     bool wild;   ///< columns other than ranges are random bytes
 } progressive_desc;
 
-/// Makes a valid set. @return false if memory runs out
+/// Makes a valid set. @return false if memory runs out or the seed does not lead to all splits
 bool progressive_sample_make(stp_arena* arena, const progressive_desc* desc, stp_splats* set);
 
 /// Makes a set from the merge forest over `count` coloured points of a bumpy surface: a complete
@@ -20,9 +20,10 @@ bool progressive_sample_make(stp_arena* arena, const progressive_desc* desc, stp
 bool progressive_sample_of_forest(stp_arena* arena, stp_context* context, uint32_t count,
                                   uint32_t base, stp_splats* set);
 
-/// Octaves of a set: the first has `first` splats, each further one four times as many.
+/// Octaves of a set: the first ends after `first` splats, each further one after four times as
+/// many, the last with the set.
 void progressive_sample_octaves(stp_splats* set, uint32_t first);
 
-/// A set of the same size with zero columns.
+/// A set of the same size whose columns are all zeros.
 bool progressive_sample_empty(stp_arena* arena, const stp_splats* like, stp_splats* set);
 bool progressive_sample_is_same(const stp_splats* a, const stp_splats* b, uint32_t count);

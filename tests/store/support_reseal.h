@@ -37,7 +37,7 @@ static inline uint64_t reseal_chunks(unsigned char* bytes, size_t size, uint64_t
     if (offset > size || length > size - offset) {
         return 0;
     }
-    uint64_t sum = length >= 8 ? stp_read_u32(bytes + offset) : 0; // of the chunks' sizes
+    uint64_t sum = length >= 8 ? stp_read_u32(bytes + offset) : 0; // sum of the chunks' sizes
     for (uint64_t count = 2; 8 * count <= length && count < 64; ++count) {
         sum += stp_read_u32(bytes + offset + 8 * (count - 1));
         if (8 * count + sum != length) {

@@ -5,6 +5,7 @@
 #include "base/math/rng.h"
 #include "base/splats/splat_codes.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -17,6 +18,7 @@ typedef struct dice {
 
 static uint32_t below(dice* d, uint32_t bound)
 {
+    assert(bound > 0 && "there is a number below the bound");
     return stp_rng_below(d->seed, d->next++, bound);
 }
 

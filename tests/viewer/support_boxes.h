@@ -5,5 +5,6 @@
 
 #include <stdbool.h>
 
-/// Builds scene:boxes into a file of this process and returns its path; the caller removes it.
+/// Builds scene:boxes into a file in the current folder; `path` receives its name, with `name` and
+/// the process id. The caller removes it. @return whether it was built
 bool boxes_build(const char* name, char path[64]);

@@ -362,7 +362,7 @@ void test_viewer_painter_draws_on_where_opengl_is_lost(test_state* test)
     paint_request request = ask(true);
     const painter_picture* picture = wait_for(p, painter_request(p, &request));
     CHECK(picture->gl && picture->texture != 0);
-    const paint_figures* f = &picture->figures; // of this frame, although no file was read
+    const paint_figures* f = &picture->figures; // figures of this frame, although no file was read
     CHECK(f->covered_pixels > 100 && f->draw_ms > 0.0 && f->shade_ms > 0.0);
     CHECK(f->work_ms <= f->frame_ms);
     CHECK(f->work_ms + 1e-9 >= fmin(f->frame_ms, f->draw_ms + f->shade_ms));

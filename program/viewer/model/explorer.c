@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "program/viewer/model/explorer.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum {
-    RECORDS_A_STEP = 100000, ///< of objects per step: a few milliseconds
+    RECORDS_A_STEP = 100000, ///< objects to read per step: a few milliseconds
     CHILDREN_AT_ONCE = 256,
     UNFOLDED_AT_FIRST = 4,
 };
@@ -94,6 +95,7 @@ static size_t insert_children(explorer* e, const stp_outline_item* parent, size_
 {
     stp_outline_item children[CHILDREN_AT_ONCE];
     size_t inserted = 0;
+    assert(at <= e->row_count);
     uint32_t count = CHILDREN_AT_ONCE;
     while (count == CHILDREN_AT_ONCE) {
         if (stp_outline_children(e->outline, parent, inserted, CHILDREN_AT_ONCE, children,
@@ -124,6 +126,7 @@ static size_t insert_children(explorer* e, const stp_outline_item* parent, size_
 
 void explorer_fold(explorer* e, size_t row)
 {
+    assert(row < e->row_count);
     explorer_row* r = &e->rows[row];
     if (!r->open) {
         r->open = true;
@@ -400,6 +403,7 @@ bool explorer_list_shown(const explorer* e, shown_list* list)
             }
         }
     }
+    assert((list->objects == NULL || list->count == e->mark_count) && "every mark is listed");
     return list->objects != NULL;
 }
 

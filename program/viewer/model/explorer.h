@@ -16,9 +16,9 @@ typedef struct explorer_row {
     bool open;
 } explorer_row;
 
-/// A part with changed visibility.
 typedef enum explorer_how { EXPLORER_HIDDEN, EXPLORER_ISOLATED, EXPLORER_GHOST } explorer_how;
 
+/// A part with changed visibility.
 typedef struct explorer_mark {
     stp_outline_item item;
     explorer_how how;
@@ -49,14 +49,14 @@ typedef struct explorer {
     size_t row_count, row_capacity;
     bool cut_short; ///< there are more rows than the limit
     // search
-    stp_outline_search search; ///< of `text`; empty: none
+    stp_outline_search search; ///< the current search; its text is empty if there is none
     explorer_row* found;
     size_t found_count, found_capacity;
     bool searches;
     // the selection; depth 0: none
     stp_outline_item chosen;
     bool scrolls;             ///< scroll to the row of the selected part
-    part_materials materials; ///< of the node `materials_of`
+    part_materials materials; ///< materials of the node `materials_of`
     uint32_t materials_of;
     explorer_mark* marks;
     size_t mark_count, mark_capacity;

@@ -2,6 +2,7 @@
 #define _XOPEN_SOURCE 700 // realpath
 #include "program/viewer/model/folder.h"
 
+#include <assert.h>
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -84,6 +85,7 @@ bool folder_read(folder_list* f, const char* path, bool all)
     if (dir == NULL) {
         return false;
     }
+    assert(read.path[0] == '/' && "paths of entries are absolute");
     for (struct dirent* entry; (entry = readdir(dir)) != NULL;) {
         char whole[PATH_MAX];
         struct stat status;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "program/viewer/model/glyphs.h"
 
+#include <assert.h>
 #include <string.h>
 
 const uint16_t glyphs_always[] = {0x20,   0x17F,  0x370,  0x3FF,  0x400,  0x52F,  0x2010, 0x2030,
@@ -72,6 +73,7 @@ const uint16_t* glyphs_make_ranges(glyph_set* set)
 {
     size_t n = 0;
     for (size_t i = 0; i < set->count; ++i) {
+        assert((i == 0 || set->points[i - 1] < set->points[i]) && "ascending, each once");
         if (n > 0 && set->ranges[n - 1] + 1 == set->points[i]) {
             set->ranges[n - 1] = set->points[i];
         } else {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "program/viewer/model/loader.h"
 
+#include <assert.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,10 +16,10 @@ struct loader {
     pthread_mutex_t mutex;
     pthread_cond_t changed;
     bool quits;
-    uint32_t wanted, begun; ///< numbers of loads
-    char path[PATH_MAX];    ///< of the requested load
+    uint32_t wanted, begun; ///< numbers of the requested and of the current load
+    char path[PATH_MAX];    ///< file of the requested load
     loader_news news;
-    char draft[PATH_MAX]; ///< of the last build
+    char draft[PATH_MAX]; ///< path of the last build's drafts; empty: none
 };
 
 static void copy_text(char* out, size_t size, const char* text)
@@ -58,6 +59,7 @@ static void on_log(stp_log_level level, const char* message, void* user)
 
 static void set_state(loader* l, loader_state state, const char* store, bool complete)
 {
+    assert((state == LOADER_REFINING) == (store != NULL && !complete) && "a draft is refined");
     pthread_mutex_lock(&l->mutex);
     if (l->wanted == l->begun) {
         l->news.state = state;

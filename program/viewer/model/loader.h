@@ -27,7 +27,7 @@ typedef struct loader_news {
     loader_state state;
     char file[PATH_MAX]; ///< the requested file
     char stage[64];
-    double fraction, overall; ///< of the stage; of the whole, negative: unknown
+    double fraction, overall; ///< progress of the stage; of the whole, negative if unknown
     uint64_t done, total;
     char unit[32];
     char message[512];    ///< the error if it failed; else the last warning
@@ -40,7 +40,7 @@ typedef struct loader_desc {
     uint32_t thread_count;
     uint64_t memory_limit;
     scene_use use;            ///< SCENE_FOR_METHODS or SCENE_FOR_SPLATS
-    void (*wake)(void* user); ///< called on the loader thread when there is news
+    void (*wake)(void* user); ///< called on any thread of the build when there is news
     void* user;
 } loader_desc;
 

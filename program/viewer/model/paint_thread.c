@@ -5,6 +5,7 @@
 #include "program/viewer/model/painter_gl.h"
 #include "program/viewer/model/painter_scene.h"
 
+#include <assert.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -30,8 +31,8 @@ struct painter {
     atomic_bool stop; ///< abort it: another picture is wanted
     // the request
     paint_request request;
-    uint64_t number; ///< of the request
-    double request_ms;
+    uint64_t number;   ///< number of the request
+    double request_ms; ///< time of the request
     char open_path[PATH_MAX];
     uint32_t open_serial, opened_serial;
     // the results
@@ -70,7 +71,7 @@ static void on_log(stp_log_level level, const char* message, void* user)
     if (level == STP_LOG_NOTICE) {
         return;
     }
-    // set by the log callback while the thread draws, without the mutex
+    // the mutex is not held while the thread opens or draws, so it can be locked here
     pthread_mutex_lock(&p->mutex);
     snprintf(p->message, sizeof(p->message), "%s", message);
     p->message_is_error = level == STP_LOG_ERROR;
@@ -164,6 +165,7 @@ static void copy_depth(painter* p, painter_picture* picture)
 {
     const float* nearness = stp_renderer_depth(p->scene->renderers[p->uses_gl]);
     size_t count = (size_t)picture->image.width * picture->image.height;
+    assert(count <= picture->capacity);
     if (nearness != NULL) {
         memcpy(picture->nearness, nearness, count * sizeof(float));
     } else {
@@ -176,8 +178,8 @@ static void copy_depth(painter* p, painter_picture* picture)
     picture->is_empty = nearness != NULL && pixel == count;
 }
 
-/// Feeds OpenGL's timings of a finished frame to the budget, which learns from GPU time and CPU
-/// time.
+/// Adds OpenGL's timings of a finished frame to its figures. The budget learns from work_ms: CPU
+/// and GPU time.
 static void measure_gl(painter* p, paint_figures* figures)
 {
     stp_draw_stats stats = {0};
@@ -283,6 +285,7 @@ static void paint(painter* p)
     }
     figures.latency_ms = p->latency_ms;
     picture->figures = figures;
+    assert(p->painting != p->ready && p->ready != p->shown && p->shown != p->painting);
     int painted = p->painting;
     p->painting = p->ready;
     p->ready = painted;
@@ -513,6 +516,7 @@ const painter_picture* painter_take(painter* p)
     const painter_picture* taken = NULL;
     pthread_mutex_lock(&p->mutex);
     if (p->fresh) {
+        assert(p->painting != p->ready && p->ready != p->shown && p->shown != p->painting);
         int before = p->shown;
         p->shown = p->ready;
         p->ready = before;

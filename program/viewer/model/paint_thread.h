@@ -36,7 +36,7 @@ typedef struct paint_request {
     stp_store_coloring points; ///< colours of points, and hidden classes
     stp_quality quality;       ///< splat_size: at rest if there is a budget, else always
     double budget_ms;          ///< frame time while the camera moves; 0: no limit
-    stp_controller controller; ///< of the budget
+    stp_controller controller; ///< keeps the frame time within the budget
     uint32_t samples;          ///< per axis, accumulated at rest; 1: no accumulation
     bool gl;                   ///< use OpenGL if possible
 } paint_request;
@@ -48,9 +48,9 @@ typedef struct paint_figures {
     double work_ms;
     float splat_size;
     uint64_t splats, triangles, fragments, covered_pixels, draw_calls, nodes;
-    uint64_t live_bytes; ///< of the renderer's context
+    uint64_t live_bytes; ///< memory in use by the renderer's context
     double latency_ms;   ///< from the request to its first picture
-    uint32_t samples;    ///< accumulated
+    uint32_t samples;    ///< accumulated frames; 1: none were accumulated
     uint32_t missing;    ///< things wanted but not loaded, or not drawn yet
 } paint_figures;
 
@@ -93,7 +93,7 @@ void painter_open(painter* p, const char* path, uint32_t serial);
 /// request.
 const painter_scene* painter_adopt(painter* p);
 
-/// Sets the visibility of a scene from now on. The painter owns the list's things.
+/// Sets the visibility of a scene from now on. Takes over the list's objects and empties it.
 void painter_show(painter* p, uint32_t scene, shown_list* list);
 
 /// Replaces the previous request. @return a number, which is the same if nothing changed

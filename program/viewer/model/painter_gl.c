@@ -3,6 +3,7 @@
 
 #include <GL/gl.h>
 #include <GL/glext.h>
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -79,6 +80,7 @@ static bool fit(painter_gl* g, int slot, uint32_t width, uint32_t height)
 
 uint32_t painter_gl_keep(painter_gl* g, int slot, uint32_t picture, uint32_t width, uint32_t height)
 {
+    assert(g->functions != NULL && slot >= 0 && slot < PAINTER_GL_SLOTS);
     if (!fit(g, slot, width, height)) {
         return 0;
     }

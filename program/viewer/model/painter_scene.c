@@ -6,6 +6,7 @@
 #include "draw/transparency.h"
 #include "program/viewer/model/splat_count.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -158,6 +159,7 @@ static stp_result draw_once(paint_scene* s, const paint_request* request,
 stp_result paint_scene_draw(paint_scene* s, const paint_request* request, float splat_size,
                             bool accumulates, bool gl, stp_image* image, paint_figures* figures)
 {
+    assert(s->renderers[gl] != NULL && (image != NULL || gl));
     stp_draw_stats stats = {0};
     stp_quality quality = request->quality;
     quality.splat_size = splat_size;

@@ -47,5 +47,5 @@ stp_result paint_scene_draw(paint_scene* s, const paint_request* request, float 
                             bool accumulates, bool gl, stp_image* image, paint_figures* figures);
 /// Whether both ask for the same picture.
 bool paint_is_same_request(const paint_request* a, const paint_request* b);
-/// Near distance of the last frame.
+/// Near distance of a view in perspective, also if the view leaves it to the renderer.
 double paint_near_distance(const stp_view* view);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "program/viewer/model/part_materials.h"
 
+#include <assert.h>
+
 enum { NODES_MAX = 256, PARTS_MAX = 4096 };
 
 static void add_material(part_materials* found, uint32_t material)
@@ -23,6 +25,7 @@ static void add_material(part_materials* found, uint32_t material)
 /// Adds a node to a queue, each node once.
 static void enqueue(uint32_t nodes[NODES_MAX], uint32_t* count, uint32_t node, bool* full)
 {
+    assert(*count <= NODES_MAX);
     for (uint32_t i = 0; i < *count; ++i) {
         if (nodes[i] == node) {
             return;

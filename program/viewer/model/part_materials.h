@@ -7,11 +7,10 @@
 enum { PART_MATERIALS_MAX = 6 };
 
 typedef struct part_materials {
-    /// Indices in the store, each once, in the order of the file's
+    /// Indices in the store, each once, in the order in which the file's parts use them
     uint32_t materials[PART_MATERIALS_MAX];
-    /// parts
-    uint32_t count;
-    bool more; ///< there are more, or the part is too large to search completely
+    uint32_t count; ///< number of materials
+    bool more;      ///< there are more, or the part is too large to search completely
 } part_materials;
 
 /// Lists the materials below a node, visiting a bounded number of nodes and meshes. `node` may be

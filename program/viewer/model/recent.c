@@ -3,6 +3,7 @@
 
 #include "base/io/file.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,6 +35,7 @@ void recent_add(recent_files* recent, const char* path)
     memmove(recent->paths[1], recent->paths[0], kept * sizeof(recent->paths[0]));
     snprintf(recent->paths[0], PATH_MAX, "%s", path);
     recent->count = kept + 1;
+    assert(recent->count <= RECENT_MAX);
 }
 
 void recent_parse(recent_files* recent, const char* text)

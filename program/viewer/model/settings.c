@@ -5,6 +5,7 @@
 #include "program/options/cloud_style.h"
 #include "program/viewer/model/splat_count.h"
 
+#include <assert.h>
 #include <jansson.h>
 #include <limits.h>
 #include <stddef.h>
@@ -118,6 +119,7 @@ char* viewer_settings_print(const viewer_settings* settings)
         int number;
         uint32_t count;
         float real;
+        assert(f->offset + sizeof(number) <= sizeof(*settings) && "any type is read at any field");
         memcpy(&on, place, sizeof(on));
         memcpy(&number, place, sizeof(number));
         memcpy(&count, place, sizeof(count));

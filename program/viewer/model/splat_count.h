@@ -7,7 +7,7 @@
 #include "store/file/store.h"
 
 enum { SPLAT_COUNT_MIN = 2 };
-/// A view draws at most this many things.
+/// A view draws at most this many splats.
 #define SPLAT_COUNT_MAX 4294967294u
 
 /// The maximum number of splats that a view of the whole scene draws by number: the sum of the

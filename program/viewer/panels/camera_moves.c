@@ -3,6 +3,7 @@
 #include "base/core/clock.h"
 #include "program/viewer/panels/panels.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 static const double glide_ms = 350.0;
@@ -57,6 +58,7 @@ bool camera_of_picture(const viewer* v, stp_navigator* n)
 /// Depth along the view direction at a pixel; 0 if there is nothing or the depth is not known.
 static double depth_at(const painter_picture* picture, uint32_t x, uint32_t y)
 {
+    assert(x < picture->image.width && y < picture->image.height);
     double nearness = (double)picture->nearness[(size_t)y * picture->image.width + x];
     return nearness > 0.0 && !(picture->view.ortho_height > 0.0) ? picture->near_distance / nearness
                                                                  : 0.0;

@@ -4,6 +4,7 @@
 #include "program/viewer/panels/panels.h"
 #include "program/viewer/window/gui.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -39,6 +40,7 @@ static void begin_drag(viewer* v)
     input_state* in = &v->input;
     SDL_Keymod keys = SDL_GetModState();
     bool shift = (keys & KMOD_SHIFT) != 0;
+    assert(in->button != 0 && in->drag == DRAG_NONE && "a drag begins once");
     stp_vec3d point;
     bool seen = camera_seen(v, in->start_x, in->start_y, &point);
     v->glide_start = -1.0;
@@ -207,7 +209,7 @@ static void show_next_method(viewer* v)
     }
     uint32_t place = stp_store_find_method(d, (uint32_t)v->settings.splats_by);
     if (viewer_mixes_methods(v) && place == 0 && v->settings.splats_by != 0) {
-        v->settings.splats_by = 0; // after the last method, back to automatic
+        v->settings.splats_by = 0; // the first method comes last; then automatic again
         viewer_show_message(v, false, "Splats by %s, and by others where few suffice",
                             d->methods[0].name);
         return;

@@ -5,6 +5,7 @@
 #include "program/viewer/panels/panels.h"
 #include "program/viewer/window/gui.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 
@@ -71,6 +72,7 @@ static void show_results(const viewer* v)
 {
     const measure_state* m = &v->measure;
     int last = m->count - 1;
+    assert(last > 0 && "a distance has two points");
     double total = 0.0;
     for (int i = 0; i < last; ++i) {
         total += stp_measure_distance(m->points[i], m->points[i + 1]).length;

@@ -5,9 +5,10 @@
 #include "program/viewer/panels/panels.h"
 #include "program/viewer/window/gui.h"
 
+#include <assert.h>
 #include <stdio.h>
 
-static const float half_edge = 23.0f; // of the cube, pixels at scale 1
+static const float half_edge = 23.0f; // half the cube's edge, pixels at scale 1
 static const float margin = 14.0f;    // to the picture's edge
 static const float bar_max = 160.0f;  // maximum width of the scale bar
 
@@ -68,6 +69,7 @@ static int side_at(const viewer* v, float x, float y)
 const char* orientation_place(const viewer* v, int side, float* x, float* y)
 {
     stp_navigator n;
+    assert(side >= 0 && side < STP_VIEW_CUBE_SIDES);
     if (!is_shown(v) || !camera_of_picture(v, &n)) {
         return NULL;
     }

@@ -4,12 +4,15 @@
 #include "program/viewer/panels/panels.h"
 #include "program/viewer/window/gui.h"
 
+#include <assert.h>
+
 enum { CHOSEN_COLOR = 0x4DB3F2FF };
 
 bool overlay_place(const viewer* v, const stp_navigator* n, stp_vec3d point, float* x, float* y)
 {
     viewer_area a = v->picture_area;
     double px, py, depth;
+    assert(n->width > 0 && n->height > 0);
     bool before = stp_navigator_project(n, point, &px, &py, &depth);
     *x = a.x + (float)(px / (double)n->width) * a.width;
     *y = a.y + (float)(py / (double)n->height) * a.height;

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const float parts_width = 260.0f, page_width = 300.0f; // of scale 1
+static const float parts_width = 260.0f, page_width = 300.0f; // pixels at scale 1
 
 typedef struct page_entry {
     viewer_page page;

@@ -3,6 +3,7 @@
 #include "program/viewer/panels/panels.h"
 #include "program/viewer/window/gui.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -51,6 +52,7 @@ static void show_rows(viewer* v, bool of_tree)
     explorer* e = v->explorer;
     int count = (int)(of_tree ? e->row_count : e->found_count), first, last;
     gui_rows_begin(count, &first, &last);
+    assert(first >= 0 && last <= count && "indices of rows");
     bool changed = false;
     for (int i = first; i < last && !changed; ++i) {
         changed = show_row(v, of_tree ? &e->rows[i] : &e->found[i], (size_t)i, of_tree);

@@ -7,6 +7,7 @@
 #include "program/viewer/panels/panels.h"
 #include "program/viewer/window/gui.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -161,6 +162,7 @@ static void show_choice(viewer* v)
             colors[count++] = i;
         }
     }
+    assert(count > 0 && chosen < count && "own colours are always offered");
     if (gui_choice("Colour", &chosen, words, count,
                    "Colours points by a scan attribute, or everything by elevation or "
                    "normal")) {

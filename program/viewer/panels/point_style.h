@@ -8,7 +8,7 @@
 typedef struct point_style {
     int color;          ///< point_color
     bool has_range;     ///< the user chose a range
-    double low, high;   ///< of the colour scale
+    double low, high;   ///< ends of the colour scale, if `has_range`
     bool hides;         ///< some classes are not drawn
     uint8_t shown[256]; ///< visible classes, if `hides`
     uint32_t scene;     ///< serial of the scene that the elevations belong to; 0: unknown

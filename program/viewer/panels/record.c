@@ -4,6 +4,7 @@
 #include "program/options/program.h"
 #include "program/viewer/panels/panels.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -53,6 +54,7 @@ static void add_key(viewer* v, double now)
         r->capacity = wanted;
     }
     stp_view view = {0};
+    assert((r->count == 0 || now >= r->last_ms) && "keys are in order of time");
     stp_navigator_write_view(&v->camera, &view);
     r->last_ms = now;
     r->keys[r->count++] = (stp_flight_key){
@@ -112,6 +114,7 @@ void record_step(viewer* v)
         add_key(v, now);
     } else if (r->plays) {
         double t = 1e-3 * (now - r->start_ms);
+        assert(r->count > 1 && "record_play needs two keys");
         stp_flight flight = {.fov_degrees = v->camera.fov_degrees,
                              .fps = 60.0,
                              .keys = r->keys,

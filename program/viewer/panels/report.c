@@ -6,6 +6,7 @@
 #include "program/viewer/panels/panels.h"
 #include "program/viewer/window/gui.h"
 
+#include <assert.h>
 #include <jansson.h>
 #include <stdio.h>
 
@@ -163,6 +164,8 @@ static json_t* describe(const viewer* v)
     static const char* const states[] = {"idle", "working", "refining", "done", "failed"};
     static const char* const page_names[PAGE_COUNT] = {"none",    "statistics", "quality",
                                                        "section", "measure",    "views"};
+    assert((size_t)v->news.state < sizeof(states) / sizeof(states[0]));
+    assert(v->settings.page < PAGE_COUNT);
     return json_pack(
         "{s:o, s:s, s:I, s:b, s:b, s:I, s:I, s:s, s:b, s:b, s:b, s:s, s:o, s:o, s:s, s:o, s:o, "
         "s:s, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:i}",

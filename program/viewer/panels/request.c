@@ -2,8 +2,11 @@
 // Converts settings and camera to a request for the painter.
 #include "program/viewer/panels/panels.h"
 
+#include <assert.h>
+
 static uint8_t to_byte(float x)
 {
+    assert(x >= 0.0f && x <= 1.0f && "or the byte overflows");
     return (uint8_t)(x * 255.0f + 0.5f);
 }
 

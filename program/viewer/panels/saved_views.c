@@ -57,8 +57,10 @@ static bool find_path(const explorer* e, const stp_outline_item* item, bool for_
     return text != NULL;
 }
 
-/// Lists hidden, isolated and ghosted parts by path, for a file (NULL: in memory only) with limited
-/// room. @return their number
+/// Lists up to OBJECTS_MAX hidden, isolated and ghosted parts by path.
+/// @param left_out receives the number of parts that do not fit or have no path in UTF-8; NULL: the
+///                 list stays in memory, where any path will do
+/// @return their number
 static size_t list_objects(viewer* v, stp_shown_object* objects, char (*paths)[1024],
                            size_t* left_out)
 {

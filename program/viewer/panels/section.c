@@ -4,12 +4,14 @@
 #include "program/viewer/window/gui.h"
 #include "select/sections.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 int section_file_axis(const viewer* v, int axis)
 {
+    assert(axis >= 0 && axis < 3);
     return axis == 0 || v->scene->directory->up != 'z' ? axis : 3 - axis;
 }
 
@@ -70,6 +72,7 @@ void section_take(viewer* v, const stp_sections* sections)
     section_begin(v);
     section_state* s = &v->section;
     stp_boxd box;
+    assert(sections->count <= STP_SECTION_PLANES && "as many as the state has room for");
     s->has_box = find_box(sections, &box);
     s->box = s->has_box ? box : s->box;
     for (uint32_t i = s->has_box ? 6 : 0; i < sections->count; ++i) {

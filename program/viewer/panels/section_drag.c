@@ -5,6 +5,8 @@
 #include "program/viewer/panels/panels.h"
 #include "program/viewer/window/gui.h"
 
+#include <assert.h>
+
 static const float handle_reach = 11.0f; // pixels at scale 1
 static const float arrow_length = 34.0f;
 static const uint32_t plane_color = 0xE6A040FF, hovered_color = 0xFFD080FF;
@@ -13,7 +15,8 @@ enum { BOX_SIDES = 6 };
 
 /// A draggable object: a section plane, or a side of the section box.
 typedef struct drag_target {
-    stp_vec3d anchor, normal; ///< unit
+    stp_vec3d anchor; ///< position of the handle
+    stp_vec3d normal; ///< unit vector
 } drag_target;
 
 static bool is_shown(const viewer* v)
@@ -138,6 +141,7 @@ void section_drag(viewer* v, float from_x, float from_y, float to_x, float to_y)
         return;
     }
     int side = v->section_grabbed - s->plane_count, axis = side / 2;
+    assert(side < BOX_SIDES && "find_target found it");
     double* ends[2][3] = {{&s->box.max.x, &s->box.max.y, &s->box.max.z},
                           {&s->box.min.x, &s->box.min.y, &s->box.min.z}};
     double *end = ends[side % 2][axis], *other = ends[1 - side % 2][axis];

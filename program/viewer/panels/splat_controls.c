@@ -4,6 +4,7 @@
 #include "program/viewer/panels/panels.h"
 #include "program/viewer/window/gui.h"
 
+#include <assert.h>
 #include <stdio.h>
 
 uint32_t splats_all(const viewer* v)
@@ -33,6 +34,7 @@ uint32_t splats_count(const viewer* v)
 static uint32_t drawn_splats(const viewer* v)
 {
     uint32_t all = splats_all(v);
+    assert(all > 0 && "callers offer a number only then");
     bool drawn = v->picture != NULL && v->picture->scene == v->scene->serial;
     return splat_count_within(drawn ? v->picture->figures.splats : all, all);
 }

@@ -7,6 +7,7 @@
 #include "program/viewer/panels/panels.h"
 #include "program/viewer/window/gui.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -260,6 +261,7 @@ static void show_recent(viewer* v)
     for (size_t i = 0; i < r->count; ++i) {
         const char* slash = strrchr(r->paths[i], '/');
         char above[PATH_MAX];
+        assert(slash != NULL && "recent paths are absolute");
         snprintf(above, sizeof(above), "%.*s", (int)(slash - r->paths[i]), r->paths[i]);
         gui_push_id((int)i);
         int clicked = gui_list_row(slash + 1, above, false);

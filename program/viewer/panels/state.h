@@ -49,8 +49,9 @@ typedef struct viewer_area {
 
 typedef struct section_plane {
     bool on, flipped;
-    stp_vec3d origin, normal; ///< unit
-    float offset;             ///< along the normal
+    stp_vec3d origin; ///< a point of the plane at offset 0
+    stp_vec3d normal; ///< unit vector
+    float offset;     ///< along the normal
 } section_plane;
 
 typedef struct section_state {
@@ -106,7 +107,7 @@ typedef struct viewer {
     input_state input;
     // parts, sections, measures, viewpoints
     stp_context* context; ///< the window's own
-    explorer* explorer;   ///< of `scene`; NULL: none
+    explorer* explorer;   ///< parts of `scene`; NULL: none
     uint64_t marks_version;
     char search[128];
     bool enters;     ///< select the first match when it is found
@@ -165,7 +166,7 @@ stp_boxd camera_scene_box(const viewer* v);
 void input_take(viewer* v, const SDL_Event* event);
 /// Moves the camera by held keys and sticks.
 void input_step(viewer* v, double seconds);
-/// Includes gamepads.
+/// Starts gamepad support.
 void input_begin(void);
 void input_destroy(viewer* v);
 
@@ -184,5 +185,6 @@ bool viewer_uses_gl(const viewer* v);
 paint_request request_make(viewer* v);
 
 // report.c
-/// Writes the report if it changed; immediately if `last`.
+/// Writes the report at most every 50 ms; immediately if `last`, or when the viewer comes to rest or
+/// starts to work.
 void report_write(viewer* v, bool last);

@@ -9,6 +9,7 @@
 #include "program/viewer/panels/panels.h"
 #include "program/viewer/window/gui.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -240,6 +241,7 @@ static void take_events(viewer* v)
 
 static void show(viewer* v)
 {
+    assert(v->dirty > 0 && "shown only if something changed");
     window_clear(&v->window);
     gui_begin_frame(v->window.width, v->window.height, v->window.density);
     panels_show(v);
@@ -263,6 +265,7 @@ static void step(viewer* v)
     v->picture_area = panels_layout(v);
     v->camera.width = (uint32_t)v->picture_area.width;
     v->camera.height = (uint32_t)v->picture_area.height;
+    assert(v->camera.width > 0 && v->camera.height > 0 && "panels leave room for a picture");
     camera_step(v, seconds);
     input_step(v, seconds);
     step_explorer(v);
@@ -280,7 +283,7 @@ static void step(viewer* v)
     report_write(v, false);
 }
 
-// The window's own context, for viewpoints and flights.
+// Shows messages of the window's own context, which reads and writes viewpoints and flights.
 static void on_log(stp_log_level level, const char* message, void* user)
 {
     if (level != STP_LOG_NOTICE) {

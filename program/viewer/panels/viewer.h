@@ -11,8 +11,8 @@
 typedef struct viewer_options {
     const char* file;           ///< NULL: start page
     const char* view;           ///< name of the first view; NULL: iso
-    uint32_t width, height;     ///< of the window
-    float scale;                ///< of text; 0: that of the display
+    uint32_t width, height;     ///< size of the window, in the display's units
+    float scale;                ///< scale of text and panels; 0: that of the display
     bool software;              ///< show the window without OpenGL
     int backend;                ///< 0: as in the last session; 1: CPU; 2: OpenGL
     int gl_splats;              ///< how OpenGL draws splats: an stp_gl_splats

@@ -63,9 +63,9 @@ void gui_dim_paragraph(const char* format, ...) __attribute__((format(printf, 1,
 void gui_paragraph(const char* format, ...) __attribute__((format(printf, 1, 2)));
 /// A name on the left and a value beside it.
 void gui_value(const char* name, const char* format, ...) __attribute__((format(printf, 2, 3)));
-/// A colour swatch (linear light, with alpha) before the rest of the line.
+/// A colour swatch (linear light; alpha is ignored) before the rest of the line.
 void gui_square(const float color[4]);
-/// Same, with a colour swatch (linear light, with alpha) before the value.
+/// As gui_value, with a colour swatch (linear light; alpha is ignored) before the value.
 void gui_swatch(const char* name, const float color[4], const char* format, ...)
     __attribute__((format(printf, 3, 4)));
 void gui_tooltip(const char* text); ///< for the previous widget

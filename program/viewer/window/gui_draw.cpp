@@ -3,6 +3,7 @@
 #include "program/viewer/window/gui.h"
 #include "program/viewer/window/gui_internal.h"
 
+#include <assert.h>
 #include <cmath>
 
 static ImU32 color_of(uint32_t c)
@@ -15,6 +16,7 @@ void gui_graph(const float* values, int count, int newest, float maximum, float 
 {
     ImVec2 start = ImGui::GetCursorScreenPos();
     float width = ImGui::GetContentRegionAvail().x;
+    assert(newest >= 0 && newest < count && maximum > 0.0f && "values are a ring");
     ImGui::Dummy(ImVec2(width, height));
     gui_tooltip(tooltip);
     ImDrawList* list = ImGui::GetWindowDrawList();

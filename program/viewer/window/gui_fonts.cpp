@@ -39,7 +39,7 @@ bool is_font(const char* file)
     return known;
 }
 
-// Merges a font's glyphs into the previous font. @return false if there is no such font
+// Adds a font, or merges its glyphs into the previous one. @return false if there is no such font
 bool add_font(const char* file, const uint16_t* ranges, bool merges)
 {
     if (!is_font(file)) {

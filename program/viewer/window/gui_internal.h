@@ -7,7 +7,7 @@
 #include <cstdarg>
 #include <imgui.h>
 
-extern float gui_scale;               // of fonts and distances
+extern float gui_scale;               // scale of fonts and distances
 extern SDL_Renderer* gui_software;    // NULL: OpenGL
 const float gui_tooltip_after = 0.5f; // seconds that the mouse rests on something
 

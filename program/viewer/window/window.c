@@ -2,6 +2,7 @@
 #include "program/viewer/window/window.h"
 
 #include <SDL_opengl.h>
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -258,6 +259,7 @@ static bool upload_software(window* w, const stp_image* image)
 
 bool window_upload(window* w, const stp_image* image)
 {
+    assert(image->width > 0 && image->height > 0 && "0 marks a texture that was not made");
     bool done = w->gl != NULL ? upload_gl(w, image) : upload_software(w, image);
     w->borrowed = 0;
     w->texture_width = done ? image->width : 0;

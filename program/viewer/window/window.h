@@ -14,11 +14,11 @@ typedef struct window {
     SDL_GLContext gl;       ///< NULL: SDL draws
     SDL_Renderer* renderer; ///< NULL: OpenGL draws
     window_gl* functions;
-    int version;       ///< of OpenGL: 45 for 4.5
+    int version;       ///< version of OpenGL: 45 for 4.5
     char device[128];  ///< device that draws the window
     int width, height; ///< in pixels, which may differ from window units
     float density;     ///< pixels per window unit
-    float scale;       ///< of text and distances, in pixels
+    float scale;       ///< scale of text and distances, relative to their usual pixels
     // a second context, for the painter thread
     SDL_Window* worker_window;
     SDL_GLContext worker;
@@ -36,7 +36,7 @@ typedef struct window_desc {
     const char* title;
     int width, height;
     bool software; ///< do not use OpenGL
-    float scale;   ///< of text; 0: that of the display
+    float scale;   ///< scale of text and distances; 0: that of the display
 } window_desc;
 
 /// @return false if no window can be created: the reason is in `reason`
