@@ -29,7 +29,7 @@ enum { CLOUD_POINT_PIXELS = 64 }; ///< most
         .name = "point-size", .type = OPTION_TEXT, .argument = "SIZE",                             \
         .help = "point size: pixels (3, 3px), metres (0.05m), or adaptive, which closes the gaps " \
                 "between drawn points; default adaptive",                                          \
-        .value = (where)                                                                           \
+        .value = (where), .group = "Points"                                                        \
     }
 
 /// Reads 3, 3px, 0.05m or adaptive. @return false if the text is not such a size
