@@ -514,9 +514,9 @@ const command command_build = {
     .arguments = "INPUT... -o FILE.stip",
     .summary = "import models, order them into splats, write a .stip file",
     .text =
-        "Imports one or more models into one scene and writes it as splats and triangles. An "
-        "input may also be a procedural scene, scene:NAME (see `stipple scene --list`), with "
-        "settings after commas: scene:paper,scale=0.1,seed=3. If several inputs have a view of "
+        "Imports one or more models into one scene and writes it as splats and triangles. In "
+        "stipple-lab an input may also be a procedural scene, scene:NAME, with settings after "
+        "commas: scene:paper,scale=0.1,seed=3. If several inputs have a view of "
         "the same name, the later ones get a number: front, front-2.\n\n"
         "The build captures the visible surface from all around and orders surfels from it so "
         "that every prefix covers the whole surface evenly (Brandt et al. 2019). It keeps the "
@@ -539,8 +539,8 @@ const command command_build = {
                 "$ stipple build plant.glb -o plant.stip\n"
                 "Several models in one scene, z up, in millimetres:\n"
                 "$ stipple build hall.obj pipes.stl -o plant.stip --up z --unit mm\n"
-                "A named scene, within 8 GB of memory:\n"
-                "$ stipple build scene:paper -o paper.stip --memory 8G\n",
+                "A large model, within 8 GB of memory:\n"
+                "$ stipple build city.glb -o city.stip --memory 8G\n",
     .files = "FILE.stip\tthe result\n"
              "FILE.stip.work\tfinished parts of an incomplete build; the same command resumes "
              "from them\n",

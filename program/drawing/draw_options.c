@@ -23,15 +23,13 @@ static size_t copy_options(option* table, size_t used, const option* from)
     return used;
 }
 
-static size_t add_picture_options(option* table, size_t used, draw_options* o)
+static size_t add_quality_options(option* table, size_t used, draw_options* o)
 {
     const option list[] = {
-        {.name = "size",
-         .type = OPTION_PIXELS,
-         .argument = "WxH",
-         .help = "size of the picture in pixels; default 1920x1080",
-         .value = o->size,
-         .group = "Picture"},
+        {.name = "json",
+         .help = "print figures as one JSON object",
+         .value = &o->json,
+         .group = "Output"},
         {.name = "fov",
          .type = OPTION_NUMBER,
          .argument = "DEG",
@@ -40,18 +38,6 @@ static size_t add_picture_options(option* table, size_t used, draw_options* o)
          .value = &o->fov,
          .group = "Camera",
          .rare = true},
-        {.name = "json",
-         .help = "print figures as one JSON object",
-         .value = &o->json,
-         .group = "Output"},
-        {0},
-    };
-    return copy_options(table, used, list);
-}
-
-static size_t add_quality_options(option* table, size_t used, draw_options* o)
-{
-    const option list[] = {
         {.name = "budget-ms",
          .type = OPTION_NUMBER,
          .argument = "MS",
@@ -83,7 +69,6 @@ static size_t add_quality_options(option* table, size_t used, draw_options* o)
                  "where few splats suffice if the first is blue",
          .value = &o->method,
          .given = &o->has_method,
-         .group = "Methods",
          .rare = true},
         {.name = "hybrid",
          .type = OPTION_CHOICE,
@@ -93,7 +78,6 @@ static size_t add_quality_options(option* table, size_t used, draw_options* o)
                  "only splats, however near; default on",
          .value = &o->hybrid,
          .rare = true},
-        OPTION_CUES(&o->cues),
         {0},
     };
     return copy_options(table, used, list);
@@ -119,7 +103,7 @@ static size_t add_effect_options(option* table, size_t used, draw_options* o)
              "pass); default auto: pattern with --budget-ms and in flights, else layers",
          .value = &o->transparency,
          .rare = true},
-        OPTION_POINT_SIZE(&o->point_size),
+        OPTION_CUES(&o->cues),
         {0},
     };
     return copy_options(table, used, list);
@@ -182,16 +166,25 @@ static size_t add_machine_options(option* table, size_t used, draw_options* o)
 
 const option* draw_options_table(option* table, const option* own, draw_options* options)
 {
-    size_t used = copy_options(table, 0, own);
-    used = add_picture_options(table, used, options);
-    option drawing[DRAWING_OPTION_ROOM];
-    used = copy_options(table, used, drawing_options_table(drawing, &options->settings));
+    const option first[] = {
+        {.name = "size",
+         .type = OPTION_PIXELS,
+         .argument = "WxH",
+         .help = "size of the picture in pixels; default 1920x1080",
+         .value = options->size,
+         .group = "Picture"},
+        {0},
+    };
+    const option points[] = {OPTION_POINT_SIZE(&options->point_size), {0}};
+    option colors[POINT_COLOR_OPTION_ROOM], show[SHOW_OPTION_ROOM], drawing[DRAWING_OPTION_ROOM];
+    size_t used = copy_options(table, 0, first);
+    used = copy_options(table, used, own);
     used = add_quality_options(table, used, options);
-    option colors[POINT_COLOR_OPTION_ROOM];
     used = copy_options(table, used, point_color_options_table(colors, &options->colors));
-    used = add_effect_options(table, used, options);
-    option show[SHOW_OPTION_ROOM];
+    used = copy_options(table, used, points);
     used = copy_options(table, used, show_options_table(show, &options->show));
+    used = copy_options(table, used, drawing_options_table(drawing, &options->settings));
+    used = add_effect_options(table, used, options);
     used = add_eye_options(table, used, options);
     add_machine_options(table, used, options);
     return table;

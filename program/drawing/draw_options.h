@@ -37,8 +37,8 @@ typedef struct draw_options {
 /// Names of stp_methods, as words of an option.
 #define TOOL_METHOD_WORDS "blue|spt|psp|stochastic"
 
-/// Fills a table of OPTION_TABLE_ROOM entries: the command's own (ends with a NULL name), and after
-/// them the shared ones, whose values it resets. @return the table
+/// Fills a table of OPTION_TABLE_ROOM entries: the command's own (ends with a NULL name), and the
+/// shared ones, of which it resets the drawing settings. @return the table
 const option* draw_options_table(option* table, const option* own, draw_options* options);
 
 /// Rejects options that exclude each other and invalid values. @return 0, or 2 (message printed)
