@@ -2,8 +2,10 @@
 #include "program/options/option_value.h"
 
 #include "program/options/color_names.h"
+#include "program/options/options.h"
 
 #include <errno.h>
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -140,7 +142,11 @@ static bool set_float(const option* o, const char* text, char* problem, size_t s
     if (!set_number(&wide, text, problem, size)) {
         return false;
     }
-    *(float*)o->value = (float)(o->scale != 0.0 ? o->scale * value : value);
+    double scaled = o->scale != 0.0 ? o->scale * value : value;
+    if (fabs(scaled) > (double)FLT_MAX) {
+        return fail(problem, size, "is too large");
+    }
+    *(float*)o->value = (float)scaled;
     return true;
 }
 
@@ -220,7 +226,9 @@ static bool set_choice(const option* o, const char* text, char* problem, size_t 
             return true;
         }
         if (word[word_length] == 0) {
-            snprintf(problem, size, "is not one of %s", o->words);
+            const char* words = options_hidden_words(o);
+            snprintf(problem, size, "is not one of %s",
+                     words != NULL ? words : options_argument(o));
             return false;
         }
         word += word_length + 1;

@@ -39,6 +39,28 @@ void test_viewer_settings_are_kept(test_state* test)
     free(text);
 }
 
+void test_viewer_settings_of_older_files_are_read(test_state* test)
+{
+    viewer_settings s = viewer_settings_default();
+    CHECK(viewer_settings_detail(&s) == STP_POLICY_INSERTION);
+    CHECK(viewer_settings_parse(&s, "{\"method\": 2, \"splats_by\": 3, \"light\": 1, \"filter\": 1,"
+                                    " \"caps\": false, \"ambient_occlusion\": 4.5, \"red\": 0.5}"));
+    CHECK(s.drawing.quality.policy == STP_POLICY_SWITCH && !s.drawing.quality.reference);
+    CHECK(s.drawing.quality.method == 3 && s.drawing.style.headlight && !s.drawing.style.caps);
+    CHECK(s.drawing.style.filter == STP_FILTER_EWA);
+    CHECK(s.drawing.style.ambient_occlusion == 0.045f);
+    CHECK(s.drawing.style.background_color[0] == 128 && s.drawing.style.background);
+    CHECK(viewer_settings_parse(&s, "{\"method\": 3, \"filter\": 2, \"caps\": 1, \"red\": 2}"));
+    CHECK(viewer_settings_detail(&s) == DETAIL_ORIGINAL && s.drawing.quality.reference);
+    CHECK(s.drawing.style.filter == STP_FILTER_EWA && !s.drawing.style.caps);
+    CHECK(s.drawing.style.background_color[0] == 128);
+    char* text = viewer_settings_print(&s);
+    CHECK(text != NULL && strstr(text, "\"method\": 3,") != NULL);
+    CHECK(text != NULL && strstr(text, "\"ambient_occlusion\": 4.5") != NULL);
+    CHECK(text != NULL && strstr(text, "\"light\": 1") != NULL);
+    free(text);
+}
+
 void test_viewer_invalid_settings_change_nothing(test_state* test)
 {
     static const char* const texts[] = {
