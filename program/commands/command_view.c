@@ -60,7 +60,7 @@ static const option* options(void)
          .value = &args.method,
          .given = &args.has_method},
         OPTION_CUES(&args.cues),
-        OPTION_POINT_SIZE(&args.point_size),
+        OPTION_POINT_SIZE(&args.point_size, "as in the last session"),
         {.name = "ui-scale",
          .type = OPTION_NUMBER,
          .argument = "F",

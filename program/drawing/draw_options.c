@@ -175,7 +175,7 @@ const option* draw_options_table(option* table, const option* own, draw_options*
          .group = "Picture"},
         {0},
     };
-    const option points[] = {OPTION_POINT_SIZE(&options->point_size), {0}};
+    const option points[] = {OPTION_POINT_SIZE(&options->point_size, "adaptive"), {0}};
     option colors[POINT_COLOR_OPTION_ROOM], show[SHOW_OPTION_ROOM], drawing[DRAWING_OPTION_ROOM];
     size_t used = copy_options(table, 0, first);
     used = copy_options(table, used, own);

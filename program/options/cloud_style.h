@@ -24,11 +24,12 @@ typedef struct cloud_point_size {
 
 enum { CLOUD_POINT_PIXELS = 64 }; ///< most
 
-#define OPTION_POINT_SIZE(where)                                                                   \
+/// `usual`: the default, for the help.
+#define OPTION_POINT_SIZE(where, usual)                                                            \
     {                                                                                              \
         .name = "point-size", .type = OPTION_TEXT, .argument = "SIZE",                             \
         .help = "point size: pixels (3, 3px), metres (0.05m), or adaptive, which closes the gaps " \
-                "between drawn points; default adaptive",                                          \
+                "between drawn points; default " usual,                                            \
         .value = (where), .group = "Points"                                                        \
     }
 
