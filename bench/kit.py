@@ -59,12 +59,6 @@ def bench(name, *arguments):
     return json.loads(done.stdout)
 
 
-def knows(command, option):
-    """Whether this build's command has an option."""
-    help_text = subprocess.run([STIPPLE, command, "--help"], capture_output=True, text=True).stdout
-    return re.search(rf"--{option}\b", help_text) is not None
-
-
 def compare(ours, truth):
     figures = stipple("compare", ours, truth)
     return {name: figures[name] for name in ("ssim", "ssim_covered", "psnr")}

@@ -162,7 +162,7 @@ def check_length(path):
 
 
 class Tool:
-    """What `NAME COMMAND --help` lists; NAME is stipple or stipple-lab."""
+    """What `NAME COMMAND --help-all` lists; NAME is stipple or stipple-lab."""
 
     def __init__(self, path):
         self.path = path
@@ -171,7 +171,7 @@ class Tool:
 
     @functools.cache
     def help(self, *words):
-        done = subprocess.run([self.path, *words, "--help"], capture_output=True, text=True)
+        done = subprocess.run([self.path, *words, "--help-all"], capture_output=True, text=True)
         return done.stdout + done.stderr
 
     @functools.cache

@@ -20,17 +20,24 @@ static struct {
 static const option* options(void)
 {
     static const option own[] = {
-        {.name = "path",
-         .type = OPTION_TEXT,
-         .argument = "FLIGHT.json",
-         .help = "flight: camera keyframes over time",
-         .value = &args.path},
         {.name = "output",
          .letter = 'o',
          .type = OPTION_TEXT,
          .argument = "OUT.mp4|DIR/",
          .help = "write a film (with ffmpeg), or PNG files into a folder",
-         .value = &args.output},
+         .value = &args.output,
+         .group = "Output"},
+        {.name = "plot",
+         .type = OPTION_TEXT,
+         .argument = "OUT.svg",
+         .help = "plot frame time, splat size, splats and triangles over the flight",
+         .value = &args.plot},
+        {.name = "path",
+         .type = OPTION_TEXT,
+         .argument = "FLIGHT.json",
+         .help = "flight: camera keyframes over time",
+         .value = &args.path,
+         .group = "Camera"},
         {.name = "frames",
          .type = OPTION_COUNT,
          .argument = "N",
@@ -42,19 +49,17 @@ static const option* options(void)
          .argument = "N",
          .words = "1..1000000",
          .help = "compare every N-th frame, starting with the first, with the original geometry",
-         .value = &args.reference_every},
+         .value = &args.reference_every,
+         .group = "Measuring",
+         .rare = true},
         {.name = "popping",
          .help = "measure popping: changes between frames that the original geometry does not "
                  "show",
-         .value = &args.popping},
-        {.name = "plot",
-         .type = OPTION_TEXT,
-         .argument = "OUT.svg",
-         .help = "plot frame time, splat size, splats and triangles over the flight",
-         .value = &args.plot},
+         .value = &args.popping,
+         .rare = true},
         {0},
     };
-    static option table[DRAW_OPTION_ROOM];
+    static option table[OPTION_TABLE_ROOM];
     return draw_options_table(table, own, &args.draw);
 }
 
@@ -115,7 +120,7 @@ static int make_plan(session* s)
                             .frame_count = (uint32_t)args.frames,
                             .view = draw_options_view(&args.draw),
                             .quality = draw_options_quality(&args.draw),
-                            .budget_ms = args.draw.has_budget ? args.draw.budget_ms : 0.0,
+                            .budget_ms = args.draw.budget_ms,
                             .controller = (stp_controller)args.draw.controller,
                             .reference_every = (uint32_t)args.reference_every,
                             .popping = args.popping};

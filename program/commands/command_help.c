@@ -4,7 +4,7 @@
 #include "program/options/tool.h"
 
 static struct {
-    bool man;
+    bool man, all;
     int completion;
     bool completion_given;
 } args;
@@ -12,6 +12,9 @@ static struct {
 static const option* options(void)
 {
     static const option table[] = {
+        {.name = "all",
+         .help = "list all options of the command, not only the usual ones",
+         .value = &args.all},
         {.name = "man",
          .help = "print the mdoc(7) man page of the command, or of the whole tool",
          .value = &args.man},
@@ -43,7 +46,7 @@ static int run(int argc, char** argv)
     } else if (args.man) {
         manual_print(stdout, found);
     } else if (found != NULL) {
-        help_print_command(stdout, found);
+        help_print_command(stdout, found, args.all);
     } else {
         help_print_overview(stdout);
     }
@@ -54,7 +57,8 @@ const command command_help = {
     .name = "help",
     .arguments = "[COMMAND]",
     .summary = "explain a command, or list all commands",
-    .text = "Without a command, lists all commands. It also prints man pages and shell "
+    .text = "Without a command, lists all commands. 'stipple help NAME' lists the usual options of "
+            "a command, with --all every option. It also prints man pages and shell "
             "completions:\n\n"
             "  stipple help --man render | man -l -\n"
             "  source <(stipple help --completion bash)",

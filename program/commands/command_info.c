@@ -27,9 +27,9 @@ static const option* options(void)
          .argument = "TEXT",
          .help = "list the objects of a .stip whose name or id contains TEXT, ignoring case",
          .value = &args.find},
-        OPTION_COLUMNS(&args.columns),
         OPTION_MEMORY(&args.memory),
         OPTION_JSON(&args.json),
+        OPTION_COLUMNS(&args.columns),
         {0},
     };
     return table;

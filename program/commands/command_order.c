@@ -57,20 +57,23 @@ static const option* options(void)
          .argument = "N",
          .words = "0..1000000",
          .help = "random samples per round of the paper's orders; default 200",
-         .value = &args.samples},
+         .value = &args.samples,
+         .lab_only = true},
         {.name = "interval",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "0..1000000000",
          .help = "rounds before the paper's schedules change; default 500",
-         .value = &args.interval},
+         .value = &args.interval,
+         .lab_only = true},
         {.name = "drop",
          .type = OPTION_NUMBER,
          .argument = "F",
          .words = "0..1",
          .help = "drop samples closer than F times the distance of the round's pick; default 0: "
                  "none",
-         .value = &args.drop},
+         .value = &args.drop,
+         .lab_only = true},
         {.name = "seed",
          .type = OPTION_COUNT,
          .argument = "N",
@@ -172,8 +175,8 @@ const command command_order = {
             "points before it. No point of the file is farther from the first n points than "
             "point n + 1 was when it was chosen. Points that coincide with an earlier one are "
             "dropped. paper-fast and paper-text are the two schedules of Brandt et al. 2019, "
-            "random is uniformly random, and best-of-k takes the best of --samples random "
-            "candidates each time.\n\n"
+            "random is uniformly random, and best-of-k takes the best of 200 random candidates "
+            "each time (in stipple-lab: of --samples).\n\n"
             "With the metric side, two points whose normals face apart count as farther from "
             "each other than any two whose normals do not, so that both sides of a thin wall are "
             "covered.",

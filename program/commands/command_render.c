@@ -47,13 +47,15 @@ static const option* options(void)
          .argument = "OUT.png",
          .help = "file to write: PNG, JPEG (.jpg, .jpeg; transparent areas become white) or WebP "
                  "(lossless); - writes a PNG to standard output",
-         .value = &args.output},
+         .value = &args.output,
+         .group = "Output"},
         {.name = "view",
          .type = OPTION_TEXT,
          .argument = "NAME",
          .help = "view of the file, or front, back, left, right, top, bottom, iso, d0 to d25; "
                  "default iso",
-         .value = &args.view},
+         .value = &args.view,
+         .group = "Camera"},
         {.name = "eye",
          .type = OPTION_VECTOR,
          .argument = "X,Y,Z",
@@ -72,8 +74,8 @@ static const option* options(void)
          .words = "x|-x|y|-y|z|-z",
          .help = "up direction of the camera: a vector, or x, -x, y, -y, z or -z; default 0,1,0",
          .value = args.up,
-         .given = &args.has_up},
-        OPTION_COLUMNS(&args.columns),
+         .given = &args.has_up,
+         .rare = true},
         {.name = "ortho",
          .type = OPTION_NUMBER,
          .argument = "HEIGHT",
@@ -81,28 +83,35 @@ static const option* options(void)
          .help =
              "parallel projection showing HEIGHT units from top to bottom; standard views set it "
              "themselves",
-         .value = &args.ortho},
+         .value = &args.ortho,
+         .rare = true},
         {.name = "accumulate",
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "1..4096",
          .help = "average N frames with sub-pixel shifts, as the viewer does at rest; n x n "
                  "frames equal --supersample n; default 16 if no option sets the quality, else 1",
-         .value = &args.accumulate},
+         .value = &args.accumulate,
+         .group = "Quality",
+         .rare = true},
         {.name = "once",
          .help = "time a single frame after the first (the first does not yet know what is "
                  "occluded)",
-         .value = &args.once},
+         .value = &args.once,
+         .rare = true},
         {.name = "pick",
          .type = OPTION_TEXT,
          .argument = "X,Y",
          .help = "print as JSON what is at a column and row of the picture (from the upper left): "
                  "position, object, triangle; with --json this is its \"pick\"; a picture is drawn "
                  "only with -o",
-         .value = &args.pick},
+         .value = &args.pick,
+         .group = "Output",
+         .rare = true},
+        OPTION_COLUMNS(&args.columns),
         {0},
     };
-    static option table[DRAW_OPTION_ROOM];
+    static option table[OPTION_TABLE_ROOM];
     return draw_options_table(table, own, &args.draw);
 }
 
@@ -134,7 +143,7 @@ static uint32_t frames_of_picture(const session* s)
 /// Samples a pixel.
 static uint32_t samples_of_picture(const session* s)
 {
-    uint32_t side = (uint32_t)args.draw.supersample;
+    uint32_t side = args.draw.settings.style.supersample;
     return side > 1 ? side * side : frames_of_picture(s);
 }
 
@@ -224,7 +233,7 @@ static stp_result draw_frames(session* s)
     frame_figures frames[REPEATS];
     double total = 0.0;
     stp_result result = STP_OK;
-    if (args.draw.has_budget) {
+    if (args.draw.budget_ms > 0.0) {
         stp_budget budget;
         stp_budget_init(&budget, (stp_controller)args.draw.controller, args.draw.budget_ms);
         result = frame_settle(&s->drawing.maker, &s->view, &budget, &s->quality, &s->image);
@@ -235,7 +244,7 @@ static stp_result draw_frames(session* s)
     size_t count = 0;
     // occlusion is known from the second frame on; a reference does not use it
     size_t maximum = result != STP_OK || !args.draw.json ? 0
-                     : frames[0].frame_ms >= slow_ms     ? !args.draw.reference
+                     : frames[0].frame_ms >= slow_ms     ? !args.draw.settings.quality.reference
                      : args.once                         ? 1
                                                          : REPEATS;
     while (result == STP_OK && count < maximum && (count < 3 || total < repeat_ms)) {
@@ -415,7 +424,7 @@ static int check_arguments(int argc, const char* path)
     if ((args.draw.json || args.pick != NULL) && strcmp(args.output, "-") == 0) {
         return tool_usage_error("standard output receives the figures; give a file name");
     }
-    if (args.accumulate > 0 && args.draw.supersample > 0) {
+    if (args.accumulate > 0 && args.draw.settings.style.supersample > 0) {
         return tool_usage_error("--accumulate and --supersample exclude each other");
     }
     return draw_options_check(&args.draw);

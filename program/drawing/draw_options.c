@@ -10,16 +10,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LIGHT_SUN, LIGHT_HEAD };
-enum { CAPS_ON, CAPS_OFF };
 enum { HYBRID_ON, HYBRID_NODES, HYBRID_OFF };
-enum { CLUSTERS_ON, CLUSTERS_OFF };
 enum { TRANSPARENCY_AUTO, TRANSPARENCY_LAYERS, TRANSPARENCY_PATTERN };
 
 static size_t copy_options(option* table, size_t used, const option* from)
 {
     for (; from != NULL && from->name != NULL; ++from) {
-        assert(used + 1 < DRAW_OPTION_ROOM && "DRAW_OPTION_ROOM is too small");
+        assert(used + 1 < OPTION_TABLE_ROOM && "OPTION_TABLE_ROOM is too small");
         table[used++] = *from;
     }
     table[used] = (option){0};
@@ -29,28 +26,18 @@ static size_t copy_options(option* table, size_t used, const option* from)
 static size_t add_quality_options(option* table, size_t used, draw_options* o)
 {
     const option list[] = {
-        {.name = "splat-size",
+        {.name = "json",
+         .help = "print figures as one JSON object",
+         .value = &o->json,
+         .group = "Output"},
+        {.name = "fov",
          .type = OPTION_NUMBER,
-         .argument = "PX",
-         .words = "1..64",
-         .help = "splat size in pixels; default 1",
-         .value = &o->splat_size,
-         .given = &o->has_splat_size},
-        {.name = "epsilon",
-         .type = OPTION_NUMBER,
-         .argument = "PX",
-         .words = "1..64",
-         .help = "same as --splat-size: the allowed error of point trees (spt)",
-         .value = &o->splat_size,
-         .given = &o->has_splat_size},
-        {.name = "splats",
-         .type = OPTION_COUNT,
-         .argument = "N",
-         .words = "1..4294967294",
-         .help = "draw exactly N splats, or all if there are fewer (spt: at most N); triangles "
-                 "are used only for objects that no splats represent, for example with --hide",
-         .value = &o->splats,
-         .given = &o->has_splats},
+         .argument = "DEG",
+         .words = "1..179",
+         .help = "vertical field of view; default that of the view, or 60",
+         .value = &o->fov,
+         .group = "Camera",
+         .rare = true},
         {.name = "budget-ms",
          .type = OPTION_NUMBER,
          .argument = "MS",
@@ -58,20 +45,22 @@ static size_t add_quality_options(option* table, size_t used, draw_options* o)
          .help = "choose the splat size so that a frame takes MS milliseconds: from 1 pixel up "
                  "to 8 (--controller paper), or up to 24 if 8 is not enough",
          .value = &o->budget_ms,
-         .given = &o->has_budget},
+         .group = "Quality"},
         {.name = "controller",
          .type = OPTION_CHOICE,
          .argument = "NAME",
          .words = "predict|paper",
          .help = "control of --budget-ms: predict (a cost model) or paper (Brandt 4.3); default "
                  "predict",
-         .value = &o->controller},
-        {.name = "splat-scale",
-         .type = OPTION_NUMBER,
-         .argument = "F",
-         .words = "0.01..100",
-         .help = "scale factor of the drawn splats: 0.3 shows how they are distributed",
-         .value = &o->splat_scale},
+         .value = &o->controller,
+         .rare = true},
+        {.name = "prefix",
+         .type = OPTION_PREFIX,
+         .argument = "SIZE|P%",
+         .help = "draw as if the .stip file ended after this many bytes (64K) or this share of "
+                 "it (5%)",
+         .value = &o->prefix,
+         .rare = true},
         {.name = "method",
          .type = OPTION_CHOICE,
          .argument = "NAME",
@@ -79,36 +68,16 @@ static size_t add_quality_options(option* table, size_t used, draw_options* o)
          .help = "method to draw if the file has several; default the first, combined with psp "
                  "where few splats suffice if the first is blue",
          .value = &o->method,
-         .given = &o->has_method},
+         .given = &o->has_method,
+         .rare = true},
         {.name = "hybrid",
          .type = OPTION_CHOICE,
          .words = "on|nodes|off",
          .help = "on: draw triangles where splats are too coarse, and large triangles beside "
                  "small splats (spt); nodes: draw each node by triangles or by splats; off: draw "
-                 "only splats, however near",
-         .value = &o->hybrid},
-        {.name = "normal-clusters",
-         .type = OPTION_CHOICE,
-         .words = "on|off",
-         .help = "spt: skip groups of splats that face away; default on",
-         .value = &o->normal_clusters},
-        OPTION_CUES(&o->cues),
-        {.name = "policy",
-         .type = OPTION_CHOICE,
-         .argument = "NAME",
-         .words = "insertion|paper|switch",
-         .help = "number of splats per node: insertion (insertion radius), paper (the estimate "
-                 "of Brandt 4.1) or switch (no blending between levels); default insertion",
-         .value = &o->policy},
-        {.name = "reference",
-         .help = "draw only original triangles and points",
-         .value = &o->reference},
-        {.name = "prefix",
-         .type = OPTION_PREFIX,
-         .argument = "SIZE|P%",
-         .help = "draw as if the .stip file ended after this many bytes (64K) or this share of "
-                 "it (5%)",
-         .value = &o->prefix},
+                 "only splats, however near; default on",
+         .value = &o->hybrid,
+         .rare = true},
         {0},
     };
     return copy_options(table, used, list);
@@ -117,28 +86,14 @@ static size_t add_quality_options(option* table, size_t used, draw_options* o)
 static size_t add_effect_options(option* table, size_t used, draw_options* o)
 {
     const option list[] = {
-        {.name = "filter",
-         .type = OPTION_CHOICE,
-         .argument = "NAME",
-         .words = "none|ewa|blend|textured",
-         .help = "none: show the nearest splat; ewa: blend overlapping splats, weighted by "
-                 "distance from their centres; blend: faster and less exact, in one pass (OpenGL "
-                 "only); textured: weighted by --splat-texture; default none",
-         .value = &o->filter},
         {.name = "splat-texture",
          .type = OPTION_TEXT,
          .argument = "FILE.png",
          .help = "opacity map for --filter textured, mapped to each splat's ellipse: the alpha "
                  "of a picture, or its brightness if it is opaque; default a Gaussian",
-         .value = &o->splat_texture},
-        {.name = "splat-shape",
-         .type = OPTION_CHOICE,
-         .argument = "SHAPE",
-         .words = "disk|square",
-         .help = "shape of unfiltered splats: disk (disks and ellipses in the surface) or square "
-                 "(on the screen, like hardware points); default disk",
-         .value = &o->splat_shape},
-        OPTION_POINT_SIZE(&o->point_size),
+         .value = &o->splat_texture,
+         .group = "Effects",
+         .rare = true},
         {.name = "transparency",
          .type = OPTION_CHOICE,
          .argument = "NAME",
@@ -146,30 +101,9 @@ static size_t add_effect_options(option* table, size_t used, draw_options* o)
          .help =
              "transparent surfaces: layers (sorted, without noise) or pattern (dithered, in one "
              "pass); default auto: pattern with --budget-ms and in flights, else layers",
-         .value = &o->transparency},
-        {.name = "eye-dome",
-         .type = OPTION_NUMBER,
-         .argument = "[STRENGTH]",
-         .words = "off|0..100",
-         .fallback = "1",
-         .help = "strength of eye-dome lighting, which darkens surfaces behind nearer edges; 0 "
-                 "or off: none; default 1 if the scene has only points, else off",
-         .value = &o->eye_dome,
-         .given = &o->has_eye_dome},
-        {.name = "ambient-occlusion",
-         .type = OPTION_NUMBER,
-         .argument = "[RADIUS]",
-         .words = "0.1..12",
-         .fallback = "4",
-         .help = "ambient occlusion: darken enclosed surfaces within a radius in percent of the "
-                 "picture's height; default 4",
-         .value = &o->ambient_occlusion},
-        {.name = "caps",
-         .type = OPTION_CHOICE,
-         .argument = "on|off",
-         .words = "on|off",
-         .help = "fill solids where sections cut them; open surfaces stay open; default on",
-         .value = &o->caps},
+         .value = &o->transparency,
+         .rare = true},
+        OPTION_CUES(&o->cues),
         {0},
     };
     return copy_options(table, used, list);
@@ -178,21 +112,11 @@ static size_t add_effect_options(option* table, size_t used, draw_options* o)
 static size_t add_eye_options(option* table, size_t used, draw_options* o)
 {
     const option list[] = {
-        {.name = "fovea",
-         .type = OPTION_TEXT,
-         .argument = "R:S,R:S",
-         .help = "foveated splat size: factor S at radius R (in half diagonals from the centre), "
-                 "linear between these and 0:1, constant beyond the last; with --stereo in each "
-                 "eye",
-         .value = &o->fovea},
-        {.name = "fovea-center",
-         .type = OPTION_TEXT,
-         .argument = "X,Y",
-         .help = "gaze position for --fovea: right and down from the centre, in half diagonals",
-         .value = &o->fovea_center},
         {.name = "stereo",
          .help = "draw the views of two eyes side by side; --size is the size of both together",
-         .value = &o->stereo},
+         .value = &o->stereo,
+         .group = "Eyes",
+         .rare = true},
         {.name = "ipd",
          .type = OPTION_NUMBER,
          .argument = "M",
@@ -200,58 +124,41 @@ static size_t add_eye_options(option* table, size_t used, draw_options* o)
          .help = "distance between the eyes in metres (in scene units if the unit is not known); "
                  "default 0.064",
          .value = &o->ipd,
-         .given = &o->has_ipd},
+         .rare = true},
+        {.name = "fovea",
+         .type = OPTION_TEXT,
+         .argument = "R:S,R:S",
+         .help = "foveated splat size: factor S at radius R (in half diagonals from the centre), "
+                 "linear between these and 0:1, constant beyond the last; with --stereo in each "
+                 "eye",
+         .value = &o->fovea,
+         .rare = true},
+        {.name = "fovea-center",
+         .type = OPTION_TEXT,
+         .argument = "X,Y",
+         .help = "gaze position for --fovea: right and down from the centre, in half diagonals",
+         .value = &o->fovea_center,
+         .rare = true},
         {0},
     };
     return copy_options(table, used, list);
 }
 
-static size_t add_picture_options(option* table, size_t used, draw_options* o)
+static size_t add_machine_options(option* table, size_t used, draw_options* o)
 {
     const option list[] = {
-        {.name = "size",
-         .type = OPTION_PIXELS,
-         .argument = "WxH",
-         .help = "size of the picture in pixels; default 1920x1080",
-         .value = o->size},
-        {.name = "fov",
-         .type = OPTION_NUMBER,
-         .argument = "DEG",
-         .words = "1..179",
-         .help = "vertical field of view; default that of the view, or 60",
-         .value = &o->fov,
-         .given = &o->has_fov},
         {.name = "backend",
          .type = OPTION_CHOICE,
          .argument = "NAME",
          .words = "auto|cpu|gl",
          .help = "renderer: cpu, gl (OpenGL 4.5) or auto (gl if there is a GPU, else cpu); "
                  "default auto",
-         .value = &o->backend},
+         .value = &o->backend,
+         .group = "Machine",
+         .rare = true},
         OPTION_GL_SPLATS(&o->gl_splats),
-        {.name = "supersample",
-         .type = OPTION_COUNT,
-         .argument = "N",
-         .words = "1..16",
-         .help = "N x N samples per pixel; default 1",
-         .value = &o->supersample},
-        {.name = "light",
-         .type = OPTION_CHOICE,
-         .argument = "NAME",
-         .words = "sun|head",
-         .help = "light from above the viewer's left shoulder (sun), or from the viewer (head); "
-                 "default sun",
-         .value = &o->light},
-        {.name = "background",
-         .type = OPTION_COLOR,
-         .argument = "COLOR",
-         .help = "background colour: a CSS name such as white, or hexadecimal such as #dfe3e8; "
-                 "default none (transparent)",
-         .value = o->background,
-         .given = &o->has_background},
         OPTION_THREADS(&o->threads),
         OPTION_MEMORY(&o->memory),
-        {.name = "json", .help = "print figures as one JSON object", .value = &o->json},
         {0},
     };
     return copy_options(table, used, list);
@@ -259,15 +166,27 @@ static size_t add_picture_options(option* table, size_t used, draw_options* o)
 
 const option* draw_options_table(option* table, const option* own, draw_options* options)
 {
-    size_t used = copy_options(table, 0, own);
+    const option first[] = {
+        {.name = "size",
+         .type = OPTION_PIXELS,
+         .argument = "WxH",
+         .help = "size of the picture in pixels; default 1920x1080",
+         .value = options->size,
+         .group = "Picture"},
+        {0},
+    };
+    const option points[] = {OPTION_POINT_SIZE(&options->point_size, "adaptive"), {0}};
+    option colors[POINT_COLOR_OPTION_ROOM], show[SHOW_OPTION_ROOM], drawing[DRAWING_OPTION_ROOM];
+    size_t used = copy_options(table, 0, first);
+    used = copy_options(table, used, own);
     used = add_quality_options(table, used, options);
-    used = add_effect_options(table, used, options);
-    option colors[POINT_COLOR_OPTION_ROOM];
     used = copy_options(table, used, point_color_options_table(colors, &options->colors));
-    used = add_eye_options(table, used, options);
-    option show[SHOW_OPTION_ROOM];
+    used = copy_options(table, used, points);
     used = copy_options(table, used, show_options_table(show, &options->show));
-    add_picture_options(table, used, options);
+    used = copy_options(table, used, drawing_options_table(drawing, &options->settings));
+    used = add_effect_options(table, used, options);
+    used = add_eye_options(table, used, options);
+    add_machine_options(table, used, options);
     return table;
 }
 
@@ -333,11 +252,12 @@ static int check_eyes(const draw_options* o)
     if (o->fovea_center != NULL && o->fovea == NULL) {
         return tool_usage_error("--fovea-center requires --fovea");
     }
-    if (o->fovea != NULL && (o->has_splats || o->reference)) {
+    bool counts = o->settings.quality.splat_count > 0;
+    if (o->fovea != NULL && (counts || o->settings.quality.reference)) {
         return tool_usage_error("--fovea and %s exclude each other",
-                                o->has_splats ? "--splats" : "--reference");
+                                counts ? "--splats" : "--reference");
     }
-    if (o->has_ipd && !o->stereo) {
+    if (o->ipd > 0.0 && !o->stereo) {
         return tool_usage_error("--ipd requires --stereo");
     }
     if (o->stereo && o->size[0] % 2 != 0) {
@@ -348,19 +268,22 @@ static int check_eyes(const draw_options* o)
 
 int draw_options_check(const draw_options* o)
 {
-    if (o->has_splat_size && o->has_splats) {
+    const stp_quality* q = &o->settings.quality;
+    const stp_draw_style* style = &o->settings.style;
+    bool sized = q->splat_size > 0.0f, counts = q->splat_count > 0;
+    if (sized && counts) {
         return tool_usage_error("--splat-size and --splats exclude each other");
     }
-    if (o->has_budget && (o->has_splat_size || o->has_splats || o->reference)) {
-        return tool_usage_error("--budget-ms and %s exclude each other",
-                                o->reference        ? "--reference"
-                                : o->has_splat_size ? "--splat-size"
-                                                    : "--splats");
+    if (o->budget_ms > 0.0 && (sized || counts || q->reference)) {
+        return tool_usage_error("--budget-ms and %s exclude each other", q->reference
+                                                                             ? "--reference"
+                                                                         : sized ? "--splat-size"
+                                                                                 : "--splats");
     }
-    if (o->splat_shape != STP_SPLAT_DISK && o->filter != STP_FILTER_NONE) {
+    if (style->splat_shape != STP_SPLAT_DISK && style->filter != STP_FILTER_NONE) {
         return tool_usage_error("--splat-shape square and --filter exclude each other");
     }
-    if (o->splat_texture != NULL && o->filter != STP_FILTER_TEXTURED) {
+    if (o->splat_texture != NULL && style->filter != STP_FILTER_TEXTURED) {
         return tool_usage_error("--splat-texture requires --filter textured");
     }
     cloud_point_size size;
@@ -371,7 +294,7 @@ int draw_options_check(const draw_options* o)
     if (!cue_names_parse(o->cues, &cues_off)) {
         return cue_names_refuse(o->cues);
     }
-    if (o->filter != STP_FILTER_NONE &&
+    if (style->filter != STP_FILTER_NONE &&
         (o->colors.color == POINT_COLOR_ELEVATION || o->colors.color == POINT_COLOR_NORMAL)) {
         return tool_usage_error("--filter and --color %s exclude each other",
                                 point_color_name(o->colors.color));
@@ -393,15 +316,11 @@ stp_quality draw_options_quality(const draw_options* o)
     // blue where few splats suffice. A file without blue draws its first method
     bool points = point_colors_need_points(&o->colors) || fixes_points(o);
     uint32_t by_default = points ? STP_METHOD_BLUE : 0;
-    stp_quality quality = {.method = o->has_method ? stp_methods[o->method].id : by_default,
-                           .splat_size = (float)o->splat_size,
-                           .splat_count = o->splats,
-                           .policy = (stp_policy)o->policy,
-                           .splats_only = o->hybrid == HYBRID_OFF,
-                           .nodes_only = o->hybrid == HYBRID_NODES,
-                           .all_sides = o->normal_clusters == CLUSTERS_OFF,
-                           .points_apart = points,
-                           .reference = o->reference};
+    stp_quality quality = o->settings.quality;
+    quality.method = o->has_method ? stp_methods[o->method].id : by_default;
+    quality.splats_only = o->hybrid == HYBRID_OFF;
+    quality.nodes_only = o->hybrid == HYBRID_NODES;
+    quality.points_apart = points;
     bool cues = cue_names_parse(o->cues, &quality.cues_off);
     bool zones = parse_fovea(o, &quality.fovea);
     bool center = parse_fovea_center(o, &quality.fovea);
@@ -445,24 +364,11 @@ const char* draw_options_coarse_method(const draw_options* o, const stp_store* s
 
 stp_draw_style draw_options_style(const draw_options* o)
 {
-    bool moves = o->has_budget || o->in_motion;
+    bool moves = o->budget_ms > 0.0 || o->in_motion;
     bool pattern =
         o->transparency == TRANSPARENCY_AUTO ? moves : o->transparency == TRANSPARENCY_PATTERN;
-    stp_draw_style style = {.splat_scale = (float)o->splat_scale,
-                            .supersample = (uint32_t)o->supersample,
-                            .headlight = o->light == LIGHT_HEAD,
-                            .background = o->has_background,
-                            .filter = (stp_filter)o->filter,
-                            .splat_shape = (stp_splat_shape)o->splat_shape,
-                            .eye_dome = (float)o->eye_dome,
-                            .ambient_occlusion = (float)(0.01 * o->ambient_occlusion),
-                            .transparency =
-                                pattern ? STP_TRANSPARENCY_PATTERN : STP_TRANSPARENCY_LAYERS,
-                            .ghost = (float)o->show.ghost_share,
-                            .caps = o->caps == CAPS_ON};
-    if (style.background) {
-        memcpy(style.background_color, o->background, sizeof(o->background));
-    }
+    stp_draw_style style = o->settings.style;
+    style.transparency = pattern ? STP_TRANSPARENCY_PATTERN : STP_TRANSPARENCY_LAYERS;
     return style;
 }
 
@@ -470,33 +376,36 @@ stp_view draw_options_view(const draw_options* o)
 {
     return (stp_view){.width = o->size[0] != 0 ? o->size[0] : 1920,
                       .height = o->size[1] != 0 ? o->size[1] : 1080,
-                      .fov_degrees = o->has_fov ? o->fov : 0.0};
+                      .fov_degrees = o->fov};
 }
 
 double draw_options_eye_distance(const draw_options* o, const stp_store* store)
 {
     double unit = stp_store_get_directory(store)->unit_metres;
-    double metres = o->has_ipd ? o->ipd : 0.064;
+    double metres = o->ipd > 0.0 ? o->ipd : 0.064;
     return !o->stereo ? 0.0 : unit > 0.0 ? metres / unit : metres;
 }
 
 static bool asks_for_splats(const draw_options* o)
 {
-    return o->has_splat_size || o->has_splats || o->has_budget || o->splat_scale > 0.0 ||
-           o->fovea != NULL || point_colors_need_points(&o->colors) || fixes_points(o) ||
-           o->policy != STP_POLICY_INSERTION;
+    const stp_quality* q = &o->settings.quality;
+    return q->splat_size > 0.0f || q->splat_count > 0 || o->budget_ms > 0.0 ||
+           o->settings.style.splat_scale > 0.0f || o->fovea != NULL ||
+           point_colors_need_points(&o->colors) || fixes_points(o) ||
+           q->policy != STP_POLICY_INSERTION;
 }
 
 bool draw_options_leave_quality(const draw_options* o)
 {
-    return !asks_for_splats(o) && !o->reference && o->supersample == 0;
+    return !asks_for_splats(o) && !o->settings.quality.reference &&
+           o->settings.style.supersample == 0;
 }
 
 /// If no option refers to splats, a picture should be ready soon.
 scene_use draw_options_use(const draw_options* o)
 {
     scene_use use = scene_use_of_method(o->has_method ? stp_methods[o->method].id : 0);
-    if (o->reference) {
+    if (o->settings.quality.reference) {
         return SCENE_FOR_ORIGINALS;
     }
     return use == SCENE_FOR_METHODS || asks_for_splats(o) ? use : SCENE_FOR_A_PICTURE;

@@ -2,7 +2,7 @@
 // The options shared by all commands that draw: size, renderer, quality.
 #pragma once
 
-#include "draw/draw.h"
+#include "program/drawing/drawing_table.h"
 #include "program/drawing/show_options.h"
 #include "program/files/scene_file.h"
 #include "program/options/command.h"
@@ -11,35 +11,24 @@
 
 typedef struct draw_options {
     uint32_t size[2];
-    double fov;
-    bool has_fov;
+    double fov; ///< 0: not given
     int backend;
     int gl_splats; ///< stp_gl_splats
-    double splat_size, splat_scale, budget_ms;
-    uint64_t splats;
-    bool has_splat_size, has_splats, has_budget;
-    int policy, controller;
-    int method;                  ///< place in stp_methods
-    int hybrid, normal_clusters; ///< HYBRID_*, CLUSTERS_*
+    drawing_settings settings;
+    double budget_ms; ///< 0: none
+    int controller;
+    int method; ///< place in stp_methods
     bool has_method;
-    bool reference;
+    int hybrid; ///< HYBRID_*
     option_prefix prefix;
     const char *fovea, *fovea_center, *cues;
-    bool stereo, has_ipd;
-    double ipd;
-    uint64_t supersample;
-    int light;
-    uint8_t background[3];
-    bool has_background;
-    int filter, splat_shape;
+    bool stereo;
+    double ipd;                ///< 0: not given
     const char* splat_texture; ///< a file
     int transparency;          ///< TRANSPARENCY_*
     bool in_motion;            ///< set by the command: frames follow each other
-    double eye_dome, ambient_occlusion;
-    bool has_eye_dome;
     const char* point_size;
     point_color_options colors;
-    int caps; ///< CAPS_ON, CAPS_OFF
     show_options show;
     uint64_t threads, memory;
     bool json;
@@ -48,11 +37,8 @@ typedef struct draw_options {
 /// Names of stp_methods, as words of an option.
 #define TOOL_METHOD_WORDS "blue|spt|psp|stochastic"
 
-enum { DRAW_OPTION_ROOM = 104 }; ///< entries of a table
-
-/// Fills a table of DRAW_OPTION_ROOM entries: the command's own (ends with a NULL name), and after
-/// them the shared ones.
-/// @return the table
+/// Fills a table of OPTION_TABLE_ROOM entries: the command's own (ends with a NULL name), and the
+/// shared ones, of which it resets the drawing settings. @return the table
 const option* draw_options_table(option* table, const option* own, draw_options* options);
 
 /// Rejects options that exclude each other and invalid values. @return 0, or 2 (message printed)

@@ -18,7 +18,7 @@ static void choose_method(drawing* d, draw_options* o, const char* path)
 {
     const stp_store_directory* directory = stp_store_get_directory(d->store);
     uint32_t usual = stp_store_find_method(directory, draw_options_quality(o).method);
-    if (o->has_method || o->reference || !point_colors_need_points(&o->colors)) {
+    if (o->has_method || o->settings.quality.reference || !point_colors_need_points(&o->colors)) {
         return;
     }
     uint32_t found = point_colors_find_method(&o->colors, d->store, usual);
@@ -34,8 +34,9 @@ static void choose_method(drawing* d, draw_options* o, const char* path)
         stp_warn(d->context, "%s: drawn by %s: splats by %s have no %s", path, method->name,
                  directory->methods[usual].name, what);
     } else if (point_colors_has_originals(&o->colors, d->store) &&
-               !stp_store_is_truncated(d->store) && !o->has_splats && !o->has_budget) {
-        o->reference = true;
+               !stp_store_is_truncated(d->store) && o->settings.quality.splat_count == 0 &&
+               !(o->budget_ms > 0.0)) {
+        o->settings.quality.reference = true;
         o->point_size = o->point_size != NULL ? o->point_size : CLOUD_ORIGINAL_SIZE;
         stp_warn(d->context, "%s: original points are drawn: splats have no %s", path, what);
     }
@@ -53,7 +54,7 @@ stp_result drawing_open(drawing* d, draw_options* options, const char* path)
     stp_quality quality = draw_options_quality(options);
     uint32_t method = stp_store_find_method(stp_store_get_directory(d->store), quality.method);
     result = point_colors_find(&options->colors, d->context, d->store, path, method,
-                               options->reference, &d->coloring);
+                               options->settings.quality.reference, &d->coloring);
     return result == STP_OK ? stp_store_set_coloring(d->store, &d->coloring.points) : result;
 }
 
@@ -75,7 +76,7 @@ stp_result drawing_make(drawing* d, const draw_options* options)
     style.coloring = d->coloring.pixels;
     style.elevation[0] = d->coloring.elevation[0];
     style.elevation[1] = d->coloring.elevation[1];
-    style.eye_dome = options->has_eye_dome ? style.eye_dome : cloud_style_eye_dome(d->store);
+    style.eye_dome = style.eye_dome >= 0.0f ? style.eye_dome : cloud_style_eye_dome(d->store);
     if (options->point_size != NULL) {
         cloud_point_size size;
         (void)cloud_style_read_size(options->point_size, &size);
@@ -92,7 +93,7 @@ stp_result drawing_make(drawing* d, const draw_options* options)
     if (result == STP_OK) {
         frame_maker_use_splats(&d->maker, options->gl_splats);
     }
-    if (result == STP_OK && options->memory > 0 && !options->reference) {
+    if (result == STP_OK && options->memory > 0 && !options->settings.quality.reference) {
         result = frame_maker_stream(&d->maker);
     }
     return result;

@@ -17,13 +17,15 @@ const option* show_options_table(option* table, show_options* o)
          .help = "cut away everything beyond a plane: perpendicular to x, y, z, -x, -y or -z at "
                  "a coordinate or a percentage of the scene (x:2.5, -z:50%), or where A x + B y "
                  "+ C z > D; up to 14 planes, including six per box",
-         .value = &o->sections},
+         .value = &o->sections,
+         .group = "Objects"},
         {.name = "section-box",
          .type = OPTION_TEXTS,
          .argument = "X,Y,Z,X,Y,Z",
          .help = "cut away everything outside a box, given by two corners; numbers may be "
                  "percentages of the scene (0%,0%,0%,50%,100%,100%)",
-         .value = &o->boxes},
+         .value = &o->boxes,
+         .rare = true},
         {.name = "hide",
          .type = OPTION_TEXTS,
          .argument = "NAME",
@@ -39,13 +41,8 @@ const option* show_options_table(option* table, show_options* o)
          .argument = "NAME",
          .help = "draw objects see-through; \"others\" means all objects except those of "
                  "--isolate",
-         .value = &o->ghost},
-        {.name = "ghost-share",
-         .type = OPTION_NUMBER,
-         .argument = "F",
-         .words = "0.01..1",
-         .help = "share of a ghost's pixels that are drawn; default 0.2",
-         .value = &o->ghost_share},
+         .value = &o->ghost,
+         .rare = true},
         {0},
     };
     memcpy(table, list, sizeof(list));

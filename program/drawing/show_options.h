@@ -10,10 +10,9 @@
 
 typedef struct show_options {
     option_texts sections, boxes, hide, isolate, ghost;
-    double ghost_share; ///< 0: the default
 } show_options;
 
-enum { SHOW_OPTION_ROOM = 8 };
+enum { SHOW_OPTION_ROOM = 6 };
 
 /// Fills a table of SHOW_OPTION_ROOM entries (ends with a NULL name). @return it
 const option* show_options_table(option* table, show_options* options);

@@ -24,12 +24,13 @@ typedef struct cloud_point_size {
 
 enum { CLOUD_POINT_PIXELS = 64 }; ///< largest point size, pixels
 
-#define OPTION_POINT_SIZE(where)                                                                   \
+/// `usual`: the default, for the help.
+#define OPTION_POINT_SIZE(where, usual)                                                            \
     {                                                                                              \
         .name = "point-size", .type = OPTION_TEXT, .argument = "SIZE",                             \
         .help = "point size: pixels (3, 3px), metres (0.05m), or adaptive, which closes the gaps " \
-                "between drawn points; default adaptive",                                          \
-        .value = (where)                                                                           \
+                "between drawn points; default " usual,                                            \
+        .value = (where), .group = "Points"                                                        \
     }
 
 /// Reads 3, 3px, 0.05m or adaptive. @return false if the text is not such a size

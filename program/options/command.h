@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // A subcommand is one file: a table of options, and a function. --help, man pages and completions
-// come from the same tables. Every command also has --help, --version, --quiet (-q) and --verbose
-// (-v).
+// come from the same tables. Every command also has the options of options_common.
 #pragma once
 
 #include "base/core/context.h"
@@ -13,9 +12,12 @@ typedef enum option_type {
     OPTION_FLAG,   ///< bool*
     OPTION_TEXT,   ///< const char**
     OPTION_COUNT,  ///< uint64_t*: a whole number
+    OPTION_WHOLE,  ///< uint32_t*: a whole number
     OPTION_NUMBER, ///< double*
+    OPTION_FLOAT,  ///< float*: the number times `scale`
     OPTION_SIZE,   ///< uint64_t*: bytes, with K M G T (powers of 1024)
     OPTION_CHOICE, ///< int*: index of a word in `words`
+    OPTION_SWITCH, ///< bool*: whether it is the second of two `words`
     OPTION_PIXELS, ///< uint32_t[2]: WxH
     OPTION_VECTOR, ///< double[3]: X,Y,Z; with `words`, a direction, also an axis: x, -x, y, ...
     OPTION_COLOR,  ///< uint8_t[3], sRGB: a CSS name, RRGGBB or RGB with or without #
@@ -48,14 +50,23 @@ typedef struct option {
     /// Default if the option is given without a value; NULL: a value is required
     const char* fallback;
     void* value;
-    bool* given; ///< set if the option is given; may be NULL
+    bool* given;  ///< set if the option is given; may be NULL
+    double scale; ///< of OPTION_FLOAT; 0: 1
+    /// Heading under which help lists it; NULL: that of the option before it. Options with the same
+    /// heading are listed together.
+    const char* group;
+    bool rare; ///< --help leaves it out; --help-all, man pages and completions list it
+    /// Only one table of one paper needs it: only programs with is_lab have it. Also rare.
+    bool lab_only;
 } option;
+
+enum { OPTION_TABLE_ROOM = 104 }; ///< most entries of a command's table, with the last one
 
 // Options shared by several commands; `where` points to the value.
 #define OPTION_THREADS(where)                                                                      \
     {                                                                                              \
         .name = "threads", .type = OPTION_COUNT, .argument = "N", .words = "auto|0..1024",         \
-        .help = "number of threads; default all processors", .value = (where)                      \
+        .help = "number of threads; default all processors", .value = (where), .rare = true        \
     }
 /// A memory limit: 0, or enough for a few threads to start.
 #define OPTION_MEMORY_WORDS "auto|0|65536.."
@@ -72,13 +83,14 @@ typedef struct option {
         .words = "auto|points|compute",                                                            \
         .help = "OpenGL splat renderer: points, or a compute shader; default auto, which "         \
                 "measures both first",                                                             \
-        .value = (where)                                                                           \
+        .value = (where), .rare = true                                                             \
     }
 /// The value is an int, for tool_progress_names.
 #define OPTION_PROGRESS(where)                                                                     \
     {                                                                                              \
         .name = "progress", .type = OPTION_CHOICE, .words = "auto|bar|json|none",                  \
-        .help = "progress on stderr; default a bar if that is a terminal", .value = (where)        \
+        .help = "progress on stderr; default a bar if that is a terminal", .value = (where),       \
+        .rare = true                                                                               \
     }
 /// The columns of text files of points; checked by tool_take_columns.
 #define OPTION_COLUMNS(place)                                                                      \
@@ -87,7 +99,7 @@ typedef struct option {
         .help = "meaning of the columns of a text file of points (XYZ, TXT, CSV, ASC, PTS): x, "   \
                 "y, z, r, g, b, intensity, nx, ny, nz, class, or - to skip one; by default "       \
                 "detected from the header, number and values of the columns",                      \
-        .value = (place)                                                                           \
+        .value = (place), .group = "Input", .rare = true                                           \
     }
 #define OPTION_JSON(where)                                                                         \
     {                                                                                              \

@@ -7,19 +7,13 @@
 
 #include <string.h>
 
-static const option* options_of(const command* c)
-{
-    static const option none = {0};
-    return c->options != NULL ? c->options() : &none;
-}
-
 // Possible values: the option's words, separated by spaces; for numbers, the words that mean 0.
 static void print_words(FILE* stream, const option* o)
 {
     const char* gap = "";
     for (const char* word = o->words; word != NULL && *word != 0;) {
         size_t length = strcspn(word, "|");
-        bool is_range = o->type != OPTION_CHOICE && memchr(word, '.', length) != NULL;
+        bool is_range = memchr(word, '.', length) != NULL;
         if (!is_range) {
             fprintf(stream, "%s%.*s", gap, (int)length, word);
             gap = " ";

@@ -10,7 +10,7 @@
         .help = "stochastic: cues that set the number of splats per region: flatness, edge, "      \
                 "coverage, silhouette, occlusion, error (enough samples to cover, instead of "     \
                 "the paper's counts) and specular; paper: the first five; none; default all",      \
-        .value = (text)                                                                            \
+        .value = (text), .group = "Method stochastic", .rare = true                                \
     }
 
 /// The cues that are not in a list. NULL: none are excluded; the list "none": all are. @return

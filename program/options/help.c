@@ -69,10 +69,9 @@ static void print_option(FILE* stream, const option* o)
     }
     fprintf(stream, "%*s", TEXT_COLUMN - column, "");
     char text[1024];
-    bool lists_words =
-        o->type == OPTION_CHOICE && o->argument != NULL && strchr(o->argument, '|') == NULL;
-    snprintf(text, sizeof(text), "%s%s%s", o->help, lists_words ? "; one of " : "",
-             lists_words ? o->words : "");
+    const char* words = options_hidden_words(o);
+    snprintf(text, sizeof(text), "%s%s%s", o->help, words != NULL ? "; one of " : "",
+             words != NULL ? words : "");
     print_wrapped(stream, text, TEXT_COLUMN, TEXT_COLUMN);
 }
 
@@ -82,14 +81,32 @@ static void print_heading(FILE* stream, const char* text)
     fprintf(stream, "\n%s%s:%s\n", bold ? "\033[1m" : "", text, bold ? "\033[0m" : "");
 }
 
-static void print_options(FILE* stream, const char* heading, const option* table)
+/// Prints options under their headings. @return the number of rare ones that were left out
+static unsigned print_options(FILE* stream, const option* table, bool all)
 {
-    if (table != NULL && table->name != NULL) {
-        print_heading(stream, heading);
-        for (; table->name != NULL; ++table) {
-            print_option(stream, table);
+    const char* heading = "";
+    unsigned left_out = 0;
+    for (; table->name != NULL; ++table) {
+        if ((table->rare || table->lab_only) && !all) {
+            left_out += 1;
+            continue;
         }
+        if (table->group != NULL && strcmp(table->group, heading) != 0) {
+            heading = table->group;
+            print_heading(stream, heading);
+        }
+        print_option(stream, table);
     }
+    return left_out;
+}
+
+static unsigned count_options(const option* table)
+{
+    unsigned count = 0;
+    while (table[count].name != NULL) {
+        count += 1;
+    }
+    return count;
 }
 
 // "$ command" lines, each after a line that describes it.
@@ -134,11 +151,11 @@ void help_print_overview(FILE* stream)
     for (const command* const* c = commands(); *c != NULL; ++c) {
         fprintf(stream, "  %-16s%s\n", (*c)->name, (*c)->summary);
     }
-    print_options(stream, "Options of every command", options_common());
+    (void)print_options(stream, options_common(), true);
     fprintf(stream, "\nSee '%s help COMMAND' for details.\n", program_get()->name);
 }
 
-void help_print_command(FILE* stream, const command* c)
+void help_print_command(FILE* stream, const command* c, bool all)
 {
     fprintf(stream, "Usage: %s %s [OPTION]...", program_get()->name, c->name);
     fprintf(stream, "%s%s\n", *c->arguments != 0 ? " " : "", c->arguments);
@@ -147,8 +164,14 @@ void help_print_command(FILE* stream, const command* c)
         putc('\n', stream);
         print_wrapped(stream, c->text, 0, 0);
     }
-    print_options(stream, "Options", c->options != NULL ? c->options() : NULL);
-    print_options(stream, "Options of every command", options_common());
+    unsigned left_out = print_options(stream, options_of(c), all);
+    if (all) {
+        (void)print_options(stream, options_common(), true);
+    }
     print_examples(stream, c->examples);
     print_files(stream, c->files);
+    if (!all) {
+        fprintf(stream, "\n'%s %s --help-all' lists %u more options.\n", program_get()->name,
+                c->name, left_out + count_options(options_common()));
+    }
 }

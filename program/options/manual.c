@@ -122,22 +122,28 @@ static void print_option(FILE* stream, const option* o)
     }
     putc('\n', stream);
     print_sentences(stream, o->help, strlen(o->help));
-    if (o->type == OPTION_CHOICE && o->argument != NULL && strchr(o->argument, '|') == NULL) {
+    const char* words = options_hidden_words(o);
+    if (words != NULL) {
         fputs("One of\n", stream);
-        print_line(stream, o->words, strlen(o->words));
+        print_line(stream, words, strlen(words));
     }
 }
 
+/// Prints options, each group with its heading.
 static void print_options(FILE* stream, const option* table)
 {
-    fputs(".Bl -tag -width Ds\n", stream);
-    for (; table != NULL && table->name != NULL; ++table) {
+    const char* heading = NULL;
+    for (; table->name != NULL; ++table) {
+        if (heading == NULL || (table->group != NULL && strcmp(table->group, heading) != 0)) {
+            fputs(heading != NULL ? ".El\n" : "", stream);
+            heading = table->group;
+            fputs(".Ss ", stream);
+            print_line(stream, heading, strlen(heading));
+            fputs(".Bl -tag -width Ds\n", stream);
+        }
         print_option(stream, table);
     }
-    for (table = options_common(); table->name != NULL; ++table) {
-        print_option(stream, table);
-    }
-    fputs(".El\n", stream);
+    fputs(heading != NULL ? ".El\n" : "", stream);
 }
 
 // "2026-11-21" as mdoc writes dates: "November 21, 2026". Other texts stay as they are.
@@ -250,8 +256,8 @@ static void print_overview(FILE* stream)
         print_line(stream, (*c)->name, strlen((*c)->name));
         print_line(stream, (*c)->summary, strlen((*c)->summary));
     }
-    fputs(".El\n.Sh OPTIONS\nCommon to all commands:\n", stream);
-    print_options(stream, NULL);
+    fputs(".El\n.Sh OPTIONS\n", stream);
+    print_options(stream, options_common());
     print_end(stream,
               "$XDG_CACHE_HOME/stipple\tcache of built models; ~/.cache/stipple if "
               "the variable is not set\n"
@@ -294,7 +300,8 @@ void manual_print(FILE* stream, const command* c)
     fputs(".Sh DESCRIPTION\n", stream);
     print_paragraphs(stream, c->text != NULL && *c->text != 0 ? c->text : c->summary);
     fputs(".Sh OPTIONS\n", stream);
-    print_options(stream, c->options != NULL ? c->options() : NULL);
+    print_options(stream, options_of(c));
+    print_options(stream, options_common());
     print_end(stream, c->files, c->examples);
     fputs(".Sh SEE ALSO\n.Xr ", stream);
     print_escaped(stream, name, strlen(name));

@@ -2,9 +2,11 @@
 #include "program/options/option_value.h"
 
 #include "program/options/color_names.h"
+#include "program/options/options.h"
 
 #include <assert.h>
 #include <errno.h>
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -104,6 +106,19 @@ static bool set_count(const option* o, const char* text, char* problem, size_t s
     return true;
 }
 
+static bool set_whole(const option* o, const char* text, char* problem, size_t size)
+{
+    uint64_t value = 0;
+    option wide = *o;
+    wide.value = &value;
+    if (!set_count(&wide, text, problem, size) ||
+        !check_range((double)value, (number_rule){.high = UINT32_MAX}, problem, size)) {
+        return false;
+    }
+    *(uint32_t*)o->value = (uint32_t)value;
+    return true;
+}
+
 static bool set_number(const option* o, const char* text, char* problem, size_t size)
 {
     number_rule rule = read_rule(o->words, text);
@@ -118,6 +133,22 @@ static bool set_number(const option* o, const char* text, char* problem, size_t 
         }
     }
     *(double*)o->value = value;
+    return true;
+}
+
+static bool set_float(const option* o, const char* text, char* problem, size_t size)
+{
+    double value = 0.0;
+    option wide = *o;
+    wide.value = &value;
+    if (!set_number(&wide, text, problem, size)) {
+        return false;
+    }
+    double scaled = o->scale != 0.0 ? o->scale * value : value;
+    if (fabs(scaled) > (double)FLT_MAX) {
+        return fail(problem, size, "is too large");
+    }
+    *(float*)o->value = (float)scaled;
     return true;
 }
 
@@ -197,11 +228,25 @@ static bool set_choice(const option* o, const char* text, char* problem, size_t 
             return true;
         }
         if (word[word_length] == 0) {
-            snprintf(problem, size, "is not one of %s", o->words);
+            const char* words = options_hidden_words(o);
+            snprintf(problem, size, "is not one of %s",
+                     words != NULL ? words : options_argument(o));
             return false;
         }
         word += word_length + 1;
     }
+}
+
+static bool set_switch(const option* o, const char* text, char* problem, size_t size)
+{
+    int index = 0;
+    option choice = *o;
+    choice.value = &index;
+    if (!set_choice(&choice, text, problem, size)) {
+        return false;
+    }
+    *(bool*)o->value = index == 1;
+    return true;
 }
 
 static bool set_pixels(const option* o, const char* text, char* problem, size_t size)
@@ -295,6 +340,12 @@ bool option_set_value(const option* o, const char* text, char* problem, size_t p
         return add_text(o, text, problem, problem_size);
     case OPTION_COUNT:
         return set_count(o, text, problem, problem_size);
+    case OPTION_WHOLE:
+        return set_whole(o, text, problem, problem_size);
+    case OPTION_FLOAT:
+        return set_float(o, text, problem, problem_size);
+    case OPTION_SWITCH:
+        return set_switch(o, text, problem, problem_size);
     case OPTION_NUMBER:
         return set_number(o, text, problem, problem_size);
     case OPTION_SIZE:

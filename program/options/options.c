@@ -2,6 +2,7 @@
 #include "program/options/options.h"
 
 #include "program/options/option_value.h"
+#include "program/options/program.h"
 #include "program/options/tool.h"
 
 #include <assert.h>
@@ -12,17 +13,74 @@ enum { WORD_LIMIT = 63 }; // longer words get no suggestions
 const option* options_common(void)
 {
     tool_settings* settings = tool_settings_get();
-    static option table[5];
-    table[0] =
-        (option){.name = "help", .letter = 'h', .help = "show this help", .value = &settings->help};
-    table[1] = (option){.name = "version", .help = "show the version", .value = &settings->version};
-    table[2] = (option){.name = "quiet",
+    static option table[6];
+    table[0] = (option){.name = "help",
+                        .letter = 'h',
+                        .help = "explain the command and its usual options",
+                        .value = &settings->help,
+                        .group = "Options of every command"};
+    table[1] = (option){.name = "help-all",
+                        .help = "explain the command and all its options",
+                        .value = &settings->help_all};
+    table[2] = (option){.name = "version", .help = "show the version", .value = &settings->version};
+    table[3] = (option){.name = "quiet",
                         .letter = 'q',
                         .help = "print only errors, and no progress",
                         .value = &settings->quiet};
-    table[3] = (option){
+    table[4] = (option){
         .name = "verbose", .letter = 'v', .help = "print notices too", .value = &settings->verbose};
     return table;
+}
+
+static bool is_offered(const option* o)
+{
+    return !o->lab_only || program_get()->is_lab;
+}
+
+/// The heading of an entry of a table.
+static const char* group_of(const option* table, const option* o)
+{
+    while (o > table && o->group == NULL) {
+        o -= 1;
+    }
+    return o->group != NULL ? o->group : "Options";
+}
+
+/// Whether no entry before this one has its heading.
+static bool begins_group(const option* table, const option* o)
+{
+    const char* group = group_of(table, o);
+    for (const option* before = table; before < o; ++before) {
+        if (strcmp(group_of(table, before), group) == 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+const option* options_of(const command* c)
+{
+    static const option none = {0};
+    static option list[OPTION_TABLE_ROOM];
+    const option* table = c->options != NULL ? c->options() : &none;
+    size_t count = 0;
+    for (const option* first = table; first->name != NULL; ++first) {
+        const char* group = group_of(table, first);
+        for (const option* o = first; begins_group(table, first) && o->name != NULL; ++o) {
+            if (is_offered(o) && strcmp(group_of(table, o), group) == 0) {
+                assert(count + 1 < OPTION_TABLE_ROOM && "OPTION_TABLE_ROOM is too small");
+                list[count] = *o;
+                list[count++].group = group;
+            }
+        }
+    }
+    list[count] = (option){0};
+    return list;
+}
+
+static bool is_choice(const option* o)
+{
+    return o->type == OPTION_CHOICE || o->type == OPTION_SWITCH;
 }
 
 const char* options_argument(const option* o)
@@ -30,7 +88,13 @@ const char* options_argument(const option* o)
     if (o->argument != NULL) {
         return o->argument;
     }
-    return o->type == OPTION_CHOICE ? o->words : "";
+    return is_choice(o) ? o->words : "";
+}
+
+const char* options_hidden_words(const option* o)
+{
+    bool shown = o->argument == NULL || strchr(o->argument, '|') != NULL;
+    return is_choice(o) && !shown ? o->words : NULL;
 }
 
 static unsigned minimum(unsigned a, unsigned b)
@@ -96,7 +160,8 @@ static bool table_is_sound(const option* table)
         const option* letter_common =
             o->letter != 0 ? find_letter(options_common(), o->letter) : NULL;
         if (twin != NULL || letter_twin != NULL || common != NULL || letter_common != NULL ||
-            o->value == NULL || o->help == NULL || (o->type == OPTION_CHOICE && o->words == NULL)) {
+            o->value == NULL || o->help == NULL || (o->lab_only && o->letter != 0) ||
+            (is_choice(o) && o->words == NULL)) {
             return false;
         }
     }
@@ -107,7 +172,7 @@ static bool table_is_sound(const option* table)
 static void suggest(const option* table, const char* name, const option** best, unsigned* distance)
 {
     for (; table != NULL && table->name != NULL; ++table) {
-        unsigned d = options_word_distance(name, table->name);
+        unsigned d = is_offered(table) ? options_word_distance(name, table->name) : WORD_LIMIT;
         if (d < *distance || (d == *distance && *best == NULL)) {
             *best = table;
             *distance = d;
@@ -168,6 +233,9 @@ static int parse_long(const option* table, const char* text, const char* next, i
     found = found != NULL ? found : find_long(options_common(), text, length);
     if (found == NULL) {
         return fail_unknown(table, text, length);
+    }
+    if (!is_offered(found)) {
+        return tool_usage_error("--%s is an option of stipple-lab", found->name);
     }
     if (found->type == OPTION_FLAG) {
         return text[length] == '=' ? tool_usage_error("--%s takes no value", found->name)

@@ -10,6 +10,10 @@
 /// The options every command has; ends with a NULL name.
 const option* options_common(void);
 
+/// The command's options that the running program has, group by group, each with its heading; ends
+/// with a NULL name. Valid until the next call.
+const option* options_of(const command* c);
+
 /// Reads the options of `table` (may be NULL) and the common ones from argv[0..*argc) and moves the
 /// remaining arguments to the front. @return 0, or 2 (message printed)
 int options_parse(const option* table, int* argc, char** argv);
@@ -19,3 +23,6 @@ unsigned options_word_distance(const char* a, const char* b);
 
 /// How help shows an option's value, such as "PX" or "blue|spt"; "" for flags.
 const char* options_argument(const option* o);
+
+/// The choices of an option whose argument does not show them; NULL: none.
+const char* options_hidden_words(const option* o);

@@ -50,18 +50,21 @@ const option* point_color_options_table(option* table, point_color_options* o)
          .help = "colour points by an attribute: a continuous scale from violet to yellow, or "
                  "distinct colours (class, return, returns, source); elevation and normal also "
                  "apply to meshes; default rgb, their own colours",
-         .value = &o->color},
+         .value = &o->color,
+         .group = "Points"},
         {.name = "range",
          .type = OPTION_TEXT,
          .argument = "LO,HI",
          .help = "values at the ends of the colour scale; default the 2nd and 98th percentile; "
                  "elevations are in scene units",
-         .value = &o->range},
+         .value = &o->range,
+         .rare = true},
         {.name = "classes",
          .type = OPTION_TEXT,
          .argument = "N,N",
          .help = "draw only points of these classes, by number (ASPRS: 2 ground, 6 building)",
-         .value = &o->classes},
+         .value = &o->classes,
+         .rare = true},
         {0},
     };
     memcpy(table, list, sizeof(list));

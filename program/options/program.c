@@ -91,8 +91,9 @@ static int run_without_command(int argc, char** argv)
         print_version();
         return 0;
     }
-    help_print_overview(settings->help ? stdout : stderr);
-    return settings->help ? 0 : 2;
+    bool asked = settings->help || settings->help_all;
+    help_print_overview(asked ? stdout : stderr);
+    return asked ? 0 : 2;
 }
 
 static int run_command(const command* c, int argc, char** argv)
@@ -103,8 +104,8 @@ static int run_command(const command* c, int argc, char** argv)
     if (code != 0) {
         return code;
     }
-    if (settings->help) {
-        help_print_command(stdout, c);
+    if (settings->help || settings->help_all) {
+        help_print_command(stdout, c, settings->help_all);
         return 0;
     }
     if (settings->version) {

@@ -11,7 +11,7 @@ struct program;
 
 /// The values of the common options.
 typedef struct tool_settings {
-    bool help, version, quiet, verbose;
+    bool help, help_all, version, quiet, verbose;
     const struct program* program; ///< the one that runs; NULL before program_main
     const char* command;           ///< the command that runs; NULL: none yet
     char** arguments;              ///< those of the process, as they were given
@@ -41,9 +41,9 @@ void tool_end_progress(void);
 /// Flushes stdout. @return `code`, or 1 if writing failed (message printed)
 int tool_finish_output(int code);
 
-/// `stipple help` and `stipple help NAME`.
+/// `stipple help` and `stipple help NAME`; `all`: with the options that are rarely needed.
 void help_print_overview(FILE* stream);
-void help_print_command(FILE* stream, const command* c);
+void help_print_command(FILE* stream, const command* c, bool all);
 
 /// The man page of a command, or of the whole tool (NULL), as mdoc(7).
 void manual_print(FILE* stream, const command* c);

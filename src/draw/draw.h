@@ -78,6 +78,23 @@ typedef struct stp_draw_style {
     bool plane_depth;
 } stp_draw_style;
 
+/// Whether two styles give the same picture.
+static inline bool stp_draw_style_is_same(const stp_draw_style* a, const stp_draw_style* b)
+{
+    return a->splat_scale == b->splat_scale && a->supersample == b->supersample &&
+           a->headlight == b->headlight && a->background == b->background &&
+           a->background_color[0] == b->background_color[0] &&
+           a->background_color[1] == b->background_color[1] &&
+           a->background_color[2] == b->background_color[2] && a->filter == b->filter &&
+           a->splat_shape == b->splat_shape && a->point_sizing == b->point_sizing &&
+           a->point_size == b->point_size && a->splat_texture == b->splat_texture &&
+           a->eye_dome == b->eye_dome && a->ambient_occlusion == b->ambient_occlusion &&
+           a->transparency == b->transparency && a->ghost == b->ghost &&
+           a->coloring == b->coloring && a->elevation[0] == b->elevation[0] &&
+           a->elevation[1] == b->elevation[1] && a->caps == b->caps &&
+           a->plane_depth == b->plane_depth;
+}
+
 typedef struct stp_draw_stats {
     double draw_ms, shade_ms;
     double select_ms; ///< time of selection, if the call selects

@@ -74,27 +74,13 @@ static stp_hash hash_list(const stp_draw_list* list)
                : hash;
 }
 
-bool stp_resting_is_same_style(const stp_draw_style* a, const stp_draw_style* b)
-{
-    return a->splat_scale == b->splat_scale && a->supersample == b->supersample &&
-           a->headlight == b->headlight && a->background == b->background &&
-           memcmp(a->background_color, b->background_color, sizeof(a->background_color)) == 0 &&
-           a->filter == b->filter && a->splat_shape == b->splat_shape &&
-           a->splat_texture == b->splat_texture && a->eye_dome == b->eye_dome &&
-           a->ambient_occlusion == b->ambient_occlusion && a->caps == b->caps &&
-           a->coloring == b->coloring && a->elevation[0] == b->elevation[0] &&
-           a->elevation[1] == b->elevation[1] && a->ghost == b->ghost &&
-           a->transparency == b->transparency && a->point_sizing == b->point_sizing &&
-           a->point_size == b->point_size;
-}
-
 bool stp_resting_continues(stp_resting* resting, const stp_view* view, const stp_draw_list* list,
                            const stp_draw_style* style)
 {
     stp_hash hash = hash_list(list);
     bool same = stp_resting_is_same_view(&resting->view, view) &&
                 stp_hash_equal(resting->list, hash) &&
-                stp_resting_is_same_style(&resting->style, style);
+                stp_draw_style_is_same(&resting->style, style);
     *resting = (stp_resting){.view = *view, .list = hash, .style = *style};
     return same;
 }

@@ -19,7 +19,6 @@ bool stp_resting_continues(stp_resting* resting, const stp_view* view, const stp
 
 /// Whether two views make the same picture, including sections.
 bool stp_resting_is_same_view(const stp_view* a, const stp_view* b);
-bool stp_resting_is_same_style(const stp_draw_style* a, const stp_draw_style* b);
 
 /// Grid index of the k-th frame's sample among side x side: consecutive samples lie far apart.
 uint32_t stp_resting_sample(uint32_t side, uint32_t k);

@@ -47,10 +47,29 @@ done
 "$stipple" help --man > stipple.1 || fail "help --man"
 check_page stipple.1
 check_sections stipple.1
+# options FILE: those that a text of help lists
+options()
+{
+    sed -n 's/^  \(-., \|    \)--\([a-z0-9-]*\).*/--\2/p' "$1"
+}
 for name in $names; do
-    "$stipple" help "$name" > text || fail "help $name"
-    "$stipple" "$name" --help > text2 || fail "$name --help"
-    cmp -s text text2 || fail "help $name and $name --help differ"
+    "$stipple" help "$name" > usual || fail "help $name"
+    "$stipple" "$name" --help > text || fail "$name --help"
+    cmp -s text usual || fail "help $name and $name --help differ"
+    "$stipple" help "$name" --all > text || fail "help $name --all"
+    "$stipple" "$name" --help-all > text2 || fail "$name --help-all"
+    cmp -s text text2 || fail "help $name --all and $name --help-all differ"
+    # the usual options are some of all, and the last line has the number of the others
+    options usual > few
+    options text > all
+    sort all > named
+    sort few | comm -23 - named > missing
+    [ ! -s missing ] || fail "help-all of $name: $(cat missing)"
+    [ "$(tail -1 usual)" = "'stipple $name --help-all' lists $(($(wc -l < all) - $(wc -l < few))) more options." ] ||
+        fail "help $name: $(tail -1 usual)"
+    [ "$(wc -l < few)" -le 16 ] || fail "help $name lists $(wc -l < few) options"
+    [ "$(sort all | uniq -d)" = "" ] || fail "help-all $name repeats an option"
+    ! grep -q -e '--leaf-\|--interval\|--color-threshold' text || fail "help-all $name: an option of stipple-lab"
     grep -q "^Usage: stipple $name" text || fail "help $name: no usage"
     awk 'length > 110 { exit 1 }' text || fail "help $name: lines are too long"
     "$stipple" help --man "$name" > "stipple-$name.1" || fail "help --man $name"
@@ -62,10 +81,19 @@ for name in $names; do
     grep -oE -- '--[a-z0-9-]+' text | sort -u > named
     sed -n 's/^\.It.* Fl \\-\([a-z\\-]*\).*/--\1/p' "stipple-$name.1" | tr -d '\\' | sort -u | comm -23 - named > missing
     [ ! -s missing ] || fail "help of $name: $(cat missing)"
-    # each option in help is in the man page and the completions
+    # each option in help is in the man page
     grep -oE 'Fl \\-[a-z0-9\\-]+' "stipple-$name.1" | sed 's/^Fl \\-/--/' | tr -d '\\' | sort -u > named
-    sed -n 's/^  \(-., \|    \)--\([a-z0-9-]*\).*/--\2/p' text | sort -u | comm -23 - named > missing
+    sort -u all | comm -23 - named > missing
     [ ! -s missing ] || fail "man page of $name: $(cat missing)"
+done
+"$stipple" render --help > text
+for heading in Output Camera Picture Quality Points Objects; do
+    grep -qx "$heading:" text || fail "render --help has no group $heading"
+done
+"$stipple" render --help-all > text
+for heading in 'Method blue' 'Method spt' 'Method stochastic' Effects 'Options of every command'; do
+    grep -qx "$heading:" text || fail "render --help-all has no group $heading"
+    grep -qx "\.Ss $heading" stipple-render.1 || fail "the man page of render has no group $heading"
 done
 
 for shell in bash zsh fish; do
@@ -76,6 +104,8 @@ for shell in bash zsh fish; do
         $shell -n "completion.$shell" || fail "completion of $shell: syntax"
     fi
 done
+
+grep -q '^    render) .* --normal-clusters.* --cues' completion.bash || fail "completions lack rare options"
 
 # the completions for typed words
 complete_bash()

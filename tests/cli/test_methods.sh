@@ -143,6 +143,12 @@ done
 # options of point trees only
 refused 2 'method spt' build floor.obj -o other.stip --error qsplat
 refused 2 'method spt' build floor.obj -o other.stip --color-threshold 3
+# options that only stipple-lab has
+"$stipple" build --help-all > help
+for option in samples interval color-threshold leaf-points leaf-neighbors normal-neighbors; do
+    grep -q "^      --$option N" help || fail "build --help-all does not list --$option"
+done
+"$stipple" -q build floor.obj -o paper.stip --order paper-text --samples 20 --interval 9 || fail "--samples and --interval"
 # a fixed number of splats
 draw both.stip few --method spt
 "$stipple" render both.stip -o few.png --size 200x150 --splats 500 --method spt --once --json > few.json || fail "no 500 splats"

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # Method stochastic: builds, pictures on both backends, cues, counts, prefixes, and errors.
+# needs: stipple-lab
 # Arguments: executable, scratch folder, source folder.
 set -u
 stipple=$1

@@ -33,6 +33,13 @@ expect 0 '^stipple [0-9]+\.[0-9]+\.[0-9]+$' '' compare --version
 expect 0 '^Usage: stipple compare' '' compare -h
 expect 0 '^Usage: stipple compare' '' compare --json --help
 expect 0 '^Usage: stipple compare' '' --help compare
+expect 0 '^Usage: stipple compare' '' --help-all compare
+# what one table of one paper needs
+for option in leaf-points leaf-neighbors samples interval color-threshold; do
+    expect 2 '' "^stipple: --$option is an option of stipple-lab$" build a.obj -o a.stip --$option 20
+done
+expect 2 '' '^stipple: --drop is an option of stipple-lab$' order a.ply -o b.ply --drop=0.5
+expect 2 '' '^stipple: unknown option --intervl$' order a.ply -o b.ply --intervl 3
 expect 2 '' "^stipple: unknown command 'compar'; did you mean 'compare'\?$" compar
 expect 2 '' "^stipple: unknown command 'zzzzzz'$" zzzzzz
 expect 2 '' '^stipple: unknown option --nonsense$' --nonsense

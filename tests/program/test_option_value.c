@@ -121,6 +121,29 @@ void test_option_choice_is_one_of_its_words(test_state* test)
     CHECK(refuses(OPTION_CHOICE, "exact|paper-fast|paper", "exact|paper-fast"));
 }
 
+void test_option_values_of_a_style(test_state* test)
+{
+    uint32_t whole = 7;
+    CHECK(set(OPTION_WHOLE, "1..16", &whole, "16"));
+    CHECK_EQUAL(16, whole);
+    CHECK(set(OPTION_WHOLE, NULL, &whole, "4294967295"));
+    CHECK(refuses(OPTION_WHOLE, "1..16", "17"));
+    CHECK(refuses(OPTION_WHOLE, NULL, "4294967296"));
+    float number = 0.0f;
+    CHECK(set(OPTION_FLOAT, "off|0..100", &number, "0.5"));
+    CHECK(number == 0.5f);
+    CHECK(set(OPTION_FLOAT, "off|0..100", &number, "off"));
+    CHECK(number == 0.0f);
+    CHECK(refuses(OPTION_FLOAT, "off|0..100", "101"));
+    char problem[64];
+    option percent = {.name = "test", .type = OPTION_FLOAT, .scale = 0.01, .value = &number};
+    CHECK(option_set_value(&percent, "4", problem, sizeof(problem)) && number == 0.04f);
+    bool on = false;
+    CHECK(set(OPTION_SWITCH, "off|on", &on, "on") && on);
+    CHECK(set(OPTION_SWITCH, "off|on", &on, "off") && !on);
+    CHECK(refuses(OPTION_SWITCH, "off|on", "maybe"));
+}
+
 void test_option_pixels_and_vectors_have_parts(test_state* test)
 {
     uint32_t pixels[2] = {0, 0};

@@ -228,6 +228,6 @@ bool paint_is_same_request(const paint_request* a, const paint_request* b)
     return a->scene == b->scene && a->budget_ms == b->budget_ms && a->samples == b->samples &&
            a->controller == b->controller && a->gl == b->gl &&
            stp_resting_is_same_view(&a->view, &b->view) &&
-           stp_resting_is_same_style(&a->style, &b->style) &&
+           stp_draw_style_is_same(&a->style, &b->style) &&
            is_same_point_style(&a->points, &b->points) && same_quality(&a->quality, &b->quality);
 }

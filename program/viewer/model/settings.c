@@ -3,7 +3,6 @@
 
 #include "base/io/file.h"
 #include "program/options/cloud_style.h"
-#include "program/viewer/model/splat_count.h"
 
 #include <assert.h>
 #include <jansson.h>
@@ -11,7 +10,6 @@
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
 typedef enum field_type { FIELD_BOOL, FIELD_INT, FIELD_WHOLE, FIELD_FLOAT } field_type;
@@ -23,34 +21,26 @@ typedef struct field {
     double minimum, maximum;
 } field;
 
+#define DETAIL_KEY "method" ///< the policy's; older files have it by this name
+
 #define PLACE(member) offsetof(viewer_settings, member)
+/// Settings that are not in the table of drawing_rows.
 static const field fields[] = {
     {"backend", FIELD_INT, PLACE(backend), 0, BACKEND_COUNT - 1},
     {"parts", FIELD_BOOL, PLACE(parts), 0, 0},
     {"page", FIELD_INT, PLACE(page), 0, PAGE_COUNT - 1},
     {"adapts", FIELD_BOOL, PLACE(adapts), 0, 0},
     {"budget_ms", FIELD_FLOAT, PLACE(budget_ms), 4, 500},
-    {"splat_size", FIELD_FLOAT, PLACE(splat_size), 1, 16},
-    {"splat_count", FIELD_WHOLE, PLACE(splat_count), 0, SPLAT_COUNT_MAX},
     {"samples", FIELD_INT, PLACE(samples), 1, 8},
-    {"method", FIELD_INT, PLACE(method), 0, METHOD_COUNT - 1},
-    {"splats_by", FIELD_INT, PLACE(splats_by), 0, STP_METHOD_STOCHASTIC},
-    {"filter", FIELD_INT, PLACE(filter), 0, STP_FILTER_EWA},
-    {"light", FIELD_INT, PLACE(light), 0, 1},
+    {"splats_by", FIELD_WHOLE, PLACE(drawing.quality.method), 0, STP_METHOD_STOCHASTIC},
     {"unit", FIELD_INT, PLACE(unit), 0, UNIT_COUNT - 1},
-    {"point_sizing", FIELD_INT, PLACE(point_sizing), 0, STP_POINTS_UNITS},
+    {"point_sizing", FIELD_INT, PLACE(drawing.style.point_sizing), 0, STP_POINTS_UNITS},
     {"point_scale", FIELD_FLOAT, PLACE(point_scale), 0.25, 4},
     {"point_pixels", FIELD_FLOAT, PLACE(point_pixels), 1, CLOUD_POINT_PIXELS},
     {"point_metres", FIELD_FLOAT, PLACE(point_metres), 1e-6, 1e6},
     {"guides", FIELD_BOOL, PLACE(guides), 0, 0},
-    {"caps", FIELD_BOOL, PLACE(caps), 0, 0},
     {"fovea", FIELD_BOOL, PLACE(fovea), 0, 0},
     {"fovea_factor", FIELD_FLOAT, PLACE(fovea_factor), 1, 8},
-    {"eye_dome_strength", FIELD_FLOAT, PLACE(eye_dome), -1, 4},
-    {"ambient_occlusion", FIELD_FLOAT, PLACE(ambient_occlusion), 0, 12},
-    {"red", FIELD_FLOAT, PLACE(background[0]), 0, 1},
-    {"green", FIELD_FLOAT, PLACE(background[1]), 0, 1},
-    {"blue", FIELD_FLOAT, PLACE(background[2]), 0, 1},
     {"shot_width", FIELD_INT, PLACE(shot_width), 16, 16384},
     {"shot_height", FIELD_INT, PLACE(shot_height), 16, 16384},
     {"shot_samples", FIELD_INT, PLACE(shot_samples), 1, 8},
@@ -64,45 +54,76 @@ viewer_settings viewer_settings_default(void)
                              .point_scale = 1.0f,
                              .point_pixels = 3.0f,
                              .point_metres = 0.05f,
-                             .eye_dome = -1.0f,
                              .guides = true,
                              .adapts = true,
                              .budget_ms = 33.0f,
-                             .splat_size = 1.0f,
+                             .drawing = drawing_settings_of_viewer(),
                              .samples = 4,
                              .fovea_factor = 2.0f,
-                             .ambient_occlusion = 3.0f,
-                             .caps = true,
-                             .background = {0.86f, 0.88f, 0.90f},
                              .shot_width = 3840,
                              .shot_height = 2160,
                              .shot_samples = 2};
+}
+
+int viewer_settings_detail(const viewer_settings* settings)
+{
+    const stp_quality* quality = &settings->drawing.quality;
+    return quality->reference ? DETAIL_ORIGINAL : (int)quality->policy;
+}
+
+void viewer_settings_set_detail(viewer_settings* settings, int detail)
+{
+    stp_quality* quality = &settings->drawing.quality;
+    quality->reference = detail == DETAIL_ORIGINAL;
+    quality->policy = quality->reference ? STP_POLICY_INSERTION : (stp_policy)detail;
+}
+
+/// @return false if the value is not a number within the range
+static bool read_number(const json_t* value, double minimum, double maximum, double* number)
+{
+    *number = json_is_number(value) ? json_number_value(value) : 0.0;
+    return json_is_number(value) && *number >= minimum && *number <= maximum;
+}
+
+static void read_field(const field* f, const json_t* value, viewer_settings* settings)
+{
+    char* place = (char*)settings + f->offset;
+    double number;
+    if (f->type == FIELD_BOOL && json_is_boolean(value)) {
+        *(bool*)place = json_is_true(value);
+    } else if (f->type != FIELD_BOOL && read_number(value, f->minimum, f->maximum, &number)) {
+        if (f->type == FIELD_INT) {
+            *(int*)place = (int)number;
+        } else if (f->type == FIELD_WHOLE) {
+            *(uint32_t*)place = (uint32_t)number;
+        } else {
+            *(float*)place = (float)number;
+        }
+    }
+}
+
+static json_t* write_field(const field* f, const viewer_settings* settings)
+{
+    const char* place = (const char*)settings + f->offset;
+    return f->type == FIELD_BOOL    ? json_boolean(*(const bool*)place)
+           : f->type == FIELD_INT   ? json_integer(*(const int*)place)
+           : f->type == FIELD_WHOLE ? json_integer((json_int_t) * (const uint32_t*)place)
+                                    : json_real((double)*(const float*)place);
 }
 
 bool viewer_settings_parse(viewer_settings* settings, const char* text)
 {
     json_t* root = json_loads(text, 0, NULL);
     bool valid = json_is_object(root);
+    double detail;
     for (int i = 0; valid && i < FIELD_COUNT; ++i) {
-        const field* f = &fields[i];
-        const json_t* value = json_object_get(root, f->name);
-        char* place = (char*)settings + f->offset;
-        if (f->type == FIELD_BOOL && json_is_boolean(value)) {
-            bool on = json_is_true(value);
-            memcpy(place, &on, sizeof(on));
-        } else if (f->type != FIELD_BOOL && json_is_number(value)) {
-            double number = json_number_value(value);
-            if (number >= f->minimum && number <= f->maximum) {
-                int whole = f->type == FIELD_INT ? (int)number : 0;
-                uint32_t count = f->type == FIELD_WHOLE ? (uint32_t)number : 0;
-                float real = (float)number;
-                memcpy(place,
-                       f->type == FIELD_INT     ? (const void*)&whole
-                       : f->type == FIELD_WHOLE ? (const void*)&count
-                                                : (const void*)&real,
-                       sizeof(whole));
-            }
-        }
+        read_field(&fields[i], json_object_get(root, fields[i].name), settings);
+    }
+    if (valid && read_number(json_object_get(root, DETAIL_KEY), 0, DETAIL_COUNT - 1, &detail)) {
+        viewer_settings_set_detail(settings, (int)detail);
+    }
+    if (valid) {
+        drawing_settings_read(&settings->drawing, root);
     }
     json_decref(root);
     return valid;
@@ -111,25 +132,12 @@ bool viewer_settings_parse(viewer_settings* settings, const char* text)
 char* viewer_settings_print(const viewer_settings* settings)
 {
     json_t* root = json_object();
-    bool whole = root != NULL;
+    json_t* detail = json_integer(viewer_settings_detail(settings));
+    bool whole = json_object_set_new(root, DETAIL_KEY, detail) == 0;
     for (int i = 0; whole && i < FIELD_COUNT; ++i) {
-        const field* f = &fields[i];
-        const char* place = (const char*)settings + f->offset;
-        bool on;
-        int number;
-        uint32_t count;
-        float real;
-        assert(f->offset + sizeof(number) <= sizeof(*settings) && "any type is read at any field");
-        memcpy(&on, place, sizeof(on));
-        memcpy(&number, place, sizeof(number));
-        memcpy(&count, place, sizeof(count));
-        memcpy(&real, place, sizeof(real));
-        json_t* value = f->type == FIELD_BOOL    ? json_boolean(on)
-                        : f->type == FIELD_INT   ? json_integer(number)
-                        : f->type == FIELD_WHOLE ? json_integer((json_int_t)count)
-                                                 : json_real((double)real);
-        whole = json_object_set_new(root, f->name, value) == 0;
+        whole = json_object_set_new(root, fields[i].name, write_field(&fields[i], settings)) == 0;
     }
+    whole = whole && drawing_settings_write(&settings->drawing, root);
     char* text = whole ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(6)) : NULL;
     json_decref(root);
     return text;

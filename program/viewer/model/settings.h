@@ -2,7 +2,7 @@
 // Settings that persist between sessions.
 #pragma once
 
-#include "draw/draw.h"
+#include "program/drawing/drawing_table.h"
 
 #include <stdbool.h>
 
@@ -26,27 +26,24 @@ typedef struct viewer_settings {
     bool parts;
     viewer_page page; ///< page of the right panel
     bool adapts;      ///< limit the frame time: splats grow while the camera moves
-    float budget_ms, splat_size;
-    uint32_t splat_count; ///< total number of splats to draw; 0: by splat size
-    int samples;          ///< per axis, at rest
-    int method;           ///< stp_policy; above its values: original geometry only
-    int splats_by;        ///< method to draw (STP_METHOD_*); if 0 or not in the file, the first
-    int filter, light;
+    float budget_ms;
+    /// Of its style, point_sizing counts in scenes with points; its quality has the size and number
+    /// of splats (0: by size), policy, method and reference.
+    drawing_settings drawing;
+    int samples;                      ///< per axis, at rest
     int unit;                         ///< UNIT_*
-    int point_sizing;                 ///< stp_point_sizing, in scenes with points
     float point_scale;                ///< relative to the adaptive point size
     float point_pixels, point_metres; ///< fixed width of points
     bool guides;                      ///< view cube and scale bar
-    bool caps;                        ///< fill solids where sections cut them
     bool fovea;
     float fovea_factor;
-    float eye_dome;          ///< 0: off; negative: default for the scene
-    float ambient_occlusion; ///< radius in percent of the picture's height; 0: off
-    float background[3];
     int shot_width, shot_height, shot_samples;
 } viewer_settings;
 
-enum { METHOD_ORIGINAL = STP_POLICY_SWITCH + 1, METHOD_COUNT };
+/// What the user chooses as detail: an stp_policy, or original geometry only.
+enum { DETAIL_ORIGINAL = STP_POLICY_SWITCH + 1, DETAIL_COUNT };
+int viewer_settings_detail(const viewer_settings* settings);
+void viewer_settings_set_detail(viewer_settings* settings, int detail);
 
 viewer_settings viewer_settings_default(void);
 /// Takes over valid values of a JSON text; the others stay unchanged. @return false if it is not an

@@ -5,8 +5,9 @@
 
 float cloud_page_eye_dome(const viewer* v)
 {
-    if (v->settings.eye_dome >= 0.0f) {
-        return v->settings.eye_dome;
+    float chosen = v->settings.drawing.style.eye_dome;
+    if (chosen >= 0.0f) {
+        return chosen;
     }
     return v->scene != NULL ? cloud_style_eye_dome(v->scene->store) : 0.0f;
 }
@@ -19,12 +20,14 @@ static bool has_points(const viewer* v)
 void cloud_page_give(const viewer* v, paint_request* request)
 {
     const viewer_settings* s = &v->settings;
-    bool in_metres = s->point_sizing == STP_POINTS_UNITS;
+    stp_point_sizing sizing = s->drawing.style.point_sizing;
+    bool in_metres = sizing == STP_POINTS_UNITS;
     cloud_point_size size = {.in_metres = in_metres};
+    request->style.point_sizing = STP_POINTS_ADAPTIVE;
     if (!has_points(v)) {
         return;
     }
-    if (s->point_sizing == STP_POINTS_ADAPTIVE) {
+    if (sizing == STP_POINTS_ADAPTIVE) {
         request->style.splat_scale = s->point_scale != 1.0f ? s->point_scale : 0.0f;
         return;
     }
@@ -43,13 +46,15 @@ void cloud_page_show(viewer* v)
     if (!has_points(v)) {
         return;
     }
-    gui_choice("Points", &s->point_sizing, sizings, 3,
+    int sizing = (int)s->drawing.style.point_sizing;
+    gui_choice("Points", &sizing, sizings, 3,
                "Adaptive: points are large enough to close the gaps between them. Pixels, "
                "Metres: all points have the same size");
-    if (s->point_sizing == STP_POINTS_ADAPTIVE) {
+    s->drawing.style.point_sizing = (stp_point_sizing)sizing;
+    if (sizing == STP_POINTS_ADAPTIVE) {
         gui_log_slider("Point size", &s->point_scale, 0.25f, 4.0f, "%.2f x",
                        "Relative to the size that closes the gaps between points");
-    } else if (s->point_sizing == STP_POINTS_PIXELS) {
+    } else if (sizing == STP_POINTS_PIXELS) {
         gui_log_slider("Point size", &s->point_pixels, 1.0f, 32.0f, "%.1f px",
                        "Width of each point on the screen");
     } else {

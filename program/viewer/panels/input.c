@@ -207,15 +207,15 @@ static void show_next_method(viewer* v)
         viewer_show_message(v, false, "This file has splats of only one method");
         return;
     }
-    uint32_t place = stp_store_find_method(d, (uint32_t)v->settings.splats_by);
-    if (viewer_mixes_methods(v) && place == 0 && v->settings.splats_by != 0) {
-        v->settings.splats_by = 0; // the first method comes last; then automatic again
+    uint32_t place = stp_store_find_method(d, v->settings.drawing.quality.method);
+    if (viewer_mixes_methods(v) && place == 0 && v->settings.drawing.quality.method != 0) {
+        v->settings.drawing.quality.method = 0; // after the last method, back to automatic
         viewer_show_message(v, false, "Splats by %s, and by others where few suffice",
                             d->methods[0].name);
         return;
     }
     uint32_t next = (place + 1) % d->method_count;
-    v->settings.splats_by = (int)d->methods[next].id;
+    v->settings.drawing.quality.method = d->methods[next].id;
     viewer_show_message(v, false, "Splats by %s", d->methods[next].name);
 }
 

@@ -84,6 +84,9 @@ uint32_t point_style_method(const viewer* v, bool* originals);
 void point_style_show(viewer* v);    ///< draws the controls in the panel
 void point_style_overlay(viewer* v); ///< draws the colour scale beside the picture
 
+// drawing_controls.c
+void drawing_controls_show(viewer* v, drawing_panel panel); ///< the controls of one place
+
 // cloud_page.c
 /// Strength of eye-dome lighting: the scene's default unless the user chose another.
 float cloud_page_eye_dome(const viewer* v);

@@ -118,7 +118,7 @@ uint32_t point_style_method(const viewer* v, bool* originals)
 {
     const point_style* look = &v->look;
     const point_color_options o = {.color = look->color, .classes = look->hides ? "" : NULL};
-    uint32_t chosen = (uint32_t)v->settings.splats_by;
+    uint32_t chosen = v->settings.drawing.quality.method;
     *originals = false;
     if (v->scene == NULL || !point_colors_need_points(&o)) {
         return chosen;
@@ -137,7 +137,7 @@ uint32_t point_style_method(const viewer* v, bool* originals)
 static void show_other_method(const viewer* v)
 {
     bool originals;
-    uint32_t chosen = (uint32_t)v->settings.splats_by, drawn = point_style_method(v, &originals);
+    uint32_t chosen = v->settings.drawing.quality.method, drawn = point_style_method(v, &originals);
     const stp_store_directory* d = v->scene->directory;
     if (originals) {
         gui_dim_paragraph("Showing original points: splats lack this attribute.");

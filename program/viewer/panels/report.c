@@ -181,7 +181,8 @@ static json_t* describe(const viewer* v)
         point_color_name(v->look.color), "hides", (int)v->look.hides, "tools", describe_tools(v),
         "guides", describe_guides(v), "match", describe_match(v), "start", describe_start(v),
         "handles", describe_handles(v), "splats", describe_splats(v), "eye_dome",
-        (double)cloud_page_eye_dome(v), "point_sizing", v->settings.point_sizing);
+        (double)cloud_page_eye_dome(v), "point_sizing",
+        (int)v->settings.drawing.style.point_sizing);
 }
 
 void report_write(viewer* v, bool last)

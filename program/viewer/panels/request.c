@@ -2,14 +2,6 @@
 // Converts settings and camera to a request for the painter.
 #include "program/viewer/panels/panels.h"
 
-#include <assert.h>
-
-static uint8_t to_byte(float x)
-{
-    assert(x >= 0.0f && x <= 1.0f && "or the byte overflows");
-    return (uint8_t)(x * 255.0f + 0.5f);
-}
-
 static stp_fovea make_fovea(const viewer_settings* s)
 {
     stp_fovea fovea = {0};
@@ -31,28 +23,19 @@ bool viewer_uses_gl(const viewer* v)
 paint_request request_make(viewer* v)
 {
     const viewer_settings* s = &v->settings;
-    bool original = s->method == METHOD_ORIGINAL;
+    bool original = s->drawing.quality.reference;
     uint32_t splats = splats_count(v);
     paint_request request = {
         .scene = v->scene->serial,
-        .style = {.headlight = s->light == 1,
-                  .background = true,
-                  .background_color = {to_byte(s->background[0]), to_byte(s->background[1]),
-                                       to_byte(s->background[2])},
-                  .filter = (stp_filter)s->filter,
-                  .caps = s->caps,
-                  .eye_dome = cloud_page_eye_dome(v),
-                  .ambient_occlusion = 0.01f * s->ambient_occlusion},
-        .quality = {.splat_size = s->splat_size,
-                    .splat_count = splats,
-                    .method = (uint32_t)s->splats_by,
-                    .cues_off = v->options.cues_off,
-                    .policy = original ? STP_POLICY_INSERTION : (stp_policy)s->method,
-                    .reference = original,
-                    .fovea = original || splats > 0 ? (stp_fovea){0} : make_fovea(s)},
+        .style = s->drawing.style,
+        .quality = s->drawing.quality,
         .budget_ms = s->adapts && !original && splats == 0 ? (double)s->budget_ms : 0.0,
         .samples = (uint32_t)s->samples,
     };
+    request.style.eye_dome = cloud_page_eye_dome(v);
+    request.quality.splat_count = splats;
+    request.quality.cues_off = v->options.cues_off;
+    request.quality.fovea = original || splats > 0 ? (stp_fovea){0} : make_fovea(s);
     cloud_page_give(v, &request);
     stp_navigator_write_view(&v->camera, &request.view);
     request.view.sections = section_make(v);

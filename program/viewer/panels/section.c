@@ -166,7 +166,7 @@ void page_section(viewer* v)
         return;
     }
     show_box(v, &scene);
-    gui_check("Fill cut solids", &v->settings.caps, "Show solids filled where they are cut");
+    drawing_controls_show(v, DRAWING_PANEL_SECTION);
     gui_space();
     gui_separator();
     gui_text("Planes");

@@ -9,10 +9,11 @@
 
 uint32_t splats_all(const viewer* v)
 {
-    if (v->scene == NULL || v->settings.method == METHOD_ORIGINAL) {
+    if (v->scene == NULL || v->settings.drawing.quality.reference) {
         return 0;
     }
-    uint32_t method = stp_store_find_method(v->scene->directory, (uint32_t)v->settings.splats_by);
+    uint32_t method =
+        stp_store_find_method(v->scene->directory, v->settings.drawing.quality.method);
     uint32_t all = method < SCENE_METHODS ? v->scene->splat_counts[method] : 0;
     return splat_count_is_chosen_of(all) ? all : 0;
 }
@@ -26,7 +27,8 @@ bool viewer_mixes_methods(const viewer* v)
 
 uint32_t splats_count(const viewer* v)
 {
-    uint32_t all = splats_all(v), count = v->settings.splat_count;
+    uint32_t all = splats_all(v);
+    uint64_t count = v->settings.drawing.quality.splat_count;
     return all > 0 && count > 0 ? splat_count_within(count, all) : 0;
 }
 
@@ -41,10 +43,10 @@ static uint32_t drawn_splats(const viewer* v)
 
 void splats_switch(viewer* v)
 {
-    if (v->settings.splat_count > 0) {
-        v->settings.splat_count = 0;
+    if (v->settings.drawing.quality.splat_count > 0) {
+        v->settings.drawing.quality.splat_count = 0;
     } else if (splats_all(v) > 0) {
-        v->settings.splat_count = drawn_splats(v);
+        v->settings.drawing.quality.splat_count = drawn_splats(v);
     } else {
         viewer_show_message(v, false, "There are no splats to draw by number");
     }
@@ -60,7 +62,7 @@ bool splats_take_key(viewer* v, SDL_Keycode key, bool fine)
     if (all == 0) {
         viewer_show_message(v, false, "There are no splats to draw by number");
     } else {
-        v->settings.splat_count =
+        v->settings.drawing.quality.splat_count =
             splat_count_step(count > 0 ? count : drawn_splats(v), all, up, fine);
     }
     return true;
@@ -97,14 +99,13 @@ static void show_number(viewer* v, uint32_t all)
               changed;
     gui_last_place(v->splat_places[SPLAT_PLACE_NUMBER]);
     if (changed) {
-        v->settings.splat_count = splat_count_within(count, all);
+        v->settings.drawing.quality.splat_count = splat_count_within(count, all);
     }
 }
 
 void splats_show(viewer* v)
 {
     static const char* const words[] = {"By size", "By number"};
-    viewer_settings* s = &v->settings;
     uint32_t all = splats_all(v);
     bool counted = splats_count(v) > 0;
     int by = counted;
@@ -122,6 +123,5 @@ void splats_show(viewer* v)
         show_number(v, all);
         return;
     }
-    gui_slider("Splat size", &s->splat_size, 1.0f, 16.0f, "%.1f px",
-               "Splat size at rest; the only size if frame time is not limited");
+    drawing_controls_show(v, DRAWING_PANEL_SPLAT_SIZE);
 }

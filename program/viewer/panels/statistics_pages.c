@@ -108,36 +108,12 @@ void page_statistics(viewer* v)
     gui_value("Window device", "%s", v->window.device);
 }
 
-static void show_effect(const char* label, const char* amount, float* value, float usual,
-                        float minimum, float maximum, const char* format, const char* tooltip)
-{
-    bool on = *value > 0.0f;
-    if (gui_check(label, &on, tooltip)) {
-        *value = on ? usual : 0.0f;
-    }
-    if (on) {
-        gui_push_id((int)(maximum * 100.0f));
-        gui_slider(amount, value, minimum, maximum, format, NULL);
-        gui_pop_id();
-    }
-}
-
 static void show_style(viewer* v)
 {
-    viewer_settings* s = &v->settings;
-    static const char* const lights[] = {"Sun", "Headlight"};
-    gui_choice("Light", &s->light, lights, 2,
-               "Sun: from above left of the viewer. Headlight: from the viewer");
-    show_effect("Ambient occlusion", "Reach", &s->ambient_occlusion, 4.0f, 0.5f, 12.0f, "%.1f %%",
-                "Darkens corners and crevices; the reach is a percentage of the picture's height");
-    float eye_dome = cloud_page_eye_dome(v), before = eye_dome;
-    show_effect(
-        "Eye-dome lighting", "Strength", &eye_dome, CLOUD_EYE_DOME, 0.05f, 4.0f, "%.2f",
-        "Darkens surfaces behind nearer edges, so that depth is visible; usual for point clouds");
-    s->eye_dome = eye_dome != before ? eye_dome : s->eye_dome;
+    drawing_controls_show(v, DRAWING_PANEL_LIGHT);
     cloud_page_show(v);
-    gui_color("Background", s->background, "Colour behind the model");
-    gui_check("View cube and scale bar", &s->guides,
+    drawing_controls_show(v, DRAWING_PANEL_BACKGROUND);
+    gui_check("View cube and scale bar", &v->settings.guides,
               "Click a side of the cube to look at it; Tab hides everything but the picture");
     measure_unit_choice(v);
 }
@@ -174,8 +150,8 @@ static void show_methods(viewer* v)
     const stp_store_directory* d = v->scene->directory;
     uint32_t count = d->method_count < SCENE_METHODS ? d->method_count : SCENE_METHODS;
     uint32_t first = viewer_mixes_methods(v) ? 1 : 0; // index of the file's first method
-    int chosen = (int)(first + stp_store_find_method(d, (uint32_t)v->settings.splats_by));
-    chosen = first > 0 && v->settings.splats_by == 0 ? 0 : chosen;
+    int chosen = (int)(first + stp_store_find_method(d, v->settings.drawing.quality.method));
+    chosen = first > 0 && v->settings.drawing.quality.method == 0 ? 0 : chosen;
     names[0] = "Automatic";
     for (uint32_t i = 0; i < count; ++i) {
         const stp_method* method = stp_method_by_id(d->methods[i].id);
@@ -183,28 +159,29 @@ static void show_methods(viewer* v)
     }
     gui_choice("Method", &chosen, names, (int)(first + count),
                "Method to draw. Automatic combines methods: ellipses where few splats suffice");
-    v->settings.splats_by =
-        (uint32_t)chosen < first ? 0 : (int)d->methods[(uint32_t)chosen - first].id;
+    v->settings.drawing.quality.method =
+        (uint32_t)chosen < first ? 0 : d->methods[(uint32_t)chosen - first].id;
 }
 
 static void show_advanced(viewer* v)
 {
     viewer_settings* s = &v->settings;
-    static const char* const filters[] = {"Nearest", "Blended"};
     static const char* const backends[] = {"Automatic", "CPU", "OpenGL"};
-    static const char* const methods[METHOD_COUNT] = {"Blended", "Brandt 2019", "Hard switch",
+    static const char* const details[DETAIL_COUNT] = {"Blended", "Brandt 2019", "Hard switch",
                                                       "Off: original"};
     gui_disable(!v->window.has_worker);
     gui_choice("Renderer", &s->backend, backends, BACKEND_COUNT,
                v->window.has_worker ? "Automatic: OpenGL if there is a GPU, else CPU (B switches)"
                                     : "OpenGL 4.5 is not available");
     gui_enable();
-    gui_choice("Detail", &s->method, methods, METHOD_COUNT,
+    int detail = viewer_settings_detail(s);
+    gui_choice("Detail", &detail, details, DETAIL_COUNT,
                "How the level of detail is chosen. Blended: by insertion radius, with smooth "
                "transitions. Brandt 2019: the estimate of the paper. Hard switch: no "
                "transitions. Off: only original triangles and points");
+    viewer_settings_set_detail(s, detail);
     show_methods(v);
-    gui_choice("Overlaps", &s->filter, filters, 2, "How overlapping splats are combined");
+    drawing_controls_show(v, DRAWING_PANEL_OVERLAPS);
     gui_disable(splats_count(v) > 0);
     gui_check("Foveated", &s->fovea,
               "Larger splats away from the picture's centre, if they are drawn by size");

@@ -324,27 +324,28 @@ static bool start(viewer* v)
 static void set_options(viewer* v)
 {
     const viewer_options* o = &v->options;
+    stp_quality* quality = &v->settings.drawing.quality;
     v->settings = viewer_settings_default();
     viewer_settings_load(&v->settings);
     v->settings.backend = o->backend > 0 ? o->backend : v->settings.backend;
     v->settings.budget_ms = o->budget_ms > 0.0f ? o->budget_ms : v->settings.budget_ms;
     v->settings.adapts = o->budget_ms > 0.0f ? true : v->settings.adapts;
     if (o->splat_count > 0) {
-        v->settings.method = v->settings.method == METHOD_ORIGINAL ? 0 : v->settings.method;
-        v->settings.splat_count = o->splat_count;
+        quality->reference = false;
+        quality->splat_count = o->splat_count;
     } else if (o->budget_ms > 0.0f) {
-        v->settings.splat_count = 0;
+        quality->splat_count = 0;
     }
     if (o->has_point_size) {
         bool fixed = o->point_size.width > 0.0, metres = o->point_size.in_metres;
         float width = (float)o->point_size.width;
-        v->settings.point_sizing = !fixed   ? STP_POINTS_ADAPTIVE
-                                   : metres ? STP_POINTS_UNITS
-                                            : STP_POINTS_PIXELS;
+        v->settings.drawing.style.point_sizing = !fixed   ? STP_POINTS_ADAPTIVE
+                                                 : metres ? STP_POINTS_UNITS
+                                                          : STP_POINTS_PIXELS;
         v->settings.point_metres = fixed && metres ? width : v->settings.point_metres;
         v->settings.point_pixels = fixed && !metres ? width : v->settings.point_pixels;
     }
-    v->settings.splats_by = o->method != 0 ? (int)o->method : v->settings.splats_by;
+    quality->method = o->method != 0 ? o->method : quality->method;
     v->shows_panels = true;
     v->measure.snaps = true;
     v->glide_start = -1.0;
