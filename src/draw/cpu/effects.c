@@ -24,7 +24,7 @@ typedef struct effect_frame {
     bool constant; ///< gain
 } effect_frame;
 
-static const cpu_effect_kernels* choose_kernels(void)
+const cpu_effect_kernels* cpu_choose_effect_kernels(void)
 {
 #if defined(__x86_64__)
     switch (stp_processor_detect()) {
@@ -306,7 +306,7 @@ static void run(const effect_frame* f, stp_job job)
 
 stp_result cpu_apply_effects(cpu_renderer* r)
 {
-    effect_frame f = {.r = r, .kernels = choose_kernels()};
+    effect_frame f = {.r = r, .kernels = cpu_choose_effect_kernels()};
     f.shape = stp_effect_shape_make(r->style, r->height, r->splat_size);
     f.constant = r->frame.parallel;
     double scale = r->frame.scale;

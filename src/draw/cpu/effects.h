@@ -44,6 +44,7 @@ typedef struct cpu_effect_kernels {
 
 extern const cpu_effect_kernels cpu_effect_kernels_portable, cpu_effect_kernels_avx2,
     cpu_effect_kernels_avx512;
+const cpu_effect_kernels* cpu_choose_effect_kernels(void);
 
 static inline bool cpu_has_effects(const stp_draw_style* style)
 {
