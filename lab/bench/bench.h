@@ -4,6 +4,7 @@
 // writes the list. It measures all alternatives interleaved, in one run, and reports medians.
 #pragma once
 
+#include "lab/bench/results.h"
 #include "program/options/command.h"
 
 #include <stipple/types.h>
@@ -36,18 +37,3 @@ typedef struct benchmark {
 
 /// All benchmarks, NULL at the end.
 const benchmark* const* benchmarks(void);
-
-/// The objects of one result, to be filled.
-typedef struct bench_entry {
-    json_t* params;  ///< borrowed
-    json_t* figures; ///< borrowed
-} bench_entry;
-/// Adds {name, params: {}, figures: {}} to the results.
-bench_entry bench_result(json_t* results, const char* name);
-
-void bench_set_count(json_t* object, const char* key, uint64_t value);
-void bench_set_number(json_t* object, const char* key, double value);
-void bench_set_text(json_t* object, const char* key, const char* value);
-
-/// Sorts the values and returns the middle one (the lower of two); 0 if there are none.
-double bench_median(double* values, size_t count);

@@ -11,7 +11,7 @@
 
 /// Commands that only stipple-lab has.
 static const char* const lab_commands[] = {"bench",        "capture", "compare-splats", "decimate",
-                                           "distribution", "scan",    "scene"};
+                                           "distribution", "kernels", "scan",           "scene"};
 
 const program* program_get(void)
 {

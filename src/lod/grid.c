@@ -26,7 +26,7 @@ typedef struct filling {
     uint32_t* buckets; ///< bucket of each point
 } filling;
 
-static const stp_grid_kernels* choose_kernels(void)
+const stp_grid_kernels* stp_grid_kernels_select(void)
 {
 #if defined(__x86_64__)
     if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
@@ -187,7 +187,7 @@ static stp_result fill_grid(stp_context* context, filling* f, uint32_t count, fl
                        .inverse_cell = 1.0f / cell,
                        .offset = offset,
                        .mask = bucket_mask(count)};
-    f->kernels = choose_kernels();
+    f->kernels = stp_grid_kernels_select();
     f->buckets = STP_NEW_ARRAY(context, uint32_t, count);
     bool normals = f->from != NULL ? has_normals(f->from) : f->normals != NULL;
     if (f->buckets == NULL || !allocate(context, grid, normals)) {

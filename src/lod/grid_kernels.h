@@ -16,5 +16,8 @@ typedef struct stp_grid_kernels {
                          size_t end, uint32_t* buckets);
 } stp_grid_kernels;
 
+/// The kernels for this CPU.
+const stp_grid_kernels* stp_grid_kernels_select(void);
+
 extern const stp_grid_kernels stp_grid_kernels_portable;
 extern const stp_grid_kernels stp_grid_kernels_avx2;

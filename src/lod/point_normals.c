@@ -217,7 +217,7 @@ static void estimate_listed(size_t begin, size_t end, uint32_t worker, void* use
     set_normals(s, &batch);
 }
 
-static const stp_normal_kernels* choose_kernels(void)
+const stp_normal_kernels* stp_normal_kernels_select(void)
 {
 #if defined(__x86_64__)
     if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
@@ -231,7 +231,7 @@ static normal_loop loop_of(const stp_normal_search* search, float radius)
 {
     return (normal_loop){.rows = &search->rows,
                          .squared_radius = radius * radius,
-                         .kernels = choose_kernels(),
+                         .kernels = stp_normal_kernels_select(),
                          .normals = search->candidates->normals,
                          .missing = search->missing};
 }

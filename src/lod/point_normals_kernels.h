@@ -33,5 +33,8 @@ typedef struct stp_normal_kernels {
                     float (*out)[STP_NORMAL_MATRIX]);
 } stp_normal_kernels;
 
+/// The kernels for this CPU.
+const stp_normal_kernels* stp_normal_kernels_select(void);
+
 extern const stp_normal_kernels stp_normal_kernels_portable;
 extern const stp_normal_kernels stp_normal_kernels_avx2;

@@ -39,6 +39,9 @@ extern const stp_curve_kernels stp_curve_kernels_portable;
 extern const stp_curve_kernels stp_curve_kernels_avx2;
 extern const stp_curve_kernels stp_curve_kernels_avx512;
 
+/// The widest kernels that this CPU runs.
+const stp_curve_kernels* stp_curve_kernels_select(void);
+
 static inline uint32_t stp_curve_quantize(float value, float low, float quanta)
 {
     return (uint32_t)(int32_t)((value - low) * quanta);

@@ -47,8 +47,7 @@ typedef struct sort_job {
     size_t largest;
 } sort_job;
 
-/// The widest kernels that this CPU runs.
-static const stp_curve_kernels* select_kernels(void)
+const stp_curve_kernels* stp_curve_kernels_select(void)
 {
 #if defined(__x86_64__)
     stp_processor processor = stp_processor_detect();
@@ -341,7 +340,7 @@ stp_result stp_points_sort(const stp_points* points, const stp_team* team, stp_t
     size_t chunks = ((size_t)points->count + CHUNK_SIZE - 1) / CHUNK_SIZE;
     sort_job job = {
         .points = points,
-        .kernels = select_kernels(),
+        .kernels = stp_curve_kernels_select(),
         .curve = make_curve(points),
         .tree = tree,
         .records = (stp_record*)(void*)tree->leaves,

@@ -5,12 +5,13 @@
 
 #include <assert.h>
 
-double stp_select_growth(double ceiling, double depth)
+double stp_level_switch_share(double ceiling, double depth)
 {
     if (depth <= ceiling) {
         return 1.0;
     }
-    return stp_clampd((STP_LEVELS_GROW * ceiling - depth) / ((STP_LEVELS_GROW - 1.0) * ceiling),
+    return stp_clampd((STP_LEVEL_SWITCH_FAR * ceiling - depth) /
+                          ((STP_LEVEL_SWITCH_FAR - 1.0) * ceiling),
                       0.0, 1.0);
 }
 

@@ -86,7 +86,7 @@ bool stp_select_request_part(stp_selection* s, stp_store_part part, const stp_se
                    : stp_store_are_points_resident(s->store, part.index);
 }
 
-bool stp_select_request_extra(stp_selection* s, uint32_t mesh)
+bool stp_select_request_optional_mesh(stp_selection* s, uint32_t mesh)
 {
     add_request(s,
                 (stp_data_request){.kind = STP_RESIDENT_MESH, .index = mesh, .need = EXTRA_NEED});
@@ -232,7 +232,7 @@ stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
     uint32_t octaves = stp_store_octaves_for(surfels, use->count);
     uint32_t minimum = find_octaves(surfels, at);
     bool opens = s->quality->splat_count == 0 &&
-                 stp_select_growth(use->switch_depth, sight->range.near) > 0.0;
+                 stp_level_switch_share(use->switch_depth, sight->range.near) > 0.0;
     bool ready = false;
     if (surfels->count == 0) {
         return STP_OK;

@@ -64,13 +64,13 @@ static double switch_depth_factor(double lacks, stp_depth_range range)
 }
 
 /// Chooses the prefix, and its radius, of a set in transition, so that it and the incoming content
-/// together take at most STP_TRANSITION_WORK times the work of the more expensive one. A shorter
+/// together take at most STP_LEVEL_SWITCH_WORK times the work of the more expensive one. A shorter
 /// prefix still covers, with larger splats.
 static void use_beside(stp_set_use* use, uint32_t count, double size, double below, double grown)
 {
     assert(grown >= 0.0 && grown <= 1.0 && "a share");
     double own = STP_SPLAT_WORK * (double)count;
-    double maximum = STP_TRANSITION_WORK * fmax(own, below) - grown * below;
+    double maximum = STP_LEVEL_SWITCH_WORK * fmax(own, below) - grown * below;
     if (maximum < own) {
         double part = (double)count * (maximum / own);
         count = part > 1.0 ? (uint32_t)part : 1;
@@ -101,12 +101,12 @@ static void use_by_insertion(stp_set_use* use, const stp_selection* s,
     }
     if (suffices) {
         use->switch_depth = suffices_from;
-        use_beside(use, count, size, below, stp_select_growth(suffices_from, range.near));
+        use_beside(use, count, size, below, stp_level_switch_share(suffices_from, range.near));
         return;
     }
     use->switch_depth = suffices_from * switch_depth_factor(suffices_from / range.near, range);
     use->extra = true;
-    if (range.far * STP_LEVELS_SHRINK > use->switch_depth) {
+    if (range.far * STP_LEVEL_SWITCH_NEAR > use->switch_depth) {
         use_beside(use, count, size, below, 1.0);
     }
 }
@@ -114,7 +114,7 @@ static void use_by_insertion(stp_set_use* use, const stp_selection* s,
 /// Share of a node's own set that is drawn at a depth.
 static double shrinking(const stp_set_use* use, double depth)
 {
-    const double gone = 1.0 / STP_LEVELS_SHRINK;
+    const double gone = 1.0 / STP_LEVEL_SWITCH_NEAR;
     return stp_clampd((depth / use->switch_depth - gone) / (1.0 - gone), 0.0, 1.0);
 }
 
@@ -125,11 +125,11 @@ static stp_depth_range depths_of(const stp_set_use* use, double ceiling, uint32_
     assert(index < use->count);
     double part = (double)index / (double)use->count;
     if (use->extra) {
-        const double gone = 1.0 / STP_LEVELS_SHRINK;
+        const double gone = 1.0 / STP_LEVEL_SWITCH_NEAR;
         range.near = use->switch_depth * (gone + part * (1.0 - gone));
     }
     if (ceiling < HUGE_VAL) {
-        range.far = ceiling * (STP_LEVELS_GROW - part * (STP_LEVELS_GROW - 1.0));
+        range.far = ceiling * (STP_LEVEL_SWITCH_FAR - part * (STP_LEVEL_SWITCH_FAR - 1.0));
     }
     return range;
 }
@@ -191,7 +191,7 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
                       const stp_box_visibility* sight)
 {
     stp_depth_range range = sight->range;
-    double part = stp_select_growth(at->ceiling, range.near);
+    double part = stp_level_switch_share(at->ceiling, range.near);
     part *= use->extra ? shrinking(use, range.far) : 1.0;
     assert(part >= 0.0 && part <= 1.0 && "a share");
     stp_draw_item item = {.kind = STP_DRAW_SURFELS,

@@ -120,7 +120,8 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
         return result;
     }
     stp_depth_range drawn = {use->extra ? use->switch_depth : 0.0,
-                             at->ceiling < HUGE_VAL ? at->ceiling * STP_LEVELS_GROW : HUGE_VAL};
+                             at->ceiling < HUGE_VAL ? at->ceiling * STP_LEVEL_SWITCH_FAR
+                                                    : HUGE_VAL};
     drawn.near = drawn.near <= sight->range.near ? 0.0 : drawn.near;
     drawn.far = drawn.far >= sight->range.far ? HUGE_VAL : drawn.far;
     if (drawn.near > 0.0 || drawn.far < HUGE_VAL) {

@@ -96,7 +96,7 @@ static stp_result add_node(walk* w, uint32_t index, const stp_affine* below)
         if (w->does == WALK_ADDS) {
             result = add_item(w, part.index, below, scale);
         } else if (w->does == WALK_ASKS) {
-            w->all = stp_select_request_extra(s, part.index) && w->all;
+            w->all = stp_select_request_optional_mesh(s, part.index) && w->all;
         }
     }
     for (uint32_t i = 0; i < node->edge_count && w->left > 0 && result == STP_OK; ++i) {

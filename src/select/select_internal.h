@@ -6,18 +6,19 @@
 #include "select/select.h"
 
 /// Factor on the depth at which a node's surfels just suffice: up to there its children fade in.
-#define STP_LEVELS_GROW 1.1
+#define STP_LEVEL_SWITCH_FAR 1.1
 /// Shortfall of the wanted radius at which all surfels of a set have faded out.
-#define STP_LEVELS_LACK 1.07
-#define STP_LEVELS_LACK_TWICE (STP_LEVELS_LACK * STP_LEVELS_LACK)
+#define STP_LEVEL_SWITCH_SHORTFALL 1.07
+#define STP_LEVEL_SWITCH_SHORTFALL_SQUARED (STP_LEVEL_SWITCH_SHORTFALL * STP_LEVEL_SWITCH_SHORTFALL)
 /// The same in depths: the switch depth grows at least with the cube of the shortfall
 /// (rule_blue.c).
-#define STP_LEVELS_SHRINK (STP_LEVELS_LACK_TWICE * STP_LEVELS_LACK_TWICE)
+#define STP_LEVEL_SWITCH_NEAR                                                                      \
+    (STP_LEVEL_SWITCH_SHORTFALL_SQUARED * STP_LEVEL_SWITCH_SHORTFALL_SQUARED)
 
 /// Cost of a splat relative to a triangle (docs/notes/2026-11-proportion.md).
 #define STP_SPLAT_WORK 1.5
 /// Limit on the work of a node in transition, relative to the more expensive of its two levels.
-#define STP_TRANSITION_WORK 1.2
+#define STP_LEVEL_SWITCH_WORK 1.2
 
 /// Maximum and default of stp_quality.early_switch.
 #define STP_EARLY_SWITCH_MAX 8.0
@@ -139,7 +140,7 @@ void stp_select_request_leaves(stp_selection* s, const stp_select_entry* at,
                                const stp_box_visibility* sight, uint32_t set);
 /// Requests a mesh that only improves the picture, with the lowest priority. @return whether it is
 /// resident
-bool stp_select_request_extra(stp_selection* s, uint32_t mesh);
+bool stp_select_request_optional_mesh(stp_selection* s, uint32_t mesh);
 /// Turns the entry of a node with a set into the entry of its children.
 void stp_select_cover(const stp_selection* s, const stp_splats* surfels,
                       const stp_box_visibility* sight, stp_select_entry* at);
@@ -177,7 +178,7 @@ STP_MUST_USE stp_result stp_select_max_count(stp_selection* s, uint32_t node, ui
 
 /// Share of a node's content that is drawn at a depth, given the depth beyond which the node's set
 /// suffices.
-double stp_select_growth(double ceiling, double depth);
+double stp_level_switch_share(double ceiling, double depth);
 
 /// Builds, or finds, the view-independent properties of the store's nodes.
 STP_MUST_USE stp_result stp_select_find_graph(stp_selection* s);

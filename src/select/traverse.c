@@ -139,7 +139,7 @@ static stp_result add_part(stp_selection* s, stp_store_part part, const stp_sele
     stp_box_visibility sight;
     if (shown == STP_SHOW_NOT || !stp_select_is_in_view(s, &box, &sight) ||
         !stp_sections_test(s->sections, &box, 0.0, &item.sections) ||
-        !(stp_select_growth(at->ceiling, sight.range.near) > 0.0)) {
+        !(stp_level_switch_share(at->ceiling, sight.range.near) > 0.0)) {
         return STP_OK;
     }
     if (s->streams && !stp_select_request_part(s, part, at, &sight)) {
@@ -151,11 +151,11 @@ static stp_result add_part(stp_selection* s, stp_store_part part, const stp_sele
     }
     if (item.kind == STP_DRAW_MESH && range.far > at->ceiling) {
         item.fade_begin = (float)at->ceiling;
-        item.fade_end = (float)(at->ceiling * STP_LEVELS_GROW);
-        double end = fmin(range.far, at->ceiling * STP_LEVELS_GROW);
+        item.fade_end = (float)(at->ceiling * STP_LEVEL_SWITCH_FAR);
+        double end = fmin(range.far, at->ceiling * STP_LEVEL_SWITCH_FAR);
         double width = fmax(range.far - range.near, 1e-12 * range.far);
         double beside = fmin(1.0, (end - fmax(range.near, at->ceiling)) / width);
-        double share = stp_select_growth(at->ceiling, fmax(range.near, at->ceiling));
+        double share = stp_level_switch_share(at->ceiling, fmax(range.near, at->ceiling));
         s->list->extra_triangles += (uint64_t)((double)count * beside * 0.5 * share);
     }
     return stp_select_add_item(s, item, count);
@@ -263,7 +263,7 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
         return STP_OK;
     }
     double nearest = sight.range.near;
-    at->moving_only = at->moving_only || !(stp_select_growth(at->ceiling, nearest) > 0.0);
+    at->moving_only = at->moving_only || !(stp_level_switch_share(at->ceiling, nearest) > 0.0);
     bool hidden = false;
     if (at->moving_only && (moving & STP_MOVES_BELOW) == 0) {
         return STP_OK;
@@ -283,7 +283,7 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
         // if this node's surfels suffice at its nearest depth, switching would draw nothing below
         at->extra = at->extra || (use.count > 0 && !use.extra);
         at->ceiling = fmin(at->ceiling, use.switch_depth);
-        at->moving_only = !(stp_select_growth(at->ceiling, nearest) > 0.0);
+        at->moving_only = !(stp_level_switch_share(at->ceiling, nearest) > 0.0);
         assert(use.count <= use.surfels->count);
         if (s->streams && use.surfels->count > 0) {
             stp_select_cover(s, use.surfels, &sight, at);

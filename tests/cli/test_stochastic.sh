@@ -191,7 +191,7 @@ import math
 import pathlib
 import struct
 import sys
-sys.path[:0] = [sys.argv[1] + "/bench", sys.argv[1] + "/scripts"]
+sys.path[:0] = [sys.argv[1] + "/lab/papers", sys.argv[1] + "/scripts"]
 import stochastic_normals
 points = list(struct.iter_unpack("<3f3B", open("ring.ply", "rb").read().split(b"end_header\n", 1)[1]))
 count = inwards = 0

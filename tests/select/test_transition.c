@@ -144,7 +144,7 @@ static int check_leaves(const stp_store* store, const stp_view* view, float spla
     return both;
 }
 
-void test_transitions_of_random_graphs_cost_little(test_state* test)
+void test_level_switches_of_random_graphs_cost_little(test_state* test)
 {
     stp_context* context = test_context(NULL, 2, NULL);
     int both = 0;
@@ -247,7 +247,7 @@ static double work_of(const stp_store* store, const stp_view* view, const stp_dr
 
 // For models built with default options, a whole picture costs at most a fifth more than all of its
 // triangles, and much less from afar; triangles are drawn if they are fewer than eight per splat.
-void test_transitions_of_models_cost_little(test_state* test)
+void test_level_switches_of_models_cost_little(test_state* test)
 {
     stp_context* context = test_context(NULL, 2, NULL);
     for (uint32_t uses = 1; uses <= 25; uses += 24) {

@@ -25,7 +25,7 @@ typedef struct effect_frame {
     bool constant; ///< the gain is the same everywhere: parallel projection
 } effect_frame;
 
-static const stp_cpu_effect_kernels* choose_kernels(void)
+const stp_cpu_effect_kernels* stp_cpu_choose_effect_kernels(void)
 {
 #if defined(__x86_64__)
     switch (stp_processor_detect()) {
@@ -313,7 +313,7 @@ static void run(const effect_frame* f, stp_job job)
 stp_result stp_cpu_apply_effects(stp_cpu_renderer* r)
 {
     assert(stp_cpu_has_effects(r->style) && r->splat_size >= 0.0f);
-    effect_frame f = {.r = r, .kernels = choose_kernels()};
+    effect_frame f = {.r = r, .kernels = stp_cpu_choose_effect_kernels()};
     f.shape = stp_effect_shape_make(r->style, r->height, r->splat_size);
     f.constant = r->frame.parallel;
     double scale = r->frame.scale;

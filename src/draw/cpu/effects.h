@@ -44,6 +44,7 @@ typedef struct stp_cpu_effect_kernels {
 
 extern const stp_cpu_effect_kernels stp_cpu_effect_kernels_portable, stp_cpu_effect_kernels_avx2,
     stp_cpu_effect_kernels_avx512;
+const stp_cpu_effect_kernels* stp_cpu_choose_effect_kernels(void);
 
 static inline bool stp_cpu_has_effects(const stp_draw_style* style)
 {

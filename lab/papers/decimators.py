@@ -2,7 +2,7 @@
 """Progressive Splatting and the methods it is compared with (Wu, Zhang, Kobbelt 2005, 6): splats,
 area ratio and time.
 
-    bench/decimators.py [MODEL...] [--splats N,N...] [--repeats N] [--out FILE.json]
+    lab/papers/decimators.py [MODEL...] [--splats N,N...] [--repeats N] [--out FILE.json]
 
 Runs `stipple decimate MODEL --by METHOD --splats N`. The area ratio is the sum of all splat areas
 over the area of the model's triangles (Table 1 of the paper). Times are medians. Methods take

@@ -2,7 +2,7 @@
 """Figure 7 of Brandt et al. 2019: ours, without LOD, and the SSIM of each pixel (black where they
 differ), one row per view.
 
-usage: bench/figure7.py SCENE [--views NAME,NAME] [--splat-size PX] [--size WxH]
+usage: lab/papers/figure7.py SCENE [--views NAME,NAME] [--splat-size PX] [--size WxH]
 
 Writes figure7.png, with pictures at half size.
 """

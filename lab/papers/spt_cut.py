@@ -8,7 +8,7 @@ import sys
 
 import kit
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "scripts"))
+sys.path.insert(0, str(kit.ROOT / "scripts"))
 import read_store  # noqa: E402
 
 BINS = 100

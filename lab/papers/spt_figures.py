@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The figures of Dachsbacher et al. 2003 on real models: pictures, plots, tables, and one JSON.
 
-usage: [MODELS=FOLDER] bench/spt_figures.py [PART...]
+usage: [MODELS=FOLDER] lab/papers/spt_figures.py [PART...]
 
 PARTs, default all:
   cut        Figures 1, 4 and 5: points of the sequence tested and drawn by distance; spt-cut.svg

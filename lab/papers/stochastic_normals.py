@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Normals that method `stochastic` estimates for clouds without normals: how many are correct, and how many face inwards.
 
-usage: bench/stochastic_normals.py [--neighbors K1,K1...] MESH.ply...
+usage: lab/papers/stochastic_normals.py [--neighbors K1,K1...] MESH.ply...
 
 Takes the vertices of closed meshes, with their number as colour instead of a normal, builds a set of them with `--normal-neighbors K1`,
 and compares the normals in the file with those of the mesh's vertices. Prints the share within 10 degrees, regardless of their sign, and

@@ -3,7 +3,7 @@
 test, and drawing time by recursion, as a sequence, and with culled groups, on the CPU or with
 OpenGL.
 
-    bench/spt.py [MODEL...] [--count N] [--backend cpu|gl] [--out FILE.json]
+    lab/papers/spt.py [MODEL...] [--count N] [--backend cpu|gl] [--out FILE.json]
 
 Default: models of Debian's assimp-testmodels. Runs `stipple bench spt` on each, prints a table, and
 saves the figures in bench/results.

@@ -2,7 +2,7 @@
 """The figures and the table of Wu, Zhang, Kobbelt 2005 on real models: pictures, plots, tables, and
 one JSON.
 
-usage: MODELS=FOLDER bench/psp_figures.py [PART...]
+usage: MODELS=FOLDER lab/papers/psp_figures.py [PART...]
 
 PARTs, default all:
   table      Table 1, Figures 2, 7, 8 and 10: all decimators on the bunny at three counts;
@@ -14,7 +14,7 @@ PARTs, default all:
   sweep      distance and SSIM of psp, blue and spt from 10 to 100,000 splats, of the dragon with a
              quarter of its points; psp-sweep-MODEL.svg
 
-MODELS holds bunny.ply and dragon.ply, made by bench/psp_models.py; its other models (.glb, .obj,
+MODELS holds bunny.ply and dragon.ply, made by lab/papers/psp_models.py; its other models (.glb, .obj,
 .ply) join `sweep`. Parts that are not measured keep their results in the JSON; `sweep` saves each
 figure immediately. All parts take about 8 CPU minutes.
 """
@@ -324,7 +324,7 @@ def main():
     if unknown:
         parser.error(f"unknown part: {unknown[0]}")
     if not os.environ.get("MODELS") or not model("bunny").exists() or not model("dragon").exists():
-        parser.error("MODELS must name a folder with bunny.ply and dragon.ply: bench/psp_models.py FOLDER")
+        parser.error("MODELS must name a folder with bunny.ply and dragon.ply: lab/papers/psp_models.py FOLDER")
     path = kit.path_of("psp-figures", given.out)
     given.kept = kit.read_results(path) if path.exists() else []
     with tempfile.TemporaryDirectory() as name:

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Method `stochastic` (Bhakar, Luo, Mudur 2004): the paper's Table 2, its cues one by one, and comparisons with the other methods.
 
-usage: bench/stochastic.py [--parts counts,cues,sizes,build,times] [--counts N,N...] [--size WxH] MODEL...
+usage: lab/papers/stochastic.py [--parts counts,cues,sizes,build,times] [--counts N,N...] [--size WxH] MODEL...
 
 MODEL is a cloud; a mesh as PLY, of which the vertices and their normals are taken; or a mesh in another format, which stays one. Files
 are built with each method, and drawn in view iso; the reference is all points, or triangles, four samples a pixel. `counts`: SSIM of

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Speed and memory of Progressive Splatting by number of points: a table.
 
-usage: bench/psp_scale.py [--millions 1,4,20] [--repeats N] [--scratch FOLDER]
+usage: lab/papers/psp_scale.py [--millions 1,4,20] [--repeats N] [--scratch FOLDER]
 
 Each million points are random points on a bumpy sphere; larger clouds are several such spheres. All
 are decimated to 1 %. The first cloud is also merged with one queue instead of pieces, with the lazy

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Figures 1 to 3 and 5 of Bhakar, Luo, Mudur 2004, of the vertices of a closed mesh.
 
-usage: bench/stochastic_figures.py MESH.ply
+usage: lab/papers/stochastic_figures.py MESH.ply
 
 Writes stochastic-figures.jpg: leaves that are flat by two thresholds (Figure 1), the octree's leaves as cubes (2), normals that face
 inwards, in red, before and after orientation (3: those of `blue`, whose signs are a guess, and those of `stochastic`); and

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Building a cloud by `stochastic` and by `blue`: seconds of the whole build, and of the sets alone.
 
-usage: bench/build_stages.py [--runs N] [--out FILE.json] CLOUD...
+usage: lab/papers/build_stages.py [--runs N] [--out FILE.json] CLOUD...
 
 Both methods in turn, by one thread. Of a mesh as PLY the vertices and their normals are taken. `all` is the CPU time of `stipple
 build`, including the kernel's part. `sets` is what the methods do (stages capture, order and finish of `build --json`, in seconds of
