@@ -21,7 +21,7 @@ typedef struct kernel_case {
 
 typedef struct kernel {
     const char* name;
-    const char* source;   ///< path of its files without _avx2.c and _avx512.c
+    const char* source;   ///< path of its files, without the suffixes of instruction sets and of C
     stp_processor widest; ///< variant
     const char* element;  ///< what a run processes
     /// Fills the case. @return false if out of memory (not logged)
