@@ -249,6 +249,18 @@ void* stp_grow_array(stp_context* context, void* array, size_t* capacity, size_t
     return moved;
 }
 
+bool stp_make_room(stp_context* context, void* array_address, size_t* capacity, size_t needed,
+                   size_t size)
+{
+    void* array;
+    memcpy(&array, array_address, sizeof(array)); // whatever it points to
+    array = stp_grow_array(context, array, capacity, needed, size);
+    if (array != NULL) {
+        memcpy(array_address, &array, sizeof(array));
+    }
+    return array != NULL;
+}
+
 static void log_message(stp_context* context, stp_log_level level, const char* format, va_list list)
     __attribute__((format(printf, 3, 0)));
 

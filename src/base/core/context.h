@@ -34,6 +34,15 @@ void stp_trim_heap(void);
 void* stp_grow_array(stp_context* context, void* array, size_t* capacity, size_t needed,
                      size_t size);
 
+/// stp_grow_array for an array at its address, a pointer to any type. @return false if out of
+/// memory, not logged: the array is as before
+STP_MUST_USE bool stp_make_room(stp_context* context, void* array_address, size_t* capacity,
+                                size_t needed, size_t size);
+/// Makes room for `needed` elements in an array, which may move. `array` and `capacity` (size_t)
+/// are the variables or members themselves. @return false if out of memory, not logged
+#define STP_MAKE_ROOM(context, array, capacity, needed)                                            \
+    stp_make_room((context), &(array), &(capacity), (needed), sizeof(*(array)))
+
 #define STP_NEW_ARRAY(context, type, count)                                                        \
     ((type*)stp_alloc_array((context), (count), sizeof(type)))
 #define STP_NEW_ZEROED(context, type, count)                                                       \
