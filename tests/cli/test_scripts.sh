@@ -8,7 +8,8 @@ source=$3
 rm -rf "$scratch"
 . "$(dirname "$0")/shared.sh"
 mkdir -p "$scratch/scripts" "$scratch/bin" && cd "$scratch" || exit 1
-CTEST=$(command -v ctest) || exit 77
+installed ctest "scripts/test" || exit 77
+CTEST=$(command -v ctest)
 export CTEST
 cp "$source/scripts/test" scripts/test
 printf '#!/bin/sh\nexit 0\n' | tee scripts/setup > bin/cmake
