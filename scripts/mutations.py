@@ -27,7 +27,8 @@ NUMBER = re.compile(r"(?<![\w.])(?:0[xX][0-9a-fA-F]+|\d+(?:\.\d+)?)(?=[uUlLfF]*(
 CONDITION = re.compile(r"\bif \(")
 # an assignment, an increment or a call; declarations have two words in a row
 STATEMENT = re.compile(r"(?<=[;{}]\n)( {4,})(?!return\b|else\b|case\b|goto\b)"
-                       r"((?:\*|\()*[a-z_]\w*(?:(?:->|\.)\w+|\[[^\];]*\])*\)?(?: (?:[-+*/|&^%]|<<|>>)?= |\(|\+\+|--)[^;{}]*;)")
+                       r"((?:\*|\()*[a-z_]\w*(?:(?:->|\.)\w+|\[[^\];]*\])*\)?"
+                       r"(?: (?:[-+*/|&^%]|<<|>>)?= |\(|\+\+|--)[^;{}]*;)")
 
 
 def blank(text, start, end):
