@@ -4,6 +4,8 @@
 #include "e57_writer.h"
 #include "points_test.h"
 
+#include "import/reading/scan_info.h"
+
 #define HEAD                                                                                       \
     "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<e57Root type=\"Structure\" "                     \
     "xmlns=\"http://www.astm.org/COMMIT/E57/2010-e57-v1.0\" xmlns:nor=\"http://nor\">"
@@ -167,6 +169,46 @@ static unsigned char* write_grid(size_t* size, int normals)
     unsigned char* bytes = e57_finish(&f, xml, size);
     free(xml);
     return bytes;
+}
+
+void test_e57_headers_are_described(test_state* test)
+{
+    static const struct {
+        const char *name, *type;
+    } expected[] = {{"cartesianX", "f64"},
+                    {"cartesianY", "f32"},
+                    {"cartesianZ", "scaled integer"},
+                    {"cartesianInvalidState", "integer"},
+                    {"intensity", "integer"},
+                    {"colorRed", "integer"},
+                    {"colorGreen", "integer"},
+                    {"colorBlue", "integer"},
+                    {"other", "integer"},
+                    {"timeStamp", "f64"},
+                    {"sphericalRange", "f64"},
+                    {"sphericalAzimuth", "f64"},
+                    {"sphericalElevation", "f64"}};
+    size_t size;
+    unsigned char* bytes = write_two(&size);
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_scene* scene = NULL;
+    stp_scan_info info;
+    CHECK_EQUAL(STP_OK, stp_scene_create(context, &scene));
+    CHECK_EQUAL(STP_OK,
+                stp_import_memory(scene, "a.e57", bytes, size, &(stp_import_desc){.scan = &info}));
+    CHECK(strcmp(info.format, "e57") == 0 && strcmp(info.version, "1.0") == 0);
+    CHECK_EQUAL(2 * COUNT, info.point_count);
+    CHECK(info.scan_count == 2 && info.point_format == -1 && info.record_bytes == 0);
+    CHECK_EQUAL(sizeof(expected) / sizeof(expected[0]), info.field_count);
+    for (uint32_t i = 0; i < info.field_count; ++i) {
+        const stp_scan_field* field = &info.fields[i];
+        CHECK(strcmp(field->name, expected[i].name) == 0);
+        CHECK(strcmp(field->type, expected[i].type) == 0);
+        CHECK(field->kept == (strcmp(field->name, "other") != 0));
+    }
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+    free(bytes);
 }
 
 void test_e57_normals(test_state* test)
