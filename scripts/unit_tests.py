@@ -12,8 +12,9 @@ import time
 INCLUDE = re.compile(r'^#include ["<]([a-z_0-9/]+)/([a-z_0-9]+)\.h[">]', re.M)
 MEMORY_MAX = 6 << 30  # of a process
 FILE_MAX = 32 << 30   # tests make sparse files of 10 GB
+QUICK = 0.2  # seconds; these tests are run before the others
 TIME_FACTOR, TIME_BASE = 4, 60  # seconds allowed: of the unchanged library, times the factor, plus the base
-RESULT = re.compile(r"(ok  |FAIL|skip) (\w+)")
+RESULT = re.compile(r"(ok  |FAIL|skip) (\w+)(?:, ([0-9.]+) s)?")
 
 
 def limit_process():
@@ -30,7 +31,7 @@ def end_group(process):
 
 
 def run_tests(program, scratch, names, jobs, seconds, stop):
-    """Results by name, and whether time was left. With `stop`, ends at the first failure."""
+    """Results and seconds by name, and whether time was left. With `stop`, ends at the first failure."""
     if not names:
         return {}, True
     shutil.rmtree(scratch, ignore_errors=True)
@@ -46,7 +47,7 @@ def run_tests(program, scratch, names, jobs, seconds, stop):
     for line in process.stdout:
         match = RESULT.match(line)
         if match:
-            results[match[2]] = match[1].strip()
+            results[match[2]] = match[1].strip(), float(match[3] or 0.0)
             if stop and match[1] == "FAIL":
                 break
     timer.cancel()
@@ -86,7 +87,7 @@ def reached_rooms(path, folders):
 
 
 class UnitTests:
-    """The unit tests that pass with the unchanged library."""
+    """The unit tests that pass with the unchanged library, and their seconds."""
 
     def __init__(self, tree, program, scratch, jobs):
         self.program, self.scratch, self.jobs = program, scratch, jobs
@@ -100,19 +101,21 @@ class UnitTests:
         start = time.monotonic()
         results, _ = self.run(list(self.rooms), 3600, False)
         self.seconds = time.monotonic() - start
-        self.failed = [name for name, result in results.items() if result == "FAIL"]
-        self.names = [name for name in self.rooms if results.get(name) == "ok"]
+        self.failed = [name for name, result in results.items() if result[0] == "FAIL"]
+        self.times = {name: seconds for name, (result, seconds) in results.items() if result == "ok"}
 
     def run(self, names, seconds, stop):
         return run_tests(self.program, self.scratch, names, self.jobs, seconds, stop)
 
     def failure(self, room):
         """The first test that fails with a change of this room, 'time', or None."""
-        own = [name for name in self.names if self.rooms[name] == room]
-        others = [name for name in self.names if self.rooms[name] != room and room in self.reached[name]]
-        for names in (own, others):
+        own = [name for name in self.times if self.rooms[name] == room]
+        others = [name for name in self.times if self.rooms[name] != room and room in self.reached[name]]
+        batches = [[name for name in names if (self.times[name] > QUICK) == slow]
+                   for names in (own, others) for slow in (False, True)]
+        for names in batches:
             results, in_time = self.run(names, TIME_FACTOR * self.seconds + TIME_BASE, True)
-            failed = [name for name, result in results.items() if result == "FAIL"]
+            failed = [name for name, result in results.items() if result[0] == "FAIL"]
             if failed:
                 return failed[0]
             if not in_time:
