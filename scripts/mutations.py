@@ -19,7 +19,7 @@ OTHER_OPERATORS = {
 }
 OPERATOR = re.compile(r"(?<= )(?:<=|>=|==|!=|&&|\|\||[-+<>])(?=[ \n])")
 OTHER_FUNCTIONS = {
-    "stp_min": "stp_max", "stp_max": "stp_min", "stp_mind": "stp_maxd", "stp_maxd": "stp_mind",
+    "stp_min": "stp_max", "stp_max": "stp_min", "stp_maxd": "fmin",
     "fmin": "fmax", "fmax": "fmin", "fminf": "fmaxf", "fmaxf": "fminf",
 }
 FUNCTION = re.compile(r"\b(?:%s)(?=\()" % "|".join(OTHER_FUNCTIONS))
