@@ -211,6 +211,52 @@ void test_e57_headers_are_described(test_state* test)
     free(bytes);
 }
 
+// More points than are read at a time (runs of 2,048), all with values of their own.
+void test_e57_scans_of_many_runs(test_state* test)
+{
+    enum { LONG = 5000 };
+    static uint64_t v[4][LONG];
+    for (size_t i = 0; i < LONG; ++i) {
+        v[0][i] = bits_of_double((double)i * 0.5);
+        v[1][i] = bits_of_float((float)(i % 977));
+        v[2][i] = i * 13; // 16 bits
+        v[3][i] = bits_of_double((double)i * 0.125);
+    }
+    const e57_stream streams[] = {{64, v[0]}, {32, v[1]}, {0, v[1]}, {16, v[2]}, {64, v[3]}};
+    e57_file f = e57_begin();
+    unsigned long long at = e57_add_points(&f, streams, 5, LONG, 777);
+    char xml[4096];
+    snprintf(xml, sizeof(xml),
+             HEAD "<data3D type=\"Vector\"><vectorChild type=\"Structure\"><intensityLimits "
+                  "type=\"Structure\"><intensityMinimum type=\"Integer\"/><intensityMaximum "
+                  "type=\"Integer\">65535</intensityMaximum></intensityLimits>" POINTS
+                  "<cartesianX type=\"Float\"/><cartesianY type=\"Float\" precision=\"single\"/>"
+                  "<cartesianZ type=\"Integer\" minimum=\"3\" maximum=\"3\"/>"
+                  "<intensity type=\"Integer\" minimum=\"0\" maximum=\"65535\"/>"
+                  "<timeStamp type=\"Float\"/>" END_POINTS "</vectorChild></data3D></e57Root>\n",
+             at, (unsigned long long)LONG);
+    size_t size;
+    unsigned char* bytes = e57_finish(&f, xml, &size);
+    stp_context* context = test_context(NULL, 2, NULL);
+    stp_result result;
+    stp_scene* scene = import_bytes(context, "a.e57", bytes, size, &result);
+    CHECK_EQUAL(STP_OK, result);
+    const stp_point_set* p = &scene->point_sets[0];
+    CHECK_EQUAL(LONG, p->point_count);
+    const uint16_t* intensities = p->attributes[STP_ATTRIBUTE_INTENSITY];
+    const double* times = p->attributes[STP_ATTRIBUTE_TIME];
+    CHECK(intensities != NULL && times != NULL);
+    for (size_t i = 0; i < LONG; ++i) {
+        CHECK(is_near(place_of(scene, 1, 0, i), (double)i * 0.5, (double)(i % 977), 3.0, 1e-3));
+        CHECK_EQUAL(i * 13, intensities[i]);
+        CHECK(times[i] == (double)i * 0.125);
+    }
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+    CHECK(is_the_same_everywhere("a.e57", bytes, size));
+    free(bytes);
+}
+
 void test_e57_normals(test_state* test)
 {
     for (int own = 0; own < 2; ++own) {
