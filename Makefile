@@ -4,7 +4,7 @@ FUZZ_SECONDS ?= 60
 SOURCES = $(shell find include src program lab examples tests fuzz \
             \( -name '*.[ch]' -o -name '*.cpp' \) 2> /dev/null)
 
-.PHONY: release lab help setup test check check-long fuzz bench install install-lab format clean
+.PHONY: release lab help setup test check check-long coverage fuzz bench install install-lab format clean
 
 release: ## build/release/program/stipple and build/release/lab/stipple-lab (the default)
 	@test -f build/release/build.ninja || cmake --preset release
@@ -28,6 +28,9 @@ check: ## all that must hold before a change lands (scripts/test)
 
 check-long: ## every preset, FUZZ_SECONDS=60 of each fuzz target, the same bytes from every compiler
 	@FUZZ_SECONDS=$(FUZZ_SECONDS) scripts/check_long
+
+coverage: ## lines and branches of the library that unit tests reach
+	@scripts/coverage
 
 fuzz: ## FUZZ_SECONDS=60 of each fuzz target
 	@scripts/fuzz $(FUZZ_SECONDS)

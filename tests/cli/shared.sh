@@ -23,11 +23,20 @@ refused()
     [ ! -s out ] || fail "$* writes on stdout"
 }
 
+# installed PROGRAM TESTED: whether a program is installed; if not, prints what is not tested. This
+# line is what scripts/skipped_tests.py looks for.
+installed()
+{
+    command -v "$1" > /dev/null && return
+    echo "skipped: $2: $1 is not installed"
+    return 1
+}
+
 # skip_sanitizers: skips a test that links programs with the library, if this needs sanitizers
 skip_sanitizers()
 {
     if grep -qE '^STP_SANITIZE:[A-Z]+=.+' "$(dirname "$(dirname "$stipple")")/CMakeCache.txt"; then
-        echo "a library with sanitizers is not installed"
+        echo "skipped: a library with sanitizers cannot be linked here"
         exit 77
     fi
 }

@@ -8,7 +8,6 @@ scratch=$2
 rm -rf "$scratch"
 . "$(dirname "$0")/shared.sh"
 mkdir -p "$scratch" && cd "$scratch" || exit 1
-command -v python3 > /dev/null || exit 77
 export XDG_CACHE_HOME=$PWD/cache
 
 # bench NAME ARGUMENTS...: writes NAME.json

@@ -6,7 +6,6 @@ scratch=$2
 golden=$3/tests/golden/store/v1/sample.stip
 . "$(dirname "$0")/shared.sh"
 mkdir -p "$scratch" && cd "$scratch" || exit 1
-command -v python3 > /dev/null || exit 77
 # run CODE ARGUMENTS...: stdout to out, stderr to err
 run()
 {

@@ -10,7 +10,6 @@ stipple=$1 source=$3
 mkdir -p "$2" && cd "$2" || exit 1
 rm -rf ./*
 export XDG_CACHE_HOME=$PWD/cache
-command -v python3 > /dev/null || exit 77
 
 # a ball of points, with intensity and class, with and without normals; and a box beside it
 python3 - << 'END'

@@ -8,7 +8,6 @@ stipple=$1
 . "$(dirname "$0")/shared.sh"
 mkdir -p "$2" && cd "$2" || exit 1
 rm -rf ./*
-command -v python3 > /dev/null || exit 77
 
 draw() # NAME FILE OPTIONS...
 {

@@ -5,7 +5,6 @@ stipple=$1
 scratch=$2
 . "$(dirname "$0")/shared.sh"
 mkdir -p "$scratch" && cd "$scratch" || exit 1
-command -v python3 > /dev/null || exit 77
 python3 - << 'END' || exit 1
 import struct, zlib
 

@@ -9,7 +9,6 @@ source=$3
 rm -rf "$scratch"
 . "$(dirname "$0")/shared.sh"
 mkdir -p "$scratch/scripts" "$scratch/bin" "$scratch/build/release/program" && cd "$scratch" || exit 1
-command -v python3 > /dev/null || exit 77
 cp "$source"/scripts/demo "$source"/scripts/demo.py "$source"/scripts/make_plant.py scripts
 printf '#!/bin/sh\nexit 0\n' | tee scripts/setup > bin/cmake
 chmod +x scripts/setup bin/cmake

@@ -8,7 +8,6 @@ scratch=$2
 source=$3
 rm -rf "$scratch"
 . "$(dirname "$0")/shared.sh"
-command -v python3 > /dev/null || exit 77
 mkdir -p "$scratch/docs/algorithms" "$scratch/tests" "$scratch/src" "$scratch/scripts"
 
 python3 "$source/scripts/check_docs.py" --tool "$stipple" --tool "${stipple%/*/*}/lab/stipple-lab" > "$scratch/found" ||

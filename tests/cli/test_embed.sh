@@ -11,7 +11,7 @@ build=$(dirname "$(dirname "$stipple")")
 rm -rf "$scratch"
 . "$(dirname "$0")/shared.sh"
 for program in cmake cc c++ nm readelf pkg-config python3; do
-    command -v $program > /dev/null || { echo "$program is not here"; exit 77; }
+    installed $program "everything" || exit 77
 done
 skip_sanitizers
 mkdir -p "$scratch"
@@ -45,7 +45,7 @@ nm --defined-only -g "$lib/libstipple.a" 2> /dev/null | awk 'NF == 3 { print $3 
 
 # each header alone, in either language, by clang (by the compiler of the build: tests header.*)
 for header in "$prefix"/include/stipple/*.h; do
-    command -v clang > /dev/null || break
+    installed clang "headers by clang" || break
     for language in c:c11 c++:c++17; do
         clang -x "${language%:*}" -std="${language#*:}" -fsyntax-only -Wall -Wextra -Wpedantic -Werror \
             -I"$prefix/include" -include "$header" /dev/null 2> header.log ||
@@ -58,7 +58,7 @@ export PKG_CONFIG_PATH=$lib/pkgconfig LD_LIBRARY_PATH=$lib
 [ "$(pkg-config --modversion stipple)" = "$("$stipple" --version | tr -dc '0-9.')" ] || fail "pkg-config prints a different version"
 window=no
 pkg-config --exists sdl2 gl && window=yes
-[ $window = yes ] || echo "SDL2 is not installed: examples/window.c is not built"
+[ $window = yes ] || echo "skipped: examples/window.c: SDL2 is not installed"
 mkdir by-pkg-config
 examples="picture points"
 [ $window = yes ] && examples="$examples window"
@@ -102,7 +102,7 @@ if [ $window = yes ]; then
     SDL_VIDEODRIVER=offscreen LIBGL_ALWAYS_SOFTWARE=1 ./by-cmake/window boxes.stip --frames 3 window.ppm 2> window.err
     code=$?
     if [ $code -eq 77 ]; then
-        echo "window: no OpenGL here: $(cat window.err)"
+        echo "skipped: window: there is no OpenGL: $(cat window.err)"
     elif [ $code -ne 0 ]; then
         fail "window fails: $(cat window.err)"
     else

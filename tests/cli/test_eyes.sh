@@ -7,7 +7,6 @@ scratch=$2
 rm -rf "$scratch"
 . "$(dirname "$0")/shared.sh"
 mkdir -p "$scratch" && cd "$scratch" || exit 1
-command -v python3 > /dev/null || exit 77
 
 # draw NAME ARGUMENTS...: writes NAME.png and NAME.json
 draw()

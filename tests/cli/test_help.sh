@@ -8,13 +8,13 @@ mkdir -p "$scratch" && cd "$scratch" || exit 1
 # a page without warnings, with the available formatter
 check_page()
 {
-    if command -v mandoc > /dev/null; then
+    if installed mandoc "man pages"; then
         # long lines do not matter in generated pages; other messages are advice for base systems
         mandoc -T lint "$1" 2>&1 | grep -v -e 'STYLE: input text line longer than 80 bytes' \
             -e 'STYLE: operating system explicitly' -e 'STYLE: referenced manual not found' > lint
         [ ! -s lint ] || fail "mandoc: $1: $(head -3 lint)"
     fi
-    if command -v groff > /dev/null; then
+    if installed groff "man pages"; then
         groff -mandoc -ww -Tutf8 "$1" 2> lint > rendered || fail "groff: $1"
         [ ! -s lint ] || fail "groff: $1: $(head -3 lint)"
         [ -s rendered ] || fail "groff: $1: nothing was rendered"
@@ -100,7 +100,7 @@ for shell in bash zsh fish; do
     "$stipple" help --completion $shell > "completion.$shell" || fail "help --completion $shell"
     grep -q 'compare' "completion.$shell" || fail "completion of $shell: no compare"
     grep -q 'difference' "completion.$shell" || fail "completion of $shell: no --difference"
-    if command -v $shell > /dev/null; then
+    if installed $shell "completions"; then
         $shell -n "completion.$shell" || fail "completion of $shell: syntax"
     fi
 done

@@ -8,7 +8,6 @@ golden=$3/tests/golden/store/v1
 . "$(dirname "$0")/shared.sh"
 mkdir -p "$scratch" && cd "$scratch" || exit 1
 rm -rf ./*
-command -v python3 > /dev/null || exit 77
 # run CODE COMMAND ARGUMENTS...: stdout to out, stderr to err
 run()
 {

@@ -8,7 +8,6 @@ scratch=$2
 rm -rf "$scratch"
 . "$(dirname "$0")/shared.sh"
 mkdir -p "$scratch" && cd "$scratch" || exit 1
-command -v python3 > /dev/null || exit 77
 
 # The record of format 2: x, y, z, intensity, returns, class, angle, user, source, red, green, blue.
 python3 - <<'PY' || exit 1

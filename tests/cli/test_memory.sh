@@ -4,7 +4,6 @@
 # needs: stipple-lab
 set -u
 mkdir -p "$2" && cd "$2" || exit 1
-command -v python3 > /dev/null || exit 77
 rm -rf ./*
 exec python3 - "$1" << 'END_OF_TEST'
 import json

@@ -9,8 +9,6 @@ stipple=$1
 mkdir -p "$2" && cd "$2" || exit 1
 rm -rf ./*
 
-command -v python3 > /dev/null || exit 77
-
 # invalid methods
 refused 2 'list of blue, spt, psp and stochastic' build scene:spheres -o a.stip --method zebra
 refused 2 'list of blue, spt, psp and stochastic' build scene:spheres -o a.stip --method blue,blue

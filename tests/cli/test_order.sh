@@ -6,7 +6,6 @@ stipple=$1
 scratch=$2
 . "$(dirname "$0")/shared.sh"
 mkdir -p "$scratch" && cd "$scratch" || exit 1
-command -v python3 > /dev/null || exit 77
 # run CODE ARGUMENTS...: stdout to out, stderr to err
 run()
 {

@@ -8,7 +8,6 @@ scratch=$2
 rm -rf "$scratch"
 . "$(dirname "$0")/shared.sh"
 mkdir -p "$scratch" && cd "$scratch" || exit 1
-command -v python3 > /dev/null || exit 77
 export XDG_CACHE_HOME=$PWD/cache
 
 printf 'v 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 0\nv 0 0 3\nf 1 2 3 4\nf 1 2 5\n' > box.obj

@@ -3,7 +3,6 @@
 # Arguments: executable, scratch folder.
 set -u
 mkdir -p "$2" && cd "$2" || exit 1
-command -v python3 > /dev/null || exit 77
 rm -rf ./*
 exec python3 - "$1" << 'END_OF_TEST'
 import json

@@ -9,7 +9,6 @@ stipple=$1 source=$3
 mkdir -p "$2" && cd "$2" || exit 1
 rm -rf ./*
 export XDG_CACHE_HOME=$PWD/cache
-command -v python3 > /dev/null || exit 77
 
 # a hill with houses and trees: intensity, class, return number, time; and the same without attributes
 python3 - << 'END'

@@ -8,7 +8,6 @@ stipple=$1
 rm -rf "$2"
 mkdir -p "$2" && cd "$2" || exit 1
 export XDG_CACHE_HOME=$PWD/cache
-command -v python3 > /dev/null || exit 77
 
 python3 - << 'EOF' || exit 1
 import math, struct

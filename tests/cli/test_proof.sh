@@ -8,7 +8,6 @@ source=$3
 rm -rf "$scratch"
 . "$(dirname "$0")/shared.sh"
 mkdir -p "$scratch" && cd "$scratch" || exit 1
-command -v python3 > /dev/null || exit 77
 
 cat > stipple << 'END'
 #!/usr/bin/env python3

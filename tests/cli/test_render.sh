@@ -6,7 +6,6 @@ stipple=$1
 scratch=$2
 . "$(dirname "$0")/shared.sh"
 mkdir -p "$scratch" && cd "$scratch" || exit 1
-command -v python3 > /dev/null || exit 77
 
 "$stipple" build scene:boxes -o boxes.stip --fresh 2> err > /dev/null || fail "boxes: $(cat err)"
 file=boxes.stip

@@ -10,7 +10,6 @@ readers=$(cd "$(dirname "$0")" && pwd)/scan_files.py
 mkdir -p "$2" && cd "$2" || exit 1
 rm -rf ./*
 export XDG_CACHE_HOME=$PWD/cache
-command -v python3 > /dev/null || exit 77
 
 refused 2 'needs one scene' scan -o a.las
 refused 2 'needs -o' scan scene:boxes

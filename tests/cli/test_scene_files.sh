@@ -9,7 +9,6 @@ stipple=$1 scratch=$2 source=$3
 rm -rf "$scratch"
 mkdir -p "$scratch"
 cd "$scratch"
-command -v python3 > /dev/null || exit 77
 
 fail() {
     echo "FAILED: $*" >&2

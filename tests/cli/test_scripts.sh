@@ -8,7 +8,8 @@ source=$3
 rm -rf "$scratch"
 . "$(dirname "$0")/shared.sh"
 mkdir -p "$scratch/scripts" "$scratch/bin" && cd "$scratch" || exit 1
-CTEST=$(command -v ctest) || exit 77
+installed ctest "scripts/test" || exit 77
+CTEST=$(command -v ctest)
 export CTEST
 cp "$source/scripts/test" scripts/test
 printf '#!/bin/sh\nexit 0\n' | tee scripts/setup > bin/cmake
@@ -63,4 +64,42 @@ change() { unit_tests 'echo "ok   fine, 0.10 s"'; }
 counts "2 passed, 1 failed" 1
 change() { rm build/asan/tests/stp_tests; }
 counts "2 passed, 1 failed" 1
+
+# skipped CODE LINES COMMAND: scripts/skipped_tests.py prints these lines for a test that runs COMMAND
+skipped()
+{
+    local code=$1 lines=$2 got
+    rm -rf skips
+    mkdir skips
+    {
+        echo 'add_test(fine "/bin/true")'
+        echo "add_test(odd \"/bin/sh\" \"-c\" \"$3\")"
+        echo 'set_tests_properties(odd PROPERTIES SKIP_RETURN_CODE 77)'
+    } > skips/CTestTestfile.cmake
+    "$CTEST" --test-dir skips --output-junit "$PWD/skips/dev.xml" > ctest.log 2>&1 || fail "ctest: $(cat ctest.log)"
+    "$source/scripts/skipped_tests.py" skips/dev.xml > out 2> err
+    got=$?
+    [ $got -eq "$code" ] && [ "$(cat out)" = "$lines" ] || fail "not $code and \"$lines\", but $got: $(cat out err)"
+}
+
+skipped 0 "" "echo all of it"
+skipped 0 "skipped: there is no GPU: odd (dev)" "echo skip name: there is no GPU; exit 77"
+skipped 1 "skipped: what is not installed: odd (dev)" "echo skipped: what is not installed; exit 77"
+skipped 1 "skipped: a part: x is not installed: odd (dev)" "echo skipped: a part: x is not installed"
+skipped 1 "skipped: no reason is given: odd (dev)" "exit 77"
+
+# scripts/setup takes the headings of packages.txt as ends; a dpkg-query without packages lists what it asks for
+cp "$source/scripts/setup" scripts/setup
+printf '# Building:\na\n# Testing:\nb\n# Long checks:\nc\n' > packages.txt
+printf '#!/bin/sh\nfor last; do :; done\necho "$last" >> asked\necho installed\n' > bin/dpkg-query
+printf '#!/bin/sh\nexit 1\n' > bin/apt-get
+chmod +x bin/dpkg-query bin/apt-get
+for wanted in "--programs:a" ":a b" "--all:a b c"; do
+    rm -f asked
+    option=${wanted%%:*}
+    PATH=$PWD/bin:$PATH scripts/setup ${option:+"$option"} || fail "scripts/setup $option fails"
+    [ "$(tr '\n' ' ' < asked)" = "${wanted#*:} " ] || fail "scripts/setup $option asks for $(cat asked)"
+done
+PATH=$PWD/bin:$PATH scripts/setup --some 2> err
+[ $? -eq 2 ] || fail "scripts/setup takes any option"
 exit $((failures > 0))

@@ -6,7 +6,6 @@ set -u
 stipple=$1
 # shellcheck source=/dev/null
 . "$(dirname "$0")/shared.sh"
-command -v python3 > /dev/null || exit 77
 mkdir -p "$2" && cd "$2" || exit 1
 rm -rf ./*
 

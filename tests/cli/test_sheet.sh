@@ -7,7 +7,6 @@ scratch=$2
 rm -rf "$scratch"
 . "$(dirname "$0")/shared.sh"
 mkdir -p "$scratch" && cd "$scratch" || exit 1
-command -v python3 > /dev/null || exit 77
 # writes PNG files of one colour, and reads pixels of the sheet
 cat > png.py << 'END'
 import struct, sys, zlib

@@ -10,7 +10,6 @@ show() # renders on the processor: pixels are counted
 {
     "$stipple" render "$@" --backend cpu
 }
-command -v python3 > /dev/null || exit 77
 rm -f ./*.views.json
 
 # Two houses of a shared room with a door each; a wall beside them. All are squares of 2 x 2 at their places, facing z.

@@ -9,7 +9,6 @@ stipple=$1
 . "$(dirname "$0")/shared.sh"
 mkdir -p "$2" && cd "$2" || exit 1
 rm -rf ./*
-command -v python3 > /dev/null || exit 77
 
 # a static ball and a moving one: the picture has a set of each
 python3 - << 'END'

@@ -9,7 +9,6 @@ stipple=$1
 mkdir -p "$2" && cd "$2" || exit 1
 rm -rf ./*
 export XDG_CACHE_HOME=$PWD/cache
-command -v python3 > /dev/null || exit 77
 
 refused 2 'needs one model' thumbnail -o a.png
 refused 2 'needs -o' thumbnail scene:boxes

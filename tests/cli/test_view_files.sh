@@ -47,7 +47,7 @@ for file in "a ball%20.obj" ball.obj; do
     if python3 "$here/view_drop.py" "$window" "$file"; then
         wait_until "r['file'].endswith('/$file') and r['loading'] == 'done' and r['rests'] and picture['complete']"
     else
-        [ $? -eq 77 ] || fail "$file cannot be dropped"
+        [ $? -eq 77 ] && echo "skipped: dropped files: libX11 is not installed" || fail "$file cannot be dropped"
     fi
 done
 close_viewer

@@ -19,7 +19,7 @@ viewer=0
 xvfb=0
 
 for program in Xvfb xdotool python3; do
-    command -v $program > /dev/null || exit 77
+    installed $program "the viewer" || exit 77
 done
 
 # the interpreter itself: a wrapper may take longer than the scripts here
@@ -40,7 +40,7 @@ Xvfb -displayfd 3 -screen 0 "${VIEW_SIZE:-640x400}x24" -fbdir screen -nolisten t
 xvfb=$!
 exec 3>&-
 while [ ! -s display ]; do
-    kill -0 $xvfb 2> /dev/null || { cat xvfb.log; exit 77; }
+    kill -0 $xvfb 2> /dev/null || { echo "skipped: Xvfb ends: $(cat xvfb.log)"; exit 77; }
     sleep 0.1
 done
 export DISPLAY=:$(cat display)

@@ -4,6 +4,8 @@
 #include "e57_writer.h"
 #include "points_test.h"
 
+#include "import/reading/scan_info.h"
+
 #define HEAD                                                                                       \
     "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<e57Root type=\"Structure\" "                     \
     "xmlns=\"http://www.astm.org/COMMIT/E57/2010-e57-v1.0\" xmlns:nor=\"http://nor\">"
@@ -167,6 +169,92 @@ static unsigned char* write_grid(size_t* size, int normals)
     unsigned char* bytes = e57_finish(&f, xml, size);
     free(xml);
     return bytes;
+}
+
+void test_e57_headers_are_described(test_state* test)
+{
+    static const struct {
+        const char *name, *type;
+    } expected[] = {{"cartesianX", "f64"},
+                    {"cartesianY", "f32"},
+                    {"cartesianZ", "scaled integer"},
+                    {"cartesianInvalidState", "integer"},
+                    {"intensity", "integer"},
+                    {"colorRed", "integer"},
+                    {"colorGreen", "integer"},
+                    {"colorBlue", "integer"},
+                    {"other", "integer"},
+                    {"timeStamp", "f64"},
+                    {"sphericalRange", "f64"},
+                    {"sphericalAzimuth", "f64"},
+                    {"sphericalElevation", "f64"}};
+    size_t size;
+    unsigned char* bytes = write_two(&size);
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_scene* scene = NULL;
+    stp_scan_info info;
+    CHECK_EQUAL(STP_OK, stp_scene_create(context, &scene));
+    CHECK_EQUAL(STP_OK,
+                stp_import_memory(scene, "a.e57", bytes, size, &(stp_import_desc){.scan = &info}));
+    CHECK(strcmp(info.format, "e57") == 0 && strcmp(info.version, "1.0") == 0);
+    CHECK_EQUAL(2 * COUNT, info.point_count);
+    CHECK(info.scan_count == 2 && info.point_format == -1 && info.record_bytes == 0);
+    CHECK_EQUAL(sizeof(expected) / sizeof(expected[0]), info.field_count);
+    for (uint32_t i = 0; i < info.field_count; ++i) {
+        const stp_scan_field* field = &info.fields[i];
+        CHECK(strcmp(field->name, expected[i].name) == 0);
+        CHECK(strcmp(field->type, expected[i].type) == 0);
+        CHECK(field->kept == (strcmp(field->name, "other") != 0));
+    }
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+    free(bytes);
+}
+
+// More points than are read at a time (runs of 2,048), all with values of their own.
+void test_e57_scans_of_many_runs(test_state* test)
+{
+    enum { LONG = 5000 };
+    static uint64_t v[4][LONG];
+    for (size_t i = 0; i < LONG; ++i) {
+        v[0][i] = bits_of_double((double)i * 0.5);
+        v[1][i] = bits_of_float((float)(i % 977));
+        v[2][i] = i * 13; // 16 bits
+        v[3][i] = bits_of_double((double)i * 0.125);
+    }
+    const e57_stream streams[] = {{64, v[0]}, {32, v[1]}, {0, v[1]}, {16, v[2]}, {64, v[3]}};
+    e57_file f = e57_begin();
+    unsigned long long at = e57_add_points(&f, streams, 5, LONG, 777);
+    char xml[4096];
+    snprintf(xml, sizeof(xml),
+             HEAD "<data3D type=\"Vector\"><vectorChild type=\"Structure\"><intensityLimits "
+                  "type=\"Structure\"><intensityMinimum type=\"Integer\"/><intensityMaximum "
+                  "type=\"Integer\">65535</intensityMaximum></intensityLimits>" POINTS
+                  "<cartesianX type=\"Float\"/><cartesianY type=\"Float\" precision=\"single\"/>"
+                  "<cartesianZ type=\"Integer\" minimum=\"3\" maximum=\"3\"/>"
+                  "<intensity type=\"Integer\" minimum=\"0\" maximum=\"65535\"/>"
+                  "<timeStamp type=\"Float\"/>" END_POINTS "</vectorChild></data3D></e57Root>\n",
+             at, (unsigned long long)LONG);
+    size_t size;
+    unsigned char* bytes = e57_finish(&f, xml, &size);
+    stp_context* context = test_context(NULL, 2, NULL);
+    stp_result result;
+    stp_scene* scene = import_bytes(context, "a.e57", bytes, size, &result);
+    CHECK_EQUAL(STP_OK, result);
+    const stp_point_set* p = &scene->point_sets[0];
+    CHECK_EQUAL(LONG, p->point_count);
+    const uint16_t* intensities = p->attributes[STP_ATTRIBUTE_INTENSITY];
+    const double* times = p->attributes[STP_ATTRIBUTE_TIME];
+    CHECK(intensities != NULL && times != NULL);
+    for (size_t i = 0; i < LONG; ++i) {
+        CHECK(is_near(place_of(scene, 1, 0, i), (double)i * 0.5, (double)(i % 977), 3.0, 1e-3));
+        CHECK_EQUAL(i * 13, intensities[i]);
+        CHECK(times[i] == (double)i * 0.125);
+    }
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+    CHECK(is_the_same_everywhere("a.e57", bytes, size));
+    free(bytes);
 }
 
 void test_e57_normals(test_state* test)

@@ -143,6 +143,63 @@ void test_las_keeps_its_coordinate_system(test_state* test)
     CHECK(system_is_right((system_case){{.wkt = degrees}, degrees, 0.0, unknown, STP_OK}));
 }
 
+// Units by their codes, and as a number of their own, which is in a record beside the keys.
+void test_las_reads_units_of_keys(test_state* test)
+{
+    static const struct {
+        uint16_t code;
+        double metres;
+    } units[] = {{9001, 1.0}, {9002, 0.3048}, {9003, 1200.0 / 3937.0}, {9036, 1000.0}, {9102, 0.0}};
+    const char* unknown = "its unit of length is unknown";
+    for (size_t i = 0; i < sizeof(units) / sizeof(units[0]); ++i) {
+        const uint16_t keys[] = {1, 1, 0, 2, 3072, 0, 1, 2994, 3076, 0, 1, units[i].code};
+        double unit = units[i].metres;
+        CHECK(system_is_right((system_case){{.keys = keys, .key_numbers = 12},
+                                            "EPSG:2994",
+                                            unit,
+                                            unit > 0.0 ? NULL : unknown,
+                                            STP_OK}));
+    }
+    const uint16_t own[] = {1, 1, 0, 3, 3072, 0, 1, 32767, 3076, 0, 1, 32767, 3077, 34736, 1, 1};
+    static const double sizes[] = {2.5, 1e-7, 1e7, 0.0};
+    for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); ++i) {
+        const double numbers[] = {7.0, sizes[i]};
+        las_desc desc = {.keys = own,
+                         .key_numbers = 16,
+                         .vlr_user = "LASF_Projection",
+                         .vlr_id = 34736,
+                         .vlr = (const unsigned char*)numbers,
+                         .vlr_size = sizeof(numbers)};
+        double unit = i == 0 ? sizes[i] : 0.0;
+        CHECK(
+            system_is_right((system_case){desc, NULL, unit, unit > 0.0 ? NULL : unknown, STP_OK}));
+        desc.vlr_size = sizeof(double); // the number is beyond the record
+        CHECK(system_is_right((system_case){desc, NULL, 0.0, unknown, STP_OK}));
+    }
+}
+
+// Codes of systems in metres; those beside the ranges are of other units.
+void test_las_knows_metric_systems(test_state* test)
+{
+    static const struct {
+        uint16_t first, last;
+    } ranges[] = {{32601, 32660}, {32701, 32760}, {25828, 25838}, {26901, 26923}, {3857, 3857}};
+    for (size_t i = 0; i < sizeof(ranges) / sizeof(ranges[0]); ++i) {
+        for (int end = 0; end < 4; ++end) {
+            int code = end < 2 ? ranges[i].first - end : ranges[i].last + end - 2;
+            bool metric = end == 0 || end == 2;
+            char text[16];
+            snprintf(text, sizeof(text), "EPSG:%d", code);
+            const uint16_t keys[] = {1, 1, 0, 1, 3072, 0, 1, (uint16_t)code};
+            CHECK(system_is_right((system_case){{.keys = keys, .key_numbers = 8},
+                                                text,
+                                                metric ? 1.0 : 0.0,
+                                                metric ? NULL : "its unit of length is unknown",
+                                                STP_OK}));
+        }
+    }
+}
+
 // Heights in metres with horizontal coordinates in feet.
 void test_las_brings_heights_to_the_unit_of_the_plane(test_state* test)
 {

@@ -4,6 +4,7 @@
 #include "points_test.h"
 
 #include "base/io/bytes.h"
+#include "import/reading/scan_info.h"
 
 #include <lzf.h>
 
@@ -84,6 +85,70 @@ static size_t write_ascii(unsigned char* out)
 
 typedef size_t (*writer)(unsigned char*);
 static const writer writers[] = {write_binary, write_compressed, write_ascii};
+
+static const stp_scan_field* field_named(const stp_scan_info* info, const char* name)
+{
+    for (uint32_t i = 0; i < info->field_count; ++i) {
+        if (strcmp(info->fields[i].name, name) == 0) {
+            return &info->fields[i];
+        }
+    }
+    return NULL;
+}
+
+void test_pcd_headers_are_described(test_state* test)
+{
+    static const char* const versions[] = {"binary", "binary_compressed", "ascii"};
+    for (size_t w = 0; w < 3; ++w) {
+        unsigned char bytes[2048];
+        size_t size = writers[w](bytes);
+        stp_scan_info info;
+        stp_scene* scene = NULL;
+        stp_context* context = test_context(NULL, 1, NULL);
+        CHECK_EQUAL(STP_OK, stp_scene_create(context, &scene));
+        CHECK_EQUAL(STP_OK, stp_import_memory(scene, "a.pcd", bytes, size,
+                                              &(stp_import_desc){.scan = &info}));
+        CHECK(strcmp(info.format, "pcd") == 0 && strcmp(info.version, versions[w]) == 0);
+        CHECK_EQUAL(POINTS, info.point_count);
+        CHECK(info.scan_count == 1 && info.point_format == -1);
+        CHECK_EQUAL(w == 2 ? 0 : ROW, info.record_bytes);
+        CHECK(info.compressed == (w == 1));
+        CHECK(strcmp(info.compressor, w == 1 ? "LZF" : "") == 0);
+        CHECK_EQUAL(9, info.field_count); // padding is no field
+        const stp_scan_field *x = field_named(&info, "x"), *label = field_named(&info, "label");
+        CHECK(x != NULL && strcmp(x->type, "f32") == 0 && x->count == 1 && x->kept);
+        CHECK(label != NULL && strcmp(label->type, "u8") == 0 && label->count == 1);
+        stp_scene_destroy(scene);
+        stp_context_destroy(context);
+    }
+}
+
+void test_pcd_fields_of_every_type_are_described(test_state* test)
+{
+    static const char bytes[] = "VERSION 0.7\nFIELDS x y z a b c d e f\nSIZE 8 8 8 1 2 4 8 2 4\n"
+                                "TYPE F F F I I I U U U\nCOUNT 1 1 1 1 2 3 1 1 1\n"
+                                "WIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n"
+                                "1 2 3 4 5 5 6 6 6 7 8 9\n";
+    static const struct {
+        const char *name, *type;
+        uint32_t count;
+    } expected[] = {{"x", "f64", 1}, {"a", "i8", 1},  {"b", "i16", 2}, {"c", "i32", 3},
+                    {"d", "u64", 1}, {"e", "u16", 1}, {"f", "u32", 1}};
+    stp_scan_info info;
+    stp_scene* scene = NULL;
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK_EQUAL(STP_OK, stp_scene_create(context, &scene));
+    CHECK_EQUAL(STP_OK, stp_import_memory(scene, "a.pcd", bytes, strlen(bytes),
+                                          &(stp_import_desc){.scan = &info}));
+    for (size_t i = 0; i < sizeof(expected) / sizeof(expected[0]); ++i) {
+        const stp_scan_field* field = field_named(&info, expected[i].name);
+        CHECK(field != NULL && strcmp(field->type, expected[i].type) == 0);
+        CHECK_EQUAL(expected[i].count, field->count);
+        CHECK(field->kept == (i == 0));
+    }
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
 
 void test_pcd_encodings(test_state* test)
 {

@@ -2,6 +2,8 @@
 #include "candidate_helpers.h"
 #include "tests.h"
 
+#include "base/math/rng.h"
+#include "base/splats/octahedral.h"
 #include "lod/blue/blue.h"
 #include "lod/cloud_candidates.h"
 #include "lod/point_normals.h"
@@ -191,4 +193,77 @@ void test_disks_grow_where_parts_are_sparse(test_state* test)
         stp_scene_destroy(scene);
         stp_context_destroy(context);
     }
+}
+
+enum { WALL_SIDE = 60, WALL_POINTS = WALL_SIDE * WALL_SIDE };
+
+/// A wall of points, which noise keeps off its plane: estimated normals face either way.
+static stp_scene* make_wall(stp_context* context, const uint8_t* greys)
+{
+    stp_scene* scene = NULL;
+    uint32_t index, object;
+    stp_point_set set = {.point_count = WALL_POINTS,
+                         .positions = STP_NEW_ARRAY(context, float, 3 * WALL_POINTS),
+                         .colors = STP_NEW_ARRAY(context, uint8_t, 4 * WALL_POINTS)};
+    bool made = set.positions != NULL && set.colors != NULL;
+    for (uint32_t i = 0; made && i < WALL_POINTS; ++i) {
+        double noise = (double)(stp_rng_hash(5, i) >> 11) * 0x1p-53;
+        set.positions[3 * i] = (float)(i % WALL_SIDE);
+        set.positions[3 * i + 1] = (float)(i / WALL_SIDE);
+        set.positions[3 * i + 2] = (float)(0.1 * noise);
+        memset(set.colors + 4 * i, greys[i], 3);
+        set.colors[4 * i + 3] = 255;
+    }
+    made = made && stp_scene_create(context, &scene) == STP_OK &&
+           stp_scene_add_point_set(scene, &set, &index) == STP_OK &&
+           stp_scene_add_object(
+               scene, &(stp_object){.parent = STP_NONE, .transform = stp_affine_identity()},
+               &object) == STP_OK &&
+           stp_scene_add_part(scene, (stp_part){STP_PART_POINTS, index}) == STP_OK &&
+           stp_scene_finish(scene) == STP_OK;
+    return made ? scene : NULL;
+}
+
+static stp_result make_wall_set(stp_context* context, const uint8_t* greys, stp_splats* set)
+{
+    static const uint8_t shadings[4] = {0};
+    const stp_blue_desc desc = {.order = {.seed = 3}};
+    stp_scene* scene = make_wall(context, greys);
+    stp_result result = scene != NULL
+                            ? stp_blue_make(scene, scene->root, shadings, &desc, set, NULL)
+                            : STP_ERROR_OUT_OF_MEMORY;
+    stp_scene_destroy(scene);
+    return result;
+}
+
+// The side that a normal was estimated to face means nothing: colours of both sides are averaged.
+void test_colours_of_estimated_normals_are_those_of_both_sides(test_state* test)
+{
+    static uint8_t greys[WALL_POINTS];
+    stp_context* context = test_context(NULL, 2, NULL);
+    stp_splats s;
+    CHECK_EQUAL(STP_OK, make_wall_set(context, greys, &s));
+    CHECK_EQUAL(WALL_POINTS, s.count);
+    uint32_t front = 0;
+    for (uint32_t i = 0; i < s.count; ++i) { // white where they face one way, else black
+        stp_vec3 n = stp_octahedral_decode(s.normals[2 * i], s.normals[2 * i + 1]);
+        double x = (double)(s.origin.x + s.step * (float)s.positions[3 * i]);
+        double y = (double)(s.origin.y + s.step * (float)s.positions[3 * i + 1]);
+        uint32_t point = (uint32_t)(nearbyint(y) * WALL_SIDE + nearbyint(x));
+        CHECK(point < WALL_POINTS);
+        greys[point] = n.z > 0.0f ? 255 : 0;
+        front += n.z > 0.0f;
+    }
+    CHECK(front > WALL_POINTS / 4 && front < WALL_POINTS * 3 / 4);
+    stp_splats_destroy(context, &s);
+    CHECK_EQUAL(STP_OK, make_wall_set(context, greys, &s));
+    uint32_t entry = 0, grey = 0;
+    for (uint32_t k = 0; s.octave_ends[k] < 100; ++k) {
+        for (uint32_t i = 0; i < s.octave_ends[k]; ++i, ++entry) {
+            grey += s.colors[3 * entry] > 120 && s.colors[3 * entry] < 235;
+        }
+    }
+    CHECK(entry > 50 && grey > entry * 9 / 10);
+    stp_splats_destroy(context, &s);
+    stp_context_destroy(context);
 }

@@ -208,13 +208,13 @@ void test_flight_reports_missing_memory(test_state* test)
 void test_flight_reads_all_shipped_files(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
-    DIR* folder = opendir(STP_TEST_SOURCE_DIR "/scenes/flights");
+    DIR* folder = opendir(STP_TEST_SOURCE_DIR "/lab/scenes/flights");
     CHECK(folder != NULL);
     int count = 0;
     for (struct dirent* entry; (entry = readdir(folder)) != NULL;) {
         if (strstr(entry->d_name, ".json") != NULL) {
             char path[1024];
-            snprintf(path, sizeof(path), "%s/scenes/flights/%s", STP_TEST_SOURCE_DIR,
+            snprintf(path, sizeof(path), "%s/lab/scenes/flights/%s", STP_TEST_SOURCE_DIR,
                      entry->d_name);
             stp_flight flight;
             CHECK_EQUAL(STP_OK, stp_flight_read(context, path, &flight));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Named views, and the flights of scenes/flights: each scene has them, and no eye is inside a wall.
+// Named views, and the flights of lab/scenes/flights: each scene has them, and no eye is inside a wall.
 #include "support_scenes.h"
 #include "support_sight.h"
 
@@ -38,7 +38,7 @@ enum { TRIALS = sizeof(trials) / sizeof(trials[0]) };
 static stp_result read_flight(stp_context* context, const char* name, stp_flight* f)
 {
     char path[512];
-    snprintf(path, sizeof(path), "%s/scenes/flights/%s.json", STP_TEST_SOURCE_DIR, name);
+    snprintf(path, sizeof(path), "%s/lab/scenes/flights/%s.json", STP_TEST_SOURCE_DIR, name);
     return stp_flight_read(context, path, f);
 }
 

@@ -2,6 +2,7 @@
 #include "tests.h"
 
 #include "base/math/rng.h"
+#include "draw/support_store.h"
 #include "select/support_built.h"
 #include "store/outline/outline.h"
 #include "store/writer/writer.h"
@@ -287,6 +288,120 @@ void test_outline_unfolds_prototypes_where_they_are_used(test_state* test)
         stp_store_close(store);
     }
     stp_context_destroy(context);
+}
+
+/// A car of three wheels that all are uses of one object: two on an axle, and one beside.
+static stp_store* open_car(stp_context* context)
+{
+    static const double uses[] = {10, 20, 100, 1, 1000}; // of nodes 0, 0, 1, 0, 2
+    static const uint32_t used[] = {0, 0, 1, 0, 2};
+    char path[] = "stp_outline_XXXXXX";
+    stp_store_mesh mesh = made_square(0);
+    stp_store_material material = made_material();
+    stp_store_part part = {STP_STORE_PART_MESH, 0};
+    stp_store_edge edges[5];
+    stp_store_node nodes[4] = {{.part_count = 1, .triangle_count = 2},
+                               {.edge_count = 2, .triangle_count = 4},
+                               {.first_edge = 2, .edge_count = 2, .triangle_count = 6},
+                               {.first_edge = 4, .edge_count = 1, .triangle_count = 6}};
+    stp_store_object objects[] = {
+        {.name = "wheel", .parent = STP_STORE_NONE, .node = 0},
+        {.name = "car", .parent = STP_STORE_NONE, .node = 2, .transform = stp_affine_identity()}};
+    objects[1].transform.m[0][3] = uses[4];
+    for (int i = 0; i < 5; ++i) {
+        edges[i] = (stp_store_edge){used[i], stp_affine_identity()};
+        edges[i].transform.m[0][3] = uses[i];
+    }
+    for (int i = 0; i < 4; ++i) {
+        nodes[i].surfels = STP_STORE_NONE;
+        nodes[i].bounds = (stp_boxd){{-1, -1, 0}, {2000, 1, 0}};
+    }
+    const stp_store_content content = {.directory = {.object_count = 2,
+                                                     .objects = objects,
+                                                     .node_count = 4,
+                                                     .nodes = nodes,
+                                                     .edge_count = 5,
+                                                     .edges = edges,
+                                                     .part_count = 1,
+                                                     .parts = &part,
+                                                     .material_count = 1,
+                                                     .materials = &material,
+                                                     .mesh_count = 1,
+                                                     .root = 3,
+                                                     .up = 'y',
+                                                     .build_json = "{}"},
+                                       .meshes = &mesh};
+    stp_store* store = NULL;
+    int file = mkstemp(path);
+    bool good = file >= 0 && close(file) == 0 && stp_store_write(context, &content, path) == STP_OK;
+    good = good && stp_store_open(context, path, &store) == STP_OK;
+    unlink(path);
+    return good ? store : NULL;
+}
+
+// An object without objects of its own has what the nodes below it use.
+void test_outline_lists_uses_below_an_object(test_state* test)
+{
+    static const double places[] = {1110, 1120, 1001};
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_store* store = open_car(context);
+    CHECK(store != NULL);
+    stp_outline* outline;
+    stp_outline_item root, car, wheels[4];
+    stp_outline_row row;
+    bool ready;
+    uint32_t count;
+    CHECK_EQUAL(STP_OK, stp_outline_create(context, store, &outline));
+    CHECK_EQUAL(STP_OK, stp_outline_prepare(outline, 0, &ready));
+    root = stp_outline_root(outline);
+    CHECK_EQUAL(STP_OK, stp_outline_children(outline, &root, 0, 1, &car, &count));
+    CHECK(count == 1 && car.objects[0] == 1);
+    CHECK_EQUAL(STP_OK, stp_outline_describe(outline, &car, &row));
+    CHECK_EQUAL(3, row.child_count);
+    for (uint64_t first = 0; first < 4; ++first) {
+        for (uint32_t room = 0; room <= 4; ++room) {
+            uint32_t left = first < 3 ? 3 - (uint32_t)first : 0;
+            CHECK_EQUAL(STP_OK, stp_outline_children(outline, &car, first, room, wheels, &count));
+            CHECK_EQUAL(left < room ? left : room, count);
+            for (uint32_t i = 0; i < count; ++i) {
+                CHECK(wheels[i].depth == 2 && wheels[i].objects[1] == 0 && wheels[i].node == 0);
+                CHECK(wheels[i].transform.m[0][3] == places[first + i]);
+            }
+        }
+    }
+    CHECK_EQUAL(STP_OK, stp_outline_children(outline, &car, 0, 1, wheels, &count));
+    CHECK_EQUAL(STP_OK, stp_outline_describe(outline, &wheels[0], &row));
+    CHECK(strcmp(row.name, "wheel") == 0 && row.child_count == 0 && row.triangle_count == 2);
+    stp_outline_destroy(outline);
+    stp_store_close(store);
+    stp_context_destroy(context);
+}
+
+// Chains: also the last objects of a file have their children, with the index made in any steps.
+void test_outline_lists_children_to_the_last_object(test_state* test)
+{
+    for (uint32_t length = 1; length < 6; ++length) {
+        forest f;
+        CHECK(plant(&f, length, 0));
+        for (uint64_t step = 0; step < 4; ++step) {
+            stp_outline* outline;
+            bool ready = false;
+            CHECK_EQUAL(STP_OK, stp_outline_create(f.context, f.store, &outline));
+            while (!ready) {
+                CHECK_EQUAL(STP_OK, stp_outline_prepare(outline, step, &ready));
+            }
+            stp_outline_item item = stp_outline_root(outline), children[2];
+            for (uint32_t i = 0; i <= length; ++i) {
+                uint32_t count;
+                CHECK_EQUAL(STP_OK, stp_outline_children(outline, &item, 0, 2, children, &count));
+                CHECK_EQUAL(i < length, count);
+                CHECK(count == 0 || children[0].objects[children[0].depth - 1] == i);
+                item = children[0];
+            }
+            stp_outline_destroy(outline);
+        }
+        fell(&f);
+    }
 }
 
 void test_outline_refuses_damaged_records_and_survives_lack_of_memory(test_state* test)

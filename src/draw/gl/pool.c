@@ -204,7 +204,6 @@ bool stp_gl_pool_take(stp_gl_pool* pool, uint32_t entry, uint64_t words)
                 return false;
             }
             stp_gl_pool_drop(pool, oldest);
-            pool->dropped += 1;
         }
         span = stp_gl_spans_take(&pool->spans, (uint32_t)words);
     }

@@ -38,7 +38,6 @@ typedef struct stp_gl_pool {
     uint32_t frame;
     stp_gl_ring ring;        ///< staging ring for uploads
     uint64_t uploaded_bytes; ///< bytes sent since the renderer set it to 0
-    uint64_t dropped;        ///< evicted entries, in total
 } stp_gl_pool;
 
 /// Creates no page yet. `scene_bytes`: estimate of everything that may be stored.

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: MIT
+// A number of splats from sets that were built leaf by leaf (src/select/rule_cues.c): distributed
+// over all leaves by weight, against a search for the density by bisection.
+#include "tests.h"
+
+#include "base/math/rng.h"
+#include "base/splats/leaf_runs.h"
+#include "draw/support_store.h"
+#include "lod/set_columns.h"
+#include "lod/stochastic/set.h"
+#include "select/cues.h"
+#include "select/select.h"
+
+#include <string.h>
+
+enum { POINTS = 3000, LEAVES_MAX = POINTS };
+
+typedef struct fixture {
+    stp_context* context;
+    made_scene scene;
+    stp_store* store;
+    stp_store_leaves leaves;
+    stp_draw_list list;
+    uint32_t drawn[LEAVES_MAX]; ///< splats of each leaf in the list
+} fixture;
+
+static double unit(uint64_t seed, uint64_t index)
+{
+    return (double)(stp_rng_hash(seed, index) >> 11) * 0x1p-53;
+}
+
+/// A floor that is dense on one side, and a ball on it: leaves with many and few points, flat and
+/// bent ones, and edges.
+static bool make_set(stp_context* context, stp_splats* set)
+{
+    static float positions[3 * POINTS], normals[3 * POINTS];
+    static uint8_t colors[4 * POINTS];
+    static uint32_t materials[POINTS];
+    static const uint8_t shadings[1] = {0};
+    for (uint64_t i = 0; i < POINTS; ++i) {
+        float *p = positions + 3 * i, *n = normals + 3 * i;
+        double a = unit(1, i), b = unit(2, i);
+        if (i % 3 != 0) {
+            memcpy(p, (float[3]){(float)(a * a * a), (float)b, 0.0f}, 3 * sizeof(float));
+            memcpy(n, (float[3]){0.0f, 0.0f, 1.0f}, 3 * sizeof(float));
+            continue;
+        }
+        double z = 2.0 * a - 1.0, r = sqrt(1.0 - z * z), turn = 6.2831853 * b;
+        memcpy(n, (float[3]){(float)(r * cos(turn)), (float)(r * sin(turn)), (float)z},
+               3 * sizeof(float));
+        for (int k = 0; k < 3; ++k) {
+            p[k] = 0.5f + 0.2f * n[k];
+        }
+    }
+    stp_candidates candidates = {.count = POINTS,
+                                 .positions = positions,
+                                 .normals = normals,
+                                 .colors = colors,
+                                 .materials = materials};
+    const stp_leaf_desc desc = {.budget = 60, .minimum = 4, .flatness = 0.005f, .sample = 100};
+    const stp_stochastic_source source = {.candidates = &candidates,
+                                          .shading_of_material = shadings,
+                                          .wanted = POINTS,
+                                          .has_normals = true};
+    return stp_stochastic_make_set(context, &source, &desc, set) == STP_OK;
+}
+
+static bool set_up(fixture* f)
+{
+    *f = (fixture){.context = test_context(NULL, 1, NULL)};
+    made_scene* s = &f->scene;
+    if (f->context == NULL || !make_set(f->context, &s->surfels[0])) {
+        return false;
+    }
+    s->node_count = s->shading_count = s->surfels_count = 1;
+    s->nodes[0] = (stp_store_node){.point_count = POINTS, .bounds = {{0, 0, 0}, {1, 1, 1}}};
+    s->method = (stp_store_method){
+        .name = "stochastic", .id = STP_METHOD_STOCHASTIC, .columns = STP_STOCHASTIC_COLUMNS};
+    f->store = made_open(f->context, s);
+    return f->store != NULL && stp_store_get_leaves(f->store, 0, &f->leaves) == STP_OK &&
+           f->leaves.leaf_count > 20 && f->leaves.leaf_count <= LEAVES_MAX;
+}
+
+static void tear_down(fixture* f)
+{
+    stp_draw_list_destroy(f->context, &f->list);
+    stp_store_close(f->store);
+    stp_splats_destroy(f->context, &f->scene.surfels[0]);
+    stp_context_destroy(f->context);
+}
+
+/// Selects `count` splats, and counts those of each leaf. @return false if a splat is drawn twice
+static bool draw(fixture* f, uint64_t count, uint32_t cues, stp_vec3d eye)
+{
+    static uint8_t seen[POINTS];
+    const stp_splats* set = &f->scene.surfels[0];
+    const stp_view view = {.eye = eye,
+                           .target = {0.5, 0.5, 0.0},
+                           .up = {0, 1, 0},
+                           .fov_degrees = 60,
+                           .width = 200,
+                           .height = 200};
+    const stp_quality quality = {.splat_count = count, .cues_off = STP_CUES_ALL & ~cues};
+    bool good = stp_select(f->context, f->store, &view, &quality, &f->list) == STP_OK;
+    memset(seen, 0, sizeof(seen));
+    for (size_t i = 0; good && i < f->list.count; ++i) {
+        const stp_draw_item* item = &f->list.items[i];
+        const stp_draw_run all = {.begin = 0, .end = item->prefix};
+        const stp_draw_run* runs = item->run_count > 0 ? f->list.runs + item->first_run : &all;
+        for (uint32_t r = 0; r < (item->run_count > 0 ? item->run_count : 1); ++r) {
+            for (uint32_t k = runs[r].begin; k < runs[r].end; ++k) {
+                good = good && seen[k] == 0;
+                seen[k] = 1;
+            }
+        }
+    }
+    memset(f->drawn, 0, sizeof(f->drawn));
+    for (uint32_t i = 0; i < f->leaves.node_count; ++i) {
+        const stp_leaf_node* node = &f->leaves.nodes[i];
+        for (uint32_t k = 0; node->leaf_count == 1 && k < set->octave_count; ++k) {
+            stp_leaf_run run = stp_leaf_run_of(node->first, node->first + node->count, k,
+                                               set->octave_count, set->count);
+            for (uint32_t at = run.begin; at < run.end; ++at) {
+                f->drawn[node->leaf] += seen[at];
+            }
+        }
+    }
+    return good;
+}
+
+/// Splats of a leaf in the fewest octaves that hold eight times as many as are requested.
+static uint32_t available(const stp_splats* set, const stp_leaf_node* node, uint32_t count)
+{
+    uint32_t octave = 0;
+    while (octave + 1 < set->octave_count && set->octave_ends[octave] < 8 * (uint64_t)count) {
+        octave += 1;
+    }
+    return stp_leaf_until(node->first + node->count, octave, set->octave_count) -
+           stp_leaf_until(node->first, octave, set->octave_count);
+}
+
+static double weight(const stp_leaf_node* node, uint32_t cues)
+{
+    double w = (double)node->area;
+    if ((cues & STP_CUE_ERROR_BIT) != 0) {
+        return w;
+    }
+    w *= node->edge && (cues & STP_CUE_EDGE_BIT) != 0 ? 4.0 : 1.0;
+    double bent = fmin((double)node->flatness / 0.005, 1.0);
+    return (cues & STP_CUE_FLATNESS_BIT) != 0 ? w * (1.0 + bent) : w;
+}
+
+/// What a leaf gets at a density.
+static double given(const fixture* f, const stp_leaf_node* node, uint32_t count, uint32_t cues,
+                    double density)
+{
+    return fmin(density * weight(node, cues), available(&f->scene.surfels[0], node, count));
+}
+
+static double find_density(const fixture* f, uint32_t count, uint32_t cues)
+{
+    double low = 0.0, high = 1e12;
+    for (int step = 0; step < 200; ++step) {
+        double middle = 0.5 * (low + high), sum = 0.0;
+        for (uint32_t i = 0; i < f->leaves.node_count; ++i) {
+            const stp_leaf_node* node = &f->leaves.nodes[i];
+            sum += node->leaf_count == 1 ? given(f, node, count, cues, middle) : 0.0;
+        }
+        low = sum < count ? middle : low;
+        high = sum < count ? high : middle;
+    }
+    return low;
+}
+
+void test_stochastic_count_is_shared_by_weight(test_state* test)
+{
+    static fixture f;
+    static const uint32_t counts[] = {40, 150, 333, 1000, 2000, 2900};
+    static const uint32_t cues[] = {STP_CUE_ERROR_BIT | STP_CUE_EDGE_BIT, STP_CUE_EDGE_BIT,
+                                    STP_CUE_FLATNESS_BIT, STP_CUE_EDGE_BIT | STP_CUE_FLATNESS_BIT,
+                                    0};
+    CHECK(set_up(&f));
+    for (size_t c = 0; c < sizeof(cues) / sizeof(cues[0]); ++c) {
+        for (size_t n = 0; n < sizeof(counts) / sizeof(counts[0]); ++n) {
+            CHECK(draw(&f, counts[n], cues[c], (stp_vec3d){0.5, 0.5, 3.0}));
+            CHECK_EQUAL(counts[n], f.list.splat_count);
+            double density = find_density(&f, counts[n], cues[c]), carried = 0.0;
+            for (uint32_t i = 0; i < f.leaves.node_count; ++i) {
+                const stp_leaf_node* node = &f.leaves.nodes[i];
+                if (node->leaf_count > 1) {
+                    continue;
+                }
+                double expected = given(&f, node, counts[n], cues[c], density);
+                double difference = f.drawn[node->leaf] - expected;
+                CHECK(fabs(difference) < 2.0);
+                carried += difference; // rounding errors do not add up
+                CHECK(fabs(carried) < 2.0);
+            }
+        }
+    }
+    tear_down(&f);
+}
+
+// The view does not matter, nor do counts beyond all.
+void test_stochastic_count_has_its_limits(test_state* test)
+{
+    static fixture f;
+    static uint32_t from_above[LEAVES_MAX];
+    const uint32_t cues = STP_CUE_EDGE_BIT;
+    CHECK(set_up(&f));
+    CHECK(draw(&f, 500, cues, (stp_vec3d){0.5, 0.5, 3.0}));
+    memcpy(from_above, f.drawn, sizeof(from_above));
+    CHECK(draw(&f, 500, cues, (stp_vec3d){0.9, 0.1, 0.4})); // some leaves are out of view
+    CHECK(memcmp(from_above, f.drawn, sizeof(from_above)) == 0);
+    CHECK(draw(&f, 1, cues, (stp_vec3d){0.5, 0.5, 3.0}));
+    CHECK_EQUAL(1, f.list.splat_count);
+    const uint64_t all[] = {POINTS, POINTS + 1, UINT64_MAX};
+    uint32_t whole = f.scene.surfels[0].count;
+    for (int i = 0; i < 3; ++i) {
+        CHECK(draw(&f, all[i], cues, (stp_vec3d){0.5, 0.5, 3.0}));
+        CHECK_EQUAL(whole, f.list.splat_count);
+    }
+    tear_down(&f);
+}
