@@ -142,7 +142,7 @@ stp_result stp_viewpoints_write(stp_context* context, const char* path,
     stp_file_writer* writer;
     size_t size = strlen(text);
     stp_result result =
-        size <= STP_VIEWPOINTS_BYTES_MAX
+        size < STP_VIEWPOINTS_BYTES_MAX // a line end follows
             ? stp_file_writer_open(context, path, &writer)
             : stp_fail(context, STP_ERROR_LIMIT, "%s: the viewpoints file would exceed %zu bytes",
                        path, STP_VIEWPOINTS_BYTES_MAX);

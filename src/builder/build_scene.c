@@ -370,8 +370,8 @@ static stp_result write_file(build* b)
     return result;
 }
 
-// Removes the work directory if the output is written, if this build found and stored no result, or
-// if a result has changed, because other results may derive from it. @return whether a result has
+// Removes the work directory if the output is written, if the directory holds no result, or if a
+// result has changed, because other results may derive from it. @return whether a result has
 // changed
 static bool close_build(build* b, bool written)
 {
@@ -392,7 +392,7 @@ static bool close_build(build* b, bool written)
     stp_scene_destroy(b->scene);
     stp_spill_destroy(b->spill);
     stp_previous_output_close(b->previous);
-    stp_work_close(b->work, written || changed || kept.stored + kept.found == 0);
+    stp_work_close(b->work, written || changed || kept.held == 0);
     stp_free(b->context, b->work_folder);
     return changed;
 }

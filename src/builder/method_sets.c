@@ -16,6 +16,7 @@ typedef struct run {
     const stp_build_methods_desc* desc;
     stp_build_methods* made;
     stp_build_result* origins; ///< by set
+    bool lacks_normals;        ///< some point set has no normals
     stp_gate* gate;
     pthread_mutex_t mutex;
     pthread_mutex_t previous_mutex;
@@ -49,16 +50,6 @@ static bool find_set(run* r, stp_hash key, stp_splats* set)
     return found;
 }
 
-/// Whether a node has no triangles, in a scene where some point set has no normals.
-static bool is_two_sided(const stp_scene* scene, uint32_t node)
-{
-    bool any = false;
-    for (uint32_t i = 0; i < scene->point_set_count; ++i) {
-        any = any || scene->point_sets[i].normals == NULL;
-    }
-    return any && scene->nodes[node].triangle_count == 0;
-}
-
 static stp_result make_within(run* r, const stp_method* method, size_t step, double level,
                               uint32_t triangles, stp_hash key, stp_splats* set)
 {
@@ -75,7 +66,8 @@ static stp_result make_within(run* r, const stp_method* method, size_t step, dou
             .samples = &r->desc->samples[step],
             .corners = large.corners,
             .triangle_count = large.count,
-            .two_sided = is_two_sided(r->scene, r->desc->plan->steps[step].node)};
+            .two_sided = r->lacks_normals &&
+                         r->scene->nodes[r->desc->plan->steps[step].node].triangle_count == 0};
         result = method->make(context, &source, r->desc->options, &made);
     }
     stp_node_triangles_destroy(context, &large);
@@ -234,6 +226,9 @@ stp_result stp_build_methods_make(const stp_scene* scene, const stp_build_method
     *made = (stp_build_methods){.method_count = desc->method_count,
                                 .set_count = desc->method_count * desc->plan->step_count};
     run r = {.scene = scene, .desc = desc, .made = made};
+    for (size_t i = 0; i < scene->point_set_count && !r.lacks_normals; ++i) {
+        r.lacks_normals = scene->point_sets[i].normals == NULL;
+    }
     pthread_mutex_init(&r.mutex, NULL);
     pthread_mutex_init(&r.previous_mutex, NULL);
     stp_result result = make_all(&r);

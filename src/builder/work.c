@@ -414,6 +414,16 @@ stp_context* stp_work_get_context(const stp_work* work)
     return work->context;
 }
 
+static uint64_t count_held(const stp_work* work)
+{
+    uint64_t held = 0;
+    for (size_t i = 0; i < work->index.count; ++i) {
+        stp_work_state state = work->index.entries[i].state;
+        held += state == STP_WORK_GOOD || state == STP_WORK_UNVERIFIED ? 1 : 0;
+    }
+    return held;
+}
+
 void stp_work_get_report(const stp_work* work, stp_work_report* report)
 {
     *report = (stp_work_report){
@@ -422,5 +432,6 @@ void stp_work_get_report(const stp_work* work, stp_work_report* report)
         .stored = atomic_load(&work->stored),
         .stored_bytes = atomic_load(&work->stored_bytes),
         .damaged = atomic_load(&work->damaged),
+        .held = count_held(work),
     };
 }

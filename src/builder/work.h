@@ -20,6 +20,7 @@ typedef struct stp_work_report {
     uint64_t found, found_bytes;   ///< results taken from previous builds
     uint64_t stored, stored_bytes; ///< results added
     uint64_t damaged;              ///< results with a wrong checksum or invalid content
+    uint64_t held;                 ///< results in the folder, used or not
 } stp_work_report;
 
 /// Opens or creates the folder and locks it. `fresh` empties it first. Only removes files of its

@@ -310,6 +310,9 @@ static stp_result make_silhouettes(const stp_capture_job* job, uint32_t begin, u
 stp_result stp_capture_draw(stp_capture_job* job, uint32_t begin, uint32_t end)
 {
     assert(begin <= end && end <= job->view_count);
+    if (begin == end) { // the probe has drawn the only view
+        return STP_OK;
+    }
     stp_context* context = job->scene->context;
     draw_state state = {
         .job = job,

@@ -47,7 +47,7 @@ void stp_placement_choose_nearness(stp_placement* placement, const stp_store_dir
         high = stp_dotd(f->forward, center) + reach + margin + p->mesh_depth / f->scale;
     }
     low = fmax(low, f->near_distance);
-    high = high > low ? high : low + 1.0;
+    high = high > low ? high : fmax(low + 1.0, low * (1.0 + 1e-9)); // everything is in front
     p->nearness_scale = -0.9375 / (high - low);
     p->nearness_offset = 1.0 - p->nearness_scale * low;
 }

@@ -20,7 +20,8 @@ stp_result stp_builder_check(const stp_builder* builder, uint32_t material)
         return stp_fail(builder->context, STP_ERROR_ARGUMENT,
                         "stp_builder: already written; create another one");
     }
-    if (material + STP_BUILDER_MATERIAL >= builder->staged->material_count) {
+    assert(builder->staged->material_count > STP_BUILDER_MATERIAL);
+    if (material >= builder->staged->material_count - STP_BUILDER_MATERIAL) {
         return stp_fail(builder->context, STP_ERROR_ARGUMENT,
                         "stp_builder: material %u was not added", material);
     }

@@ -43,7 +43,9 @@ double stp_measure_area(const stp_vec3d* points, size_t count, double* perimeter
 
 stp_vec3d stp_measure_coordinates(const stp_measuring* measuring, stp_vec3d p)
 {
-    return measuring->up == 'z' ? (stp_vec3d){p.x, -p.z, p.y} : p;
+    return measuring->up == 'z'   ? (stp_vec3d){p.x, -p.z, p.y}
+           : measuring->up == 'x' ? (stp_vec3d){p.y, -p.x, p.z}
+                                  : p;
 }
 
 static double shown_metres(const stp_measuring* m)

@@ -175,6 +175,13 @@ static inline void test_queued(const stp_splat_frame* f, waiting_splats* w, uint
     w->count = 0;
 }
 
+/// The bits of a word that belong to splats before `end`.
+static inline uint32_t bits_before(uint32_t end, uint32_t word)
+{
+    uint32_t left = end - word * SPLAT_BATCH;
+    return left < SPLAT_BATCH ? (1u << left) - 1u : 0xFFFFu;
+}
+
 static inline bool test_all(const stp_splat_frame* f, uint16_t* bits)
 {
     const stp_raster_splats* splats = f->splats;
@@ -182,7 +189,8 @@ static inline bool test_all(const stp_splat_frame* f, uint16_t* bits)
     uint32_t end = (splats->end + SPLAT_BATCH - 1) / SPLAT_BATCH;
     waiting_splats w = {.count = 0};
     for (uint32_t word = first; word < end; ++word) {
-        for (uint32_t left = bits[word]; left != 0; left &= left - 1) {
+        uint32_t left = bits[word] & bits_before(splats->end, word);
+        for (; left != 0; left &= left - 1) {
             w.index[w.count++] = word * SPLAT_BATCH + (uint32_t)__builtin_ctz(left);
             if (w.count == SPLAT_BATCH) {
                 test_queued(f, &w, bits);
@@ -194,7 +202,7 @@ static inline bool test_all(const stp_splat_frame* f, uint16_t* bits)
     }
     uint16_t any = 0;
     for (uint32_t word = first; word < end; ++word) {
-        any |= bits[word];
+        any |= (uint16_t)(bits[word] & bits_before(splats->end, word));
     }
     return any != 0;
 }

@@ -6,22 +6,14 @@
 
 #include <assert.h>
 
-// Room for one more element; NULL if out of memory or indices.
-static void* grow(stp_graph* graph, void* array, size_t* capacity, size_t count, size_t size)
-{
-    return count < STP_NONE
-               ? stp_grow_array(graph->scene->context, array, capacity, count + 1, size)
-               : NULL;
-}
-
 stp_result stp_graph_add_edge(stp_graph* graph, uint32_t node, const stp_affine* transform)
 {
     stp_scene* scene = graph->scene;
     assert(node < scene->node_count && "children are made first");
-    stp_edge* edges =
-        grow(graph, scene->edges, &graph->edge_capacity, scene->edge_count, sizeof(*edges));
+    stp_edge* edges = stp_scene_grow(scene->context, scene->edges, &graph->edge_capacity,
+                                     scene->edge_count + 1, sizeof(*edges));
     if (edges == NULL) {
-        return stp_fail_memory(scene->context);
+        return stp_scene_fail_grow(scene->context, scene->edge_count + 1);
     }
     scene->edges = edges;
     edges[scene->edge_count++] = (stp_edge){.node = node, .transform = *transform};
@@ -32,10 +24,10 @@ stp_result stp_graph_add_part(stp_graph* graph, stp_part part)
 {
     stp_scene* scene = graph->scene;
     assert(part.index < (part.kind == STP_PART_MESH ? scene->mesh_count : scene->point_set_count));
-    stp_part* parts = grow(graph, scene->node_parts, &graph->part_capacity, scene->node_part_count,
-                           sizeof(*parts));
+    stp_part* parts = stp_scene_grow(scene->context, scene->node_parts, &graph->part_capacity,
+                                     scene->node_part_count + 1, sizeof(*parts));
     if (parts == NULL) {
-        return stp_fail_memory(scene->context);
+        return stp_scene_fail_grow(scene->context, scene->node_part_count + 1);
     }
     scene->node_parts = parts;
     parts[scene->node_part_count++] = part;
@@ -68,10 +60,10 @@ stp_result stp_graph_close_node(stp_graph* graph, size_t first_edge, size_t firs
         scene->node_part_count = first_part;
         return STP_OK;
     }
-    stp_node* nodes =
-        grow(graph, scene->nodes, &graph->node_capacity, scene->node_count, sizeof(*nodes));
+    stp_node* nodes = stp_scene_grow(scene->context, scene->nodes, &graph->node_capacity,
+                                     scene->node_count + 1, sizeof(*nodes));
     if (nodes == NULL) {
-        return stp_fail_memory(scene->context);
+        return stp_scene_fail_grow(scene->context, scene->node_count + 1);
     }
     scene->nodes = nodes;
     stp_node_measure(scene, &node);

@@ -89,15 +89,22 @@ static stp_result keep_text(stp_scene* scene, const char** text)
     return STP_OK;
 }
 
-// Room for one more element of one of the scene's arrays; NULL if out of memory.
+// Room for one more element of one of the scene's arrays; NULL if there is none.
 #define GROW_ARRAY(scene, array, name)                                                             \
-    grow((scene)->context, (scene)->array, &(scene)->name##_capacity, (scene)->name##_count,       \
-         sizeof(*(scene)->array))
+    stp_scene_grow((scene)->context, (scene)->array, &(scene)->name##_capacity,                    \
+                   (scene)->name##_count + 1, sizeof(*(scene)->array))
 #define GROW(scene, name) GROW_ARRAY(scene, name##s, name)
 
-static void* grow(stp_context* context, void* array, size_t* capacity, size_t count, size_t size)
+void* stp_scene_grow(stp_context* context, void* array, size_t* capacity, size_t count, size_t size)
 {
-    return count >= STP_NONE ? NULL : stp_grow_array(context, array, capacity, count + 1, size);
+    return count > STP_NONE ? NULL : stp_grow_array(context, array, capacity, count, size);
+}
+
+stp_result stp_scene_fail_grow(stp_context* context, size_t count)
+{
+    return count > STP_NONE ? stp_fail(context, STP_ERROR_LIMIT,
+                                       "the scene has more than 2^32 - 1 elements of a kind")
+                            : stp_fail_memory(context);
 }
 
 static void assign_indices(uint32_t* index, size_t count)
@@ -125,7 +132,7 @@ stp_result stp_scene_add_mesh(stp_scene* scene, const stp_mesh* mesh, uint32_t* 
     if (meshes == NULL) {
         scene->bulk_bytes += stp_mesh_bytes(&added);
         stp_mesh_free_arrays(scene, &added);
-        return stp_fail_memory(scene->context);
+        return stp_scene_fail_grow(scene->context, scene->mesh_count + 1);
     }
     scene->meshes = meshes;
     assign_indices(index, scene->mesh_count);
@@ -152,7 +159,7 @@ static stp_result add_points(stp_scene* scene, const stp_point_set* points, bool
     if (sets == NULL) {
         scene->bulk_bytes += spilled ? 0 : stp_points_bytes(&added);
         stp_points_free_arrays(scene, &added);
-        return stp_fail_memory(scene->context);
+        return stp_scene_fail_grow(scene->context, scene->point_set_count + 1);
     }
     scene->point_sets = sets;
     assign_indices(index, scene->point_set_count);
@@ -179,7 +186,7 @@ stp_result stp_scene_add_material(stp_scene* scene, const stp_material* material
 {
     stp_material* materials = GROW(scene, material);
     if (materials == NULL) {
-        return stp_fail_memory(scene->context);
+        return stp_scene_fail_grow(scene->context, scene->material_count + 1);
     }
     scene->materials = materials;
     assign_indices(index, scene->material_count);
@@ -197,7 +204,7 @@ stp_result stp_scene_add_texture(stp_scene* scene, const stp_texture* texture, u
     if (textures == NULL) {
         scene->bulk_bytes += stp_texture_bytes(&added);
         stp_texture_free_arrays(scene, &added);
-        return stp_fail_memory(scene->context);
+        return stp_scene_fail_grow(scene->context, scene->texture_count + 1);
     }
     scene->textures = textures;
     assign_indices(index, scene->texture_count);
@@ -212,7 +219,7 @@ stp_result stp_scene_add_object(stp_scene* scene, const stp_object* object, uint
     assert(object->parent == STP_NONE || object->parent < scene->object_count);
     stp_object* objects = GROW(scene, object);
     if (objects == NULL) {
-        return stp_fail_memory(scene->context);
+        return stp_scene_fail_grow(scene->context, scene->object_count + 1);
     }
     scene->objects = objects;
     assign_indices(index, scene->object_count);
@@ -237,7 +244,7 @@ stp_result stp_scene_add_part(stp_scene* scene, stp_part part)
     assert(scene->object_count > 0);
     stp_part* parts = GROW(scene, part);
     if (parts == NULL) {
-        return stp_fail_memory(scene->context);
+        return stp_scene_fail_grow(scene->context, scene->part_count + 1);
     }
     scene->parts = parts;
     parts[scene->part_count++] = part;
@@ -250,7 +257,7 @@ stp_result stp_scene_add_instance(stp_scene* scene, const stp_affine* transform)
     assert(scene->object_count > 0);
     stp_affine* instances = GROW(scene, instance);
     if (instances == NULL) {
-        return stp_fail_memory(scene->context);
+        return stp_scene_fail_grow(scene->context, scene->instance_count + 1);
     }
     scene->instances = instances;
     instances[scene->instance_count++] = *transform;
@@ -269,7 +276,7 @@ stp_result stp_scene_add_view(stp_scene* scene, const stp_scene_view* view)
 {
     stp_scene_view* views = GROW(scene, view);
     if (views == NULL) {
-        return stp_fail_memory(scene->context);
+        return stp_scene_fail_grow(scene->context, scene->view_count + 1);
     }
     scene->views = views;
     stp_scene_view* kept = &views[scene->view_count++];
@@ -281,7 +288,7 @@ stp_result stp_scene_add_source(stp_scene* scene, const stp_source* source)
 {
     stp_source* sources = GROW(scene, source);
     if (sources == NULL) {
-        return stp_fail_memory(scene->context);
+        return stp_scene_fail_grow(scene->context, scene->source_count + 1);
     }
     scene->sources = sources;
     stp_source* kept = &sources[scene->source_count++];

@@ -324,12 +324,10 @@ stp_result stp_cut_mesh(stp_scene* scene, uint32_t mesh, uint32_t maximum, uint3
     uint32_t triangles = scene->meshes[mesh].triangle_count;
     uint32_t pieces = triangles / maximum + (triangles % maximum != 0);
     size_t needed = scene->mesh_count + pieces;
-    stp_mesh* meshes = needed < STP_NONE
-                           ? stp_grow_array(scene->context, scene->meshes, &scene->mesh_capacity,
-                                            needed, sizeof(*meshes))
-                           : NULL;
+    stp_mesh* meshes = stp_scene_grow(scene->context, scene->meshes, &scene->mesh_capacity, needed,
+                                      sizeof(*meshes));
     if (meshes == NULL) {
-        return stp_fail_memory(scene->context);
+        return stp_scene_fail_grow(scene->context, needed);
     }
     scene->meshes = meshes;
     cutter c = {.scene = scene,
@@ -355,12 +353,10 @@ stp_result stp_cut_points(stp_scene* scene, uint32_t set, uint32_t maximum, uint
     uint32_t points = scene->point_sets[set].point_count;
     uint32_t pieces = points / maximum + (points % maximum != 0);
     size_t needed = scene->point_set_count + pieces;
-    stp_point_set* sets = needed < STP_NONE
-                              ? stp_grow_array(scene->context, scene->point_sets,
-                                               &scene->point_set_capacity, needed, sizeof(*sets))
-                              : NULL;
+    stp_point_set* sets = stp_scene_grow(scene->context, scene->point_sets,
+                                         &scene->point_set_capacity, needed, sizeof(*sets));
     if (sets == NULL) {
-        return stp_fail_memory(scene->context);
+        return stp_scene_fail_grow(scene->context, needed);
     }
     scene->point_sets = sets;
     cutter c = {.scene = scene,

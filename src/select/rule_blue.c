@@ -60,6 +60,9 @@ static double switch_depth_factor(double lacks, stp_depth_range range)
     double length = (range.far / range.near - SHORT) / (LONG - SHORT);
     double part = length > 0.0 ? fmin(length, 1.0) : 0.0;
     double cubed = lacks * lacks * lacks;
+    if (!(part > 0.0)) { // its fourth power may be infinite
+        return cubed;
+    }
     return cubed * (1.0 + part * (cubed * lacks - 1.0));
 }
 

@@ -294,3 +294,17 @@ void test_random_bits_are_a_pure_function_and_even(test_state* test)
     }
     CHECK_EQUAL(0, stp_rng_below(3, 7, 1));
 }
+
+void test_affine_scale_bounds_shears(test_state* test)
+{
+    // three columns of length 1 that enclose small angles
+    stp_affine shear = {{{0.8, 0.6, 0.6, 0}, {0.6, 0.8, 0.6, 0}, {0, 0, sqrt(0.28), 0}}};
+    stp_affine turn = {{{0.6, -0.8, 0, 5}, {0.8, 0.6, 0, 6}, {0, 0, 1, 7}}};
+    double length = 0.0;
+    for (int r = 0; r < 3; ++r) {
+        double sum = shear.m[r][0] + shear.m[r][1] + shear.m[r][2]; // of (1, 1, 1)
+        length += sum * sum / 3.0;
+    }
+    CHECK(sqrt(length) > 1.5 && stp_affine_scale(&shear) >= sqrt(length));
+    CHECK(fabs(stp_affine_scale(&turn) - 1.0) < 1e-12);
+}

@@ -237,12 +237,13 @@ static int stop_at_once(const stp_progress_report* report, void* user)
 
 void test_builds_can_be_stopped_at_every_stage(test_state* test)
 {
-    static const char* const stages[] = {"import", "partition", "surfels", "clusters", "write"};
+    static const char* const stages[] = {"import",   "partition", "surfels",
+                                         "clusters", "write",     "import"};
     workshop w;
     CHECK(open_workshop(&w, 30));
     CHECK(write_text(w.output, "previous"));
     CHECK(write_text(w.other, "previous"));
-    for (int i = 0; i < 5; ++i) {
+    for (int i = 0; i < 6; ++i) {
         test_log log = {0};
         char stage[32];
         snprintf(stage, sizeof(stage), "%s", stages[i]);

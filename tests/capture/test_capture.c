@@ -475,6 +475,25 @@ void test_capture_costs_what_is_there(test_state* test)
     stp_context_destroy(context);
 }
 
+void test_capture_from_one_direction(test_state* test)
+{
+    stp_context* context = test_context(NULL, 4, NULL);
+    test_scene t = scene_over(context);
+    uint32_t square;
+    CHECK(t.scene != NULL && add_square(&t, 1, 0, &square));
+    place(&t, STP_PART_MESH, square, scaled_and_moved(1, 1, 1, -1, -1, 0));
+    place(&t, STP_PART_MESH, square, scaled_and_moved(1, 1, 1, 1, 1, 0)); // half of the outline
+    stp_vec3d toward = {0, 0, 1};
+    stp_capture_desc desc = {
+        .direction_count = 1, .directions = &toward, .wanted_candidates = 20000};
+    stp_candidates c;
+    CHECK_EQUAL(STP_OK, stp_capture_parts(t.scene, t.parts, t.part_count, &desc, &c));
+    CHECK(c.count > 18000 && c.count < 22000); // the probe's pixels
+    stp_candidates_destroy(context, &c);
+    stp_scene_destroy(t.scene);
+    stp_context_destroy(context);
+}
+
 void test_capture_is_the_same_for_any_thread_count(test_state* test)
 {
     stp_candidates first = {0};

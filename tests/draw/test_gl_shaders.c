@@ -24,8 +24,8 @@ static int compile(stp_context* context, const checked_shader* shader)
     const char* stage = strstr(shader->name, ".comp.") != NULL   ? "comp"
                         : strstr(shader->name, ".vert.") != NULL ? "vert"
                                                                  : "frag";
-    char* text = stp_gl_program_text(context, shader->name, shader->defines);
-    if (text == NULL) {
+    char* text;
+    if (stp_gl_program_text(context, shader->name, shader->defines, &text) != STP_OK) {
         return -1;
     }
     snprintf(path, sizeof(path), "%s/stipple_%d.%s", folder != NULL ? folder : "/tmp",
@@ -38,6 +38,17 @@ static int compile(stp_context* context, const checked_shader* shader)
     int status = written ? system(command) : -1;
     unlink(path);
     return status;
+}
+
+void test_gl_shaders_that_are_unknown(test_state* test)
+{
+    test_log log = {0};
+    stp_context* context = test_context(NULL, 1, &log);
+    char* text;
+    CHECK(context != NULL);
+    CHECK_EQUAL(STP_ERROR_UNSUPPORTED, stp_gl_program_text(context, "no.frag.glsl", NULL, &text));
+    CHECK(text == NULL && log.errors == 1);
+    stp_context_destroy(context);
 }
 
 void test_gl_shaders_are_glsl(test_state* test)

@@ -109,6 +109,9 @@ static stp_result add_wrong_input(stp_builder* builder, int which)
         return stp_builder_add_points(builder, &(stp_points_desc){.positions = corners}, NULL);
     case 7:
         return stp_builder_write(builder, NULL, NULL); // nothing was added
+    case 8:
+        mesh.material = UINT32_MAX;
+        break;
     default:
         return STP_OK;
     }
@@ -122,11 +125,11 @@ void test_embed_builders_refuse_invalid_input(test_state* test)
     stp_context* context = test_context(NULL, 1, &log);
     bool made = stp_builder_create(context, NULL, &builder) == STP_OK;
     int refused = 0;
-    for (int i = 0; made && i < 8; ++i) {
+    for (int i = 0; made && i < 9; ++i) {
         refused += add_wrong_input(builder, i) == STP_ERROR_ARGUMENT;
     }
     stp_builder_destroy(builder);
     stp_context_destroy(context);
-    CHECK_EQUAL(8, refused);
-    CHECK_EQUAL(8, log.errors);
+    CHECK_EQUAL(9, refused);
+    CHECK_EQUAL(9, log.errors);
 }

@@ -70,6 +70,9 @@ void test_measures_in_units_and_axes_of_the_file(test_state* test)
     stp_vec3d q = stp_measure_coordinates(&z_up, p), r = stp_measure_coordinates(&y_up, p);
     CHECK(q.x == 1 && q.y == -3 && q.z == 2);
     CHECK(r.x == 1 && r.y == 2 && r.z == 3);
+    stp_measuring x_up = {.up = 'x'};
+    q = stp_measure_coordinates(&x_up, p); // importing turned x to y and y to -x
+    CHECK(q.x == 2 && q.y == -1 && q.z == 3);
     char text[32];
     stp_measure_text(&z_up, 1234.5678, 6, text, sizeof(text));
     CHECK(strcmp(text, "1234.57 mm") == 0);

@@ -8,17 +8,16 @@
 #include <math.h>
 
 // Imports a text as OBJ with chunks of about `chunk` bytes.
-static stp_scene* import_obj(stp_context* context, const char* text, size_t chunk,
-                             stp_result* result)
+static stp_scene* import_obj_bytes(stp_context* context, const char* text, size_t size,
+                                   size_t chunk, stp_result* result)
 {
     stp_scene* scene = NULL;
     *result = stp_scene_create(context, &scene);
-    stp_import import = {
-        .context = context,
-        .scene = scene,
-        .path = "test.obj",
-        .file = {text[0] != '\0' ? (const unsigned char*)text : NULL, strlen(text)},
-        .alone = true};
+    stp_import import = {.context = context,
+                         .scene = scene,
+                         .path = "test.obj",
+                         .file = {text[0] != '\0' ? (const unsigned char*)text : NULL, size},
+                         .alone = true};
     stp_object root = {.name = "test.obj", .parent = STP_NONE, .transform = stp_affine_identity()};
     if (*result == STP_OK) {
         *result = stp_scene_add_object(scene, &root, &import.root);
@@ -31,6 +30,12 @@ static stp_scene* import_obj(stp_context* context, const char* text, size_t chun
         return NULL;
     }
     return scene;
+}
+
+static stp_scene* import_obj(stp_context* context, const char* text, size_t chunk,
+                             stp_result* result)
+{
+    return import_obj_bytes(context, text, strlen(text), chunk, result);
 }
 
 static const char cube[] = "\xef\xbb\xbf# a cube in parts\r\n"
@@ -81,6 +86,19 @@ void test_obj_groups_and_materials(test_state* test)
     CHECK(strcmp(scene->materials[bottom->material].name, "red") == 0);
     CHECK(scene->materials[bottom->material].double_sided);
     CHECK_EQUAL(0, scene->materials[bottom->material].metallic != 0.0f);
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
+
+void test_obj_names_that_begin_with_a_zero(test_state* test)
+{
+    static const char text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\no \0a\ng b\nf 1 2 3\n";
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_result result;
+    stp_scene* scene = import_obj_bytes(context, text, sizeof(text) - 1, 1 << 20, &result);
+    CHECK_EQUAL(STP_OK, result);
+    CHECK_EQUAL(2, scene->object_count);
+    CHECK(strcmp(scene->objects[1].name, "b") == 0 && scene->objects[1].parent == 0);
     stp_scene_destroy(scene);
     stp_context_destroy(context);
 }

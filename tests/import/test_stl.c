@@ -96,6 +96,26 @@ void test_stl_ascii(test_state* test)
     stp_context_destroy(context);
 }
 
+void test_stl_solids_without_a_name(test_state* test)
+{
+    char text[4096];
+    size_t size = make_ascii(text, sizeof(text), "");
+    size += make_ascii(text + size, sizeof(text) - size, "named");
+    size += make_ascii(text + size, sizeof(text) - size, "");
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_result result;
+    stp_scene* scene = import_bytes(context, "a.stl", text, size, &result);
+    CHECK_EQUAL(STP_OK, result);
+    CHECK_EQUAL(3, scene->object_count); // the first one is the root's own
+    CHECK(strcmp(scene->objects[1].name, "named") == 0 && scene->objects[2].name == NULL);
+    CHECK_EQUAL(3, scene->part_count);
+    for (uint32_t i = 0; i < 3; ++i) {
+        CHECK_EQUAL(1, scene->objects[i].part_count);
+    }
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
+
 void test_stl_bad_input_is_one_sentence(test_state* test)
 {
     unsigned char bytes[512];
@@ -106,6 +126,7 @@ void test_stl_bad_input_is_one_sentence(test_state* test)
     memcpy(not_finite, bytes, size);
     stp_write_f32(not_finite + 84 + 50 + 12, (float)NAN);
     static const char two[] = "solid\nfacet\nvertex 0 0 0\nvertex 1 0 0\nendfacet\nendsolid\n";
+    static const char within[] = "solid a\nfacet\nvertex 0 0 0\nvertex 1 0 0\nsolid b\n";
     static const char word[] = "solid\nfacet\nvertex 0 0 zero\n";
     static const char infinite[] = "solid\nfacet\nvertex 0 0 0\nvertex 0 0 1e99\n";
     const struct {
@@ -120,6 +141,7 @@ void test_stl_bad_input_is_one_sentence(test_state* test)
         {many, size, STP_ERROR_TRUNCATED, "4294967295"},
         {not_finite, size, STP_ERROR_FORMAT, "facet 2"},
         {two, strlen(two), STP_ERROR_FORMAT, "line 5"},
+        {within, strlen(within), STP_ERROR_FORMAT, "line 5"},
         {word, strlen(word), STP_ERROR_FORMAT, "line 3"},
         {infinite, strlen(infinite), STP_ERROR_FORMAT, "line 4"},
         {two, 24, STP_ERROR_TRUNCATED, "within a facet"},

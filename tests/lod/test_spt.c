@@ -185,7 +185,8 @@ void test_spt_trees_are_sound(test_state* test)
     }
     stp_point_tree tree;
     stp_tree_points none = {.count = 0};
-    CHECK_EQUAL(STP_ERROR_LIMIT, stp_point_tree_make(context, &none, &(stp_tree_desc){0}, &tree));
+    CHECK_EQUAL(STP_ERROR_ARGUMENT,
+                stp_point_tree_make(context, &none, &(stp_tree_desc){0}, &tree));
     stp_context_destroy(context);
 }
 

@@ -183,4 +183,17 @@ void test_splats_blend_alike_whatever_is_left_out(test_state* test)
         left += bits[i / 16] >> i % 16 & 1;
     }
     CHECK(left > 2000 && left < 2900);
+    int ends = 0;
+    for (uint32_t end = 8; end + 8 <= SPLATS; end += 16) { // splats beyond the end are left alone
+        if (bits[end / 16] >> 8 == 0xFF) {
+            continue;
+        }
+        uint16_t some[WORDS];
+        memset(some, 0xFF, sizeof(some));
+        s.splats.end = end;
+        stp_raster_test_splats(&s.splats, some);
+        CHECK_EQUAL(0xFF, some[end / 16] >> 8);
+        ends += 1;
+    }
+    CHECK(ends > 0);
 }

@@ -286,3 +286,36 @@ void test_clusters_of_leaves_survive_changed_bytes(test_state* test)
     free(p);
     stp_context_destroy(context);
 }
+
+void test_clusters_of_quads_that_a_coarse_grid_flattens(test_state* test)
+{
+    enum { QUADS = 130 };
+    static float positions[12 * QUADS];
+    static uint32_t indices[6 * QUADS];
+    static const uint32_t corners[6] = {0, 1, 2, 1, 3, 2};
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    uint64_t random = 0;
+    for (uint32_t i = 0; i < 12 * QUADS; ++i) {
+        uint32_t q = i / 12, v = i / 3 % 4, k = i % 3;
+        uint32_t cell = k == 0 ? q % 10 : k == 1 ? q / 10 % 10 : q / 100;
+        uint32_t side = k == 0 ? v & 1 : k == 1 ? v >> 1 : 0;
+        positions[i] = (float)(10 * cell + 3 * side) + between(&random, 0.0f, 1.0f);
+    }
+    for (uint32_t i = 0; i < 6 * QUADS; ++i) {
+        indices[i] = 4 * (i / 6) + corners[i % 6];
+    }
+    for (uint32_t quads = 100; quads <= QUADS; ++quads) {
+        stp_store_mesh mesh = {.vertex_count = 4 * quads,
+                               .triangle_count = 2 * quads,
+                               .positions = positions,
+                               .indices = indices};
+        stp_coded_mesh coded;
+        stp_clusters clusters;
+        CHECK_EQUAL(STP_OK, stp_clusters_encode(context, &mesh, 0.5, &coded));
+        CHECK(stp_clusters_open(coded.bytes, coded.size, &clusters) == NULL);
+        CHECK_EQUAL(2 * quads, clusters.triangle_count);
+        stp_coded_mesh_destroy(context, &coded);
+    }
+    stp_context_destroy(context);
+}

@@ -148,6 +148,9 @@ static void break_field(fixture* f, int field)
     case 7: // a missing column
         set->columns = f->methods[1].columns = f->made.sets[2].columns = STP_SPLATS_SHAPES;
         break;
+    case 8: // a set with two nodes, and one without
+        f->sets[3] = 1;
+        break;
     default: // no name
         f->methods[0].name = "";
         break;
@@ -159,7 +162,7 @@ void test_invalid_methods_are_refused(test_state* test)
     test_log log = {.errors = 0};
     stp_context* context = test_context(NULL, 1, &log);
     CHECK(context != NULL);
-    for (int field = 0; field <= 8; ++field) {
+    for (int field = 0; field <= 9; ++field) {
         fixture f;
         unsigned char* bytes;
         stp_store* store;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The cost of opening, and what is deferred.
+#include "support_reseal.h"
 #include "support_sample.h"
 #include "tests.h"
 
@@ -88,6 +89,26 @@ void test_store_objects_can_wait(test_state* test)
     CHECK(directory->objects == objects);
     stp_store_close(store);
     stp_store_close(eager);
+    stp_context_destroy(context);
+}
+
+void test_store_objects_stay_damaged(test_state* test)
+{
+    size_t size = 0;
+    unsigned char* bytes = // without checksums of pages
+        sample_read_file(STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample.stip", &size);
+    stp_context* context = test_context(NULL, 1, &(test_log){0});
+    CHECK(bytes != NULL && context != NULL);
+    bytes[stp_read_u64(find_section(bytes, STP_SECTION_OBJECTS) + 8)] ^= 1;
+    stp_store* store = NULL;
+    stp_store_open_desc desc = {.defer_objects = true};
+    CHECK_EQUAL(STP_OK, stp_store_open_memory(context, "m", bytes, size, &desc, &store));
+    for (int i = 0; i < 2; ++i) {
+        stp_store_object object;
+        CHECK_EQUAL(STP_ERROR_FORMAT, stp_store_read_object(store, 0, &object));
+    }
+    stp_store_close(store);
+    free(bytes);
     stp_context_destroy(context);
 }
 

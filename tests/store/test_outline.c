@@ -5,6 +5,8 @@
 #include "draw/support_store.h"
 #include "select/support_built.h"
 #include "store/outline/outline.h"
+#include "store/support_reseal.h"
+#include "store/support_sample.h"
 #include "store/writer/writer.h"
 
 #include <stdlib.h>
@@ -113,6 +115,48 @@ void test_outline_lists_children_in_order(test_state* test)
     }
     stp_outline_destroy(outline);
     fell(&f);
+}
+
+void test_outline_survives_parents_that_change(test_state* test)
+{
+    enum { COUNT = 400, PARENT = 8 }; // PARENT: offset within the record of an object
+    stp_store_object objects[COUNT] = {{.parent = STP_STORE_NONE, .node = STP_STORE_NONE}};
+    for (uint32_t i = 0; i < COUNT; ++i) {
+        objects[i] = (stp_store_object){.parent = i == 0 ? STP_STORE_NONE : 0,
+                                        .node = STP_STORE_NONE,
+                                        .transform = stp_affine_identity()};
+    }
+    stp_store_content content = {.directory = {.object_count = COUNT,
+                                               .objects = objects,
+                                               .root = STP_STORE_NONE,
+                                               .up = 'y',
+                                               .build_json = "{}"},
+                                 .passing = true}; // not packed, so read from the mapping
+    stp_context* context = test_context(NULL, 1, &(test_log){0});
+    CHECK(context != NULL);
+    CHECK_EQUAL(STP_OK, stp_store_write(context, &content, "changing.stip"));
+    size_t size = 0;
+    unsigned char* bytes = sample_read_file("changing.stip", &size);
+    stp_store* store = NULL;
+    stp_outline* outline = NULL;
+    bool ready = false;
+    CHECK(bytes != NULL);
+    stp_store_open_desc desc = {.defer_objects = true};
+    CHECK_EQUAL(STP_OK, stp_store_open_memory(context, "m", bytes, size, &desc, &store));
+    CHECK_EQUAL(STP_OK, stp_outline_create(context, store, &outline));
+    CHECK_EQUAL(STP_OK, stp_outline_prepare(outline, COUNT, &ready)); // children are counted
+    stp_store_section section = reseal_section(find_section(bytes, STP_SECTION_OBJECTS));
+    CHECK(!stp_store_is_packed(&section));
+    for (uint32_t i = 1; i < COUNT; ++i) {
+        stp_write_u32(bytes + section.offset + i * section.record_size + PARENT, i - 1);
+    }
+    CHECK_EQUAL(STP_ERROR_FORMAT, stp_outline_prepare(outline, 0, &ready));
+    CHECK(!ready);
+    stp_outline_destroy(outline);
+    stp_store_close(store);
+    free(bytes);
+    unlink("changing.stip");
+    stp_context_destroy(context);
 }
 
 void test_outline_search_finds_parts_of_names_in_any_case(test_state* test)

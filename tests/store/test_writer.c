@@ -232,8 +232,17 @@ static void spoil(stp_store_content* content, int what, stp_store_mesh* mesh, st
     case 10:
         content->directory.root = 1;
         break;
-    default:
+    case 11:
         content->directory.up = 'a';
+        break;
+    case 12:
+        surfels->table.count[0] = 0;
+        break;
+    case 13:
+        surfels->candidate_radius = INFINITY;
+        break;
+    default: // held by a set that does not exist
+        content->directory.point_set_count = 1;
         break;
     }
 }
@@ -245,7 +254,7 @@ void test_store_refuses_to_write_unreadable_content(test_state* test)
     test_log log = {.errors = 0};
     stp_context* context = test_context(NULL, 1, &log);
     CHECK(context != NULL);
-    for (int what = -1; what < 12; ++what) {
+    for (int what = -1; what < 15; ++what) {
         float positions[9] = {0};
         uint32_t indices[3] = {0, 1, 2};
         uint16_t grid[12] = {0};
@@ -273,6 +282,7 @@ void test_store_refuses_to_write_unreadable_content(test_state* test)
         };
         stp_store_node node = {.part_count = 1, .surfels = 0};
         stp_store_part part = {STP_STORE_PART_MESH, 0};
+        stp_store_point_set points = {.point_count = 4, .held_by = 1000000000};
         stp_store_content content = {
             .directory = {.node_count = 1,
                           .part_count = 1,
@@ -286,6 +296,7 @@ void test_store_refuses_to_write_unreadable_content(test_state* test)
                           .shadings = &shading,
                           .up = 'y'},
             .meshes = &mesh,
+            .point_sets = &points,
             .surfels = &surfels,
         };
         if (what >= 0) {

@@ -2,16 +2,32 @@
 #define _DEFAULT_SOURCE // _SC_NPROCESSORS_ONLN
 #include "base/core/processor.h"
 
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#if defined(__x86_64__)
+#include <cpuid.h>
+#endif
+
+#if defined(__x86_64__)
+/// F16C and LZCNT, which older compilers cannot ask for by name.
+static bool has_halves_and_lzcnt(void)
+{
+    const unsigned f16c = 1u << 29, lzcnt = 1u << 5; // in ECX
+    unsigned a, b, c, d;
+    return __get_cpuid(1, &a, &b, &c, &d) != 0 && (c & f16c) != 0 &&
+           __get_cpuid(0x80000001u, &a, &b, &c, &d) != 0 && (c & lzcnt) != 0;
+}
+#endif
 
 static stp_processor detect_hardware(void)
 {
 #if defined(__x86_64__)
     __builtin_cpu_init();
     int avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") &&
-               __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("popcnt");
+               __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("popcnt") &&
+               has_halves_and_lzcnt();
     if (avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
         __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
         __builtin_cpu_supports("avx512vl")) {

@@ -208,19 +208,23 @@ static inline double stp_affine_determinant(const stp_affine* a)
            a->m[0][2] * (a->m[1][0] * a->m[2][1] - a->m[1][1] * a->m[2][0]);
 }
 
-/// Upper bound on the length of a transformed unit vector, except for shears that keep the axes
-/// equally long. Exact for rotations and uniform scales; base/math/stretch.h is tighter and slower.
+/// Upper bound on the length of a transformed unit vector. Exact for rotations and uniform scales;
+/// base/math/stretch.h is tighter and slower.
 static inline double stp_affine_scale(const stp_affine* a)
 {
     // the longest column is exact for rotations and uniform scales; otherwise use the Frobenius
     // norm
-    double column = 0.0, sum = 0.0;
+    double column = 0.0, sum = 0.0, shear = 0.0;
     for (int c = 0; c < 3; ++c) {
+        int next = (c + 1) % 3;
         double square = a->m[0][c] * a->m[0][c] + a->m[1][c] * a->m[1][c] + a->m[2][c] * a->m[2][c];
+        double dot =
+            a->m[0][c] * a->m[0][next] + a->m[1][c] * a->m[1][next] + a->m[2][c] * a->m[2][next];
         column = square > column ? square : column;
+        shear = fabs(dot) > shear ? fabs(dot) : shear;
         sum += square;
     }
-    bool uniform = sum <= 3.0 * column * (1.0 + 1e-9) && sum >= 3.0 * column * (1.0 - 1e-9);
+    bool uniform = sum >= 3.0 * column * (1.0 - 1e-9) && shear <= 1e-9 * column;
     return sqrt(uniform ? column : sum);
 }
 

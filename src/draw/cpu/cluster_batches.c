@@ -55,6 +55,7 @@ void stp_cpu_drop_triangles(uint32_t* indices, uint32_t first, uint32_t count, f
     }
 }
 
+/// Leaves out a cluster that does not continue the ids of the batch: the file was overwritten.
 static void add_cluster(const stp_cpu_item* item, uint32_t index, float share, batch* b)
 {
     assert(b->cluster_count < BATCH_CLUSTERS && index < item->clusters.cluster_count);
@@ -62,6 +63,8 @@ static void add_cluster(const stp_cpu_item* item, uint32_t index, float share, b
     stp_clusters_get(&item->clusters, index, &cluster);
     if (b->cluster_count == 0) {
         b->first_triangle = cluster.first_triangle;
+    } else if (cluster.first_triangle != b->first_triangle + b->triangle_count) {
+        return;
     }
     stp_cluster_positions(&item->clusters, &cluster, b->positions + 3 * (size_t)b->vertex_count);
     uint32_t* indices = b->indices + 3 * (size_t)b->triangle_count;

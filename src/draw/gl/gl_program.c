@@ -10,7 +10,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { INCLUDES_MAX = 16, MAX_PATH_BYTES = 4096, LOG_MAX = 2048, MAX_FILE = 1 << 20 };
+enum {
+    SHADERS = sizeof(shaders) / sizeof(shaders[0]),
+    MAX_PATH_BYTES = 4096,
+    LOG_MAX = 2048,
+    MAX_FILE = 1 << 20
+};
 
 static const char version[] = "#version 450 core\n";
 
@@ -18,20 +23,18 @@ typedef struct text_maker {
     stp_context* context;
     char* text;
     size_t size, capacity;
-    const char* included[INCLUDES_MAX]; ///< names in the embedded table
-    size_t included_count;
-    bool failed;
+    bool included[SHADERS];
+    stp_result result;
 } text_maker;
 
 static void add(text_maker* maker, const char* from, size_t size)
 {
-    if (maker->failed) {
+    if (maker->result != STP_OK) {
         return;
     }
     if (maker->size + size + 1 > maker->capacity) {
         if (!STP_MAKE_ROOM(maker->context, maker->text, maker->capacity, maker->size + size + 1)) {
-            maker->failed = true;
-            (void)stp_fail_memory(maker->context);
+            maker->result = stp_fail_memory(maker->context);
             return;
         }
     }
@@ -43,13 +46,12 @@ static void add(text_maker* maker, const char* from, size_t size)
 
 static size_t find_shader(const char* name, size_t length)
 {
-    size_t count = sizeof(shaders) / sizeof(shaders[0]);
-    for (size_t i = 0; i < count; ++i) {
+    for (size_t i = 0; i < SHADERS; ++i) {
         if (strlen(shaders[i].name) == length && memcmp(shaders[i].name, name, length) == 0) {
             return i;
         }
     }
-    return count;
+    return SHADERS;
 }
 
 /// A shader file in the folder named by the environment; NULL if there is none.
@@ -76,7 +78,7 @@ static void add_file(text_maker* maker, const char* name, size_t length);
 static void add_lines(text_maker* maker, const char* text)
 {
     static const char include[] = "#include \"";
-    while (*text != 0 && !maker->failed) {
+    while (*text != 0 && maker->result == STP_OK) {
         size_t size = strcspn(text, "\n");
         size += text[size] == '\n';
         if (strncmp(text, include, sizeof(include) - 1) == 0) {
@@ -92,26 +94,22 @@ static void add_lines(text_maker* maker, const char* text)
 static void add_file(text_maker* maker, const char* name, size_t length)
 {
     size_t found = find_shader(name, length);
-    if (found == sizeof(shaders) / sizeof(shaders[0])) {
-        maker->failed = true;
-        (void)stp_fail(maker->context, STP_ERROR_UNSUPPORTED, "gl: unknown shader %.*s",
-                       (int)length, name);
+    if (found == SHADERS) {
+        maker->result = stp_fail(maker->context, STP_ERROR_UNSUPPORTED, "gl: unknown shader %.*s",
+                                 (int)length, name);
         return;
     }
-    for (size_t i = 0; i < maker->included_count; ++i) {
-        if (maker->included[i] == shaders[found].name) {
-            return;
-        }
+    if (maker->included[found]) {
+        return;
     }
-    if (maker->included_count < INCLUDES_MAX) {
-        maker->included[maker->included_count++] = shaders[found].name;
-    }
+    maker->included[found] = true;
     char* text = read_override(maker->context, shaders[found].name);
     add_lines(maker, text != NULL ? text : (const char*)shaders[found].text);
     stp_free(maker->context, text);
 }
 
-char* stp_gl_program_text(stp_context* context, const char* name, const char* defines)
+stp_result stp_gl_program_text(stp_context* context, const char* name, const char* defines,
+                               char** text)
 {
     text_maker maker = {.context = context};
     add(&maker, version, sizeof(version) - 1);
@@ -119,11 +117,12 @@ char* stp_gl_program_text(stp_context* context, const char* name, const char* de
         add(&maker, defines, strlen(defines));
     }
     add_file(&maker, name, strlen(name));
-    if (maker.failed) {
+    if (maker.result != STP_OK) {
         stp_free(context, maker.text);
-        return NULL;
+        maker.text = NULL;
     }
-    return maker.text;
+    *text = maker.text;
+    return maker.result;
 }
 
 /// The driver's first line.
@@ -135,9 +134,10 @@ static int first_line(const char* text)
 static stp_result compile(stp_context* context, const stp_gl* gl, GLenum stage, const char* name,
                           const char* defines, GLuint program)
 {
-    char* text = stp_gl_program_text(context, name, defines);
-    if (text == NULL) {
-        return STP_ERROR_OUT_OF_MEMORY;
+    char* text;
+    stp_result result = stp_gl_program_text(context, name, defines, &text);
+    if (result != STP_OK) {
+        return result;
     }
     GLuint shader = gl->CreateShader(stage);
     const char* source = text;
@@ -145,7 +145,6 @@ static stp_result compile(stp_context* context, const stp_gl* gl, GLenum stage, 
     gl->ShaderSource(shader, 1, &source, NULL);
     gl->CompileShader(shader);
     gl->GetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
-    stp_result result = STP_OK;
     if (!compiled) {
         char log[LOG_MAX] = "";
         gl->GetShaderInfoLog(shader, sizeof(log), NULL, log);

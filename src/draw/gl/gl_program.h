@@ -18,6 +18,7 @@ STP_MUST_USE stp_result stp_gl_program_create_compute(stp_context* context, cons
                                                       const char* compute, const char* defines,
                                                       GLuint* program);
 
-/// Text of a shader with its includes. Free it with stp_free. NULL if it does not exist, or out of
-/// memory; logged.
-char* stp_gl_program_text(stp_context* context, const char* name, const char* defines);
+/// Text of a shader with its includes. Free it with stp_free.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_UNSUPPORTED (there is no such shader); logged
+STP_MUST_USE stp_result stp_gl_program_text(stp_context* context, const char* name,
+                                            const char* defines, char** text);

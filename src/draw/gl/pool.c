@@ -180,6 +180,7 @@ static bool add_page(stp_gl_pool* pool)
                1u << pool->page_shift > count) {
             pool->page_shift -= 1;
         }
+        count = count < 1u << pool->page_shift ? count : 1u << pool->page_shift;
         made = make_page(pool, count);
     }
     if (!made) {

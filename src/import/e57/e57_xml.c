@@ -97,6 +97,9 @@ static void XMLCALL end_element(void* user, const XML_Char* name)
 {
     (void)name;
     parsing* p = user;
+    if (p->refused != NULL || p->out_of_memory) { // called once more after `stop`
+        return;
+    }
     if (p->open->first == NULL && p->length > 0 &&
         !copy_text(&p->e57->arena, p->text, p->length, &p->open->text)) {
         stop(p, NULL);

@@ -204,7 +204,7 @@ static stp_result apply_event(stp_obj* obj, const stp_obj_event* event, cursor* 
     }
     at->group = STP_NONE;
     at->object = event->kind == STP_OBJ_OBJECT ? STP_NONE : at->object;
-    if (event->length == 0) {
+    if (name[0] == '\0') {
         return STP_OK; // without a name, it ends the previous one
     }
     return event->kind == STP_OBJ_OBJECT ? find_group(obj, name, STP_NONE, &at->object)

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <assert.h>
+#include <float.h>
+#include <math.h>
 
 /// The values that become 0 and 65535.
 typedef struct stp_intensity_range {
@@ -19,7 +21,8 @@ static inline stp_intensity_range stp_intensity_find_range(double low, double hi
         return (stp_intensity_range){-2048.0, 2047.0};
     }
     if (low <= high && (low < 0.0 || high > 65535.0)) {
-        return (stp_intensity_range){low, high > low ? high : low + 1.0};
+        double above = low + 1.0 > low ? low + 1.0 : low + fabs(low) * DBL_EPSILON;
+        return (stp_intensity_range){low, high > low ? high : above};
     }
     return (stp_intensity_range){0.0, high <= 1.0 ? 1.0 : high <= 255.0 ? 255.0 : 65535.0};
 }

@@ -34,8 +34,8 @@ static stp_result fail_facet(const reader* r, uint64_t facet)
                     (unsigned long long)facet + 1);
 }
 
-// Adds the collected triangles as an object below the root. Without a name they become a part of
-// the last object: the root, or the solid before.
+// Adds the collected triangles as an object below the root; without a name, and before any named
+// solid, as a part of the root.
 static stp_result end_solid(reader* r, const char* name)
 {
     stp_scene* scene = r->import->scene;
@@ -46,7 +46,8 @@ static stp_result end_solid(reader* r, const char* name)
         result = result == STP_OK ? stp_add_plain_material(r->import, &r->material) : result;
         stp_object object = {
             .name = name, .parent = r->import->root, .transform = stp_affine_identity()};
-        if (result == STP_OK && name != NULL) {
+        bool at_root = scene->object_count == (size_t)r->import->root + 1;
+        if (result == STP_OK && (name != NULL || !at_root)) {
             result = stp_scene_add_object(scene, &object, NULL);
         }
         stp_mesh mesh = {.name = name,
@@ -147,6 +148,9 @@ static stp_result read_line(reader* r, stp_text at, bool in_tail)
                    : fail_line(r, word, in_tail, "expected three vertices per facet");
     }
     if (stp_word_is(word, next, "solid")) {
+        if (r->weld.index_count != r->facet_start) {
+            return fail_line(r, word, in_tail, "a solid begins within a facet");
+        }
         stp_result result = end_solid(r, r->name);
         r->facet_start = 0;
         return result == STP_OK ? copy_name(r, next, &r->name) : result;

@@ -82,6 +82,7 @@ static void make_some(size_t begin, size_t end, uint32_t worker, void* user)
         const float* n =
             in->points->normals != NULL ? in->points->normals + 3 * (size_t)point : NULL;
         stp_vec3 given = n != NULL ? (stp_vec3){n[0], n[1], n[2]} : (stp_vec3){0};
+        given = stp_is_finite(given) ? given : (stp_vec3){0};
         in->ellipses[point] =
             stp_psp_initial_splat(in->tree, place, places, count, given, in->alone);
         stp_list_neighbours(in->tree, place, places, count, in->k,

@@ -56,12 +56,14 @@ stp_result stp_psp_relink(stp_psp_rounds* r)
     stp_psp_block *b = &r->blocks[0], linked = {0};
     uint32_t count = b->count, k = r->shared.desc.neighbours;
     assert(r->block_count == 1 && count == r->live);
+    if (2 * (size_t)k * count > UINT32_MAX) {
+        return stp_fail(context, STP_ERROR_LIMIT, "psp: %u splats have too many neighbours", count);
+    }
     float* centers = STP_NEW_ARRAY(context, float, 3 * (size_t)count + 1);
     uint32_t* near = STP_NEW_ARRAY(context, uint32_t, (size_t)k * count + 1);
     const stp_psp_room* room = &r->rooms[STP_PSP_ROOM_LEFT];
     uint32_t* survivors = STP_PSP_NEW(room, uint32_t, (size_t)count + 1);
-    bool made = 2 * (size_t)k * count <= UINT32_MAX && centers != NULL && near != NULL &&
-                survivors != NULL &&
+    bool made = centers != NULL && near != NULL && survivors != NULL &&
                 copy_block(room, b, r->metric->state_bytes, 2 * (size_t)k * count, &linked);
     for (size_t i = 0; made && i < count; ++i) {
         memcpy(centers + 3 * i, &b->splats[i].ellipse.center, 3 * sizeof(float));

@@ -259,8 +259,8 @@ stp_result stp_point_tree_make(stp_context* context, const stp_tree_points* poin
 {
     *tree = (stp_point_tree){0};
     if (points->count == 0 || points->count > INT32_MAX) {
-        return stp_fail(context, STP_ERROR_LIMIT, "a point tree of %u points cannot be made",
-                        points->count);
+        return stp_fail(context, points->count == 0 ? STP_ERROR_ARGUMENT : STP_ERROR_LIMIT,
+                        "a point tree of %u points cannot be made", points->count);
     }
     maker m = {.context = context, .points = points, .desc = desc, .tree = tree};
     stp_result result = stp_octree_make(context, points->positions, points->count, &m.octree);

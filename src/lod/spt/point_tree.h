@@ -44,8 +44,8 @@ typedef struct stp_point_tree {
 
 /// Makes a tree of at least one point. Each of several coincident points has its own node.
 /// Deterministic.
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (2^31 points or more; logged). Freed by
-///         stp_point_tree_destroy, also after a failure
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_ARGUMENT (no points), STP_ERROR_LIMIT (2^31
+///         points or more); logged. Freed by stp_point_tree_destroy, also after a failure
 STP_MUST_USE stp_result stp_point_tree_make(stp_context* context, const stp_tree_points* points,
                                             const stp_tree_desc* desc, stp_point_tree* tree);
 void stp_point_tree_destroy(stp_context* context, stp_point_tree* tree);

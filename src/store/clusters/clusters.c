@@ -25,20 +25,16 @@ static int read_exponent(const unsigned char* p)
     return (int16_t)stp_read_u16(p);
 }
 
-/// Bytes of a cluster with these counts and widths, including its table. The table must be
-/// readable.
-static uint64_t measure(uint32_t present, const clusters_entry* entry, const unsigned char* table,
-                        uint32_t table_bytes)
+/// Bytes of a cluster with these counts and extra channels, including its table.
+static uint64_t measure(uint32_t present, const clusters_entry* entry,
+                        const clusters_channel* extra, uint32_t table_bytes)
 {
     uint64_t size = table_bytes + 3u * (uint64_t)clusters_index_triangles(entry);
     for (uint32_t i = 0; i < STP_CLUSTER_CHANNELS; ++i) {
         uint32_t count = clusters_values(present, i, entry->last_vertex + 1u, entry->normal_count);
         if (count != 0) {
-            clusters_channel channel = clusters_position_channel(entry, i <= STP_CLUSTER_Z ? i : 0);
-            if (i > STP_CLUSTER_Z) {
-                channel = clusters_read_channel(table);
-                table += CLUSTERS_CHANNEL_BYTES;
-            }
+            clusters_channel channel =
+                i > STP_CLUSTER_Z ? *extra++ : clusters_position_channel(entry, i);
             size += clusters_base_bytes(&channel, count, entry->group) +
                     clusters_own_bytes(&channel, count, entry->group);
         }
@@ -89,6 +85,15 @@ static bool is_channel(const clusters_channel* channel, uint32_t group)
            (channel->layout == STP_CLUSTER_PLAIN ? channel->own_width == 0 : group != 0);
 }
 
+/// Copies the descriptions of a cluster's extra channels from its table.
+static void read_channels(const unsigned char* table, uint32_t count, clusters_channel* channels)
+{
+    for (uint32_t i = 0; i < count; ++i) {
+        channels[i] = clusters_read_channel(table + (size_t)CLUSTERS_CHANNEL_BYTES * i);
+    }
+    atomic_signal_fence(memory_order_seq_cst); // use the checked copy, never reload
+}
+
 /// @return the end of the cluster, or 0 if it is invalid
 static uint64_t check_cluster(const stp_clusters* c, const clusters_entry* entry, uint64_t begin)
 {
@@ -108,12 +113,12 @@ static uint64_t check_cluster(const stp_clusters* c, const clusters_entry* entry
         return 0;
     }
     const unsigned char* table = c->bytes + begin;
+    clusters_channel channels[STP_CLUSTER_CHANNELS];
+    read_channels(table, extra, channels);
     for (uint32_t i = 0; i < extra; ++i) {
-        clusters_channel channel =
-            clusters_read_channel(table + (size_t)CLUSTERS_CHANNEL_BYTES * i);
-        good = good && is_channel(&channel, entry->group);
+        good = good && is_channel(&channels[i], entry->group);
     }
-    uint64_t size = good ? measure(c->present, entry, table, table_bytes) : 0;
+    uint64_t size = good ? measure(c->present, entry, channels, table_bytes) : 0;
     if (!good || size > end - begin || !are_indices(entry, table + table_bytes)) {
         return 0;
     }
@@ -127,6 +132,7 @@ static const char* check_clusters(const stp_clusters* c)
     for (uint32_t i = 0; i < c->cluster_count; ++i) {
         const unsigned char* bytes = entry_at(c, i);
         clusters_entry entry = clusters_read_entry(bytes);
+        atomic_signal_fence(memory_order_seq_cst);
         if (entry.first_triangle != triangles || bytes[29] >> 7 != 0) {
             return "has clusters whose triangle ranges have gaps or overlaps";
         }
@@ -230,15 +236,6 @@ static bool is_entry(const stp_clusters* c, const clusters_entry* entry)
         good = good && is_channel(&channel, entry->group);
     }
     return good;
-}
-
-/// Copies the descriptions of a cluster's extra channels from its table.
-static void read_channels(const unsigned char* table, uint32_t count, clusters_channel* channels)
-{
-    for (uint32_t i = 0; i < count; ++i) {
-        channels[i] = clusters_read_channel(table + (size_t)CLUSTERS_CHANNEL_BYTES * i);
-    }
-    atomic_signal_fence(memory_order_seq_cst); // use the checked copy, never reload
 }
 
 /// Builds the runs of all channels, from `next` on. @return their end, or NULL if a channel is

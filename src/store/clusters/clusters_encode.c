@@ -61,8 +61,8 @@ static bool append_cluster(encoding* e, uint32_t first_triangle)
     return true;
 }
 
-/// Gathers loose parts of one class from `at` on, as many as fit. @return the start of the next
-/// cluster
+/// Gathers loose parts of one class from `at` on, as many as fit; triangles one by one if those are
+/// not whole parts. @return the start of the next cluster
 static uint32_t gather_parts(encoding* e, const uint64_t* order, uint32_t at, uint32_t end)
 {
     uint32_t part_class = (uint32_t)(order[at] >> 32);
@@ -71,7 +71,8 @@ static uint32_t gather_parts(encoding* e, const uint64_t* order, uint32_t at, ui
     uint32_t other = STP_CLUSTER_VERTICES / clusters_part_vertices(part_class);
     maximum = part * (other < maximum ? other : maximum);
     maximum = end - at < maximum ? end - at : maximum;
-    if (stp_cluster_maker_take_parts(e->maker, order + at, maximum, part_class)) {
+    bool whole = maximum % part == 0; // an earlier cluster may have cut a part
+    if (whole && stp_cluster_maker_take_parts(e->maker, order + at, maximum, part_class)) {
         return at + maximum;
     }
     stp_cluster_maker_begin(e->maker);

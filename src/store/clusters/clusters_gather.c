@@ -381,8 +381,8 @@ static bool add_part_triangle(stp_cluster_maker* m, uint32_t triangle, uint32_t 
 bool stp_cluster_maker_take_parts(stp_cluster_maker* m, const uint64_t* triangles, uint32_t count,
                                   uint32_t part_class)
 {
-    assert(part_class != 0 && count >= 1 && count <= STP_CLUSTER_TRIANGLES);
     uint32_t part = clusters_part_triangles(part_class);
+    assert(part_class != 0 && count >= 1 && count <= STP_CLUSTER_TRIANGLES && count % part == 0);
     stp_cluster_maker_begin(m);
     m->group = clusters_part_vertices(part_class);
     // without normals, planes alone light the faces, so they must not turn

@@ -202,7 +202,9 @@ stp_result stp_store_check_open(stp_store* store, bool quick, stp_store_check_re
         const stp_store_section* section = &store->sections[i];
         result = stp_store_verify_section(store, section);
         if (result == STP_OK) {
-            result = stp_store_verify_range(store, section, 0, section->size);
+            uint64_t size =
+                stp_store_is_packed(section) ? stp_store_content_bytes(section) : section->size;
+            result = stp_store_verify_range(store, section, 0, size);
         }
     }
     result = result == STP_OK ? stp_store_check_summary(store) : result;

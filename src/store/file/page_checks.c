@@ -83,8 +83,11 @@ static stp_result verify_once(stp_store* store, const stp_store_section* section
     if (is_marked(store, bit)) {
         return STP_OK;
     }
-    mark(store, bit);
-    return stp_store_verify_section(store, section);
+    stp_result result = stp_store_verify_section(store, section);
+    if (result == STP_OK) {
+        mark(store, bit);
+    }
+    return result;
 }
 
 static stp_result verify_page(stp_store* store, const stp_store_section* section, uint64_t page)

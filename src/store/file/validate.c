@@ -203,12 +203,13 @@ static bool is_power_of_two(float step)
     return step > 0.0f && frexpf(step, &exponent) == 0.5f;
 }
 
-// The prefix table: counts ascend up to the set's count, radii do not ascend.
+// The prefix table: counts ascend from 1 up to the set's count, radii do not ascend.
 static bool is_table(const stp_prefix_table* table, uint32_t count)
 {
     bool good = table->size <= STP_PREFIX_TABLE_SIZE;
     for (uint32_t i = 0; good && i < table->size; ++i) {
-        good = table->radius[i] >= 0.0f && isfinite(table->radius[i]) && table->count[i] <= count;
+        good = table->radius[i] >= 0.0f && isfinite(table->radius[i]) && table->count[i] >= 1 &&
+               table->count[i] <= count;
         if (good && i > 0) {
             good =
                 table->count[i] > table->count[i - 1] && table->radius[i] <= table->radius[i - 1];
@@ -230,6 +231,11 @@ static bool are_octaves(const stp_splats* surfels)
     return good;
 }
 
+static bool is_radius(float radius)
+{
+    return radius >= 0.0f && isfinite(radius);
+}
+
 const char* stp_store_surfels_fault(const stp_splats* surfels)
 {
     const char* fault = NULL;
@@ -244,8 +250,8 @@ const char* stp_store_surfels_fault(const stp_splats* surfels)
                !(isfinite(surfels->origin.x + reach) && isfinite(surfels->origin.y + reach) &&
                  isfinite(surfels->origin.z + reach))) {
         fault = "positions of its grid are not finite";
-    } else if (!(surfels->candidate_radius >= 0.0f) || !(surfels->paper_radius >= 0.0f)) {
-        fault = "a radius is negative";
+    } else if (!is_radius(surfels->candidate_radius) || !is_radius(surfels->paper_radius)) {
+        fault = "a radius is negative or not finite";
     } else if ((surfels->columns & STP_SPLATS_SHAPES) != 0 &&
                !isfinite(surfels->step * stp_shape_radius(STP_SHAPE_NOT_FINITE))) {
         fault = "radii of its splats are not finite";

@@ -72,7 +72,7 @@ static stp_result begin(stp_outline* outline)
     size_t count = (size_t)outline->directory->object_count + 2;
     stp_free(outline->context, outline->places);
     stp_free(outline->context, outline->order);
-    outline->order = STP_NEW_ARRAY(outline->context, uint32_t, count);
+    outline->order = STP_NEW_ZEROED(outline->context, uint32_t, count);
     outline->places = STP_NEW_ZEROED(outline->context, uint32_t, count);
     outline->prototype_count = 0;
     outline->next = outline->running = 0;
@@ -130,6 +130,10 @@ static stp_result step(stp_outline* outline)
     }
     uint32_t* place = &outline->places[key_of(&object)];
     if (outline->phase == STP_OUTLINE_SORT) {
+        if (*place >= outline->running) {
+            return stp_fail(outline->context, STP_ERROR_FORMAT,
+                            "the objects of the file changed while they were read");
+        }
         outline->order[*place] = outline->next;
     }
     *place += 1;

@@ -196,10 +196,13 @@ static stp_result find_rest(path_search* s, const stp_outline_item* item, const 
             uint32_t index = items[i].objects[items[i].depth - 1];
             s->visits -= 1;
             result = stp_store_read_object(s->outline->store, index, &object);
+            if (result != STP_OK) {
+                return result;
+            }
             snprintf(number, sizeof(number), "#%u", index);
             const char* name = has_text(object.name) ? object.name : number;
             size_t length = strlen(name);
-            if (result != STP_OK || strncmp(rest, name, length) != 0) {
+            if (strncmp(rest, name, length) != 0) {
                 continue;
             }
             if (rest[length] == '\0') {

@@ -24,7 +24,8 @@ typedef struct stp_load {
     uint64_t read_bytes;     ///< from the file
     unsigned char* picture;  ///< buffer for a texture's image file; NULL: read directly
     uint32_t* waiting;       ///< surfels: stp_store_block_source; NULL: no operators
-    uint64_t transient;      ///< bytes of both buffers and the decoder
+    uint64_t decoder;        ///< bytes reserved for the decoder of `picture`
+    uint64_t transient;      ///< part of `bytes` that only loading needs
     stp_splats columns;      ///< surfels: in `memory`, cut to `to`
     stp_splats before;       ///< the resident columns; `from` octaves are copied from them
     stp_clusters clusters;   ///< a coded mesh, opened

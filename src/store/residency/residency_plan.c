@@ -257,8 +257,9 @@ static bool plan_step(stp_residency* r, uint32_t* skips)
                       ? find_next(r, resource, from, target)
                       : 1;
     assert(from < target && to <= t->maximum);
-    uint64_t bytes = stp_residency_bytes(r, resource, to) +
-                     stp_residency_transient(r, resource, to) - (load != NULL ? load->bytes : 0);
+    uint64_t transient = stp_residency_transient(r, resource, to);
+    uint64_t bytes =
+        stp_residency_bytes(r, resource, to) + transient - (load != NULL ? load->bytes : 0);
     if (r->under_way > 0 && r->under_way + bytes > r->desc.batch_bytes) {
         return false;
     }
@@ -272,6 +273,7 @@ static bool plan_step(stp_residency* r, uint32_t* skips)
     if (fits) {
         load->to = to;
         load->bytes += bytes;
+        load->transient = transient;
         stp_residency_count(r, bytes);
         r->under_way += bytes;
     }

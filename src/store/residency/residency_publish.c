@@ -22,13 +22,13 @@ static bool prepare_texture(stp_residency* r, stp_load* load)
         return load->memory != NULL;
     }
     uint64_t size = stp_residency_block(r, load->resource, 0)->size;
-    if (stp_reserve(r->context, stp_residency_decoder_bytes(r, load->resource))) {
+    load->decoder = stp_residency_decoder_bytes(r, load->resource);
+    if (stp_reserve(r->context, load->decoder)) {
         load->picture = stp_alloc(r->context, size > 0 ? (size_t)size : 1);
         if (load->picture != NULL) {
-            load->transient = stp_residency_transient(r, load->resource, 1);
             return true;
         }
-        stp_release(r->context, stp_residency_decoder_bytes(r, load->resource));
+        stp_release(r->context, load->decoder);
     }
     stp_free(r->context, load->memory);
     load->memory = NULL;
@@ -39,16 +39,14 @@ static bool prepare_texture(stp_residency* r, stp_load* load)
 static bool prepare_surfels(stp_residency* r, stp_load* load)
 {
     const stp_splats* surfels = &surfels_record(r, load->resource)->surfels;
-    uint64_t transient = stp_residency_transient(r, load->resource, load->to);
     load->before = *surfels;
     load->columns = *surfels;
     stp_store_cut_surfels(&load->columns, load->to);
-    if (transient != 0) {
+    if (load->transient != 0) {
         load->waiting = stp_alloc(r->context, (size_t)stp_store_waiting_bytes(load->columns.count));
         if (load->waiting == NULL) {
             return false;
         }
-        load->transient = transient;
     }
     load->memory = stp_store_reserve_columns(r->context, &load->columns);
     if (load->memory == NULL) {
@@ -80,7 +78,7 @@ void stp_residency_end_load(stp_residency* r, stp_load* load)
 {
     if (load->picture != NULL) {
         stp_free(r->context, load->picture);
-        stp_release(r->context, stp_residency_decoder_bytes(r, load->resource));
+        stp_release(r->context, load->decoder);
         load->picture = NULL;
     }
     stp_free(r->context, load->waiting);

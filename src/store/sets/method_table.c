@@ -86,19 +86,35 @@ static stp_result check_first(const stp_store_validator* validator, const stp_st
     return STP_OK;
 }
 
-// Whether the nodes name only sets of the method, and as many as it has.
-static bool are_bijective(const stp_store_directory* d, uint32_t method)
+// Fails unless each set of the method belongs to exactly one node.
+static stp_result check_nodes(const stp_store_validator* validator, const stp_store_directory* d,
+                              uint32_t method)
 {
     const stp_store_method* m = &d->methods[method];
-    uint64_t count = 0;
-    for (uint32_t i = 0; i < d->node_count; ++i) {
-        uint32_t set = m->sets[i];
-        if (set != STP_STORE_NONE && (set < m->first_set || set - m->first_set >= m->set_count)) {
-            return false;
-        }
-        count += set != STP_STORE_NONE ? 1 : 0;
+    uint8_t* named = STP_NEW_ZEROED(validator->context, uint8_t, (size_t)m->set_count + 1);
+    if (named == NULL) {
+        return stp_fail_memory(validator->context);
     }
-    return count == m->set_count;
+    uint32_t count = 0;
+    bool good = true;
+    for (uint32_t i = 0; i < d->node_count && good; ++i) {
+        uint32_t set = m->sets[i];
+        if (set == STP_STORE_NONE) {
+            continue;
+        }
+        good = set >= m->first_set && set - m->first_set < m->set_count &&
+               named[set - m->first_set] == 0;
+        if (good) {
+            named[set - m->first_set] = 1;
+            count += 1;
+        }
+    }
+    stp_free(validator->context, named);
+    return good && count == m->set_count
+               ? STP_OK
+               : stp_fail(validator->context, validator->failure,
+                          "%s: method %u: each of its sets must belong to exactly one node",
+                          validator->path, method);
 }
 
 stp_result stp_store_validate_methods(const stp_store_validator* validator,
@@ -111,11 +127,7 @@ stp_result stp_store_validate_methods(const stp_store_validator* validator,
     stp_result result = check_table(validator, d);
     result = result == STP_OK ? check_first(validator, d) : result;
     for (uint32_t m = 1; m < d->method_count && result == STP_OK; ++m) {
-        if (!are_bijective(d, m)) {
-            result = stp_fail(validator->context, validator->failure,
-                              "%s: method %u: each of its sets must belong to exactly one node",
-                              validator->path, m);
-        }
+        result = check_nodes(validator, d, m);
     }
     for (uint32_t m = 0; m < d->method_count && result == STP_OK; ++m) {
         for (uint32_t i = 0; i < d->methods[m].set_count; ++i) {

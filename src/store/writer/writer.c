@@ -108,6 +108,10 @@ static stp_result check_content(const stp_store_writing* w)
                                              d->material_count);
         if (result == STP_OK && points->held_by == 0) {
             result = stp_store_validate_point_data(&validator, i, points);
+        } else if (result == STP_OK && points->held_by > d->surfels_count) {
+            result = stp_fail(w->context, STP_ERROR_ARGUMENT,
+                              "%s: point set %u: surfel set %u does not exist (there are %u)",
+                              w->path, i, points->held_by - 1, d->surfels_count);
         } else if (result == STP_OK) {
             result = stp_store_validate_held_points(&validator, i, points,
                                                     &w->content->surfels[points->held_by - 1]);

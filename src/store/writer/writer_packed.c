@@ -96,7 +96,8 @@ static stp_result flush(stp_store_packing* p)
     for (size_t i = 0; i < p->count && result == STP_OK; ++i) {
         packed_page* page = &p->pages[i];
         if (page->stored_size == 0) {
-            return stp_fail_memory(p->w->context);
+            result = stp_fail_memory(p->w->context);
+            break;
         }
         assert((p->written + 1) * STP_STORE_PIECE_ENTRY <= p->table_bytes);
         unsigned char* entry = p->table + p->written * STP_STORE_PIECE_ENTRY;
@@ -117,6 +118,9 @@ stp_result stp_store_packing_add(stp_store_packing* p, const void* bytes, size_t
     while (size != 0 && result == STP_OK) {
         if (p->count == 0 || p->filled == p->page_bytes) {
             result = p->count == p->room ? flush(p) : STP_OK;
+            if (result != STP_OK) {
+                break;
+            }
             p->pages[p->count++] = (packed_page){0};
             p->filled = 0;
         }
