@@ -108,10 +108,10 @@ static stp_result add_wrong_input(stp_builder* builder, int which)
     case 6:
         return stp_builder_add_points(builder, &(stp_points_desc){.positions = corners}, NULL);
     case 7:
-        return stp_builder_write(builder, NULL, NULL); // nothing was added
-    case 8:
         mesh.material = UINT32_MAX;
         break;
+    case 8:
+        return stp_builder_write(builder, NULL, NULL); // nothing was added
     default:
         return STP_OK;
     }
