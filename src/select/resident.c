@@ -86,7 +86,7 @@ bool stp_select_request_part(stp_selection* s, stp_store_part part, const stp_se
                    : stp_store_are_points_resident(s->store, part.index);
 }
 
-bool stp_select_request_extra(stp_selection* s, uint32_t mesh)
+bool stp_select_request_optional_mesh(stp_selection* s, uint32_t mesh)
 {
     add_request(s,
                 (stp_data_request){.kind = STP_RESIDENT_MESH, .index = mesh, .need = EXTRA_NEED});
@@ -217,9 +217,9 @@ static void limit(const stp_selection* s, const stp_select_entry* at,
 {
     if (closes) {
         use->switch_depth = 0.0;
-        use->extra = false;
+        use->in_level_switch = false;
     }
-    s->rule->limit(at, use->extra ? use->switch_depth : sight->range.near, here, use);
+    s->rule->limit(at, use->in_level_switch ? use->switch_depth : sight->range.near, here, use);
     assert(use->count <= here && "only loaded splats are drawn");
 }
 
@@ -232,7 +232,7 @@ stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
     uint32_t octaves = stp_store_octaves_for(surfels, use->count);
     uint32_t minimum = find_octaves(surfels, at);
     bool opens = s->quality->splat_count == 0 &&
-                 stp_select_growth(use->switch_depth, sight->range.near) > 0.0;
+                 stp_level_switch_share(use->switch_depth, sight->range.near) > 0.0;
     bool ready = false;
     if (surfels->count == 0) {
         return STP_OK;
@@ -256,7 +256,7 @@ stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
     }
     if (opens && !replaces_ancestors(surfels, here, at)) { // everything below is resident
         use->count = 0;
-        use->extra = false;
+        use->in_level_switch = false;
         use->switch_depth = HUGE_VAL;
         return STP_OK;
     }

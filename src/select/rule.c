@@ -59,7 +59,7 @@ bool stp_select_find_nearest(const stp_selection* s, const stp_select_entry* at,
     bool part = !suffices && range.far > suffices_from && s->quality->policy != STP_POLICY_SWITCH;
     *nearest = suffices ? range.near : suffices_from;
     use->switch_depth = suffices ? 0.0 : suffices_from;
-    use->extra = part;
+    use->in_level_switch = part;
     return suffices || part;
 }
 
@@ -95,7 +95,7 @@ void stp_select_use_coarse(stp_selection* s, const stp_select_entry* at,
     uint32_t set = s->coarse_method != STP_STORE_NONE
                        ? stp_store_set_of(s->directory, s->coarse_method, at->node)
                        : STP_STORE_NONE;
-    bool is_coarse = use->count > 0 && !use->extra && use->per_depth > 0.0 &&
+    bool is_coarse = use->count > 0 && !use->in_level_switch && use->per_depth > 0.0 &&
                      (double)use->count < COARSE_SHARE * (double)use->surfels->count;
     if (set == STP_STORE_NONE || !is_coarse) {
         return;

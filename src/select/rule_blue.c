@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Method `blue`: the number of surfels drawn of a node, the depth beyond which they suffice, and
-// the transitions between levels. Each splat of a set is drawn between two depths. Beyond the far
-// depth fewer splats, or those of an ancestor, suffice; nearer than the near depth the node is
-// opened.
+// the level switch. Each splat of a set is drawn between two depths. Beyond the far depth fewer
+// splats, or those of an ancestor, suffice; nearer than the near depth the node is opened.
 #include "base/splats/prefix_table.h"
 #include "select/rule.h"
 
@@ -54,7 +53,7 @@ static void use_estimate(stp_set_use* use, double radius, bool cloud)
 /// Factor on the depth beyond which a node's set suffices, if the set is too coarse at the node's
 /// nearest depth: the cube of the shortfall, up to its seventh power for nodes that are long in
 /// depth. A long node is thus fully open before the eye enters its box. A short node lies at about
-/// one depth and fades out gradually.
+/// one depth and is replaced gradually.
 static double switch_depth_factor(double lacks, stp_depth_range range)
 {
     double length = (range.far / range.near - SHORT) / (LONG - SHORT);
@@ -63,14 +62,14 @@ static double switch_depth_factor(double lacks, stp_depth_range range)
     return cubed * (1.0 + part * (cubed * lacks - 1.0));
 }
 
-/// Chooses the prefix, and its radius, of a set in transition, so that it and the incoming content
-/// together take at most STP_TRANSITION_WORK times the work of the more expensive one. A shorter
+/// Chooses the prefix, and its radius, of a set in a level switch, so that it and the incoming content
+/// together take at most STP_LEVEL_SWITCH_WORK times the work of the more expensive one. A shorter
 /// prefix still covers, with larger splats.
 static void use_beside(stp_set_use* use, uint32_t count, double size, double below, double grown)
 {
     assert(grown >= 0.0 && grown <= 1.0 && "a share");
     double own = STP_SPLAT_WORK * (double)count;
-    double maximum = STP_TRANSITION_WORK * fmax(own, below) - grown * below;
+    double maximum = STP_LEVEL_SWITCH_WORK * fmax(own, below) - grown * below;
     if (maximum < own) {
         double part = (double)count * (maximum / own);
         count = part > 1.0 ? (uint32_t)part : 1;
@@ -101,35 +100,37 @@ static void use_by_insertion(stp_set_use* use, const stp_selection* s,
     }
     if (suffices) {
         use->switch_depth = suffices_from;
-        use_beside(use, count, size, below, stp_select_growth(suffices_from, range.near));
+        use_beside(use, count, size, below, stp_level_switch_share(suffices_from, range.near));
         return;
     }
     use->switch_depth = suffices_from * switch_depth_factor(suffices_from / range.near, range);
-    use->extra = true;
-    if (range.far * STP_LEVELS_SHRINK > use->switch_depth) {
+    use->in_level_switch = true;
+    if (range.far * STP_LEVEL_SWITCH_NEAR > use->switch_depth) {
         use_beside(use, count, size, below, 1.0);
     }
 }
 
 /// Share of a node's own set that is drawn at a depth.
-static double shrinking(const stp_set_use* use, double depth)
+static double set_switch_share(const stp_set_use* use, double depth)
 {
-    const double gone = 1.0 / STP_LEVELS_SHRINK;
+    const double gone = 1.0 / STP_LEVEL_SWITCH_NEAR;
     return stp_clampd((depth / use->switch_depth - gone) / (1.0 - gone), 0.0, 1.0);
 }
 
 /// Bounds of the depths at which splat `index` of the prefix, and those after it, are drawn.
-static stp_depth_range depths_of(const stp_set_use* use, double ceiling, uint32_t index)
+static stp_depth_range depths_of(const stp_set_use* use, double ancestor_switch_depth,
+                                 uint32_t index)
 {
     stp_depth_range range = {0.0, HUGE_VAL};
     assert(index < use->count);
     double part = (double)index / (double)use->count;
-    if (use->extra) {
-        const double gone = 1.0 / STP_LEVELS_SHRINK;
+    if (use->in_level_switch) {
+        const double gone = 1.0 / STP_LEVEL_SWITCH_NEAR;
         range.near = use->switch_depth * (gone + part * (1.0 - gone));
     }
-    if (ceiling < HUGE_VAL) {
-        range.far = ceiling * (STP_LEVELS_GROW - part * (STP_LEVELS_GROW - 1.0));
+    if (ancestor_switch_depth < HUGE_VAL) {
+        range.far =
+            ancestor_switch_depth * (STP_LEVEL_SWITCH_FAR - part * (STP_LEVEL_SWITCH_FAR - 1.0));
     }
     return range;
 }
@@ -140,8 +141,8 @@ static double count_extra(const stp_select_entry* at, const stp_set_use* use, st
                           stp_depth_range drawn, uint32_t count)
 {
     double low = fmax(seen.near, drawn.near), high = fmin(seen.far, drawn.far);
-    double own = use->extra ? fmax(0.0, fmin(high, use->switch_depth) - low) : 0.0;
-    double grown = fmax(0.0, high - fmax(low, at->ceiling));
+    double own = use->in_level_switch ? fmax(0.0, fmin(high, use->switch_depth) - low) : 0.0;
+    double grown = fmax(0.0, high - fmax(low, at->ancestor_switch_depth));
     double width = fmax(seen.far - seen.near, 1e-12 * seen.far);
     return (double)count * fmin(1.0, (own + grown) / width);
 }
@@ -158,7 +159,7 @@ static stp_result add_runs(stp_selection* s, const stp_select_entry* at, const s
         size = size > RUN_ALIGN ? size : RUN_ALIGN;
         uint32_t end = left - 1 < size ? item->prefix : begin + size;
         assert(begin % RUN_ALIGN == 0 && begin < end && end <= item->prefix);
-        stp_depth_range range = depths_of(use, at->ceiling, begin);
+        stp_depth_range range = depths_of(use, at->ancestor_switch_depth, begin);
         *extra += count_extra(at, use, seen, range, end - begin);
         range.near = range.near <= seen.near ? 0.0 : range.near;
         range.far = range.far >= seen.far ? HUGE_VAL : range.far;
@@ -191,8 +192,8 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
                       const stp_box_visibility* sight)
 {
     stp_depth_range range = sight->range;
-    double part = stp_select_growth(at->ceiling, range.near);
-    part *= use->extra ? shrinking(use, range.far) : 1.0;
+    double part = stp_level_switch_share(at->ancestor_switch_depth, range.near);
+    part *= use->in_level_switch ? set_switch_share(use, range.far) : 1.0;
     assert(part >= 0.0 && part <= 1.0 && "a share");
     stp_draw_item item = {.kind = STP_DRAW_SURFELS,
                           .index = use->set,
@@ -205,8 +206,8 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
                           .transform = at->transform};
     bool flat = range.far < range.near * ONE_DEPTH;
     bool by_depth = use->per_depth > 0.0 && s->quality->policy == STP_POLICY_INSERTION;
-    double extra = at->extra || use->extra ? (double)item.prefix : 0.0;
-    if (by_depth && !flat && (use->extra || range.far > at->ceiling)) {
+    double extra = at->in_level_switch || use->in_level_switch ? (double)item.prefix : 0.0;
+    if (by_depth && !flat && (use->in_level_switch || range.far > at->ancestor_switch_depth)) {
         extra = 0.0;
         stp_result result = add_runs(s, at, use, range, &item, &extra);
         if (result != STP_OK) {

@@ -327,8 +327,10 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
         return result;
     }
     stp_draw_item item = make_item(s, at, use);
-    stp_depth_range drawn = {use->extra ? use->switch_depth : 0.0,
-                             at->ceiling < HUGE_VAL ? at->ceiling * STP_LEVELS_GROW : HUGE_VAL};
+    stp_depth_range drawn = {use->in_level_switch ? use->switch_depth : 0.0,
+                             at->ancestor_switch_depth < HUGE_VAL
+                                 ? at->ancestor_switch_depth * STP_LEVEL_SWITCH_FAR
+                                 : HUGE_VAL};
     drawn.near = drawn.near <= sight->range.near ? 0.0 : drawn.near;
     drawn.far = drawn.far >= sight->range.far ? HUGE_VAL : drawn.far;
     uint64_t before = s->list->splat_count;
@@ -343,7 +345,8 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
                      ? stp_cue_add_items(s, use->surfels, s->list->cells, count, item, drawn)
                      : result;
     }
-    s->list->extra_splats += at->extra || use->extra ? s->list->splat_count - before : 0;
+    s->list->extra_splats +=
+        at->in_level_switch || use->in_level_switch ? s->list->splat_count - before : 0;
     return result;
 }
 

@@ -119,8 +119,10 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
     if (result != STP_OK) {
         return result;
     }
-    stp_depth_range drawn = {use->extra ? use->switch_depth : 0.0,
-                             at->ceiling < HUGE_VAL ? at->ceiling * STP_LEVELS_GROW : HUGE_VAL};
+    stp_depth_range drawn = {use->in_level_switch ? use->switch_depth : 0.0,
+                             at->ancestor_switch_depth < HUGE_VAL
+                                 ? at->ancestor_switch_depth * STP_LEVEL_SWITCH_FAR
+                                 : HUGE_VAL};
     drawn.near = drawn.near <= sight->range.near ? 0.0 : drawn.near;
     drawn.far = drawn.far >= sight->range.far ? HUGE_VAL : drawn.far;
     if (drawn.near > 0.0 || drawn.far < HUGE_VAL) {
@@ -133,7 +135,8 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
         item.run_count = 1;
     }
     assert(item.split_count <= item.prefix);
-    s->list->extra_splats += at->extra || use->extra ? item.prefix - item.split_count : 0;
+    s->list->extra_splats +=
+        at->in_level_switch || use->in_level_switch ? item.prefix - item.split_count : 0;
     result = stp_select_add_item(s, item, item.prefix);
     return result == STP_OK && item.beside_triangles ? stp_select_add_triangles(s, at, use, sight)
                                                      : result;

@@ -72,7 +72,7 @@ static stp_result add_item(const walk* w, uint32_t mesh, const stp_affine* below
                           .large_from = (float)(from / scale),
                           .level_per_depth = (float)(use->level_per_depth / scale),
                           .level_min = (float)(use->level_min / scale),
-                          .fade_begin = (float)(use->switch_depth * (1.0 - 1e-6)),
+                          .switch_begin = (float)(use->switch_depth * (1.0 - 1e-6)),
                           .transform = stp_affine_multiply(w->at->transform, *below)};
     return stp_select_add_item(s, item, stp_store_describe_mesh(s->store, mesh)->triangle_count);
 }
@@ -96,7 +96,7 @@ static stp_result add_node(walk* w, uint32_t index, const stp_affine* below)
         if (w->does == WALK_ADDS) {
             result = add_item(w, part.index, below, scale);
         } else if (w->does == WALK_ASKS) {
-            w->all = stp_select_request_extra(s, part.index) && w->all;
+            w->all = stp_select_request_optional_mesh(s, part.index) && w->all;
         }
     }
     for (uint32_t i = 0; i < node->edge_count && w->left > 0 && result == STP_OK; ++i) {

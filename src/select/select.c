@@ -63,7 +63,7 @@ stp_result stp_select(stp_context* context, stp_store* store, const stp_view* vi
         .node = s.directory->root,
         .sections = stp_sections_all(&view->sections),
         .shown = quality->visibility != NULL ? stp_visibility_root(quality->visibility) : STP_SHOW,
-        .ceiling = HUGE_VAL,
+        .ancestor_switch_depth = HUGE_VAL,
         .covered = HUGE_VAL,
         .eager = 1.0,
         .transform = stp_affine_identity()};

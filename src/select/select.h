@@ -99,10 +99,10 @@ typedef struct stp_draw_item {
     float large_min;       ///< no view draws triangles of a lower level beside this set
     float large_from;      ///< this view draws no triangles of a lower level
     bool beside_triangles; ///< surfels: omits those that large triangles replace
-    /// Mesh: all triangles are drawn nearer than fade_begin, none beyond fade_end (stp_draw_share).
-    /// 0, 0: all. Large triangles: none whose nearest corner is nearer than fade_begin, since
-    /// another item draws the whole mesh there.
-    float fade_begin, fade_end;
+    /// Mesh: all triangles are drawn nearer than switch_begin, none beyond switch_end
+    /// (stp_draw_share); 0, 0: all. Large triangles: none whose nearest corner is nearer than
+    /// switch_begin, since another item draws the whole mesh there.
+    float switch_begin, switch_end;
     uint32_t sections; ///< bits of the view's planes that may cut it; 0: none
     bool ghost;        ///< drawn in a share of its pixels (stp_draw_style.ghost)
     bool one_sided;    ///< surfels: back faces may be culled; all sides of the surface have surfels
@@ -128,7 +128,7 @@ typedef struct stp_draw_list {
     uint64_t splat_count;     ///< splats of prefixes; for sets refined by splits, of their states
     uint64_t triangle_count;  ///< without large triangles
     uint64_t id_count;        ///< ids of all items; less than 2^32
-    uint64_t extra_splats;    ///< part of splat_count, listed because levels blend
+    uint64_t extra_splats;    ///< part of splat_count, listed only by level switches
     uint64_t extra_triangles; ///< the same of triangle_count
     uint32_t node_count;      ///< visited nodes
     uint32_t hidden_count;    ///< nodes that the pyramid occluded, in the last pass
@@ -155,11 +155,12 @@ typedef struct stp_draw_list {
 /// Share of a mesh item's triangles drawn at a depth: the nearest depth of their cluster (or mesh).
 static inline float stp_draw_share(const stp_draw_item* item, float depth)
 {
-    if (!(item->fade_end > 0.0f) || depth <= item->fade_begin) {
+    if (!(item->switch_end > 0.0f) || depth <= item->switch_begin) {
         return 1.0f;
     }
-    return depth >= item->fade_end ? 0.0f
-                                   : (item->fade_end - depth) / (item->fade_end - item->fade_begin);
+    return depth >= item->switch_end
+               ? 0.0f
+               : (item->switch_end - depth) / (item->switch_end - item->switch_begin);
 }
 
 /// Whether triangle `index` of a mesh belongs to a share of its triangles. Larger shares include

@@ -5,19 +5,23 @@
 #include "select/sections.h"
 #include "select/select.h"
 
-/// Factor on the depth at which a node's surfels just suffice: up to there its children fade in.
-#define STP_LEVELS_GROW 1.1
-/// Shortfall of the wanted radius at which all surfels of a set have faded out.
-#define STP_LEVELS_LACK 1.07
-#define STP_LEVELS_LACK_TWICE (STP_LEVELS_LACK * STP_LEVELS_LACK)
-/// The same in depths: the switch depth grows at least with the cube of the shortfall
-/// (rule_blue.c).
-#define STP_LEVELS_SHRINK (STP_LEVELS_LACK_TWICE * STP_LEVELS_LACK_TWICE)
+// The level switch: around the switch depth, from which a set suffices, the set and the content below
+// replace each other gradually.
+/// Factor on the switch depth: the content below is drawn up to there, the share of it that is drawn
+/// falls from the switch depth on.
+#define STP_LEVEL_SWITCH_FAR 1.1
+/// Shortfall of the wanted radius at which no surfel of the set is drawn.
+#define STP_LEVEL_SWITCH_SHORTFALL 1.07
+#define STP_LEVEL_SWITCH_SHORTFALL_SQUARED (STP_LEVEL_SWITCH_SHORTFALL * STP_LEVEL_SWITCH_SHORTFALL)
+/// Divides the switch depth: nearer than that the set is gone. The switch depth grows at least with
+/// the cube of the shortfall (rule_blue.c).
+#define STP_LEVEL_SWITCH_NEAR                                                                      \
+    (STP_LEVEL_SWITCH_SHORTFALL_SQUARED * STP_LEVEL_SWITCH_SHORTFALL_SQUARED)
 
 /// Cost of a splat relative to a triangle (docs/notes/2026-11-proportion.md).
 #define STP_SPLAT_WORK 1.5
-/// Limit on the work of a node in transition, relative to the more expensive of its two levels.
-#define STP_TRANSITION_WORK 1.2
+/// Limit on the work of a node in its level switch, relative to the more expensive of the two levels.
+#define STP_LEVEL_SWITCH_WORK 1.2
 
 /// Maximum and default of stp_quality.early_switch.
 #define STP_EARLY_SWITCH_MAX 8.0
@@ -31,11 +35,11 @@ static inline double stp_select_early_switch(const stp_quality* quality)
 /// A node to visit.
 typedef struct stp_select_entry {
     uint32_t node;
-    bool moving_only;  ///< an ancestor's surfels represent everything that does not move
-    bool extra;        ///< drawn only because levels blend: an ancestor's surfels suffice
-    uint32_t sections; ///< bits of section planes that may cut it
-    uint32_t shown;    ///< state of its visibility
-    double ceiling;    ///< beyond this depth an ancestor's surfels suffice
+    bool moving_only;             ///< an ancestor's surfels represent everything that does not move
+    bool in_level_switch;         ///< drawn only by a level switch: an ancestor's surfels suffice
+    uint32_t sections;            ///< bits of section planes that may cut it
+    uint32_t shown;               ///< state of its visibility
+    double ancestor_switch_depth; ///< beyond it an ancestor's surfels suffice
     double covered; ///< coverage radius of the nearest ancestor's set, scene units; infinite: none
     double eager;   ///< factor on the loading priority of the content below
     stp_affine transform;
@@ -105,9 +109,9 @@ typedef struct stp_set_use {
     uint32_t state;                    ///< requested number of splats, at any depth; 0: by size
     double radius;                     ///< radius of its splats, node units
     double level_per_depth, level_min; ///< levels of the item (stp_draw_item), node units
-    double per_depth;    ///< the wanted coverage radius at depth 1, node units; 0: not by depth
-    double switch_depth; ///< 0: nothing below is drawn; infinite: everything
-    bool extra;          ///< not drawn without blending between levels
+    double per_depth;     ///< the wanted coverage radius at depth 1, node units; 0: not by depth
+    double switch_depth;  ///< 0: nothing below is drawn; infinite: everything
+    bool in_level_switch; ///< not drawn without a level switch
 } stp_set_use;
 
 /// The set of a node, of the drawn method.
@@ -139,7 +143,7 @@ void stp_select_request_leaves(stp_selection* s, const stp_select_entry* at,
                                const stp_box_visibility* sight, uint32_t set);
 /// Requests a mesh that only improves the picture, with the lowest priority. @return whether it is
 /// resident
-bool stp_select_request_extra(stp_selection* s, uint32_t mesh);
+bool stp_select_request_optional_mesh(stp_selection* s, uint32_t mesh);
 /// Turns the entry of a node with a set into the entry of its children.
 void stp_select_cover(const stp_selection* s, const stp_splats* surfels,
                       const stp_box_visibility* sight, stp_select_entry* at);
@@ -177,7 +181,7 @@ STP_MUST_USE stp_result stp_select_max_count(stp_selection* s, uint32_t node, ui
 
 /// Share of a node's content that is drawn at a depth, given the depth beyond which the node's set
 /// suffices.
-double stp_select_growth(double ceiling, double depth);
+double stp_level_switch_share(double switch_depth, double depth);
 
 /// Builds, or finds, the view-independent properties of the store's nodes.
 STP_MUST_USE stp_result stp_select_find_graph(stp_selection* s);

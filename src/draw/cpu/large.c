@@ -42,7 +42,7 @@ typedef struct batch {
 static bool is_wanted(const stp_cpu_item* item, const float corners[9], float level)
 {
     const float* w = item->camera.matrix.m[3];
-    float nearest = FLT_MAX, from = item->draw->fade_begin;
+    float nearest = FLT_MAX, from = item->draw->switch_begin;
     for (int k = 0; k < 3; ++k) {
         const float* p = corners + 3 * k;
         nearest =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Cost of a node in transition from its set to its content: never much more than the more expensive
+// Cost of a node in its level switch, from its set to its content: never much more than the more expensive
 // of the two.
 #include "support_built.h"
 #include "tests.h"
@@ -112,7 +112,7 @@ static bool stands_alone(const stp_store* store, const stp_draw_list* originals,
     return true;
 }
 
-// Checks every leaf whose set is listed. @return how many of them are in transition; -1: one costs
+// Checks every leaf whose set is listed. @return how many of them are in it; -1: one costs
 // too much
 static int check_leaves(const stp_store* store, const stp_view* view, float splat_size,
                         const stp_draw_list* list, const stp_draw_list* originals)
@@ -144,7 +144,7 @@ static int check_leaves(const stp_store* store, const stp_view* view, float spla
     return both;
 }
 
-void test_transitions_of_random_graphs_cost_little(test_state* test)
+void test_level_switches_of_random_graphs_cost_little(test_state* test)
 {
     stp_context* context = test_context(NULL, 2, NULL);
     int both = 0;
@@ -208,7 +208,7 @@ static stp_result generate_model(stp_scene* scene, const char* name, void* user)
 
 static stp_store* open_model(stp_context* context, uint32_t uses)
 {
-    char folder[64] = "stp_transition_XXXXXX", path[96];
+    char folder[64] = "stp_level_switch_XXXXXX", path[96];
     if (mkdtemp(folder) == NULL) {
         return NULL;
     }
@@ -247,7 +247,7 @@ static double work_of(const stp_store* store, const stp_view* view, const stp_dr
 
 // For models built with default options, a whole picture costs at most a fifth more than all of its
 // triangles, and much less from afar; triangles are drawn if they are fewer than eight per splat.
-void test_transitions_of_models_cost_little(test_state* test)
+void test_level_switches_of_models_cost_little(test_state* test)
 {
     stp_context* context = test_context(NULL, 2, NULL);
     for (uint32_t uses = 1; uses <= 25; uses += 24) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Transitions between levels: every point is always drawn completely by some level, and splats
+// The level switch: every point is always drawn completely by some level, and splats
 // never appear or disappear in groups.
 #include "tests.h"
 
@@ -201,7 +201,7 @@ static int find_complete(const fixture* f, double depth)
 
 // For every visible point of the square, in any view, with and without zones, one level is complete
 // at its depth.
-void test_levels_leave_no_depth_without_a_complete_one(test_state* test)
+void test_level_switch_leaves_no_depth_without_a_complete_one(test_state* test)
 {
     fixture f;
     CHECK(set_up(&f, false));
@@ -230,7 +230,7 @@ void test_levels_leave_no_depth_without_a_complete_one(test_state* test)
 }
 
 // From the list for two eyes, each eye gets content at least as fine as from its own list.
-void test_levels_of_two_eyes_are_those_of_the_nearer(test_state* test)
+void test_level_switch_of_two_eyes_is_that_of_the_nearer(test_state* test)
 {
     fixture f;
     CHECK(set_up(&f, false));
@@ -270,7 +270,7 @@ void test_levels_of_two_eyes_are_those_of_the_nearer(test_state* test)
 
 // Towards the square in steps of 0.25 %: at the depth of a point on it, the drawn share of each
 // level changes gradually; switching changes all of it.
-void test_levels_come_and_go_by_degrees(test_state* test)
+void test_level_switch_comes_and_goes_by_degrees(test_state* test)
 {
     fixture f;
     CHECK(set_up(&f, false));
@@ -304,7 +304,7 @@ void test_levels_come_and_go_by_degrees(test_state* test)
 
 // At one depth the numbers are exact: the content drawn in addition to switching is what the list
 // says, and little in total.
-void test_levels_count_what_is_drawn_twice(test_state* test)
+void test_level_switch_counts_what_is_drawn_twice(test_state* test)
 {
     fixture f;
     CHECK(set_up(&f, false));
@@ -333,7 +333,7 @@ void test_levels_count_what_is_drawn_twice(test_state* test)
 
 // A part of a cloud would not be spread evenly: original points appear all at once, when surfels
 // cover them.
-void test_levels_show_original_points_at_once(test_state* test)
+void test_level_switch_shows_original_points_at_once(test_state* test)
 {
     fixture f;
     CHECK(set_up(&f, true));
@@ -354,7 +354,7 @@ void test_levels_show_original_points_at_once(test_state* test)
 
 // Triangles are ordered: a larger share contains the smaller shares, and has that fraction of the
 // triangles.
-void test_levels_shares_of_triangles_are_nested(test_state* test)
+void test_level_switch_shares_of_triangles_are_nested(test_state* test)
 {
     int kept[11] = {0};
     for (uint32_t i = 0; i < 20000; ++i) {
@@ -373,7 +373,7 @@ void test_levels_shares_of_triangles_are_nested(test_state* test)
     CHECK_EQUAL(20000, kept[10]);
     const stp_draw_item whole = {.kind = STP_DRAW_MESH};
     CHECK(stp_draw_share(&whole, 1e9f) >= 1.0f);
-    const stp_draw_item fading = {.fade_begin = 2.0f, .fade_end = 3.0f};
+    const stp_draw_item fading = {.switch_begin = 2.0f, .switch_end = 3.0f};
     CHECK(stp_draw_share(&fading, 1.9f) >= 1.0f && stp_draw_share(&fading, 3.1f) <= 0.0f);
     CHECK(fabsf(stp_draw_share(&fading, 2.75f) - 0.25f) < 1e-6f);
 }

@@ -72,7 +72,7 @@ static stp_result approach(stp_context* context, stp_store* store, stp_policy po
 }
 
 // Switching changes a block at once; blending changes it by at most a quarter of that per frame.
-void test_levels_pop_a_quarter_as_much_as_switching(test_state* test)
+void test_level_switch_pops_a_quarter_as_much_as_switching(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     made_scene scene;
