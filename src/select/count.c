@@ -137,7 +137,7 @@ static stp_result add_share(stp_selection* s, const stp_select_share* share)
     stp_boxd box = stp_select_place_box(&at->transform, &s->directory->nodes[at->node].bounds);
     stp_box_visibility sight;
     (void)stp_select_is_in_view(s, &box, &sight); // whether in view or not
-    s->rule->use_count(&use, share->count);
+    s->rule->choose_count(&use, share->count);
     stp_result result = s->streams ? stp_select_limit_use(s, at, &sight, &use) : STP_OK;
     return result == STP_OK && use.count > 0 ? s->rule->add(s, at, &use, &sight) : result;
 }

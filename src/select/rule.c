@@ -89,8 +89,8 @@ uint32_t stp_select_coarse_method(const stp_store_directory* directory, const st
     return found;
 }
 
-void stp_select_use_coarse(stp_selection* s, const stp_select_entry* at,
-                           const stp_box_visibility* sight, stp_set_use* use)
+void stp_select_choose_coarse(stp_selection* s, const stp_select_entry* at,
+                              const stp_box_visibility* sight, stp_set_use* use)
 {
     uint32_t set = s->coarse_method != STP_STORE_NONE
                        ? stp_store_set_of(s->directory, s->coarse_method, at->node)
@@ -103,15 +103,15 @@ void stp_select_use_coarse(stp_selection* s, const stp_select_entry* at,
     const stp_select_rule* rule = stp_select_rule_of(s->directory->methods[s->coarse_method].id);
     stp_set_use other = stp_select_begin_use(s, rule, set);
     other.per_depth = use->per_depth;
-    rule->use(s, at, sight, false, &other);
+    rule->choose(s, at, sight, false, &other);
     assert(other.count <= other.surfels->count);
     if (other.count > 0 && (!s->streams || stp_select_request_coarse(s, at, sight, &other))) {
         *use = other;
     }
 }
 
-stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* at,
-                               const stp_box_visibility* sight)
+stp_set_use stp_select_choose_use(const stp_selection* s, const stp_select_entry* at,
+                                  const stp_box_visibility* sight)
 {
     const stp_store_node* node = &s->directory->nodes[at->node];
     stp_set_use use = stp_select_begin_use(s, s->rule, stp_select_set_of(s, at->node));
@@ -126,12 +126,12 @@ stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* a
     use.per_depth = radius_per_depth(s, at, sight);
     if (!(use.per_depth > 0.0)) {
         if (cloud) {
-            s->rule->use_count(&use, surfels->count);
+            s->rule->choose_count(&use, surfels->count);
             use.switch_depth = 0.0;
         }
         return use;
     }
-    s->rule->use(s, at, sight, cloud, &use);
+    s->rule->choose(s, at, sight, cloud, &use);
     assert(use.count <= surfels->count);
     return use;
 }

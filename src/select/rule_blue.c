@@ -21,7 +21,7 @@ enum {
 #define CLOSE 4.0 ///< pixels from which half of it is added
 
 /// Disk radius of a prefix when splats of this many pixels are wanted.
-static void use_count(stp_set_use* use, uint32_t count, double splat_size)
+static void choose_prefix(stp_set_use* use, uint32_t count, double splat_size)
 {
     assert(count <= use->surfels->count);
     double roomy = (CLOSE - splat_size) / (CLOSE - ROOMY);
@@ -32,7 +32,7 @@ static void use_count(stp_set_use* use, uint32_t count, double splat_size)
 }
 
 /// p(r) = p_m (r_m / r)^2, Brandt 4.1.
-static void use_estimate(stp_set_use* use, double radius, bool cloud)
+static void choose_by_estimate(stp_set_use* use, double radius, bool cloud)
 {
     const stp_splats* surfels = use->surfels;
     double ratio = (double)surfels->paper_radius / radius;
@@ -65,7 +65,8 @@ static double switch_depth_factor(double lacks, stp_depth_range range)
 /// Chooses the prefix, and its radius, of a set in a level switch, so that it and the incoming content
 /// together take at most STP_LEVEL_SWITCH_WORK times the work of the more expensive one. A shorter
 /// prefix still covers, with larger splats.
-static void use_beside(stp_set_use* use, uint32_t count, double size, double below, double grown)
+static void choose_switching_prefix(stp_set_use* use, uint32_t count, double size, double below,
+                                    double grown)
 {
     assert(grown >= 0.0 && grown <= 1.0 && "a share");
     double own = STP_SPLAT_WORK * (double)count;
@@ -74,14 +75,14 @@ static void use_beside(stp_set_use* use, uint32_t count, double size, double bel
         double part = (double)count * (maximum / own);
         count = part > 1.0 ? (uint32_t)part : 1;
     }
-    use_count(use, count, size);
+    choose_prefix(use, count, size);
 }
 
 /// Chooses by insertion radius: the surfels that cover at the nearest depth, or all if they do not
 /// suffice. Opens the node if the wanted radius is finer than its surfels are used for.
-static void use_by_insertion(stp_set_use* use, const stp_selection* s,
-                             const stp_box_visibility* sight, const stp_select_entry* at,
-                             bool cloud)
+static void choose_by_insertion(stp_set_use* use, const stp_selection* s,
+                                const stp_box_visibility* sight, const stp_select_entry* at,
+                                bool cloud)
 {
     const stp_splats* surfels = use->surfels;
     stp_depth_range range = sight->range;
@@ -94,19 +95,20 @@ static void use_by_insertion(stp_set_use* use, const stp_selection* s,
         return;
     }
     if (cloud || (suffices && s->quality->policy == STP_POLICY_SWITCH)) {
-        use_count(use, count, size);
+        choose_prefix(use, count, size);
         use->switch_depth = 0.0;
         return;
     }
     if (suffices) {
         use->switch_depth = suffices_from;
-        use_beside(use, count, size, below, stp_level_switch_share(suffices_from, range.near));
+        choose_switching_prefix(use, count, size, below,
+                                stp_level_switch_share(suffices_from, range.near));
         return;
     }
     use->switch_depth = suffices_from * switch_depth_factor(suffices_from / range.near, range);
     use->in_level_switch = true;
     if (range.far * STP_LEVEL_SWITCH_NEAR > use->switch_depth) {
-        use_beside(use, count, size, below, 1.0);
+        choose_switching_prefix(use, count, size, below, 1.0);
     }
 }
 
@@ -218,19 +220,19 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
     return stp_select_add_item(s, item, item.prefix);
 }
 
-static void use_prefix(stp_set_use* use, uint32_t count)
+static void choose_count(stp_set_use* use, uint32_t count)
 {
-    use_count(use, count, 0.0);
+    choose_prefix(use, count, 0.0);
 }
 
-static void use_set(const stp_selection* s, const stp_select_entry* at,
-                    const stp_box_visibility* sight, bool cloud, stp_set_use* use)
+static void choose(const stp_selection* s, const stp_select_entry* at,
+                   const stp_box_visibility* sight, bool cloud, stp_set_use* use)
 {
     if (s->quality->policy == STP_POLICY_PAPER) {
-        use_estimate(use, use->per_depth * sight->range.near, cloud);
+        choose_by_estimate(use, use->per_depth * sight->range.near, cloud);
         use->per_depth = 0.0;
     } else {
-        use_by_insertion(use, s, sight, at, cloud);
+        choose_by_insertion(use, s, sight, at, cloud);
     }
 }
 
@@ -246,4 +248,4 @@ static void limit(const stp_select_entry* at, double nearest, uint32_t here, stp
     }
 }
 
-const stp_select_rule stp_select_rule_blue = {use_set, use_prefix, limit, add};
+const stp_select_rule stp_select_rule_blue = {choose, choose_count, limit, add};

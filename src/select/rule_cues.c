@@ -36,7 +36,7 @@ static double reach_of(const stp_splats* set, uint32_t count)
 }
 
 /// Octaves that leaves at depth `nearest` and beyond may need.
-static void use_from(double nearest, stp_set_use* use)
+static void choose_from(double nearest, stp_set_use* use)
 {
     double wanted = use->per_depth * nearest, all = reach_of(use->surfels, use->surfels->count);
     double share = wanted > all ? all / wanted : 1.0;
@@ -44,17 +44,17 @@ static void use_from(double nearest, stp_set_use* use)
     use->radius = fmax(wanted, all);
 }
 
-static void use_set(const stp_selection* s, const stp_select_entry* at,
-                    const stp_box_visibility* sight, bool cloud, stp_set_use* use)
+static void choose(const stp_selection* s, const stp_select_entry* at,
+                   const stp_box_visibility* sight, bool cloud, stp_set_use* use)
 {
     double nearest;
     if (stp_select_find_nearest(s, at, sight, cloud, use, &nearest)) {
-        use_from(nearest, use);
+        choose_from(nearest, use);
     }
 }
 
 /// Takes exactly `count` splats of all leaves, visible or not.
-static void use_count(stp_set_use* use, uint32_t count)
+static void choose_count(stp_set_use* use, uint32_t count)
 {
     use->state = count < use->surfels->count ? count : use->surfels->count;
     use->count = round_count(use->surfels, (double)use->state * CUES_MAX);
@@ -65,7 +65,7 @@ static void limit(const stp_select_entry* at, double nearest, uint32_t here, stp
 {
     (void)at;
     if (use->per_depth > 0.0 && use->state == 0) {
-        use_from(nearest, use);
+        choose_from(nearest, use);
     }
     if (use->count > here || use->count == 0) {
         use->count = here;
@@ -350,4 +350,4 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
     return result;
 }
 
-const stp_select_rule stp_select_rule_cues = {use_set, use_count, limit, add};
+const stp_select_rule stp_select_rule_cues = {choose, choose_count, limit, add};

@@ -33,7 +33,7 @@ static double find_level(const stp_splats* surfels, uint32_t count)
 }
 
 /// Uses one level for the whole set: an exact cut through the tree.
-static void use_count(stp_set_use* use, uint32_t count)
+static void choose_count(stp_set_use* use, uint32_t count)
 {
     assert(count <= use->surfels->count);
     use->count = count;
@@ -43,16 +43,16 @@ static void use_count(stp_set_use* use, uint32_t count)
 
 /// Uses the state with `count` splats. It is contained in the first 2 count - base splats, and a
 /// base set has at least one.
-static void use_state(stp_set_use* use, uint32_t count)
+static void choose_state(stp_set_use* use, uint32_t count)
 {
     uint32_t all = use->surfels->count;
     assert(count > 0 && "a base set has at least one splat");
-    use_count(use, count <= all / 2 ? 2 * count - 1 : all);
+    choose_count(use, count <= all / 2 ? 2 * count - 1 : all);
     use->state = count;
 }
 
 /// The prefix for views from `nearest` on.
-static void use_from(const stp_select_entry* at, double nearest, stp_set_use* use)
+static void choose_from(const stp_select_entry* at, double nearest, stp_set_use* use)
 {
     assert(use->per_depth > 0.0 && "drawn by size");
     use->count = find_prefix(use->surfels, use->per_depth * nearest);
@@ -68,7 +68,7 @@ static void use_from(const stp_select_entry* at, double nearest, stp_set_use* us
 static void limit(const stp_select_entry* at, double nearest, uint32_t here, stp_set_use* use)
 {
     if (use->per_depth > 0.0) {
-        use_from(at, nearest, use);
+        choose_from(at, nearest, use);
     }
     if (use->count > here || use->count == 0) {
         use->count = here;
@@ -77,19 +77,19 @@ static void limit(const stp_select_entry* at, double nearest, uint32_t here, stp
     }
 }
 
-static void use_set(const stp_selection* s, const stp_select_entry* at,
-                    const stp_box_visibility* sight, bool cloud, stp_set_use* use)
+static void choose(const stp_selection* s, const stp_select_entry* at,
+                   const stp_box_visibility* sight, bool cloud, stp_set_use* use)
 {
     double nearest;
     if (stp_select_find_nearest(s, at, sight, cloud, use, &nearest)) {
-        use_from(at, nearest, use);
+        choose_from(at, nearest, use);
     }
 }
 
 /// Uses the first splats: `count`, or fewer if `use` has fewer.
-static void use_at_most(stp_set_use* use, uint32_t count)
+static void choose_at_most(stp_set_use* use, uint32_t count)
 {
-    use_count(use, count < use->count ? count : use->count);
+    choose_count(use, count < use->count ? count : use->count);
 }
 
 static stp_draw_item make_item(const stp_selection* s, const stp_select_entry* at,
@@ -112,10 +112,10 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
     }
     if (!found) {
         stp_set_use less = *use;
-        use_at_most(&less, use->state);
+        choose_at_most(&less, use->state);
         item = make_item(s, at, &less);
     }
-    result = stp_select_use_triangles(s, at, use, sight, &item.beside_triangles);
+    result = stp_select_choose_triangles(s, at, use, sight, &item.beside_triangles);
     if (result != STP_OK) {
         return result;
     }
@@ -142,5 +142,5 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
                                                      : result;
 }
 
-const stp_select_rule stp_select_rule_levels = {use_set, use_count, limit, add};
-const stp_select_rule stp_select_rule_splits = {use_set, use_state, limit, add};
+const stp_select_rule stp_select_rule_levels = {choose, choose_count, limit, add};
+const stp_select_rule stp_select_rule_splits = {choose, choose_state, limit, add};

@@ -118,9 +118,9 @@ static walk begin_walk(stp_selection* s, const stp_select_entry* at, const stp_s
         .s = s, .at = at, .use = use, .sight = sight, .left = STP_LARGE_USES + 1, .all = true};
 }
 
-stp_result stp_select_use_triangles(stp_selection* s, const stp_select_entry* at,
-                                    const stp_set_use* use, const stp_box_visibility* sight,
-                                    bool* uses)
+stp_result stp_select_choose_triangles(stp_selection* s, const stp_select_entry* at,
+                                       const stp_set_use* use, const stp_box_visibility* sight,
+                                       bool* uses)
 {
     const stp_quality* q = s->quality;
     bool by_level = use->level_per_depth > 0.0 || use->level_min > 0.0;

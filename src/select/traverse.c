@@ -275,11 +275,11 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
         return result;
     }
     if (may_use_set(s, at) && !s->quality->reference) {
-        stp_set_use use = stp_select_use_set(s, at, &sight);
+        stp_set_use use = stp_select_choose_use(s, at, &sight);
         result = s->streams ? stp_select_limit_use(s, at, &sight, &use) : STP_OK;
         if (use.count > 0 && result == STP_OK) {
             stp_set_use drawn = use;
-            stp_select_use_coarse(s, at, &sight, &drawn);
+            stp_select_choose_coarse(s, at, &sight, &drawn);
             result = drawn.rule->add(s, at, &drawn, &sight);
         }
         // if this node's surfels suffice at its nearest depth, switching would draw nothing below
