@@ -260,7 +260,7 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
     reseal(bytes, size);
     static volatile uint64_t sink;
     for (int prefix = 0; prefix < 2; ++prefix) {
-        stp_store_open_desc desc = {.accept_prefix = prefix == 1, .defer_objects = prefix == 1};
+        stp_store_open_desc desc = {.accept_partial = prefix == 1, .defer_objects = prefix == 1};
         stp_store* store = NULL;
         if (stp_store_open_memory(context, "fuzz", bytes, size, &desc, &store) != STP_OK) {
             continue;

@@ -104,11 +104,11 @@ static size_t add_quality_options(option* table, size_t used, draw_options* o)
          .help = "draw only original triangles and points",
          .value = &o->reference},
         {.name = "prefix",
-         .type = OPTION_PREFIX,
+         .type = OPTION_PARTIAL_FILE,
          .argument = "SIZE|P%",
          .help = "draw as if the .stip file ended after this many bytes (64K) or this share of "
                  "it (5%)",
-         .value = &o->prefix},
+         .value = &o->partial_file},
         {0},
     };
     return copy_options(table, used, list);

@@ -23,7 +23,7 @@ typedef struct draw_options {
     int hybrid, normal_clusters; ///< HYBRID_*, CLUSTERS_*
     bool has_method;
     bool reference;
-    option_prefix prefix;
+    option_partial_file partial_file;
     const char *fovea, *fovea_center, *cues;
     bool stereo, has_ipd;
     double ipd;

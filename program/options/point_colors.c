@@ -252,7 +252,7 @@ stp_result point_colors_elevations(stp_context* context, stp_store* store, uint3
     range[0] = d->nodes[d->root].bounds.min.y;
     range[1] = d->nodes[d->root].bounds.max.y;
     uint32_t set = d->method_count > 0 ? stp_store_set_of(d, method, d->root) : STP_STORE_NONE;
-    if (set == STP_STORE_NONE || stp_store_is_truncated(store)) {
+    if (set == STP_STORE_NONE || stp_store_is_partial(store)) {
         return STP_OK;
     }
     stp_splats splats;

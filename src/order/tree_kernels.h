@@ -76,7 +76,8 @@ static inline uint32_t facing_away(const stp_leaf_normals* normals, int i, const
     return wide_less(wide_add(wide_add(x, y), z), wide_set(0.0f));
 }
 
-// Squared dissimilarity: (distance + side_penalty)^2 in the lanes of `away`. Square roots are correctly
+// Squared dissimilarity: (distance + side_penalty)^2 in the lanes of `away`. Square roots are
+// correctly
 // rounded on every CPU.
 static inline wide squared_side_aware(wide squared, uint32_t away, float side_penalty)
 {

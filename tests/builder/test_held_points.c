@@ -165,7 +165,7 @@ void test_held_points_of_cut_files_are_refused(test_state* test)
     uint64_t bytes = stp_store_get_summary(store) != NULL ? stp_store_file_bytes(store) : 0;
     stp_store_close(store);
     CHECK(bytes > 1 && truncate(c.output, (off_t)(bytes - 1)) == 0);
-    CHECK_EQUAL(STP_OK, stp_store_open_prefix(context, c.output, &store));
+    CHECK_EQUAL(STP_OK, stp_store_open_partial(context, c.output, &store));
     CHECK(!stp_store_are_points_resident(store, 0));
     CHECK_EQUAL(STP_ERROR_TRUNCATED, stp_store_get_point_set(store, 0, &points));
     CHECK(strstr(log.text, "ends before the last octave") != NULL);

@@ -191,7 +191,7 @@ static void check_prefixes(test_state* test, const char* path)
     CHECK_EQUAL(STP_OK, stp_store_open_memory(context, "full", bytes, size, &whole, &full));
     uint32_t sets = stp_store_get_directory(full)->surfels_count;
     CHECK(sets > 0);
-    stp_store_open_desc desc = {.accept_prefix = true};
+    stp_store_open_desc desc = {.accept_partial = true};
     uint32_t octaves_before = 0;
     for (size_t length = 0; length <= size; ++length) {
         void* copy = NULL;

@@ -96,7 +96,7 @@ static stp_result write_file(fixture* f)
 static stp_store* open_file(fixture* f, uint64_t prefix)
 {
     stp_store* store = NULL;
-    const stp_store_open_desc desc = {.accept_prefix = prefix != 0, .prefix_bytes = prefix};
+    const stp_store_open_desc desc = {.accept_partial = prefix != 0, .partial_bytes = prefix};
     return stp_store_open_memory(f->context, "leaves", f->bytes, f->size, &desc, &store) == STP_OK
                ? store
                : NULL;

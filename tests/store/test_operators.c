@@ -295,7 +295,7 @@ static void file_tear_down(file_fixture* f)
 static stp_result open_bytes(const file_fixture* f, const unsigned char* bytes, size_t size,
                              bool prefix, stp_store** store)
 {
-    stp_store_open_desc desc = {.accept_prefix = prefix};
+    stp_store_open_desc desc = {.accept_partial = prefix};
     return stp_store_open_memory(f->context, "operators", bytes, size, &desc, store);
 }
 
@@ -397,8 +397,8 @@ void test_operators_of_version_1_2_are_still_read(test_state* test)
     file_tear_down(&f);
 }
 
-// A truncated file has the first octaves of each set.
-void test_operators_of_short_files_are_prefixes(test_state* test)
+// A partial file has the first octaves of each set.
+void test_operators_of_partial_files_are_prefixes(test_state* test)
 {
     file_fixture f;
     CHECK(file_set_up(&f, 1, false));

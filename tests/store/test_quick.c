@@ -271,7 +271,7 @@ static void check_promise(test_state* test, bool pack)
         }
     }
     CHECK(large >= 5 && (pack ? packed >= 5 : packed == 0));
-    // a truncated file
+    // a partial file
     CHECK_EQUAL(STP_ERROR_TRUNCATED, check_quickly(context, bytes, size - 1));
     // texts of views and sources, on their pages
     const unsigned char* text = find_section(bytes, STP_SECTION_TEXT);

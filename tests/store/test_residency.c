@@ -399,7 +399,7 @@ void test_residency_reports_a_damaged_block_once(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_residency_of_a_truncated_file(test_state* test)
+void test_residency_of_a_partial_file(test_state* test)
 {
     test_log log = {.errors = 0};
     stp_context* context = test_context(NULL, 1, &log);

@@ -404,7 +404,7 @@ void test_store_sorts_blocks_coarse_first_across_the_scene(test_state* test)
     int seen = 0;
     for (size_t length = 0; length <= file.size; ++length) {
         stp_store* store = NULL;
-        stp_store_open_desc desc = {.accept_prefix = true};
+        stp_store_open_desc desc = {.accept_partial = true};
         if (stp_store_open_memory(context, "cut", file.bytes, length, &desc, &store) == STP_OK) {
             stp_splats given[2];
             CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 0, &given[0]));

@@ -205,7 +205,7 @@ stp_gl_upload stp_gl_upload_octave(stp_gl_renderer* r, uint32_t set, uint32_t oc
     stp_result got = stp_store_get_surfels_prefix(r->store, set, octave + 1, &surfels);
     bool good = got == STP_OK;
     r->failure = good ? r->failure : got;
-    if (good && surfels.octave_count <= octave) { // truncated file: it never arrives
+    if (good && surfels.octave_count <= octave) { // partial file: it never arrives
         stp_gl_pool_drop(&r->pool, entry);
         return GL_UPLOAD_LATER;
     }

@@ -194,7 +194,7 @@ stp_result stp_store_check_open(stp_store* store, bool quick, stp_store_check_re
         .file_bytes = store->file.size,
         .blocks = blocks != NULL ? blocks->count : 0,
     };
-    if (store->partial) {
+    if (store->only_summary) {
         return check_partial(store, report);
     }
     stp_result result = stp_store_load_objects(store);
@@ -220,7 +220,7 @@ stp_result stp_store_check_with_report(stp_context* context, const char* path, b
     stp_store* store = NULL;
     stp_store_open_desc desc = {.summary_only = quick};
     stp_result result = stp_store_open_with(context, path, &desc, &store);
-    if (result == STP_OK && store->partial && store->data_offset <= SMALL_DIRECTORY) {
+    if (result == STP_OK && store->only_summary && store->data_offset <= SMALL_DIRECTORY) {
         stp_store_close(store);
         result = stp_store_open(context, path, &store);
     }

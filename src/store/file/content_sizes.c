@@ -51,7 +51,7 @@ static stp_store_amount amount_of_texture(const stp_store_texture* texture,
 stp_result stp_store_sizes_of_file(const stp_store* store, stp_store_sizes* sizes)
 {
     const stp_store_directory* directory = &store->directory;
-    assert(!store->partial && "blocks are not read for a summary");
+    assert(!store->only_summary && "blocks are not read for a summary");
     const stp_store_mesh_record* meshes = store->tables[STP_SECTION_MESHES];
     const stp_store_point_record* point_sets = store->tables[STP_SECTION_POINT_SETS];
     const stp_store_texture_record* textures = store->tables[STP_SECTION_TEXTURES];

@@ -24,7 +24,7 @@ struct stp_store {
     char* path;
     stp_mapped_file file;
     bool mapped;         ///< false: the caller owns the bytes
-    size_t mapped_bytes; ///< can exceed file.size: desc.prefix_bytes
+    size_t mapped_bytes; ///< can exceed file.size: desc.partial_bytes
     int descriptor;      ///< file descriptor of the mapped file; -1: none
     stp_store_open_desc desc;
 
@@ -49,7 +49,7 @@ struct stp_store {
     uint32_t* attribute_blocks;
     stp_store_coloring coloring;
     bool objects_ready;
-    bool partial; ///< opened for its summary: the graph and everything below it was not read
+    bool only_summary; ///< opened for its summary: the graph and everything below it was not read
     uint8_t* pages_checked; ///< one bit per page of unpacked sections, then one per section
     bool page_table_checked;
     uint64_t bytes_checked;           ///< bytes of the directory verified so far
@@ -215,7 +215,7 @@ void stp_store_free_large(stp_store* store);
 /// Frees the columns of a set.
 void stp_store_free_columns(stp_context* context, stp_store_surfels_record* record);
 
-/// Whether the file holds a whole block; false only for truncated files.
+/// Whether the file holds a whole block; false only for partial files.
 bool stp_store_is_block_here(const stp_store* store, const stp_store_block* block);
 /// Entry of the block table.
 const stp_store_block* stp_store_block_at(const stp_store* store, uint32_t index);

@@ -61,7 +61,7 @@ static stp_result make_table(stp_store* store)
     const stp_store_directory* d = &store->directory;
     stp_store_text text = {.context = store->context};
     stp_result result = STP_OK;
-    if (store->tables[STP_SECTION_KEYS] == NULL && !store->partial) {
+    if (store->tables[STP_SECTION_KEYS] == NULL && !store->only_summary) {
         result = stp_store_read_table(store, STP_SECTION_KEYS, &text);
     }
     uint32_t count = store->counts[STP_SECTION_KEYS];

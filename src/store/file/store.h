@@ -179,13 +179,14 @@ STP_MUST_USE stp_result stp_store_open(stp_context* context, const char* path, s
 
 /// Options for opening. Zero means the behaviour of stp_store_open.
 typedef struct stp_store_open_desc {
-    /// Accepts a truncated file that holds its whole directory. Surfel sets then have their
-    /// complete octaves (perhaps none, count 0); other data beyond the end is STP_ERROR_TRUNCATED.
+    /// Accepts a partial file, one that ends early, if it holds its whole directory. Splat sets then
+    /// have their complete octaves (perhaps none, count 0); other data beyond the end is
+    /// STP_ERROR_TRUNCATED.
     /// Descriptions cover the whole file; ask stp_store_resident_surfels and related functions
     /// (store/residency/residency.h) what is available.
-    bool accept_prefix;
-    /// Treats the file as truncated after this many bytes; 0: no.
-    uint64_t prefix_bytes;
+    bool accept_partial;
+    /// Treats the file as ending after this many bytes; 0: no.
+    uint64_t partial_bytes;
     /// Leaves `objects` NULL (with their count) until stp_store_load_objects.
     bool defer_objects;
     /// Reads only the file's description: summary, views, sources, methods and build parameters,
@@ -196,9 +197,9 @@ typedef struct stp_store_open_desc {
 
 STP_MUST_USE stp_result stp_store_open_with(stp_context* context, const char* path,
                                             const stp_store_open_desc* desc, stp_store** store);
-/// stp_store_open_with `accept_prefix`.
-STP_MUST_USE stp_result stp_store_open_prefix(stp_context* context, const char* path,
-                                              stp_store** store);
+/// stp_store_open_with `accept_partial`.
+STP_MUST_USE stp_result stp_store_open_partial(stp_context* context, const char* path,
+                                               stp_store** store);
 /// Opens a file in memory: 64-byte aligned, must outlive the store. `name` stands for the path.
 STP_MUST_USE stp_result stp_store_open_memory(stp_context* context, const char* name,
                                               const void* bytes, size_t size,
@@ -215,9 +216,9 @@ STP_MUST_USE stp_result stp_store_read_object_place(stp_store* store, uint32_t i
 void stp_store_close(stp_store* store);
 const stp_store_directory* stp_store_get_directory(const stp_store* store);
 uint64_t stp_store_file_bytes(const stp_store* store);
-/// Size of the whole file according to its header; above stp_store_file_bytes if truncated.
+/// Size of the whole file according to its header; above stp_store_file_bytes if partial.
 uint64_t stp_store_whole_bytes(const stp_store* store);
-bool stp_store_is_truncated(const stp_store* store);
+bool stp_store_is_partial(const stp_store* store);
 /// Maximum error of points that sets hold, on each axis, in scene units: half the coarsest grid
 /// step. 0: unknown, or no set holds points. Works for a store opened for its summary.
 double stp_store_position_error(const stp_store* store);
@@ -257,7 +258,7 @@ STP_MUST_USE stp_result stp_store_get_surfels(stp_store* store, uint32_t index,
                                               stp_splats* surfels);
 
 /// Only the first `octave_count` octaves: reads only their blocks and allocates only their memory.
-/// Returns fewer if the set, or the complete part of a truncated file, has fewer. Requesting more
+/// Returns fewer if the set, or the complete part of a partial file, has fewer. Requesting more
 /// octaves later keeps earlier results valid, with their memory: a third more if octaves grow
 /// fourfold.
 STP_MUST_USE stp_result stp_store_get_surfels_prefix(stp_store* store, uint32_t index,

@@ -263,7 +263,7 @@ stp_result stp_residency_create(stp_store* store, const stp_residency_desc* desc
                                 stp_residency** residency)
 {
     *residency = NULL;
-    if (store->partial || store->residency != NULL) {
+    if (store->only_summary || store->residency != NULL) {
         return stp_fail(store->context, STP_ERROR_ARGUMENT,
                         "%s: cannot load bulk data for this store", store->path);
     }
@@ -369,7 +369,7 @@ void stp_residency_get_stats(const stp_residency* r, stp_residency_stats* stats)
 
 bool stp_store_streams(const stp_store* store)
 {
-    return store->residency != NULL || stp_store_is_truncated(store);
+    return store->residency != NULL || stp_store_is_partial(store);
 }
 
 uint32_t stp_store_resident_surfels(const stp_store* store, uint32_t index)

@@ -89,7 +89,7 @@ void stp_residency_get_stats(const stp_residency* residency, stp_residency_stats
 
 // Queries of resident data; without a residency, of all data in the file. `index` must be below the
 // directory's count.
-/// Whether directory entries may lack data: the store has a residency, or its file is truncated.
+/// Whether directory entries may lack data: the store has a residency, or a partial file.
 bool stp_store_streams(const stp_store* store);
 /// Number of a set's first surfels that are resident.
 uint32_t stp_store_resident_surfels(const stp_store* store, uint32_t index);

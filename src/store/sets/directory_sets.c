@@ -127,7 +127,7 @@ static stp_result gather_set(stp_store* store, uint32_t index, uint64_t* octave_
     return STP_OK;
 }
 
-// Links each octave to its block, in order. Counts the octaves that a truncated file holds whole.
+// Links each octave to its block, in order. Counts the octaves that a partial file holds whole.
 static stp_result link_octaves(stp_store* store, uint32_t index)
 {
     stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
