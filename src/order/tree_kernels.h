@@ -77,8 +77,7 @@ static inline uint32_t facing_away(const stp_leaf_normals* normals, int i, const
 }
 
 // Squared dissimilarity: (distance + side_penalty)^2 in the lanes of `away`. Square roots are
-// correctly
-// rounded on every CPU.
+// correctly rounded on every CPU.
 static inline wide squared_side_aware(wide squared, uint32_t away, float side_penalty)
 {
     wide distance = wide_add(wide_root(squared), wide_set(side_penalty));
