@@ -22,7 +22,7 @@ typedef struct column {
 static const column columns[] = {
     {"objects", COUNT(objects)},        {"LODs", COUNT(lods)},
     {"triangles", COUNT(triangles)},    {"points", COUNT(points)},
-    {"surfels", COUNT(surfels)},        {"geometry", BYTES(triangle_bytes)},
+    {"surfels", COUNT(splats)},         {"geometry", BYTES(triangle_bytes)},
     {"point sets", BYTES(point_bytes)}, {"splats", BYTES(splat_bytes)},
     {"textures", BYTES(texture_bytes)},
 };

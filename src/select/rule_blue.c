@@ -23,26 +23,26 @@ enum {
 /// Disk radius of a prefix when splats of this many pixels are wanted.
 static void choose_prefix(stp_set_use* use, uint32_t count, double splat_size)
 {
-    assert(count <= use->surfels->count);
+    assert(count <= use->splats->count);
     double roomy = (CLOSE - splat_size) / (CLOSE - ROOMY);
     double share = 0.5 + 0.5 * (roomy > 0.0 ? fmin(roomy, 1.0) : 0.0);
     use->count = count;
-    use->radius = (double)stp_prefix_table_radius(&use->surfels->table, count) +
-                  share * (double)use->surfels->candidate_radius;
+    use->radius = (double)stp_prefix_table_radius(&use->splats->table, count) +
+                  share * (double)use->splats->candidate_radius;
 }
 
 /// p(r) = p_m (r_m / r)^2, Brandt 4.1.
 static void choose_by_estimate(stp_set_use* use, double radius, bool cloud)
 {
-    const stp_splats* surfels = use->surfels;
-    double ratio = (double)surfels->paper_radius / radius;
-    double wanted = ceil((double)surfels->paper_count * ratio * ratio);
-    if (!(wanted <= (double)surfels->count) && !cloud) {
+    const stp_splats* splats = use->splats;
+    double ratio = (double)splats->paper_radius / radius;
+    double wanted = ceil((double)splats->paper_count * ratio * ratio);
+    if (!(wanted <= (double)splats->count) && !cloud) {
         return;
     }
-    use->count = wanted < 1.0                      ? 1
-                 : wanted < (double)surfels->count ? (uint32_t)wanted
-                                                   : surfels->count;
+    use->count = wanted < 1.0                     ? 1
+                 : wanted < (double)splats->count ? (uint32_t)wanted
+                                                  : splats->count;
     use->radius = radius;
     use->switch_depth = 0.0;
 }
@@ -84,12 +84,12 @@ static void choose_by_insertion(stp_set_use* use, const stp_selection* s,
                                 const stp_box_visibility* sight, const stp_select_entry* at,
                                 bool cloud)
 {
-    const stp_splats* surfels = use->surfels;
+    const stp_splats* splats = use->splats;
     stp_depth_range range = sight->range;
     double size = cloud ? 0.0 : sight->splat_size; // clouds are drawn at any distance, with gaps
     double suffices_from = stp_select_reach(s, at->node) / use->per_depth;
     double below = (double)s->graph->works[at->node];
-    uint32_t count = stp_prefix_table_count(&surfels->table, (float)(use->per_depth * range.near));
+    uint32_t count = stp_prefix_table_count(&splats->table, (float)(use->per_depth * range.near));
     bool suffices = cloud || range.near >= suffices_from;
     if (!suffices && s->quality->policy == STP_POLICY_SWITCH) {
         return;
@@ -197,7 +197,7 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
     double part = stp_level_switch_share(at->ancestor_switch_depth, range.near);
     part *= use->in_level_switch ? set_switch_share(use, range.far) : 1.0;
     assert(part >= 0.0 && part <= 1.0 && "a share");
-    stp_draw_item item = {.kind = STP_DRAW_SURFELS,
+    stp_draw_item item = {.kind = STP_DRAW_SPLATS,
                           .index = use->set,
                           .prefix = (uint32_t)(part * (double)use->count),
                           .full_prefix = use->count,
@@ -243,8 +243,8 @@ static void limit(const stp_select_entry* at, double nearest, uint32_t here, stp
     (void)nearest;
     if (use->count > here || use->count == 0) {
         use->count = here;
-        use->radius = (double)stp_prefix_table_radius(&use->surfels->table, here) +
-                      (double)use->surfels->candidate_radius;
+        use->radius = (double)stp_prefix_table_radius(&use->splats->table, here) +
+                      (double)use->splats->candidate_radius;
     }
 }
 

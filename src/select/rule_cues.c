@@ -38,9 +38,9 @@ static double reach_of(const stp_splats* set, uint32_t count)
 /// Octaves that leaves at depth `nearest` and beyond may need.
 static void choose_from(double nearest, stp_set_use* use)
 {
-    double wanted = use->per_depth * nearest, all = reach_of(use->surfels, use->surfels->count);
+    double wanted = use->per_depth * nearest, all = reach_of(use->splats, use->splats->count);
     double share = wanted > all ? all / wanted : 1.0;
-    use->count = round_count(use->surfels, CUES_MAX * share * share * (double)use->surfels->count);
+    use->count = round_count(use->splats, CUES_MAX * share * share * (double)use->splats->count);
     use->radius = fmax(wanted, all);
 }
 
@@ -56,9 +56,9 @@ static void choose(const stp_selection* s, const stp_select_entry* at,
 /// Takes exactly `count` splats of all leaves, visible or not.
 static void choose_count(stp_set_use* use, uint32_t count)
 {
-    use->state = count < use->surfels->count ? count : use->surfels->count;
-    use->count = round_count(use->surfels, (double)use->state * CUES_MAX);
-    use->radius = reach_of(use->surfels, count);
+    use->state = count < use->splats->count ? count : use->splats->count;
+    use->count = round_count(use->splats, (double)use->state * CUES_MAX);
+    use->radius = reach_of(use->splats, count);
 }
 
 static void limit(const stp_select_entry* at, double nearest, uint32_t here, stp_set_use* use)
@@ -69,10 +69,10 @@ static void limit(const stp_select_entry* at, double nearest, uint32_t here, stp
     }
     if (use->count > here || use->count == 0) {
         use->count = here;
-        use->radius = fmax(use->radius, reach_of(use->surfels, here));
+        use->radius = fmax(use->radius, reach_of(use->splats, here));
     }
     use->state = use->state < here ? use->state : here;
-    assert(use->state <= use->surfels->count);
+    assert(use->state <= use->splats->count);
 }
 
 static stp_result add_cell(stp_selection* s, size_t* count, stp_cue_cell cell)
@@ -302,9 +302,9 @@ static stp_result add_plain(stp_selection* s, const stp_set_use* use, stp_draw_i
                             stp_depth_range drawn)
 {
     uint32_t prefix = use->state > 0 ? use->state : use->count;
-    assert(prefix > 0 && prefix <= use->surfels->count);
+    assert(prefix > 0 && prefix <= use->splats->count);
     item.prefix = item.full_prefix = prefix;
-    item.shape_scale = (float)sqrt((double)use->surfels->count / (double)prefix);
+    item.shape_scale = (float)sqrt((double)use->splats->count / (double)prefix);
     if (drawn.near > 0.0 || drawn.far < HUGE_VAL) {
         size_t first = s->list->run_count;
         stp_result result = stp_select_add_run(s, 0, prefix, drawn);
@@ -337,12 +337,12 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
     if (leaves.leaf_count == 0) {
         result = add_plain(s, use, item, drawn);
     } else {
-        stp_cue_view view = stp_cue_view_make(s, at, use->surfels, &leaves, sight);
+        stp_cue_view view = stp_cue_view_make(s, at, use->splats, &leaves, sight);
         size_t count = 0;
         result = use->state > 0 ? share_out(s, &view, use->state, use->count, &count)
                                 : choose_cells(s, &view, use->count, &count);
         result = result == STP_OK
-                     ? stp_cue_add_items(s, use->surfels, s->list->cells, count, item, drawn)
+                     ? stp_cue_add_items(s, use->splats, s->list->cells, count, item, drawn)
                      : result;
     }
     s->list->extra_splats +=

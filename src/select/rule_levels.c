@@ -9,43 +9,43 @@
 #include <assert.h>
 
 /// Shortest prefix of the table that holds every splat a level can need.
-static uint32_t find_prefix(const stp_splats* surfels, double level)
+static uint32_t find_prefix(const stp_splats* splats, double level)
 {
-    const stp_prefix_table* table = &surfels->table;
+    const stp_prefix_table* table = &splats->table;
     for (uint32_t i = 0; i < table->size; ++i) {
         if ((double)table->radius[i] <= level) {
             return table->count[i];
         }
     }
-    return surfels->count;
+    return splats->count;
 }
 
 /// The highest level of any splat after the first `count`. At this level and above, the prefix is
 /// complete.
-static double find_level(const stp_splats* surfels, uint32_t count)
+static double find_level(const stp_splats* splats, uint32_t count)
 {
-    const stp_prefix_table* table = &surfels->table;
+    const stp_prefix_table* table = &splats->table;
     double level = table->size != 0 ? (double)table->radius[0] : 0.0;
     for (uint32_t i = 0; i < table->size && table->count[i] <= count; ++i) {
         level = (double)table->radius[i];
     }
-    return count < surfels->count ? level : 0.0;
+    return count < splats->count ? level : 0.0;
 }
 
 /// Uses one level for the whole set: an exact cut through the tree.
 static void choose_count(stp_set_use* use, uint32_t count)
 {
-    assert(count <= use->surfels->count);
+    assert(count <= use->splats->count);
     use->count = count;
-    use->level_min = find_level(use->surfels, count);
-    use->radius = fmax(use->level_min, (double)use->surfels->candidate_radius);
+    use->level_min = find_level(use->splats, count);
+    use->radius = fmax(use->level_min, (double)use->splats->candidate_radius);
 }
 
 /// Uses the state with `count` splats. It is contained in the first 2 count - base splats, and a
 /// base set has at least one.
 static void choose_state(stp_set_use* use, uint32_t count)
 {
-    uint32_t all = use->surfels->count;
+    uint32_t all = use->splats->count;
     assert(count > 0 && "a base set has at least one splat");
     choose_count(use, count <= all / 2 ? 2 * count - 1 : all);
     use->state = count;
@@ -55,7 +55,7 @@ static void choose_state(stp_set_use* use, uint32_t count)
 static void choose_from(const stp_select_entry* at, double nearest, stp_set_use* use)
 {
     assert(use->per_depth > 0.0 && "drawn by size");
-    use->count = find_prefix(use->surfels, use->per_depth * nearest);
+    use->count = find_prefix(use->splats, use->per_depth * nearest);
     use->radius = use->per_depth * nearest;
     use->level_per_depth = use->per_depth;
     use->level_min = 0.0;
@@ -72,7 +72,7 @@ static void limit(const stp_select_entry* at, double nearest, uint32_t here, stp
     }
     if (use->count > here || use->count == 0) {
         use->count = here;
-        use->level_min = fmax(use->level_min, find_level(use->surfels, here));
+        use->level_min = fmax(use->level_min, find_level(use->splats, here));
         use->radius = fmax(use->radius, use->level_min);
     }
 }

@@ -28,12 +28,12 @@ typedef struct walk {
 static stp_result has_replaced(const stp_selection* s, const stp_set_use* use, bool* has)
 {
     *has = false;
-    if ((use->surfels->columns & STP_SPLATS_REPLACED) == 0) {
+    if ((use->splats->columns & STP_SPLATS_REPLACED) == 0) {
         return STP_OK;
     }
-    uint32_t octaves = stp_store_octaves_for(use->surfels, use->count);
+    uint32_t octaves = stp_store_octaves_for(use->splats, use->count);
     stp_splats here;
-    stp_result result = stp_store_get_surfels_prefix(s->store, use->set, octaves, &here);
+    stp_result result = stp_store_get_splat_set_prefix(s->store, use->set, octaves, &here);
     if (result != STP_OK || here.groups == NULL) {
         return result;
     }
@@ -136,7 +136,7 @@ stp_result stp_select_choose_triangles(stp_selection* s, const stp_select_entry*
     if (result == STP_OK && replaced) {
         result = add_node(&w, at->node, &here);
     }
-    bool fits = s->list->id_count + w.ids + use->surfels->count < IDS_MAX &&
+    bool fits = s->list->id_count + w.ids + use->splats->count < IDS_MAX &&
                 s->list->count + w.items < ITEMS_MAX;
     if (result != STP_OK || w.left == 0 || w.items == 0 || !fits) {
         return result;
@@ -151,7 +151,7 @@ stp_result stp_select_choose_triangles(stp_selection* s, const stp_select_entry*
 stp_result stp_select_add_triangles(stp_selection* s, const stp_select_entry* at,
                                     const stp_set_use* use, const stp_box_visibility* sight)
 {
-    assert(s->list->count > 0 && s->list->items[s->list->count - 1].kind == STP_DRAW_SURFELS &&
+    assert(s->list->count > 0 && s->list->items[s->list->count - 1].kind == STP_DRAW_SPLATS &&
            s->list->items[s->list->count - 1].index == use->set && "the set's item is the last");
     walk w = begin_walk(s, at, use, sight);
     w.does = WALK_ADDS;

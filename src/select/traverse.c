@@ -110,7 +110,7 @@ stp_boxd stp_select_part_box(const stp_selection* s, stp_store_part part, const 
     return stp_select_place_box(a, &wide);
 }
 
-/// Adds a node's own triangles or points, up to the depth where its surfels, or an ancestor's,
+/// Adds a node's own triangles or points, up to the depth where its splats, or an ancestor's,
 /// suffice.
 static stp_result add_part(stp_selection* s, stp_store_part part, const stp_select_entry* at,
                            uint32_t shown)
@@ -147,7 +147,7 @@ static stp_result add_part(stp_selection* s, stp_store_part part, const stp_sele
     }
     stp_depth_range range = sight.range;
     if (item.kind == STP_DRAW_POINTS && range.near > at->ancestor_switch_depth) {
-        return STP_OK; // no subset of them is spread evenly: they appear all at once, below surfels
+        return STP_OK; // no subset of them is spread evenly: they appear all at once, below splats
     }
     if (item.kind == STP_DRAW_MESH && range.far > at->ancestor_switch_depth) {
         item.switch_begin = (float)at->ancestor_switch_depth;
@@ -230,7 +230,7 @@ static stp_result visit_by_count(stp_selection* s, stp_select_entry* at, bool se
 {
     stp_result result = STP_OK;
     if (may_use_set(s, at) &&
-        stp_store_describe_surfels(s->store, stp_select_set_of(s, at->node))->count > 0) {
+        stp_store_describe_splat_set(s->store, stp_select_set_of(s, at->node))->count > 0) {
         result = stp_select_note_set(s, at);
         at->moving_only = true;
         at->ancestor_switch_depth = 0.0;
@@ -282,13 +282,13 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
             stp_select_choose_coarse(s, at, &sight, &drawn);
             result = drawn.rule->add(s, at, &drawn, &sight);
         }
-        // if this node's surfels suffice at its nearest depth, switching would draw nothing below
+        // if this node's splats suffice at its nearest depth, switching would draw nothing below
         at->in_level_switch = at->in_level_switch || (use.count > 0 && !use.in_level_switch);
         at->ancestor_switch_depth = fmin(at->ancestor_switch_depth, use.switch_depth);
         at->moving_only = !(stp_level_switch_share(at->ancestor_switch_depth, nearest) > 0.0);
-        assert(use.count <= use.surfels->count);
-        if (s->streams && use.surfels->count > 0) {
-            stp_select_cover(s, use.surfels, &sight, at);
+        assert(use.count <= use.splats->count);
+        if (s->streams && use.splats->count > 0) {
+            stp_select_cover(s, use.splats, &sight, at);
         }
     }
     if (result != STP_OK || (at->moving_only && (moving & STP_MOVES_BELOW) == 0)) {

@@ -84,7 +84,7 @@ static void check_all_there_once(test_state* test, const char* method)
     CHECK_EQUAL(0, stp_store_get_summary(store)->figures.point_bytes);
     CHECK_EQUAL(STP_OK, stp_store_get_point_set(store, 0, &points));
     CHECK(points.held_by != 0 && points.point_count == COUNT && points.normals != NULL);
-    double step = (double)stp_store_describe_surfels(store, points.held_by - 1)->step;
+    double step = (double)stp_store_describe_splat_set(store, points.held_by - 1)->step;
     for (uint32_t i = 0; i < points.point_count; ++i) {
         const uint8_t* color = points.colors + 4 * (size_t)i;
         uint32_t number = color[0] + 256u * color[1];

@@ -61,8 +61,8 @@ static bool find_wanted(const stp_store* store, const stp_view* view, float spla
         return false;
     }
     double radius = 0.5 * (double)splat_size * stp_view_frame_pixel_size(&frame, *depth);
-    const stp_splats* surfels = stp_store_describe_surfels(store, node->surfels);
-    *wanted = stp_prefix_table_count(&surfels->table, (float)(radius / stp_affine_scale(place)));
+    const stp_splats* splats = stp_store_describe_splat_set(store, node->set);
+    *wanted = stp_prefix_table_count(&splats->table, (float)(radius / stp_affine_scale(place)));
     return true;
 }
 
@@ -121,11 +121,11 @@ static int check_leaves(const stp_store* store, const stp_view* view, float spla
     int both = 0;
     for (size_t i = 0; i < list->count; ++i) {
         const stp_draw_item* item = &list->items[i];
-        for (uint32_t n = 0; n < d->node_count && item->kind == STP_DRAW_SURFELS; ++n) {
+        for (uint32_t n = 0; n < d->node_count && item->kind == STP_DRAW_SPLATS; ++n) {
             const stp_store_node* node = &d->nodes[n];
             double depth;
             uint32_t wanted;
-            if (node->surfels != item->index || node->edge_count > 0 || node->point_count > 0 ||
+            if (node->set != item->index || node->edge_count > 0 || node->point_count > 0 ||
                 !stands_alone(store, originals, node, &item->transform) ||
                 !find_wanted(store, view, splat_size, node, &item->transform, &depth, &wanted)) {
                 continue;

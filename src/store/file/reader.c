@@ -136,7 +136,7 @@ static void fill_directory(stp_store* store)
     directory->texture_count = counts[STP_SECTION_TEXTURES];
     directory->mesh_count = counts[STP_SECTION_MESHES];
     directory->point_set_count = counts[STP_SECTION_POINT_SETS];
-    directory->surfels_count = counts[STP_SECTION_SURFELS];
+    directory->set_count = counts[STP_SECTION_SPLAT_SETS];
     directory->view_count = counts[STP_SECTION_VIEWS];
     directory->source_count = counts[STP_SECTION_SOURCES];
     const stp_store_section* objects = store->known[STP_SECTION_OBJECTS];
@@ -150,7 +150,7 @@ static void fill_directory(stp_store* store)
     directory->sources = store->tables[STP_SECTION_SOURCES];
 }
 
-// Validates the records of meshes, point sets and textures; surfel sets are checked when octaves
+// Validates the records of meshes, point sets and textures; splat sets are checked when octaves
 // are linked.
 static stp_result check_records(const stp_store* store)
 {
@@ -346,8 +346,8 @@ void stp_store_close(stp_store* store)
         return;
     }
     stp_context* context = store->context;
-    stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
-    for (uint32_t i = 0; i < store->counts[STP_SECTION_SURFELS]; ++i) {
+    stp_store_set_record* sets = store->tables[STP_SECTION_SPLAT_SETS];
+    for (uint32_t i = 0; i < store->counts[STP_SECTION_SPLAT_SETS]; ++i) {
         stp_store_free_columns(context, &sets[i]);
     }
     stp_store_release_points(store);
