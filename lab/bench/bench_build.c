@@ -84,7 +84,7 @@ static bool build_once(const char* input, uint32_t threads, const bench_folder* 
                            .parameters_json = "{}"};
     stp_result result = stp_build(context, &desc, &out->report);
     out->peak_bytes = stp_context_peak_bytes(context);
-    result = result != STP_OK ? result : read_file(context, folder->file, out);
+    result = result == STP_OK ? read_file(context, folder->file, out) : result;
     (void)unlink(folder->file);
     stp_context_destroy(context);
     return result == STP_OK;

@@ -141,11 +141,11 @@ static stp_result measure_own(stp_scene* scene, bool quick, json_t* results)
 {
     stp_result result =
         scene_make_input(scene, quick ? "scene:one-mesh,scale=0.1" : "scene:one-mesh", NULL);
-    result = result != STP_OK ? result : report(scene, 0, 1, "smooth", results);
-    result = result != STP_OK ? result : add_soup(scene);
-    result = result != STP_OK ? result : report(scene, 1, 2, "soup", results);
+    result = result == STP_OK ? report(scene, 0, 1, "smooth", results) : result;
+    result = result == STP_OK ? add_soup(scene) : result;
+    result = result == STP_OK ? report(scene, 1, 2, "soup", results) : result;
     result = result != STP_OK ? result : add_parts(scene, quick ? 200 : 2000);
-    return result != STP_OK ? result : report(scene, 2, 3, "hard edges", results);
+    return result == STP_OK ? report(scene, 2, 3, "hard edges", results) : result;
 }
 
 static int run_clusters(const bench_options* options, json_t* results)
@@ -160,8 +160,8 @@ static int run_clusters(const bench_options* options, json_t* results)
         result = program_is_scene(options->model)
                      ? scene_make_input(scene, options->model, NULL)
                      : stp_import_file(scene, options->model, &(stp_import_desc){0});
-        result = result != STP_OK ? result
-                                  : report(scene, 0, scene->mesh_count, options->model, results);
+        result = result == STP_OK ? report(scene, 0, scene->mesh_count, options->model, results)
+                                  : result;
     } else if (result == STP_OK) {
         result = measure_own(scene, options->quick, results);
     }

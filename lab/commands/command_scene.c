@@ -117,8 +117,8 @@ static int run(int argc, char** argv)
     gltf_figures figures;
     scene_options settings = {.scale = args.scale, .seed = args.seed};
     stp_result result = stp_scene_create(context, &scene);
-    result = result != STP_OK ? result : scene_make(scene, name, &settings);
-    result = result != STP_OK ? result : gltf_file_write(scene, args.output, &figures);
+    result = result == STP_OK ? scene_make(scene, name, &settings) : result;
+    result = result == STP_OK ? gltf_file_write(scene, args.output, &figures) : result;
     tool_end_progress();
     int code = result == STP_OK ? print_figures(name, &figures) : 1;
     stp_scene_destroy(scene);

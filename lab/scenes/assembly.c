@@ -353,7 +353,7 @@ static stp_result add_meshes(const assembly_plan* plan, stp_scene* scene, uint32
     mesh_recipe* recipes = STP_NEW_ARRAY(plan->context, mesh_recipe, plan->mesh_count + 1);
     if (result != STP_OK || recipes == NULL) {
         stp_free(plan->context, recipes);
-        return result != STP_OK ? result : stp_fail_memory(plan->context);
+        return result == STP_OK ? stp_fail_memory(plan->context) : result;
     }
     for (size_t i = 0; i < plan->mesh_count; ++i) {
         const plan_mesh* mesh = &plan->meshes[i];

@@ -127,13 +127,13 @@ stp_result scene_add_city(stp_scene* scene, uint32_t parent, const stp_affine* p
     city_plan_begin(&plan, scene->context, options);
     city_plan_make(&plan);
     stp_result result = plan.failed ? stp_fail_memory(scene->context) : STP_OK;
-    result = result != STP_OK ? result : add_group(scene, "Pompeii", parent, place, &top);
+    result = result == STP_OK ? add_group(scene, "Pompeii", parent, place, &top) : result;
     if (result == STP_OK && object != NULL) {
         *object = top;
     }
-    result = result != STP_OK ? result : add_paints(scene, &first_paint);
-    result = result != STP_OK ? result : make_pieces(scene, &plan, first_paint, &first_mesh);
-    result = result != STP_OK ? result : add_items(scene, &plan, top, first_mesh);
+    result = result == STP_OK ? add_paints(scene, &first_paint) : result;
+    result = result == STP_OK ? make_pieces(scene, &plan, first_paint, &first_mesh) : result;
+    result = result == STP_OK ? add_items(scene, &plan, top, first_mesh) : result;
     city_plan_end(&plan);
     return result;
 }
@@ -143,12 +143,12 @@ static stp_result add_city_views(stp_scene* scene, double half)
     stp_result result =
         add_view(scene, "overview", (stp_vec3d){-1.1 * half, 0.75 * half, -1.2 * half},
                  (stp_vec3d){0, 0, 0}, 50.0);
-    result = result != STP_OK ? result
-                              : add_view(scene, "street", (stp_vec3d){-82.0, 2.0, -60.0},
-                                         (stp_vec3d){-70.0, 2.2, 0.0}, 60.0);
-    return result != STP_OK ? result
-                            : add_view(scene, "forum", (stp_vec3d){6.0, 2.0, -44.0},
-                                       (stp_vec3d){-2.0, 6.0, 30.0}, 60.0);
+    result = result == STP_OK ? add_view(scene, "street", (stp_vec3d){-82.0, 2.0, -60.0},
+                                         (stp_vec3d){-70.0, 2.2, 0.0}, 60.0)
+                              : result;
+    return result == STP_OK ? add_view(scene, "forum", (stp_vec3d){6.0, 2.0, -44.0},
+                                       (stp_vec3d){-2.0, 6.0, 30.0}, 60.0)
+                            : result;
 }
 
 stp_result scene_make_city(stp_scene* scene, const scene_options* options)

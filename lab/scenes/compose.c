@@ -53,7 +53,7 @@ stp_result add_mesh_object(stp_scene* scene, const char* name, uint32_t parent,
                            const stp_affine* transform, uint32_t mesh)
 {
     stp_result result = add_group(scene, name, parent, transform, NULL);
-    return result != STP_OK ? result : stp_scene_add_part(scene, (stp_part){STP_PART_MESH, mesh});
+    return result == STP_OK ? stp_scene_add_part(scene, (stp_part){STP_PART_MESH, mesh}) : result;
 }
 
 stp_result add_view(stp_scene* scene, const char* name, stp_vec3d eye, stp_vec3d target,

@@ -73,18 +73,18 @@ stp_result scene_make_forest(stp_scene* scene, const scene_options* options)
     stp_affine still = stp_affine_identity();
     stp_result result = add_group(scene, "forest", STP_NONE, &still, NULL);
     result =
-        result != STP_OK ? result : add_plain_material(scene, "ground", 0xffffff, 0.95, &material);
+        result == STP_OK ? add_plain_material(scene, "ground", 0xffffff, 0.95, &material) : result;
     mesh_recipe recipe = {"ground", make_ground, &c, material};
-    result = result != STP_OK ? result : make_meshes(scene, &recipe, 1, &ground);
-    result = result != STP_OK ? result : add_mesh_object(scene, "ground", 0, &still, ground);
+    result = result == STP_OK ? make_meshes(scene, &recipe, 1, &ground) : result;
+    result = result == STP_OK ? add_mesh_object(scene, "ground", 0, &still, ground) : result;
     result = result != STP_OK
                  ? result
                  : terrain_add_tree_meshes(scene, options->seed, 64.0 * options->scale, &first);
-    result = result != STP_OK ? result : add_trees(scene, &c, side, first);
+    result = result == STP_OK ? add_trees(scene, &c, side, first) : result;
     double far = c.half;
-    result = result != STP_OK ? result
-                              : add_view(scene, "overview", (stp_vec3d){far, 0.8 * far, 1.3 * far},
-                                         (stp_vec3d){0, 0, 0}, 50.0);
+    result = result == STP_OK ? add_view(scene, "overview", (stp_vec3d){far, 0.8 * far, 1.3 * far},
+                                         (stp_vec3d){0, 0, 0}, 50.0)
+                              : result;
     return result != STP_OK
                ? result
                : add_view(scene, "walk",
@@ -96,11 +96,11 @@ stp_result scene_make_terrain(stp_scene* scene, const scene_options* options)
 {
     stp_affine still = stp_affine_identity();
     stp_result result = scene_add_terrain(scene, STP_NONE, &still, options, NULL);
-    result = result != STP_OK ? result
-                              : add_view(scene, "overview", (stp_vec3d){-2800, 500, 2000},
-                                         (stp_vec3d){-800, 0, 500}, 60.0);
-    result = result != STP_OK ? result
-                              : add_view(scene, "road", (stp_vec3d){-1000, 40, 300},
-                                         (stp_vec3d){-600, 0, 40}, 60.0);
+    result = result == STP_OK ? add_view(scene, "overview", (stp_vec3d){-2800, 500, 2000},
+                                         (stp_vec3d){-800, 0, 500}, 60.0)
+                              : result;
+    result = result == STP_OK ? add_view(scene, "road", (stp_vec3d){-1000, 40, 300},
+                                         (stp_vec3d){-600, 0, 40}, 60.0)
+                              : result;
     return result;
 }

@@ -137,7 +137,7 @@ static stp_result write_glb(gltf_output* o)
     memcpy(head + 16, "JSON", 4);
     uint64_t bin = gltf_buffer_bytes(&o->plan, 0);
     stp_result result = stp_file_writer_append(o->main, head, 20);
-    result = result != STP_OK ? result : gltf_json_write(&o->plan, NULL, o->main);
+    result = result == STP_OK ? gltf_json_write(&o->plan, NULL, o->main) : result;
     if (result != STP_OK) {
         return result;
     }
@@ -154,10 +154,10 @@ static stp_result write_glb(gltf_output* o)
     put_u32(head + 12, json);
     put_u32(head + 20, bin);
     memcpy(head + 24, "BIN", 4);
-    result = result != STP_OK ? result : stp_file_writer_patch(o->main, 0, head, 20);
+    result = result == STP_OK ? stp_file_writer_patch(o->main, 0, head, 20) : result;
     if (result == STP_OK && bin > 0) {
         result = stp_file_writer_append(o->main, head + 20, 8);
-        result = result != STP_OK ? result : write_buffer(o, 0, o->main);
+        result = result == STP_OK ? write_buffer(o, 0, o->main) : result;
     }
     return result;
 }
@@ -174,7 +174,7 @@ static stp_result write_files(gltf_output* o)
         gltf_buffer_name(path, sizeof(path), o->stem, i);
         if (gltf_buffer_bytes(&o->plan, i) > 0) {
             result = stp_file_writer_open(o->context, path, &o->bins[i]);
-            result = result != STP_OK ? result : write_buffer(o, i, o->bins[i]);
+            result = result == STP_OK ? write_buffer(o, i, o->bins[i]) : result;
             assert(result != STP_OK ||
                    stp_file_writer_size(o->bins[i]) == gltf_buffer_bytes(&o->plan, i));
         }

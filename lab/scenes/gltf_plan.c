@@ -265,11 +265,11 @@ stp_result gltf_plan_make(const stp_scene* scene, uint64_t most_buffer_bytes, co
 {
     *plan = (gltf_plan){.scene = scene};
     stp_result result = check_parts(scene, path);
-    result = result != STP_OK ? result : list_children(plan);
-    result = result != STP_OK ? result : place_meshes(plan, most_buffer_bytes, path);
-    result = result != STP_OK ? result : list_meshes(plan);
-    result = result != STP_OK ? result : place_instances(plan);
-    result = result != STP_OK ? result : list_nodes(plan, path);
+    result = result == STP_OK ? list_children(plan) : result;
+    result = result == STP_OK ? place_meshes(plan, most_buffer_bytes, path) : result;
+    result = result == STP_OK ? list_meshes(plan) : result;
+    result = result == STP_OK ? place_instances(plan) : result;
+    result = result == STP_OK ? list_nodes(plan, path) : result;
     if (result == STP_OK) {
         number_views(plan);
     } else {

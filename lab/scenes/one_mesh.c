@@ -77,7 +77,7 @@ stp_result scene_make_one_mesh(stp_scene* scene, const scene_options* options)
     if (result != STP_OK || r.positions == NULL || r.indices == NULL) {
         stp_free(scene->context, r.positions);
         stp_free(scene->context, r.indices);
-        return result != STP_OK ? result : stp_fail_memory(scene->context);
+        return result == STP_OK ? stp_fail_memory(scene->context) : result;
     }
     stp_parallel_for(scene->context, 6 * (size_t)(r.cells + 1), 8, make_rows, &r);
     mesh.positions = r.positions;
@@ -85,11 +85,11 @@ stp_result scene_make_one_mesh(stp_scene* scene, const scene_options* options)
     mesh.material = material;
     stp_affine still = stp_affine_identity();
     result = stp_scene_add_mesh(scene, &mesh, &index);
-    result = result != STP_OK ? result : add_mesh_object(scene, "rock", STP_NONE, &still, index);
+    result = result == STP_OK ? add_mesh_object(scene, "rock", STP_NONE, &still, index) : result;
     result = result != STP_OK
                  ? result
                  : add_view(scene, "front", (stp_vec3d){0, 0, 4}, (stp_vec3d){0, 0, 0}, 40.0);
-    return result != STP_OK ? result
-                            : add_view(scene, "near", (stp_vec3d){0.9, 0.7, 1.6},
-                                       (stp_vec3d){0.3, 0.2, 0.8}, 50.0);
+    return result == STP_OK ? add_view(scene, "near", (stp_vec3d){0.9, 0.7, 1.6},
+                                       (stp_vec3d){0.3, 0.2, 0.8}, 50.0)
+                            : result;
 }

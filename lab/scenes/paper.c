@@ -38,7 +38,7 @@ stp_result scene_add_paper(stp_scene* scene, uint32_t parent, const scene_option
         stp_affine place = place_at(site->x, 0.0, site->z);
         result = parts[i].add(scene, parent, &place, options, NULL);
     }
-    return result != STP_OK ? result : scene_add_pylons(scene, parent, options);
+    return result == STP_OK ? scene_add_pylons(scene, parent, options) : result;
 }
 
 static stp_result add_paper_views(stp_scene* scene)
@@ -54,7 +54,7 @@ static stp_result add_paper_views(stp_scene* scene)
 stp_result scene_make_paper(stp_scene* scene, const scene_options* options)
 {
     stp_result result = scene_add_paper(scene, STP_NONE, options);
-    return result != STP_OK ? result : add_paper_views(scene);
+    return result == STP_OK ? add_paper_views(scene) : result;
 }
 
 // 21 x 21 copies of 2.35 G triangles are a trillion. The terrain is level at its edges, so copies
@@ -70,14 +70,14 @@ stp_result scene_make_paper_huge(stp_scene* scene, const scene_options* options)
                             .transform = still,
                             .flags = STP_OBJECT_PROTOTYPE};
     stp_result result = stp_scene_add_object(scene, &prototype, NULL);
-    result = result != STP_OK ? result : scene_add_paper(scene, content, options);
-    result = result != STP_OK ? result : add_group(scene, "land", STP_NONE, &still, &group);
+    result = result == STP_OK ? scene_add_paper(scene, content, options) : result;
+    result = result == STP_OK ? add_group(scene, "land", STP_NONE, &still, &group) : result;
     for (int i = 0; result == STP_OK && i < COPIES * COPIES; ++i) {
         // the views' copy is the central one: each looks over a quarter of the others
         double x = width * (i % COPIES - COPIES / 2), z = depth * (i / COPIES - COPIES / 2);
         stp_affine place = place_at(x, 0.0, z);
         result = add_group(scene, "copy", group, &place, NULL);
-        result = result != STP_OK ? result : stp_scene_add_use(scene, content);
+        result = result == STP_OK ? stp_scene_add_use(scene, content) : result;
     }
-    return result != STP_OK ? result : add_paper_views(scene);
+    return result == STP_OK ? add_paper_views(scene) : result;
 }

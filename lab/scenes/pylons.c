@@ -163,8 +163,8 @@ stp_result scene_add_pylons(stp_scene* scene, uint32_t parent, const scene_optio
     stp_affine still = stp_affine_identity();
     stp_result result = add_plain_material(scene, "galvanised lattice", 0x9aa0a4, 0.6, &material);
     mesh_recipe recipe = {"pylon", pylon_make, NULL, material};
-    result = result != STP_OK ? result : make_meshes(scene, &recipe, 1, &mesh);
-    result = result != STP_OK ? result : add_group(scene, "Pylons", parent, &still, &group);
+    result = result == STP_OK ? make_meshes(scene, &recipe, 1, &mesh) : result;
+    result = result == STP_OK ? add_group(scene, "Pylons", parent, &still, &group) : result;
     terrain_map map;
     terrain_map_make(&map, options->seed);
     for (uint32_t i = 0; result == STP_OK && i < count; ++i) {

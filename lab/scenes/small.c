@@ -47,15 +47,15 @@ stp_result scene_make_boxes(stp_scene* scene, const scene_options* options)
                                     &material);
         mesh_recipe recipe = {.name = name, .make = make_unit_box, .material = material};
         stp_affine place = place_at(x - middle, y - middle, z - middle);
-        result = result != STP_OK ? result : make_meshes(scene, &recipe, 1, &mesh);
-        result = result != STP_OK ? result : add_mesh_object(scene, name, group, &place, mesh);
+        result = result == STP_OK ? make_meshes(scene, &recipe, 1, &mesh) : result;
+        result = result == STP_OK ? add_mesh_object(scene, name, group, &place, mesh) : result;
     }
-    result = result != STP_OK ? result
-                              : add_view(scene, "front", (stp_vec3d){0, 0, 1.6 * far},
-                                         (stp_vec3d){0, 0, 0}, 45.0);
-    return result != STP_OK ? result
-                            : add_view(scene, "corner", (stp_vec3d){far, 0.8 * far, far},
-                                       (stp_vec3d){0, 0, 0}, 45.0);
+    result = result == STP_OK ? add_view(scene, "front", (stp_vec3d){0, 0, 1.6 * far},
+                                         (stp_vec3d){0, 0, 0}, 45.0)
+                              : result;
+    return result == STP_OK ? add_view(scene, "corner", (stp_vec3d){far, 0.8 * far, far},
+                                       (stp_vec3d){0, 0, 0}, 45.0)
+                            : result;
 }
 
 // Evenly spread points on the unit sphere, a golden angle apart.
@@ -87,8 +87,8 @@ stp_result scene_make_spheres(stp_scene* scene, const scene_options* options)
     stp_affine still = stp_affine_identity();
     stp_result result = add_plain_material(scene, "enamel", 0xd0a040, 0.4, &material);
     mesh_recipe recipe = {"sphere", make_unit_sphere, &levels, material};
-    result = result != STP_OK ? result : make_meshes(scene, &recipe, 1, &mesh);
-    result = result != STP_OK ? result : add_group(scene, "spheres", STP_NONE, &still, &top);
+    result = result == STP_OK ? make_meshes(scene, &recipe, 1, &mesh) : result;
+    result = result == STP_OK ? add_group(scene, "spheres", STP_NONE, &still, &top) : result;
     for (uint32_t i = 0; result == STP_OK && i < count; ++i) {
         uint32_t middle;
         stp_affine place = sphere_place(i, count);

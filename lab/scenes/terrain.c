@@ -119,7 +119,7 @@ static stp_result make_tiles(stp_scene* scene, const scene_options* options, con
                                   .map = map};
         recipes[i] = (mesh_recipe){"terrain tile", terrain_make_tile, &tiles[i], material};
     }
-    result = result != STP_OK ? result : make_meshes(scene, recipes, TILE_COUNT, first_mesh);
+    result = result == STP_OK ? make_meshes(scene, recipes, TILE_COUNT, first_mesh) : result;
     stp_free(scene->context, recipes);
     stp_free(scene->context, tiles);
     return result;
@@ -145,7 +145,7 @@ stp_result terrain_add_tree_meshes(stp_scene* scene, uint64_t seed, double detai
                           .triangles = 2 * (uint32_t)(wanted < 400.0 ? 200.0 : 0.5 * wanted)};
         recipes[i] = (mesh_recipe){tree_name(i), tree_make, &trees[i], index};
     }
-    return result != STP_OK ? result : make_meshes(scene, recipes, TREE_KINDS, first_mesh);
+    return result == STP_OK ? make_meshes(scene, recipes, TREE_KINDS, first_mesh) : result;
 }
 
 // Adds an object per tree kind on the tile, with an instance per tree.
@@ -166,7 +166,7 @@ static stp_result add_tile_trees(stp_scene* scene, const terrain_tree* trees, si
         double ground = terrain_height(t->map, trees[i].x, trees[i].z) - 0.15;
         stp_affine place =
             place_turned(trees[i].x - left, ground, trees[i].z - back, random_unit(&random), size);
-        result = result != STP_OK ? result : stp_scene_add_instance(scene, &place);
+        result = result == STP_OK ? stp_scene_add_instance(scene, &place) : result;
     }
     return result;
 }
@@ -213,18 +213,18 @@ stp_result scene_add_terrain(stp_scene* scene, uint32_t parent, const stp_affine
     if (object != NULL) {
         *object = top;
     }
-    result = result != STP_OK ? result : make_tiles(scene, options, &map, &first_tile);
-    result = result != STP_OK ? result
-                              : terrain_add_tree_meshes(scene, options->seed, detail, &first_tree);
+    result = result == STP_OK ? make_tiles(scene, options, &map, &first_tile) : result;
+    result = result == STP_OK ? terrain_add_tree_meshes(scene, options->seed, detail, &first_tree)
+                              : result;
     uint32_t count = (uint32_t)(TREES * options->scale + 0.5);
     terrain_tree* trees = NULL;
     if (result == STP_OK) {
         trees = terrain_plant_trees(scene->context, &map, count);
         result = trees != NULL ? STP_OK : stp_fail_memory(scene->context);
     }
-    result = result != STP_OK ? result
-                              : add_tiles(scene, &map, top, trees, count, first_tile, first_tree);
+    result = result == STP_OK ? add_tiles(scene, &map, top, trees, count, first_tile, first_tree)
+                              : result;
     stp_free(scene->context, trees);
     double road = ROAD_TRIANGLES * (options->scale < 1.0 ? options->scale : 1.0);
-    return result != STP_OK ? result : terrain_add_roads(scene, top, &map, (uint64_t)road);
+    return result == STP_OK ? terrain_add_roads(scene, top, &map, (uint64_t)road) : result;
 }

@@ -193,8 +193,8 @@ stp_result terrain_add_roads(stp_scene* scene, uint32_t parent, const terrain_ma
     for (int i = 0; i < ROAD_SEGMENTS; ++i) {
         recipes[i] = (mesh_recipe){"road segment", make_segment, &segments[i], material};
     }
-    result = result != STP_OK ? result : make_meshes(scene, recipes, ROAD_SEGMENTS, &first);
-    result = result != STP_OK ? result : add_group(scene, "roads", parent, &still, &group);
+    result = result == STP_OK ? make_meshes(scene, recipes, ROAD_SEGMENTS, &first) : result;
+    result = result == STP_OK ? add_group(scene, "roads", parent, &still, &group) : result;
     for (uint32_t i = 0; result == STP_OK && i < ROAD_SEGMENTS; ++i) {
         char name[32];
         stp_vec3d origin = segment_origin(&segments[i]);

@@ -81,7 +81,7 @@ static stp_result compare(stp_context* context, stp_image pictures[4], char** pa
 {
     stp_image *a = &pictures[0], *b = &pictures[1], *mask = &pictures[2], *map = &pictures[3];
     stp_result result = tool_read_picture(context, paths[0], a);
-    result = result != STP_OK ? result : tool_read_picture(context, paths[1], b);
+    result = result == STP_OK ? tool_read_picture(context, paths[1], b) : result;
     if (result == STP_OK && args.mask != NULL) {
         result = tool_read_picture(context, args.mask, mask);
     }

@@ -84,7 +84,7 @@ static stp_result open_work(build* b)
     }
     b->previous =
         result == STP_OK && !b->desc->fresh ? stp_previous_output_open(b->desc->output) : NULL;
-    return result != STP_OK ? result : stp_spill_create(b->context, b->work_folder, &b->spill);
+    return result == STP_OK ? stp_spill_create(b->context, b->work_folder, &b->spill) : result;
 }
 
 static bool is_generated(const build* b, const char* input)
@@ -175,17 +175,17 @@ static stp_result import_inputs(build* b)
     stp_trim_heap(); // parsing leaves many small holes
     double imported = stp_clock_ms();
     b->report->import_s = (imported - start) * 1e-3;
-    result = result != STP_OK ? result : stp_progress(b->context, "partition", 0.0);
-    result = result != STP_OK ? result : stp_scene_finish(b->scene);
+    result = result == STP_OK ? stp_progress(b->context, "partition", 0.0) : result;
+    result = result == STP_OK ? stp_scene_finish(b->scene) : result;
     stp_spill_release_pages(b->spill); // all was read, to be hashed
-    result = result != STP_OK ? result : stp_build_encode_textures(b->scene);
-    result = result != STP_OK ? result : stp_build_census(b->scene, &b->census);
+    result = result == STP_OK ? stp_build_encode_textures(b->scene) : result;
+    result = result == STP_OK ? stp_build_census(b->scene, &b->census) : result;
     if (result == STP_OK) {
         stp_build_draft_preview(b->draft, b->scene);
     }
     stp_spill_release_pages(b->spill);
-    result = result != STP_OK ? result : stp_progress(b->context, "partition", 0.5);
-    result = result != STP_OK ? result : partition_scene(b);
+    result = result == STP_OK ? stp_progress(b->context, "partition", 0.5) : result;
+    result = result == STP_OK ? partition_scene(b) : result;
     stp_spill_release_pages(b->spill);
     stp_trim_heap();
     b->report->partition_s = (stp_clock_ms() - imported) * 1e-3;
@@ -363,9 +363,9 @@ static stp_result write_file(build* b)
 {
     double start = stp_clock_ms();
     stp_result result = stp_progress(b->context, "write", 0.0);
-    result = result != STP_OK ? result : make_content(b);
-    result = result != STP_OK ? result
-                              : stp_store_write(b->context, &b->content.content, b->desc->output);
+    result = result == STP_OK ? make_content(b) : result;
+    result = result == STP_OK ? stp_store_write(b->context, &b->content.content, b->desc->output)
+                              : result;
     b->report->write_s = (stp_clock_ms() - start) * 1e-3;
     return result;
 }
@@ -402,16 +402,16 @@ static stp_result make_parts(build* b)
 {
     stp_result result = plan_splat_sets(b);
     if (b->draft == NULL) {
-        result = result != STP_OK ? result : make_splat_sets(b);
-        result = result != STP_OK ? result : make_methods(b);
-        return result != STP_OK ? result : code_meshes(b);
+        result = result == STP_OK ? make_splat_sets(b) : result;
+        result = result == STP_OK ? make_methods(b) : result;
+        return result == STP_OK ? code_meshes(b) : result;
     }
-    result = result != STP_OK ? result : code_meshes(b);
+    result = result == STP_OK ? code_meshes(b) : result;
     if (result == STP_OK && b->plan.step_count > 0) {
         stp_build_draft_write(b->draft);
     }
-    result = result != STP_OK ? result : make_splat_sets(b);
-    return result != STP_OK ? result : make_methods(b);
+    result = result == STP_OK ? make_splat_sets(b) : result;
+    return result == STP_OK ? make_methods(b) : result;
 }
 
 // Whether sets of methods other than `blue` are derived from its samples.
@@ -458,9 +458,9 @@ static stp_result build_once(stp_context* context, const stp_build_desc* desc,
     plan_stages(&b);
     b.draft = method_alone(desc) == NULL ? stp_build_draft_create(context, desc) : NULL;
     stp_result result = try_output(context, desc->output);
-    result = result != STP_OK ? result : open_work(&b);
-    result = result != STP_OK ? result : import_inputs(&b);
-    result = result != STP_OK ? result : make_parts(&b);
+    result = result == STP_OK ? open_work(&b) : result;
+    result = result == STP_OK ? import_inputs(&b) : result;
+    result = result == STP_OK ? make_parts(&b) : result;
     bool intact = result != STP_OK || stp_work_is_intact(b.work);
     result = result != STP_OK || !intact ? result : write_file(&b);
     *changed = close_build(&b, result == STP_OK && intact);

@@ -119,7 +119,7 @@ static void code_some(size_t begin, size_t end, uint32_t worker, void* user)
         stp_result result = found ? STP_OK : make_mesh(r, mesh, texcoords, key, &meshes->coded[i]);
         r->origins[i] = (stp_build_result){key, !found};
         pthread_mutex_lock(&r->mutex);
-        r->result = r->result != STP_OK ? r->result : result;
+        r->result = r->result == STP_OK ? result : r->result;
         pthread_mutex_unlock(&r->mutex);
         stp_progress_add(r->scene->context, mesh->triangle_count);
         if (result != STP_OK) {
@@ -155,7 +155,7 @@ stp_result stp_build_meshes_make(const stp_scene* scene, stp_work* work,
         stp_parallel_for_reported(context, scene->mesh_count, 1, code_some, &r, &report);
     pthread_mutex_destroy(&r.previous_mutex);
     pthread_mutex_destroy(&r.mutex);
-    result = r.result != STP_OK ? r.result : result;
+    result = r.result == STP_OK ? result : r.result;
     if (result == STP_OK) {
         meshes->found = (uint32_t)stp_build_count_found(r.origins, scene->mesh_count);
         assert(meshes->found <= scene->mesh_count);

@@ -128,7 +128,7 @@ static void make_some(size_t begin, size_t end, uint32_t worker, void* user)
         }
         r->made->keys[i] = key;
         pthread_mutex_lock(&r->mutex);
-        r->result = r->result != STP_OK ? r->result : result;
+        r->result = r->result == STP_OK ? result : r->result;
         pthread_mutex_unlock(&r->mutex);
         if (is_derived(r, method)) {
             stp_progress_add(r->scene->context, samples->count);
@@ -189,7 +189,7 @@ static stp_result make_all(run* r)
     } else if (result == STP_OK && count > 0) {
         result = stp_parallel_for_reported(context, count, 1, make_some, r, &report);
     }
-    result = r->result != STP_OK ? r->result : result;
+    result = r->result == STP_OK ? result : r->result;
     if (result == STP_OK) {
         list_methods(r);
     }

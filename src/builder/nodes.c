@@ -72,7 +72,7 @@ static void end_step(run* r, uint32_t index, stp_result result, const stp_blue_r
     pthread_mutex_lock(&r->mutex);
     assert(!r->done[index] && r->sets[step->node] == NULL && "a step ends once");
     r->sets[step->node] = &nodes->sets[index];
-    r->result = r->result != STP_OK ? r->result : result;
+    r->result = r->result == STP_OK ? result : r->result;
     nodes->candidates += report->candidate_count;
     nodes->capture_ms += report->capture_ms;
     nodes->order_ms += report->order_ms;
@@ -180,7 +180,7 @@ static stp_result open_run(run* r)
         return stp_fail_memory(context);
     }
     stp_result result = stp_gate_create(context, r->desc->memory_bytes, &r->gate);
-    return result != STP_OK ? result : stp_capture_textures_create(scene, &r->textures);
+    return result == STP_OK ? stp_capture_textures_create(scene, &r->textures) : result;
 }
 
 // Runs one step per thread while there are enough; then single steps on all threads.
@@ -192,7 +192,7 @@ static void run_all(run* r)
     stp_loop_report report = {.stage = "surfels", .unit = "surfels", .total = (uint64_t)plan->cost};
     stp_result result =
         stp_parallel_for_reported(context, plan->shared_count, 1, run_shared, r, &report);
-    r->result = r->result != STP_OK ? r->result : result;
+    r->result = r->result == STP_OK ? result : r->result;
     for (uint32_t i = plan->shared_count; r->result == STP_OK && i < plan->step_count; ++i) {
         run_step(r, i);
     }

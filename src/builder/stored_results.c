@@ -340,7 +340,7 @@ stp_result stp_work_store_mesh(stp_work* work, stp_hash key, const stp_coded_mes
             return STP_OK;
         }
     }
-    return result != STP_OK ? result
-                            : stp_fail(stp_work_get_context(work), STP_ERROR_IO,
-                                       "a coded mesh cannot be read back from the work directory");
+    return result == STP_OK ? stp_fail(stp_work_get_context(work), STP_ERROR_IO,
+                                       "a coded mesh cannot be read back from the work directory")
+                            : result;
 }

@@ -68,7 +68,7 @@ static stp_result take_up_segment(stp_work* work, uint32_t number, bool fresh)
     stp_work_segment segment;
     stp_work_kind kind;
     stp_result result = grow_segments(work);
-    result = result != STP_OK ? result : stp_work_segment_open(place, number, &segment, &kind);
+    result = result == STP_OK ? stp_work_segment_open(place, number, &segment, &kind) : result;
     if (result != STP_OK) {
         return result;
     }
@@ -277,9 +277,9 @@ static stp_result reserve(stp_work* work, const stp_work_head* head, uint32_t* s
     } else if (current == NULL || current->used + needed > current->capacity) {
         result = add_segment(work, work->segment_bytes, false, segment);
     }
-    return result != STP_OK ? result
-                            : stp_work_segment_reserve(&work->folder.place,
-                                                       &work->segments[*segment], head, offset);
+    return result == STP_OK ? stp_work_segment_reserve(&work->folder.place,
+                                                       &work->segments[*segment], head, offset)
+                            : result;
 }
 
 // Writes a result's bytes into the reserved space; releases the mutex during that.
@@ -317,7 +317,7 @@ static stp_result write_result(stp_work* work, const stp_work_head* head,
     size_t offset = 0;
     stp_result result = work->failed ? STP_ERROR_IO : reserve(work, head, &segment, &offset);
     result =
-        result != STP_OK ? result : write_bytes(work, head, segment, offset, pieces, piece_count);
+        result == STP_OK ? write_bytes(work, head, segment, offset, pieces, piece_count) : result;
     work->failed = work->failed || result == STP_ERROR_IO;
     stp_work_entry* entry = stp_work_index_find(&work->index, head->key);
     assert(entry->state == STP_WORK_PENDING && "another thread changed a claimed entry");

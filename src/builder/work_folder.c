@@ -103,7 +103,7 @@ stp_result stp_work_folder_open(stp_context* context, const char* path, stp_work
     bool again = true;
     for (int attempt = 0; attempt < LOCK_ATTEMPTS && again; ++attempt) {
         stp_result result = open_folder(&folder->place);
-        result = result != STP_OK ? result : lock_folder(folder, &again);
+        result = result == STP_OK ? lock_folder(folder, &again) : result;
         if (result != STP_OK) {
             close_descriptors(folder);
             return result;

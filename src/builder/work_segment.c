@@ -136,7 +136,7 @@ stp_result stp_work_segment_create(const stp_work_place* place, uint32_t number,
     stp_work_seal_head(head);
     *segment = (stp_work_segment){.number = number, .file = file, .used = HEAD};
     stp_result result = write_at(file, head, HEAD, 0) ? STP_OK : fail_io(place, number, "written");
-    result = result != STP_OK ? result : map(place, capacity, segment);
+    result = result == STP_OK ? map(place, capacity, segment) : result;
     if (result != STP_OK) {
         close(file);
         (void)unlinkat(place->folder, name, 0);
@@ -242,7 +242,7 @@ stp_result stp_work_segment_scan(const stp_work_place* place, size_t capacity,
         result = fail_io(place, segment->number, "written");
     }
     size_t maximum = segment->used > capacity ? segment->used : capacity;
-    return result != STP_OK ? result : map(place, maximum, segment);
+    return result == STP_OK ? map(place, maximum, segment) : result;
 }
 
 stp_result stp_work_segment_reserve(const stp_work_place* place, stp_work_segment* segment,

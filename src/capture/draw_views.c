@@ -102,10 +102,10 @@ static stp_result draw_in_one_pass(const stp_capture_job* job, const stp_capture
     if (job->part_count != 0) {
         result = stp_capture_draw_parts(job, band, 0, job->part_count, target, &worker->scratch);
     }
-    return result != STP_OK ? result
-                            : stp_capture_draw_sets(job, band, 0, job->set_count,
+    return result == STP_OK ? stp_capture_draw_sets(job, band, 0, job->set_count,
                                                     (uint32_t)stp_capture_part_primitives(job),
-                                                    target, &worker->scratch);
+                                                    target, &worker->scratch)
+                            : result;
 }
 
 /// Whether eight pixels are all empty. In fill views most are, once known surface is dropped.

@@ -352,8 +352,8 @@ static stp_result cut_large(partition* p)
         result =
             stp_find_uses(scene, p->old_nodes, p->old_count, p->old_parts, &mesh_uses, &point_uses);
     }
-    result = result != STP_OK ? result : cut_kind(p, STP_PART_MESH, mesh_uses, p->cut_meshes);
-    result = result != STP_OK ? result : cut_kind(p, STP_PART_POINTS, point_uses, p->cut_points);
+    result = result == STP_OK ? cut_kind(p, STP_PART_MESH, mesh_uses, p->cut_meshes) : result;
+    result = result == STP_OK ? cut_kind(p, STP_PART_POINTS, point_uses, p->cut_points) : result;
     stp_free(context, point_uses);
     stp_free(context, mesh_uses);
     return result;
@@ -369,7 +369,7 @@ static stp_result make_nodes(partition* p)
             double done = (double)i / (double)p->old_count;
             result = stp_progress(scene->context, "partition", 0.5 + 0.5 * done);
         }
-        result = result != STP_OK ? result : collect_items(p, i);
+        result = result == STP_OK ? collect_items(p, i) : result;
         if (result == STP_OK) {
             assert(p->item_count > 0 && "nodes hold something");
             result = make_collected(p, p->old_nodes[i].flags, &p->made[i]);
@@ -419,8 +419,8 @@ stp_result stp_scene_partition(stp_scene* scene, const stp_partition_desc* desc)
     scene->edges = NULL;
     scene->node_parts = NULL;
     scene->node_count = scene->edge_count = scene->node_part_count = 0;
-    result = result != STP_OK ? result : cut_large(&p);
-    result = result != STP_OK ? result : make_nodes(&p);
+    result = result == STP_OK ? cut_large(&p) : result;
+    result = result == STP_OK ? make_nodes(&p) : result;
     if (result == STP_OK) {
         remap_references(&p);
         result = stp_drop_unused(scene);

@@ -139,7 +139,7 @@ stp_result stp_scene_add_mesh(stp_scene* scene, const stp_mesh* mesh, uint32_t* 
         stp_box_add(&kept->bounds, (stp_vec3){p[0], p[1], p[2]});
     }
     stp_result result = stp_mesh_account(scene, (uint32_t)(scene->mesh_count - 1));
-    return result != STP_OK ? result : keep_text(scene, &kept->name);
+    return result == STP_OK ? keep_text(scene, &kept->name) : result;
 }
 
 static stp_result add_points(stp_scene* scene, const stp_point_set* points, bool spilled,
@@ -161,7 +161,7 @@ static stp_result add_points(stp_scene* scene, const stp_point_set* points, bool
     note_damage(scene, (stp_part){STP_PART_POINTS, (uint32_t)(scene->point_set_count - 1)},
                 stp_point_set_measure(kept));
     stp_result result = stp_points_account(scene, (uint32_t)(scene->point_set_count - 1));
-    return result != STP_OK ? result : keep_text(scene, &kept->name);
+    return result == STP_OK ? keep_text(scene, &kept->name) : result;
 }
 
 stp_result stp_scene_add_point_set(stp_scene* scene, const stp_point_set* points, uint32_t* index)
@@ -204,7 +204,7 @@ stp_result stp_scene_add_texture(stp_scene* scene, const stp_texture* texture, u
     stp_texture* kept = &textures[scene->texture_count++];
     *kept = added;
     stp_result result = stp_texture_account(scene, (uint32_t)(scene->texture_count - 1));
-    return result != STP_OK ? result : keep_text(scene, &kept->name);
+    return result == STP_OK ? keep_text(scene, &kept->name) : result;
 }
 
 stp_result stp_scene_add_object(stp_scene* scene, const stp_object* object, uint32_t* index)
@@ -229,7 +229,7 @@ stp_result stp_scene_add_object(stp_scene* scene, const stp_object* object, uint
         .node = STP_NONE,
     };
     stp_result result = keep_text(scene, &kept->name);
-    return result != STP_OK ? result : keep_text(scene, &kept->id);
+    return result == STP_OK ? keep_text(scene, &kept->id) : result;
 }
 
 stp_result stp_scene_add_part(stp_scene* scene, stp_part part)
@@ -287,8 +287,8 @@ stp_result stp_scene_add_source(stp_scene* scene, const stp_source* source)
     stp_source* kept = &sources[scene->source_count++];
     *kept = *source;
     stp_result result = keep_text(scene, &kept->path);
-    result = result != STP_OK ? result : keep_text(scene, &kept->format);
-    return result != STP_OK ? result : keep_text(scene, &kept->coordinate_system);
+    result = result == STP_OK ? keep_text(scene, &kept->format) : result;
+    return result == STP_OK ? keep_text(scene, &kept->coordinate_system) : result;
 }
 
 stp_result stp_scene_set_coordinate_system(stp_scene* scene, size_t source, const char* text)

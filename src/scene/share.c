@@ -257,7 +257,7 @@ static stp_result make_graph(share* s)
     for (size_t i = scene->object_count; result == STP_OK && i > 0; --i) {
         result = share_depending(s, (uint32_t)(i - 1)); // parents come before their children
     }
-    return result != STP_OK ? result : share_roots(s);
+    return result == STP_OK ? share_roots(s) : result;
 }
 
 stp_result stp_scene_finish(stp_scene* scene)
@@ -269,7 +269,7 @@ stp_result stp_scene_finish(stp_scene* scene)
                  STP_SCENE_TEXT_LIMIT, scene->shortened);
     }
     stp_result result = stp_scene_merge(scene);
-    result = result != STP_OK ? result : stp_scene_distinguish_views(scene);
+    result = result == STP_OK ? stp_scene_distinguish_views(scene) : result;
     if (result != STP_OK) {
         return result;
     }

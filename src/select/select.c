@@ -68,8 +68,8 @@ stp_result stp_select(stp_context* context, stp_store* store, const stp_view* vi
         .eager = 1.0,
         .transform = stp_affine_identity()};
     result = stp_select_push(&s, &root);
-    result = result != STP_OK ? result : stp_select_traverse(&s);
-    result = result != STP_OK ? result : stp_select_add_count(&s);
+    result = result == STP_OK ? stp_select_traverse(&s) : result;
+    result = result == STP_OK ? stp_select_add_count(&s) : result;
     list->first_pass_count = list->count;
     return result;
 }
@@ -82,7 +82,7 @@ stp_result stp_select_rejected(stp_context* context, stp_store* store, const stp
     assert(list->first_pass_count <= list->count && "the first pass filled the list");
     for (size_t i = 0; i < list->rejected_count && result == STP_OK; ++i) {
         result = stp_select_push(&s, &list->rejected[i]);
-        result = result != STP_OK ? result : stp_select_traverse(&s);
+        result = result == STP_OK ? stp_select_traverse(&s) : result;
     }
     list->rejected_count = 0;
     return result;

@@ -482,7 +482,7 @@ void test_draw_cpu_survives_failing_allocator(test_state* test)
         CHECK(f.store != NULL);
         heap.fail_at = heap.count + n;
         stp_result result = stp_draw_cpu_create(f.context, f.store, &f.renderer);
-        result = result != STP_OK ? result : draw(&f);
+        result = result == STP_OK ? draw(&f) : result;
         heap.fail_at = -1;
         if (f.renderer != NULL && result != STP_OK) { // after a failure the next frame is correct
             CHECK_EQUAL(STP_OK, draw(&f));

@@ -79,9 +79,9 @@ static stp_result draw(faulty* f)
     made_picture* p = &f->made.picture;
     stp_image image = {PICTURE_SIDE, PICTURE_SIDE, f->made.pixels};
     stp_result result = stp_select(p->context, p->store, &p->view, &p->quality, &p->list);
-    return result != STP_OK ? result
-                            : stp_renderer_draw(f->made.renderer, &p->view, &p->list, &p->style,
-                                                &image, &p->stats);
+    return result == STP_OK ? stp_renderer_draw(f->made.renderer, &p->view, &p->list, &p->style,
+                                                &image, &p->stats)
+                            : result;
 }
 
 static void end(faulty* f)

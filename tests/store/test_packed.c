@@ -190,8 +190,8 @@ void test_store_packed_survives_failing_allocator(test_state* test)
             stp_store_open_desc desc = {.defer_objects = true};
             stp_store_object object;
             stp_result result = stp_store_open_memory(context, "m", bytes, size, &desc, &store);
-            result = result != STP_OK ? result : stp_store_read_object(store, 7, &object);
-            result = result != STP_OK ? result : stp_store_load_objects(store);
+            result = result == STP_OK ? stp_store_read_object(store, 7, &object) : result;
+            result = result == STP_OK ? stp_store_load_objects(store) : result;
             stp_store_close(store);
             CHECK(result == STP_OK || result == STP_ERROR_OUT_OF_MEMORY);
             CHECK_EQUAL(result != STP_OK, log.errors);

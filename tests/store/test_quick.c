@@ -338,8 +338,8 @@ void test_store_head_survives_failing_allocator(test_state* test)
             stp_store_open_desc desc = {.summary_only = true};
             stp_result result = stp_store_open_with(context, path, &desc, &head);
             stp_store_check_report report;
-            result = result != STP_OK ? result : stp_store_check_open(head, true, &report);
-            result = result != STP_OK ? result : stp_store_open(context, path, &store);
+            result = result == STP_OK ? stp_store_check_open(head, true, &report) : result;
+            result = result == STP_OK ? stp_store_open(context, path, &store) : result;
             stp_store_stored_splat_set splats;
             stp_store_stored_mesh mesh;
             stp_store_summary summary = {0};
@@ -349,7 +349,7 @@ void test_store_head_survives_failing_allocator(test_state* test)
             if (result == STP_OK) {
                 result = stp_store_find_mesh_by_key(store, (stp_hash){1, 2}, &mesh);
             }
-            result = result != STP_OK ? result : stp_store_summarise(store, &summary);
+            result = result == STP_OK ? stp_store_summarise(store, &summary) : result;
             stp_store_summary_destroy(context, &summary);
             stp_store_close(head);
             stp_store_close(store);

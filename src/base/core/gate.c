@@ -76,7 +76,7 @@ static stp_result wait_in_queue(stp_gate* gate, const stp_gate_ticket* ticket)
     while (number != gate->called || (result == STP_OK && !has_room(gate, ticket))) {
         stp_result wait_result =
             stp_condition_wait_reported(gate->context, &gate->moved, &gate->mutex);
-        result = result != STP_OK ? result : wait_result;
+        result = result == STP_OK ? wait_result : result;
     }
     assert(gate->called < gate->arrived);
     gate->called += 1;

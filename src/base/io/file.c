@@ -286,7 +286,7 @@ stp_result stp_file_writer_patch(stp_file_writer* writer, uint64_t offset, const
 {
     assert(offset + size <= stp_file_writer_size(writer));
     stp_result result = flush(writer);
-    return result != STP_OK ? result : write_all(writer, bytes, size, offset);
+    return result == STP_OK ? write_all(writer, bytes, size, offset) : result;
 }
 
 uint64_t stp_file_writer_size(const stp_file_writer* writer)

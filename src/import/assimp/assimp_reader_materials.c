@@ -45,7 +45,7 @@ static stp_result read_texture(stp_assimp_reader* r, uint32_t* index)
         }
         texture.texels = stp_assimp_take_copy(r, (size_t)texels, 4, &result);
     }
-    return result != STP_OK ? result : stp_scene_add_texture(r->import->scene, &texture, index);
+    return result == STP_OK ? stp_scene_add_texture(r->import->scene, &texture, index) : result;
 }
 
 stp_result stp_assimp_read_textures(stp_assimp_reader* r)
@@ -132,7 +132,7 @@ static stp_result read_material(stp_assimp_reader* r, uint32_t* index)
     if (result == STP_OK) {
         result = read_use(r, material.name, &material.emissive_texture);
     }
-    return result != STP_OK ? result : stp_scene_add_material(r->import->scene, &material, index);
+    return result == STP_OK ? stp_scene_add_material(r->import->scene, &material, index) : result;
 }
 
 stp_result stp_assimp_read_materials(stp_assimp_reader* r)

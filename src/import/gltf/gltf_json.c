@@ -147,7 +147,7 @@ stp_result stp_gltf_extension(stp_gltf_scope* scope, const json_t* object, const
 {
     const json_t* extensions;
     stp_result result = stp_gltf_object(scope, object, "extensions", &extensions);
-    return result != STP_OK ? result : stp_gltf_object(scope, extensions, name, member);
+    return result == STP_OK ? stp_gltf_object(scope, extensions, name, member) : result;
 }
 
 // Numbers such as 3.0 count as whole. False if it is not a number, negative, or at least 2^53.

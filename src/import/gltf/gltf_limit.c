@@ -124,9 +124,9 @@ stp_result stp_gltf_check_meshes(stp_gltf_scope* scope, const stp_gltf* gltf)
         result = check(scope, elements, ELEMENTS_ALWAYS_ALLOWED, ELEMENTS_PER_BYTE,
                        "vertices and indices");
     }
-    return result != STP_OK ? result
-                            : check(scope, compressed, COMPRESSED_ALWAYS_ALLOWED,
-                                    COMPRESSED_PER_BYTE, "bytes of compressed meshes");
+    return result == STP_OK ? check(scope, compressed, COMPRESSED_ALWAYS_ALLOWED,
+                                    COMPRESSED_PER_BYTE, "bytes of compressed meshes")
+                            : result;
 }
 
 stp_result stp_gltf_check_views(stp_gltf_scope* scope, const stp_gltf* gltf, bool* any)

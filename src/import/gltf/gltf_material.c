@@ -165,9 +165,9 @@ static stp_result read_metallic_roughness(material_reader* reader, const json_t*
     if (result == STP_OK) {
         result = read_texture(reader, json, "baseColorTexture", &out->base_color_texture);
     }
-    return result != STP_OK ? result
-                            : read_texture(reader, json, "metallicRoughnessTexture",
-                                           &out->metallic_roughness_texture);
+    return result == STP_OK ? read_texture(reader, json, "metallicRoughnessTexture",
+                                           &out->metallic_roughness_texture)
+                            : result;
 }
 
 // KHR_materials_pbrSpecularGlossiness: uses its diffuse part as a dielectric, which suits most such

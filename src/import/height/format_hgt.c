@@ -194,7 +194,7 @@ static stp_result add_mesh(tile* t)
     stp_mesh mesh = t->mesh;
     t->mesh = (stp_mesh){0};
     result = stp_scene_add_mesh(scene, &mesh, &part.index);
-    return result != STP_OK ? result : stp_scene_add_part(scene, part);
+    return result == STP_OK ? stp_scene_add_part(scene, part) : result;
 }
 
 static stp_result read(stp_import* import)

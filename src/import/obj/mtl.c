@@ -200,7 +200,7 @@ static stp_result end_material(mtl* m)
     material->name = m->name;
     uint32_t index, kept;
     result = stp_scene_add_material(m->import->scene, material, &index);
-    return result != STP_OK ? result : stp_lookup_add(m->names, m->name, length, index, &kept);
+    return result == STP_OK ? stp_lookup_add(m->names, m->name, length, index, &kept) : result;
 }
 
 static stp_result begin_material(mtl* m, stp_text at)
@@ -209,7 +209,7 @@ static stp_result begin_material(mtl* m, stp_text at)
     m->material = stp_material_plain();
     m->alpha_map = NULL;
     m->has_roughness = false;
-    return result != STP_OK ? result : copy_rest(m, at, &m->name);
+    return result == STP_OK ? copy_rest(m, at, &m->name) : result;
 }
 
 static void read_numbers(mtl* m, stp_text at, stp_text word)
@@ -274,7 +274,7 @@ static stp_result read_lines(mtl* m, stp_text at)
         result = read_line(m, at);
         at = (stp_text)memchr(at, '\n', (size_t)(m->end - at)) + 1;
     }
-    return result != STP_OK ? result : end_material(m);
+    return result == STP_OK ? end_material(m) : result;
 }
 
 stp_result stp_mtl_parse(stp_import* import, const unsigned char* bytes, size_t size,

@@ -171,5 +171,5 @@ stp_result stp_obj_parse(stp_obj* obj, size_t chunk_size)
     } else {
         stp_parallel_for(obj->context, obj->chunk_count, 1, parse_chunks, obj);
     }
-    return result != STP_OK ? result : report(obj);
+    return result == STP_OK ? report(obj) : result;
 }

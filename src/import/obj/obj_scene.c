@@ -92,7 +92,7 @@ static stp_result add_group(build* all, size_t index)
     uint32_t parent = group->parent != STP_NONE ? groups[group->parent].object : import->root;
     stp_object object = {.name = group->name, .parent = parent, .transform = stp_affine_identity()};
     stp_result result = stp_scene_add_object(import->scene, &object, &group->object);
-    return result != STP_OK ? result : add_parts(all, index);
+    return result == STP_OK ? add_parts(all, index) : result;
 }
 
 static void link_groups(build* all)
@@ -163,7 +163,7 @@ static stp_result add_points(stp_obj* obj)
     }
     stp_part part = {.kind = STP_PART_POINTS};
     stp_result result = stp_scene_add_point_set(obj->import->scene, &set, &part.index);
-    return result != STP_OK ? result : stp_scene_add_part(obj->import->scene, part);
+    return result == STP_OK ? stp_scene_add_part(obj->import->scene, part) : result;
 }
 
 stp_result stp_obj_build(stp_obj* obj)

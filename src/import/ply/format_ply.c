@@ -394,7 +394,7 @@ static stp_result add_material(const vertices* v, uint32_t* index)
                                    &material.base_color_texture.texture);
         stp_pictures_destroy(&pictures);
     }
-    return result != STP_OK ? result : stp_scene_add_material(import->scene, &material, index);
+    return result == STP_OK ? stp_scene_add_material(import->scene, &material, index) : result;
 }
 
 static stp_result add_mesh(vertices* v, stp_ply_faces* f)
@@ -430,7 +430,7 @@ static stp_result add_mesh(vertices* v, stp_ply_faces* f)
     f->indices = NULL;
     stp_part part = {.kind = STP_PART_MESH};
     result = stp_scene_add_mesh(scene, &mesh, &part.index);
-    return result != STP_OK ? result : stp_scene_add_part(scene, part);
+    return result == STP_OK ? stp_scene_add_part(scene, part) : result;
 }
 
 static stp_result add_to_scene(vertices* v, stp_ply_faces* f)

@@ -198,7 +198,7 @@ static stp_result import_mapped(stp_import* import)
                         import->path);
     }
     stp_result result = stp_progress(import->context, "import", 0.0);
-    return result != STP_OK ? result : read_with(importer, import);
+    return result == STP_OK ? read_with(importer, import) : result;
 }
 
 stp_result stp_import_file(stp_scene* scene, const char* path, const stp_import_desc* desc)

@@ -77,7 +77,7 @@ stp_result stp_point_columns_add(stp_import* import, stp_point_set* set)
     stp_result result = set->spilled ? stp_scene_add_spilled_points(import->scene, set, &part.index)
                                      : stp_scene_add_point_set(import->scene, set, &part.index);
     *set = (stp_point_set){0};
-    return result != STP_OK ? result : stp_scene_add_part(import->scene, part);
+    return result == STP_OK ? stp_scene_add_part(import->scene, part) : result;
 }
 
 void stp_point_columns_release(stp_import* import, const stp_point_set* set)

@@ -183,6 +183,6 @@ stp_result stp_pictures_read(stp_pictures* pictures, const char* place, const ch
         result = stp_scene_add_texture(import->scene, &picture, texture);
     }
     assert(*texture == STP_NONE || *texture < import->scene->texture_count);
-    return result != STP_OK ? result
-                            : stp_lookup_add(&pictures->known, &key, sizeof(key), *texture, &found);
+    return result == STP_OK ? stp_lookup_add(&pictures->known, &key, sizeof(key), *texture, &found)
+                            : result;
 }

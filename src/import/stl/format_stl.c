@@ -43,7 +43,7 @@ static stp_result end_solid(reader* r, const char* name)
     stp_result result = STP_OK;
     if (weld->index_count != 0) {
         result = stp_weld_finish(weld);
-        result = result != STP_OK ? result : stp_add_plain_material(r->import, &r->material);
+        result = result == STP_OK ? stp_add_plain_material(r->import, &r->material) : result;
         stp_object object = {
             .name = name, .parent = r->import->root, .transform = stp_affine_identity()};
         if (result == STP_OK && name != NULL) {
@@ -149,7 +149,7 @@ static stp_result read_line(reader* r, stp_text at, bool in_tail)
     if (stp_word_is(word, next, "solid")) {
         stp_result result = end_solid(r, r->name);
         r->facet_start = 0;
-        return result != STP_OK ? result : copy_name(r, next, &r->name);
+        return result == STP_OK ? copy_name(r, next, &r->name) : result;
     }
     return STP_OK;
 }

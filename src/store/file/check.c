@@ -205,7 +205,7 @@ stp_result stp_store_check_open(stp_store* store, bool quick, stp_store_check_re
             result = stp_store_verify_range(store, section, 0, section->size);
         }
     }
-    result = result != STP_OK ? result : stp_store_check_summary(store);
+    result = result == STP_OK ? stp_store_check_summary(store) : result;
     report->bytes_checked = store->data_offset;
     if (result == STP_OK && !quick) {
         result = check_blocks(store, report);

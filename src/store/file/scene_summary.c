@@ -85,11 +85,11 @@ stp_result stp_store_read_head(stp_store* store)
     for (size_t i = 0; result == STP_OK && i < sizeof(types) / sizeof(types[0]); ++i) {
         result = stp_store_read_table(store, types[i], &text);
     }
-    result = result != STP_OK ? result : stp_store_validate_summary(store);
-    result = result != STP_OK ? result : stp_store_validate_certainty(store);
-    result = result != STP_OK ? result : stp_store_read_figures(store, &text);
-    result = result != STP_OK ? result : stp_store_read_method_names(store, &text);
-    result = result != STP_OK ? result : stp_store_read_text(store, STP_SECTION_BUILD, &text);
+    result = result == STP_OK ? stp_store_validate_summary(store) : result;
+    result = result == STP_OK ? stp_store_validate_certainty(store) : result;
+    result = result == STP_OK ? stp_store_read_figures(store, &text) : result;
+    result = result == STP_OK ? stp_store_read_method_names(store, &text) : result;
+    result = result == STP_OK ? stp_store_read_text(store, STP_SECTION_BUILD, &text) : result;
     if (result != STP_OK) {
         return result;
     }
@@ -102,7 +102,7 @@ stp_result stp_store_read_head(stp_store* store)
     directory->root = STP_STORE_NONE; // the graph is not read
     stp_store_validator validator = stp_store_own_validator(store);
     result = stp_store_validate_graph(&validator, directory);
-    return result != STP_OK ? result : verify_texts(store);
+    return result == STP_OK ? verify_texts(store) : result;
 }
 
 stp_result stp_store_check_head(stp_store* store)
