@@ -32,12 +32,9 @@ typedef struct growth {
 static bool append(stp_context* context, block* b, const uint32_t* members, uint32_t count)
 {
     if (b->count + count > b->capacity) {
-        uint32_t* grown =
-            stp_grow_array(context, b->members, &b->capacity, b->count + count, sizeof(*grown));
-        if (grown == NULL) {
+        if (!STP_MAKE_ROOM(context, b->members, b->capacity, b->count + count)) {
             return false;
         }
-        b->members = grown;
     }
     memcpy(b->members + b->count, members, count * sizeof(*members));
     b->count += count;

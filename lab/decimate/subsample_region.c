@@ -113,12 +113,10 @@ static bool grow(const stp_subsample_field* field, stp_subsample_scratch* s, uin
         r->low = low;
         r->high = high;
         if (r->count == s->capacity[list]) {
-            uint32_t* grown = stp_grow_array(s->context, s->members[list], &s->capacity[list],
-                                             (size_t)r->count + 1, sizeof(*grown));
-            if (grown == NULL) {
+            if (!STP_MAKE_ROOM(s->context, s->members[list], s->capacity[list],
+                               (size_t)r->count + 1)) {
                 return false;
             }
-            s->members[list] = grown;
         }
         s->members[list][r->count++] = point;
         double u = stp_dotd(d, f->x), v = stp_dotd(d, f->y) * f->ratio, margin;

@@ -95,12 +95,9 @@ static stp_result measure_cells(prover* p, size_t count)
         }
     }
     if (p->count + count > p->capacity) {
-        cell* stack =
-            stp_grow_array(p->context, p->stack, &p->capacity, p->count + count, sizeof(*stack));
-        if (stack == NULL) {
+        if (!STP_MAKE_ROOM(p->context, p->stack, p->capacity, p->count + count)) {
             return stp_fail_memory(p->context);
         }
-        p->stack = stack;
     }
     for (size_t i = 0; i < count; ++i) {
         if (p->block[i].maximum > limit_of(p)) {

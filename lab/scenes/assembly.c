@@ -42,14 +42,11 @@ const char* plan_text(assembly_plan* plan, const char* format, ...)
 uint32_t plan_add_mesh(assembly_plan* plan, const char* name, plan_finish finish, part_maker make,
                        const double parameters[PLAN_PARAMETERS])
 {
-    plan_mesh* meshes = stp_grow_array(plan->context, plan->meshes, &plan->mesh_capacity,
-                                       plan->mesh_count + 1, sizeof(plan_mesh));
-    if (meshes == NULL) {
+    if (!STP_MAKE_ROOM(plan->context, plan->meshes, plan->mesh_capacity, plan->mesh_count + 1)) {
         plan->failed = true;
         return STP_NONE;
     }
-    plan->meshes = meshes;
-    plan_mesh* mesh = &meshes[plan->mesh_count];
+    plan_mesh* mesh = &plan->meshes[plan->mesh_count];
     *mesh = (plan_mesh){.name = name, .make = make, .material = (uint32_t)finish, .detail = 1.0};
     mesh->seed = stp_rng_hash(plan->seed, plan->mesh_count);
     for (int i = 0; i < PLAN_PARAMETERS; ++i) {
@@ -62,14 +59,12 @@ uint32_t plan_add_mesh(assembly_plan* plan, const char* name, plan_finish finish
 
 static uint32_t add_object(assembly_plan* plan, const plan_object* object)
 {
-    plan_object* objects = stp_grow_array(plan->context, plan->objects, &plan->object_capacity,
-                                          plan->object_count + 1, sizeof(plan_object));
-    if (objects == NULL) {
+    if (!STP_MAKE_ROOM(plan->context, plan->objects, plan->object_capacity,
+                       plan->object_count + 1)) {
         plan->failed = true;
         return STP_NONE;
     }
-    plan->objects = objects;
-    objects[plan->object_count] = *object;
+    plan->objects[plan->object_count] = *object;
     return (uint32_t)plan->object_count++;
 }
 

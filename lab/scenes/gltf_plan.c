@@ -35,13 +35,10 @@ static stp_result add_node(gltf_plan* plan, const gltf_node* node, const char* p
                         "them; use `stipple build scene:NAME` or a smaller --scale",
                         path, GLTF_MOST_NODES);
     }
-    gltf_node* nodes = stp_grow_array(context, plan->nodes, &plan->node_capacity,
-                                      plan->node_count + 1, sizeof(*nodes));
-    if (nodes == NULL) {
+    if (!STP_MAKE_ROOM(context, plan->nodes, plan->node_capacity, plan->node_count + 1)) {
         return stp_fail_memory(context);
     }
-    plan->nodes = nodes;
-    nodes[plan->node_count++] = *node;
+    plan->nodes[plan->node_count++] = *node;
     return STP_OK;
 }
 
@@ -103,14 +100,11 @@ static stp_result list_nodes(gltf_plan* plan, const char* path)
 
 static stp_result add_buffer(gltf_plan* plan)
 {
-    gltf_buffer* buffers =
-        stp_grow_array(plan->scene->context, plan->buffers, &plan->buffer_capacity,
-                       plan->buffer_count + 1, sizeof(*buffers));
-    if (buffers == NULL) {
+    if (!STP_MAKE_ROOM(plan->scene->context, plan->buffers, plan->buffer_capacity,
+                       plan->buffer_count + 1)) {
         return stp_fail_memory(plan->scene->context);
     }
-    plan->buffers = buffers;
-    buffers[plan->buffer_count++] = (gltf_buffer){.sizes = {0}};
+    plan->buffers[plan->buffer_count++] = (gltf_buffer){.sizes = {0}};
     return STP_OK;
 }
 

@@ -113,14 +113,11 @@ void mesh_builder_triangle(mesh_builder* builder, uint32_t a, uint32_t b, uint32
         return;
     }
     if (builder->index_count + 3 > builder->index_capacity) {
-        uint32_t* indices =
-            stp_grow_array(builder->context, builder->indices, &builder->index_capacity,
-                           builder->index_count + 3, sizeof(uint32_t));
-        if (indices == NULL) {
+        if (!STP_MAKE_ROOM(builder->context, builder->indices, builder->index_capacity,
+                           builder->index_count + 3)) {
             builder->failed = true;
             return;
         }
-        builder->indices = indices;
     }
     uint32_t* corner = builder->indices + builder->index_count;
     corner[0] = a;

@@ -108,12 +108,9 @@ static bool grow(mesh_builder* b, size_t vertices, size_t indices)
         b->vertex_capacity = capacity;
     }
     if (b->index_count + indices > b->index_capacity) {
-        uint32_t* grown = stp_grow_array(b->context, b->indices, &b->index_capacity,
-                                         b->index_count + indices, sizeof(uint32_t));
-        if (grown == NULL) {
+        if (!STP_MAKE_ROOM(b->context, b->indices, b->index_capacity, b->index_count + indices)) {
             return false;
         }
-        b->indices = grown;
     }
     return true;
 }

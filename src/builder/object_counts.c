@@ -50,13 +50,10 @@ static uint64_t count_own_parts(const stp_scene* scene, const stp_object* object
 
 static bool push(census_work* w, uint32_t object)
 {
-    uint32_t* stack = stp_grow_array(w->scene->context, w->stack, &w->stack_capacity,
-                                     w->stacked + 1, sizeof(*stack));
-    if (stack == NULL) {
+    if (!STP_MAKE_ROOM(w->scene->context, w->stack, w->stack_capacity, w->stacked + 1)) {
         return false;
     }
-    w->stack = stack;
-    stack[w->stacked++] = object;
+    w->stack[w->stacked++] = object;
     return true;
 }
 
@@ -211,14 +208,11 @@ static bool add_candidate(census_work* w, uint32_t index)
     if (w->sums[index].objects == 0) {
         return true;
     }
-    stp_store_census_candidate* candidates =
-        stp_grow_array(scene->context, w->candidates, &w->candidate_capacity,
-                       w->candidate_count + 1, sizeof(*candidates));
-    if (candidates == NULL) {
+    if (!STP_MAKE_ROOM(scene->context, w->candidates, w->candidate_capacity,
+                       w->candidate_count + 1)) {
         return false;
     }
-    w->candidates = candidates;
-    candidates[w->candidate_count++] = (stp_store_census_candidate){
+    w->candidates[w->candidate_count++] = (stp_store_census_candidate){
         .object = index,
         .triangles = object->node != STP_NONE ? scene->nodes[object->node].triangle_count : 0,
         .name = object->name,

@@ -37,12 +37,10 @@ struct stp_work {
 
 static stp_result grow_segments(stp_work* work)
 {
-    stp_work_segment* grown = stp_grow_array(work->context, work->segments, &work->segment_capacity,
-                                             (size_t)work->segment_count + 1, sizeof(*grown));
-    if (grown == NULL) {
+    if (!STP_MAKE_ROOM(work->context, work->segments, work->segment_capacity,
+                       (size_t)work->segment_count + 1)) {
         return stp_fail_memory(work->context);
     }
-    work->segments = grown;
     return STP_OK;
 }
 

@@ -62,13 +62,10 @@ stp_work_entry* stp_work_index_add(stp_context* context, stp_work_index* index, 
         (2 * (index->count + 1) > index->slot_count && !grow_slots(context, index))) {
         return NULL;
     }
-    stp_work_entry* entries = stp_grow_array(context, index->entries, &index->capacity,
-                                             index->count + 1, sizeof(*entries));
-    if (entries == NULL) {
+    if (!STP_MAKE_ROOM(context, index->entries, index->capacity, index->count + 1)) {
         return NULL;
     }
     assert(2 * (index->count + 1) <= index->slot_count && index->count < index->capacity);
-    index->entries = entries;
     index->entries[index->count] = (stp_work_entry){.key = key, .state = STP_WORK_ABSENT};
     index->slots[slot_of(index, key)] = (uint32_t)index->count + 1;
     index->count += 1;

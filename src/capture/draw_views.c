@@ -254,12 +254,9 @@ static stp_result make_bands(stp_capture_job* job, uint32_t begin, uint32_t end,
         uint32_t rows = (uint32_t)(even < maximum ? even : maximum);
         rows = rows > 0 ? rows : 1;
         for (uint32_t row = 0; row < view->height; row += rows) {
-            stp_capture_band* grown = stp_grow_array(context, job->bands, &capacity,
-                                                     job->band_count + 1, sizeof(*job->bands));
-            if (grown == NULL) {
+            if (!STP_MAKE_ROOM(context, job->bands, capacity, job->band_count + 1)) {
                 return STP_ERROR_OUT_OF_MEMORY;
             }
-            job->bands = grown;
             uint32_t left = view->height - row;
             uint32_t row_end = row + (left < rows ? left : rows);
             assert(row < row_end && row_end <= view->height);

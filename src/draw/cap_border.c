@@ -80,13 +80,11 @@ static stp_result keep_edge(stp_cap_border* b, const edge* e)
         b->overflows = true;
         return STP_OK;
     }
-    edge* edges = stp_grow_array(b->context, b->edges, &b->capacity, b->count + 1, sizeof(*edges));
-    if (edges == NULL) {
+    if (!STP_MAKE_ROOM(b->context, b->edges, b->capacity, b->count + 1)) {
         return stp_fail_memory(b->context);
     }
-    b->edges = edges;
     assert(b->count < b->capacity && b->count < MAX_EDGES);
-    edges[b->count++] = *e;
+    b->edges[b->count++] = *e;
     return STP_OK;
 }
 

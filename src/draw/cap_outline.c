@@ -17,15 +17,12 @@ stp_result stp_cap_outline_add(stp_context* context, stp_cap_outline* o, const f
     if (o->count >= SEGMENTS_MAX) {
         return STP_OK;
     }
-    stp_cap_segment* segments =
-        stp_grow_array(context, o->segments, &o->capacity, o->count + 1, sizeof(*segments));
-    if (segments == NULL) {
+    if (!STP_MAKE_ROOM(context, o->segments, o->capacity, o->count + 1)) {
         return stp_fail_memory(context);
     }
-    o->segments = segments;
     assert(o->count < o->capacity);
-    memcpy(segments[o->count].from, from, sizeof(segments->from));
-    memcpy(segments[o->count].to, to, sizeof(segments->to));
+    memcpy(o->segments[o->count].from, from, sizeof(o->segments->from));
+    memcpy(o->segments[o->count].to, to, sizeof(o->segments->to));
     o->count += 1;
     return STP_OK;
 }

@@ -61,13 +61,11 @@ static stp_result note_part(stp_builder* builder, stp_part_kind kind, uint32_t i
 {
     assert(index < (kind == STP_PART_MESH ? builder->staged->mesh_count
                                           : builder->staged->point_set_count));
-    stp_part* parts = stp_grow_array(builder->context, builder->parts, &builder->part_capacity,
-                                     builder->part_count + 1, sizeof(*parts));
-    if (parts == NULL) {
+    if (!STP_MAKE_ROOM(builder->context, builder->parts, builder->part_capacity,
+                       builder->part_count + 1)) {
         return stp_fail_memory(builder->context);
     }
-    builder->parts = parts;
-    parts[builder->part_count++] = (stp_part){.kind = kind, .index = index};
+    builder->parts[builder->part_count++] = (stp_part){.kind = kind, .index = index};
     if (part != NULL) {
         *part = (uint32_t)builder->part_count;
     }

@@ -37,12 +37,10 @@ typedef struct walk {
 static stp_result push(walk* w, const frame* f)
 {
     stp_context* context = w->scene->context;
-    frame* stack = stp_grow_array(context, w->stack, &w->capacity, w->depth + 1, sizeof(*stack));
-    if (stack == NULL) {
+    if (!STP_MAKE_ROOM(context, w->stack, w->capacity, w->depth + 1)) {
         return stp_fail_memory(context);
     }
-    w->stack = stack;
-    stack[w->depth++] = *f;
+    w->stack[w->depth++] = *f;
     return STP_OK;
 }
 
@@ -70,16 +68,13 @@ static stp_result add_set(walk* w, const frame* f, const stp_splats* set, double
 {
     stp_context* context = w->scene->context;
     stp_source_list* list = w->list;
-    stp_placed_set* sets = stp_grow_array(context, list->sets, &list->set_capacity,
-                                          list->set_count + 1, sizeof(*sets));
-    if (sets == NULL) {
+    if (!STP_MAKE_ROOM(context, list->sets, list->set_capacity, list->set_count + 1)) {
         return stp_fail_memory(context);
     }
-    list->sets = sets;
     assert(prefix <= set->count);
     float radius = stp_prefix_table_radius(&set->table, prefix) + set->candidate_radius;
     const stp_node* node = &w->scene->nodes[f->node];
-    sets[list->set_count++] =
+    list->sets[list->set_count++] =
         (stp_placed_set){.surfels = set,
                          .prefix = prefix,
                          .radius = radius,
@@ -111,13 +106,10 @@ static stp_result add_part(walk* w, const frame* f, stp_part part)
 {
     stp_context* context = w->scene->context;
     stp_source_list* list = w->list;
-    stp_placed_part* parts = stp_grow_array(context, list->parts, &list->part_capacity,
-                                            list->part_count + 1, sizeof(*parts));
-    if (parts == NULL) {
+    if (!STP_MAKE_ROOM(context, list->parts, list->part_capacity, list->part_count + 1)) {
         return stp_fail_memory(context);
     }
-    list->parts = parts;
-    parts[list->part_count++] =
+    list->parts[list->part_count++] =
         (stp_placed_part){.part = part, .transform = f->transform, .flags = f->flags};
     bool mesh = part.kind == STP_PART_MESH;
     uint32_t triangles = mesh ? w->scene->meshes[part.index].triangle_count : 0;

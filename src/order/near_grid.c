@@ -52,14 +52,11 @@ void stp_near_grid_destroy(stp_near_grid* grid)
 
 static stp_result new_block(stp_near_grid* grid, uint32_t* index)
 {
-    stp_near_grid_block* blocks =
-        stp_grow_array(grid->context, grid->blocks, &grid->block_capacity,
-                       (size_t)grid->block_count + 1, sizeof(grid->blocks[0]));
-    if (blocks == NULL) {
+    if (!STP_MAKE_ROOM(grid->context, grid->blocks, grid->block_capacity,
+                       (size_t)grid->block_count + 1)) {
         return stp_fail_memory(grid->context);
     }
-    grid->blocks = blocks;
-    stp_near_grid_block* block = &blocks[grid->block_count];
+    stp_near_grid_block* block = &grid->blocks[grid->block_count];
     for (int i = 0; i < STP_BLOCK_SIZE; ++i) {
         block->x[i] = block->y[i] = block->z[i] = INFINITY;
     }

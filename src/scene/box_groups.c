@@ -145,13 +145,11 @@ static void split(const stp_boxd* boxes, uint32_t* order, range* r, range* other
 
 static stp_result add_group(stp_context* context, stp_grouping* grouping, const range* r)
 {
-    stp_group* groups = stp_grow_array(context, grouping->groups, &grouping->group_capacity,
-                                       grouping->group_count + 1, sizeof(*groups));
-    if (groups == NULL) {
+    if (!STP_MAKE_ROOM(context, grouping->groups, grouping->group_capacity,
+                       grouping->group_count + 1)) {
         return stp_fail_memory(context);
     }
-    grouping->groups = groups;
-    groups[grouping->group_count++] =
+    grouping->groups[grouping->group_count++] =
         (stp_group){.first = r->first, .count = r->count, .depth = r->depth};
     return STP_OK;
 }
@@ -189,15 +187,12 @@ stp_result stp_group_boxes(stp_context* context, const stp_boxd* boxes, uint32_t
                            uint32_t maximum, stp_grouping* grouping)
 {
     assert(count > 0 && maximum >= 2 && maximum <= STP_GROUP_LIMIT);
-    uint32_t* order =
-        stp_grow_array(context, grouping->order, &grouping->order_capacity, count, sizeof(*order));
-    if (order == NULL) {
+    if (!STP_MAKE_ROOM(context, grouping->order, grouping->order_capacity, count)) {
         return stp_fail_memory(context);
     }
-    grouping->order = order;
     grouping->group_count = 0;
     for (uint32_t i = 0; i < count; ++i) {
-        order[i] = i;
+        grouping->order[i] = i;
     }
     stp_result result = add_group(context, grouping, &(range){.count = count});
     for (size_t i = 0; result == STP_OK && i < grouping->group_count; ++i) {

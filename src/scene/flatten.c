@@ -20,13 +20,10 @@ typedef struct flatten {
 static stp_result push(flatten* f, const visit* v)
 {
     stp_context* context = f->scene->context;
-    visit* stack =
-        stp_grow_array(context, f->stack, &f->stack_capacity, f->stack_count + 1, sizeof(*stack));
-    if (stack == NULL) {
+    if (!STP_MAKE_ROOM(context, f->stack, f->stack_capacity, f->stack_count + 1)) {
         return stp_fail_memory(context);
     }
-    f->stack = stack;
-    stack[f->stack_count++] = *v;
+    f->stack[f->stack_count++] = *v;
     return STP_OK;
 }
 
@@ -39,13 +36,10 @@ static stp_result place_parts(flatten* f, const visit* v)
             return stp_fail(context, STP_ERROR_LIMIT, "the scene has more than %zu placed parts",
                             f->limit);
         }
-        stp_placed_part* parts =
-            stp_grow_array(context, f->parts, &f->part_capacity, f->part_count + 1, sizeof(*parts));
-        if (parts == NULL) {
+        if (!STP_MAKE_ROOM(context, f->parts, f->part_capacity, f->part_count + 1)) {
             return stp_fail_memory(context);
         }
-        f->parts = parts;
-        parts[f->part_count++] =
+        f->parts[f->part_count++] =
             (stp_placed_part){.part = f->scene->node_parts[node->first_part + i],
                               .transform = v->transform,
                               .flags = v->flags};

@@ -111,13 +111,10 @@ static stp_result add_node_item(partition* p, uint32_t node, stp_affine transfor
 static stp_result push(partition* p, const stp_edge* edge)
 {
     stp_context* context = p->scene->context;
-    stp_edge* stack =
-        stp_grow_array(context, p->stack, &p->stack_capacity, p->stack_count + 1, sizeof(*stack));
-    if (stack == NULL) {
+    if (!STP_MAKE_ROOM(context, p->stack, p->stack_capacity, p->stack_count + 1)) {
         return stp_fail_memory(context);
     }
-    p->stack = stack;
-    stack[p->stack_count++] = *edge;
+    p->stack[p->stack_count++] = *edge;
     return STP_OK;
 }
 
@@ -212,21 +209,19 @@ static stp_result make_node(partition* p, const uint32_t* order, item* items, ui
 static stp_result box_items(partition* p)
 {
     stp_context* context = p->scene->context;
-    stp_boxd* boxes =
-        stp_grow_array(context, p->boxes, &p->box_capacity, p->item_count, sizeof(*boxes));
-    if (boxes == NULL) {
+    if (!STP_MAKE_ROOM(context, p->boxes, p->box_capacity, p->item_count)) {
         return stp_fail_memory(context);
     }
-    p->boxes = boxes;
     for (size_t i = 0; i < p->item_count; ++i) {
         const item* it = &p->items[i];
         if (it->is_part) {
             stp_box box = it->part.kind == STP_PART_MESH
                               ? p->scene->meshes[it->part.index].bounds
                               : p->scene->point_sets[it->part.index].bounds;
-            boxes[i] = (stp_boxd){stp_to_double(box.min), stp_to_double(box.max)};
+            p->boxes[i] = (stp_boxd){stp_to_double(box.min), stp_to_double(box.max)};
         } else {
-            boxes[i] = stp_affine_box(&it->edge.transform, p->scene->nodes[it->edge.node].bounds);
+            p->boxes[i] =
+                stp_affine_box(&it->edge.transform, p->scene->nodes[it->edge.node].bounds);
         }
     }
     return STP_OK;
@@ -245,26 +240,23 @@ static stp_result make_hierarchy(partition* p, item* made)
         return result;
     }
     const stp_grouping* g = &p->grouping;
-    item* results =
-        stp_grow_array(context, p->results, &p->result_capacity, g->group_count, sizeof(*results));
-    if (results == NULL) {
+    if (!STP_MAKE_ROOM(context, p->results, p->result_capacity, g->group_count)) {
         return stp_fail_memory(context);
     }
-    p->results = results;
     for (size_t i = g->group_count; result == STP_OK && i > 0; --i) {
         const stp_group* group = &g->groups[i - 1];
         assert(group->child_count == 0 || group->first_child >= i);
         if (group->child_count > 0) {
-            result = make_node(p, NULL, &results[group->first_child], group->child_count, 0,
-                               &results[i - 1]);
+            result = make_node(p, NULL, &p->results[group->first_child], group->child_count, 0,
+                               &p->results[i - 1]);
         } else if (group->count == 1) {
-            results[i - 1] = p->items[g->order[group->first]];
+            p->results[i - 1] = p->items[g->order[group->first]];
         } else {
-            result =
-                make_node(p, &g->order[group->first], p->items, group->count, 0, &results[i - 1]);
+            result = make_node(p, &g->order[group->first], p->items, group->count, 0,
+                               &p->results[i - 1]);
         }
     }
-    *made = results[0];
+    *made = p->results[0];
     return result;
 }
 

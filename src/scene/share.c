@@ -157,14 +157,11 @@ static stp_result push_object(share* s, uint32_t index)
             "object %u (%s) would contain itself through the objects that are used in it", index,
             name != NULL ? name : "no name");
     }
-    uint32_t* stack =
-        stp_grow_array(context, s->stack, &s->stack_capacity, s->stack_count + 1, sizeof(*stack));
-    if (stack == NULL) {
+    if (!STP_MAKE_ROOM(context, s->stack, s->stack_capacity, s->stack_count + 1)) {
         return stp_fail_memory(context);
     }
-    s->stack = stack;
     s->states[index] = WAITING;
-    stack[s->stack_count++] = index;
+    s->stack[s->stack_count++] = index;
     return STP_OK;
 }
 

@@ -45,12 +45,9 @@ stp_result stp_select_note_set(stp_selection* s, const stp_select_entry* at)
     assert(share.maximum > 0 && "the set has splats");
     assert(s->share_count <= list->share_capacity);
     if (s->share_count == list->share_capacity) {
-        stp_select_share* shares = stp_grow_array(s->context, list->shares, &list->share_capacity,
-                                                  s->share_count + 1, sizeof(*shares));
-        if (shares == NULL) {
+        if (!STP_MAKE_ROOM(s->context, list->shares, list->share_capacity, s->share_count + 1)) {
             return stp_fail_memory(s->context);
         }
-        list->shares = shares;
     }
     share.area = find_area(stp_store_describe_splat_set(s->store, set), &at->transform);
     list->shares[s->share_count++] = share;

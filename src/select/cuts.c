@@ -83,15 +83,12 @@ static bool make_room(stp_selection* s, size_t count)
         return true;
     }
     size_t before = list->cut_capacity;
-    stp_select_cut* cuts =
-        stp_grow_array(s->context, list->cuts, &list->cut_capacity, count + 1, sizeof(*cuts));
-    if (cuts == NULL) {
+    if (!STP_MAKE_ROOM(s->context, list->cuts, list->cut_capacity, count + 1)) {
         return false;
     }
     for (size_t i = before; i < list->cut_capacity; ++i) {
         cuts[i] = (stp_select_cut){.set = STP_STORE_NONE};
     }
-    list->cuts = cuts;
     return true;
 }
 

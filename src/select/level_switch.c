@@ -20,12 +20,9 @@ stp_result stp_select_add_run(stp_selection* s, uint32_t begin, uint32_t end, st
     stp_draw_list* list = s->list;
     assert(begin < end && "empty runs are left out");
     if (list->run_count == list->run_capacity) {
-        stp_draw_run* runs = stp_grow_array(s->context, list->runs, &list->run_capacity,
-                                            list->run_count + 1, sizeof(*runs));
-        if (runs == NULL) {
+        if (!STP_MAKE_ROOM(s->context, list->runs, list->run_capacity, list->run_count + 1)) {
             return stp_fail_memory(s->context);
         }
-        list->runs = runs;
     }
     // rounded outwards
     float nearest = (float)(range.near * (1.0 - 1e-6)), farthest = INFINITY;

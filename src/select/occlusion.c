@@ -16,13 +16,10 @@ static stp_result set_aside(stp_selection* s, const stp_select_entry* at)
     stp_draw_list* list = s->list;
     assert(!s->second_pass && "the second pass culls");
     if (list->rejected_count == list->rejected_capacity) {
-        stp_select_entry* rejected =
-            stp_grow_array(s->context, list->rejected, &list->rejected_capacity,
-                           list->rejected_count + 1, sizeof(*rejected));
-        if (rejected == NULL) {
+        if (!STP_MAKE_ROOM(s->context, list->rejected, list->rejected_capacity,
+                           list->rejected_count + 1)) {
             return stp_fail_memory(s->context);
         }
-        list->rejected = rejected;
     }
     list->rejected[list->rejected_count++] = *at;
     return STP_OK;

@@ -82,12 +82,9 @@ static stp_result add_cell(stp_selection* s, size_t* count, stp_cue_cell cell)
         return STP_OK;
     }
     if (*count == list->cell_capacity) {
-        stp_cue_cell* cells = stp_grow_array(s->context, list->cells, &list->cell_capacity,
-                                             *count + 1, sizeof(*cells));
-        if (cells == NULL) {
+        if (!STP_MAKE_ROOM(s->context, list->cells, list->cell_capacity, *count + 1)) {
             return stp_fail_memory(s->context);
         }
-        list->cells = cells;
     }
     list->cells[(*count)++] = cell;
     return STP_OK;

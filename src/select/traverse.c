@@ -34,12 +34,9 @@ stp_result stp_select_push(stp_selection* s, const stp_select_entry* entry)
     assert(entry->node < s->directory->node_count);
     assert(s->stack_count <= list->stack_capacity);
     if (s->stack_count == list->stack_capacity) {
-        stp_select_entry* stack = stp_grow_array(s->context, list->stack, &list->stack_capacity,
-                                                 s->stack_count + 1, sizeof(*stack));
-        if (stack == NULL) {
+        if (!STP_MAKE_ROOM(s->context, list->stack, list->stack_capacity, s->stack_count + 1)) {
             return stp_fail_memory(s->context);
         }
-        list->stack = stack;
     }
     list->stack[s->stack_count++] = *entry;
     return STP_OK;
@@ -66,12 +63,9 @@ stp_result stp_select_add_item(stp_selection* s, stp_draw_item item, uint64_t id
                         list->count);
     }
     if (list->count == list->capacity) {
-        stp_draw_item* items = stp_grow_array(s->context, list->items, &list->capacity,
-                                              list->count + 1, sizeof(*items));
-        if (items == NULL) {
+        if (!STP_MAKE_ROOM(s->context, list->items, list->capacity, list->count + 1)) {
             return stp_fail_memory(s->context);
         }
-        list->items = items;
     }
     item.first_id = (uint32_t)first;
     list->items[list->count++] = item;

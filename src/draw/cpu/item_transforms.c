@@ -267,12 +267,9 @@ stp_result stp_cpu_prepare_items(stp_cpu_renderer* r, const stp_draw_list* list,
 {
     assert(first <= list->count && (first == 0 || first == r->item_count) && "items are appended");
     if (list->count > r->item_capacity) {
-        stp_cpu_item* items = stp_grow_array(r->base.context, r->items, &r->item_capacity,
-                                             list->count, sizeof(*items));
-        if (items == NULL) {
+        if (!STP_MAKE_ROOM(r->base.context, r->items, r->item_capacity, list->count)) {
             return stp_fail_memory(r->base.context);
         }
-        r->items = items;
     }
     if (first == 0) {
         r->large_count = 0;

@@ -93,20 +93,14 @@ static bool make_room(stp_cpu_renderer* r)
 {
     stp_context* context = r->base.context;
     if (r->item_count > r->shade_item_capacity) {
-        stp_cpu_shade_item* items = stp_grow_array(context, r->shade_items, &r->shade_item_capacity,
-                                                   r->item_count, sizeof(*items));
-        if (items == NULL) {
+        if (!STP_MAKE_ROOM(context, r->shade_items, r->shade_item_capacity, r->item_count)) {
             return false;
         }
-        r->shade_items = items;
     }
     if (r->item_count > r->first_id_capacity) {
-        uint32_t* ids = stp_grow_array(context, r->first_ids, &r->first_id_capacity, r->item_count,
-                                       sizeof(*ids));
-        if (ids == NULL) {
+        if (!STP_MAKE_ROOM(context, r->first_ids, r->first_id_capacity, r->item_count)) {
             return false;
         }
-        r->first_ids = ids;
     }
     if (r->id_starts == NULL) {
         r->id_starts = STP_NEW_ARRAY(context, uint32_t, ID_TABLE_SIZE + 2);

@@ -21,12 +21,9 @@ static stp_gl_share_item* add_item(stp_gl_renderer* r)
 {
     stp_gl_cluster_shares* s = &r->frame.shares;
     if (s->count == s->capacity) {
-        stp_gl_share_item* items =
-            stp_grow_array(r->base.context, s->items, &s->capacity, s->count + 1, sizeof(*items));
-        if (items == NULL) {
+        if (!STP_MAKE_ROOM(r->base.context, s->items, s->capacity, s->count + 1)) {
             return NULL;
         }
-        s->items = items;
     }
     return &s->items[s->count++];
 }
@@ -95,12 +92,9 @@ stp_result stp_gl_cluster_shares_find(stp_gl_renderer* r)
     s->count = s->next = 0;
     stp_result result = list_items(r, &count);
     if (result == STP_OK && count > s->share_capacity) {
-        float* shares =
-            stp_grow_array(r->base.context, s->shares, &s->share_capacity, count, sizeof(*shares));
-        if (shares == NULL) {
+        if (!STP_MAKE_ROOM(r->base.context, s->shares, s->share_capacity, count)) {
             return stp_fail_memory(r->base.context);
         }
-        s->shares = shares;
     }
     if (result != STP_OK || count == 0) {
         return result;

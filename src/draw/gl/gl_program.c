@@ -29,14 +29,11 @@ static void add(text_maker* maker, const char* from, size_t size)
         return;
     }
     if (maker->size + size + 1 > maker->capacity) {
-        char* text = stp_grow_array(maker->context, maker->text, &maker->capacity,
-                                    maker->size + size + 1, 1);
-        if (text == NULL) {
+        if (!STP_MAKE_ROOM(maker->context, maker->text, maker->capacity, maker->size + size + 1)) {
             maker->failed = true;
             (void)stp_fail_memory(maker->context);
             return;
         }
-        maker->text = text;
     }
     assert(maker->size + size < maker->capacity && "a final zero fits");
     memcpy(maker->text + maker->size, from, size);

@@ -19,12 +19,9 @@ static struct stp_gl_command* add_command(stp_gl_renderer* r, stp_gl_command_kin
 {
     stp_gl_commands* c = &r->frame.commands[kind];
     if (c->count == c->capacity) {
-        struct stp_gl_command* commands = stp_grow_array(r->base.context, c->commands, &c->capacity,
-                                                         c->count + 1, sizeof(*commands));
-        if (commands == NULL) {
+        if (!STP_MAKE_ROOM(r->base.context, c->commands, c->capacity, c->count + 1)) {
             return NULL;
         }
-        c->commands = commands;
     }
     return &c->commands[c->count++];
 }
@@ -48,13 +45,10 @@ record_block* stp_gl_frame_add_command(stp_gl_renderer* r, stp_gl_command_kind k
         return NULL;
     }
     if (f->record_count == f->record_capacity) {
-        record_block* records = stp_grow_array(r->base.context, f->records, &f->record_capacity,
-                                               f->record_count + 1, sizeof(*records));
-        if (records == NULL) {
+        if (!STP_MAKE_ROOM(r->base.context, f->records, f->record_capacity, f->record_count + 1)) {
             r->frame.commands[kind].count -= 1;
             return NULL;
         }
-        f->records = records;
     }
     *command = (struct stp_gl_command){count, 1, 0, (uint32_t)f->record_count};
     record_block* record = &f->records[f->record_count++];
@@ -67,12 +61,9 @@ chunk_block* stp_gl_frame_add_chunk(stp_gl_renderer* r, item_block* item)
 {
     stp_gl_frame* f = &r->frame;
     if (f->chunk_count == f->chunk_capacity) {
-        chunk_block* chunks = stp_grow_array(r->base.context, f->chunks, &f->chunk_capacity,
-                                             f->chunk_count + 1, sizeof(*chunks));
-        if (chunks == NULL) {
+        if (!STP_MAKE_ROOM(r->base.context, f->chunks, f->chunk_capacity, f->chunk_count + 1)) {
             return NULL;
         }
-        f->chunks = chunks;
     }
     item->chunk_count += 1;
     return &f->chunks[f->chunk_count++];
@@ -291,12 +282,9 @@ static stp_result make_lookup(stp_gl_renderer* r)
     stp_gl_frame* f = &r->frame;
     size_t needed = ID_TABLE + 2 + f->item_count;
     if (needed > f->lookup_capacity) {
-        uint32_t* lookup = stp_grow_array(r->base.context, f->lookup, &f->lookup_capacity, needed,
-                                          sizeof(*lookup));
-        if (lookup == NULL) {
+        if (!STP_MAKE_ROOM(r->base.context, f->lookup, f->lookup_capacity, needed)) {
             return stp_fail_memory(r->base.context);
         }
-        f->lookup = lookup;
     }
     f->lookup_count = needed;
     uint32_t* first_ids = f->lookup + ID_TABLE + 2;
@@ -327,20 +315,14 @@ static bool make_room(stp_gl_renderer* r, size_t count)
 {
     stp_gl_frame* f = &r->frame;
     if (count > f->item_capacity) {
-        item_block* items =
-            stp_grow_array(r->base.context, f->items, &f->item_capacity, count, sizeof(*items));
-        if (items == NULL) {
+        if (!STP_MAKE_ROOM(r->base.context, f->items, f->item_capacity, count)) {
             return false;
         }
-        f->items = items;
     }
     if (count > f->placed_capacity) {
-        stp_gl_placed* placed =
-            stp_grow_array(r->base.context, f->placed, &f->placed_capacity, count, sizeof(*placed));
-        if (placed == NULL) {
+        if (!STP_MAKE_ROOM(r->base.context, f->placed, f->placed_capacity, count)) {
             return false;
         }
-        f->placed = placed;
     }
     return true;
 }

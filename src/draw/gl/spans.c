@@ -27,12 +27,9 @@ static uint32_t make_entry(stp_gl_spans* s)
         return entry;
     }
     if (s->count == s->capacity) {
-        stp_gl_span* grown =
-            stp_grow_array(s->context, s->spans, &s->capacity, s->count + 1, sizeof(*grown));
-        if (grown == NULL) {
+        if (!STP_MAKE_ROOM(s->context, s->spans, s->capacity, s->count + 1)) {
             return SPANS_NONE;
         }
-        s->spans = grown;
     }
     return (uint32_t)s->count++;
 }

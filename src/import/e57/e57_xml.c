@@ -114,12 +114,10 @@ static void XMLCALL add_text(void* user, const XML_Char* bytes, int length)
     assert(length >= 0 && p->length <= p->capacity);
     size_t needed = p->length + (size_t)length;
     if (needed > p->capacity) {
-        char* grown = stp_grow_array(p->e57->import->context, p->text, &p->capacity, needed, 1);
-        if (grown == NULL) {
+        if (!STP_MAKE_ROOM(p->e57->import->context, p->text, p->capacity, needed)) {
             stop(p, NULL);
             return;
         }
-        p->text = grown;
     }
     memcpy(p->text + p->length, bytes, (size_t)length);
     p->length = needed;

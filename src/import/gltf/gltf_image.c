@@ -158,17 +158,14 @@ stp_result stp_gltf_textures_want(stp_gltf_scope* scope, stp_gltf_textures* text
         link = &other->next;
     }
     *link = (uint32_t)textures->request_count;
-    texture_request* requests =
-        stp_grow_array(scope->gltf->context, textures->requests, &textures->request_capacity,
-                       textures->request_count + 1, sizeof(*requests));
-    if (requests == NULL) {
+    if (!STP_MAKE_ROOM(scope->gltf->context, textures->requests, textures->request_capacity,
+                       textures->request_count + 1)) {
         *link = STP_NONE;
         return STP_ERROR_OUT_OF_MEMORY;
     }
-    textures->requests = requests;
     *request = (uint32_t)textures->request_count;
     assert(textures->request_count < textures->request_capacity);
-    requests[textures->request_count++] = wanted;
+    textures->requests[textures->request_count++] = wanted;
     return STP_OK;
 }
 

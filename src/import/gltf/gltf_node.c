@@ -253,15 +253,12 @@ static stp_result add_variant(stp_gltf* gltf, stp_gltf_node* node, uint32_t inde
         node->variant = plain_variants[node->mesh];
         return STP_OK;
     }
-    stp_gltf_variant* variants =
-        stp_grow_array(gltf->context, gltf->variants, &gltf->variant_capacity,
-                       gltf->variant_count + 1, sizeof(*variants));
-    if (variants == NULL) {
+    if (!STP_MAKE_ROOM(gltf->context, gltf->variants, gltf->variant_capacity,
+                       gltf->variant_count + 1)) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
-    gltf->variants = variants;
     node->variant = (uint32_t)gltf->variant_count++;
-    variants[node->variant] = (stp_gltf_variant){
+    gltf->variants[node->variant] = (stp_gltf_variant){
         .mesh = node->mesh,
         .skin = node->skin,
         .weights_node = has_weights ? index : STP_NONE,

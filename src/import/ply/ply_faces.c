@@ -40,22 +40,19 @@ static stp_result read_corners(stp_ply_cursor* cursor, const stp_ply_element* el
     if (!stp_ply_next_list(cursor, property, count)) {
         return stp_ply_fail_row(cursor, element, row);
     }
-    uint32_t* corners =
-        stp_grow_array(context, f->corners, &f->corner_capacity, (size_t)*count, sizeof(uint32_t));
-    if (corners == NULL) {
+    if (!STP_MAKE_ROOM(context, f->corners, f->corner_capacity, (size_t)*count)) {
         return stp_fail_memory(context);
     }
     assert(*count <= f->corner_capacity);
-    f->corners = corners;
     for (uint64_t i = 0; i < *count; ++i) {
         double value;
         if (!stp_ply_next(cursor, property->type, &value)) {
             return stp_ply_fail_row(cursor, element, row);
         }
         if (strips && value == -1.0) {
-            corners[i] = STP_NONE;
+            f->corners[i] = STP_NONE;
         } else if (value >= 0.0 && value < (double)vertex_count) {
-            corners[i] = (uint32_t)value;
+            f->corners[i] = (uint32_t)value;
         } else {
             return stp_fail(
                 context, STP_ERROR_FORMAT,
@@ -69,16 +66,13 @@ static stp_result read_corners(stp_ply_cursor* cursor, const stp_ply_element* el
 
 static uint32_t* add_triangles(stp_context* context, stp_ply_faces* f, size_t triangles)
 {
-    uint32_t* indices = stp_grow_array(context, f->indices, &f->capacity, f->count + 3 * triangles,
-                                       sizeof(uint32_t));
-    if (indices == NULL) {
+    if (!STP_MAKE_ROOM(context, f->indices, f->capacity, f->count + 3 * triangles)) {
         (void)stp_fail_memory(context);
         return NULL;
     }
-    f->indices = indices;
     f->count += 3 * triangles;
     assert(f->count % 3 == 0 && f->count <= f->capacity);
-    return indices + f->count - 3 * triangles;
+    return f->indices + f->count - 3 * triangles;
 }
 
 static stp_result add_strip(stp_context* context, stp_ply_faces* f, size_t count)

@@ -86,13 +86,11 @@ static stp_result read_element(stp_ply* ply, line* l, stp_text start)
     if (!named || stp_read_integer(l->at, &count) == NULL || count < 0) {
         return fail_line(ply, start, "the name of an element and its count");
     }
-    stp_ply_element* elements = stp_grow_array(ply->context, ply->elements, &ply->element_capacity,
-                                               ply->element_count + 1, sizeof(stp_ply_element));
-    if (elements == NULL) {
+    if (!STP_MAKE_ROOM(ply->context, ply->elements, ply->element_capacity,
+                       ply->element_count + 1)) {
         return stp_fail_memory(ply->context);
     }
-    ply->elements = elements;
-    stp_ply_element* element = &elements[ply->element_count++];
+    stp_ply_element* element = &ply->elements[ply->element_count++];
     *element = (stp_ply_element){.count = (uint64_t)count};
     return copy_word(ply, begin, end, &element->name);
 }
@@ -120,17 +118,14 @@ static stp_result read_property(stp_ply* ply, line* l, stp_text start)
     if (result != STP_OK) {
         return result;
     }
-    stp_ply_property* properties =
-        stp_grow_array(ply->context, element->properties, &element->property_capacity,
-                       element->property_count + 1, sizeof(stp_ply_property));
-    if (properties == NULL) {
+    if (!STP_MAKE_ROOM(ply->context, element->properties, element->property_capacity,
+                       element->property_count + 1)) {
         return stp_fail_memory(ply->context);
     }
-    element->properties = properties;
     property.offset = element->row_size;
     element->has_lists |= property.is_list;
     element->row_size += stp_ply_type_size(property.is_list ? property.count_type : property.type);
-    properties[element->property_count++] = property;
+    element->properties[element->property_count++] = property;
     return STP_OK;
 }
 

@@ -210,12 +210,10 @@ static bool record(stp_psp_piece* p, uint32_t a, uint32_t b, const stp_psp_splat
 {
     assert(p->record_count == p->count - p->live && "one record per earlier merge");
     if (p->record_count == p->record_room) {
-        stp_psp_record* grown = stp_grow_array(p->shared->context, p->records, &p->record_room,
-                                               (size_t)p->record_count + 1, sizeof(*grown));
-        if (grown == NULL) {
+        if (!STP_MAKE_ROOM(p->shared->context, p->records, p->record_room,
+                           (size_t)p->record_count + 1)) {
             return false;
         }
-        p->records = grown;
     }
     stp_psp_record* r = &p->records[p->record_count++];
     *r = (stp_psp_record){.left = p->splats[a].id,

@@ -136,12 +136,9 @@ static bool keep_histories(pass* t)
     }
     size_t needed = (size_t)r->history_count + t->range_count;
     if (r->history_room < needed) {
-        stp_psp_history* grown = stp_grow_array(r->shared.context, r->histories, &r->history_room,
-                                                needed, sizeof(*grown));
-        if (grown == NULL) {
+        if (!STP_MAKE_ROOM(r->shared.context, r->histories, r->history_room, needed)) {
             return false;
         }
-        r->histories = grown;
     }
     for (uint32_t i = 0; i < t->range_count; ++i) {
         if (t->histories[i].count > 0) {

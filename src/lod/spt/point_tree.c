@@ -113,11 +113,9 @@ static void finish_node(const maker* m, uint32_t node)
 static bool add_pieces(maker* m, const stp_octree_box* box)
 {
     size_t at = m->piece_count;
-    piece* grown = stp_grow_array(m->context, m->pieces, &m->piece_capacity, at + 1, sizeof(piece));
-    if (grown == NULL) {
+    if (!STP_MAKE_ROOM(m->context, m->pieces, m->piece_capacity, at + 1)) {
         return false;
     }
-    m->pieces = grown;
     m->piece_count += 1;
     bool added = true;
     if (box->end - box->begin > SUBTREE) {

@@ -121,13 +121,10 @@ static stp_result add_leaf(octree_maker* m, const stp_leaf_cell* leaf)
                                         stp_leaf_morton(leaf->corner)) &&
         "leaves ascend along the Morton curve");
     if (octree->leaf_count == m->leaf_capacity) {
-        stp_leaf_cell* grown =
-            stp_grow_array(m->context, octree->leaves, &m->leaf_capacity,
-                           (size_t)octree->leaf_count + 1, sizeof(*octree->leaves));
-        if (grown == NULL) {
+        if (!STP_MAKE_ROOM(m->context, octree->leaves, m->leaf_capacity,
+                           (size_t)octree->leaf_count + 1)) {
             return stp_fail_memory(m->context);
         }
-        octree->leaves = grown;
     }
     octree->leaves[octree->leaf_count++] = *leaf;
     return STP_OK;

@@ -18,13 +18,10 @@ stp_result stp_store_page_sums_add(stp_store_page_sums* sums, const void* bytes,
     const unsigned char* next = bytes;
     while (sums->open && size != 0) {
         if (sums->filled == STP_STORE_PAGE_BYTES) {
-            uint32_t* crcs = stp_grow_array(sums->context, sums->crcs, &sums->capacity,
-                                            sums->count + 1, sizeof(*crcs));
-            if (crcs == NULL) {
+            if (!STP_MAKE_ROOM(sums->context, sums->crcs, sums->capacity, sums->count + 1)) {
                 return stp_fail_memory(sums->context);
             }
-            sums->crcs = crcs;
-            crcs[sums->count++] = 0;
+            sums->crcs[sums->count++] = 0;
             sums->filled = 0;
         }
         assert(sums->count != 0 && sums->filled < STP_STORE_PAGE_BYTES);

@@ -78,13 +78,10 @@ static uint32_t add_text(stp_store_codec* codec, const char* text)
         return STP_STORE_NONE;
     }
     if (pool->capacity - pool->size < length) {
-        char* grown =
-            stp_grow_array(pool->context, pool->bytes, &pool->capacity, pool->size + length, 1);
-        if (grown == NULL) {
+        if (!STP_MAKE_ROOM(pool->context, pool->bytes, pool->capacity, pool->size + length)) {
             codec->result = STP_ERROR_OUT_OF_MEMORY;
             return STP_STORE_NONE;
         }
-        pool->bytes = grown;
     }
     assert(length <= pool->capacity - pool->size && pool->size + length <= STP_STORE_NONE);
     uint32_t offset = (uint32_t)pool->size;

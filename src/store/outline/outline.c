@@ -51,14 +51,11 @@ static uint32_t key_of(const stp_store_object* object)
 
 static stp_result add_prototype(stp_outline* outline, uint32_t object, uint32_t node)
 {
-    stp_outline_prototype* prototypes =
-        stp_grow_array(outline->context, outline->prototypes, &outline->prototype_capacity,
-                       outline->prototype_count + 1, sizeof(*prototypes));
-    if (prototypes == NULL) {
+    if (!STP_MAKE_ROOM(outline->context, outline->prototypes, outline->prototype_capacity,
+                       outline->prototype_count + 1)) {
         return stp_fail_memory(outline->context);
     }
-    outline->prototypes = prototypes;
-    prototypes[outline->prototype_count++] =
+    outline->prototypes[outline->prototype_count++] =
         (stp_outline_prototype){.node = node, .object = object};
     return STP_OK;
 }
