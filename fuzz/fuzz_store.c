@@ -38,7 +38,7 @@ static uint64_t use_directory(stp_store* store)
         total += sum_text(d->methods[m].name);
         for (uint32_t i = 0; i < d->node_count; ++i) {
             uint32_t set = stp_store_set_of(d, m, i);
-            total += set == STP_STORE_NONE || set < d->surfels_count ? 1 : (abort(), 0);
+            total += set == STP_STORE_NONE || set < d->set_count ? 1 : (abort(), 0);
         }
     }
     for (uint32_t i = 0; i < d->object_count && d->objects != NULL; ++i) {
@@ -144,15 +144,15 @@ static uint64_t use_meshes(stp_store* store)
     return total;
 }
 
-static uint64_t use_surfels(stp_store* store)
+static uint64_t use_splat_sets(stp_store* store)
 {
     const stp_store_directory* d = stp_store_get_directory(store);
     uint64_t total = 0;
-    for (uint32_t i = 0; i < d->surfels_count; ++i) {
+    for (uint32_t i = 0; i < d->set_count; ++i) {
         total += use_leaves(store, i);
         stp_splats s;
-        if (stp_store_get_surfels_prefix(store, i, 1, &s) != STP_OK ||
-            stp_store_get_surfels(store, i, &s) != STP_OK) {
+        if (stp_store_get_splat_set_prefix(store, i, 1, &s) != STP_OK ||
+            stp_store_get_splat_set(store, i, &s) != STP_OK) {
             continue;
         }
         size_t n = s.count, entries = 0;
@@ -176,9 +176,9 @@ static uint64_t use_attributes(stp_store* store)
     const stp_store_coloring coloring = {
         .by_attribute = true, .attribute = STP_ATTRIBUTE_INTENSITY, .high = 1.0, .hides = true};
     uint64_t total = sum_text(stp_store_coordinate_system(store));
-    for (uint32_t i = 0; i < d->surfels_count; ++i) {
+    for (uint32_t i = 0; i < d->set_count; ++i) {
         double values[16];
-        uint32_t count = stp_store_describe_surfels(store, i)->count;
+        uint32_t count = stp_store_describe_splat_set(store, i)->count;
         count = count < 16 ? count : 16;
         for (int a = 0; a < STP_ATTRIBUTES; ++a) {
             total += stp_store_get_values(store, i, (stp_attribute)a, 0, count, values) == STP_OK
@@ -189,9 +189,9 @@ static uint64_t use_attributes(stp_store* store)
     if (stp_store_set_coloring(store, &coloring) != STP_OK) {
         abort();
     }
-    for (uint32_t i = 0; i < d->surfels_count; ++i) {
+    for (uint32_t i = 0; i < d->set_count; ++i) {
         stp_splats s;
-        total += stp_store_get_surfels(store, i, &s) == STP_OK ? sum(s.colors, s.count) : 0;
+        total += stp_store_get_splat_set(store, i, &s) == STP_OK ? sum(s.colors, s.count) : 0;
     }
     for (uint32_t i = 0; i < d->point_set_count; ++i) {
         stp_store_point_set p;
@@ -218,14 +218,14 @@ static uint64_t use_keys(stp_store* store, const uint8_t* data, size_t size)
     uint64_t total = 0;
     for (size_t at = 0; at + sizeof(stp_hash) <= size && at < 20000; at += 4) {
         stp_hash key;
-        stp_store_stored_surfels surfels;
+        stp_store_stored_splat_set splats;
         stp_store_stored_mesh mesh;
         memcpy(&key, data + at, sizeof(key));
-        if (stp_store_find_surfels_by_key(store, key, &surfels) != STP_OK ||
+        if (stp_store_find_splat_set_by_key(store, key, &splats) != STP_OK ||
             stp_store_find_mesh_by_key(store, key, &mesh) != STP_OK) {
             break;
         }
-        total += surfels.surfels != NULL ? surfels.surfels->count : 0;
+        total += splats.splats != NULL ? splats.splats->count : 0;
         total += sum(mesh.block, mesh.size);
     }
     return total;
@@ -260,12 +260,12 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
     reseal(bytes, size);
     static volatile uint64_t sink;
     for (int prefix = 0; prefix < 2; ++prefix) {
-        stp_store_open_desc desc = {.accept_prefix = prefix == 1, .defer_objects = prefix == 1};
+        stp_store_open_desc desc = {.accept_partial = prefix == 1, .defer_objects = prefix == 1};
         stp_store* store = NULL;
         if (stp_store_open_memory(context, "fuzz", bytes, size, &desc, &store) != STP_OK) {
             continue;
         }
-        sink = sink + use_directory(store) + use_meshes(store) + use_surfels(store);
+        sink = sink + use_directory(store) + use_meshes(store) + use_splat_sets(store);
         sink = sink + use_summary(store) + use_keys(store, data, size);
         sink = sink + use_attributes(store);
         stp_store_check_report report;

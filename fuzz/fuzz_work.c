@@ -65,7 +65,7 @@ static uint64_t use(stp_work* work, stp_hash key)
     stp_splats s;
     stp_coded_mesh mesh;
     uint32_t candidates;
-    if (stp_work_find_surfels(work, key, 5, &s, &candidates)) {
+    if (stp_work_find_splat_set(work, key, 5, &s, &candidates)) {
         size_t entries = 0;
         for (uint32_t i = 0; i < s.octave_count; ++i) {
             entries += s.octave_ends[i];

@@ -105,11 +105,11 @@ static stp_result count_bytes(stp_context* context, const stp_splats* set, doubl
     const stp_store_content content = {.directory = {.root = STP_STORE_NONE,
                                                      .shading_count = 1,
                                                      .shadings = &shading,
-                                                     .surfels_count = 1,
+                                                     .set_count = 1,
                                                      .methods = &method,
                                                      .method_count = 1,
                                                      .up = 'y'},
-                                       .surfels = set};
+                                       .sets = set};
     stp_store* store = NULL;
     stp_result result = stp_store_write(context, &content, path);
     result = result == STP_OK ? stp_store_open(context, path, &store) : result;

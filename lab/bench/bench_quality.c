@@ -231,7 +231,7 @@ static stp_result run_series(quality_run* run, const char* model, const quality_
     if (series->limit) {
         uint32_t method = stp_store_find_method(directory, run->method);
         uint32_t set = stp_store_set_of(directory, method, directory->root);
-        result = stp_store_get_surfels(run->store, set, &surfels);
+        result = stp_store_get_splat_set(run->store, set, &surfels);
     }
     stp_view view;
     for (uint32_t i = 0; result == STP_OK && make_view(run, series, i, &view); ++i) {

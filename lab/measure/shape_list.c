@@ -217,9 +217,9 @@ static stp_result add_splats(const placing* p, stp_store* store, const stp_draw_
 {
     tool_shape_list* list = p->list;
     stp_splats set;
-    const stp_splats* known = stp_store_describe_surfels(store, item->index);
+    const stp_splats* known = stp_store_describe_splat_set(store, item->index);
     uint32_t octaves = stp_store_octaves_for(known, item->prefix);
-    stp_result result = stp_store_get_surfels_prefix(store, item->index, octaves, &set);
+    stp_result result = stp_store_get_splat_set_prefix(store, item->index, octaves, &set);
     if (result != STP_OK) {
         return result;
     }
@@ -259,7 +259,7 @@ static stp_result add_items(stp_context* context, tool_shape_list* list, stp_sto
     for (size_t i = 0; i < items->count && result == STP_OK; ++i) {
         const stp_draw_item* item = &items->items[i];
         p.transform = item->transform;
-        if (item->kind == STP_DRAW_SURFELS) {
+        if (item->kind == STP_DRAW_SPLATS) {
             result = add_splats(&p, store, item);
         } else if (item->kind == STP_DRAW_MESH) {
             result = add_mesh(&p, store, item->index);

@@ -238,7 +238,7 @@ static stp_result draw_sequence(spt_gl_drawing* d, const spt_view* view, bool gr
                                 spt_times* times)
 {
     stp_gl_renderer* r = d->renderer;
-    stp_draw_item item = {.kind = STP_DRAW_SURFELS,
+    stp_draw_item item = {.kind = STP_DRAW_SPLATS,
                           .prefix = view->prefix,
                           .full_prefix = view->prefix,
                           .radius = d->model->set.step,

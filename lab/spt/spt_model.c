@@ -108,7 +108,7 @@ bool spt_model_make_view(const spt_model* m, const stp_tree_view* from, stp_vec3
         return false;
     }
     const stp_placement placement = {.frame = frame, .nearness_scale = frame.near_distance};
-    stp_draw_item item = {.kind = STP_DRAW_SURFELS, .transform = stp_affine_identity()};
+    stp_draw_item item = {.kind = STP_DRAW_SPLATS, .transform = stp_affine_identity()};
     stp_placed_item placed;
     stp_placement_place(&placement, &item, nowhere, &placed);
     view->camera = placed.camera;

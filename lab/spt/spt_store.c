@@ -38,7 +38,7 @@ stp_result spt_store_open(stp_context* context, const stp_splats* set, stp_store
                                                      .material_count = 1,
                                                      .shading_count = 1,
                                                      .mesh_count = 1,
-                                                     .surfels_count = 1,
+                                                     .set_count = 1,
                                                      .method_count = 1,
                                                      .nodes = &node,
                                                      .parts = &part,
@@ -48,7 +48,7 @@ stp_result spt_store_open(stp_context* context, const stp_splats* set, stp_store
                                                      .up = 'y',
                                                      .build_json = "{}"},
                                        .meshes = &mesh,
-                                       .surfels = set,
+                                       .sets = set,
                                        .passing = true};
     char path[512];
     const char* folder = getenv("TMPDIR");

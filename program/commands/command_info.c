@@ -72,7 +72,7 @@ static int print_figures(const char* path, stp_result described, scene_figures* 
 static int print_store(stp_context* context, const char* path)
 {
     stp_store* store = NULL;
-    stp_store_open_desc desc = {.summary_only = true, .accept_prefix = true};
+    stp_store_open_desc desc = {.summary_only = true, .accept_partial = true};
     if (stp_store_open_with(context, path, &desc, &store) != STP_OK) {
         return 1;
     }
@@ -86,7 +86,7 @@ static int print_store(stp_context* context, const char* path)
 static int print_found(stp_context* context, const char* path)
 {
     stp_store* store = NULL;
-    stp_store_open_desc desc = {.defer_objects = true, .accept_prefix = true};
+    stp_store_open_desc desc = {.defer_objects = true, .accept_partial = true};
     if (stp_store_open_with(context, path, &desc, &store) != STP_OK) {
         return 1;
     }

@@ -55,11 +55,11 @@ static size_t add_quality_options(option* table, size_t used, draw_options* o)
          .value = &o->controller,
          .rare = true},
         {.name = "prefix",
-         .type = OPTION_PREFIX,
+         .type = OPTION_PARTIAL_FILE,
          .argument = "SIZE|P%",
          .help = "draw as if the .stip file ended after this many bytes (64K) or this share of "
                  "it (5%)",
-         .value = &o->prefix,
+         .value = &o->partial_file,
          .rare = true},
         {.name = "method",
          .type = OPTION_CHOICE,
@@ -334,7 +334,7 @@ stp_quality draw_options_quality(const draw_options* o)
 int tool_check_method(uint32_t id, const stp_store* store, const char* path)
 {
     const stp_store_directory* d = stp_store_get_directory(store);
-    if (id == 0 || d->surfels_count == 0 || d->methods[stp_store_find_method(d, id)].id == id) {
+    if (id == 0 || d->set_count == 0 || d->methods[stp_store_find_method(d, id)].id == id) {
         return 0;
     }
     const char* name = stp_method_by_id(id)->name;
@@ -351,7 +351,7 @@ const char* draw_options_method(const draw_options* o, const stp_store* store)
 {
     const stp_store_directory* d = stp_store_get_directory(store);
     uint32_t id = o->has_method ? stp_methods[o->method].id : 0;
-    return d->surfels_count > 0 ? d->methods[stp_store_find_method(d, id)].name : NULL;
+    return d->set_count > 0 ? d->methods[stp_store_find_method(d, id)].name : NULL;
 }
 
 const char* draw_options_coarse_method(const draw_options* o, const stp_store* store)

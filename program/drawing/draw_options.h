@@ -20,7 +20,7 @@ typedef struct draw_options {
     int method; ///< place in stp_methods
     bool has_method;
     int hybrid; ///< HYBRID_*
-    option_prefix prefix;
+    option_partial_file partial_file;
     const char *fovea, *fovea_center, *cues;
     bool stereo;
     double ipd;                ///< 0: not given

@@ -34,7 +34,7 @@ static void choose_method(drawing* d, draw_options* o, const char* path)
         stp_warn(d->context, "%s: drawn by %s: splats by %s have no %s", path, method->name,
                  directory->methods[usual].name, what);
     } else if (point_colors_has_originals(&o->colors, d->store) &&
-               !stp_store_is_truncated(d->store) && o->settings.quality.splat_count == 0 &&
+               !stp_store_is_partial(d->store) && o->settings.quality.splat_count == 0 &&
                !(o->budget_ms > 0.0)) {
         o->settings.quality.reference = true;
         o->point_size = o->point_size != NULL ? o->point_size : CLOUD_ORIGINAL_SIZE;
@@ -44,8 +44,8 @@ static void choose_method(drawing* d, draw_options* o, const char* path)
 
 stp_result drawing_open(drawing* d, draw_options* options, const char* path)
 {
-    stp_result result = tool_open_scene_prefix(d->context, path, draw_options_use(options),
-                                               &options->prefix, &d->store);
+    stp_result result = tool_open_partial_scene(d->context, path, draw_options_use(options),
+                                                &options->partial_file, &d->store);
     d->show = (scene_show){.context = d->context, .store = d->store};
     if (result != STP_OK) {
         return result;
@@ -102,7 +102,7 @@ stp_result drawing_make(drawing* d, const draw_options* options)
 json_t* drawing_describe(const drawing* d, const stp_view* view)
 {
     json_t* object = frame_maker_describe(&d->maker, view->width, view->height);
-    json_t* file = json_pack("{s:b, s:I, s:I}", "truncated", stp_store_is_truncated(d->store),
+    json_t* file = json_pack("{s:b, s:I, s:I}", "truncated", stp_store_is_partial(d->store),
                              "file_bytes", (json_int_t)stp_store_file_bytes(d->store),
                              "whole_bytes", (json_int_t)stp_store_whole_bytes(d->store));
     if (file == NULL || json_object_update(object, file) != 0) {

@@ -318,21 +318,21 @@ stp_result tool_open_scene_for(stp_context* context, const char* path, scene_use
     return result == STP_OK ? stp_store_open(context, located, store) : result;
 }
 
-stp_result tool_open_scene_prefix(stp_context* context, const char* path, scene_use use,
-                                  const option_prefix* prefix, stp_store** store)
+stp_result tool_open_partial_scene(stp_context* context, const char* path, scene_use use,
+                                   const option_partial_file* part, stp_store** store)
 {
     char located[PATH_MAX];
     struct stat status;
-    stp_store_open_desc desc = {.accept_prefix = use != SCENE_FOR_ORIGINALS,
-                                .prefix_bytes = prefix->bytes};
+    stp_store_open_desc desc = {.accept_partial = use != SCENE_FOR_ORIGINALS,
+                                .partial_bytes = part->bytes};
     *store = NULL;
     assert(prefix->percent >= 0.0 && prefix->percent <= 100.0);
     stp_result result = tool_locate_scene(context, path, use, located);
     if (result != STP_OK) {
         return result;
     }
-    if (prefix->percent > 0.0 && stat(located, &status) == 0) {
-        desc.prefix_bytes = (uint64_t)ceil(0.01 * prefix->percent * (double)status.st_size);
+    if (part->percent > 0.0 && stat(located, &status) == 0) {
+        desc.partial_bytes = (uint64_t)ceil(0.01 * part->percent * (double)status.st_size);
     }
     return stp_store_open_with(context, located, &desc, store);
 }

@@ -34,11 +34,11 @@ scene_use scene_use_of_method(uint32_t id);
 STP_MUST_USE stp_result tool_open_scene_for(stp_context* context, const char* path, scene_use use,
                                             stp_store** store);
 
-/// Same, and also accepts a .stip that ends early; with `prefix`, uses only the first part. A
+/// Same, and also accepts a partial .stip, one that ends early; with `part`, uses only that much. A
 /// reference (SCENE_FOR_ORIGINALS) needs the complete file.
-STP_MUST_USE stp_result tool_open_scene_prefix(stp_context* context, const char* path,
-                                               scene_use use, const option_prefix* prefix,
-                                               stp_store** store);
+STP_MUST_USE stp_result tool_open_partial_scene(stp_context* context, const char* path,
+                                                scene_use use, const option_partial_file* part,
+                                                stp_store** store);
 
 /// Path of the .stip that tool_open_scene_for would open; builds it if needed. `located` has room
 /// for PATH_MAX bytes. @return STP_OK: it can be opened; else as tool_open_scene_for

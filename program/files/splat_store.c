@@ -131,8 +131,8 @@ static stp_result write_set(const store_maker* m, const char* path)
     placed.m[2][3] = m->origin.z;
     const stp_store_edge edge = {.node = 0, .transform = placed};
     const stp_store_node nodes[2] = {
-        {.surfels = 0, .bounds = m->bounds},
-        {.surfels = STP_STORE_NONE, .edge_count = 1, .bounds = stp_affine_box(&placed, m->bounds)},
+        {.set = 0, .bounds = m->bounds},
+        {.set = STP_STORE_NONE, .edge_count = 1, .bounds = stp_affine_box(&placed, m->bounds)},
     };
     const stp_store_object object = {
         .name = "splats", .parent = STP_STORE_NONE, .node = 1, .transform = stp_affine_identity()};
@@ -143,7 +143,7 @@ static stp_result write_set(const store_maker* m, const char* path)
                       .edge_count = 1,
                       .object_count = 1,
                       .shading_count = shadings != NULL ? m->splats->shading_count : 1,
-                      .surfels_count = 1,
+                      .set_count = 1,
                       .method_count = 1,
                       .nodes = nodes,
                       .edges = &edge,
@@ -153,7 +153,7 @@ static stp_result write_set(const store_maker* m, const char* path)
                       .root = 1,
                       .up = m->up,
                       .build_json = "{\"method\":\"psp\"}"},
-        .surfels = &m->set};
+        .sets = &m->set};
     return stp_store_write(m->context, &content, path);
 }
 

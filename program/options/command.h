@@ -22,14 +22,14 @@ typedef enum option_type {
     OPTION_VECTOR, ///< double[3]: X,Y,Z; with `words`, a direction, also an axis: x, -x, y, ...
     OPTION_COLOR,  ///< uint8_t[3], sRGB: a CSS name, RRGGBB or RGB with or without #
     OPTION_TEXTS,  ///< option_texts: given again, it is one more
-    OPTION_PREFIX, ///< option_prefix: a size as OPTION_SIZE, or a percentage as 5%
+    OPTION_PARTIAL_FILE, ///< option_partial_file: a size as OPTION_SIZE, or a percentage as 5%
 } option_type;
 
 /// The beginning of a file: a number of bytes, or a part of it. Both 0: not given.
-typedef struct option_prefix {
+typedef struct option_partial_file {
     uint64_t bytes;
     double percent; ///< above 0, at most 100; 0: see `bytes`
-} option_prefix;
+} option_partial_file;
 
 enum { OPTION_TEXTS_MAX = 256 };
 typedef struct option_texts {

@@ -198,22 +198,22 @@ static bool set_size(const option* o, const char* text, char* problem, size_t si
     return true;
 }
 
-static bool set_prefix(const option* o, const char* text, char* problem, size_t size)
+static bool set_partial_file(const option* o, const char* text, char* problem, size_t size)
 {
-    option_prefix prefix = {0};
+    option_partial_file part = {0};
     const char* end;
     if (strchr(text, '%') == NULL) {
-        option bytes = {.words = "1..9e18", .value = &prefix.bytes};
+        option bytes = {.words = "1..9e18", .value = &part.bytes};
         if (!set_size(&bytes, text, problem, size)) {
             return fail(problem, size,
                         "is neither a size such as 65536 or 64K nor a percentage "
                         "such as 5%");
         }
-    } else if (!read_number(text, &prefix.percent, &end) || strcmp(end, "%") != 0 ||
-               !(prefix.percent > 0.0 && prefix.percent <= 100.0)) {
+    } else if (!read_number(text, &part.percent, &end) || strcmp(end, "%") != 0 ||
+               !(part.percent > 0.0 && part.percent <= 100.0)) {
         return fail(problem, size, "is not a percentage such as 5%, above 0 and at most 100%");
     }
-    *(option_prefix*)o->value = prefix;
+    *(option_partial_file*)o->value = part;
     return true;
 }
 
@@ -358,8 +358,8 @@ bool option_set_value(const option* o, const char* text, char* problem, size_t p
         return set_color(o, text, problem, problem_size);
     case OPTION_VECTOR:
         return set_vector(o, text, problem, problem_size);
-    case OPTION_PREFIX:
-        return set_prefix(o, text, problem, problem_size);
+    case OPTION_PARTIAL_FILE:
+        return set_partial_file(o, text, problem, problem_size);
     }
     return fail(problem, problem_size, "cannot be read");
 }

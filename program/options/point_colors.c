@@ -173,7 +173,7 @@ static bool is_drawn(const stp_store* store, uint32_t method, bool reference, st
     const stp_store_method* m = d->method_count > 0 ? &d->methods[method] : NULL;
     for (uint32_t i = 0; m != NULL && i < m->set_count; ++i) {
         uint32_t set = m->first_set + i;
-        if (stp_store_describe_surfels(store, set)->count != 0 &&
+        if (stp_store_describe_splat_set(store, set)->count != 0 &&
             (stp_store_octave_attributes(store, set, 0) & bit) != 0) {
             return true;
         }
@@ -259,12 +259,12 @@ stp_result point_colors_elevations(stp_context* context, stp_store* store, uint3
     range[0] = d->nodes[d->root].bounds.min.y;
     range[1] = d->nodes[d->root].bounds.max.y;
     uint32_t set = d->method_count > 0 ? stp_store_set_of(d, method, d->root) : STP_STORE_NONE;
-    if (set == STP_STORE_NONE || stp_store_is_truncated(store)) {
+    if (set == STP_STORE_NONE || stp_store_is_partial(store)) {
         return STP_OK;
     }
     stp_splats splats;
-    uint32_t octaves = stp_store_octaves_for(stp_store_describe_surfels(store, set), HEIGHTS_MAX);
-    stp_result result = stp_store_get_surfels_prefix(store, set, octaves, &splats);
+    uint32_t octaves = stp_store_octaves_for(stp_store_describe_splat_set(store, set), HEIGHTS_MAX);
+    stp_result result = stp_store_get_splat_set_prefix(store, set, octaves, &splats);
     uint32_t count = result != STP_OK ? 0 : splats.count < HEIGHTS_MAX ? splats.count : HEIGHTS_MAX;
     uint16_t* heights = STP_NEW_ARRAY(context, uint16_t, (size_t)count + 1);
     if (result == STP_OK && heights == NULL) {
@@ -280,7 +280,7 @@ stp_result point_colors_elevations(stp_context* context, stp_store* store, uint3
         range[1] = (double)splats.origin.y + (double)splats.step * high;
     }
     stp_free(context, heights);
-    stp_store_release_surfels(store, set);
+    stp_store_release_splat_set(store, set);
     return result;
 }
 

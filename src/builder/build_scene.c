@@ -193,7 +193,7 @@ static stp_result import_inputs(build* b)
 }
 
 // Splits the wall time of surfels in proportion to the threads' time per phase.
-static void report_surfels(build* b, double seconds)
+static void report_splat_sets(build* b, double seconds)
 {
     const stp_build_nodes* nodes = &b->nodes;
     double all_ms = nodes->capture_ms + nodes->order_ms + nodes->finish_ms;
@@ -226,7 +226,7 @@ static uint64_t largest_step(const stp_build_plan* plan)
     return maximum;
 }
 
-static stp_result plan_surfels(build* b)
+static stp_result plan_splat_sets(build* b)
 {
     const stp_build_desc* desc = b->desc;
     stp_result result = stp_make_shadings(b->scene, &b->shadings);
@@ -254,7 +254,7 @@ static const stp_method* method_alone(const stp_build_desc* desc)
     return only != NULL && only->make_alone != NULL ? only : NULL;
 }
 
-static stp_result make_surfels(build* b)
+static stp_result make_splat_sets(build* b)
 {
     const stp_build_desc* desc = b->desc;
     double start = stp_clock_ms();
@@ -278,7 +278,7 @@ static stp_result make_surfels(build* b)
     stp_context_expect_bytes(b->context, 0);
     stp_work_release_pages(b->work);
     if (result == STP_OK) {
-        report_surfels(b, (stp_clock_ms() - start) * 1e-3);
+        report_splat_sets(b, (stp_clock_ms() - start) * 1e-3);
     }
     return result;
 }
@@ -345,7 +345,7 @@ static stp_result make_content(build* b)
         content->census = &b->census;
         content->coded_meshes = b->meshes.coded;
         content->mesh_keys = b->meshes.keys;
-        content->surfel_keys = b->methods.keys;
+        content->set_keys = b->methods.keys;
         content->directory.methods = b->methods.methods;
         content->directory.method_count = b->methods.method_count;
         content->release_pages = release_pages;
@@ -400,9 +400,9 @@ static bool close_build(build* b, bool written)
 // With drafts, triangles come first: they are quick to make and show the whole scene.
 static stp_result make_parts(build* b)
 {
-    stp_result result = plan_surfels(b);
+    stp_result result = plan_splat_sets(b);
     if (b->draft == NULL) {
-        result = result == STP_OK ? make_surfels(b) : result;
+        result = result == STP_OK ? make_splat_sets(b) : result;
         result = result == STP_OK ? make_methods(b) : result;
         return result == STP_OK ? code_meshes(b) : result;
     }
@@ -410,7 +410,7 @@ static stp_result make_parts(build* b)
     if (result == STP_OK && b->plan.step_count > 0) {
         stp_build_draft_write(b->draft);
     }
-    result = result == STP_OK ? make_surfels(b) : result;
+    result = result == STP_OK ? make_splat_sets(b) : result;
     return result == STP_OK ? make_methods(b) : result;
 }
 

@@ -230,7 +230,7 @@ void stp_build_draft_add_mesh(stp_build_draft* draft, size_t mesh, const stp_cod
     }
 }
 
-void stp_build_draft_add_surfels(stp_build_draft* draft, uint32_t step, const stp_splats* set)
+void stp_build_draft_add_splat_set(stp_build_draft* draft, uint32_t step, const stp_splats* set)
 {
     if (draft != NULL && draft->scene != NULL) {
         pthread_mutex_lock(&draft->mutex);

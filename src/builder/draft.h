@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Drafts: the unfinished scene, written repeatedly as a separate file for display during the
-// build. First points of all meshes, then triangles, then surfels from the smallest parts up.
+// build. First points of all meshes, then triangles, then splats from the smallest parts up.
 // Drafts take at most a tenth of the time of one thread, and are skipped if the disk might become
 // too small for the build. They never change the result.
 #pragma once
@@ -30,6 +30,6 @@ void stp_build_draft_begin(stp_build_draft* draft, const stp_scene* scene,
 
 /// Adds a coded mesh, or a finished step of the plan. Writes a draft if one is due. Any thread.
 void stp_build_draft_add_mesh(stp_build_draft* draft, size_t mesh, const stp_coded_mesh* coded);
-void stp_build_draft_add_surfels(stp_build_draft* draft, uint32_t step, const stp_splats* set);
+void stp_build_draft_add_splat_set(stp_build_draft* draft, uint32_t step, const stp_splats* set);
 /// Writes new results immediately. Nothing may be added during this call.
 void stp_build_draft_write(stp_build_draft* draft);

@@ -12,7 +12,7 @@
 static const double visits_max = 4e6, triangles_max = 2.4e7, points_max = 1e6,
                     own_points_max = 1.6e7;
 
-// How a mesh or point set is exposed: its uses outside the subtrees that surfels represent.
+// How a mesh or point set is exposed: its uses outside the subtrees that splats represent.
 typedef struct exposure {
     double uses;    ///< number of uses
     double weight;  ///< total factor on its area
@@ -44,7 +44,7 @@ static bool has_set(const stp_draft_state* s, size_t node)
     return set != STP_NONE && s->sets[set].count != 0;
 }
 
-// Counts the paths from the root to each node, and the factors on its areas; not below surfels.
+// Counts the paths from the root to each node, and the factors on its areas; not below splats.
 static void count_paths(draft_work* w)
 {
     const stp_scene* scene = w->state->scene;

@@ -16,7 +16,7 @@ typedef struct stp_draft_state {
 
 /// Makes a scene of the available results, with the same nodes and objects. Meshes that are not
 /// coded yet become a few points. If drawing all triangles would take long, so do the meshes with
-/// the smallest triangles. Content below a surfel set does not count for this, because it is drawn
+/// the smallest triangles. Content below a splat set does not count for this, because it is drawn
 /// only from near. The caller adds shadings and parameters. @return STP_OK; STP_ERROR_LIMIT if the
 /// scene is empty or has too many visible nodes to draw quickly, not logged;
 /// STP_ERROR_OUT_OF_MEMORY (nothing to destroy)

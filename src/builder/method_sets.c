@@ -39,13 +39,13 @@ static bool find_set(run* r, stp_hash key, stp_splats* set)
 {
     const stp_build_methods_desc* desc = r->desc;
     uint32_t unused;
-    if (stp_work_find_surfels(desc->work, key, desc->shading_count, set, &unused)) {
+    if (stp_work_find_splat_set(desc->work, key, desc->shading_count, set, &unused)) {
         return true;
     }
     pthread_mutex_lock(&r->previous_mutex);
-    bool found =
-        desc->previous != NULL &&
-        stp_previous_output_take_surfels(desc->previous, key, desc->shading_count, desc->work, set);
+    bool found = desc->previous != NULL &&
+                 stp_previous_output_take_splat_set(desc->previous, key, desc->shading_count,
+                                                    desc->work, set);
     pthread_mutex_unlock(&r->previous_mutex);
     return found;
 }
@@ -72,7 +72,7 @@ static stp_result make_within(run* r, const stp_method* method, size_t step, dou
     }
     stp_node_triangles_destroy(context, &large);
     if (result == STP_OK) {
-        result = stp_work_store_surfels(r->desc->work, key, &made, 0, set);
+        result = stp_work_store_splat_set(r->desc->work, key, &made, 0, set);
         stp_splats_destroy(context, &made);
     }
     return result;

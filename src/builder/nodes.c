@@ -91,7 +91,7 @@ static void end_step(run* r, uint32_t index, stp_result result, const stp_blue_r
         release_pages(r);
     }
     if (result == STP_OK) {
-        stp_build_draft_add_surfels(r->desc->draft, index, &nodes->sets[index]);
+        stp_build_draft_add_splat_set(r->desc->draft, index, &nodes->sets[index]);
     }
 }
 
@@ -99,14 +99,14 @@ static void end_step(run* r, uint32_t index, stp_result result, const stp_blue_r
 static bool find_step(run* r, const stp_build_step* step, stp_splats* set, stp_blue_report* report)
 {
     const stp_build_nodes_desc* desc = r->desc;
-    if (stp_work_find_surfels(desc->work, key_of(r, step), desc->shading_count, set,
-                              &report->candidate_count)) {
+    if (stp_work_find_splat_set(desc->work, key_of(r, step), desc->shading_count, set,
+                                &report->candidate_count)) {
         return true;
     }
     pthread_mutex_lock(&r->previous_mutex);
     bool found = desc->previous != NULL &&
-                 stp_previous_output_take_surfels(desc->previous, key_of(r, step),
-                                                  desc->shading_count, desc->work, set);
+                 stp_previous_output_take_splat_set(desc->previous, key_of(r, step),
+                                                    desc->shading_count, desc->work, set);
     pthread_mutex_unlock(&r->previous_mutex);
     return found;
 }
@@ -126,8 +126,8 @@ static stp_result make_step(run* r, const stp_build_step* step, stp_splats* set,
                                        desc->options, &made, report)
             : stp_blue_make(r->scene, step->node, desc->shading_of_material, &blue, &made, report);
     if (result == STP_OK) {
-        result = stp_work_store_surfels(desc->work, key_of(r, step), &made, report->candidate_count,
-                                        set);
+        result = stp_work_store_splat_set(desc->work, key_of(r, step), &made,
+                                          report->candidate_count, set);
         stp_splats_destroy(r->scene->context, &made);
     }
     return result;

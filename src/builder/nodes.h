@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Makes the surfels of all nodes in a plan, bottom-up: one node per thread, then the upper ones on
+// Makes the splats of all nodes in a plan, bottom-up: one node per thread, then the upper ones on
 // all threads. Each result is kept in the work directory immediately.
 #pragma once
 

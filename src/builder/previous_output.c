@@ -78,26 +78,26 @@ static stp_splat_leaf* take_leaves(stp_previous_output* previous, uint32_t index
     return copied;
 }
 
-bool stp_previous_output_take_surfels(stp_previous_output* previous, stp_hash key,
-                                      uint32_t shading_count, stp_work* work, stp_splats* surfels)
+bool stp_previous_output_take_splat_set(stp_previous_output* previous, stp_hash key,
+                                        uint32_t shading_count, stp_work* work, stp_splats* splats)
 {
-    stp_store_stored_surfels found;
+    stp_store_stored_splat_set found;
     stp_splats columns;
-    if (stp_store_find_surfels_by_key(previous->store, key, &found) != STP_OK ||
+    if (stp_store_find_splat_set_by_key(previous->store, key, &found) != STP_OK ||
         found.index == STP_STORE_NONE ||
-        stp_store_get_surfels(previous->store, found.index, &columns) != STP_OK) {
+        stp_store_get_splat_set(previous->store, found.index, &columns) != STP_OK) {
         return false;
     }
     uint32_t candidates;
     stp_splat_leaf* copied = NULL;
     bool taken = take_attributes(previous, found.index, &columns) &&
                  (copied = take_leaves(previous, found.index, &columns)) != NULL &&
-                 stp_work_store_surfels(work, key, &columns, 0, surfels) == STP_OK &&
-                 stp_work_find_surfels(work, key, shading_count, surfels, &candidates);
+                 stp_work_store_splat_set(work, key, &columns, 0, splats) == STP_OK &&
+                 stp_work_find_splat_set(work, key, shading_count, splats, &candidates);
     for (int i = 0; i < STP_ATTRIBUTES; ++i) {
         stp_free(previous->quiet, columns.attributes[i]);
     }
-    stp_store_release_surfels(previous->store, found.index);
+    stp_store_release_splat_set(previous->store, found.index);
     stp_free(previous->quiet, copied);
     return taken;
 }

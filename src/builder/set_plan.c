@@ -14,7 +14,7 @@
 #define SMALLER 256.0
 // A set above others pays if they would each be drawn with fewer surfels than this, or if it has
 // this many times fewer surfels than they have (hidden surfaces are left out).
-#define ITEM_SURFELS 250.0
+#define ITEM_SPLATS 250.0
 #define THINNER 16.0
 #define COVERED 0.9       // share of a node's triangles that the sets below must represent
 #define FIXED_COST 1000.0 // cost of a step without its surfels, in surfels
@@ -255,7 +255,7 @@ static void drop_needless(planning* p)
         if (p->wanted[i] && !uppermost && !moves(scene, i)) {
             double own = expected_surfels(p, i);
             p->wanted[i] = b->triangles < COVERED * count_shapes(p, i) ||
-                           b->items * ITEM_SURFELS > own || b->surfels > THINNER * own;
+                           b->items * ITEM_SPLATS > own || b->surfels > THINNER * own;
         }
     }
 }

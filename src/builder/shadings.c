@@ -130,7 +130,7 @@ static stp_shading make_unused(void)
 }
 
 // Gives every shading its own index: the one its hash names, or the next free one, in the order of
-// their hashes. So surfels of a previous build stay valid when other materials are added or
+// their hashes. So splats of a previous build stay valid when other materials are added or
 // removed, except for the few whose indices collide. @return false if there are too many
 static bool place_shadings(const reduction* r, shading_place* places, stp_shading_set* set)
 {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The shadings that a surfel's material byte refers to: the scene's materials without colour (which
-// each surfel has itself), reduced to at most 256.
+// The shadings that a splat's material byte refers to: the scene's materials without colour (which
+// each splat has itself), reduced to at most 256.
 #pragma once
 
 #include "base/splats/splat_columns.h"

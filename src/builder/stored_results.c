@@ -10,9 +10,9 @@
 #include <assert.h>
 
 enum {
-    SURFELS_KIND = 1, ///< type of result, at the start of its header
+    SPLAT_SET_KIND = 1, ///< type of result, at the start of its header
     MESH_KIND = 2,
-    SURFELS_HEAD = 704,
+    SPLAT_SET_HEAD = 704,
     OCTAVES_AT = 48,
     COUNTS_AT = OCTAVES_AT + 4 * STP_OCTAVE_LIMIT,
     RADII_AT = COUNTS_AT + 4 * STP_PREFIX_TABLE_SIZE,
@@ -24,7 +24,7 @@ enum {
     LEAF_COLUMN = ATTRIBUTE_COLUMN + STP_ATTRIBUTES,
     COLUMNS,
 };
-_Static_assert(LEAVES_AT + 4 <= SURFELS_HEAD, "the head holds the table");
+_Static_assert(LEAVES_AT + 4 <= SPLAT_SET_HEAD, "the head holds the table");
 
 // Writes or reads consecutive numbers.
 typedef struct cursor {
@@ -56,12 +56,12 @@ static float get_f32(cursor* at)
     return stp_read_f32(at->read - 4);
 }
 
-static void write_surfels_head(const stp_splats* s, uint32_t candidates,
-                               unsigned char head[SURFELS_HEAD])
+static void write_splat_set_head(const stp_splats* s, uint32_t candidates,
+                                 unsigned char head[SPLAT_SET_HEAD])
 {
-    memset(head, 0, SURFELS_HEAD);
+    memset(head, 0, SPLAT_SET_HEAD);
     cursor at = {.write = head};
-    put_u32(&at, SURFELS_KIND);
+    put_u32(&at, SPLAT_SET_KIND);
     put_u32(&at, s->count);
     put_u32(&at, s->octave_count);
     put_u32(&at, s->table.size);
@@ -88,7 +88,7 @@ static void write_surfels_head(const stp_splats* s, uint32_t candidates,
 }
 
 // False if the result is not a set or a count exceeds its limit; other values are not checked.
-static bool read_surfels_head(const unsigned char* head, stp_splats* s, uint32_t* candidates)
+static bool read_splat_set_head(const unsigned char* head, stp_splats* s, uint32_t* candidates)
 {
     *s = (stp_splats){0};
     cursor at = {.read = head};
@@ -107,7 +107,7 @@ static bool read_surfels_head(const unsigned char* head, stp_splats* s, uint32_t
     assert(at.read == head + OCTAVES_AT && "reader and writer have the same fields");
     s->columns = stp_read_u32(head + COLUMNS_AT);
     s->leaf_count = stp_read_u32(head + LEAVES_AT);
-    if (kind != SURFELS_KIND || s->columns > STP_SPLATS_COLUMNS ||
+    if (kind != SPLAT_SET_KIND || s->columns > STP_SPLATS_COLUMNS ||
         s->octave_count > STP_OCTAVE_LIMIT || s->table.size > STP_PREFIX_TABLE_SIZE) {
         return false;
     }
@@ -131,7 +131,7 @@ static size_t pad(size_t size)
     return (size + 63) & ~(size_t)63;
 }
 
-// Size of each column: at most 24 octaves of 2^32 surfels, so sums cannot overflow.
+// Size of each column: at most 24 octaves of 2^32 splats, so sums cannot overflow.
 static void size_columns(const stp_splats* s, uint32_t attributes, size_t sizes[COLUMNS])
 {
     size_t entries = (size_t)stp_store_pyramid_begin(s, s->octave_count);
@@ -173,14 +173,14 @@ static bool is_sound(const stp_splats* s, uint32_t shading_count)
 }
 
 // Points the columns into a result's bytes. False if it cannot be a set.
-static bool read_surfels(const void* result, size_t size, stp_splats* s, uint32_t* candidates)
+static bool read_splat_set(const void* result, size_t size, stp_splats* s, uint32_t* candidates)
 {
-    if (size < SURFELS_HEAD || !read_surfels_head(result, s, candidates) ||
-        stp_store_surfels_fault(s) != NULL) {
+    if (size < SPLAT_SET_HEAD || !read_splat_set_head(result, s, candidates) ||
+        stp_store_splat_set_fault(s) != NULL) {
         return false;
     }
     uint32_t attributes = stp_read_u32((const unsigned char*)result + ATTRIBUTES_AT);
-    size_t sizes[COLUMNS], offsets[COLUMNS], end = SURFELS_HEAD;
+    size_t sizes[COLUMNS], offsets[COLUMNS], end = SPLAT_SET_HEAD;
     size_columns(s, attributes, sizes);
     for (int i = 0; i < COLUMNS; ++i) {
         assert(end % 64 == 0 && "columns are aligned");
@@ -206,37 +206,37 @@ static bool read_surfels(const void* result, size_t size, stp_splats* s, uint32_
     return true;
 }
 
-bool stp_work_find_surfels(stp_work* work, stp_hash key, uint32_t shading_count,
-                           stp_splats* surfels, uint32_t* candidates)
+bool stp_work_find_splat_set(stp_work* work, stp_hash key, uint32_t shading_count,
+                             stp_splats* splats, uint32_t* candidates)
 {
     size_t size = 0;
     const void* result = stp_work_find(work, key, &size);
     if (result == NULL) {
         return false;
     }
-    if (!read_surfels(result, size, surfels, candidates) || !is_sound(surfels, shading_count)) {
+    if (!read_splat_set(result, size, splats, candidates) || !is_sound(splats, shading_count)) {
         stp_work_drop(work, key); // a checksum does not prove validity
         return false;
     }
     return true;
 }
 
-static stp_result store_surfels(stp_work* work, stp_hash key, const stp_splats* surfels,
-                                uint32_t candidates)
+static stp_result store_splat_set(stp_work* work, stp_hash key, const stp_splats* splats,
+                                  uint32_t candidates)
 {
     static const unsigned char zeros[64];
-    unsigned char head[SURFELS_HEAD];
-    write_surfels_head(surfels, candidates, head);
+    unsigned char head[SPLAT_SET_HEAD];
+    write_splat_set_head(splats, candidates, head);
     size_t sizes[COLUMNS];
-    size_columns(surfels, stp_splats_attributes(surfels), sizes);
-    const void* columns[COLUMNS] = {surfels->positions, surfels->normals,   surfels->materials,
-                                    surfels->colors,    surfels->coverages, surfels->shapes,
-                                    surfels->ranges};
+    size_columns(splats, stp_splats_attributes(splats), sizes);
+    const void* columns[COLUMNS] = {splats->positions, splats->normals,   splats->materials,
+                                    splats->colors,    splats->coverages, splats->shapes,
+                                    splats->ranges};
     for (int i = 0; i < STP_ATTRIBUTES; ++i) {
-        columns[ATTRIBUTE_COLUMN + i] = surfels->attributes[i];
+        columns[ATTRIBUTE_COLUMN + i] = splats->attributes[i];
     }
-    columns[LEAF_COLUMN] = surfels->leaves;
-    stp_work_piece pieces[1 + 2 * COLUMNS] = {{head, SURFELS_HEAD}};
+    columns[LEAF_COLUMN] = splats->leaves;
+    stp_work_piece pieces[1 + 2 * COLUMNS] = {{head, SPLAT_SET_HEAD}};
     for (int i = 0; i < COLUMNS; ++i) {
         assert((columns[i] != NULL || sizes[i] == 0) && "a column is missing");
         pieces[1 + 2 * i] = (stp_work_piece){columns[i], sizes[i]};
@@ -245,10 +245,10 @@ static stp_result store_surfels(stp_work* work, stp_hash key, const stp_splats* 
     return stp_work_store(work, key, pieces, 1 + 2 * COLUMNS, NULL);
 }
 
-stp_result stp_work_store_surfels(stp_work* work, stp_hash key, const stp_splats* surfels,
-                                  uint32_t candidates, stp_splats* stored)
+stp_result stp_work_store_splat_set(stp_work* work, stp_hash key, const stp_splats* splats,
+                                    uint32_t candidates, stp_splats* stored)
 {
-    const char* fault = stp_store_surfels_fault(surfels);
+    const char* fault = stp_store_splat_set_fault(splats);
     if (fault != NULL) {
         return stp_fail(stp_work_get_context(work), STP_ERROR_FORMAT, "a set of surfels: %s",
                         fault);
@@ -258,9 +258,9 @@ stp_result stp_work_store_surfels(stp_work* work, stp_hash key, const stp_splats
     for (int attempt = 0; result == STP_OK && attempt < 2; ++attempt) {
         uint32_t unused;
         stp_splats found;
-        result = store_surfels(work, key, surfels, candidates);
+        result = store_splat_set(work, key, splats, candidates);
         if (result == STP_OK &&
-            stp_work_find_surfels(work, key, STP_SHADING_LIMIT, &found, &unused)) {
+            stp_work_find_splat_set(work, key, STP_SHADING_LIMIT, &found, &unused)) {
             if (stored != NULL) {
                 *stored = found;
             }

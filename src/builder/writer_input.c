@@ -100,10 +100,10 @@ static bool find_held_points(stp_build_content* c, const stp_scene* scene,
     for (size_t i = 0; i < scene->node_count; ++i) {
         const stp_node* node = &scene->nodes[i];
         stp_part part = node->part_count == 1 ? scene->node_parts[node->first_part] : (stp_part){0};
-        uint32_t set = d->nodes[i].surfels;
+        uint32_t set = d->nodes[i].set;
         if (part.kind == STP_PART_POINTS && node->edge_count == 0 && uses[part.index] == 1 &&
             set != STP_STORE_NONE &&
-            holds_all(&c->content.surfels[set], &scene->point_sets[part.index])) {
+            holds_all(&c->content.sets[set], &scene->point_sets[part.index])) {
             sets[part.index].held_by = set + 1;
         }
     }
@@ -191,8 +191,8 @@ static bool convert_textures(stp_build_content* c, const stp_scene* scene)
 static uint32_t find_set(const stp_build_content* c, const uint32_t* set_of_node, size_t node)
 {
     uint32_t set = set_of_node != NULL ? set_of_node[node] : STP_STORE_NONE;
-    assert(set == STP_STORE_NONE || set < c->content.directory.surfels_count);
-    return set != STP_STORE_NONE && c->content.surfels[set].count != 0 ? set : STP_STORE_NONE;
+    assert(set == STP_STORE_NONE || set < c->content.directory.set_count);
+    return set != STP_STORE_NONE && c->content.sets[set].count != 0 ? set : STP_STORE_NONE;
 }
 
 static bool convert_graph(stp_build_content* c, const stp_scene* scene, const uint32_t* set_of_node)
@@ -210,7 +210,7 @@ static bool convert_graph(stp_build_content* c, const stp_scene* scene, const ui
             .edge_count = node->edge_count,
             .first_part = node->first_part,
             .part_count = node->part_count,
-            .surfels = find_set(c, set_of_node, i),
+            .set = find_set(c, set_of_node, i),
             .flags = node->flags & STP_OBJECT_MOVING,
             .triangle_count = node->triangle_count,
             .point_count = node->point_count,
@@ -327,8 +327,8 @@ stp_result stp_build_content_create(const stp_scene* scene, const stp_splats* se
     *content = (stp_build_content){.context = scene->context,
                                    .arena = stp_arena_create(scene->context, BLOCK_SIZE)};
     stp_store_directory* d = &content->content.directory;
-    content->content.surfels = sets;
-    d->surfels_count = set_count;
+    content->content.sets = sets;
+    d->set_count = set_count;
     d->root = scene->root;
     d->unit_metres = scene->unit_metres;
     d->up = scene->up[0];

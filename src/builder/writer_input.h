@@ -12,7 +12,7 @@ typedef struct stp_build_content {
     stp_arena arena;
 } stp_build_content;
 
-/// Converts the scene, which must outlive the content. `sets` are the surfel sets. `set_of_node`
+/// Converts the scene, which must outlive the content. `sets` are the splat sets. `set_of_node`
 /// gives the set of each node, or STP_NONE (NULL: no node has one). The caller adds shadings and
 /// parameters. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (logged; nothing to
 /// destroy)

@@ -160,26 +160,25 @@ uint32_t stp_placement_seed(const stp_draw_item* draw)
     return (uint32_t)(seed >> 32);
 }
 
-stp_octave_choice stp_placement_choose_octave(const stp_splats* surfels, uint32_t prefix)
+stp_octave_choice stp_placement_choose_octave(const stp_splats* splats, uint32_t prefix)
 {
     stp_octave_choice choice = {.octave = 0};
-    assert(
-        (surfels->octave_count == 0 || prefix <= surfels->octave_ends[surfels->octave_count - 1]) &&
-        "a prefix of the set");
-    if ((surfels->columns & STP_SPLATS_FLAT_COLORS) != 0) {
-        while (choice.octave + 1 < surfels->octave_count &&
-               surfels->octave_ends[choice.octave] < prefix) {
+    assert((splats->octave_count == 0 || prefix <= splats->octave_ends[splats->octave_count - 1]) &&
+           "a prefix of the set");
+    if ((splats->columns & STP_SPLATS_FLAT_COLORS) != 0) {
+        while (choice.octave + 1 < splats->octave_count &&
+               splats->octave_ends[choice.octave] < prefix) {
             choice.octave += 1;
         }
         choice.blend = 1.0f;
         return choice;
     }
-    while (choice.octave + 1 < surfels->octave_count &&
-           surfels->octave_ends[choice.octave] < prefix) {
-        choice.low_count = surfels->octave_ends[choice.octave];
+    while (choice.octave + 1 < splats->octave_count &&
+           splats->octave_ends[choice.octave] < prefix) {
+        choice.low_count = splats->octave_ends[choice.octave];
         choice.octave += 1;
     }
-    uint32_t end = surfels->octave_ends[choice.octave];
+    uint32_t end = splats->octave_ends[choice.octave];
     choice.blend = end > choice.low_count
                        ? (float)(prefix - choice.low_count) / (float)(end - choice.low_count)
                        : 1.0f;

@@ -61,8 +61,8 @@ uint32_t stp_placement_seed(const stp_draw_item* draw);
 /// The octaves of a set that colour a prefix, and their weights.
 typedef struct stp_octave_choice {
     uint32_t octave;    ///< octave of the prefix
-    uint32_t low_count; ///< surfels before `octave`, for which the previous octave has colours too
-    float blend;        ///< weight of the colours of `octave` for these surfels, 0 to 1
+    uint32_t low_count; ///< splats before `octave`, for which the previous octave has colours too
+    float blend;        ///< weight of the colours of `octave` for these splats, 0 to 1
 } stp_octave_choice;
 
-stp_octave_choice stp_placement_choose_octave(const stp_splats* surfels, uint32_t prefix);
+stp_octave_choice stp_placement_choose_octave(const stp_splats* splats, uint32_t prefix);

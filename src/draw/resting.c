@@ -60,8 +60,8 @@ static stp_hash hash_list(const stp_draw_list* list)
             item->full_prefix,    item->first_run,     item->run_count,
             item->ghost ? 1 : 0,  item->large ? 1 : 0, item->beside_triangles ? 1 : 0,
             item->divide,         item->split_count};
-        const float sizes[] = {item->shape_scale, item->radius,          item->fade_begin,
-                               item->fade_end,    item->level_per_depth, item->level_min,
+        const float sizes[] = {item->shape_scale, item->radius,          item->switch_begin,
+                               item->switch_end,  item->level_per_depth, item->level_min,
                                item->level_below};
         hash = stp_hash_bytes(hash, numbers, sizeof(numbers));
         hash = stp_hash_bytes(hash, sizes, sizeof(sizes));

@@ -18,7 +18,7 @@ enum { STP_LAYERS_MAX = 64 }; ///< maximum layers per pixel; farther ones are le
 /// Whether some triangles or splats of a scene may be transparent.
 bool stp_transparency_of_scene(const stp_store_directory* directory);
 
-/// Per surfel shading (256 bytes): whether it is of a transparent material.
+/// Per splat shading (256 bytes): whether it is of a transparent material.
 void stp_transparency_of_shadings(const stp_store_directory* directory, uint8_t transparent[256]);
 
 /// Transparency of a mesh.

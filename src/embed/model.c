@@ -22,7 +22,7 @@ static stp_result check_desc(stp_context* context, stp_model_desc* desc)
 
 static stp_result open_store(stp_model* model, const stp_model_desc* desc)
 {
-    stp_store_open_desc opening = {.accept_prefix = desc->accept_prefix, .defer_objects = true};
+    stp_store_open_desc opening = {.accept_partial = desc->accept_prefix, .defer_objects = true};
     stp_result result = desc->path != NULL ? stp_store_open_with(model->context, desc->path,
                                                                  &opening, &model->store)
                                            : stp_model_open_source(model, desc, &opening);

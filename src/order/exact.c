@@ -204,8 +204,8 @@ static stp_result build_front(greedy* g)
         g->front_capacity = (uint32_t)capacity;
     }
     assert(g->front_count > 0 && g->front_count <= g->front_capacity);
-    g->front.apart = g->tree.apart;
-    g->front.apart_squared = g->tree.apart_squared;
+    g->front.side_penalty = g->tree.side_penalty;
+    g->front.side_penalty_squared = g->tree.side_penalty_squared;
     stp_tree_resize(&g->front, g->front_count);
     stp_team_run(&g->team, g->front_count, 8192, run_fill_front, g);
     stp_tree_fit(&g->front, g->kernels, &g->team);
@@ -417,8 +417,8 @@ static stp_result greedy_create(greedy* g)
     if (result != STP_OK) {
         return result;
     }
-    g->tree.apart = diameter(g->points);
-    g->tree.apart_squared = g->tree.apart * g->tree.apart;
+    g->tree.side_penalty = diameter(g->points);
+    g->tree.side_penalty_squared = g->tree.side_penalty * g->tree.side_penalty;
     g->task_level = g->tree.level_count - 1;
     while (g->task_level > 0 && g->tree.level_sizes[g->task_level] < TASK_COUNT) {
         g->task_level -= 1;

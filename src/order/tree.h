@@ -79,8 +79,8 @@ typedef struct stp_tree {
     stp_facing* facing;        ///< one per branch of level 0; NULL: not kept
     stp_pending* pending;      ///< one per leaf; NULL: changes are applied immediately
     stp_branch* levels[STP_TREE_LEVELS];
-    float apart;         ///< added to the distance if normals face apart
-    float apart_squared; ///< its square is a lower bound for points that face apart
+    float side_penalty;         ///< added to the distance if normals face apart (side-aware metric)
+    float side_penalty_squared; ///< its square is a lower bound for points that face apart
 } stp_tree;
 
 /// Kernels, in variants per CPU with identical bits.

@@ -76,11 +76,11 @@ static inline uint32_t facing_away(const stp_leaf_normals* normals, int i, const
     return wide_less(wide_add(wide_add(x, y), z), wide_set(0.0f));
 }
 
-// Squared dissimilarity: (distance + apart)^2 in the lanes of `away`. Square roots are correctly
-// rounded on every CPU.
-static inline wide squared_apart(wide squared, uint32_t away, float apart)
+// Squared dissimilarity: (distance + side_penalty)^2 in the lanes of `away`. Square roots are
+// correctly rounded on every CPU.
+static inline wide squared_side_aware(wide squared, uint32_t away, float side_penalty)
 {
-    wide distance = wide_add(wide_root(squared), wide_set(apart));
+    wide distance = wide_add(wide_root(squared), wide_set(side_penalty));
     return wide_blend(squared, wide_mul(distance, distance), away);
 }
 
@@ -102,8 +102,9 @@ static float catch_up(const stp_tree* tree, uint32_t index, const stp_chosen* ch
             wide squared = squared_distance(x, y, z, point);
             if ((mixed >> k & 1) != 0) {
                 uint32_t away = facing_away(&tree->normals[index], i, point);
-                squared = gap > tree->apart_squared ? squared_apart(squared, away, tree->apart)
-                                                    : wide_blend(squared, wide_set(DISTANT), away);
+                squared = gap > tree->side_penalty_squared
+                              ? squared_side_aware(squared, away, tree->side_penalty)
+                              : wide_blend(squared, wide_set(DISTANT), away);
             }
             gaps = wide_min(gaps, squared);
         }
@@ -131,7 +132,7 @@ static inline uint32_t exclude_facing(const stp_tree* tree, const stp_facing* fa
     eight maximum = eight_add(eight_add(eight_max(x0, x1), eight_max(y0, y1)), eight_max(z0, z1));
     eight minimum = eight_add(eight_add(eight_min(x0, x1), eight_min(y0, y1)), eight_min(z0, z1));
     uint32_t all_away = eight_less(maximum, eight_set(0.0f));
-    uint32_t waiting = eight_less(eight_set(tree->apart_squared), gap);
+    uint32_t waiting = eight_less(eight_set(tree->side_penalty_squared), gap);
     *mixed = eight_less(minimum, eight_set(0.0f));
     return mask & ~(all_away & ~waiting);
 }
@@ -314,8 +315,8 @@ static float insert_in_leaf(const stp_tree* tree, uint32_t index, const stp_chos
         wide gaps = wide_load(leaf->gap + i);
         if (tree->normals != NULL && wide_less(squared, gaps) != 0) {
             uint32_t away = facing_away(&tree->normals[index], i, point);
-            squared = wide_highest(gaps) > tree->apart_squared
-                          ? squared_apart(squared, away, tree->apart)
+            squared = wide_highest(gaps) > tree->side_penalty_squared
+                          ? squared_side_aware(squared, away, tree->side_penalty)
                           : wide_blend(squared, wide_set(DISTANT), away);
         }
         gaps = wide_min(gaps, squared);

@@ -2,7 +2,7 @@
 //
 // Rasterises oriented disks into the visibility buffer (Brandt 4.2). A pixel belongs to a splat if
 // the ray through its centre meets the splat's plane within the radius of the splat's centre. The
-// pixel that holds the centre is always drawn, so no surfel vanishes between pixel centres. Disks
+// pixel that holds the centre is always drawn, so no splat vanishes between pixel centres. Disks
 // are two-sided.
 //
 // The test is the exact conic of the projected disk, not an approximation. Depth follows the
@@ -49,7 +49,7 @@ typedef struct stp_raster_splats {
     float share;         ///< fraction of the fragments drawn, for ghosts; 0: all
     uint32_t seed;       ///< seed of the hash for holes, added to the splat's index
     const float* points; ///< 3 per splat, used if `positions` is NULL (origin and step are ignored)
-    /// NULL, or an occluder: splats behind it are not drawn. Surfels only.
+    /// NULL, or an occluder: splats behind it are not drawn. Splat sets only.
     const stp_raster_occluder* occluder;
     /// NULL, or one bit per splat (from splat 0 on): set for splats that the occluder hid, cleared
     /// for all others of the range.
@@ -93,7 +93,7 @@ bool stp_raster_pick_levels(const stp_raster_camera* camera, const stp_raster_sp
                             uint16_t* bits);
 
 /// Clears the bits of splats [begin, end) that the occluder hides (one bit per splat, from splat 0
-/// on; `begin` is a multiple of 16). Surfels only. @return whether any bit is left
+/// on; `begin` is a multiple of 16). Splat sets only. @return whether any bit is left
 bool stp_raster_test_splats(const stp_raster_splats* splats, uint16_t* bits);
 
 /// Draws splats; splat i gets the id first_id + i. If there are bits per splat, `begin` must be a

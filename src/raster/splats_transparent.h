@@ -31,7 +31,7 @@ static inline float stp_transparent_opacity(uint32_t coverage)
     return 1.0f - clear * clear;
 }
 
-/// Draws the `wanted` splats; surfels only. `splats` as for stp_raster_draw_splats, without
+/// Draws the `wanted` splats; splat sets only. `splats` as for stp_raster_draw_splats, without
 /// occluder and `hidden`.
 /// @return fragments
 uint64_t stp_raster_draw_transparent(const stp_raster_target* target,

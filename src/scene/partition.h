@@ -19,7 +19,7 @@
 #include "scene/scene.h"
 
 typedef struct stp_partition_desc {
-    /// Limit of a leaf; default 400,000: eight times the maximum surfels of a node
+    /// Limit of a leaf; default 400,000: eight times the maximum splats of a node
     uint32_t leaf_triangles;
     uint32_t child_count; ///< maximum edges plus parts of a node; default 16
     /// Limit of a piece of a point set; default leaf_triangles where that is given, else 25,000,

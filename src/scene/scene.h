@@ -123,7 +123,7 @@ typedef struct stp_part {
 } stp_part;
 
 enum {
-    STP_OBJECT_MOVING = 1, ///< skinned or animated: never merged into a static ancestor's surfels
+    STP_OBJECT_MOVING = 1,    ///< skinned or animated: never merged into a static ancestor's splats
     STP_OBJECT_PROTOTYPE = 2, ///< visible only through objects that use it (stp_scene_add_use)
 };
 

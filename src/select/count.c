@@ -24,12 +24,12 @@ typedef struct stp_select_share {
 /// Area that a set represents, in scene units. Estimated from a quarter of its splats: their
 /// spacing is their coverage radius, or equals their errors (STP_SPLATS_RANGES). A whole set may
 /// have a coverage radius of 0.
-static double find_area(const stp_splats* surfels, const stp_affine* transform)
+static double find_area(const stp_splats* splats, const stp_affine* transform)
 {
-    uint32_t count = surfels->count / 4 + 1;
-    double radius = (double)stp_prefix_table_radius(&surfels->table, count);
+    uint32_t count = splats->count / 4 + 1;
+    double radius = (double)stp_prefix_table_radius(&splats->table, count);
     radius = radius < (double)FLT_MAX ? radius : 0.0; // no table
-    radius = fmax(radius, (double)surfels->step) * stp_affine_scale(transform);
+    radius = fmax(radius, (double)splats->step) * stp_affine_scale(transform);
     return (double)count * radius * radius;
 }
 
@@ -49,7 +49,7 @@ stp_result stp_select_note_set(stp_selection* s, const stp_select_entry* at)
             return stp_fail_memory(s->context);
         }
     }
-    share.area = find_area(stp_store_describe_surfels(s->store, set), &at->transform);
+    share.area = find_area(stp_store_describe_splat_set(s->store, set), &at->transform);
     list->shares[s->share_count++] = share;
     return STP_OK;
 }
@@ -134,7 +134,7 @@ static stp_result add_share(stp_selection* s, const stp_select_share* share)
     stp_boxd box = stp_select_place_box(&at->transform, &s->directory->nodes[at->node].bounds);
     stp_box_visibility sight;
     (void)stp_select_is_in_view(s, &box, &sight); // whether in view or not
-    s->rule->use_count(&use, share->count);
+    s->rule->choose_count(&use, share->count);
     stp_result result = s->streams ? stp_select_limit_use(s, at, &sight, &use) : STP_OK;
     return result == STP_OK && use.count > 0 ? s->rule->add(s, at, &use, &sight) : result;
 }

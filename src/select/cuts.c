@@ -39,11 +39,11 @@ static stp_progressive_cut find(const uint32_t* ranges, uint32_t here, uint32_t 
 
 stp_result stp_select_count_states(stp_store* store, uint32_t set, uint32_t* maximum, bool* ends)
 {
-    const stp_splats* whole = stp_store_describe_surfels(store, set);
+    const stp_splats* whole = stp_store_describe_splat_set(store, set);
     uint32_t base = 0;
     stp_splats got = {0};
     for (uint32_t k = 1; k <= whole->octave_count && base == got.count; ++k) {
-        stp_result result = stp_store_get_surfels_prefix(store, set, k, &got);
+        stp_result result = stp_store_get_splat_set_prefix(store, set, k, &got);
         if (result != STP_OK || got.ranges == NULL) {
             *maximum = whole->count;
             *ends = false;
@@ -65,7 +65,7 @@ stp_result stp_select_max_count(stp_selection* s, uint32_t node, uint32_t* maxim
 {
     uint32_t* known = &s->list->graph->maximum[node];
     uint32_t set = stp_select_set_of(s, node);
-    *maximum = *known > 0 ? *known : stp_store_describe_surfels(s->store, set)->count;
+    *maximum = *known > 0 ? *known : stp_store_describe_splat_set(s->store, set)->count;
     if (*known > 0 || s->rule != &stp_select_rule_splits) {
         return STP_OK;
     }
@@ -94,10 +94,10 @@ static bool make_room(stp_selection* s, size_t count)
 
 stp_result stp_select_cut_item(stp_selection* s, uint32_t wanted, stp_draw_item* item, bool* found)
 {
-    const stp_splats* known = stp_store_describe_surfels(s->store, item->index);
+    const stp_splats* known = stp_store_describe_splat_set(s->store, item->index);
     uint32_t octaves = stp_store_octaves_for(known, item->prefix);
     stp_splats got;
-    stp_result result = stp_store_get_surfels_prefix(s->store, item->index, octaves, &got);
+    stp_result result = stp_store_get_splat_set_prefix(s->store, item->index, octaves, &got);
     *found = false;
     if (result != STP_OK || got.ranges == NULL) {
         return result;

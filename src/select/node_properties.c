@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // View-independent properties of a store's nodes: which ones move, how far content extends beyond
-// boxes, and the smallest radius for which a node's own surfels are used.
+// boxes, and the smallest radius for which a node's own splats are used.
 #include "base/splats/prefix_table.h"
 #include "select/select_internal.h"
 
@@ -29,10 +29,10 @@ static double find_margin(const stp_selection* s, const stp_select_graph* graph,
         margin = stp_maxd(max_overhang(box, node->bounds), margin);
     }
     if (set != STP_STORE_NONE) { // positions are rounded
-        const stp_splats* surfels = stp_store_describe_surfels(s->store, set);
-        double radius = (double)surfels->candidate_radius + (double)surfels->step;
-        if (node->triangle_count == 0 && surfels->count > 0) { // points are never opened
-            radius += (double)surfels->table.radius[surfels->table.size - 1];
+        const stp_splats* splats = stp_store_describe_splat_set(s->store, set);
+        double radius = (double)splats->candidate_radius + (double)splats->step;
+        if (node->triangle_count == 0 && splats->count > 0) { // points are never opened
+            radius += (double)splats->table.radius[splats->table.size - 1];
         }
         margin = stp_maxd(radius, margin);
     }
@@ -45,23 +45,23 @@ static double find_margin(const stp_selection* s, const stp_select_graph* graph,
     return margin * (1.0 + 1e-6);
 }
 
-static double coverage_radius(const stp_splats* surfels)
+static double coverage_radius(const stp_splats* splats)
 {
     // surface may lie this far from a candidate, regardless of how many are drawn
-    return stp_maxd((double)stp_prefix_table_radius(&surfels->table, surfels->count),
-                    (double)surfels->candidate_radius);
+    return stp_maxd((double)stp_prefix_table_radius(&splats->table, splats->count),
+                    (double)splats->candidate_radius);
 }
 
-/// Factor by which a node is opened earlier than its radius requires. From one surfel per
+/// Factor by which a node is opened earlier than its radius requires. From one splat per
 /// STP_TRIANGLES_PER_SURFEL triangles on, triangles look better for their cost, so larger sets are
 /// used only up to that ratio.
-static double find_early_switch(const stp_store_node* node, const stp_splats* surfels)
+static double find_early_switch(const stp_store_node* node, const stp_splats* splats)
 {
     double triangles = (double)node->triangle_count;
     if (!(triangles > 0.0)) {
         return 1.0;
     }
-    double factor = sqrt(STP_TRIANGLES_PER_SURFEL * (double)surfels->count / triangles);
+    double factor = sqrt(STP_TRIANGLES_PER_SURFEL * (double)splats->count / triangles);
     return fmin(fmax(factor, 1.0), STP_EARLY_SWITCH_MAX);
 }
 
@@ -80,9 +80,10 @@ static double find_work(const stp_selection* s, const stp_select_graph* graph,
     for (uint32_t i = 0; i < node->edge_count; ++i) {
         uint32_t child = s->directory->edges[node->first_edge + i].node;
         uint32_t set = stp_select_set_of(s, child);
-        double own = set != STP_STORE_NONE
-                         ? STP_SPLAT_WORK * (double)stp_store_describe_surfels(s->store, set)->count
-                         : 0.0;
+        double own =
+            set != STP_STORE_NONE
+                ? STP_SPLAT_WORK * (double)stp_store_describe_splat_set(s->store, set)->count
+                : 0.0;
         bool rests = (graph->moving[child] & STP_NODE_MOVES) == 0;
         work += rests ? stp_maxd((double)graph->works[child], own) : 0.0;
     }
@@ -104,11 +105,11 @@ static void analyze_nodes(const stp_selection* s, stp_select_graph* graph)
         graph->moving[i] = bits;
         graph->margins[i] = (float)find_margin(s, graph, i);
         uint32_t set = stp_select_set_of(s, i);
-        const stp_splats* surfels =
-            set != STP_STORE_NONE ? stp_store_describe_surfels(s->store, set) : NULL;
-        graph->has_sets[i] = graph->has_sets[i] || surfels != NULL;
-        graph->reaches[i] = surfels != NULL ? coverage_radius(surfels) : 0.0;
-        graph->early_switches[i] = surfels != NULL ? (float)find_early_switch(node, surfels) : 1.0f;
+        const stp_splats* splats =
+            set != STP_STORE_NONE ? stp_store_describe_splat_set(s->store, set) : NULL;
+        graph->has_sets[i] = graph->has_sets[i] || splats != NULL;
+        graph->reaches[i] = splats != NULL ? coverage_radius(splats) : 0.0;
+        graph->early_switches[i] = splats != NULL ? (float)find_early_switch(node, splats) : 1.0f;
         graph->works[i] = (float)fmin(find_work(s, graph, node), (double)FLT_MAX);
     }
 }
@@ -136,8 +137,8 @@ stp_result stp_select_find_graph(stp_selection* s)
     stp_select_graph* graph = s->list->graph;
     if (graph != NULL && graph->directory == directory && graph->nodes == directory->nodes &&
         graph->node_count == directory->node_count && graph->edge_count == directory->edge_count &&
-        graph->part_count == directory->part_count &&
-        graph->surfels_count == directory->surfels_count && graph->method == s->method) {
+        graph->part_count == directory->part_count && graph->set_count == directory->set_count &&
+        graph->method == s->method) {
         s->graph = graph;
         return STP_OK;
     }
@@ -170,7 +171,7 @@ stp_result stp_select_find_graph(stp_selection* s)
     graph->node_count = directory->node_count;
     graph->edge_count = directory->edge_count;
     graph->part_count = directory->part_count;
-    graph->surfels_count = directory->surfels_count;
+    graph->set_count = directory->set_count;
     graph->method = s->method;
     s->graph = graph;
     return STP_OK;

@@ -4,8 +4,8 @@
 
 #include <assert.h>
 
-/// Radius in pixels of the largest splat: half the splat size, plus the growth of a set that fades
-/// out.
+/// Radius in pixels of the largest splat: half the splat size, plus the growth of a set in its level
+/// switch.
 static double splat_margin(const stp_box_visibility* sight)
 {
     return 0.5 * STP_LEVEL_SWITCH_SHORTFALL * sight->largest_size;

@@ -324,7 +324,7 @@ static stp_result open_points(stp_pick_work* work, uint32_t index, point_source*
         return result;
     }
     stp_splats* set = &source->set;
-    stp_result result = stp_store_get_surfels(work->store, source->points.held_by - 1, set);
+    stp_result result = stp_store_get_splat_set(work->store, source->points.held_by - 1, set);
     source->points.colors = NULL;
     source->count = set->count;
     if (result == STP_OK && hides && set->count > 0) {

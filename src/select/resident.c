@@ -97,8 +97,8 @@ static void request_set(stp_selection* s, const stp_select_entry* at,
                         const stp_box_visibility* sight, uint32_t set, uint32_t octaves)
 {
     double scale = stp_affine_scale(&at->transform);
-    assert(octaves <= stp_store_describe_surfels(s->store, set)->octave_count);
-    add_request(s, (stp_data_request){.kind = STP_RESIDENT_SURFELS,
+    assert(octaves <= stp_store_describe_splat_set(s->store, set)->octave_count);
+    add_request(s, (stp_data_request){.kind = STP_RESIDENT_SPLATS,
                                       .index = set,
                                       .octaves = octaves,
                                       .need = find_need(s, sight, at->covered * at->eager),
@@ -115,34 +115,34 @@ void stp_select_request_leaves(stp_selection* s, const stp_select_entry* at,
     }
 }
 
-static double radius_of(const stp_splats* surfels, uint32_t count)
+static double radius_of(const stp_splats* splats, uint32_t count)
 {
-    return (double)stp_prefix_table_radius(&surfels->table, count);
+    return (double)stp_prefix_table_radius(&splats->table, count);
 }
 
-void stp_select_cover(const stp_selection* s, const stp_splats* surfels,
+void stp_select_cover(const stp_selection* s, const stp_splats* splats,
                       const stp_box_visibility* sight, stp_select_entry* at)
 {
-    double reach = fmax(radius_of(surfels, surfels->count), (double)surfels->candidate_radius);
+    double reach = fmax(radius_of(splats, splats->count), (double)splats->candidate_radius);
     at->covered = reach * stp_affine_scale(&at->transform);
     // If a set is much too coarse, its finest octaves, which are most of its data, can come later.
     at->eager = fmin(fmax((double)find_need(s, sight, at->covered), 1.0), EAGER_MAX);
 }
 
 /// Whether the resident part of a set covers as well as its ancestors.
-static bool replaces_ancestors(const stp_splats* surfels, uint32_t here, const stp_select_entry* at)
+static bool replaces_ancestors(const stp_splats* splats, uint32_t here, const stp_select_entry* at)
 {
     return here > 0 &&
-           (here >= surfels->count ||
-            radius_of(surfels, here) * stp_affine_scale(&at->transform) <= at->covered * ROUNDED);
+           (here >= splats->count ||
+            radius_of(splats, here) * stp_affine_scale(&at->transform) <= at->covered * ROUNDED);
 }
 
 /// Number of octaves that cover as well as the ancestors.
-static uint32_t find_octaves(const stp_splats* surfels, const stp_select_entry* at)
+static uint32_t find_octaves(const stp_splats* splats, const stp_select_entry* at)
 {
-    uint32_t octaves = surfels->octave_count > 0 ? 1 : 0;
-    while (octaves < surfels->octave_count &&
-           !replaces_ancestors(surfels, surfels->octave_ends[octaves - 1], at)) {
+    uint32_t octaves = splats->octave_count > 0 ? 1 : 0;
+    while (octaves < splats->octave_count &&
+           !replaces_ancestors(splats, splats->octave_ends[octaves - 1], at)) {
         octaves += 1;
     }
     return octaves;
@@ -178,12 +178,12 @@ static stp_result request_below(stp_selection* s, const stp_select_entry* at, bo
 
 /// Whether everything visible below a node is resident. Requests what is missing.
 static stp_result check_ready(stp_selection* s, const stp_select_entry* node,
-                              const stp_splats* surfels_of_node, const stp_box_visibility* seen,
+                              const stp_splats* splats_of_node, const stp_box_visibility* seen,
                               bool* ready)
 {
     size_t base = s->stack_count;
     stp_select_entry first = *node;
-    stp_select_cover(s, surfels_of_node, seen, &first);
+    stp_select_cover(s, splats_of_node, seen, &first);
     *ready = true;
     stp_result result = request_below(s, &first, ready);
     while (s->stack_count > base && result == STP_OK) {
@@ -197,15 +197,15 @@ static stp_result check_ready(stp_selection* s, const stp_select_entry* node,
             continue;
         }
         uint32_t set = stp_select_set_of(s, at.node);
-        const stp_splats* surfels =
-            set != STP_STORE_NONE ? stp_store_describe_surfels(s->store, set) : NULL;
-        if (surfels == NULL || surfels->count == 0) {
+        const stp_splats* splats =
+            set != STP_STORE_NONE ? stp_store_describe_splat_set(s->store, set) : NULL;
+        if (splats == NULL || splats->count == 0) {
             result = request_below(s, &at, ready);
             continue;
         }
-        request_set(s, &at, &sight, set, find_octaves(surfels, &at));
+        request_set(s, &at, &sight, set, find_octaves(splats, &at));
         *ready =
-            *ready && replaces_ancestors(surfels, stp_store_resident_surfels(s->store, set), &at);
+            *ready && replaces_ancestors(splats, stp_store_resident_splats(s->store, set), &at);
     }
     s->stack_count = base;
     return result;
@@ -217,34 +217,34 @@ static void limit(const stp_selection* s, const stp_select_entry* at,
 {
     if (closes) {
         use->switch_depth = 0.0;
-        use->extra = false;
+        use->in_level_switch = false;
     }
-    s->rule->limit(at, use->extra ? use->switch_depth : sight->range.near, here, use);
+    s->rule->limit(at, use->in_level_switch ? use->switch_depth : sight->range.near, here, use);
     assert(use->count <= here && "only loaded splats are drawn");
 }
 
 stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
                                 const stp_box_visibility* sight, stp_set_use* use)
 {
-    const stp_splats* surfels = use->surfels;
-    uint32_t here = stp_store_resident_surfels(s->store, use->set);
-    assert(here <= surfels->count && "loaded splats are a prefix of the set");
-    uint32_t octaves = stp_store_octaves_for(surfels, use->count);
-    uint32_t minimum = find_octaves(surfels, at);
+    const stp_splats* splats = use->splats;
+    uint32_t here = stp_store_resident_splats(s->store, use->set);
+    assert(here <= splats->count && "loaded splats are a prefix of the set");
+    uint32_t octaves = stp_store_octaves_for(splats, use->count);
+    uint32_t minimum = find_octaves(splats, at);
     bool opens = s->quality->splat_count == 0 &&
                  stp_level_switch_share(use->switch_depth, sight->range.near) > 0.0;
     bool ready = false;
-    if (surfels->count == 0) {
+    if (splats->count == 0) {
         return STP_OK;
     }
     if (opens) {
-        stp_result result = check_ready(s, at, surfels, sight, &ready);
+        stp_result result = check_ready(s, at, splats, sight, &ready);
         if (result != STP_OK) {
             return result;
         }
     }
     if (opens && !ready) {
-        request_set(s, at, sight, use->set, surfels->octave_count);
+        request_set(s, at, sight, use->set, splats->octave_count);
         limit(s, at, sight, here, true, use);
         return STP_OK;
     }
@@ -254,9 +254,9 @@ stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
     if (use->count <= here) {
         return STP_OK;
     }
-    if (opens && !replaces_ancestors(surfels, here, at)) { // everything below is resident
+    if (opens && !replaces_ancestors(splats, here, at)) { // everything below is resident
         use->count = 0;
-        use->extra = false;
+        use->in_level_switch = false;
         use->switch_depth = HUGE_VAL;
         return STP_OK;
     }
@@ -267,6 +267,6 @@ stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
 bool stp_select_request_coarse(stp_selection* s, const stp_select_entry* at,
                                const stp_box_visibility* sight, const stp_set_use* use)
 {
-    request_set(s, at, sight, use->set, stp_store_octaves_for(use->surfels, use->count));
-    return stp_store_resident_surfels(s->store, use->set) >= use->count;
+    request_set(s, at, sight, use->set, stp_store_octaves_for(use->splats, use->count));
+    return stp_store_resident_splats(s->store, use->set) >= use->count;
 }

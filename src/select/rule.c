@@ -23,13 +23,13 @@ const stp_select_rule* stp_select_rule_of(uint32_t id)
 /// Whether a set holds all points of a node without triangles: such a node is never opened, since
 /// points have no size of their own. A set with fewer splats is complete, too, if all other points
 /// coincide with them.
-static bool is_complete(const stp_store_node* node, const stp_splats* surfels)
+static bool is_complete(const stp_store_node* node, const stp_splats* splats)
 {
-    // coincident points share one surfel, so all surfels together cover to within position
+    // coincident points share one splat, so all splats together cover to within position
     // precision
     return node->triangle_count == 0 &&
-           (surfels->count >= node->point_count ||
-            stp_prefix_table_radius(&surfels->table, surfels->count) <= surfels->step);
+           (splats->count >= node->point_count ||
+            stp_prefix_table_radius(&splats->table, splats->count) <= splats->step);
 }
 
 double stp_select_reach(const stp_selection* s, uint32_t node)
@@ -59,16 +59,16 @@ bool stp_select_find_nearest(const stp_selection* s, const stp_select_entry* at,
     bool part = !suffices && range.far > suffices_from && s->quality->policy != STP_POLICY_SWITCH;
     *nearest = suffices ? range.near : suffices_from;
     use->switch_depth = suffices ? 0.0 : suffices_from;
-    use->extra = part;
+    use->in_level_switch = part;
     return suffices || part;
 }
 
 stp_set_use stp_select_begin_use(const stp_selection* s, const stp_select_rule* rule, uint32_t set)
 {
-    assert(set < s->directory->surfels_count && "the node has a set");
+    assert(set < s->directory->set_count && "the node has a set");
     return (stp_set_use){.rule = rule,
                          .set = set,
-                         .surfels = stp_store_describe_surfels(s->store, set),
+                         .splats = stp_store_describe_splat_set(s->store, set),
                          .switch_depth = HUGE_VAL};
 }
 
@@ -89,58 +89,58 @@ uint32_t stp_select_coarse_method(const stp_store_directory* directory, const st
     return found;
 }
 
-void stp_select_use_coarse(stp_selection* s, const stp_select_entry* at,
-                           const stp_box_visibility* sight, stp_set_use* use)
+void stp_select_choose_coarse(stp_selection* s, const stp_select_entry* at,
+                              const stp_box_visibility* sight, stp_set_use* use)
 {
     uint32_t set = s->coarse_method != STP_STORE_NONE
                        ? stp_store_set_of(s->directory, s->coarse_method, at->node)
                        : STP_STORE_NONE;
-    bool is_coarse = use->count > 0 && !use->extra && use->per_depth > 0.0 &&
-                     (double)use->count < COARSE_SHARE * (double)use->surfels->count;
+    bool is_coarse = use->count > 0 && !use->in_level_switch && use->per_depth > 0.0 &&
+                     (double)use->count < COARSE_SHARE * (double)use->splats->count;
     if (set == STP_STORE_NONE || !is_coarse) {
         return;
     }
     const stp_select_rule* rule = stp_select_rule_of(s->directory->methods[s->coarse_method].id);
     stp_set_use other = stp_select_begin_use(s, rule, set);
     other.per_depth = use->per_depth;
-    rule->use(s, at, sight, false, &other);
-    assert(other.count <= other.surfels->count);
+    rule->choose(s, at, sight, false, &other);
+    assert(other.count <= other.splats->count);
     if (other.count > 0 && (!s->streams || stp_select_request_coarse(s, at, sight, &other))) {
         *use = other;
     }
 }
 
-stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* at,
-                               const stp_box_visibility* sight)
+stp_set_use stp_select_choose_use(const stp_selection* s, const stp_select_entry* at,
+                                  const stp_box_visibility* sight)
 {
     const stp_store_node* node = &s->directory->nodes[at->node];
     stp_set_use use = stp_select_begin_use(s, s->rule, stp_select_set_of(s, at->node));
-    const stp_splats* surfels = use.surfels;
-    if (surfels->count == 0) {
+    const stp_splats* splats = use.splats;
+    if (splats->count == 0) {
         return use;
     }
-    bool cloud = s->quality->splats_only || is_complete(node, surfels);
+    bool cloud = s->quality->splats_only || is_complete(node, splats);
     if (sight->is_inside && !cloud) {
         return use;
     }
     use.per_depth = radius_per_depth(s, at, sight);
     if (!(use.per_depth > 0.0)) {
         if (cloud) {
-            s->rule->use_count(&use, surfels->count);
+            s->rule->choose_count(&use, splats->count);
             use.switch_depth = 0.0;
         }
         return use;
     }
-    s->rule->use(s, at, sight, cloud, &use);
-    assert(use.count <= surfels->count);
+    s->rule->choose(s, at, sight, cloud, &use);
+    assert(use.count <= splats->count);
     return use;
 }
 
 stp_draw_item stp_select_splat_item(const stp_selection* s, const stp_select_entry* at,
                                     const stp_set_use* use)
 {
-    assert(use->count <= use->surfels->count && "a prefix of the set");
-    return (stp_draw_item){.kind = STP_DRAW_SURFELS,
+    assert(use->count <= use->splats->count && "a prefix of the set");
+    return (stp_draw_item){.kind = STP_DRAW_SPLATS,
                            .index = use->set,
                            .prefix = use->count,
                            .full_prefix = use->count,
@@ -149,7 +149,7 @@ stp_draw_item stp_select_splat_item(const stp_selection* s, const stp_select_ent
                            .ghost = at->shown == STP_SHOW_GHOST,
                            .one_sided = !s->quality->all_sides &&
                                         s->directory->nodes[at->node].point_count == 0 &&
-                                        !use->surfels->unknown_signs,
+                                        !use->splats->unknown_signs,
                            .transform = at->transform};
 }
 

@@ -10,10 +10,10 @@ typedef struct stp_select_rule {
     /// Decides by size how to use a node's set. The eye is outside the node's box, unless `cloud`:
     /// the node is never opened. On entry `use` holds the set, opens the node, and has
     /// per_depth > 0.
-    void (*use)(const stp_selection* s, const stp_select_entry* at, const stp_box_visibility* sight,
-                bool cloud, stp_set_use* use);
+    void (*choose)(const stp_selection* s, const stp_select_entry* at,
+                   const stp_box_visibility* sight, bool cloud, stp_set_use* use);
     /// Uses `count` splats at any depth: a prefix, a state, or a share of each leaf.
-    void (*use_count)(stp_set_use* use, uint32_t count);
+    void (*choose_count)(stp_set_use* use, uint32_t count);
     /// Adapts `use` to a set with only its first `here` splats loaded, or to a node that cannot be
     /// opened yet. The splats are seen at depth `nearest` and beyond.
     void (*limit)(const stp_select_entry* at, double nearest, uint32_t here, stp_set_use* use);
@@ -31,9 +31,9 @@ const stp_select_rule* stp_select_rule_of(uint32_t id);
 // Large triangles drawn beside the splats of a node's set (Dachsbacher et al. 2003, 3.8): those of
 // its own meshes and of all meshes below, if these are few (rule_triangles.c).
 /// Whether they are drawn: they replace splats of the set, and all of them are resident.
-stp_result stp_select_use_triangles(stp_selection* s, const stp_select_entry* at,
-                                    const stp_set_use* use, const stp_box_visibility* sight,
-                                    bool* uses);
+stp_result stp_select_choose_triangles(stp_selection* s, const stp_select_entry* at,
+                                       const stp_set_use* use, const stp_box_visibility* sight,
+                                       bool* uses);
 /// Appends their items; the set's item is the last one so far.
 stp_result stp_select_add_triangles(stp_selection* s, const stp_select_entry* at,
                                     const stp_set_use* use, const stp_box_visibility* sight);
@@ -48,9 +48,9 @@ bool stp_select_find_nearest(const stp_selection* s, const stp_select_entry* at,
 stp_set_use stp_select_begin_use(const stp_selection* s, const stp_select_rule* rule, uint32_t set);
 /// Switches to the coarse method's set if only a small share of this set is used and the other one
 /// is resident.
-void stp_select_use_coarse(stp_selection* s, const stp_select_entry* at,
-                           const stp_box_visibility* sight, stp_set_use* use);
+void stp_select_choose_coarse(stp_selection* s, const stp_select_entry* at,
+                              const stp_box_visibility* sight, stp_set_use* use);
 
 /// Decides how to use the set of a node, which has one, when splats are drawn by size.
-stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* at,
-                               const stp_box_visibility* sight);
+stp_set_use stp_select_choose_use(const stp_selection* s, const stp_select_entry* at,
+                                  const stp_box_visibility* sight);

@@ -36,43 +36,43 @@ static double reach_of(const stp_splats* set, uint32_t count)
 }
 
 /// Octaves that leaves at depth `nearest` and beyond may need.
-static void use_from(double nearest, stp_set_use* use)
+static void choose_from(double nearest, stp_set_use* use)
 {
-    double wanted = use->per_depth * nearest, all = reach_of(use->surfels, use->surfels->count);
+    double wanted = use->per_depth * nearest, all = reach_of(use->splats, use->splats->count);
     double share = wanted > all ? all / wanted : 1.0;
-    use->count = round_count(use->surfels, CUES_MAX * share * share * (double)use->surfels->count);
+    use->count = round_count(use->splats, CUES_MAX * share * share * (double)use->splats->count);
     use->radius = fmax(wanted, all);
 }
 
-static void use_set(const stp_selection* s, const stp_select_entry* at,
-                    const stp_box_visibility* sight, bool cloud, stp_set_use* use)
+static void choose(const stp_selection* s, const stp_select_entry* at,
+                   const stp_box_visibility* sight, bool cloud, stp_set_use* use)
 {
     double nearest;
     if (stp_select_find_nearest(s, at, sight, cloud, use, &nearest)) {
-        use_from(nearest, use);
+        choose_from(nearest, use);
     }
 }
 
 /// Takes exactly `count` splats of all leaves, visible or not.
-static void use_count(stp_set_use* use, uint32_t count)
+static void choose_count(stp_set_use* use, uint32_t count)
 {
-    use->state = count < use->surfels->count ? count : use->surfels->count;
-    use->count = round_count(use->surfels, (double)use->state * CUES_MAX);
-    use->radius = reach_of(use->surfels, count);
+    use->state = count < use->splats->count ? count : use->splats->count;
+    use->count = round_count(use->splats, (double)use->state * CUES_MAX);
+    use->radius = reach_of(use->splats, count);
 }
 
 static void limit(const stp_select_entry* at, double nearest, uint32_t here, stp_set_use* use)
 {
     (void)at;
     if (use->per_depth > 0.0 && use->state == 0) {
-        use_from(nearest, use);
+        choose_from(nearest, use);
     }
     if (use->count > here || use->count == 0) {
         use->count = here;
-        use->radius = fmax(use->radius, reach_of(use->surfels, here));
+        use->radius = fmax(use->radius, reach_of(use->splats, here));
     }
     use->state = use->state < here ? use->state : here;
-    assert(use->state <= use->surfels->count);
+    assert(use->state <= use->splats->count);
 }
 
 static stp_result add_cell(stp_selection* s, size_t* count, stp_cue_cell cell)
@@ -299,9 +299,9 @@ static stp_result add_plain(stp_selection* s, const stp_set_use* use, stp_draw_i
                             stp_depth_range drawn)
 {
     uint32_t prefix = use->state > 0 ? use->state : use->count;
-    assert(prefix > 0 && prefix <= use->surfels->count);
+    assert(prefix > 0 && prefix <= use->splats->count);
     item.prefix = item.full_prefix = prefix;
-    item.shape_scale = (float)sqrt((double)use->surfels->count / (double)prefix);
+    item.shape_scale = (float)sqrt((double)use->splats->count / (double)prefix);
     if (drawn.near > 0.0 || drawn.far < HUGE_VAL) {
         size_t first = s->list->run_count;
         stp_result result = stp_select_add_run(s, 0, prefix, drawn);
@@ -324,25 +324,27 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
         return result;
     }
     stp_draw_item item = make_item(s, at, use);
-    stp_depth_range drawn = {use->extra ? use->switch_depth : 0.0,
-                             at->ceiling < HUGE_VAL ? at->ceiling * STP_LEVEL_SWITCH_FAR
-                                                    : HUGE_VAL};
+    stp_depth_range drawn = {use->in_level_switch ? use->switch_depth : 0.0,
+                             at->ancestor_switch_depth < HUGE_VAL
+                                 ? at->ancestor_switch_depth * STP_LEVEL_SWITCH_FAR
+                                 : HUGE_VAL};
     drawn.near = drawn.near <= sight->range.near ? 0.0 : drawn.near;
     drawn.far = drawn.far >= sight->range.far ? HUGE_VAL : drawn.far;
     uint64_t before = s->list->splat_count;
     if (leaves.leaf_count == 0) {
         result = add_plain(s, use, item, drawn);
     } else {
-        stp_cue_view view = stp_cue_view_make(s, at, use->surfels, &leaves, sight);
+        stp_cue_view view = stp_cue_view_make(s, at, use->splats, &leaves, sight);
         size_t count = 0;
         result = use->state > 0 ? share_out(s, &view, use->state, use->count, &count)
                                 : choose_cells(s, &view, use->count, &count);
         result = result == STP_OK
-                     ? stp_cue_add_items(s, use->surfels, s->list->cells, count, item, drawn)
+                     ? stp_cue_add_items(s, use->splats, s->list->cells, count, item, drawn)
                      : result;
     }
-    s->list->extra_splats += at->extra || use->extra ? s->list->splat_count - before : 0;
+    s->list->extra_splats +=
+        at->in_level_switch || use->in_level_switch ? s->list->splat_count - before : 0;
     return result;
 }
 
-const stp_select_rule stp_select_rule_cues = {use_set, use_count, limit, add};
+const stp_select_rule stp_select_rule_cues = {choose, choose_count, limit, add};

@@ -28,12 +28,12 @@ typedef struct walk {
 static stp_result has_replaced(const stp_selection* s, const stp_set_use* use, bool* has)
 {
     *has = false;
-    if ((use->surfels->columns & STP_SPLATS_REPLACED) == 0) {
+    if ((use->splats->columns & STP_SPLATS_REPLACED) == 0) {
         return STP_OK;
     }
-    uint32_t octaves = stp_store_octaves_for(use->surfels, use->count);
+    uint32_t octaves = stp_store_octaves_for(use->splats, use->count);
     stp_splats here;
-    stp_result result = stp_store_get_surfels_prefix(s->store, use->set, octaves, &here);
+    stp_result result = stp_store_get_splat_set_prefix(s->store, use->set, octaves, &here);
     if (result != STP_OK || here.groups == NULL) {
         return result;
     }
@@ -72,7 +72,7 @@ static stp_result add_item(const walk* w, uint32_t mesh, const stp_affine* below
                           .large_from = (float)(from / scale),
                           .level_per_depth = (float)(use->level_per_depth / scale),
                           .level_min = (float)(use->level_min / scale),
-                          .fade_begin = (float)(use->switch_depth * (1.0 - 1e-6)),
+                          .switch_begin = (float)(use->switch_depth * (1.0 - 1e-6)),
                           .transform = stp_affine_multiply(w->at->transform, *below)};
     return stp_select_add_item(s, item, stp_store_describe_mesh(s->store, mesh)->triangle_count);
 }
@@ -118,9 +118,9 @@ static walk begin_walk(stp_selection* s, const stp_select_entry* at, const stp_s
         .s = s, .at = at, .use = use, .sight = sight, .left = STP_LARGE_USES + 1, .all = true};
 }
 
-stp_result stp_select_use_triangles(stp_selection* s, const stp_select_entry* at,
-                                    const stp_set_use* use, const stp_box_visibility* sight,
-                                    bool* uses)
+stp_result stp_select_choose_triangles(stp_selection* s, const stp_select_entry* at,
+                                       const stp_set_use* use, const stp_box_visibility* sight,
+                                       bool* uses)
 {
     const stp_quality* q = s->quality;
     bool by_level = use->level_per_depth > 0.0 || use->level_min > 0.0;
@@ -136,7 +136,7 @@ stp_result stp_select_use_triangles(stp_selection* s, const stp_select_entry* at
     if (result == STP_OK && replaced) {
         result = add_node(&w, at->node, &here);
     }
-    bool fits = s->list->id_count + w.ids + use->surfels->count < IDS_MAX &&
+    bool fits = s->list->id_count + w.ids + use->splats->count < IDS_MAX &&
                 s->list->count + w.items < ITEMS_MAX;
     if (result != STP_OK || w.left == 0 || w.items == 0 || !fits) {
         return result;
@@ -151,7 +151,7 @@ stp_result stp_select_use_triangles(stp_selection* s, const stp_select_entry* at
 stp_result stp_select_add_triangles(stp_selection* s, const stp_select_entry* at,
                                     const stp_set_use* use, const stp_box_visibility* sight)
 {
-    assert(s->list->count > 0 && s->list->items[s->list->count - 1].kind == STP_DRAW_SURFELS &&
+    assert(s->list->count > 0 && s->list->items[s->list->count - 1].kind == STP_DRAW_SPLATS &&
            s->list->items[s->list->count - 1].index == use->set && "the set's item is the last");
     walk w = begin_walk(s, at, use, sight);
     w.does = WALK_ADDS;

@@ -21,8 +21,8 @@ static stp_result begin(stp_selection* s, stp_context* context, stp_store* store
     s->rule = stp_select_rule_of(has_methods ? s->directory->methods[s->method].id : 0);
     s->coarse_method = stp_select_coarse_method(s->directory, quality);
     list->hidden_count = 0;
-    list->mixes = s->directory->point_set_count > 0 ||
-                  (s->directory->surfels_count > 0 && !quality->reference);
+    list->mixes =
+        s->directory->point_set_count > 0 || (s->directory->set_count > 0 && !quality->reference);
     list->splat_size = quality->splat_size >= 1.0f ? quality->splat_size : 1.0f;
     s->eye_count = stp_view_eye_count(view);
     assert(s->eye_count <= STP_EYES_MAX);
@@ -63,7 +63,7 @@ stp_result stp_select(stp_context* context, stp_store* store, const stp_view* vi
         .node = s.directory->root,
         .sections = stp_sections_all(&view->sections),
         .shown = quality->visibility != NULL ? stp_visibility_root(quality->visibility) : STP_SHOW,
-        .ceiling = HUGE_VAL,
+        .ancestor_switch_depth = HUGE_VAL,
         .covered = HUGE_VAL,
         .eager = 1.0,
         .transform = stp_affine_identity()};

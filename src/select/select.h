@@ -3,7 +3,7 @@
 // Selects what to draw for a view: a pure function of scene, view, quality and occluders
 // (docs/algorithms/select.md).
 //
-// Levels of detail change with depth. A node's surfels suffice beyond a switch depth; nearer, its
+// Levels of detail change with depth. A node's splats suffice beyond a switch depth; nearer, its
 // own triangles and its children are drawn. Around the switch depth both are drawn: each splat and
 // triangle has its own switch depth, so nothing pops.
 #pragma once
@@ -56,7 +56,7 @@ typedef struct stp_quality {
     bool points_apart;
     uint32_t cues_off; ///< ignored STP_CUE_*_BIT
     stp_fovea fovea;   ///< all zero: splats are of one size
-    /// A node may be opened while its surfels could still cover this many times better than
+    /// A node may be opened while its splats could still cover this many times better than
     /// required, if they number at least 1/STP_TRIANGLES_PER_SURFEL of its triangles: 1 to 8; 0: 8.
     float early_switch;
     /// Optional occluders, one pyramid per eye of the view. Nodes occluded for every eye that sees
@@ -67,7 +67,7 @@ typedef struct stp_quality {
     const stp_visibility* visibility;
 } stp_quality;
 
-typedef enum stp_draw_kind { STP_DRAW_SURFELS, STP_DRAW_MESH, STP_DRAW_POINTS } stp_draw_kind;
+typedef enum stp_draw_kind { STP_DRAW_SPLATS, STP_DRAW_MESH, STP_DRAW_POINTS } stp_draw_kind;
 
 /// One item to draw. Ids in the visibility buffer are frame-local: first_id + splat or triangle.
 ///
@@ -75,9 +75,9 @@ typedef enum stp_draw_kind { STP_DRAW_SURFELS, STP_DRAW_MESH, STP_DRAW_POINTS } 
 /// projection.
 typedef struct stp_draw_item {
     stp_draw_kind kind;
-    uint32_t index;  ///< surfel set, mesh or point set of the store
-    uint32_t prefix; ///< maximum number of surfels or points drawn
-    /// Surfels: prefix whose colours and coverages are used; at least `prefix`
+    uint32_t index;  ///< splat set, mesh or point set of the store
+    uint32_t prefix; ///< maximum number of splats or points drawn
+    /// Splats: prefix whose colours and coverages are used; at least `prefix`
     uint32_t full_prefix;
     uint32_t first_id;
     uint32_t first_run, run_count; ///< runs in the list; none: every splat of the prefix is drawn
@@ -98,14 +98,14 @@ typedef struct stp_draw_item {
     bool large;
     float large_min;       ///< no view draws triangles of a lower level beside this set
     float large_from;      ///< this view draws no triangles of a lower level
-    bool beside_triangles; ///< surfels: omits those that large triangles replace
-    /// Mesh: all triangles are drawn nearer than fade_begin, none beyond fade_end (stp_draw_share).
-    /// 0, 0: all. Large triangles: none whose nearest corner is nearer than fade_begin, since
-    /// another item draws the whole mesh there.
-    float fade_begin, fade_end;
+    bool beside_triangles; ///< splats: omits those that large triangles replace
+    /// Mesh: all triangles are drawn nearer than switch_begin, none beyond switch_end
+    /// (stp_draw_share); 0, 0: all. Large triangles: none whose nearest corner is nearer than
+    /// switch_begin, since another item draws the whole mesh there.
+    float switch_begin, switch_end;
     uint32_t sections; ///< bits of the view's planes that may cut it; 0: none
     bool ghost;        ///< drawn in a share of its pixels (stp_draw_style.ghost)
-    bool one_sided;    ///< surfels: back faces may be culled; all sides of the surface have surfels
+    bool one_sided;    ///< splats: back faces may be culled; all sides of the surface have splats
     bool of_points;    ///< draws original points, also as splats: their size may be fixed
     stp_affine transform; ///< to scene space
 } stp_draw_item;
@@ -128,7 +128,7 @@ typedef struct stp_draw_list {
     uint64_t splat_count;     ///< splats of prefixes; for sets refined by splits, of their states
     uint64_t triangle_count;  ///< without large triangles
     uint64_t id_count;        ///< ids of all items; less than 2^32
-    uint64_t extra_splats;    ///< part of splat_count, listed because levels blend
+    uint64_t extra_splats;    ///< part of splat_count, listed only by level switches
     uint64_t extra_triangles; ///< the same of triangle_count
     uint32_t node_count;      ///< visited nodes
     uint32_t hidden_count;    ///< nodes that the pyramid occluded, in the last pass
@@ -155,11 +155,12 @@ typedef struct stp_draw_list {
 /// Share of a mesh item's triangles drawn at a depth: the nearest depth of their cluster (or mesh).
 static inline float stp_draw_share(const stp_draw_item* item, float depth)
 {
-    if (!(item->fade_end > 0.0f) || depth <= item->fade_begin) {
+    if (!(item->switch_end > 0.0f) || depth <= item->switch_begin) {
         return 1.0f;
     }
-    return depth >= item->fade_end ? 0.0f
-                                   : (item->fade_end - depth) / (item->fade_end - item->fade_begin);
+    return depth >= item->switch_end
+               ? 0.0f
+               : (item->switch_end - depth) / (item->switch_end - item->switch_begin);
 }
 
 /// Whether triangle `index` of a mesh belongs to a share of its triangles. Larger shares include
@@ -180,10 +181,10 @@ uint32_t stp_select_coarse_method(const stp_store_directory* directory, const st
 
 /// Fills `list`. Zero-initialize it; its memory is reused between calls (stp_draw_list_destroy),
 /// and it belongs to one store. Items outside the view are culled. A node is opened to the extent
-/// that its surfels cannot cover at the wanted size, and fully if the eye is inside it: its own
-/// triangles and points are drawn, and its children visited. Point nodes whose surfels include
-/// every point are never opened. A node's surfels exclude moving nodes below it: these are visited
-/// separately, with their own surfels if they have any, even if an ancestor is drawn.
+/// that its splats cannot cover at the wanted size, and fully if the eye is inside it: its own
+/// triangles and points are drawn, and its children visited. Point nodes whose splats include
+/// every point are never opened. A node's splats exclude moving nodes below it: these are visited
+/// separately, with their own splats if they have any, even if an ancestor is drawn.
 ///
 /// The list of a view with two eyes holds the items that either eye needs, as fine as the nearer
 /// eye needs them. It is drawn once per eye, with the views of select/eyes.h.
@@ -202,7 +203,7 @@ uint32_t stp_select_coarse_method(const stp_store_directory* directory, const st
 /// stp_select_rejected finds wrongly deferred nodes.
 /// @return STP_OK, STP_ERROR_ARGUMENT (an invalid view, fovea or section), STP_ERROR_LIMIT (more
 /// than 2^32 - 2 splats and triangles, or too many nodes, items or runs),
-/// STP_ERROR_OUT_OF_MEMORY, or as stp_store_get_surfels_prefix; logged
+/// STP_ERROR_OUT_OF_MEMORY, or as stp_store_get_splat_set_prefix; logged
 STP_MUST_USE stp_result stp_select(stp_context* context, stp_store* store, const stp_view* view,
                                    const stp_quality* quality, stp_draw_list* list);
 
@@ -220,6 +221,6 @@ void stp_draw_list_destroy(stp_context* context, stp_draw_list* list);
 /// octaves until the base set ends.
 /// @param maximum receives the number; the set's count if it has no ranges or nothing can be read
 /// @param ends whether the end of the base set is known; else more octaves may give another count
-/// @return STP_OK, or as stp_store_get_surfels_prefix
+/// @return STP_OK, or as stp_store_get_splat_set_prefix
 STP_MUST_USE stp_result stp_select_count_states(stp_store* store, uint32_t set, uint32_t* maximum,
                                                 bool* ends);

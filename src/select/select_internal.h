@@ -5,19 +5,22 @@
 #include "select/sections.h"
 #include "select/select.h"
 
-/// Factor on the depth at which a node's surfels just suffice: up to there its children fade in.
+// The level switch: around the switch depth, from which a set suffices, the set and the content below
+// replace each other gradually.
+/// Factor on the switch depth: the content below is drawn up to there, the share of it that is drawn
+/// falls from the switch depth on.
 #define STP_LEVEL_SWITCH_FAR 1.1
-/// Shortfall of the wanted radius at which all surfels of a set have faded out.
+/// Shortfall of the wanted radius at which no splat of the set is drawn.
 #define STP_LEVEL_SWITCH_SHORTFALL 1.07
 #define STP_LEVEL_SWITCH_SHORTFALL_SQUARED (STP_LEVEL_SWITCH_SHORTFALL * STP_LEVEL_SWITCH_SHORTFALL)
-/// The same in depths: the switch depth grows at least with the cube of the shortfall
-/// (rule_blue.c).
+/// Divides the switch depth: nearer than that the set is gone. The switch depth grows at least with
+/// the cube of the shortfall (rule_blue.c).
 #define STP_LEVEL_SWITCH_NEAR                                                                      \
     (STP_LEVEL_SWITCH_SHORTFALL_SQUARED * STP_LEVEL_SWITCH_SHORTFALL_SQUARED)
 
 /// Cost of a splat relative to a triangle (docs/notes/2026-11-proportion.md).
 #define STP_SPLAT_WORK 1.5
-/// Limit on the work of a node in transition, relative to the more expensive of its two levels.
+/// Limit on the work of a node in its level switch, relative to the more expensive of the two levels.
 #define STP_LEVEL_SWITCH_WORK 1.2
 
 /// Maximum and default of stp_quality.early_switch.
@@ -32,11 +35,11 @@ static inline double stp_select_early_switch(const stp_quality* quality)
 /// A node to visit.
 typedef struct stp_select_entry {
     uint32_t node;
-    bool moving_only;  ///< an ancestor's surfels represent everything that does not move
-    bool extra;        ///< drawn only because levels blend: an ancestor's surfels suffice
-    uint32_t sections; ///< bits of section planes that may cut it
-    uint32_t shown;    ///< state of its visibility
-    double ceiling;    ///< beyond this depth an ancestor's surfels suffice
+    bool moving_only;             ///< an ancestor's splats represent everything that does not move
+    bool in_level_switch;         ///< drawn only by a level switch: an ancestor's splats suffice
+    uint32_t sections;            ///< bits of section planes that may cut it
+    uint32_t shown;               ///< state of its visibility
+    double ancestor_switch_depth; ///< beyond it an ancestor's splats suffice
     double covered; ///< coverage radius of the nearest ancestor's set, scene units; infinite: none
     double eager;   ///< factor on the loading priority of the content below
     stp_affine transform;
@@ -46,12 +49,12 @@ typedef struct stp_select_entry {
 typedef struct stp_select_graph {
     const stp_store_directory* directory;
     const stp_store_node* nodes;
-    uint32_t node_count, edge_count, part_count, surfels_count;
+    uint32_t node_count, edge_count, part_count, set_count;
     uint32_t method; ///< index of the sets' method in the directory's table
     uint8_t* moving; ///< STP_NODE_MOVES, STP_MOVES_BELOW
     /// Overhang of a node's drawn content beyond its box, without pixels; node units
     float* margins;
-    double* reaches;       ///< coverage radius of all surfels of its own, node units
+    double* reaches;       ///< coverage radius of all splats of its own, node units
     float* early_switches; ///< factor on that radius: lower limit of their use
     float* works;          ///< maximum work of the content drawn instead of them, in triangles
     uint8_t* repeated;     ///< per part, one bit: whether its node listed it before
@@ -96,19 +99,19 @@ typedef struct stp_box_visibility {
     double largest_size;   ///< maximum size in view, at least that at the gaze point
 } stp_box_visibility;
 
-/// How a node's surfels are used. They are drawn beyond switch_depth; the node's content is drawn
+/// How a node's splats are used. They are drawn beyond switch_depth; the node's content is drawn
 /// nearer.
 typedef struct stp_set_use {
     const struct stp_select_rule* rule;
     uint32_t set; ///< index in the store
-    const stp_splats* surfels;
+    const stp_splats* splats;
     uint32_t count;                    ///< prefix; 0: not drawn
     uint32_t state;                    ///< requested number of splats, at any depth; 0: by size
     double radius;                     ///< radius of its splats, node units
     double level_per_depth, level_min; ///< levels of the item (stp_draw_item), node units
-    double per_depth;    ///< the wanted coverage radius at depth 1, node units; 0: not by depth
-    double switch_depth; ///< 0: nothing below is drawn; infinite: everything
-    bool extra;          ///< not drawn without blending between levels
+    double per_depth;     ///< the wanted coverage radius at depth 1, node units; 0: not by depth
+    double switch_depth;  ///< 0: nothing below is drawn; infinite: everything
+    bool in_level_switch; ///< not drawn without a level switch
 } stp_set_use;
 
 /// The set of a node, of the drawn method.
@@ -142,9 +145,9 @@ void stp_select_request_leaves(stp_selection* s, const stp_select_entry* at,
 /// resident
 bool stp_select_request_optional_mesh(stp_selection* s, uint32_t mesh);
 /// Turns the entry of a node with a set into the entry of its children.
-void stp_select_cover(const stp_selection* s, const stp_splats* surfels,
+void stp_select_cover(const stp_selection* s, const stp_splats* splats,
                       const stp_box_visibility* sight, stp_select_entry* at);
-/// Limits the use of a node's surfels to resident data, and requests what is missing.
+/// Limits the use of a node's splats to resident data, and requests what is missing.
 STP_MUST_USE stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
                                              const stp_box_visibility* sight, stp_set_use* use);
 
@@ -167,18 +170,18 @@ STP_MUST_USE stp_result stp_select_add_run(stp_selection* s, uint32_t begin, uin
 
 /// Makes an item draw the state with `wanted` splats of a progressive set, or the nearest state in
 /// the item's prefix. If the base set has more than `wanted`, draws its first `wanted` splats. Sets
-/// the item's prefix to the state's. @return STP_OK, or as stp_store_get_surfels_prefix; `*found`:
+/// the item's prefix to the state's. @return STP_OK, or as stp_store_get_splat_set_prefix; `*found`:
 /// whether the set has states; if not, the item is unchanged
 STP_MUST_USE stp_result stp_select_cut_item(stp_selection* s, uint32_t wanted, stp_draw_item* item,
                                             bool* found);
 
 /// Number of splats that can be drawn at once from the set of a node, which has one. @return
-/// STP_OK, or as stp_store_get_surfels_prefix
+/// STP_OK, or as stp_store_get_splat_set_prefix
 STP_MUST_USE stp_result stp_select_max_count(stp_selection* s, uint32_t node, uint32_t* maximum);
 
 /// Share of a node's content that is drawn at a depth, given the depth beyond which the node's set
 /// suffices.
-double stp_level_switch_share(double ceiling, double depth);
+double stp_level_switch_share(double switch_depth, double depth);
 
 /// Builds, or finds, the view-independent properties of the store's nodes.
 STP_MUST_USE stp_result stp_select_find_graph(stp_selection* s);

@@ -104,7 +104,7 @@ stp_boxd stp_select_part_box(const stp_selection* s, stp_store_part part, const 
     return stp_select_place_box(a, &wide);
 }
 
-/// Adds a node's own triangles or points, up to the depth where its surfels, or an ancestor's,
+/// Adds a node's own triangles or points, up to the depth where its splats, or an ancestor's,
 /// suffice.
 static stp_result add_part(stp_selection* s, stp_store_part part, const stp_select_entry* at,
                            uint32_t shown)
@@ -133,23 +133,24 @@ static stp_result add_part(stp_selection* s, stp_store_part part, const stp_sele
     stp_box_visibility sight;
     if (shown == STP_SHOW_NOT || !stp_select_is_in_view(s, &box, &sight) ||
         !stp_sections_test(s->sections, &box, 0.0, &item.sections) ||
-        !(stp_level_switch_share(at->ceiling, sight.range.near) > 0.0)) {
+        !(stp_level_switch_share(at->ancestor_switch_depth, sight.range.near) > 0.0)) {
         return STP_OK;
     }
     if (s->streams && !stp_select_request_part(s, part, at, &sight)) {
         return STP_OK;
     }
     stp_depth_range range = sight.range;
-    if (item.kind == STP_DRAW_POINTS && range.near > at->ceiling) {
-        return STP_OK; // no subset of them is spread evenly: they appear all at once, below surfels
+    if (item.kind == STP_DRAW_POINTS && range.near > at->ancestor_switch_depth) {
+        return STP_OK; // no subset of them is spread evenly: they appear all at once, below splats
     }
-    if (item.kind == STP_DRAW_MESH && range.far > at->ceiling) {
-        item.fade_begin = (float)at->ceiling;
-        item.fade_end = (float)(at->ceiling * STP_LEVEL_SWITCH_FAR);
-        double end = fmin(range.far, at->ceiling * STP_LEVEL_SWITCH_FAR);
+    if (item.kind == STP_DRAW_MESH && range.far > at->ancestor_switch_depth) {
+        item.switch_begin = (float)at->ancestor_switch_depth;
+        item.switch_end = (float)(at->ancestor_switch_depth * STP_LEVEL_SWITCH_FAR);
+        double end = fmin(range.far, at->ancestor_switch_depth * STP_LEVEL_SWITCH_FAR);
         double width = fmax(range.far - range.near, 1e-12 * range.far);
-        double beside = fmin(1.0, (end - fmax(range.near, at->ceiling)) / width);
-        double share = stp_level_switch_share(at->ceiling, fmax(range.near, at->ceiling));
+        double beside = fmin(1.0, (end - fmax(range.near, at->ancestor_switch_depth)) / width);
+        double share = stp_level_switch_share(at->ancestor_switch_depth,
+                                              fmax(range.near, at->ancestor_switch_depth));
         s->list->extra_triangles += (uint64_t)((double)count * beside * 0.5 * share);
     }
     return stp_select_add_item(s, item, count);
@@ -223,10 +224,10 @@ static stp_result visit_by_count(stp_selection* s, stp_select_entry* at, bool se
 {
     stp_result result = STP_OK;
     if (may_use_set(s, at) &&
-        stp_store_describe_surfels(s->store, stp_select_set_of(s, at->node))->count > 0) {
+        stp_store_describe_splat_set(s->store, stp_select_set_of(s, at->node))->count > 0) {
         result = stp_select_note_set(s, at);
         at->moving_only = true;
-        at->ceiling = 0.0;
+        at->ancestor_switch_depth = 0.0;
     }
     bool needed = !at->moving_only || (s->graph->moving[at->node] & STP_MOVES_BELOW) != 0;
     needed = needed && (seen || s->graph->has_sets[at->node]);
@@ -242,8 +243,8 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
         return counted;
     }
     if ((moving & STP_NODE_MOVES) != 0) { // no ancestor represents it
-        at->moving_only = at->extra = false;
-        at->ceiling = at->covered = HUGE_VAL;
+        at->moving_only = at->in_level_switch = false;
+        at->ancestor_switch_depth = at->covered = HUGE_VAL;
         at->eager = 1.0;
     }
     s->list->node_count += 1;
@@ -257,7 +258,8 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
         return STP_OK;
     }
     double nearest = sight.range.near;
-    at->moving_only = at->moving_only || !(stp_level_switch_share(at->ceiling, nearest) > 0.0);
+    at->moving_only =
+        at->moving_only || !(stp_level_switch_share(at->ancestor_switch_depth, nearest) > 0.0);
     bool hidden = false;
     if (at->moving_only && (moving & STP_MOVES_BELOW) == 0) {
         return STP_OK;
@@ -267,20 +269,20 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
         return result;
     }
     if (may_use_set(s, at) && !s->quality->reference) {
-        stp_set_use use = stp_select_use_set(s, at, &sight);
+        stp_set_use use = stp_select_choose_use(s, at, &sight);
         result = s->streams ? stp_select_limit_use(s, at, &sight, &use) : STP_OK;
         if (use.count > 0 && result == STP_OK) {
             stp_set_use drawn = use;
-            stp_select_use_coarse(s, at, &sight, &drawn);
+            stp_select_choose_coarse(s, at, &sight, &drawn);
             result = drawn.rule->add(s, at, &drawn, &sight);
         }
-        // if this node's surfels suffice at its nearest depth, switching would draw nothing below
-        at->extra = at->extra || (use.count > 0 && !use.extra);
-        at->ceiling = fmin(at->ceiling, use.switch_depth);
-        at->moving_only = !(stp_level_switch_share(at->ceiling, nearest) > 0.0);
-        assert(use.count <= use.surfels->count);
-        if (s->streams && use.surfels->count > 0) {
-            stp_select_cover(s, use.surfels, &sight, at);
+        // if this node's splats suffice at its nearest depth, switching would draw nothing below
+        at->in_level_switch = at->in_level_switch || (use.count > 0 && !use.in_level_switch);
+        at->ancestor_switch_depth = fmin(at->ancestor_switch_depth, use.switch_depth);
+        at->moving_only = !(stp_level_switch_share(at->ancestor_switch_depth, nearest) > 0.0);
+        assert(use.count <= use.splats->count);
+        if (s->streams && use.splats->count > 0) {
+            stp_select_cover(s, use.splats, &sight, at);
         }
     }
     if (result != STP_OK || (at->moving_only && (moving & STP_MOVES_BELOW) == 0)) {

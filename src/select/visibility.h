@@ -4,7 +4,7 @@
 // *at a place*: other instances of the node are not affected.
 //
 //   root --- street --- house --- door          hidden: the door of this house
-//    mixed    mixed      mixed     hidden       surfels of mixed nodes show the door: open them
+//    mixed    mixed      mixed     hidden       splats of mixed nodes show the door: open them
 //        `--- trees (unchanged: drawn by any level)
 //
 // The state is a tree of paths to the differences. Its size is proportional to what was set, and a

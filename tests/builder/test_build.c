@@ -112,12 +112,12 @@ void test_builds_can_be_opened_and_checked(test_state* test)
     CHECK_EQUAL(STP_OK, stp_store_open(context, w.output, &store));
     const stp_store_directory* d = stp_store_get_directory(store);
     CHECK_EQUAL(1800, d->nodes[d->root].triangle_count);
-    CHECK_EQUAL(1, d->surfels_count);
-    CHECK_EQUAL(0, d->nodes[d->root].surfels);
+    CHECK_EQUAL(1, d->set_count);
+    CHECK_EQUAL(0, d->nodes[d->root].set);
     CHECK(d->shading_count >= 1 && strcmp(d->build_json, "{\"method\":\"blue\"}") == 0);
     CHECK(d->source_count == 1 && strcmp(d->sources[0].path, w.model) == 0);
     stp_splats s;
-    CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 0, &s));
+    CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, 0, &s));
     CHECK_EQUAL(225, s.count);               // one for eight triangles
     for (uint32_t i = 0; i < s.count; ++i) { // within the model's box, up to rounding
         double x = (double)s.origin.x + (double)s.step * s.positions[3 * (size_t)i];
@@ -181,10 +181,10 @@ void test_builds_of_several_methods(test_state* test)
     stp_store* store = NULL;
     CHECK_EQUAL(STP_OK, stp_store_open(one, w.output, &store));
     const stp_store_directory* d = stp_store_get_directory(store);
-    CHECK(d->method_count == 2 && d->surfels_count == 2);
+    CHECK(d->method_count == 2 && d->set_count == 2);
     stp_splats blue, spt;
-    CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, stp_store_set_of(d, 0, d->root), &blue));
-    CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, stp_store_set_of(d, 1, d->root), &spt));
+    CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, stp_store_set_of(d, 0, d->root), &blue));
+    CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, stp_store_set_of(d, 1, d->root), &spt));
     CHECK(blue.count == 225 && blue.columns == 0 && blue.ranges == NULL);
     CHECK(spt.count > 225 && spt.columns == STP_SPLATS_COLUMNS && spt.ranges != NULL);
     stp_store_close(store);
@@ -194,7 +194,7 @@ void test_builds_of_several_methods(test_state* test)
     CHECK_EQUAL(STP_OK, stp_store_open(one, w.output, &store));
     d = stp_store_get_directory(store);
     CHECK(d->method_count == 1 && d->methods[0].id == STP_METHOD_SPT);
-    CHECK_EQUAL(0, d->nodes[d->root].surfels);
+    CHECK_EQUAL(0, d->nodes[d->root].set);
     stp_store_close(store);
     CHECK_EQUAL(STP_OK, build_methods(one, &w, w.output, both, 1, NULL)); // as for blue alone
     unlink(w.other);
@@ -394,8 +394,8 @@ void test_small_scenes_get_no_surfels(test_state* test)
         stp_store* store = NULL;
         CHECK_EQUAL(STP_OK, stp_store_open(context, w.output, &store));
         const stp_store_directory* d = stp_store_get_directory(store);
-        CHECK_EQUAL(i == 2, d->surfels_count);
-        CHECK(i != 2 || stp_store_describe_surfels(store, 0)->count == 4);
+        CHECK_EQUAL(i == 2, d->set_count);
+        CHECK(i != 2 || stp_store_describe_splat_set(store, 0)->count == 4);
         stp_store_close(store);
     }
     stp_context_destroy(context);
@@ -427,7 +427,7 @@ void test_point_clouds_keep_every_point(test_state* test)
     stp_store* store = NULL;
     stp_splats s;
     CHECK_EQUAL(STP_OK, stp_store_open(context, w.output, &store));
-    CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 0, &s));
+    CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, 0, &s));
     CHECK_EQUAL(COUNT, s.count);
     CHECK(s.candidate_radius > 0.3f && s.candidate_radius < 1.5f); // points are about 1 apart
     stp_store_close(store);
@@ -463,8 +463,8 @@ void test_point_clouds_keep_every_point_among_others(test_state* test)
         const stp_store_node* node = &d->nodes[i];
         for (uint32_t k = 0; k < node->part_count; ++k) {
             if (d->parts[node->first_part + k].kind == STP_STORE_PART_POINTS) {
-                CHECK(node->surfels != STP_STORE_NONE && node->triangle_count == 0);
-                CHECK_EQUAL(COUNT, stp_store_describe_surfels(store, node->surfels)->count);
+                CHECK(node->set != STP_STORE_NONE && node->triangle_count == 0);
+                CHECK_EQUAL(COUNT, stp_store_describe_splat_set(store, node->set)->count);
                 clouds += 1;
             }
         }
@@ -497,7 +497,7 @@ void test_near_duplicates_cost_no_more(test_state* test)
     CHECK(report.finish_s < 1.5);
     stp_store* store = NULL;
     CHECK_EQUAL(STP_OK, stp_store_open(context, w.output, &store));
-    const stp_splats* s = stp_store_describe_surfels(store, 0);
+    const stp_splats* s = stp_store_describe_splat_set(store, 0);
     uint64_t entries = 0;
     for (uint32_t i = 0; i < s->octave_count; ++i) {
         entries += s->octave_ends[i];

@@ -71,15 +71,15 @@ static void look_at(const char* path, bool draws, seen_draft* seen)
         const stp_store_directory* d = stp_store_get_directory(store);
         *seen = (seen_draft){.meshes = d->mesh_count,
                              .point_sets = d->point_set_count,
-                             .sets = d->surfels_count,
+                             .sets = d->set_count,
                              .objects = d->object_count,
                              .triangles = d->nodes[d->root].triangle_count,
                              .points = d->nodes[d->root].point_count};
         for (uint32_t i = 0; i < d->attribute_count; ++i) {
             seen->attributes |= UINT64_C(1) << d->attributes[i].attribute;
         }
-        for (uint32_t i = 0; i < d->surfels_count; ++i) {
-            seen->unknown_signs += stp_store_describe_surfels(store, i)->unknown_signs;
+        for (uint32_t i = 0; i < d->set_count; ++i) {
+            seen->unknown_signs += stp_store_describe_splat_set(store, i)->unknown_signs;
         }
         snprintf(seen->first_name, sizeof(seen->first_name), "%s",
                  d->object_count > 0 && d->objects[0].name != NULL ? d->objects[0].name : "");

@@ -84,7 +84,7 @@ static void check_all_there_once(test_state* test, const char* method)
     CHECK_EQUAL(0, stp_store_get_summary(store)->figures.point_bytes);
     CHECK_EQUAL(STP_OK, stp_store_get_point_set(store, 0, &points));
     CHECK(points.held_by != 0 && points.point_count == COUNT && points.normals != NULL);
-    double step = (double)stp_store_describe_surfels(store, points.held_by - 1)->step;
+    double step = (double)stp_store_describe_splat_set(store, points.held_by - 1)->step;
     for (uint32_t i = 0; i < points.point_count; ++i) {
         const uint8_t* color = points.colors + 4 * (size_t)i;
         uint32_t number = color[0] + 256u * color[1];
@@ -165,7 +165,7 @@ void test_held_points_of_cut_files_are_refused(test_state* test)
     uint64_t bytes = stp_store_get_summary(store) != NULL ? stp_store_file_bytes(store) : 0;
     stp_store_close(store);
     CHECK(bytes > 1 && truncate(c.output, (off_t)(bytes - 1)) == 0);
-    CHECK_EQUAL(STP_OK, stp_store_open_prefix(context, c.output, &store));
+    CHECK_EQUAL(STP_OK, stp_store_open_partial(context, c.output, &store));
     CHECK(!stp_store_are_points_resident(store, 0));
     CHECK_EQUAL(STP_ERROR_TRUNCATED, stp_store_get_point_set(store, 0, &points));
     CHECK(strstr(log.text, "ends before the last octave") != NULL);

@@ -4,13 +4,13 @@
 #include "base/io/bytes.h"
 #include "builder/stored_results.h"
 
-enum { SURFELS = 37, ENTRIES = 5 + 17 + 37, MESH_BYTES = 333 };
+enum { SPLATS = 37, ENTRIES = 5 + 17 + 37, MESH_BYTES = 333 };
 
 typedef struct sample {
-    uint16_t positions[3 * SURFELS];
-    int8_t normals[2 * SURFELS];
-    uint8_t materials[SURFELS], colors[3 * ENTRIES], coverages[ENTRIES];
-    stp_splats surfels;
+    uint16_t positions[3 * SPLATS];
+    int8_t normals[2 * SPLATS];
+    uint8_t materials[SPLATS], colors[3 * ENTRIES], coverages[ENTRIES];
+    stp_splats splats;
 } sample;
 
 static void fill(void* bytes, size_t size, uint64_t seed)
@@ -23,21 +23,21 @@ static void fill(void* bytes, size_t size, uint64_t seed)
 static void make_sample(sample* s)
 {
     fill(s, sizeof(*s), 3);
-    for (int i = 0; i < SURFELS; ++i) {
+    for (int i = 0; i < SPLATS; ++i) {
         s->materials[i] = (uint8_t)(i % 5);
     }
-    s->surfels = (stp_splats){
-        .count = SURFELS,
+    s->splats = (stp_splats){
+        .count = SPLATS,
         .origin = {-1.5f, 2.25f, 1e6f},
         .step = 0.125f,
         .positions = s->positions,
         .normals = s->normals,
         .materials = s->materials,
         .octave_count = 3,
-        .octave_ends = {5, 17, SURFELS},
+        .octave_ends = {5, 17, SPLATS},
         .colors = s->colors,
         .coverages = s->coverages,
-        .table = {.size = 3, .count = {1, 9, SURFELS}, .radius = {8.0f, 2.5f, 0.75f}},
+        .table = {.size = 3, .count = {1, 9, SPLATS}, .radius = {8.0f, 2.5f, 0.75f}},
         .candidate_radius = 0.03125f,
         .paper_radius = 0.5f,
         .paper_count = 11,
@@ -51,7 +51,7 @@ static bool same_bytes(const void* a, const void* b, size_t size)
 
 static bool is_sample(const stp_splats* s, const sample* expected)
 {
-    const stp_splats* e = &expected->surfels;
+    const stp_splats* e = &expected->splats;
     return s->count == e->count && memcmp(&s->origin, &e->origin, sizeof(e->origin)) == 0 &&
            s->step == e->step && s->octave_count == e->octave_count &&
            memcmp(s->octave_ends, e->octave_ends, sizeof(e->octave_ends)) == 0 &&
@@ -87,15 +87,15 @@ void test_pieces_are_found_as_they_were_stored(test_state* test)
         stp_splats found;
         stp_coded_mesh coded;
         uint32_t candidates = 0;
-        CHECK_EQUAL(round, stp_work_find_surfels(work, work_key(1), 5, &found, &candidates));
-        CHECK_EQUAL(STP_OK, stp_work_store_surfels(work, work_key(1), &s.surfels, 1234, &found));
+        CHECK_EQUAL(round, stp_work_find_splat_set(work, work_key(1), 5, &found, &candidates));
+        CHECK_EQUAL(STP_OK, stp_work_store_splat_set(work, work_key(1), &s.splats, 1234, &found));
         CHECK(is_sample(&found, &s));
-        CHECK(stp_work_find_surfels(work, work_key(1), 5, &found, &candidates));
+        CHECK(stp_work_find_splat_set(work, work_key(1), 5, &found, &candidates));
         CHECK(is_sample(&found, &s));
         CHECK_EQUAL(1234, candidates);
-        // a set without visible surfels is a result too
-        CHECK_EQUAL(STP_OK, stp_work_store_surfels(work, work_key(2), &nothing, 0, NULL));
-        CHECK(stp_work_find_surfels(work, work_key(2), 1, &found, &candidates));
+        // a set without visible splats is a result too
+        CHECK_EQUAL(STP_OK, stp_work_store_splat_set(work, work_key(2), &nothing, 0, NULL));
+        CHECK(stp_work_find_splat_set(work, work_key(2), 1, &found, &candidates));
         CHECK_EQUAL(0, found.count);
         CHECK_EQUAL(0, candidates);
         CHECK_EQUAL(STP_OK, stp_work_store_mesh(work, work_key(3), &mesh, &coded));
@@ -124,13 +124,13 @@ void test_pieces_that_make_no_sense_are_made_anew(test_state* test)
     make_sample(&s);
     stp_work* work = open_work(context, &place);
     CHECK(work != NULL);
-    CHECK_EQUAL(STP_OK, stp_work_store_surfels(work, work_key(0), &s.surfels, 1, NULL));
+    CHECK_EQUAL(STP_OK, stp_work_store_splat_set(work, work_key(0), &s.splats, 1, NULL));
     size_t size = 0;
     const unsigned char* whole = stp_work_find(work, work_key(0), &size);
     CHECK(whole != NULL && size < 2048);
     stp_splats found;
     uint32_t unused;
-    CHECK(!stp_work_find_surfels(work, work_key(0), 4, &found, &unused)); // shading 4 is used
+    CHECK(!stp_work_find_splat_set(work, work_key(0), 4, &found, &unused)); // shading 4 is used
     // any header with a valid checksum: a result that is found can be read to its end
     uint64_t sum = 0, refused = 0;
     for (uint32_t round = 1; round < 1500; ++round) {
@@ -143,19 +143,19 @@ void test_pieces_that_make_no_sense_are_made_anew(test_state* test)
         stp_hash key = work_key(round);
         CHECK_EQUAL(STP_OK, stp_work_store(work, key, &piece, 1, NULL));
         stp_coded_mesh mesh;
-        if (stp_work_find_surfels(work, key, 256, &found, &unused)) {
+        if (stp_work_find_splat_set(work, key, 256, &found, &unused)) {
             CHECK(found.count == 0 || found.octave_ends[found.octave_count - 1] == found.count);
             sum += stp_checksum(&(stp_bytes){found.positions, 6 * (size_t)found.count}, 1);
         } else {
             refused += 1;
-            CHECK_EQUAL(STP_OK, stp_work_store_surfels(work, key, &s.surfels, 7, &found));
+            CHECK_EQUAL(STP_OK, stp_work_store_splat_set(work, key, &s.splats, 7, &found));
             CHECK(is_sample(&found, &s)); // not the invalid one stored before
         }
         CHECK(!stp_work_find_mesh(work, key, &mesh) || value == 2);
     }
     CHECK(sum != 0 && refused > 200);
-    s.surfels.octave_ends[1] = 3;
-    CHECK_EQUAL(STP_ERROR_FORMAT, stp_work_store_surfels(work, work_key(1), &s.surfels, 1, NULL));
+    s.splats.octave_ends[1] = 3;
+    CHECK_EQUAL(STP_ERROR_FORMAT, stp_work_store_splat_set(work, work_key(1), &s.splats, 1, NULL));
     stp_work_close(work, true);
     CHECK(remove_work_place(&place));
     stp_context_destroy(context);
@@ -168,7 +168,7 @@ static void store_sample(size_t begin, size_t end, uint32_t worker, void* user)
     stp_work* work = user;
     for (size_t i = begin; i < end; ++i) {
         stp_splats found;
-        (void)!stp_work_store_surfels(work, work_key((uint32_t)i / 2), &s.surfels, 0, &found);
+        (void)!stp_work_store_splat_set(work, work_key((uint32_t)i / 2), &s.splats, 0, &found);
     }
 }
 

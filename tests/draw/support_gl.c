@@ -19,7 +19,7 @@ static void add_sheets(made_picture* p)
     made_picture_add(p, -0.9, (stp_vec3d){-0.6, -0.2, 0.4}, colors[1]);
     made_picture_add(p, 2.6, (stp_vec3d){0.1, 0.5, -1.5}, colors[2]);
     made_picture_add(p, 0.4, (stp_vec3d){-1.4, 1.0, -1.0}, NULL);
-    stp_splats* holes = &p->scene.surfels[1];
+    stp_splats* holes = &p->scene.sets[1];
     for (uint32_t i = 0; i < holes->count; ++i) {
         holes->coverages[i] = (uint8_t)(60 + stp_rng_hash(9, i) % 160);
     }

@@ -14,7 +14,7 @@ typedef struct made_gl {
     uint8_t pixels[PICTURE_SIDE * PICTURE_SIDE * 4];
 } made_gl;
 
-/// Four intersecting sheets of surfels, one of them with holes, and one square without surfels; or
+/// Four intersecting sheets of splats, one of them with holes, and one square without splats; or
 /// (`one`) only the first sheet, which has one colour.
 /// @return false if there is no OpenGL, or on failure, with *failed true
 bool made_gl_begin(made_gl* m, bool one, bool* failed);

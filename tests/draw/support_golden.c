@@ -83,7 +83,7 @@ const char* golden_draw(stp_context* context, stp_store* store, const char* name
         return "is too large";
     }
     stp_result result = stp_draw_cpu_create(context, store, &renderer);
-    quality.early_switch = 1; // one surfel replaces few triangles
+    quality.early_switch = 1; // one splat replaces few triangles
     if (result == STP_OK) {
         result = stp_select(context, store, &view, &quality, &list);
     }

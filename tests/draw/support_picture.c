@@ -31,12 +31,12 @@ void made_picture_add(made_picture* p, double angle, stp_vec3d move, const uint8
     s->parts[s->part_count++] = (stp_store_part){STP_STORE_PART_MESH, at};
     s->nodes[s->node_count++] = (stp_store_node){.first_part = at,
                                                  .part_count = 1,
-                                                 .surfels = STP_STORE_NONE,
+                                                 .set = STP_STORE_NONE,
                                                  .triangle_count = 2,
                                                  .bounds = {{-1, -1, 0}, {1, 1, 0}}};
     if (color != NULL) {
-        s->nodes[at].surfels = s->surfels_count;
-        s->surfels[s->surfels_count++] = made_square_surfels(p->context, 5, color);
+        s->nodes[at].set = s->set_count;
+        s->sets[s->set_count++] = made_square_set(p->context, 5, color);
     }
     stp_affine m = stp_affine_identity();
     m.m[1][1] = m.m[2][2] = cos(angle);
@@ -52,7 +52,7 @@ stp_result made_picture_open(made_picture* p)
 {
     made_scene* s = &p->scene;
     s->nodes[s->node_count] = (stp_store_node){.edge_count = s->edge_count,
-                                               .surfels = STP_STORE_NONE,
+                                               .set = STP_STORE_NONE,
                                                .triangle_count = 2 * s->node_count,
                                                .bounds = {{-9, -9, -9}, {9, 9, 3}}};
     s->node_count += 1;
@@ -77,8 +77,8 @@ stp_result made_picture_accumulate(made_picture* p)
 
 void made_picture_end(made_picture* p)
 {
-    for (uint32_t i = 0; i < p->scene.surfels_count; ++i) {
-        made_free_surfels(p->context, &p->scene.surfels[i]);
+    for (uint32_t i = 0; i < p->scene.set_count; ++i) {
+        made_free_set(p->context, &p->scene.sets[i]);
     }
     stp_renderer_destroy(p->renderer);
     stp_draw_list_destroy(p->context, &p->list);

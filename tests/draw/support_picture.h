@@ -26,7 +26,7 @@ typedef struct made_picture {
 /// An empty, unlit white scene, seen from (0, 0, 5) in perspective: a square from -1 to 1 in the
 /// plane z = 0 fills the middle half of the picture. @return false if out of memory
 bool made_picture_begin(made_picture* p, test_heap* heap, uint32_t threads);
-/// A square from -1 to 1, rotated about x and translated; with surfels of one colour (NULL:
+/// A square from -1 to 1, rotated about x and translated; with splats of one colour (NULL:
 /// triangles only).
 void made_picture_add(made_picture* p, double angle, stp_vec3d move, const uint8_t* color);
 /// Writes and opens the scene, and makes the renderer.

@@ -38,7 +38,7 @@ stp_store_mesh made_square(uint32_t material)
                             .indices = indices};
 }
 
-stp_splats made_square_surfels(stp_context* context, uint32_t log_side, const uint8_t color[3])
+stp_splats made_square_set(stp_context* context, uint32_t log_side, const uint8_t color[3])
 {
     assert(log_side < 16 && "coordinates have 16 bits");
     uint32_t count = 1u << (2 * log_side);
@@ -80,7 +80,7 @@ stp_splats made_square_surfels(stp_context* context, uint32_t log_side, const ui
     return s;
 }
 
-void made_free_surfels(stp_context* context, stp_splats* s)
+void made_free_set(stp_context* context, stp_splats* s)
 {
     stp_free(context, s->positions);
     stp_free(context, s->normals);
@@ -98,8 +98,8 @@ void made_one_node(made_scene* s, const stp_store_mesh* mesh, const stp_splats* 
     s->parts[0] = (stp_store_part){STP_STORE_PART_MESH, 0};
     s->nodes[0] = (stp_store_node){
         .part_count = 1, .triangle_count = 1000000, .bounds = {{-1, -1, 0}, {1, 1, 0}}};
-    s->surfels[0] = *set;
-    s->surfels_count = 1;
+    s->sets[0] = *set;
+    s->set_count = 1;
     s->method =
         (stp_store_method){.name = "spt", .id = STP_METHOD_SPT, .columns = STP_SPLATS_COLUMNS};
 }
@@ -125,7 +125,7 @@ stp_store* made_open_file(stp_context* context, made_scene* scene, int* descript
                       .texture_count = scene->texture_count,
                       .mesh_count = scene->mesh_count,
                       .point_set_count = scene->point_set_count,
-                      .surfels_count = scene->surfels_count,
+                      .set_count = scene->set_count,
                       .view_count = scene->view_count,
                       .nodes = scene->nodes,
                       .edges = scene->edges,
@@ -140,10 +140,10 @@ stp_store* made_open_file(stp_context* context, made_scene* scene, int* descript
         .coded_meshes = scene->coded_meshes,
         .point_sets = scene->point_sets,
         .textures = scene->textures,
-        .surfels = scene->surfels,
+        .sets = scene->sets,
     };
     if (scene->method.id != 0) {
-        scene->method.set_count = scene->surfels_count;
+        scene->method.set_count = scene->set_count;
         content.directory.methods = &scene->method;
         content.directory.method_count = 1;
     }

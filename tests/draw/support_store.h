@@ -16,10 +16,10 @@ typedef struct made_scene {
     stp_store_texture textures[MADE_LIMIT];
     stp_store_mesh meshes[MADE_LIMIT];
     stp_store_point_set point_sets[MADE_LIMIT];
-    stp_splats surfels[MADE_LIMIT];
+    stp_splats sets[MADE_LIMIT];
     stp_store_view views[MADE_LIMIT];
     uint32_t node_count, edge_count, part_count, material_count, shading_count, texture_count,
-        mesh_count, point_set_count, surfels_count, view_count;
+        mesh_count, point_set_count, set_count, view_count;
     stp_store_method method;            ///< the method of all sets; id 0: blue
     const stp_coded_mesh* coded_meshes; ///< one per mesh; NULL: none
 } made_scene;
@@ -31,11 +31,11 @@ stp_store_material made_material(void);
 /// facing +z. Memory is static.
 stp_store_mesh made_square(uint32_t material);
 
-/// Surfels on the front of that square: a grid of 2^log_side on each side, ordered so that every
+/// Splats on the front of that square: a grid of 2^log_side on each side, ordered so that every
 /// prefix of 4^k is evenly spread; with prefix table and colours (all `color`). The arrays come from
-/// `context` (free them with made_free_surfels).
-stp_splats made_square_surfels(stp_context* context, uint32_t log_side, const uint8_t color[3]);
-void made_free_surfels(stp_context* context, stp_splats* surfels);
+/// `context` (free them with made_free_set).
+stp_splats made_square_set(stp_context* context, uint32_t log_side, const uint8_t color[3]);
+void made_free_set(stp_context* context, stp_splats* splats);
 
 /// Makes the scene one node over the square from -1 to 1 with a nominal million triangles: the
 /// mesh, with a set of `spt`.

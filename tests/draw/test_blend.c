@@ -14,7 +14,7 @@ static const uint8_t red[3] = {255, 0, 0}, blue[3] = {0, 0, 255};
 
 static void make_noisy(made_picture* p)
 {
-    stp_splats* s = &p->scene.surfels[0];
+    stp_splats* s = &p->scene.sets[0];
     for (uint32_t i = 0; i < 3 * s->count; ++i) {
         s->colors[i] = (uint8_t)(90 + stp_rng_hash(3, i / 3) % 120);
     }
@@ -101,8 +101,8 @@ void test_blend_leaves_triangles_and_crowds_alone(test_state* test)
         CHECK(made_picture_begin(&p, NULL, 1));
         made_picture_add(&p, 0.0, (stp_vec3d){0}, variant == 0 ? NULL : red);
         if (variant == 1) { // 4^7 splats in one pixel
-            made_free_surfels(p.context, &p.scene.surfels[0]);
-            p.scene.surfels[0] = made_square_surfels(p.context, 7, red);
+            made_free_set(p.context, &p.scene.sets[0]);
+            p.scene.sets[0] = made_square_set(p.context, 7, red);
             p.quality.splat_count = 16384;
             p.view.eye = (stp_vec3d){0.9, 0.9, 400};
             p.view.target = (stp_vec3d){0.9, 0.9, 0};
@@ -128,7 +128,7 @@ static void make_rich(made_picture* p)
     made_picture_add(p, -0.9, (stp_vec3d){0.5, 0.2, 0.3}, blue);
     made_picture_add(p, 0.1, (stp_vec3d){-1, 0.5, 0.7}, NULL);
     make_noisy(p);
-    memset(p->scene.surfels[1].coverages, STP_COVERAGE_CHANCES - 7, p->scene.surfels[1].count);
+    memset(p->scene.sets[1].coverages, STP_COVERAGE_CHANCES - 7, p->scene.sets[1].count);
     p->scene.shadings[0].flags = 0;
     p->quality.splat_size = 4;
     p->style.filter = STP_FILTER_EWA;

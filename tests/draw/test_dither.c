@@ -19,7 +19,7 @@ static void make_pair(made_picture* p, const uint8_t* color, uint8_t coverage)
     p->scene.materials[0].alpha = STP_STORE_BLEND;
     p->scene.materials[0].base_color[3] = 0.5f;
     for (uint32_t k = 0; color != NULL && k < 2; ++k) {
-        memset(p->scene.surfels[k].coverages, coverage, p->scene.surfels[k].count);
+        memset(p->scene.sets[k].coverages, coverage, p->scene.sets[k].count);
     }
     p->quality.splat_size = 4;
 }

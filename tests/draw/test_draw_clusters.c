@@ -65,7 +65,7 @@ static bool pair_create(pair* p, made_shape shape, unsigned attributes, stp_stor
         scene.coded_meshes = k == 1 ? &p->coded : NULL;
         scene.nodes[0] = (stp_store_node){
             .part_count = 1,
-            .surfels = STP_STORE_NONE,
+            .set = STP_STORE_NONE,
             .triangle_count = view.triangle_count,
             .bounds = {stp_to_double(view.bounds.min), stp_to_double(view.bounds.max)}};
         p->stores[k] = made_open(p->context, &scene);

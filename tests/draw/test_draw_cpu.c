@@ -45,13 +45,13 @@ static bool begin(fixture* f, test_heap* heap, uint32_t threads)
     return f->context != NULL;
 }
 
-static void add_node(fixture* f, stp_store_part_kind kind, uint32_t index, uint32_t surfels)
+static void add_node(fixture* f, stp_store_part_kind kind, uint32_t index, uint32_t splats)
 {
     made_scene* s = &f->scene;
     s->parts[s->part_count] = (stp_store_part){kind, index};
     s->nodes[s->node_count++] = (stp_store_node){.first_part = s->part_count++,
                                                  .part_count = 1,
-                                                 .surfels = surfels,
+                                                 .set = splats,
                                                  .triangle_count = 2,
                                                  .bounds = {{-1, -1, -1}, {1, 1, 1}}};
 }
@@ -83,8 +83,8 @@ static stp_result draw(fixture* f)
 
 static void end(fixture* f)
 {
-    for (uint32_t i = 0; i < f->scene.surfels_count; ++i) {
-        made_free_surfels(f->context, &f->scene.surfels[i]);
+    for (uint32_t i = 0; i < f->scene.set_count; ++i) {
+        made_free_set(f->context, &f->scene.sets[i]);
     }
     stp_renderer_destroy(f->renderer);
     stp_draw_list_destroy(f->context, &f->list);
@@ -133,12 +133,12 @@ void test_draw_cpu_textures_are_the_right_way_up(test_state* test)
     end(&f);
 }
 
-void test_draw_cpu_surfels_fill_the_square(test_state* test)
+void test_draw_cpu_splats_fill_the_square(test_state* test)
 {
     fixture f;
     CHECK(begin(&f, NULL, 2));
     f.scene.meshes[f.scene.mesh_count++] = made_square(0);
-    f.scene.surfels[f.scene.surfels_count++] = made_square_surfels(f.context, 6, red);
+    f.scene.sets[f.scene.set_count++] = made_square_set(f.context, 6, red);
     add_node(&f, STP_STORE_PART_MESH, 0, 0);
     for (int size = 1; size <= 8; size *= 2) {
         f.quality.splat_size = (float)size;
@@ -156,7 +156,7 @@ void test_draw_cpu_surfels_fill_the_square(test_state* test)
     end(&f);
 }
 
-// A sheet of surfels in z = 0 and a square of triangles at `z`, with the view of begin() or in
+// A sheet of splats in z = 0 and a square of triangles at `z`, with the view of begin() or in
 // perspective.
 static bool begin_paving(fixture* f, bool perspective, double z)
 {
@@ -168,17 +168,17 @@ static bool begin_paving(fixture* f, bool perspective, double z)
         f->view.fov_degrees = 2.0 * 21.8014094863518; // the same picture of the plane z = 0
     }
     made_scene* s = &f->scene;
-    s->surfels[s->surfels_count++] = made_square_surfels(f->context, 5, red);
+    s->sets[s->set_count++] = made_square_set(f->context, 5, red);
     add_square(f);
     add_square(f);
-    s->nodes[0].surfels = 0;
+    s->nodes[0].set = 0;
     s->nodes[0].bounds = s->nodes[1].bounds = (stp_boxd){{-1, -1, 0}, {1, 1, 0}};
     s->edge_count = 2;
     s->edges[0] = (stp_store_edge){0, stp_affine_identity()};
     s->edges[1] = (stp_store_edge){1, stp_affine_identity()};
     s->edges[1].transform.m[2][3] = z;
     s->nodes[s->node_count++] = (stp_store_node){.edge_count = 2,
-                                                 .surfels = STP_STORE_NONE,
+                                                 .set = STP_STORE_NONE,
                                                  .triangle_count = 4,
                                                  .bounds = {{-1, -1, -0.03}, {1, 1, 0.5}}};
     f->quality.splat_size = 4;
@@ -217,10 +217,10 @@ void test_draw_cpu_colors_blend_between_octaves(test_state* test)
 {
     fixture f;
     CHECK(begin(&f, NULL, 1));
-    stp_splats s = made_square_surfels(f.context, 5, red);
+    stp_splats s = made_square_set(f.context, 5, red);
     stp_free(f.context, s.colors);
     stp_free(f.context, s.coverages);
-    s.octave_count = 2; // 256 surfels in black, then all 1,024 in white
+    s.octave_count = 2; // 256 splats in black, then all 1,024 in white
     s.octave_ends[0] = 256;
     s.octave_ends[1] = 1024;
     s.colors = STP_NEW_ARRAY(f.context, uint8_t, 3 * 1280);
@@ -230,11 +230,11 @@ void test_draw_cpu_colors_blend_between_octaves(test_state* test)
     memset(s.colors + 3 * 256, 255, 3 * 1024);
     memset(s.coverages, 255, 1280);
     f.scene.meshes[f.scene.mesh_count++] = made_square(0);
-    f.scene.surfels[f.scene.surfels_count++] = s;
+    f.scene.sets[f.scene.set_count++] = s;
     add_node(&f, STP_STORE_PART_MESH, 0, 0);
     const struct {
         uint32_t splats;
-        int expected; // grey level of the earlier surfels
+        int expected; // grey level of the earlier splats
     } cases[] = {{200, 0}, {256, 0}, {640, 188}, {1024, 255}};
     for (int i = 0; i < 4; ++i) {
         f.quality.splat_count = cases[i].splats;
@@ -305,7 +305,7 @@ void test_draw_cpu_mirrored_parts_are_lit_alike(test_state* test)
         f.scene.edges[f.scene.edge_count++] = (stp_store_edge){0, turn};
         f.scene.nodes[1] = (stp_store_node){.first_part = 1,
                                             .edge_count = 1,
-                                            .surfels = STP_STORE_NONE,
+                                            .set = STP_STORE_NONE,
                                             .triangle_count = 2,
                                             .bounds = {{-1, -1, -1}, {1, 1, 1}}};
         f.scene.node_count = 2;
@@ -375,7 +375,7 @@ void test_draw_cpu_depth_and_points(test_state* test)
     end(&f);
 }
 
-// A scene with every kind of content: surfels below a textured, cut-out square, and points.
+// A scene with every kind of content: splats below a textured, cut-out square, and points.
 static void make_rich(fixture* f)
 {
     static const float positions[] = {0, 0, 0.5f, 0.5f, 0.5f, 0.9f, -0.5f, 0.5f, -0.9f};
@@ -388,14 +388,14 @@ static void make_rich(fixture* f)
     f->scene.materials[0].base_color_texture.texture = 0;
     f->scene.point_sets[f->scene.point_set_count++] = (stp_store_point_set){
         .point_count = 3, .bounds = {{-1, -1, -1}, {1, 1, 1}}, .positions = positions};
-    f->scene.surfels[f->scene.surfels_count++] = made_square_surfels(f->context, 6, red);
+    f->scene.sets[f->scene.set_count++] = made_square_set(f->context, 6, red);
     f->scene.meshes[f->scene.mesh_count] = made_square(0);
     add_node(f, STP_STORE_PART_MESH, f->scene.mesh_count++, STP_STORE_NONE);
     add_node(f, STP_STORE_PART_POINTS, 0, STP_STORE_NONE);
-    f->scene.nodes[2] = f->scene.nodes[0]; // a leaf without surfels, one with, and the root of all
+    f->scene.nodes[2] = f->scene.nodes[0]; // a leaf without splats, one with, and the root of all
     f->scene.parts[f->scene.part_count] = f->scene.parts[0];
     f->scene.nodes[2].first_part = f->scene.part_count++;
-    f->scene.nodes[2].surfels = 0;
+    f->scene.nodes[2].set = 0;
     for (uint32_t i = 0; i < 3; ++i) {
         f->scene.edges[i] = (stp_store_edge){i, stp_affine_identity()};
         f->scene.edges[i].transform.m[0][3] = 0.3 * i;
@@ -404,7 +404,7 @@ static void make_rich(fixture* f)
     f->scene.edge_count = 3;
     f->scene.nodes[3] = (stp_store_node){.first_part = f->scene.part_count,
                                          .edge_count = 3,
-                                         .surfels = STP_STORE_NONE,
+                                         .set = STP_STORE_NONE,
                                          .triangle_count = 4,
                                          .bounds = {{-1, -1, -2}, {2, 1, 1}}};
     f->scene.node_count = 4;

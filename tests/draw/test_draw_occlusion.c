@@ -33,7 +33,7 @@ typedef struct fixture {
     float nearness[PIXELS];
 } fixture;
 
-// A wall of triangles; behind, in front of and beside it, squares with surfels over triangles.
+// A wall of triangles; behind, in front of and beside it, squares with splats over triangles.
 static bool set_up(fixture* f, uint64_t round)
 {
     static const uint8_t colors[2][3] = {{200, 60, 20}, {30, 90, 220}};
@@ -47,19 +47,19 @@ static bool set_up(fixture* f, uint64_t round)
                       .material_count = 1,
                       .shading_count = 1,
                       .mesh_count = 1,
-                      .surfels_count = 2,
+                      .set_count = 2,
                       .edge_count = 1 + BEHIND};
     s->materials[0] = made_material();
     s->shadings[0] = (stp_shading){.roughness = 1};
     s->meshes[0] = made_square(0);
-    s->surfels[0] = made_square_surfels(f->context, 5, colors[0]);
-    s->surfels[1] = made_square_surfels(f->context, 6, colors[1]);
+    s->sets[0] = made_square_set(f->context, 5, colors[0]);
+    s->sets[1] = made_square_set(f->context, 6, colors[1]);
     stp_boxd flat = {{-1, -1, 0}, {1, 1, 0}};
     for (uint32_t i = 0; i < 3; ++i) {
         s->parts[i] = (stp_store_part){STP_STORE_PART_MESH, 0};
         s->nodes[i] = (stp_store_node){.first_part = i,
                                        .part_count = 1,
-                                       .surfels = i == 0 ? STP_STORE_NONE : i - 1,
+                                       .set = i == 0 ? STP_STORE_NONE : i - 1,
                                        .triangle_count = 2,
                                        .bounds = flat};
     }
@@ -76,7 +76,7 @@ static bool set_up(fixture* f, uint64_t round)
         stp_boxd_add(&all, box.max);
     }
     s->nodes[3] = (stp_store_node){.edge_count = s->edge_count,
-                                   .surfels = STP_STORE_NONE,
+                                   .set = STP_STORE_NONE,
                                    .triangle_count = 2 * s->edge_count,
                                    .bounds = all};
     f->store = made_open(f->context, s);
@@ -85,8 +85,8 @@ static bool set_up(fixture* f, uint64_t round)
 
 static void tear_down(fixture* f)
 {
-    made_free_surfels(f->context, &f->scene.surfels[0]);
-    made_free_surfels(f->context, &f->scene.surfels[1]);
+    made_free_set(f->context, &f->scene.sets[0]);
+    made_free_set(f->context, &f->scene.sets[1]);
     stp_renderer_destroy(f->renderer);
     stp_draw_list_destroy(f->context, &f->list);
     stp_store_close(f->store);

@@ -18,7 +18,7 @@ static double uniform(uint64_t round, uint64_t number, double low, double high)
     return low + (high - low) * ((double)(stp_rng_hash(round, number) >> 11) * 0x1p-53);
 }
 
-/// A wall of triangles; behind, beside and in front of it, squares of surfels and triangles.
+/// A wall of triangles; behind, beside and in front of it, squares of splats and triangles.
 static void make_scene(made_picture* p, uint64_t round)
 {
     made_picture_add(p, 0.0, (stp_vec3d){uniform(round, 1, -0.3, 0.3), 0, 1.2}, NULL);

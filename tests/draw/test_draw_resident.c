@@ -59,28 +59,26 @@ static void make_scene(stp_context* context, made_scene* s)
                       .shading_count = 1,
                       .texture_count = 1,
                       .mesh_count = 1,
-                      .surfels_count = 2};
+                      .set_count = 2};
     s->materials[0] = made_material();
     s->materials[0].base_color_texture.texture = 0;
     s->textures[0] = (stp_store_texture){.width = 2, .height = 2, .texels = texels};
     s->shadings[0] = (stp_shading){.roughness = 1};
     s->meshes[0] = made_square(0);
-    s->surfels[0] = made_square_surfels(context, ROOT_SIDE, colors[0]);
-    s->surfels[1] = made_square_surfels(context, CHILD_SIDE, colors[1]);
-    divide(context, &s->surfels[0]);
-    divide(context, &s->surfels[1]);
+    s->sets[0] = made_square_set(context, ROOT_SIDE, colors[0]);
+    s->sets[1] = made_square_set(context, CHILD_SIDE, colors[1]);
+    divide(context, &s->sets[0]);
+    divide(context, &s->sets[1]);
     stp_boxd flat = {{-1, -1, 0}, {1, 1, 0}};
     s->parts[0] = (stp_store_part){STP_STORE_PART_MESH, 0};
-    s->nodes[0] =
-        (stp_store_node){.part_count = 1, .surfels = 1, .triangle_count = 2, .bounds = flat};
+    s->nodes[0] = (stp_store_node){.part_count = 1, .set = 1, .triangle_count = 2, .bounds = flat};
     for (uint32_t i = 0; i < 4; ++i) {
         stp_affine half = {{{0.5, 0, 0, i % 2 == 0 ? -0.5 : 0.5},
                             {0, 0.5, 0, i / 2 == 0 ? -0.5 : 0.5},
                             {0, 0, 0.5, 0}}};
         s->edges[i] = (stp_store_edge){0, half};
     }
-    s->nodes[1] =
-        (stp_store_node){.edge_count = 4, .surfels = 0, .triangle_count = 8, .bounds = flat};
+    s->nodes[1] = (stp_store_node){.edge_count = 4, .set = 0, .triangle_count = 8, .bounds = flat};
 }
 
 static bool set_up(fixture* f, stp_context* context)
@@ -89,8 +87,8 @@ static bool set_up(fixture* f, stp_context* context)
     make_scene(context, &f->scene);
     f->store = made_open(context, &f->scene);
     f->other = made_open(context, &f->scene);
-    made_free_surfels(context, &f->scene.surfels[0]);
-    made_free_surfels(context, &f->scene.surfels[1]);
+    made_free_set(context, &f->scene.sets[0]);
+    made_free_set(context, &f->scene.sets[1]);
     return f->store != NULL && f->other != NULL &&
            stp_draw_cpu_create(context, f->store, &f->renderer) == STP_OK &&
            stp_draw_cpu_create(context, f->other, &f->whole) == STP_OK;
@@ -166,9 +164,9 @@ void test_resident_first_frame_is_the_coarser_prefix(test_state* test)
     CHECK(set_up(&f, context));
     CHECK_EQUAL(STP_OK, stream(&f, true, 24000)); // the coarsest octaves of these are pinned
     residency_settle(f.residency, NULL, 0);
-    uint32_t here = stp_store_resident_surfels(f.store, 0);
+    uint32_t here = stp_store_resident_splats(f.store, 0);
     CHECK(here >= 4 && here < 256);
-    CHECK_EQUAL(0, stp_store_resident_surfels(f.store, 1));
+    CHECK_EQUAL(0, stp_store_resident_splats(f.store, 1));
     f.reader.open = false; // reads block from here on
     const double distances[] = {12.0, 3.0, 1.0, 0.3};
     for (int i = 0; i < 4; ++i) {

@@ -47,7 +47,7 @@ static void compare(test_state* test, stp_renderer* renderer, made_picture* p)
     static uint8_t with_gaps[PIXEL_BYTES], without[PIXEL_BYTES], whole[PIXEL_BYTES];
     p->quality.splats_only = true;
     CHECK_EQUAL(STP_OK, stp_select(p->context, p->store, &p->view, &p->quality, &p->list));
-    CHECK(p->list.count > 0 && p->list.items[0].kind == STP_DRAW_SURFELS);
+    CHECK(p->list.count > 0 && p->list.items[0].kind == STP_DRAW_SPLATS);
     stp_draw_item item = p->list.items[0];
     item.prefix = item.full_prefix = COUNT;
     item.run_count = 0;

@@ -31,7 +31,7 @@ static bool set_up(fixture* f)
     static const uint8_t red[3] = {255, 0, 0};
     *f = (fixture){.context = test_context(NULL, 2, NULL)};
     stp_spt_desc desc = {.tree = {STP_TREE_GEOMETRIC, 255}};
-    f->samples = made_square_surfels(f->context, LOG_SIDE, red);
+    f->samples = made_square_set(f->context, LOG_SIDE, red);
     if (stp_spt_make(f->context, &f->samples, &desc, &f->set) != STP_OK) {
         return false;
     }
@@ -49,7 +49,7 @@ static void tear_down(fixture* f)
     stp_renderer_destroy(f->renderer);
     stp_draw_list_destroy(f->context, &f->list);
     stp_store_close(f->store);
-    made_free_surfels(f->context, &f->samples);
+    made_free_set(f->context, &f->samples);
     stp_splats_destroy(f->context, &f->set);
     stp_context_destroy(f->context);
 }
@@ -94,7 +94,7 @@ void test_spt_draws_without_holes(test_state* test)
         CHECK_EQUAL(STP_OK, draw(&f));
         CHECK(is_whole(&f, distance));
         const stp_draw_item* item = &f.list.items[0];
-        if (f.list.count == 1 && item->kind == STP_DRAW_SURFELS) {
+        if (f.list.count == 1 && item->kind == STP_DRAW_SPLATS) {
             drawn += 1;
             // the prefix contains all that a level needs
             double level = fmax((double)item->level_per_depth * distance, (double)item->level_min);
@@ -121,7 +121,7 @@ void test_spt_needs_fewer_splats_from_afar(test_state* test)
     for (double distance = 12.0; distance < 2000.0; distance *= 1.5) {
         f.view.eye.z = distance;
         CHECK_EQUAL(STP_OK, draw(&f));
-        CHECK(f.list.count == 1 && f.list.items[0].kind == STP_DRAW_SURFELS);
+        CHECK(f.list.count == 1 && f.list.items[0].kind == STP_DRAW_SPLATS);
         CHECK(f.list.splat_count <= before);
         before = f.list.splat_count;
     }
@@ -138,7 +138,7 @@ void test_spt_needs_fewer_splats_from_afar(test_state* test)
     f.view.ortho_height = 4.0;
     f.quality.splat_size = 8.0f;
     CHECK_EQUAL(STP_OK, draw(&f));
-    CHECK(f.list.count == 1 && f.list.items[0].kind == STP_DRAW_SURFELS);
+    CHECK(f.list.count == 1 && f.list.items[0].kind == STP_DRAW_SPLATS);
     CHECK(f.pixels[4 * (SIDE * SIDE / 2 + SIDE / 2) + 3] != 0);
     tear_down(&f);
 }

@@ -68,11 +68,9 @@ static void add_sets(made_picture* p)
         stp_progressive_order(set->ranges, set->count, m->order[k], scratch);
         spread(set, (int)k);
         progressive_sample_octaves(set, 16);
-        s->surfels[s->surfels_count++] = *set;
-        s->nodes[s->node_count++] = (stp_store_node){.surfels = k,
-                                                     .flags = k,
-                                                     .triangle_count = 1000000,
-                                                     .bounds = {{-1, -1, 0}, {1, 1, 0}}};
+        s->sets[s->set_count++] = *set;
+        s->nodes[s->node_count++] = (stp_store_node){
+            .set = k, .flags = k, .triangle_count = 1000000, .bounds = {{-1, -1, 0}, {1, 1, 0}}};
         s->edges[s->edge_count++] = (stp_store_edge){k, stp_affine_identity()};
     }
     s->method = (stp_store_method){.name = "psp",
@@ -165,7 +163,7 @@ static void free_sets(void)
 
 static void tear_down(made_gl* m)
 {
-    m->picture.scene.surfels_count = 0; // they are in the arena
+    m->picture.scene.set_count = 0; // they are in the arena
     made_gl_end(m);
     free_sets();
 }
@@ -201,7 +199,7 @@ void test_states_are_drawn_splat_by_splat(test_state* test)
     for (uint64_t n = 5; n < STATE_MAX; n += 13) {
         check_count(test, &m, false, n);
     }
-    m.picture.scene.surfels_count = 0;
+    m.picture.scene.set_count = 0;
     made_picture_end(&m.picture);
     free_sets();
 }
@@ -210,7 +208,7 @@ static void add_broken(made_picture* p)
 {
     add_sets(p);
     for (uint32_t k = 0; k < SETS; ++k) {
-        stp_splats* set = &p->scene.surfels[k];
+        stp_splats* set = &p->scene.sets[k];
         for (uint32_t i = descs[k].base + 1; i < set->count; i += 5) {
             set->ranges[i] = (uint32_t)STP_RANGE_INFINITE << 16; // drawn at any level
         }
@@ -233,7 +231,7 @@ void test_states_of_sets_that_have_none(test_state* test)
         CHECK(p.stats.covered_pixels > 0);
         CHECK(n < MANY || p.list.items[0].divide == 0);
     }
-    p.scene.surfels_count = 0;
+    p.scene.set_count = 0;
     made_picture_end(&p);
     free_sets();
 }
@@ -256,7 +254,7 @@ void test_states_survive_failing_allocator(test_state* test)
         CHECK(failed || n >= 8);
         check_count(test, &m, false, 90);
         check_count(test, &m, false, 50);
-        m.picture.scene.surfels_count = 0;
+        m.picture.scene.set_count = 0;
         made_picture_end(&m.picture);
         free_sets();
         CHECK_EQUAL(0, heap.live_bytes);

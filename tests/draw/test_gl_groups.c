@@ -48,10 +48,10 @@ static void make_ball(made_picture* p, bool faces_in)
                           .candidate_radius = 0.001f};
     const stp_spt_desc desc = {.tree = {STP_TREE_GEOMETRIC, 255}};
     made_scene* s = &p->scene;
-    if (stp_spt_make(p->context, &samples, &desc, &s->surfels[0]) != STP_OK) {
+    if (stp_spt_make(p->context, &samples, &desc, &s->sets[0]) != STP_OK) {
         return;
     }
-    s->surfels_count = s->mesh_count = s->part_count = s->node_count = s->edge_count = 1;
+    s->set_count = s->mesh_count = s->part_count = s->node_count = s->edge_count = 1;
     s->meshes[0] = made_square(0);
     s->parts[0] = (stp_store_part){STP_STORE_PART_MESH, 0};
     s->nodes[0] =
@@ -84,8 +84,8 @@ static bool set_up(fixture* f, void (*add)(made_picture* p), bool* failed)
     if (!made_gl_begin_with(&f->gl, add, NULL, NULL, failed)) {
         return false;
     }
-    uint32_t count = f->gl.picture.scene.surfels[0].count;
-    f->item = (stp_draw_item){.kind = STP_DRAW_SURFELS,
+    uint32_t count = f->gl.picture.scene.sets[0].count;
+    f->item = (stp_draw_item){.kind = STP_DRAW_SPLATS,
                               .prefix = count,
                               .full_prefix = count,
                               .radius = 0.02f,
@@ -99,8 +99,8 @@ static bool set_up(fixture* f, void (*add)(made_picture* p), bool* failed)
 
 static void tear_down(fixture* f)
 {
-    stp_splats* set = &f->gl.picture.scene.surfels[0];
-    f->gl.picture.scene.surfels_count = 0; // freed here, because it has more columns
+    stp_splats* set = &f->gl.picture.scene.sets[0];
+    f->gl.picture.scene.set_count = 0; // freed here, because it has more columns
     stp_splats_destroy(f->gl.picture.context, set);
     made_gl_end(&f->gl);
 }

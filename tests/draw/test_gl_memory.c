@@ -36,14 +36,14 @@ static void add_octaves(stp_context* context, stp_splats* s)
     }
 }
 
-/// Sheets beside each other, each with surfels in octaves.
+/// Sheets beside each other, each with splats in octaves.
 static void add_sheets(made_picture* p)
 {
     for (int i = 0; i < 6; ++i) {
         const uint8_t color[3] = {(uint8_t)(100 + 20 * i), 240, 130};
         made_picture_add(p, 0.4 * i, (stp_vec3d){3 * (i % 3) - 3, 3 * (i / 3) - 1.5, -0.3 * i},
                          color);
-        add_octaves(p->context, &p->scene.surfels[i]);
+        add_octaves(p->context, &p->scene.sets[i]);
     }
 }
 

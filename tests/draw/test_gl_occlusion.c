@@ -16,7 +16,7 @@ static double uniform(uint64_t round, uint64_t number, double low, double high)
     return low + (high - low) * ((double)(stp_rng_hash(round, number) >> 11) * 0x1p-53);
 }
 
-/// A wall of triangles and one of surfels, and squares of both kinds, most of them behind the
+/// A wall of triangles and one of splats, and squares of both kinds, most of them behind the
 /// walls.
 static void add_walls(made_picture* p)
 {

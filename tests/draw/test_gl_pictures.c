@@ -366,7 +366,7 @@ static void add_points(made_picture* p)
         s->parts[i] = (stp_store_part){STP_STORE_PART_POINTS, i};
         s->nodes[i] = (stp_store_node){.first_part = i,
                                        .part_count = 1,
-                                       .surfels = STP_STORE_NONE,
+                                       .set = STP_STORE_NONE,
                                        .point_count = POINTS,
                                        .bounds = {{-1, -1, -1}, {1, 1, 1}}};
         s->edges[i] = (stp_store_edge){i, stp_affine_identity()};

@@ -12,7 +12,7 @@
 
 enum { SIDE = PICTURE_SIDE, PIXELS = SIDE * SIDE, BYTES = PIXELS * 4, CHECKS = 6 };
 
-/// A material of a colour and an alpha, with a shading for surfels at the same place.
+/// A material of a colour and an alpha, with a shading for splats at the same place.
 static void add_material(made_picture* p, uint32_t index, const float color[4])
 {
     made_scene* s = &p->scene;
@@ -24,7 +24,7 @@ static void add_material(made_picture* p, uint32_t index, const float color[4])
     s->material_count = s->shading_count = index + 1;
 }
 
-/// A square with that material; with surfels of the same opacity if `splats`.
+/// A square with that material; with splats of the same opacity if `splats`.
 static void add_sheet(made_picture* p, uint32_t material, double angle, stp_vec3d move, bool splats)
 {
     made_scene* s = &p->scene;
@@ -36,7 +36,7 @@ static void add_sheet(made_picture* p, uint32_t material, double angle, stp_vec3
     made_picture_add(p, angle, move, splats ? color : NULL);
     s->meshes[s->mesh_count - 1].material = material;
     if (splats) {
-        const stp_splats* set = &s->surfels[s->surfels_count - 1];
+        const stp_splats* set = &s->sets[s->set_count - 1];
         float chance = 1.0f - sqrtf(1.0f - base[3]); // as src/lod/blue/pyramid_chance.c writes it
         memset(set->coverages, stp_coverage_of_share((double)chance), set->count);
         memset(set->materials, (int)material, set->count);

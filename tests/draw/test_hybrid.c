@@ -81,7 +81,7 @@ static bool set_up_away(fixture* f, float away)
     for (int i = 0; i < 18; i += 3) {
         f->mesh.corners[i] += away;
     }
-    f->samples = made_square_surfels(f->context, LOG_SIDE, red);
+    f->samples = made_square_set(f->context, LOG_SIDE, red);
     const stp_spt_desc desc = {.tree = {away > 0.0f ? STP_TREE_DIAMETER : STP_TREE_GEOMETRIC, 255},
                                .corners = f->mesh.corners,
                                .triangle_count = 2};
@@ -115,7 +115,7 @@ static void tear_down(fixture* f)
     stp_draw_list_destroy(f->context, &f->list);
     stp_store_close(f->store);
     stp_coded_mesh_destroy(f->context, &f->coded);
-    made_free_surfels(f->context, &f->samples);
+    made_free_set(f->context, &f->samples);
     stp_splats_destroy(f->context, &f->set);
     stp_context_destroy(f->context);
 }
@@ -256,8 +256,8 @@ void test_hybrid_reads_octaves_it_looks_at(test_state* test)
         f.view.eye.z = 2.0 * pow(1.3, i);
         for (uint32_t k = 0; k <= f.set.octave_count; ++k) {
             stp_splats got;
-            stp_store_release_surfels(f.store, 0);
-            CHECK_EQUAL(STP_OK, stp_store_get_surfels_prefix(f.store, 0, k, &got));
+            stp_store_release_splat_set(f.store, 0);
+            CHECK_EQUAL(STP_OK, stp_store_get_splat_set_prefix(f.store, 0, k, &got));
             CHECK_EQUAL(STP_OK, select_items(&f));
             CHECK(f.list.count == 1 && !f.list.items[0].beside_triangles);
             maximum = f.list.items[0].prefix > maximum ? f.list.items[0].prefix : maximum;

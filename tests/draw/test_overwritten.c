@@ -25,7 +25,7 @@ typedef struct overwritten {
     stp_renderer* renderer;
     made_mesh mesh;
     stp_coded_mesh coded[2];
-    stp_splats surfels;
+    stp_splats splats;
     uint8_t texels[TEXELS], pixels[4 * SIDE * SIDE];
     float points[3 * POINTS];
     int file;
@@ -43,7 +43,7 @@ static void fill_scene(overwritten* o, made_scene* s, bool coded)
                       .texture_count = 1,
                       .mesh_count = 2,
                       .point_set_count = 1,
-                      .surfels_count = 1,
+                      .set_count = 1,
                       .part_count = 3,
                       .node_count = 3,
                       .edge_count = 2};
@@ -56,19 +56,19 @@ static void fill_scene(overwritten* o, made_scene* s, bool coded)
     s->coded_meshes = coded ? o->coded : NULL;
     s->point_sets[0] = (stp_store_point_set){
         .point_count = POINTS, .bounds = {{-1, -1, -1}, {1, 1, 1}}, .positions = o->points};
-    s->surfels[0] = o->surfels;
+    s->sets[0] = o->splats;
     s->parts[0] = (stp_store_part){STP_STORE_PART_MESH, 0};
     s->parts[1] = (stp_store_part){STP_STORE_PART_POINTS, 0};
     s->parts[2] = (stp_store_part){STP_STORE_PART_MESH, 1};
     stp_boxd box = {{-1, -1, -1}, {1, 1, 1}};
     s->nodes[0] = (stp_store_node){.part_count = 2,
-                                   .surfels = STP_STORE_NONE,
+                                   .set = STP_STORE_NONE,
                                    .triangle_count = mesh.triangle_count,
                                    .point_count = POINTS,
                                    .bounds = box};
     s->nodes[1] = (stp_store_node){.first_part = 2,
                                    .part_count = 1,
-                                   .surfels = 0,
+                                   .set = 0,
                                    .triangle_count = mesh.triangle_count,
                                    .bounds = box};
     for (uint32_t i = 0; i < 2; ++i) {
@@ -77,7 +77,7 @@ static void fill_scene(overwritten* o, made_scene* s, bool coded)
     }
     s->nodes[2] = (stp_store_node){.first_part = 3,
                                    .edge_count = 2,
-                                   .surfels = STP_STORE_NONE,
+                                   .set = STP_STORE_NONE,
                                    .triangle_count = 2 * (uint64_t)mesh.triangle_count,
                                    .point_count = POINTS,
                                    .bounds = {{-2.2, -1, -1}, {2.2, 1, 1}}};
@@ -104,7 +104,7 @@ static bool begin(overwritten* o, bool coded)
     for (uint32_t i = 0; i < 3 * POINTS; ++i) {
         o->points[i] = (float)(i % 17) / 8.5f - 1.0f;
     }
-    o->surfels = made_square_surfels(o->context, 4, color);
+    o->splats = made_square_set(o->context, 4, color);
     made_scene scene;
     fill_scene(o, &scene, coded);
     o->store = made_open_file(o->context, &scene, &o->file);
@@ -124,7 +124,7 @@ static void end(overwritten* o)
 {
     stp_renderer_destroy(o->renderer);
     stp_store_close(o->store);
-    made_free_surfels(o->context, &o->surfels);
+    made_free_set(o->context, &o->splats);
     stp_coded_mesh_destroy(o->context, &o->coded[0]);
     stp_coded_mesh_destroy(o->context, &o->coded[1]);
     made_mesh_destroy(&o->mesh);

@@ -17,7 +17,7 @@
 
 #include <string.h>
 
-enum { SIDE = 208, BALL_RINGS = 24, BALL_SURFELS = 3000 };
+enum { SIDE = 208, BALL_RINGS = 24, BALL_SPLATS = 3000 };
 enum {
     BALL_VERTICES = (BALL_RINGS + 1) * (2 * BALL_RINGS + 1),
     BALL_TRIANGLES = 4 * BALL_RINGS * BALL_RINGS
@@ -28,9 +28,9 @@ typedef struct ball {
     int16_t normals[2 * BALL_VERTICES];
     uint32_t indices[3 * BALL_TRIANGLES];
     uint8_t texels[4 * 32 * 32];
-    uint16_t grid[3 * BALL_SURFELS];
-    int8_t codes[2 * BALL_SURFELS];
-    uint8_t materials[BALL_SURFELS], colors[3 * BALL_SURFELS], coverages[BALL_SURFELS];
+    uint16_t grid[3 * BALL_SPLATS];
+    int8_t codes[2 * BALL_SPLATS];
+    uint8_t materials[BALL_SPLATS], colors[3 * BALL_SPLATS], coverages[BALL_SPLATS];
 } ball;
 
 static int16_t to_16_bit(float v)
@@ -81,12 +81,12 @@ static void make_ball_mesh(ball* b)
     }
 }
 
-static bool make_ball_surfels(stp_context* context, ball* b, stp_splats* s)
+static bool make_ball_set(stp_context* context, ball* b, stp_splats* s)
 {
-    static float positions[3 * BALL_SURFELS], radii[BALL_SURFELS];
-    static uint32_t order[BALL_SURFELS];
-    for (int i = 0; i < BALL_SURFELS; ++i) {
-        double z = 1.0 - (2.0 * i + 1.0) / BALL_SURFELS, angle = 2.399963229728653 * i,
+    static float positions[3 * BALL_SPLATS], radii[BALL_SPLATS];
+    static uint32_t order[BALL_SPLATS];
+    for (int i = 0; i < BALL_SPLATS; ++i) {
+        double z = 1.0 - (2.0 * i + 1.0) / BALL_SPLATS, angle = 2.399963229728653 * i,
                r = sqrt(1.0 - z * z);
         const float p[3] = {(float)(r * cos(angle)), (float)(r * sin(angle)), (float)z};
         memcpy(positions + 3 * i, p, sizeof(p));
@@ -94,9 +94,9 @@ static bool make_ball_surfels(stp_context* context, ball* b, stp_splats* s)
     stp_order_desc desc = {.metric = STP_METRIC_EUCLIDEAN};
     uint32_t count = 0;
     float final_radius = 0.0f;
-    if (stp_order_points(context, &desc, positions, NULL, BALL_SURFELS, BALL_SURFELS, order, radii,
+    if (stp_order_points(context, &desc, positions, NULL, BALL_SPLATS, BALL_SPLATS, order, radii,
                          &count, &final_radius, NULL) != STP_OK ||
-        count != BALL_SURFELS) {
+        count != BALL_SPLATS) {
         return false;
     }
     *s = (stp_splats){.count = count,
@@ -106,7 +106,7 @@ static bool make_ball_surfels(stp_context* context, ball* b, stp_splats* s)
                       .normals = b->codes,
                       .materials = b->materials,
                       .octave_count = 1,
-                      .octave_ends = {BALL_SURFELS},
+                      .octave_ends = {BALL_SPLATS},
                       .colors = b->colors,
                       .coverages = b->coverages,
                       .candidate_radius = 0.04f,
@@ -130,7 +130,7 @@ static bool make_ball_surfels(stp_context* context, ball* b, stp_splats* s)
     return true;
 }
 
-// Two balls side by side: triangles on the left; on the right surfels, or splats merged by a
+// Two balls side by side: triangles on the left; on the right splats, or splats merged by a
 // method.
 static stp_store* open_balls(stp_context* context, ball* b, stp_store_alpha alpha, uint32_t method)
 {
@@ -139,20 +139,20 @@ static stp_store* open_balls(stp_context* context, ball* b, stp_store_alpha alph
                      .shading_count = 1,
                      .texture_count = 1,
                      .mesh_count = 1,
-                     .surfels_count = 1,
+                     .set_count = 1,
                      .part_count = 2,
                      .node_count = 3,
                      .edge_count = 2};
     make_ball_mesh(b);
-    if (!make_ball_surfels(context, b, &s.surfels[0])) {
+    if (!make_ball_set(context, b, &s.sets[0])) {
         return NULL;
     }
     stp_splats merged = {0};
     if (method == STP_METHOD_PSP) {
-        if (stp_psp_make(context, &s.surfels[0], false, &merged) != STP_OK) {
+        if (stp_psp_make(context, &s.sets[0], false, &merged) != STP_OK) {
             return NULL;
         }
-        s.surfels[0] = merged;
+        s.sets[0] = merged;
         s.method =
             (stp_store_method){.name = "psp", .id = STP_METHOD_PSP, .columns = STP_PSP_COLUMNS};
     }
@@ -172,20 +172,18 @@ static stp_store* open_balls(stp_context* context, ball* b, stp_store_alpha alph
                                    .indices = b->indices};
     s.parts[0] = s.parts[1] = (stp_store_part){STP_STORE_PART_MESH, 0};
     stp_boxd unit = {{-1, -1, -1}, {1, 1, 1}};
-    s.nodes[0] = (stp_store_node){.part_count = 1,
-                                  .surfels = STP_STORE_NONE,
-                                  .triangle_count = BALL_TRIANGLES,
-                                  .bounds = unit};
+    s.nodes[0] = (stp_store_node){
+        .part_count = 1, .set = STP_STORE_NONE, .triangle_count = BALL_TRIANGLES, .bounds = unit};
     s.nodes[1] = s.nodes[0];
     s.nodes[1].first_part = 1;
-    s.nodes[1].surfels = 0;
+    s.nodes[1].set = 0;
     for (uint32_t i = 0; i < 2; ++i) {
         s.edges[i] = (stp_store_edge){i, stp_affine_identity()};
         s.edges[i].transform.m[0][3] = i == 0 ? -1.1 : 1.1;
     }
     s.nodes[2] = (stp_store_node){.first_part = 2,
                                   .edge_count = 2,
-                                  .surfels = STP_STORE_NONE,
+                                  .set = STP_STORE_NONE,
                                   .triangle_count = 2 * BALL_TRIANGLES,
                                   .bounds = {{-2.1, -1, -1}, {2.1, 1, 1}}};
     stp_store* store = made_open(context, &s);

@@ -10,15 +10,15 @@ static const uint8_t red[3] = {255, 0, 0}, green[3] = {0, 255, 0};
 
 enum { POINTS = 16 };
 
-/// Sixteen points, half a unit apart, far and near: a quarter of a square's surfels per distance.
+/// Sixteen points, half a unit apart, far and near: a quarter of a square's splats per distance.
 static void add_points(made_picture* p)
 {
     made_picture_add(p, 0.0, (stp_vec3d){0, 0, 0}, red);
     made_scene* s = &p->scene;
     stp_store_node* node = &s->nodes[s->node_count - 1];
-    stp_splats* set = &s->surfels[s->surfels_count - 1];
-    made_free_surfels(p->context, set);
-    *set = made_square_surfels(p->context, 2, red);
+    stp_splats* set = &s->sets[s->set_count - 1];
+    made_free_set(p->context, set);
+    *set = made_square_set(p->context, 2, red);
     node->triangle_count = 0;
     node->point_count = POINTS;
     node->part_count = 0;
@@ -133,7 +133,7 @@ static void add_sheets(made_picture* p, bool unknown)
     made_picture_add(p, 3.14159265358979, (stp_vec3d){0, 0, 0.02}, red);
     made_picture_add(p, 0.0, (stp_vec3d){0, 0, 0}, green);
     for (uint32_t i = 0; i < 2; ++i) {
-        p->scene.surfels[i].unknown_signs = unknown;
+        p->scene.sets[i].unknown_signs = unknown;
     }
 }
 

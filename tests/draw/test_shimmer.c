@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A distant fine pattern, moved by fractions of a pixel: with the colours of the pyramid, each the
-// mean over the area of a surfel, pictures change less than with the surfels' own colours.
+// mean over the area of a splat, pictures change less than with the splats' own colours.
 #include "support_picture.h"
 #include "tests.h"
 
@@ -66,9 +66,9 @@ static double measure_change(bool pyramid, stp_filter filter)
         return -1.0;
     }
     made_picture_add(&p, 0.0, (stp_vec3d){0}, (const uint8_t[3]){0});
-    made_free_surfels(p.context, &p.scene.surfels[0]);
-    p.scene.surfels[0] = made_square_surfels(p.context, LOG_SIDE, (const uint8_t[3]){0});
-    bool made = color_octaves(p.context, &p.scene.surfels[0], pyramid);
+    made_free_set(p.context, &p.scene.sets[0]);
+    p.scene.sets[0] = made_square_set(p.context, LOG_SIDE, (const uint8_t[3]){0});
+    bool made = color_octaves(p.context, &p.scene.sets[0], pyramid);
     p.view.eye.z = 8; // the square is 20 pixels a side
     p.style.filter = filter;
     made = made && made_picture_open(&p) == STP_OK;

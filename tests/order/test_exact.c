@@ -36,15 +36,16 @@ static stp_result order_case(stp_context* context, exact_case* c, stp_order_metr
 }
 
 // The documented squared dissimilarity, straight from the formula.
-static float dissimilarity(const exact_case* c, uint32_t i, uint32_t j, float scale, float apart)
+static float dissimilarity(const exact_case* c, uint32_t i, uint32_t j, float scale,
+                           float side_penalty)
 {
     const float *p = c->positions + 3 * i, *q = c->positions + 3 * j;
     float x = p[0] * scale - q[0] * scale, y = p[1] * scale - q[1] * scale,
           z = p[2] * scale - q[2] * scale;
     float squared = (x * x + y * y) + z * z;
     const float *n = c->normals + 3 * i, *m = c->normals + 3 * j;
-    if (apart > 0.0f && (n[0] * m[0] + n[1] * m[1]) + n[2] * m[2] < 0.0f) {
-        squared = (sqrtf(squared) + apart) * (sqrtf(squared) + apart);
+    if (side_penalty > 0.0f && (n[0] * m[0] + n[1] * m[1]) + n[2] * m[2] < 0.0f) {
+        squared = (sqrtf(squared) + side_penalty) * (sqrtf(squared) + side_penalty);
     }
     return squared;
 }
@@ -72,7 +73,7 @@ static int is_exact(stp_context* context, const exact_case* c, stp_order_metric 
     }
     stp_vec3 extent =
         stp_sub(stp_scale(points.box.max, points.scale), stp_scale(points.box.min, points.scale));
-    float apart = metric == STP_METRIC_SIDE ? stp_length(extent) : 0.0f;
+    float side_penalty = metric == STP_METRIC_SIDE ? stp_length(extent) : 0.0f;
     for (uint32_t k = 0; k <= c->ordered && good; ++k) {
         uint32_t best = 0;
         for (uint32_t i = 1; i < c->count; ++i) {
@@ -88,7 +89,7 @@ static int is_exact(stp_context* context, const exact_case* c, stp_order_metric 
         uint32_t chosen = c->order[k];
         good = (k == 0 || chosen == best) && radius == c->radii[k];
         for (uint32_t i = 0; i < c->count; ++i) {
-            gaps[i] = stp_min(gaps[i], dissimilarity(c, i, chosen, points.scale, apart));
+            gaps[i] = stp_min(gaps[i], dissimilarity(c, i, chosen, points.scale, side_penalty));
         }
     }
     free(ids);

@@ -95,7 +95,7 @@ static stp_result generate(stp_scene* scene, const char* name, void* user)
     return result;
 }
 
-stp_store* built_open(stp_context* context, uint64_t seed, bool surfels)
+stp_store* built_open(stp_context* context, uint64_t seed, bool splats)
 {
     char folder[64] = "stp_built_XXXXXX", path[96];
     if (mkdtemp(folder) == NULL) {
@@ -108,7 +108,7 @@ stp_store* built_open(stp_context* context, uint64_t seed, bool surfels)
                            .output = path,
                            .partition = {.leaf_triangles = 50, .child_count = 4},
                            .blue = {.surfel_count = 60, .capture = {.wanted_candidates = 500}},
-                           .threshold = surfels ? 1 : UINT64_C(1) << 40,
+                           .threshold = splats ? 1 : UINT64_C(1) << 40,
                            .generate = generate,
                            .generate_user = &seed};
     stp_store* store = NULL;

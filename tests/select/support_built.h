@@ -9,9 +9,9 @@
 #include "store/file/instances.h"
 #include "store/outline/outline.h"
 
-/// Builds the scene of a seed into a temporary file and opens it; NULL on failure. With surfels,
+/// Builds the scene of a seed into a temporary file and opens it; NULL on failure. With splats,
 /// each node has some.
-stp_store* built_open(stp_context* context, uint64_t seed, bool surfels);
+stp_store* built_open(stp_context* context, uint64_t seed, bool splats);
 
 enum { BUILT_PLACES = 4096 };
 

@@ -36,18 +36,18 @@ static bool set_up(parts* p, test_heap* heap)
                       .material_count = 1,
                       .shading_count = 1,
                       .mesh_count = 1,
-                      .surfels_count = 3};
+                      .set_count = 3};
     s->materials[0] = made_material();
     s->shadings[0] = (stp_shading){.roughness = 1};
     s->meshes[0] = made_square(0);
-    s->surfels[SMALL] = made_square_surfels(p->context, 3, grey);
-    s->surfels[LARGE] = made_square_surfels(p->context, 4, grey);
-    s->surfels[2] = made_square_surfels(p->context, 5, grey);
+    s->sets[SMALL] = made_square_set(p->context, 3, grey);
+    s->sets[LARGE] = made_square_set(p->context, 4, grey);
+    s->sets[2] = made_square_set(p->context, 5, grey);
     for (uint32_t i = 0; i < ROOT; ++i) {
         s->parts[i] = (stp_store_part){STP_STORE_PART_MESH, 0};
         s->nodes[i] = (stp_store_node){.first_part = i,
                                        .part_count = 1,
-                                       .surfels = i < PLAIN ? i : STP_STORE_NONE,
+                                       .set = i < PLAIN ? i : STP_STORE_NONE,
                                        .triangle_count = 2,
                                        .bounds = {{-1, -1, 0}, {1, 1, 0}}};
         s->edges[i] = (stp_store_edge){i, stp_affine_identity()};
@@ -57,7 +57,7 @@ static bool set_up(parts* p, test_heap* heap)
         s->edges[LARGE].transform.m[k][k] = 2.0; // four times the area
     }
     s->nodes[ROOT] = (stp_store_node){.edge_count = ROOT,
-                                      .surfels = 2,
+                                      .set = 2,
                                       .triangle_count = 2 * ROOT,
                                       .bounds = {{-2, -2, 0}, {2, 2, 3}}};
     p->store = made_open(p->context, s);
@@ -73,7 +73,7 @@ static void tear_down(parts* p)
     stp_visibility_destroy(p->visibility);
     stp_store_close(p->store);
     for (uint32_t i = 0; i < 3; ++i) {
-        made_free_surfels(p->context, &p->scene.surfels[i]);
+        made_free_set(p->context, &p->scene.sets[i]);
     }
     stp_context_destroy(p->context);
 }
@@ -91,7 +91,7 @@ static stp_result draw(parts* p, uint64_t count)
     memset(p->splats, 0, sizeof(p->splats));
     for (size_t i = 0; i < p->list.count && result == STP_OK; ++i) {
         const stp_draw_item* item = &p->list.items[i];
-        if (item->kind == STP_DRAW_SURFELS) {
+        if (item->kind == STP_DRAW_SPLATS) {
             p->splats[item->index < 2 ? item->index : ROOT] += item->prefix;
         }
     }

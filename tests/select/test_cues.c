@@ -301,7 +301,7 @@ void test_cue_cells_draw_what_is_asked(test_state* test)
             place += count;
         }
         CHECK(place < sizeof(drawn));
-        const stp_draw_item item = {.kind = STP_DRAW_SURFELS};
+        const stp_draw_item item = {.kind = STP_DRAW_SPLATS};
         CHECK_EQUAL(STP_OK, stp_cue_add_items(&s.selection, &s.set, cells, s.tree.leaf_count, item,
                                               (stp_depth_range){0.0, HUGE_VAL}));
         CHECK_EQUAL(wanted, s.list.splat_count);

@@ -189,7 +189,7 @@ void test_eyes_look_in_parallel_from_beside_the_view(test_state* test)
     }
 }
 
-// A square with surfels, and its triangles.
+// A square with splats, and its triangles.
 static stp_store* open_square(stp_context* context, made_scene* s)
 {
     static const uint8_t grey[3] = {128, 128, 128};
@@ -198,14 +198,14 @@ static stp_store* open_square(stp_context* context, made_scene* s)
                       .mesh_count = 1,
                       .material_count = 1,
                       .shading_count = 1,
-                      .surfels_count = 1};
+                      .set_count = 1};
     s->materials[0] = made_material();
     s->shadings[0] = (stp_shading){.roughness = 1};
     s->meshes[0] = made_square(0);
-    s->surfels[0] = made_square_surfels(context, 6, grey);
+    s->sets[0] = made_square_set(context, 6, grey);
     s->parts[0] = (stp_store_part){STP_STORE_PART_MESH, 0};
     s->nodes[0] = (stp_store_node){
-        .part_count = 1, .surfels = 0, .triangle_count = 2, .bounds = {{-1, -1, 0}, {1, 1, 0}}};
+        .part_count = 1, .set = 0, .triangle_count = 2, .bounds = {{-1, -1, 0}, {1, 1, 0}}};
     return made_open(context, s);
 }
 
@@ -257,7 +257,7 @@ void test_fovea_thins_splats_at_the_border(test_state* test)
     quality.fovea.zones[1].radius = 0.1f;
     CHECK_EQUAL(STP_ERROR_ARGUMENT, stp_select(context, store, &view, &quality, &list));
     stp_draw_list_destroy(context, &list);
-    made_free_surfels(context, &scene.surfels[0]);
+    made_free_set(context, &scene.sets[0]);
     stp_store_close(store);
     stp_context_destroy(context);
 }
@@ -300,7 +300,7 @@ void test_eyes_share_what_either_needs(test_state* test)
         CHECK_EQUAL(STP_ERROR_ARGUMENT, stp_select(context, store, &view, &quality, &list));
     }
     stp_draw_list_destroy(context, &list);
-    made_free_surfels(context, &scene.surfels[0]);
+    made_free_set(context, &scene.sets[0]);
     stp_store_close(store);
     stp_context_destroy(context);
 }
@@ -341,7 +341,7 @@ void test_eyes_hide_what_is_hidden_from_both(test_state* test)
         }
     }
     stp_draw_list_destroy(context, &list);
-    made_free_surfels(context, &scene.surfels[0]);
+    made_free_set(context, &scene.sets[0]);
     stp_store_close(store);
     stp_context_destroy(context);
 }

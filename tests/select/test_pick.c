@@ -169,7 +169,7 @@ void test_picks_of_pixels_hit_what_lies_there(test_state* test)
     scene.parts[0] = (stp_store_part){STP_STORE_PART_MESH, 0};
     scene.parts[1] = (stp_store_part){STP_STORE_PART_POINTS, 0};
     scene.nodes[0] = (stp_store_node){.part_count = 2,
-                                      .surfels = STP_STORE_NONE,
+                                      .set = STP_STORE_NONE,
                                       .triangle_count = 2,
                                       .point_count = 2,
                                       .bounds = {{-1, -1, 0}, {9, 9, 9}}};
@@ -216,7 +216,7 @@ void test_no_ray_slips_through_shared_edges(test_state* test)
     scene.materials[0] = made_material();
     scene.meshes[0] = made_square(0);
     scene.nodes[0] = (stp_store_node){.part_count = 1,
-                                      .surfels = STP_STORE_NONE,
+                                      .set = STP_STORE_NONE,
                                       .triangle_count = 2,
                                       .bounds = {{-1, -1, 0}, {1, 1, 0}}};
     stp_store* store = made_open(context, &scene);

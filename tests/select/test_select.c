@@ -9,7 +9,7 @@
 
 static const uint8_t grey[3] = {128, 128, 128};
 
-// A root with surfels over a square and, below it, the square itself twice: at the surfels and,
+// A root with splats over a square and, below it, the square itself twice: at the splats and,
 // moving, a little above.
 static void make_scene(stp_context* context, made_scene* s)
 {
@@ -19,15 +19,15 @@ static void make_scene(stp_context* context, made_scene* s)
                       .material_count = 1,
                       .shading_count = 1,
                       .mesh_count = 1,
-                      .surfels_count = 1};
+                      .set_count = 1};
     s->materials[0] = made_material();
     s->shadings[0] = (stp_shading){.roughness = 1};
     s->meshes[0] = made_square(0);
-    s->surfels[0] = made_square_surfels(context, 5, grey);
+    s->sets[0] = made_square_set(context, 5, grey);
     s->parts[0] = s->parts[1] = (stp_store_part){STP_STORE_PART_MESH, 0};
     stp_boxd flat = {{-1, -1, 0}, {1, 1, 0}};
     s->nodes[0] = (stp_store_node){
-        .part_count = 1, .surfels = STP_STORE_NONE, .triangle_count = 2, .bounds = flat};
+        .part_count = 1, .set = STP_STORE_NONE, .triangle_count = 2, .bounds = flat};
     s->nodes[1] = s->nodes[0];
     s->nodes[1].first_part = 1;
     s->nodes[1].flags = 1; // moves
@@ -35,7 +35,7 @@ static void make_scene(stp_context* context, made_scene* s)
     s->edges[1] = (stp_store_edge){1, stp_affine_identity()};
     s->edges[1].transform.m[2][3] = 0.5;
     s->nodes[2] = (stp_store_node){
-        .edge_count = 2, .surfels = 0, .triangle_count = 4, .bounds = {{-1, -1, 0}, {1, 1, 0.5}}};
+        .edge_count = 2, .set = 0, .triangle_count = 4, .bounds = {{-1, -1, 0}, {1, 1, 0.5}}};
 }
 
 static stp_view view_from(double distance)
@@ -68,7 +68,7 @@ static bool set_up(fixture* f)
 
 static void tear_down(fixture* f)
 {
-    made_free_surfels(f->context, &f->scene.surfels[0]);
+    made_free_set(f->context, &f->scene.sets[0]);
     stp_draw_list_destroy(f->context, &f->list);
     stp_store_close(f->store);
     stp_context_destroy(f->context);
@@ -80,14 +80,14 @@ void test_select_prefix_follows_the_pixel(test_state* test)
     CHECK(set_up(&f));
     // a pixel at depth z is z / 100 units wide here; r = s d_p / 2 with the depth of the box's
     // nearest face
-    const stp_splats* surfels = stp_store_describe_surfels(f.store, 0);
+    const stp_splats* splats = stp_store_describe_splat_set(f.store, 0);
     for (int step = 0; step < 30; ++step) {
         double distance = 4.0 + 3.0 * step;
         stp_view view = view_from(distance);
         stp_quality quality = {.splat_size = (float)(2 + step % 4), .early_switch = 1};
         CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &quality, &f.list));
         double r = 0.5 * (2 + step % 4) * (distance - 0.5) / 100.0;
-        bool enough = r >= (double)surfels->table.radius[surfels->table.size - 1];
+        bool enough = r >= (double)splats->table.radius[splats->table.size - 1];
         CHECK_EQUAL(2, f.list.count);
         stp_draw_item moving = f.list.items[1];
         CHECK_EQUAL(STP_DRAW_MESH, moving.kind);
@@ -99,8 +99,8 @@ void test_select_prefix_follows_the_pixel(test_state* test)
             continue;
         }
         stp_draw_item item = f.list.items[0];
-        CHECK_EQUAL(STP_DRAW_SURFELS, item.kind);
-        CHECK_EQUAL(stp_prefix_table_count(&surfels->table, (float)r), item.prefix);
+        CHECK_EQUAL(STP_DRAW_SPLATS, item.kind);
+        CHECK_EQUAL(stp_prefix_table_count(&splats->table, (float)r), item.prefix);
         CHECK_EQUAL(item.prefix, f.list.splat_count);
         CHECK_EQUAL(item.prefix, moving.first_id);
         CHECK((double)item.radius <= r + 0.001 + 1e-6);
@@ -109,8 +109,8 @@ void test_select_prefix_follows_the_pixel(test_state* test)
     tear_down(&f);
 }
 
-// A node is opened where its triangles are fewer than eight for each surfel that is needed, and at
-// most where its surfels could cover eight times, or a given number of times, better than
+// A node is opened where its triangles are fewer than eight for each splat that is needed, and at
+// most where its splats could cover eight times, or a given number of times, better than
 // necessary.
 void test_select_opens_sooner_where_triangles_are_few(test_state* test)
 {
@@ -129,8 +129,8 @@ void test_select_opens_sooner_where_triangles_are_few(test_state* test)
         f.scene.nodes[2].triangle_count = cases[i].triangles + 2;
         f.store = made_open(f.context, &f.scene);
         CHECK(f.store != NULL);
-        const stp_splats* surfels = stp_store_describe_surfels(f.store, 0);
-        double minimum = (double)surfels->table.radius[surfels->table.size - 1] * cases[i].times;
+        const stp_splats* splats = stp_store_describe_splat_set(f.store, 0);
+        double minimum = (double)splats->table.radius[splats->table.size - 1] * cases[i].times;
         int own = 0, opened = 0;
         for (double distance = 4.0; distance < 200.0; distance *= 1.02) {
             stp_view view = view_from(distance);
@@ -142,7 +142,7 @@ void test_select_opens_sooner_where_triangles_are_few(test_state* test)
             if (fabs(r - minimum) < 1e-3 * minimum) {
                 continue;
             }
-            bool has_own = f.list.items[0].kind == STP_DRAW_SURFELS;
+            bool has_own = f.list.items[0].kind == STP_DRAW_SPLATS;
             CHECK_EQUAL(r > minimum, has_own);
             own += has_own;
             opened += !has_own;
@@ -164,14 +164,14 @@ void test_select_opens_what_contains_the_eye(test_state* test)
     tear_down(&f);
 }
 
-// From inside, a node is opened, except points that are all surfels.
+// From inside, a node is opened, except points that are all splats.
 void test_select_keeps_clouds_around_the_eye(test_state* test)
 {
     for (int kept = 0; kept < 2; ++kept) {
         fixture f = {.context = test_context(NULL, 1, NULL)};
         CHECK(f.context != NULL);
         make_scene(f.context, &f.scene);
-        uint32_t count = f.scene.surfels[0].count, points = kept ? count : count + 1;
+        uint32_t count = f.scene.sets[0].count, points = kept ? count : count + 1;
         float* positions = STP_NEW_ZEROED(f.context, float, 3 * ((size_t)count + 1));
         CHECK(positions != NULL);
         f.scene.point_sets[0] =
@@ -190,28 +190,28 @@ void test_select_keeps_clouds_around_the_eye(test_state* test)
         stp_quality quality = {.splat_size = 1};
         CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &quality, &f.list));
         CHECK_EQUAL(1, f.list.count);
-        CHECK_EQUAL(kept ? STP_DRAW_SURFELS : STP_DRAW_POINTS, f.list.items[0].kind);
+        CHECK_EQUAL(kept ? STP_DRAW_SPLATS : STP_DRAW_POINTS, f.list.items[0].kind);
         CHECK_EQUAL(points, f.list.splat_count);
-        CHECK(!kept || f.list.items[0].radius >= f.scene.surfels[0].candidate_radius);
+        CHECK(!kept || f.list.items[0].radius >= f.scene.sets[0].candidate_radius);
         stp_free(f.context, positions);
         tear_down(&f);
     }
 }
 
-// Moving nodes are drawn by their own surfels, also below drawn nodes: once each, in their place,
+// Moving nodes are drawn by their own splats, also below drawn nodes: once each, in their place,
 // together with their descendants.
-void test_select_draws_what_moves_by_its_own_surfels(test_state* test)
+void test_select_draws_what_moves_by_its_own_splats(test_state* test)
 {
     for (int variant = 0; variant < 4; ++variant) {
         fixture f = {.context = test_context(NULL, 1, NULL)};
         CHECK(f.context != NULL);
         make_scene(f.context, &f.scene);
         made_scene* s = &f.scene;
-        s->surfels[1] = made_square_surfels(f.context, 3, grey);
-        s->surfels_count = 2;
-        s->nodes[1].surfels = 1;
+        s->sets[1] = made_square_set(f.context, 3, grey);
+        s->set_count = 2;
+        s->nodes[1].set = 1;
         bool with_root_set = variant % 2 == 0, nested = variant >= 2;
-        s->nodes[2].surfels = with_root_set ? 0 : STP_STORE_NONE;
+        s->nodes[2].set = with_root_set ? 0 : STP_STORE_NONE;
         if (nested) { // the moving node contains another moving one, and is below a static one
             s->nodes[4] = s->nodes[2];
             s->nodes[2] = s->nodes[1];
@@ -220,7 +220,7 @@ void test_select_draws_what_moves_by_its_own_surfels(test_state* test)
             s->nodes[2].bounds.max.z = 0.5;
             s->nodes[3] = (stp_store_node){.first_edge = 1,
                                            .edge_count = 1,
-                                           .surfels = STP_STORE_NONE,
+                                           .set = STP_STORE_NONE,
                                            .triangle_count = 4,
                                            .bounds = {{-1, -1, 0}, {1, 1, 1}}};
             s->nodes[4].first_edge = 2;
@@ -247,8 +247,8 @@ void test_select_draws_what_moves_by_its_own_surfels(test_state* test)
         for (size_t i = 0; i < f.list.count; ++i) {
             const stp_draw_item* item = &f.list.items[i];
             double z = item->transform.m[2][3];
-            bool own = item->kind == STP_DRAW_SURFELS && item->index == 1;
-            resting += item->kind == (with_root_set ? STP_DRAW_SURFELS : STP_DRAW_MESH) &&
+            bool own = item->kind == STP_DRAW_SPLATS && item->index == 1;
+            resting += item->kind == (with_root_set ? STP_DRAW_SPLATS : STP_DRAW_MESH) &&
                        item->index == 0 && z == 0.0;
             moving[0] += own && z == 0.5;
             moving[1] += own && z == 1.0;
@@ -257,7 +257,7 @@ void test_select_draws_what_moves_by_its_own_surfels(test_state* test)
         CHECK_EQUAL(1, resting);
         CHECK_EQUAL(1, moving[0]);
         CHECK_EQUAL(nested, moving[1]);
-        made_free_surfels(f.context, &s->surfels[1]);
+        made_free_set(f.context, &s->sets[1]);
         tear_down(&f);
     }
 }
@@ -268,9 +268,9 @@ void test_select_counts_splats_of_what_moves(test_state* test)
     fixture f = {.context = test_context(NULL, 1, NULL)};
     CHECK(f.context != NULL);
     make_scene(f.context, &f.scene);
-    f.scene.surfels[1] = made_square_surfels(f.context, 3, grey);
-    f.scene.surfels_count = 2;
-    f.scene.nodes[1].surfels = 1;
+    f.scene.sets[1] = made_square_set(f.context, 3, grey);
+    f.scene.set_count = 2;
+    f.scene.nodes[1].set = 1;
     f.store = made_open(f.context, &f.scene);
     CHECK(f.store != NULL);
     // squares of one size, of 1,024 and 64 splats: while both have splats left, their shares are
@@ -293,7 +293,7 @@ void test_select_counts_splats_of_what_moves(test_state* test)
             CHECK(prefixes[1] == half || (all % 2 == 1 && prefixes[1] == half + 1));
         }
     }
-    made_free_surfels(f.context, &f.scene.surfels[1]);
+    made_free_set(f.context, &f.scene.sets[1]);
     tear_down(&f);
 }
 

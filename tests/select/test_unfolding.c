@@ -23,7 +23,7 @@ static stp_store* open_doubling(stp_context* context)
     stp_store_mesh mesh = made_square(0);
     stp_store_material material = made_material();
     nodes[0] = (stp_store_node){.part_count = 1,
-                                .surfels = STP_STORE_NONE,
+                                .set = STP_STORE_NONE,
                                 .triangle_count = 2,
                                 .bounds = {{-1, -1, 0}, {1, 1, 0}}};
     for (uint32_t i = 0; i < LEVELS; ++i) {
@@ -108,7 +108,7 @@ void test_repeated_parts_are_drawn_once(test_state* test)
         parts[i] = (stp_store_part){STP_STORE_PART_MESH, i < PARTS / 2 ? 0 : (uint32_t)i % 2};
     }
     stp_store_node node = {.part_count = PARTS,
-                           .surfels = STP_STORE_NONE,
+                           .set = STP_STORE_NONE,
                            .triangle_count = 2 * PARTS,
                            .bounds = {{-1, -1, 0}, {1, 1, 0}}};
     stp_store_content content = {.directory = {.node_count = 1,

@@ -41,12 +41,12 @@ typedef struct shown {
     stp_draw_list list;
 } shown;
 
-static bool set_up(shown* s, uint64_t seed, bool surfels)
+static bool set_up(shown* s, uint64_t seed, bool splats)
 {
     bool ready = false;
     stp_affine identity = stp_affine_identity();
     s->context = test_context(NULL, 2, NULL);
-    s->store = s->context != NULL ? built_open(s->context, seed, surfels) : NULL;
+    s->store = s->context != NULL ? built_open(s->context, seed, splats) : NULL;
     s->all = calloc(1, sizeof(*s->all));
     s->own = calloc(1, sizeof(*s->own));
     if (s->store == NULL || s->all == NULL || s->own == NULL ||
@@ -157,16 +157,16 @@ void test_visibility_is_what_was_set_last(test_state* test)
     }
 }
 
-/// Whether an item draws exactly the expected parts: no hidden part is below the node of a surfel
+/// Whether an item draws exactly the expected parts: no hidden part is below the node of a splat
 /// set.
 static bool item_is_right(const shown* s, const stp_draw_item* item)
 {
     const stp_store_directory* d = stp_store_get_directory(s->store);
     built_places* below = s->own;
     below->count = 0;
-    if (item->kind == STP_DRAW_SURFELS) {
+    if (item->kind == STP_DRAW_SPLATS) {
         for (uint32_t i = 0; i < d->node_count; ++i) {
-            if (d->nodes[i].surfels == item->index) {
+            if (d->nodes[i].set == item->index) {
                 (void)built_unfold(s->store, i, &item->transform, below);
                 break;
             }

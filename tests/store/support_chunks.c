@@ -71,9 +71,9 @@ bool chunk_sample_make(stp_arena* arena, uint64_t seed, chunk_sample* made)
         .directory = {.root = STP_STORE_NONE,
                       .shading_count = 1,
                       .shadings = &made->shading,
-                      .surfels_count = CHUNK_SAMPLE_SETS,
+                      .set_count = CHUNK_SAMPLE_SETS,
                       .up = 'y'},
-        .surfels = made->sets,
+        .sets = made->sets,
     };
     made->method = (stp_store_method){
         .name = "spt", .id = STP_METHOD_SPT, .columns = columns, .set_count = CHUNK_SAMPLE_SETS};

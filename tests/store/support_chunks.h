@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Content with surfel sets that have several chunks per octave.
+// Content with splat sets that have several chunks per octave.
 #pragma once
 
 #include "base/core/arena.h"
@@ -14,10 +14,10 @@ typedef struct chunk_sample {
     stp_store_method method;
 } chunk_sample;
 
-/// Three sets of up to 60,000 surfels, random from `seed`; seed 0: all bytes are equal. For odd
+/// Three sets of up to 60,000 splats, random from `seed`; seed 0: all bytes are equal. For odd
 /// seeds, sets have all optional columns. Do not move `made`. The arena owns the memory. @return
 /// false if it runs out
 bool chunk_sample_make(stp_arena* arena, uint64_t seed, chunk_sample* made);
 
-/// Whether two sets have the same surfels and colours.
+/// Whether two sets have the same splats and colours.
 bool chunk_sample_is_same(const stp_splats* a, const stp_splats* b);

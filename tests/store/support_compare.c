@@ -76,7 +76,7 @@ static const char* directory_difference(const stp_store_directory* a, const stp_
         a->part_count != b->part_count || a->object_count != b->object_count ||
         a->material_count != b->material_count || a->shading_count != b->shading_count ||
         a->texture_count != b->texture_count || a->mesh_count != b->mesh_count ||
-        a->point_set_count != b->point_set_count || a->surfels_count != b->surfels_count ||
+        a->point_set_count != b->point_set_count || a->set_count != b->set_count ||
         a->view_count != b->view_count || a->source_count != b->source_count ||
         !same_methods(a, b)) {
         return "counts";
@@ -157,10 +157,10 @@ static bool same_texture(const stp_store_texture* a, stp_store* store, uint32_t 
            same_bytes(a->texels, b.texels, 4 * (size_t)a->width * a->height);
 }
 
-static bool same_surfels(const stp_splats* a, stp_store* store, uint32_t index)
+static bool same_splats(const stp_splats* a, stp_store* store, uint32_t index)
 {
     stp_splats b;
-    if (stp_store_get_surfels(store, index, &b) != STP_OK) {
+    if (stp_store_get_splat_set(store, index, &b) != STP_OK) {
         return false;
     }
     size_t n = a->count, entries = 0;
@@ -201,8 +201,8 @@ const char* sample_difference(const stp_store_content* content, stp_store* store
     for (uint32_t i = 0; difference == NULL && i < directory->texture_count; ++i) {
         difference = same_texture(&content->textures[i], store, i) ? NULL : "a texture";
     }
-    for (uint32_t i = 0; difference == NULL && i < directory->surfels_count; ++i) {
-        difference = same_surfels(&content->surfels[i], store, i) ? NULL : "a surfel set";
+    for (uint32_t i = 0; difference == NULL && i < directory->set_count; ++i) {
+        difference = same_splats(&content->sets[i], store, i) ? NULL : "a surfel set";
     }
     return difference;
 }

@@ -30,7 +30,7 @@ static json_t* expected_nodes(const stp_store_directory* d)
             json_pack("{s:I s:I s:I s:I s:I s:I s:o s:o}", "first_edge", (json_int_t)n->first_edge,
                       "edge_count", (json_int_t)n->edge_count, "first_part",
                       (json_int_t)n->first_part, "part_count", (json_int_t)n->part_count, "surfels",
-                      (json_int_t)n->surfels, "flags", (json_int_t)n->flags, "bounds_min",
+                      (json_int_t)n->set, "flags", (json_int_t)n->flags, "bounds_min",
                       triple(n->bounds.min), "bounds_max", triple(n->bounds.max)));
     }
     return list;
@@ -203,7 +203,7 @@ static json_t* expected_textures(const stp_store_content* content)
 static json_t* expected_methods(const stp_store_directory* d)
 {
     const stp_store_method blue = {
-        .name = "blue", .id = STP_METHOD_BLUE, .set_count = d->surfels_count};
+        .name = "blue", .id = STP_METHOD_BLUE, .set_count = d->set_count};
     json_t* list = json_array();
     for (uint32_t i = 0; i == 0 || i < d->method_count; ++i) {
         const stp_store_method* m = d->method_count != 0 ? &d->methods[i] : &blue;
@@ -229,11 +229,11 @@ static json_t* expected_methods(const stp_store_directory* d)
     return list;
 }
 
-static json_t* expected_surfels(const stp_store_content* content)
+static json_t* expected_splat_sets(const stp_store_content* content)
 {
     json_t* list = json_array();
-    for (uint32_t i = 0; i < content->directory.surfels_count; ++i) {
-        const stp_splats* s = &content->surfels[i];
+    for (uint32_t i = 0; i < content->directory.set_count; ++i) {
+        const stp_splats* s = &content->sets[i];
         json_t* ends = json_array();
         json_t* breakpoints = json_array();
         size_t n = s->count, entries = 0;
@@ -320,11 +320,11 @@ static json_t* expected_scene_parts(const stp_store_summary* summary)
 static json_t* expected_keys(const stp_store_content* content)
 {
     json_t* list = json_array();
-    uint32_t sets = content->directory.surfels_count;
+    uint32_t sets = content->directory.set_count;
     uint32_t count = sets + content->directory.mesh_count;
-    bool keyed = content->surfel_keys != NULL || content->mesh_keys != NULL;
+    bool keyed = content->set_keys != NULL || content->mesh_keys != NULL;
     for (uint32_t i = 0; keyed && i < count; ++i) {
-        const stp_hash* keys = i < sets ? content->surfel_keys : content->mesh_keys;
+        const stp_hash* keys = i < sets ? content->set_keys : content->mesh_keys;
         stp_hash key = keys != NULL ? keys[i < sets ? i : i - sets] : (stp_hash){0};
         char digits[33];
         snprintf(digits, sizeof(digits), "%016llx%016llx", (unsigned long long)key.high,
@@ -348,7 +348,7 @@ json_t* sample_expected_json(const stp_store_content* content, const stp_store_s
         "build", text(d->build_json), "nodes", expected_nodes(d), "edges", expected_edges(d),
         "objects", expected_objects(d), "materials", expected_materials(d), "meshes",
         expected_meshes(content), "point_sets", expected_points(content), "textures",
-        expected_textures(content), "surfels", expected_surfels(content), "views",
+        expected_textures(content), "surfels", expected_splat_sets(content), "views",
         expected_views(d), "sources", expected_sources(d), "summary", head, "scene_parts",
         expected_scene_parts(summary), "keys", expected_keys(content), "methods",
         expected_methods(d));

@@ -186,7 +186,7 @@ static void add_options(dice* d, stp_splats* s)
     s->ranges = ranges;
 }
 
-static stp_splats make_surfels(dice* d, uint32_t shading_count, uint32_t columns)
+static stp_splats make_splat_set(dice* d, uint32_t shading_count, uint32_t columns)
 {
     stp_splats s = {.origin = vector(d), .columns = columns};
     s.step = below(d, 2) == 0 ? 0.0009765625f : 2.0f;
@@ -220,14 +220,14 @@ static stp_splats make_surfels(dice* d, uint32_t shading_count, uint32_t columns
     return s;
 }
 
-static void add_surfels(dice* d, stp_store_content* content, uint32_t count)
+static void add_splat_sets(dice* d, stp_store_content* content, uint32_t count)
 {
     stp_splats* sets = take(d, count, sizeof(*sets));
     for (uint32_t i = 0; d->complete && i < count; ++i) {
-        sets[i] = make_surfels(d, content->directory.shading_count, 0);
+        sets[i] = make_splat_set(d, content->directory.shading_count, 0);
     }
-    content->surfels = sets;
-    content->directory.surfels_count = count;
+    content->sets = sets;
+    content->directory.set_count = count;
 }
 
 static stp_store_texture_use texture_use(dice* d, uint32_t texture_count)
@@ -288,13 +288,13 @@ static void add_graph(dice* d, stp_store_content* content, uint32_t count)
         node->edge_count = edge_count;
         node->first_part = directory->part_count;
         node->part_count = part_count;
-        node->surfels = below(d, directory->surfels_count + 1);
+        node->set = below(d, directory->set_count + 1);
         node->flags = below(d, 2);
         node->triangle_count = stp_rng_hash(d->seed, d->next++);
         node->point_count = stp_rng_hash(d->seed, d->next++);
         node->bounds.min = vector_double(d);
         node->bounds.max = vector_double(d);
-        node->surfels = node->surfels == directory->surfels_count ? STP_STORE_NONE : node->surfels;
+        node->set = node->set == directory->set_count ? STP_STORE_NONE : node->set;
         for (uint32_t k = 0; k < edge_count; ++k) {
             stp_store_edge* edge = &edges[directory->edge_count++];
             edge->node = below(d, i);
@@ -356,7 +356,7 @@ static void add_objects(dice* d, stp_store_content* content, uint32_t count)
 static void add_methods(dice* d, stp_store_content* content)
 {
     stp_store_directory* directory = &content->directory;
-    uint32_t nodes = directory->node_count, count = directory->surfels_count;
+    uint32_t nodes = directory->node_count, count = directory->set_count;
     stp_store_method* methods = take(d, 3, sizeof(*methods));
     stp_splats* sets = take(d, count + 2 * (size_t)nodes, sizeof(*sets));
     uint32_t* of_node = take(d, 2 * (size_t)nodes, sizeof(*of_node));
@@ -364,7 +364,7 @@ static void add_methods(dice* d, stp_store_content* content)
         return;
     }
     for (uint32_t i = 0; i < count; ++i) {
-        sets[i] = content->surfels[i];
+        sets[i] = content->sets[i];
     }
     // the columns of version 1.2 when the golden file was written
     const uint32_t golden = STP_SPLATS_SHAPES | STP_SPLATS_RANGES | STP_SPLATS_FLAT_COLORS;
@@ -379,13 +379,13 @@ static void add_methods(dice* d, stp_store_content* content)
             bool has = below(d, 2) == 0;
             of_node[(m - 1) * (size_t)nodes + i] = has ? count : STP_STORE_NONE;
             if (has) {
-                sets[count++] = make_surfels(d, directory->shading_count, methods[m].columns);
+                sets[count++] = make_splat_set(d, directory->shading_count, methods[m].columns);
             }
         }
         methods[m].set_count = count - methods[m].first_set;
     }
-    content->surfels = sets;
-    directory->surfels_count = count;
+    content->sets = sets;
+    directory->set_count = count;
     directory->methods = methods;
     directory->method_count = 3;
 }
@@ -394,14 +394,14 @@ static void add_methods(dice* d, stp_store_content* content)
 static void add_keys(dice* d, stp_store_content* content)
 {
     const stp_store_directory* directory = &content->directory;
-    uint32_t count = directory->surfels_count + directory->mesh_count;
+    uint32_t count = directory->set_count + directory->mesh_count;
     stp_hash* keys = take(d, count, sizeof(*keys));
     for (uint32_t i = 0; d->complete && i < count; ++i) {
         keys[i].low = below(d, 4) == 0 ? 0 : below(d, 3); // small, so that slots collide
         keys[i].high = keys[i].low == 0 ? 0 : stp_rng_hash(d->seed, d->next++);
     }
-    content->surfel_keys = below(d, 4) == 0 ? NULL : keys;
-    content->mesh_keys = below(d, 4) == 0 ? NULL : keys + directory->surfels_count;
+    content->set_keys = below(d, 4) == 0 ? NULL : keys;
+    content->mesh_keys = below(d, 4) == 0 ? NULL : keys + directory->set_count;
 }
 
 // Without a census, the writer guesses one.
@@ -442,7 +442,7 @@ sample sample_make(stp_arena* arena, uint64_t seed)
     add_materials(&d, &made.content);
     add_meshes(&d, &made.content, below(&d, 4));
     add_points(&d, &made.content, below(&d, 3));
-    add_surfels(&d, &made.content, below(&d, 4));
+    add_splat_sets(&d, &made.content, below(&d, 4));
     add_graph(&d, &made.content, below(&d, 6));
     add_objects(&d, &made.content, below(&d, 5));
     directory->unit_metres = below(&d, 2) == 0 ? 0.0 : 0.001;

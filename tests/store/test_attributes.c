@@ -89,13 +89,13 @@ static void make_cloud(cloud* c)
                                                    .materials = &c->material,
                                                    .shading_count = 1,
                                                    .shadings = &c->shading,
-                                                   .surfels_count = 1,
+                                                   .set_count = 1,
                                                    .point_set_count = 1,
                                                    .source_count = 1,
                                                    .sources = &c->file,
                                                    .up = 'z'},
                                      .point_sets = &c->points,
-                                     .surfels = &c->set};
+                                     .sets = &c->set};
 }
 
 // Writes content. @return its bytes, or NULL
@@ -286,7 +286,7 @@ void test_store_attributes_survive_failing_allocator(test_state* test)
         stp_store_point_set points;
         stp_splats set;
         bool good = store != NULL && stp_store_set_coloring(store, &coloring) == STP_OK &&
-                    stp_store_get_surfels(store, 0, &set) == STP_OK &&
+                    stp_store_get_splat_set(store, 0, &set) == STP_OK &&
                     stp_store_get_point_set(store, 0, &points) == STP_OK;
         stp_store_close(store);
         stp_context_destroy(context);
@@ -342,11 +342,11 @@ void test_store_coloring_replaces_colors_and_hides_classes(test_state* test)
     coloring.shown[2] = 1;
     stp_splats set;
     stp_store_point_set points;
-    CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 0, &set));
+    CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, 0, &set));
     CHECK(set.colors[0] == 77 && set.coverages[ENTRIES - 1] == 0);
     CHECK_EQUAL(STP_OK, stp_store_set_coloring(store, &coloring));
-    CHECK_EQUAL(STP_OK, stp_store_get_surfels_prefix(store, 0, 2, &set)); // octave by octave
-    CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 0, &set));
+    CHECK_EQUAL(STP_OK, stp_store_get_splat_set_prefix(store, 0, 2, &set)); // octave by octave
+    CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, 0, &set));
     CHECK_EQUAL(STP_OK, stp_store_get_point_set(store, 0, &points));
     const char* fault = find_color_fault(&c, &set, &points);
     CHECK(fault == NULL);
@@ -354,7 +354,7 @@ void test_store_coloring_replaces_colors_and_hides_classes(test_state* test)
     // the same with data loaded by threads
     stp_residency* residency = NULL;
     const stp_data_request wants[] = {
-        {.kind = STP_RESIDENT_SURFELS, .octaves = OCTAVES, .need = 1.0f},
+        {.kind = STP_RESIDENT_SPLATS, .octaves = OCTAVES, .need = 1.0f},
         {.kind = STP_RESIDENT_POINTS, .need = 1.0f}};
     CHECK_EQUAL(STP_OK, stp_residency_create(store, &(stp_residency_desc){0}, &residency));
     CHECK_EQUAL(STP_ERROR_ARGUMENT, stp_store_set_coloring(store, NULL));
@@ -362,15 +362,15 @@ void test_store_coloring_replaces_colors_and_hides_classes(test_state* test)
         stp_residency_update(residency, wants, 2);
     } while (stp_residency_wait(residency));
     stp_residency_update(residency, wants, 2);
-    CHECK_EQUAL(POINTS, stp_store_resident_surfels(store, 0));
+    CHECK_EQUAL(POINTS, stp_store_resident_splats(store, 0));
     CHECK(stp_store_are_points_resident(store, 0));
-    CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 0, &set));
+    CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, 0, &set));
     CHECK_EQUAL(STP_OK, stp_store_get_point_set(store, 0, &points));
     CHECK(find_color_fault(&c, &set, &points) == NULL);
     stp_residency_destroy(residency);
 
     CHECK_EQUAL(STP_OK, stp_store_set_coloring(store, NULL)); // back to the file's colours
-    CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 0, &set));
+    CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, 0, &set));
     CHECK_EQUAL(STP_OK, stp_store_get_point_set(store, 0, &points));
     CHECK(memcmp(set.colors, c.colors, sizeof(c.colors)) == 0 && points.colors == NULL);
     CHECK(memcmp(set.coverages, c.coverages, sizeof(c.coverages)) == 0);

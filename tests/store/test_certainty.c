@@ -14,9 +14,9 @@ static void make_scene(stp_context* context, made_scene* scene)
     scene->materials[0] = made_material();
     scene->shadings[0] = (stp_shading){.roughness = 1};
     for (uint32_t i = 0; i < 2; ++i) {
-        scene->surfels[scene->surfels_count++] = made_square_surfels(context, 2, white);
+        scene->sets[scene->set_count++] = made_square_set(context, 2, white);
         scene->nodes[i] =
-            (stp_store_node){.surfels = i, .point_count = 16, .bounds = {{-1, -1, 0}, {1, 1, 0}}};
+            (stp_store_node){.set = i, .point_count = 16, .bounds = {{-1, -1, 0}, {1, 1, 0}}};
     }
     scene->nodes[1].edge_count = 1;
     scene->edges[0] = (stp_store_edge){0, stp_affine_identity()};
@@ -24,8 +24,8 @@ static void make_scene(stp_context* context, made_scene* scene)
 
 static void free_scene(stp_context* context, made_scene* scene)
 {
-    made_free_surfels(context, &scene->surfels[0]);
-    made_free_surfels(context, &scene->surfels[1]);
+    made_free_set(context, &scene->sets[0]);
+    made_free_set(context, &scene->sets[1]);
 }
 
 void test_certainty_is_read_as_written(test_state* test)
@@ -33,21 +33,21 @@ void test_certainty_is_read_as_written(test_state* test)
     stp_context* context = test_context(NULL, 1, NULL);
     made_scene scene;
     make_scene(context, &scene);
-    scene.surfels[1].unknown_signs = true;
-    scene.surfels[0].position_error = 0.25f;
+    scene.sets[1].unknown_signs = true;
+    scene.sets[0].position_error = 0.25f;
     stp_store* store = made_open(context, &scene);
     CHECK(store != NULL && store->known[STP_SECTION_CERTAINTY] != NULL);
-    const stp_splats* first = stp_store_describe_surfels(store, 0);
-    const stp_splats* second = stp_store_describe_surfels(store, 1);
+    const stp_splats* first = stp_store_describe_splat_set(store, 0);
+    const stp_splats* second = stp_store_describe_splat_set(store, 1);
     CHECK(!first->unknown_signs && first->position_error == 0.25f);
     CHECK(second->unknown_signs && second->position_error == 0.0f);
     CHECK(stp_store_position_error(store) == 0.25);
     stp_splats got; // the drawn set has it, too
-    CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 1, &got));
+    CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, 1, &got));
     CHECK(got.unknown_signs);
     stp_store_close(store);
-    scene.surfels[1].unknown_signs = false;
-    scene.surfels[0].position_error = 0.0f;
+    scene.sets[1].unknown_signs = false;
+    scene.sets[0].position_error = 0.0f;
     store = made_open(context, &scene); // nothing to store: no section
     CHECK(store != NULL && store->known[STP_SECTION_CERTAINTY] == NULL);
     CHECK(stp_store_position_error(store) == 0.0);
@@ -63,7 +63,7 @@ void test_invalid_certainty_is_refused(test_state* test)
         stp_context* context = test_context(NULL, 1, &log);
         made_scene scene;
         make_scene(context, &scene);
-        scene.surfels[1].unknown_signs = true;
+        scene.sets[1].unknown_signs = true;
         stp_store* store = made_open(context, &scene);
         CHECK(store != NULL);
         stp_store_certainty* records = store->tables[STP_SECTION_CERTAINTY];

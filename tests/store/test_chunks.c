@@ -18,7 +18,7 @@ static uint64_t cost(uint32_t i, uint32_t first)
     return 4 * (uint64_t)i + (i > first ? 9 * (uint64_t)(i - first) : 0);
 }
 
-void test_chunks_hold_as_many_surfels_as_64_kib_do(test_state* test)
+void test_chunks_hold_as_many_splats_as_64_kib_do(test_state* test)
 {
     static const uint32_t firsts[] = {0,     1,     2,     700,   5041,  16383,  16384,
                                       16385, 20000, 32767, 32768, 60000, 100000, 131072};
@@ -76,9 +76,9 @@ void test_chunks_bring_back_what_was_written(test_state* test)
     stp_store* store = NULL;
     CHECK_EQUAL(STP_OK, write_file(context, &made.content, &bytes, &size));
     CHECK_EQUAL(STP_OK, open_bytes(context, bytes, size, &store));
-    for (uint32_t i = 0; i < made.content.directory.surfels_count; ++i) {
+    for (uint32_t i = 0; i < made.content.directory.set_count; ++i) {
         stp_splats got;
-        CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, i, &got));
+        CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, i, &got));
         CHECK(chunk_sample_is_same(&made.sets[i], &got));
     }
     stp_store_check_report report;
@@ -118,11 +118,11 @@ static bool read_one_by_one(stp_store* store, const stp_splats* wanted, uint32_t
     stp_store_octave_span span = stp_store_span_of(wanted, octave, block->encoding);
     stp_store_block_source source = {.block = block, .read = stp_store_read_mapped, .user = store};
     stp_store_column columns[STP_STORE_COLUMN_LIMIT];
-    stp_store_surfel_columns(wanted, octave, columns);
-    void *targets[STP_SURFEL_COLUMNS], *truth[STP_SURFEL_COLUMNS];
+    stp_store_octave_columns(wanted, octave, columns);
+    void *targets[STP_OCTAVE_COLUMNS], *truth[STP_OCTAVE_COLUMNS];
     stp_store_octave_targets(wanted, octave, truth);
     bool same = true;
-    for (int i = 0; i < STP_SURFEL_COLUMNS; ++i) {
+    for (int i = 0; i < STP_OCTAVE_COLUMNS; ++i) {
         targets[i] = calloc(1, (size_t)columns[i].size + 1);
     }
     for (uint32_t chunk = stp_store_chunk_count(&span); chunk-- > 0;) {
@@ -131,7 +131,7 @@ static bool read_one_by_one(stp_store* store, const stp_splats* wanted, uint32_t
             stp_store_read_chunks(&source, &span, chunk, chunk + 1, targets, &read_bytes);
         same = same && fault == NULL && read_bytes <= STP_STORE_PIECE_BYTES + 4096;
     }
-    for (int i = 0; i < STP_SURFEL_COLUMNS; ++i) {
+    for (int i = 0; i < STP_OCTAVE_COLUMNS; ++i) {
         same = same && memcmp(targets[i], truth[i], (size_t)columns[i].size) == 0;
         free(targets[i]);
     }
@@ -183,7 +183,7 @@ void test_chunks_never_stand_for_much_more_than_they_take(test_state* test)
     CHECK_EQUAL(STP_OK, write_file(context, &made.content, &bytes, &size));
     CHECK_EQUAL(STP_OK, open_bytes(context, bytes, size, &store));
     stp_splats got;
-    CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 0, &got));
+    CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, 0, &got));
     CHECK(chunk_sample_is_same(&made.sets[0], &got));
     CHECK(stp_store_columns_bytes(&made.sets[0], made.sets[0].octave_count) <
           (STP_STORE_PIECE_RATIO + 1) * (uint64_t)size);
@@ -219,9 +219,8 @@ void test_forged_chunks_are_refused(test_state* test)
             stp_store* store = NULL;
             stp_splats got;
             stp_result result = open_bytes(context, copy, size, &store);
-            for (uint32_t i = 0; result == STP_OK && i < made.content.directory.surfels_count;
-                 ++i) {
-                result = stp_store_get_surfels(store, i, &got);
+            for (uint32_t i = 0; result == STP_OK && i < made.content.directory.set_count; ++i) {
+                result = stp_store_get_splat_set(store, i, &got);
             }
             tried += 1;
             refused += result != STP_OK ? 1 : 0;

@@ -189,9 +189,9 @@ static void check_prefixes(test_state* test, const char* path)
     CHECK(bytes != NULL && context != NULL);
     stp_store* full = NULL;
     CHECK_EQUAL(STP_OK, stp_store_open_memory(context, "full", bytes, size, &whole, &full));
-    uint32_t sets = stp_store_get_directory(full)->surfels_count;
+    uint32_t sets = stp_store_get_directory(full)->set_count;
     CHECK(sets > 0);
-    stp_store_open_desc desc = {.accept_prefix = true};
+    stp_store_open_desc desc = {.accept_partial = true};
     uint32_t octaves_before = 0;
     for (size_t length = 0; length <= size; ++length) {
         void* copy = NULL;
@@ -203,8 +203,8 @@ static void check_prefixes(test_state* test, const char* path)
         uint32_t octaves = 0;
         for (uint32_t i = 0; opened == STP_OK && i < sets; ++i) {
             stp_splats cut, wanted;
-            CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, i, &cut));
-            CHECK_EQUAL(STP_OK, stp_store_get_surfels_prefix(full, i, cut.octave_count, &wanted));
+            CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, i, &cut));
+            CHECK_EQUAL(STP_OK, stp_store_get_splat_set_prefix(full, i, cut.octave_count, &wanted));
             CHECK_EQUAL(wanted.count, cut.count);
             size_t entries = 0;
             for (uint32_t k = 0; k < cut.octave_count; ++k) {
@@ -219,14 +219,14 @@ static void check_prefixes(test_state* test, const char* path)
             CHECK(cut.table.size == 0 || cut.table.count[cut.table.size - 1] <= cut.count);
             octaves += cut.octave_count;
         }
-        CHECK(octaves >= octaves_before); // more bytes, never fewer surfels
+        CHECK(octaves >= octaves_before); // more bytes, never fewer splats
         octaves_before = octaves;
         stp_store_close(store);
         free(copy);
     }
     uint32_t all = 0;
     for (uint32_t i = 0; i < sets; ++i) {
-        all += stp_store_describe_surfels(full, i)->octave_count;
+        all += stp_store_describe_splat_set(full, i)->octave_count;
     }
     CHECK_EQUAL(all, octaves_before);
     stp_store_close(full);

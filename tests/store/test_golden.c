@@ -79,7 +79,7 @@ void test_store_still_opens_version_1(test_state* test)
         stp_arena arena = stp_arena_create(context, 1 << 16);
         sample made = sample_make(&arena, GOLDEN_SEED);
         if (minor == 0) { // version 1.0 had neither keys nor a summary
-            made.content.surfel_keys = made.content.mesh_keys = NULL;
+            made.content.set_keys = made.content.mesh_keys = NULL;
             made.content.census = NULL;
         }
         stp_store* store = NULL;

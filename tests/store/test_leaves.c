@@ -67,13 +67,13 @@ static bool set_up(fixture* f, test_log* log)
                                    .set_count = 1};
     f->content = (stp_store_content){.directory = {.node_count = 1,
                                                    .shading_count = 1,
-                                                   .surfels_count = 1,
+                                                   .set_count = 1,
                                                    .method_count = 1,
                                                    .nodes = &f->node,
                                                    .shadings = &f->shading,
                                                    .methods = &f->method,
                                                    .up = 'y'},
-                                     .surfels = &f->set};
+                                     .sets = &f->set};
     return true;
 }
 
@@ -96,7 +96,7 @@ static stp_result write_file(fixture* f)
 static stp_store* open_file(fixture* f, uint64_t prefix)
 {
     stp_store* store = NULL;
-    const stp_store_open_desc desc = {.accept_prefix = prefix != 0, .prefix_bytes = prefix};
+    const stp_store_open_desc desc = {.accept_partial = prefix != 0, .partial_bytes = prefix};
     return stp_store_open_memory(f->context, "leaves", f->bytes, f->size, &desc, &store) == STP_OK
                ? store
                : NULL;
@@ -142,7 +142,7 @@ void test_leaves_come_back(test_state* test)
     CHECK(store != NULL);
     CHECK_EQUAL(STP_OK, stp_store_get_leaves(store, 0, &leaves));
     CHECK_EQUAL(0, leaves.leaf_count);
-    CHECK(stp_store_resident_surfels(store, 0) > 0); // but it has some splats
+    CHECK(stp_store_resident_splats(store, 0) > 0); // but it has some splats
     stp_store_close(store);
     tear_down(&f);
 }

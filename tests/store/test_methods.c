@@ -29,7 +29,7 @@ static bool set_up(fixture* f, stp_context* context)
         return false;
     }
     for (uint32_t i = 0; i < NODES; ++i) {
-        f->nodes[i] = (stp_store_node){.surfels = i == 0 ? 0 : STP_STORE_NONE};
+        f->nodes[i] = (stp_store_node){.set = i == 0 ? 0 : STP_STORE_NONE};
         f->sets[i] = i == 1 ? 1 : i == 3 ? 2 : STP_STORE_NONE;
     }
     f->methods[0] = (stp_store_method){.name = "blue", .id = STP_METHOD_BLUE, .set_count = 1};
@@ -81,7 +81,7 @@ void test_methods_of_a_file(test_state* test)
     CHECK_EQUAL(1, spt);
     CHECK_EQUAL(0, stp_store_find_method(d, STP_METHOD_PSP)); // not in the file: the first one
     for (uint32_t i = 0; i < NODES; ++i) {
-        CHECK_EQUAL(f.nodes[i].surfels, stp_store_set_of(d, 0, i));
+        CHECK_EQUAL(f.nodes[i].set, stp_store_set_of(d, 0, i));
         CHECK_EQUAL(f.sets[i], stp_store_set_of(d, spt, i));
     }
     stp_store_close(store);
@@ -106,7 +106,7 @@ void test_methods_that_are_not_known(test_state* test)
     CHECK_EQUAL(1, d->method_count); // the other one takes the nodes
     CHECK_EQUAL(STP_METHOD_SPT, d->methods[0].id);
     for (uint32_t i = 0; i < NODES; ++i) {
-        CHECK_EQUAL(f.sets[i], d->nodes[i].surfels);
+        CHECK_EQUAL(f.sets[i], d->nodes[i].set);
     }
     stp_store_close(store);
     free(bytes);
@@ -137,7 +137,7 @@ static void break_field(fixture* f, int field)
         f->methods[1].set_count = 1;
         break;
     case 4: // a node with a set of another method
-        f->nodes[2].surfels = 2;
+        f->nodes[2].set = 2;
         break;
     case 5: // columns that the method does not have
         set->columns = STP_SPLATS_RANGES;
@@ -213,9 +213,9 @@ void test_splat_columns_are_validated(test_state* test)
         CHECK_EQUAL(STP_ERROR_ARGUMENT, write_and_open(context, &made.content, &bytes, &store));
         stp_store_validator validator = {
             .context = context, .path = "x", .failure = STP_ERROR_FORMAT};
-        stp_store_surfel_data data = {made.sets[1].count, made.sets[1].materials,
-                                      made.sets[1].shapes, made.sets[1].ranges};
-        CHECK_EQUAL(STP_ERROR_FORMAT, stp_store_validate_surfel_data(&validator, 1, &data, 1));
+        stp_store_splat_data data = {made.sets[1].count, made.sets[1].materials,
+                                     made.sets[1].shapes, made.sets[1].ranges};
+        CHECK_EQUAL(STP_ERROR_FORMAT, stp_store_validate_splat_data(&validator, 1, &data, 1));
         stp_arena_destroy(&arena);
     }
     CHECK_EQUAL(4, log.errors);

@@ -126,7 +126,7 @@ static bool begins_with(const stp_splats* a, const stp_splats* b)
                       memcmp(a->coverages, b->coverages, entries) == 0);
 }
 
-void test_store_surfels_come_octave_by_octave(test_state* test)
+void test_store_splats_come_octave_by_octave(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
@@ -134,13 +134,13 @@ void test_store_surfels_come_octave_by_octave(test_state* test)
     const char* path = STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample.stip";
     CHECK_EQUAL(STP_OK, stp_store_open(context, path, &store));
     CHECK_EQUAL(STP_OK, stp_store_open(context, path, &other));
-    uint32_t sets = stp_store_get_directory(store)->surfels_count, tried = 0;
+    uint32_t sets = stp_store_get_directory(store)->set_count, tried = 0;
     for (uint32_t i = 0; i < sets; ++i) {
-        const stp_splats* known = stp_store_describe_surfels(store, i);
+        const stp_splats* known = stp_store_describe_splat_set(store, i);
         stp_splats got[STP_OCTAVE_LIMIT + 2], at_once;
-        CHECK_EQUAL(STP_OK, stp_store_get_surfels(other, i, &at_once));
+        CHECK_EQUAL(STP_OK, stp_store_get_splat_set(other, i, &at_once));
         for (uint32_t k = 0; k <= known->octave_count + 1; ++k) {
-            CHECK_EQUAL(STP_OK, stp_store_get_surfels_prefix(store, i, k, &got[k]));
+            CHECK_EQUAL(STP_OK, stp_store_get_splat_set_prefix(store, i, k, &got[k]));
             uint32_t octaves = k < known->octave_count ? k : known->octave_count;
             CHECK_EQUAL(octaves, got[k].octave_count);
             CHECK_EQUAL(octaves == 0 ? 0 : known->octave_ends[octaves - 1], got[k].count);
@@ -166,20 +166,20 @@ void test_store_takes_memory_for_what_is_asked(test_state* test)
         STP_OK,
         stp_store_open(context, STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample.stip", &store));
     uint64_t open_bytes = stp_context_live_bytes(context);
-    uint32_t sets = stp_store_get_directory(store)->surfels_count, tried = 0;
+    uint32_t sets = stp_store_get_directory(store)->set_count, tried = 0;
     for (uint32_t i = 0; i < sets; ++i) {
         stp_splats coarse, fine;
-        CHECK_EQUAL(STP_OK, stp_store_get_surfels_prefix(store, i, 1, &coarse));
+        CHECK_EQUAL(STP_OK, stp_store_get_splat_set_prefix(store, i, 1, &coarse));
         uint64_t coarse_bytes = stp_context_live_bytes(context) - open_bytes;
-        stp_store_release_surfels(store, i);
+        stp_store_release_splat_set(store, i);
         CHECK_EQUAL(open_bytes, stp_context_live_bytes(context));
-        CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, i, &fine));
+        CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, i, &fine));
         uint64_t fine_bytes = stp_context_live_bytes(context) - open_bytes;
         if (fine.octave_count > 2) {
             CHECK(coarse_bytes < fine_bytes);
             tried += 1;
         }
-        stp_store_release_surfels(store, i);
+        stp_store_release_splat_set(store, i);
     }
     CHECK(tried > 0);
     CHECK_EQUAL(open_bytes, stp_context_live_bytes(context));

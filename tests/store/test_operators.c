@@ -269,11 +269,11 @@ static bool make_content(file_fixture* f, stp_context* context, bool small)
         .directory = {.root = STP_STORE_NONE,
                       .shading_count = 1,
                       .shadings = &f->shading,
-                      .surfels_count = SETS,
+                      .set_count = SETS,
                       .methods = &f->method,
                       .method_count = 1,
                       .up = 'y'},
-        .surfels = f->sets,
+        .sets = f->sets,
     };
     return true;
 }
@@ -295,7 +295,7 @@ static void file_tear_down(file_fixture* f)
 static stp_result open_bytes(const file_fixture* f, const unsigned char* bytes, size_t size,
                              bool prefix, stp_store** store)
 {
-    stp_store_open_desc desc = {.accept_prefix = prefix};
+    stp_store_open_desc desc = {.accept_partial = prefix};
     return stp_store_open_memory(f->context, "operators", bytes, size, &desc, store);
 }
 
@@ -311,11 +311,11 @@ void test_operators_are_read_as_written(test_state* test)
             stp_splats got;
             for (uint32_t k = 1; k <= f.sets[i].octave_count;
                  k += 2) { // additional octaves step by step
-                CHECK_EQUAL(STP_OK, stp_store_get_surfels_prefix(store, i, k, &got));
+                CHECK_EQUAL(STP_OK, stp_store_get_splat_set_prefix(store, i, k, &got));
                 CHECK_EQUAL(f.sets[i].octave_ends[k - 1], got.count);
                 CHECK(progressive_sample_is_same(&f.sets[i], &got, got.count));
             }
-            CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, i, &got));
+            CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, i, &got));
             CHECK_EQUAL(f.sets[i].count, got.count);
             CHECK(progressive_sample_is_same(&f.sets[i], &got, got.count));
             for (uint32_t k = 0; k < f.sets[i].octave_count; ++k) {
@@ -380,7 +380,7 @@ void test_operators_of_version_1_2_are_still_read(test_state* test)
     CHECK_EQUAL(2, stp_store_format_minor(store));
     for (uint32_t i = 0; i < SETS; ++i) {
         stp_splats got;
-        CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, i, &got));
+        CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, i, &got));
         CHECK_EQUAL(f.sets[i].count, got.count);
         CHECK(progressive_sample_is_same(&f.sets[i], &got, got.count));
         CHECK_EQUAL(STP_STORE_ENCODING_OPERATORS, stp_store_octave_block(store, i, 0)->encoding);
@@ -397,8 +397,8 @@ void test_operators_of_version_1_2_are_still_read(test_state* test)
     file_tear_down(&f);
 }
 
-// A truncated file has the first octaves of each set.
-void test_operators_of_short_files_are_prefixes(test_state* test)
+// A partial file has the first octaves of each set.
+void test_operators_of_partial_files_are_prefixes(test_state* test)
 {
     file_fixture f;
     CHECK(file_set_up(&f, 1, false));
@@ -410,7 +410,7 @@ void test_operators_of_short_files_are_prefixes(test_state* test)
         CHECK_EQUAL(STP_OK, open_bytes(&f, f.bytes, size, true, &store));
         for (uint32_t i = 0; i < SETS; ++i) {
             stp_splats got;
-            CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, i, &got));
+            CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, i, &got));
             CHECK(got.count == 0 || progressive_sample_is_same(&f.sets[i], &got, got.count));
             splats += got.count;
         }
@@ -435,7 +435,7 @@ void test_operators_are_for_progressive_sets_alone(test_state* test)
     CHECK_EQUAL(STP_OK, open_bytes(&f, f.bytes, f.size, false, &store));
     for (uint32_t i = 0; i < SETS; ++i) {
         stp_splats got;
-        CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, i, &got));
+        CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, i, &got));
         CHECK(progressive_sample_is_same(&f.sets[i], &got, got.count));
         CHECK_EQUAL(i == 0 ? 2 : 1, stp_store_octave_block(store, i, 1)->encoding);
     }
@@ -459,7 +459,7 @@ void test_operators_are_streamed(test_state* test)
         CHECK_EQUAL(STP_OK, open_bytes(&f, f.bytes, f.size, false, &store));
         CHECK_EQUAL(STP_OK, stp_residency_create(store, &desc, &residency));
         for (uint32_t i = 0; i < SETS; ++i) {
-            wants[i] = (stp_data_request){.kind = STP_RESIDENT_SURFELS,
+            wants[i] = (stp_data_request){.kind = STP_RESIDENT_SPLATS,
                                           .index = i,
                                           .octaves = STP_OCTAVE_LIMIT,
                                           .need = 10.0f,
@@ -468,7 +468,7 @@ void test_operators_are_streamed(test_state* test)
         residency_settle(residency, wants, SETS);
         for (uint32_t i = 0; i < SETS; ++i) {
             stp_splats got;
-            CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, i, &got));
+            CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, i, &got));
             CHECK(limit == 2 || got.count == f.sets[i].count);
             CHECK(got.count == 0 || progressive_sample_is_same(&f.sets[i], &got, got.count));
         }
@@ -500,7 +500,7 @@ void test_forged_operators_are_refused(test_state* test)
         stp_result result = stp_store_open_memory(quiet, "operators", copy, f.size,
                                                   &(stp_store_open_desc){0}, &store);
         for (uint32_t i = 0; result == STP_OK && i < SETS; ++i) {
-            result = stp_store_get_surfels(store, i, &got);
+            result = stp_store_get_splat_set(store, i, &got);
         }
         stp_store_check_report report;
         if (store != NULL) {
@@ -542,7 +542,7 @@ void test_operators_survive_failing_allocator(test_state* test)
                 result = stp_store_check_open(store, false, &report);
             }
             for (uint32_t i = 0; result == STP_OK && i < SETS; ++i) {
-                result = stp_store_get_surfels(store, i, &got);
+                result = stp_store_get_splat_set(store, i, &got);
             }
             CHECK(result == STP_OK || result == STP_ERROR_OUT_OF_MEMORY);
             made = result == STP_OK && heap.count <= n;

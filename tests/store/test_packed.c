@@ -26,7 +26,7 @@ static unsigned char* write_objects(stp_context* context, bool packed, size_t* s
     stp_arena arena = stp_arena_create(context, 1 << 16);
     stp_store_object* objects = STP_ARENA_ARRAY(&arena, stp_store_object, OBJECTS);
     char(*names)[48] = stp_arena_alloc(&arena, OBJECTS * sizeof(*names));
-    stp_store_node node = {.surfels = STP_STORE_NONE};
+    stp_store_node node = {.set = STP_STORE_NONE};
     stp_store_content content = {
         .directory = {.node_count = 1,
                       .nodes = &node,

@@ -37,7 +37,7 @@ static bool write_large(stp_context* context, const char* path, bool packed)
     const stp_store_texture_use unused = {.texture = STP_STORE_NONE};
     for (uint32_t i = 0; i < NODES; ++i) {
         nodes[i] = (stp_store_node){
-            .first_edge = i, .edge_count = i > 0, .surfels = STP_STORE_NONE, .flags = i % 2};
+            .first_edge = i, .edge_count = i > 0, .set = STP_STORE_NONE, .flags = i % 2};
         edges[i] = (stp_store_edge){.node = i > 0 ? i - 1 : 0, .transform = stp_affine_identity()};
         materials[i] = (stp_store_material){.name = name,
                                             .base_color_texture = unused,
@@ -271,7 +271,7 @@ static void check_promise(test_state* test, bool pack)
         }
     }
     CHECK(large >= 5 && (pack ? packed >= 5 : packed == 0));
-    // a truncated file
+    // a partial file
     CHECK_EQUAL(STP_ERROR_TRUNCATED, check_quickly(context, bytes, size - 1));
     // texts of views and sources, on their pages
     const unsigned char* text = find_section(bytes, STP_SECTION_TEXT);
@@ -340,11 +340,11 @@ void test_store_head_survives_failing_allocator(test_state* test)
             stp_store_check_report report;
             result = result == STP_OK ? stp_store_check_open(head, true, &report) : result;
             result = result == STP_OK ? stp_store_open(context, path, &store) : result;
-            stp_store_stored_surfels surfels;
+            stp_store_stored_splat_set splats;
             stp_store_stored_mesh mesh;
             stp_store_summary summary = {0};
             if (result == STP_OK) {
-                result = stp_store_find_surfels_by_key(store, (stp_hash){1, 2}, &surfels);
+                result = stp_store_find_splat_set_by_key(store, (stp_hash){1, 2}, &splats);
             }
             if (result == STP_OK) {
                 result = stp_store_find_mesh_by_key(store, (stp_hash){1, 2}, &mesh);

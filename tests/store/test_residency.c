@@ -68,7 +68,7 @@ static void lengthen(stp_arena* arena, stp_splats* s, uint64_t seed)
 static void want_all(fixture* f)
 {
     const stp_store_directory* d = stp_store_get_directory(f->store);
-    uint32_t counts[] = {d->surfels_count, d->mesh_count, d->point_set_count, d->texture_count};
+    uint32_t counts[] = {d->set_count, d->mesh_count, d->point_set_count, d->texture_count};
     enum { KINDS = sizeof(counts) / sizeof(counts[0]) }; // leaves: test_leaves.c
     f->request_count = 0;
     for (uint32_t kind = 0; kind < KINDS; ++kind) {
@@ -91,8 +91,8 @@ static bool set_up(fixture* f, stp_context* context, uint64_t seed, bool open)
              (long)getpid());
     *f = (fixture){.context = context, .arena = stp_arena_create(context, 1 << 16)};
     f->made = sample_make(&f->arena, seed);
-    stp_splats* sets = (stp_splats*)(uintptr_t)f->made.content.surfels;
-    for (uint32_t i = 0; f->made.complete && i < f->made.content.directory.surfels_count; ++i) {
+    stp_splats* sets = (stp_splats*)(uintptr_t)f->made.content.sets;
+    for (uint32_t i = 0; f->made.complete && i < f->made.content.directory.set_count; ++i) {
         lengthen(&f->arena, &sets[i], seed + i);
     }
     bool good = f->made.complete && sample_code_meshes(&f->arena, &f->made, NULL) &&
@@ -134,9 +134,9 @@ static uint64_t rich_seed(stp_context* context, uint64_t from)
         stp_arena arena = stp_arena_create(context, 1 << 16);
         sample made = sample_make(&arena, seed);
         const stp_store_directory* d = &made.content.directory;
-        bool rich = made.complete && d->surfels_count > 1 && d->mesh_count > 1 &&
+        bool rich = made.complete && d->set_count > 1 && d->mesh_count > 1 &&
                     d->texture_count > 0 && d->point_set_count > 0 && d->root != STP_STORE_NONE &&
-                    d->nodes[d->root].surfels != STP_STORE_NONE;
+                    d->nodes[d->root].set != STP_STORE_NONE;
         stp_arena_destroy(&arena);
         if (rich) {
             return seed;
@@ -181,21 +181,21 @@ void test_residency_never_waits_for_the_disk(test_state* test)
         stp_residency_update(f.residency, f.requests, f.request_count);
     }
     const stp_store_directory* d = stp_store_get_directory(f.store);
-    stp_splats surfels;
-    CHECK_EQUAL(0, stp_store_resident_surfels(f.store, 0));
-    CHECK_EQUAL(STP_OK, stp_store_get_surfels(f.store, 0, &surfels));
-    CHECK_EQUAL(0, surfels.count);
+    stp_splats splats;
+    CHECK_EQUAL(0, stp_store_resident_splats(f.store, 0));
+    CHECK_EQUAL(STP_OK, stp_store_get_splat_set(f.store, 0, &splats));
+    CHECK_EQUAL(0, splats.count);
     CHECK(!stp_store_is_mesh_resident(f.store, 0) && stp_store_streams(f.store));
     stp_residency_stats stats;
     stp_residency_get_stats(f.residency, &stats);
-    CHECK(stats.missing >= d->surfels_count && stats.loading > 0);
+    CHECK(stats.missing >= d->set_count && stats.loading > 0);
     // loaded data becomes visible at the next update, not before
     slow_reader_let_go(&f.reader, UINT32_MAX);
     CHECK(stp_residency_wait(f.residency));
-    CHECK_EQUAL(0, stp_store_resident_surfels(f.store, 0));
+    CHECK_EQUAL(0, stp_store_resident_splats(f.store, 0));
     residency_settle(f.residency, f.requests, f.request_count);
-    CHECK_EQUAL(stp_store_describe_surfels(f.store, 0)->count,
-                stp_store_resident_surfels(f.store, 0));
+    CHECK_EQUAL(stp_store_describe_splat_set(f.store, 0)->count,
+                stp_store_resident_splats(f.store, 0));
     CHECK(sample_difference(&f.made.content, f.store) == NULL);
     tear_down(&f);
     stp_context_destroy(context);
@@ -220,9 +220,9 @@ void test_residency_coarse_comes_first(test_state* test)
     for (int i = 0; i < 1000; ++i) {
         stp_residency_update(f.residency, f.requests, f.request_count);
         uint32_t minimum = OCTAVES, maximum = 0;
-        for (uint32_t set = 0; set < d->surfels_count; ++set) {
-            uint32_t level = stp_store_octaves_for(stp_store_describe_surfels(f.store, set),
-                                                   stp_store_resident_surfels(f.store, set));
+        for (uint32_t set = 0; set < d->set_count; ++set) {
+            uint32_t level = stp_store_octaves_for(stp_store_describe_splat_set(f.store, set),
+                                                   stp_store_resident_splats(f.store, set));
             minimum = level < minimum ? level : minimum;
             maximum = level > maximum ? level : maximum;
         }
@@ -242,8 +242,8 @@ static uint64_t fingerprint(const fixture* f)
 {
     const stp_store_directory* d = stp_store_get_directory(f->store);
     uint64_t hash = 0;
-    for (uint32_t i = 0; i < d->surfels_count; ++i) {
-        hash = stp_rng_hash(hash, stp_store_resident_surfels(f->store, i));
+    for (uint32_t i = 0; i < d->set_count; ++i) {
+        hash = stp_rng_hash(hash, stp_store_resident_splats(f->store, i));
     }
     for (uint32_t i = 0; i < d->mesh_count; ++i) {
         hash = stp_rng_hash(hash, stp_store_is_mesh_resident(f->store, i));
@@ -274,11 +274,11 @@ static size_t choose_requests(const fixture* f, uint64_t round, stp_data_request
 static const char* compare_prefixes(const fixture* f, stp_store* other)
 {
     const stp_store_directory* d = stp_store_get_directory(f->store);
-    for (uint32_t i = 0; i < d->surfels_count; ++i) {
+    for (uint32_t i = 0; i < d->set_count; ++i) {
         stp_splats a, b;
-        if (stp_store_get_surfels(f->store, i, &a) != STP_OK ||
-            stp_store_get_surfels_prefix(other, i, a.octave_count, &b) != STP_OK ||
-            a.count != b.count || a.count != stp_store_resident_surfels(f->store, i)) {
+        if (stp_store_get_splat_set(f->store, i, &a) != STP_OK ||
+            stp_store_get_splat_set_prefix(other, i, a.octave_count, &b) != STP_OK ||
+            a.count != b.count || a.count != stp_store_resident_splats(f->store, i)) {
             return "a set has other counts";
         }
         uint64_t entries = stp_store_pyramid_begin(&a, a.octave_count);
@@ -324,8 +324,8 @@ void test_residency_keeps_to_its_limit(test_state* test)
             dropped = dropped || stats.dropped > 0;
             full = full || stats.missing > 0;
             CHECK(stats.resident_bytes <= limit && stats.peak_bytes <= limit);
-            for (uint32_t i = 0; i < other->directory.surfels_count; ++i) {
-                stp_store_release_surfels(other, i);
+            for (uint32_t i = 0; i < other->directory.set_count; ++i) {
+                stp_store_release_splat_set(other, i);
             }
             CHECK(stp_context_live_bytes(context) <= before + tables + limit);
         }
@@ -342,28 +342,27 @@ void test_residency_needed_most_stays(test_state* test)
     CHECK(context != NULL);
     fixture f;
     CHECK(set_up(&f, context, rich_seed(context, 33), true));
-    uint64_t one = stp_store_columns_bytes(stp_store_describe_surfels(f.store, 0), OCTAVES);
+    uint64_t one = stp_store_columns_bytes(stp_store_describe_splat_set(f.store, 0), OCTAVES);
     CHECK_EQUAL(STP_OK, stream(&f, 2 * one, 2));
-    stp_data_request a = {STP_RESIDENT_SURFELS, 0, OCTAVES, 10.0f, 10.0f, 0};
-    stp_data_request b = {STP_RESIDENT_SURFELS, 1, OCTAVES, 1.0f, 1.0f, 0};
+    stp_data_request a = {STP_RESIDENT_SPLATS, 0, OCTAVES, 10.0f, 10.0f, 0};
+    stp_data_request b = {STP_RESIDENT_SPLATS, 1, OCTAVES, 1.0f, 1.0f, 0};
     residency_settle(f.residency, &a, 1);
-    uint32_t all = stp_store_describe_surfels(f.store, 0)->count;
-    CHECK_EQUAL(all, stp_store_resident_surfels(f.store, 0));
+    uint32_t all = stp_store_describe_splat_set(f.store, 0)->count;
+    CHECK_EQUAL(all, stp_store_resident_splats(f.store, 0));
     // both do not fit: the more needed one stays whole, and they do not replace each other in turns
     stp_data_request both[] = {b, a};
     residency_settle(f.residency, both, 2);
-    CHECK_EQUAL(all, stp_store_resident_surfels(f.store, 0));
-    uint32_t rest = stp_store_resident_surfels(f.store, 1);
+    CHECK_EQUAL(all, stp_store_resident_splats(f.store, 0));
+    uint32_t rest = stp_store_resident_splats(f.store, 1);
     CHECK(rest > 0 && rest < all);
     uint32_t updates = residency_settle(f.residency, both, 2);
     CHECK_EQUAL(1, updates);
-    CHECK_EQUAL(rest, stp_store_resident_surfels(f.store, 1));
+    CHECK_EQUAL(rest, stp_store_resident_splats(f.store, 1));
     // needs change: now the other one is resident, and the first has the rest
     both[0].need = both[0].octave_need = 1000.0f;
     residency_settle(f.residency, both, 2);
-    CHECK_EQUAL(all, stp_store_resident_surfels(f.store, 1));
-    CHECK(stp_store_resident_surfels(f.store, 0) < all &&
-          stp_store_resident_surfels(f.store, 0) > 0);
+    CHECK_EQUAL(all, stp_store_resident_splats(f.store, 1));
+    CHECK(stp_store_resident_splats(f.store, 0) < all && stp_store_resident_splats(f.store, 0) > 0);
     tear_down(&f);
     stp_context_destroy(context);
 }
@@ -375,7 +374,7 @@ void test_residency_reports_a_damaged_block_once(test_state* test)
     CHECK(context != NULL);
     fixture f;
     CHECK(set_up(&f, context, rich_seed(context, 41), true));
-    const stp_store_surfels_record* sets = f.store->tables[STP_SECTION_SURFELS];
+    const stp_store_set_record* sets = f.store->tables[STP_SECTION_SPLAT_SETS];
     const stp_store_octave* octaves = f.store->tables[STP_SECTION_OCTAVES];
     const stp_store_block* block =
         stp_store_block_at(f.store, octaves[sets[0].first_octave + 3].block);
@@ -391,15 +390,15 @@ void test_residency_reports_a_damaged_block_once(test_state* test)
     CHECK(strstr(log.warning, "checksum") != NULL);
     CHECK_EQUAL(1, stats.damaged);
     CHECK_EQUAL(0, stats.missing); // data that cannot be loaded does not count as missing
-    CHECK_EQUAL(stp_store_describe_surfels(f.store, 0)->octave_ends[2],
-                stp_store_resident_surfels(f.store, 0));
-    CHECK_EQUAL(stp_store_describe_surfels(f.store, 1)->count,
-                stp_store_resident_surfels(f.store, 1));
+    CHECK_EQUAL(stp_store_describe_splat_set(f.store, 0)->octave_ends[2],
+                stp_store_resident_splats(f.store, 0));
+    CHECK_EQUAL(stp_store_describe_splat_set(f.store, 1)->count,
+                stp_store_resident_splats(f.store, 1));
     tear_down(&f);
     stp_context_destroy(context);
 }
 
-void test_residency_of_a_truncated_file(test_state* test)
+void test_residency_of_a_partial_file(test_state* test)
 {
     test_log log = {.errors = 0};
     stp_context* context = test_context(NULL, 1, &log);
@@ -504,7 +503,7 @@ void test_residency_pins_what_is_uppermost(test_state* test)
     const stp_store_directory* d = stp_store_get_directory(f.store);
     CHECK_EQUAL(STP_OK, stream(&f, 0, 2));
     residency_settle(f.residency, NULL, 0);
-    CHECK(stp_store_resident_surfels(f.store, d->nodes[d->root].surfels) > 0);
+    CHECK(stp_store_resident_splats(f.store, d->nodes[d->root].set) > 0);
     stp_residency_destroy(f.residency);
     // one residency at a time
     stp_residency* second = NULL;

@@ -84,10 +84,10 @@ void test_store_summary_is_read_alone_or_with_all(test_state* test)
             CHECK(same_text(a->sources[i].format, b->sources[i].format));
         }
         // nothing else is available
-        stp_splats surfels;
+        stp_splats set;
         CHECK(b->root == STP_STORE_NONE && b->node_count == 0 && b->object_count == 0);
         CHECK_EQUAL(STP_ERROR_ARGUMENT, stp_store_load_objects(head));
-        CHECK_EQUAL(STP_ERROR_ARGUMENT, stp_store_get_surfels(head, 0, &surfels));
+        CHECK_EQUAL(STP_ERROR_ARGUMENT, stp_store_get_splat_set(head, 0, &set));
         stp_store_close(head);
         stp_store_close(all);
         CHECK_EQUAL(STP_OK, stp_store_check(context, path, false));
@@ -116,9 +116,9 @@ static void walk_paths(const stp_store_content* content, uint32_t index, stp_sto
             figures->points += content->point_sets[part.index].point_count;
         }
     }
-    if (node->surfels != STP_STORE_NONE && content->surfels[node->surfels].count != 0) {
+    if (node->set != STP_STORE_NONE && content->sets[node->set].count != 0) {
         figures->lods += 1;
-        figures->surfels += content->surfels[node->surfels].count;
+        figures->surfels += content->sets[node->set].count;
     }
     for (uint32_t i = 0; i < node->edge_count; ++i) {
         walk_paths(content, d->edges[node->first_edge + i].node, figures);
@@ -224,12 +224,12 @@ void test_store_summary_stops_at_the_largest_number(test_state* test)
     enum { NODES = 61 };
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
-    stp_store_node nodes[NODES] = {{.part_count = 1, .surfels = STP_STORE_NONE}};
+    stp_store_node nodes[NODES] = {{.part_count = 1, .set = STP_STORE_NONE}};
     stp_store_edge edges[2 * NODES];
     memset(edges, 0, sizeof(edges));
     for (uint32_t i = 1; i < NODES; ++i) {
         nodes[i] = (stp_store_node){
-            .first_edge = 2 * i, .edge_count = 2, .surfels = STP_STORE_NONE, .first_part = 1};
+            .first_edge = 2 * i, .edge_count = 2, .set = STP_STORE_NONE, .first_part = 1};
         edges[2 * i].node = edges[2 * i + 1].node = i - 1;
     }
     stp_store_part part = {STP_STORE_PART_MESH, 0};
@@ -316,25 +316,25 @@ void test_store_finds_what_was_made_under_a_key(test_state* test)
         stp_arena arena = stp_arena_create(context, 1 << 16);
         sample made = sample_make(&arena, seed);
         const stp_store_content* content = &made.content;
-        uint32_t sets = content->directory.surfels_count, meshes = content->directory.mesh_count;
+        uint32_t sets = content->directory.set_count, meshes = content->directory.mesh_count;
         stp_store* store = NULL;
         CHECK_EQUAL(STP_OK, stp_store_write(context, content, path));
         CHECK_EQUAL(STP_OK, stp_store_open(context, path, &store));
         for (uint32_t i = 0; i <= sets + meshes; ++i) {
             stp_hash key = {.low = 77, .high = seed};
-            if (i < sets && content->surfel_keys != NULL) {
-                key = content->surfel_keys[i];
+            if (i < sets && content->set_keys != NULL) {
+                key = content->set_keys[i];
             } else if (i >= sets && i < sets + meshes && content->mesh_keys != NULL) {
                 key = content->mesh_keys[i - sets];
             }
-            stp_store_stored_surfels stored;
-            CHECK_EQUAL(STP_OK, stp_store_find_surfels_by_key(store, key, &stored));
-            CHECK_EQUAL(find_key(content->surfel_keys, sets, key), stored.index);
-            if (stored.index != STP_STORE_NONE && stored.surfels->count != 0) {
-                const stp_splats* wanted = &content->surfels[stored.index];
-                CHECK_EQUAL(wanted->count, stored.surfels->count);
+            stp_store_stored_splat_set stored;
+            CHECK_EQUAL(STP_OK, stp_store_find_splat_set_by_key(store, key, &stored));
+            CHECK_EQUAL(find_key(content->set_keys, sets, key), stored.index);
+            if (stored.index != STP_STORE_NONE && stored.splats->count != 0) {
+                const stp_splats* wanted = &content->sets[stored.index];
+                CHECK_EQUAL(wanted->count, stored.splats->count);
                 stp_splats columns;
-                CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, stored.index, &columns));
+                CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, stored.index, &columns));
                 CHECK(memcmp(wanted->positions, columns.positions, 6 * (size_t)wanted->count) == 0);
                 found_sets += 1;
             }

@@ -47,8 +47,8 @@ void test_store_writes_an_empty_scene(test_state* test)
     CHECK_EQUAL(STP_OK, stp_store_open(context, path, &store));
     CHECK(sample_difference(&empty, store) == NULL);
     CHECK(stp_store_file_bytes(store) < 2048);
-    stp_splats surfels;
-    CHECK_EQUAL(STP_ERROR_ARGUMENT, stp_store_get_surfels(store, 0, &surfels));
+    stp_splats splats;
+    CHECK_EQUAL(STP_ERROR_ARGUMENT, stp_store_get_splat_set(store, 0, &splats));
     stp_store_close(store);
     CHECK_EQUAL(STP_OK, stp_store_check(context, path, false));
     unlink(path);
@@ -78,8 +78,8 @@ void test_store_orders_meshes_by_shown_area(test_state* test)
         edges[0].transform.m[axis][axis] = 2.0;
     }
     stp_store_node nodes[] = {
-        {.part_count = 1, .surfels = STP_STORE_NONE},
-        {.edge_count = 1, .first_part = 1, .part_count = 4, .surfels = STP_STORE_NONE},
+        {.part_count = 1, .set = STP_STORE_NONE},
+        {.edge_count = 1, .first_part = 1, .part_count = 4, .set = STP_STORE_NONE},
     };
     stp_store_content content = {
         .directory = {.nodes = nodes,
@@ -195,7 +195,7 @@ void test_store_write_failures_leave_the_old_file(test_state* test)
 }
 
 // The writer rejects what a reader would reject: each case breaks one property of a valid scene.
-static void spoil(stp_store_content* content, int what, stp_store_mesh* mesh, stp_splats* surfels,
+static void spoil(stp_store_content* content, int what, stp_store_mesh* mesh, stp_splats* splats,
                   stp_store_node* node, float* positions, uint32_t* indices)
 {
     switch (what) {
@@ -209,22 +209,22 @@ static void spoil(stp_store_content* content, int what, stp_store_mesh* mesh, st
         mesh->material = 1;
         break;
     case 3:
-        surfels->step = 0.3f;
+        splats->step = 0.3f;
         break;
     case 4:
-        surfels->octave_ends[0] = 5;
+        splats->octave_ends[0] = 5;
         break;
     case 5:
-        surfels->materials[3] = 1;
+        splats->materials[3] = 1;
         break;
     case 6:
-        surfels->table.radius[1] = 9.0f;
+        splats->table.radius[1] = 9.0f;
         break;
     case 7:
         node->part_count = 2;
         break;
     case 8:
-        node->surfels = 1;
+        node->set = 1;
         break;
     case 9:
         node->bounds.max.x = (double)INFINITY;
@@ -268,7 +268,7 @@ void test_store_refuses_to_write_unreadable_content(test_state* test)
         stp_shading shading = {0};
         stp_store_mesh mesh = {
             .vertex_count = 3, .triangle_count = 1, .positions = positions, .indices = indices};
-        stp_splats surfels = {
+        stp_splats splats = {
             .count = 4,
             .step = 0.5f,
             .positions = grid,
@@ -280,7 +280,7 @@ void test_store_refuses_to_write_unreadable_content(test_state* test)
             .coverages = coverages,
             .table = {.size = 2, .count = {1, 4}, .radius = {8.0f, 4.0f}},
         };
-        stp_store_node node = {.part_count = 1, .surfels = 0};
+        stp_store_node node = {.part_count = 1, .set = 0};
         stp_store_part part = {STP_STORE_PART_MESH, 0};
         stp_store_point_set points = {.point_count = 4, .held_by = 1000000000};
         stp_store_content content = {
@@ -289,7 +289,7 @@ void test_store_refuses_to_write_unreadable_content(test_state* test)
                           .material_count = 1,
                           .shading_count = 1,
                           .mesh_count = 1,
-                          .surfels_count = 1,
+                          .set_count = 1,
                           .nodes = &node,
                           .parts = &part,
                           .materials = &material,
@@ -297,10 +297,10 @@ void test_store_refuses_to_write_unreadable_content(test_state* test)
                           .up = 'y'},
             .meshes = &mesh,
             .point_sets = &points,
-            .surfels = &surfels,
+            .sets = &splats,
         };
         if (what >= 0) {
-            spoil(&content, what, &mesh, &surfels, &node, positions, indices);
+            spoil(&content, what, &mesh, &splats, &node, positions, indices);
         }
         log.errors = 0;
         stp_result result = stp_store_write(context, &content, path);
@@ -346,29 +346,29 @@ static stp_splats make_octaves(stp_arena* arena, uint32_t first, uint32_t octave
     return s;
 }
 
-void test_store_keeps_surfels_within_15_bytes(test_state* test)
+void test_store_keeps_splats_within_15_bytes(test_state* test)
 {
     char folder[256], path[300];
     CHECK(make_folder(folder, path));
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
     stp_arena arena = stp_arena_create(context, 1 << 20);
-    stp_splats set = make_octaves(&arena, 3, 8, 64.0f), got; // 49,152 surfels
+    stp_splats set = make_octaves(&arena, 3, 8, 64.0f), got; // 49,152 splats
     CHECK(set.coverages != NULL);
     stp_shading shading = {0};
     stp_store_content content = {
         .directory = {.root = STP_STORE_NONE,
                       .shading_count = 1,
                       .shadings = &shading,
-                      .surfels_count = 1,
+                      .set_count = 1,
                       .up = 'y'},
-        .surfels = &set,
+        .sets = &set,
     };
     CHECK_EQUAL(STP_OK, stp_store_write(context, &content, path));
     stp_store* store = NULL;
     CHECK_EQUAL(STP_OK, stp_store_open(context, path, &store));
     uint64_t before = stp_context_live_bytes(context);
-    CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 0, &got));
+    CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, 0, &got));
     uint64_t memory = stp_context_live_bytes(context) - before;
     CHECK_EQUAL(set.count, got.count);
     CHECK(stp_store_file_bytes(store) < 15 * (uint64_t)set.count);
@@ -393,7 +393,7 @@ void test_store_sorts_blocks_coarse_first_across_the_scene(test_state* test)
     stp_splats sets[2] = {make_octaves(&arena, 2, 3, 1.0f), make_octaves(&arena, 2, 3, 4.0f)};
     stp_affine scaled = {{{0, 6, 0, 1}, {-6, 0, 0, 0}, {0, 0, 6, 0}}};
     stp_store_edge edges[2] = {{0, stp_affine_identity()}, {0, scaled}};
-    stp_store_node nodes[2] = {{.surfels = 0}, {.edge_count = 2, .surfels = 1}};
+    stp_store_node nodes[2] = {{.set = 0}, {.edge_count = 2, .set = 1}};
     stp_shading shading = {0};
     stp_store_content content = {
         .directory = {.root = 1,
@@ -403,9 +403,9 @@ void test_store_sorts_blocks_coarse_first_across_the_scene(test_state* test)
                       .edges = edges,
                       .shading_count = 1,
                       .shadings = &shading,
-                      .surfels_count = 2,
+                      .set_count = 2,
                       .up = 'y'},
-        .surfels = sets,
+        .sets = sets,
     };
     CHECK_EQUAL(STP_OK, stp_store_write(context, &content, path));
     // in scene space: set 0 reaches 6, 3, 1.5; set 1 reaches 4, 2, 1. So blocks of both alternate
@@ -415,11 +415,11 @@ void test_store_sorts_blocks_coarse_first_across_the_scene(test_state* test)
     int seen = 0;
     for (size_t length = 0; length <= file.size; ++length) {
         stp_store* store = NULL;
-        stp_store_open_desc desc = {.accept_prefix = true};
+        stp_store_open_desc desc = {.accept_partial = true};
         if (stp_store_open_memory(context, "cut", file.bytes, length, &desc, &store) == STP_OK) {
             stp_splats given[2];
-            CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 0, &given[0]));
-            CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 1, &given[1]));
+            CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, 0, &given[0]));
+            CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, 1, &given[1]));
             uint32_t octaves[2] = {given[0].octave_count, given[1].octave_count};
             if ((int)(octaves[0] + octaves[1]) > seen) {
                 order[seen][0] = octaves[0];

@@ -33,24 +33,24 @@ static void make_scene(stp_context* context, made_scene* s)
                       .material_count = 1,
                       .shading_count = 1,
                       .mesh_count = 1,
-                      .surfels_count = 2};
+                      .set_count = 2};
     s->materials[0] = made_material();
     s->shadings[0] = (stp_shading){.roughness = 1};
     s->meshes[0] = made_square(0);
-    s->surfels[0] = made_square_surfels(context, 5, grey);
-    s->surfels[1] = made_square_surfels(context, 3, grey);
+    s->sets[0] = made_square_set(context, 5, grey);
+    s->sets[1] = made_square_set(context, 3, grey);
     s->parts[0] = s->parts[1] = (stp_store_part){STP_STORE_PART_MESH, 0};
     s->nodes[0] = (stp_store_node){
-        .part_count = 1, .surfels = STP_STORE_NONE, .triangle_count = 2, .bounds = flat};
+        .part_count = 1, .set = STP_STORE_NONE, .triangle_count = 2, .bounds = flat};
     s->nodes[1] = s->nodes[0];
     s->nodes[1].first_part = 1;
-    s->nodes[1].surfels = 1;
+    s->nodes[1].set = 1;
     for (uint32_t i = 0; i < 3; ++i) {
         s->edges[i] = (stp_store_edge){i > 0, stp_affine_identity()};
         s->edges[i].transform.m[2][3] = 0.5 * i;
     }
     s->nodes[2] = (stp_store_node){
-        .edge_count = 3, .surfels = 0, .triangle_count = 6, .bounds = {{-1, -1, 0}, {1, 1, 1}}};
+        .edge_count = 3, .set = 0, .triangle_count = 6, .bounds = {{-1, -1, 0}, {1, 1, 1}}};
 }
 
 void test_viewer_splat_count_is_what_a_view_draws_at_most(test_state* test)
@@ -68,7 +68,7 @@ void test_viewer_splat_count_is_what_a_view_draws_at_most(test_state* test)
         stp_context* context = test_context(NULL, 1, NULL);
         made_scene scene;
         make_scene(context, &scene);
-        scene.nodes[2].surfels = cases[i].root_has_set ? 0 : STP_STORE_NONE;
+        scene.nodes[2].set = cases[i].root_has_set ? 0 : STP_STORE_NONE;
         scene.nodes[1].flags = cases[i].below_moves;
         stp_store* store = made_open(context, &scene);
         CHECK(store != NULL);
@@ -76,8 +76,8 @@ void test_viewer_splat_count_is_what_a_view_draws_at_most(test_state* test)
         CHECK_EQUAL(cases[i].count, count_drawn(context, store, &view));
         CHECK_EQUAL(0, splat_count_of_scene(store, 1)); // there is no second method
         stp_store_close(store);
-        made_free_surfels(context, &scene.surfels[0]);
-        made_free_surfels(context, &scene.surfels[1]);
+        made_free_set(context, &scene.sets[0]);
+        made_free_set(context, &scene.sets[1]);
         stp_context_destroy(context);
     }
 }
@@ -88,16 +88,16 @@ static stp_store* open_progressive(stp_context* context, stp_arena* arena, uint3
 {
     static made_scene scene;
     make_scene(context, &scene);
-    made_free_surfels(context, &scene.surfels[0]);
-    made_free_surfels(context, &scene.surfels[1]);
+    made_free_set(context, &scene.sets[0]);
+    made_free_set(context, &scene.sets[1]);
     progressive_desc desc = {.seed = 5, .base = base, .splits = splits};
-    if (!progressive_sample_make(arena, &desc, &scene.surfels[0])) {
+    if (!progressive_sample_make(arena, &desc, &scene.sets[0])) {
         return NULL;
     }
-    progressive_sample_octaves(&scene.surfels[0], 16);
-    scene.surfels_count = 1;
-    scene.nodes[1].surfels = 0;
-    scene.nodes[2].surfels = STP_STORE_NONE;
+    progressive_sample_octaves(&scene.sets[0], 16);
+    scene.set_count = 1;
+    scene.nodes[1].set = 0;
+    scene.nodes[2].set = STP_STORE_NONE;
     scene.method = (stp_store_method){.name = "psp",
                                       .id = STP_METHOD_PSP,
                                       .columns = STP_SPLATS_SHAPES | STP_SPLATS_RANGES |

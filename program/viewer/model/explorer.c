@@ -24,7 +24,7 @@ explorer* explorer_create(const char* path)
 {
     explorer* e = calloc(1, sizeof(*e));
     stp_context_desc desc = {.log = on_log, .log_user = e, .thread_count = 1};
-    stp_store_open_desc opening = {.defer_objects = true, .accept_prefix = true};
+    stp_store_open_desc opening = {.defer_objects = true, .accept_partial = true};
     if (e != NULL) {
         e->materials_of = STP_STORE_NONE;
     }

@@ -26,7 +26,7 @@ static stp_result begin_drawing(paint_scene* s, bool loads)
 
 static stp_result open_store(paint_scene* s, const paint_scene_desc* desc, const char* path)
 {
-    stp_result result = stp_store_open_prefix(s->context, path, &s->store);
+    stp_result result = stp_store_open_partial(s->context, path, &s->store);
     s->loads = desc->memory_limit > 0;
     return result == STP_OK ? begin_drawing(s, s->loads) : result;
 }

@@ -27,7 +27,7 @@ static void mark_needed(const stp_store* store, uint32_t method, node_splats* no
         node_splats* n = &nodes[i];
         n->needs_all = n->needs_all || (n->needs_moving && (node->flags & 1u) != 0);
         uint32_t set = stp_store_set_of(d, method, i);
-        bool has_set = set != STP_STORE_NONE && stp_store_describe_surfels(store, set)->count > 0;
+        bool has_set = set != STP_STORE_NONE && stp_store_describe_splat_set(store, set)->count > 0;
         bool all = n->needs_all && !has_set;
         bool moving = n->needs_moving || (n->needs_all && has_set);
         for (uint32_t k = 0; k < node->edge_count; ++k) {
@@ -43,7 +43,7 @@ static stp_result splats_of_node(stp_store* store, uint32_t method, uint32_t nod
 {
     const stp_store_directory* d = stp_store_get_directory(store);
     uint32_t set = stp_store_set_of(d, method, node);
-    *count = set != STP_STORE_NONE ? stp_store_describe_surfels(store, set)->count : 0;
+    *count = set != STP_STORE_NONE ? stp_store_describe_splat_set(store, set)->count : 0;
     stp_result result = STP_OK;
     if (*count > 0 && d->methods[method].id == STP_METHOD_PSP) {
         bool ends = false;
@@ -56,7 +56,7 @@ static stp_result splats_of_node(stp_store* store, uint32_t method, uint32_t nod
 uint32_t splat_count_of_scene(stp_store* store, uint32_t method)
 {
     const stp_store_directory* d = stp_store_get_directory(store);
-    if (d->root == STP_STORE_NONE || method >= d->method_count || d->surfels_count == 0) {
+    if (d->root == STP_STORE_NONE || method >= d->method_count || d->set_count == 0) {
         return 0;
     }
     node_splats* nodes = calloc(d->node_count, sizeof(*nodes));

@@ -136,7 +136,7 @@ static json_t* describe_method(const viewer* v)
 {
     const stp_store_directory* d = v->scene != NULL ? v->scene->directory : NULL;
     bool originals;
-    return d != NULL && d->surfels_count > 0
+    return d != NULL && d->set_count > 0
                ? json_string(
                      d->methods[stp_store_find_method(d, point_style_method(v, &originals))].name)
                : json_null();

@@ -116,7 +116,7 @@ static bool lacks_method(const viewer* v)
 {
     const stp_store_directory* d = v->scene->directory;
     uint32_t id = v->options.method;
-    return id != 0 && d->surfels_count != 0 && d->methods[stp_store_find_method(d, id)].id != id;
+    return id != 0 && d->set_count != 0 && d->methods[stp_store_find_method(d, id)].id != id;
 }
 
 static void take_scene(viewer* v)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Which part of a surfel's disk is drawn, in one byte: all of it, a share of its pixels, the part
+// Which part of a splat's disk is drawn, in one byte: all of it, a share of its pixels, the part
 // on one side of a line, or the strip between two parallel lines. A disk at the border of a plate,
 // or on a wire or beam, is clipped to it: it neither protrudes nor leaves a gap. A disk over
 // scattered geometry such as leaves has holes.

@@ -4,13 +4,13 @@
 // Splats of method `blue` are called surfels.
 //
 //   octave      0        1              2                3
-//   surfels  [0 .. e0) [.. e1)       [.. e2)          [.. e3 = count)
+//   splats   [0 .. e0) [.. e1)       [.. e2)          [.. e3 = count)
 //   colours  e0 for octave 0 | e1 for octave 1 | e2 for octave 2 | e3 for octave 3  (the pyramid)
 //
-// Over an octave of the order, the insertion radius halves. In a short prefix each surfel
+// Over an octave of the order, the insertion radius halves. In a short prefix each splat
 // represents a large patch, so each octave stores colours and coverages for the whole prefix that
-// ends with it: 1 + 1/4 + 1/16 + ... of the column. A prefix of n surfels, e(k-1) < n <= e(k), is
-// drawn with the colours of octave k; surfels below e(k-1) blend them with octave k - 1
+// ends with it: 1 + 1/4 + 1/16 + ... of the column. A prefix of n splats, e(k-1) < n <= e(k), is
+// drawn with the colours of octave k; splats below e(k-1) blend them with octave k - 1
 // (docs/algorithms/finish.md).
 #pragma once
 
@@ -21,7 +21,7 @@
 
 enum {
     STP_PREFIX_TABLE_SIZE = 64, ///< maximum breakpoints of a prefix table
-    STP_OCTAVE_LIMIT = 24,      ///< maximum octaves of a surfel set
+    STP_OCTAVE_LIMIT = 24,      ///< maximum octaves of a splat set
     /// Triangles drawn in preference to one splat: this many cost five times as much as the splat,
     /// but look better (docs/notes/2026-11-proportion.md). Limits the surfels that a build makes
     /// and a view draws.
@@ -101,19 +101,19 @@ typedef struct stp_splats {
     uint32_t count;
     stp_vec3 origin;     ///< origin of the position grid, in the node's space
     float step;          ///< step of the position grid, node units: a power of two
-    uint16_t* positions; ///< 3 per surfel: origin + step * value
-    int8_t* normals; ///< 2 per surfel, octahedral (src/base/splats/octahedral.h); facing outwards
+    uint16_t* positions; ///< 3 per splat: origin + step * value
+    int8_t* normals;    ///< 2 per splat, octahedral (src/base/splats/octahedral.h); facing outwards
     uint8_t* materials; ///< shading index
     uint32_t octave_count;
     uint32_t octave_ends[STP_OCTAVE_LIMIT]; ///< ascending; the last is `count`
     /// 3 per entry, sRGB; the sum of octave_ends entries, octave 0 first. Without a pyramid: one
-    /// entry per surfel.
+    /// entry per splat.
     uint8_t* colors;
     /// 1 per entry, same layout: share of the disk that is drawn (src/base/splats/coverage.h); 255: all
     uint8_t* coverages;
     uint32_t columns;        ///< STP_SPLATS_*
-    uint32_t* shapes;        ///< NULL, or 1 per surfel (src/base/splats/splat_codes.h)
-    uint32_t* ranges;        ///< NULL, or 1 per surfel (src/base/splats/splat_codes.h)
+    uint32_t* shapes;        ///< NULL, or 1 per splat (src/base/splats/splat_codes.h)
+    uint32_t* ranges;        ///< NULL, or 1 per splat (src/base/splats/splat_codes.h)
     stp_splat_group* groups; ///< NULL, or 1 per STP_GROUP_SPLATS splats
     /// NULL, or the set's leaves, along a Morton curve; their counts assign splats to leaves
     /// (src/base/splats/leaf_runs.h). For sets of a store, see stp_store_get_leaves.
@@ -151,7 +151,7 @@ enum {
     STP_SHADING_TRANSPARENT = 4,
 };
 
-/// Material that a surfel's material byte refers to; at most 256 per file.
+/// Material that a splat's material byte refers to; at most 256 per file.
 typedef struct stp_shading {
     float metallic, roughness;
     float emissive[3]; ///< linear

@@ -80,7 +80,7 @@ static void find_rows(size_t begin, size_t end, uint32_t worker, void* user)
             if (item->kind != STP_DRAW_MESH) {
                 r->blend.planes[at].id = id;
             }
-            if (item->kind == STP_DRAW_SURFELS && id != last) {
+            if (item->kind == STP_DRAW_SPLATS && id != last) {
                 uint32_t index = id - item->first_id;
                 _Atomic uint16_t* visible = (_Atomic uint16_t*)r->blend.visible + item->late;
                 atomic_fetch_or_explicit(&visible[index / 16], (uint16_t)(1u << index % 16),
@@ -199,12 +199,12 @@ void stp_cpu_blend_range(const stp_cpu_renderer* r, const stp_cpu_item* item,
     assert(r->blend.stage != CPU_BLEND_NONE && item->kind != STP_DRAW_MESH);
     stp_raster_splats asked = *splats;
     if (r->blend.stage == CPU_BLEND_PLANES) {
-        asked.wanted = item->kind == STP_DRAW_SURFELS ? r->blend.visible + item->late : NULL;
+        asked.wanted = item->kind == STP_DRAW_SPLATS ? r->blend.visible + item->late : NULL;
         stp_raster_find_planes(&blend, &item->camera, &asked);
         return;
     }
     stp_raster_occluder occluder;
-    if (item->kind == STP_DRAW_SURFELS && !r->frame.parallel) {
+    if (item->kind == STP_DRAW_SPLATS && !r->frame.parallel) {
         occluder = make_occluder(r, item);
         asked.occluder = &occluder;
     }

@@ -42,8 +42,8 @@ typedef struct stp_cpu_texture {
     uint64_t arrival; ///< arrival number of its texels (stp_store_texture_arrival)
 } stp_cpu_texture;
 
-/// Columns of a surfel set (stp_splats) that is drawn.
-typedef struct stp_cpu_surfels {
+/// Columns of a splat set (stp_splats) that is drawn.
+typedef struct stp_cpu_splats {
     stp_vec3 origin;
     float step;
     const uint16_t* positions;
@@ -52,7 +52,7 @@ typedef struct stp_cpu_surfels {
     const uint32_t *shapes, *ranges; ///< NULL: none
     const stp_splat_group* groups;   ///< NULL: none
     bool plain_coverages, unknown_signs;
-} stp_cpu_surfels;
+} stp_cpu_splats;
 
 /// A draw item with all data for its pieces and pixels. Views of large scenes have a hundred
 /// thousand items.
@@ -71,8 +71,8 @@ typedef struct stp_cpu_item {
     float radius;              ///< splat radius, item space
     const stp_draw_item* draw; ///< the list's item
     const stp_draw_run* runs;  ///< NULL: every splat is drawn at any depth
-    stp_cpu_surfels surfels;
-    const uint8_t* colors;     ///< colours of the prefix's octave, 3 bytes per surfel
+    stp_cpu_splats splats;
+    const uint8_t* colors;     ///< colours of the prefix's octave, 3 bytes per splat
     const uint8_t* low_colors; ///< colours of the previous octave, for the first `low_count`
     const uint8_t *coverages, *low_coverages;
     uint32_t low_count;
@@ -148,7 +148,7 @@ typedef struct stp_cpu_blend {
     stp_raster_plane* planes;
     uint64_t* sums; ///< 2 per pixel
     size_t capacity;
-    uint16_t* visible; ///< one bit per surfel, like the bits of stp_cpu_item.late
+    uint16_t* visible; ///< one bit per splat, like the bits of stp_cpu_item.late
     size_t visible_capacity;
     float* blocks; ///< minimum nearness of planes, then the windows of an occluder
     size_t block_capacity;
@@ -320,7 +320,7 @@ bool stp_cpu_hides(const stp_cpu_renderer* r, const stp_cpu_item* item, stp_box 
 /// true nearness, 0 for background.
 void stp_cpu_find_depths(stp_cpu_renderer* r, uint32_t begin, uint32_t end, stp_cpu_worker* worker);
 
-/// Prepares materials for shading: 256 surfel shadings, then those of meshes and points, then the
+/// Prepares materials for shading: 256 splat shadings, then those of meshes and points, then the
 /// same unlit. Called once per renderer. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_cpu_make_shade_materials(stp_cpu_renderer* r);
 /// Builds the item tables of shading, from `first`, and allocates memory for workers.

@@ -37,16 +37,16 @@ void stp_cpu_place_items(stp_cpu_renderer* r, const stp_draw_list* list, size_t 
 }
 
 /// Colours of a prefix's octave, and of the previous octave.
-static void choose_octave(stp_cpu_item* item, const stp_splats* surfels, uint32_t prefix)
+static void choose_octave(stp_cpu_item* item, const stp_splats* splats, uint32_t prefix)
 {
-    stp_octave_choice choice = stp_placement_choose_octave(surfels, prefix);
+    stp_octave_choice choice = stp_placement_choose_octave(splats, prefix);
     uint32_t lower = choice.octave > 0 ? choice.octave - 1 : 0;
-    size_t first = (size_t)stp_store_colors_begin(surfels, choice.octave);
-    size_t low_first = (size_t)stp_store_colors_begin(surfels, lower);
-    item->colors = surfels->colors + 3 * first;
-    item->low_colors = surfels->colors + 3 * low_first;
-    item->coverages = surfels->coverages != NULL ? surfels->coverages + first : NULL;
-    item->low_coverages = surfels->coverages != NULL ? surfels->coverages + low_first : NULL;
+    size_t first = (size_t)stp_store_colors_begin(splats, choice.octave);
+    size_t low_first = (size_t)stp_store_colors_begin(splats, lower);
+    item->colors = splats->colors + 3 * first;
+    item->low_colors = splats->colors + 3 * low_first;
+    item->coverages = splats->coverages != NULL ? splats->coverages + first : NULL;
+    item->low_coverages = splats->coverages != NULL ? splats->coverages + low_first : NULL;
     item->low_count = choice.low_count;
     item->blend = choice.blend;
 }
@@ -167,26 +167,26 @@ static stp_result find_mesh(stp_cpu_renderer* r, uint32_t index, stp_cpu_item* i
 }
 
 /// Reads only the octaves that the prefix needs.
-static stp_result find_surfels(stp_cpu_renderer* r, const stp_draw_item* draw, stp_cpu_item* item)
+static stp_result find_splat_set(stp_cpu_renderer* r, const stp_draw_item* draw, stp_cpu_item* item)
 {
-    const stp_splats* known = stp_store_describe_surfels(r->store, draw->index);
+    const stp_splats* known = stp_store_describe_splat_set(r->store, draw->index);
     uint32_t full = draw->full_prefix > draw->prefix ? draw->full_prefix : draw->prefix;
     uint32_t octaves = stp_store_octaves_for(known, full > 0 ? full : 1);
     stp_splats got;
-    stp_result result = stp_store_get_surfels_prefix(r->store, draw->index, octaves, &got);
+    stp_result result = stp_store_get_splat_set_prefix(r->store, draw->index, octaves, &got);
     if (result != STP_OK) {
         return result;
     }
-    item->surfels = (stp_cpu_surfels){.origin = got.origin,
-                                      .step = got.step,
-                                      .positions = got.positions,
-                                      .normals = got.normals,
-                                      .materials = got.materials,
-                                      .shapes = got.shapes,
-                                      .ranges = got.ranges,
-                                      .groups = got.groups,
-                                      .plain_coverages = got.plain_coverages,
-                                      .unknown_signs = known->unknown_signs};
+    item->splats = (stp_cpu_splats){.origin = got.origin,
+                                    .step = got.step,
+                                    .positions = got.positions,
+                                    .normals = got.normals,
+                                    .materials = got.materials,
+                                    .shapes = got.shapes,
+                                    .ranges = got.ranges,
+                                    .groups = got.groups,
+                                    .plain_coverages = got.plain_coverages,
+                                    .unknown_signs = known->unknown_signs};
     item->count = draw->prefix < got.count ? draw->prefix : got.count;
     choose_octave(item, &got, full < got.count ? full : got.count);
     return STP_OK;
@@ -204,8 +204,8 @@ static stp_result prepare_item(stp_cpu_renderer* r, const stp_draw_list* list,
         item->runs = list->runs + draw->first_run;
     }
     switch (draw->kind) {
-    case STP_DRAW_SURFELS:
-        result = find_surfels(r, draw, item);
+    case STP_DRAW_SPLATS:
+        result = find_splat_set(r, draw, item);
         break;
     case STP_DRAW_MESH:
         result = find_mesh(r, draw->index, item);

@@ -10,8 +10,8 @@ bool stp_cpu_leaves_out_splats(const stp_cpu_item* item)
 {
     bool any = false;
     uint32_t groups = (item->count + STP_GROUP_SPLATS - 1) / STP_GROUP_SPLATS;
-    for (uint32_t i = 0; i < groups && item->surfels.groups != NULL && !any; ++i) {
-        any = item->surfels.groups[i].replaced != 0;
+    for (uint32_t i = 0; i < groups && item->splats.groups != NULL && !any; ++i) {
+        any = item->splats.groups[i].replaced != 0;
     }
     return any && item->draw->beside_triangles;
 }
@@ -42,7 +42,7 @@ typedef struct batch {
 static bool is_wanted(const stp_cpu_item* item, const float corners[9], float level)
 {
     const float* w = item->camera.matrix.m[3];
-    float nearest = FLT_MAX, from = item->draw->fade_begin;
+    float nearest = FLT_MAX, from = item->draw->switch_begin;
     for (int k = 0; k < 3; ++k) {
         const float* p = corners + 3 * k;
         nearest =

@@ -78,7 +78,7 @@ void stp_cpu_keep_opaque(stp_cpu_renderer* r)
 static bool may_have(const stp_cpu_renderer* r, const stp_cpu_item* item)
 {
     return item->kind == STP_DRAW_MESH ? item->glass != STP_TRANSPARENT_NOWHERE
-                                       : item->kind == STP_DRAW_SURFELS && r->layers.of_splats;
+                                       : item->kind == STP_DRAW_SPLATS && r->layers.of_splats;
 }
 
 /// Marks the pieces that may have visible fragments, one byte each. @param any whether there are any
@@ -280,7 +280,7 @@ uint32_t stp_cpu_pick_transparent(const stp_cpu_renderer* r, const stp_cpu_item*
         worker->failed = true;
         return 0;
     }
-    const uint8_t *materials = item->surfels.materials, *coverages = item->coverages;
+    const uint8_t *materials = item->splats.materials, *coverages = item->coverages;
     for (uint32_t first = splats->begin; first < splats->end; first += 16) {
         uint32_t count = splats->end - first < 16 ? splats->end - first : 16, glass = 0;
         for (uint32_t i = 0; i < count; ++i) {

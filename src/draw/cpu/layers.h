@@ -31,11 +31,11 @@ void stp_cpu_destroy_layers(stp_cpu_renderer* r);
 void stp_cpu_take_layer(stp_cpu_renderer* r, stp_cpu_worker* worker,
                         const stp_cpu_shade_tile* tile);
 
-/// Share of a surfel's pixels drawn by a stored coverage, of 255; cut disks count as whole.
+/// Share of a splat's pixels drawn by a stored coverage, of 255; cut disks count as whole.
 static inline uint8_t stp_cpu_coverage_share(const stp_cpu_item* item, uint8_t coverage)
 {
-    return stp_coverage_share(item->surfels.plain_coverages ? stp_coverage_of_plain[coverage]
-                                                            : coverage);
+    return stp_coverage_share(item->splats.plain_coverages ? stp_coverage_of_plain[coverage]
+                                                           : coverage);
 }
 
 /// Filters splats by material and coverage: keeps the transparent ones, or the opaque ones. Sets
@@ -44,7 +44,7 @@ static inline uint8_t stp_cpu_coverage_share(const stp_cpu_item* item, uint8_t c
 uint32_t stp_cpu_pick_transparent(const stp_cpu_renderer* r, const stp_cpu_item* item,
                                   bool transparent, stp_raster_splats* splats,
                                   stp_cpu_worker* worker);
-/// Draws the transparent surfels of a range.
+/// Draws the transparent splats of a range.
 void stp_cpu_draw_transparent(const stp_cpu_renderer* r, const stp_cpu_item* item,
                               const stp_raster_splats* splats, const stp_raster_target* target,
                               stp_cpu_worker* worker);

@@ -36,7 +36,7 @@ stp_result stp_cpu_prepare_late(stp_cpu_renderer* r, size_t first)
         item->late = r->late_count;
         if (item->clusters.bytes != NULL) {
             r->late_count += 2 * (((size_t)item->unit_count + 31) / 32);
-        } else if (item->kind == STP_DRAW_SURFELS) {
+        } else if (item->kind == STP_DRAW_SPLATS) {
             r->late_count += ((size_t)item->unit_count + 15) / 16;
         }
     }
@@ -135,7 +135,7 @@ void stp_cpu_place_occluder(const stp_cpu_renderer* r, const stp_draw_item* draw
         return;
     }
     stp_placement_view_rows(&p->frame, &draw->transform, nowhere, item->occluder_rows);
-    if (item->kind != STP_DRAW_SURFELS) {
+    if (item->kind != STP_DRAW_SPLATS) {
         return;
     }
     uint32_t level = r->eye->window_level;

@@ -26,7 +26,7 @@ const stp_cpu_item* stp_cpu_item_of_piece(const stp_cpu_renderer* r, uint32_t pi
 }
 
 // In radii. Measured on a CAD assembly of fins and ribs from 26 directions, at the distance where
-// its surfels just suffice: the median SSIM of covered pixels rises from 0.48 (0, 0) over 0.62 (2,
+// its splats just suffice: the median SSIM of covered pixels rises from 0.48 (0, 0) over 0.62 (2,
 // 0) to 0.69 (4, 2); beyond, surfaces begin to show through those in front (`stipple bench
 // quality`).
 #define RIM_DEPTH 4.0f
@@ -102,7 +102,7 @@ static void draw_runs(stp_cpu_renderer* r, const stp_cpu_item* item, stp_raster_
     }
 }
 
-/// Draws surfels of which some may be transparent: these skip the occlusion test.
+/// Draws splats of which some may be transparent: these skip the occlusion test.
 static void draw_both(stp_cpu_renderer* r, const stp_cpu_item* item, stp_raster_splats* splats,
                       bool late, const stp_raster_target* target, stp_cpu_worker* worker)
 {
@@ -132,12 +132,12 @@ static float shape_scale(const stp_draw_item* draw)
     return draw->shape_scale > 0.0f ? draw->shape_scale : 1.0f;
 }
 
-/// Selects the surfels whose ranges hold the level at their depth. @return false if there are none,
+/// Selects the splats whose ranges hold the level at their depth. @return false if there are none,
 /// or memory is short
 static bool pick_levels(const stp_cpu_renderer* r, const stp_cpu_item* item,
                         stp_raster_splats* splats, stp_cpu_worker* worker)
 {
-    if (item->kind != STP_DRAW_SURFELS || item->surfels.ranges == NULL) {
+    if (item->kind != STP_DRAW_SPLATS || item->splats.ranges == NULL) {
         return true;
     }
     assert(splats->begin % 16 == 0);
@@ -145,7 +145,7 @@ static bool pick_levels(const stp_cpu_renderer* r, const stp_cpu_item* item,
                                 .minimum = item->draw->level_min,
                                 .divide = item->draw->divide,
                                 .below = item->draw->level_below,
-                                .groups = item->surfels.groups,
+                                .groups = item->splats.groups,
                                 .one_sided = stp_draw_one_sided(item->draw, r->layers.of_splats),
                                 .beside_triangles = item->draw->beside_triangles,
                                 .width = r->width,
@@ -155,7 +155,7 @@ static bool pick_levels(const stp_cpu_renderer* r, const stp_cpu_item* item,
         worker->failed = true;
         return false;
     }
-    bool any = stp_raster_pick_levels(&item->camera, splats, item->surfels.ranges, &levels, bits);
+    bool any = stp_raster_pick_levels(&item->camera, splats, item->splats.ranges, &levels, bits);
     splats->wanted = bits;
     return any;
 }
@@ -228,23 +228,23 @@ static void draw_splats(stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t 
                                 .seed = stp_cpu_sample_seed(r, item),
                                 .squares = r->style->splat_shape == STP_SPLAT_SQUARE &&
                                            !stp_cpu_has_filter(r->style)};
-    if (item->kind == STP_DRAW_SURFELS) {
-        splats.positions = item->surfels.positions;
-        splats.normals = item->surfels.normals;
-        splats.origin = item->surfels.origin;
-        splats.step = item->surfels.step;
+    if (item->kind == STP_DRAW_SPLATS) {
+        splats.positions = item->splats.positions;
+        splats.normals = item->splats.normals;
+        splats.origin = item->splats.origin;
+        splats.step = item->splats.step;
         splats.coverages = item->coverages;
         splats.low_coverages = item->low_coverages;
-        splats.plain_coverages = item->surfels.plain_coverages;
-        splats.shapes = item->surfels.shapes;
+        splats.plain_coverages = item->splats.plain_coverages;
+        splats.shapes = item->splats.shapes;
         splats.radius = splats.shapes != NULL
-                            ? item->surfels.step * stp_cpu_splat_scale(r) * shape_scale(item->draw)
+                            ? item->splats.step * stp_cpu_splat_scale(r) * shape_scale(item->draw)
                             : splats.radius;
         splats.low_share = (uint32_t)(256.0f * (1.0f - item->blend) + 0.5f);
         assert(splats.low_share <= 256);
         splats.low_count = item->coverages != NULL && splats.low_share > 0 ? item->low_count : 0;
         splats.rim_depth = RIM_DEPTH;
-        splats.back_depth = item->surfels.unknown_signs ? 0.0f : BACK_DEPTH;
+        splats.back_depth = item->splats.unknown_signs ? 0.0f : BACK_DEPTH;
         splats.occluder = r->occluding != NULL ? &item->occluder : NULL;
         splats.hidden = r->occluding != NULL ? r->eye->late + item->late : NULL;
     } else {
@@ -270,7 +270,7 @@ static void draw_splats(stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t 
         worker->failed = true;
     } else if (!left) {
         clear_hidden(&splats, splats.begin, splats.end);
-    } else if (item->kind == STP_DRAW_SURFELS && r->layers.of_splats) {
+    } else if (item->kind == STP_DRAW_SPLATS && r->layers.of_splats) {
         draw_both(r, item, &splats, late, target, worker);
     } else {
         draw_runs(r, item, &splats, target, worker, draw_range);
@@ -363,7 +363,7 @@ bool stp_cpu_draw_piece(stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t 
         return false;
     }
     draw_splats(r, item, from, to, late, target, worker);
-    return item->kind == STP_DRAW_SURFELS && r->occluding != NULL &&
+    return item->kind == STP_DRAW_SPLATS && r->occluding != NULL &&
            record_hidden(r->eye->late + item->late, from, to);
 }
 

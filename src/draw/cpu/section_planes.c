@@ -76,10 +76,10 @@ bool stp_cpu_cuts_drop(const stp_cpu_cuts* cuts, const stp_cpu_item* item, stp_b
 static void turn_cuts(const stp_cpu_renderer* r, const stp_cpu_item* item, bool grid,
                       float rows[STP_SECTION_PLANES][4], uint32_t* count)
 {
-    const float origin[3] = {grid ? item->surfels.origin.x : 0.0f,
-                             grid ? item->surfels.origin.y : 0.0f,
-                             grid ? item->surfels.origin.z : 0.0f};
-    double step = grid ? (double)item->surfels.step : 1.0;
+    const float origin[3] = {grid ? item->splats.origin.x : 0.0f,
+                             grid ? item->splats.origin.y : 0.0f,
+                             grid ? item->splats.origin.z : 0.0f};
+    double step = grid ? (double)item->splats.step : 1.0;
     stp_box box = item->points.bounds;
     double reach[3] = {65535.0, 65535.0, 65535.0};
     if (!grid) {
@@ -95,7 +95,7 @@ static void turn_cuts(const stp_cpu_renderer* r, const stp_cpu_item* item, bool 
         for (int c = 0; c < 3; ++c) {
             row[c] *= step;
         }
-        relax(row, reach, grid ? 0.5 : 0.0); // surfel positions are integers
+        relax(row, reach, grid ? 0.5 : 0.0); // splat positions are integers
         for (int c = 0; c < 4; ++c) {
             rows[*count][c] = (float)row[c];
         }
@@ -141,7 +141,7 @@ static uint16_t find_left(const stp_raster_splats* splats, uint32_t first, uint3
 bool stp_cpu_hides_some(const stp_cpu_renderer* r, const stp_cpu_item* item)
 {
     bool marked =
-        item->kind == STP_DRAW_SURFELS ? item->coverages != NULL : item->points.colors != NULL;
+        item->kind == STP_DRAW_SPLATS ? item->coverages != NULL : item->points.colors != NULL;
     return marked && stp_store_get_coloring(r->store)->hides;
 }
 
@@ -153,7 +153,7 @@ static uint16_t find_shown(const stp_cpu_item* item, uint32_t first, uint32_t co
     for (uint32_t i = 0; i < count; ++i) {
         size_t at = (size_t)first + i;
         uint8_t mark =
-            item->kind == STP_DRAW_SURFELS ? item->coverages[at] : item->points.colors[4 * at + 3];
+            item->kind == STP_DRAW_SPLATS ? item->coverages[at] : item->points.colors[4 * at + 3];
         shown = (uint16_t)(shown | (mark != 0 ? 1u : 0u) << i);
     }
     return shown;

@@ -183,7 +183,7 @@ void stp_cpu_prefetch_surfaces(const stp_cpu_renderer* r, stp_cpu_shade_memory* 
 void stp_cpu_make_surfaces(const stp_cpu_renderer* r, stp_cpu_shade_memory* memory,
                            stp_cpu_shade_tile* tile);
 
-/// The surface of a surfel or point, by its item and its index there.
+/// The surface of a splat or point, by its item and its index there.
 void stp_cpu_make_splat_surface(const stp_cpu_renderer* r, uint32_t slot, uint32_t index,
                                 stp_cpu_shade_surface* surface);
 /// Light and eye for places in the whole picture.

@@ -66,7 +66,7 @@ static void turn_code(const stp_cpu_shade_item* item, const int8_t* code, float 
     turn(item, u, v, z, out);
 }
 
-/// Opacity of a transparent surfel.
+/// Opacity of a transparent splat.
 static float stp_cpu_find_opacity(const stp_cpu_renderer* r, const stp_cpu_shade_item* shade,
                                   uint32_t index)
 {
@@ -83,8 +83,8 @@ static float stp_cpu_find_opacity(const stp_cpu_renderer* r, const stp_cpu_shade
     return item->draw->ghost ? opacity * stp_cpu_ghost_share(r) : opacity;
 }
 
-static void make_surfel(const stp_cpu_renderer* r, const stp_cpu_shade_item* item, uint32_t index,
-                        stp_cpu_shade_surface* surface)
+static void make_splat_surface(const stp_cpu_renderer* r, const stp_cpu_shade_item* item,
+                               uint32_t index, stp_cpu_shade_surface* surface)
 {
     const uint8_t* color = item->colors + 3 * (size_t)index;
     for (int k = 0; k < 3; ++k) {
@@ -126,14 +126,14 @@ void stp_cpu_make_splat_surface(const stp_cpu_renderer* r, uint32_t slot, uint32
                                 stp_cpu_shade_surface* surface)
 {
     const stp_cpu_shade_item* item = &r->shade_items[slot];
-    if (item->kind == STP_DRAW_SURFELS) {
-        make_surfel(r, item, index, surface);
+    if (item->kind == STP_DRAW_SPLATS) {
+        make_splat_surface(r, item, index, surface);
     } else {
         make_point(r, slot, index, surface);
     }
 }
 
-static void prefetch_surfel(const stp_cpu_shade_item* item, size_t index)
+static void prefetch_splat(const stp_cpu_shade_item* item, size_t index)
 {
     __builtin_prefetch(item->colors + 3 * index);
     __builtin_prefetch(item->normals + 2 * index);
@@ -156,8 +156,8 @@ void stp_cpu_prefetch_surfaces(const stp_cpu_renderer* r, stp_cpu_shade_memory* 
         }
         assert(id >= item->first_id && slot < r->item_count && "every id belongs to an item");
         memory->item[at] = slot;
-        if (item->kind == STP_DRAW_SURFELS) {
-            prefetch_surfel(item, id - item->first_id);
+        if (item->kind == STP_DRAW_SPLATS) {
+            prefetch_splat(item, id - item->first_id);
         } else if (item->kind == STP_DRAW_MESH) {
             stp_cpu_prefetch_triangle(r, memory, at);
         }

@@ -60,12 +60,12 @@ static stp_cpu_shade_item make_item(const stp_cpu_renderer* r, const stp_cpu_ite
     for (int k = 0; k < 9; ++k) {
         made.normal_matrix[k / 3][k % 3] = item->normal_matrix[k / 3][k % 3];
     }
-    if (item->kind == STP_DRAW_SURFELS) {
+    if (item->kind == STP_DRAW_SPLATS) {
         made.colors = item->colors;
         made.low_colors = item->low_colors;
         made.low_count = item->blend < 1.0f ? item->low_count : 0;
-        made.normals = item->surfels.normals;
-        made.materials = item->surfels.materials;
+        made.normals = item->splats.normals;
+        made.materials = item->splats.materials;
     } else {
         uint32_t number = (uint32_t)(item->material - r->directory->materials);
         bool unlit = item->kind == STP_DRAW_POINTS && item->points.normals == NULL;

@@ -175,7 +175,7 @@ stp_result stp_gl_cull_large(stp_gl_renderer* r, uint32_t index)
     item->cluster_count = clusters.cluster_count;
     item->level_per_depth = draw->level_per_depth;
     item->level_min = draw->level_min;
-    item->large_from = draw->fade_begin > 0.0f ? draw->fade_begin : -HUGE_VALF;
+    item->large_from = draw->switch_begin > 0.0f ? draw->switch_begin : -HUGE_VALF;
     cluster_kinds kind = choose_kinds(r, item, clusters.present);
     stp_bounding bounding = bound(r, item);
     for (uint32_t i = 0; i < clusters.cluster_count; ++i) {

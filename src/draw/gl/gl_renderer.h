@@ -92,9 +92,9 @@ typedef struct stp_gl_placed {
     float offset[3];
     float radius;    ///< splat radius, item space; for splats with shapes, a size step of their set
     float scale;     ///< factor on radii
-    stp_vec3 origin; ///< origin of the surfels' grid, item space
+    stp_vec3 origin; ///< origin of the splats' grid, item space
     float step;
-    bool unknown_signs; ///< the signs of the surfels' normals are unknown
+    bool unknown_signs; ///< the signs of the splats' normals are unknown
 } stp_gl_placed;
 
 /// The frame's blocks, in CPU memory.
@@ -136,7 +136,7 @@ typedef struct stp_gl_octave_box {
 
 /// First entries of each kind of data in the pool's table.
 typedef struct stp_gl_entries {
-    uint32_t* sets;       ///< per surfel set: two per octave, positions and colours
+    uint32_t* sets;       ///< per splat set: two per octave, positions and colours
     uint32_t meshes;      ///< one per item
     uint32_t textures;    ///< two per texture: read as colour, and as data
     uint32_t* point_sets; ///< one per chunk

@@ -168,14 +168,14 @@ static void place_splats(const stp_gl_renderer* r, const stp_gl_placed* placed,
 {
     static const uint16_t somewhere[3] = {0};
     const stp_raster_target target = {.width = r->target.width, .height = r->target.height};
-    bool surfels = item->kind == KIND_SURFELS;
+    bool of_splats = item->kind == KIND_SPLATS;
     float behind = placed->unknown_signs ? 0.0f : BACK_DEPTH;
-    stp_raster_splats splats = {.positions = surfels ? somewhere : NULL,
+    stp_raster_splats splats = {.positions = of_splats ? somewhere : NULL,
                                 .origin = placed->origin,
                                 .step = placed->step,
                                 .radius = placed->radius,
-                                .rim_depth = surfels ? RIM_DEPTH : 0.0f,
-                                .back_depth = surfels ? behind : 0.0f};
+                                .rim_depth = of_splats ? RIM_DEPTH : 0.0f,
+                                .back_depth = of_splats ? behind : 0.0f};
     if ((item->flags & ITEM_FIXED) != 0) {
         stp_point_radius radius = stp_point_radius_of(r->style, placed->draw);
         splats.radius = radius.units;
@@ -224,7 +224,7 @@ static void place_item(stp_gl_renderer* r, uint32_t index, uint32_t pattern)
     bool own = (item->flags & ITEM_SHAPES) != 0;
     item->glass_radius =
         (own ? placed->draw->radius * placed->scale : placed->radius) * where.scale;
-    item->cut_slack = item->kind == KIND_SURFELS ? 0.5f * placed->step * where.scale : 0.0f;
+    item->cut_slack = item->kind == KIND_SPLATS ? 0.5f * placed->step * where.scale : 0.0f;
     item->seed = stp_placement_seed(placed->draw) + pattern * 0x9E3779B1u;
     if (item->kind != KIND_MESH) {
         place_splats(r, placed, &where, item);
@@ -260,7 +260,7 @@ static stp_result make_item(stp_gl_renderer* r, uint32_t index)
         .metallic_roughness = NO_ADDRESS,
         .emissive = NO_ADDRESS};
     switch (draw->kind) {
-    case STP_DRAW_SURFELS:
+    case STP_DRAW_SPLATS:
         return stp_gl_set_item_make(r, index);
     case STP_DRAW_POINTS:
         return make_points(r, index);
@@ -341,7 +341,7 @@ static stp_result upload_urgent(stp_gl_renderer* r)
             got = stp_gl_upload_mesh(r, draw->index);
         } else if (draw->kind == STP_DRAW_POINTS) {
             got = draw->prefix > 0 ? stp_gl_upload_points(r, draw->index, 0, true) : got;
-        } else if (stp_store_describe_surfels(r->store, draw->index)->octave_count > 0) {
+        } else if (stp_store_describe_splat_set(r->store, draw->index)->octave_count > 0) {
             got = stp_gl_upload_octave(r, draw->index, 0, false, true);
             got =
                 got == GL_UPLOAD_THERE ? stp_gl_upload_octave(r, draw->index, 0, true, true) : got;

@@ -59,7 +59,7 @@ static stp_gl_splat_chunk find_chunk(const stp_gl_renderer* r, uint32_t set, uin
                                      const chunk_block* chunk, uint32_t prefix)
 {
     assert(chunk->begin < chunk->end && chunk->begin < prefix && "octaves hold splats");
-    const stp_splats* known = stp_store_describe_surfels(r->store, set);
+    const stp_splats* known = stp_store_describe_splat_set(r->store, set);
     const stp_gl_octave_box* box =
         &r->entries.boxes[stp_gl_octave_entry(r, set, octave, false) / 2];
     uint32_t count = chunk->end - chunk->begin;
@@ -107,7 +107,7 @@ typedef struct set_octaves {
 static stp_result find_octaves(stp_gl_renderer* r, const stp_draw_item* draw, uint32_t prefix,
                                set_octaves* found)
 {
-    const stp_splats* known = stp_store_describe_surfels(r->store, draw->index);
+    const stp_splats* known = stp_store_describe_splat_set(r->store, draw->index);
     uint32_t full = draw->full_prefix > prefix ? draw->full_prefix : prefix;
     full = full < known->count ? full : known->count;
     *found = (set_octaves){.choice = stp_placement_choose_octave(known, full)};
@@ -143,7 +143,7 @@ static stp_result cut_shorter(stp_gl_renderer* r, const stp_draw_item* draw, uin
                               uint32_t* prefix, item_block* item)
 {
     stp_splats got;
-    stp_result result = stp_store_get_surfels_prefix(r->store, draw->index, octaves, &got);
+    stp_result result = stp_store_get_splat_set_prefix(r->store, draw->index, octaves, &got);
     if (result != STP_OK || got.ranges == NULL) {
         return result;
     }
@@ -163,7 +163,7 @@ static stp_result begin_item(stp_gl_renderer* r, uint32_t index, const set_octav
 {
     stp_gl_placed* placed = &r->frame.placed[index];
     const stp_draw_item* draw = placed->draw;
-    const stp_splats* known = stp_store_describe_surfels(r->store, draw->index);
+    const stp_splats* known = stp_store_describe_splat_set(r->store, draw->index);
     item_block* item = &r->frame.items[index];
     stp_octave_choice choice = octaves->choice;
     assert(octaves->drawn && octaves->here.places > 0 && choice.octave < known->octave_count);
@@ -199,7 +199,7 @@ static stp_result begin_item(stp_gl_renderer* r, uint32_t index, const set_octav
 static stp_result add_octaves(stp_gl_renderer* r, uint32_t index, uint32_t prefix, uint32_t octaves)
 {
     const stp_draw_item* draw = r->frame.placed[index].draw;
-    const stp_splats* known = stp_store_describe_surfels(r->store, draw->index);
+    const stp_splats* known = stp_store_describe_splat_set(r->store, draw->index);
     item_block* item = &r->frame.items[index];
     stp_gl_splat_groups groups = {.groups = NULL};
     stp_result result = upload_large(r, index, octaves);
@@ -231,7 +231,7 @@ stp_result stp_gl_set_item_make(stp_gl_renderer* r, uint32_t index)
 {
     stp_gl_placed* placed = &r->frame.placed[index];
     const stp_draw_item* draw = placed->draw;
-    const stp_splats* known = stp_store_describe_surfels(r->store, draw->index);
+    const stp_splats* known = stp_store_describe_splat_set(r->store, draw->index);
     item_block* item = &r->frame.items[index];
     placed->origin = known->origin;
     placed->step = known->step;

@@ -92,7 +92,7 @@ static stp_result make_splats(stp_gl_renderer* r, made_splats* s)
 static void set_size(const stp_gl_renderer* r, const made_splats* s, float size)
 {
     float width = (float)r->target.width, height = (float)r->target.height;
-    item_block item = {.kind = KIND_SURFELS,
+    item_block item = {.kind = KIND_SPLATS,
                        .radius_px = 0.5f * size,
                        .center_x = 0.5f * width,
                        .center_y = 0.5f * height,

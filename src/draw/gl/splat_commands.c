@@ -19,22 +19,22 @@ stp_result stp_gl_splat_groups_make(stp_gl_renderer* r, uint32_t index, uint32_t
     const stp_gl_placed* placed = &r->frame.placed[index];
     const stp_draw_item* draw = placed->draw;
     *groups = (stp_gl_splat_groups){.groups = NULL};
-    const stp_splats* known = stp_store_describe_surfels(r->store, draw->index);
+    const stp_splats* known = stp_store_describe_splat_set(r->store, draw->index);
     if ((known->columns & STP_SPLATS_RANGES) == 0 || r->keeps_groups) {
         return STP_OK;
     }
-    stp_splats surfels; // the resident ones: the store may hold fewer than the pool
-    stp_result result = stp_store_get_surfels_prefix(r->store, draw->index, octaves, &surfels);
-    if (result != STP_OK || surfels.groups == NULL) {
+    stp_splats resident; // the resident ones: the store may hold fewer than the pool
+    stp_result result = stp_store_get_splat_set_prefix(r->store, draw->index, octaves, &resident);
+    if (result != STP_OK || resident.groups == NULL) {
         return result;
     }
-    groups->groups = surfels.groups;
+    groups->groups = resident.groups;
     groups->beside = (r->frame.items[index].flags & ITEM_BESIDE) != 0;
-    bool whole = surfels.count == known->octave_ends[octaves - 1]; // the last group too
-    groups->count = (surfels.count + (whole ? STP_GROUP_SPLATS - 1 : 0)) / STP_GROUP_SPLATS;
+    bool whole = resident.count == known->octave_ends[octaves - 1]; // the last group too
+    groups->count = (resident.count + (whole ? STP_GROUP_SPLATS - 1 : 0)) / STP_GROUP_SPLATS;
     stp_placed_item where;
     stp_placement_place(&r->placement, draw, placed->offset, &where);
-    const stp_raster_splats splats = {.positions = surfels.positions,
+    const stp_raster_splats splats = {.positions = resident.positions,
                                       .origin = placed->origin,
                                       .step = placed->step,
                                       .radius = placed->radius};
@@ -103,7 +103,7 @@ static bool add_command(stp_gl_renderer* r, uint32_t index, const stp_gl_splat_c
         record->nearest = run->nearest;
         record->farthest = run->farthest;
     }
-    return draw->kind != STP_DRAW_SURFELS || !r->layer_pass.active || !r->layer_pass.of_splats ||
+    return draw->kind != STP_DRAW_SPLATS || !r->layer_pass.active || !r->layer_pass.of_splats ||
            stp_gl_frame_repeat_command(r, GL_COMMANDS_GLASS_SPLATS, count);
 }
 

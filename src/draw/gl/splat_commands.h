@@ -14,8 +14,8 @@ typedef struct stp_gl_splat_groups {
     bool beside; ///< omits splats that large triangles replace
 } stp_gl_splat_groups;
 
-/// Groups of a placed surfel item, of which `octaves` are drawn.
-/// @return STP_OK, or as stp_store_get_surfels_prefix
+/// Groups of a placed splat item, of which `octaves` are drawn.
+/// @return STP_OK, or as stp_store_get_splat_set_prefix
 STP_MUST_USE stp_result stp_gl_splat_groups_make(stp_gl_renderer* r, uint32_t index,
                                                  uint32_t octaves, stp_gl_splat_groups* groups);
 

@@ -20,15 +20,15 @@ stp_result stp_gl_entries_create(stp_gl_renderer* r)
 {
     const stp_store_directory* d = r->directory;
     stp_gl_entries* entries = &r->entries;
-    entries->sets = STP_NEW_ARRAY(r->base.context, uint32_t, (size_t)d->surfels_count + 1);
+    entries->sets = STP_NEW_ARRAY(r->base.context, uint32_t, (size_t)d->set_count + 1);
     entries->point_sets = STP_NEW_ARRAY(r->base.context, uint32_t, (size_t)d->point_set_count + 1);
     if (entries->sets == NULL || entries->point_sets == NULL) {
         return stp_fail_memory(r->base.context);
     }
     uint64_t count = 0;
-    for (uint32_t i = 0; i < d->surfels_count; ++i) {
+    for (uint32_t i = 0; i < d->set_count; ++i) {
         entries->sets[i] = (uint32_t)count;
-        count += 2 * (uint64_t)stp_store_describe_surfels(r->store, i)->octave_count;
+        count += 2 * (uint64_t)stp_store_describe_splat_set(r->store, i)->octave_count;
     }
     entries->meshes = (uint32_t)count;
     count += d->mesh_count;
@@ -117,66 +117,65 @@ stp_gl_upload stp_gl_upload_end(stp_gl_renderer* r, uint32_t entry, stp_gl_write
     return GL_UPLOAD_FAILED;
 }
 
-static stp_gl_octave_box bound_places(const stp_splats* surfels, uint32_t begin, uint32_t end)
+static stp_gl_octave_box bound_places(const stp_splats* splats, uint32_t begin, uint32_t end)
 {
     stp_gl_octave_box box = {.low = {UINT16_MAX, UINT16_MAX, UINT16_MAX}};
-    bool tells = surfels->shapes != NULL && (surfels->columns & STP_SPLATS_REPLACED) != 0;
+    bool tells = splats->shapes != NULL && (splats->columns & STP_SPLATS_REPLACED) != 0;
     for (size_t i = begin; i < end; ++i) {
-        const uint16_t* p = surfels->positions + 3 * i;
+        const uint16_t* p = splats->positions + 3 * i;
         for (int k = 0; k < 3; ++k) {
             box.low[k] = p[k] < box.low[k] ? p[k] : box.low[k];
             box.high[k] = p[k] > box.high[k] ? p[k] : box.high[k];
         }
-        uint16_t larger = surfels->shapes != NULL ? surfels->shapes[i] & 0xFFFu : 0;
+        uint16_t larger = splats->shapes != NULL ? splats->shapes[i] & 0xFFFu : 0;
         box.largest = larger > box.largest ? larger : box.largest;
-        box.replaced = box.replaced || (tells && stp_shape_is_replaced(surfels->shapes[i]));
+        box.replaced = box.replaced || (tells && stp_shape_is_replaced(splats->shapes[i]));
     }
     return box;
 }
 
-static void write_places(const stp_splats* surfels, uint32_t begin, uint32_t end, stp_gl_writer* w)
+static void write_places(const stp_splats* splats, uint32_t begin, uint32_t end, stp_gl_writer* w)
 {
     for (size_t i = begin; i < end; ++i) {
-        const uint16_t* p = surfels->positions + 3 * i;
-        const uint8_t* n = (const uint8_t*)surfels->normals + 2 * i;
+        const uint16_t* p = splats->positions + 3 * i;
+        const uint8_t* n = (const uint8_t*)splats->normals + 2 * i;
         stp_gl_write(w, (uint32_t)p[0] | (uint32_t)p[1] << 16);
         stp_gl_write(w, (uint32_t)p[2] | (uint32_t)n[0] << 16 | (uint32_t)n[1] << 24);
     }
     for (size_t i = begin; i < end; i += 4) {
         uint32_t word = 0;
         for (size_t k = 0; k < 4 && i + k < end; ++k) {
-            word |= (uint32_t)surfels->materials[i + k] << (8 * k);
+            word |= (uint32_t)splats->materials[i + k] << (8 * k);
         }
         stp_gl_write(w, word);
     }
 }
 
 /// Writes shape and range of each splat, if the set has them.
-static void write_options(const stp_splats* surfels, uint32_t begin, uint32_t end, stp_gl_writer* w)
+static void write_options(const stp_splats* splats, uint32_t begin, uint32_t end, stp_gl_writer* w)
 {
     for (size_t i = begin; i < end; ++i) {
-        if (surfels->shapes != NULL) {
-            stp_gl_write(w, surfels->shapes[i]);
+        if (splats->shapes != NULL) {
+            stp_gl_write(w, splats->shapes[i]);
         }
-        if (surfels->ranges != NULL) {
-            stp_gl_write(w, surfels->ranges[i]);
+        if (splats->ranges != NULL) {
+            stp_gl_write(w, splats->ranges[i]);
         }
     }
 }
 
-uint32_t stp_gl_option_words(const stp_splats* surfels)
+uint32_t stp_gl_option_words(const stp_splats* splats)
 {
-    return ((surfels->columns & STP_SPLATS_SHAPES) != 0 ? 1u : 0u) +
-           ((surfels->columns & STP_SPLATS_RANGES) != 0 ? 1u : 0u);
+    return ((splats->columns & STP_SPLATS_SHAPES) != 0 ? 1u : 0u) +
+           ((splats->columns & STP_SPLATS_RANGES) != 0 ? 1u : 0u);
 }
 
-static void write_colors(const stp_splats* surfels, uint64_t begin, uint32_t count,
-                         stp_gl_writer* w)
+static void write_colors(const stp_splats* splats, uint64_t begin, uint32_t count, stp_gl_writer* w)
 {
     for (uint64_t i = begin; i < begin + count; ++i) {
-        const uint8_t* c = surfels->colors + 3 * i;
-        uint8_t coverage = surfels->coverages != NULL ? surfels->coverages[i] : STP_COVERAGE_WHOLE;
-        coverage = surfels->plain_coverages ? stp_coverage_of_plain[coverage] : coverage;
+        const uint8_t* c = splats->colors + 3 * i;
+        uint8_t coverage = splats->coverages != NULL ? splats->coverages[i] : STP_COVERAGE_WHOLE;
+        coverage = splats->plain_coverages ? stp_coverage_of_plain[coverage] : coverage;
         stp_gl_write(w, (uint32_t)c[0] | (uint32_t)c[1] << 8 | (uint32_t)c[2] << 16 |
                             (uint32_t)coverage << 24);
     }
@@ -190,7 +189,7 @@ stp_gl_upload stp_gl_upload_octave(stp_gl_renderer* r, uint32_t set, uint32_t oc
         stp_gl_pool_use(&r->pool, entry);
         return GL_UPLOAD_THERE;
     }
-    const stp_splats* known = stp_store_describe_surfels(r->store, set);
+    const stp_splats* known = stp_store_describe_splat_set(r->store, set);
     assert(octave < known->octave_count);
     uint32_t end = known->octave_ends[octave];
     uint32_t begin = octave > 0 ? known->octave_ends[octave - 1] : 0, count = end - begin;
@@ -201,20 +200,20 @@ stp_gl_upload stp_gl_upload_octave(stp_gl_renderer* r, uint32_t set, uint32_t oc
         return result;
     }
     stp_gl_writer writer = stp_gl_writer_begin(r, entry, words);
-    stp_splats surfels;
-    stp_result got = stp_store_get_surfels_prefix(r->store, set, octave + 1, &surfels);
+    stp_splats splats;
+    stp_result got = stp_store_get_splat_set_prefix(r->store, set, octave + 1, &splats);
     bool good = got == STP_OK;
     r->failure = good ? r->failure : got;
-    if (good && surfels.octave_count <= octave) { // truncated file: it never arrives
+    if (good && splats.octave_count <= octave) { // partial file: it never arrives
         stp_gl_pool_drop(&r->pool, entry);
         return GL_UPLOAD_LATER;
     }
     if (good && colors) {
-        write_colors(&surfels, stp_store_colors_begin(&surfels, octave), end, &writer);
+        write_colors(&splats, stp_store_colors_begin(&splats, octave), end, &writer);
     } else if (good) {
-        write_places(&surfels, begin, end, &writer);
-        write_options(&surfels, begin, end, &writer);
-        r->entries.boxes[entry / 2] = bound_places(&surfels, begin, end);
+        write_places(&splats, begin, end, &writer);
+        write_options(&splats, begin, end, &writer);
+        r->entries.boxes[entry / 2] = bound_places(&splats, begin, end);
     }
     return stp_gl_upload_end(r, entry, &writer, good);
 }

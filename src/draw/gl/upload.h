@@ -26,10 +26,10 @@ typedef enum stp_gl_upload {
 } stp_gl_upload;
 
 /// Words per splat of shapes and ranges, which follow an octave's positions and materials.
-uint32_t stp_gl_option_words(const stp_splats* surfels);
+uint32_t stp_gl_option_words(const stp_splats* splats);
 
-/// Requests octave `octave` of a set: the positions of its own surfels, or the colours of all
-/// surfels up to its end. `urgent`: ignores the upload limit.
+/// Requests octave `octave` of a set: the positions of its own splats, or the colours of all
+/// splats up to its end. `urgent`: ignores the upload limit.
 stp_gl_upload stp_gl_upload_octave(stp_gl_renderer* r, uint32_t set, uint32_t octave, bool colors,
                                    bool urgent);
 stp_gl_upload stp_gl_upload_mesh(stp_gl_renderer* r, uint32_t mesh);

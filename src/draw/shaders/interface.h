@@ -63,7 +63,7 @@
 #define SRGB_STEPS 16384 // linear values are truncated to such steps before encoding
 
 // Kinds of items (stp_draw_kind).
-#define KIND_SURFELS 0u
+#define KIND_SPLATS 0u
 #define KIND_MESH 1u
 #define KIND_POINTS 2u
 
@@ -154,7 +154,7 @@ typedef uint32_t uint;
 #endif
 
 // An item and its placement. Rows map to the screen: X, Y (pixels, times W), N (nearness, times W),
-// W; from grid positions for surfels, from positions minus `offset` for meshes.
+// W; from grid positions for splats, from positions minus `offset` for meshes.
 struct item_block {
     vec4 rows[4];
     vec4 turn[3];                                       // view rotation of splats' normals

@@ -18,7 +18,7 @@ chunk_block find_chunk(const item_block item, uint index)
     return chunks[low];
 }
 
-// Shading index of a surfel.
+// Shading index of a splat.
 uint find_shading(const item_block item, uint index)
 {
     chunk_block chunk = find_chunk(item, index);

@@ -28,7 +28,7 @@ float along(vec4 row, vec3 p)
 #define SPLAT_CUT 256u
 uint splat_part(const item_block item, uint index)
 {
-    if (item.kind != KIND_SURFELS) {
+    if (item.kind != KIND_SPLATS) {
         return 255u;
     }
     uint own = fetch(item.colors + index) >> 24;
@@ -68,11 +68,11 @@ uint splat_halvings(uint coverage)
     return uint(coverage < 64u) + uint(coverage < 16u) + uint(coverage < 4u);
 }
 
-// Whether a surfel belongs to a transparent surface.
+// Whether a splat belongs to a transparent surface.
 bool is_glass(const item_block item, uint index)
 {
 #ifdef GLASS
-    if (item.kind == KIND_SURFELS && (item.flags & ITEM_FIXED) == 0u && coverage_share(fetch(item.colors + index) >> 24) < 255u) {
+    if (item.kind == KIND_SPLATS && (item.flags & ITEM_FIXED) == 0u && coverage_share(fetch(item.colors + index) >> 24) < 255u) {
         uint shading = find_shading(item, index);
         return (view.glass_shadings[shading >> 7][(shading >> 5) & 3u] >> (shading & 31u) & 1u) != 0u;
     }
@@ -130,7 +130,7 @@ splat_place place_splat(const record_block record, const item_block item, uint l
     vec3 p;
     splat.glass = is_glass(item, record.first + local);
     splat.code = vec2(0.0);
-    if (item.kind == KIND_SURFELS) {
+    if (item.kind == KIND_SPLATS) {
         uint low = fetch(record.address + 2u * local), high = fetch(record.address + 2u * local + 1u);
         p = vec3(float(low & 0xFFFFu), float(low >> 16), float(high & 0xFFFFu));
         int code = int(high);

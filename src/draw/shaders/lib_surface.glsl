@@ -40,7 +40,7 @@ vec3 to_scene(const item_block item, vec3 n)
     return vec3(dot(item.normal[0].xyz, n), dot(item.normal[1].xyz, n), dot(item.normal[2].xyz, n));
 }
 
-surface find_surfel(const item_block item, uint index)
+surface find_splat(const item_block item, uint index)
 {
     chunk_block chunk = find_chunk(item, index);
     uint local = index - chunk.begin, materials_at = chunk.address + 2u * (chunk.end - chunk.begin);
@@ -188,8 +188,8 @@ surface find_triangle_surface(const item_block item, uint index, ivec2 pixel, fl
 surface find_surface(const item_block item, uint id, ivec2 pixel, float nearness)
 {
     uint index = id - item.first_id;
-    if (item.kind == KIND_SURFELS) {
-        return find_surfel(item, index);
+    if (item.kind == KIND_SPLATS) {
+        return find_splat(item, index);
     }
     return item.kind == KIND_MESH ? find_triangle_surface(item, index, pixel, nearness) : find_point(item, index);
 }

@@ -9,22 +9,22 @@
 #include <string.h>
 
 enum {
-    COLOR_BYTES = 4,  ///< a surfel's colour and coverage
-    PLACE_BYTES = 9,  ///< a surfel's position, normal and material
-    OPTION_BYTES = 4, ///< a surfel's shape, or its range
+    COLOR_BYTES = 4,  ///< a splat's colour and coverage
+    PLACE_BYTES = 9,  ///< a splat's position, normal and material
+    OPTION_BYTES = 4, ///< a splat's shape, or its range
     COLORS_MAX = STP_STORE_PIECE_BYTES / COLOR_BYTES,
 };
 
-stp_store_octave_span stp_store_span_of(const stp_splats* surfels, uint32_t octave,
+stp_store_octave_span stp_store_span_of(const stp_splats* splats, uint32_t octave,
                                         uint32_t encoding)
 {
-    assert(octave < surfels->octave_count);
-    uint32_t first = stp_store_octave_begin(surfels, octave);
+    assert(octave < splats->octave_count);
+    uint32_t first = stp_store_octave_begin(splats, octave);
     return (stp_store_octave_span){
         .first = first,
-        .end = surfels->octave_ends[octave],
-        .begin = (surfels->columns & STP_SPLATS_FLAT_COLORS) != 0 ? first : 0,
-        .columns = surfels->columns,
+        .end = splats->octave_ends[octave],
+        .begin = (splats->columns & STP_SPLATS_FLAT_COLORS) != 0 ? first : 0,
+        .columns = splats->columns,
         .encoding = encoding,
     };
 }
@@ -39,25 +39,25 @@ static uint32_t range_bytes(const stp_store_octave_span* span)
     return (span->columns & STP_SPLATS_RANGES) != 0 ? OPTION_BYTES : 0;
 }
 
-/// Bytes of a surfel in all columns of an octave.
-static uint32_t surfel_bytes(const stp_store_octave_span* span)
+/// Bytes of a splat in all columns of an octave.
+static uint32_t bytes_per_splat(const stp_store_octave_span* span)
 {
     return COLOR_BYTES + PLACE_BYTES + shape_bytes(span) + range_bytes(span);
 }
 
-/// Chunks that hold only colours, of surfels of earlier octaves.
+/// Chunks that hold only colours, of splats of earlier octaves.
 static uint32_t color_chunks(const stp_store_octave_span* span)
 {
     return (span->first - span->begin) / COLORS_MAX;
 }
 
-/// End of the next chunk: the remaining colours of earlier octaves, then surfels. Not yet limited
+/// End of the next chunk: the remaining colours of earlier octaves, then splats. Not yet limited
 /// to the octave.
 static uint64_t mixed_end(const stp_store_octave_span* span)
 {
     uint32_t colors = (span->first - span->begin) % COLORS_MAX;
     return (uint64_t)span->first +
-           (STP_STORE_PIECE_BYTES - COLOR_BYTES * colors) / surfel_bytes(span);
+           (STP_STORE_PIECE_BYTES - COLOR_BYTES * colors) / bytes_per_splat(span);
 }
 
 uint32_t stp_store_chunk_count(const stp_store_octave_span* span)
@@ -67,7 +67,7 @@ uint32_t stp_store_chunk_count(const stp_store_octave_span* span)
         return 1;
     }
     uint64_t left = span->end > mixed ? span->end - mixed : 0;
-    uint64_t maximum = STP_STORE_PIECE_BYTES / surfel_bytes(span);
+    uint64_t maximum = STP_STORE_PIECE_BYTES / bytes_per_splat(span);
     return (uint32_t)(color_chunks(span) + 1 + (left + maximum - 1) / maximum);
 }
 
@@ -79,7 +79,7 @@ uint32_t stp_store_chunk_end(const stp_store_octave_span* span, uint32_t chunk)
     if (span->encoding != STP_STORE_ENCODING_PLAIN && chunk < colors) {
         end = span->begin + (chunk + 1) * (uint64_t)COLORS_MAX;
     } else if (span->encoding != STP_STORE_ENCODING_PLAIN) {
-        uint32_t maximum = STP_STORE_PIECE_BYTES / surfel_bytes(span);
+        uint32_t maximum = STP_STORE_PIECE_BYTES / bytes_per_splat(span);
         end = mixed_end(span) + (uint64_t)(chunk - colors) * maximum;
     }
     return end < span->end ? (uint32_t)end : span->end;
@@ -90,30 +90,30 @@ static uint32_t chunk_begin(const stp_store_octave_span* span, uint32_t chunk)
     return chunk == 0 ? span->begin : stp_store_chunk_end(span, chunk - 1);
 }
 
-/// Sizes of the columns for a run of surfels. @return their sum
+/// Sizes of the columns for a run of splats. @return their sum
 static uint64_t measure(const stp_store_octave_span* span, uint32_t begin, uint32_t end,
-                        uint64_t sizes[STP_SURFEL_COLUMNS])
+                        uint64_t sizes[STP_OCTAVE_COLUMNS])
 {
     assert(span->begin <= begin && begin <= end && end <= span->end);
     uint64_t colors = end - begin;
     uint64_t places = end > span->first ? end - (begin > span->first ? begin : span->first) : 0;
-    sizes[STP_SURFEL_POSITIONS] = 6 * places;
-    sizes[STP_SURFEL_NORMALS] = 2 * places;
-    sizes[STP_SURFEL_MATERIALS] = places;
-    sizes[STP_SURFEL_COLORS] = 3 * colors;
-    sizes[STP_SURFEL_COVERAGES] = colors;
-    sizes[STP_SURFEL_SHAPES] = shape_bytes(span) * places;
-    sizes[STP_SURFEL_RANGES] = range_bytes(span) * places;
-    return (surfel_bytes(span) - COLOR_BYTES) * places + COLOR_BYTES * colors;
+    sizes[STP_OCTAVE_POSITIONS] = 6 * places;
+    sizes[STP_OCTAVE_NORMALS] = 2 * places;
+    sizes[STP_OCTAVE_MATERIALS] = places;
+    sizes[STP_OCTAVE_COLORS] = 3 * colors;
+    sizes[STP_OCTAVE_COVERAGES] = colors;
+    sizes[STP_OCTAVE_SHAPES] = shape_bytes(span) * places;
+    sizes[STP_OCTAVE_RANGES] = range_bytes(span) * places;
+    return (bytes_per_splat(span) - COLOR_BYTES) * places + COLOR_BYTES * colors;
 }
 
 uint64_t stp_store_chunk_columns(const stp_store_octave_span* span, uint32_t chunk,
                                  stp_store_column columns[STP_STORE_COLUMN_LIMIT])
 {
-    uint64_t sizes[STP_SURFEL_COLUMNS], end = 0;
+    uint64_t sizes[STP_OCTAVE_COLUMNS], end = 0;
     measure(span, chunk_begin(span, chunk), stp_store_chunk_end(span, chunk), sizes);
     for (int i = 0; i < STP_STORE_COLUMN_LIMIT; ++i) {
-        uint64_t size = i < STP_SURFEL_COLUMNS ? sizes[i] : 0;
+        uint64_t size = i < STP_OCTAVE_COLUMNS ? sizes[i] : 0;
         columns[i] = (stp_store_column){.offset = end, .size = size};
         end += size;
     }
@@ -129,7 +129,7 @@ uint64_t stp_store_chunk_table_bytes(const stp_store_octave_span* span)
 
 static uint64_t decoded_bytes(const stp_store_octave_span* span)
 {
-    uint64_t sizes[STP_SURFEL_COLUMNS];
+    uint64_t sizes[STP_OCTAVE_COLUMNS];
     return measure(span, span->begin, span->end, sizes);
 }
 
@@ -165,7 +165,7 @@ static bool read_part(block_reader* at, uint64_t offset, void* bytes, size_t siz
 static void scatter(const stp_store_column* columns, unsigned char* const* targets,
                     const unsigned char* bytes, uint64_t begin, uint64_t size)
 {
-    for (int i = 0; i < STP_SURFEL_COLUMNS; ++i) {
+    for (int i = 0; i < STP_OCTAVE_COLUMNS; ++i) {
         uint64_t from = columns[i].offset > begin ? columns[i].offset : begin;
         uint64_t column_end = columns[i].offset + columns[i].size;
         uint64_t end = column_end < begin + size ? column_end : begin + size;
@@ -289,17 +289,17 @@ static const char* read_chunk(block_reader* at, const stp_store_octave_span* spa
 
 const char* stp_store_read_chunks(const stp_store_block_source* source,
                                   const stp_store_octave_span* span, uint32_t begin, uint32_t end,
-                                  void* const targets[STP_SURFEL_COLUMNS], uint64_t* read_bytes)
+                                  void* const targets[STP_OCTAVE_COLUMNS], uint64_t* read_bytes)
 {
     assert(begin <= end && end <= stp_store_chunk_count(span));
     assert(span->encoding != STP_STORE_ENCODING_OPERATORS ||
            (source->set != NULL && source->waiting != NULL));
     block_reader at = {.source = source};
-    unsigned char* places[STP_SURFEL_COLUMNS];
-    uint64_t sizes[STP_SURFEL_COLUMNS], offset = 0;
+    unsigned char* places[STP_OCTAVE_COLUMNS];
+    uint64_t sizes[STP_OCTAVE_COLUMNS], offset = 0;
     const char* fault = NULL;
     measure(span, span->begin, chunk_begin(span, begin), sizes);
-    for (int i = 0; i < STP_SURFEL_COLUMNS; ++i) {
+    for (int i = 0; i < STP_OCTAVE_COLUMNS; ++i) {
         places[i] = targets[i] != NULL ? (unsigned char*)targets[i] + sizes[i] : NULL;
     }
     if (span->encoding == STP_STORE_ENCODING_PLAIN) {
@@ -313,7 +313,7 @@ const char* stp_store_read_chunks(const stp_store_block_source* source,
         for (uint32_t chunk = begin; fault == NULL && chunk < end; ++chunk) {
             fault = read_chunk(&at, span, chunk, &offset, places);
             measure(span, chunk_begin(span, chunk), stp_store_chunk_end(span, chunk), sizes);
-            for (int i = 0; i < STP_SURFEL_COLUMNS; ++i) {
+            for (int i = 0; i < STP_OCTAVE_COLUMNS; ++i) {
                 places[i] = places[i] != NULL ? places[i] + sizes[i] : NULL;
             }
         }

@@ -18,16 +18,16 @@ enum {
 
 /// Contents of an octave's block.
 typedef struct stp_store_octave_span {
-    uint32_t first, end; ///< surfels that the octave adds
-    uint32_t begin;      ///< it colours surfels [begin, end); 0 unless colours are flat
+    uint32_t first, end; ///< splats that the octave adds
+    uint32_t begin;      ///< it colours splats [begin, end); 0 unless colours are flat
     uint32_t columns;    ///< STP_SPLATS_*
     uint32_t encoding;
 } stp_store_octave_span;
 
-stp_store_octave_span stp_store_span_of(const stp_splats* surfels, uint32_t octave,
+stp_store_octave_span stp_store_span_of(const stp_splats* splats, uint32_t octave,
                                         uint32_t encoding);
 uint32_t stp_store_chunk_count(const stp_store_octave_span* span);
-/// End of the surfels that a chunk covers. A chunk begins where the one before ends; the first
+/// End of the splats that a chunk covers. A chunk begins where the one before ends; the first
 /// begins at span->begin.
 uint32_t stp_store_chunk_end(const stp_store_octave_span* span, uint32_t chunk);
 /// The columns of a chunk. @return their total size
@@ -64,4 +64,4 @@ extern const char* const stp_store_unreadable;
 /// @return NULL, or the error in the block ("checksum"), or stp_store_unreadable. Any thread
 const char* stp_store_read_chunks(const stp_store_block_source* source,
                                   const stp_store_octave_span* span, uint32_t begin, uint32_t end,
-                                  void* const targets[STP_SURFEL_COLUMNS], uint64_t* read_bytes);
+                                  void* const targets[STP_OCTAVE_COLUMNS], uint64_t* read_bytes);

@@ -44,7 +44,7 @@ uint32_t stp_store_planned_attributes(const stp_store_content* content,
 {
     assert(block->kind == STP_BLOCK_ATTRIBUTES || block->kind == STP_BLOCK_POINT_ATTRIBUTES);
     return block->kind == STP_BLOCK_ATTRIBUTES
-               ? stp_splats_attributes(&content->surfels[block->owner])
+               ? stp_splats_attributes(&content->sets[block->owner])
                : points_attributes(&content->point_sets[block->owner]);
 }
 
@@ -97,7 +97,7 @@ static void add_node(const stp_store_content* content, uint32_t index, shown_nod
     for (uint32_t m = 0; m == 0 || m < directory->method_count; ++m) {
         uint32_t set = stp_store_set_of(directory, m, index);
         if (set != STP_STORE_NONE) {
-            assert(set < directory->surfels_count);
+            assert(set < directory->set_count);
             s->set_scales[set] = fmax(s->set_scales[set], at.scale);
         }
     }
@@ -114,7 +114,7 @@ static stp_result measure_shown(stp_context* context, const stp_store_content* c
 {
     const stp_store_directory* directory = &content->directory;
     *s = (shown){
-        .set_scales = STP_NEW_ZEROED(context, double, (size_t)directory->surfels_count + 1),
+        .set_scales = STP_NEW_ZEROED(context, double, (size_t)directory->set_count + 1),
         .mesh_areas = STP_NEW_ZEROED(context, double, (size_t)directory->mesh_count + 1),
     };
     shown_node* nodes = STP_NEW_ZEROED(context, shown_node, (size_t)directory->node_count + 1);
@@ -129,7 +129,7 @@ static stp_result measure_shown(stp_context* context, const stp_store_content* c
     return made ? STP_OK : stp_fail_memory(context);
 }
 
-// The radius that the first `count` surfels cover: from the last breakpoint at or before; 0 without
+// The radius that the first `count` splats cover: from the last breakpoint at or before; 0 without
 // a table.
 static float radius_reached(const stp_prefix_table* table, uint32_t count)
 {
@@ -152,19 +152,19 @@ typedef struct valued_block {
     double value;
 } valued_block;
 
-// Surfels: the radius that they cover, so that coarse octaves come first.
+// Splats: the radius that they cover, so that coarse octaves come first.
 static valued_block value_octave(const stp_store_content* content, uint32_t set, uint32_t octave,
                                  double scale)
 {
     stp_store_column columns[STP_STORE_COLUMN_LIMIT];
-    const stp_splats* surfels = &content->surfels[set];
-    assert(octave < surfels->octave_count);
-    float radius = radius_reached(&surfels->table, surfels->octave_ends[octave]);
+    const stp_splats* splats = &content->sets[set];
+    assert(octave < splats->octave_count);
+    float radius = radius_reached(&splats->table, splats->octave_ends[octave]);
     stp_store_block block = {
-        .kind = STP_BLOCK_SURFELS,
+        .kind = STP_BLOCK_SPLATS,
         .owner = set,
         .octave = octave,
-        .size = stp_store_surfel_columns(surfels, octave, columns),
+        .size = stp_store_octave_columns(splats, octave, columns),
         .radius = scale_radius(radius, scale),
     };
     return (valued_block){block, (double)block.radius};
@@ -174,17 +174,16 @@ static valued_block value_octave(const stp_store_content* content, uint32_t set,
 // leaves have any splat.
 static valued_block value_leaves(const stp_store_content* content, uint32_t set, double scale)
 {
-    const stp_splats* surfels = &content->surfels[set];
-    assert(surfels->octave_count != 0 && "only splats have leaves");
+    const stp_splats* splats = &content->sets[set];
+    assert(splats->octave_count != 0 && "only splats have leaves");
     uint32_t octave = 0;
-    while (octave + 1 < surfels->octave_count &&
-           surfels->octave_ends[octave] < surfels->leaf_count) {
+    while (octave + 1 < splats->octave_count && splats->octave_ends[octave] < splats->leaf_count) {
         octave += 1;
     }
     valued_block with = value_octave(content, set, octave, scale);
     with.block.kind = STP_BLOCK_LEAVES;
     with.block.octave = 0;
-    with.block.size = STP_STORE_LEAF_BYTES * (uint64_t)surfels->leaf_count;
+    with.block.size = STP_STORE_LEAF_BYTES * (uint64_t)splats->leaf_count;
     return with;
 }
 
@@ -244,8 +243,8 @@ static valued_block value_octave_attributes(const stp_store_content* content, ui
 static uint64_t count_attribute_blocks(const stp_store_content* content)
 {
     uint64_t count = 0;
-    for (uint32_t i = 0; i < content->directory.surfels_count; ++i) {
-        const stp_splats* set = &content->surfels[i];
+    for (uint32_t i = 0; i < content->directory.set_count; ++i) {
+        const stp_splats* set = &content->sets[i];
         count += stp_splats_attributes(set) != 0 ? set->octave_count : 0;
     }
     for (uint32_t i = 0; i < content->directory.point_set_count; ++i) {
@@ -270,14 +269,14 @@ static uint32_t add_blocks(const stp_store_content* content, const shown* s,
 {
     const stp_store_directory* directory = &content->directory;
     valued_block* next = blocks;
-    for (uint32_t i = 0; i < directory->surfels_count; ++i) {
-        for (uint32_t k = 0; k < content->surfels[i].octave_count; ++k) {
+    for (uint32_t i = 0; i < directory->set_count; ++i) {
+        for (uint32_t k = 0; k < content->sets[i].octave_count; ++k) {
             *next++ = value_octave(content, i, k, s->set_scales[i]);
-            if (stp_splats_attributes(&content->surfels[i]) != 0) {
+            if (stp_splats_attributes(&content->sets[i]) != 0) {
                 *next++ = value_octave_attributes(content, i, k, s->set_scales[i]);
             }
         }
-        if (content->surfels[i].leaf_count > 0) {
+        if (content->sets[i].leaf_count > 0) {
             *next++ = value_leaves(content, i, s->set_scales[i]);
         }
     }
@@ -300,11 +299,11 @@ static uint32_t add_blocks(const stp_store_content* content, const shown* s,
     return (uint32_t)(next - blocks);
 }
 
-// Surfels first, then their attributes, textures, meshes, point sets and their attributes.
+// Splats first, then their attributes, textures, meshes, point sets and their attributes.
 static int rank_of(uint32_t kind)
 {
     switch (kind) {
-    case STP_BLOCK_SURFELS:
+    case STP_BLOCK_SPLATS:
     case STP_BLOCK_LEAVES:
         return 0;
     case STP_BLOCK_ATTRIBUTES:
@@ -384,7 +383,7 @@ static void place_blocks(uint64_t data_offset, const uint32_t* first_octaves, st
         block->offset = stp_store_align(end, STP_STORE_ALIGNMENT);
         end = block->offset + block->size;
         switch (block->kind) {
-        case STP_BLOCK_SURFELS:
+        case STP_BLOCK_SPLATS:
             plan->octave_blocks[first_octaves[block->owner] + block->octave] = i;
             break;
         case STP_BLOCK_LEAVES:
@@ -414,10 +413,10 @@ static stp_result plan_blocks(stp_context* context, const stp_store_content* con
 {
     const stp_store_directory* directory = &content->directory;
     uint64_t octaves = 0, leaf_tables = 0;
-    for (uint32_t i = 0; i < directory->surfels_count; ++i) {
+    for (uint32_t i = 0; i < directory->set_count; ++i) {
         first_octaves[i] = (uint32_t)octaves;
-        octaves += content->surfels[i].octave_count;
-        leaf_tables += content->surfels[i].leaf_count > 0 ? 1 : 0;
+        octaves += content->sets[i].octave_count;
+        leaf_tables += content->sets[i].leaf_count > 0 ? 1 : 0;
     }
     uint64_t attributes = count_attribute_blocks(content);
     uint64_t blocks = octaves + leaf_tables + directory->mesh_count + count_point_blocks(content) +
@@ -433,12 +432,12 @@ static stp_result plan_blocks(stp_context* context, const stp_store_content* con
     plan->point_blocks = STP_NEW_ARRAY(context, uint32_t, directory->point_set_count + 1);
     plan->texture_blocks = STP_NEW_ARRAY(context, uint32_t, directory->texture_count + 1);
     plan->octave_blocks = STP_NEW_ARRAY(context, uint32_t, octaves + 1);
-    plan->leaf_blocks = STP_NEW_ARRAY(context, uint32_t, (size_t)directory->surfels_count + 1);
+    plan->leaf_blocks = STP_NEW_ARRAY(context, uint32_t, (size_t)directory->set_count + 1);
     if (plan->blocks == NULL || plan->mesh_blocks == NULL || plan->point_blocks == NULL ||
         plan->texture_blocks == NULL || plan->octave_blocks == NULL || plan->leaf_blocks == NULL) {
         return stp_fail_memory(context);
     }
-    for (uint32_t i = 0; i < directory->surfels_count; ++i) {
+    for (uint32_t i = 0; i < directory->set_count; ++i) {
         plan->leaf_blocks[i] = STP_STORE_NONE;
     }
     for (uint32_t i = 0; i < directory->point_set_count; ++i) {
@@ -464,7 +463,7 @@ stp_result stp_store_plan_make(stp_context* context, const stp_store_content* co
                                uint64_t data_offset, stp_store_plan* plan)
 {
     *plan = (stp_store_plan){0};
-    uint32_t set_count = content->directory.surfels_count;
+    uint32_t set_count = content->directory.set_count;
     uint32_t* first_octaves = STP_NEW_ZEROED(context, uint32_t, (size_t)set_count + 1);
     uint32_t* texture_owners =
         STP_NEW_ARRAY(context, uint32_t, (size_t)content->directory.texture_count + 1);

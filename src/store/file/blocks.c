@@ -241,9 +241,9 @@ const stp_store_point_set* stp_store_describe_point_set(const stp_store* store, 
     return &records[index].points;
 }
 
-const stp_splats* stp_store_describe_surfels(const stp_store* store, uint32_t index)
+const stp_splats* stp_store_describe_splat_set(const stp_store* store, uint32_t index)
 {
-    assert(index < store->counts[STP_SECTION_SURFELS]);
-    const stp_store_surfels_record* records = store->tables[STP_SECTION_SURFELS];
-    return &records[index].surfels;
+    assert(index < store->counts[STP_SECTION_SPLAT_SETS]);
+    const stp_store_set_record* records = store->tables[STP_SECTION_SPLAT_SETS];
+    return &records[index].splats;
 }

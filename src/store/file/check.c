@@ -9,10 +9,10 @@
 #define SMALL_DIRECTORY ((uint64_t)512 << 10) // a quick check reads smaller ones whole
 
 // Reads and decodes all columns of an octave, but keeps only those that are validated.
-static stp_result check_surfels(stp_store* store, const stp_store_block* block)
+static stp_result check_splats(stp_store* store, const stp_store_block* block)
 {
-    stp_store_octave_span span = stp_store_span_of(stp_store_describe_surfels(store, block->owner),
-                                                   block->octave, block->encoding);
+    stp_store_octave_span span = stp_store_span_of(
+        stp_store_describe_splat_set(store, block->owner), block->octave, block->encoding);
     assert(block->encoding != STP_STORE_ENCODING_OPERATORS && "check_operators decodes these");
     stp_store_block_source source = {.block = block, .read = stp_store_read_mapped, .user = store};
     uint32_t count = span.end - span.first;
@@ -23,24 +23,24 @@ static stp_result check_surfels(stp_store* store, const stp_store_block* block)
         return stp_fail_memory(store->context);
     }
     uint32_t* options = (uint32_t*)(void*)(materials + room);
-    stp_store_surfel_data data = {
+    stp_store_splat_data data = {
         .count = count,
         .materials = materials,
         .shapes = (span.columns & STP_SPLATS_SHAPES) != 0 ? options : NULL,
         .ranges = (span.columns & STP_SPLATS_RANGES) != 0 ? options + count : NULL,
     };
-    void* targets[STP_SURFEL_COLUMNS] = {
-        [STP_SURFEL_MATERIALS] = materials,
-        [STP_SURFEL_SHAPES] = options,
-        [STP_SURFEL_RANGES] = options + count,
+    void* targets[STP_OCTAVE_COLUMNS] = {
+        [STP_OCTAVE_MATERIALS] = materials,
+        [STP_OCTAVE_SHAPES] = options,
+        [STP_OCTAVE_RANGES] = options + count,
     };
     const char* fault = stp_store_read_chunks(&source, &span, 0, stp_store_chunk_count(&span),
                                               targets, &read_bytes);
     stp_store_validator validator = stp_store_own_validator(store);
     stp_result result = fault != NULL
                             ? stp_store_fail_block(store, block, fault)
-                            : stp_store_validate_surfel_data(&validator, block->owner, &data,
-                                                             store->directory.shading_count);
+                            : stp_store_validate_splat_data(&validator, block->owner, &data,
+                                                            store->directory.shading_count);
     stp_free(store->context, materials);
     return result;
 }
@@ -48,7 +48,7 @@ static stp_result check_surfels(stp_store* store, const stp_store_block* block)
 // Operators are decoded for the whole set at its first octave: each octave needs the ones before.
 static stp_result check_operators(stp_store* store, uint32_t index)
 {
-    stp_splats set = *stp_store_describe_surfels(store, index);
+    stp_splats set = *stp_store_describe_splat_set(store, index);
     stp_store_joined* joined = stp_store_reserve_columns(store->context, &set);
     stp_result result = joined != NULL ? STP_OK : stp_fail_memory(store->context);
     for (uint32_t k = 0; k < set.octave_count && result == STP_OK; ++k) {
@@ -141,11 +141,11 @@ static stp_result check_block(stp_store* store, const stp_store_block* block)
     }
     case STP_BLOCK_POINT_SET:
         return check_points(store, block);
-    case STP_BLOCK_SURFELS:
+    case STP_BLOCK_SPLATS:
         if (stp_store_has_operators(store, block->owner, STP_OCTAVE_LIMIT)) {
             return block->octave == 0 ? check_operators(store, block->owner) : STP_OK;
         }
-        return check_surfels(store, block);
+        return check_splats(store, block);
     case STP_BLOCK_LEAVES: {
         stp_store_leaves leaves;
         return stp_store_get_leaves(store, block->owner, &leaves);
@@ -194,7 +194,7 @@ stp_result stp_store_check_open(stp_store* store, bool quick, stp_store_check_re
         .file_bytes = store->file.size,
         .blocks = blocks != NULL ? blocks->count : 0,
     };
-    if (store->partial) {
+    if (store->only_summary) {
         return check_partial(store, report);
     }
     stp_result result = stp_store_load_objects(store);
@@ -222,7 +222,7 @@ stp_result stp_store_check_with_report(stp_context* context, const char* path, b
     stp_store* store = NULL;
     stp_store_open_desc desc = {.summary_only = quick};
     stp_result result = stp_store_open_with(context, path, &desc, &store);
-    if (result == STP_OK && store->partial && store->data_offset <= SMALL_DIRECTORY) {
+    if (result == STP_OK && store->only_summary && store->data_offset <= SMALL_DIRECTORY) {
         stp_store_close(store);
         result = stp_store_open(context, path, &store);
     }

@@ -12,7 +12,7 @@ static stp_result create_sizes(stp_context* context, const stp_store_directory* 
         STP_NEW_ZEROED(context, stp_store_amount, (size_t)directory->point_set_count + 1);
     sizes->textures =
         STP_NEW_ZEROED(context, stp_store_amount, (size_t)directory->texture_count + 1);
-    sizes->sets = STP_NEW_ZEROED(context, stp_store_amount, (size_t)directory->surfels_count + 1);
+    sizes->sets = STP_NEW_ZEROED(context, stp_store_amount, (size_t)directory->set_count + 1);
     if (sizes->meshes == NULL || sizes->point_sets == NULL || sizes->textures == NULL ||
         sizes->sets == NULL) {
         stp_store_sizes_destroy(context, sizes);
@@ -33,7 +33,7 @@ void stp_store_sizes_destroy(stp_context* context, stp_store_sizes* sizes)
 static void add_octaves(const stp_store_block* blocks, uint32_t count, stp_store_amount* sets)
 {
     for (uint32_t i = 0; i < count; ++i) {
-        if (blocks[i].kind == STP_BLOCK_SURFELS) {
+        if (blocks[i].kind == STP_BLOCK_SPLATS) {
             sets[blocks[i].owner].bytes += blocks[i].size;
         }
     }
@@ -51,7 +51,7 @@ static stp_store_amount amount_of_texture(const stp_store_texture* texture,
 stp_result stp_store_sizes_of_file(const stp_store* store, stp_store_sizes* sizes)
 {
     const stp_store_directory* directory = &store->directory;
-    assert(!store->partial && "blocks are not read for a summary");
+    assert(!store->only_summary && "blocks are not read for a summary");
     const stp_store_mesh_record* meshes = store->tables[STP_SECTION_MESHES];
     const stp_store_point_record* point_sets = store->tables[STP_SECTION_POINT_SETS];
     const stp_store_texture_record* textures = store->tables[STP_SECTION_TEXTURES];
@@ -80,8 +80,8 @@ stp_result stp_store_sizes_of_file(const stp_store* store, stp_store_sizes* size
             amount_of_texture(&textures[i].texture, stp_store_block_at(store, textures[i].block));
         assert(sizes->textures[i].owner <= i && "the first texture with a block owns it");
     }
-    for (uint32_t i = 0; i < directory->surfels_count; ++i) {
-        sizes->sets[i].count = stp_store_describe_surfels(store, i)->count;
+    for (uint32_t i = 0; i < directory->set_count; ++i) {
+        sizes->sets[i].count = stp_store_describe_splat_set(store, i)->count;
     }
     add_octaves(store->tables[STP_SECTION_BLOCKS], store->counts[STP_SECTION_BLOCKS], sizes->sets);
     return STP_OK;
@@ -116,8 +116,8 @@ stp_result stp_store_sizes_of_plan(stp_context* context, const stp_store_content
             amount_of_texture(&content->textures[i], &plan->blocks[plan->texture_blocks[i]]);
         assert(sizes->textures[i].owner <= i && "the first texture with a block owns it");
     }
-    for (uint32_t i = 0; i < directory->surfels_count; ++i) {
-        sizes->sets[i].count = content->surfels[i].count;
+    for (uint32_t i = 0; i < directory->set_count; ++i) {
+        sizes->sets[i].count = content->sets[i].count;
     }
     add_octaves(plan->blocks, plan->block_count, sizes->sets);
     return STP_OK;

@@ -7,9 +7,9 @@
 #include "store/file/internal.h"
 #include "store/writer/writer.h"
 
-/// A mesh, point set, texture or surfel set.
+/// A mesh, point set, texture or splat set.
 typedef struct stp_store_amount {
-    uint64_t count, bytes; ///< triangles, points, texels or surfels; bytes of its blocks
+    uint64_t count, bytes; ///< triangles, points, texels or splats; bytes of its blocks
     uint32_t material;     ///< only for meshes and point sets
     uint32_t owner;        ///< only for textures: the first texture with this block
 } stp_store_amount;

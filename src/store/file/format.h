@@ -39,7 +39,7 @@ typedef enum stp_store_section_type {
     STP_SECTION_TEXTURES,
     STP_SECTION_MESHES,
     STP_SECTION_POINT_SETS,
-    STP_SECTION_SURFELS,
+    STP_SECTION_SPLAT_SETS,
     STP_SECTION_OCTAVES,
     STP_SECTION_BREAKPOINTS,
     STP_SECTION_VIEWS,
@@ -74,11 +74,11 @@ typedef enum stp_store_block_kind {
     STP_BLOCK_MESH = 1,
     STP_BLOCK_POINT_SET,
     STP_BLOCK_TEXTURE,
-    STP_BLOCK_SURFELS,
+    STP_BLOCK_SPLATS,
     STP_BLOCK_CLUSTERS,         ///< a coded mesh
-    STP_BLOCK_ATTRIBUTES = 7,   ///< attributes of an octave of a surfel set
+    STP_BLOCK_ATTRIBUTES = 7,   ///< attributes of an octave of a splat set
     STP_BLOCK_POINT_ATTRIBUTES, ///< attributes of a point set
-    STP_BLOCK_LEAVES,           ///< leaves of a surfel set
+    STP_BLOCK_LEAVES,           ///< leaves of a splat set
     STP_BLOCK_END
 } stp_store_block_kind;
 
@@ -108,7 +108,7 @@ typedef struct stp_store_section {
 typedef struct stp_store_block {
     uint32_t kind, owner, octave, crc;
     uint64_t offset, size;
-    /// surfels: radius that the prefix up to this block covers, in scene space; else 0
+    /// splats: radius that the prefix up to this block covers, in scene space; else 0
     float radius;
     uint32_t encoding;
 } stp_store_block;

@@ -46,8 +46,8 @@ static stp_result check_sizes(const stp_store* store)
                         "%s: has %zu bytes, but its header says %llu", store->path,
                         store->file.size, (unsigned long long)store->file_bytes);
     }
-    uint64_t needed = store->desc.accept_prefix ? store->data_offset : store->file_bytes;
-    if (store->file.size < needed && store->desc.accept_prefix) {
+    uint64_t needed = store->desc.accept_partial ? store->data_offset : store->file_bytes;
+    if (store->file.size < needed && store->desc.accept_partial) {
         return stp_fail(store->context, STP_ERROR_TRUNCATED,
                         "%s: ends after %zu of %llu bytes, within its directory: the first %llu "
                         "bytes are needed to show anything",

@@ -24,7 +24,7 @@ struct stp_store {
     char* path;
     stp_mapped_file file;
     bool mapped;         ///< false: the caller owns the bytes
-    size_t mapped_bytes; ///< can exceed file.size: desc.prefix_bytes
+    size_t mapped_bytes; ///< can exceed file.size: desc.partial_bytes
     int descriptor;      ///< file descriptor of the mapped file; -1: none
     stp_store_open_desc desc;
 
@@ -49,7 +49,7 @@ struct stp_store {
     uint32_t* attribute_blocks;
     stp_store_coloring coloring;
     bool objects_ready;
-    bool partial; ///< opened for its summary: the graph and everything below it was not read
+    bool only_summary; ///< opened for its summary: the graph and everything below it was not read
     uint8_t* pages_checked; ///< one bit per page of unpacked sections, then one per section
     bool page_table_checked;
     uint64_t bytes_checked;           ///< bytes of the directory verified so far
@@ -127,14 +127,14 @@ void stp_store_free_keys(stp_store* store);
 STP_MUST_USE stp_result stp_store_link_blocks(stp_store* store);
 
 /// Cuts a set to its first `octave_count` octaves, and its tables accordingly.
-void stp_store_cut_surfels(stp_splats* surfels, uint32_t octave_count);
+void stp_store_truncate_splat_set(stp_splats* splats, uint32_t octave_count);
 
 /// Size of the joined columns of this many octaves.
-uint64_t stp_store_columns_bytes(const stp_splats* surfels, uint32_t octave_count);
+uint64_t stp_store_columns_bytes(const stp_splats* splats, uint32_t octave_count);
 /// Allocates the columns for all octaves of a (cut) set. NULL if memory runs out, not logged.
-stp_store_joined* stp_store_reserve_columns(stp_context* context, stp_splats* surfels);
+stp_store_joined* stp_store_reserve_columns(stp_context* context, stp_splats* splats);
 /// Copies octaves from another copy of the set's columns.
-void stp_store_copy_columns(const stp_splats* surfels, const stp_splats* before,
+void stp_store_copy_columns(const stp_splats* splats, const stp_splats* before,
                             uint32_t octave_count);
 /// Number of groups of this many splats.
 static inline uint64_t stp_store_group_count(uint64_t splats)
@@ -144,19 +144,19 @@ static inline uint64_t stp_store_group_count(uint64_t splats)
 
 /// Makes the groups that contain splats [first, end) of a set with ranges. Splats before `end` must
 /// be there.
-void stp_store_make_groups(const stp_splats* surfels, uint32_t first, uint32_t end);
+void stp_store_make_groups(const stp_splats* splats, uint32_t first, uint32_t end);
 
 /// Verifies an octave's block and copies its columns. Earlier octaves must be there.
 STP_MUST_USE stp_result stp_store_add_octave(stp_store* store, uint32_t index, uint32_t octave,
-                                             const stp_splats* surfels);
+                                             const stp_splats* splats);
 /// Whether any of the first octaves of a set is coded as operators.
 bool stp_store_has_operators(const stp_store* store, uint32_t index, uint32_t octave_count);
 
 /// Destinations of an octave's columns within a set's columns.
-void stp_store_octave_targets(const stp_splats* surfels, uint32_t octave,
-                              void* targets[STP_SURFEL_COLUMNS]);
+void stp_store_octave_targets(const stp_splats* splats, uint32_t octave,
+                              void* targets[STP_OCTAVE_COLUMNS]);
 /// Hands columns to a set. The caller takes over the old ones.
-void stp_store_set_columns(stp_store_surfels_record* record, stp_store_joined* joined,
+void stp_store_set_columns(stp_store_set_record* record, stp_store_joined* joined,
                            const stp_splats* columns, uint32_t octave_count);
 
 // Pointers into a block's bytes. Only clusters are checked: @return what is wrong, or NULL.
@@ -191,7 +191,7 @@ bool stp_store_is_colored(const stp_store* store);
 /// Frees the memory made for points; the next use reads them again.
 void stp_store_release_points(stp_store* store);
 /// Gives a point record the columns of the set that holds its points. The record owns the memory.
-/// @return STP_OK, STP_ERROR_TRUNCATED, or as stp_store_get_surfels
+/// @return STP_OK, STP_ERROR_TRUNCATED, or as stp_store_get_splat_set
 STP_MUST_USE stp_result stp_store_make_held_points(stp_store* store, uint32_t index,
                                                    stp_store_point_record* record);
 
@@ -199,7 +199,7 @@ STP_MUST_USE stp_result stp_store_make_held_points(stp_store* store, uint32_t in
 /// octaves must be there. `source` reads the file. Does nothing if points are not coloured. @return
 /// as stp_store_read_chunks
 const char* stp_store_color_octave(const stp_store* store, uint32_t index, uint32_t octave,
-                                   const stp_splats* surfels, const stp_store_block_source* source,
+                                   const stp_splats* splats, const stp_store_block_source* source,
                                    uint64_t* read_bytes);
 /// Makes the colours of a point set, 4 bytes each. `colors`: its own, NULL for white.
 const char* stp_store_color_points(const stp_store* store, uint32_t index, const uint8_t* colors,
@@ -213,9 +213,9 @@ typedef struct stp_store_large stp_store_large;
 void stp_store_free_large(stp_store* store);
 
 /// Frees the columns of a set.
-void stp_store_free_columns(stp_context* context, stp_store_surfels_record* record);
+void stp_store_free_columns(stp_context* context, stp_store_set_record* record);
 
-/// Whether the file holds a whole block; false only for truncated files.
+/// Whether the file holds a whole block; false only for partial files.
 bool stp_store_is_block_here(const stp_store* store, const stp_store_block* block);
 /// Entry of the block table.
 const stp_store_block* stp_store_block_at(const stp_store* store, uint32_t index);

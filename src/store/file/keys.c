@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Content keys of surfel sets and meshes. A build finds the results of a previous build by them.
+// Content keys of splat sets and meshes. A build finds the results of a previous build by them.
 #include "store/file/internal.h"
 
 #include <assert.h>
@@ -61,14 +61,14 @@ static stp_result make_table(stp_store* store)
     const stp_store_directory* d = &store->directory;
     stp_store_text text = {.context = store->context};
     stp_result result = STP_OK;
-    if (store->tables[STP_SECTION_KEYS] == NULL && !store->partial) {
+    if (store->tables[STP_SECTION_KEYS] == NULL && !store->only_summary) {
         result = stp_store_read_table(store, STP_SECTION_KEYS, &text);
     }
     uint32_t count = store->counts[STP_SECTION_KEYS];
-    if (result == STP_OK && count != 0 && count != (uint64_t)d->surfels_count + d->mesh_count) {
+    if (result == STP_OK && count != 0 && count != (uint64_t)d->set_count + d->mesh_count) {
         result = stp_fail(store->context, STP_ERROR_FORMAT,
                           "%s: has %u keys for %u surfel sets and %u meshes", store->path, count,
-                          d->surfels_count, d->mesh_count);
+                          d->set_count, d->mesh_count);
     }
     if (result != STP_OK) {
         return result;
@@ -77,10 +77,9 @@ static stp_result make_table(stp_store* store)
     store->keys = table;
     if (table != NULL && count != 0) {
         table->keys = store->tables[STP_SECTION_KEYS];
-        table->set_slots =
-            make_slots(store->context, table->keys, d->surfels_count, &table->set_mask);
-        table->mesh_slots = make_slots(store->context, table->keys + d->surfels_count,
-                                       d->mesh_count, &table->mesh_mask);
+        table->set_slots = make_slots(store->context, table->keys, d->set_count, &table->set_mask);
+        table->mesh_slots = make_slots(store->context, table->keys + d->set_count, d->mesh_count,
+                                       &table->mesh_mask);
     }
     if (table == NULL || (count != 0 && (table->set_slots == NULL || table->mesh_slots == NULL))) {
         stp_store_free_keys(store);
@@ -99,10 +98,10 @@ void stp_store_free_keys(stp_store* store)
     store->keys = NULL;
 }
 
-stp_result stp_store_find_surfels_by_key(stp_store* store, stp_hash key,
-                                         stp_store_stored_surfels* found)
+stp_result stp_store_find_splat_set_by_key(stp_store* store, stp_hash key,
+                                           stp_store_stored_splat_set* found)
 {
-    *found = (stp_store_stored_surfels){.index = STP_STORE_NONE};
+    *found = (stp_store_stored_splat_set){.index = STP_STORE_NONE};
     stp_result result = make_table(store);
     if (result != STP_OK) {
         return result;
@@ -112,9 +111,9 @@ stp_result stp_store_find_surfels_by_key(stp_store* store, stp_hash key,
     if (index == STP_STORE_NONE) {
         return STP_OK;
     }
-    const stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
-    assert(index < store->directory.surfels_count);
-    found->surfels = &sets[index].surfels;
+    const stp_store_set_record* sets = store->tables[STP_SECTION_SPLAT_SETS];
+    assert(index < store->directory.set_count);
+    found->splats = &sets[index].splats;
     found->index = index;
     return STP_OK;
 }
@@ -127,7 +126,7 @@ stp_result stp_store_find_mesh_by_key(stp_store* store, stp_hash key, stp_store_
         return result;
     }
     const stp_store_key_table* t = store->keys;
-    const stp_store_key* keys = t->keys != NULL ? t->keys + store->directory.surfels_count : NULL;
+    const stp_store_key* keys = t->keys != NULL ? t->keys + store->directory.set_count : NULL;
     uint32_t index = find_slot(keys, t->mesh_slots, t->mesh_mask, key);
     if (index == STP_STORE_NONE) {
         return STP_OK;

@@ -9,10 +9,10 @@ static stp_result read_record(stp_store* store, uint32_t index, stp_store_object
     const stp_store_section* section = store->known[STP_SECTION_OBJECTS];
     const stp_store_section* texts = store->known[STP_SECTION_OBJECT_TEXT];
     const stp_store_table* table = stp_store_table_of(STP_SECTION_OBJECTS);
-    if (store->partial || section == NULL || index >= section->count) {
-        return store->partial ? stp_fail(store->context, STP_ERROR_ARGUMENT,
-                                         "%s: was opened only for its summary", store->path)
-                              : stp_store_fail_index(store, "object", index);
+    if (store->only_summary || section == NULL || index >= section->count) {
+        return store->only_summary ? stp_fail(store->context, STP_ERROR_ARGUMENT,
+                                              "%s: was opened only for its summary", store->path)
+                                   : stp_store_fail_index(store, "object", index);
     }
     uint64_t offset = (uint64_t)index * section->record_size;
     stp_result result = stp_store_verify_range(store, section, offset, section->record_size);

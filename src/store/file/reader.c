@@ -136,7 +136,7 @@ static void fill_directory(stp_store* store)
     directory->texture_count = counts[STP_SECTION_TEXTURES];
     directory->mesh_count = counts[STP_SECTION_MESHES];
     directory->point_set_count = counts[STP_SECTION_POINT_SETS];
-    directory->surfels_count = counts[STP_SECTION_SURFELS];
+    directory->set_count = counts[STP_SECTION_SPLAT_SETS];
     directory->view_count = counts[STP_SECTION_VIEWS];
     directory->source_count = counts[STP_SECTION_SOURCES];
     const stp_store_section* objects = store->known[STP_SECTION_OBJECTS];
@@ -150,7 +150,7 @@ static void fill_directory(stp_store* store)
     directory->sources = store->tables[STP_SECTION_SOURCES];
 }
 
-// Validates the records of meshes, point sets and textures; surfel sets are checked when octaves
+// Validates the records of meshes, point sets and textures; splat sets are checked when octaves
 // are linked.
 static stp_result check_records(const stp_store* store)
 {
@@ -224,7 +224,7 @@ stp_result stp_store_load_objects(stp_store* store)
     if (store->objects_ready) {
         return STP_OK;
     }
-    if (store->partial) {
+    if (store->only_summary) {
         return stp_fail(store->context, STP_ERROR_ARGUMENT, "%s: was opened only for its summary",
                         store->path);
     }
@@ -274,23 +274,23 @@ static stp_store* create_store(stp_context* context, const char* path,
 // Reads the store's directory. Closes the store on failure.
 static stp_result finish_open(stp_store* made, stp_store** store)
 {
-    uint64_t prefix = made->desc.prefix_bytes;
+    uint64_t partial = made->desc.partial_bytes;
     made->mapped_bytes = made->file.size;
-    if (prefix != 0 && prefix < made->file.size) {
-        made->file.size = (size_t)prefix;
+    if (partial != 0 && partial < made->file.size) {
+        made->file.size = (size_t)partial;
     }
     stp_result result = stp_store_read_header(made);
     if (result == STP_OK) {
         const stp_store_section* summary = made->known[STP_SECTION_SUMMARY];
-        made->partial = made->desc.summary_only && summary != NULL && summary->count != 0;
-        result = made->partial ? stp_store_read_head(made) : read_directory(made);
+        made->only_summary = made->desc.summary_only && summary != NULL && summary->count != 0;
+        result = made->only_summary ? stp_store_read_head(made) : read_directory(made);
     }
     if (result != STP_OK) {
         stp_store_close(made);
         return result;
     }
-    assert(!stp_store_is_truncated(made) || made->desc.accept_prefix);
-    if (stp_store_is_truncated(made)) {
+    assert(!stp_store_is_partial(made) || made->desc.accept_partial);
+    if (stp_store_is_partial(made)) {
         stp_warn(made->context, "%s: ends after %zu of %llu bytes; showing the part that is there",
                  made->path, made->file.size, (unsigned long long)made->file_bytes);
     }
@@ -334,9 +334,10 @@ stp_result stp_store_open(stp_context* context, const char* path, stp_store** st
     return stp_store_open_with(context, path, &(stp_store_open_desc){0}, store);
 }
 
-stp_result stp_store_open_prefix(stp_context* context, const char* path, stp_store** store)
+stp_result stp_store_open_partial(stp_context* context, const char* path, stp_store** store)
 {
-    return stp_store_open_with(context, path, &(stp_store_open_desc){.accept_prefix = true}, store);
+    return stp_store_open_with(context, path, &(stp_store_open_desc){.accept_partial = true},
+                               store);
 }
 
 void stp_store_close(stp_store* store)
@@ -345,8 +346,8 @@ void stp_store_close(stp_store* store)
         return;
     }
     stp_context* context = store->context;
-    stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
-    for (uint32_t i = 0; i < store->counts[STP_SECTION_SURFELS]; ++i) {
+    stp_store_set_record* sets = store->tables[STP_SECTION_SPLAT_SETS];
+    for (uint32_t i = 0; i < store->counts[STP_SECTION_SPLAT_SETS]; ++i) {
         stp_store_free_columns(context, &sets[i]);
     }
     stp_store_release_points(store);
@@ -386,7 +387,7 @@ uint64_t stp_store_whole_bytes(const stp_store* store)
     return store->file_bytes;
 }
 
-bool stp_store_is_truncated(const stp_store* store)
+bool stp_store_is_partial(const stp_store* store)
 {
     return store->file.size < store->file_bytes;
 }

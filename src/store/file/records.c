@@ -141,7 +141,7 @@ static void code_node(stp_store_codec* codec, void* element)
     code_u32(codec, &node->edge_count);
     code_u32(codec, &node->first_part);
     code_u32(codec, &node->part_count);
-    code_u32(codec, &node->surfels);
+    code_u32(codec, &node->set);
     code_u32(codec, &node->flags);
     code_u64(codec, &node->triangle_count);
     code_u64(codec, &node->point_count);
@@ -246,19 +246,19 @@ static void code_points(stp_store_codec* codec, void* element)
     code_vec3(codec, &record->points.bounds.max);
 }
 
-static void code_surfels(stp_store_codec* codec, void* element)
+static void code_splat_set(stp_store_codec* codec, void* element)
 {
-    stp_store_surfels_record* record = element;
-    code_u32(codec, &record->surfels.count);
-    code_u32(codec, &record->surfels.octave_count);
+    stp_store_set_record* record = element;
+    code_u32(codec, &record->splats.count);
+    code_u32(codec, &record->splats.octave_count);
     code_u32(codec, &record->first_octave);
-    code_u32(codec, &record->surfels.table.size);
+    code_u32(codec, &record->splats.table.size);
     code_u32(codec, &record->first_breakpoint);
-    code_u32(codec, &record->surfels.paper_count);
-    code_vec3(codec, &record->surfels.origin);
-    code_f32(codec, &record->surfels.step);
-    code_f32(codec, &record->surfels.candidate_radius);
-    code_f32(codec, &record->surfels.paper_radius);
+    code_u32(codec, &record->splats.paper_count);
+    code_vec3(codec, &record->splats.origin);
+    code_f32(codec, &record->splats.step);
+    code_f32(codec, &record->splats.candidate_radius);
+    code_f32(codec, &record->splats.paper_radius);
 }
 
 static void code_octave(stp_store_codec* codec, void* element)
@@ -444,7 +444,7 @@ const stp_store_table* stp_store_table_of(uint32_t type)
         [STP_SECTION_TEXTURES] = {"texture", 24, sizeof(stp_store_texture_record), code_texture},
         [STP_SECTION_MESHES] = {"mesh", 48, sizeof(stp_store_mesh_record), code_mesh},
         [STP_SECTION_POINT_SETS] = {"point set", 48, sizeof(stp_store_point_record), code_points},
-        [STP_SECTION_SURFELS] = {"surfel set", 48, sizeof(stp_store_surfels_record), code_surfels},
+        [STP_SECTION_SPLAT_SETS] = {"surfel set", 48, sizeof(stp_store_set_record), code_splat_set},
         [STP_SECTION_OCTAVES] = {"octave", 8, sizeof(stp_store_octave), code_octave},
         [STP_SECTION_BREAKPOINTS] = {"breakpoint", 8, sizeof(stp_store_breakpoint),
                                      code_breakpoint},

@@ -68,13 +68,13 @@ typedef struct stp_store_texture_record {
 /// Memory of a set's columns; src/store/sets/join_octaves.c.
 typedef struct stp_store_joined stp_store_joined;
 
-typedef struct stp_store_surfels_record {
-    stp_splats surfels;
+typedef struct stp_store_set_record {
+    stp_splats splats;
     uint32_t first_octave, first_breakpoint;
     uint32_t whole;           ///< number of complete octaves in the file
     uint32_t ready;           ///< number of octaves verified and joined in the columns
     stp_store_joined* joined; ///< memory of the columns
-} stp_store_surfels_record;
+} stp_store_set_record;
 
 /// The content key of a set or mesh.
 typedef struct stp_store_key {
@@ -139,7 +139,7 @@ typedef union stp_store_element {
     stp_store_texture_record texture;
     stp_store_mesh_record mesh;
     stp_store_point_record points;
-    stp_store_surfels_record surfels;
+    stp_store_set_record set;
     stp_store_octave octave;
     stp_store_breakpoint breakpoint;
     stp_store_view view;

@@ -13,7 +13,7 @@ typedef enum instanced {
     INSTANCED_LODS,
     INSTANCED_TRIANGLES,
     INSTANCED_POINTS,
-    INSTANCED_SURFELS,
+    INSTANCED_SPLATS,
     INSTANCED_KINDS
 } instanced;
 
@@ -65,7 +65,7 @@ static uint64_t count_parts(const accumulator* t, const stp_store_node* node,
 // A node's own counts.
 static uint64_t count_own(const accumulator* t, const stp_store_node* node, instanced kind)
 {
-    uint64_t surfels = node->surfels != STP_STORE_NONE ? t->sizes->sets[node->surfels].count : 0;
+    uint64_t surfels = node->set != STP_STORE_NONE ? t->sizes->sets[node->set].count : 0;
     switch (kind) {
     case INSTANCED_OBJECTS:
         return node->part_count != 0;
@@ -172,11 +172,11 @@ static void walk(accumulator* t, stp_store_figures* figures)
             count_part(t, d->parts[node->first_part + i], figures);
         }
         const stp_store_amount* sets = t->sizes->sets;
-        if (node->surfels != STP_STORE_NONE && sets[node->surfels].count != 0 &&
-            is_first_visit(t, t->sets_met, node->surfels)) {
+        if (node->set != STP_STORE_NONE && sets[node->set].count != 0 &&
+            is_first_visit(t, t->sets_met, node->set)) {
             figures->unique_lods += 1;
-            figures->unique_surfels += sets[node->surfels].count;
-            figures->splat_bytes += sets[node->surfels].bytes;
+            figures->unique_surfels += sets[node->set].count;
+            figures->splat_bytes += sets[node->set].bytes;
         }
         for (uint32_t m = 1; m < d->method_count; ++m) { // other methods only count for bytes
             uint32_t set = stp_store_set_of(d, m, (uint32_t)(node - d->nodes));
@@ -225,7 +225,7 @@ static void sum_stored(const accumulator* t, stp_store_figures* figures)
     for (uint32_t i = 0; i < d->texture_count; ++i) {
         figures->texture_bytes += m->textures[i].owner == i ? m->textures[i].bytes : 0;
     }
-    for (uint32_t i = 0; i < d->surfels_count; ++i) {
+    for (uint32_t i = 0; i < d->set_count; ++i) {
         figures->unique_lods += m->sets[i].count != 0;
         figures->unique_surfels += m->sets[i].count;
         figures->splat_bytes += m->sets[i].bytes;
@@ -255,7 +255,7 @@ static bool create_accumulator(accumulator* t)
     t->meshes_met = STP_NEW_ZEROED(context, uint32_t, (size_t)d->mesh_count + 1);
     t->point_sets_met = STP_NEW_ZEROED(context, uint32_t, (size_t)d->point_set_count + 1);
     t->textures_met = STP_NEW_ZEROED(context, uint32_t, (size_t)d->texture_count + 1);
-    t->sets_met = STP_NEW_ZEROED(context, uint32_t, (size_t)d->surfels_count + 1);
+    t->sets_met = STP_NEW_ZEROED(context, uint32_t, (size_t)d->set_count + 1);
     return t->sums != NULL && t->stack != NULL && t->nodes_met != NULL && t->meshes_met != NULL &&
            t->point_sets_met != NULL && t->textures_met != NULL && t->sets_met != NULL;
 }

@@ -69,7 +69,7 @@ stp_result stp_store_read_head(stp_store* store)
                                      STP_SECTION_VIEWS, STP_SECTION_SOURCES, STP_SECTION_CERTAINTY};
     const stp_store_section* texts = store->known[STP_SECTION_TEXT];
     stp_store_text text = {.context = store->context};
-    assert(store->partial && "stores opened for their summary");
+    assert(store->only_summary && "stores opened for their summary");
     if (texts != NULL && texts->record_size != 1) {
         return stp_fail(store->context, STP_ERROR_FORMAT,
                         "%s: texts have records of %u bytes, expected 1", store->path,

@@ -4,7 +4,7 @@
 // the mapped file. docs/format.md is the authority on the bytes.
 //
 // `stp_store_open` reads the whole directory and checks every count and offset in it. The data
-// of a mesh, texture or surfel set is verified (checksum, index ranges) on first use.
+// of a mesh, texture or splat set is verified (checksum, index ranges) on first use.
 #pragma once
 
 #include "base/io/hash.h"
@@ -96,8 +96,8 @@ typedef struct stp_store_edge {
 typedef struct stp_store_node {
     uint32_t first_edge, edge_count;
     uint32_t first_part, part_count;
-    uint32_t surfels; ///< its surfel set, the view from outside; STP_STORE_NONE: none
-    uint32_t flags;   ///< bit 0: moving
+    uint32_t set;   ///< its splat set, the view from outside; STP_STORE_NONE: none
+    uint32_t flags; ///< bit 0: moving
     uint64_t triangle_count, point_count; ///< below it, each instance counted
     stp_boxd bounds;
 } stp_store_node;
@@ -137,7 +137,7 @@ typedef struct stp_store_attribute_value stp_store_attribute_value; // store/set
 /// Everything but the bulk data; also the input of the writer. The store owns the arrays.
 typedef struct stp_store_directory {
     uint32_t node_count, edge_count, part_count, object_count, material_count, shading_count,
-        texture_count, mesh_count, point_set_count, surfels_count, view_count, source_count,
+        texture_count, mesh_count, point_set_count, set_count, view_count, source_count,
         method_count, attribute_count, attribute_value_count;
     const stp_store_node* nodes;
     const stp_store_edge* edges;
@@ -164,7 +164,7 @@ static inline uint32_t stp_store_set_of(const stp_store_directory* directory, ui
     assert(node < directory->node_count);
     assert(method == 0 || method < directory->method_count);
     const uint32_t* sets = method != 0 ? directory->methods[method].sets : NULL;
-    return sets != NULL ? sets[node] : directory->nodes[node].surfels;
+    return sets != NULL ? sets[node] : directory->nodes[node].set;
 }
 
 /// Index of a method in the directory; the first method if `id` is 0 or not in the file.
@@ -179,13 +179,14 @@ STP_MUST_USE stp_result stp_store_open(stp_context* context, const char* path, s
 
 /// Options for opening. Zero means the behaviour of stp_store_open.
 typedef struct stp_store_open_desc {
-    /// Accepts a truncated file that holds its whole directory. Surfel sets then have their
-    /// complete octaves (perhaps none, count 0); other data beyond the end is STP_ERROR_TRUNCATED.
-    /// Descriptions cover the whole file; ask stp_store_resident_surfels and related functions
+    /// Accepts a partial file, one that ends early, if it holds its whole directory. Splat sets then
+    /// have their complete octaves (perhaps none, count 0); other data beyond the end is
+    /// STP_ERROR_TRUNCATED.
+    /// Descriptions cover the whole file; ask stp_store_resident_splats and related functions
     /// (store/residency/residency.h) what is available.
-    bool accept_prefix;
-    /// Treats the file as truncated after this many bytes; 0: no.
-    uint64_t prefix_bytes;
+    bool accept_partial;
+    /// Treats the file as ending after this many bytes; 0: no.
+    uint64_t partial_bytes;
     /// Leaves `objects` NULL (with their count) until stp_store_load_objects.
     bool defer_objects;
     /// Reads only the file's description: summary, views, sources, methods and build parameters,
@@ -196,9 +197,9 @@ typedef struct stp_store_open_desc {
 
 STP_MUST_USE stp_result stp_store_open_with(stp_context* context, const char* path,
                                             const stp_store_open_desc* desc, stp_store** store);
-/// stp_store_open_with `accept_prefix`.
-STP_MUST_USE stp_result stp_store_open_prefix(stp_context* context, const char* path,
-                                              stp_store** store);
+/// stp_store_open_with `accept_partial`.
+STP_MUST_USE stp_result stp_store_open_partial(stp_context* context, const char* path,
+                                               stp_store** store);
 /// Opens a file in memory: 64-byte aligned, must outlive the store. `name` stands for the path.
 STP_MUST_USE stp_result stp_store_open_memory(stp_context* context, const char* name,
                                               const void* bytes, size_t size,
@@ -215,9 +216,9 @@ STP_MUST_USE stp_result stp_store_read_object_place(stp_store* store, uint32_t i
 void stp_store_close(stp_store* store);
 const stp_store_directory* stp_store_get_directory(const stp_store* store);
 uint64_t stp_store_file_bytes(const stp_store* store);
-/// Size of the whole file according to its header; above stp_store_file_bytes if truncated.
+/// Size of the whole file according to its header; above stp_store_file_bytes if partial.
 uint64_t stp_store_whole_bytes(const stp_store* store);
-bool stp_store_is_truncated(const stp_store* store);
+bool stp_store_is_partial(const stp_store* store);
 /// Maximum error of points that sets hold, on each axis, in scene units: half the coarsest grid
 /// step. 0: unknown, or no set holds points. Works for a store opened for its summary.
 double stp_store_position_error(const stp_store* store);
@@ -232,7 +233,7 @@ uint32_t stp_store_format_minor(const stp_store* store);
 const stp_store_mesh* stp_store_describe_mesh(const stp_store* store, uint32_t index);
 const stp_store_point_set* stp_store_describe_point_set(const stp_store* store, uint32_t index);
 const stp_store_texture* stp_store_describe_texture(const stp_store* store, uint32_t index);
-const stp_splats* stp_store_describe_surfels(const stp_store* store, uint32_t index);
+const stp_splats* stp_store_describe_splat_set(const stp_store* store, uint32_t index);
 /// Whether a mesh is stored as clusters (store/clusters/clusters.h); then stp_store_get_mesh fails.
 bool stp_store_is_clustered(const stp_store* store, uint32_t index);
 
@@ -253,20 +254,20 @@ STP_MUST_USE stp_result stp_store_load_texture(stp_store* store, uint32_t index,
 /// be below the directory's count. That call reports failures.
 void stp_store_decode_textures(stp_store* store, const uint32_t* textures, size_t count);
 /// The set's columns. Do not write to or free its arrays.
-STP_MUST_USE stp_result stp_store_get_surfels(stp_store* store, uint32_t index,
-                                              stp_splats* surfels);
+STP_MUST_USE stp_result stp_store_get_splat_set(stp_store* store, uint32_t index,
+                                                stp_splats* splats);
 
 /// Only the first `octave_count` octaves: reads only their blocks and allocates only their memory.
-/// Returns fewer if the set, or the complete part of a truncated file, has fewer. Requesting more
+/// Returns fewer if the set, or the complete part of a partial file, has fewer. Requesting more
 /// octaves later keeps earlier results valid, with their memory: a third more if octaves grow
 /// fourfold.
-STP_MUST_USE stp_result stp_store_get_surfels_prefix(stp_store* store, uint32_t index,
-                                                     uint32_t octave_count, stp_splats* surfels);
-/// Octaves needed to draw the first `count` surfels of a set.
-uint32_t stp_store_octaves_for(const stp_splats* surfels, uint32_t count);
+STP_MUST_USE stp_result stp_store_get_splat_set_prefix(stp_store* store, uint32_t index,
+                                                       uint32_t octave_count, stp_splats* splats);
+/// Octaves needed to draw the first `count` splats of a set.
+uint32_t stp_store_octaves_for(const stp_splats* splats, uint32_t count);
 /// Frees the memory of a set's columns and invalidates pointers to them. They can be requested
 /// again.
-void stp_store_release_surfels(stp_store* store, uint32_t index);
+void stp_store_release_splat_set(stp_store* store, uint32_t index);
 
 /// Coverage of a check, also on failure.
 typedef struct stp_store_check_report {
@@ -285,12 +286,12 @@ STP_MUST_USE stp_result stp_store_check_open(stp_store* store, bool quick,
                                              stp_store_check_report* report);
 STP_MUST_USE stp_result stp_store_check(stp_context* context, const char* path, bool quick);
 
-/// A surfel set as stored; its blocks are verified when its columns are requested. Pointers are
+/// A splat set as stored; its blocks are verified when its columns are requested. Pointers are
 /// valid as long as the store.
-typedef struct stp_store_stored_surfels {
-    uint32_t index;            ///< STP_STORE_NONE: no such key in the file
-    const stp_splats* surfels; ///< without columns (stp_store_get_surfels)
-} stp_store_stored_surfels;
+typedef struct stp_store_stored_splat_set {
+    uint32_t index;           ///< STP_STORE_NONE: no such key in the file
+    const stp_splats* splats; ///< without columns (stp_store_get_splat_set)
+} stp_store_stored_splat_set;
 
 /// A mesh as stored; the checksum of its block is verified. Pointers are valid as long as the store.
 typedef struct stp_store_stored_mesh {
@@ -303,7 +304,7 @@ typedef struct stp_store_stored_mesh {
 
 // Finds the first result with a content key. The first call builds a table. One thread at a time.
 // @return STP_OK, also if not found; STP_ERROR_FORMAT, STP_ERROR_OUT_OF_MEMORY (logged)
-STP_MUST_USE stp_result stp_store_find_surfels_by_key(stp_store* store, stp_hash key,
-                                                      stp_store_stored_surfels* found);
+STP_MUST_USE stp_result stp_store_find_splat_set_by_key(stp_store* store, stp_hash key,
+                                                        stp_store_stored_splat_set* found);
 STP_MUST_USE stp_result stp_store_find_mesh_by_key(stp_store* store, stp_hash key,
                                                    stp_store_stored_mesh* found);

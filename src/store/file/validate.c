@@ -46,10 +46,10 @@ static stp_result check_nodes(const stp_store_validator* validator,
                                 validator->path, i, child);
             }
         }
-        if (!is_reference(node->surfels, directory->surfels_count)) {
+        if (!is_reference(node->set, directory->set_count)) {
             return stp_fail(validator->context, validator->failure,
                             "%s: node %u: surfel set %u does not exist (there are %u)",
-                            validator->path, i, node->surfels, directory->surfels_count);
+                            validator->path, i, node->set, directory->set_count);
         }
         if (node->flags > 1) {
             return stp_fail(validator->context, validator->failure,
@@ -218,15 +218,15 @@ static bool is_table(const stp_prefix_table* table, uint32_t count)
     return good;
 }
 
-static bool are_octaves(const stp_splats* surfels)
+static bool are_octaves(const stp_splats* splats)
 {
-    uint32_t octaves = surfels->octave_count;
-    if (octaves > STP_OCTAVE_LIMIT || (octaves == 0) != (surfels->count == 0)) {
+    uint32_t octaves = splats->octave_count;
+    if (octaves > STP_OCTAVE_LIMIT || (octaves == 0) != (splats->count == 0)) {
         return false;
     }
-    bool good = octaves == 0 || surfels->octave_ends[octaves - 1] == surfels->count;
+    bool good = octaves == 0 || splats->octave_ends[octaves - 1] == splats->count;
     for (uint32_t i = 0; good && i < octaves; ++i) {
-        good = surfels->octave_ends[i] > stp_store_octave_begin(surfels, i);
+        good = splats->octave_ends[i] > stp_store_octave_begin(splats, i);
     }
     return good;
 }
@@ -236,35 +236,35 @@ static bool is_radius(float radius)
     return radius >= 0.0f && isfinite(radius);
 }
 
-const char* stp_store_surfels_fault(const stp_splats* surfels)
+const char* stp_store_splat_set_fault(const stp_splats* splats)
 {
     const char* fault = NULL;
-    float reach = surfels->step * 65535.0f;
-    if (!are_octaves(surfels)) {
+    float reach = splats->step * 65535.0f;
+    if (!are_octaves(splats)) {
         fault = "octave ends do not ascend to its count";
-    } else if (!is_table(&surfels->table, surfels->count)) {
+    } else if (!is_table(&splats->table, splats->count)) {
         fault = "the prefix table is not monotone";
-    } else if (surfels->count != 0 && !is_power_of_two(surfels->step)) {
+    } else if (splats->count != 0 && !is_power_of_two(splats->step)) {
         fault = "the step of its grid is not a power of two";
-    } else if (surfels->count != 0 &&
-               !(isfinite(surfels->origin.x + reach) && isfinite(surfels->origin.y + reach) &&
-                 isfinite(surfels->origin.z + reach))) {
+    } else if (splats->count != 0 &&
+               !(isfinite(splats->origin.x + reach) && isfinite(splats->origin.y + reach) &&
+                 isfinite(splats->origin.z + reach))) {
         fault = "positions of its grid are not finite";
-    } else if (!is_radius(surfels->candidate_radius) || !is_radius(surfels->paper_radius)) {
+    } else if (!is_radius(splats->candidate_radius) || !is_radius(splats->paper_radius)) {
         fault = "a radius is negative or not finite";
-    } else if ((surfels->columns & STP_SPLATS_SHAPES) != 0 &&
-               !isfinite(surfels->step * stp_shape_radius(STP_SHAPE_NOT_FINITE))) {
+    } else if ((splats->columns & STP_SPLATS_SHAPES) != 0 &&
+               !isfinite(splats->step * stp_shape_radius(STP_SHAPE_NOT_FINITE))) {
         fault = "radii of its splats are not finite";
-    } else if (surfels->paper_count > surfels->count) {
+    } else if (splats->paper_count > splats->count) {
         fault = "its paper count exceeds its count";
     }
     return fault;
 }
 
-stp_result stp_store_validate_surfels(const stp_store_validator* validator, uint32_t index,
-                                      const stp_splats* surfels)
+stp_result stp_store_validate_splat_set(const stp_store_validator* validator, uint32_t index,
+                                        const stp_splats* splats)
 {
-    const char* fault = stp_store_surfels_fault(surfels);
+    const char* fault = stp_store_splat_set_fault(splats);
     if (fault != NULL) {
         return stp_fail(validator->context, validator->failure, "%s: surfel set %u: %s",
                         validator->path, index, fault);
@@ -273,12 +273,12 @@ stp_result stp_store_validate_surfels(const stp_store_validator* validator, uint
 }
 
 stp_result stp_store_validate_leaves(const stp_store_validator* validator, uint32_t index,
-                                     const stp_splats* surfels)
+                                     const stp_splats* splats)
 {
-    const char* fault = surfels->leaf_count == 0 ? NULL
-                        : surfels->leaves == NULL
+    const char* fault = splats->leaf_count == 0 ? NULL
+                        : splats->leaves == NULL
                             ? "its leaves are missing"
-                            : stp_store_leaves_fault(surfels, surfels->leaves, surfels->leaf_count);
+                            : stp_store_leaves_fault(splats, splats->leaves, splats->leaf_count);
     if (fault != NULL) {
         return stp_fail(validator->context, validator->failure, "%s: surfel set %u: %s",
                         validator->path, index, fault);
@@ -373,8 +373,8 @@ stp_result stp_store_validate_held_points(const stp_store_validator* validator, 
     return STP_OK;
 }
 
-stp_result stp_store_validate_surfel_data(const stp_store_validator* validator, uint32_t index,
-                                          const stp_store_surfel_data* data, uint32_t shading_count)
+stp_result stp_store_validate_splat_data(const stp_store_validator* validator, uint32_t index,
+                                         const stp_store_splat_data* data, uint32_t shading_count)
 {
     uint8_t highest = 0;
     for (uint64_t i = 0; i < data->count; ++i) {

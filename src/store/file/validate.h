@@ -28,14 +28,14 @@ STP_MUST_USE stp_result stp_store_validate_material(const stp_store_validator* v
 STP_MUST_USE stp_result stp_store_validate_texture(const stp_store_validator* validator,
                                                    uint32_t index,
                                                    const stp_store_texture* texture);
-STP_MUST_USE stp_result stp_store_validate_surfels(const stp_store_validator* validator,
-                                                   uint32_t index, const stp_splats* surfels);
+STP_MUST_USE stp_result stp_store_validate_splat_set(const stp_store_validator* validator,
+                                                     uint32_t index, const stp_splats* splats);
 /// What is wrong with a set, apart from its columns, or NULL.
-const char* stp_store_surfels_fault(const stp_splats* surfels);
+const char* stp_store_splat_set_fault(const stp_splats* splats);
 
 /// The leaves of a set, if it has any.
 STP_MUST_USE stp_result stp_store_validate_leaves(const stp_store_validator* validator,
-                                                  uint32_t index, const stp_splats* surfels);
+                                                  uint32_t index, const stp_splats* splats);
 
 // The bulk data.
 STP_MUST_USE stp_result stp_store_validate_mesh_data(const stp_store_validator* validator,
@@ -48,14 +48,14 @@ STP_MUST_USE stp_result stp_store_validate_held_points(const stp_store_validator
                                                        uint32_t index,
                                                        const stp_store_point_set* points,
                                                        const stp_splats* set);
-/// The columns to be checked for some surfels of a set.
-typedef struct stp_store_surfel_data {
+/// The columns to be checked for some splats of a set.
+typedef struct stp_store_splat_data {
     uint64_t count;
     const uint8_t* materials;
     const uint32_t *shapes, *ranges; ///< NULL: the set has none
-} stp_store_surfel_data;
+} stp_store_splat_data;
 
-STP_MUST_USE stp_result stp_store_validate_surfel_data(const stp_store_validator* validator,
-                                                       uint32_t index,
-                                                       const stp_store_surfel_data* data,
-                                                       uint32_t shading_count);
+STP_MUST_USE stp_result stp_store_validate_splat_data(const stp_store_validator* validator,
+                                                      uint32_t index,
+                                                      const stp_store_splat_data* data,
+                                                      uint32_t shading_count);

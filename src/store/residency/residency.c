@@ -19,8 +19,8 @@ static const stp_store_block* block_of(const stp_store* store, stp_resident_kind
     assert(kind < STP_RESIDENT_KINDS);
     uint32_t block = 0;
     switch (kind) {
-    case STP_RESIDENT_SURFELS: {
-        const stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
+    case STP_RESIDENT_SPLATS: {
+        const stp_store_set_record* sets = store->tables[STP_SECTION_SPLAT_SETS];
         const stp_store_octave* octaves = store->tables[STP_SECTION_OCTAVES];
         block = octaves[sets[index].first_octave + octave].block;
         break;
@@ -60,8 +60,8 @@ const stp_store_block* stp_residency_block(const stp_residency* r, uint32_t reso
 
 uint64_t stp_residency_bytes(const stp_residency* r, uint32_t resource, uint32_t level)
 {
-    if (stp_residency_kind(r, resource) == STP_RESIDENT_SURFELS) {
-        return stp_store_columns_bytes(stp_residency_surfels(r, resource), level) +
+    if (stp_residency_kind(r, resource) == STP_RESIDENT_SPLATS) {
+        return stp_store_columns_bytes(stp_residency_splat_set(r, resource), level) +
                ALLOCATION_BYTES;
     }
     if (stp_residency_kind(r, resource) == STP_RESIDENT_TEXTURE) {
@@ -99,10 +99,10 @@ uint64_t stp_residency_decoder_bytes(const stp_residency* r, uint32_t resource)
 
 uint64_t stp_residency_transient(const stp_residency* r, uint32_t resource, uint32_t level)
 {
-    if (stp_residency_kind(r, resource) == STP_RESIDENT_SURFELS) {
-        const stp_splats* surfels = stp_residency_surfels(r, resource);
-        return stp_store_has_operators(r->store, resource - r->firsts[STP_RESIDENT_SURFELS], level)
-                   ? stp_store_waiting_bytes(stp_store_octave_begin(surfels, level)) +
+    if (stp_residency_kind(r, resource) == STP_RESIDENT_SPLATS) {
+        const stp_splats* splats = stp_residency_splat_set(r, resource);
+        return stp_store_has_operators(r->store, resource - r->firsts[STP_RESIDENT_SPLATS], level)
+                   ? stp_store_waiting_bytes(stp_store_octave_begin(splats, level)) +
                          ALLOCATION_BYTES
                    : 0;
     }
@@ -116,8 +116,8 @@ uint64_t stp_residency_transient(const stp_residency* r, uint32_t resource, uint
 static void count_resources(const stp_store* store, uint32_t firsts[STP_RESIDENT_KINDS + 1])
 {
     const stp_store_directory* directory = &store->directory;
-    firsts[STP_RESIDENT_SURFELS] = 0;
-    firsts[STP_RESIDENT_MESH] = directory->surfels_count;
+    firsts[STP_RESIDENT_SPLATS] = 0;
+    firsts[STP_RESIDENT_MESH] = directory->set_count;
     firsts[STP_RESIDENT_POINTS] = firsts[STP_RESIDENT_MESH] + directory->mesh_count;
     firsts[STP_RESIDENT_TEXTURE] = firsts[STP_RESIDENT_POINTS] + directory->point_set_count;
     firsts[STP_RESIDENT_LEAVES] = firsts[STP_RESIDENT_TEXTURE] + directory->texture_count;
@@ -143,7 +143,7 @@ static stp_result create_tables(stp_residency* r)
     }
     for (uint32_t i = 0; i < count; ++i) {
         if (i < r->firsts[STP_RESIDENT_MESH]) {
-            const stp_store_surfels_record* sets = r->store->tables[STP_SECTION_SURFELS];
+            const stp_store_set_record* sets = r->store->tables[STP_SECTION_SPLAT_SETS];
             r->resources[i].maximum = (uint8_t)sets[i].whole;
         } else {
             stp_resident_kind kind = stp_residency_kind(r, i);
@@ -263,7 +263,7 @@ stp_result stp_residency_create(stp_store* store, const stp_residency_desc* desc
                                 stp_residency** residency)
 {
     *residency = NULL;
-    if (store->partial || store->residency != NULL) {
+    if (store->only_summary || store->residency != NULL) {
         return stp_fail(store->context, STP_ERROR_ARGUMENT,
                         "%s: cannot load bulk data for this store", store->path);
     }
@@ -298,8 +298,8 @@ stp_result stp_residency_create(stp_store* store, const stp_residency_desc* desc
         return result;
     }
     choose_pins(r);
-    for (uint32_t i = 0; i < store->directory.surfels_count; ++i) {
-        stp_store_release_surfels(store, i);
+    for (uint32_t i = 0; i < store->directory.set_count; ++i) {
+        stp_store_release_splat_set(store, i);
     }
     stp_store_release_textures(store);
     stp_store_release_leaves(store);
@@ -369,15 +369,15 @@ void stp_residency_get_stats(const stp_residency* r, stp_residency_stats* stats)
 
 bool stp_store_streams(const stp_store* store)
 {
-    return store->residency != NULL || stp_store_is_truncated(store);
+    return store->residency != NULL || stp_store_is_partial(store);
 }
 
-uint32_t stp_store_resident_surfels(const stp_store* store, uint32_t index)
+uint32_t stp_store_resident_splats(const stp_store* store, uint32_t index)
 {
-    const stp_splats* surfels = stp_store_describe_surfels(store, index);
-    const stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
+    const stp_splats* splats = stp_store_describe_splat_set(store, index);
+    const stp_store_set_record* sets = store->tables[STP_SECTION_SPLAT_SETS];
     const stp_residency* r = store->residency;
-    return stp_store_octave_begin(surfels,
+    return stp_store_octave_begin(splats,
                                   r == NULL ? sets[index].whole : r->resources[index].level);
 }
 
@@ -412,7 +412,7 @@ bool stp_store_are_points_resident(const stp_store* store, uint32_t index)
 {
     const stp_store_point_set* points = stp_store_describe_point_set(store, index);
     if (points->held_by != 0) {
-        return stp_store_resident_surfels(store, points->held_by - 1) == points->point_count;
+        return stp_store_resident_splats(store, points->held_by - 1) == points->point_count;
     }
     return !stp_store_streams(store) || is_resource_here(store, STP_RESIDENT_POINTS, index);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Bulk data under a memory limit (docs/algorithms/residency.md). Worker threads read octaves of
-// surfel sets, meshes, point sets and textures, most needed first, and less needed data is dropped.
+// splat sets, meshes, point sets and textures, most needed first, and less needed data is dropped.
 // With a residency attached, a store gives only *resident* data and never waits for the disk.
 //
 // Everything but reading happens in stp_residency_update. The thread that selects and draws calls
@@ -13,8 +13,8 @@
 #include "store/file/store.h"
 
 typedef enum stp_resident_kind {
-    STP_RESIDENT_SURFELS, ///< loaded octave by octave
-    STP_RESIDENT_MESH,    ///< with the textures of its material
+    STP_RESIDENT_SPLATS, ///< loaded octave by octave
+    STP_RESIDENT_MESH,   ///< with the textures of its material
     STP_RESIDENT_POINTS,
     STP_RESIDENT_TEXTURE, ///< not as part of a mesh
     STP_RESIDENT_LEAVES,  ///< leaves of a set, with their tree
@@ -27,9 +27,9 @@ typedef enum stp_resident_kind {
 typedef struct stp_data_request {
     stp_resident_kind kind;
     uint32_t index;
-    uint32_t octaves; ///< number of octaves, for surfels
+    uint32_t octaves; ///< number of octaves, for splats
     float need;       ///< need while nothing of it is resident
-    /// Surfels: the need of an octave is this times the radius covered without it.
+    /// Splats: the need of an octave is this times the radius covered without it.
     float octave_need;
     uint32_t resource; ///< stp_store_resource; ignored here, for callers that keep lists
 } stp_data_request;
@@ -89,10 +89,10 @@ void stp_residency_get_stats(const stp_residency* residency, stp_residency_stats
 
 // Queries of resident data; without a residency, of all data in the file. `index` must be below the
 // directory's count.
-/// Whether directory entries may lack data: the store has a residency, or its file is truncated.
+/// Whether directory entries may lack data: the store has a residency, or a partial file.
 bool stp_store_streams(const stp_store* store);
-/// Number of a set's first surfels that are resident.
-uint32_t stp_store_resident_surfels(const stp_store* store, uint32_t index);
+/// Number of a set's first splats that are resident.
+uint32_t stp_store_resident_splats(const stp_store* store, uint32_t index);
 /// A mesh is resident together with the textures of its material.
 bool stp_store_is_mesh_resident(const stp_store* store, uint32_t index);
 bool stp_store_are_points_resident(const stp_store* store, uint32_t index);

@@ -23,10 +23,10 @@ typedef struct stp_load {
     uint64_t bytes;          ///< size of `memory` plus temporary buffers
     uint64_t read_bytes;     ///< from the file
     unsigned char* picture;  ///< buffer for a texture's image file; NULL: read directly
-    uint32_t* waiting;       ///< surfels: stp_store_block_source; NULL: no operators
+    uint32_t* waiting;       ///< splats: stp_store_block_source; NULL: no operators
     uint64_t decoder;        ///< bytes reserved for the decoder of `picture`
     uint64_t transient;      ///< part of `bytes` that only loading needs
-    stp_splats columns;      ///< surfels: in `memory`, cut to `to`
+    stp_splats columns;      ///< splats: in `memory`, truncated to `to`
     stp_splats before;       ///< the resident columns; `from` octaves are copied from them
     stp_clusters clusters;   ///< a coded mesh, opened
     stp_store_leaves leaves; ///< leaves of a set, opened
@@ -87,7 +87,7 @@ struct stp_residency {
 static inline stp_resident_kind stp_residency_kind(const stp_residency* r, uint32_t resource)
 {
     assert(resource < r->firsts[STP_RESIDENT_KINDS] && "or the loop would not end");
-    uint32_t kind = STP_RESIDENT_SURFELS;
+    uint32_t kind = STP_RESIDENT_SPLATS;
     while (resource >= r->firsts[kind + 1]) {
         kind += 1;
     }
@@ -95,10 +95,10 @@ static inline stp_resident_kind stp_residency_kind(const stp_residency* r, uint3
 }
 
 /// The set of a resource of that kind.
-static inline const stp_splats* stp_residency_surfels(const stp_residency* r, uint32_t resource)
+static inline const stp_splats* stp_residency_splat_set(const stp_residency* r, uint32_t resource)
 {
-    assert(stp_residency_kind(r, resource) == STP_RESIDENT_SURFELS);
-    return stp_store_describe_surfels(r->store, resource - r->firsts[STP_RESIDENT_SURFELS]);
+    assert(stp_residency_kind(r, resource) == STP_RESIDENT_SPLATS);
+    return stp_store_describe_splat_set(r->store, resource - r->firsts[STP_RESIDENT_SPLATS]);
 }
 
 /// The texture of a resource of that kind, as described by the file.

@@ -70,7 +70,7 @@ static bool read_part(void* user, uint64_t offset, void* bytes, size_t size)
 static bool read_octave(stp_residency* r, stp_load* load, uint32_t octave)
 {
     assert(octave >= load->from && octave < load->to && "earlier octaves are copied");
-    uint32_t index = load->resource - r->firsts[STP_RESIDENT_SURFELS];
+    uint32_t index = load->resource - r->firsts[STP_RESIDENT_SPLATS];
     const stp_store_block* block = stp_residency_block(r, load->resource, octave);
     stp_store_octave_span span = stp_store_span_of(&load->columns, octave, block->encoding);
     stp_store_block_source source = {.block = block,
@@ -78,7 +78,7 @@ static bool read_octave(stp_residency* r, stp_load* load, uint32_t octave)
                                      .user = r,
                                      .set = &load->columns,
                                      .waiting = load->waiting};
-    void* targets[STP_SURFEL_COLUMNS];
+    void* targets[STP_OCTAVE_COLUMNS];
     stp_store_octave_targets(&load->columns, octave, targets);
     const char* fault = stp_store_read_chunks(&source, &span, 0, stp_store_chunk_count(&span),
                                               targets, &load->read_bytes);
@@ -95,14 +95,14 @@ static bool read_octave(stp_residency* r, stp_load* load, uint32_t octave)
     }
     stp_store_validator validator = stp_store_own_validator(r->store);
     validator.warns = true;
-    stp_store_surfel_data data = {span.end - span.first, targets[STP_SURFEL_MATERIALS],
-                                  targets[STP_SURFEL_SHAPES], targets[STP_SURFEL_RANGES]};
+    stp_store_splat_data data = {span.end - span.first, targets[STP_OCTAVE_MATERIALS],
+                                 targets[STP_OCTAVE_SHAPES], targets[STP_OCTAVE_RANGES]};
     if (fault == NULL) {
         stp_store_make_groups(&load->columns, span.first, span.end);
     }
     return fault == NULL &&
-           stp_store_validate_surfel_data(&validator, index, &data,
-                                          r->store->directory.shading_count) == STP_OK;
+           stp_store_validate_splat_data(&validator, index, &data,
+                                         r->store->directory.shading_count) == STP_OK;
 }
 
 static bool check_mesh(stp_residency* r, stp_load* load)
@@ -190,7 +190,7 @@ static void fill_load(stp_residency* r, stp_load* load)
     load->reached = load->from;
     load->read_bytes = 0;
     stp_resident_kind kind = stp_residency_kind(r, load->resource);
-    if (kind == STP_RESIDENT_SURFELS) {
+    if (kind == STP_RESIDENT_SPLATS) {
         if (load->from > 0) {
             stp_store_copy_columns(&load->columns, &load->before, load->from);
         }

@@ -37,12 +37,11 @@ static float need_after(const stp_residency* r, uint32_t resource, uint32_t leve
     if (level < t->pinned) {
         return STP_NEED_MAX;
     }
-    if (level == 0 || stp_residency_kind(r, resource) != STP_RESIDENT_SURFELS) {
+    if (level == 0 || stp_residency_kind(r, resource) != STP_RESIDENT_SPLATS) {
         return t->need;
     }
-    const stp_splats* surfels = stp_residency_surfels(r, resource);
-    return t->octave_need *
-           stp_prefix_table_radius(&surfels->table, surfels->octave_ends[level - 1]);
+    const stp_splats* splats = stp_residency_splat_set(r, resource);
+    return t->octave_need * stp_prefix_table_radius(&splats->table, splats->octave_ends[level - 1]);
 }
 
 /// Level of a resource that this update's view, or its pin, needs.
@@ -95,10 +94,10 @@ static void note_requests(stp_residency* r, const stp_data_request* requests, si
         const stp_data_request* request = &requests[i];
         uint32_t resource = r->firsts[request->kind] + request->index;
         assert(request->kind < STP_RESIDENT_KINDS && resource < r->firsts[request->kind + 1]);
-        bool surfels = request->kind == STP_RESIDENT_SURFELS;
+        bool splats = request->kind == STP_RESIDENT_SPLATS;
         uint32_t octaves =
             request->octaves < STP_OCTAVE_LIMIT ? request->octaves : STP_OCTAVE_LIMIT;
-        note(r, resource, surfels ? octaves : 1, request->need, request->octave_need);
+        note(r, resource, splats ? octaves : 1, request->need, request->octave_need);
         if (request->kind == STP_RESIDENT_MESH) {
             note_textures(r, request->index, request->need);
         }
@@ -162,9 +161,9 @@ static void drop_victim(stp_residency* r)
     const stp_resident* t = &r->resources[resource];
     assert(r->victim_count > 0 && t->load == NULL && t->level > t->pinned);
     uint32_t target = find_target(r, t);
-    bool surfels = stp_residency_kind(r, resource) == STP_RESIDENT_SURFELS;
+    bool splats = stp_residency_kind(r, resource) == STP_RESIDENT_SPLATS;
     r->dropped_wanted = r->dropped_wanted || (target > 0 && t->level <= target);
-    uint32_t level = target == 0 ? t->pinned : surfels ? t->level - 1u : 0;
+    uint32_t level = target == 0 ? t->pinned : splats ? t->level - 1u : 0;
     level = t->level > target && target > level ? target : level;
     assert(level < t->level && "make_room makes progress");
     stp_residency_drop(r, resource, level);
@@ -253,7 +252,7 @@ static bool plan_step(stp_residency* r, uint32_t* skips)
     stp_resident* t = &r->resources[resource];
     stp_load* load = t->load;
     uint32_t target = find_target(r, t), from = load != NULL ? load->to : t->level;
-    uint32_t to = stp_residency_kind(r, resource) == STP_RESIDENT_SURFELS
+    uint32_t to = stp_residency_kind(r, resource) == STP_RESIDENT_SPLATS
                       ? find_next(r, resource, from, target)
                       : 1;
     assert(from < target && to <= t->maximum);

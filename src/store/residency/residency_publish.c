@@ -6,11 +6,11 @@
 
 #include <assert.h>
 
-static stp_store_surfels_record* surfels_record(const stp_residency* r, uint32_t resource)
+static stp_store_set_record* set_record(const stp_residency* r, uint32_t resource)
 {
-    assert(stp_residency_kind(r, resource) == STP_RESIDENT_SURFELS);
-    stp_store_surfels_record* records = r->store->tables[STP_SECTION_SURFELS];
-    return &records[resource - r->firsts[STP_RESIDENT_SURFELS]];
+    assert(stp_residency_kind(r, resource) == STP_RESIDENT_SPLATS);
+    stp_store_set_record* records = r->store->tables[STP_SECTION_SPLAT_SETS];
+    return &records[resource - r->firsts[STP_RESIDENT_SPLATS]];
 }
 
 /// Memory for the texels and, for a picture, its file and decoder.
@@ -36,12 +36,12 @@ static bool prepare_texture(stp_residency* r, stp_load* load)
 }
 
 /// Memory for the columns and, for operators, the queue of parents.
-static bool prepare_surfels(stp_residency* r, stp_load* load)
+static bool prepare_splats(stp_residency* r, stp_load* load)
 {
-    const stp_splats* surfels = &surfels_record(r, load->resource)->surfels;
-    load->before = *surfels;
-    load->columns = *surfels;
-    stp_store_cut_surfels(&load->columns, load->to);
+    const stp_splats* splats = &set_record(r, load->resource)->splats;
+    load->before = *splats;
+    load->columns = *splats;
+    stp_store_truncate_splat_set(&load->columns, load->to);
     if (load->transient != 0) {
         load->waiting = stp_alloc(r->context, (size_t)stp_store_waiting_bytes(load->columns.count));
         if (load->waiting == NULL) {
@@ -58,8 +58,8 @@ static bool prepare_surfels(stp_residency* r, stp_load* load)
 
 bool stp_residency_prepare(stp_residency* r, stp_load* load)
 {
-    if (stp_residency_kind(r, load->resource) == STP_RESIDENT_SURFELS) {
-        return prepare_surfels(r, load);
+    if (stp_residency_kind(r, load->resource) == STP_RESIDENT_SPLATS) {
+        return prepare_splats(r, load);
     }
     if (stp_residency_kind(r, load->resource) == STP_RESIDENT_TEXTURE) {
         return prepare_texture(r, load);
@@ -178,8 +178,8 @@ void stp_residency_take(stp_residency* r, stp_load* load)
         t->bytes = load->bytes;
         t->level = (uint8_t)load->reached;
         t->arrival = ++r->store->arrivals;
-        if (stp_residency_kind(r, load->resource) == STP_RESIDENT_SURFELS) {
-            stp_store_set_columns(surfels_record(r, load->resource), load->memory, &load->columns,
+        if (stp_residency_kind(r, load->resource) == STP_RESIDENT_SPLATS) {
+            stp_store_set_columns(set_record(r, load->resource), load->memory, &load->columns,
                                   load->reached);
         } else {
             publish(r, load->resource, load->memory, load);
@@ -194,17 +194,17 @@ static bool shorten(stp_residency* r, uint32_t resource, uint32_t level)
 {
     stp_resident* t = &r->resources[resource];
     assert(level >= 1 && level < t->level);
-    stp_store_surfels_record* record = surfels_record(r, resource);
-    stp_splats columns = record->surfels;
+    stp_store_set_record* record = set_record(r, resource);
+    stp_splats columns = record->splats;
     uint64_t bytes = stp_residency_bytes(r, resource, level);
-    stp_store_cut_surfels(&columns, level);
+    stp_store_truncate_splat_set(&columns, level);
     stp_store_joined* memory =
         r->bytes + bytes <= r->limit ? stp_store_reserve_columns(r->context, &columns) : NULL;
     if (memory == NULL) {
         return false;
     }
     stp_residency_count(r, bytes);
-    stp_store_copy_columns(&columns, &record->surfels, level);
+    stp_store_copy_columns(&columns, &record->splats, level);
     free_resource(r, t);
     stp_store_set_columns(record, memory, &columns, level);
     t->memory = memory;
@@ -218,7 +218,7 @@ void stp_residency_drop(stp_residency* r, uint32_t resource, uint32_t level)
     stp_resident* t = &r->resources[resource];
     assert(level < t->level);
     uint32_t before = t->level;
-    if (stp_residency_kind(r, resource) != STP_RESIDENT_SURFELS) {
+    if (stp_residency_kind(r, resource) != STP_RESIDENT_SPLATS) {
         publish(r, resource, NULL, NULL);
         free_resource(r, t);
     } else {
@@ -228,7 +228,7 @@ void stp_residency_drop(stp_residency* r, uint32_t resource, uint32_t level)
         if (level == 0) {
             stp_splats none = {0};
             free_resource(r, t);
-            stp_store_set_columns(surfels_record(r, resource), NULL, &none, 0);
+            stp_store_set_columns(set_record(r, resource), NULL, &none, 0);
         }
     }
     r->stats.dropped += before - t->level;

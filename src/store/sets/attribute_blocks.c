@@ -76,10 +76,10 @@ static bool is_attribute_block(const stp_store_block* block)
 // Index of an octave among all octaves; point sets follow. STP_STORE_NONE: no such owner.
 static uint32_t place_of(const stp_store* store, const stp_store_block* block)
 {
-    const stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
+    const stp_store_set_record* sets = store->tables[STP_SECTION_SPLAT_SETS];
     if (block->kind == STP_BLOCK_ATTRIBUTES) {
-        bool there = block->owner < store->counts[STP_SECTION_SURFELS] &&
-                     block->octave < sets[block->owner].surfels.octave_count;
+        bool there = block->owner < store->counts[STP_SECTION_SPLAT_SETS] &&
+                     block->octave < sets[block->owner].splats.octave_count;
         return there ? sets[block->owner].first_octave + block->octave : STP_STORE_NONE;
     }
     bool there = block->owner < store->counts[STP_SECTION_POINT_SETS] && block->octave == 0;
@@ -92,7 +92,7 @@ static uint64_t count_of(const stp_store* store, const stp_store_block* block)
     if (block->kind == STP_BLOCK_POINT_ATTRIBUTES) {
         return stp_store_describe_point_set(store, block->owner)->point_count;
     }
-    const stp_splats* set = stp_store_describe_surfels(store, block->owner);
+    const stp_splats* set = stp_store_describe_splat_set(store, block->owner);
     assert(block->octave < set->octave_count);
     return set->octave_ends[block->octave] - stp_store_octave_begin(set, block->octave);
 }
@@ -182,7 +182,7 @@ uint32_t stp_store_point_attributes(const stp_store* store, uint32_t point_set)
 {
     uint32_t held_by = stp_store_describe_point_set(store, point_set)->held_by;
     if (held_by != 0) {
-        const stp_splats* set = stp_store_describe_surfels(store, held_by - 1);
+        const stp_splats* set = stp_store_describe_splat_set(store, held_by - 1);
         return set->octave_count != 0
                    ? stp_store_octave_attributes(store, held_by - 1, set->octave_count - 1)
                    : 0;
@@ -264,16 +264,16 @@ static stp_result get_values(stp_store* store, const stp_store_values* values,
 stp_result stp_store_get_values(stp_store* store, uint32_t set, stp_attribute attribute,
                                 uint32_t first, uint32_t count, void* values)
 {
-    const stp_splats* surfels =
-        set < store->directory.surfels_count ? stp_store_describe_surfels(store, set) : NULL;
-    if (surfels == NULL || first > surfels->count || count > surfels->count - first) {
+    const stp_splats* splats =
+        set < store->directory.set_count ? stp_store_describe_splat_set(store, set) : NULL;
+    if (splats == NULL || first > splats->count || count > splats->count - first) {
         return stp_store_fail_index(store, "splat of a set, the last of values,", first + count);
     }
     size_t size = stp_attribute_size(attribute);
     uint64_t end = (uint64_t)first + count;
     stp_result result = STP_OK;
-    for (uint32_t k = 0; k < surfels->octave_count && result == STP_OK; ++k) {
-        uint64_t begin = stp_store_octave_begin(surfels, k), octave_end = surfels->octave_ends[k];
+    for (uint32_t k = 0; k < splats->octave_count && result == STP_OK; ++k) {
+        uint64_t begin = stp_store_octave_begin(splats, k), octave_end = splats->octave_ends[k];
         uint64_t from = first > begin ? first : begin, to = end < octave_end ? end : octave_end;
         if (from < to) {
             stp_store_values block = stp_store_values_of(store, STP_BLOCK_ATTRIBUTES, set, k);

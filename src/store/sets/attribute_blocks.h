@@ -35,7 +35,7 @@ uint32_t stp_store_octave_attributes(const stp_store* store, uint32_t set, uint3
 uint32_t stp_store_point_attributes(const stp_store* store, uint32_t point_set);
 
 /// Values of splats [first, first + count) of a set, in their memory format (stipple/attributes.h).
-/// Octaves without the attribute, or beyond the end of a truncated file, give 0. @return STP_OK,
+/// Octaves without the attribute, or beyond the end of a partial file, give 0. @return STP_OK,
 /// STP_ERROR_FORMAT, STP_ERROR_ARGUMENT (no such set, or too few splats); logged
 STP_MUST_USE stp_result stp_store_get_values(stp_store* store, uint32_t set,
                                              stp_attribute attribute, uint32_t first,

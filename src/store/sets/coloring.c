@@ -47,8 +47,8 @@ stp_result stp_store_set_coloring(stp_store* store, const stp_store_coloring* co
                         "%s: colours cannot change while data is being loaded", store->path);
     }
     store->coloring = coloring != NULL ? *coloring : none;
-    for (uint32_t i = 0; i < store->directory.surfels_count; ++i) {
-        stp_store_release_surfels(store, i);
+    for (uint32_t i = 0; i < store->directory.set_count; ++i) {
+        stp_store_release_splat_set(store, i);
     }
     stp_store_release_points(store); // the file's own colours are restored on the next use
     return STP_OK;
@@ -120,32 +120,32 @@ static void copy_earlier(const stp_store_coloring* c, const stp_splats* s, uint3
 }
 
 const char* stp_store_color_octave(const stp_store* store, uint32_t index, uint32_t octave,
-                                   const stp_splats* surfels, const stp_store_block_source* source,
+                                   const stp_splats* splats, const stp_store_block_source* source,
                                    uint64_t* read_bytes)
 {
     const stp_store_coloring* c = &store->coloring;
     if (!stp_store_is_colored(store)) {
         return NULL;
     }
-    size_t entry = (size_t)stp_store_pyramid_begin(surfels, octave);
-    size_t end = (size_t)stp_store_pyramid_begin(surfels, octave + 1);
-    bool flat = (surfels->columns & STP_SPLATS_FLAT_COLORS) != 0;
-    size_t begin = flat ? 0 : stp_store_octave_begin(surfels, octave);
+    size_t entry = (size_t)stp_store_pyramid_begin(splats, octave);
+    size_t end = (size_t)stp_store_pyramid_begin(splats, octave + 1);
+    bool flat = (splats->columns & STP_SPLATS_FLAT_COLORS) != 0;
+    size_t begin = flat ? 0 : stp_store_octave_begin(splats, octave);
     for (size_t i = entry; c->hides && i < end; ++i) {
-        surfels->coverages[i] =
-            surfels->coverages[i] > MIN_COVERAGE ? surfels->coverages[i] : MIN_COVERAGE;
+        splats->coverages[i] =
+            splats->coverages[i] > MIN_COVERAGE ? splats->coverages[i] : MIN_COVERAGE;
     }
     stp_store_values values = stp_store_values_of(store, STP_BLOCK_ATTRIBUTES, index, octave);
     assert(values.block == NULL || values.count == end - entry - begin);
     if (!flat && octave > 0) {
-        copy_earlier(c, surfels, octave, entry, stp_store_has_bit(values.attributes, c->attribute));
+        copy_earlier(c, splats, octave, entry, stp_store_has_bit(values.attributes, c->attribute));
     }
     values.read = source->read;
     values.user = source->user;
     paint p = {.coloring = c,
-               .colors = surfels->colors + 3 * (entry + begin),
+               .colors = splats->colors + 3 * (entry + begin),
                .stride = 3,
-               .marks = surfels->coverages + entry + begin,
+               .marks = splats->coverages + entry + begin,
                .mark_stride = 1};
     return paint_values(&values, &p, read_bytes);
 }

@@ -45,35 +45,35 @@ uint64_t stp_store_point_columns(uint32_t point_count, uint32_t present,
     return place(columns, sizes, STP_POINT_COLUMNS, STP_STORE_COLUMN_ALIGNMENT);
 }
 
-uint64_t stp_store_surfel_columns(const stp_splats* surfels, uint32_t octave,
+uint64_t stp_store_octave_columns(const stp_splats* splats, uint32_t octave,
                                   stp_store_column columns[STP_STORE_COLUMN_LIMIT])
 {
-    assert(octave < surfels->octave_count);
-    uint64_t prefix = surfels->octave_ends[octave];
-    assert(prefix >= stp_store_octave_begin(surfels, octave) && "octave ends ascend");
-    uint64_t n = prefix - stp_store_octave_begin(surfels, octave);
-    uint64_t entries = (surfels->columns & STP_SPLATS_FLAT_COLORS) != 0 ? n : prefix;
-    uint64_t sizes[STP_SURFEL_COLUMNS] = {
-        [STP_SURFEL_POSITIONS] = 6 * n,
-        [STP_SURFEL_NORMALS] = 2 * n,
-        [STP_SURFEL_MATERIALS] = n,
-        [STP_SURFEL_COLORS] = 3 * entries,
-        [STP_SURFEL_COVERAGES] = entries,
-        [STP_SURFEL_SHAPES] = (surfels->columns & STP_SPLATS_SHAPES) != 0 ? 4 * n : 0,
-        [STP_SURFEL_RANGES] = (surfels->columns & STP_SPLATS_RANGES) != 0 ? 4 * n : 0,
+    assert(octave < splats->octave_count);
+    uint64_t prefix = splats->octave_ends[octave];
+    assert(prefix >= stp_store_octave_begin(splats, octave) && "octave ends ascend");
+    uint64_t n = prefix - stp_store_octave_begin(splats, octave);
+    uint64_t entries = (splats->columns & STP_SPLATS_FLAT_COLORS) != 0 ? n : prefix;
+    uint64_t sizes[STP_OCTAVE_COLUMNS] = {
+        [STP_OCTAVE_POSITIONS] = 6 * n,
+        [STP_OCTAVE_NORMALS] = 2 * n,
+        [STP_OCTAVE_MATERIALS] = n,
+        [STP_OCTAVE_COLORS] = 3 * entries,
+        [STP_OCTAVE_COVERAGES] = entries,
+        [STP_OCTAVE_SHAPES] = (splats->columns & STP_SPLATS_SHAPES) != 0 ? 4 * n : 0,
+        [STP_OCTAVE_RANGES] = (splats->columns & STP_SPLATS_RANGES) != 0 ? 4 * n : 0,
     };
-    return place(columns, sizes, STP_SURFEL_COLUMNS, 1);
+    return place(columns, sizes, STP_OCTAVE_COLUMNS, 1);
 }
 
-uint64_t stp_store_pyramid_begin(const stp_splats* surfels, uint32_t octave)
+uint64_t stp_store_pyramid_begin(const stp_splats* splats, uint32_t octave)
 {
-    assert(octave <= surfels->octave_count);
+    assert(octave <= splats->octave_count);
     uint64_t entries = 0;
-    if ((surfels->columns & STP_SPLATS_FLAT_COLORS) != 0) {
-        return stp_store_octave_begin(surfels, octave);
+    if ((splats->columns & STP_SPLATS_FLAT_COLORS) != 0) {
+        return stp_store_octave_begin(splats, octave);
     }
     for (uint32_t i = 0; i < octave; ++i) {
-        entries += surfels->octave_ends[i];
+        entries += splats->octave_ends[i];
     }
     return entries;
 }

@@ -31,41 +31,41 @@ typedef enum stp_store_point_column {
     STP_POINT_COLUMNS
 } stp_store_point_column;
 
-typedef enum stp_store_surfel_column {
-    STP_SURFEL_POSITIONS,
-    STP_SURFEL_NORMALS,
-    STP_SURFEL_MATERIALS,
-    STP_SURFEL_COLORS,
-    STP_SURFEL_COVERAGES,
-    STP_SURFEL_SHAPES,
-    STP_SURFEL_RANGES,
-    STP_SURFEL_COLUMNS
-} stp_store_surfel_column;
+typedef enum stp_store_octave_column {
+    STP_OCTAVE_POSITIONS,
+    STP_OCTAVE_NORMALS,
+    STP_OCTAVE_MATERIALS,
+    STP_OCTAVE_COLORS,
+    STP_OCTAVE_COVERAGES,
+    STP_OCTAVE_SHAPES,
+    STP_OCTAVE_RANGES,
+    STP_OCTAVE_COLUMNS
+} stp_store_octave_column;
 
 // Each function fills `columns` and returns the size of the block.
 uint64_t stp_store_mesh_columns(uint32_t vertex_count, uint32_t triangle_count, uint32_t present,
                                 stp_store_column columns[STP_STORE_COLUMN_LIMIT]);
 uint64_t stp_store_point_columns(uint32_t point_count, uint32_t present,
                                  stp_store_column columns[STP_STORE_COLUMN_LIMIT]);
-/// Columns of octave `octave`: the surfels it adds, with their colours and coverages. Colours and
+/// Columns of octave `octave`: the splats it adds, with their colours and coverages. Colours and
 /// coverages are those of the whole prefix unless they are flat.
-uint64_t stp_store_surfel_columns(const stp_splats* surfels, uint32_t octave,
+uint64_t stp_store_octave_columns(const stp_splats* splats, uint32_t octave,
                                   stp_store_column columns[STP_STORE_COLUMN_LIMIT]);
 
-/// Number of surfels before octave `octave`.
-static inline uint32_t stp_store_octave_begin(const stp_splats* surfels, uint32_t octave)
+/// Number of splats before octave `octave`.
+static inline uint32_t stp_store_octave_begin(const stp_splats* splats, uint32_t octave)
 {
-    assert(octave <= surfels->octave_count);
-    return octave == 0 ? 0 : surfels->octave_ends[octave - 1];
+    assert(octave <= splats->octave_count);
+    return octave == 0 ? 0 : splats->octave_ends[octave - 1];
 }
 
 /// Number of colour entries before octave `octave`, or of all octaves if it is the octave count.
-/// Flat colours have one entry per surfel.
-uint64_t stp_store_pyramid_begin(const stp_splats* surfels, uint32_t octave);
+/// Flat colours have one entry per splat.
+uint64_t stp_store_pyramid_begin(const stp_splats* splats, uint32_t octave);
 
-/// Index of surfel 0 among the colours with which octave `octave` draws a prefix.
-static inline uint64_t stp_store_colors_begin(const stp_splats* surfels, uint32_t octave)
+/// Index of splat 0 among the colours with which octave `octave` draws a prefix.
+static inline uint64_t stp_store_colors_begin(const stp_splats* splats, uint32_t octave)
 {
-    bool flat = (surfels->columns & STP_SPLATS_FLAT_COLORS) != 0;
-    return flat ? 0 : stp_store_pyramid_begin(surfels, octave);
+    bool flat = (splats->columns & STP_SPLATS_FLAT_COLORS) != 0;
+    return flat ? 0 : stp_store_pyramid_begin(splats, octave);
 }

@@ -21,7 +21,7 @@ const stp_store_block* stp_store_block_at(const stp_store* store, uint32_t index
     return &blocks[index];
 }
 
-// Blocks follow each other without gaps up to the end of the file, coarse surfels first.
+// Blocks follow each other without gaps up to the end of the file, coarse splats first.
 static stp_result check_blocks(const stp_store* store)
 {
     uint64_t end = store->data_offset;
@@ -50,7 +50,7 @@ static stp_result check_block(const stp_store* store, uint32_t index, stp_store_
 {
     static const char* const names[STP_BLOCK_END] = {
         [STP_BLOCK_MESH] = "mesh",       [STP_BLOCK_POINT_SET] = "point set",
-        [STP_BLOCK_TEXTURE] = "texture", [STP_BLOCK_SURFELS] = "surfel set",
+        [STP_BLOCK_TEXTURE] = "texture", [STP_BLOCK_SPLATS] = "surfel set",
         [STP_BLOCK_CLUSTERS] = "mesh",   [STP_BLOCK_LEAVES] = "surfel set",
     };
     assert(wanted.kind < STP_BLOCK_END && names[wanted.kind] != NULL);
@@ -63,10 +63,10 @@ static stp_result check_block(const stp_store* store, uint32_t index, stp_store_
         return fail_format(store, names[wanted.kind], wanted.owner,
                            "its block belongs to another owner");
     }
-    const stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
+    const stp_store_set_record* sets = store->tables[STP_SECTION_SPLAT_SETS];
     uint32_t known = STP_STORE_ENCODING_PLAIN;
-    if (wanted.kind == STP_BLOCK_SURFELS) {
-        known = sets[wanted.owner].surfels.columns == STP_OPERATOR_COLUMNS
+    if (wanted.kind == STP_BLOCK_SPLATS) {
+        known = sets[wanted.owner].splats.columns == STP_OPERATOR_COLUMNS
                     ? STP_STORE_ENCODING_OPERATORS
                     : STP_STORE_ENCODING_CHUNKS;
     }
@@ -76,9 +76,9 @@ static stp_result check_block(const stp_store* store, uint32_t index, stp_store_
                         names[wanted.kind], wanted.owner, block->encoding);
     }
     bool fits = block->size == wanted.size;
-    if (wanted.kind == STP_BLOCK_SURFELS) {
+    if (wanted.kind == STP_BLOCK_SPLATS) {
         stp_store_octave_span span =
-            stp_store_span_of(&sets[wanted.owner].surfels, wanted.octave, block->encoding);
+            stp_store_span_of(&sets[wanted.owner].splats, wanted.octave, block->encoding);
         fits = stp_store_can_hold(&span, block->size);
     }
     if (!fits) {
@@ -98,45 +98,45 @@ bool stp_store_is_block_here(const stp_store* store, const stp_store_block* bloc
 static stp_result gather_set(stp_store* store, uint32_t index, uint64_t* octave_end,
                              uint64_t* breakpoint_end)
 {
-    stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
+    stp_store_set_record* sets = store->tables[STP_SECTION_SPLAT_SETS];
     const stp_store_octave* octaves = store->tables[STP_SECTION_OCTAVES];
     const stp_store_breakpoint* breakpoints = store->tables[STP_SECTION_BREAKPOINTS];
-    stp_store_surfels_record* set = &sets[index];
-    stp_splats* surfels = &set->surfels;
-    if (surfels->octave_count > STP_OCTAVE_LIMIT || surfels->table.size > STP_PREFIX_TABLE_SIZE) {
+    stp_store_set_record* set = &sets[index];
+    stp_splats* splats = &set->splats;
+    if (splats->octave_count > STP_OCTAVE_LIMIT || splats->table.size > STP_PREFIX_TABLE_SIZE) {
         return fail_format(store, "surfel set", index, "has too many octaves or breakpoints");
     }
     if (set->first_octave != *octave_end || set->first_breakpoint != *breakpoint_end) {
         return fail_format(store, "surfel set", index,
                            "its octaves or breakpoints do not follow those of the previous set");
     }
-    *octave_end += surfels->octave_count;
-    *breakpoint_end += surfels->table.size;
+    *octave_end += splats->octave_count;
+    *breakpoint_end += splats->table.size;
     if (*octave_end > store->counts[STP_SECTION_OCTAVES] ||
         *breakpoint_end > store->counts[STP_SECTION_BREAKPOINTS]) {
         return fail_format(store, "surfel set", index, "its octaves or breakpoints are missing");
     }
-    surfels->plain_coverages = store->minor < STP_STORE_MINOR_COVERAGES;
-    for (uint32_t i = 0; i < surfels->octave_count; ++i) {
-        surfels->octave_ends[i] = octaves[set->first_octave + i].end;
+    splats->plain_coverages = store->minor < STP_STORE_MINOR_COVERAGES;
+    for (uint32_t i = 0; i < splats->octave_count; ++i) {
+        splats->octave_ends[i] = octaves[set->first_octave + i].end;
     }
-    for (uint32_t i = 0; i < surfels->table.size; ++i) {
-        surfels->table.count[i] = breakpoints[set->first_breakpoint + i].count;
-        surfels->table.radius[i] = breakpoints[set->first_breakpoint + i].radius;
+    for (uint32_t i = 0; i < splats->table.size; ++i) {
+        splats->table.count[i] = breakpoints[set->first_breakpoint + i].count;
+        splats->table.radius[i] = breakpoints[set->first_breakpoint + i].radius;
     }
     return STP_OK;
 }
 
-// Links each octave to its block, in order. Counts the octaves that a truncated file holds whole.
+// Links each octave to its block, in order. Counts the octaves that a partial file holds whole.
 static stp_result link_octaves(stp_store* store, uint32_t index)
 {
-    stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
+    stp_store_set_record* sets = store->tables[STP_SECTION_SPLAT_SETS];
     const stp_store_octave* octaves = store->tables[STP_SECTION_OCTAVES];
-    const stp_splats* surfels = &sets[index].surfels;
+    const stp_splats* splats = &sets[index].splats;
     sets[index].whole = 0;
-    for (uint32_t k = 0; k < surfels->octave_count; ++k) {
+    for (uint32_t k = 0; k < splats->octave_count; ++k) {
         uint32_t number = octaves[sets[index].first_octave + k].block;
-        stp_store_block wanted = {.kind = STP_BLOCK_SURFELS, .owner = index, .octave = k};
+        stp_store_block wanted = {.kind = STP_BLOCK_SPLATS, .owner = index, .octave = k};
         stp_result result = check_block(store, number, wanted);
         if (result != STP_OK) {
             return result;
@@ -153,13 +153,13 @@ static stp_result link_octaves(stp_store* store, uint32_t index)
 
 static stp_result link_sets(stp_store* store)
 {
-    const stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
+    const stp_store_set_record* sets = store->tables[STP_SECTION_SPLAT_SETS];
     stp_store_validator validator = stp_store_own_validator(store);
     uint64_t octave_end = 0, breakpoint_end = 0;
-    for (uint32_t i = 0; i < store->counts[STP_SECTION_SURFELS]; ++i) {
+    for (uint32_t i = 0; i < store->counts[STP_SECTION_SPLAT_SETS]; ++i) {
         stp_result result = gather_set(store, i, &octave_end, &breakpoint_end);
         if (result == STP_OK) {
-            result = stp_store_validate_surfels(&validator, i, &sets[i].surfels);
+            result = stp_store_validate_splat_set(&validator, i, &sets[i].splats);
         }
         if (result == STP_OK) {
             result = link_octaves(store, i);
@@ -211,17 +211,17 @@ static stp_result link_mesh(const stp_store* store, uint32_t index)
 static stp_result link_held_points(const stp_store* store, uint32_t index)
 {
     const stp_store_point_record* sets = store->tables[STP_SECTION_POINT_SETS];
-    const stp_store_surfels_record* splats = store->tables[STP_SECTION_SURFELS];
+    const stp_store_set_record* splats = store->tables[STP_SECTION_SPLAT_SETS];
     const stp_store_point_record* record = &sets[index];
     assert(record->points.held_by != 0);
     uint32_t set = record->points.held_by - 1;
     if (record->block != STP_STORE_NONE ||
         record->present != (STP_COLUMN_NORMALS | STP_COLUMN_COLORS) ||
-        set >= store->counts[STP_SECTION_SURFELS]) {
+        set >= store->counts[STP_SECTION_SPLAT_SETS]) {
         return fail_format(store, "point set", index, "names no surfel set that can hold it");
     }
     stp_store_validator validator = stp_store_own_validator(store);
-    return stp_store_validate_held_points(&validator, index, &record->points, &splats[set].surfels);
+    return stp_store_validate_held_points(&validator, index, &record->points, &splats[set].splats);
 }
 
 static stp_result link_points(const stp_store* store, uint32_t index)
@@ -249,7 +249,8 @@ static stp_result link_points(const stp_store* store, uint32_t index)
 static stp_result link_leaves(const stp_store* store, uint64_t* owned)
 {
     const stp_store_leaves_record* records = store->tables[STP_SECTION_LEAVES];
-    uint32_t count = store->counts[STP_SECTION_LEAVES], sets = store->counts[STP_SECTION_SURFELS];
+    uint32_t count = store->counts[STP_SECTION_LEAVES],
+             sets = store->counts[STP_SECTION_SPLAT_SETS];
     stp_result result = STP_OK;
     *owned = 0;
     if (store->known[STP_SECTION_LEAVES] != NULL && count != sets) {

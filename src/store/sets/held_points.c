@@ -57,7 +57,7 @@ stp_result stp_store_make_held_points(stp_store* store, uint32_t index,
 {
     assert(record->points.held_by != 0);
     stp_splats set;
-    stp_result result = stp_store_get_surfels(store, record->points.held_by - 1, &set);
+    stp_result result = stp_store_get_splat_set(store, record->points.held_by - 1, &set);
     if (result != STP_OK) {
         return result;
     }

@@ -41,7 +41,7 @@ const char* stp_store_open_leaves(const stp_store* store, uint32_t set, void* me
     uint32_t count = stp_store_leaf_count(store, set);
     const stp_splat_leaf* first = memory;
     const char* fault =
-        stp_store_leaves_fault(stp_store_describe_surfels(store, set), first, count);
+        stp_store_leaves_fault(stp_store_describe_splat_set(store, set), first, count);
     if (fault == NULL) {
         stp_leaf_node* nodes =
             (stp_leaf_node*)(void*)((unsigned char*)memory + STP_STORE_LEAF_BYTES * (size_t)count);

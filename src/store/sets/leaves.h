@@ -17,7 +17,7 @@ typedef struct stp_store_leaves {
 /// Number of leaves that the file lists for a set.
 uint32_t stp_store_leaf_count(const stp_store* store, uint32_t set);
 /// Verifies the block on first use and builds the tree. Gives no leaves if the set has none or they
-/// are not available: a truncated file, or not loaded yet (store/residency/residency.h). @return STP_OK,
+/// are not available: a partial file, or not loaded yet (store/residency/residency.h). @return STP_OK,
 /// STP_ERROR_FORMAT, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_store_get_leaves(stp_store* store, uint32_t set,
                                              stp_store_leaves* leaves);

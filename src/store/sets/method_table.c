@@ -34,7 +34,7 @@ bool stp_store_lists_methods(const stp_store_directory* directory)
 // What is wrong with a method whose sets must begin at `first_set`, or NULL.
 static const char* find_fault(const stp_store_directory* d, uint32_t index, uint32_t first_set)
 {
-    assert(first_set <= d->surfels_count);
+    assert(first_set <= d->set_count);
     const stp_store_method* method = &d->methods[index];
     for (uint32_t i = 0; i < index; ++i) {
         if (d->methods[i].id == method->id) {
@@ -44,7 +44,7 @@ static const char* find_fault(const stp_store_directory* d, uint32_t index, uint
     if (method->name == NULL || method->name[0] == '\0' || method->id == 0) {
         return "has no name or id";
     }
-    if (method->first_set != first_set || method->set_count > d->surfels_count - first_set) {
+    if (method->first_set != first_set || method->set_count > d->set_count - first_set) {
         return "has sets that do not follow those of the previous method";
     }
     if ((method->columns & ~(uint32_t)STP_SPLATS_COLUMNS) != 0) {
@@ -64,10 +64,10 @@ static stp_result check_table(const stp_store_validator* validator, const stp_st
         }
         end += d->methods[i].set_count;
     }
-    if (end != d->surfels_count) {
+    if (end != d->set_count) {
         return stp_fail(validator->context, validator->failure,
                         "%s: has %u sets, %u of them without a method", validator->path,
-                        d->surfels_count, d->surfels_count - end);
+                        d->set_count, d->set_count - end);
     }
     return STP_OK;
 }
@@ -76,7 +76,7 @@ static stp_result check_table(const stp_store_validator* validator, const stp_st
 static stp_result check_first(const stp_store_validator* validator, const stp_store_directory* d)
 {
     for (uint32_t i = 0; i < d->node_count; ++i) {
-        uint32_t set = d->nodes[i].surfels;
+        uint32_t set = d->nodes[i].set;
         if (set != STP_STORE_NONE && set >= d->methods[0].set_count) {
             return stp_fail(validator->context, validator->failure,
                             "%s: node %u: set %u is not of the first method", validator->path, i,
@@ -131,7 +131,7 @@ stp_result stp_store_validate_methods(const stp_store_validator* validator,
     }
     for (uint32_t m = 0; m < d->method_count && result == STP_OK; ++m) {
         for (uint32_t i = 0; i < d->methods[m].set_count; ++i) {
-            const stp_splats* set = &content->surfels[d->methods[m].first_set + i];
+            const stp_splats* set = &content->sets[d->methods[m].first_set + i];
             bool shapes = (set->columns & STP_SPLATS_SHAPES) != 0;
             bool ranges = (set->columns & STP_SPLATS_RANGES) != 0;
             bool there = set->count == 0 ||
@@ -152,10 +152,10 @@ static stp_result gather_sets(stp_store* store)
     const stp_store_directory* d = &store->directory;
     const uint32_t* nodes = store->tables[STP_SECTION_METHOD_NODES];
     uint32_t first = store->methods[0].set_count, count = store->counts[STP_SECTION_METHOD_NODES];
-    assert(first <= d->surfels_count);
-    if (count != d->surfels_count - first) {
+    assert(first <= d->set_count);
+    if (count != d->set_count - first) {
         return stp_fail(store->context, STP_ERROR_FORMAT, "%s: lists nodes for %u sets but has %u",
-                        store->path, count, d->surfels_count - first);
+                        store->path, count, d->set_count - first);
     }
     size_t each = d->node_count;
     if (d->method_count <= 1) {
@@ -188,11 +188,11 @@ static stp_result gather_sets(stp_store* store)
 
 static void spread_columns(stp_store* store)
 {
-    stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
+    stp_store_set_record* sets = store->tables[STP_SECTION_SPLAT_SETS];
     for (uint32_t m = 0; m < store->directory.method_count; ++m) {
         const stp_store_method* method = &store->methods[m];
         for (uint32_t i = 0; i < method->set_count; ++i) {
-            sets[method->first_set + i].surfels.columns = method->columns;
+            sets[method->first_set + i].splats.columns = method->columns;
         }
     }
 }
@@ -211,7 +211,7 @@ static stp_result drop_unknown(stp_store* store)
         }
         const uint32_t* sets = store->methods[m].sets;
         for (uint32_t i = 0; kept == 0 && sets != NULL && i < d->node_count; ++i) {
-            nodes[i].surfels = sets[i];
+            nodes[i].set = sets[i];
         }
         store->methods[kept] = store->methods[m];
         store->methods[kept].sets = kept == 0 ? NULL : sets;
@@ -262,7 +262,7 @@ stp_result stp_store_read_methods(stp_store* store, stp_store_text* text)
         return result;
     }
     if (store->known[STP_SECTION_METHODS] == NULL) {
-        store->methods[0].set_count = d->surfels_count;
+        store->methods[0].set_count = d->set_count;
     }
     stp_store_validator validator = stp_store_own_validator(store);
     result = check_table(&validator, d);

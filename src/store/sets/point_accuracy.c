@@ -20,19 +20,19 @@ stp_result stp_store_validate_certainty(const stp_store* store)
 stp_result stp_store_link_certainty(stp_store* store)
 {
     const stp_store_certainty* records = store->tables[STP_SECTION_CERTAINTY];
-    stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
+    stp_store_set_record* sets = store->tables[STP_SECTION_SPLAT_SETS];
     uint32_t count = store->counts[STP_SECTION_CERTAINTY];
     if (store->known[STP_SECTION_CERTAINTY] != NULL &&
-        count != store->counts[STP_SECTION_SURFELS]) {
+        count != store->counts[STP_SECTION_SPLAT_SETS]) {
         return stp_fail(store->context, STP_ERROR_FORMAT,
                         "%s: lists the certainty of %u surfel sets but has %u", store->path, count,
-                        store->counts[STP_SECTION_SURFELS]);
+                        store->counts[STP_SECTION_SPLAT_SETS]);
     }
     stp_result result = stp_store_validate_certainty(store);
-    assert(count <= store->counts[STP_SECTION_SURFELS]);
+    assert(count <= store->counts[STP_SECTION_SPLAT_SETS]);
     for (uint32_t i = 0; i < count && result == STP_OK; ++i) {
-        sets[i].surfels.unknown_signs = (records[i].flags & STP_CERTAINTY_UNKNOWN_SIGNS) != 0;
-        sets[i].surfels.position_error = records[i].position_error;
+        sets[i].splats.unknown_signs = (records[i].flags & STP_CERTAINTY_UNKNOWN_SIGNS) != 0;
+        sets[i].splats.position_error = records[i].position_error;
     }
     return result;
 }

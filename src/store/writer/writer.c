@@ -108,27 +108,27 @@ static stp_result check_content(const stp_store_writing* w)
                                              d->material_count);
         if (result == STP_OK && points->held_by == 0) {
             result = stp_store_validate_point_data(&validator, i, points);
-        } else if (result == STP_OK && points->held_by > d->surfels_count) {
+        } else if (result == STP_OK && points->held_by > d->set_count) {
             result = stp_fail(w->context, STP_ERROR_ARGUMENT,
                               "%s: point set %u: surfel set %u does not exist (there are %u)",
-                              w->path, i, points->held_by - 1, d->surfels_count);
+                              w->path, i, points->held_by - 1, d->set_count);
         } else if (result == STP_OK) {
             result = stp_store_validate_held_points(&validator, i, points,
-                                                    &w->content->surfels[points->held_by - 1]);
+                                                    &w->content->sets[points->held_by - 1]);
         }
     }
     for (uint32_t i = 0; i < d->texture_count && result == STP_OK; ++i) {
         result = stp_store_validate_texture(&validator, i, &w->content->textures[i]);
     }
     result = result == STP_OK ? stp_store_validate_pictures(&validator, w->content) : result;
-    for (uint32_t i = 0; i < d->surfels_count && result == STP_OK; ++i) {
-        const stp_splats* surfels = &w->content->surfels[i];
-        result = stp_store_validate_surfels(&validator, i, surfels);
-        result = result == STP_OK ? stp_store_validate_leaves(&validator, i, surfels) : result;
+    for (uint32_t i = 0; i < d->set_count && result == STP_OK; ++i) {
+        const stp_splats* splats = &w->content->sets[i];
+        result = stp_store_validate_splat_set(&validator, i, splats);
+        result = result == STP_OK ? stp_store_validate_leaves(&validator, i, splats) : result;
         if (result == STP_OK) {
-            stp_store_surfel_data data = {surfels->count, surfels->materials, surfels->shapes,
-                                          surfels->ranges};
-            result = stp_store_validate_surfel_data(&validator, i, &data, d->shading_count);
+            stp_store_splat_data data = {splats->count, splats->materials, splats->shapes,
+                                         splats->ranges};
+            result = stp_store_validate_splat_data(&validator, i, &data, d->shading_count);
         }
     }
     return result;

@@ -16,10 +16,10 @@ struct stp_store_content {
     const stp_coded_mesh* coded_meshes;
     const stp_store_point_set* point_sets;
     const stp_store_texture* textures;
-    const stp_splats* surfels;
+    const stp_splats* sets;
     const stp_store_census* census; ///< NULL: guessed from nodes and objects
     // content keys (all zero: none); NULL: no keys at all
-    const stp_hash* surfel_keys;
+    const stp_hash* set_keys;
     const stp_hash* mesh_keys;
     /// Called occasionally while attributes are measured and blocks are written, so that memory that
     /// can be read again may be released. NULL: there is none.

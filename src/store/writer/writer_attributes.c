@@ -195,7 +195,7 @@ static const void* values_of(const stp_store_writing* w, const stp_store_block* 
     if (block->kind == STP_BLOCK_POINT_ATTRIBUTES) {
         return w->content->point_sets[block->owner].attributes[a];
     }
-    const stp_splats* set = &w->content->surfels[block->owner];
+    const stp_splats* set = &w->content->sets[block->owner];
     size_t begin = stp_store_octave_begin(set, block->octave);
     return (const unsigned char*)set->attributes[a] + begin * stp_attribute_size((stp_attribute)a);
 }
@@ -205,7 +205,7 @@ static uint64_t count_of(const stp_store_writing* w, const stp_store_block* bloc
     if (block->kind == STP_BLOCK_POINT_ATTRIBUTES) {
         return w->content->point_sets[block->owner].point_count;
     }
-    const stp_splats* set = &w->content->surfels[block->owner];
+    const stp_splats* set = &w->content->sets[block->owner];
     assert(block->octave < set->octave_count);
     return set->octave_ends[block->octave] - stp_store_octave_begin(set, block->octave);
 }

@@ -93,8 +93,8 @@ static stp_result write_block(stp_store_writing* w, const stp_store_block* block
         return write_points(w, block->owner);
     case STP_BLOCK_LEAVES:
         assert(block->size ==
-               STP_STORE_LEAF_BYTES * (uint64_t)w->content->surfels[block->owner].leaf_count);
-        return stp_store_emit(w, w->content->surfels[block->owner].leaves, (size_t)block->size);
+               STP_STORE_LEAF_BYTES * (uint64_t)w->content->sets[block->owner].leaf_count);
+        return stp_store_emit(w, w->content->sets[block->owner].leaves, (size_t)block->size);
     default: {
         assert(block->kind == STP_BLOCK_TEXTURE);
         const stp_store_texture* texture = &w->content->textures[block->owner];
@@ -132,7 +132,7 @@ stp_result stp_store_write_blocks(stp_store_writing* w)
     stp_result result = stp_store_batch_create(w, &batch);
     uint64_t written = stp_file_writer_size(w->file);
     for (uint32_t i = 0; i < w->plan.block_count && result == STP_OK; ++i) {
-        if (w->plan.blocks[i].kind == STP_BLOCK_SURFELS) {
+        if (w->plan.blocks[i].kind == STP_BLOCK_SPLATS) {
             result = stp_store_batch_add(batch, i);
         } else { // after the octaves before it
             result = stp_store_batch_flush(batch);
@@ -142,7 +142,7 @@ stp_result stp_store_write_blocks(stp_store_writing* w)
                      : values         ? stp_store_write_values(w, &w->plan.blocks[i])
                                       : write_plain(w, &w->plan.blocks[i]);
         }
-        uint64_t pages = w->plan.blocks[i].kind == STP_BLOCK_SURFELS ? OCTAVE_PAGES : 0;
+        uint64_t pages = w->plan.blocks[i].kind == STP_BLOCK_SPLATS ? OCTAVE_PAGES : 0;
         stp_store_count_read(w, stp_file_writer_size(w->file) - written + pages);
         written = stp_file_writer_size(w->file);
     }

@@ -36,7 +36,7 @@ struct stp_store_batch {
 
 static stp_store_octave_span span_of(const stp_store_writing* w, const stp_store_block* block)
 {
-    return stp_store_span_of(&w->content->surfels[block->owner], block->octave,
+    return stp_store_span_of(&w->content->sets[block->owner], block->octave,
                              STP_STORE_ENCODING_CHUNKS);
 }
 
@@ -71,24 +71,24 @@ void stp_store_batch_destroy(stp_store_batch* b)
 }
 
 /// Concatenates the columns of a chunk. @return their size
-static size_t gather(const stp_splats* surfels, const stp_store_block* block,
+static size_t gather(const stp_splats* splats, const stp_store_block* block,
                      const stp_store_octave_span* span, uint32_t chunk, unsigned char* out)
 {
     uint32_t begin = chunk == 0 ? span->begin : stp_store_chunk_end(span, chunk - 1);
     size_t place = begin > span->first ? begin : span->first;
-    size_t entry = (size_t)stp_store_pyramid_begin(surfels, block->octave) + begin - span->begin;
-    const void* sources[STP_SURFEL_COLUMNS] = {
-        [STP_SURFEL_POSITIONS] = surfels->positions + 3 * place,
-        [STP_SURFEL_NORMALS] = surfels->normals + 2 * place,
-        [STP_SURFEL_MATERIALS] = surfels->materials + place,
-        [STP_SURFEL_COLORS] = surfels->colors + 3 * entry,
-        [STP_SURFEL_COVERAGES] = surfels->coverages + entry,
-        [STP_SURFEL_SHAPES] = surfels->shapes != NULL ? surfels->shapes + place : NULL,
-        [STP_SURFEL_RANGES] = surfels->ranges != NULL ? surfels->ranges + place : NULL,
+    size_t entry = (size_t)stp_store_pyramid_begin(splats, block->octave) + begin - span->begin;
+    const void* sources[STP_OCTAVE_COLUMNS] = {
+        [STP_OCTAVE_POSITIONS] = splats->positions + 3 * place,
+        [STP_OCTAVE_NORMALS] = splats->normals + 2 * place,
+        [STP_OCTAVE_MATERIALS] = splats->materials + place,
+        [STP_OCTAVE_COLORS] = splats->colors + 3 * entry,
+        [STP_OCTAVE_COVERAGES] = splats->coverages + entry,
+        [STP_OCTAVE_SHAPES] = splats->shapes != NULL ? splats->shapes + place : NULL,
+        [STP_OCTAVE_RANGES] = splats->ranges != NULL ? splats->ranges + place : NULL,
     };
     stp_store_column columns[STP_STORE_COLUMN_LIMIT];
     size_t size = (size_t)stp_store_chunk_columns(span, chunk, columns);
-    for (int i = 0; i < STP_SURFEL_COLUMNS; ++i) {
+    for (int i = 0; i < STP_OCTAVE_COLUMNS; ++i) {
         if (columns[i].size != 0) {
             memcpy(out + columns[i].offset, sources[i], (size_t)columns[i].size);
         }
@@ -104,7 +104,7 @@ static size_t pack_operators(const stp_store_batch* b, size_t index, const unsig
     const stp_store_block* block = &b->w->plan.blocks[chunk->block];
     stp_store_octave_span span = span_of(b->w, block);
     stp_operator_run run = {
-        .set = &b->w->content->surfels[block->owner],
+        .set = &b->w->content->sets[block->owner],
         .begin = chunk->chunk == 0 ? span.begin : stp_store_chunk_end(&span, chunk->chunk - 1),
         .end = stp_store_chunk_end(&span, chunk->chunk),
         .base = chunk->base,
@@ -136,7 +136,7 @@ static void pack_chunks(size_t begin, size_t end, uint32_t worker, void* user)
         const stp_store_block* block = &w->plan.blocks[chunk->block];
         stp_store_octave_span span = span_of(w, block);
         unsigned char* out = b->bytes + i * STP_STORE_PIECE_BYTES;
-        size_t size = gather(&w->content->surfels[block->owner], block, &span, chunk->chunk, bytes);
+        size_t size = gather(&w->content->sets[block->owner], block, &span, chunk->chunk, bytes);
         bool good = b->packers[worker] != NULL || w->content->passing;
         if (chunk->encoding == STP_STORE_ENCODING_OPERATORS) {
             chunk->size = (uint32_t)pack_operators(b, i, bytes, size, out);
@@ -253,7 +253,7 @@ static void take_parents(stp_store_batch* b, uint32_t base, uint32_t begin, uint
 
 stp_result stp_store_batch_add(stp_store_batch* b, uint32_t block)
 {
-    const stp_splats* set = &b->w->content->surfels[b->w->plan.blocks[block].owner];
+    const stp_splats* set = &b->w->content->sets[b->w->plan.blocks[block].owner];
     stp_store_octave_span span = span_of(b->w, &b->w->plan.blocks[block]);
     uint32_t count = stp_store_chunk_count(&span), begin = span.begin;
     uint32_t* order = NULL;

@@ -27,7 +27,7 @@ static const uint8_t section_order[] = {
     STP_SECTION_TEXTURES,
     STP_SECTION_MESHES,
     STP_SECTION_POINT_SETS,
-    STP_SECTION_SURFELS,
+    STP_SECTION_SPLAT_SETS,
     STP_SECTION_OCTAVES,
     STP_SECTION_BREAKPOINTS,
     STP_SECTION_METHODS,
@@ -181,13 +181,13 @@ static stp_store_element make_record(const stp_store_writing* w, uint32_t type, 
         break;
     }
     case STP_SECTION_LEAVES:
-        element.leaves.leaf_count = content->surfels[index].leaf_count;
+        element.leaves.leaf_count = content->sets[index].leaf_count;
         element.leaves.block = w->plan.leaf_blocks[index];
         break;
     case STP_SECTION_CERTAINTY:
         element.certainty = (stp_store_certainty){
-            .flags = content->surfels[index].unknown_signs ? STP_CERTAINTY_UNKNOWN_SIGNS : 0,
-            .position_error = content->surfels[index].position_error};
+            .flags = content->sets[index].unknown_signs ? STP_CERTAINTY_UNKNOWN_SIGNS : 0,
+            .position_error = content->sets[index].position_error};
         break;
     case STP_SECTION_POINT_SETS:
         element.points.points = content->point_sets[index];
@@ -217,8 +217,8 @@ static stp_result write_records(stp_store_writing* w, uint32_t type, uint32_t co
 // A section of the sets: their records, octaves or breakpoints, in the order of the sets.
 static stp_result write_sets(stp_store_writing* w, uint32_t type)
 {
-    uint32_t set_count = w->content->directory.surfels_count;
-    const stp_splats* sets = w->content->surfels;
+    uint32_t set_count = w->content->directory.set_count;
+    const stp_splats* sets = w->content->sets;
     uint64_t octaves = 0, breakpoints = 0;
     for (uint32_t i = 0; i < set_count; ++i) {
         octaves += sets[i].octave_count;
@@ -228,22 +228,22 @@ static stp_result write_sets(stp_store_writing* w, uint32_t type)
         return stp_fail(w->context, STP_ERROR_LIMIT, "%s: cannot hold %llu breakpoints", w->path,
                         (unsigned long long)breakpoints);
     }
-    uint64_t count = type == STP_SECTION_SURFELS   ? set_count
-                     : type == STP_SECTION_OCTAVES ? octaves
-                                                   : breakpoints;
+    uint64_t count = type == STP_SECTION_SPLAT_SETS ? set_count
+                     : type == STP_SECTION_OCTAVES  ? octaves
+                                                    : breakpoints;
     stp_result result = begin_section(w, type, count);
     uint32_t octave = 0, breakpoint = 0;
     for (uint32_t i = 0; i < set_count && result == STP_OK; ++i) {
         const stp_splats* set = &sets[i];
-        uint32_t records = type == STP_SECTION_SURFELS   ? 1
-                           : type == STP_SECTION_OCTAVES ? set->octave_count
-                                                         : set->table.size;
+        uint32_t records = type == STP_SECTION_SPLAT_SETS ? 1
+                           : type == STP_SECTION_OCTAVES  ? set->octave_count
+                                                          : set->table.size;
         for (uint32_t k = 0; k < records && result == STP_OK; ++k) {
             stp_store_element element = {0};
-            if (type == STP_SECTION_SURFELS) {
-                element.surfels.surfels = *set;
-                element.surfels.first_octave = octave;
-                element.surfels.first_breakpoint = breakpoint;
+            if (type == STP_SECTION_SPLAT_SETS) {
+                element.set.splats = *set;
+                element.set.first_octave = octave;
+                element.set.first_breakpoint = breakpoint;
             } else if (type == STP_SECTION_OCTAVES) {
                 element.octave.end = set->octave_ends[k];
                 element.octave.block = w->plan.octave_blocks[octave + k];
@@ -269,18 +269,18 @@ static stp_result write_bytes(stp_store_writing* w, uint32_t type, const void* b
     return end_section(w, type, result);
 }
 
-// One key per surfel set, then one per mesh; no section if there are no keys.
+// One key per splat set, then one per mesh; no section if there are no keys.
 static stp_result write_keys(stp_store_writing* w)
 {
     const stp_store_content* content = w->content;
-    uint32_t sets = content->directory.surfels_count, meshes = content->directory.mesh_count;
-    bool keyed = content->surfel_keys != NULL || content->mesh_keys != NULL;
+    uint32_t sets = content->directory.set_count, meshes = content->directory.mesh_count;
+    bool keyed = content->set_keys != NULL || content->mesh_keys != NULL;
     uint64_t count = keyed ? (uint64_t)sets + meshes : 0;
     stp_result result = begin_section(w, STP_SECTION_KEYS, count);
     for (uint64_t i = 0; i < count && result == STP_OK; ++i) {
         stp_store_element element = {0};
-        if (i < sets && content->surfel_keys != NULL) {
-            element.key.hash = content->surfel_keys[i];
+        if (i < sets && content->set_keys != NULL) {
+            element.key.hash = content->set_keys[i];
         } else if (i >= sets && content->mesh_keys != NULL) {
             element.key.hash = content->mesh_keys[i - sets];
         }
@@ -304,7 +304,7 @@ static stp_result write_methods(stp_store_writing* w)
 static stp_result write_method_nodes(stp_store_writing* w)
 {
     const stp_store_directory* d = &w->content->directory;
-    uint32_t first = d->methods[0].set_count, count = d->surfels_count - first;
+    uint32_t first = d->methods[0].set_count, count = d->set_count - first;
     uint32_t* nodes = STP_NEW_ARRAY(w->context, uint32_t, (size_t)count + 1);
     if (nodes == NULL) {
         return stp_fail_memory(w->context);
@@ -373,7 +373,7 @@ static stp_result write_section(stp_store_writing* w, uint32_t type)
         return write_records(w, type, d->point_set_count);
     case STP_SECTION_LEAVES:
     case STP_SECTION_CERTAINTY:
-        return write_records(w, type, d->surfels_count);
+        return write_records(w, type, d->set_count);
     case STP_SECTION_VIEWS:
         return write_table(w, type, d->views, d->view_count);
     case STP_SECTION_SOURCES:
@@ -426,13 +426,13 @@ static bool is_wanted(const stp_store_writing* w, uint32_t type)
         }
         return any;
     case STP_SECTION_LEAVES:
-        for (uint32_t i = 0; i < d->surfels_count; ++i) {
-            any = any || w->content->surfels[i].leaf_count > 0;
+        for (uint32_t i = 0; i < d->set_count; ++i) {
+            any = any || w->content->sets[i].leaf_count > 0;
         }
         return any;
     case STP_SECTION_CERTAINTY:
-        for (uint32_t i = 0; i < d->surfels_count; ++i) {
-            const stp_splats* set = &w->content->surfels[i];
+        for (uint32_t i = 0; i < d->set_count; ++i) {
+            const stp_splats* set = &w->content->sets[i];
             any = any || set->unknown_signs || set->position_error > 0.0f;
         }
         return any;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Cost of a node in transition from its set to its content: never much more than the more expensive
+// Cost of a node in its level switch, from its set to its content: never much more than the more expensive
 // of the two.
 #include "support_built.h"
 #include "tests.h"
@@ -61,8 +61,8 @@ static bool find_wanted(const stp_store* store, const stp_view* view, float spla
         return false;
     }
     double radius = 0.5 * (double)splat_size * stp_view_frame_pixel_size(&frame, *depth);
-    const stp_splats* surfels = stp_store_describe_surfels(store, node->surfels);
-    *wanted = stp_prefix_table_count(&surfels->table, (float)(radius / stp_affine_scale(place)));
+    const stp_splats* splats = stp_store_describe_splat_set(store, node->set);
+    *wanted = stp_prefix_table_count(&splats->table, (float)(radius / stp_affine_scale(place)));
     return true;
 }
 
@@ -112,7 +112,7 @@ static bool stands_alone(const stp_store* store, const stp_draw_list* originals,
     return true;
 }
 
-// Checks every leaf whose set is listed. @return how many of them are in transition; -1: one costs
+// Checks every leaf whose set is listed. @return how many of them are in it; -1: one costs
 // too much
 static int check_leaves(const stp_store* store, const stp_view* view, float splat_size,
                         const stp_draw_list* list, const stp_draw_list* originals)
@@ -121,11 +121,11 @@ static int check_leaves(const stp_store* store, const stp_view* view, float spla
     int both = 0;
     for (size_t i = 0; i < list->count; ++i) {
         const stp_draw_item* item = &list->items[i];
-        for (uint32_t n = 0; n < d->node_count && item->kind == STP_DRAW_SURFELS; ++n) {
+        for (uint32_t n = 0; n < d->node_count && item->kind == STP_DRAW_SPLATS; ++n) {
             const stp_store_node* node = &d->nodes[n];
             double depth;
             uint32_t wanted;
-            if (node->surfels != item->index || node->edge_count > 0 || node->point_count > 0 ||
+            if (node->set != item->index || node->edge_count > 0 || node->point_count > 0 ||
                 !stands_alone(store, originals, node, &item->transform) ||
                 !find_wanted(store, view, splat_size, node, &item->transform, &depth, &wanted)) {
                 continue;
@@ -208,7 +208,7 @@ static stp_result generate_model(stp_scene* scene, const char* name, void* user)
 
 static stp_store* open_model(stp_context* context, uint32_t uses)
 {
-    char folder[64] = "stp_transition_XXXXXX", path[96];
+    char folder[64] = "stp_level_switch_XXXXXX", path[96];
     if (mkdtemp(folder) == NULL) {
         return NULL;
     }

@@ -18,19 +18,17 @@ static stp_store* open_levels(stp_context* context, made_scene* s)
                       .mesh_count = 1,
                       .material_count = 1,
                       .shading_count = 1,
-                      .surfels_count = 2};
+                      .set_count = 2};
     s->materials[0] = made_material();
     s->shadings[0] = (stp_shading){.roughness = 1};
-    s->surfels[0] = made_square_surfels(context, 4, dark);
-    s->surfels[1] = made_square_surfels(context, 5, bright);
+    s->sets[0] = made_square_set(context, 4, dark);
+    s->sets[1] = made_square_set(context, 5, bright);
     s->meshes[0] = made_square(0);
     s->parts[0] = (stp_store_part){STP_STORE_PART_MESH, 0};
     s->edges[0] = (stp_store_edge){0, stp_affine_identity()};
     stp_boxd flat = {{-1, -1, 0}, {1, 1, 0}};
-    s->nodes[0] =
-        (stp_store_node){.part_count = 1, .surfels = 1, .triangle_count = 2, .bounds = flat};
-    s->nodes[1] =
-        (stp_store_node){.edge_count = 1, .surfels = 0, .triangle_count = 2, .bounds = flat};
+    s->nodes[0] = (stp_store_node){.part_count = 1, .set = 1, .triangle_count = 2, .bounds = flat};
+    s->nodes[1] = (stp_store_node){.edge_count = 1, .set = 0, .triangle_count = 2, .bounds = flat};
     return made_open(context, s);
 }
 
@@ -89,7 +87,7 @@ void test_level_switch_pops_a_quarter_as_much_as_switching(test_state* test)
     }
     CHECK(all[1] > 40.0 && all[0] < 0.25 * all[1]);
     for (int i = 0; i < 2; ++i) {
-        made_free_surfels(context, &scene.surfels[i]);
+        made_free_set(context, &scene.sets[i]);
     }
     stp_store_close(store);
     stp_context_destroy(context);

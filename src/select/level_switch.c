@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
-// Transitions between levels: the share of a node's children shown at a depth, and runs of splats
-// between two depths.
+// The level switch: the share of a node's children shown at a depth, and runs of splats between two
+// depths.
 #include "select/select_internal.h"
 
 #include <assert.h>
 
-double stp_level_switch_share(double ceiling, double depth)
+double stp_level_switch_share(double switch_depth, double depth)
 {
-    if (depth <= ceiling) {
+    if (depth <= switch_depth) {
         return 1.0;
     }
-    return stp_clampd((STP_LEVEL_SWITCH_FAR * ceiling - depth) /
-                          ((STP_LEVEL_SWITCH_FAR - 1.0) * ceiling),
+    return stp_clampd((STP_LEVEL_SWITCH_FAR * switch_depth - depth) /
+                          ((STP_LEVEL_SWITCH_FAR - 1.0) * switch_depth),
                       0.0, 1.0);
 }
 

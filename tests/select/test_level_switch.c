@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Transitions between levels: every point is always drawn completely by some level, and splats
+// The level switch: every point is always drawn completely by some level, and splats
 // never appear or disappear in groups.
 #include "tests.h"
 
@@ -24,7 +24,7 @@ typedef struct fixture {
     stp_fovea fovea; ///< fovea of the next selection
 } fixture;
 
-// A square with 1,024 surfels, below it the same one with 16,384, below that (or in the same node)
+// A square with 1,024 splats, below it the same one with 16,384, below that (or in the same node)
 // its triangles.
 static bool set_up(fixture* f, bool points)
 {
@@ -35,17 +35,17 @@ static bool set_up(fixture* f, bool points)
     made_scene* s = &f->scene;
     s->node_count = 2;
     s->edge_count = s->part_count = s->material_count = s->shading_count = 1;
-    s->surfels_count = 2;
+    s->set_count = 2;
     s->materials[0] = made_material();
     s->shadings[0] = (stp_shading){.roughness = 1};
-    s->surfels[COARSE] = made_square_surfels(f->context, COARSE_SIDE, grey);
-    s->surfels[FINE] = made_square_surfels(f->context, FINE_SIDE, grey);
+    s->sets[COARSE] = made_square_set(f->context, COARSE_SIDE, grey);
+    s->sets[FINE] = made_square_set(f->context, FINE_SIDE, grey);
     stp_boxd flat = {{-1, -1, 0}, {1, 1, 0}};
     s->nodes[0] =
-        (stp_store_node){.part_count = 1, .surfels = FINE, .triangle_count = 2, .bounds = flat};
+        (stp_store_node){.part_count = 1, .set = FINE, .triangle_count = 2, .bounds = flat};
     float* positions = NULL;
     if (points) {
-        uint32_t count = s->surfels[FINE].count + 1;
+        uint32_t count = s->sets[FINE].count + 1;
         positions = STP_NEW_ZEROED(f->context, float, 3 * (size_t)count);
         s->point_set_count = 1;
         s->point_sets[0] = (stp_store_point_set){.point_count = count, .positions = positions};
@@ -60,7 +60,7 @@ static bool set_up(fixture* f, bool points)
     s->nodes[1] = s->nodes[0];
     s->nodes[1].part_count = 0;
     s->nodes[1].edge_count = 1;
-    s->nodes[1].surfels = COARSE;
+    s->nodes[1].set = COARSE;
     s->edges[0] = (stp_store_edge){0, stp_affine_identity()};
     f->store = made_open(f->context, s);
     stp_free(f->context, positions);
@@ -69,8 +69,8 @@ static bool set_up(fixture* f, bool points)
 
 static void tear_down(fixture* f)
 {
-    made_free_surfels(f->context, &f->scene.surfels[COARSE]);
-    made_free_surfels(f->context, &f->scene.surfels[FINE]);
+    made_free_set(f->context, &f->scene.sets[COARSE]);
+    made_free_set(f->context, &f->scene.sets[FINE]);
     stp_draw_list_destroy(f->context, &f->list);
     stp_store_close(f->store);
     stp_context_destroy(f->context);
@@ -100,7 +100,7 @@ static const stp_draw_item* find_item(const fixture* f, stp_draw_kind kind, uint
 // Number of splats of a set drawn at a depth: the index of the first that is not drawn.
 static uint32_t count_drawn(const fixture* f, uint32_t set, double depth, uint32_t* first_missing)
 {
-    const stp_draw_item* item = find_item(f, STP_DRAW_SURFELS, set);
+    const stp_draw_item* item = find_item(f, STP_DRAW_SPLATS, set);
     *first_missing = 0;
     if (item == NULL || item->run_count == 0) {
         return *first_missing = item != NULL ? item->prefix : 0;
@@ -119,25 +119,25 @@ static uint32_t count_drawn(const fixture* f, uint32_t set, double depth, uint32
 
 static double radius_drawn(const fixture* f, uint32_t set)
 {
-    return (double)find_item(f, STP_DRAW_SURFELS, set)->radius;
+    return (double)find_item(f, STP_DRAW_SPLATS, set)->radius;
 }
 
 // Whether a set covers to the required radius at a depth, with sufficiently large splats: up to two
 // pixels candidates are covered with their whole area, from four pixels on with half of it.
 static bool is_complete(const fixture* f, uint32_t set, double depth)
 {
-    const stp_splats* surfels = stp_store_describe_surfels(f->store, set);
+    const stp_splats* splats = stp_store_describe_splat_set(f->store, set);
     uint32_t prefix;
     count_drawn(f, set, depth, &prefix);
     if (prefix == 0) {
         return false;
     }
-    double covers = (double)stp_prefix_table_radius(&surfels->table, prefix);
+    double covers = (double)stp_prefix_table_radius(&splats->table, prefix);
     double wanted = 0.5 * f->size * depth / f->scale;
     double share = 0.5 + 0.5 * fmin(fmax((4.0 - f->size) / 2.0, 0.0), 1.0);
     return covers <= wanted * (1.0 + 1e-4) &&
            radius_drawn(f, set) >=
-               (covers + share * (double)surfels->candidate_radius) * (1.0 - 1e-5);
+               (covers + share * (double)splats->candidate_radius) * (1.0 - 1e-5);
 }
 
 static bool mesh_is_complete(const fixture* f, double depth)
@@ -331,7 +331,7 @@ void test_level_switch_counts_what_is_drawn_twice(test_state* test)
     tear_down(&f);
 }
 
-// A part of a cloud would not be spread evenly: original points appear all at once, when surfels
+// A part of a cloud would not be spread evenly: original points appear all at once, when splats
 // cover them.
 void test_level_switch_shows_original_points_at_once(test_state* test)
 {
@@ -343,7 +343,7 @@ void test_level_switch_shows_original_points_at_once(test_state* test)
             .eye = {0, 0, 5}, .up = {0, 1, 0}, .ortho_height = height, .width = 300, .height = 300};
         CHECK_EQUAL(STP_OK, look(&f, &view, 1.0f, STP_POLICY_INSERTION));
         const stp_draw_item* points = find_item(&f, STP_DRAW_POINTS, 0);
-        const stp_draw_item* fine = find_item(&f, STP_DRAW_SURFELS, FINE);
+        const stp_draw_item* fine = find_item(&f, STP_DRAW_SPLATS, FINE);
         CHECK(points == NULL || points->prefix == 16385);
         CHECK(points != NULL || is_complete(&f, FINE, 1.0) || is_complete(&f, COARSE, 1.0));
         together += points != NULL && fine != NULL;
@@ -373,7 +373,7 @@ void test_level_switch_shares_of_triangles_are_nested(test_state* test)
     CHECK_EQUAL(20000, kept[10]);
     const stp_draw_item whole = {.kind = STP_DRAW_MESH};
     CHECK(stp_draw_share(&whole, 1e9f) >= 1.0f);
-    const stp_draw_item fading = {.fade_begin = 2.0f, .fade_end = 3.0f};
+    const stp_draw_item fading = {.switch_begin = 2.0f, .switch_end = 3.0f};
     CHECK(stp_draw_share(&fading, 1.9f) >= 1.0f && stp_draw_share(&fading, 3.1f) <= 0.0f);
     CHECK(fabsf(stp_draw_share(&fading, 2.75f) - 0.25f) < 1e-6f);
 }
