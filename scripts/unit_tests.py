@@ -9,15 +9,18 @@ import subprocess
 import threading
 import time
 
+TOO_LONG = f"ended by signal {int(signal.SIGXCPU)}:"
 INCLUDE = re.compile(r'^#include ["<]([a-z_0-9/]+)/([a-z_0-9]+)\.h[">]', re.M)
 MEMORY_MAX = 6 << 30  # of a process
 FILE_MAX = 32 << 30   # tests make sparse files of 10 GB
-QUICK = 0.2  # seconds; these tests are run before the others
+CPU_MAX = 30          # seconds of a test; none of the unchanged library takes more than a few
+QUICK = 0.2           # seconds; these tests are run before the others
 TIME_FACTOR, TIME_BASE = 4, 60  # seconds allowed: of the unchanged library, times the factor, plus the base
 RESULT = re.compile(r"(ok  |FAIL|skip) (\w+)(?:, ([0-9.]+) s)?")
 
 
 def limit_process():
+    resource.setrlimit(resource.RLIMIT_CPU, (CPU_MAX, CPU_MAX + 5))  # a signal that says so, then the end
     resource.setrlimit(resource.RLIMIT_DATA, (MEMORY_MAX, MEMORY_MAX))
     resource.setrlimit(resource.RLIMIT_FSIZE, (FILE_MAX, FILE_MAX))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
@@ -46,6 +49,8 @@ def run_tests(program, scratch, names, jobs, seconds, stop):
     results = {}
     for line in process.stdout:
         match = RESULT.match(line)
+        if TOO_LONG in line:
+            late.set()
         if match:
             results[match[2]] = match[1].strip(), float(match[3] or 0.0)
             if stop and match[1] == "FAIL":
@@ -115,11 +120,11 @@ class UnitTests:
                    for names in (own, others) for slow in (False, True)]
         for names in batches:
             results, in_time = self.run(names, TIME_FACTOR * self.seconds + TIME_BASE, True)
+            if not in_time:
+                return "time"
             failed = [name for name, result in results.items() if result[0] == "FAIL"]
             if failed:
                 return failed[0]
-            if not in_time:
-                return "time"
             if any(name not in results for name in names):
                 return "end of the test program"
         return None
