@@ -326,7 +326,7 @@ stp_result tool_open_partial_scene(stp_context* context, const char* path, scene
     stp_store_open_desc desc = {.accept_partial = use != SCENE_FOR_ORIGINALS,
                                 .partial_bytes = part->bytes};
     *store = NULL;
-    assert(prefix->percent >= 0.0 && prefix->percent <= 100.0);
+    assert(part->percent >= 0.0 && part->percent <= 100.0);
     stp_result result = tool_locate_scene(context, path, use, located);
     if (result != STP_OK) {
         return result;
