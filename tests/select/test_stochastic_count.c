@@ -69,10 +69,10 @@ static bool set_up(fixture* f)
 {
     *f = (fixture){.context = test_context(NULL, 1, NULL)};
     made_scene* s = &f->scene;
-    if (f->context == NULL || !make_set(f->context, &s->surfels[0])) {
+    if (f->context == NULL || !make_set(f->context, &s->sets[0])) {
         return false;
     }
-    s->node_count = s->shading_count = s->surfels_count = 1;
+    s->node_count = s->shading_count = s->set_count = 1;
     s->nodes[0] = (stp_store_node){.point_count = POINTS, .bounds = {{0, 0, 0}, {1, 1, 1}}};
     s->method = (stp_store_method){
         .name = "stochastic", .id = STP_METHOD_STOCHASTIC, .columns = STP_STOCHASTIC_COLUMNS};
@@ -85,7 +85,7 @@ static void tear_down(fixture* f)
 {
     stp_draw_list_destroy(f->context, &f->list);
     stp_store_close(f->store);
-    stp_splats_destroy(f->context, &f->scene.surfels[0]);
+    stp_splats_destroy(f->context, &f->scene.sets[0]);
     stp_context_destroy(f->context);
 }
 
@@ -93,7 +93,7 @@ static void tear_down(fixture* f)
 static bool draw(fixture* f, uint64_t count, uint32_t cues, stp_vec3d eye)
 {
     static uint8_t seen[POINTS];
-    const stp_splats* set = &f->scene.surfels[0];
+    const stp_splats* set = &f->scene.sets[0];
     const stp_view view = {.eye = eye,
                            .target = {0.5, 0.5, 0.0},
                            .up = {0, 1, 0},
@@ -154,7 +154,7 @@ static double weight(const stp_leaf_node* node, uint32_t cues)
 static double given(const fixture* f, const stp_leaf_node* node, uint32_t count, uint32_t cues,
                     double density)
 {
-    return fmin(density * weight(node, cues), available(&f->scene.surfels[0], node, count));
+    return fmin(density * weight(node, cues), available(&f->scene.sets[0], node, count));
 }
 
 static double find_density(const fixture* f, uint32_t count, uint32_t cues)
@@ -215,7 +215,7 @@ void test_stochastic_count_has_its_limits(test_state* test)
     CHECK(draw(&f, 1, cues, (stp_vec3d){0.5, 0.5, 3.0}));
     CHECK_EQUAL(1, f.list.splat_count);
     const uint64_t all[] = {POINTS, POINTS + 1, UINT64_MAX};
-    uint32_t whole = f.scene.surfels[0].count;
+    uint32_t whole = f.scene.sets[0].count;
     for (int i = 0; i < 3; ++i) {
         CHECK(draw(&f, all[i], cues, (stp_vec3d){0.5, 0.5, 3.0}));
         CHECK_EQUAL(whole, f.list.splat_count);

@@ -357,7 +357,7 @@ static stp_store* open_car(stp_context* context)
         edges[i].transform.m[0][3] = uses[i];
     }
     for (int i = 0; i < 4; ++i) {
-        nodes[i].surfels = STP_STORE_NONE;
+        nodes[i].set = STP_STORE_NONE;
         nodes[i].bounds = (stp_boxd){{-1, -1, 0}, {2000, 1, 0}};
     }
     const stp_store_content content = {.directory = {.object_count = 2,

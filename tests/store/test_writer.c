@@ -236,10 +236,10 @@ static void spoil(stp_store_content* content, int what, stp_store_mesh* mesh, st
         content->directory.up = 'a';
         break;
     case 12:
-        surfels->table.count[0] = 0;
+        splats->table.count[0] = 0;
         break;
     case 13:
-        surfels->candidate_radius = INFINITY;
+        splats->candidate_radius = INFINITY;
         break;
     default: // held by a set that does not exist
         content->directory.point_set_count = 1;
