@@ -27,7 +27,6 @@ struct window_gl {
     void (*clear_color)(GLfloat, GLfloat, GLfloat, GLfloat);
     void (*clear)(GLbitfield);
     void (*finish)(void);
-    void (*read_pixels)(GLint, GLint, GLsizei, GLsizei, GLenum, GLenum, void*);
     const GLubyte* (*get_string)(GLenum);
     GLenum (*get_error)(void);
 };
@@ -48,7 +47,6 @@ static bool load_functions(window_gl* gl)
         {"glClearColor", &gl->clear_color},
         {"glClear", &gl->clear},
         {"glFinish", &gl->finish},
-        {"glReadPixels", &gl->read_pixels},
         {"glGetString", &gl->get_string},
         {"glGetError", &gl->get_error},
     };
@@ -339,26 +337,4 @@ void window_finish(window* w)
     // the display's server handles requests in their order, and answers this one
     int top, left, bottom, right;
     (void)SDL_GetWindowBordersSize(w->handle, &top, &left, &bottom, &right);
-}
-
-bool window_read(window* w, uint8_t* pixels)
-{
-    size_t row = 4 * (size_t)w->width, height = (size_t)w->height;
-    if (w->gl == NULL) {
-        return SDL_RenderReadPixels(w->renderer, NULL, SDL_PIXELFORMAT_RGBA32, pixels, (int)row) ==
-               0;
-    }
-    w->functions->read_pixels(0, 0, w->width, w->height, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
-    uint8_t* spare = malloc(row);
-    for (size_t y = 0; spare != NULL && y < height / 2; ++y) { // OpenGL starts at the bottom
-        memcpy(spare, pixels + y * row, row);
-        memcpy(pixels + y * row, pixels + (height - 1 - y) * row, row);
-        memcpy(pixels + (height - 1 - y) * row, spare, row);
-    }
-    bool turned = spare != NULL;
-    free(spare);
-    for (size_t i = 3; i < row * height; i += 4) {
-        pixels[i] = 255;
-    }
-    return turned;
 }

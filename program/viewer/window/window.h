@@ -60,6 +60,3 @@ void window_clear(window* w);
 void window_show(window* w);
 /// Waits until the display has what window_show was given last.
 void window_finish(window* w);
-/// Reads the window's content, top row first; `pixels` has room for width * height * 4 bytes. Call
-/// it before window_show.
-bool window_read(window* w, uint8_t* pixels);
