@@ -6,7 +6,7 @@ import re
 # start, end: the replaced range of the file's text
 Mutation = collections.namedtuple("Mutation", "kind start end text")
 
-IGNORED_CALLS = re.compile(r"\b(?:assert|static_assert|_Static_assert|stp_fail|stp_fail_memory|stp_warn|stp_log)\(")
+IGNORED_CALLS = re.compile(r"\b(?:assert|static_assert|_Static_assert|stp_fail|stp_fail_memory|stp_warn|stp_notice)\(")
 COMMENT_OR_LITERAL = re.compile(r"""//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*'""", re.S)
 DIRECTIVE = re.compile(r"^[ \t]*#(?:[^\n]*\\\n)*[^\n]*", re.M)
 DEBUG_ONLY = re.compile(r"^#ifndef NDEBUG\n.*?^#endif", re.M | re.S)

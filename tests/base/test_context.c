@@ -175,6 +175,36 @@ void test_messages_longer_than_the_buffer_are_cut(test_state* test)
     stp_context_destroy(context);
 }
 
+/// The last message and its level.
+typedef struct heard {
+    stp_log_level level;
+    char text[64];
+    int count;
+} heard;
+
+static void hear(stp_log_level level, const char* message, void* user)
+{
+    heard* h = user;
+    h->level = level;
+    h->count += 1;
+    snprintf(h->text, sizeof(h->text), "%s", message);
+}
+
+void test_messages_have_their_levels(test_state* test)
+{
+    heard h = {0};
+    stp_context* context = NULL;
+    const stp_context_desc desc = {.log = hear, .log_user = &h};
+    CHECK_EQUAL(STP_OK, stp_context_create(&context, &desc));
+    CHECK_EQUAL(STP_ERROR_IO, stp_fail(context, STP_ERROR_IO, "%s is %d", "one", 1));
+    CHECK(h.level == STP_LOG_ERROR && h.count == 1 && strcmp(h.text, "one is 1") == 0);
+    stp_warn(context, "%s is %d", "two", 2);
+    CHECK(h.level == STP_LOG_WARNING && h.count == 2 && strcmp(h.text, "two is 2") == 0);
+    stp_notice(context, "%s is %d", "three", 3);
+    CHECK(h.level == STP_LOG_NOTICE && h.count == 3 && strcmp(h.text, "three is 3") == 0);
+    stp_context_destroy(context);
+}
+
 void test_every_result_has_a_text(test_state* test)
 {
     int count = 0;

@@ -48,7 +48,10 @@ static size_t compress(const grid* from, int sequence, unsigned char* out, size_
     return at + sizes[2];
 }
 
-static void run_compressed(gltf_run* run, const char* extension, const char* filter, int sequence,
+/// Modes of the indices: triangles, a sequence, and none that the extension has.
+static const char* const index_modes[] = {"TRIANGLES", "INDICES", "STRIPS"};
+
+static void run_compressed(gltf_run* run, const char* extension, const char* filter, int mode,
                            const unsigned char* bytes, size_t size, const size_t sizes[3])
 {
     char json[4096];
@@ -70,7 +73,7 @@ static void run_compressed(gltf_run* run, const char* extension, const char* fil
         "{'bufferView':2,'componentType':5125,'count':384,'type':'SCALAR'}],"
         "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'NORMAL':1},'indices':2}]}]}",
         extension, size, extension, extension, sizes[0], extension, sizes[0], sizes[1], filter,
-        extension, sizes[0] + sizes[1], sizes[2], sequence ? "INDICES" : "TRIANGLES");
+        extension, sizes[0] + sizes[1], sizes[2], index_modes[mode]);
     gltf_run_glb(run, json, bytes, size);
 }
 
@@ -120,6 +123,10 @@ void test_gltf_refuses_damaged_meshopt_data(test_state* test)
     run_compressed(&run, "EXT_meshopt_compression", "QUATERNION", 0, bytes, size, sizes);
     CHECK_EQUAL(STP_ERROR_FORMAT, run.result); // needs a stride of 8
     CHECK_EQUAL(1, run.log.errors);
+    gltf_run_end(&run);
+    run_compressed(&run, "EXT_meshopt_compression", "NONE", 2, bytes, size, sizes);
+    CHECK_EQUAL(STP_ERROR_FORMAT, run.result);
+    CHECK(strstr(run.log.text, "the compression lacks a buffer or a mode") != NULL);
     gltf_run_end(&run);
     bytes[0] ^= 0xFF;
     run_compressed(&run, "EXT_meshopt_compression", "NONE", 0, bytes, size, sizes);

@@ -247,3 +247,23 @@ void test_las_samples_of_copc_are_coarse_levels(test_state* test)
     stp_context_destroy(context);
     free(file.bytes);
 }
+
+// Formats without samples, and files of no format, give none: that is no error.
+void test_formats_without_samples_give_none(test_state* test)
+{
+    static const char* const names[] = {"a.obj", "a.nothing"};
+    static const char text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    test_log log = {0};
+    stp_context* context = test_context(NULL, 1, &log);
+    for (int i = 0; i < 2; ++i) {
+        stp_scene* scene = NULL;
+        FILE* file = fopen(names[i], "w");
+        CHECK(file != NULL && fputs(text, file) >= 0 && fclose(file) == 0);
+        CHECK_EQUAL(STP_OK, stp_scene_create(context, &scene));
+        CHECK_EQUAL(STP_OK, stp_import_sample(scene, names[i], &(stp_import_desc){0}, 10));
+        CHECK(scene->mesh_count == 0 && scene->point_set_count == 0);
+        stp_scene_destroy(scene);
+    }
+    CHECK(log.errors == 0 && log.warnings == 0);
+    stp_context_destroy(context);
+}

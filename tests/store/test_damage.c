@@ -99,6 +99,29 @@ void test_store_names_the_defect(test_state* test)
     stp_context_destroy(context);
 }
 
+// A section table beyond the data, or beyond the limit, is refused before it is read.
+void test_store_refuses_section_tables_that_do_not_fit(test_state* test)
+{
+    size_t size = 0;
+    unsigned char* bytes = sample_read_file(GOLDEN, &size);
+    CHECK(bytes != NULL);
+    uint32_t data = (uint32_t)stp_read_u64(bytes + 24);
+    uint32_t fits = (data - STP_STORE_HEADER_BYTES) / STP_STORE_SECTION_BYTES;
+    const uint32_t counts[] = {fits + 1, fits + 2, STP_STORE_SECTION_LIMIT + 1, UINT32_MAX};
+    for (size_t i = 0; i < sizeof(counts) / sizeof(counts[0]); ++i) {
+        test_log log = {0};
+        stp_context* context = test_context(NULL, 1, &log);
+        stp_write_u32(bytes + 32, counts[i]);
+        stp_write_u32(bytes + 36, reseal_crc(bytes, size, STP_STORE_HEADER_BYTES,
+                                             (uint64_t)counts[i] * STP_STORE_SECTION_BYTES));
+        stp_write_u32(bytes + 124, reseal_crc(bytes, size, 0, 124));
+        CHECK_EQUAL(STP_ERROR_FORMAT, sample_check(context, bytes, size));
+        CHECK(strstr(log.text, "the section table does not fit before the data") != NULL);
+        stp_context_destroy(context);
+    }
+    free(bytes);
+}
+
 void test_store_opens_newer_minor_versions(test_state* test)
 {
     size_t size = 0;
