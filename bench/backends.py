@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Similarity of CPU and OpenGL pictures: all named views of all named scenes, at splat sizes 1, 2
 and 4, with fovea, section, ghosts, effects, accumulation, stereo and filters, with splats as points
-and by compute shaders (stipple bench backends). The table shows the worst view of each scene.
+and by compute shaders (stipple-lab bench backends). The table shows the worst view of each scene.
 
     bench/backends.py                          all scenes, at default scales
     bench/backends.py forest city=0.01         these scenes, at these scales

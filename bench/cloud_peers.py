@@ -3,7 +3,7 @@
 
 usage: bench/cloud_peers.py [FILE.ply] [--scene SCENE] [--resolution N] [--spacing M] [--runs N] [--out FILE.json]
 
-Scans a scene from the air (`stipple scan --airborne`), or takes a binary PLY file of points. All programs read the same points: positions as floats, and
+Scans a scene from the air (`stipple-lab scan --airborne`), or takes a binary PLY file of points. All programs read the same points: positions as floats, and
 colours, as PLY or PCD. Those that are not installed are skipped; runs take turns, and figures are medians. Programs do different
 amounts of work, which the table says. On Debian: apt-get install cloudcompare pcl-tools python3-open3d
 """

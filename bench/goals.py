@@ -167,11 +167,11 @@ GOALS = (
     ("popping with blending against hard switching, 99.9 %", "0.25 times", lambda r: popping(r, "popping_p999"), "popping", "bench/popping.py"),
     ("the same, worst block", "0.25 times", lambda r: popping(r, "popping_max"), "popping", "bench/popping.py"),
     ("extra splats while levels blend", "10 %", extra, "popping", "bench/popping.py"),
-    ("one-pixel splats a second, against points of llvmpipe", "15 times", splats, "splats", "stipple bench splats"),
-    ("their memory traffic, against the speed of memory", "", memory, "splats", "stipple bench splats"),
-    ("one-pixel triangles a second, one thread", "30 M", triangles, "triangles", "stipple bench triangles"),
-    ("time of the exact order of 100k, against `paper-text`", "0.45", lambda r: order(r, "ratio_to_paper_text", 0.45), "order", "stipple bench order"),
-    ("time of the exact order of 100k, against `paper-fast`", "1.1", lambda r: order(r, "ratio_to_paper_fast", 1.1), "order", "stipple bench order"),
+    ("one-pixel splats a second, against points of llvmpipe", "15 times", splats, "splats", "stipple-lab bench splats"),
+    ("their memory traffic, against the speed of memory", "", memory, "splats", "stipple-lab bench splats"),
+    ("one-pixel triangles a second, one thread", "30 M", triangles, "triangles", "stipple-lab bench triangles"),
+    ("time of the exact order of 100k, against `paper-text`", "0.45", lambda r: order(r, "ratio_to_paper_text", 0.45), "order", "stipple-lab bench order"),
+    ("time of the exact order of 100k, against `paper-fast`", "1.1", lambda r: order(r, "ratio_to_paper_fast", 1.1), "order", "stipple-lab bench order"),
 )
 
 

@@ -8,7 +8,7 @@
 #
 # --scale F       fraction of the benchmark scene (1: 2.35 billion triangles); default: with a GPU,
 #                 1 if there are eight CPUs and 24 GB of memory, else 0.1; without a GPU 0.002
-# --scene NAME    another scene of `stipple scene --list`; default paper
+# --scene NAME    another scene of `stipple-lab scene --list`; default paper
 # --stipple       use this program instead of building one
 # --output        output folder instead of bench/results
 #

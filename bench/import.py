@@ -3,8 +3,8 @@
 
 usage: bench/import.py [FILE...] [--scene SCENE] [--resolution N] [--runs N] [--out FILE.json]
 
-Scans a scene (`stipple scan`) as LAS, PLY, PTX and E57, and writes the points of the PTX file as XYZ, PTS and PCD. Files that are
-named are measured too: compressed formats (LAZ, COPC) come from them. Each figure is the median of `stipple bench import`. Its CPU
+Scans a scene (`stipple-lab scan`) as LAS, PLY, PTX and E57, and writes the points of the PTX file as XYZ, PTS and PCD. Files that are
+named are measured too: compressed formats (LAZ, COPC) come from them. Each figure is the median of `stipple-lab bench import`. Its CPU
 time includes the kernel's part, which maps the file and clears memory, and no build.
 """
 import pathlib

@@ -124,7 +124,7 @@ def path_of(name, out=None):
 
 
 def keep(name, results, out=None, silent=False):
-    """Writes results in the format of `stipple bench --json`; files without their folders."""
+    """Writes results in the format of `stipple-lab bench --json`; files without their folders."""
     for r in results:
         r["params"] = {key: name_of(value) if isinstance(value, str) else value for key, value in r["params"].items()}
     path = path_of(name, out)

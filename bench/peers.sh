@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Compares stipple with programs that do part of the same, on 20 M unique triangles (`stipple scene
+# Compares stipple with programs that do part of the same, on 20 M unique triangles (`stipple-lab scene
 # twenty-million`): gltfpack, which simplifies, against `stipple build`; F3D, from model to picture,
 # against `stipple render`. Programs take turns, REPEATS times (default 3); prints medians. Takes
 # minutes; run it on an idle machine.

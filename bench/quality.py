@@ -106,7 +106,7 @@ def write_markdown(file, measured):
 
 
 def models(parser):
-    """Runs `stipple bench quality` on every model below the paths. OUT.csv gets a row per model, series and splat size;
+    """Runs `stipple-lab bench quality` on every model below the paths. OUT.csv gets a row per model, series and splat size;
     OUT.md a row per model: for each splat size the holes per 10,000 interior pixels, the covered area relative to the
     reference, and the wrong depths per 1,000 pixels, from 26 directions."""
     parser.add_argument("table", metavar="OUT.csv|OUT.md")

@@ -4,7 +4,7 @@ bandwidth.
 
 usage: bench/splats.py [--quick]
 
-Runs `stipple bench splats`, which takes a minute.
+Runs `stipple-lab bench splats`, which takes a minute.
 """
 import kit
 

@@ -30,7 +30,7 @@ typedef struct bench_options {
 
 typedef struct benchmark {
     const char* name;
-    const char* summary; ///< one line, as `stipple bench --list` prints it
+    const char* summary; ///< one line, as `stipple-lab bench --list` prints it
     /// Adds its results (bench_result); returns the exit code: 0, or 1 with the message printed.
     int (*run)(const bench_options* options, json_t* results);
 } benchmark;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `stipple bench`: runs benchmarks and prints their results as a table or as one JSON object.
+// `stipple-lab bench`: runs benchmarks and prints their results as a table or as one JSON object.
 #include "lab/bench/bench.h"
 #include "lod/method.h"
 #include "program/drawing/draw_options.h"
@@ -145,12 +145,13 @@ static int run_bench(int argc, char** argv)
     }
     for (int i = 0; i < argc; ++i) {
         if (find_benchmark(argv[i]) == NULL) {
-            return tool_usage_error("bench: there is no benchmark %s; see stipple bench --list",
+            return tool_usage_error("bench: there is no benchmark %s; see stipple-lab bench --list",
                                     argv[i]);
         }
     }
     if (given.backend != 0 && (argc != 1 || strcmp(argv[0], "spt") != 0)) {
-        return tool_usage_error("bench: only spt has --backend: stipple bench spt --backend gl");
+        return tool_usage_error(
+            "bench: only spt has --backend: stipple-lab bench spt --backend gl");
     }
     bench_options options = {.quick = given.quick,
                              .model = given.model,
@@ -194,9 +195,9 @@ const command command_bench = {
             "measured interleaved in one run; times are medians. Data goes to standard output; "
             "--json prints one object: machine, and results with name, params and figures.",
     .examples = "List the benchmarks:\n"
-                "$ stipple bench --list\n"
+                "$ stipple-lab bench --list\n"
                 "Run a small case and print JSON:\n"
-                "$ stipple bench splats --quick --json\n",
+                "$ stipple-lab bench splats --quick --json\n",
     .files = "$TMPDIR\tscratch files of benchmarks that build; /tmp if the variable is not set\n",
     .options = bench_options_table,
     .run = run_bench,

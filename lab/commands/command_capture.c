@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple capture: writes the surfel candidates of a model as points, and the captured pictures.
+// stipple-lab capture: writes the surfel candidates of a model as points, and the captured pictures.
 #include "capture/capture.h"
 #include "program/files/overwrite.h"
 #include "program/files/point_file.h"
@@ -246,9 +246,9 @@ const command command_capture = {
             "order`.\n\n"
             "--pictures writes positionN.png, normalN.png and colorN.png for each direction N.",
     .examples = "Write the candidates:\n"
-                "$ stipple capture plant.glb -o points.ply\n"
+                "$ stipple-lab capture plant.glb -o points.ply\n"
                 "Write the captured pictures (three for each of eight directions):\n"
-                "$ stipple capture plant.glb --pictures views\n",
+                "$ stipple-lab capture plant.glb --pictures views\n",
     .files = "OUT.ply\tbinary PLY: points with normals and colours\n"
              "FOLDER/position0.png\tand so on: positions, normals and colours of each direction\n",
     .options = options,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple compare-splats: measures how well a few splats, or triangles, approximate a model.
+// stipple-lab compare-splats: measures how well a few splats, or triangles, approximate a model.
 #include "base/io/file.h"
 #include "lab/measure/shape_list.h"
 #include "lab/measure/splat_pictures.h"
@@ -370,10 +370,10 @@ const command command_compare_splats = {
         "each other.\n\n"
         "The files may have different formats: positions are compared along each file's own axes.",
     .examples = "Compare a statue with 2,000 splats of it:\n"
-                "$ stipple decimate statue.ply -o splats.ply --splats 2000\n"
-                "$ stipple compare-splats splats.ply statue.ply\n"
+                "$ stipple-lab decimate statue.ply -o splats.ply --splats 2000\n"
+                "$ stipple-lab compare-splats splats.ply statue.ply\n"
                 "Compare it with the first 2,000 splats of a built scene:\n"
-                "$ stipple compare-splats statue.stip statue.ply --splats 2000\n",
+                "$ stipple-lab compare-splats statue.stip statue.ply --splats 2000\n",
     .files = "FILE\t"
              "a .stip, splats or triangles\n"
              "MODEL\t"

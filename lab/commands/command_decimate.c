@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple decimate: approximates many points by a few elliptical splats.
+// stipple-lab decimate: approximates many points by a few elliptical splats.
 #include "base/core/clock.h"
 #include "lab/decimate/decimators.h"
 #include "lod/psp/forest.h"
@@ -273,15 +273,15 @@ const command command_decimate = {
         "A .stip stores the splats as one set. render, view and compare-splats draw all of them, "
         "or the first N with --splats N. --splat-scale 0.3 shows how they are distributed.",
     .examples = "Turn a statue into 5,000 splats:\n"
-                "$ stipple decimate statue.ply -o splats.ply --splats 5000\n"
+                "$ stipple-lab decimate statue.ply -o splats.ply --splats 5000\n"
                 "Draw a picture of their distribution:\n"
-                "$ stipple decimate statue.ply -o splats.stip --splats 5000\n"
+                "$ stipple-lab decimate statue.ply -o splats.stip --splats 5000\n"
                 "$ stipple render splats.stip -o splats.png --splat-scale 0.3\n"
                 "Sample a mesh evenly first, because its vertices are sparse on flat parts:\n"
-                "$ stipple capture plant.glb -o points.ply\n"
-                "$ stipple decimate points.ply -o splats.ply\n"
+                "$ stipple-lab capture plant.glb -o points.ply\n"
+                "$ stipple-lab decimate points.ply -o splats.ply\n"
                 "Use an octree, for comparison:\n"
-                "$ stipple decimate statue.ply -o octree.ply --splats 5000 --by octree\n",
+                "$ stipple-lab decimate statue.ply -o octree.ply --splats 5000 --by octree\n",
     .files = "MODEL\tany model that can be imported\n"
              "SPLATS.ply\tbinary PLY: centre, normal, major axis, length of the minor axis, "
              "colour; for mesh: vertices with colours, and triangles\n"

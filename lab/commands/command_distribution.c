@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple distribution: measures how evenly prefixes of ordered points are spread and how well they
+// stipple-lab distribution: measures how evenly prefixes of ordered points are spread and how well they
 // cover.
 #include "lab/measure/distribution.h"
 #include "lab/measure/distribution_plot.h"
@@ -257,9 +257,9 @@ const command command_distribution = {
             "several files are shown side by side.",
     .examples =
         "Measure the spacing and coverage of prefixes:\n"
-        "$ stipple distribution ordered.ply --of points.ply --prefix 1000,10000\n"
+        "$ stipple-lab distribution ordered.ply --of points.ply --prefix 1000,10000\n"
         "Plot two orders side by side:\n"
-        "$ stipple distribution ordered.ply paper.ply --prefix 1000,10000 --plot spacing.svg\n",
+        "$ stipple-lab distribution ordered.ply paper.ply --prefix 1000,10000 --plot spacing.svg\n",
     .files = "ORDERED.ply\t"
              "points in order, as stipple order writes them\n"
              "OUT.svg\t"

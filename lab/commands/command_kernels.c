@@ -165,9 +165,9 @@ const command command_kernels = {
             "the same bits; otherwise the exit code is 1. --json prints one object like stipple "
             "bench.",
     .examples = "Time all kernels:\n"
-                "$ stipple kernels\n"
+                "$ stipple-lab kernels\n"
                 "Check two kernels:\n"
-                "$ stipple kernels splats triangles --quick\n",
+                "$ stipple-lab kernels splats triangles --quick\n",
     .files = "bench/results\tearlier figures, which bench/run kernels saves\n",
     .options = kernels_options,
     .run = run_kernels,

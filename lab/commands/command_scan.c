@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple scan: a simulated laser scan of a scene, as test data whose truth is known.
+// stipple-lab scan: a simulated laser scan of a scene, as test data whose truth is known.
 #include "base/core/clock.h"
 #include "lab/scan/scan_file.h"
 #include "lab/scan/scan_stations.h"
@@ -375,14 +375,14 @@ const command command_scan = {
         "positive if the point is too far away.\n\n"
         "The same input, options and seed give the same bytes with any number of threads.",
     .examples = "Scan a city from five stations, as LAS:\n"
-                "$ stipple scan scene:city-small --stations 5 -o city.las\n"
+                "$ stipple-lab scan scene:city-small --stations 5 -o city.las\n"
                 "Scan more finely, with more noise and map coordinates:\n"
-                "$ stipple scan hall.glb --stations 3 --resolution 0.05 --noise 0.005 --shift "
+                "$ stipple-lab scan hall.glb --stations 3 --resolution 0.05 --noise 0.005 --shift "
                 "389000,5820000,34 -o hall.e57\n"
                 "Scan terrain from the air:\n"
-                "$ stipple scan scene:terrain --airborne --stations 6 -o terrain.las\n"
+                "$ stipple-lab scan scene:terrain --airborne --stations 6 -o terrain.las\n"
                 "Write the truth too, from a given position:\n"
-                "$ stipple scan scene:forest --station 0,0,2 --truth -o forest.ply\n",
+                "$ stipple-lab scan scene:forest --station 0,0,2 --truth -o forest.ply\n",
     .files = "OUT.las\tLAS 1.4, point format 7, in millimetres\n"
              "OUT.ptx\ttext: the grid and pose of each station, misses as zeros\n"
              "OUT.e57\tE57: one scan per station, with pose, rows and columns\n"

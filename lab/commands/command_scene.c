@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple scene: writes named procedural scenes as glTF files.
+// stipple-lab scene: writes named procedural scenes as glTF files.
 #include "lab/scenes/gltf_file.h"
 #include "lab/scenes/scenes.h"
 #include "program/options/command.h"
@@ -95,11 +95,12 @@ static int run(int argc, char** argv)
         return argc == 0 ? print_list() : tool_usage_error("--list takes no scene");
     }
     if (argc != 1) {
-        return tool_usage_error("scene needs one name (`stipple scene --list`), but got %d", argc);
+        return tool_usage_error("scene needs one name (`stipple-lab scene --list`), but got %d",
+                                argc);
     }
     const char* name = program_is_scene(argv[0]) ? argv[0] + strlen(SCENE_PREFIX) : argv[0];
     if (scene_find(name) == NULL) {
-        return tool_usage_error("there is no scene \"%s\"; see `stipple scene --list`", name);
+        return tool_usage_error("there is no scene \"%s\"; see `stipple-lab scene --list`", name);
     }
     args.scale = args.scale_given ? args.scale : 1.0;
     if (!(args.scale > 0.0) || args.scale > 1000.0) {
@@ -138,9 +139,9 @@ const command command_scene = {
             "scene:NAME,scale=S,seed=N`.\n\n"
             "A .glb holds at most 4 GiB; a .gltf has as many .bin files next to it as it needs.",
     .examples = "List the scenes:\n"
-                "$ stipple scene --list\n"
+                "$ stipple-lab scene --list\n"
                 "Write one at a tenth of its size:\n"
-                "$ stipple scene paper -o paper.glb --scale 0.1\n",
+                "$ stipple-lab scene paper -o paper.glb --scale 0.1\n",
     .files = "FILE.glb\t"
              "one file of at most 4 GiB\n"
              "FILE.gltf, FILE.bin\t"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The methods of `stipple decimate` to compare Progressive Splatting with.
+// The methods of `stipple-lab decimate` to compare Progressive Splatting with.
 #pragma once
 
 #include "program/files/point_file.h"

@@ -4,7 +4,7 @@ area ratio and time.
 
     lab/papers/decimators.py [MODEL...] [--splats N,N...] [--repeats N] [--out FILE.json]
 
-Runs `stipple decimate MODEL --by METHOD --splats N`. The area ratio is the sum of all splat areas
+Runs `stipple-lab decimate MODEL --by METHOD --splats N`. The area ratio is the sum of all splat areas
 over the area of the model's triangles (Table 1 of the paper). Times are medians. Methods take
 turns, so that a busy machine slows all of them. CPU times include all threads, reading and writing.
 Models need triangles. Default: models of Debian's assimp-testmodels.

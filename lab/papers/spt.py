@@ -5,7 +5,7 @@ OpenGL.
 
     lab/papers/spt.py [MODEL...] [--count N] [--backend cpu|gl] [--out FILE.json]
 
-Default: models of Debian's assimp-testmodels. Runs `stipple bench spt` on each, prints a table, and
+Default: models of Debian's assimp-testmodels. Runs `stipple-lab bench spt` on each, prints a table, and
 saves the figures in bench/results.
 """
 import argparse

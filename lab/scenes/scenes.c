@@ -83,7 +83,7 @@ stp_result scene_make(stp_scene* scene, const char* name, const scene_options* o
     const scene_recipe* recipe = scene_find(name);
     if (recipe == NULL) {
         return stp_fail(scene->context, STP_ERROR_ARGUMENT,
-                        "there is no scene \"%s\" (`stipple scene --list` names them)", name);
+                        "there is no scene \"%s\" (`stipple-lab scene --list` names them)", name);
     }
     if (!(options->scale > 0.0) || options->scale > 1000.0) {
         return stp_fail(scene->context, STP_ERROR_ARGUMENT,

@@ -14,7 +14,7 @@ typedef struct scene_options {
 
 typedef struct scene_recipe {
     const char* name;
-    const char* summary; ///< one line, as `stipple scene --list` prints it
+    const char* summary; ///< one line, as `stipple-lab scene --list` prints it
     stp_result (*make)(stp_scene* scene, const scene_options* options);
 } scene_recipe;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Point trees drawn on the CPU with one thread, for `stipple bench spt`: by recursive traversal,
+// Point trees drawn on the CPU with one thread, for `stipple-lab bench spt`: by recursive traversal,
 // which passes blocks of selected points to the rasterizer as QSplat does, and as a sequence, with
 // and without groups.
 #pragma once

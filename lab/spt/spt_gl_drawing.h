@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Point trees drawn with OpenGL into the visibility buffer, for `stipple bench spt`: by recursive
+// Point trees drawn with OpenGL into the visibility buffer, for `stipple-lab bench spt`: by recursive
 // traversal, which fills blocks of points and draws each with one call as QSplat does, and as a
 // sequence by the renderer itself, with and without groups. Shaders and state are the same.
 #pragma once

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Data drawn by `stipple bench spt`: the sequence of a point tree, the tree's nodes on the same
+// Data drawn by `stipple-lab bench spt`: the sequence of a point tree, the tree's nodes on the same
 // grid, and the views.
 #pragma once
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Reads the output of stipple scan, each format according to its specification: scan_files.py NAME REPORT.json [air]
+"""Reads the output of stipple-lab scan, each format according to its specification: scan_files.py NAME REPORT.json [air]
 checks that NAME.las, .ptx, .ply and .e57 hold the same points, and that REPORT describes them."""
 import json
 import re

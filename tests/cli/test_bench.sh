@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# stipple bench frame and positions on a small model: reports, measuring in pieces, a memory limit,
+# stipple-lab bench frame and positions on a small model: reports, measuring in pieces, a memory limit,
 # and errors. Arguments: executable, scratch folder.
 # needs: stipple-lab
 set -u

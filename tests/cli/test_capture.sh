@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# stipple capture: candidates as points, and the captured pictures.
+# stipple-lab capture: candidates as points, and the captured pictures.
 # needs: stipple-lab
 set -eu
 stipple=$1 scratch=$2

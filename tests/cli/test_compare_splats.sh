@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# stipple compare-splats: known distances, agreement with gtscompare (Debian: libgts-bin), all kinds
+# stipple-lab compare-splats: known distances, agreement with gtscompare (Debian: libgts-bin), all kinds
 # of files, and error messages. Arguments: executable, scratch folder.
 # needs: stipple-lab
 set -u

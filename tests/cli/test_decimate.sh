@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# stipple decimate: splats in a PLY, figures, and error messages. Arguments: executable, scratch
+# stipple-lab decimate: splats in a PLY, figures, and error messages. Arguments: executable, scratch
 # folder.
 # needs: stipple-lab
 set -u

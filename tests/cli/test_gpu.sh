@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# bench/gpu.sh and stipple bench gl on a small scene: output and errors. Arguments: executable,
+# bench/gpu.sh and stipple-lab bench gl on a small scene: output and errors. Arguments: executable,
 # scratch folder, source folder.
 # needs: stipple-lab
 set -u

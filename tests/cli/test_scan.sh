@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# stipple scan: the same points in each format, with any number of threads, from scenes, models and
+# stipple-lab scan: the same points in each format, with any number of threads, from scenes, models and
 # .stip files; errors. Arguments: executable, scratch folder, source folder.
 # needs: stipple-lab
 set -u

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# stipple scene: lists and writes scenes that the other commands understand.
+# stipple-lab scene: lists and writes scenes that the other commands understand.
 # needs: stipple-lab
 set -eu
 stipple=$1 scratch=$2

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# stipple scene -o FILE.glb|FILE.gltf: reading the file gives the same scene as generating it
+# stipple-lab scene -o FILE.glb|FILE.gltf: reading the file gives the same scene as generating it
 # directly. Arguments: executable, scratch folder, source folder.
 # needs: stipple-lab
 set -eu

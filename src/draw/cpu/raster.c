@@ -27,7 +27,7 @@ const stp_cpu_item* stp_cpu_item_of_piece(const stp_cpu_renderer* r, uint32_t pi
 
 // In radii. Measured on a CAD assembly of fins and ribs from 26 directions, at the distance where
 // its splats just suffice: the median SSIM of covered pixels rises from 0.48 (0, 0) over 0.62 (2,
-// 0) to 0.69 (4, 2); beyond, surfaces begin to show through those in front (`stipple bench
+// 0) to 0.69 (4, 2); beyond, surfaces begin to show through those in front (`stipple-lab bench
 // quality`).
 #define RIM_DEPTH 4.0f
 #define BACK_DEPTH 2.0f
