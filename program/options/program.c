@@ -121,10 +121,12 @@ static int run_command(const command* c, int argc, char** argv)
 static void end_without_file(int number)
 {
     static const char message[] =
-        "stipple: a file in use was truncated by another program, or its disk failed\n";
+        ": a file in use was truncated by another program, or its disk failed\n";
+    const char* name = program_get()->name;
     (void)number;
-    ssize_t written = write(STDERR_FILENO, message, sizeof(message) - 1);
-    _exit(written >= 0 ? 1 : 2);
+    bool written = write(STDERR_FILENO, name, strlen(name)) >= 0 &&
+                   write(STDERR_FILENO, message, sizeof(message) - 1) >= 0;
+    _exit(written ? 1 : 2);
 }
 
 /// Keeps the arguments as given; commands reorder theirs.

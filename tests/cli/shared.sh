@@ -3,6 +3,15 @@
 # shellcheck shell=bash
 failures=0
 
+# a failed check fails the test, however it ends
+end_test()
+{
+    local code=$?
+    [ $code -ne 0 ] || [ "$failures" -eq 0 ] || code=1
+    exit $code
+}
+trap end_test EXIT
+
 fail()
 {
     echo "FAIL: $*" >&2

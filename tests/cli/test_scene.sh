@@ -69,3 +69,15 @@ expect 1 "$stipple" info scene:nothing
 expect 1 "$stipple" info scene:boxes,scale=-1
 expect 1 "$stipple" scene boxes -o no/such/folder/x.glb
 [ "$(wc -l <err)" = 1 ] || fail "not exactly one sentence: $(cat err)"
+
+# stipple names the program that has a command, for each command that only stipple-lab has
+product=${stipple%/*/*}/program/stipple
+commands() { "$1" help | sed -n '/^Commands:/,/^$/s/^  \([a-z-]*\) .*/\1/p' | sort; }
+commands "$stipple" > lab-commands
+commands "$product" > commands
+comm -23 lab-commands commands > moved
+[ "$(wc -l < moved)" -ge 8 ] && [ -z "$(comm -13 lab-commands commands)" ] || fail "stipple-lab lacks commands of stipple"
+while read -r name; do
+    expect 2 "$product" "$name"
+    grep -q "^stipple: stipple-lab has the command '$name'" err || fail "stipple $name: $(cat err)"
+done < moved

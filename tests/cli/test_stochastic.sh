@@ -202,4 +202,3 @@ for number, normal in stochastic_normals.read_normals(pathlib.Path("ring.stip"))
     inwards += sum(n * (p - m) for n, p, m in zip(normal, (x, y, z), middle)) < 0
 assert count >= 410000 and inwards < 0.005 * count, (count, inwards)
 END
-echo ok

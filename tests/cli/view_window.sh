@@ -31,7 +31,7 @@ clean_up()
     [ "$xvfb" -ne 0 ] && kill "$xvfb" 2> /dev/null
     wait 2> /dev/null
 }
-trap clean_up EXIT
+trap 'code=$?; clean_up; (exit $code); end_test' EXIT
 
 # any free display number; the server's memory is the screen
 mkdir screen

@@ -4,6 +4,7 @@
 #define _XOPEN_SOURCE 700 // realpath
 #include "program/viewer/panels/start.h"
 
+#include "program/options/program.h"
 #include "program/viewer/panels/panels.h"
 #include "program/viewer/window/gui.h"
 
@@ -118,7 +119,7 @@ static void take_path(viewer* v, const char* typed)
     if (typed[0] == '~' && (typed[1] == '/' || typed[1] == 0) && home != NULL) {
         int length = snprintf(path, sizeof(path), "%s%s", home, typed + 1);
         fits = length > 0 && (size_t)length < sizeof(path);
-    } else if (typed[0] == '/' || strncmp(typed, "scene:", 6) == 0) {
+    } else if (typed[0] == '/' || program_is_scene(typed)) {
         fits = snprintf(path, sizeof(path), "%s", typed) < PATH_MAX;
     } else {
         fits = folder_join(&s->folder, typed, path);
@@ -130,7 +131,7 @@ static void take_path(viewer* v, const char* typed)
         folder_destroy(&probe);
         go_to_folder(s, path);
         s->typed[0] = 0;
-    } else if (strncmp(path, "scene:", 6) != 0 && realpath(path, whole) == NULL) {
+    } else if (!program_is_scene(path) && realpath(path, whole) == NULL) {
         snprintf(s->message, sizeof(s->message), "%.400s: no such file", path);
     } else {
         s->shown = false;
@@ -212,8 +213,9 @@ void start_dialog(viewer* v)
         gui_focus_next();
         s->focuses = false;
     }
-    (void)gui_input("##path", "File name, path or scene:NAME", s->typed, sizeof(s->typed),
-                    &entered);
+    const char* hint =
+        program_get()->make_scene != NULL ? "File name, path or scene:NAME" : "File name or path";
+    (void)gui_input("##path", hint, s->typed, sizeof(s->typed), &entered);
     if (s->message[0] != 0) {
         gui_paragraph("%s", s->message);
     }
