@@ -10,13 +10,12 @@ stp_result stp_graph_add_edge(stp_graph* graph, uint32_t node, const stp_affine*
 {
     stp_scene* scene = graph->scene;
     assert(node < scene->node_count && "children are made first");
-    stp_edge* edges = stp_scene_grow(scene->context, scene->edges, &graph->edge_capacity,
-                                     scene->edge_count + 1, sizeof(*edges));
-    if (edges == NULL) {
-        return stp_scene_fail_grow(scene->context, scene->edge_count + 1);
+    stp_result result = STP_SCENE_MAKE_ROOM(scene->context, scene->edges, graph->edge_capacity,
+                                            scene->edge_count + 1);
+    if (result != STP_OK) {
+        return result;
     }
-    scene->edges = edges;
-    edges[scene->edge_count++] = (stp_edge){.node = node, .transform = *transform};
+    scene->edges[scene->edge_count++] = (stp_edge){.node = node, .transform = *transform};
     return STP_OK;
 }
 
@@ -24,13 +23,12 @@ stp_result stp_graph_add_part(stp_graph* graph, stp_part part)
 {
     stp_scene* scene = graph->scene;
     assert(part.index < (part.kind == STP_PART_MESH ? scene->mesh_count : scene->point_set_count));
-    stp_part* parts = stp_scene_grow(scene->context, scene->node_parts, &graph->part_capacity,
-                                     scene->node_part_count + 1, sizeof(*parts));
-    if (parts == NULL) {
-        return stp_scene_fail_grow(scene->context, scene->node_part_count + 1);
+    stp_result result = STP_SCENE_MAKE_ROOM(scene->context, scene->node_parts, graph->part_capacity,
+                                            scene->node_part_count + 1);
+    if (result != STP_OK) {
+        return result;
     }
-    scene->node_parts = parts;
-    parts[scene->node_part_count++] = part;
+    scene->node_parts[scene->node_part_count++] = part;
     return STP_OK;
 }
 
@@ -60,14 +58,13 @@ stp_result stp_graph_close_node(stp_graph* graph, size_t first_edge, size_t firs
         scene->node_part_count = first_part;
         return STP_OK;
     }
-    stp_node* nodes = stp_scene_grow(scene->context, scene->nodes, &graph->node_capacity,
-                                     scene->node_count + 1, sizeof(*nodes));
-    if (nodes == NULL) {
-        return stp_scene_fail_grow(scene->context, scene->node_count + 1);
+    result = STP_SCENE_MAKE_ROOM(scene->context, scene->nodes, graph->node_capacity,
+                                 scene->node_count + 1);
+    if (result != STP_OK) {
+        return result;
     }
-    scene->nodes = nodes;
     stp_node_measure(scene, &node);
-    nodes[scene->node_count++] = node;
+    scene->nodes[scene->node_count++] = node;
     return STP_OK;
 }
 

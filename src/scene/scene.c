@@ -89,22 +89,15 @@ static stp_result keep_text(stp_scene* scene, const char** text)
     return STP_OK;
 }
 
-// Room for one more element of one of the scene's arrays; NULL if there is none.
-#define GROW_ARRAY(scene, array, name)                                                             \
-    stp_scene_grow((scene)->context, (scene)->array, &(scene)->name##_capacity,                    \
-                   (scene)->name##_count + 1, sizeof(*(scene)->array))
-#define GROW(scene, name) GROW_ARRAY(scene, name##s, name)
-
-void* stp_scene_grow(stp_context* context, void* array, size_t* capacity, size_t count, size_t size)
+stp_result stp_scene_make_room(stp_context* context, void* array_address, size_t* capacity,
+                               size_t count, size_t size)
 {
-    return count > STP_NONE ? NULL : stp_grow_array(context, array, capacity, count, size);
-}
-
-stp_result stp_scene_fail_grow(stp_context* context, size_t count)
-{
-    return count > STP_NONE ? stp_fail(context, STP_ERROR_LIMIT,
-                                       "the scene has more than 2^32 - 1 elements of a kind")
-                            : stp_fail_memory(context);
+    if (count > STP_NONE) {
+        return stp_fail(context, STP_ERROR_LIMIT,
+                        "the scene has more than 2^32 - 1 elements of a kind");
+    }
+    return stp_make_room(context, array_address, capacity, count, size) ? STP_OK
+                                                                        : stp_fail_memory(context);
 }
 
 static void assign_indices(uint32_t* index, size_t count)
@@ -128,15 +121,15 @@ stp_result stp_scene_add_mesh(stp_scene* scene, const stp_mesh* mesh, uint32_t* 
     stp_mesh added = *mesh;
     added.spilled = false;
     added.content = (stp_hash){0};
-    stp_mesh* meshes = GROW_ARRAY(scene, meshes, mesh);
-    if (meshes == NULL) {
+    stp_result result = STP_SCENE_MAKE_ROOM(scene->context, scene->meshes, scene->mesh_capacity,
+                                            scene->mesh_count + 1);
+    if (result != STP_OK) {
         scene->bulk_bytes += stp_mesh_bytes(&added);
         stp_mesh_free_arrays(scene, &added);
-        return stp_scene_fail_grow(scene->context, scene->mesh_count + 1);
+        return result;
     }
-    scene->meshes = meshes;
     assign_indices(index, scene->mesh_count);
-    stp_mesh* kept = &meshes[scene->mesh_count++];
+    stp_mesh* kept = &scene->meshes[scene->mesh_count++];
     *kept = added;
     note_damage(scene, (stp_part){STP_PART_MESH, (uint32_t)(scene->mesh_count - 1)},
                 stp_mesh_drop_distant(kept));
@@ -145,7 +138,7 @@ stp_result stp_scene_add_mesh(stp_scene* scene, const stp_mesh* mesh, uint32_t* 
         const float* p = kept->positions + 3 * (size_t)i;
         stp_box_add(&kept->bounds, (stp_vec3){p[0], p[1], p[2]});
     }
-    stp_result result = stp_mesh_account(scene, (uint32_t)(scene->mesh_count - 1));
+    result = stp_mesh_account(scene, (uint32_t)(scene->mesh_count - 1));
     return result == STP_OK ? keep_text(scene, &kept->name) : result;
 }
 
@@ -155,19 +148,19 @@ static stp_result add_points(stp_scene* scene, const stp_point_set* points, bool
     stp_point_set added = *points;
     added.spilled = spilled;
     added.content = (stp_hash){0};
-    stp_point_set* sets = GROW(scene, point_set);
-    if (sets == NULL) {
+    stp_result result = STP_SCENE_MAKE_ROOM(scene->context, scene->point_sets,
+                                            scene->point_set_capacity, scene->point_set_count + 1);
+    if (result != STP_OK) {
         scene->bulk_bytes += spilled ? 0 : stp_points_bytes(&added);
         stp_points_free_arrays(scene, &added);
-        return stp_scene_fail_grow(scene->context, scene->point_set_count + 1);
+        return result;
     }
-    scene->point_sets = sets;
     assign_indices(index, scene->point_set_count);
-    stp_point_set* kept = &sets[scene->point_set_count++];
+    stp_point_set* kept = &scene->point_sets[scene->point_set_count++];
     *kept = added;
     note_damage(scene, (stp_part){STP_PART_POINTS, (uint32_t)(scene->point_set_count - 1)},
                 stp_point_set_measure(kept));
-    stp_result result = stp_points_account(scene, (uint32_t)(scene->point_set_count - 1));
+    result = stp_points_account(scene, (uint32_t)(scene->point_set_count - 1));
     return result == STP_OK ? keep_text(scene, &kept->name) : result;
 }
 
@@ -184,13 +177,13 @@ stp_result stp_scene_add_spilled_points(stp_scene* scene, const stp_point_set* p
 
 stp_result stp_scene_add_material(stp_scene* scene, const stp_material* material, uint32_t* index)
 {
-    stp_material* materials = GROW(scene, material);
-    if (materials == NULL) {
-        return stp_scene_fail_grow(scene->context, scene->material_count + 1);
+    stp_result result = STP_SCENE_MAKE_ROOM(scene->context, scene->materials,
+                                            scene->material_capacity, scene->material_count + 1);
+    if (result != STP_OK) {
+        return result;
     }
-    scene->materials = materials;
     assign_indices(index, scene->material_count);
-    stp_material* kept = &materials[scene->material_count++];
+    stp_material* kept = &scene->materials[scene->material_count++];
     *kept = *material;
     return keep_text(scene, &kept->name);
 }
@@ -200,30 +193,30 @@ stp_result stp_scene_add_texture(stp_scene* scene, const stp_texture* texture, u
     stp_texture added = *texture;
     added.spilled = false;
     added.content = (stp_hash){0};
-    stp_texture* textures = GROW(scene, texture);
-    if (textures == NULL) {
+    stp_result result = STP_SCENE_MAKE_ROOM(scene->context, scene->textures,
+                                            scene->texture_capacity, scene->texture_count + 1);
+    if (result != STP_OK) {
         scene->bulk_bytes += stp_texture_bytes(&added);
         stp_texture_free_arrays(scene, &added);
-        return stp_scene_fail_grow(scene->context, scene->texture_count + 1);
+        return result;
     }
-    scene->textures = textures;
     assign_indices(index, scene->texture_count);
-    stp_texture* kept = &textures[scene->texture_count++];
+    stp_texture* kept = &scene->textures[scene->texture_count++];
     *kept = added;
-    stp_result result = stp_texture_account(scene, (uint32_t)(scene->texture_count - 1));
+    result = stp_texture_account(scene, (uint32_t)(scene->texture_count - 1));
     return result == STP_OK ? keep_text(scene, &kept->name) : result;
 }
 
 stp_result stp_scene_add_object(stp_scene* scene, const stp_object* object, uint32_t* index)
 {
     assert(object->parent == STP_NONE || object->parent < scene->object_count);
-    stp_object* objects = GROW(scene, object);
-    if (objects == NULL) {
-        return stp_scene_fail_grow(scene->context, scene->object_count + 1);
+    stp_result result = STP_SCENE_MAKE_ROOM(scene->context, scene->objects, scene->object_capacity,
+                                            scene->object_count + 1);
+    if (result != STP_OK) {
+        return result;
     }
-    scene->objects = objects;
     assign_indices(index, scene->object_count);
-    stp_object* kept = &objects[scene->object_count++];
+    stp_object* kept = &scene->objects[scene->object_count++];
     *kept = (stp_object){
         .name = object->name,
         .id = object->id,
@@ -235,19 +228,19 @@ stp_result stp_scene_add_object(stp_scene* scene, const stp_object* object, uint
         .flags = object->flags,
         .node = STP_NONE,
     };
-    stp_result result = keep_text(scene, &kept->name);
+    result = keep_text(scene, &kept->name);
     return result == STP_OK ? keep_text(scene, &kept->id) : result;
 }
 
 stp_result stp_scene_add_part(stp_scene* scene, stp_part part)
 {
     assert(scene->object_count > 0);
-    stp_part* parts = GROW(scene, part);
-    if (parts == NULL) {
-        return stp_scene_fail_grow(scene->context, scene->part_count + 1);
+    stp_result result = STP_SCENE_MAKE_ROOM(scene->context, scene->parts, scene->part_capacity,
+                                            scene->part_count + 1);
+    if (result != STP_OK) {
+        return result;
     }
-    scene->parts = parts;
-    parts[scene->part_count++] = part;
+    scene->parts[scene->part_count++] = part;
     scene->objects[scene->object_count - 1].part_count += 1;
     return STP_OK;
 }
@@ -255,12 +248,12 @@ stp_result stp_scene_add_part(stp_scene* scene, stp_part part)
 stp_result stp_scene_add_instance(stp_scene* scene, const stp_affine* transform)
 {
     assert(scene->object_count > 0);
-    stp_affine* instances = GROW(scene, instance);
-    if (instances == NULL) {
-        return stp_scene_fail_grow(scene->context, scene->instance_count + 1);
+    stp_result result = STP_SCENE_MAKE_ROOM(scene->context, scene->instances,
+                                            scene->instance_capacity, scene->instance_count + 1);
+    if (result != STP_OK) {
+        return result;
     }
-    scene->instances = instances;
-    instances[scene->instance_count++] = *transform;
+    scene->instances[scene->instance_count++] = *transform;
     scene->objects[scene->object_count - 1].instance_count += 1;
     return STP_OK;
 }
@@ -274,26 +267,26 @@ stp_result stp_scene_add_use(stp_scene* scene, uint32_t object)
 
 stp_result stp_scene_add_view(stp_scene* scene, const stp_scene_view* view)
 {
-    stp_scene_view* views = GROW(scene, view);
-    if (views == NULL) {
-        return stp_scene_fail_grow(scene->context, scene->view_count + 1);
+    stp_result result = STP_SCENE_MAKE_ROOM(scene->context, scene->views, scene->view_capacity,
+                                            scene->view_count + 1);
+    if (result != STP_OK) {
+        return result;
     }
-    scene->views = views;
-    stp_scene_view* kept = &views[scene->view_count++];
+    stp_scene_view* kept = &scene->views[scene->view_count++];
     *kept = *view;
     return keep_text(scene, &kept->name);
 }
 
 stp_result stp_scene_add_source(stp_scene* scene, const stp_source* source)
 {
-    stp_source* sources = GROW(scene, source);
-    if (sources == NULL) {
-        return stp_scene_fail_grow(scene->context, scene->source_count + 1);
+    stp_result result = STP_SCENE_MAKE_ROOM(scene->context, scene->sources, scene->source_capacity,
+                                            scene->source_count + 1);
+    if (result != STP_OK) {
+        return result;
     }
-    scene->sources = sources;
-    stp_source* kept = &sources[scene->source_count++];
+    stp_source* kept = &scene->sources[scene->source_count++];
     *kept = *source;
-    stp_result result = keep_text(scene, &kept->path);
+    result = keep_text(scene, &kept->path);
     result = result == STP_OK ? keep_text(scene, &kept->format) : result;
     return result == STP_OK ? keep_text(scene, &kept->coordinate_system) : result;
 }

@@ -220,12 +220,13 @@ typedef struct stp_scene {
 /// scene. Adding may then also fail with STP_ERROR_IO (logged). See base/io/spill.h.
 void stp_scene_use_spill(stp_scene* scene, stp_spill* spill, uint64_t above_bytes);
 
-/// Makes room for `count` elements in an array of a scene. NULL if memory runs out, or the indices
-/// exceed 32 bits.
-void* stp_scene_grow(stp_context* context, void* array, size_t* capacity, size_t count,
-                     size_t size);
-/// Why stp_scene_grow failed. @return STP_ERROR_LIMIT, STP_ERROR_OUT_OF_MEMORY; logged
-STP_MUST_USE stp_result stp_scene_fail_grow(stp_context* context, size_t count);
+/// Makes room for `count` elements in an array of a scene; see stp_make_room. @return STP_OK,
+/// STP_ERROR_LIMIT (indices would exceed 32 bits), STP_ERROR_OUT_OF_MEMORY; logged
+STP_MUST_USE stp_result stp_scene_make_room(stp_context* context, void* array_address,
+                                            size_t* capacity, size_t count, size_t size);
+/// The same as STP_MAKE_ROOM, for an array of a scene.
+#define STP_SCENE_MAKE_ROOM(context, array, capacity, count)                                       \
+    stp_scene_make_room((context), &(array), &(capacity), (count), sizeof(*(array)))
 
 /// Creates an empty scene with its default material.
 STP_MUST_USE stp_result stp_scene_create(stp_context* context, stp_scene** scene);

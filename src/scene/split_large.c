@@ -324,19 +324,18 @@ stp_result stp_cut_mesh(stp_scene* scene, uint32_t mesh, uint32_t maximum, uint3
     uint32_t triangles = scene->meshes[mesh].triangle_count;
     uint32_t pieces = triangles / maximum + (triangles % maximum != 0);
     size_t needed = scene->mesh_count + pieces;
-    stp_mesh* meshes = stp_scene_grow(scene->context, scene->meshes, &scene->mesh_capacity, needed,
-                                      sizeof(*meshes));
-    if (meshes == NULL) {
-        return stp_scene_fail_grow(scene->context, needed);
+    stp_result result =
+        STP_SCENE_MAKE_ROOM(scene->context, scene->meshes, scene->mesh_capacity, needed);
+    if (result != STP_OK) {
+        return result;
     }
-    scene->meshes = meshes;
     cutter c = {.scene = scene,
-                .mesh = &meshes[mesh],
-                .mesh_pieces = meshes + scene->mesh_count,
+                .mesh = &scene->meshes[mesh],
+                .mesh_pieces = scene->meshes + scene->mesh_count,
                 .piece_count = pieces,
-                .spilled =
-                    should_spill(scene, meshes[mesh].spilled, stp_mesh_bytes(&meshes[mesh]))};
-    stp_result result = cut(&c, triangles, make_mesh_pieces);
+                .spilled = should_spill(scene, scene->meshes[mesh].spilled,
+                                        stp_mesh_bytes(&scene->meshes[mesh]))};
+    result = cut(&c, triangles, make_mesh_pieces);
     if (result == STP_OK) {
         *first_piece = (uint32_t)scene->mesh_count;
         *piece_count = pieces;
@@ -353,18 +352,18 @@ stp_result stp_cut_points(stp_scene* scene, uint32_t set, uint32_t maximum, uint
     uint32_t points = scene->point_sets[set].point_count;
     uint32_t pieces = points / maximum + (points % maximum != 0);
     size_t needed = scene->point_set_count + pieces;
-    stp_point_set* sets = stp_scene_grow(scene->context, scene->point_sets,
-                                         &scene->point_set_capacity, needed, sizeof(*sets));
-    if (sets == NULL) {
-        return stp_scene_fail_grow(scene->context, needed);
+    stp_result result =
+        STP_SCENE_MAKE_ROOM(scene->context, scene->point_sets, scene->point_set_capacity, needed);
+    if (result != STP_OK) {
+        return result;
     }
-    scene->point_sets = sets;
     cutter c = {.scene = scene,
-                .points = &sets[set],
-                .point_pieces = sets + scene->point_set_count,
+                .points = &scene->point_sets[set],
+                .point_pieces = scene->point_sets + scene->point_set_count,
                 .piece_count = pieces,
-                .spilled = should_spill(scene, sets[set].spilled, stp_points_bytes(&sets[set]))};
-    stp_result result = cut(&c, points, make_point_pieces);
+                .spilled = should_spill(scene, scene->point_sets[set].spilled,
+                                        stp_points_bytes(&scene->point_sets[set]))};
+    result = cut(&c, points, make_point_pieces);
     if (result == STP_OK) {
         *first_piece = (uint32_t)scene->point_set_count;
         *piece_count = pieces;
