@@ -5,7 +5,7 @@
 // Arbitrary bytes as a TGA or BMP picture: rejected, or as many texels as it claims.
 #include "fuzz.h"
 
-#include "import/reading/image_plain.h"
+#include "import/reading/surface.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {

@@ -6,7 +6,7 @@
 // Arbitrary bytes as a PNG. A picture that can be read must survive a round trip.
 #include "fuzz.h"
 
-#include "program/present/png.h"
+#include "program/present/picture_file.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Prints the colour map of src/base/math/color_map.c: a curve in Oklab with evenly rising lightness.
+"""Prints the colour map of src/base/math/color.c: a curve in Oklab with evenly rising lightness.
 
 Lightness rises from 0.27 to 0.94. The hue turns from violet over blue and green to yellow. The
 chroma is 0.145, or less where sRGB requires it. So equal steps in value look equal (Ottosson 2020,

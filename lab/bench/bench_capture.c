@@ -3,7 +3,7 @@
 // candidates of the visible surface, and orders 10k, 50k and 100k of them.
 #include "capture/capture.h"
 #include "lab/bench/bench.h"
-#include "lab/bench/measured_model.h"
+#include "lab/bench/memory_speed.h"
 
 #include <stipple/order.h>
 

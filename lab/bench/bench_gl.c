@@ -6,7 +6,7 @@
 #include "builder/build_scene.h"
 #include "draw/draw_gl.h"
 #include "lab/bench/bench.h"
-#include "lab/bench/gl_measure.h"
+#include "lab/bench/memory_speed.h"
 #include "lab/scenes/scenes.h"
 #include "program/drawing/frame.h"
 #include "program/files/scene_file.h"

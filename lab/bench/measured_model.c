@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "lab/bench/measured_model.h"
-
 #include "base/math/rng.h"
 #include "import/reading/import.h"
+#include "lab/bench/memory_speed.h"
 
 #include <assert.h>
 #include <string.h>

@@ -6,7 +6,7 @@
 #include "program/files/point_file.h"
 #include "program/files/scene_file.h"
 #include "program/options/command.h"
-#include "program/present/picture.h"
+#include "program/present/picture_file.h"
 
 #include <assert.h>
 #include <errno.h>

@@ -4,7 +4,7 @@
 #include "base/core/clock.h"
 #include "lab/decimate/decimators.h"
 #include "lod/psp/forest.h"
-#include "lod/psp/nearest_points.h"
+#include "lod/psp/kd_tree.h"
 #include "program/files/point_file.h"
 #include "program/files/splat_file.h"
 #include "program/files/splat_store.h"

@@ -3,7 +3,6 @@
 // stipple-lab distribution: measures how evenly prefixes of ordered points are spread and how well they
 // cover.
 #include "lab/measure/distribution.h"
-#include "lab/measure/distribution_plot.h"
 #include "program/files/overwrite.h"
 #include "program/files/point_file.h"
 #include "program/options/command.h"

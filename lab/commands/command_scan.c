@@ -3,11 +3,11 @@
 // stipple-lab scan: a simulated laser scan of a scene, as test data whose truth is known.
 #include "base/core/clock.h"
 #include "lab/scan/scan_file.h"
-#include "lab/scan/scan_stations.h"
+#include "lab/scan/scan_sweep.h"
 #include "program/files/overwrite.h"
 #include "program/files/scene_file.h"
 #include "program/options/command.h"
-#include "program/options/option_value.h"
+#include "program/options/options.h"
 #include "program/options/tool.h"
 
 #include <assert.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // stipple-lab scene: writes named procedural scenes as glTF files.
-#include "lab/scenes/gltf_file.h"
+#include "lab/scenes/gltf_plan.h"
 #include "lab/scenes/scenes.h"
 #include "program/options/command.h"
 #include "program/options/program.h"

@@ -2,7 +2,7 @@
 // A prefix of the exact order, with a disk for each of its points: the smallest that covers the
 // points nearest to it.
 #include "base/core/jobs.h"
-#include "lab/decimate/cells.h"
+#include "lab/decimate/octree_cells.h"
 #include "lab/decimate/point_disks.h"
 
 #include <stipple/order.h>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lab/decimate/cells.h"
-
+#include "lab/decimate/octree_cells.h"
 #include "lab/decimate/point_disks.h"
 #include "lod/neighbours.h"
 

@@ -4,7 +4,6 @@
 #include "base/core/clock.h"
 #include "base/math/math.h"
 #include "lab/decimate/decimator.h"
-#include "lab/decimate/triangle_file.h"
 #include "program/files/splat_store.h"
 #include "program/options/tool.h"
 

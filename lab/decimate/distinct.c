@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "lab/decimate/distinct.h"
-
 #include "base/math/rng.h"
+#include "lab/decimate/contraction.h"
 #include "lod/grid.h"
 
 #include <assert.h>

@@ -2,7 +2,7 @@
 #include "lab/decimate/octree_cells.h"
 
 #include "base/core/jobs.h"
-#include "base/core/parallel_sort.h"
+#include "base/core/sort.h"
 #include "lab/decimate/point_disks.h"
 
 #include <assert.h>

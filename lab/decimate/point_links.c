@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lab/decimate/point_links.h"
+#include "lab/decimate/contraction.h"
 
 #include <assert.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lab/decimate/quadric.h"
+#include "lab/decimate/contraction.h"
 
 #include <assert.h>
 

@@ -3,7 +3,7 @@
 
 #include "lod/grid.h"
 #include "lod/psp/initial.h"
-#include "lod/psp/nearest_points.h"
+#include "lod/psp/kd_tree.h"
 
 #include <assert.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lab/decimate/subsample_fit.h"
+#include "lab/decimate/subsample_attempt.h"
 
 #include <assert.h>
 

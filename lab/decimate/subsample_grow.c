@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lab/decimate/subsample_grow.h"
 
-#include "base/core/team.h"
-#include "lab/decimate/subsample_region.h"
+#include "base/core/jobs.h"
+#include "lab/decimate/subsample_attempt.h"
 
 #include <assert.h>
 #include <string.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "lab/decimate/subsample_region.h"
-
 #include "base/splats/coverage.h"
+#include "lab/decimate/subsample_attempt.h"
 
 #include <assert.h>
 #include <string.h>

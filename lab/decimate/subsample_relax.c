@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "base/core/team.h"
+#include "base/core/jobs.h"
 #include "base/math/rng.h"
 #include "lab/decimate/subsample_cover.h"
 

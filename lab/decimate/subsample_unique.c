@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "lab/decimate/subsample_unique.h"
-
 #include "base/math/color.h"
 #include "base/math/rng.h"
+#include "lab/decimate/subsample_field.h"
 
 #include <assert.h>
 #include <string.h>

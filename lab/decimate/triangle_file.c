@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "lab/decimate/triangle_file.h"
-
 #include "base/io/bytes.h"
 #include "base/io/file.h"
+#include "lab/decimate/decimators.h"
 #include "program/files/point_file.h"
 
 #include <assert.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Checksums and columns of files.
-#include "base/io/crc32c.h"
+#include "base/io/hash.h"
 #include "base/splats/octahedral.h"
 #include "lab/kernels/kernel_cases.h"
 #include "store/clusters/clusters.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Searches among neighbours. Points are on a lattice, so that many distances are equal.
 #include "lab/kernels/kernel_cases.h"
-#include "lod/grid_kernels.h"
+#include "lod/grid.h"
 #include "lod/neighbours_kernels.h"
 #include "lod/point_normals_kernels.h"
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lab/measure/distribution.h"
 
-#include "base/math/sort.h"
-#include "lab/measure/nearest.h"
+#include "base/core/sort.h"
 
 #include <assert.h>
 #include <math.h>

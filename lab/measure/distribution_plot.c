@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "lab/measure/distribution_plot.h"
-
-#include "program/present/svg.h"
+#include "lab/measure/distribution.h"
+#include "program/present/canvas.h"
 
 #include <assert.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lab/measure/hausdorff_bound.h"
+#include "lab/measure/hausdorff.h"
 
 #include <assert.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lab/measure/nearest.h"
+#include "lab/measure/distribution.h"
 
 #include <assert.h>
 #include <math.h>

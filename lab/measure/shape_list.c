@@ -4,7 +4,7 @@
 #include "base/splats/coverage.h"
 #include "base/splats/octahedral.h"
 #include "base/splats/splat_codes.h"
-#include "base/splats/splat_place.h"
+#include "base/splats/splat_columns.h"
 #include "program/files/point_file.h"
 #include "select/camera.h"
 #include "store/clusters/clusters.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lab/measure/shape_tree.h"
 
-#include "base/core/parallel_sort.h"
+#include "base/core/sort.h"
 #include "base/math/morton.h"
 
 #include <assert.h>

@@ -4,7 +4,6 @@
 // row and column.
 #include "base/io/bytes.h"
 #include "base/math/rng.h"
-#include "lab/scan/scan_e57_pages.h"
 #include "lab/scan/scan_file.h"
 
 #include <assert.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "lab/scan/scan_e57_pages.h"
-
-#include "base/io/crc32c.h"
+#include "base/io/hash.h"
+#include "lab/scan/scan_file.h"
 
 #include <assert.h>
 #include <string.h>

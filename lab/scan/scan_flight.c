@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lab/scan/scan_stations.h"
+#include "lab/scan/scan_sweep.h"
 
 #include <assert.h>
 

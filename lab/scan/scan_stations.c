@@ -4,9 +4,8 @@
 // up and has room above and around it. Each casts 960 rays and records which cells of the
 // model's box they hit. Then the candidate that adds the most cells is chosen repeatedly; its
 // weight is reduced if it is closer to chosen stations than evenly spread stations would be.
-#include "lab/scan/scan_stations.h"
-
 #include "base/math/rng.h"
+#include "lab/scan/scan_sweep.h"
 #include "lab/scenes/trigonometry.h"
 
 #include <assert.h>

@@ -3,9 +3,8 @@
 // A hall with five equal doughnut lines: dough is mixed, funnelled, sheeted, cut, proofed on
 // swings, baked on a wire-mesh belt, glazed, cooled on a spiral, and packed. A line is one
 // prototype, used five times.
-#include "lab/scenes/industry.h"
+#include "lab/scenes/paper.h"
 #include "lab/scenes/parts.h"
-#include "lab/scenes/parts_bakery.h"
 #include "lab/scenes/scene_random.h"
 
 enum {

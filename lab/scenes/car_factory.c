@@ -3,9 +3,8 @@
 // A car factory: a press shop, a body shop with welding robots, a paint shop and final assembly.
 // Cars are seen in all states: bare sheets in racks, bodies in white, primed, lacquered in three
 // colours, and complete.
-#include "lab/scenes/industry.h"
+#include "lab/scenes/paper.h"
 #include "lab/scenes/parts.h"
-#include "lab/scenes/parts_car.h"
 #include "lab/scenes/scene_random.h"
 
 enum { FACTORY_OBJECTS = 1708, FACTORY_MESHES = 179, COLOURS = 4, PANELS = 9, ROBOT_PARTS = 7 };

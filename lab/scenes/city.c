@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lab/scenes/city.h"
 
-#include "lab/scenes/small.h"
+#include "lab/scenes/compose.h"
 
 static const struct {
     const char* name;

@@ -19,3 +19,13 @@ STP_MUST_USE stp_result add_mesh_object(stp_scene* scene, const char* name, uint
                                         const stp_affine* transform, uint32_t mesh);
 STP_MUST_USE stp_result add_view(stp_scene* scene, const char* name, stp_vec3d eye,
                                  stp_vec3d target, double fov_degrees);
+
+// Small scenes for tests and benchmarks; see scene_recipes().
+
+stp_result scene_make_boxes(stp_scene* scene, const scene_options* options);
+stp_result scene_make_spheres(stp_scene* scene, const scene_options* options);
+stp_result scene_make_one_mesh(stp_scene* scene, const scene_options* options);
+stp_result scene_make_forest(stp_scene* scene, const scene_options* options);
+stp_result scene_make_terrain(stp_scene* scene, const scene_options* options);
+stp_result scene_make_city(stp_scene* scene, const scene_options* options);
+stp_result scene_make_small_city(stp_scene* scene, const scene_options* options);

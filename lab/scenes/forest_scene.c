@@ -3,7 +3,6 @@
 #include "lab/scenes/mesh_builder.h"
 #include "lab/scenes/noise.h"
 #include "lab/scenes/scene_random.h"
-#include "lab/scenes/small.h"
 #include "lab/scenes/solids.h"
 #include "lab/scenes/terrain.h"
 #include "lab/scenes/trees.h"

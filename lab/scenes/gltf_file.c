@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lab/scenes/gltf_file.h"
-
-#include "lab/scenes/gltf_text.h"
+#include "lab/scenes/gltf_plan.h"
 
 #include <assert.h>
 #include <stdio.h>

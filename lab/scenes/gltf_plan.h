@@ -1,8 +1,30 @@
 // SPDX-License-Identifier: MIT
-// Layout of a glTF file before it is written: lab/scenes/gltf_file.h.
+// Layout of a glTF file before it is written: lab/scenes/gltf_plan.h.
 #pragma once
 
-#include "lab/scenes/gltf_file.h"
+#include "base/io/file.h"
+#include "scene/scene.h"
+
+// Writes a scene as glTF 2.0: meshes once, objects with their names as nodes, views as cameras.
+// glTF cannot share nodes, so used objects are duplicated; instances of one mesh become
+// EXT_mesh_gpu_instancing. Materials are plain, without textures. Points are not supported.
+
+/// Maximum nodes of a file: nested uses can expand without bound.
+#define GLTF_MOST_NODES 3000000u
+
+typedef struct gltf_figures {
+    uint64_t nodes, meshes, triangles, bytes;
+    uint32_t files;
+} gltf_figures;
+
+/// Writes `path`: a single file if the name ends in .glb, else JSON with binary files beside it,
+/// named after PATH without its suffix: .bin, -2.bin, ... All files are temporary until the end,
+/// then renamed. The scene need not be finished. `figures` may be NULL.
+/// @return STP_OK, STP_ERROR_LIMIT (too many nodes, or too large for .glb), STP_ERROR_UNSUPPORTED
+/// (points, or a mesh without triangles), STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY,
+/// STP_ERROR_CANCELLED; logged
+STP_MUST_USE stp_result gltf_file_write(const stp_scene* scene, const char* path,
+                                        gltf_figures* figures);
 
 /// A node of the file, in file order: parents come first, siblings are adjacent.
 typedef struct gltf_node {
@@ -61,3 +83,13 @@ static inline uint32_t gltf_instance_view(const gltf_plan* plan)
 {
     return plan->view_count - 3;
 }
+
+// The JSON of a glTF file: lab/scenes/gltf_plan.h.
+
+/// Appends the JSON. `name`: prefix of the binary files ("plant.bin" is "plant"); NULL: the only
+/// buffer is in the same file.
+STP_MUST_USE stp_result gltf_json_write(const gltf_plan* plan, const char* name,
+                                        stp_file_writer* file);
+
+/// The name of a binary file: NAME.bin, NAME-2.bin, ...
+void gltf_buffer_name(char* out, size_t size, const char* name, size_t buffer);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lab/scenes/gltf_text.h"
+#include "lab/scenes/gltf_plan.h"
 
 #include <stdarg.h>
 #include <stdio.h>

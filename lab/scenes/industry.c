@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lab/scenes/industry.h"
+#include "lab/scenes/paper.h"
 
 typedef struct named_view {
     const char* name;

@@ -3,7 +3,6 @@
 // One mesh with any number of triangles: the faces of a cube as grids, inflated to a rock.
 #include "lab/scenes/compose.h"
 #include "lab/scenes/noise.h"
-#include "lab/scenes/small.h"
 
 #define TRIANGLES 1e6 // at scale 1
 

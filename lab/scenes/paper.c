@@ -2,7 +2,6 @@
 #include "lab/scenes/paper.h"
 
 #include "lab/scenes/compose.h"
-#include "lab/scenes/pylons.h"
 #include "lab/scenes/terrain.h"
 
 typedef stp_result (*part_adder)(stp_scene* scene, uint32_t parent, const stp_affine* place,

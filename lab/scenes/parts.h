@@ -95,3 +95,47 @@ void part_cooling_fill(shaper* s, const double* p);   ///< radius, height, pitch
 void part_chimney(shaper* s, const double* p);        ///< height, base radius, top radius
 void part_mill(shaper* s, const double* p);           ///< radius, height
 void part_burners(shaper* s, const double* p);        ///< columns, rows, pitch, radius
+
+// Parts of bakery lines; see parts.h for their parameters.
+
+void part_mesh_belt(shaper* s,
+                    const double* p);         ///< length, width, height, pitch (wire mesh on rods)
+void part_donuts(shaper* s, const double* p); ///< columns, rows, radius, pitch, glazed
+void part_tray(shaper* s, const double* p);   ///< columns, rows, pitch
+void part_mixer(shaper* s, const double* p);  ///< radius, height
+void part_mixer_bowl(shaper* s, const double* p);    ///< radius, height
+void part_funnel(shaper* s, const double* p);        ///< width, height, outlet
+void part_oven_shell(shaper* s, const double* p);    ///< length, width, height
+void part_oven_nozzles(shaper* s, const double* p);  ///< length, width, height, columns, rows
+void part_oven_burner(shaper* s, const double* p);   ///< length, burners, height
+void part_sheeter(shaper* s, const double* p);       ///< width, rollers, radius
+void part_proofer_frame(shaper* s, const double* p); ///< length, width, height
+void part_swings(shaper* s, const double* p);        ///< columns, rows, width, pitch
+void part_spiral_belt(shaper* s, const double* p);   ///< radius, height, turns, width
+void part_spiral_drum(shaper* s, const double* p);   ///< radius, height
+void part_guards(shaper* s, const double* p);        ///< length, height (perforated doors)
+void part_tray_rack(shaper* s, const double* p);     ///< shelves, width, depth, height
+void part_cutter(shaper* s, const double* p);        ///< width, knives
+void part_boxes(shaper* s, const double* p);         ///< columns, layers, size
+
+// Parts of a car factory; see parts.h for their parameters.
+
+/// A patch of a car's skin (4.4 m along x, the nose at -2.2): from, to along the car and around it
+/// (0: left sill, 0.5: middle of the roof, 1: right sill), offset outwards, columns and rows of
+/// faces, ribs behind.
+void part_body_panel(shaper* s, const double* p);
+void part_underbody(shaper* s, const double* p);   ///< length, width, ribs
+void part_wheel(shaper* s, const double* p);       ///< radius, width, spokes
+void part_tyre(shaper* s, const double* p);        ///< radius, width, blocks
+void part_seats(shaper* s, const double* p);       ///< seats, spacing
+void part_engine(shaper* s, const double* p);      ///< cylinders, bore
+void part_robot_base(shaper* s, const double* p);  ///< radius, height
+void part_robot_arm(shaper* s, const double* p);   ///< length, radius (along x)
+void part_robot_wrist(shaper* s, const double* p); ///< length, radius (along x)
+void part_weld_gun(shaper* s, const double* p);    ///< size
+void part_robot_hoses(shaper* s, const double* p); ///< reach, height, hoses
+void part_press_frame(shaper* s, const double* p); ///< width, height, depth
+void part_press_drive(shaper* s, const double* p); ///< width, height, depth
+void part_die(shaper* s, const double* p);         ///< width, depth, height, columns, rows
+void part_jig(shaper* s, const double* p);         ///< length, width, clamps
+void part_shelf_rack(shaper* s, const double* p);  ///< length, height, depth, levels

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "lab/scenes/parts_bakery.h"
-
 #include "lab/scenes/parts.h"
 #include "lab/scenes/trigonometry.h"
 

@@ -3,7 +3,7 @@
 // Sixteen coal-fired power plants. All share 283 meshes, each used once per plant. Each also has
 // two of a pool of 21 auxiliary modules: only this way do the numbers of Table 1 fit sixteen equal
 // plants.
-#include "lab/scenes/industry.h"
+#include "lab/scenes/paper.h"
 #include "lab/scenes/parts.h"
 #include "lab/scenes/scene_random.h"
 

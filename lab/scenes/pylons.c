@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "lab/scenes/pylons.h"
-
 #include "lab/scenes/compose.h"
+#include "lab/scenes/paper.h"
 #include "lab/scenes/solids.h"
 #include "lab/scenes/terrain.h"
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lab/scenes/scenes.h"
 
-#include "lab/scenes/industry.h"
+#include "lab/scenes/compose.h"
 #include "lab/scenes/paper.h"
-#include "lab/scenes/small.h"
 #include "program/options/program.h"
 
 #include <stdlib.h>

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "lab/scenes/small.h"
-
 #include "lab/scenes/compose.h"
 #include "lab/scenes/mesh_builder.h"
 #include "lab/scenes/scene_random.h"

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "lab/spt/spt_gl_drawing.h"
-
 #include "base/core/clock.h"
 #include "base/core/context.h"
 #include "base/splats/coverage.h"
 #include "draw/gl/gl_renderer.h"
-#include "lab/spt/spt_store.h"
+#include "lab/spt/spt_drawing.h"
 #include "program/drawing/frame.h"
 
 #include <assert.h>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lab/spt/spt_store.h"
-
+#include "lab/spt/spt_drawing.h"
 #include "program/options/command.h"
 #include "store/writer/writer.h"
 

@@ -7,8 +7,8 @@
 #include "program/options/command.h"
 #include "program/options/program.h"
 #include "program/options/tool.h"
-#include "program/reports/build_sizes.h"
 #include "program/reports/describe.h"
+#include "program/reports/reports.h"
 
 #include <assert.h>
 #include <stdio.h>

@@ -4,7 +4,7 @@
 #include "program/files/overwrite.h"
 #include "program/measure/image_compare.h"
 #include "program/options/command.h"
-#include "program/present/picture.h"
+#include "program/present/picture_file.h"
 
 #include <assert.h>
 #include <stdio.h>

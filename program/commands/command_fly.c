@@ -5,7 +5,7 @@
 #include "program/drawing/flight_report.h"
 #include "program/options/command.h"
 #include "program/options/tool.h"
-#include "program/present/svg.h"
+#include "program/present/canvas.h"
 #include "program/present/video.h"
 
 #include <string.h>

@@ -2,13 +2,11 @@
 //
 // stipple info: describes the content of a .stip file or a model.
 #include "base/io/file.h"
-#include "builder/object_counts.h"
 #include "builder/writer_input.h"
 #include "program/files/scene_file.h"
 #include "program/options/command.h"
 #include "program/reports/describe.h"
-#include "program/reports/find_report.h"
-#include "program/reports/scan_report.h"
+#include "program/reports/reports.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -3,13 +3,12 @@
 // stipple render: draws one picture of a scene.
 #include "base/core/clock.h"
 #include "program/drawing/drawing.h"
-#include "program/drawing/view_list.h"
 #include "program/files/overwrite.h"
 #include "program/files/scene_file.h"
 #include "program/options/command.h"
 #include "program/options/tool.h"
-#include "program/present/picture.h"
-#include "program/reports/pick_report.h"
+#include "program/present/picture_file.h"
+#include "program/reports/reports.h"
 #include "select/camera.h"
 
 #include <assert.h>

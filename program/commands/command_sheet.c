@@ -2,8 +2,8 @@
 //
 // stipple sheet: arranges captioned pictures and flight plots on one contact sheet.
 #include "program/files/overwrite.h"
-#include "program/present/picture.h"
-#include "program/present/sheet_plot.h"
+#include "program/present/canvas.h"
+#include "program/present/picture_file.h"
 
 #include <assert.h>
 #include <stdio.h>

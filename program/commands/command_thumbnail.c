@@ -12,7 +12,7 @@
 #include "program/options/cloud_style.h"
 #include "program/options/command.h"
 #include "program/options/tool.h"
-#include "program/present/picture.h"
+#include "program/present/picture_file.h"
 #include "select/camera.h"
 
 #include <string.h>

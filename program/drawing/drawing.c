@@ -4,7 +4,7 @@
 #include "lod/method.h"
 #include "program/options/cloud_style.h"
 #include "program/options/tool.h"
-#include "program/present/picture.h"
+#include "program/present/picture_file.h"
 
 bool drawing_begin(drawing* d, const draw_options* options)
 {

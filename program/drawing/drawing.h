@@ -4,6 +4,8 @@
 
 #include "program/drawing/draw_options.h"
 #include "program/drawing/frame.h"
+#include "program/present/viewpoints.h"
+#include "store/file/store.h"
 
 /// All zero at first.
 typedef struct drawing {
@@ -33,3 +35,9 @@ json_t* drawing_describe(const drawing* d, const stp_view* view);
 
 /// Closes everything that is open, the context last.
 void drawing_end(drawing* d);
+
+// The named views of a scene.
+
+/// Prints that no view has that name and lists those that exist: the file's, those saved beside it,
+/// and the standard ones. @return 2
+int view_list_refuse(const char* name, const stp_store* store, const stp_viewpoints* viewpoints);

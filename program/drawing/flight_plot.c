@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "program/drawing/flight_report.h"
-#include "program/present/svg.h"
+#include "program/present/canvas.h"
 
 #include <assert.h>
 #include <math.h>

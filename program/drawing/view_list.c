@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "program/drawing/view_list.h"
-
+#include "program/drawing/drawing.h"
 #include "program/options/command.h"
 #include "select/camera.h"
 

@@ -5,9 +5,8 @@
 #include "builder/shadings.h"
 #include "capture/capture.h"
 #include "lod/cloud_candidates.h"
-#include "lod/point_normals.h"
 #include "lod/psp/forest.h"
-#include "lod/psp/nearest_points.h"
+#include "lod/psp/kd_tree.h"
 #include "program/files/splat_store.h"
 
 #include <assert.h>

@@ -3,7 +3,7 @@
 // Names are sorted. At each position of the text, a search finds the last name that does not sort
 // after the text there: every name that starts there is that name or a prefix of it. A table of the
 // names' first bytes rules out most positions.
-#include "program/files/companion_files.h"
+#include "program/files/scene_file.h"
 
 #include <assert.h>
 #include <dirent.h>

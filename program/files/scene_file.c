@@ -6,7 +6,6 @@
 #include "builder/build_scene.h"
 #include "import/reading/import.h"
 #include "import/text/text_columns.h"
-#include "program/files/companion_files.h"
 #include "program/options/program.h"
 #include "program/options/tool.h"
 #include "select/camera.h"

@@ -2,6 +2,8 @@
 // Opens a scene from the command line: a .stip, or a model that is first built into a cache.
 #pragma once
 
+#include "base/io/file.h"
+#include "base/io/hash.h"
 #include "import/reading/scan_info.h"
 #include "program/options/command.h"
 #include "scene/scene.h"
@@ -88,3 +90,10 @@ bool tool_find_view(const stp_store* store, const char* name, const stp_visibili
 
 /// Whether a name is that of a standard view.
 bool tool_is_standard_view(const stp_store* store, const char* name);
+
+// Files next to a model that it references: buffers, pictures, material libraries.
+
+/// Adds to `hash` the name, size and time of each file in the model's folder whose name (three
+/// bytes or more) occurs in the model's first 16 MiB. The folder's listing order does not matter.
+/// The text is read once for any number of files. If memory runs out, nothing is added.
+void neighbours_hash(const char* path, const stp_mapped_file* file, stp_hash* hash);

@@ -4,7 +4,6 @@
 #include "base/splats/coverage.h"
 #include "base/splats/octahedral.h"
 #include "lod/set_columns.h"
-#include "lod/shape_coding.h"
 #include "program/files/point_file.h"
 #include "store/writer/writer.h"
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "program/measure/image_compare.h"
 
-#include "program/measure/ssim.h"
-
 #include <assert.h>
 #include <math.h>
 

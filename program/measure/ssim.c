@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "program/measure/ssim.h"
+#include "program/measure/image_compare.h"
 
 #include <assert.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "program/options/color_names.h"
+#include "program/options/options.h"
 
 #include <stddef.h>
 #include <stdlib.h>

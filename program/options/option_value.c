@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "program/options/option_value.h"
-
-#include "program/options/color_names.h"
 #include "program/options/options.h"
 
 #include <assert.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "program/options/options.h"
 
-#include "program/options/option_value.h"
 #include "program/options/program.h"
 #include "program/options/tool.h"
 
@@ -307,4 +306,34 @@ int options_parse(const option* table, int* argc, char** argv)
     }
     *argc = left;
     return 0;
+}
+
+static const struct {
+    const char* field; ///< of the library's interface
+    const char* shown; ///< the option that sets it
+} field_options[] = {{"memory_limit_bytes", "--memory"}, {"unit_metres", "--unit"}};
+
+void option_fields_name(const char* message, char* text, size_t size)
+{
+    size_t length = 0;
+    while (*message != 0 && length + 1 < size) {
+        const char* shown = NULL;
+        for (size_t i = 0; i < sizeof(field_options) / sizeof(field_options[0]) && shown == NULL;
+             ++i) {
+            size_t taken = strlen(field_options[i].field);
+            if (strncmp(message, field_options[i].field, taken) == 0) {
+                shown = field_options[i].shown;
+                message += taken;
+            }
+        }
+        if (shown == NULL) {
+            text[length++] = *message++;
+        }
+        for (; shown != NULL && *shown != 0 && length + 1 < size; ++shown) {
+            text[length++] = *shown;
+        }
+    }
+    if (size != 0) {
+        text[length] = 0;
+    }
 }

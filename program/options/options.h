@@ -4,8 +4,13 @@
 // (-qv), options and arguments in any order, only arguments after --, the last of repeated options
 // counts. An option with an optional value takes the next word only if it is a number, or its word
 // for 0.
+#pragma once
 
 #include "program/options/command.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 /// The options every command has; ends with a NULL name.
 const option* options_common(void);
@@ -26,3 +31,19 @@ const char* options_argument(const option* o);
 
 /// The choices of an option whose argument does not show them; NULL: none.
 const char* options_hidden_words(const option* o);
+/// Reads `text` into the option's value. @return true; or false, with the reason in `problem` as
+/// the end of a sentence that begins with the text
+bool option_set_value(const option* o, const char* text, char* problem, size_t problem_size);
+
+// Messages of the library name fields of its interface; users of the program know its options.
+
+/// Copies a message, with each field's name replaced by that of the option which sets it. Cut to
+/// `size` bytes.
+void option_fields_name(const char* message, char* text, size_t size);
+
+// CSS colour names and hexadecimal colours.
+
+/// Reads a CSS colour name (ignoring case), or RRGGBB or RGB in hexadecimal, with or without "#".
+/// @param color receives red, green and blue, sRGB
+/// @return false if the text is not a colour
+bool color_parse(const char* text, uint8_t color[3]);

@@ -2,7 +2,7 @@
 #include "program/options/tool.h"
 
 #include "base/core/printable.h"
-#include "program/options/option_fields.h"
+#include "program/options/options.h"
 #include "program/options/program.h"
 #include "program/options/progress_line.h"
 

@@ -3,6 +3,8 @@
 #pragma once
 
 #include "base/core/context.h"
+#include "base/io/file.h"
+#include "program/options/command.h"
 
 #include <stipple/image.h>
 
@@ -43,3 +45,43 @@ int canvas_text_width(const canvas* c, double size, const char* text);
 /// STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result canvas_fit(stp_context* context, const stp_image* picture, uint32_t width,
                                    uint32_t height, stp_image* fitted);
+
+// Drawings as SVG files. The first error is kept and returned at the end.
+
+typedef struct svg {
+    stp_file_writer* writer;
+    stp_result result;
+} svg;
+
+/// Whether the file can be written, checked before the measurements. Failures are logged.
+STP_MUST_USE stp_result svg_check(stp_context* context, const char* path);
+/// Begins a file with a white background. Failures are logged.
+STP_MUST_USE stp_result svg_open(stp_context* context, const char* path, double width,
+                                 double height, svg* s);
+/// Up to 511 characters.
+void svg_put(svg* s, const char* format, ...) __attribute__((format(printf, 2, 3)));
+/// Escapes text from outside: file names may hold anything.
+void svg_put_text(svg* s, const char* text);
+/// Completes the file, or leaves none.
+STP_MUST_USE stp_result svg_close(svg* s);
+
+// Frame times of flights, as `stipple fly --json` reports them, plotted on a canvas.
+
+enum { SHEET_FLIGHTS_MAX = 8 };
+
+typedef struct sheet_flight {
+    const char* path;
+    const char* caption; ///< NULL: the path
+    double *times, *frame_ms;
+    size_t count;
+    double budget_ms; ///< 0: none
+} sheet_flight;
+
+/// Reads `path`. Failures are logged by the context. Arrays are from stp_alloc.
+STP_MUST_USE stp_result sheet_flight_read(stp_context* context, sheet_flight* flight);
+void sheet_flight_destroy(stp_context* context, sheet_flight* flight);
+
+/// Plots all flights over one axis of time, within a box. The other axis is logarithmic if frame
+/// times differ by more than a factor of ten.
+void sheet_plot(canvas* c, int x, int y, int width, int height, const sheet_flight* flights,
+                size_t count);

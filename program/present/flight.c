@@ -9,7 +9,7 @@
 
 #include "base/io/file.h"
 #include "base/math/math.h"
-#include "program/present/json_text.h"
+#include "program/present/viewpoints_internal.h"
 
 #include <assert.h>
 #include <string.h>

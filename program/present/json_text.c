@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "program/present/json_text.h"
+#include "program/present/viewpoints_internal.h"
 
 #include <assert.h>
 #include <math.h>

@@ -84,3 +84,29 @@ void stp_navigator_switch_projection(stp_navigator* n);
 
 /// Interpolates between two cameras, `part` 0..1.
 stp_navigator stp_navigator_mix(const stp_navigator* from, const stp_navigator* to, double part);
+
+// Dragging a plane along its normal with the pointer. Pure arithmetic: no window.
+
+enum { STP_PLANE_CORNERS_MAX = 6 };
+
+/// Intersection of a plane and a box: a convex polygon, in order around it. @return the number of
+/// its corners; 0: no intersection
+int stp_plane_cut_box(stp_vec3d point, stp_vec3d normal, const stp_boxd* box,
+                      stp_vec3d corners[STP_PLANE_CORNERS_MAX]);
+
+/// How far an anchor moves along a unit direction to follow the pointer between two picture
+/// positions (pixels, y down). If the camera looks along the direction, moving up moves it away
+/// from the viewer. 0 if the anchor is not in front of the eye.
+double stp_plane_drag(const stp_navigator* n, stp_vec3d anchor, stp_vec3d direction,
+                      const double from[2], const double to[2]);
+
+// Length of a scale bar: a round number that fits the available width.
+
+typedef struct stp_scale_bar {
+    double length; ///< 1, 2 or 5 times a power of ten; 0: no bar
+    double pixels; ///< its width
+} stp_scale_bar;
+
+/// The longest bar of at most `max_pixels`, if a pixel is `pixel` units wide. No bar if either is
+/// not positive and finite.
+stp_scale_bar stp_scale_bar_make(double pixel, double max_pixels);

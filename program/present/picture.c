@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "program/present/picture.h"
-
 #include "program/present/picture_file.h"
-#include "program/present/png.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -2,7 +2,6 @@
 #include "program/present/picture_file.h"
 
 #include "base/io/file.h"
-#include "program/present/png.h"
 
 #include <string.h>
 #include <strings.h>

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Writes pictures in the format that the file name implies: PNG, JPEG or WebP.
+// Pictures as files: PNG, JPEG or WebP, as the name implies, and "-" for stdin and stdout.
 #pragma once
 
 #include "base/core/context.h"
+#include "program/options/command.h"
 
 #include <stipple/image.h>
+
+// Writes pictures in the format that the file name implies: PNG, JPEG or WebP.
 
 typedef enum stp_picture_format {
     STP_PICTURE_PNG,  ///< lossless, with transparency
@@ -25,3 +28,31 @@ STP_MUST_USE stp_result stp_picture_write(stp_context* context, const stp_image*
 
 /// End of the message about an unknown suffix.
 #define STP_PICTURE_SUFFIXES ".png, .jpg, .jpeg or .webp"
+
+// Pictures from and to the command line: files, and "-" for stdin and stdout. Reads PNG; writes the
+// format that the name asks for (program/present/picture_file.h).
+
+/// Rejects an output suffix that is not a writable picture format. NULL and "-" pass. @return 0, or
+/// 2 (message printed)
+int tool_check_picture(const char* path);
+
+/// The pixels come from stp_alloc. Failures are logged by the context.
+STP_MUST_USE stp_result tool_read_picture(stp_context* context, const char* path, stp_image* image);
+STP_MUST_USE stp_result tool_write_picture(stp_context* context, const stp_image* image,
+                                           const char* path);
+
+// Reads and writes PNG files (libspng).
+
+/// Writes to a temporary file and renames it. The same bytes for the same picture.
+STP_MUST_USE stp_result stp_png_write(stp_context* context, const stp_image* image,
+                                      const char* path);
+/// Reads any PNG as 8-bit RGBA. The pixels come from stp_alloc.
+STP_MUST_USE stp_result stp_png_read(stp_context* context, const char* path, stp_image* image);
+
+/// Encodes to memory. `name` begins the error message; the caller frees the bytes (stp_free).
+STP_MUST_USE stp_result stp_png_encode(stp_context* context, const stp_image* image,
+                                       const char* name, unsigned char** bytes, size_t* size);
+/// @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_LIMIT (more than 2^28 pixels),
+/// STP_ERROR_OUT_OF_MEMORY; logged
+STP_MUST_USE stp_result stp_png_decode(stp_context* context, const char* name,
+                                       const unsigned char* bytes, size_t size, stp_image* image);

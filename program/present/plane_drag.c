@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "program/present/plane_drag.h"
+#include "program/present/navigate.h"
 
 #include <assert.h>
 

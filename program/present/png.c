@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "program/present/png.h"
-
 #include "base/io/file.h"
 #include "image/image_codecs.h"
+#include "program/present/picture_file.h"
 
 #include <assert.h>
 #include <spng.h>

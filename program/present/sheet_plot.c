@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "program/present/sheet_plot.h"
-
 #include "base/math/math.h"
+#include "program/present/canvas.h"
 
 #include <assert.h>
 #include <jansson.h>

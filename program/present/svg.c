@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "program/present/svg.h"
+#include "program/present/canvas.h"
 
 #include <stdarg.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 #include "program/present/video.h"
 
 #include "base/io/file.h"
-#include "program/present/picture.h"
+#include "program/present/picture_file.h"
 
 #include <assert.h>
 #include <errno.h>

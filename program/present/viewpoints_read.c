@@ -2,7 +2,6 @@
 // Reads the sidecar file. Every member is validated; unknown members are ignored.
 #include "base/io/file.h"
 #include "base/math/math.h"
-#include "program/present/json_text.h"
 #include "program/present/viewpoints_internal.h"
 
 #include <assert.h>

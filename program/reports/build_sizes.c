@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "program/reports/build_sizes.h"
+#include "program/reports/reports.h"
 
 #include <assert.h>
 #include <stdio.h>

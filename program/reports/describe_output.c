@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "base/core/printable.h"
-#include "base/math/color_map.h"
+#include "base/math/color.h"
 #include "import/reading/scan_info.h"
 #include "program/reports/describe.h"
 #include "store/sets/attribute_blocks.h"

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "program/reports/find_report.h"
-
 #include "program/options/tool.h"
 #include "program/reports/describe.h"
+#include "program/reports/reports.h"
 #include "store/outline/outline.h"
 
 #include <stdio.h>

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "program/reports/pick_report.h"
-
-#include "base/math/color_map.h"
+#include "base/math/color.h"
 #include "embed/measuring.h"
 #include "program/reports/describe.h"
+#include "program/reports/reports.h"
 #include "select/pick_ray.h"
 #include "store/sets/attribute_blocks.h"
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "program/reports/scan_report.h"
-
 #include "program/options/command.h"
 #include "program/reports/describe.h"
+#include "program/reports/reports.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -3,12 +3,9 @@
 
 #include "base/core/clock.h"
 #include "builder/draft.h"
-#include "builder/encode_textures.h"
 #include "builder/meshes.h"
 #include "builder/method_sets.h"
 #include "builder/nodes.h"
-#include "builder/normal_certainty.h"
-#include "builder/object_counts.h"
 #include "builder/set_plan.h"
 #include "builder/writer_input.h"
 

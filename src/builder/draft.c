@@ -5,7 +5,7 @@
 #include "base/core/context.h"
 #include "base/io/file.h"
 #include "builder/draft_content.h"
-#include "builder/normal_certainty.h"
+#include "builder/writer_input.h"
 
 #include <assert.h>
 #include <pthread.h>

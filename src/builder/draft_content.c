@@ -2,7 +2,6 @@
 #include "builder/draft_content.h"
 
 #include "base/math/rng.h"
-#include "builder/preview_points.h"
 
 #include <assert.h>
 #include <stdlib.h>

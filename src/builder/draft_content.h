@@ -4,6 +4,8 @@
 #pragma once
 
 #include "builder/writer_input.h"
+#include "scene/scene.h"
+#include "store/file/store.h"
 
 /// The available results of a scene.
 typedef struct stp_draft_state {
@@ -22,3 +24,17 @@ typedef struct stp_draft_state {
 /// STP_ERROR_OUT_OF_MEMORY (nothing to destroy)
 STP_MUST_USE stp_result stp_draft_content_create(stp_context* context, const stp_draft_state* state,
                                                  stp_build_content* content);
+
+// A quick preview of a mesh or point set: a few of its points, before anything else is made from
+// it.
+
+/// Makes `count` points on a mesh's triangles, spread by area, with face normals and the colours of
+/// vertices and texture (if the scene has texels). Cut-out areas get none, so there may be fewer.
+/// Deterministic. The arena owns the arrays. @return false if memory runs out
+bool stp_preview_mesh(stp_arena* arena, const stp_scene* scene, uint32_t mesh, uint32_t count,
+                      stp_store_point_set* points);
+
+/// At most `count` of a point set's points with their attributes, spread over it; all of them if
+/// there are no more.
+bool stp_preview_points(stp_arena* arena, const stp_point_set* from, uint32_t count,
+                        stp_store_point_set* points);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "builder/encode_textures.h"
-
+#include "builder/writer_input.h"
 #include "image/image_codecs.h"
 #include "scene/bulk.h"
 

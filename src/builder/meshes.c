@@ -3,7 +3,6 @@
 
 #include "base/math/position_grid.h"
 #include "base/splats/octahedral.h"
-#include "builder/found_results.h"
 #include "builder/stored_results.h"
 
 #include <assert.h>

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "builder/draft.h"
-#include "builder/previous_output.h"
+#include "builder/stored_results.h"
 #include "scene/scene.h"
 
 typedef struct stp_build_meshes {

@@ -3,8 +3,6 @@
 
 #include "base/core/gate.h"
 #include "base/splats/prefix_table.h"
-#include "builder/found_results.h"
-#include "builder/node_triangles.h"
 #include "builder/stored_results.h"
 
 #include <assert.h>

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "builder/node_triangles.h"
-
 #include "base/splats/splat_columns.h"
 #include "base/splats/triangle_level.h"
+#include "builder/method_sets.h"
 
 #include <assert.h>
 #include <string.h>

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "builder/nodes.h"
 
+#include "base/core/clock.h"
 #include "base/core/gate.h"
-#include "base/core/wait.h"
 #include "base/io/file.h"
-#include "builder/found_results.h"
-#include "builder/previous_output.h"
 #include "builder/stored_results.h"
 
 #include <assert.h>

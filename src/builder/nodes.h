@@ -5,8 +5,8 @@
 #pragma once
 
 #include "builder/draft.h"
-#include "builder/previous_output.h"
 #include "builder/set_plan.h"
+#include "builder/stored_results.h"
 #include "lod/method.h"
 
 typedef struct stp_build_nodes_desc {

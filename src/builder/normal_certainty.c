@@ -4,7 +4,7 @@
 // input are known: they come from files, or importers turn normals of a scanner's grid towards the
 // scanner. `stochastic` finds the signs of its own estimates. Sets with triangles below them are
 // captured from outside, so their normals face outwards.
-#include "builder/normal_certainty.h"
+#include "builder/writer_input.h"
 
 #include <assert.h>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "builder/object_counts.h"
-
 #include "base/core/saturate.h"
+#include "builder/writer_input.h"
 
 #include <assert.h>
 #include <string.h>

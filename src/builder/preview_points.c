@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "builder/preview_points.h"
-
 #include "base/math/color.h"
 #include "base/math/rng.h"
 #include "base/splats/octahedral.h"
+#include "builder/draft_content.h"
 
 #include <assert.h>
 #include <string.h>

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "builder/previous_output.h"
-
 #include "builder/stored_results.h"
 #include "store/sets/attribute_blocks.h"
 #include "store/sets/leaves.h"

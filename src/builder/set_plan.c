@@ -2,7 +2,7 @@
 #include "builder/set_plan.h"
 
 #include "base/core/saturate.h"
-#include "scene/mesh_area.h"
+#include "scene/finish_steps.h"
 
 #include <assert.h>
 #include <stdlib.h>

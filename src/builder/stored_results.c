@@ -8,6 +8,7 @@
 #include "store/sets/columns.h"
 
 #include <assert.h>
+#include <stdlib.h>
 
 enum {
     SPLAT_SET_KIND = 1, ///< type of result, at the start of its header
@@ -343,4 +344,33 @@ stp_result stp_work_store_mesh(stp_work* work, stp_hash key, const stp_coded_mes
     return result == STP_OK ? stp_fail(stp_work_get_context(work), STP_ERROR_IO,
                                        "a coded mesh cannot be read back from the work directory")
                             : result;
+}
+
+static int compare_keys(const void* left, const void* right)
+{
+    const stp_hash* a = &((const stp_build_result*)left)->key;
+    const stp_hash* b = &((const stp_build_result*)right)->key;
+    if (a->high != b->high) {
+        return a->high < b->high ? -1 : 1;
+    }
+    return a->low < b->low ? -1 : a->low > b->low ? 1 : 0;
+}
+
+size_t stp_build_count_found(stp_build_result* origins, size_t count)
+{
+    size_t found = 0;
+    if (count > 1) {
+        qsort(origins, count, sizeof(*origins), compare_keys);
+    }
+    for (size_t begin = 0, end; begin < count; begin = end) {
+        bool made = false;
+        assert((begin == 0 || compare_keys(&origins[begin - 1], &origins[begin]) < 0) &&
+               "each key is one run");
+        for (end = begin; end < count && stp_hash_equal(origins[begin].key, origins[end].key);
+             ++end) {
+            made = made || origins[end].made;
+        }
+        found += made ? 0 : end - begin;
+    }
+    return found;
 }

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "builder/work.h"
 
-#include "builder/work_folder.h"
-#include "builder/work_index.h"
+#include "builder/work_internal.h"
 
 #include <assert.h>
 #include <errno.h>

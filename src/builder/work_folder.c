@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #define _DEFAULT_SOURCE // flock
-#include "builder/work_folder.h"
+#include "builder/work_internal.h"
 
 #include <assert.h>
 #include <dirent.h>

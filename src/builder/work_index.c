@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "builder/work_index.h"
+#include "builder/work_internal.h"
 
 #include <assert.h>
 

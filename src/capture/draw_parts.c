@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Draws parts into the buffer of a band, nearest first, so that hidden parts can be skipped. The
 // picture does not depend on the order.
+#include "base/core/sort.h"
 #include "base/math/rng.h"
-#include "base/math/sort.h"
 #include "capture/capture_internal.h"
 #include "capture/fill.h"
 #include "raster/triangles.h"

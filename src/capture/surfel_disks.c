@@ -3,7 +3,7 @@
 // output is the surfels themselves.
 #include "capture/surfel_disks.h"
 
-#include "base/math/sort.h"
+#include "base/core/sort.h"
 #include "base/splats/octahedral.h"
 #include "raster/splats.h"
 

@@ -3,7 +3,7 @@
 // Surfels as captures see them: position, normal, and colour as a member of a prefix.
 #pragma once
 
-#include "base/math/stretch.h"
+#include "base/math/math.h"
 #include "capture/capture_internal.h"
 
 #include <assert.h>

@@ -3,7 +3,7 @@
 #include "base/math/color.h"
 #include "base/splats/coverage.h"
 #include "base/splats/octahedral.h"
-#include "base/splats/splat_place.h"
+#include "base/splats/splat_columns.h"
 #include "capture/surfel_disks.h"
 
 #include <assert.h>

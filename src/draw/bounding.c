@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "draw/bounding.h"
+#include "draw/placement.h"
 
 #include <assert.h>
 

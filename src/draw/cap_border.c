@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "draw/cap_border.h"
-
 #include "base/math/rng.h"
+#include "draw/caps_internal.h"
 
 #include <assert.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "draw/cap_outline.h"
+#include "draw/caps_internal.h"
 
 #include <assert.h>
 #include <math.h>

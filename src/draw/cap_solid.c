@@ -3,14 +3,12 @@
 // A surface is closed if its border is empty. Each directed edge adds a random number of the edge,
 // or subtracts it for the other direction. The sum is zero if all edges cancel; for an open surface
 // that happens with probability 2^-64. So edges need not be stored, and the sums of pieces add up
-// to the sum of the whole. A mesh that fails this test is tested for cracks (cap_border.h).
-#include "draw/cap_solid.h"
-
+// to the sum of the whole. A mesh that fails this test is tested for cracks (caps_internal.h).
 #include "base/core/context.h"
 #include "base/io/hash.h"
 #include "base/math/math.h"
 #include "base/math/rng.h"
-#include "draw/cap_border.h"
+#include "draw/caps_internal.h"
 #include "store/clusters/clusters.h"
 
 #include <assert.h>

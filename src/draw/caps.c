@@ -3,10 +3,9 @@
 
 #include "base/core/context.h"
 #include "base/math/color.h"
-#include "draw/cap_outline.h"
-#include "draw/cap_solid.h"
-#include "draw/lighting.h"
+#include "draw/caps_internal.h"
 #include "draw/shaders/light_constants.h"
+#include "draw/shading_setup.h"
 #include "select/sections.h"
 #include "store/file/instances.h"
 

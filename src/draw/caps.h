@@ -6,7 +6,7 @@
 // so they get no cap.
 //
 //   solid       a mesh whose edges all cancel (each is used equally often in both directions), or
-//               that is closed except for cracks (cap_border.h). Pieces of a mesh (same name and
+//               that is closed except for cracks (caps_internal.h). Pieces of a mesh (same name and
 //               material) are tested together
 //   outlines    segments in scene space, kept while sections and visibility stay the same
 //   fill        for each pixel, how often outlines wind around the point of the plane that it shows

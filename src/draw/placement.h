@@ -66,3 +66,54 @@ typedef struct stp_octave_choice {
 } stp_octave_choice;
 
 stp_octave_choice stp_placement_choose_octave(const stp_splats* splats, uint32_t prefix);
+
+// Fixed-size points: which items have them, and their size. Such a point is a disk that faces the
+// eye, drawn in full.
+
+/// Depth of a point's rim behind its centre, in radii: a pixel of overlapping points shows the one
+/// with the nearest centre.
+#define STP_POINT_RIM_DEPTH 1.0f
+
+/// Radius of an item's points: one of the two is 0.
+typedef struct stp_point_radius {
+    float units;  ///< in item space
+    float pixels; ///< on the screen
+} stp_point_radius;
+
+static inline bool stp_point_size_is_fixed(const stp_draw_style* style, const stp_draw_item* item)
+{
+    return style->point_sizing != STP_POINTS_ADAPTIVE && item->of_points;
+}
+
+static inline stp_point_radius stp_point_radius_of(const stp_draw_style* style,
+                                                   const stp_draw_item* item)
+{
+    assert(stp_point_size_is_fixed(style, item) && "other points have the radius of their item");
+    float half = 0.5f * style->point_size;
+    if (style->point_sizing == STP_POINTS_PIXELS) {
+        // a disk that may fall between pixel centres covers the pixel of its centre
+        return (stp_point_radius){.pixels = half < 0.7072f ? 0.2f : half};
+    }
+    double scale = stp_affine_scale(&item->transform);
+    return (stp_point_radius){.units = scale > 0.0 ? (float)((double)half / scale) : 0.0f};
+}
+
+// Frustum culling of boxes in item space, and their nearest depth.
+
+/// Frustum planes: a point p in item space, relative to the item's offset, with a.p + b < 0 is not
+/// visible.
+typedef struct stp_bounding {
+    double a[5][3], b[5];
+    double offset[3];
+    float depth[4]; ///< the row of W
+    float shift[3]; ///< the offset
+} stp_bounding;
+
+/// Makes the sides of a picture, one pixel outside it, and the near plane.
+/// @param rows from item space, relative to `offset`, to the screen: x, y, nearness, W
+stp_bounding stp_bounding_make(const float rows[4][4], float nearness_limit, const float offset[3],
+                               uint32_t width, uint32_t height);
+/// Whether the whole box lies behind one of the planes, with a margin for rounding.
+bool stp_bounding_misses(const stp_bounding* bounding, stp_box box);
+/// Minimum depth (W) of a box.
+float stp_bounding_min_depth(const stp_bounding* bounding, stp_box box);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "draw/resting.h"
+#include "draw/renderer.h"
 
 #include <assert.h>
 #include <string.h>

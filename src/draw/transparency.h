@@ -4,6 +4,7 @@
 #pragma once
 
 #include "draw/draw.h"
+#include "select/select.h"
 #include "store/file/store.h"
 
 enum { STP_LAYERS_MAX = 64 }; ///< maximum layers per pixel; farther ones are left out
@@ -35,3 +36,10 @@ stp_mesh_transparency stp_transparency_of_mesh(const stp_store_material* materia
 #define STP_TRANSPARENT_CELLS 64.0f
 /// Cells per unit of length of a mesh with this box.
 float stp_transparency_cells(stp_box box);
+
+/// Whether back-facing splats of an item can be culled. Sections, ghosts and transparent splats
+/// (`glass`: the scene has some) show surface that faces away from the eye.
+static inline bool stp_draw_one_sided(const stp_draw_item* item, bool glass)
+{
+    return item->one_sided && item->sections == 0 && !item->ghost && !glass;
+}

@@ -28,3 +28,7 @@ struct stp_builder {
 /// Whether something with this material can be added. @return STP_OK; STP_ERROR_ARGUMENT (logged):
 /// the builder was written, or the material was not added
 STP_MUST_USE stp_result stp_builder_check(const stp_builder* builder, uint32_t material);
+
+/// For stp_build_desc.generate: `user` is the builder, whose geometry is consumed. @return STP_OK,
+/// STP_ERROR_OUT_OF_MEMORY, STP_ERROR_IO (a second call, or the spill); logged
+STP_MUST_USE stp_result stp_builder_move(stp_scene* scene, const char* input, void* user);

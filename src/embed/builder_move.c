@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Moves the staged content into the scene that is built, below a separate object that converts the
 // axes.
-#include "embed/builder_move.h"
-
+#include "embed/builder.h"
 #include "import/reading/import.h"
 
 #include <assert.h>

@@ -3,7 +3,7 @@
 #include "base/io/file.h"
 #include "builder/build_scene.h"
 #include "builder/work.h"
-#include "embed/builder_move.h"
+#include "embed/builder.h"
 
 #include <assert.h>
 #include <errno.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/cell_rows.h"
 
-#include "base/core/parallel_sort.h"
+#include "base/core/sort.h"
 #include "base/math/math.h"
 
 #include <assert.h>

@@ -2,7 +2,7 @@
 #include "lod/cloud_candidates.h"
 
 #include "base/math/color.h"
-#include "base/splats/splat_place.h"
+#include "base/splats/splat_columns.h"
 
 #include <assert.h>
 #include <string.h>

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Candidates of a point cloud, which needs no capture: its points, or the surfels that represent
-// them.
+// Candidates of a point cloud, which needs no capture: its points, with normals from their
+// neighbours, or the surfels that represent them.
 #pragma once
 
+#include "lod/cell_rows.h"
 #include "lod/sources.h"
+
+// Candidates of a point cloud, which needs no capture: its points, or the surfels that represent
+// them.
 
 /// Turns every point of a list's point sets, and every surfel of its surfel sets, into a candidate,
 /// hidden or not. `pixel_size` stays 0.
@@ -14,3 +18,34 @@ STP_MUST_USE stp_result stp_candidates_of_cloud(const stp_scene* scene, const st
 
 /// Whether all point sets of a list have normals.
 bool stp_sources_have_normals(const stp_scene* scene, const stp_source_list* list);
+
+// Normals of point clouds without normals: the direction of least spread among neighbours (Hoppe et
+// al. Surface Reconstruction from Unorganized Points. 1992). They face up rather than down; which
+// side is outside is not determined.
+
+/// Estimates normals of candidates that are points from the candidates within `radius`. With fewer
+/// than four, including the point itself, doubles the radius up to four times; if that does not
+/// help, the normal is straight up. Surfels of sets keep their normals. Does nothing if the radius
+/// is 0.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_estimate_point_normals(stp_context* context, stp_candidates* candidates,
+                                                   float radius);
+
+/// The same in two steps, for callers that know better normals of points with few neighbours.
+typedef struct stp_normal_search {
+    stp_context* context;
+    stp_candidates* candidates;
+    uint8_t* missing; ///< one per candidate: 1 if it still needs a normal; the caller may set 0
+    float radius;
+    stp_cell_rows rows; ///< the candidates, in cells slightly wider than `radius`
+} stp_normal_search;
+
+/// Estimates normals within `radius`, which is above 0.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_normal_search_destroy, also after
+///         a failure
+STP_MUST_USE stp_result stp_normal_search_start(stp_context* context, stp_candidates* candidates,
+                                                float radius, stp_normal_search* search);
+/// Estimates the normals that are missing.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_normal_search_finish(stp_normal_search* search);
+void stp_normal_search_destroy(stp_normal_search* search);

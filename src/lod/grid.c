@@ -2,7 +2,6 @@
 #include "lod/grid.h"
 
 #include "base/core/processor.h"
-#include "lod/grid_kernels.h"
 
 #include <assert.h>
 #include <math.h>

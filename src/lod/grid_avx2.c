@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lod/grid_kernels.h"
+#include "lod/grid.h"
 
 #if defined(__x86_64__)
 

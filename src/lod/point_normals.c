@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "lod/point_normals.h"
-
 #include "base/core/processor.h"
 #include "base/math/math.h"
+#include "lod/cloud_candidates.h"
 #include "lod/point_normals_kernels.h"
 
 #include <assert.h>

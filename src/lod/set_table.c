@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "lod/set_table.h"
-
 #include "base/splats/splat_codes.h"
+#include "lod/set_columns.h"
 
 #include <assert.h>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "lod/shape_coding.h"
-
 #include "base/splats/coverage.h"
+#include "lod/set_columns.h"
 
 #include <assert.h>
 #include <math.h>

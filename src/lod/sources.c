@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/sources.h"
 
-#include "base/math/stretch.h"
+#include "base/math/math.h"
 #include "base/splats/prefix_table.h"
 
 #include <assert.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
+#include "base/core/sort.h"
 #include "base/math/math.h"
 #include "base/math/morton.h"
-#include "base/math/sort.h"
 #include "lod/grid.h"
 
 #include <assert.h>

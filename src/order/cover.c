@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "order/cover.h"
-
 #include "base/math/math.h"
+#include "order/order_kinds.h"
 
 #include <assert.h>
 

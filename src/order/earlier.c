@@ -4,9 +4,8 @@
 // rank being its place in the order. Each box knows the lowest rank inside: boxes that hold only
 // later points are skipped, as are boxes farther than the nearest point found so far. Points of no
 // rank search all ranked ones. Searches do not depend on each other, so they run on all threads.
-#include "order/earlier.h"
-
 #include "base/math/math.h"
+#include "order/order_kinds.h"
 
 #include <assert.h>
 #include <string.h>

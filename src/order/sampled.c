@@ -19,7 +19,6 @@
 #include "base/core/clock.h"
 #include "base/math/math.h"
 #include "base/math/rng.h"
-#include "order/cover.h"
 #include "order/order_kinds.h"
 
 #include <assert.h>

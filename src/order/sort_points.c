@@ -7,8 +7,8 @@
 // as large as 32 records, so all of this happens in the memory of the leaves: a leaf is written
 // once the records in its place have been read.
 #include "base/core/processor.h"
+#include "base/core/sort.h"
 #include "base/math/math.h"
-#include "base/math/sort.h"
 #include "order/curve.h"
 #include "order/points.h"
 

@@ -21,7 +21,7 @@
 // the bit.
 #pragma once
 
-#include "base/core/team.h"
+#include "base/core/jobs.h"
 
 #include <stipple/types.h>
 

@@ -3,6 +3,8 @@
 
 #include "base/core/processor.h"
 #include "raster/splats_hidden.h"
+#include "raster/splats_levels_kernel.h"
+#include "raster/splats_squares_kernel.h"
 
 #include <assert.h>
 #include <math.h>
@@ -230,4 +232,54 @@ uint64_t stp_raster_draw_splats(const stp_raster_target* target, uint32_t row_be
     }
 #endif
     return stp_splats_draw_portable(&frame);
+}
+
+uint64_t stp_splats_squares_portable(const stp_splat_frame* frame)
+{
+    return draw_all_squares(frame);
+}
+
+uint64_t stp_splats_draw_squares(const stp_splat_frame* frame)
+{
+#if defined(__x86_64__)
+    switch (stp_processor_detect()) {
+    case STP_PROCESSOR_AVX512:
+        return stp_splats_squares_avx512(frame);
+    case STP_PROCESSOR_AVX2:
+        return stp_splats_squares_avx2(frame);
+    case STP_PROCESSOR_BASELINE:
+        break;
+    }
+#endif
+    return stp_splats_squares_portable(frame);
+}
+
+bool stp_splats_pick_portable(const levels_frame* frame, uint16_t* bits)
+{
+    return pick_all(frame, bits);
+}
+
+bool stp_raster_pick_levels(const stp_raster_camera* camera, const stp_raster_splats* splats,
+                            const uint32_t* ranges, const stp_raster_levels* levels, uint16_t* bits)
+{
+    assert(splats->begin <= splats->end && splats->begin % SPLAT_BATCH == 0);
+    assert((!levels->beside_triangles || levels->groups != NULL) && "groups hold the marks");
+    levels_frame frame = {.splats = splats, .ranges = ranges, .levels = *levels};
+    stp_splats_fold_row(camera->matrix.m[3], splats, frame.w);
+    if (levels->groups != NULL) {
+        const stp_raster_frame picture = {
+            .width = levels->width, .height = levels->height, .one_sided = levels->one_sided};
+        frame.groups = stp_raster_groups_make(camera, splats, &picture);
+    }
+#if defined(__x86_64__)
+    switch (stp_processor_detect()) {
+    case STP_PROCESSOR_AVX512:
+        return stp_splats_pick_avx512(&frame, bits);
+    case STP_PROCESSOR_AVX2:
+        return stp_splats_pick_avx2(&frame, bits);
+    case STP_PROCESSOR_BASELINE:
+        break;
+    }
+#endif
+    return stp_splats_pick_portable(&frame, bits);
 }

@@ -3,7 +3,7 @@
 // The tight box of the whole scene. A node's own bounds contain the transformed boxes of its
 // children, so every rotation on the way up enlarges them. The root's bounds frame views and scale
 // distances, so they are computed from the vertices if that takes reasonable time.
-#include "scene/bounds.h"
+#include "scene/finish_steps.h"
 
 #include <assert.h>
 

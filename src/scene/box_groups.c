@@ -3,7 +3,7 @@
 // Top-down: splits a range of boxes where the surface area heuristic is smallest (MacDonald and
 // Booth 1990; binned, Wald 2007), then its largest part again, until all parts can be groups or
 // there are as many as a group may have children.
-#include "scene/box_groups.h"
+#include "scene/partition_steps.h"
 
 #include <assert.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "scene/bulk.h"
 
-#include "scene/content_hash.h"
+#include "scene/finish_steps.h"
 
 #include <assert.h>
 #include <string.h>

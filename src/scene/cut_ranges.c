@@ -4,10 +4,9 @@
 // must give. Ties are broken by index, so coinciding places are divided as well. Long runs are
 // divided level by level, short ones by one thread each down to the pieces. Of places that lie in a
 // file, only a window of each pass and the short runs at work are resident.
-#include "scene/cut_ranges.h"
-
-#include "base/core/team.h"
+#include "base/core/jobs.h"
 #include "base/io/spill.h"
+#include "scene/partition_steps.h"
 
 #include <assert.h>
 #include <string.h>

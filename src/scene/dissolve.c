@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "scene/dissolve.h"
+#include "scene/partition_steps.h"
 
 #include <assert.h>
 #include <string.h>

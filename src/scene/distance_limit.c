@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "scene/distance_limit.h"
-
 #include "scene/bulk.h"
+#include "scene/finish_steps.h"
 
 #include <assert.h>
 #include <stdio.h>

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "scene/graph.h"
 
-#include "scene/content_hash.h"
-#include "scene/mesh_area.h"
+#include "scene/finish_steps.h"
 
 #include <assert.h>
 

@@ -2,10 +2,8 @@
 //
 // Inputs repeat content: each glTF file its default material, each copy of an assembly its meshes
 // and pictures. Identity is by content (128-bit hashes), bottom-up from items without references.
-#include "scene/merge.h"
-
 #include "scene/bulk.h"
-#include "scene/content_hash.h"
+#include "scene/finish_steps.h"
 
 #include <assert.h>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "scene/mesh_area.h"
-
 #include "base/core/saturate.h"
+#include "scene/finish_steps.h"
 
 #include <assert.h>
 

@@ -5,11 +5,8 @@
 // children's nodes.
 #include "scene/partition.h"
 
-#include "scene/box_groups.h"
-#include "scene/dissolve.h"
 #include "scene/graph.h"
-#include "scene/split_large.h"
-#include "scene/unused.h"
+#include "scene/partition_steps.h"
 
 #include <assert.h>
 
@@ -40,9 +37,10 @@ typedef struct partition {
     stp_edge* old_edges;
     stp_part* old_parts;
     size_t old_count;
-    bool has_limit;        ///< the caller gave the limit of pieces of point sets
-    uint8_t* dissolved;    ///< per old edge: the parent absorbs the child's content (dissolve.h)
-    uint32_t* made;        ///< per old node: the new one
+    bool has_limit; ///< the caller gave the limit of pieces of point sets
+    uint8_t*
+        dissolved;  ///< per old edge: the parent absorbs the child's content (partition_steps.h)
+    uint32_t* made; ///< per old node: the new one
     uint32_t* cut_meshes;  ///< per mesh: the node of its pieces; STP_NONE: not cut
     uint32_t* cut_points;  ///< per point set, likewise
     item* items;           ///< items of the node being made

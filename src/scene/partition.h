@@ -10,7 +10,7 @@
 //   of up to child_count at a node         which hang below a hierarchy likewise
 //
 // A child as large as its parent (a layer of a drawing, all objects of one material) is dissolved
-// into it, so that its content is sorted spatially (dissolve.h). The result for a subtree depends
+// into it, so that its content is sorted spatially (partition_steps.h). The result for a subtree depends
 // only on the subtree, not on the rest of the scene, except where heavily shared layers reach a
 // limit. Moving nodes stay whole. Objects keep their nodes, even those no longer reached from the
 // root.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "base/core/printable.h"
 #include "scene/bulk.h"
-#include "scene/distance_limit.h"
+#include "scene/finish_steps.h"
 
 #include <assert.h>
 #include <string.h>

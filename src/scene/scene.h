@@ -22,8 +22,9 @@
 #include "base/io/hash.h"
 #include "base/io/spill.h"
 #include "base/math/math.h"
-#include "scene/attribute_names.h"
 #include "scene/content_table.h"
+
+#include <stipple/attributes.h>
 
 #define STP_NONE UINT32_MAX
 /// Maximum bytes of a name or id; longer ones are truncated with a warning
@@ -86,7 +87,7 @@ typedef struct stp_mesh {
     const char* name; ///< may be NULL
     uint32_t vertex_count;
     uint32_t triangle_count;
-    float* positions;    ///< 3 per vertex; within reach once added (distance_limit.h)
+    float* positions;    ///< 3 per vertex; within reach once added (finish_steps.h)
     float* normals;      ///< optional: 3 per vertex, unit or zero; NULL: flat, from the winding
     float* texcoords[2]; ///< optional: 2 per vertex
     uint16_t* colors;    ///< optional: 4 per vertex, linear, 65535 is 1; multiplies the base colour
@@ -104,7 +105,7 @@ typedef struct stp_mesh {
 typedef struct stp_point_set {
     const char* name; ///< may be NULL
     uint32_t point_count;
-    float* positions;                 ///< 3 per point; within reach once added (distance_limit.h)
+    float* positions;                 ///< 3 per point; within reach once added (finish_steps.h)
     float* normals;                   ///< optional: 3 per point
     uint8_t* colors;                  ///< optional: RGBA per point, sRGB
     void* attributes[STP_ATTRIBUTES]; ///< each optional: one value per point (stipple/attributes.h)
@@ -173,7 +174,7 @@ typedef struct stp_source {
     const char* coordinate_system; ///< as in the file: WKT, or "EPSG:25832"; NULL: unspecified
 } stp_source;
 
-/// Meshes and point sets of which parts were dropped when they were added (distance_limit.h).
+/// Meshes and point sets of which parts were dropped when they were added (finish_steps.h).
 typedef struct stp_damage {
     uint32_t count;   ///< number of such items
     stp_part first;   ///< the first one

@@ -4,13 +4,9 @@
 // one node. Identity is by content (128-bit hashes), so it does not depend on how often and where
 // the input repeats it.
 #include "base/math/position_grid.h"
-#include "scene/bounds.h"
-#include "scene/distance_limit.h"
+#include "scene/finish_steps.h"
 #include "scene/graph.h"
-#include "scene/merge.h"
-#include "scene/mesh_area.h"
 #include "scene/scene.h"
-#include "scene/view_names.h"
 
 #include <assert.h>
 #include <stdio.h>

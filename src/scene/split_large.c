@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "scene/split_large.h"
-
 #include "base/core/large_blocks.h"
+#include "base/core/sort.h"
 #include "base/io/file.h"
-#include "base/math/sort.h"
 #include "scene/bulk.h"
-#include "scene/content_hash.h"
-#include "scene/cut_ranges.h"
-#include "scene/mesh_area.h"
+#include "scene/finish_steps.h"
+#include "scene/partition_steps.h"
 
 #include <assert.h>
 #include <pthread.h>

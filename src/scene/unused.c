@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "scene/unused.h"
-
 #include "scene/bulk.h"
+#include "scene/partition_steps.h"
 
 #include <assert.h>
 

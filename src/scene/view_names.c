@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "scene/view_names.h"
-
 #include "scene/content_table.h"
+#include "scene/finish_steps.h"
 
 #include <assert.h>
 #include <stdio.h>

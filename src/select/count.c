@@ -5,10 +5,9 @@
 // about equally large everywhere. Shares depend on the scene and its visible objects, not on the
 // eye. They follow Sainte-Lague's method: one more splat gives one set one more, and changes no
 // other set.
-#include "select/count.h"
-
 #include "base/splats/prefix_table.h"
 #include "select/rule.h"
+#include "select/select_internal.h"
 
 #include <assert.h>
 

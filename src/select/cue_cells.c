@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "select/cue_cells.h"
-
 #include "base/splats/leaf_runs.h"
+#include "select/cues.h"
 
 #include <assert.h>
 

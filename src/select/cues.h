@@ -12,7 +12,7 @@
 #define STP_CUE_FEATURE 4.0    ///< factor on samples at a silhouette or an edge
 #define STP_CUE_OCCLUSION 0.01 ///< reduction by occluding points per pixel of a region
 
-/// For STP_CUE_ERROR_BIT. Evenly spread points (lod/stochastic/spread_order.h) cover the surface
+/// For STP_CUE_ERROR_BIT. Evenly spread points (lod/stochastic/leaf_passes.h) cover the surface
 /// with disks of radius 1.05 times the side of each point's square. Takes as many points as make
 /// that radius half a splat size.
 #define STP_CUE_COVERING 4.41     ///< (2 x 1.05)^2 splats per square of the splat size
@@ -74,3 +74,28 @@ double stp_cue_occlusion_limit(const stp_cue_view* view, const stp_leaf_node* no
 /// @param before splats before it, as stp_cue_before finds them for it or for a cube around it
 double stp_cue_samples(const stp_cue_view* view, const stp_leaf_node* node,
                        const stp_box_visibility* sight, double before);
+
+// Turns splat counts per leaf into items with runs.
+
+/// A leaf, or consecutive leaves along the curve, and the number of its splats that are drawn: the
+/// first ones in octave order.
+typedef struct stp_cue_cell {
+    uint32_t first, last; ///< places of the row of splats (base/splats/leaf_runs.h)
+    uint32_t count;       ///< splats drawn, 1 to last - first
+    // set by stp_cue_add_items:
+    uint32_t growth; ///< splats are larger by a power of the fourth root of 2: the exponent
+    uint32_t next;   ///< the next cell with the same growth
+} stp_cue_cell;
+
+/// Finds the number of octaves whose share of the set's splats is nearest to `share`, at most that
+/// of `here` splats. @return number of octaves
+uint32_t stp_cue_octaves(const stp_splats* set, double share, uint32_t here);
+
+/// Number of places in [first, last) of a row that are in the first `octaves` octaves.
+uint32_t stp_cue_count(const stp_splats* set, uint32_t first, uint32_t last, uint32_t octaves);
+
+/// Appends one item per splat size of the cells, otherwise a copy of `item`. Cells are in curve
+/// order.
+STP_MUST_USE stp_result stp_cue_add_items(stp_selection* s, const stp_splats* set,
+                                          stp_cue_cell* cells, size_t count, stp_draw_item item,
+                                          stp_depth_range drawn);

@@ -23,3 +23,55 @@ stp_view stp_view_of_eye(const stp_view* view, uint32_t eye)
     }
     return one;
 }
+
+bool stp_fovea_is_valid(const stp_fovea* f)
+{
+    bool valid = f->count <= STP_FOVEA_ZONES && isfinite(f->center[0]) && isfinite(f->center[1]);
+    for (uint32_t i = 0; valid && i < f->count; ++i) {
+        stp_fovea_zone zone = f->zones[i];
+        valid = isfinite(zone.radius) && isfinite(zone.factor) && zone.factor > 0.0f &&
+                zone.radius >= 0.0f && (i == 0 || zone.radius > f->zones[i - 1].radius);
+    }
+    return valid;
+}
+
+double stp_fovea_factor(const stp_fovea* f, double radius)
+{
+    double from = 0.0, factor = 1.0;
+    assert(!(radius < 0.0) && f->count <= STP_FOVEA_ZONES);
+    for (uint32_t i = 0; i < f->count; ++i) {
+        double to = (double)f->zones[i].radius, next = (double)f->zones[i].factor;
+        if (radius < to) {
+            return factor + (next - factor) * (radius - from) / (to - from);
+        }
+        from = to;
+        factor = next;
+    }
+    return factor;
+}
+
+void stp_fovea_bound(const stp_fovea* f, const stp_view_frame* frame,
+                     const stp_view_rectangle* rectangle, double* minimum, double* greatest)
+{
+    assert(rectangle->x0 <= rectangle->x1 && rectangle->y0 <= rectangle->y1);
+    double half = 0.5 * sqrt(frame->width * frame->width + frame->height * frame->height);
+    double x = 0.5 * frame->width + (double)f->center[0] * half;
+    double y = 0.5 * frame->height + (double)f->center[1] * half;
+    double x0 = rectangle->x0 - x, x1 = rectangle->x1 - x;
+    double y0 = rectangle->y0 - y, y1 = rectangle->y1 - y;
+    double dx = fmax(fmax(x0, -x1), 0.0), dy = fmax(fmax(y0, -y1), 0.0);
+    double nearest = sqrt(dx * dx + dy * dy) / half;
+    dx = fmax(-x0, x1);
+    dy = fmax(-y0, y1);
+    double farthest = sqrt(dx * dx + dy * dy) / half;
+    double a = stp_fovea_factor(f, nearest), b = stp_fovea_factor(f, farthest);
+    *minimum = fmin(a, b);
+    *greatest = fmax(a, b);
+    for (uint32_t i = 0; i < f->count; ++i) {
+        double radius = (double)f->zones[i].radius, factor = (double)f->zones[i].factor;
+        if (radius >= nearest && radius <= farthest) {
+            *minimum = fmin(*minimum, factor);
+            *greatest = fmax(*greatest, factor);
+        }
+    }
+}

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Evaluates the alpha of a material: of its texture at full resolution, its colour and vertex
 // colours, as drawn at close range (src/draw/cpu/triangle_look.c).
-#include "select/pick_mask.h"
+#include "select/pick_internal.h"
 
 #include <assert.h>
 

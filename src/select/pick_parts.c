@@ -5,9 +5,8 @@
 // edge compute the same number for its side, except for the sign, so no ray passes between them
 // (Woop, Benthin, Wald 2013).
 #include "base/core/context.h"
-#include "base/splats/splat_place.h"
+#include "base/splats/splat_columns.h"
 #include "select/pick_internal.h"
-#include "select/pick_mask.h"
 #include "store/clusters/clusters.h"
 #include "store/file/format.h"
 #include "store/residency/residency.h"

@@ -5,7 +5,6 @@
 // a set do not suffice, the node is opened.
 #include "base/splats/leaf_runs.h"
 #include "base/splats/prefix_table.h"
-#include "select/cue_cells.h"
 #include "select/cues.h"
 #include "select/rule.h"
 

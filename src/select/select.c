@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Both passes of a selection.
-#include "select/count.h"
 #include "select/rule.h"
+#include "select/select_internal.h"
 
 #include <assert.h>
 

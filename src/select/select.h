@@ -10,7 +10,6 @@
 
 #include "select/depth_pyramid.h"
 #include "select/eyes.h"
-#include "select/fovea.h"
 #include "select/visibility.h"
 #include "store/residency/residency.h"
 

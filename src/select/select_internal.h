@@ -197,3 +197,11 @@ STP_MUST_USE stp_result stp_select_traverse(stp_selection* s);
 STP_MUST_USE stp_result stp_select_hide(stp_selection* s, const stp_select_entry* at,
                                         const stp_boxd* box, const stp_box_visibility* sight,
                                         bool* hidden);
+
+// Distributes a splat count over sets.
+
+/// Registers the set of a node, which has splats, for a share of the count.
+STP_MUST_USE stp_result stp_select_note_set(stp_selection* s, const stp_select_entry* at);
+
+/// Distributes the count over the registered sets, and appends their items.
+STP_MUST_USE stp_result stp_select_add_count(stp_selection* s);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Traversal of the graph: chooses the visible nodes and their levels.
-#include "select/count.h"
+
 #include "select/rule.h"
+#include "select/select_internal.h"
 
 #include <assert.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "base/math/angle.h"
+#include "base/math/math.h"
 
 void test_angle_sine_cosine(test_state* test)
 {

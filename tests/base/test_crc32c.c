@@ -2,7 +2,7 @@
 #include "tests.h"
 
 #include "base/core/processor.h"
-#include "base/io/crc32c.h"
+#include "base/io/hash.h"
 
 #include <string.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The multi-threaded radix sort (src/base/core/parallel_sort.h) against the single-threaded one.
+// The multi-threaded radix sort (src/base/core/sort.h) against the single-threaded one.
 #include "tests.h"
 
-#include "base/core/parallel_sort.h"
+#include "base/core/sort.h"
 #include "base/math/rng.h"
 
 #include <stdlib.h>

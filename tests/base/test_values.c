@@ -2,11 +2,11 @@
 // Colours, normals, transforms, hashes and sorting: small pure functions against plain definitions.
 #include "tests.h"
 
+#include "base/core/sort.h"
 #include "base/io/bytes.h"
 #include "base/io/hash.h"
 #include "base/math/color.h"
 #include "base/math/rng.h"
-#include "base/math/sort.h"
 #include "base/splats/octahedral.h"
 
 #include <string.h>

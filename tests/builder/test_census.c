@@ -3,7 +3,7 @@
 #include "tests.h"
 
 #include "base/math/rng.h"
-#include "builder/object_counts.h"
+#include "builder/writer_input.h"
 #include "scene/scene_helpers.h"
 
 #include <stdio.h>

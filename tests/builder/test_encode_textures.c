@@ -3,7 +3,7 @@
 // whether they are in memory or in the spill.
 #include "tests.h"
 
-#include "builder/encode_textures.h"
+#include "builder/writer_input.h"
 #include "image/image_codecs.h"
 #include "scene/scene.h"
 

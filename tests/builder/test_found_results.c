@@ -3,7 +3,7 @@
 #include "tests.h"
 
 #include "builder/build_scene.h"
-#include "builder/found_results.h"
+#include "builder/stored_results.h"
 
 #include <stdio.h>
 #include <unistd.h>

@@ -3,7 +3,7 @@
 // rests, in the node's space.
 #include "tests.h"
 
-#include "builder/node_triangles.h"
+#include "builder/method_sets.h"
 
 #include <math.h>
 

@@ -5,7 +5,7 @@
 
 #include "base/math/color.h"
 #include "base/splats/octahedral.h"
-#include "builder/preview_points.h"
+#include "builder/draft_content.h"
 
 #include <math.h>
 #include <string.h>

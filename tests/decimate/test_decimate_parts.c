@@ -3,7 +3,6 @@
 // cells, cells of chosen points.
 #include "decimate_helpers.h"
 
-#include "lab/decimate/cells.h"
 #include "lab/decimate/contraction.h"
 #include "lab/decimate/octree_cells.h"
 #include "lab/decimate/point_disks.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support_golden.h"
 
-#include "program/present/png.h"
+#include "program/present/picture_file.h"
 
 #include <string.h>
 

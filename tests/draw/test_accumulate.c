@@ -3,7 +3,7 @@
 #include "support_picture.h"
 #include "tests.h"
 
-#include "draw/cpu/accumulate.h"
+#include "draw/cpu/passes.h"
 
 #include <string.h>
 

@@ -5,7 +5,7 @@
 #include "base/core/processor.h"
 #include "base/math/math.h"
 #include "draw/draw.h"
-#include "program/present/png.h"
+#include "program/present/picture_file.h"
 
 #include <string.h>
 #include <sys/stat.h>

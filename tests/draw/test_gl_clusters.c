@@ -3,9 +3,9 @@
 #include "support_gl.h"
 #include "tests.h"
 
-#include "draw/bounding.h"
 #include "draw/gl/cluster_shares.h"
 #include "draw/gl/gl_renderer.h"
+#include "draw/placement.h"
 #include "store/support_mesh.h"
 
 enum { ITEMS = 7, SIDE = 110, SHARED_FROM = 1024 }; // fewer clusters are culled by one thread

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "base/io/bytes.h"
-#include "base/io/crc32c.h"
+#include "base/io/hash.h"
 
 #include <assert.h>
 #include <stdio.h>

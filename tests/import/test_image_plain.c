@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "import/reading/image_plain.h"
+#include "import/reading/surface.h"
 
 #include <string.h>
 

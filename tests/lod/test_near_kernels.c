@@ -3,7 +3,7 @@
 
 #include "base/core/processor.h"
 #include "base/math/rng.h"
-#include "lod/grid_kernels.h"
+#include "lod/grid.h"
 #include "lod/neighbours_kernels.h"
 
 #include <string.h>

@@ -5,7 +5,6 @@
 #include "base/core/processor.h"
 #include "base/math/rng.h"
 #include "lod/cloud_candidates.h"
-#include "lod/point_normals.h"
 #include "lod/point_normals_kernels.h"
 
 #include <string.h>

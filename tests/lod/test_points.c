@@ -6,7 +6,6 @@
 #include "base/splats/octahedral.h"
 #include "lod/blue/blue.h"
 #include "lod/cloud_candidates.h"
-#include "lod/point_normals.h"
 #include "lod/set_columns.h"
 #include "scene/scene.h"
 

@@ -5,7 +5,7 @@
 
 #include "base/math/rng.h"
 #include "lod/psp/initial.h"
-#include "lod/psp/nearest_points.h"
+#include "lod/psp/kd_tree.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -4,8 +4,8 @@
 
 #include "base/math/rng.h"
 #include "lod/psp/initial.h"
+#include "lod/psp/kd_tree.h"
 #include "lod/psp/metric.h"
-#include "lod/psp/nearest_points.h"
 #include "lod/psp/scale.h"
 
 #include <stdlib.h>

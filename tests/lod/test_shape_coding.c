@@ -3,7 +3,7 @@
 #include "tests.h"
 
 #include "base/math/rng.h"
-#include "lod/shape_coding.h"
+#include "lod/set_columns.h"
 
 static double off_of(const stp_shape_directions* directions, uint32_t code, stp_shape_axis along)
 {

@@ -2,8 +2,8 @@
 #include "hierarchy_helpers.h"
 #include "tests.h"
 
+#include "base/math/math.h"
 #include "base/math/rng.h"
-#include "base/math/stretch.h"
 #include "base/splats/octahedral.h"
 #include "base/splats/prefix_table.h"
 #include "capture/capture_internal.h"

@@ -6,8 +6,7 @@
 #include "base/math/rng.h"
 #include "base/splats/leaf_codes.h"
 #include "base/splats/leaf_runs.h"
-#include "lod/stochastic/spread_order.h"
-#include "lod/stochastic/trim.h"
+#include "lod/stochastic/leaf_passes.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,7 +4,6 @@
 #include "base/math/math.h"
 #include "base/math/rng.h"
 #include "lab/measure/distribution.h"
-#include "lab/measure/nearest.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "program/present/plane_drag.h"
+#include "program/present/navigate.h"
 
 static const stp_boxd box = {{-1, -2, -3}, {1, 2, 3}};
 

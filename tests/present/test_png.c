@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "program/present/png.h"
+#include "program/present/picture_file.h"
 
 #include <spng.h>
 #include <stdio.h>

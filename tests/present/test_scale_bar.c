@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "program/present/scale_bar.h"
+#include "program/present/navigate.h"
 
 #include <math.h>
 

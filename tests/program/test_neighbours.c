@@ -3,7 +3,7 @@
 #include "tests.h"
 
 #include "base/math/rng.h"
-#include "program/files/companion_files.h"
+#include "program/files/scene_file.h"
 
 #include <limits.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "program/options/option_fields.h"
+#include "program/options/options.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "program/options/option_value.h"
+#include "program/options/options.h"
 
 #include <stdbool.h>
 #include <string.h>

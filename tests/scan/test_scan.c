@@ -5,7 +5,7 @@
 
 #include "lab/measure/shapes.h"
 #include "lab/scan/scan_file.h"
-#include "lab/scan/scan_stations.h"
+#include "lab/scan/scan_sweep.h"
 #include "lab/scenes/scenes.h"
 
 #include <math.h>

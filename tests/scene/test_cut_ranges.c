@@ -2,7 +2,7 @@
 #include "tests.h"
 
 #include "base/io/spill.h"
-#include "scene/cut_ranges.h"
+#include "scene/partition_steps.h"
 
 #include <string.h>
 #include <unistd.h>

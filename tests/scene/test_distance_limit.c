@@ -3,7 +3,7 @@
 #include "scene_helpers.h"
 #include "tests.h"
 
-#include "scene/distance_limit.h"
+#include "scene/finish_steps.h"
 
 static const float nowhere[] = {NAN, INFINITY, -INFINITY, 1e19f, -3e38f};
 enum { NOWHERE = sizeof(nowhere) / sizeof(nowhere[0]) };

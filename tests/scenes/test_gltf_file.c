@@ -3,7 +3,7 @@
 
 #include "import/reading/import.h"
 #include "lab/scenes/compose.h"
-#include "lab/scenes/gltf_file.h"
+#include "lab/scenes/gltf_plan.h"
 #include "lab/scenes/mesh_builder.h"
 #include "lab/scenes/solids.h"
 

@@ -2,7 +2,7 @@
 #include "tests.h"
 
 #include "base/io/hash.h"
-#include "lab/scenes/industry.h"
+#include "lab/scenes/paper.h"
 #include "lab/scenes/parts.h"
 
 #include <string.h>

@@ -6,7 +6,6 @@
 #include "lab/scenes/compose.h"
 #include "lab/scenes/mesh_builder.h"
 #include "lab/scenes/paper.h"
-#include "lab/scenes/pylons.h"
 #include "lab/scenes/terrain.h"
 #include "lab/scenes/trees.h"
 

@@ -4,7 +4,7 @@
 #include "base/io/file.h"
 #include "import/reading/import.h"
 #include "lab/scenes/compose.h"
-#include "lab/scenes/gltf_file.h"
+#include "lab/scenes/gltf_plan.h"
 
 #include <math.h>
 #include <string.h>

@@ -7,7 +7,6 @@
 #include "base/splats/leaf_codes.h"
 #include "base/splats/leaf_runs.h"
 #include "base/splats/octahedral.h"
-#include "select/cue_cells.h"
 #include "select/cues.h"
 
 #include <string.h>

@@ -5,7 +5,7 @@
 #include "support_sample.h"
 #include "tests.h"
 
-#include "base/math/color_map.h"
+#include "base/math/color.h"
 #include "base/math/rng.h"
 #include "store/file/internal.h"
 #include "store/residency/residency.h"

@@ -3,7 +3,6 @@
 #include "tests.h"
 
 #include "program/viewer/model/folder.h"
-#include "program/viewer/model/recent.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,7 +2,6 @@
 #include "program/viewer/model/paint_thread.h"
 
 #include "base/core/clock.h"
-#include "program/viewer/model/painter_gl.h"
 #include "program/viewer/model/painter_scene.h"
 
 #include <assert.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "program/viewer/model/painter_gl.h"
+#include "program/viewer/model/painter_scene.h"
 
 #include <GL/gl.h>
 #include <GL/glext.h>

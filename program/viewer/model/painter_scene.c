@@ -2,7 +2,7 @@
 #include "program/viewer/model/painter_scene.h"
 
 #include "base/core/clock.h"
-#include "draw/resting.h"
+#include "draw/renderer.h"
 #include "draw/transparency.h"
 #include "program/viewer/model/splat_count.h"
 

@@ -2,6 +2,7 @@
 // An opened file, as used by the painter thread.
 #pragma once
 
+#include "draw/draw_gl.h"
 #include "program/viewer/model/paint_thread.h"
 
 typedef struct paint_scene {
@@ -49,3 +50,23 @@ stp_result paint_scene_draw(paint_scene* s, const paint_request* request, float 
 bool paint_is_same_request(const paint_request* a, const paint_request* b);
 /// Near distance of a view in perspective, also if the view leaves it to the renderer.
 double paint_near_distance(const stp_view* view);
+
+// OpenGL pictures, kept in textures that the window shows while the next one is drawn.
+
+enum { PAINTER_GL_SLOTS = 3 };
+
+typedef struct painter_gl_functions painter_gl_functions;
+
+typedef struct painter_gl {
+    painter_gl_functions* functions; ///< NULL: OpenGL is not available
+    uint32_t textures[PAINTER_GL_SLOTS];
+    uint32_t width[PAINTER_GL_SLOTS], height[PAINTER_GL_SLOTS];
+} painter_gl;
+
+// These need a current context.
+bool painter_gl_create(painter_gl* g, const stp_draw_gl_desc* desc);
+void painter_gl_destroy(painter_gl* g);
+/// Copies a picture into a slot's texture and waits for completion. @return the texture; 0: out of
+/// memory
+uint32_t painter_gl_keep(painter_gl* g, int slot, uint32_t picture, uint32_t width,
+                         uint32_t height);

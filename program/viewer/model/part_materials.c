@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "program/viewer/model/part_materials.h"
+#include "program/viewer/model/explorer.h"
 
 #include <assert.h>
 

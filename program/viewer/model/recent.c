@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "program/viewer/model/recent.h"
-
 #include "base/io/file.h"
+#include "program/viewer/model/folder.h"
 
 #include <assert.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 // Messages to the user: the newest in the status line, earlier ones above it, and an explanation of
 // an empty picture.
 #include "base/core/clock.h"
-#include "program/options/option_fields.h"
+#include "program/options/options.h"
 #include "program/viewer/panels/panels.h"
 #include "program/viewer/window/gui.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The view cube and the scale bar in the corners of the picture.
-#include "program/present/scale_bar.h"
+#include "program/present/navigate.h"
 #include "program/present/view_cube.h"
 #include "program/viewer/panels/panels.h"
 #include "program/viewer/window/gui.h"

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "embed/measuring.h"
-#include "program/present/scale_bar.h"
+#include "program/present/navigate.h"
 #include "program/viewer/panels/state.h"
 
 // part_tree.c

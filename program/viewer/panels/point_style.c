@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "program/viewer/panels/point_style.h"
-
 #include "base/math/color.h"
-#include "base/math/color_map.h"
 #include "lod/method.h"
 #include "program/viewer/panels/panels.h"
+#include "program/viewer/panels/state.h"
 #include "program/viewer/window/gui.h"
 
 #include <assert.h>

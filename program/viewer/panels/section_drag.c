@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Section planes and sides of the section box in the picture: outlines with handles to drag along
 // the normal.
-#include "program/present/plane_drag.h"
+#include "program/present/navigate.h"
 #include "program/viewer/panels/panels.h"
 #include "program/viewer/window/gui.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Saved pictures of any size, drawn at full quality on a separate thread with a separate renderer.
 #include "base/core/context.h"
-#include "program/present/png.h"
+#include "program/present/picture_file.h"
 #include "program/viewer/model/painter_scene.h"
 #include "program/viewer/panels/panels.h"
 

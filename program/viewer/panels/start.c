@@ -2,10 +2,9 @@
 // The start page of a window without a file, and the file dialog, which does not depend on the
 // desktop.
 #define _XOPEN_SOURCE 700 // realpath
-#include "program/viewer/panels/start.h"
-
 #include "program/options/program.h"
 #include "program/viewer/panels/panels.h"
+#include "program/viewer/panels/state.h"
 #include "program/viewer/window/gui.h"
 
 #include <assert.h>

@@ -2,16 +2,55 @@
 // The state of the window, shared by the parts of the viewer. Used by the window thread only.
 #pragma once
 
+#include "program/options/point_colors.h"
 #include "program/present/flight.h"
 #include "program/present/navigate.h"
 #include "program/present/viewpoints.h"
 #include "program/viewer/model/explorer.h"
+#include "program/viewer/model/folder.h"
 #include "program/viewer/model/loader.h"
 #include "program/viewer/model/paint_thread.h"
-#include "program/viewer/panels/point_style.h"
-#include "program/viewer/panels/start.h"
 #include "program/viewer/panels/viewer.h"
 #include "program/viewer/window/window.h"
+
+// Colours of the scene's points, filter of classes, and properties of a clicked point.
+
+/// Settings of one file; all zero: own colours, all classes.
+typedef struct point_style {
+    int color;          ///< point_color
+    bool has_range;     ///< the user chose a range
+    double low, high;   ///< ends of the colour scale, if `has_range`
+    bool hides;         ///< some classes are not drawn
+    uint8_t shown[256]; ///< visible classes, if `hides`
+    uint32_t scene;     ///< serial of the scene that the elevations belong to; 0: unknown
+    double elevation[2];
+} point_style;
+
+// The start page of a window without a file, and the file dialog.
+
+typedef struct start_page start_page;
+struct viewer;
+
+/// Loads the list of recent files. @return NULL if memory runs out
+start_page* start_create(void);
+void start_destroy(start_page* s);
+/// Makes an opened file the most recent one.
+void start_opened(start_page* s, const char* path);
+const recent_files* start_recent(const start_page* s);
+
+/// Shows or hides the dialog.
+void start_show_dialog(struct viewer* v, bool shown);
+bool start_has_dialog(const struct viewer* v);
+/// The folder shown by the dialog, and the text typed into it; "": none.
+const char* start_folder(const struct viewer* v);
+const char* start_typed(const struct viewer* v);
+/// Opens a recent file; a missing file is removed from the list. @return false if there is no such
+/// entry
+bool start_open_recent(struct viewer* v, size_t index);
+
+// Called for each frame of the window.
+void start_dialog(struct viewer* v);
+void start_show(struct viewer* v);
 
 enum {
     FRAME_HISTORY = 120,

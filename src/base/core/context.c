@@ -8,6 +8,8 @@
 #include "base/core/printable.h"
 #include "base/core/processor.h"
 
+#include <stipple/version.h>
+
 #include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -343,4 +345,9 @@ void stp_notice(stp_context* context, const char* format, ...)
     va_start(list, format);
     log_message(context, STP_LOG_NOTICE, format, list);
     va_end(list);
+}
+
+uint32_t stp_version(void)
+{
+    return STP_VERSION_MAJOR * 10000u + STP_VERSION_MINOR * 100u + STP_VERSION_PATCH;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "base/core/gate.h"
 
+#include "base/core/clock.h"
 #include "base/core/context_internal.h"
-#include "base/core/wait.h"
 
 #include <assert.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // stp_crc32c with the SSE4.2 instruction, eight bytes at a time.
-#include "base/io/crc32c.h"
+#include "base/io/hash.h"
 
 #if defined(__x86_64__)
 

@@ -209,7 +209,7 @@ static inline double stp_affine_determinant(const stp_affine* a)
 }
 
 /// Upper bound on the length of a transformed unit vector. Exact for rotations and uniform scales;
-/// base/math/stretch.h is tighter and slower.
+/// stp_affine_stretch is tighter and slower.
 static inline double stp_affine_scale(const stp_affine* a)
 {
     // the longest column is exact for rotations and uniform scales; otherwise use the Frobenius
@@ -275,4 +275,39 @@ static inline stp_boxd stp_affine_box(const stp_affine* a, stp_boxd box)
         stp_boxd_add(&out, stp_affine_point(a, p));
     }
     return out;
+}
+
+// Largest scale factor of a transform.
+
+/// Largest factor by which a transform stretches a length: never too small, at most 1 % too large,
+/// and exact for rotations, mirroring and uniform scales. 0 if it collapses everything to a point
+/// or is not finite.
+double stp_affine_stretch(const stp_affine* a);
+
+// Sine and cosine from basic arithmetic only, so the bits are the same on every machine. C
+// libraries do not promise that.
+
+/// `angle` is in radians, up to 10^6 in size; the error is below 10^-15. Both results are NaN for
+/// larger or non-finite angles.
+static inline void stp_sine_cosine(double angle, double* sine, double* cosine)
+{
+    // quarter turn split in two parts: products of the first part with integers are exact
+    static const double quarter_high = 1.57079632673412561417e+00,
+                        quarter_low = 6.07710050650619224932e-11;
+    if (!(fabs(angle) <= 1e6)) {
+        *sine = *cosine = (double)NAN;
+        return;
+    }
+    double turns = floor(angle * 0.63661977236758134308 + 0.5);
+    double x = angle - turns * quarter_high - turns * quarter_low, square = x * x;
+    double s = 1.0, c = 1.0;
+    for (int i = 9; i >= 1; --i) { // Taylor series: the first omitted term is below 10^-17
+        s = 1.0 - s * square / (double)((2 * i) * (2 * i + 1));
+        c = 1.0 - c * square / (double)((2 * i - 1) * (2 * i));
+    }
+    s *= x;
+    int quarter = (int)turns & 3;
+    double a = (quarter & 1) != 0 ? c : s, b = (quarter & 1) != 0 ? s : c;
+    *sine = quarter >= 2 ? -a : a;
+    *cosine = quarter == 1 || quarter == 2 ? -b : b;
 }

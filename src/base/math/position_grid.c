@@ -25,7 +25,7 @@ enum {
     FLOAT_DIGITS = 23,
     NUMBER_BITS = 29, // a coordinate is less than 2^30 steps
     STEP_MIN = -149,  // exponent of the smallest float
-    // 2^31 steps stay finite; scenes need no larger numbers (scene/distance_limit.h)
+    // 2^31 steps stay finite; scenes need no larger numbers (scene/finish_steps.h)
     STEP_MAX = 96,
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "base/math/stretch.h"
+#include "base/math/math.h"
 
 #include <assert.h>
 #include <string.h>

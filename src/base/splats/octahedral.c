@@ -2,7 +2,6 @@
 #include "base/splats/octahedral.h"
 
 #include "base/core/processor.h"
-#include "base/splats/octahedral_kernels.h"
 
 #include <assert.h>
 #include <stdbool.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // stp_octahedral_encode, eight at a time: same operations in the same order, so same codes.
-#include "base/splats/octahedral_kernels.h"
+#include "base/splats/octahedral.h"
 
 #include <assert.h>
 

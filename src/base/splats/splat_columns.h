@@ -14,6 +14,8 @@
 // (docs/algorithms/finish.md).
 #pragma once
 
+#include "base/math/math.h"
+
 #include <stipple/attributes.h>
 #include <stipple/types.h>
 
@@ -157,3 +159,15 @@ typedef struct stp_shading {
     float emissive[3]; ///< linear
     uint32_t flags;
 } stp_shading;
+
+// Positions of the splats in a set.
+
+/// Position of a splat in the space of its set's node.
+static inline stp_vec3d stp_splat_place(const stp_splats* set, size_t index)
+{
+    const uint16_t* at = set->positions + 3 * index;
+    double step = (double)set->step;
+    return (stp_vec3d){(double)set->origin.x + step * (double)at[0],
+                       (double)set->origin.y + step * (double)at[1],
+                       (double)set->origin.z + step * (double)at[2]};
+}

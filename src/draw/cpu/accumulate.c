@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "draw/cpu/accumulate.h"
+#include "draw/cpu/passes.h"
 
 #include <assert.h>
 #include <string.h>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "draw/cpu/blend.h"
-
+#include "draw/cpu/passes.h"
 #include "draw/cpu/shade.h"
 #include "draw/placement.h"
 

@@ -4,17 +4,16 @@
 // into one visibility buffer per worker. Then it processes the picture in bands: merges the
 // workers' buffers to the nearest per pixel, clears them for the next frame, and shades the pixels.
 // Merging takes a minimum, so the picture does not depend on the pieces or on which worker drew
-// them. The number of workers is capped (base/core/team.h), since each needs a buffer of the picture's
+// them. The number of workers is capped (base/core/jobs.h), since each needs a buffer of the picture's
 // size.
 #pragma once
 
 #include "base/core/arena.h"
-#include "base/core/team.h"
+#include "base/core/jobs.h"
 #include "base/io/hash.h"
-#include "draw/bounding.h"
 #include "draw/caps.h"
+#include "draw/placement.h"
 #include "draw/renderer.h"
-#include "draw/resting.h"
 #include "draw/transparency.h"
 #include "raster/layer.h"
 #include "raster/splats_blend.h"
@@ -143,7 +142,7 @@ typedef struct stp_cpu_effects {
     stp_depth_pyramid pyramid; ///< for parallel projection, without a culling pyramid
 } stp_cpu_effects;
 
-/// Memory for the filter (blend.h).
+/// Memory for the filter (passes.h).
 typedef struct stp_cpu_blend {
     stp_raster_plane* planes;
     uint64_t* sums; ///< 2 per pixel
@@ -178,7 +177,7 @@ typedef struct stp_cpu_layers {
     size_t alive_capacity;
 } stp_cpu_layers;
 
-/// Sum of frames, each shifted by a fraction of a pixel (accumulate.h).
+/// Sum of frames, each shifted by a fraction of a pixel (passes.h).
 typedef struct stp_cpu_accumulation {
     /// Sums of the current eye, 4 per pixel: linear colour times alpha, and alpha
     uint32_t* sums;

@@ -2,8 +2,6 @@
 // Draws a frame, and owns the memory kept between frames.
 #include "base/core/clock.h"
 #include "base/math/color.h"
-#include "draw/cpu/accumulate.h"
-#include "draw/cpu/blend.h"
 #include "draw/cpu/effects.h"
 #include "draw/cpu/layers.h"
 #include "draw/cpu/passes.h"

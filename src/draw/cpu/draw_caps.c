@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Draws section caps into the shaded picture of the current eye.
-#include "draw/cpu/draw_caps.h"
+#include "draw/cpu/passes.h"
 
 #include <assert.h>
 #include <string.h>

@@ -2,9 +2,6 @@
 #include "draw/cpu/passes.h"
 
 #include "base/core/clock.h"
-#include "draw/cpu/accumulate.h"
-#include "draw/cpu/blend.h"
-#include "draw/cpu/draw_caps.h"
 #include "draw/cpu/effects.h"
 #include "draw/cpu/layers.h"
 #include "draw/placement.h"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Draws items in pieces. Any free worker takes the next piece; each draws into its own buffer.
-#include "draw/cpu/blend.h"
 #include "draw/cpu/layers.h"
-#include "draw/one_sided.h"
-#include "draw/point_size.h"
+#include "draw/cpu/passes.h"
+#include "draw/placement.h"
+#include "draw/transparency.h"
 
 #include <assert.h>
 #include <string.h>

@@ -2,9 +2,9 @@
 // Shades the visibility buffer, tile by tile.
 #include "draw/cpu/shade.h"
 
-#include "base/math/color_map.h"
+#include "base/math/color.h"
 #include "draw/cpu/layers.h"
-#include "draw/recolor.h"
+#include "draw/shading_setup.h"
 
 #include <assert.h>
 #include <string.h>

@@ -14,7 +14,7 @@
 #pragma once
 
 #include "draw/cpu/cpu.h"
-#include "draw/lighting.h"
+#include "draw/shading_setup.h"
 
 enum {
     SHADE_WIDTH = 64,           ///< pixels of a tile's row

@@ -2,8 +2,8 @@
 #include "draw/gl/cluster_shares.h"
 
 #include "base/core/context.h"
-#include "draw/bounding.h"
 #include "draw/gl/gl_renderer.h"
+#include "draw/placement.h"
 
 #include <assert.h>
 

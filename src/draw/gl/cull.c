@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "draw/gl/cull.h"
-
 #include "base/core/context.h"
-#include "draw/bounding.h"
+#include "draw/gl/item_commands.h"
 #include "draw/gl/upload.h"
+#include "draw/placement.h"
 #include "draw/transparency.h"
 #include "store/file/format.h"
 #include "store/sets/large_triangles.h"

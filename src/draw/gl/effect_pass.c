@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "draw/gl/effect_pass.h"
-
 #include "base/core/context.h"
 #include "draw/effect_shape.h"
+#include "draw/gl/gl_passes.h"
 #include "draw/gl/gl_renderer.h"
 
 #include <assert.h>

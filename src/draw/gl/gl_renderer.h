@@ -6,28 +6,23 @@
 //             read (item_commands.c)
 //   drawn     splats as points, larger ones as quads, triangles: one command each, into the
 //             visibility buffer; in two passes: first those not occluded in the last picture
-//             (occlusion_pass.h)
+//             (gl_passes.h)
 //   shaded    a compute pass looks up each pixel's id and lights it; then effects and averages
 //
 // Each pass is a file with create, draw and destroy, and owns its program. Programs depend on the
 // number of pages and the shape of splats, and are recreated if these change.
 #pragma once
 
-#include "draw/gl/cap_pass.h"
 #include "draw/gl/cluster_shares.h"
-#include "draw/gl/effect_pass.h"
-#include "draw/gl/filter_pass.h"
 #include "draw/gl/gl.h"
+#include "draw/gl/gl_passes.h"
 #include "draw/gl/gl_program.h"
-#include "draw/gl/layer_pass.h"
-#include "draw/gl/occlusion_pass.h"
 #include "draw/gl/pool.h"
 #include "draw/gl/raster_pass.h"
 #include "draw/gl/splat_choice.h"
 #include "draw/gl/timer.h"
 #include "draw/placement.h"
 #include "draw/renderer.h"
-#include "draw/resting.h"
 #include "draw/shaders/interface.h"
 #include "store/clusters/clusters.h"
 

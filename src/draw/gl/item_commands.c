@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Turns a draw list into blocks, records and commands.
+#include "draw/gl/item_commands.h"
+
 #include "base/core/context.h"
-#include "draw/gl/cull.h"
-#include "draw/gl/set_items.h"
-#include "draw/gl/splat_commands.h"
 #include "draw/gl/upload.h"
-#include "draw/point_size.h"
+#include "draw/placement.h"
 #include "draw/transparency.h"
 #include "raster/splats_kernel.h"
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "draw/gl/layer_pass.h"
-
+#include "draw/gl/gl_passes.h"
 #include "draw/gl/gl_renderer.h"
 #include "draw/transparency.h"
 #include "raster/blue_noise.h"

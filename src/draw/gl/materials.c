@@ -2,7 +2,6 @@
 // Materials in the shaders' layout; they never change.
 #include "base/core/context.h"
 #include "base/math/color.h"
-#include "base/math/color_map.h"
 #include "draw/gl/gl_renderer.h"
 
 #include <string.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "draw/gl/occlusion_pass.h"
-
 #include "base/core/context.h"
+#include "draw/gl/gl_passes.h"
 #include "draw/gl/gl_renderer.h"
 
 #include <assert.h>

@@ -4,8 +4,7 @@
 #include "base/core/context.h"
 #include "base/math/color.h"
 #include "draw/gl/gl_renderer.h"
-#include "draw/lighting.h"
-#include "draw/recolor.h"
+#include "draw/shading_setup.h"
 #include "select/eyes.h"
 #include "store/sets/coloring.h"
 

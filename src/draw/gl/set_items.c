@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "draw/gl/set_items.h"
-
 #include "base/splats/prefix_table.h"
 #include "base/splats/progressive.h"
 #include "base/splats/splat_codes.h"
-#include "draw/gl/splat_commands.h"
+#include "draw/gl/item_commands.h"
 #include "draw/gl/upload.h"
 
 #include <assert.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "draw/gl/splat_commands.h"
-
-#include "draw/one_sided.h"
+#include "draw/gl/item_commands.h"
+#include "draw/transparency.h"
 
 #include <assert.h>
 

@@ -244,7 +244,7 @@ struct view_block {
     float corner;              // distance over depth in a corner of the picture
     uint scale_first;          // start of the colour scale among the lighting materials
     float view_spare1, view_spare2;
-    vec4 height_place, height_along; // src/draw/recolor.h
+    vec4 height_place, height_along; // src/draw/shading_setup.h
 };
 
 // Post-shading effects (draw/effect_shape.h).

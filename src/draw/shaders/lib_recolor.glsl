@@ -1,4 +1,4 @@
-// Colours of heights and normals: src/draw/recolor.h. The colour scale is stored after the lighting
+// Colours of heights and normals: src/draw/shading_setup.h. The colour scale is stored after the lighting
 // materials.
 
 // Index of a pixel's colour in the scale.

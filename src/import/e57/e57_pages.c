@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "base/core/atomic_limits.h"
 #include "base/io/bytes.h"
-#include "base/io/crc32c.h"
+#include "base/io/hash.h"
 #include "import/e57/e57.h"
 
 #include <assert.h>

@@ -3,10 +3,9 @@
 // Converts records to points. A stream is one sequence of bits across all packets, so the bits of
 // any run of records can be located: runs are read on all threads.
 #include "base/io/bytes.h"
-#include "base/math/angle.h"
+#include "base/math/math.h"
 #include "import/e57/e57.h"
-#include "import/reading/grid_normals.h"
-#include "import/reading/intensity.h"
+#include "import/reading/scan_values.h"
 
 #include <assert.h>
 #include <math.h>

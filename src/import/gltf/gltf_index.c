@@ -2,7 +2,7 @@
 // Converts the indices of a primitive to a list of triangles and finds the vertices it uses:
 // exporters often let many primitives share one large vertex array, which each primitive would
 // otherwise copy.
-#include "base/math/sort.h"
+#include "base/core/sort.h"
 #include "import/gltf/gltf_primitive.h"
 
 #include <assert.h>

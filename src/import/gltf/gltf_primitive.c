@@ -111,7 +111,7 @@ static void normalize_all(float* normals, size_t count)
     }
 }
 
-// Positions and normals, posed. The scene skips invalid positions (scene/distance_limit.h).
+// Positions and normals, posed. The scene skips invalid positions (scene/finish_steps.h).
 static stp_result read_geometry(stp_gltf_scope* scope, const json_t* mesh, const json_t* json,
                                 const stp_gltf_variant* variant, const stp_gltf_vertices* vertices,
                                 float** positions, float** normals)

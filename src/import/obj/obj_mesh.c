@@ -4,7 +4,7 @@
 // position, corners of equal texture coordinate and normal share a vertex. Vertices follow the
 // order of positions, so the result does not depend on the assignment to threads. Tables of large
 // meshes are stored like the file's arrays.
-#include "base/math/sort.h"
+#include "base/core/sort.h"
 #include "import/obj/obj.h"
 #include "import/reading/surface.h"
 #include "import/reading/triangulate.h"

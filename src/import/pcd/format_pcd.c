@@ -7,7 +7,7 @@
 #include "base/io/bytes.h"
 #include "import/pcd/pcd.h"
 #include "import/reading/cloud.h"
-#include "import/reading/intensity.h"
+#include "import/reading/scan_values.h"
 #include "import/reading/surface.h"
 #include "import/text/text_blocks.h"
 #include "import/text/text_scan.h"

@@ -118,7 +118,7 @@ void stp_ply_free_column(const stp_ply* ply, const stp_ply_room* room, void* col
 /// Releases file content that was read and spilled data from memory. Any thread.
 void stp_ply_release_columns(const stp_ply* ply, const stp_ply_room* room);
 
-/// Attributes of points (scene/attribute_names.h) during reading. Angles are degrees in the file.
+/// Attributes of points (stipple/attributes.h) during reading. Angles are degrees in the file.
 /// Intensities are scaled to 65535 if they are bytes, or floats up to 1; other numbers are kept.
 typedef struct stp_ply_attributes {
     const stp_ply_property* properties[STP_ATTRIBUTES]; ///< NULL: the file has none

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "import/reading/grid_normals.h"
+#include "import/reading/scan_values.h"
 
 #include <assert.h>
 #include <string.h>

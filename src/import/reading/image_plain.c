@@ -2,9 +2,8 @@
 //
 // stb_image decodes. It treats bytes after the end of a file as zeros, reads palette entries that a
 // file lacks from uninitialised memory, and has no limit on memory: the checks are here.
-#include "import/reading/image_plain.h"
-
 #include "base/io/bytes.h"
+#include "import/reading/surface.h"
 
 #include <assert.h>
 #include <string.h>

@@ -11,7 +11,7 @@
 typedef struct stp_point_columns_desc {
     uint32_t point_count;
     bool normals, colors;
-    uint32_t attributes; ///< bit i: attribute i (scene/attribute_names.h)
+    uint32_t attributes; ///< bit i: attribute i (stipple/attributes.h)
 } stp_point_columns_desc;
 
 /// Allocates the columns of `set`, uninitialized; `set->spilled` tells where they are. Afterwards

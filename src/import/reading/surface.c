@@ -3,7 +3,6 @@
 
 #include "base/math/color.h"
 #include "image/image_codecs.h"
-#include "import/reading/image_plain.h"
 
 #include <assert.h>
 #include <string.h>

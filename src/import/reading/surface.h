@@ -5,6 +5,7 @@
 #include "image/image_codecs.h"
 #include "import/reading/import.h"
 #include "import/reading/lookup.h"
+#include "scene/scene.h"
 
 /// The material of formats without materials: white, rough, not metallic, and double-sided, because
 /// triangles in such files may have any winding.
@@ -52,3 +53,13 @@ STP_MUST_USE stp_result stp_picture_decode_kept(stp_context* context, const unsi
 STP_MUST_USE stp_result stp_picture_decode(stp_import* import, const char* place,
                                            const unsigned char* bytes, size_t size,
                                            stp_texture* texture, bool* read);
+
+// Picture formats of older programs, used by OBJ, 3DS, DAE and FBX files: TGA and BMP.
+
+/// Decodes TGA (mapped, true colour and grey, plain or run-length) or BMP (1 to 32 bits,
+/// uncompressed) to RGBA, with stb_image. Fills width, height and texels of `texture`. Does not log;
+/// on failure `*reason` explains why. Memory is at most 450 times the size of the file.
+/// @return STP_OK, STP_ERROR_UNSUPPORTED, STP_ERROR_TRUNCATED, STP_ERROR_OUT_OF_MEMORY
+STP_MUST_USE stp_result stp_image_decode_plain(stp_context* context, const unsigned char* bytes,
+                                               size_t size, stp_texture* texture,
+                                               const char** reason);

@@ -3,7 +3,7 @@
 // PTX: a sequence of scans, each a grid of columns and rows with the scanner's position and one
 // line per cell. A cell at 0 0 0, the scanner itself, is empty. Normals come from neighbouring
 // cells. The default up axis is z.
-#include "import/reading/grid_normals.h"
+#include "import/reading/scan_values.h"
 #include "import/reading/surface.h"
 #include "import/text/text_points.h"
 

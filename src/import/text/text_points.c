@@ -2,7 +2,7 @@
 #include "import/text/text_points.h"
 
 #include "base/core/atomic_limits.h"
-#include "import/reading/intensity.h"
+#include "import/reading/scan_values.h"
 #include "import/text/text_scan.h"
 
 #include <assert.h>

@@ -28,7 +28,7 @@ typedef struct stp_text_points {
 stp_point_columns_desc stp_text_points_wants(const stp_columns* columns);
 
 /// Fills all cells. Colours range to 255 (or 1 if written as fractions up to 1; or 65535 if one is
-/// above 255), intensities as in intensity.h. If the actual values need other scales than the
+/// above 255), intensities as in scan_values.h. If the actual values need other scales than the
 /// expected ranges, the text is read a second time. @return STP_OK; STP_ERROR_FORMAT for an invalid
 /// line (unless `strict`, the last one is reported as a loss instead); STP_ERROR_OUT_OF_MEMORY,
 /// STP_ERROR_CANCELLED (logged)

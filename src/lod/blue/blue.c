@@ -3,11 +3,10 @@
 
 #include "base/core/clock.h"
 #include "base/core/saturate.h"
-#include "base/math/sort.h"
+#include "base/core/sort.h"
 #include "lod/blue/children.h"
 #include "lod/blue/finish.h"
 #include "lod/cloud_candidates.h"
-#include "lod/point_normals.h"
 
 #include <assert.h>
 #include <string.h>

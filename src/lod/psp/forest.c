@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "lod/psp/forest.h"
 
+#include "base/core/sort.h"
 #include "base/math/color.h"
-#include "base/math/sort.h"
-#include "lod/psp/history.h"
 #include "lod/psp/initial.h"
+#include "lod/psp/rounds.h"
 #include "lod/psp/scale.h"
 
 #include <assert.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "lod/psp/history.h"
-
-#include "base/core/parallel_sort.h"
+#include "base/core/sort.h"
+#include "lod/psp/rounds.h"
 #include "lod/psp/scale.h"
 
 #include <assert.h>

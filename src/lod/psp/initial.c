@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/psp/initial.h"
 
-#include "lod/psp/nearest_points.h"
+#include "lod/psp/kd_tree.h"
 
 #include <assert.h>
 

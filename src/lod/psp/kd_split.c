@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "lod/psp/kd_split.h"
-
 #include "base/math/rng.h"
+#include "lod/psp/kd_tree.h"
 
 #include <assert.h>
 #include <string.h>

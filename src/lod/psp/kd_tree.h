@@ -4,9 +4,28 @@
 #pragma once
 
 #include "base/core/context.h"
-#include "lod/psp/kd_split.h"
+#include "base/math/math.h"
+#include "lod/psp/room.h"
 
 #include <assert.h>
+
+// Splits points in space: the step that kd-trees and the pieces of a large merge share.
+
+/// A point and its number. The number also breaks ties, so each order along an axis is total.
+typedef struct stp_kd_point {
+    float at[3];
+    uint32_t index;
+} stp_kd_point;
+
+/// Axis of the largest extent; of many points, estimated from a sample. `count` is at least 1.
+int stp_kd_widest(const stp_kd_point* points, size_t count);
+
+/// Quickselect along an axis: moves smaller points before `place`, and larger ones after it.
+/// `place` is below `count`. Expected linear time for any input. The result depends on the input
+/// alone.
+/// @param room storage of the points, whose pages are released during the split; NULL: in memory
+void stp_kd_select(stp_kd_point* points, size_t count, size_t place, int axis,
+                   const stp_psp_room* room);
 
 enum { STP_KD_LEAF = 8, STP_KD_DEPTH = 40, STP_NEIGHBOURS_MAX = 32 };
 
@@ -85,3 +104,19 @@ typedef struct stp_kd_path {
 /// @return number found: k, or all other points if there are fewer
 uint32_t stp_kd_nearest(const stp_kd_tree* tree, stp_kd_path* path, uint32_t place, uint32_t k,
                         uint32_t* places);
+
+// The k nearest neighbours of each point of a set.
+
+/// Converts the result of stp_kd_nearest to the format of stp_find_nearest_points, in k entries.
+void stp_list_neighbours(const stp_kd_tree* tree, uint32_t place, const uint32_t* places,
+                         uint32_t count, uint32_t k, uint32_t* neighbours);
+
+/// Lists for each point its nearest other points, nearest first, ties by index. If several points
+/// tie for the last entry, any of them may be listed; which one depends on the points alone. Runs
+/// on all threads; results do not depend on their number.
+/// @param positions 3 floats per point, read as stp_kd_tree_make does
+/// @param k 1 to STP_NEIGHBOURS_MAX
+/// @param neighbours receives k entries per point; UINT32_MAX for missing ones
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_find_nearest_points(stp_context* context, const float* positions,
+                                                uint32_t count, uint32_t k, uint32_t* neighbours);

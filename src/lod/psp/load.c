@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "lod/psp/load.h"
-
 #include "base/math/color.h"
 #include "lod/psp/initial.h"
+#include "lod/psp/rounds.h"
 
 #include <assert.h>
 #include <stdlib.h>

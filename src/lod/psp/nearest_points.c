@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lod/psp/nearest_points.h"
+#include "lod/psp/kd_tree.h"
 
 #include <assert.h>
 

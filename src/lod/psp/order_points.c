@@ -2,7 +2,7 @@
 // Copies points into tree order. If they do not fit in memory, random disk access must be avoided,
 // so they are copied window by window. A window's points are read in input order, and written to
 // their positions within the window.
-#include "base/core/parallel_sort.h"
+#include "base/core/sort.h"
 #include "lod/psp/rounds.h"
 
 #include <assert.h>

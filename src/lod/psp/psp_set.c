@@ -5,11 +5,8 @@
 #include "base/splats/octahedral.h"
 #include "base/splats/prefix_table.h"
 #include "lod/psp/forest.h"
-#include "lod/psp/split_order.h"
 #include "lod/samples.h"
 #include "lod/set_columns.h"
-#include "lod/set_table.h"
-#include "lod/shape_coding.h"
 
 #include <assert.h>
 #include <float.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lod/psp/queue.h"
+#include "lod/psp/merge_piece.h"
 
 #include <assert.h>
 

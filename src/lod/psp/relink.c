@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "lod/psp/nearest_points.h"
-#include "lod/psp/round_pieces.h"
+#include "lod/psp/kd_tree.h"
+#include "lod/psp/rounds.h"
 
 #include <assert.h>
 #include <string.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "lod/psp/round_pieces.h"
-
 #include "base/math/rng.h"
+#include "lod/psp/rounds.h"
 
 #include <assert.h>
 

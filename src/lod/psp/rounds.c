@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "lod/psp/rounds.h"
 
-#include "lod/psp/load.h"
-#include "lod/psp/round_pieces.h"
-
 #include <assert.h>
 #include <string.h>
 

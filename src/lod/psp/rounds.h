@@ -3,6 +3,7 @@
 // piece up to one common error. Pairs across a seam wait for the next round, which has other seams.
 #pragma once
 
+#include "lod/psp/forest.h"
 #include "lod/psp/kd_tree.h"
 #include "lod/psp/merge_piece.h"
 
@@ -84,3 +85,53 @@ void stp_psp_rounds_release(const stp_psp_rounds* rounds, size_t number);
 ///         also after a failure
 STP_MUST_USE stp_result stp_psp_rounds_run(stp_psp_rounds* rounds);
 void stp_psp_rounds_destroy(stp_psp_rounds* rounds);
+
+// Fills pieces with splats: from points in the first round, from blocks in later ones. Makes blocks
+// of the remaining splats.
+
+/// Fills a piece with slots [begin, end) of the round. @return false if out of memory
+bool stp_psp_load(const stp_psp_rounds* rounds, stp_psp_piece* piece, uint32_t begin, uint32_t end);
+
+/// Makes the block of a merged piece.
+/// @param survivors receives for each slot of the piece the block index of the splat that
+///         represents it
+/// @return false if out of memory or disk space
+bool stp_psp_unload(stp_psp_piece* piece, const stp_psp_room* room, stp_psp_block* block,
+                    uint32_t* survivors);
+
+/// Errors of the best merges of evenly sampled splats, ascending; disallowed merges are left out.
+/// @param errors space for `maximum` values
+/// @return their number
+uint32_t stp_psp_sample_errors(const stp_psp_rounds* rounds, float* errors, uint32_t maximum);
+
+// Cuts the splats of a round into pieces, and carries links over the seams of the last round.
+
+/// A range of slots.
+typedef struct stp_psp_range {
+    uint32_t begin, end;
+} stp_psp_range;
+
+/// Cuts all slots into pieces. The first round cuts subtrees of the kd-tree; later rounds cut at
+/// other places and reorder the slots.
+/// @param piece_size maximum splats per piece, above 0; STP_KD_LEAF splats are never cut
+/// @param ranges receives the pieces; the caller frees them
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_psp_cut_pieces(stp_psp_rounds* rounds, uint32_t piece_size,
+                                           stp_psp_range** ranges, uint32_t* count);
+
+/// Converts `survivors` to slots of the current round, after its order is final.
+/// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_psp_renumber(stp_psp_rounds* rounds);
+
+/// Discards all links and links each splat with its nearest ones, in both directions. All splats
+/// must be in one block.
+/// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_psp_relink(stp_psp_rounds* rounds);
+
+// Merges the histories of all pieces into one order: the forest.
+
+/// Makes the forest of the recorded merges. Merges are ordered by the largest error of the merge
+/// and all merges below it, so that splats come before the merges that consume them; ties are in
+/// order of creation.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged); the caller destroys the forest
+STP_MUST_USE stp_result stp_psp_order_merges(const stp_psp_rounds* rounds, stp_psp_forest* forest);

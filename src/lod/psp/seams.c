@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Links across the seams of the first round, and slots from round to round.
-#include "base/core/parallel_sort.h"
-#include "lod/psp/round_pieces.h"
+#include "base/core/sort.h"
+#include "lod/psp/rounds.h"
 
 #include <assert.h>
 

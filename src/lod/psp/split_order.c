@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "lod/psp/split_order.h"
-
 #include "base/splats/progressive.h"
 #include "base/splats/splat_codes.h"
 #include "base/splats/splat_columns.h"
+#include "lod/psp/forest.h"
 
 #include <assert.h>
 #include <stdlib.h>

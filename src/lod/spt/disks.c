@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lod/spt/disks.h"
+#include "lod/spt/point_tree.h"
 
 #include <assert.h>
 

@@ -17,7 +17,7 @@ typedef struct stp_node_splat {
 
 typedef struct stp_node_splats_desc {
     const uint8_t* materials; ///< 1 per sample
-    const float* replaced;    ///< 1 per sample (replaced.h)
+    const float* replaced;    ///< 1 per sample (node_splats.h)
     stp_vec3 origin;          ///< origin of the grid to which positions are rounded
     float step;
 } stp_node_splats_desc;
@@ -29,3 +29,15 @@ STP_MUST_USE stp_result stp_node_splats_make(stp_context* context, const stp_poi
                                              const stp_method_samples* samples,
                                              const stp_node_splats_desc* desc,
                                              stp_node_splat** splats);
+
+// Splats that are replaced by large triangles (Dachsbacher et al. 2003, 3.8).
+
+/// Finds for each sample the highest level at which drawn triangles surround it; 0 if there is
+/// none. A triangle is drawn at levels below its own (base/splats/triangle_level.h). A sample next to
+/// surface of smaller triangles keeps its splat, because the disk may cover some of that surface.
+/// @param corners 9 floats per triangle, in the space of the samples; finite
+/// @param levels receives one per sample
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_spt_find_replaced(stp_context* context,
+                                              const stp_method_samples* samples, float step,
+                                              const float* corners, uint32_t count, float* levels);

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Triangles are sorted along a space-filling curve; the tree of boxes halves that list recursively.
-#include "lod/spt/replaced.h"
-
 #include "base/splats/triangle_level.h"
 #include "lod/grid.h"
+#include "lod/spt/node_splats.h"
 
 #include <assert.h>
 

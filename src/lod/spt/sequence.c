@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/spt/sequence.h"
 
-#include "base/core/parallel_sort.h"
+#include "base/core/sort.h"
 
 #include <assert.h>
 #include <string.h>

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "lod/spt/spt_set.h"
 
-#include "base/core/parallel_sort.h"
+#include "base/core/sort.h"
 #include "base/math/morton.h"
 #include "base/splats/prefix_table.h"
 #include "base/splats/splat_codes.h"
 #include "lod/set_columns.h"
-#include "lod/set_table.h"
 #include "lod/spt/node_splats.h"
-#include "lod/spt/replaced.h"
 #include "lod/spt/sequence.h"
 
 #include <assert.h>

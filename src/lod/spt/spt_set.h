@@ -8,7 +8,7 @@
 
 typedef struct stp_spt_desc {
     stp_tree_desc tree;
-    const float* corners; ///< 9 floats per large triangle of the node (replaced.h)
+    const float* corners; ///< 9 floats per large triangle of the node (node_splats.h)
     uint32_t triangle_count;
 } stp_spt_desc;
 

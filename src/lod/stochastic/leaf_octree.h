@@ -20,7 +20,7 @@ typedef struct stp_leaf_desc {
     /// estimated
     uint32_t normal_neighbours;
     /// 1 to STP_LEAF_SCALES_MAX: number of region sizes that must show a feature
-    /// (lod/stochastic/scales.h)
+    /// (lod/stochastic/leaf_passes.h)
     uint32_t scales;
     uint32_t sample; ///< maximum size of the random sample that represents a region
 } stp_leaf_desc;

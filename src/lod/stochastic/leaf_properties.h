@@ -18,10 +18,11 @@ typedef struct stp_leaf_properties {
     float mean[3]; ///< mean position of its points
     /// Representative normal: of the plane through its points, or the mean of oriented normals
     stp_vec3 normal;
-    float flatness;     ///< l0 / (l0 + l1 + l2)
-    float min_flatness; ///< lowest flatness of this and of larger scales (lod/stochastic/scales.h)
-    float area;         ///< approximate surface area inside the leaf
-    float spacing;      ///< side of the square that a point represents
+    float flatness; ///< l0 / (l0 + l1 + l2)
+    float
+        min_flatness; ///< lowest flatness of this and of larger scales (lod/stochastic/leaf_passes.h)
+    float area;       ///< approximate surface area inside the leaf
+    float spacing;    ///< side of the square that a point represents
     /// Sine of the angle to the representative normal that nine of ten normals do not exceed; 1:
     /// unbounded
     float spread;

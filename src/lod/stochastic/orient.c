@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "lod/stochastic/orient.h"
-
 #include "base/splats/leaf_codes.h"
-#include "lod/psp/nearest_points.h"
+#include "lod/psp/kd_tree.h"
+#include "lod/stochastic/leaf_passes.h"
 
 #include <assert.h>
 #include <string.h>

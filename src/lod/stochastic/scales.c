@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "lod/stochastic/scales.h"
-
 #include "base/splats/leaf_codes.h"
+#include "lod/stochastic/leaf_passes.h"
 
 #include <assert.h>
 

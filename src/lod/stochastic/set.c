@@ -8,15 +8,10 @@
 #include "base/splats/octahedral.h"
 #include "lod/blue/finish.h"
 #include "lod/cloud_candidates.h"
-#include "lod/point_normals.h"
 #include "lod/samples.h"
 #include "lod/set_columns.h"
-#include "lod/shape_coding.h"
+#include "lod/stochastic/leaf_passes.h"
 #include "lod/stochastic/leaf_properties.h"
-#include "lod/stochastic/orient.h"
-#include "lod/stochastic/scales.h"
-#include "lod/stochastic/spread_order.h"
-#include "lod/stochastic/trim.h"
 
 #include <assert.h>
 #include <string.h>

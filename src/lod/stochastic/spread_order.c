@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "lod/stochastic/spread_order.h"
-
 #include "base/splats/leaf_codes.h"
 #include "base/splats/leaf_runs.h"
+#include "lod/stochastic/leaf_passes.h"
 
 #include <assert.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lod/stochastic/trim.h"
+#include "lod/stochastic/leaf_passes.h"
 
 #include <assert.h>
 #include <math.h>

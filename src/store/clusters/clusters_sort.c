@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Sorts triangles along a Hilbert curve.
 // Skilling. Programming the Hilbert Curve. 2004 (without its branches).
-#include "base/math/sort.h"
+#include "base/core/sort.h"
 #include "store/clusters/clusters_encode.h"
 
 #include <assert.h>

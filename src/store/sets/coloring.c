@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "store/sets/coloring.h"
 
-#include "base/math/color_map.h"
+#include "base/math/color.h"
 #include "store/file/internal.h"
 
 #include <assert.h>

@@ -2,7 +2,7 @@
 // Point sets held by a set of splats. The set contains each point once, so the file stores no
 // second copy. Point columns are made from the set on request.
 #include "base/splats/octahedral.h"
-#include "base/splats/splat_place.h"
+#include "base/splats/splat_columns.h"
 #include "store/file/internal.h"
 
 #include <assert.h>

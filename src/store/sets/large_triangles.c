@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "store/sets/large_triangles.h"
 
-#include "base/math/sort.h"
+#include "base/core/sort.h"
 #include "base/splats/triangle_level.h"
 #include "store/clusters/clusters.h"
 #include "store/file/internal.h"
