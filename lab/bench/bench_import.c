@@ -61,7 +61,7 @@ static bool make_text(import_bench* b)
                                (unsigned)(bits >> 30 & 511), (unsigned)(bits >> 40 & 127),
                                (unsigned)(bits >> 50 & 511), (unsigned)(color & 255),
                                (unsigned)(color >> 8 & 255), (unsigned)(color >> 16 & 255));
-        assert(written > 0 && written < LINE && "no line is cut off");
+        assert(written > 0 && written < LINE && "no line is truncated");
         b->text_size += (size_t)written;
     }
     return true;

@@ -22,11 +22,11 @@ typedef struct bin {
 } bin;
 
 /// Split of a node: items in bins below `bin` along `axis` go left.
-typedef struct cut {
+typedef struct split {
     int axis; ///< negative: no split
     uint32_t bin;
     float low, scale; ///< from a box centre to a bin
-} cut;
+} split;
 
 typedef struct maker {
     const stp_box* boxes;
@@ -60,18 +60,18 @@ static stp_vec3 middle_of(const stp_box* box)
     return stp_add(stp_scale(box->min, 0.5f), stp_scale(box->max, 0.5f));
 }
 
-static uint32_t bin_of(const cut* c, const stp_box* box)
+static uint32_t bin_of(const split* c, const stp_box* box)
 {
     float at = (part_of(middle_of(box), c->axis) - c->low) * c->scale;
     return at >= (float)(BINS - 1) ? BINS - 1 : at > 0.0f ? (uint32_t)at : 0;
 }
 
 // Finds the cheapest split between bins of an axis. Updates `cost` if it is cheaper.
-static void try_axis(const maker* m, const range* r, const stp_box* middles, int axis, cut* best,
+static void try_axis(const maker* m, const range* r, const stp_box* middles, int axis, split* best,
                      double* cost)
 {
     float low = part_of(middles->min, axis), high = part_of(middles->max, axis);
-    cut c = {.axis = axis, .low = low, .scale = (float)BINS / (high - low)};
+    split c = {.axis = axis, .low = low, .scale = (float)BINS / (high - low)};
     if (!(high > low) || !(c.scale < FLT_MAX)) {
         return;
     }
@@ -116,7 +116,7 @@ static uint32_t divide(const maker* m, const range* r)
     for (uint32_t i = r->begin; i < r->end; ++i) {
         stp_box_add(&middles, middle_of(&m->boxes[m->order[i]]));
     }
-    cut c = {.axis = -1};
+    split c = {.axis = -1};
     double cost = (double)INFINITY;
     for (int axis = 0; axis < 3; ++axis) {
         try_axis(m, r, &middles, axis, &c, &cost);
@@ -132,7 +132,7 @@ static uint32_t divide(const maker* m, const range* r)
             m->order[left++] = item;
         }
     }
-    assert(left > r->begin && left < r->end && "both sides of a cut have items");
+    assert(left > r->begin && left < r->end && "both sides of a split have items");
     return left;
 }
 

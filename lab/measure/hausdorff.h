@@ -62,7 +62,7 @@ double stp_shapes_area(const stp_shapes* shapes);
 /// moves: so no place is farther than the centre's distance plus the radius around the centre. And
 /// the distance to a single disk or triangle is convex: so no place is farther from the shape
 /// nearest to the centre than the farthest corner is. Triangles that these bounds do not rule out
-/// are cut into four, until no distance can exceed the maximum by more than a thousandth, or
+/// are split into four, until no distance can exceed the maximum by more than a thousandth, or
 /// `places` more were measured. The same bits for any number of threads.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged), STP_ERROR_CANCELLED
 STP_MUST_USE stp_result stp_hausdorff_prove(stp_context* context,

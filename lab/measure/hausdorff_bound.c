@@ -6,7 +6,7 @@
 enum {
     GRAIN = 64,
     BLOCK = 1 << 14, ///< triangles or parts measured at a time
-    CUT = 256,       ///< cells subdivided at a time
+    SPLIT = 256,     ///< cells subdivided at a time
 };
 
 #define TOLERANCE 1e-3 ///< accepted gap between maximum and bound, relative to the maximum
@@ -108,13 +108,13 @@ static stp_result measure_cells(prover* p, size_t count)
 }
 
 // Subdivides cells until the stack is empty. Depth first, so the stack stays short.
-static stp_result cut_cells(prover* p)
+static stp_result split_cells(prover* p)
 {
-    cell parents[CUT];
+    cell parents[SPLIT];
     stp_result result = STP_OK;
     while (p->count > 0 && result == STP_OK) {
         size_t taken = 0;
-        while (p->count > 0 && taken < CUT) {
+        while (p->count > 0 && taken < SPLIT) {
             const cell* c = &p->stack[--p->count];
             if (c->maximum > limit_of(p) && p->places >= 4) {
                 parents[taken++] = *c;
@@ -139,7 +139,7 @@ static stp_result prove(prover* p)
         p->first = first;
         size_t count = total - first < BLOCK ? total - first : BLOCK;
         result = result == STP_OK ? measure_cells(p, count) : result;
-        result = result == STP_OK ? cut_cells(p) : result;
+        result = result == STP_OK ? split_cells(p) : result;
     }
     p->found->bound = fmax(limit_of(p), p->left_out);
     assert(p->found->bound >= p->found->max);

@@ -24,7 +24,7 @@ static void add_name(name_list* list, const char* name)
     }
     int length = snprintf(list->text + list->used, room, "%s%s", list->count > 0 ? ", " : "", name);
     list->used += (size_t)length;
-    assert(list->used < sizeof(list->text) && "no name is cut off");
+    assert(list->used < sizeof(list->text) && "no name is truncated");
     list->count += 1;
 }
 

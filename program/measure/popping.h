@@ -3,7 +3,7 @@
 // Popping: how much more an approximation changes between consecutive frames than the reference
 // does.
 //
-// Pictures are composited on black and cut into blocks of 8 x 8 pixels (smaller at the right and
+// Pictures are composited on black and divided into blocks of 8 x 8 pixels (smaller at the right and
 // bottom border). The change of a block is the mean over its pixels and channels of |after -
 // before|, 0 to 255. Its popping is the change of the approximation minus that of the reference, at
 // least 0.

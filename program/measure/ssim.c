@@ -50,15 +50,15 @@ static void fill_scales(double* scales, uint32_t count)
 {
     for (uint32_t i = 0; i < count; ++i) {
         double sum = 0.0;
-        bool is_cut = false;
+        bool is_truncated = false;
         for (int k = -RADIUS; k <= RADIUS; ++k) {
             int64_t at = (int64_t)i + k;
             bool is_inside = at >= 0 && at < (int64_t)count;
             sum += is_inside ? window[k < 0 ? -k : k] : 0.0;
-            is_cut |= !is_inside;
+            is_truncated |= !is_inside;
         }
         assert(sum > 0.0 && sum < 1.0 + 1e-9 && "weights of sum 1");
-        scales[i] = is_cut ? 1.0 / sum : 1.0;
+        scales[i] = is_truncated ? 1.0 / sum : 1.0;
     }
 }
 

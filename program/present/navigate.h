@@ -91,8 +91,8 @@ enum { STP_PLANE_CORNERS_MAX = 6 };
 
 /// Intersection of a plane and a box: a convex polygon, in order around it. @return the number of
 /// its corners; 0: no intersection
-int stp_plane_cut_box(stp_vec3d point, stp_vec3d normal, const stp_boxd* box,
-                      stp_vec3d corners[STP_PLANE_CORNERS_MAX]);
+int stp_plane_intersect_box(stp_vec3d point, stp_vec3d normal, const stp_boxd* box,
+                            stp_vec3d corners[STP_PLANE_CORNERS_MAX]);
 
 /// How far an anchor moves along a unit direction to follow the pointer between two picture
 /// positions (pixels, y down). If the camera looks along the direction, moving up moves it away

@@ -31,8 +31,8 @@ static double angle_around(stp_vec3d corner, stp_vec3d middle, stp_vec3d normal)
     return atan2(stp_dotd(way, up), stp_dotd(way, across));
 }
 
-int stp_plane_cut_box(stp_vec3d point, stp_vec3d normal, const stp_boxd* box,
-                      stp_vec3d corners[STP_PLANE_CORNERS_MAX])
+int stp_plane_intersect_box(stp_vec3d point, stp_vec3d normal, const stp_boxd* box,
+                            stp_vec3d corners[STP_PLANE_CORNERS_MAX])
 {
     stp_vec3d found[12], middle = {0, 0, 0};
     int count = 0;

@@ -74,7 +74,7 @@ static widths measure_column(const column* c, const stp_store_summary* summary)
     return any ? w : (widths){0, 0};
 }
 
-// Bytes of a name that make NAME_LIMIT characters at most (UTF-8 is not cut within one).
+// Bytes of a name that make NAME_LIMIT characters at most (UTF-8 is not truncated within one).
 static int name_bytes(const char* name, int* characters)
 {
     int bytes = 0;

@@ -51,7 +51,7 @@ stp_result stp_code_mesh(stp_context* context, const stp_mesh* mesh, uint32_t te
                       (texcoords & 2) != 0 ? mesh->texcoords[1] : NULL},
         .colors = mesh->colors,
         .indices = mesh->indices,
-        .cut = mesh->cut,
+        .is_piece = mesh->is_piece,
     };
     int16_t* normals = NULL;
     if (mesh->normals != NULL) {

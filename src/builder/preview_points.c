@@ -126,9 +126,9 @@ static bool color_at(const stp_scene* scene, const stp_mesh* mesh, const place* 
         out[k] = stp_linear_to_srgb8(color[k]);
     }
     out[3] = 255;
-    bool cut_out = material->alpha_mode == STP_ALPHA_MASK &&
-                   color[3] * material->base_color[3] < material->alpha_cutoff;
-    return !cut_out;
+    bool cutout = material->alpha_mode == STP_ALPHA_MASK &&
+                  color[3] * material->base_color[3] < material->alpha_cutoff;
+    return !cutout;
 }
 
 static void add_point(const stp_mesh* mesh, uint32_t triangle, const place* p, float* position,

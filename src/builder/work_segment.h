@@ -65,7 +65,7 @@ STP_MUST_USE stp_result stp_work_segment_open(const stp_work_place* place, uint3
 /// Called for each result; `offset` is that of its bytes.
 typedef stp_result (*stp_work_visit)(const stp_work_head* head, size_t offset, void* user);
 
-/// Reads all headers of an opened segment, cuts off incomplete data after the last whole result,
+/// Reads all headers of an opened segment, truncates incomplete data after the last whole result,
 /// and maps at least `capacity` bytes. @return the result of `visit`, STP_ERROR_IO (logged)
 STP_MUST_USE stp_result stp_work_segment_scan(const stp_work_place* place, size_t capacity,
                                               stp_work_segment* segment, stp_work_visit visit,

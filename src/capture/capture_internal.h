@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Structure of a capture: views are cut into bands of rows. Each band is drawn into a visibility
+// Structure of a capture: views are divided into bands of rows. Each band is drawn into a visibility
 // buffer and reduced to its covered pixels; then all covered pixels become candidates.
 #pragma once
 

@@ -66,22 +66,22 @@ void stp_caps_destroy(stp_caps* c)
     stp_free(c->context, c);
 }
 
-/// A mesh instance cut by some planes.
-typedef struct cut_mesh {
+/// A mesh instance crossed by some planes.
+typedef struct crossed_mesh {
     stp_caps* caps;
     stp_affine transform;
     uint32_t planes; ///< bits of the planes
     bool turned;     ///< triangles face inwards
     double rows[STP_SECTION_PLANES][4];
-} cut_mesh;
+} crossed_mesh;
 
 static bool crosses(void* user, const stp_box* box)
 {
-    const cut_mesh* cut = user;
+    const crossed_mesh* mesh = user;
     const float low[3] = {box->min.x, box->min.y, box->min.z};
     const float high[3] = {box->max.x, box->max.y, box->max.z};
-    for (uint32_t bits = cut->planes; bits != 0; bits &= bits - 1) {
-        const double* row = cut->rows[__builtin_ctz(bits)];
+    for (uint32_t bits = mesh->planes; bits != 0; bits &= bits - 1) {
+        const double* row = mesh->rows[__builtin_ctz(bits)];
         double minimum = row[3], maximum = row[3];
         for (int k = 0; k < 3; ++k) {
             double a = row[k] * (double)low[k], b = row[k] * (double)high[k];
@@ -107,8 +107,8 @@ static int compare_corners(const float* a, const float* b)
 }
 
 /// Intersection of an edge with the plane: bit-identical for both triangles that share the edge.
-static void cross_edge(const cut_mesh* cut, const float* a, double da, const float* b, double db,
-                       float out[3])
+static void cross_edge(const crossed_mesh* mesh, const float* a, double da, const float* b,
+                       double db, float out[3])
 {
     if (compare_corners(a, b) > 0) {
         const float* corner = a;
@@ -122,7 +122,7 @@ static void cross_edge(const cut_mesh* cut, const float* a, double da, const flo
     stp_vec3d p = {(double)a[0] + t * ((double)b[0] - (double)a[0]),
                    (double)a[1] + t * ((double)b[1] - (double)a[1]),
                    (double)a[2] + t * ((double)b[2] - (double)a[2])};
-    p = stp_subd(stp_affine_point(&cut->transform, p), cut->caps->origin);
+    p = stp_subd(stp_affine_point(&mesh->transform, p), mesh->caps->origin);
     out[0] = (float)p.x;
     out[1] = (float)p.y;
     out[2] = (float)p.z;
@@ -133,37 +133,37 @@ static double beyond(const double row[4], const float* p)
     return row[0] * (double)p[0] + row[1] * (double)p[1] + row[2] * (double)p[2] + row[3];
 }
 
-static stp_result cut_triangle(void* user, const float* const corners[3])
+static stp_result cross_triangle(void* user, const float* const corners[3])
 {
-    cut_mesh* cut = user;
+    crossed_mesh* mesh = user;
     stp_result result = STP_OK;
-    for (uint32_t bits = cut->planes; bits != 0 && result == STP_OK; bits &= bits - 1) {
+    for (uint32_t bits = mesh->planes; bits != 0 && result == STP_OK; bits &= bits - 1) {
         uint32_t number = (uint32_t)__builtin_ctz(bits);
         double d[3];
         float out[3], in[3]; // where the border leaves the kept side, and where it returns
         int found = 0;
         for (int k = 0; k < 3; ++k) {
-            d[k] = beyond(cut->rows[number], corners[k]);
+            d[k] = beyond(mesh->rows[number], corners[k]);
         }
         for (int k = 0; k < 3; ++k) {
             int next = (k + 1) % 3;
             if ((d[k] > 0.0) != (d[next] > 0.0)) {
-                cross_edge(cut, corners[k], d[k], corners[next], d[next], d[k] > 0.0 ? in : out);
+                cross_edge(mesh, corners[k], d[k], corners[next], d[next], d[k] > 0.0 ? in : out);
                 found += 1;
             }
         }
         assert((found == 0 || found == 2) && "a plane leaves a triangle as often as it enters");
         if (found == 2) {
-            const float *from = cut->turned ? out : in, *to = cut->turned ? in : out;
+            const float *from = mesh->turned ? out : in, *to = mesh->turned ? in : out;
             result =
-                stp_cap_outline_add(cut->caps->context, &cut->caps->outlines[number], from, to);
+                stp_cap_outline_add(mesh->caps->context, &mesh->caps->outlines[number], from, to);
         }
     }
     return result;
 }
 
-static stp_result cut_part(stp_caps* caps, uint32_t mesh, const stp_affine* transform,
-                           uint32_t planes)
+static stp_result cross_part(stp_caps* caps, uint32_t mesh, const stp_affine* transform,
+                             uint32_t planes)
 {
     static const float none[3] = {0};
     int side;
@@ -172,13 +172,13 @@ static stp_result cut_part(stp_caps* caps, uint32_t mesh, const stp_affine* tran
     if (result != STP_OK || side == 0) {
         return result;
     }
-    cut_mesh cut = {.caps = caps, .transform = *transform, .planes = planes};
-    cut.turned = (side < 0) != (stp_affine_determinant(transform) < 0.0);
+    crossed_mesh crossed = {.caps = caps, .transform = *transform, .planes = planes};
+    crossed.turned = (side < 0) != (stp_affine_determinant(transform) < 0.0);
     for (uint32_t bits = planes; bits != 0; bits &= bits - 1) {
         uint32_t i = (uint32_t)__builtin_ctz(bits);
-        stp_section_row(&caps->sections.planes[i], transform, none, cut.rows[i]);
+        stp_section_row(&caps->sections.planes[i], transform, none, crossed.rows[i]);
     }
-    stp_cap_visitor visitor = {crosses, cut_triangle, &cut};
+    stp_cap_visitor visitor = {crosses, cross_triangle, &crossed};
     return stp_cap_visit(caps->store, mesh, &visitor);
 }
 
@@ -213,7 +213,7 @@ static void walk_below(cap_walk* w, const stp_store_node* n, const stp_affine* t
         stp_boxd box = stp_affine_box(transform, spot.bounds);
         uint32_t planes = stp_sections_all(&w->caps->sections);
         if (stp_sections_test(&w->caps->sections, &box, 0.0, &planes) && planes != 0) {
-            w->result = cut_part(w->caps, part.index, transform, planes);
+            w->result = cross_part(w->caps, part.index, transform, planes);
         }
     }
     for (uint32_t i = 0; i < n->edge_count && w->result == STP_OK; ++i) {

@@ -181,7 +181,7 @@ static stp_result decode_webp(const unsigned char* bytes, size_t size, stp_image
                               uint8_t* texels, size_t texel_size)
 {
     if (WebPDecodeRGBAInto(bytes, size, texels, texel_size, (int)info->width * 4) == NULL) {
-        return refuse(info, STP_ERROR_FORMAT, "WebP", "its data is damaged or cut off");
+        return refuse(info, STP_ERROR_FORMAT, "WebP", "its data is damaged or truncated");
     }
     return STP_OK;
 }

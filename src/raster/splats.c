@@ -166,7 +166,7 @@ uint64_t stp_splats_draw_portable(const stp_splat_frame* frame)
             }
             shape_batch(frame, &batch);
             stretch_batch(frame, &batch);
-            cut_batch(frame, &batch);
+            clip_batch(frame, &batch);
             box_batch(&batch);
             sort_batch(frame, &batch);
         }

@@ -95,7 +95,7 @@ static inline __m256i evaluate(const stp_splat_frame* f, const splat_batch* t, i
 }
 
 /// Clips the fragments inside disk `i` to its drawn part.
-static inline __m256i keep_cut(const splat_batch* t, int i, __m256 u, __m256 v, __m256i inside)
+static inline __m256i keep_clipped(const splat_batch* t, int i, __m256 u, __m256 v, __m256i inside)
 {
     __m256 at = _mm256_add_ps(_mm256_mul_ps(_mm256_set1_ps(t->ex[i]), u),
                               _mm256_mul_ps(_mm256_set1_ps(t->ey[i]), v));
@@ -132,8 +132,8 @@ static inline uint64_t draw_small(const stp_splat_frame* f, const splat_batch* t
         __m256 v = _mm256_add_ps(_mm256_set1_ps(t->v0[i]), rows);
         __m256i bits;
         __m256i inside = evaluate(f, t, i, u, v, &bits);
-        if ((t->cuts >> i & 1u) != 0) {
-            inside = keep_cut(t, i, u, v, inside);
+        if ((t->clips >> i & 1u) != 0) {
+            inside = keep_clipped(t, i, u, v, inside);
         }
         if (coverage < 255) {
             __m256i dx = _mm256_add_epi32(_mm256_cvttps_epi32(columns),
@@ -170,7 +170,7 @@ static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i,
         box.x1 = left + 8;
     }
     uint32_t coverage = splat_coverage(f->splats, (uint32_t)t->part[i], t->halvings[i]);
-    bool is_cut = (t->cuts >> i & 1u) != 0;
+    bool is_clipped = (t->clips >> i & 1u) != 0;
     __m256i id = _mm256_set1_epi64x((long long)(f->first_id + index));
     uint64_t fragments = 0;
     for (int32_t y = box.y0; y < box.y1; ++y) {
@@ -184,8 +184,8 @@ static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i,
             __m256i at = _mm256_add_epi32(_mm256_set1_epi32(x), steps);
             inside = _mm256_and_si256(inside, _mm256_cmpgt_epi32(at, before));
             inside = _mm256_and_si256(inside, _mm256_cmpgt_epi32(after, at));
-            if (is_cut) {
-                inside = keep_cut(t, i, u, v, inside);
+            if (is_clipped) {
+                inside = keep_clipped(t, i, u, v, inside);
             }
             if (coverage < 255) {
                 __m256i dx = _mm256_add_epi32(_mm256_set1_epi32(x - t->cx[i]), steps);

@@ -81,7 +81,7 @@ static inline __mmask16 evaluate(const stp_splat_frame* f, const splat_batch* t,
 }
 
 /// Clips the fragments in a mask to the drawn part of disk `i`.
-static inline uint32_t keep_cut(const splat_batch* t, int i, __m512 u, __m512 v, uint32_t mask)
+static inline uint32_t keep_clipped(const splat_batch* t, int i, __m512 u, __m512 v, uint32_t mask)
 {
     __m512 at = _mm512_add_ps(_mm512_mul_ps(_mm512_set1_ps(t->ex[i]), u),
                               _mm512_mul_ps(_mm512_set1_ps(t->ey[i]), v));
@@ -101,8 +101,8 @@ static inline uint64_t draw_small(const stp_splat_frame* f, const splat_batch* t
     __m512i bits;
     uint32_t mask = evaluate(f, t, i, u, v, &bits);
     uint32_t coverage = splat_coverage(f->splats, (uint32_t)t->part[i], t->halvings[i]);
-    if ((t->cuts >> i & 1u) != 0) {
-        mask = keep_cut(t, i, u, v, mask);
+    if ((t->clips >> i & 1u) != 0) {
+        mask = keep_clipped(t, i, u, v, mask);
     }
     if (coverage < 255) {
         __m512i dx =
@@ -148,7 +148,7 @@ static inline uint64_t draw_eight(const stp_splat_frame* f, const splat_batch* t
     uint32_t coverage = splat_coverage(f->splats, (uint32_t)t->part[i], t->halvings[i]);
     assert(box.x0 <= box.x1 && box.x1 - box.x0 <= 8);
     uint32_t columns = (1u << (box.x1 - box.x0)) - 1u;
-    bool is_cut = (t->cuts >> i & 1u) != 0;
+    bool is_clipped = (t->clips >> i & 1u) != 0;
     __m512i id = _mm512_set1_epi64((long long)(f->first_id + index));
     __m512i column = _mm512_add_epi32(_mm512_set1_epi32(box.x0 - t->x0[i]), steps);
     __m512 u = _mm512_add_ps(_mm512_set1_ps(t->u0[i]), _mm512_cvtepi32_ps(column));
@@ -160,8 +160,8 @@ static inline uint64_t draw_eight(const stp_splat_frame* f, const splat_batch* t
         __m512i bits;
         uint32_t mask = evaluate(f, t, i, u, v, &bits);
         mask &= y + 1 < box.y1 ? columns | columns << 8 : columns;
-        if (is_cut) {
-            mask = keep_cut(t, i, u, v, mask);
+        if (is_clipped) {
+            mask = keep_clipped(t, i, u, v, mask);
         }
         if (coverage < 255) {
             __m512i dx = _mm512_add_epi32(_mm512_set1_epi32(box.x0 - t->cx[i]), steps);
@@ -186,7 +186,7 @@ static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i,
     if (box.x1 - box.x0 <= 8) {
         return draw_eight(f, t, i, index, box);
     }
-    bool is_cut = (t->cuts >> i & 1u) != 0;
+    bool is_clipped = (t->clips >> i & 1u) != 0;
     uint32_t coverage = splat_coverage(f->splats, (uint32_t)t->part[i], t->halvings[i]);
     __m512i id = _mm512_set1_epi64((long long)(f->first_id + index));
     uint64_t fragments = 0;
@@ -199,8 +199,8 @@ static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i,
             __m512i bits;
             uint32_t mask = evaluate(f, t, i, u, v, &bits);
             mask &= box.x1 - x < 16 ? (1u << (box.x1 - x)) - 1u : 0xFFFFu;
-            if (is_cut) {
-                mask = keep_cut(t, i, u, v, mask);
+            if (is_clipped) {
+                mask = keep_clipped(t, i, u, v, mask);
             }
             if (coverage < 255) {
                 __m512i dx = _mm512_add_epi32(_mm512_set1_epi32(x - t->cx[i]), steps);

@@ -39,7 +39,7 @@ static inline uint64_t draw_batch(const stp_splat_frame* f, splat_batch* t, spla
         }
         shape_batch(f, t);
         stretch_batch(f, t);
-        cut_batch(f, t);
+        clip_batch(f, t);
         box_batch(t);
         sort_batch(f, t);
         uint32_t smalls = lanes_of(t, SPLAT_SMALL);

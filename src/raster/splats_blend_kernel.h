@@ -46,8 +46,8 @@ static void add_fragment(blend_batch* b, uint32_t i, size_t at, uint32_t weight)
 static bool has_fragment(const blend_batch* b, uint32_t i, int32_t x, int32_t y)
 {
     uint32_t index = b->first + i, part = (uint32_t)b->t.part[i];
-    if (b->t.kind[i] == SPLAT_PIXEL && (b->t.cuts >> i & 1u) != 0) {
-        part = splat_cut_share(SPLAT_CUT + b->t.code[i]);
+    if (b->t.kind[i] == SPLAT_PIXEL && (b->t.clips >> i & 1u) != 0) {
+        part = splat_clip_share(SPLAT_CLIP + b->t.code[i]);
     }
     uint32_t coverage = splat_coverage(b->frame->splats, part, b->t.halvings[i]);
     return coverage >= 255 ||
@@ -157,7 +157,7 @@ static void blend_textured(blend_batch* b, uint32_t i)
         for (int32_t x = box.x0; x < box.x1; ++x) {
             float u = t->u0[i] + (float)(x - t->x0[i]), v = t->v0[i] + (float)(y - t->y0[i]);
             float value = u * ((t->a[i] * u + t->b[i] * v) + t->p[i]) + v * (t->c[i] * v + t->q[i]);
-            if (!(value <= t->limit[i]) || splat_is_cut_away(t, (int)i, u, v)) {
+            if (!(value <= t->limit[i]) || splat_is_clipped(t, (int)i, u, v)) {
                 continue;
             }
             float change = t->gx[i] * u + t->gy[i] * v;
@@ -178,7 +178,7 @@ static void blend_disk(blend_batch* b, uint32_t i)
         for (int32_t x = box.x0; x < box.x1; ++x) {
             float u = t->u0[i] + (float)(x - t->x0[i]), v = t->v0[i] + (float)(y - t->y0[i]);
             float value = u * ((t->a[i] * u + t->b[i] * v) + t->p[i]) + v * (t->c[i] * v + t->q[i]);
-            if (!(value <= limit) || splat_is_cut_away(t, (int)i, u, v)) {
+            if (!(value <= limit) || splat_is_clipped(t, (int)i, u, v)) {
                 continue;
             }
             float change = t->gx[i] * u + t->gy[i] * v;
@@ -251,7 +251,7 @@ static inline void blend_all(const stp_raster_blend* blend, const stp_raster_cam
             }
             shape_batch(&frame, &b.t);
             stretch_batch(&frame, &b.t);
-            cut_batch(&frame, &b.t);
+            clip_batch(&frame, &b.t);
             box_batch(&b.t);
             sort_batch(&frame, &b.t);
         }

@@ -66,7 +66,7 @@ typedef struct splat_batch {
     uint32_t stretched;            ///< one bit per lane: not a disk
     float stretch[SPLAT_BATCH];    ///< stp_shape_stretch of stretched splats
     stp_shape_axis smaller[SPLAT_BATCH];
-    uint32_t cuts;             ///< one bit per lane: the disk is clipped
+    uint32_t clips;            ///< one bit per lane: the disk is clipped
     uint8_t code[SPLAT_BATCH]; ///< coverage codes of clipped disks
     float ex[SPLAT_BATCH], ey[SPLAT_BATCH], low[SPLAT_BATCH],
         high[SPLAT_BATCH];                  ///< clipped disks: low <= ex u + ey v <= high
@@ -132,9 +132,9 @@ static inline uint8_t splat_code(const stp_raster_splats* splats, uint8_t code)
     return splats->plain_coverages ? stp_coverage_of_plain[code] : code;
 }
 
-/// Coverage of a splat's disk, between those of two octaves: a share of 255 or, from SPLAT_CUT on,
+/// Coverage of a splat's disk, between those of two octaves: a share of 255 or, from SPLAT_CLIP on,
 /// a clipping code.
-#define SPLAT_CUT 256u
+#define SPLAT_CLIP 256u
 static inline uint32_t splat_part(const stp_raster_splats* splats, uint32_t index)
 {
     if (splats->coverages == NULL) {
@@ -144,20 +144,20 @@ static inline uint32_t splat_part(const stp_raster_splats* splats, uint32_t inde
     if (index < splats->low_count) {
         uint8_t low = splat_code(splats, splats->low_coverages[index]);
         uint32_t share = splats->low_share;
-        if (!stp_coverage_cuts(own) && !stp_coverage_cuts(low)) {
+        if (!stp_coverage_clips(own) && !stp_coverage_clips(low)) {
             uint32_t part = stp_coverage_share(own), other = stp_coverage_share(low);
             return (other * share + part * (256u - share) + 128u) >> 8;
         }
         own = (index * 0x9E3779B1u + 0x7F4A7C15u) >> 24 < share ? low : own;
     }
-    return stp_coverage_cuts(own) ? SPLAT_CUT + own : stp_coverage_share(own);
+    return stp_coverage_clips(own) ? SPLAT_CLIP + own : stp_coverage_share(own);
 }
 
 /// Share of its centre's pixel that a clipped splat draws, of 255.
-static inline uint32_t splat_cut_share(uint32_t part)
+static inline uint32_t splat_clip_share(uint32_t part)
 {
-    assert(part > SPLAT_CUT && stp_coverage_cuts((uint8_t)(part - SPLAT_CUT)));
-    return (uint32_t)(stp_coverage_area((uint8_t)(part - SPLAT_CUT)) * 255.0f + 0.5f);
+    assert(part > SPLAT_CLIP && stp_coverage_clips((uint8_t)(part - SPLAT_CLIP)));
+    return (uint32_t)(stp_coverage_area((uint8_t)(part - SPLAT_CLIP)) * 255.0f + 0.5f);
 }
 
 /// Share of a splat's pixels that is drawn after halving its radius, of 255.

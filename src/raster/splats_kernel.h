@@ -134,7 +134,7 @@ static inline void load_parts(const stp_splat_frame* f, splat_lanes lanes, splat
     if (splats->coverages == NULL) {
         return; // keep the defaults of an empty batch
     }
-    t->cuts = 0;
+    t->clips = 0;
     if (lanes.queued == NULL && lanes.count == SPLAT_BATCH && lanes.first >= splats->low_count &&
         are_whole(splats->coverages + lanes.first)) {
         for (int i = 0; i < SPLAT_BATCH; ++i) {
@@ -146,9 +146,9 @@ static inline void load_parts(const stp_splat_frame* f, splat_lanes lanes, splat
     }
     for (uint32_t i = 0; i < lanes.count; ++i) {
         uint32_t part = splat_part(splats, lane_splat(lanes, i));
-        if (part > SPLAT_CUT) {
-            t->cuts |= 1u << i;
-            t->code[i] = (uint8_t)(part - SPLAT_CUT);
+        if (part > SPLAT_CLIP) {
+            t->clips |= 1u << i;
+            t->code[i] = (uint8_t)(part - SPLAT_CLIP);
             part = 255;
         }
         t->part[i] = (int32_t)part;
@@ -336,33 +336,33 @@ static inline void stretch_batch(const stp_splat_frame* f, splat_batch* t)
 }
 
 /// Clipping lines of one disk on the screen, to first order about its centre.
-static inline void cut_disk(const stp_splat_frame* f, splat_batch* t, int i)
+static inline void clip_disk(const stp_splat_frame* f, splat_batch* t, int i)
 {
-    stp_disk_cut cut = stp_coverage_cut(t->code[i]);
-    splat_line line = project_line(f, t, i, cut.across, cut.along);
+    stp_disk_clip clip = stp_coverage_clip(t->code[i]);
+    splat_line line = project_line(f, t, i, clip.across, clip.along);
     float inverse = 1.0f / t->radius[i];
     t->ex[i] = line.ex * inverse;
     t->ey[i] = line.ey * inverse;
-    t->low[i] = cut.low;
-    t->high[i] = cut.high;
+    t->low[i] = clip.low;
+    t->high[i] = clip.high;
 }
 
 /// Clips the disks of a batch. Call after shape_batch, before box_batch, which clamps centres.
-static inline void cut_batch(const stp_splat_frame* f, splat_batch* t)
+static inline void clip_batch(const stp_splat_frame* f, splat_batch* t)
 {
-    for (uint32_t cuts = t->cuts; cuts != 0; cuts &= cuts - 1) {
-        int i = __builtin_ctz(cuts);
+    for (uint32_t clips = t->clips; clips != 0; clips &= clips - 1) {
+        int i = __builtin_ctz(clips);
         if (t->kind[i] == SPLAT_DISK) {
-            cut_disk(f, t, i);
+            clip_disk(f, t, i);
         }
     }
 }
 
 /// Whether a fragment at (u, v) from its splat's centre is clipped away.
-static inline bool splat_is_cut_away(const splat_batch* t, int i, float u, float v)
+static inline bool splat_is_clipped(const splat_batch* t, int i, float u, float v)
 {
     float at = t->ex[i] * u + t->ey[i] * v;
-    return (t->cuts >> i & 1u) != 0 && !(at >= t->low[i] && at <= t->high[i]);
+    return (t->clips >> i & 1u) != 0 && !(at >= t->low[i] && at <= t->high[i]);
 }
 
 /// Boxes from centres and extents (stored in u0, v0). Each includes the centre's pixel, so none is
@@ -469,7 +469,7 @@ static inline uint64_t draw_disk_scalar(const stp_splat_frame* f, const splat_ba
             float nearness;
             float u = t->u0[i] + (float)(x - t->x0[i]), v = t->v0[i] + (float)(y - t->y0[i]);
             if (!disk_fragment(f, t, i, x - t->x0[i], y - t->y0[i], &nearness) ||
-                splat_is_cut_away(t, i, u, v)) {
+                splat_is_clipped(t, i, u, v)) {
                 continue;
             }
             if (coverage < 255 &&
@@ -486,10 +486,10 @@ static inline uint64_t draw_disk_scalar(const stp_splat_frame* f, const splat_ba
 static inline uint64_t draw_pixel(const stp_splat_frame* f, const splat_batch* t, int i,
                                   uint32_t index)
 {
-    bool cut = (t->cuts >> i & 1u) != 0;
+    bool clip = (t->clips >> i & 1u) != 0;
     assert(t->cx[i] >= 0 && (uint32_t)t->cx[i] < f->target->width && t->cy[i] >= f->row_begin &&
            t->cy[i] < f->row_end && "a pixel of the target");
-    uint32_t part = cut ? splat_cut_share(SPLAT_CUT + t->code[i]) : (uint32_t)t->part[i];
+    uint32_t part = clip ? splat_clip_share(SPLAT_CLIP + t->code[i]) : (uint32_t)t->part[i];
     uint32_t coverage = splat_coverage(f->splats, part, t->halvings[i]);
     if (coverage < 255 && !splat_has_fragment(coverage, f->seed + index, 0, 0)) {
         return 0;

@@ -17,7 +17,7 @@ typedef struct large_disk {
     double left, top;   ///< parallel: pixel of x = 0, y = 0
     bool parallel;
     double across[3], low, high; ///< clipped disk: low <= across . offset <= high
-    bool is_cut;
+    bool is_clipped;
     double smaller[3], stretch; ///< ellipse: unit direction of its smaller radius, and its stretch
 } large_disk;
 
@@ -54,16 +54,16 @@ static void turn_direction(const stp_splat_frame* frame, uint32_t index, float a
 }
 
 /// Clipping lines of a disk.
-static void cut_large(const stp_splat_frame* frame, uint32_t index, uint8_t code, large_disk* disk)
+static void clip_large(const stp_splat_frame* frame, uint32_t index, uint8_t code, large_disk* disk)
 {
-    stp_disk_cut cut = stp_coverage_cut(code);
-    turn_direction(frame, index, cut.across, cut.along, disk->across);
+    stp_disk_clip clip = stp_coverage_clip(code);
+    turn_direction(frame, index, clip.across, clip.along, disk->across);
     for (int k = 0; k < 3; ++k) {
         disk->across[k] = disk->across[k] / disk->radius / disk->unit;
     }
-    disk->is_cut = true;
-    disk->low = (double)cut.low;
-    disk->high = (double)cut.high;
+    disk->is_clipped = true;
+    disk->low = (double)clip.low;
+    disk->high = (double)clip.high;
 }
 
 /// The minor axis of an ellipse.
@@ -168,7 +168,7 @@ static bool intersect(const large_disk* disk, double x, double y, double* nearne
         }
         square += disk->stretch * (smaller * smaller);
     }
-    bool kept = !disk->is_cut || (across >= disk->low && across <= disk->high);
+    bool kept = !disk->is_clipped || (across >= disk->low && across <= disk->high);
     double limit = disk->radius * disk->radius;
     double z = point[2] + disk->behind + disk->rim * (square / limit);
     *nearness = disk->parallel ? disk->nearness + disk->slope * (z - c[2]) : disk->nearness / z;
@@ -231,12 +231,12 @@ static void center_pixel(const large_disk* disk, double* x, double* y)
 uint64_t stp_splats_draw_large(const stp_splat_frame* frame, uint32_t index)
 {
     uint32_t part = splat_part(frame->splats, index);
-    uint32_t cut = part > SPLAT_CUT ? part - SPLAT_CUT : 0;
-    part = cut != 0 ? 255 : part;
+    uint32_t clip = part > SPLAT_CLIP ? part - SPLAT_CLIP : 0;
+    part = clip != 0 ? 255 : part;
     int32_t halvings = (int32_t)splat_halvings(part); // the disk is large, so enough is left
     large_disk disk = make_disk(frame, index, halvings);
-    if (cut != 0 && frame->splats->normals != NULL) {
-        cut_large(frame, index, (uint8_t)cut, &disk);
+    if (clip != 0 && frame->splats->normals != NULL) {
+        clip_large(frame, index, (uint8_t)clip, &disk);
     }
     splat_box box = disk_box(frame, &disk);
     assert(box.x0 >= 0 && box.x1 <= (int32_t)frame->target->width && box.y0 >= frame->row_begin &&

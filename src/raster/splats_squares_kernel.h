@@ -45,11 +45,11 @@ static inline void box_squares(splat_batch* t)
 }
 
 /// Clips squares like disks. A clip by one line has no limit on its other side.
-static inline void cut_squares(const stp_splat_frame* f, splat_batch* t)
+static inline void clip_squares(const stp_splat_frame* f, splat_batch* t)
 {
-    cut_batch(f, t);
-    for (uint32_t cuts = t->cuts; cuts != 0; cuts &= cuts - 1) {
-        int i = __builtin_ctz(cuts);
+    clip_batch(f, t);
+    for (uint32_t clips = t->clips; clips != 0; clips &= clips - 1) {
+        int i = __builtin_ctz(clips);
         t->low[i] = t->code[i] < STP_COVERAGE_STRIPS ? -FLT_MAX : t->low[i];
     }
 }
@@ -70,7 +70,7 @@ static inline void place_squares(const stp_splat_frame* f, splat_batch* t, splat
     }
     box_squares(t);
     shape_batch(f, t); // for the nearness of back-facing splats
-    cut_squares(f, t);
+    clip_squares(f, t);
     int32_t width = (int32_t)f->target->width;
     for (int i = 0; i < SPLAT_BATCH; ++i) {
         float nearness = t->nearness[i] > SPLAT_MIN_NEARNESS ? t->nearness[i] : SPLAT_MIN_NEARNESS;
@@ -94,7 +94,7 @@ static inline uint64_t draw_square_parts(const stp_splat_frame* f, const splat_b
         uint64_t* row = f->target->pixels + (size_t)y * f->target->stride;
         for (int32_t x = box.x0; x < box.x1; ++x) {
             float u = t->u0[i] + (float)(x - t->x0[i]), v = t->v0[i] + (float)(y - t->y0[i]);
-            bool there = !splat_is_cut_away(t, i, u, v) &&
+            bool there = !splat_is_clipped(t, i, u, v) &&
                          (coverage >= 255 || splat_has_fragment(coverage, f->seed + index,
                                                                 x - t->cx[i], y - t->cy[i]));
             if (there) {
@@ -110,7 +110,7 @@ static inline uint64_t draw_square(const stp_splat_frame* f, const splat_batch* 
                                    uint32_t index)
 {
     uint32_t coverage = splat_coverage(f->splats, (uint32_t)t->part[i], t->halvings[i]);
-    if (coverage < 255 || (t->cuts >> i & 1u) != 0) {
+    if (coverage < 255 || (t->clips >> i & 1u) != 0) {
         return draw_square_parts(f, t, i, index, coverage);
     }
     splat_box box = clip_box(f, t, i);

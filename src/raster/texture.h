@@ -29,7 +29,7 @@ typedef struct stp_texture_pyramid {
     uint32_t cutoff_levels; ///< levels with thresholds; smaller ones are not tested
 } stp_texture_pyramid;
 
-/// Makes the levels. Colour is weighted by alpha, so that cut-out borders do not bleed.
+/// Makes the levels. Colour is weighted by alpha, so that cutout borders do not bleed.
 STP_MUST_USE stp_result stp_texture_pyramid_create(stp_context* context, const uint8_t* rgba,
                                                    uint32_t width, uint32_t height, bool linear,
                                                    stp_texture_pyramid* pyramid);

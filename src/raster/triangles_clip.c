@@ -91,8 +91,8 @@ static bool is_inside(const clip_corner* corner, int plane, double distance)
     return corner->original >= 0 ? (corner->outcode >> plane & 1) == 0 : distance >= 0.0;
 }
 
-static clip_corner cut_edge(const clip_corner* in, double in_distance, const clip_corner* out,
-                            double out_distance)
+static clip_corner clip_edge(const clip_corner* in, double in_distance, const clip_corner* out,
+                             double out_distance)
 {
     in_distance = in_distance > 0.0 ? in_distance : 0.0;
     out_distance = out_distance < 0.0 ? out_distance : 0.0;
@@ -120,9 +120,9 @@ static uint32_t clip_to_plane(int plane, double nearness_limit, const clip_corne
             out[made++] = *a;
         }
         if (a_inside && !b_inside) {
-            out[made++] = cut_edge(a, da, b, db);
+            out[made++] = clip_edge(a, da, b, db);
         } else if (!a_inside && b_inside) {
-            out[made++] = cut_edge(b, db, a, da);
+            out[made++] = clip_edge(b, db, a, da);
         }
     }
     assert(made <= STP_CLIPPED_MAX);

@@ -41,13 +41,13 @@ typedef struct partition {
     uint8_t*
         dissolved;  ///< per old edge: the parent absorbs the child's content (partition_steps.h)
     uint32_t* made; ///< per old node: the new one
-    uint32_t* cut_meshes;  ///< per mesh: the node of its pieces; STP_NONE: not cut
-    uint32_t* cut_points;  ///< per point set, likewise
-    item* items;           ///< items of the node being made
-    stp_boxd* boxes;       ///< boxes of the items
-    stp_edge* stack;       ///< old nodes whose content is absorbed
-    stp_grouping grouping; ///< hierarchy over the boxes
-    item* results;         ///< node of each group
+    uint32_t* split_meshes; ///< per mesh: the node of its pieces; STP_NONE: not split
+    uint32_t* split_points; ///< per point set, likewise
+    item* items;            ///< items of the node being made
+    stp_boxd* boxes;        ///< boxes of the items
+    stp_edge* stack;        ///< old nodes whose content is absorbed
+    stp_grouping grouping;  ///< hierarchy over the boxes
+    item* results;          ///< node of each group
     size_t item_count, item_capacity, box_capacity, stack_count, stack_capacity, result_capacity;
 } partition;
 
@@ -70,12 +70,12 @@ static stp_result add_item(partition* p, const item* added)
     return STP_OK;
 }
 
-// Adds a part as an item; if it was cut, the node of its pieces.
+// Adds a part as an item; if it was split, the node of its pieces.
 static stp_result add_part_item(partition* p, stp_part part, const stp_affine* transform,
                                 bool whole)
 {
-    const uint32_t* cut = part.kind == STP_PART_MESH ? p->cut_meshes : p->cut_points;
-    uint32_t node = whole ? STP_NONE : cut[part.index];
+    const uint32_t* nodes = part.kind == STP_PART_MESH ? p->split_meshes : p->split_points;
+    uint32_t node = whole ? STP_NONE : nodes[part.index];
     if (node == STP_NONE && !stp_affine_is_identity(transform)) { // parts have no transform
         size_t first_part = p->scene->node_part_count;
         stp_result result = stp_graph_add_part(&p->graph, part);
@@ -277,7 +277,7 @@ static stp_result make_collected(partition* p, uint32_t flags, uint32_t* index)
     return result;
 }
 
-// The limit of a mesh or a point set: larger ones are cut. @param maximum limit of a piece
+// The limit of a mesh or a point set: larger ones are split. @param maximum limit of a piece
 static uint32_t limit_of(const partition* p, stp_part part, uint32_t* maximum)
 {
     if (part.kind == STP_PART_MESH) {
@@ -292,7 +292,7 @@ static uint32_t limit_of(const partition* p, stp_part part, uint32_t* maximum)
 }
 
 // Cuts the large meshes or point sets, and makes a node of each one's pieces.
-static stp_result cut_kind(partition* p, stp_part_kind kind, const uint8_t* uses, uint32_t* nodes)
+static stp_result split_kind(partition* p, stp_part_kind kind, const uint8_t* uses, uint32_t* nodes)
 {
     stp_scene* scene = p->scene;
     bool is_mesh = kind == STP_PART_MESH;
@@ -309,8 +309,8 @@ static stp_result cut_kind(partition* p, stp_part_kind kind, const uint8_t* uses
         uint32_t first = 0, pieces = 0;
         result = stp_progress(scene->context, "partition", 0.5 * (double)i / (double)count);
         if (result == STP_OK) {
-            result = is_mesh ? stp_cut_mesh(scene, i, maximum, &first, &pieces)
-                             : stp_cut_points(scene, i, maximum, &first, &pieces);
+            result = is_mesh ? stp_split_mesh(scene, i, maximum, &first, &pieces)
+                             : stp_split_points(scene, i, maximum, &first, &pieces);
         }
         if (result == STP_OK && (uses[i] & STP_USED_MOVING) == 0) {
             stp_scene_release(scene, (stp_part){kind, i}); // never twice in memory
@@ -329,21 +329,22 @@ static stp_result cut_kind(partition* p, stp_part_kind kind, const uint8_t* uses
     return result;
 }
 
-static stp_result cut_large(partition* p)
+static stp_result split_large(partition* p)
 {
     stp_scene* scene = p->scene;
     stp_context* context = scene->context;
     uint8_t *mesh_uses = NULL, *point_uses = NULL;
-    p->cut_meshes = STP_NEW_ARRAY(context, uint32_t, scene->mesh_count);
-    p->cut_points = STP_NEW_ARRAY(context, uint32_t, scene->point_set_count);
+    p->split_meshes = STP_NEW_ARRAY(context, uint32_t, scene->mesh_count);
+    p->split_points = STP_NEW_ARRAY(context, uint32_t, scene->point_set_count);
     stp_result result =
-        p->cut_meshes != NULL && p->cut_points != NULL ? STP_OK : stp_fail_memory(context);
+        p->split_meshes != NULL && p->split_points != NULL ? STP_OK : stp_fail_memory(context);
     if (result == STP_OK) {
         result =
             stp_find_uses(scene, p->old_nodes, p->old_count, p->old_parts, &mesh_uses, &point_uses);
     }
-    result = result == STP_OK ? cut_kind(p, STP_PART_MESH, mesh_uses, p->cut_meshes) : result;
-    result = result == STP_OK ? cut_kind(p, STP_PART_POINTS, point_uses, p->cut_points) : result;
+    result = result == STP_OK ? split_kind(p, STP_PART_MESH, mesh_uses, p->split_meshes) : result;
+    result =
+        result == STP_OK ? split_kind(p, STP_PART_POINTS, point_uses, p->split_points) : result;
     stp_free(context, point_uses);
     stp_free(context, mesh_uses);
     return result;
@@ -409,7 +410,7 @@ stp_result stp_scene_partition(stp_scene* scene, const stp_partition_desc* desc)
     scene->edges = NULL;
     scene->node_parts = NULL;
     scene->node_count = scene->edge_count = scene->node_part_count = 0;
-    result = result == STP_OK ? cut_large(&p) : result;
+    result = result == STP_OK ? split_large(&p) : result;
     result = result == STP_OK ? make_nodes(&p) : result;
     if (result == STP_OK) {
         remap_references(&p);
@@ -417,8 +418,9 @@ stp_result stp_scene_partition(stp_scene* scene, const stp_partition_desc* desc)
     }
     stp_graph_destroy(&p.graph);
     stp_grouping_destroy(context, &p.grouping);
-    void* arrays[] = {p.old_nodes,  p.old_edges, p.old_parts, p.dissolved, p.made,   p.cut_meshes,
-                      p.cut_points, p.items,     p.boxes,     p.stack,     p.results};
+    void* arrays[] = {p.old_nodes, p.old_edges,    p.old_parts,    p.dissolved,
+                      p.made,      p.split_meshes, p.split_points, p.items,
+                      p.boxes,     p.stack,        p.results};
     for (size_t i = 0; i < sizeof(arrays) / sizeof(arrays[0]); ++i) {
         stp_free(context, arrays[i]);
     }

@@ -2,11 +2,11 @@
 //
 // Restructures a finished scene's graph spatially: neighbours share a node, no node has too many
 // children, and no leaf is too large (docs/algorithms/scene.md, Partition). Shared nodes stay
-// shared: each is cut once, however often it is used.
+// shared: each is split once, however often it is used.
 //
 //   a node with 10,000 bolts             a mesh of 20 M triangles
 //        |                                      |
-//   bounding volume hierarchy over them    cut by planes into pieces of at most leaf_triangles,
+//   bounding volume hierarchy over them    split by planes into pieces of at most leaf_triangles,
 //   of up to child_count at a node         which hang below a hierarchy likewise
 //
 // A child as large as its parent (a layer of a drawing, all objects of one material) is dissolved

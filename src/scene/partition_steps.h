@@ -67,19 +67,19 @@ STP_MUST_USE stp_result stp_group_boxes(stp_context* context, const stp_boxd* bo
                                         uint32_t maximum, stp_grouping* grouping);
 void stp_grouping_destroy(stp_context* context, stp_grouping* grouping);
 
-// Cuts large meshes and point sets by planes into pieces of bounded size.
+// Splits large meshes and point sets by planes into pieces of bounded size.
 
 /// Splits a mesh of more than `maximum` triangles into as few pieces as possible, of about equal
 /// size, and appends them to the scene. Each triangle goes whole to the piece that contains its
 /// centroid. Pieces keep name, material, attributes and grid step; have bounds, area and content;
 /// and lie in the spill if the mesh does or memory is short. The mesh itself stays.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_IO (logged; no piece was added)
-STP_MUST_USE stp_result stp_cut_mesh(stp_scene* scene, uint32_t mesh, uint32_t maximum,
-                                     uint32_t* first_piece, uint32_t* piece_count);
+STP_MUST_USE stp_result stp_split_mesh(stp_scene* scene, uint32_t mesh, uint32_t maximum,
+                                       uint32_t* first_piece, uint32_t* piece_count);
 
 /// Splits a point set likewise.
-STP_MUST_USE stp_result stp_cut_points(stp_scene* scene, uint32_t set, uint32_t maximum,
-                                       uint32_t* first_piece, uint32_t* piece_count);
+STP_MUST_USE stp_result stp_split_points(stp_scene* scene, uint32_t set, uint32_t maximum,
+                                         uint32_t* first_piece, uint32_t* piece_count);
 
 // Divides places by planes into runs of about equal length.
 
@@ -95,5 +95,5 @@ typedef struct stp_place {
 /// number.
 /// `in_spill`: the places lie in a spill, of which little is to be resident.
 /// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
-STP_MUST_USE stp_result stp_cut_ranges(stp_context* context, stp_place* places, uint32_t count,
-                                       uint32_t pieces, bool in_spill, uint32_t* ends);
+STP_MUST_USE stp_result stp_split_ranges(stp_context* context, stp_place* places, uint32_t count,
+                                         uint32_t pieces, bool in_spill, uint32_t* ends);

@@ -98,8 +98,8 @@ typedef struct stp_mesh {
     stp_hash content;
     double grid_step; ///< step of stored positions (base/math/position_grid.h), by stp_scene_finish
     double area;      ///< sum of the triangles' areas; set by stp_scene_finish
-    bool spilled; ///< the arrays are in the scene's spill file, perhaps shared with other meshes
-    bool cut;     ///< a piece of a larger mesh, adjacent to other pieces at its borders
+    bool spilled;  ///< the arrays are in the scene's spill file, perhaps shared with other meshes
+    bool is_piece; ///< a piece of a larger mesh, adjacent to other pieces at its borders
 } stp_mesh;
 
 typedef struct stp_point_set {
@@ -120,7 +120,7 @@ typedef enum stp_part_kind { STP_PART_MESH, STP_PART_POINTS } stp_part_kind;
 /// A mesh or a point set, by index.
 typedef struct stp_part {
     stp_part_kind kind;
-    uint32_t index; ///< STP_NONE if the partition has cut the object's mesh
+    uint32_t index; ///< STP_NONE if the partition has split the object's mesh
 } stp_part;
 
 enum {

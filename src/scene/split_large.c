@@ -18,7 +18,7 @@
 
 // State shared by the jobs. New pieces follow the scene's own items and count only once all are
 // made.
-typedef struct cutter {
+typedef struct splitter {
     stp_scene* scene;
     const stp_mesh* mesh; ///< exactly one of them is not NULL
     const stp_point_set* points;
@@ -32,12 +32,12 @@ typedef struct cutter {
     size_t unreleased; ///< bytes of pieces made since pages of the spill were released
     pthread_mutex_t mutex;
     stp_result result; ///< result of the first failure; I/O errors are already logged
-} cutter;
+} splitter;
 
 static void find_places(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
-    const cutter* c = user;
+    const splitter* c = user;
     for (size_t i = c->first_place + begin; i < c->first_place + end; ++i) {
         stp_place* place = &c->places[i];
         place->index = (uint32_t)i;
@@ -57,7 +57,7 @@ static void find_places(size_t begin, size_t end, uint32_t worker, void* user)
 
 // Allocates a piece's arrays, whose sizes are set; false on failure. A failure of the spill is
 // logged once.
-static bool get_room(cutter* c, stp_bulk_array* arrays, size_t count)
+static bool get_room(splitter* c, stp_bulk_array* arrays, size_t count)
 {
     pthread_mutex_lock(&c->mutex);
     bool made = c->result == STP_OK;
@@ -75,7 +75,7 @@ static bool get_room(cutter* c, stp_bulk_array* arrays, size_t count)
 }
 
 // Counts `bytes` more resident bytes. Beyond a limit, releases pages of the spill.
-static void note_made(cutter* c, size_t bytes)
+static void note_made(splitter* c, size_t bytes)
 {
     pthread_mutex_lock(&c->mutex);
     c->unreleased += bytes;
@@ -87,7 +87,7 @@ static void note_made(cutter* c, size_t bytes)
     }
 }
 
-static void note_memory(cutter* c)
+static void note_memory(splitter* c)
 {
     pthread_mutex_lock(&c->mutex);
     c->result = c->result == STP_OK ? STP_ERROR_OUT_OF_MEMORY : c->result;
@@ -108,7 +108,7 @@ static void gather(const void* from, void* to, size_t size, const uint64_t* corn
 
 // Makes a piece from its corners, sorted by vertex: vertex in the upper half, corner index in the
 // lower.
-static bool fill_mesh_piece(cutter* c, stp_mesh* piece, const uint64_t* corners)
+static bool fill_mesh_piece(splitter* c, stp_mesh* piece, const uint64_t* corners)
 {
     const stp_mesh* mesh = c->mesh;
     size_t corner_count = 3 * (size_t)piece->triangle_count;
@@ -150,12 +150,12 @@ static bool fill_mesh_piece(cutter* c, stp_mesh* piece, const uint64_t* corners)
 static void make_mesh_pieces(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
-    cutter* c = user;
+    splitter* c = user;
     for (size_t i = begin; i < end; ++i) {
         uint32_t first = i > 0 ? c->ends[i - 1] : 0;
         stp_mesh* piece = &c->mesh_pieces[i];
         *piece = *c->mesh;
-        piece->cut = true;
+        piece->is_piece = true;
         stp_mesh_set_arrays(piece, (stp_bulk_array[STP_MESH_ARRAYS]){{0}});
         piece->triangle_count = c->ends[i] - first;
         piece->spilled = c->spilled;
@@ -181,7 +181,7 @@ static void make_mesh_pieces(size_t begin, size_t end, uint32_t worker, void* us
 }
 
 // Copies one array of a piece. Its points may be scattered over the whole array.
-static void gather_points(cutter* c, const stp_bulk_array* from, const stp_bulk_array* to,
+static void gather_points(splitter* c, const stp_bulk_array* from, const stp_bulk_array* to,
                           uint32_t first, uint32_t count)
 {
     assert(from->size % c->points->point_count == 0 && to->size >= count);
@@ -203,7 +203,7 @@ static void gather_points(cutter* c, const stp_bulk_array* from, const stp_bulk_
 static void make_point_pieces(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
-    cutter* c = user;
+    splitter* c = user;
     for (size_t i = begin; i < end; ++i) {
         uint32_t first = i > 0 ? c->ends[i - 1] : 0;
         stp_point_set* piece = &c->point_pieces[i];
@@ -240,7 +240,7 @@ static void make_point_pieces(size_t begin, size_t end, uint32_t worker, void* u
 }
 
 // Counts the pieces' memory, and frees all pieces if one failed.
-static void finish_pieces(cutter* c)
+static void finish_pieces(splitter* c)
 {
     for (uint32_t i = 0; i < c->piece_count; ++i) {
         if (c->mesh != NULL) {
@@ -260,7 +260,7 @@ static void finish_pieces(cutter* c)
 }
 
 // Finds places in batches if they are in a file, so that little of it is resident.
-static void find_all_places(cutter* c, uint32_t count)
+static void find_all_places(splitter* c, uint32_t count)
 {
     uint32_t maximum = c->spilled ? RELEASE_COUNT : count;
     for (uint32_t first = 0, size; first < count; first += size) {
@@ -274,7 +274,7 @@ static void find_all_places(cutter* c, uint32_t count)
 }
 
 // Divides the elements and makes the pieces.
-static stp_result cut(cutter* c, uint32_t count, stp_job make_pieces)
+static stp_result split(splitter* c, uint32_t count, stp_job make_pieces)
 {
     stp_context* context = c->scene->context;
     stp_bulk_array places = {.size = count * sizeof(stp_place)};
@@ -292,7 +292,7 @@ static stp_result cut(cutter* c, uint32_t count, stp_job make_pieces)
     }
     if (c->result == STP_OK) {
         find_all_places(c, count);
-        c->result = stp_cut_ranges(context, c->places, count, c->piece_count, large, c->ends);
+        c->result = stp_split_ranges(context, c->places, count, c->piece_count, large, c->ends);
     }
     if (c->result == STP_OK) {
         pthread_mutex_init(&c->mutex, NULL);
@@ -313,11 +313,11 @@ static bool should_spill(const stp_scene* scene, bool spilled, uint64_t bytes)
     return spilled || (scene->spill != NULL && scene->bulk_bytes + bytes > scene->spill_above);
 }
 
-stp_result stp_cut_mesh(stp_scene* scene, uint32_t mesh, uint32_t maximum, uint32_t* first_piece,
-                        uint32_t* piece_count)
+stp_result stp_split_mesh(stp_scene* scene, uint32_t mesh, uint32_t maximum, uint32_t* first_piece,
+                          uint32_t* piece_count)
 {
     assert(mesh < scene->mesh_count && maximum > 0);
-    assert(scene->meshes[mesh].triangle_count > maximum && "needs cutting");
+    assert(scene->meshes[mesh].triangle_count > maximum && "needs splitting");
     uint32_t triangles = scene->meshes[mesh].triangle_count;
     uint32_t pieces = triangles / maximum + (triangles % maximum != 0);
     size_t needed = scene->mesh_count + pieces;
@@ -326,13 +326,13 @@ stp_result stp_cut_mesh(stp_scene* scene, uint32_t mesh, uint32_t maximum, uint3
     if (result != STP_OK) {
         return result;
     }
-    cutter c = {.scene = scene,
-                .mesh = &scene->meshes[mesh],
-                .mesh_pieces = scene->meshes + scene->mesh_count,
-                .piece_count = pieces,
-                .spilled = should_spill(scene, scene->meshes[mesh].spilled,
-                                        stp_mesh_bytes(&scene->meshes[mesh]))};
-    result = cut(&c, triangles, make_mesh_pieces);
+    splitter c = {.scene = scene,
+                  .mesh = &scene->meshes[mesh],
+                  .mesh_pieces = scene->meshes + scene->mesh_count,
+                  .piece_count = pieces,
+                  .spilled = should_spill(scene, scene->meshes[mesh].spilled,
+                                          stp_mesh_bytes(&scene->meshes[mesh]))};
+    result = split(&c, triangles, make_mesh_pieces);
     if (result == STP_OK) {
         *first_piece = (uint32_t)scene->mesh_count;
         *piece_count = pieces;
@@ -341,11 +341,11 @@ stp_result stp_cut_mesh(stp_scene* scene, uint32_t mesh, uint32_t maximum, uint3
     return result;
 }
 
-stp_result stp_cut_points(stp_scene* scene, uint32_t set, uint32_t maximum, uint32_t* first_piece,
-                          uint32_t* piece_count)
+stp_result stp_split_points(stp_scene* scene, uint32_t set, uint32_t maximum, uint32_t* first_piece,
+                            uint32_t* piece_count)
 {
     assert(set < scene->point_set_count && maximum > 0);
-    assert(scene->point_sets[set].point_count > maximum && "needs cutting");
+    assert(scene->point_sets[set].point_count > maximum && "needs splitting");
     uint32_t points = scene->point_sets[set].point_count;
     uint32_t pieces = points / maximum + (points % maximum != 0);
     size_t needed = scene->point_set_count + pieces;
@@ -354,13 +354,13 @@ stp_result stp_cut_points(stp_scene* scene, uint32_t set, uint32_t maximum, uint
     if (result != STP_OK) {
         return result;
     }
-    cutter c = {.scene = scene,
-                .points = &scene->point_sets[set],
-                .point_pieces = scene->point_sets + scene->point_set_count,
-                .piece_count = pieces,
-                .spilled = should_spill(scene, scene->point_sets[set].spilled,
-                                        stp_points_bytes(&scene->point_sets[set]))};
-    result = cut(&c, points, make_point_pieces);
+    splitter c = {.scene = scene,
+                  .points = &scene->point_sets[set],
+                  .point_pieces = scene->point_sets + scene->point_set_count,
+                  .piece_count = pieces,
+                  .spilled = should_spill(scene, scene->point_sets[set].spilled,
+                                          stp_points_bytes(&scene->point_sets[set]))};
+    result = split(&c, points, make_point_pieces);
     if (result == STP_OK) {
         *first_piece = (uint32_t)scene->point_set_count;
         *piece_count = pieces;

@@ -4,7 +4,7 @@
 //
 // "d0".."d25" judge approximations from directions that were not captured. The capture looks from
 // the corners of a cube, and from its faces and edges for surface that the corners miss. These 26
-// directions cut the sphere into 48 equal triangles; d0 to d25 are the middles of 26 of them (24
+// directions divide the sphere into 48 equal triangles; d0 to d25 are the middles of 26 of them (24
 // that rotate into each other, and two of the others), 20 degrees from the nearest edge, 32 from a
 // face and 27 from a corner.
 #include "select/camera.h"

@@ -98,7 +98,7 @@ static stp_vec3d point_at(const stp_ray* ray, double t)
 static bool counts(const stp_pick_work* work, double t, stp_vec3d place)
 {
     return t >= work->desc->ray.nearest && t < work->nearest &&
-           (work->desc->sections == NULL || !stp_sections_cut(work->desc->sections, place));
+           (work->desc->sections == NULL || !stp_sections_exclude(work->desc->sections, place));
 }
 
 /// Source of the corners that a mask needs: a cluster, or a mesh's columns.

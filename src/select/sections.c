@@ -53,7 +53,7 @@ bool stp_sections_add_box(stp_sections* sections, const stp_boxd* box)
     return added;
 }
 
-bool stp_sections_cut(const stp_sections* sections, stp_vec3d point)
+bool stp_sections_exclude(const stp_sections* sections, stp_vec3d point)
 {
     for (uint32_t i = 0; i < sections->count; ++i) {
         if (stp_section_beyond(&sections->planes[i], point) > 0.0) {

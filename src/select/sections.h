@@ -33,7 +33,7 @@ static inline double stp_section_beyond(const stp_section_plane* plane, stp_vec3
 }
 
 /// Whether a point is cut away.
-bool stp_sections_cut(const stp_sections* sections, stp_vec3d point);
+bool stp_sections_exclude(const stp_sections* sections, stp_vec3d point);
 
 /// Keeps the planes of `*mask` that may cut a box whose content extends beyond it by at most
 /// `margin`. @return false if everything lies beyond one plane

@@ -161,7 +161,7 @@ void test_progress_stops_work_with_one_message(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_messages_longer_than_the_buffer_are_cut(test_state* test)
+void test_messages_longer_than_the_buffer_are_truncated(test_state* test)
 {
     test_log log = {0};
     stp_context* context = test_context(NULL, 1, &log);

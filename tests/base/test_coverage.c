@@ -8,16 +8,16 @@ void test_coverage_codes_draw_their_area(test_state* test)
 {
     enum { SIZE = 400 };
     for (int code = STP_COVERAGE_HALVES; code < STP_COVERAGE_WHOLE; ++code) {
-        stp_disk_cut cut = stp_coverage_cut((uint8_t)code);
-        CHECK(fabsf(cut.across * cut.across + cut.along * cut.along - 1.0f) < 1e-5f);
+        stp_disk_clip clip = stp_coverage_clip((uint8_t)code);
+        CHECK(fabsf(clip.across * clip.across + clip.along * clip.along - 1.0f) < 1e-5f);
         int inside = 0, drawn = 0;
         for (int i = 0; i < SIZE * SIZE; ++i) {
             float x = ((float)(i % SIZE) + 0.5f) * 2.0f / SIZE - 1.0f;
             float y = ((float)(i / SIZE) + 0.5f) * 2.0f / SIZE - 1.0f;
-            float at = cut.across * x + cut.along * y;
+            float at = clip.across * x + clip.along * y;
             bool in = x * x + y * y <= 1.0f;
             inside += in;
-            drawn += in && at >= cut.low && at <= cut.high;
+            drawn += in && at >= clip.low && at <= clip.high;
         }
         float area = stp_coverage_area((uint8_t)code);
         CHECK(area < 1.0f && fabsf((float)drawn / (float)inside - area) < 0.005f);
@@ -29,7 +29,7 @@ void test_coverage_shares_are_near(test_state* test)
 {
     for (int share = 1; share <= 255; ++share) {
         uint8_t code = stp_coverage_of_share(share / 255.0);
-        CHECK(!stp_coverage_cuts(code));
+        CHECK(!stp_coverage_clips(code));
         CHECK(abs(stp_coverage_share(code) - share) <= share / 16 + 1);
         CHECK_EQUAL(code, stp_coverage_of_plain[share]);
         CHECK(fabsf(stp_coverage_area(code) * 255.0f - (float)stp_coverage_share(code)) < 1e-3f);

@@ -153,7 +153,7 @@ void test_held_points_are_picked(test_state* test)
     }
 }
 
-void test_held_points_of_cut_files_are_refused(test_state* test)
+void test_held_points_of_partial_files_are_refused(test_state* test)
 {
     static cloud c;
     test_log log = {0};

@@ -163,7 +163,7 @@ void test_draw_clusters_with_colors(test_state* test)
     pair_destroy(&p);
 }
 
-void test_draw_clusters_cut_out(test_state* test)
+void test_draw_clusters_cutout(test_state* test)
 {
     static pair p;
     CHECK(pair_create(&p, MADE_WAVE, MADE_NORMALS | MADE_TEXCOORDS, STP_STORE_MASK));

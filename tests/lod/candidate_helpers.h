@@ -252,14 +252,14 @@ static inline double drawn_chance(const stp_splats* s, size_t entry, uint32_t su
                                   stp_vec3 offset)
 {
     uint8_t code = s->coverages[entry];
-    if (!stp_coverage_cuts(code)) {
+    if (!stp_coverage_clips(code)) {
         return stp_coverage_share(code) / 255.0;
     }
-    stp_disk_cut cut = stp_coverage_cut(code);
+    stp_disk_clip clip = stp_coverage_clip(code);
     stp_disk_axes axes = stp_disk_axes_of((float)s->normals[2 * (size_t)surfel],
                                           (float)s->normals[2 * (size_t)surfel + 1]);
-    float at = cut.across * stp_dot(axes.x, offset) + cut.along * stp_dot(axes.y, offset);
-    return at >= cut.low && at <= cut.high ? 1.0 : 0.0;
+    float at = clip.across * stp_dot(axes.x, offset) + clip.along * stp_dot(axes.y, offset);
+    return at >= clip.low && at <= clip.high ? 1.0 : 0.0;
 }
 
 /// Whether a disk has no holes.

@@ -5,23 +5,24 @@
 
 static const stp_boxd box = {{-1, -2, -3}, {1, 2, 3}};
 
-void test_planes_cut_boxes_into_polygons(test_state* test)
+void test_planes_intersect_boxes_in_polygons(test_state* test)
 {
     stp_vec3d corners[STP_PLANE_CORNERS_MAX];
-    CHECK_EQUAL(4, stp_plane_cut_box((stp_vec3d){0.5, 9, 9}, (stp_vec3d){1, 0, 0}, &box, corners));
+    CHECK_EQUAL(
+        4, stp_plane_intersect_box((stp_vec3d){0.5, 9, 9}, (stp_vec3d){1, 0, 0}, &box, corners));
     for (int i = 0; i < 4; ++i) { // a rectangle in order: neighbours differ in one coordinate
         stp_vec3d way = stp_subd(corners[i], corners[(i + 1) % 4]);
         CHECK(corners[i].x == 0.5 && (way.y == 0.0) != (way.z == 0.0));
     }
     stp_vec3d slanted = stp_normalized((stp_vec3d){6, 3, 2});
-    CHECK_EQUAL(6, stp_plane_cut_box((stp_vec3d){0, 0, 0}, slanted, &box, corners));
+    CHECK_EQUAL(6, stp_plane_intersect_box((stp_vec3d){0, 0, 0}, slanted, &box, corners));
     for (int i = 0; i < 6; ++i) {
         CHECK(fabs(stp_dotd(slanted, corners[i])) < 1e-12);
         stp_vec3d a = corners[i], b = corners[(i + 1) % 6], c = corners[(i + 2) % 6];
         stp_vec3d turn = stp_crossd(stp_subd(b, a), stp_subd(c, b));
         CHECK(stp_dotd(turn, slanted) > 0.0); // convex, one way round
     }
-    CHECK(stp_plane_cut_box((stp_vec3d){5, 0, 0}, (stp_vec3d){1, 0, 0}, &box, corners) < 3);
+    CHECK(stp_plane_intersect_box((stp_vec3d){5, 0, 0}, (stp_vec3d){1, 0, 0}, &box, corners) < 3);
 }
 
 void test_planes_follow_the_cursor(test_state* test)

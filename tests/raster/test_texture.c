@@ -58,7 +58,7 @@ void test_texture_odd_sizes_count_every_texel_alike(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_texture_cut_out_borders_do_not_bleed(test_state* test)
+void test_texture_cutout_borders_do_not_bleed(test_state* test)
 {
     // green leaves on transparent black keep their green in every level
     uint8_t texels[16 * 16 * 4];

@@ -348,7 +348,7 @@ static bool add_use(stp_scene* scene, uint32_t parent, uint32_t used, double z)
 }
 
 // Build results are cached by content: other users of the same items must not
-// change a cut, because it would invalidate the cached results.
+// change a split, because it would invalidate the cached results.
 void test_partition_of_a_subtree_is_a_function_of_its_content(test_state* test)
 {
     stp_hash contents[3];
@@ -410,8 +410,8 @@ void test_dissolving_does_not_undo_sharing(test_state* test)
     }
 }
 
-// A mesh with several instances, also mirrored, is cut once; a moving one stays whole.
-void test_shared_meshes_are_cut_once(test_state* test)
+// A mesh with several instances, also mirrored, is split once; a moving one stays whole.
+void test_shared_meshes_are_split_once(test_state* test)
 {
     stp_context* context = test_context(NULL, 3, NULL);
     stp_scene* scene = NULL;
@@ -455,8 +455,8 @@ void test_shared_meshes_are_cut_once(test_state* test)
         }
     }
     CHECK(minimum == 91 && maximum == 91);
-    const stp_node* cut = &scene->nodes[scene->objects[still].node];
-    CHECK_EQUAL(11, cut->edge_count);
+    const stp_node* split = &scene->nodes[scene->objects[still].node];
+    CHECK_EQUAL(11, split->edge_count);
     CHECK_EQUAL(1, scene->nodes[scene->objects[moving].node].part_count);
     CHECK_EQUAL(0, scene->nodes[scene->objects[moving].node].edge_count);
     stp_scene_destroy(scene);
@@ -628,9 +628,9 @@ void test_partitions_survive_failing_allocator(test_state* test)
     CHECK(made && failures > 100);
 }
 
-// Points of a large cloud are cut into small pieces; a small cloud stays whole, and so does a
+// Points of a large cloud are split into small pieces; a small cloud stays whole, and so does a
 // larger one whose outside must be found.
-void test_large_clouds_are_cut_finely(test_state* test)
+void test_large_clouds_are_split_finely(test_state* test)
 {
     static const struct {
         uint32_t points;

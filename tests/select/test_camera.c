@@ -174,7 +174,7 @@ void test_camera_fits_what_sections_leave(test_state* test)
             stp_vec3d p = random_vector(stp_rng_hash(i, 100 + k), 0.0, 1.0);
             p = (stp_vec3d){p.x * size.x, p.y * size.y, p.z * size.z};
             p = stp_addd(box.min, p);
-            if (!stp_sections_cut(&view.sections, p)) {
+            if (!stp_sections_exclude(&view.sections, p)) {
                 extent_add(&e, &frame, p);
                 left += 1;
             }

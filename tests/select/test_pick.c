@@ -52,7 +52,7 @@ static double meet_all(stp_context* context, stp_store* store, const built_place
             double at = visit_object(&desc->ray, c);
             stp_vec3d p = stp_addd(desc->ray.origin, stp_scaled(desc->ray.direction, at));
             if (at >= desc->ray.nearest && at <= desc->ray.farthest && at < nearest &&
-                !stp_sections_cut(desc->sections, p)) {
+                !stp_sections_exclude(desc->sections, p)) {
                 nearest = at;
             }
         }

@@ -58,7 +58,7 @@ void test_sections_classify_boxes_as_their_corners(test_state* test)
         for (uint32_t k = 0; k < count; ++k) {
             cut = cut || stp_section_beyond(&sections.planes[k], p) > 0.0;
         }
-        CHECK(cut == stp_sections_cut(&sections, p));
+        CHECK(cut == stp_sections_exclude(&sections, p));
     }
     CHECK(outside > 100 && inside > 100 && between > 100);
 }
@@ -99,8 +99,8 @@ void test_sections_refuse_invalid_planes(test_state* test)
     sections.count -= 1;
     CHECK(stp_sections_add_box(&sections, &box));
     CHECK(stp_sections_are_valid(&sections));
-    CHECK(stp_sections_cut(&sections, (stp_vec3d){0, -0.5, 1.5}));
-    CHECK(!stp_sections_cut(&sections, (stp_vec3d){0.9, -0.9, 0.9}));
+    CHECK(stp_sections_exclude(&sections, (stp_vec3d){0, -0.5, 1.5}));
+    CHECK(!stp_sections_exclude(&sections, (stp_vec3d){0.9, -0.9, 0.9}));
     box = stp_boxd_empty();
     CHECK(!stp_sections_add_box(&sections, &box));
     sections.count = STP_SECTION_PLANES + 1;

@@ -135,7 +135,7 @@ void test_clusters_keep_every_triangle_of_every_shape(test_state* test)
             }
             double step = stp_choose_grid_step(m.positions, m.indices, m.triangle_count);
             stp_store_mesh view = made_mesh_view(&m);
-            view.cut = true; // loose parts, too, keep to the grid
+            view.is_piece = true; // loose parts, too, keep to the grid
             stp_coded_mesh coded;
             stp_clusters clusters;
             stp_decoded_mesh decoded;
@@ -271,7 +271,7 @@ void test_clusters_keep_attributes_of_corners(test_state* test)
         made_mesh_shuffle(&m, 9);
         double step = stp_choose_grid_step(m.positions, m.indices, m.triangle_count);
         stp_store_mesh view = made_mesh_view(&m);
-        view.cut = true; // loose parts, too, keep to the grid
+        view.is_piece = true; // loose parts, too, keep to the grid
         stp_coded_mesh coded;
         stp_clusters clusters;
         stp_decoded_mesh decoded;
@@ -302,7 +302,7 @@ void test_clusters_keep_attributes_of_corners(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_clusters_of_cut_pieces_meet(test_state* test)
+void test_clusters_of_split_meshes_meet(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     made_mesh m;

@@ -171,7 +171,7 @@ void test_clusters_keep_leaves_and_twigs(test_state* test)
     for (int cut = 0; cut < 2; ++cut) {
         double step = stp_choose_grid_step(p->positions, p->indices, p->triangle_count);
         stp_store_mesh view = view_plant(p);
-        view.cut = cut == 1;
+        view.is_piece = cut == 1;
         stp_coded_mesh coded;
         stp_clusters clusters;
         CHECK_EQUAL(STP_OK, stp_clusters_encode(context, &view, step, &coded));

@@ -104,7 +104,7 @@ static size_t insert_children(explorer* e, const stp_outline_item* parent, size_
             break;
         }
         if (e->row_count + count > EXPLORER_ROWS_MAX) {
-            e->cut_short = true;
+            e->is_truncated = true;
             break;
         }
         void* rows = e->rows;
@@ -141,7 +141,7 @@ void explorer_fold(explorer* e, size_t row)
     }
     memmove(r + 1, e->rows + end, (e->row_count - end) * sizeof(*r));
     e->row_count -= end - row - 1;
-    e->cut_short = false;
+    e->is_truncated = false;
 }
 
 static void begin_rows(explorer* e)

@@ -62,7 +62,7 @@ typedef struct explorer {
     char message[512]; ///< the last error; cleared by whoever shows it; empty: none
     explorer_row* rows;
     size_t row_count, row_capacity;
-    bool cut_short; ///< there are more rows than the limit
+    bool is_truncated; ///< there are more rows than the limit
     // search
     stp_outline_search search; ///< the current search; its text is empty if there is none
     explorer_row* found;

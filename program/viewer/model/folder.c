@@ -99,7 +99,7 @@ bool folder_read(folder_list* f, const char* path, bool all)
         }
         if (read.count == FOLDER_ENTRIES_MAX ||
             !add(&read, entry->d_name, is_folder, (uint64_t)status.st_size)) {
-            read.cut_short = true;
+            read.is_truncated = true;
             break;
         }
     }

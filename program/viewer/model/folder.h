@@ -21,7 +21,7 @@ typedef struct folder_list {
     char path[PATH_MAX]; ///< absolute, without a trailing slash except for "/"
     folder_entry* entries;
     size_t count, capacity;
-    bool cut_short; ///< there are more entries
+    bool is_truncated; ///< there are more entries
 } folder_list;
 
 /// Supported formats, as text for people.

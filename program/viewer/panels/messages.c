@@ -104,11 +104,11 @@ const char* messages_explain_empty(const viewer* v)
         return NULL;
     }
     bool hidden = v->explorer != NULL && v->explorer->mark_count > 0;
-    bool cut = section_make(v).count > 0;
-    if (!box_is_in_view(v, &n) || (!hidden && !cut)) {
+    bool sectioned = section_make(v).count > 0;
+    if (!box_is_in_view(v, &n) || (!hidden && !sectioned)) {
         return "Nothing is in view (Home fits everything)";
     }
-    return hidden && cut
+    return hidden && sectioned
                ? "Nothing is visible: everything in view is hidden or cut away (U shows all "
                  "parts, K turns off the section box)"
            : hidden ? "Nothing is visible: all parts in view are hidden (U shows all)"

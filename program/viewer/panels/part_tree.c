@@ -195,7 +195,7 @@ void parts_show(viewer* v, float x, float y, float width, float height)
         }
     } else {
         show_rows(v, true);
-        if (e->cut_short) {
+        if (e->is_truncated) {
             gui_dim_text("Too many parts to list: search to find more");
         }
     }

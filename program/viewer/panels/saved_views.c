@@ -48,8 +48,8 @@ static void keep(viewer* v)
 static bool find_path(const explorer* e, const stp_outline_item* item, bool for_file,
                       char path[1024])
 {
-    enum { CUT = 1024 - 4 }; // this length or longer was cut
-    if (stp_outline_path(e->outline, item, path, 1024) != STP_OK || strlen(path) >= CUT) {
+    enum { TRUNCATED = 1024 - 4 }; // this length or longer was truncated
+    if (stp_outline_path(e->outline, item, path, 1024) != STP_OK || strlen(path) >= TRUNCATED) {
         return false;
     }
     json_t* text = for_file ? json_string(path) : json_null();

@@ -38,7 +38,7 @@ static int plane_corners(const viewer* v, const section_plane* p, stp_vec3d* cor
 {
     stp_boxd box = camera_scene_box(v);
     stp_vec3d point = stp_addd(p->origin, stp_scaled(p->normal, (double)p->offset));
-    return stp_plane_cut_box(point, p->normal, &box, corners);
+    return stp_plane_intersect_box(point, p->normal, &box, corners);
 }
 
 /// @return false if the target does not exist at the moment

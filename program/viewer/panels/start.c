@@ -184,7 +184,7 @@ static void show_entries(viewer* v)
     gui_rows_end(count, last);
     if (count == 0) {
         gui_dim_text("No models in this folder");
-    } else if (s->folder.cut_short) {
+    } else if (s->folder.is_truncated) {
         gui_dim_text("First %d entries; type a name to open another", FOLDER_ENTRIES_MAX);
     }
     gui_list_end();

@@ -17,5 +17,5 @@ size_t stp_make_printable(const char* text, char* out, size_t size);
 /// @return its offset, and its bytes in `*length`; `size` if there is none
 size_t stp_find_unprintable(const char* text, size_t size, uint32_t* code, size_t* length);
 
-/// Length of a text cut at `length` bytes, without a partial UTF-8 character at the end.
+/// Length of a text truncated at `length` bytes, without a partial UTF-8 character at the end.
 size_t stp_utf8_whole(const char* text, size_t length);

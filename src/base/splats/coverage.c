@@ -29,20 +29,20 @@ const uint8_t stp_coverage_of_plain[256] = {
 static const float cosines[7] = {1.0f, 0.96592583f, 0.86602540f, 0.70710678f,
                                  0.5f, 0.25881905f, 0.0f};
 
-static const float half_offsets[STP_CUT_HALF_OFFSETS] = {0.08f, 0.35f, 0.65f};
-static const float half_areas[STP_CUT_HALF_OFFSETS] = {0.55088f, 0.71818f, 0.88246f};
+static const float half_offsets[STP_CLIP_HALF_OFFSETS] = {0.08f, 0.35f, 0.65f};
+static const float half_areas[STP_CLIP_HALF_OFFSETS] = {0.55088f, 0.71818f, 0.88246f};
 
-static const float strip_offsets[STP_CUT_STRIP_OFFSETS][2] = {
+static const float strip_offsets[STP_CLIP_STRIP_OFFSETS][2] = {
     {-0.05f, 0.05f}, {-0.05f, 0.15f}, {-0.15f, 0.05f}, {-0.15f, 0.15f},
     {-0.05f, 0.35f}, {-0.35f, 0.05f}, {-0.35f, 0.15f}, {-0.15f, 0.35f},
     {-0.35f, 0.35f}, {-0.15f, 0.65f}, {-0.65f, 0.15f}, {-0.5f, 0.5f}};
-static const float strip_areas[STP_CUT_STRIP_OFFSETS] = {0.06364f, 0.12695f, 0.12695f, 0.19027f,
-                                                         0.25f,    0.25f,    0.31331f, 0.31331f,
-                                                         0.43636f, 0.4776f,  0.4776f,  0.609f};
+static const float strip_areas[STP_CLIP_STRIP_OFFSETS] = {0.06364f, 0.12695f, 0.12695f, 0.19027f,
+                                                          0.25f,    0.25f,    0.31331f, 0.31331f,
+                                                          0.43636f, 0.4776f,  0.4776f,  0.609f};
 
 static float cosine(uint32_t direction)
 {
-    uint32_t turned = direction % STP_CUT_DIRECTIONS;
+    uint32_t turned = direction % STP_CLIP_DIRECTIONS;
     turned = turned > 12 ? 24 - turned : turned;
     return turned > 6 ? -cosines[12 - turned] : cosines[turned];
 }
@@ -56,18 +56,18 @@ float stp_coverage_area(uint8_t code)
         return 1.0f;
     }
     return code < STP_COVERAGE_STRIPS
-               ? half_areas[(code - STP_COVERAGE_HALVES) % STP_CUT_HALF_OFFSETS]
-               : strip_areas[(code - STP_COVERAGE_STRIPS) % STP_CUT_STRIP_OFFSETS];
+               ? half_areas[(code - STP_COVERAGE_HALVES) % STP_CLIP_HALF_OFFSETS]
+               : strip_areas[(code - STP_COVERAGE_STRIPS) % STP_CLIP_STRIP_OFFSETS];
 }
 
-stp_disk_cut stp_coverage_cut(uint8_t code)
+stp_disk_clip stp_coverage_clip(uint8_t code)
 {
-    assert(stp_coverage_cuts(code) && "the code clips the disk");
+    assert(stp_coverage_clips(code) && "the code clips the disk");
     bool half = code < STP_COVERAGE_STRIPS;
     uint32_t at = code - (uint32_t)(half ? STP_COVERAGE_HALVES : STP_COVERAGE_STRIPS);
-    uint32_t offsets = half ? STP_CUT_HALF_OFFSETS : STP_CUT_STRIP_OFFSETS;
+    uint32_t offsets = half ? STP_CLIP_HALF_OFFSETS : STP_CLIP_STRIP_OFFSETS;
     uint32_t direction = at / offsets, offset = at % offsets;
-    return (stp_disk_cut){
+    return (stp_disk_clip){
         .across = cosine(direction),
         .along = cosine(direction + 18),
         .low = half ? -2.0f : strip_offsets[offset][0],

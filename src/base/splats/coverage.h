@@ -15,19 +15,19 @@ enum {
     /// From here on: two lines, 12 directions, twelve pairs of distances
     STP_COVERAGE_STRIPS = 111,
     STP_COVERAGE_WHOLE = 255,
-    STP_CUT_DIRECTIONS = 24,
-    STP_CUT_HALF_OFFSETS = 3,
-    STP_CUT_STRIP_OFFSETS = 12,
+    STP_CLIP_DIRECTIONS = 24,
+    STP_CLIP_HALF_OFFSETS = 3,
+    STP_CLIP_STRIP_OFFSETS = 12,
 };
 
 /// The part of a disk of radius 1 that is drawn: low <= across * x + along * y <= high.
-typedef struct stp_disk_cut {
+typedef struct stp_disk_clip {
     float across, along; ///< direction, of unit length
     float low, high;
-} stp_disk_cut;
+} stp_disk_clip;
 
-/// Whether the code cuts a disk.
-static inline bool stp_coverage_cuts(uint8_t code)
+/// Whether the code clips a disk.
+static inline bool stp_coverage_clips(uint8_t code)
 {
     return code >= STP_COVERAGE_HALVES && code < STP_COVERAGE_WHOLE;
 }
@@ -47,8 +47,8 @@ static inline uint8_t stp_coverage_share(uint8_t code)
 /// Fraction of a disk's area that is drawn, 0 to 1.
 float stp_coverage_area(uint8_t code);
 
-/// `code` must cut.
-stp_disk_cut stp_coverage_cut(uint8_t code);
+/// `code` must clip.
+stp_disk_clip stp_coverage_clip(uint8_t code);
 /// Code for a share of a disk's pixels, 0 to 1. Never a code that draws nothing.
 uint8_t stp_coverage_of_share(double share);
 

@@ -29,7 +29,7 @@ static bool draw_batch(const stp_cpu_renderer* r, const stp_cpu_item* item, cons
                             .triangle_count = b->triangle_count,
                             .offset = {item->offset[0], item->offset[1], item->offset[2]},
                             .fragments = &worker->fragments};
-    if (keep->cut_mask != 0 || stp_cpu_item_needs_keep(item)) {
+    if (keep->section_mask != 0 || stp_cpu_item_needs_keep(item)) {
         keep->first_triangle = b->first_triangle;
         mesh.keep = stp_cpu_keep_fragment;
         mesh.keep_user = keep;
@@ -100,18 +100,19 @@ bool stp_cpu_draw_clusters(const stp_cpu_renderer* r, const stp_cpu_item* item,
     stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
     batch* b = stp_arena_alloc(&worker->scratch, sizeof(*b));
     stp_cpu_keep_memory memory = {.triangle = UINT32_MAX};
-    stp_cpu_cuts cuts;
-    stp_cpu_find_cuts(r, item, &cuts);
-    stp_cpu_keep keep = {.renderer = r, .item = item, .memory = &memory, .cuts = &cuts};
+    stp_cpu_sections sections;
+    stp_cpu_find_sections(r, item, &sections);
+    stp_cpu_keep keep = {.renderer = r, .item = item, .memory = &memory, .sections = &sections};
     stp_bounding bounding = stp_cpu_bound(r, item);
     bool enough = b != NULL;
     for (uint32_t i = range->begin; enough && i < range->end;) {
         b->vertex_count = b->triangle_count = b->cluster_count = 0;
-        keep.cut_mask = 0;
+        keep.section_mask = 0;
         while (i < range->end && b->cluster_count < BATCH_CLUSTERS) {
             stp_box box = stp_clusters_bounds(&item->clusters, i);
             float share = stp_draw_share(item->draw, stp_bounding_min_depth(&bounding, box));
-            bool seen = share > 0.0f && !stp_cpu_cuts_drop(&cuts, item, box, &keep.cut_mask) &&
+            bool seen = share > 0.0f &&
+                        !stp_cpu_sections_drop(&sections, item, box, &keep.section_mask) &&
                         is_seen(r, item, &bounding, box, 1u << (i - range->begin), range);
             if (!seen && b->cluster_count != 0) {
                 i += 1;

@@ -372,32 +372,33 @@ typedef struct stp_cpu_keep_memory {
 
 /// The view's planes that may cut an item (stp_draw_item.sections), in item space relative to
 /// `offset`.
-typedef struct stp_cpu_cuts {
+typedef struct stp_cpu_sections {
     uint32_t count;
     float rows[STP_SECTION_PLANES][4]; ///< cut away if row . (x, 1) > 0
-} stp_cpu_cuts;
+} stp_cpu_sections;
 
-void stp_cpu_find_cuts(const stp_cpu_renderer* r, const stp_cpu_item* item, stp_cpu_cuts* cuts);
+void stp_cpu_find_sections(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                           stp_cpu_sections* sections);
 /// Whether a box in item space is entirely cut away. Adds the bits of planes that intersect it to
 /// `mask`.
-bool stp_cpu_cuts_drop(const stp_cpu_cuts* cuts, const stp_cpu_item* item, stp_box box,
-                       uint32_t* mask);
+bool stp_cpu_sections_drop(const stp_cpu_sections* sections, const stp_cpu_item* item, stp_box box,
+                           uint32_t* mask);
 /// Whether an item may have splats or points of hidden classes.
 bool stp_cpu_hides_some(const stp_cpu_renderer* r, const stp_cpu_item* item);
 /// Filters splats by their centres: drops those that are cut away or hidden, and thins those of a
 /// ghost. Sets `wanted`, in the worker's scratch memory, and `share`. @return false if out of
 /// memory
-bool stp_cpu_cut_splats(const stp_cpu_renderer* r, const stp_cpu_item* item,
-                        stp_raster_splats* splats, stp_cpu_worker* worker);
+bool stp_cpu_filter_splats(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                           stp_raster_splats* splats, stp_cpu_worker* worker);
 
-/// Whether a fragment is drawn, for cut-out and transparent materials, section planes and ghosts.
+/// Whether a fragment is drawn, for cutout and transparent materials, section planes and ghosts.
 typedef struct stp_cpu_keep {
     const stp_cpu_renderer* renderer;
     const stp_cpu_item* item;
     uint32_t first_triangle;
     stp_cpu_keep_memory* memory;
-    const stp_cpu_cuts* cuts;
-    uint32_t cut_mask; ///< bits of planes that may cut the drawn content
+    const stp_cpu_sections* sections;
+    uint32_t section_mask; ///< bits of planes that may cut the drawn content
 } stp_cpu_keep;
 
 bool stp_cpu_keep_fragment(const void* user, uint32_t triangle, float weight1, float weight2,

@@ -31,7 +31,7 @@ void stp_cpu_destroy_layers(stp_cpu_renderer* r);
 void stp_cpu_take_layer(stp_cpu_renderer* r, stp_cpu_worker* worker,
                         const stp_cpu_shade_tile* tile);
 
-/// Share of a splat's pixels drawn by a stored coverage, of 255; cut disks count as whole.
+/// Share of a splat's pixels drawn by a stored coverage, of 255; clipped disks count as whole.
 static inline uint8_t stp_cpu_coverage_share(const stp_cpu_item* item, uint8_t coverage)
 {
     return stp_coverage_share(item->splats.plain_coverages ? stp_coverage_of_plain[coverage]

@@ -260,13 +260,13 @@ static void draw_splats(stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t 
         splats.occluder = NULL;
     }
     stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
-    bool cut = item->draw->sections != 0 || item->draw->ghost || stp_cpu_hides_some(r, item);
+    bool filtered = item->draw->sections != 0 || item->draw->ghost || stp_cpu_hides_some(r, item);
     bool left = late || (pick_levels(r, item, &splats, worker) && pick_runs(item, &splats, worker));
     if (item->draw->scattered && item->runs != NULL) {
         splats.nearest = item->runs[0].nearest;
         splats.farthest = item->runs[0].farthest;
     }
-    if (cut && left && !stp_cpu_cut_splats(r, item, &splats, worker)) {
+    if (filtered && left && !stp_cpu_filter_splats(r, item, &splats, worker)) {
         worker->failed = true;
     } else if (!left) {
         clear_hidden(&splats, splats.begin, splats.end);
@@ -284,20 +284,20 @@ static void draw_triangles(stp_cpu_renderer* r, const stp_cpu_item* item, uint32
     assert(begin <= end && end <= item->count);
     stp_cpu_keep_memory memory = {.triangle = UINT32_MAX};
     const stp_raster_layer layer = stp_cpu_make_layer(r, worker);
-    stp_cpu_cuts cuts;
-    stp_cpu_find_cuts(r, item, &cuts);
+    stp_cpu_sections sections;
+    stp_cpu_find_sections(r, item, &sections);
     stp_cpu_keep keep = {.renderer = r,
                          .item = item,
                          .first_triangle = begin,
                          .memory = &memory,
-                         .cuts = &cuts,
-                         .cut_mask = (1u << cuts.count) - 1};
+                         .sections = &sections,
+                         .section_mask = (1u << sections.count) - 1};
     stp_raster_mesh mesh = {.positions = item->mesh.positions,
                             .vertex_count = item->mesh.vertex_count,
                             .triangle_count = end - begin,
                             .offset = {item->offset[0], item->offset[1], item->offset[2]},
                             .fragments = &worker->fragments};
-    if (keep.cut_mask != 0 || stp_cpu_item_needs_keep(item)) {
+    if (keep.section_mask != 0 || stp_cpu_item_needs_keep(item)) {
         mesh.keep = stp_cpu_keep_fragment;
         mesh.keep_user = &keep;
         mesh.layer = r->layers.stage == CPU_LAYERS_PEEL ? &layer : NULL;

@@ -22,13 +22,14 @@ static void relax(double row[4], const double reach[3], double steps)
     row[3] -= ROUNDED * size;
 }
 
-void stp_cpu_find_cuts(const stp_cpu_renderer* r, const stp_cpu_item* item, stp_cpu_cuts* cuts)
+void stp_cpu_find_sections(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                           stp_cpu_sections* sections)
 {
-    cuts->count = 0;
+    sections->count = 0;
     if (item->draw->sections == 0) {
         return;
     }
-    assert(item->kind == STP_DRAW_MESH && "splats are tested by stp_cpu_cut_splats");
+    assert(item->kind == STP_DRAW_MESH && "splats are tested by stp_cpu_filter_splats");
     stp_box box = stp_store_describe_mesh(r->store, item->draw->index)->bounds;
     const double reach[3] = {0.5 * ((double)box.max.x - (double)box.min.x),
                              0.5 * ((double)box.max.y - (double)box.min.y),
@@ -38,21 +39,21 @@ void stp_cpu_find_cuts(const stp_cpu_renderer* r, const stp_cpu_item* item, stp_
         double row[4];
         stp_section_row(plane, &item->draw->transform, item->offset, row);
         relax(row, reach, 0.0);
-        assert(cuts->count < STP_SECTION_PLANES);
-        float* out = cuts->rows[cuts->count++];
+        assert(sections->count < STP_SECTION_PLANES);
+        float* out = sections->rows[sections->count++];
         for (int c = 0; c < 4; ++c) {
             out[c] = (float)row[c];
         }
     }
 }
 
-bool stp_cpu_cuts_drop(const stp_cpu_cuts* cuts, const stp_cpu_item* item, stp_box box,
-                       uint32_t* mask)
+bool stp_cpu_sections_drop(const stp_cpu_sections* sections, const stp_cpu_item* item, stp_box box,
+                           uint32_t* mask)
 {
     const float low[3] = {box.min.x, box.min.y, box.min.z};
     const float high[3] = {box.max.x, box.max.y, box.max.z};
-    for (uint32_t i = 0; i < cuts->count; ++i) {
-        const float* row = cuts->rows[i];
+    for (uint32_t i = 0; i < sections->count; ++i) {
+        const float* row = sections->rows[i];
         float minimum = row[3], maximum = row[3], size = fabsf(row[3]);
         for (int c = 0; c < 3; ++c) {
             float from = row[c] * (low[c] - item->offset[c]);
@@ -68,13 +69,13 @@ bool stp_cpu_cuts_drop(const stp_cpu_cuts* cuts, const stp_cpu_item* item, stp_b
             *mask |= 1u << i;
         }
     }
-    assert(*mask >> cuts->count == 0 && "bits of known planes");
+    assert(*mask >> sections->count == 0 && "bits of known planes");
     return false;
 }
 
 /// Planes in the units of splat positions.
-static void turn_cuts(const stp_cpu_renderer* r, const stp_cpu_item* item, bool grid,
-                      float rows[STP_SECTION_PLANES][4], uint32_t* count)
+static void turn_sections(const stp_cpu_renderer* r, const stp_cpu_item* item, bool grid,
+                          float rows[STP_SECTION_PLANES][4], uint32_t* count)
 {
     const float origin[3] = {grid ? item->splats.origin.x : 0.0f,
                              grid ? item->splats.origin.y : 0.0f,
@@ -106,9 +107,9 @@ static void turn_cuts(const stp_cpu_renderer* r, const stp_cpu_item* item, bool 
 
 /// Bits of up to 16 splats that no plane cuts away.
 static uint16_t find_left(const stp_raster_splats* splats, uint32_t first, uint32_t count,
-                          float rows[STP_SECTION_PLANES][4], uint32_t cut_count)
+                          float rows[STP_SECTION_PLANES][4], uint32_t row_count)
 {
-    assert(count <= 16 && cut_count <= STP_SECTION_PLANES);
+    assert(count <= 16 && row_count <= STP_SECTION_PLANES);
     float x[16] = {0}, y[16] = {0}, z[16] = {0};
     uint16_t left = 0;
     for (uint32_t i = 0; i < count; ++i) {
@@ -125,15 +126,16 @@ static uint16_t find_left(const stp_raster_splats* splats, uint32_t first, uint3
             z[i] = p[2];
         }
     }
-    uint32_t cut[16] = {0};
-    for (uint32_t k = 0; k < cut_count; ++k) {
+    uint32_t beyond[16] = {0};
+    for (uint32_t k = 0; k < row_count; ++k) {
         const float* row = rows[k];
         for (int i = 0; i < 16; ++i) {
-            cut[i] |= (uint32_t)((row[0] * x[i] + row[1] * y[i]) + row[2] * z[i] + row[3] > 0.0f);
+            beyond[i] |=
+                (uint32_t)((row[0] * x[i] + row[1] * y[i]) + row[2] * z[i] + row[3] > 0.0f);
         }
     }
     for (uint32_t i = 0; i < count; ++i) {
-        left = (uint16_t)(left | (cut[i] ^ 1u) << i);
+        left = (uint16_t)(left | (beyond[i] ^ 1u) << i);
     }
     return left;
 }
@@ -159,8 +161,8 @@ static uint16_t find_shown(const stp_cpu_item* item, uint32_t first, uint32_t co
     return shown;
 }
 
-bool stp_cpu_cut_splats(const stp_cpu_renderer* r, const stp_cpu_item* item,
-                        stp_raster_splats* splats, stp_cpu_worker* worker)
+bool stp_cpu_filter_splats(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                           stp_raster_splats* splats, stp_cpu_worker* worker)
 {
     splats->share = item->draw->ghost ? stp_placement_ghost_part(stp_cpu_ghost_share(r)) : 0.0f;
     bool hides = stp_cpu_hides_some(r, item);
@@ -174,13 +176,13 @@ bool stp_cpu_cut_splats(const stp_cpu_renderer* r, const stp_cpu_item* item,
         return false;
     }
     float rows[STP_SECTION_PLANES][4] = {{0}};
-    uint32_t cut_count;
-    turn_cuts(r, item, splats->positions != NULL, rows, &cut_count);
+    uint32_t row_count;
+    turn_sections(r, item, splats->positions != NULL, rows, &row_count);
     for (uint32_t first = splats->begin; first < splats->end; first += 16) {
         uint32_t count = splats->end - first < 16 ? splats->end - first : 16;
         uint32_t wanted = splats->wanted != NULL ? splats->wanted[first / 16] : 0xFFFFu;
         wanted &= hides ? find_shown(item, first, count) : 0xFFFFu;
-        left[first / 16] = (uint16_t)(wanted & find_left(splats, first, count, rows, cut_count));
+        left[first / 16] = (uint16_t)(wanted & find_left(splats, first, count, rows, row_count));
     }
     splats->wanted = left;
     return true;

@@ -132,17 +132,17 @@ static void remember_triangle(const stp_cpu_keep* keep, uint32_t index)
 }
 
 /// Whether a point of a triangle is cut away.
-static bool is_cut(const stp_cpu_keep* keep, const stp_cpu_triangle* triangle,
-                   const float weight[3])
+static bool is_beyond_section(const stp_cpu_keep* keep, const stp_cpu_triangle* triangle,
+                              const float weight[3])
 {
-    assert(keep->cut_mask >> keep->cuts->count == 0 && "bits of known planes");
+    assert(keep->section_mask >> keep->sections->count == 0 && "bits of known planes");
     float at[3];
     for (int c = 0; c < 3; ++c) {
         at[c] = weight[0] * triangle->position[0][c] + weight[1] * triangle->position[1][c] +
                 weight[2] * triangle->position[2][c];
     }
-    for (uint32_t bits = keep->cut_mask; bits != 0; bits &= bits - 1) {
-        const float* row = keep->cuts->rows[__builtin_ctz(bits)];
+    for (uint32_t bits = keep->section_mask; bits != 0; bits &= bits - 1) {
+        const float* row = keep->sections->rows[__builtin_ctz(bits)];
         if (row[0] * at[0] + row[1] * at[1] + row[2] * at[2] + row[3] > 0.0f) {
             return true;
         }
@@ -180,7 +180,7 @@ bool stp_cpu_keep_fragment(const void* user, uint32_t triangle, float weight1, f
     const stp_cpu_triangle* corners = &memory->reader.triangle;
     float weight[3] = {1.0f - weight1 - weight2, weight1, weight2};
     uint64_t seed = (uint64_t)stp_cpu_sample_seed(keep->renderer, item) << 32 | triangle;
-    if ((keep->cut_mask != 0 && is_cut(keep, corners, weight)) ||
+    if ((keep->section_mask != 0 && is_beyond_section(keep, corners, weight)) ||
         (item->draw->ghost &&
          noise(stp_rng_hash(seed, GHOST_SEED), x, y) >= stp_cpu_ghost_share(keep->renderer))) {
         return false;

@@ -223,7 +223,7 @@ static void place_item(stp_gl_renderer* r, uint32_t index, uint32_t pattern)
     bool own = (item->flags & ITEM_SHAPES) != 0;
     item->glass_radius =
         (own ? placed->draw->radius * placed->scale : placed->radius) * where.scale;
-    item->cut_slack = item->kind == KIND_SPLATS ? 0.5f * placed->step * where.scale : 0.0f;
+    item->section_slack = item->kind == KIND_SPLATS ? 0.5f * placed->step * where.scale : 0.0f;
     item->seed = stp_placement_seed(placed->draw) + pattern * 0x9E3779B1u;
     if (item->kind != KIND_MESH) {
         place_splats(r, placed, &where, item);

@@ -63,19 +63,19 @@ static void set_heights(const stp_gl_renderer* r, const stp_placement* p, view_b
 }
 
 /// Section planes in right, down and depth of the view.
-static void set_cuts(const stp_placement* p, const stp_sections* sections, view_block* view)
+static void set_section_rows(const stp_placement* p, const stp_sections* sections, view_block* view)
 {
     const stp_view_frame* f = &p->frame;
     for (uint32_t i = 0; i < sections->count && i < SECTION_PLANES; ++i) {
         const stp_section_plane* plane = &sections->planes[i];
-        view->cuts[i][0] = (float)stp_dotd(plane->normal, f->right);
-        view->cuts[i][1] = (float)stp_dotd(plane->normal, f->down);
-        view->cuts[i][2] = (float)stp_dotd(plane->normal, f->forward);
-        view->cuts[i][3] = (float)(stp_dotd(plane->normal, f->eye) - plane->distance);
+        view->section_rows[i][0] = (float)stp_dotd(plane->normal, f->right);
+        view->section_rows[i][1] = (float)stp_dotd(plane->normal, f->down);
+        view->section_rows[i][2] = (float)stp_dotd(plane->normal, f->forward);
+        view->section_rows[i][3] = (float)(stp_dotd(plane->normal, f->eye) - plane->distance);
     }
 }
 
-_Static_assert(SECTION_PLANES == STP_SECTION_PLANES, "as many cuts as a view has");
+_Static_assert(SECTION_PLANES == STP_SECTION_PLANES, "as many planes as a view has");
 
 static float ghost_share(const stp_draw_style* style)
 {
@@ -118,7 +118,7 @@ static view_block make_view(const stp_gl_renderer* r, const stp_gl_sample* sampl
     set_light(r, f, &view);
     set_eye(p, &view);
     set_heights(r, p, &view);
-    set_cuts(p, &r->view->sections, &view);
+    set_section_rows(p, &r->view->sections, &view);
     stp_gl_occlusion_pass_set_view(r, &view);
     for (int k = 0; k < 3; ++k) {
         view.background[k] = stp_srgb8_to_linear(r->style->background_color[k]);

@@ -137,8 +137,8 @@ static stp_result find_octaves(stp_gl_renderer* r, const stp_draw_item* draw, ui
 
 /// Reduces an item that draws a state of a set to the nearest state in a shorter prefix. Sets
 /// `*prefix` to the state's.
-static stp_result cut_shorter(stp_gl_renderer* r, const stp_draw_item* draw, uint32_t octaves,
-                              uint32_t* prefix, item_block* item)
+static stp_result cut_shorter_prefix(stp_gl_renderer* r, const stp_draw_item* draw,
+                                     uint32_t octaves, uint32_t* prefix, item_block* item)
 {
     stp_splats got;
     stp_result result = stp_store_get_splat_set_prefix(r->store, draw->index, octaves, &got);
@@ -176,7 +176,7 @@ static stp_result begin_item(stp_gl_renderer* r, uint32_t index, const set_octav
             own ? placed->radius : stp_max(placed->radius, reached + known->candidate_radius);
         item->level_min = stp_max(item->level_min, reached);
         stp_result result = draw->split_count > 0
-                                ? cut_shorter(r, draw, octaves->here.places, prefix, item)
+                                ? cut_shorter_prefix(r, draw, octaves->here.places, prefix, item)
                                 : STP_OK;
         if (result != STP_OK) {
             return result;

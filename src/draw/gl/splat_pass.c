@@ -15,7 +15,7 @@ const char* stp_gl_page_defines(const stp_gl_renderer* r, const char* more, char
                           r->directory->texture_count > 0 ? "#define TEXTURES\n" : "",
                           r->layer_pass.of_splats ? "#define GLASS\n" : "",
                           r->program_squares ? "#define SQUARE\n" : "", more);
-    assert(length >= 0 && (size_t)length < size && "no define is cut off");
+    assert(length >= 0 && (size_t)length < size && "no define is truncated");
     (void)length;
     return text;
 }

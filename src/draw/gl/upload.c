@@ -324,7 +324,7 @@ _Static_assert(STP_CUTOUT_STEPS == TEXTURE_CUTOFFS, "as shaders have it");
 _Static_assert(TEXTURE_SIZES + 3 * STP_TEXTURE_LEVELS <= TEXTURE_HEADER, "room for all levels");
 
 /// Whether the alpha of a texture cuts anything out.
-static bool is_cut_out(const stp_gl_renderer* r, uint32_t texture)
+static bool is_cutout(const stp_gl_renderer* r, uint32_t texture)
 {
     for (uint32_t i = 0; i < r->directory->material_count; ++i) {
         const stp_store_material* m = &r->directory->materials[i];
@@ -348,7 +348,7 @@ static stp_gl_upload upload_texels(stp_gl_renderer* r, uint32_t texture, bool da
     pyramid.wrap_u = (stp_texture_wrap)source->wrap_u;
     pyramid.wrap_v = (stp_texture_wrap)source->wrap_v;
     pyramid.nearest = source->nearest != 0;
-    if (!data && is_cut_out(r, texture)) {
+    if (!data && is_cutout(r, texture)) {
         r->failure = stp_cutout_prepare(r->base.context, &pyramid);
         if (r->failure != STP_OK) {
             stp_texture_pyramid_destroy(r->base.context, &pyramid);

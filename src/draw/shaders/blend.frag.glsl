@@ -12,7 +12,7 @@ flat in vec4 conic;
 flat in vec4 conic2;
 flat in vec4 color;
 flat in vec4 ray;
-flat in vec4 cut;
+flat in vec4 clip;
 flat in vec2 slope;
 flat in uvec3 hashed;
 
@@ -23,8 +23,8 @@ void main()
     vec2 at = vec2(pixel) + 0.5 - center.xy;
     bool tiny = ray.w > 0.5;
     float value = at.x * (conic.x * at.x + conic.y * at.y + conic.w) + at.y * (conic.z * at.y + conic2.x);
-    float across = cut.x * at.x + cut.y * at.y;
-    if (plane.w == PLANE_NONE || !(value <= conic2.y) || across < cut.z || across > cut.w) {
+    float across = clip.x * at.x + clip.y * at.y;
+    if (plane.w == PLANE_NONE || !(value <= conic2.y) || across < clip.z || across > clip.w) {
         discard;
     }
     float nearness = center.z + clamp(dot(conic2.zw, at), -center.w, center.w);

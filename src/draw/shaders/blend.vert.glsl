@@ -16,7 +16,7 @@ flat out vec4 conic;
 flat out vec4 conic2;
 flat out vec4 color;  // linear, and the radius in pixels
 flat out vec4 ray;    // principal point, 1 / scale, and whether it is a one-pixel splat
-flat out vec4 cut;
+flat out vec4 clip;
 flat out vec2 slope;  // factor and constant of the nearness difference of a pixel side (find_side)
 #ifdef LEAVES
 flat out vec2 depths;
@@ -38,7 +38,7 @@ void main()
     center = s.center;
     conic = s.conic;
     conic2 = s.conic2;
-    cut = s.cut;
+    clip = s.clip;
 #ifdef TEXTURED
     axes = shape == SHAPE_DISK ? map_texture(item, splat, s) : vec4(0.0);
 #endif

@@ -171,7 +171,7 @@ struct item_block {
     uint colors, low_colors, low_count, address; // addresses; a count; meshes: their address
     uint cluster_count, base_color, metallic_roughness, emissive; // a count; texture addresses
     uint sections;          // bits of section planes that may cut it
-    float cut_slack;        // splats: maximum rounding beyond a section plane, in scene units
+    float section_slack;    // splats: maximum rounding beyond a section plane, in scene units
     float glass_radius;     // splats: radius in scene units
     float level_per_depth;  // level compared with ranges: this times the depth, at least level_min
     vec4 box_low, box_high; // box of drawn splats, in the rows' input space
@@ -237,12 +237,13 @@ struct view_block {
     uint glass;      // a GLASS
     uint hides;      // whether splats of coverage 0 are not drawn
     uint recolors;   // a RECOLORS
-    uvec4 glass_shadings[2];   // one bit per shading: transparent
-    vec4 screen;               // principal point, 1 / pixels per unit of x/z (or per unit)
-    vec4 cuts[SECTION_PLANES]; // in right, down, depth: positions with a sum above 0 are cut away
-    vec4 earlier[4];           // from X, Y, true N, W to those of the picture with known depths
-    float corner;              // distance over depth in a corner of the picture
-    uint scale_first;          // start of the colour scale among the lighting materials
+    uvec4 glass_shadings[2]; // one bit per shading: transparent
+    vec4 screen;             // principal point, 1 / pixels per unit of x/z (or per unit)
+    vec4 section_rows
+        [SECTION_PLANES]; // in right, down, depth: positions with a sum above 0 are cut away
+    vec4 earlier[4];      // from X, Y, true N, W to those of the picture with known depths
+    float corner;         // distance over depth in a corner of the picture
+    uint scale_first;     // start of the colour scale among the lighting materials
     float view_spare1, view_spare2;
     vec4 height_place, height_along; // src/draw/shading_setup.h
 };

@@ -13,7 +13,7 @@ flat out vec4 middle;
 flat out vec4 normal;  // normal in the view, of any length; may face away
 flat out vec4 depths;  // nearness (of W = 1, or of the centre), its slope, behind, rim
 flat out vec4 screen;  // principal point, 1 / scale, maximum nearness
-flat out vec3 across;  // direction across the cut lines, over the radius
+flat out vec3 across;  // direction across the clip lines, over the radius
 flat out vec2 range;   // interval drawn along it
 flat out vec4 smaller; // direction of an ellipse's smaller radius, and its weight; 0: a disk
 flat out uvec3 hashed; // same as for points
@@ -75,10 +75,10 @@ void main()
     if (splat.shape != 0u && !facing) {
         smaller = vec4(turn_vector(item, shape_smaller(splat.code, splat.shape)), shape_stretch(splat.shape));
     }
-    if (splat.part > SPLAT_CUT && !facing && !splat.glass) {
-        vec4 cut = coverage_cut(splat.part - SPLAT_CUT);
-        across = turn_vector(item, cut_direction(splat.code, cut)) / middle.w;
-        range = cut.zw;
+    if (splat.part > SPLAT_CLIP && !facing && !splat.glass) {
+        vec4 clip = coverage_clip(splat.part - SPLAT_CLIP);
+        across = turn_vector(item, clip_direction(splat.code, clip)) / middle.w;
+        range = clip.zw;
     }
     screen = vec4(gaze, item.inverse_scale, item.nearness_limit);
     low = clamp(low, vec2(-1.0), view.size.xy + 1.0);

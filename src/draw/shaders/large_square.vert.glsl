@@ -10,14 +10,14 @@ flat out vec4 center; // same as splat.vert.glsl
 flat out vec4 conic;
 flat out vec4 conic2;
 flat out vec2 depths;
-flat out vec4 cut;
+flat out vec4 clip;
 flat out uvec3 hashed;
 
 void main()
 {
     uint number = uint(gl_InstanceID);
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
-    center = conic = conic2 = cut = vec4(0.0);
+    center = conic = conic2 = clip = vec4(0.0);
     depths = vec2(0.0);
     hashed = uvec3(0u);
     if (number >= uint(LARGE_MAX)) {
@@ -32,7 +32,7 @@ void main()
     center = s.center;
     conic = s.conic;
     depths = s.depths;
-    cut = s.cut;
+    clip = s.clip;
     hashed = splat_hash(record, item, local, splat, splat.halvings, false);
     vec2 low = clamp(s.conic.xy, vec2(-1.0), view.size.xy + 1.0);
     vec2 high = clamp(s.conic.zw + 1.0, vec2(-1.0), view.size.xy + 1.0);

@@ -12,7 +12,7 @@ struct splat_shape {
     vec4 conic2; // q, limit, slope of nearness
     vec2 depths; // loss of nearness towards the rim, and maximum nearness
     vec2 extent; // pixels from the centre
-    vec4 cut;    // lines: x * u + y * v within z and w, (u, v) from the centre
+    vec4 clip;    // lines: x * u + y * v within z and w, (u, v) from the centre
 };
 
 #ifdef SQUARE
@@ -79,12 +79,12 @@ uint shape_splat(const record_block record, const item_block item, const splat_p
     s.conic2 = vec4(pq.y, limit, slopes);
     s.center = vec4(screen, moved, abs(slope) * grow);
     s.depths = vec2(rim_depth * depth / limit, item.nearness_limit);
-    if (splat.part > SPLAT_CUT && !facing && !splat.glass) {
-        vec4 cut = coverage_cut(splat.part - SPLAT_CUT);
-        precise vec3 d = turn_vector(item, cut_direction(splat.code, cut));
+    if (splat.part > SPLAT_CLIP && !facing && !splat.glass) {
+        vec4 clip = coverage_clip(splat.part - SPLAT_CLIP);
+        precise vec3 d = turn_vector(item, clip_direction(splat.code, clip));
         precise float slide = ((d.x * a.x + d.y * a.y) + d.z) / D;
         precise vec2 lines = (d.xy - slide * n.xy) * (1.0 / radius);
-        s.cut = vec4(lines, cut.zw);
+        s.clip = vec4(lines, clip.zw);
     }
     return SHAPE_DISK;
 }

@@ -33,12 +33,12 @@ vec3 to_view(const item_block item, vec4 at)
 
 // Whether a position in the view is cut away. Points in the plane itself stay, regardless of
 // rounding.
-bool is_cut(const item_block item, vec3 at)
+bool is_beyond_section(const item_block item, vec3 at)
 {
     for (uint i = 0u; i < uint(SECTION_PLANES); ++i) {
-        vec4 cut = view.cuts[i];
-        float size = dot(abs(cut.xyz), abs(at)) + abs(cut.w), slack = item.cut_slack * length(cut.xyz);
-        if ((item.sections >> i & 1u) != 0u && dot(cut.xyz, at) + cut.w > 4e-6 * size + slack) {
+        vec4 row = view.section_rows[i];
+        float size = dot(abs(row.xyz), abs(at)) + abs(row.w), slack = item.section_slack * length(row.xyz);
+        if ((item.sections >> i & 1u) != 0u && dot(row.xyz, at) + row.w > 4e-6 * size + slack) {
             return true;
         }
     }

@@ -22,7 +22,7 @@ vec4 map_texture(const item_block item, const splat_place splat, const splat_sha
     float turn = stretched ? float(splat.shape >> 24) * (3.14159265 / 256.0) : 0.0;
     vec2 smaller = vec2(-sin(turn), cos(turn));
     float stretch = stretched ? sqrt(1.0 + shape_stretch(splat.shape)) : 1.0;
-    vec3 along = turn_vector(item, cut_direction(splat.code, vec4(smaller.y, -smaller.x, 0.0, 0.0)));
-    vec3 across = turn_vector(item, cut_direction(splat.code, vec4(smaller, 0.0, 0.0)));
+    vec3 along = turn_vector(item, clip_direction(splat.code, vec4(smaller.y, -smaller.x, 0.0, 0.0)));
+    vec3 across = turn_vector(item, clip_direction(splat.code, vec4(smaller, 0.0, 0.0)));
     return vec4(map_axis(along, n, a, D), stretch * map_axis(across, n, a, D)) * inverse;
 }

@@ -24,8 +24,8 @@ float along(vec4 row, vec3 p)
 }
 
 // Drawn part of a splat's disk, interpolated between two octaves: a share of 255, or, above
-// SPLAT_CUT, a cut code. 0: not drawn.
-#define SPLAT_CUT 256u
+// SPLAT_CLIP, a clip code. 0: not drawn.
+#define SPLAT_CLIP 256u
 uint splat_part(const item_block item, uint index)
 {
     if (item.kind != KIND_SPLATS) {
@@ -40,16 +40,16 @@ uint splat_part(const item_block item, uint index)
     }
     if (index < item.low_count) {
         uint low = fetch(item.low_colors + index) >> 24, share = uint(256.0 * (1.0 - item.blend) + 0.5);
-        if (!coverage_cuts(own) && !coverage_cuts(low)) {
+        if (!coverage_clips(own) && !coverage_clips(low)) {
             return (coverage_share(low) * share + coverage_share(own) * (256u - share) + 128u) >> 8;
         }
         own = (index * 0x9E3779B1u + 0x7F4A7C15u) >> 24 < share ? low : own;
     }
-    return coverage_cuts(own) ? SPLAT_CUT + own : coverage_share(own);
+    return coverage_clips(own) ? SPLAT_CLIP + own : coverage_share(own);
 }
 
-// Unit direction across a disk's cut lines, in item space.
-vec3 cut_direction(vec2 code, vec4 cut)
+// Unit direction across a disk's clip lines, in item space.
+vec3 clip_direction(vec2 code, vec4 clip)
 {
     vec3 unfolded = decode_octahedral(code, 127.0);
     precise float inverse = 1.0 / sqrt((unfolded.x * unfolded.x + unfolded.y * unfolded.y) + unfolded.z * unfolded.z);
@@ -58,7 +58,7 @@ vec3 cut_direction(vec2 code, vec4 cut)
     precise float a = -1.0 / (side + n.z), b = (n.x * n.y) * a;
     precise vec3 x = vec3(1.0 + (side * (n.x * n.x)) * a, side * b, -(side * n.x));
     precise vec3 y = vec3(b, side + (n.y * n.y) * a, -n.y);
-    precise vec3 direction = cut.x * x + cut.y * y;
+    precise vec3 direction = clip.x * x + clip.y * y;
     return direction;
 }
 
@@ -97,7 +97,7 @@ float shape_stretch(uint code)
 vec3 shape_smaller(vec2 code, uint shape)
 {
     float turn = float(shape >> 24) * (3.14159265 / 256.0);
-    return cut_direction(code, vec4(-sin(turn), cos(turn), 0.0, 0.0));
+    return clip_direction(code, vec4(-sin(turn), cos(turn), 0.0, 0.0));
 }
 
 // Shape and range of a splat at depth w.
@@ -169,7 +169,7 @@ bool is_wanted(const record_block record, const item_block item, const splat_pla
     }
 #endif
     return splat.there && splat.part != 0u && splat.w >= record.nearest && splat.w <= record.farthest &&
-           !(item.sections != 0u && is_cut(item, to_view(item, vec4(splat.position, splat.w))));
+           !(item.sections != 0u && is_beyond_section(item, to_view(item, vec4(splat.position, splat.w))));
 }
 
 bool is_close(const item_block item, const splat_place splat)
@@ -194,8 +194,8 @@ vec3 turn_normal(const item_block item, vec2 code)
 // Drawn share of a disk's pixels, of 255; 255: no holes. `single`: for the centre's pixel only.
 uint splat_coverage(const item_block item, uint part, uint halvings, bool single)
 {
-    if (part > SPLAT_CUT) {
-        part = single ? uint(cut_area(part - SPLAT_CUT) * 255.0 + 0.5) : 255u;
+    if (part > SPLAT_CLIP) {
+        part = single ? uint(clip_area(part - SPLAT_CLIP) * 255.0 + 0.5) : 255u;
     }
     uint coverage = part << 2u * halvings;
     return (item.flags & ITEM_GHOST) != 0u ? uint(float(coverage) * view.ghost_splats + 0.5) : coverage;

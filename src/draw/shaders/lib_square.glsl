@@ -32,16 +32,16 @@ uint shape_splat(const record_block record, const item_block item, const splat_p
     s.center.z = max(moved, 1e-30);
     s.extent = vec2(radius);
     s.conic = vec4(min(floor(low), middle), max(floor(high), middle));
-    if (splat.part > SPLAT_CUT && !facing && !splat.glass) {
-        vec4 cut = coverage_cut(splat.part - SPLAT_CUT);
+    if (splat.part > SPLAT_CLIP && !facing && !splat.glass) {
+        vec4 clip = coverage_clip(splat.part - SPLAT_CLIP);
         precise float minimum = ((n.x * n.x + n.y * n.y) + n.z * n.z) * 1e-6;
         D = D * D < minimum ? (D < 0.0 ? -sqrt(minimum) : sqrt(minimum)) : D;
-        precise vec3 d = turn_vector(item, cut_direction(splat.code, cut));
+        precise vec3 d = turn_vector(item, clip_direction(splat.code, clip));
         precise float slide = ((d.x * a.x + d.y * a.y) + d.z) / D;
         precise vec2 lines = (d.xy - slide * n.xy) * (1.0 / radius);
         // everything beyond the other side stays
-        bool is_half = splat.part - SPLAT_CUT < COVERAGE_STRIPS;
-        s.cut = vec4(lines, is_half ? -1e38 : cut.z, cut.w);
+        bool is_half = splat.part - SPLAT_CLIP < COVERAGE_STRIPS;
+        s.clip = vec4(lines, is_half ? -1e38 : clip.z, clip.w);
     }
     return is_close(item, splat) || !(radius < view.point_extent) ? SHAPE_LARGE : SHAPE_DISK;
 }

@@ -14,8 +14,8 @@ vec3 to_linear(vec3 srgb)
 // Encodes linear light as an sRGB byte (0..1).
 float encode(float linear)
 {
-    float cut = (floor(clamp(linear, 0.0, 1.0 - 0.5 / float(SRGB_STEPS)) * float(SRGB_STEPS)) + 0.5) / float(SRGB_STEPS);
-    return cut <= 0.0031308 ? 12.92 * cut : 1.055 * pow(cut, 1.0 / 2.4) - 0.055;
+    float whole = (floor(clamp(linear, 0.0, 1.0 - 0.5 / float(SRGB_STEPS)) * float(SRGB_STEPS)) + 0.5) / float(SRGB_STEPS);
+    return whole <= 0.0031308 ? 12.92 * whole : 1.055 * pow(whole, 1.0 / 2.4) - 0.055;
 }
 
 vec3 encode(vec3 linear)

@@ -107,7 +107,7 @@ float sample_alpha(uint texture, vec2 uv, float footprint)
     return sample_alpha_at(texture, uv, level);
 }
 
-// Whether a fragment of a cut-out is drawn (src/raster/cutout.c). own: alpha of material and
+// Whether a fragment of a cutout is drawn (src/raster/cutout.c). own: alpha of material and
 // vertices.
 bool keeps_cutout(uint texture, vec2 uv, float footprint, float own, float cutoff)
 {

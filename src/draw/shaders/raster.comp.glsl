@@ -42,7 +42,7 @@ ivec4 clip_box(const splat_shape s)
 void draw_pixel(const splat_shape s, uvec3 hashed, ivec2 pixel)
 {
     float nearness;
-    if (has_pixel(s.center, s.conic, s.conic2, s.depths, s.cut, hashed, pixel, nearness)) {
+    if (has_pixel(s.center, s.conic, s.conic2, s.depths, s.clip, hashed, pixel, nearness)) {
         store(pixel, nearness, hashed.x);
     }
 }

@@ -10,13 +10,13 @@ flat in vec4 center;
 flat in vec4 conic;
 flat in vec4 conic2;
 flat in vec2 depths;
-flat in vec4 cut;
+flat in vec4 clip;
 flat in uvec3 hashed;
 
 void main()
 {
     float nearness;
-    if (!has_pixel(center, conic, conic2, depths, cut, hashed, ivec2(gl_FragCoord.xy), nearness)) {
+    if (!has_pixel(center, conic, conic2, depths, clip, hashed, ivec2(gl_FragCoord.xy), nearness)) {
         discard;
     }
 #ifdef LAYER

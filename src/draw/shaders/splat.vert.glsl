@@ -8,7 +8,7 @@ flat out vec4 center;  // as splat_shape
 flat out vec4 conic;
 flat out vec4 conic2;
 flat out vec2 depths;
-flat out vec4 cut;
+flat out vec4 clip;
 flat out uvec3 hashed; // id, hash key of holes, coverage
 
 void main()
@@ -24,7 +24,7 @@ void main()
     conic = s.conic;
     conic2 = s.conic2;
     depths = s.depths;
-    cut = s.cut;
+    clip = s.clip;
     hashed = splat_hash(record, item, local, splat, splat.halvings, shape == SHAPE_PIXEL);
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0); // no pixel
     gl_PointSize = 1.0;

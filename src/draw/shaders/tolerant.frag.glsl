@@ -19,7 +19,7 @@ flat in vec4 conic;
 flat in vec4 conic2;
 flat in vec4 color;
 flat in vec4 ray;
-flat in vec4 cut;
+flat in vec4 clip;
 flat in vec2 slope;
 flat in vec2 depths;
 flat in uvec3 hashed;
@@ -91,9 +91,9 @@ float find_weight(bool tiny, vec2 at, float value)
 
 bool is_in(ivec2 pixel, vec2 at, float value)
 {
-    float across = cut.x * at.x + cut.y * at.y;
+    float across = clip.x * at.x + clip.y * at.y;
     ivec2 place = pixel - ivec2(floor(center.xy));
-    return value <= conic2.y && across >= cut.z && across <= cut.w &&
+    return value <= conic2.y && across >= clip.z && across <= clip.w &&
            (hashed.z >= 255u || has_fragment(hashed.z, hashed.y, place));
 }
 

@@ -1,4 +1,4 @@
-// A pixel of a triangle; for cut-out and transparent ones (KEEP) with the material's alpha test, as
+// A pixel of a triangle; for cutout and transparent ones (KEEP) with the material's alpha test, as
 // in src/draw/cpu/triangle_look.c.
 #include "lib_glass.glsl"
 #include "lib_layer.glsl"
@@ -44,7 +44,7 @@ bool is_there(ivec2 pixel)
     record_block record = records[triangle_of.x];
     item_block item = items[record.item];
     material_block material = materials[item.material];
-    if (item.sections != 0u && is_cut(item, place)) {
+    if (item.sections != 0u && is_beyond_section(item, place)) {
         return false;
     }
     uvec2 seed = uvec2(triangle_id - item.first_id, item.seed);

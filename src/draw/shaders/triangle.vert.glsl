@@ -1,5 +1,5 @@
 #extension GL_ARB_shader_draw_parameters : require
-// Triangles of clusters, with vertex pulling from the pages. KEEP: of cut-out and transparent
+// Triangles of clusters, with vertex pulling from the pages. KEEP: of cutout and transparent
 // materials, of ghosts, and of items cut by sections.
 #include "lib_hash.glsl"
 #include "lib_triangle.glsl"
@@ -8,7 +8,7 @@ flat out uint triangle_id;
 #ifdef KEEP
 flat out uvec2 triangle_of; // record, and triangle in the cluster
 out vec2 weight;
-out vec3 place; // in the view, for cuts
+out vec3 place; // in the view, for sections
 #endif
 
 // Whether a triangle's level (base/splats/triangle_level.h) is at least the item's level at its nearest

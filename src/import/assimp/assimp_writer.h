@@ -20,7 +20,7 @@ typedef struct stp_assimp_writer {
 /// Appends bytes. After a failure, nothing more is written.
 void stp_assimp_put(stp_assimp_writer* w, const void* bytes, size_t size);
 void stp_assimp_put_u32(stp_assimp_writer* w, uint32_t value);
-/// Longer texts are cut.
+/// Longer texts are truncated.
 void stp_assimp_put_text(stp_assimp_writer* w, const char* text, size_t length);
 void stp_assimp_put_string(stp_assimp_writer* w, const struct aiString* string);
 

@@ -143,7 +143,7 @@ static stp_result read_vlr(stp_las* las, compression* c)
 static stp_result fail_table(const stp_las* las, const char* why)
 {
     return stp_fail(las->context, STP_ERROR_TRUNCATED,
-                    "%s: its table of chunks %s: the file was cut short or never finished",
+                    "%s: its table of chunks %s: the file was truncated or never finished",
                     las->import->path, why);
 }
 

@@ -56,7 +56,7 @@ static stp_result read_libraries(stp_obj* obj)
                 continue;
             }
             char names[4097];
-            assert(events[k].length < sizeof(names) && "longer names were cut");
+            assert(events[k].length < sizeof(names) && "longer names were truncated");
             memcpy(names, events[k].text, events[k].length);
             names[events[k].length] = '\0';
             join_escaped(names);

@@ -65,7 +65,7 @@ static stp_text chunk_end(stp_text begin, size_t size, stp_text end)
     return stop != NULL ? stop + 1 : end;
 }
 
-static stp_result cut_chunks(stp_obj* obj, size_t chunk_size)
+static stp_result split_chunks(stp_obj* obj, size_t chunk_size)
 {
     stp_text bytes = obj->import->file.bytes;
     size_t size = obj->import->file.size;
@@ -161,7 +161,7 @@ static stp_result report(const stp_obj* obj)
 stp_result stp_obj_parse(stp_obj* obj, size_t chunk_size)
 {
     assert(chunk_size > 0 && obj->chunk_count == 0);
-    stp_result result = cut_chunks(obj, chunk_size);
+    stp_result result = split_chunks(obj, chunk_size);
     if (result != STP_OK) {
         return result;
     }

@@ -87,7 +87,7 @@ static bool is_ear(ring* r, uint32_t corner, bool touching)
         uint32_t other = r->reflex[i];
         r->tests_left -= r->tests_left > 0;
         if (r->next[other] == other || !is_reflex(r, other)) {
-            r->reflex[i] = r->reflex[--r->reflex_count]; // already cut, or convex by now
+            r->reflex[i] = r->reflex[--r->reflex_count]; // already clipped, or convex by now
             continue;
         }
         assert(r->next[r->previous[other]] == other && "it is still in the ring");
@@ -103,13 +103,13 @@ static bool is_ear(ring* r, uint32_t corner, bool touching)
     return true;
 }
 
-static void cut_ears(ring* r, const uint32_t* corners, uint32_t count, uint32_t* triangles)
+static void clip_ears(ring* r, const uint32_t* corners, uint32_t count, uint32_t* triangles)
 {
     uint32_t at = 0, left = count, misses = 0;
     while (left > 3) {
-        // no ear after two rounds, so the polygon is not simple: cut anyway
-        bool cut = misses / 2 >= left || r->tests_left == 0 || is_ear(r, at, misses >= left);
-        if (!cut) {
+        // no ear after two rounds, so the polygon is not simple: clip anyway
+        bool clips = misses / 2 >= left || r->tests_left == 0 || is_ear(r, at, misses >= left);
+        if (!clips) {
             at = r->next[at];
             misses += 1;
             continue;
@@ -160,8 +160,8 @@ static bool is_convex(const float* positions, const uint32_t* corners, uint32_t 
     return true;
 }
 
-static bool cut_concave(stp_context* context, const float* positions, const uint32_t* corners,
-                        uint32_t count, stp_vec3d normal, uint32_t* triangles)
+static bool clip_concave(stp_context* context, const float* positions, const uint32_t* corners,
+                         uint32_t count, stp_vec3d normal, uint32_t* triangles)
 {
     ring r = {.points = STP_NEW_ARRAY(context, flat_point, count),
               .next = STP_NEW_ARRAY(context, uint32_t, count),
@@ -182,7 +182,7 @@ static bool cut_concave(stp_context* context, const float* positions, const uint
             }
         }
         assert(r.reflex_count <= count);
-        cut_ears(&r, corners, count, triangles);
+        clip_ears(&r, corners, count, triangles);
     }
     stp_free(context, r.points);
     stp_free(context, r.next);
@@ -220,5 +220,5 @@ bool stp_triangulate(stp_context* context, const float* positions, const uint32_
         make_fan(corners, count, triangles);
         return true;
     }
-    return cut_concave(context, positions, corners, count, normal, triangles);
+    return clip_concave(context, positions, corners, count, normal, triangles);
 }

@@ -6,7 +6,7 @@
 
 /// Splits a polygon of `count` (at least 3) corners into count - 2 triangles. `corners` index
 /// `positions` (3 floats each); `triangles` receives 3 indices per triangle, with the polygon's
-/// winding. A convex polygon becomes a fan, in linear time. A concave one is cut by ears (Meisters
+/// winding. A convex polygon becomes a fan, in linear time. A concave one is clipped ear by ear (Meisters
 /// 1975); one that is too large and jagged for that (the work per corner is bounded) ends as a fan.
 /// Any thread. @return false if memory runs out (not logged)
 STP_MUST_USE bool stp_triangulate(stp_context* context, const float* positions,

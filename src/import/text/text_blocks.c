@@ -78,7 +78,7 @@ static bool are_blocks_in_order(const stp_text_blocks* b)
 #endif
 
 // Copies the last lines, so that in-place readers can read past their end.
-static stp_result copy_tail(stp_text_blocks* b, stp_text bytes, size_t size, size_t* cut)
+static stp_result copy_tail(stp_text_blocks* b, stp_text bytes, size_t size, size_t* whole_size)
 {
     size_t whole = size > STP_SCAN_MARGIN ? stp_whole_lines(bytes, size - STP_SCAN_MARGIN) : 0;
     size_t rest = size - whole;
@@ -89,7 +89,7 @@ static stp_result copy_tail(stp_text_blocks* b, stp_text bytes, size_t size, siz
     memcpy(b->tail, bytes + whole, rest);
     memset(b->tail + rest, '\n', 1 + STP_SCAN_MARGIN);
     assert(whole == 0 || (bytes[whole - 1] == '\n' && rest >= STP_SCAN_MARGIN));
-    *cut = whole;
+    *whole_size = whole;
     return STP_OK;
 }
 

@@ -341,7 +341,7 @@ stp_result stp_make_pyramid(stp_context* context, const stp_pyramid_input* input
     stp_pyramid p = {
         .context = context, .input = input, .surfels = surfels, .stencil = stp_stencil_make()};
     p.areas = stp_candidate_areas_make(input->finish->candidates);
-    stp_cut_table_make(&p.stencil, &p.cuts);
+    stp_clip_table_make(&p.stencil, &p.clips);
     for (int i = 0; i < 256; ++i) {
         p.linear[i] = (uint32_t)(stp_srgb8_to_linear((uint8_t)i) * LINEAR_ONE + 0.5f);
     }

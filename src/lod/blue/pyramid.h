@@ -53,19 +53,19 @@ static inline uint64_t stp_candidate_area(const stp_candidate_areas* areas, uint
 }
 
 /// Parts of a disk that coverage codes draw.
-typedef struct stp_cut_table {
+typedef struct stp_clip_table {
     uint64_t cells[256]; ///< cells of the stencil
     float areas[256];    ///< share of the disk's area, 0 to 1
-    stp_disk_cut cuts[256];
-    float farthest; ///< maximum extent of a cut disk along the direction of its cut
-} stp_cut_table;
+    stp_disk_clip clips[256];
+    float farthest; ///< maximum extent of a clip disk along the direction of its clip
+} stp_clip_table;
 
 typedef struct stp_pyramid {
     stp_context* context;
     const stp_pyramid_input* input;
     stp_splats* surfels;
     stp_stencil stencil;
-    stp_cut_table cuts;
+    stp_clip_table clips;
     uint32_t linear[256];
     stp_candidate_areas areas;
     stp_pyramid_entry* octaves[STP_OCTAVE_LIMIT]; ///< entries of each octave, in one array
@@ -126,7 +126,7 @@ typedef struct stp_surroundings {
     /// Per capture direction, the share of its rays through the disk that hit anything, 0 to about
     /// 1. All 0 if unknown.
     float views[STP_VIEWS_TOLD];
-    float reach[STP_CUT_DIRECTIONS]; ///< extent of the content in each direction; -1: none
+    float reach[STP_CLIP_DIRECTIONS]; ///< extent of the content in each direction; -1: none
 } stp_surroundings;
 
 typedef struct stp_surroundings_search {
@@ -146,15 +146,15 @@ typedef struct stp_surroundings_search {
     const uint32_t* view_starts;    ///< filled in: first candidate of each direction, or NULL
     stp_vec3 views[STP_VIEWS_TOLD]; ///< filled in: the directions
     float pixel;                    ///< filled in: area of a capture pixel over a disk's
-    float across[STP_CUT_DIRECTIONS / 2], along[STP_CUT_DIRECTIONS / 2]; ///< filled in
+    float across[STP_CLIP_DIRECTIONS / 2], along[STP_CLIP_DIRECTIONS / 2]; ///< filled in
 } stp_surroundings_search;
 
 void stp_surroundings_search_run(stp_context* context, stp_surroundings_search* search);
 
-void stp_cut_table_make(const stp_stencil* stencil, stp_cut_table* table);
+void stp_clip_table_make(const stp_stencil* stencil, stp_clip_table* table);
 /// Code of the smallest part of a disk that contains all its content, up to `slack` outside
 /// (relative to the radius).
-uint8_t stp_cut_choose(const stp_cut_table* table, const stp_surroundings* found, float slack);
+uint8_t stp_clip_choose(const stp_clip_table* table, const stp_surroundings* found, float slack);
 
 /// Fills the coverages of an octave from fractions and areas.
 STP_MUST_USE stp_result stp_pyramid_choose_chances(stp_pyramid* p, uint32_t octave,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // The drawn part of each disk. Disks of a surface overlap and occlude the background: they are
-// drawn whole. A disk that extends beyond a border, a beam or a wire is cut along it. Disks over
+// drawn whole. A disk that extends beyond a border, a beam or a wire is clipped along it. Disks over
 // scattered geometry draw as many pixels as the surface nearest to the surfel covers, so that
 // leaves, lattices and distant trees keep their area at any disk size. That area is counted
 // together with the colours, in pixels of the capture.
@@ -200,10 +200,10 @@ static double ray_share(const chooser* c, const stp_surroundings* found)
 // Chooses the drawn part of a disk from its surroundings.
 static uint8_t choose(const chooser* c, uint32_t surfel, const stp_surroundings* found)
 {
-    const stp_cut_table* table = &c->p->cuts;
+    const stp_clip_table* table = &c->p->clips;
     const stp_pyramid_entry* e = &c->entries[surfel];
     bool finest = c->octave + 1 == c->p->surfels->octave_count;
-    uint8_t code = stp_cut_choose(table, found, SLACK - c->margin);
+    uint8_t code = stp_clip_choose(table, found, SLACK - c->margin);
     assert(table->cells[code] != 0);
     double cells = (double)__builtin_popcountll(found->cells & table->cells[code]) /
                    (double)__builtin_popcountll(table->cells[code]);
@@ -249,7 +249,7 @@ static stp_result search_surroundings(const chooser* c, const uint32_t* doubtful
                                       .radius = c->disk_radius,
                                       .only_reach = c->is_cloud,
                                       .found = found};
-    float asked = stp_max(p->cuts.farthest + SLACK - c->margin, 0.0f);
+    float asked = stp_max(p->clips.farthest + SLACK - c->margin, 0.0f);
     search.reach_asked = asked * asked * 1.0001f; // disks with a larger extent are drawn whole
     // few samples, or irregular points: squares half again as wide close the gaps
     bool wide = c->stride == 1 || c->is_cloud;

@@ -38,7 +38,7 @@ typedef struct closer {
     uint32_t count; ///< disks
     float radius;
     placed_disk* disks;
-    stp_disk_cut cuts[256];             ///< by code
+    stp_disk_clip clips[256];           ///< by code
     uint32_t shrink;                    ///< silhouette pixels per picture pixel, along each side
     verdict* verdicts[STP_SILHOUETTES]; ///< per view, one per disk
     bool failed[STP_SILHOUETTES];
@@ -95,7 +95,7 @@ static bool make_outline(const closer* c, const picture* view, uint32_t surfel, 
 }
 
 // Pixels of a row with centres covered by the drawn part of a disk.
-static void find_span(const outline* o, const stp_disk_cut* cut, uint32_t row, uint32_t span[2])
+static void find_span(const outline* o, const stp_disk_clip* clip, uint32_t row, uint32_t span[2])
 {
     // (u0 + du x)^2 + (v0 + dv x)^2 <= 1, x from the left column's centre on
     double dy = (double)row + 0.5 - o->y, dx = (double)o->left + 0.5 - o->x;
@@ -109,10 +109,10 @@ static void find_span(const outline* o, const stp_disk_cut* cut, uint32_t row, u
     }
     root = sqrt(root);
     double begin = (-b - root) / a, end = (-b + root) / a;
-    if (cut != NULL) { // low <= t0 + dt x <= high
-        double t0 = (double)cut->across * u0 + (double)cut->along * v0;
-        double dt = (double)cut->across * du + (double)cut->along * dv;
-        double low = (double)cut->low - t0, high = (double)cut->high - t0;
+    if (clip != NULL) { // low <= t0 + dt x <= high
+        double t0 = (double)clip->across * u0 + (double)clip->along * v0;
+        double dt = (double)clip->across * du + (double)clip->along * dv;
+        double low = (double)clip->low - t0, high = (double)clip->high - t0;
         if (fabs(dt) > 1e-9) {
             double first = (dt > 0.0 ? low : high) / dt, last = (dt > 0.0 ? high : low) / dt;
             begin = first > begin ? first : begin;
@@ -175,11 +175,11 @@ static bool begin_picture(const closer* c, const stp_silhouette* from, picture* 
 static void draw_disk(const closer* c, const picture* view, const outline* o, uint8_t code)
 {
     assert(o->right <= view->width && o->bottom <= view->height);
-    const stp_disk_cut* cut = stp_coverage_cuts(code) ? &c->cuts[code] : NULL;
+    const stp_disk_clip* clip = stp_coverage_clips(code) ? &c->clips[code] : NULL;
     float left = 1.0f - (float)stp_coverage_share(code) / 255.0f;
     for (uint32_t row = o->top; row < o->bottom; ++row) {
         uint32_t span[2];
-        find_span(o, cut, row, span);
+        find_span(o, clip, row, span);
         float* open = view->open + (size_t)row * view->width;
         for (uint32_t x = span[0]; x < span[1]; ++x) {
             open[x] *= left;
@@ -275,9 +275,9 @@ static void close_disks(const closer* c, uint32_t views, stp_pyramid_entry* entr
     for (uint32_t i = 0; i < c->count; ++i) {
         uint8_t code = entries[i].coverage;
         float part = code != STP_COVERAGE_WHOLE ? closing(c, views, i) : 0.0f;
-        if (part >= 1.0f || (part >= 0.5f && stp_coverage_cuts(code))) {
+        if (part >= 1.0f || (part >= 0.5f && stp_coverage_clips(code))) {
             entries[i].coverage = STP_COVERAGE_WHOLE;
-        } else if (part > 0.0f && !stp_coverage_cuts(code)) {
+        } else if (part > 0.0f && !stp_coverage_clips(code)) {
             double share = (double)stp_coverage_share(code) / 255.0;
             entries[i].coverage = stp_coverage_of_share(share + (1.0 - share) * (double)part);
         }
@@ -300,7 +300,7 @@ stp_result stp_pyramid_close_holes(stp_pyramid* p, uint32_t octave, const stp_oc
         return STP_OK;
     }
     for (int code = STP_COVERAGE_HALVES; code < STP_COVERAGE_WHOLE; ++code) {
-        c.cuts[code] = stp_coverage_cut((uint8_t)code);
+        c.clips[code] = stp_coverage_clip((uint8_t)code);
     }
     double pixels = (double)plan->disk_radius / from->pixel_size / RADIUS;
     c.shrink = pixels >= 2.0 ? pixels < 4096.0 ? (uint32_t)pixels : 4096 : 1;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The area a disk must occlude, and the lines along which it may be cut. All candidates in the
+// The area a disk must occlude, and the lines along which it may be clipped. All candidates in the
 // disk's cylinder count, of any surface: a ray through the disk that hits any of them shows no
 // background. So a plate with studs is as solid as a bare one, though each of its layers alone is
 // full of holes. Geometry far behind the disk is a different object.
@@ -38,7 +38,7 @@ static disk make_disk(const stp_surroundings_search* s, uint32_t surfel)
               .normal = stp_octahedral_decode(code[0], code[1]),
               .x = stp_scale(axes.x, 1.0f / s->radius),
               .y = stp_scale(axes.y, 1.0f / s->radius)};
-    for (int k = 0; k < STP_CUT_DIRECTIONS; ++k) {
+    for (int k = 0; k < STP_CLIP_DIRECTIONS; ++k) {
         d.found.reach[k] = -1.0f;
     }
     return d;
@@ -46,7 +46,7 @@ static disk make_disk(const stp_surroundings_search* s, uint32_t surfel)
 
 static void extend_reach(const stp_surroundings_search* s, disk* d, float u, float v)
 {
-    enum { HALF = STP_CUT_DIRECTIONS / 2, PART = HALF / 3 };
+    enum { HALF = STP_CLIP_DIRECTIONS / 2, PART = HALF / 3 };
     float* forth = d->found.reach;
     float* back = forth + HALF;
     float less[HALF];
@@ -225,56 +225,56 @@ void stp_surroundings_search_run(stp_context* context, stp_surroundings_search* 
     assert(search->count == 0 || (search->radius > 0.0f && search->stride > 0));
     assert(!(search->samples->cell < search->radius));
     find_views(search);
-    for (uint32_t k = 0; k < STP_CUT_DIRECTIONS / 2; ++k) {
-        stp_disk_cut cut =
-            stp_coverage_cut((uint8_t)(STP_COVERAGE_STRIPS + k * STP_CUT_STRIP_OFFSETS));
-        search->across[k] = cut.across;
-        search->along[k] = cut.along;
+    for (uint32_t k = 0; k < STP_CLIP_DIRECTIONS / 2; ++k) {
+        stp_disk_clip clip =
+            stp_coverage_clip((uint8_t)(STP_COVERAGE_STRIPS + k * STP_CLIP_STRIP_OFFSETS));
+        search->across[k] = clip.across;
+        search->along[k] = clip.along;
     }
     stp_parallel_for(context, search->count, GRAIN, search_disks, search);
 }
 
-// Cells that a cut disk draws: by their centres, or all cells that a narrow strip crosses.
-static uint64_t cells_of(const stp_stencil* stencil, stp_disk_cut cut)
+// Cells that a clipped disk draws: by their centres, or all cells that a narrow strip crosses.
+static uint64_t cells_of(const stp_stencil* stencil, stp_disk_clip clip)
 {
     uint64_t cells = 0;
-    float middle = 0.5f * (cut.low + cut.high), half = 0.5f * (cut.high - cut.low);
-    half = cut.low < -1.0f ? half : stp_max(half, 0.13f);
+    float middle = 0.5f * (clip.low + clip.high), half = 0.5f * (clip.high - clip.low);
+    half = clip.low < -1.0f ? half : stp_max(half, 0.13f);
     for (int i = 0; i < 64; ++i) {
         float u = (float)(2 * (i & 7) - 7) / 8.0f, v = (float)(2 * (i >> 3) - 7) / 8.0f;
-        float at = cut.across * u + cut.along * v - middle;
+        float at = clip.across * u + clip.along * v - middle;
         cells |= fabsf(at) <= half ? (uint64_t)1 << i : 0;
     }
     return cells & stencil->disk;
 }
 
-void stp_cut_table_make(const stp_stencil* stencil, stp_cut_table* table)
+void stp_clip_table_make(const stp_stencil* stencil, stp_clip_table* table)
 {
     table->farthest = 0.0f;
     for (uint32_t code = STP_COVERAGE_HALVES; code < STP_COVERAGE_WHOLE; ++code) {
-        table->cuts[code] = stp_coverage_cut((uint8_t)code);
-        table->cells[code] = cells_of(stencil, table->cuts[code]);
+        table->clips[code] = stp_coverage_clip((uint8_t)code);
+        table->cells[code] = cells_of(stencil, table->clips[code]);
         table->areas[code] = stp_coverage_area((uint8_t)code);
         assert(table->cells[code] != 0 && table->areas[code] > 0.0f);
-        table->farthest = stp_max(table->farthest, table->cuts[code].high);
+        table->farthest = stp_max(table->farthest, table->clips[code].high);
     }
     table->cells[STP_COVERAGE_WHOLE] = stencil->disk;
     table->areas[STP_COVERAGE_WHOLE] = 1.0f;
 }
 
 // Smallest part of the disk that contains all its content, up to `slack`, relative to the radius.
-uint8_t stp_cut_choose(const stp_cut_table* table, const stp_surroundings* found, float slack)
+uint8_t stp_clip_choose(const stp_clip_table* table, const stp_surroundings* found, float slack)
 {
     uint8_t best = STP_COVERAGE_WHOLE;
     for (uint32_t code = STP_COVERAGE_HALVES; code < STP_COVERAGE_WHOLE; ++code) {
         bool half = code < STP_COVERAGE_STRIPS;
         uint32_t at = code - (uint32_t)(half ? STP_COVERAGE_HALVES : STP_COVERAGE_STRIPS);
-        uint32_t direction = at / (half ? STP_CUT_HALF_OFFSETS : STP_CUT_STRIP_OFFSETS);
-        uint32_t opposite = (direction + STP_CUT_DIRECTIONS / 2) % STP_CUT_DIRECTIONS;
-        assert(direction < STP_CUT_DIRECTIONS);
-        const stp_disk_cut* cut = &table->cuts[code];
-        if (found->reach[direction] <= cut->high + slack &&
-            -found->reach[opposite] >= cut->low - slack &&
+        uint32_t direction = at / (half ? STP_CLIP_HALF_OFFSETS : STP_CLIP_STRIP_OFFSETS);
+        uint32_t opposite = (direction + STP_CLIP_DIRECTIONS / 2) % STP_CLIP_DIRECTIONS;
+        assert(direction < STP_CLIP_DIRECTIONS);
+        const stp_disk_clip* clip = &table->clips[code];
+        if (found->reach[direction] <= clip->high + slack &&
+            -found->reach[opposite] >= clip->low - slack &&
             table->areas[code] < table->areas[best]) {
             best = (uint8_t)code;
         }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // One piece of a merge: splats, the links between them, and the queue that merges them. A small
-// cloud is one piece; a large one is cut into pieces that are merged in parallel.
+// cloud is one piece; a large one is split into pieces that are merged in parallel.
 #pragma once
 
 #include "lod/psp/metric.h"

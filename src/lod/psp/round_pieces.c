@@ -4,16 +4,16 @@
 
 #include <assert.h>
 
-typedef struct cutter {
+typedef struct splitter {
     stp_psp_rounds* rounds;
     stp_psp_range *ranges, *next;
     uint32_t count, piece_size, depth;
-} cutter;
+} splitter;
 
-static uint32_t cut_of(const cutter* c, stp_psp_range of)
+static uint32_t split_of(const splitter* c, stp_psp_range of)
 {
     uint32_t count = of.end - of.begin;
-    if (c->rounds->round == 0) { // cut positions in the tree
+    if (c->rounds->round == 0) { // split positions in the tree
         uint32_t begin = of.begin / STP_KD_LEAF;
         uint32_t end = of.end / STP_KD_LEAF + (of.end % STP_KD_LEAF != 0 ? 1 : 0);
         return (begin + (end - begin) / 2) * STP_KD_LEAF;
@@ -23,21 +23,21 @@ static uint32_t cut_of(const cutter* c, stp_psp_range of)
     return of.begin + (uint32_t)(count * part / 1024);
 }
 
-static bool is_small(const cutter* c, stp_psp_range of)
+static bool is_small(const splitter* c, stp_psp_range of)
 {
     uint32_t minimum = c->piece_size > STP_KD_LEAF ? c->piece_size : STP_KD_LEAF;
     return of.end - of.begin <= minimum;
 }
 
-static void cut_some(size_t begin, size_t end, uint32_t worker, void* user)
+static void split_some(size_t begin, size_t end, uint32_t worker, void* user)
 {
-    const cutter* c = user;
+    const splitter* c = user;
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
         stp_psp_range of = c->ranges[i];
         stp_psp_rounds_release(c->rounds, i);
         bool small = is_small(c, of);
-        uint32_t middle = small ? of.end : cut_of(c, of);
+        uint32_t middle = small ? of.end : split_of(c, of);
         assert(small || (of.begin < middle && middle < of.end));
         if (!small && c->rounds->order != NULL) {
             stp_kd_point* points = c->rounds->order + of.begin;
@@ -50,14 +50,14 @@ static void cut_some(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-stp_result stp_psp_cut_pieces(stp_psp_rounds* r, uint32_t piece_size, stp_psp_range** ranges,
-                              uint32_t* count)
+stp_result stp_psp_split_slots(stp_psp_rounds* r, uint32_t piece_size, stp_psp_range** ranges,
+                               uint32_t* count)
 {
     assert(piece_size > 0 && r->live > 0);
     // each piece holds more than a third of `piece_size`
     size_t maximum = 4 + 2 * (3 * (size_t)r->live / piece_size + 1);
     stp_context* context = r->shared.context;
-    cutter c = {.rounds = r, .piece_size = piece_size, .count = 1};
+    splitter c = {.rounds = r, .piece_size = piece_size, .count = 1};
     c.ranges = STP_NEW_ARRAY(context, stp_psp_range, maximum);
     c.next = STP_NEW_ARRAY(context, stp_psp_range, maximum);
     if (c.ranges == NULL || c.next == NULL) {
@@ -68,7 +68,7 @@ stp_result stp_psp_cut_pieces(stp_psp_rounds* r, uint32_t piece_size, stp_psp_ra
     c.ranges[0] = (stp_psp_range){0, r->live};
     for (bool all = false; !all; ++c.depth) {
         assert(2 * (size_t)c.count <= maximum);
-        stp_parallel_for(context, c.count, 1, cut_some, &c);
+        stp_parallel_for(context, c.count, 1, split_some, &c);
         uint32_t kept = 0;
         all = true;
         for (uint32_t i = 0; i < 2 * c.count; ++i) {

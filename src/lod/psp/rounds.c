@@ -254,7 +254,7 @@ static stp_result choose_limit(stp_psp_rounds* r, float* limit)
     return STP_OK;
 }
 
-/// Lists the centres of the previous round's results; cutting sorts them.
+/// Lists the centres of the previous round's results; splitting sorts them.
 static stp_result make_order(stp_psp_rounds* r)
 {
     stp_context* context = r->shared.context;
@@ -279,7 +279,7 @@ static stp_result run_round(stp_psp_rounds* r, uint32_t piece_size)
     float limit = FLT_MAX;
     stp_result result = r->round > 0 ? make_order(r) : STP_OK;
     if (result == STP_OK) {
-        result = stp_psp_cut_pieces(r, piece_size, &ranges, &count);
+        result = stp_psp_split_slots(r, piece_size, &ranges, &count);
     }
     if (result == STP_OK && r->round > 0) {
         result = stp_psp_renumber(r);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Merges a large cloud in rounds. Each round cuts space into pieces and merges the splats of every
+// Merges a large cloud in rounds. Each round splits space into pieces and merges the splats of every
 // piece up to one common error. Pairs across a seam wait for the next round, which has other seams.
 #pragma once
 
@@ -34,7 +34,7 @@ typedef enum stp_psp_room_use {
     STP_PSP_ROOMS,
 } stp_psp_room_use;
 
-/// In each round, a splat has a slot: its position in the order that is cut into pieces. The
+/// In each round, a splat has a slot: its position in the order that is split into pieces. The
 /// results of a round are numbered block by block.
 typedef struct stp_psp_rounds {
     stp_psp_shared shared;
@@ -111,13 +111,13 @@ typedef struct stp_psp_range {
     uint32_t begin, end;
 } stp_psp_range;
 
-/// Cuts all slots into pieces. The first round cuts subtrees of the kd-tree; later rounds cut at
+/// Splits all slots into pieces. The first round splits subtrees of the kd-tree; later rounds split at
 /// other places and reorder the slots.
-/// @param piece_size maximum splats per piece, above 0; STP_KD_LEAF splats are never cut
+/// @param piece_size maximum splats per piece, above 0; STP_KD_LEAF splats are never split
 /// @param ranges receives the pieces; the caller frees them
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
-STP_MUST_USE stp_result stp_psp_cut_pieces(stp_psp_rounds* rounds, uint32_t piece_size,
-                                           stp_psp_range** ranges, uint32_t* count);
+STP_MUST_USE stp_result stp_psp_split_slots(stp_psp_rounds* rounds, uint32_t piece_size,
+                                            stp_psp_range** ranges, uint32_t* count);
 
 /// Converts `survivors` to slots of the current round, after its order is final.
 /// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)

@@ -2,7 +2,7 @@
 //
 // Original triangles as clusters: up to 128 neighbouring triangles with up to 256 vertices.
 // Positions are quantised on the mesh's power-of-two grid, with an origin per cluster. Vertices
-// that neighbouring clusters share round to the same position, so no cracks appear. Pieces of a cut
+// that neighbouring clusters share round to the same position, so no cracks appear. Pieces of a split
 // mesh use the same step, so this holds between them too. docs/format.md is the authority on the
 // bytes.
 //
@@ -43,7 +43,7 @@ typedef struct stp_coded_mesh {
 } stp_coded_mesh;
 
 /// Codes a mesh on the grid of `step` (base/math/position_grid.h) into memory of the context (stp_free
-/// of `bytes`). Pieces of a cut mesh get the step of the whole. Arrays are as in stp_store_mesh:
+/// of `bytes`). Pieces of a split mesh get the step of the whole. Arrays are as in stp_store_mesh:
 /// floats, with normals as 16-bit octahedral codes. Deterministic; may run inside jobs. Reorders
 /// triangles. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT
 STP_MUST_USE stp_result stp_clusters_encode(stp_context* context, const stp_store_mesh* mesh,

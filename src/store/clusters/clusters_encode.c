@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Codes a mesh as clusters: sorts triangles along a curve, cuts at 128 triangles or 256 vertices,
+// Codes a mesh as clusters: sorts triangles along a curve, splits at 128 triangles or 256 vertices,
 // packs.
 #include "store/clusters/clusters_encode.h"
 
@@ -114,7 +114,7 @@ static uint32_t gather_triangles(encoding* e, const uint64_t* order, uint32_t at
     return at;
 }
 
-static stp_result cut_clusters(encoding* e, const uint64_t* order, uint32_t triangle_count)
+static stp_result split_clusters(encoding* e, const uint64_t* order, uint32_t triangle_count)
 {
     uint32_t end = order == NULL ? triangle_count : 0;
     for (uint32_t at = 0; at < triangle_count;) {
@@ -273,7 +273,7 @@ static stp_result encode(encoding* e, const stp_store_mesh* mesh, stp_coded_mesh
         result = sort_triangles(e, mesh, &order);
     }
     if (result == STP_OK) {
-        result = cut_clusters(e, order, count);
+        result = split_clusters(e, order, count);
     }
     stp_free(e->context, order);
     stp_free(e->context, places);

@@ -386,7 +386,7 @@ bool stp_cluster_maker_take_parts(stp_cluster_maker* m, const uint64_t* triangle
     stp_cluster_maker_begin(m);
     m->group = clusters_part_vertices(part_class);
     // without normals, planes alone light the faces, so they must not turn
-    bool coarse = m->mesh->normals != NULL && !m->mesh->cut;
+    bool coarse = m->mesh->normals != NULL && !m->mesh->is_piece;
     m->shift = coarse ? choose_shift(m, triangles, count, part) : 0;
     bool plain = true;
     for (uint32_t i = 0; i < count;) {

@@ -55,8 +55,8 @@ typedef struct stp_store_mesh {
     const float* texcoords[2]; ///< NULL, or 2 per vertex
     const uint16_t* colors;    ///< NULL, or 4 per vertex, linear, 65535 is 1
     const uint32_t* indices;   ///< 3 per triangle, each below vertex_count
-    double area; ///< total area of its triangles, in square units of its space; not stored
-    bool cut;    ///< a piece of a larger mesh: its borders round like the whole's; not stored
+    double area;   ///< total area of its triangles, in square units of its space; not stored
+    bool is_piece; ///< a piece of a larger mesh: its borders round like the whole's; not stored
 } stp_store_mesh;
 
 /// Vertex index of a corner (3 per triangle). Always below vertex_count, because a mapped file can

@@ -24,7 +24,7 @@ typedef struct run {
     uint32_t first, count, first_piece, pieces;
 } run;
 
-typedef struct cutting {
+typedef struct splitting {
     stp_place* places;
     bool in_spill;      ///< the places lie in a spill
     run *from, *to;     ///< runs of this level and the next; at most two for each run of this one
@@ -32,7 +32,7 @@ typedef struct cutting {
     uint32_t maximum;   ///< maximum places of a piece
     uint32_t* ends;     ///< end of each piece
     unsigned index_bits;
-} cutting;
+} splitting;
 
 // Leaves places behind that a pass is done with.
 static inline void leave(const stp_place* places, uint32_t count, bool in_spill)
@@ -135,7 +135,7 @@ static void select_first(stp_place* places, uint32_t count, uint32_t rank, int a
 }
 
 // Divides a run of several pieces in two.
-static void divide(const cutting* c, run r, bool in_spill, run halves[2])
+static void divide(const splitting* c, run r, bool in_spill, run halves[2])
 {
     assert(r.pieces > 1);
     stp_place* places = c->places + r.first;
@@ -158,7 +158,7 @@ static bool is_long(run r)
 static void divide_runs(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
-    const cutting* c = user;
+    const splitting* c = user;
     for (size_t i = begin; i < end; ++i) {
         run r = c->from[i];
         c->to[2 * i] = r;
@@ -195,7 +195,7 @@ static stp_place* sort_by_index(stp_place* places, stp_place* scratch, uint32_t 
     return places;
 }
 
-static void finish_piece(cutting* c, run r, stp_place* scratch)
+static void finish_piece(splitting* c, run r, stp_place* scratch)
 {
     assert(r.count <= c->maximum && "no longer than the scratch");
     stp_place* places = c->places + r.first;
@@ -208,7 +208,7 @@ static void finish_piece(cutting* c, run r, stp_place* scratch)
 // Divides short runs down to their pieces.
 static void finish_runs(size_t begin, size_t end, uint32_t worker, void* user)
 {
-    cutting* c = user;
+    splitting* c = user;
     stp_place* scratch = c->scratch + (size_t)worker * c->maximum;
     for (size_t i = begin; i < end; ++i) {
         run stack[DEPTH];
@@ -244,7 +244,7 @@ static uint32_t keep_runs(run* runs, uint32_t count, bool* any_long)
     return kept;
 }
 
-static stp_result cut_all(stp_context* context, cutting* c, uint32_t count, uint32_t pieces)
+static stp_result split_all(stp_context* context, splitting* c, uint32_t count, uint32_t pieces)
 {
     bool any_long;
     c->from[0] = (run){0, count, 0, pieces};
@@ -272,18 +272,18 @@ static stp_result cut_all(stp_context* context, cutting* c, uint32_t count, uint
     return STP_OK;
 }
 
-stp_result stp_cut_ranges(stp_context* context, stp_place* places, uint32_t count, uint32_t pieces,
-                          bool in_spill, uint32_t* ends)
+stp_result stp_split_ranges(stp_context* context, stp_place* places, uint32_t count,
+                            uint32_t pieces, bool in_spill, uint32_t* ends)
 {
     assert(pieces > 0);
-    cutting c = {.places = places, .in_spill = in_spill, .ends = ends};
+    splitting c = {.places = places, .in_spill = in_spill, .ends = ends};
     run* runs = STP_NEW_ARRAY(context, run, 4 * (size_t)pieces);
     if (runs == NULL) {
         return stp_fail_memory(context);
     }
     c.from = runs;
     c.to = runs + 2 * (size_t)pieces;
-    stp_result result = cut_all(context, &c, count, pieces);
+    stp_result result = split_all(context, &c, count, pieces);
     assert(result != STP_OK || ends[pieces - 1] == count);
     stp_free(context, runs);
     return result;

@@ -33,7 +33,7 @@ static void make_places(stp_place* places, uint32_t count)
 
 // Whether all places are there, in runs of the right lengths with ascending indices, and the first
 // half of the pieces is the lower one along the longest axis.
-static bool is_cut(const stp_place* places, uint32_t count)
+static bool is_split(const stp_place* places, uint32_t count)
 {
     unsigned char* seen = calloc(count, 1);
     bool good = seen != NULL && ends[PIECES - 1] == count;
@@ -67,7 +67,7 @@ static uint64_t resident_bytes(void)
     return got == 2 ? (uint64_t)resident * (uint64_t)sysconf(_SC_PAGESIZE) : 0;
 }
 
-void test_cut_ranges_divide_by_planes(test_state* test)
+void test_split_ranges_divide_by_planes(test_state* test)
 {
     static const uint32_t counts[] = {SHORT, LONG};
     in_heap = malloc(sizeof(stp_place) * LONG);
@@ -75,15 +75,15 @@ void test_cut_ranges_divide_by_planes(test_state* test)
     for (size_t i = 0; i < 2; ++i) {
         context = test_context(NULL, 2, NULL);
         make_places(in_heap, counts[i]);
-        CHECK_EQUAL(STP_OK, stp_cut_ranges(context, in_heap, counts[i], PIECES, false, ends));
-        CHECK(is_cut(in_heap, counts[i]));
+        CHECK_EQUAL(STP_OK, stp_split_ranges(context, in_heap, counts[i], PIECES, false, ends));
+        CHECK(is_split(in_heap, counts[i]));
         stp_context_destroy(context);
     }
     free(in_heap);
 }
 
-// Of places in a spill, little stays resident, and they are cut in the same way.
-void test_cut_ranges_leave_pages_of_a_spill(test_state* test)
+// Of places in a spill, little stays resident, and they are split in the same way.
+void test_split_ranges_leave_pages_of_a_spill(test_state* test)
 {
     stp_spill* spill = NULL;
     const size_t size = sizeof(stp_place) * LONG;
@@ -94,8 +94,8 @@ void test_cut_ranges_leave_pages_of_a_spill(test_state* test)
     CHECK(in_spill != NULL);
     make_places(in_spill, LONG);
     make_places(in_heap, LONG);
-    CHECK_EQUAL(STP_OK, stp_cut_ranges(context, in_heap, LONG, PIECES, false, ends));
-    CHECK_EQUAL(STP_OK, stp_cut_ranges(context, in_spill, LONG, PIECES, true, ends));
+    CHECK_EQUAL(STP_OK, stp_split_ranges(context, in_heap, LONG, PIECES, false, ends));
+    CHECK_EQUAL(STP_OK, stp_split_ranges(context, in_spill, LONG, PIECES, true, ends));
     uint64_t without = resident_bytes();
     CHECK(memcmp(in_heap, in_spill, size) == 0); // reads all of it
     uint64_t with = resident_bytes();
