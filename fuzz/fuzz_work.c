@@ -75,8 +75,8 @@ static uint64_t use(stp_work* work, stp_hash key)
     } else if (stp_work_find_mesh(work, key, &mesh)) {
         total += sum(mesh.bytes, mesh.size);
     }
-    const stp_work_piece piece = {"anew", 4};
-    if (stp_work_store(work, key, &piece, 1, &bytes) != STP_OK ||
+    const stp_bytes part = {"anew", 4};
+    if (stp_work_store(work, key, &part, 1, &bytes) != STP_OK ||
         stp_work_find(work, key, &size) != bytes || bytes == NULL) {
         abort();
     }

@@ -17,7 +17,7 @@
 #include <assert.h>
 #include <string.h>
 
-enum { WIDTH = 1920, HEIGHT = 1080, MIN_REPEATS = 3, REPEATS = 7, PIECE = 16384, MAX_THREADS = 2 };
+enum { WIDTH = 1920, HEIGHT = 1080, MIN_REPEATS = 3, REPEATS = 7, TASK = 16384, MAX_THREADS = 2 };
 static const double repeat_ms = 4000.0; // a size that has taken this long has enough repeats
 
 typedef struct splat_bench {
@@ -94,7 +94,7 @@ static bool create(splat_bench* b, uint32_t count, uint32_t threads)
     return true;
 }
 
-static void draw_piece(size_t begin, size_t end, uint32_t worker, void* user)
+static void draw_task(size_t begin, size_t end, uint32_t worker, void* user)
 {
     splat_bench* b = user;
     assert(worker < b->threads && b->threads <= MAX_THREADS && "each worker has its own buffer");
@@ -141,7 +141,7 @@ static lap run_lap(splat_bench* b, software_gl* gl, float size)
     for (int frame = 0; frame < 2; ++frame) {
         memset(b->fragments, 0, sizeof(b->fragments));
         double start = stp_clock_ms();
-        stp_parallel_for(b->context, b->count, PIECE, draw_piece, b);
+        stp_parallel_for(b->context, b->count, TASK, draw_task, b);
         out.raster = stp_clock_ms() - start;
         stp_parallel_for(b->context, HEIGHT, 8, merge_rows, b);
         out.cpu = stp_clock_ms() - start;

@@ -11,9 +11,9 @@
 
 enum {
     COPY_BYTES = 1 << 26, ///< size of each buffer: twice the largest caches
-    COPY_PIECE = 1 << 20,
+    COPY_TASK = 1 << 20,
     UPDATES = 1 << 22,
-    UPDATE_PIECE = 1 << 14,
+    UPDATE_TASK = 1 << 14,
 };
 
 bool memory_speed_create(stp_context* context, uint32_t pixel_count, memory_speed* memory)
@@ -46,7 +46,7 @@ void memory_speed_destroy(memory_speed* memory)
     *memory = (memory_speed){0};
 }
 
-static void copy_piece(size_t begin, size_t end, uint32_t worker, void* user)
+static void copy_task(size_t begin, size_t end, uint32_t worker, void* user)
 {
     memory_speed* m = user;
     (void)worker;
@@ -56,11 +56,11 @@ static void copy_piece(size_t begin, size_t end, uint32_t worker, void* user)
 double memory_speed_copy(memory_speed* memory)
 {
     double start = stp_clock_ms();
-    stp_parallel_for(memory->context, COPY_BYTES, COPY_PIECE, copy_piece, memory);
+    stp_parallel_for(memory->context, COPY_BYTES, COPY_TASK, copy_task, memory);
     return 2.0 * COPY_BYTES / (stp_clock_ms() - start) * 1000.0;
 }
 
-static void update_piece(size_t begin, size_t end, uint32_t worker, void* user)
+static void update_task(size_t begin, size_t end, uint32_t worker, void* user)
 {
     memory_speed* m = user;
     assert(worker < m->threads && "each worker has its own picture");
@@ -76,7 +76,7 @@ double memory_speed_update(memory_speed* memory)
     memset(memory->pixels, 0xff,
            (size_t)memory->pixel_count * memory->threads * sizeof(memory->pixels[0]));
     double start = stp_clock_ms();
-    stp_parallel_for(memory->context, UPDATES, UPDATE_PIECE, update_piece, memory);
+    stp_parallel_for(memory->context, UPDATES, UPDATE_TASK, update_task, memory);
     return UPDATES / (stp_clock_ms() - start) * 1000.0;
 }
 

@@ -16,11 +16,11 @@ enum {
 #define ALONG UINT64_C(0xC13FA9A902A6328F)
 #define ACROSS UINT64_C(0x91E10DA5C79E7B1D)
 
-/// Result of one piece of a loop.
-typedef struct piece {
+/// Result of one task of a loop.
+typedef struct task {
     double max, sum;
     stp_vec3d farthest;
-} piece;
+} task;
 
 typedef struct measurement {
     stp_context* context;
@@ -30,7 +30,7 @@ typedef struct measurement {
     const float* points;   ///< input of the loop over points or vertices
     const uint8_t* wanted; ///< NULL: all of them
     uint64_t samples;
-    piece* pieces;
+    task* tasks;
 } measurement;
 
 uint64_t stp_hausdorff_samples(size_t triangle_count)
@@ -42,7 +42,7 @@ uint64_t stp_hausdorff_samples(size_t triangle_count)
     return samples > MIN_SAMPLES ? samples : MIN_SAMPLES;
 }
 
-static void add_place(piece* p, const stp_shape_tree* tree, stp_vec3d place, uint32_t* hint)
+static void add_place(task* p, const stp_shape_tree* tree, stp_vec3d place, uint32_t* hint)
 {
     double distance = sqrt(stp_shape_tree_distance_squared(tree, place, hint));
     p->sum += distance;
@@ -56,7 +56,7 @@ static void measure_points(size_t begin, size_t end, uint32_t worker, void* user
 {
     (void)worker;
     const measurement* m = user;
-    piece p = {.max = -1.0};
+    task p = {.max = -1.0};
     uint32_t hint = UINT32_MAX;
     for (size_t i = begin; i < end; ++i) {
         if (m->wanted == NULL || m->wanted[i] != 0) {
@@ -65,7 +65,7 @@ static void measure_points(size_t begin, size_t end, uint32_t worker, void* user
             add_place(&p, m->tree, place, &hint);
         }
     }
-    m->pieces[begin / GRAIN] = p;
+    m->tasks[begin / GRAIN] = p;
     stp_progress_add(m->context, end - begin);
 }
 
@@ -110,7 +110,7 @@ static void measure_samples(size_t begin, size_t end, uint32_t worker, void* use
 {
     (void)worker;
     const measurement* m = user;
-    piece p = {.max = -1.0};
+    task p = {.max = -1.0};
     uint32_t hint = UINT32_MAX;
     double all = m->areas[m->surface->triangle_count];
     for (size_t i = begin; i < end; ++i) {
@@ -118,22 +118,22 @@ static void measure_samples(size_t begin, size_t end, uint32_t worker, void* use
         stp_vec3d place = sample_triangle(m->surface, find_triangle(m, area), i + 1);
         add_place(&p, m->tree, place, &hint);
     }
-    m->pieces[begin / GRAIN] = p;
+    m->tasks[begin / GRAIN] = p;
     stp_progress_add(m->context, end - begin);
 }
 
-static size_t count_pieces(size_t count)
+static size_t count_tasks(size_t count)
 {
     return (count + GRAIN - 1) / GRAIN;
 }
 
-// Merges the results of pieces in order.
-static stp_result run(measurement* m, size_t count, stp_job job, piece* found)
+// Merges the results of tasks in order.
+static stp_result run(measurement* m, size_t count, stp_job job, task* found)
 {
     const stp_loop_report report = {.stage = "distances", .unit = "places", .total = count};
     stp_result result = stp_parallel_for_reported(m->context, count, GRAIN, job, m, &report);
-    for (size_t i = 0; i < count_pieces(count) && result == STP_OK; ++i) {
-        const piece* p = &m->pieces[i];
+    for (size_t i = 0; i < count_tasks(count) && result == STP_OK; ++i) {
+        const task* p = &m->tasks[i];
         found->sum += p->sum;
         if (p->max > found->max) {
             found->max = p->max;
@@ -171,7 +171,7 @@ static stp_result measure(measurement* m, stp_hausdorff* hausdorff, double* area
     const stp_measured_surface* s = m->surface;
     hausdorff->area = sum_areas(s, areas);
     size_t vertices = mark_used(s, used);
-    piece of_points = {.max = -1.0}, of_vertices = of_points, of_samples = of_points;
+    task of_points = {.max = -1.0}, of_vertices = of_points, of_samples = of_points;
     m->samples = hausdorff->area > 0.0 && isfinite(hausdorff->area) ? m->samples : 0;
     m->points = s->points;
     stp_result result = run(m, s->point_count, measure_points, &of_points);
@@ -183,7 +183,7 @@ static stp_result measure(measurement* m, stp_hausdorff* hausdorff, double* area
     if (result == STP_OK && m->samples > 0) {
         result = run(m, (size_t)m->samples, measure_samples, &of_samples);
     }
-    const piece* all[] = {&of_points, &of_vertices, &of_samples};
+    const task* all[] = {&of_points, &of_vertices, &of_samples};
     hausdorff->max = -1.0;
     for (int i = 0; i < 3; ++i) {
         if (all[i]->max > hausdorff->max) {
@@ -230,13 +230,13 @@ stp_result stp_hausdorff_measure(stp_context* context, const stp_measured_surfac
                      .tree = tree,
                      .areas = areas,
                      .samples = samples,
-                     .pieces = STP_NEW_ARRAY(context, piece, count_pieces(longest) + 1)};
-    stp_result result = areas != NULL && used != NULL && m.pieces != NULL
+                     .tasks = STP_NEW_ARRAY(context, task, count_tasks(longest) + 1)};
+    stp_result result = areas != NULL && used != NULL && m.tasks != NULL
                             ? measure(&m, hausdorff, areas, used)
                             : stp_fail_memory(context);
     stp_free(context, areas);
     stp_free(context, used);
-    stp_free(context, m.pieces);
+    stp_free(context, m.tasks);
     return result;
 }
 

@@ -46,16 +46,16 @@ static stp_result write_indices(const stp_mesh* mesh, uint32_t index_bytes, stp_
         return stp_file_writer_append(file, mesh->indices, 4 * count);
     }
     stp_result result = STP_OK;
-    uint16_t piece[4096];
+    uint16_t block[4096];
     size_t filled = 0;
     for (size_t i = 0; result == STP_OK && i < count; ++i) {
-        piece[filled++] = (uint16_t)mesh->indices[i];
+        block[filled++] = (uint16_t)mesh->indices[i];
         bool last = i + 1 == count;
         if (last && count % 2 == 1) {
-            piece[filled++] = 0; // pads to a multiple of four bytes
+            block[filled++] = 0; // pads to a multiple of four bytes
         }
         if (last || filled == 4096) {
-            result = stp_file_writer_append(file, piece, 2 * filled);
+            result = stp_file_writer_append(file, block, 2 * filled);
             filled = 0;
         }
     }

@@ -19,7 +19,7 @@ typedef struct pictures {
     uint32_t width, height; ///< size at this scale
     float *grey_a, *grey_b;
     uint8_t* counted;
-    uint64_t* square_errors; ///< per piece of PIXEL_GRAIN pixels, over the three channels
+    uint64_t* square_errors; ///< per task of PIXEL_GRAIN pixels, over the three channels
 } pictures;
 
 static float to_grey(const int color[3])

@@ -9,7 +9,7 @@ enum {
     TAPS = 2 * RADIUS + 1,
     // a, b, a^2 + b^2, a b: the sum of the squares is enough, as only va + vb is needed
     MOMENTS = 4,
-    BAND = 64, // rows of one piece of work
+    BAND = 64, // rows of one task of work
 };
 
 // exp(-x^2 / (2 * 1.5^2)), x = 0..5, scaled so that the window sums to 1

@@ -259,20 +259,20 @@ int tool_finish_output(int code)
 }
 
 /// Writes JSON; escapes non-ASCII characters that a terminal would obey as \\u.
-static int write_json(const char* piece, size_t size, void* user)
+static int write_json(const char* text, size_t size, void* user)
 {
     FILE* stream = user;
     while (size > 0) {
         uint32_t code;
-        size_t length = 0, plain = stp_find_unprintable(piece, size, &code, &length);
-        if (fwrite(piece, 1, plain, stream) != plain) {
+        size_t length = 0, plain = stp_find_unprintable(text, size, &code, &length);
+        if (fwrite(text, 1, plain, stream) != plain) {
             return -1;
         }
         size_t taken = plain < size ? plain + length : plain;
         if (plain < size && fprintf(stream, "\\u%04x", code) < 0) {
             return -1;
         }
-        piece += taken;
+        text += taken;
         size -= taken;
     }
     return 0;

@@ -49,13 +49,13 @@ static stp_result take_picture(stp_scene* scene, stp_texture* texture, encoded_t
     assert(texture->encoded == NULL && "an original picture is kept");
     assert(encoded->size < texel_bytes(texture) && "the texels are smaller");
     if (texture->spilled) {
-        unsigned char* piece = stp_spill_alloc(scene->spill, encoded->size);
-        if (piece == NULL) {
+        unsigned char* copy = stp_spill_alloc(scene->spill, encoded->size);
+        if (copy == NULL) {
             return STP_ERROR_IO; // already logged
         }
-        memcpy(piece, encoded->bytes, encoded->size);
+        memcpy(copy, encoded->bytes, encoded->size);
         stp_free(scene->context, encoded->bytes);
-        encoded->bytes = piece;
+        encoded->bytes = copy;
     } else {
         scene->bulk_bytes += encoded->size;
     }

@@ -237,13 +237,13 @@ static stp_result store_splat_set(stp_work* work, stp_hash key, const stp_splats
         columns[ATTRIBUTE_COLUMN + i] = splats->attributes[i];
     }
     columns[LEAF_COLUMN] = splats->leaves;
-    stp_work_piece pieces[1 + 2 * COLUMNS] = {{head, SPLAT_SET_HEAD}};
+    stp_bytes parts[1 + 2 * COLUMNS] = {{head, SPLAT_SET_HEAD}};
     for (int i = 0; i < COLUMNS; ++i) {
         assert((columns[i] != NULL || sizes[i] == 0) && "a column is missing");
-        pieces[1 + 2 * i] = (stp_work_piece){columns[i], sizes[i]};
-        pieces[2 + 2 * i] = (stp_work_piece){zeros, pad(sizes[i]) - sizes[i]};
+        parts[1 + 2 * i] = (stp_bytes){columns[i], sizes[i]};
+        parts[2 + 2 * i] = (stp_bytes){zeros, pad(sizes[i]) - sizes[i]};
     }
-    return stp_work_store(work, key, pieces, 1 + 2 * COLUMNS, NULL);
+    return stp_work_store(work, key, parts, 1 + 2 * COLUMNS, NULL);
 }
 
 stp_result stp_work_store_splat_set(stp_work* work, stp_hash key, const stp_splats* splats,
@@ -323,8 +323,8 @@ static stp_result store_mesh(stp_work* work, stp_hash key, const stp_coded_mesh*
     put_f32(&at, mesh->bounds.max.y);
     put_f32(&at, mesh->bounds.max.z);
     assert(at.write <= head + MESH_HEAD && "the fields fit the head");
-    const stp_work_piece pieces[] = {{head, MESH_HEAD}, {mesh->bytes, mesh->size}};
-    return stp_work_store(work, key, pieces, 2, NULL);
+    const stp_bytes parts[] = {{head, MESH_HEAD}, {mesh->bytes, mesh->size}};
+    return stp_work_store(work, key, parts, 2, NULL);
 }
 
 stp_result stp_work_store_mesh(stp_work* work, stp_hash key, const stp_coded_mesh* mesh,

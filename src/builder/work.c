@@ -281,12 +281,12 @@ static stp_result reserve(stp_work* work, const stp_work_head* head, uint32_t* s
 
 // Writes a result's bytes into the reserved space; releases the mutex during that.
 static stp_result write_bytes(stp_work* work, const stp_work_head* head, uint32_t segment,
-                              size_t offset, const stp_work_piece* pieces, size_t piece_count)
+                              size_t offset, const stp_bytes* parts, size_t part_count)
 {
     stp_work_segment copy = work->segments[segment];
     work->segments[segment].writers += 1;
     pthread_mutex_unlock(&work->mutex);
-    bool written = stp_work_segment_write(&copy, offset, pieces, piece_count);
+    bool written = stp_work_segment_write(&copy, offset, parts, part_count);
     int reason = errno;
     pthread_mutex_lock(&work->mutex);
     stp_work_segment* s = &work->segments[segment];
@@ -307,14 +307,14 @@ static stp_result write_bytes(stp_work* work, const stp_work_head* head, uint32_
 
 // Writes a result claimed by this thread (its entry is pending). The mutex is held on entry and
 // return.
-static stp_result write_result(stp_work* work, const stp_work_head* head,
-                               const stp_work_piece* pieces, size_t piece_count)
+static stp_result write_result(stp_work* work, const stp_work_head* head, const stp_bytes* parts,
+                               size_t part_count)
 {
     uint32_t segment = NO_SEGMENT;
     size_t offset = 0;
     stp_result result = work->failed ? STP_ERROR_IO : reserve(work, head, &segment, &offset);
     result =
-        result == STP_OK ? write_bytes(work, head, segment, offset, pieces, piece_count) : result;
+        result == STP_OK ? write_bytes(work, head, segment, offset, parts, part_count) : result;
     work->failed = work->failed || result == STP_ERROR_IO;
     stp_work_entry* entry = stp_work_index_find(&work->index, head->key);
     assert(entry->state == STP_WORK_PENDING && "another thread changed a claimed entry");
@@ -350,8 +350,8 @@ static stp_work_entry* claim(stp_work* work, stp_hash key, bool* write)
     }
 }
 
-static stp_result store(stp_work* work, const stp_work_head* head, const stp_work_piece* pieces,
-                        size_t piece_count, const void** stored)
+static stp_result store(stp_work* work, const stp_work_head* head, const stp_bytes* parts,
+                        size_t part_count, const void** stored)
 {
     bool write = false;
     if (work->failed) {
@@ -360,30 +360,30 @@ static stp_result store(stp_work* work, const stp_work_head* head, const stp_wor
     if (claim(work, head->key, &write) == NULL) {
         return stp_fail_memory(work->context);
     }
-    stp_result result = write ? write_result(work, head, pieces, piece_count) : STP_OK;
+    stp_result result = write ? write_result(work, head, parts, part_count) : STP_OK;
     if (result == STP_OK && stored != NULL) {
         *stored = bytes_of(work, stp_work_index_find(&work->index, head->key));
     }
     return result;
 }
 
-stp_result stp_work_store(stp_work* work, stp_hash key, const stp_work_piece* pieces,
-                          size_t piece_count, const void** stored)
+stp_result stp_work_store(stp_work* work, stp_hash key, const stp_bytes* parts, size_t part_count,
+                          const void** stored)
 {
     stp_work_head head = {.key = key};
-    for (size_t i = 0; i < piece_count; ++i) {
-        if (pieces[i].size > SIZE_MAX / 2 - head.size) {
+    for (size_t i = 0; i < part_count; ++i) {
+        if (parts[i].size > SIZE_MAX / 2 - head.size) {
             return stp_fail_memory(work->context);
         }
-        head.size += pieces[i].size;
+        head.size += parts[i].size;
     }
     if (stp_work_record_bytes(head.size) == 0) {
         return stp_fail(work->context, STP_ERROR_LIMIT, "%s: a result of %llu bytes is too large",
                         work->path, (unsigned long long)head.size);
     }
-    head.checksum = stp_checksum(pieces, piece_count);
+    head.checksum = stp_checksum(parts, part_count);
     pthread_mutex_lock(&work->mutex);
-    stp_result result = store(work, &head, pieces, piece_count, stored);
+    stp_result result = store(work, &head, parts, part_count, stored);
     pthread_mutex_unlock(&work->mutex);
     return result;
 }

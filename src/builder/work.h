@@ -36,13 +36,12 @@ STP_MUST_USE stp_result stp_work_open_with(stp_context* context, const char* fol
 /// NULL: none. Verifies the checksum on first use. Any thread.
 const void* stp_work_find(stp_work* work, stp_hash key, size_t* size);
 
-/// Stores the concatenated pieces as one result; `stored` (may be NULL) receives the mapped bytes.
+/// Stores the concatenated parts as one result; `stored` (may be NULL) receives the mapped bytes.
 /// An existing key keeps its first content. Any thread. @return STP_OK, STP_ERROR_IO (logged once:
 /// if the disk is full, later calls fail silently), STP_ERROR_LIMIT: too large, or too many
 /// segments (logged), STP_ERROR_OUT_OF_MEMORY (logged)
-typedef stp_bytes stp_work_piece;
-STP_MUST_USE stp_result stp_work_store(stp_work* work, stp_hash key, const stp_work_piece* pieces,
-                                       size_t piece_count, const void** stored);
+STP_MUST_USE stp_result stp_work_store(stp_work* work, stp_hash key, const stp_bytes* parts,
+                                       size_t part_count, const void** stored);
 
 /// Drops a result whose content is invalid: it is no longer found, and can be stored again.
 /// Pointers to it stay readable. Any thread.

@@ -268,14 +268,14 @@ stp_result stp_work_segment_reserve(const stp_work_place* place, stp_work_segmen
     return STP_OK;
 }
 
-bool stp_work_segment_write(const stp_work_segment* segment, size_t offset, const stp_bytes* pieces,
-                            size_t piece_count)
+bool stp_work_segment_write(const stp_work_segment* segment, size_t offset, const stp_bytes* parts,
+                            size_t part_count)
 {
-    for (size_t i = 0; i < piece_count; ++i) {
-        if (!write_at(segment->file, pieces[i].bytes, pieces[i].size, offset)) {
+    for (size_t i = 0; i < part_count; ++i) {
+        if (!write_at(segment->file, parts[i].bytes, parts[i].size, offset)) {
             return false;
         }
-        offset += pieces[i].size;
+        offset += parts[i].size;
     }
     assert(offset <= segment->capacity && "written behind the mapping");
     return true;

@@ -77,8 +77,8 @@ STP_MUST_USE stp_result stp_work_segment_reserve(const stp_work_place* place,
                                                  const stp_work_head* head, size_t* offset);
 /// Writes the bytes of a reserved result. `segment` is a copy, so that other threads can reserve
 /// meanwhile. @return false on a system error (errno; not logged)
-bool stp_work_segment_write(const stp_work_segment* segment, size_t offset, const stp_bytes* pieces,
-                            size_t piece_count);
+bool stp_work_segment_write(const stp_work_segment* segment, size_t offset, const stp_bytes* parts,
+                            size_t part_count);
 /// Logs a write error of a segment. `reason`: its errno. @return STP_ERROR_IO
 stp_result stp_work_segment_fail_write(const stp_work_place* place, uint32_t number, int reason);
 /// Takes back a reserved result if it is the last one.

@@ -8,9 +8,9 @@
 
 #include <assert.h>
 
-#define MIN_FACING 0.3       // cosine: views at flatter angles do not decide a centre's visibility
-#define DEPTH_TOLERANCE 0.5  // maximum depth of a centre behind the visible surface, in radii
-#define WORDS_PER_PIECE 512u // words of bits resolved by one piece of a loop
+#define MIN_FACING 0.3      // cosine: views at flatter angles do not decide a centre's visibility
+#define DEPTH_TOLERANCE 0.5 // maximum depth of a centre behind the visible surface, in radii
+#define WORDS_PER_TASK 512u // words of bits resolved by one task of a loop
 
 stp_vec3d stp_set_position(const stp_set_placing* placing, uint32_t surfel)
 {
@@ -247,7 +247,7 @@ uint64_t stp_capture_seen_count(const stp_capture_job* job)
 typedef struct resolve_sets {
     const stp_capture_job* job;
     stp_candidates* out;
-    uint64_t* starts; ///< candidate of the first visible surfel of each piece
+    uint64_t* starts; ///< candidate of the first visible surfel of each task
 } resolve_sets;
 
 // The drawn part of a disk.
@@ -330,15 +330,15 @@ static void write_candidate(stp_candidates* out, size_t to, const stp_set_placin
     out->materials[to] = placing->surfels->materials[surfel];
 }
 
-static void resolve_pieces(size_t begin, size_t end, uint32_t worker, void* user)
+static void resolve_tasks(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     const resolve_sets* r = user;
     const stp_capture_job* job = r->job;
     uint64_t words = word_count(job);
-    for (size_t piece = begin; piece < end; ++piece) {
-        uint64_t first = piece * WORDS_PER_PIECE, last = first + WORDS_PER_PIECE;
-        size_t to = (size_t)r->starts[piece], set = SIZE_MAX;
+    for (size_t task = begin; task < end; ++task) {
+        uint64_t first = task * WORDS_PER_TASK, last = first + WORDS_PER_TASK;
+        size_t to = (size_t)r->starts[task], set = SIZE_MAX;
         stp_set_placing placing = {0};
         stp_set_entries look = {0};
         set_area area = {0};
@@ -377,8 +377,8 @@ stp_result stp_capture_resolve_sets(const stp_capture_job* job, stp_candidates* 
     stp_context* context = job->scene->context;
     assert(candidates->set_areas == NULL && candidates->set_count == 0);
     uint64_t words = word_count(job);
-    size_t pieces = (size_t)((words + WORDS_PER_PIECE - 1) / WORDS_PER_PIECE);
-    resolve_sets r = {job, candidates, STP_NEW_ARRAY(context, uint64_t, pieces)};
+    size_t tasks = (size_t)((words + WORDS_PER_TASK - 1) / WORDS_PER_TASK);
+    resolve_sets r = {job, candidates, STP_NEW_ARRAY(context, uint64_t, tasks)};
     if (r.starts == NULL) {
         return stp_fail_memory(context);
     }
@@ -389,13 +389,13 @@ stp_result stp_capture_resolve_sets(const stp_capture_job* job, stp_candidates* 
     }
     uint64_t sum = candidates->count;
     for (uint64_t word = 0; word < words; ++word) {
-        if (word % WORDS_PER_PIECE == 0) {
-            r.starts[word / WORDS_PER_PIECE] = sum;
+        if (word % WORDS_PER_TASK == 0) {
+            r.starts[word / WORDS_PER_TASK] = sum;
         }
         sum += (uint64_t)__builtin_popcount(word_at(job, word));
     }
     assert(sum <= job->room && "the columns have room for all");
-    stp_parallel_for(context, pieces, 1, resolve_pieces, &r);
+    stp_parallel_for(context, tasks, 1, resolve_tasks, &r);
     stp_free(context, r.starts);
     candidates->set_count = (uint32_t)(sum - candidates->count);
     candidates->count = (uint32_t)sum;

@@ -13,7 +13,7 @@
 #include <string.h>
 #include <sys/mman.h>
 
-enum { ALIGNMENT = 64, PIECE = 16 << 20, DATA_OFFSET_AT = 24 }; // docs/format.md, Header
+enum { ALIGNMENT = 64, BLOCK = 16 << 20, DATA_OFFSET_AT = 24 }; // docs/format.md, Header
 
 bool stp_model_source_read(void* user, uint64_t offset, void* bytes, size_t size)
 {
@@ -27,14 +27,14 @@ static stp_result fail_read(const stp_model* model, const char* name, uint64_t o
                     (unsigned long long)offset);
 }
 
-static stp_result read_pieces(stp_model* model, const char* name, unsigned char* to, uint64_t size)
+static stp_result read_blocks(stp_model* model, const char* name, unsigned char* to, uint64_t size)
 {
     assert(size <= model->source.size && "behind the end of the file");
     stp_result result = STP_OK;
-    for (uint64_t at = 0; at < size && result == STP_OK; at += PIECE) {
-        size_t piece = (size_t)(size - at < PIECE ? size - at : PIECE);
+    for (uint64_t at = 0; at < size && result == STP_OK; at += BLOCK) {
+        size_t block = (size_t)(size - at < BLOCK ? size - at : BLOCK);
         result = stp_progress(model->context, "read", (double)at / (double)size);
-        if (result == STP_OK && !stp_model_source_read(&model->source, at, to + at, piece)) {
+        if (result == STP_OK && !stp_model_source_read(&model->source, at, to + at, block)) {
             result = fail_read(model, name, at);
         }
     }
@@ -51,7 +51,7 @@ static stp_result copy_bytes(stp_model* model, const stp_model_desc* desc)
         memcpy(model->source.copy, desc->bytes, model->source.size);
         return STP_OK;
     }
-    return read_pieces(model, desc->name, model->source.copy, model->source.size);
+    return read_blocks(model, desc->name, model->source.copy, model->source.size);
 }
 
 /// Reads the directory of a file to be streamed. Opening the store checks the header.
@@ -78,7 +78,7 @@ static stp_result read_directory(stp_model* model, const stp_model_desc* desc)
         return stp_fail_memory(model->context);
     }
     source->reserved = reserved;
-    return read_pieces(model, desc->name, reserved, end);
+    return read_blocks(model, desc->name, reserved, end);
 }
 
 stp_result stp_model_open_source(stp_model* model, const stp_model_desc* desc,

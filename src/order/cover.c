@@ -19,10 +19,10 @@ typedef struct cover_job {
     const stp_points* points;
     const stp_near_grid* grid;
     stp_near_grid_nearest nearest;
-    float* farthest; // squared, per piece
+    float* farthest; // squared, per task
 } cover_job;
 
-static void cover_piece(size_t begin, size_t end, uint32_t worker, void* user)
+static void cover_task(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     const cover_job* job = user;
@@ -47,15 +47,15 @@ stp_result stp_cover_radius(const stp_points* points, const stp_team* team,
                             const stp_near_grid* grid, float* radius)
 {
     assert(points->scale > 0.0f && grid->point_count > 0 && "a chosen point");
-    size_t pieces = ((size_t)points->count + GRAIN - 1) / GRAIN;
-    float* farthest = STP_NEW_ARRAY(team->context, float, pieces);
+    size_t tasks = ((size_t)points->count + GRAIN - 1) / GRAIN;
+    float* farthest = STP_NEW_ARRAY(team->context, float, tasks);
     if (farthest == NULL) {
         return stp_fail_memory(team->context);
     }
     cover_job job = {points, grid, stp_near_grid_nearest_select(), farthest};
-    stp_team_run(team, points->count, GRAIN, cover_piece, &job);
+    stp_team_run(team, points->count, GRAIN, cover_task, &job);
     float maximum = 0.0f;
-    for (size_t i = 0; i < pieces; ++i) {
+    for (size_t i = 0; i < tasks; ++i) {
         maximum = stp_max(maximum, farthest[i]);
     }
     stp_free(team->context, farthest);

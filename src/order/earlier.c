@@ -12,10 +12,10 @@
 
 enum { GRAIN = 64 }; // leaves at a time
 
-typedef struct earlier_piece {
+typedef struct earlier_task {
     float farthest; ///< squared, of the points without rank
     uint64_t distance_count;
-} earlier_piece;
+} earlier_task;
 
 typedef struct earlier {
     stp_tree tree;
@@ -24,7 +24,7 @@ typedef struct earlier {
     uint32_t* ranks;                   ///< by position; lanes past the last point: UINT32_MAX
     uint32_t* lowest;                  ///< by leaf: lowest rank
     uint32_t* levels[STP_TREE_LEVELS]; ///< likewise, by branch
-    earlier_piece* pieces;
+    earlier_task* tasks;
     const stp_points* points;
     stp_order_output* output;
 } earlier;
@@ -101,7 +101,7 @@ static void search(const earlier* e, uint32_t level, uint32_t index, uint32_t ow
     }
 }
 
-static void measure_leaf(earlier* e, uint32_t index, earlier_piece* piece)
+static void measure_leaf(earlier* e, uint32_t index, earlier_task* task)
 {
     const stp_leaf* leaf = &e->tree.leaves[index];
     assert(index < e->tree.leaf_count && e->tree.point_count == e->points->count);
@@ -116,24 +116,24 @@ static void measure_leaf(earlier* e, uint32_t index, earlier_piece* piece)
         earlier_query q = {leaf->x[i], leaf->y[i], leaf->z[i], rank, INFINITY, 0};
         search_leaf(e, index, &q); // most neighbours are near
         search(e, e->tree.level_count - 1, 0, index, &q);
-        piece->distance_count += q.leaves * STP_LEAF_SIZE;
+        task->distance_count += q.leaves * STP_LEAF_SIZE;
         if (chosen) {
             e->output->radii[rank] = sqrtf(q.nearest) / e->points->scale;
         } else {
-            piece->farthest = stp_max(piece->farthest, q.nearest);
+            task->farthest = stp_max(task->farthest, q.nearest);
         }
     }
 }
 
-static void measure_piece(size_t begin, size_t end, uint32_t worker, void* user)
+static void measure_task(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     earlier* e = user;
-    earlier_piece piece = {0};
+    earlier_task task = {0};
     for (size_t leaf = begin; leaf < end; ++leaf) {
-        measure_leaf(e, (uint32_t)leaf, &piece);
+        measure_leaf(e, (uint32_t)leaf, &task);
     }
-    e->pieces[begin / GRAIN] = piece;
+    e->tasks[begin / GRAIN] = task;
 }
 
 // Ranks of points that were not chosen: after all that were.
@@ -167,9 +167,9 @@ static stp_result allocate(earlier* e, stp_context* context)
     e->rank_of = STP_NEW_ARRAY(context, uint32_t, e->points->count);
     e->ranks = STP_NEW_ARRAY(context, uint32_t, lanes);
     e->lowest = STP_NEW_ARRAY(context, uint32_t, e->tree.leaf_count);
-    e->pieces = STP_NEW_ARRAY(context, earlier_piece, e->tree.leaf_count / GRAIN + 1);
+    e->tasks = STP_NEW_ARRAY(context, earlier_task, e->tree.leaf_count / GRAIN + 1);
     bool made = e->ids != NULL && e->rank_of != NULL && e->ranks != NULL && e->lowest != NULL &&
-                e->pieces != NULL;
+                e->tasks != NULL;
     for (uint32_t level = 0; level < e->tree.level_count; ++level) {
         e->levels[level] = STP_NEW_ARRAY(context, uint32_t, e->tree.level_sizes[level]);
         made = made && e->levels[level] != NULL;
@@ -184,7 +184,7 @@ static void release(earlier* e, stp_context* context)
     stp_free(context, e->rank_of);
     stp_free(context, e->ranks);
     stp_free(context, e->lowest);
-    stp_free(context, e->pieces);
+    stp_free(context, e->tasks);
     for (uint32_t level = 0; level < STP_TREE_LEVELS; ++level) {
         stp_free(context, e->levels[level]);
     }
@@ -217,11 +217,11 @@ stp_result stp_earlier_measure(const stp_points* points, const stp_team* team,
     earlier e = {.points = points, .output = output};
     stp_result result = prepare(&e, team);
     if (result == STP_OK) {
-        stp_team_run(team, e.tree.leaf_count, GRAIN, measure_piece, &e);
+        stp_team_run(team, e.tree.leaf_count, GRAIN, measure_task, &e);
         float farthest = 0.0f;
         for (uint32_t i = 0; i * GRAIN < e.tree.leaf_count; ++i) {
-            farthest = stp_max(farthest, e.pieces[i].farthest);
-            output->report.distance_count += e.pieces[i].distance_count;
+            farthest = stp_max(farthest, e.tasks[i].farthest);
+            output->report.distance_count += e.tasks[i].distance_count;
         }
         if (output->final_radius != NULL) {
             *output->final_radius = sqrtf(farthest) / points->scale;

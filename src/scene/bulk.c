@@ -147,13 +147,13 @@ stp_result stp_bulk_alloc_spilled(stp_spill* spill, stp_bulk_array* arrays, size
     for (size_t i = 0; i < count; ++i) {
         size += (arrays[i].size + LINE - 1) / LINE * LINE;
     }
-    unsigned char* piece = stp_spill_alloc(spill, size);
-    if (piece == NULL) {
+    unsigned char* place = stp_spill_alloc(spill, size);
+    if (place == NULL) {
         return STP_ERROR_IO; // already logged
     }
     for (size_t i = 0; i < count; ++i) {
-        arrays[i].bytes = arrays[i].size != 0 ? piece : NULL;
-        piece += (arrays[i].size + LINE - 1) / LINE * LINE;
+        arrays[i].bytes = arrays[i].size != 0 ? place : NULL;
+        place += (arrays[i].size + LINE - 1) / LINE * LINE;
     }
     return STP_OK;
 }

@@ -159,7 +159,7 @@ void test_file_writer_appends_and_patches(test_state* test)
     CHECK(context != NULL && make_folder(&f));
     char path[128];
     path_in(&f, "out.bin", path);
-    enum { SIZE = 3500000 }; // exceeds the buffer; pieces are smaller and larger
+    enum { SIZE = 3500000 }; // exceeds the buffer; writes are smaller and larger
     unsigned char* expected = malloc(SIZE);
     CHECK(expected != NULL);
     for (size_t i = 0; i < SIZE; ++i) {

@@ -13,11 +13,11 @@ typedef struct visits {
     size_t count, grain;
     uint32_t thread_count;
     atomic_uint seen[LOOP_COUNT]; ///< how often each element was handed out
-    atomic_uint bad;              ///< pieces with wrong bounds or a wrong worker
-    atomic_uint inside[8];        ///< pieces per worker right now
+    atomic_uint bad;              ///< tasks with wrong bounds or a wrong worker
+    atomic_uint inside[8];        ///< tasks per worker right now
 } visits;
 
-static void visit_piece(size_t begin, size_t end, uint32_t worker, void* user)
+static void visit_task(size_t begin, size_t end, uint32_t worker, void* user)
 {
     visits* v = user;
     bool right = begin < end && end <= v->count && begin % v->grain == 0 &&
@@ -47,7 +47,7 @@ void test_parallel_for_visits_each_element_once(test_state* test)
                 v.count = counts[c];
                 v.grain = grains[g];
                 v.thread_count = threads;
-                stp_parallel_for(context, counts[c], grains[g], visit_piece, &v);
+                stp_parallel_for(context, counts[c], grains[g], visit_task, &v);
                 CHECK_EQUAL(0, v.bad);
                 for (size_t i = 0; i < LOOP_COUNT; ++i) {
                     CHECK_EQUAL(i < counts[c], v.seen[i]);
@@ -63,19 +63,19 @@ typedef struct nested {
     atomic_uint sum, bad;
 } nested;
 
-static void inner_piece(size_t begin, size_t end, uint32_t worker, void* user)
+static void inner_task(size_t begin, size_t end, uint32_t worker, void* user)
 {
     nested* n = user;
     atomic_fetch_add(&n->bad, worker != 0);
     atomic_fetch_add(&n->sum, (unsigned)(end - begin));
 }
 
-static void outer_piece(size_t begin, size_t end, uint32_t worker, void* user)
+static void outer_task(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     nested* n = user;
     for (size_t i = begin; i < end; ++i) {
-        stp_parallel_for(n->context, 10, 3, inner_piece, n);
+        stp_parallel_for(n->context, 10, 3, inner_task, n);
     }
 }
 
@@ -85,14 +85,14 @@ void test_nested_loops_run_serially(test_state* test)
         stp_context* context = test_context(NULL, threads, NULL);
         CHECK(context != NULL);
         nested n = {.context = context};
-        stp_parallel_for(context, 100, 4, outer_piece, &n);
+        stp_parallel_for(context, 100, 4, outer_task, &n);
         CHECK_EQUAL(1000, n.sum);
         CHECK_EQUAL(0, n.bad);
         stp_context_destroy(context);
     }
 }
 
-static void add_piece(size_t begin, size_t end, uint32_t worker, void* user)
+static void add_task(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     uint32_t* out = user;
@@ -107,7 +107,7 @@ void test_many_short_loops_hand_their_results_over(test_state* test)
     CHECK(context != NULL);
     uint32_t out[64] = {0};
     for (int round = 0; round < 2000; ++round) {
-        stp_parallel_for(context, 64, 1, add_piece, out);
+        stp_parallel_for(context, 64, 1, add_task, out);
     }
     for (uint32_t i = 0; i < 64; ++i) {
         CHECK_EQUAL(2000 * i, out[i]);
@@ -115,7 +115,7 @@ void test_many_short_loops_hand_their_results_over(test_state* test)
     stp_context_destroy(context);
 }
 
-static void allocating_piece(size_t begin, size_t end, uint32_t worker, void* user)
+static void allocating_task(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     stp_context* context = user;
@@ -131,7 +131,7 @@ void test_all_threads_may_allocate(test_state* test)
     stp_context* context = test_context(&heap, 3, NULL);
     CHECK(context != NULL);
     uint64_t before = stp_context_live_bytes(context);
-    stp_parallel_for(context, 5000, 8, allocating_piece, context);
+    stp_parallel_for(context, 5000, 8, allocating_task, context);
     CHECK_EQUAL(before, stp_context_live_bytes(context));
     stp_context_destroy(context);
     CHECK_EQUAL(0, heap.live_bytes);

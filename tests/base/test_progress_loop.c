@@ -9,7 +9,7 @@
 #include <stdatomic.h>
 #include <string.h>
 
-enum { PIECES = 500 };
+enum { TASKS = 500 };
 
 typedef struct watch {
     stp_context* context;
@@ -18,10 +18,10 @@ typedef struct watch {
     unsigned stop_at; ///< number of the report that stops the loop; 0: none
     bool strange;     ///< from another thread, or decreasing
     stp_progress_report last;
-    atomic_uint ran[PIECES]; ///< per piece
-    atomic_uint cancelled;   ///< pieces that saw the loop stop
-    size_t stopping;         ///< piece that stops the loop; PIECES: none
-    bool adds;               ///< pieces report their progress
+    atomic_uint ran[TASKS]; ///< per task
+    atomic_uint cancelled;  ///< tasks that saw the loop stop
+    size_t stopping;        ///< task that stops the loop; TASKS: none
+    bool adds;              ///< tasks report their progress
 } watch;
 
 static int see_report(const stp_progress_report* report, void* user)
@@ -39,7 +39,7 @@ static int see_report(const stp_progress_report* report, void* user)
 static stp_context* watched_context(watch* w, uint32_t threads, test_log* log)
 {
     w->caller = pthread_self();
-    w->stopping = PIECES;
+    w->stopping = TASKS;
     w->last.overall = -1.0;
     stp_context_desc desc = {.thread_count = threads,
                              .log = test_log_message,
@@ -64,9 +64,9 @@ static void walk(size_t begin, size_t end, uint32_t worker, void* user)
             stp_parallel_stop(w->context);
         }
         while (i > w->stopping && stp_progress(w->context, "inside", 0.5) == STP_OK) {
-            // the piece that stops the loop may be slow
+            // the task that stops the loop may be slow
         }
-        // progress reported inside a piece is dropped; loops inside it always complete
+        // progress reported inside a task is dropped; loops inside it always complete
         if (stp_progress(w->context, "inside", 0.5) == STP_ERROR_CANCELLED) {
             atomic_fetch_add(&w->cancelled, 1);
         }
@@ -79,14 +79,14 @@ static void walk(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Number of pieces that ran, if they are the first ones; else a number too large.
+// Number of tasks that ran, if they are the first ones; else a number too large.
 static size_t count_prefix(watch* w)
 {
     size_t count = 0;
-    while (count < PIECES && atomic_load(&w->ran[count]) == 1) {
+    while (count < TASKS && atomic_load(&w->ran[count]) == 1) {
         count += 1;
     }
-    for (size_t i = count; i < PIECES; ++i) {
+    for (size_t i = count; i < TASKS; ++i) {
         if (atomic_load(&w->ran[i]) != 0) {
             return SIZE_MAX;
         }
@@ -106,15 +106,15 @@ void test_reported_loop_reports_progress(test_state* test)
             CHECK(context != NULL);
             w.adds = adds == 1;
             stp_loop_report report = {"walk", adds ? "triangles" : "nodes",
-                                      adds ? PIECES * 1000 : 0};
+                                      adds ? TASKS * 1000 : 0};
             if (adds == 1) {
                 stp_progress_plan(context, plan, 3);
             }
-            CHECK_EQUAL(STP_OK, stp_parallel_for_reported(context, PIECES, 1, walk, &w, &report));
-            CHECK_EQUAL(PIECES, count_prefix(&w));
+            CHECK_EQUAL(STP_OK, stp_parallel_for_reported(context, TASKS, 1, walk, &w, &report));
+            CHECK_EQUAL(TASKS, count_prefix(&w));
             CHECK(!w.strange && w.reports >= 2); // other threads may be faster than the caller
             CHECK(w.last.fraction == 1.0 && w.last.done == w.last.total);
-            CHECK_EQUAL(adds ? PIECES * 1000 : PIECES, w.last.total);
+            CHECK_EQUAL(adds ? TASKS * 1000 : TASKS, w.last.total);
             CHECK(strcmp(w.last.unit, report.unit) == 0);
             CHECK(adds ? w.last.overall == 0.75 : w.last.overall < 0.0);
             CHECK_EQUAL(0, log.errors);
@@ -135,28 +135,28 @@ void test_reported_loop_stops_on_request(test_state* test)
             CHECK(context != NULL);
             w.stop_at = stops[i];
             stp_loop_report report = {"walk", "nodes", 0};
-            stp_result result = stp_parallel_for_reported(context, PIECES, 1, walk, &w, &report);
+            stp_result result = stp_parallel_for_reported(context, TASKS, 1, walk, &w, &report);
             CHECK_EQUAL(w.reports >= stops[i] ? STP_ERROR_CANCELLED : STP_OK, result);
             CHECK_EQUAL(result != STP_OK, log.errors);
             CHECK(result == STP_OK || strcmp(log.text, "stopped while at: walk") == 0);
             CHECK(result == STP_OK || w.reports == stops[i]); // nothing is reported afterwards
-            CHECK(count_prefix(&w) <= PIECES);
+            CHECK(count_prefix(&w) <= TASKS);
             CHECK(i > 0 || count_prefix(&w) == 0);
             // a later loop is not affected
             w.stop_at = 0;
             w.last = (stp_progress_report){.overall = -1.0};
-            for (size_t k = 0; k < PIECES; ++k) {
+            for (size_t k = 0; k < TASKS; ++k) {
                 atomic_store(&w.ran[k], 0);
             }
-            CHECK_EQUAL(STP_OK, stp_parallel_for_reported(context, PIECES, 7, walk, &w, &report));
-            CHECK_EQUAL(PIECES, count_prefix(&w));
+            CHECK_EQUAL(STP_OK, stp_parallel_for_reported(context, TASKS, 7, walk, &w, &report));
+            CHECK_EQUAL(TASKS, count_prefix(&w));
             CHECK(!w.strange);
             stp_context_destroy(context);
         }
     }
 }
 
-void test_reported_loop_is_stopped_by_a_piece(test_state* test)
+void test_reported_loop_is_stopped_by_a_task(test_state* test)
 {
     for (uint32_t threads = 1; threads <= 4; ++threads) {
         static watch w;
@@ -167,11 +167,11 @@ void test_reported_loop_is_stopped_by_a_piece(test_state* test)
         w.stopping = 20;
         stp_loop_report report = {"walk", "nodes", 0};
         CHECK_EQUAL(STP_ERROR_CANCELLED,
-                    stp_parallel_for_reported(context, PIECES, 1, walk, &w, &report));
+                    stp_parallel_for_reported(context, TASKS, 1, walk, &w, &report));
         size_t ran = count_prefix(&w);
-        CHECK(ran >= 21 && ran < PIECES);
-        CHECK(w.cancelled >= 1);    // the piece itself, and others that were running
-        CHECK_EQUAL(0, log.errors); // the piece has logged why
+        CHECK(ran >= 21 && ran < TASKS);
+        CHECK(w.cancelled >= 1);    // the task itself, and others that were running
+        CHECK_EQUAL(0, log.errors); // the task has logged why
         stp_context_destroy(context);
     }
 }
@@ -181,8 +181,8 @@ typedef struct patience {
     atomic_uint waiting;
 } patience;
 
-// A worker's piece lasts until the caller has reported a few more times; the caller's lasts until
-// such a piece exists.
+// A worker's task lasts until the caller has reported a few more times; the caller's lasts until
+// such a task exists.
 static void wait_for_reports(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)begin, (void)end;

@@ -38,7 +38,7 @@ void test_spill_gives_zeroed_aligned_memory(test_state* test)
     stp_context* context = test_context(NULL, 1, NULL);
     stp_spill* spill = NULL;
     enum { COUNT = 300 };
-    unsigned char* pieces[COUNT];
+    unsigned char* blocks[COUNT];
     CHECK(context != NULL && make_folder(folder, sizeof(folder)));
     CHECK_EQUAL(STP_OK, stp_spill_create(context, folder, &spill));
     CHECK_EQUAL(0, count_entries(folder)); // anonymous: nothing is left, however the process ends
@@ -47,19 +47,19 @@ void test_spill_gives_zeroed_aligned_memory(test_state* test)
     for (size_t i = 0; i < COUNT;
          ++i) { // sizes from 0 to 6 MB: small ones share chunks, large ones have their own
         size_t size = i % 50 == 49 ? 20000 * i : i * i;
-        pieces[i] = stp_spill_alloc(spill, size);
-        CHECK(pieces[i] != NULL && (uintptr_t)pieces[i] % 64 == 0);
+        blocks[i] = stp_spill_alloc(spill, size);
+        CHECK(blocks[i] != NULL && (uintptr_t)blocks[i] % 64 == 0);
         for (size_t k = 0; k < size; k += 1 + size / 64) {
-            CHECK_EQUAL(0, pieces[i][k]);
+            CHECK_EQUAL(0, blocks[i][k]);
         }
-        memset(pieces[i], (int)(i % 256), size);
+        memset(blocks[i], (int)(i % 256), size);
         total += size;
     }
     CHECK(stp_spill_bytes(spill) >= total && stp_spill_bytes(spill) <= total + 64 * COUNT);
     CHECK_EQUAL(live, stp_context_live_bytes(context)); // not counted as the context's memory
     for (size_t i = 0; i < COUNT; ++i) {
         size_t size = i % 50 == 49 ? 20000 * i : i * i;
-        CHECK(size == 0 || (pieces[i][0] == i % 256 && pieces[i][size - 1] == i % 256));
+        CHECK(size == 0 || (blocks[i][0] == i % 256 && blocks[i][size - 1] == i % 256));
     }
     stp_spill_destroy(spill);
     stp_context_destroy(context);
@@ -68,17 +68,17 @@ void test_spill_gives_zeroed_aligned_memory(test_state* test)
 
 typedef struct spill_work {
     stp_spill* spill;
-    unsigned char* pieces[256];
+    unsigned char* blocks[256];
 } spill_work;
 
-static void fill_pieces(size_t begin, size_t end, uint32_t worker, void* user)
+static void fill_blocks(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     spill_work* work = user;
     for (size_t i = begin; i < end; ++i) {
-        work->pieces[i] = stp_spill_alloc(work->spill, 100 * i + 1);
-        if (work->pieces[i] != NULL) {
-            memset(work->pieces[i], (int)i, 100 * i + 1);
+        work->blocks[i] = stp_spill_alloc(work->spill, 100 * i + 1);
+        if (work->blocks[i] != NULL) {
+            memset(work->blocks[i], (int)i, 100 * i + 1);
         }
     }
 }
@@ -90,10 +90,10 @@ void test_spill_serves_several_threads(test_state* test)
     spill_work work = {0};
     CHECK(context != NULL && make_folder(folder, sizeof(folder)));
     CHECK_EQUAL(STP_OK, stp_spill_create(context, folder, &work.spill));
-    stp_parallel_for(context, 256, 1, fill_pieces, &work);
+    stp_parallel_for(context, 256, 1, fill_blocks, &work);
     for (size_t i = 0; i < 256; ++i) {
-        CHECK(work.pieces[i] != NULL);
-        CHECK(work.pieces[i][0] == i && work.pieces[i][100 * i] == i);
+        CHECK(work.blocks[i] != NULL);
+        CHECK(work.blocks[i][0] == i && work.blocks[i][100 * i] == i);
     }
     stp_spill_destroy(work.spill);
     stp_context_destroy(context);

@@ -65,7 +65,7 @@ static bool is_sample(const stp_splats* s, const sample* expected)
            same_bytes(s->coverages, expected->coverages, sizeof(expected->coverages));
 }
 
-void test_pieces_are_found_as_they_were_stored(test_state* test)
+void test_results_are_found_as_they_were_stored(test_state* test)
 {
     work_place place;
     stp_context* context = test_context(NULL, 1, NULL);
@@ -115,7 +115,7 @@ void test_pieces_are_found_as_they_were_stored(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_pieces_that_make_no_sense_are_made_anew(test_state* test)
+void test_results_that_make_no_sense_are_made_anew(test_state* test)
 {
     work_place place;
     stp_context* context = test_context(NULL, 1, NULL);
@@ -139,9 +139,9 @@ void test_pieces_that_make_no_sense_are_made_anew(test_state* test)
         uint32_t at = stp_rng_below(9, round, 704 / 4) * 4;
         uint32_t value = round % 3 == 0 ? (uint32_t)stp_rng_hash(8, round) : round % 64;
         stp_write_u32(bytes + (round % 2 == 0 ? at % 64 : at), value);
-        const stp_work_piece piece = {bytes, round % 7 == 0 ? round % size : size};
+        const stp_bytes part = {bytes, round % 7 == 0 ? round % size : size};
         stp_hash key = work_key(round);
-        CHECK_EQUAL(STP_OK, stp_work_store(work, key, &piece, 1, NULL));
+        CHECK_EQUAL(STP_OK, stp_work_store(work, key, &part, 1, NULL));
         stp_coded_mesh mesh;
         if (stp_work_find_splat_set(work, key, 256, &found, &unused)) {
             CHECK(found.count == 0 || found.octave_ends[found.octave_count - 1] == found.count);
@@ -172,7 +172,7 @@ static void store_sample(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-void test_pieces_are_stored_by_jobs(test_state* test)
+void test_results_are_stored_by_jobs(test_state* test)
 {
     work_place place;
     stp_context* context = test_context(NULL, 3, NULL);

@@ -43,13 +43,13 @@ void test_work_keeps_the_first_content_of_a_key(test_state* test)
     CHECK(context != NULL && make_work_place(&place));
     stp_work* work = open_work(context, &place);
     CHECK(work != NULL);
-    const stp_work_piece first = {"first", 5}, second = {"second", 6};
+    const stp_bytes first = {"first", 5}, second = {"second", 6};
     const void *a = NULL, *b = NULL;
     CHECK_EQUAL(STP_OK, stp_work_store(work, work_key(1), &first, 1, &a));
     CHECK_EQUAL(STP_OK, stp_work_store(work, work_key(1), &second, 1, &b));
     CHECK(a == b && memcmp(a, "first", 5) == 0);
     CHECK_EQUAL(STP_OK,
-                stp_work_store(work, work_key(2), NULL, 0, NULL)); // without pieces, no bytes
+                stp_work_store(work, work_key(2), NULL, 0, NULL)); // without parts, no bytes
     size_t size = 1;
     CHECK(stp_work_find(work, work_key(2), &size) != NULL);
     CHECK_EQUAL(0, size);

@@ -47,14 +47,14 @@ static inline void fill_work_bytes(uint32_t number, unsigned char* bytes)
     }
 }
 
-/// Stores result `number` in two pieces.
+/// Stores result `number` in two parts.
 static inline stp_result store_work(stp_work* work, uint32_t number, const void** stored)
 {
     unsigned char bytes[WORK_LARGEST];
     fill_work_bytes(number, bytes);
     size_t size = work_size(number), cut = size / 3;
-    const stp_work_piece pieces[] = {{bytes, cut}, {bytes + cut, size - cut}};
-    return stp_work_store(work, work_key(number), pieces, 2, stored);
+    const stp_bytes parts[] = {{bytes, cut}, {bytes + cut, size - cut}};
+    return stp_work_store(work, work_key(number), parts, 2, stored);
 }
 
 static inline bool is_work(const void* bytes, size_t size, uint32_t number)

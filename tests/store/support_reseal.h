@@ -125,7 +125,7 @@ static inline uint32_t reseal_packed(unsigned char* bytes, size_t size,
         return 0;
     }
     uint64_t table = stp_store_packed_table_bytes(section), at = section->offset + table;
-    for (uint64_t i = 0; i < table; i += STP_STORE_PIECE_ENTRY) {
+    for (uint64_t i = 0; i < table; i += STP_STORE_CHUNK_ENTRY) {
         unsigned char* entry = bytes + section->offset + i;
         uint32_t page = stp_read_u32(entry);
         stp_write_u32(entry + 4, reseal_crc(bytes, size, at, page));

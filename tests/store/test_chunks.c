@@ -32,9 +32,9 @@ void test_chunks_hold_as_many_splats_as_64_kib_do(test_state* test)
             for (; begin < span.end; ++chunk) {
                 uint32_t end = stp_store_chunk_end(&span, chunk);
                 CHECK(end > begin && end <= span.end);
-                CHECK(cost(end, span.first) - cost(begin, span.first) <= STP_STORE_PIECE_BYTES);
+                CHECK(cost(end, span.first) - cost(begin, span.first) <= STP_STORE_CHUNK_BYTES);
                 CHECK(end == span.end ||
-                      cost(end + 1, span.first) - cost(begin, span.first) > STP_STORE_PIECE_BYTES);
+                      cost(end + 1, span.first) - cost(begin, span.first) > STP_STORE_CHUNK_BYTES);
                 stp_store_column columns[STP_STORE_COLUMN_LIMIT];
                 CHECK_EQUAL(cost(end, span.first) - cost(begin, span.first),
                             stp_store_chunk_columns(&span, chunk, columns));
@@ -129,7 +129,7 @@ static bool read_one_by_one(stp_store* store, const stp_splats* wanted, uint32_t
         uint64_t read_bytes = 0;
         const char* fault =
             stp_store_read_chunks(&source, &span, chunk, chunk + 1, targets, &read_bytes);
-        same = same && fault == NULL && read_bytes <= STP_STORE_PIECE_BYTES + 4096;
+        same = same && fault == NULL && read_bytes <= STP_STORE_CHUNK_BYTES + 4096;
     }
     for (int i = 0; i < STP_OCTAVE_COLUMNS; ++i) {
         same = same && memcmp(targets[i], truth[i], (size_t)columns[i].size) == 0;
@@ -163,12 +163,12 @@ void test_chunks_decode_alone(test_state* test)
 // a small file cannot demand much memory.
 void test_chunks_never_stand_for_much_more_than_they_take(test_state* test)
 {
-    static unsigned char zeros[STP_STORE_PIECE_BYTES], stored[STP_STORE_PIECE_BYTES];
+    static unsigned char zeros[STP_STORE_CHUNK_BYTES], stored[STP_STORE_CHUNK_BYTES];
     stp_store_packer* packer = stp_store_packer_create();
     CHECK(packer != NULL);
     for (size_t size = 13; size <= sizeof(zeros); size += 991) {
         size_t packed = stp_store_pack(packer, zeros, size, stored);
-        CHECK(packed >= size / STP_STORE_PIECE_RATIO && packed <= size);
+        CHECK(packed >= size / STP_STORE_CHUNK_RATIO && packed <= size);
         CHECK_EQUAL(size, stp_store_pack(NULL, zeros, size, stored));
     }
     stp_store_packer_destroy(packer);
@@ -186,7 +186,7 @@ void test_chunks_never_stand_for_much_more_than_they_take(test_state* test)
     CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, 0, &got));
     CHECK(chunk_sample_is_same(&made.sets[0], &got));
     CHECK(stp_store_columns_bytes(&made.sets[0], made.sets[0].octave_count) <
-          (STP_STORE_PIECE_RATIO + 1) * (uint64_t)size);
+          (STP_STORE_CHUNK_RATIO + 1) * (uint64_t)size);
     stp_store_close(store);
     free(bytes);
     stp_arena_destroy(&arena);

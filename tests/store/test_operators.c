@@ -206,7 +206,7 @@ void test_operators_take_less_than_a_third_of_the_papers(test_state* test)
     fixture f;
     CHECK(set_up(&f, NULL, 24000));
     size_t bytes = 0;
-    uint32_t maximum = STP_STORE_PIECE_BYTES / 21;
+    uint32_t maximum = STP_STORE_CHUNK_BYTES / 21;
     for (uint32_t begin = 0; begin < f.set.count; begin += maximum) {
         uint32_t end = begin + maximum < f.set.count ? begin + maximum : f.set.count;
         size_t size = encode(&f, begin, end, RUN_BYTES);

@@ -252,7 +252,7 @@ static void check_promise(test_state* test, bool pack)
         uint64_t page = length < STP_STORE_PAGE_BYTES ? length : STP_STORE_PAGE_BYTES;
         if ((stp_read_u32(entry + 4) & STP_SECTION_PACKED) != 0) { // the table of pages, and a page
             packed += 1;
-            page = stp_read_u32(bytes + offset) + STP_STORE_PIECE_ENTRY * packed_pages(entry);
+            page = stp_read_u32(bytes + offset) + STP_STORE_CHUNK_ENTRY * packed_pages(entry);
         }
         CHECK_EQUAL(0, count_missed(context, bytes, size, offset, page, 1 + page / 40));
         if (length > page && stp_read_u32(entry) != STP_SECTION_PAGES) {
@@ -276,7 +276,7 @@ static void check_promise(test_state* test, bool pack)
     // texts of views and sources, on their pages
     const unsigned char* text = find_section(bytes, STP_SECTION_TEXT);
     uint64_t texts =
-        stp_read_u64(text + 8) + (pack ? STP_STORE_PIECE_ENTRY * packed_pages(text) : 0);
+        stp_read_u64(text + 8) + (pack ? STP_STORE_CHUNK_ENTRY * packed_pages(text) : 0);
     log.errors = 0;
     bytes[texts + 3] ^= 1;
     CHECK_EQUAL(STP_ERROR_FORMAT, check_quickly(context, bytes, size));

@@ -83,12 +83,12 @@ typedef struct stp_stage {
 /// resets it.
 void stp_progress_plan(stp_context* context, const stp_stage* stages, size_t count);
 
-/// A piece of a loop: elements [begin, end). `worker` is below the thread count, and only one piece
+/// A task of a loop: elements [begin, end). `worker` is below the thread count, and only one task
 /// at a time uses it, so it may index per-worker state. Results must not depend on `worker`.
 typedef void (*stp_job)(size_t begin, size_t end, uint32_t worker, void* user);
 
-/// Runs `job` over [0, count) in pieces of `grain` (the last may be shorter) on all threads
-/// including the caller's, and returns when all are done. Pieces are claimed in order. A nested
+/// Runs `job` over [0, count) in tasks of `grain` (the last may be shorter) on all threads
+/// including the caller's, and returns when all are done. Tasks are claimed in order. A nested
 /// call runs serially on its job's thread, with `worker` 0.
 void stp_parallel_for(stp_context* context, size_t count, size_t grain, stp_job job, void* user);
 
@@ -99,15 +99,15 @@ typedef struct stp_loop_report {
     uint64_t total;    ///< sum of all stp_progress_add calls
 } stp_loop_report;
 
-/// A parallel loop that reports its progress. The calling thread reports between its pieces and
-/// while it waits for the others. If the progress callback or a piece (stp_parallel_stop) stops it,
-/// no further piece begins; the pieces that ran are the first ones, without a gap. Nested in
+/// A parallel loop that reports its progress. The calling thread reports between its tasks and
+/// while it waits for the others. If the progress callback or a task (stp_parallel_stop) stops it,
+/// no further task begins; the tasks that ran are the first ones, without a gap. Nested in
 /// another loop, it runs serially and leaves reporting to the outer loop.
-/// @return STP_OK, STP_ERROR_CANCELLED (logged, unless a piece stopped it)
+/// @return STP_OK, STP_ERROR_CANCELLED (logged, unless a task stopped it)
 STP_MUST_USE stp_result stp_parallel_for_reported(stp_context* context, size_t count, size_t grain,
                                                   stp_job job, void* user,
                                                   const stp_loop_report* report);
-/// Adds to the progress of the reported loop. Call from its pieces, any thread.
+/// Adds to the progress of the reported loop. Call from its tasks, any thread.
 void stp_progress_add(stp_context* context, uint64_t amount);
-/// Stops the reported loop from one of its pieces, which has failed and logged why.
+/// Stops the reported loop from one of its tasks, which has failed and logged why.
 void stp_parallel_stop(stp_context* context);

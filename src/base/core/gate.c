@@ -13,7 +13,7 @@ struct stp_gate {
     pthread_cond_t moved;     ///< a ticket left, or the queue advanced
     stp_gate_ticket* inside;  ///< tickets inside
     uint64_t bytes;           ///< announced by the tickets inside
-    uint64_t jobs;            ///< number of tickets inside that loop pieces entered
+    uint64_t jobs;            ///< number of tickets inside that loop tasks entered
     uint64_t arrived, called; ///< position in the queue: next to assign, next to enter
 };
 

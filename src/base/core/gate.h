@@ -18,7 +18,7 @@ typedef struct stp_gate stp_gate;
 typedef struct stp_gate_ticket {
     uint64_t bytes;
     pthread_t holder;
-    bool in_loop; ///< entered from a piece of a parallel loop
+    bool in_loop; ///< entered from a task of a parallel loop
     struct stp_gate_ticket* next;
 } stp_gate_ticket;
 

@@ -33,10 +33,10 @@ static bool is_stopped(const stp_jobs_loop* loop)
     return loop->stopped != NULL && atomic_load(loop->stopped);
 }
 
-static void claim_pieces(stp_jobs* jobs, uint32_t worker)
+static void claim_tasks(stp_jobs* jobs, uint32_t worker)
 {
     const stp_jobs_loop* loop = &jobs->loop;
-    // a claimed piece always runs, so the pieces that ran have no gap
+    // a claimed task always runs, so the tasks that ran have no gap
     while (!is_stopped(loop)) {
         size_t begin = atomic_fetch_add_explicit(&jobs->next, loop->grain, memory_order_relaxed);
         if (begin >= loop->count) {
@@ -65,7 +65,7 @@ static void* run_worker(void* argument)
         }
         seen = jobs->generation;
         pthread_mutex_unlock(&jobs->mutex);
-        claim_pieces(jobs, start.index);
+        claim_tasks(jobs, start.index);
         pthread_mutex_lock(&jobs->mutex);
         assert(jobs->busy > 0 && seen == jobs->generation && "the loop waits for this worker");
         jobs->busy -= 1;
@@ -183,11 +183,11 @@ void stp_jobs_run(stp_jobs* jobs, const stp_jobs_loop* loop)
     pthread_cond_broadcast(&jobs->work);
     pthread_mutex_unlock(&jobs->mutex);
 
-    claim_pieces(jobs, 0);
+    claim_tasks(jobs, 0);
 
     pthread_mutex_lock(&jobs->mutex);
     wait_for_workers(jobs);
-    assert((is_stopped(loop) || atomic_load(&jobs->next) >= loop->count) && "all pieces ran");
+    assert((is_stopped(loop) || atomic_load(&jobs->next) >= loop->count) && "all tasks ran");
     jobs->running = false;
     pthread_mutex_unlock(&jobs->mutex);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Worker threads of a context. One loop runs at a time; threads claim pieces from an atomic
+// Worker threads of a context. One loop runs at a time; threads claim tasks from an atomic
 // counter.
 #pragma once
 
@@ -19,9 +19,9 @@ typedef struct stp_jobs_loop {
     size_t count, grain;
     stp_job job;
     void* user;
-    /// Called on the calling thread between its pieces and regularly while it waits. May be NULL.
+    /// Called on the calling thread between its tasks and regularly while it waits. May be NULL.
     void (*tick)(void* user);
-    /// Once true, no further piece begins; the pieces that ran are the first ones, without a gap.
+    /// Once true, no further task begins; the tasks that ran are the first ones, without a gap.
     /// May be NULL.
     const atomic_bool* stopped;
 } stp_jobs_loop;
@@ -35,7 +35,7 @@ bool stp_jobs_running(stp_jobs* jobs);
 typedef struct stp_team {
     stp_context* context;
     uint32_t threads; ///< at least 1, at most the context's
-    /// Once true, no further piece of a loop begins. The caller owns it; NULL: never stops.
+    /// Once true, no further task of a loop begins. The caller owns it; NULL: never stops.
     const atomic_bool* stopped;
 } stp_team;
 

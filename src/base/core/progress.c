@@ -94,13 +94,13 @@ void stp_parallel_for(stp_context* context, size_t count, size_t grain, stp_job 
     stp_jobs_run(context->jobs, &loop);
 }
 
-static void run_reported_piece(size_t begin, size_t end, uint32_t worker, void* user)
+static void run_reported_task(size_t begin, size_t end, uint32_t worker, void* user)
 {
     stp_reported_loop* loop = user;
     loop->job(begin, end, worker, loop->user);
 }
 
-static void run_counted_piece(size_t begin, size_t end, uint32_t worker, void* user)
+static void run_counted_task(size_t begin, size_t end, uint32_t worker, void* user)
 {
     stp_reported_loop* loop = user;
     loop->job(begin, end, worker, loop->user);
@@ -141,12 +141,12 @@ stp_result stp_parallel_for_reported(stp_context* context, size_t count, size_t 
     report_loop(&loop);
     stp_jobs_loop jobs_loop = {.count = count,
                                .grain = grain,
-                               .job = counted ? run_counted_piece : run_reported_piece,
+                               .job = counted ? run_counted_task : run_reported_task,
                                .user = &loop,
                                .tick = tick,
                                .stopped = &loop.stopped};
     stp_jobs_run(context->jobs, &jobs_loop);
-    report_loop(&loop); // another thread may have run the last piece
+    report_loop(&loop); // another thread may have run the last task
     assert(context->loop == &loop && "loops end in the reverse order");
     context->loop = NULL;
     return atomic_load(&loop.stopped) ? STP_ERROR_CANCELLED : STP_OK;

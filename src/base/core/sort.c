@@ -52,21 +52,21 @@ uint64_t* stp_sort_u64(uint64_t* items, uint64_t* scratch, size_t count, unsigne
 
 enum {
     LEAST = 1 << 16, ///< fewer items are sorted on one thread
-    MAX_PIECES = 64, ///< each has its own digit counts
+    MAX_TASKS = 64,  ///< each has its own digit counts
 };
 
 typedef struct sorter {
     const uint64_t* from;
     uint64_t* to;
-    size_t count, piece_size;
+    size_t count, task_size;
     unsigned shift;
     uint64_t mask;
-    size_t (*starts)[DIGIT_COUNT]; ///< per piece: items per digit, then their target index
+    size_t (*starts)[DIGIT_COUNT]; ///< per task: items per digit, then their target index
 } sorter;
 
-static size_t end_of_piece(const sorter* s, size_t piece)
+static size_t end_of_task(const sorter* s, size_t task)
 {
-    size_t end = (piece + 1) * s->piece_size;
+    size_t end = (task + 1) * s->task_size;
     return end < s->count ? end : s->count;
 }
 
@@ -74,10 +74,10 @@ static void count_digits(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const sorter* s = user;
     (void)worker;
-    for (size_t piece = begin; piece < end; ++piece) {
-        size_t* counts = s->starts[piece];
-        memset(counts, 0, sizeof(s->starts[piece]));
-        for (size_t i = piece * s->piece_size; i < end_of_piece(s, piece); ++i) {
+    for (size_t task = begin; task < end; ++task) {
+        size_t* counts = s->starts[task];
+        memset(counts, 0, sizeof(s->starts[task]));
+        for (size_t i = task * s->task_size; i < end_of_task(s, task); ++i) {
             counts[(s->from[i] >> s->shift) & s->mask] += 1;
         }
     }
@@ -87,22 +87,22 @@ static void move_items(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const sorter* s = user;
     (void)worker;
-    for (size_t piece = begin; piece < end; ++piece) {
-        size_t* starts = s->starts[piece];
-        for (size_t i = piece * s->piece_size; i < end_of_piece(s, piece); ++i) {
+    for (size_t task = begin; task < end; ++task) {
+        size_t* starts = s->starts[task];
+        for (size_t i = task * s->task_size; i < end_of_task(s, task); ++i) {
             s->to[starts[(s->from[i] >> s->shift) & s->mask]++] = s->from[i];
         }
     }
 }
 
-/// Turns counts into places. For equal digits, earlier pieces come first, so the sort is stable.
-static void find_starts(const sorter* s, size_t pieces)
+/// Turns counts into places. For equal digits, earlier tasks come first, so the sort is stable.
+static void find_starts(const sorter* s, size_t tasks)
 {
     size_t sum = 0;
     for (size_t digit = 0; digit <= s->mask; ++digit) {
-        for (size_t piece = 0; piece < pieces; ++piece) {
-            size_t size = s->starts[piece][digit];
-            s->starts[piece][digit] = sum;
+        for (size_t task = 0; task < tasks; ++task) {
+            size_t size = s->starts[task][digit];
+            s->starts[task][digit] = sum;
             sum += size;
         }
     }
@@ -116,13 +116,13 @@ uint64_t* stp_parallel_sort_u64(stp_context* context, uint64_t* items, uint64_t*
     if (count < LEAST) {
         return stp_sort_u64(items, scratch, count, first_bit, bit_count);
     }
-    sorter s = {.count = count, .piece_size = LEAST / 2};
-    while (s.piece_size * MAX_PIECES < count) {
-        s.piece_size *= 2;
+    sorter s = {.count = count, .task_size = LEAST / 2};
+    while (s.task_size * MAX_TASKS < count) {
+        s.task_size *= 2;
     }
-    size_t pieces = (count + s.piece_size - 1) / s.piece_size;
-    assert(pieces <= MAX_PIECES && end_of_piece(&s, pieces - 1) == count && "pieces cover all");
-    s.starts = stp_alloc(context, pieces * sizeof(*s.starts));
+    size_t tasks = (count + s.task_size - 1) / s.task_size;
+    assert(tasks <= MAX_TASKS && end_of_task(&s, tasks - 1) == count && "tasks cover all");
+    s.starts = stp_alloc(context, tasks * sizeof(*s.starts));
     if (s.starts == NULL) {
         return NULL;
     }
@@ -132,9 +132,9 @@ uint64_t* stp_parallel_sort_u64(stp_context* context, uint64_t* items, uint64_t*
         s.mask = left < DIGIT_BITS ? ((uint64_t)1 << left) - 1 : DIGIT_COUNT - 1;
         s.from = items;
         s.to = scratch;
-        stp_parallel_for(context, pieces, 1, count_digits, &s);
-        find_starts(&s, pieces);
-        stp_parallel_for(context, pieces, 1, move_items, &s);
+        stp_parallel_for(context, tasks, 1, count_digits, &s);
+        find_starts(&s, tasks);
+        stp_parallel_for(context, tasks, 1, move_items, &s);
         uint64_t* swap = items;
         items = scratch;
         scratch = swap;

@@ -37,16 +37,16 @@ stp_hash stp_hash_steps(stp_hash chain, const void* bytes, size_t size,
     return mix(chain, XXH3_128bits_digest(&state));
 }
 
-uint64_t stp_checksum(const stp_bytes* pieces, size_t piece_count)
+uint64_t stp_checksum(const stp_bytes* parts, size_t part_count)
 {
-    if (piece_count == 1) {
-        return XXH3_64bits(pieces[0].bytes, pieces[0].size);
+    if (part_count == 1) {
+        return XXH3_64bits(parts[0].bytes, parts[0].size);
     }
     XXH3_state_t state;
     (void)XXH3_64bits_reset(&state);
-    for (size_t i = 0; i < piece_count; ++i) {
-        if (pieces[i].size != 0) {
-            (void)XXH3_64bits_update(&state, pieces[i].bytes, pieces[i].size);
+    for (size_t i = 0; i < part_count; ++i) {
+        if (parts[i].size != 0) {
+            (void)XXH3_64bits_update(&state, parts[i].bytes, parts[i].size);
         }
     }
     return XXH3_64bits_digest(&state);

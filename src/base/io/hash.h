@@ -26,8 +26,8 @@ typedef struct stp_bytes {
     size_t size;
 } stp_bytes;
 
-/// XXH3 checksum, 64 bits, of the concatenated pieces.
-uint64_t stp_checksum(const stp_bytes* pieces, size_t piece_count);
+/// XXH3 checksum, 64 bits, of the concatenated parts.
+uint64_t stp_checksum(const stp_bytes* parts, size_t part_count);
 
 static inline bool stp_hash_equal(stp_hash a, stp_hash b)
 {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// The CPU backend. A frame prepares the items (matrices, data, textures), and draws them in pieces
+// The CPU backend. A frame prepares the items (matrices, data, textures), and draws them in tasks
 // into one visibility buffer per worker. Then it processes the picture in bands: merges the
 // workers' buffers to the nearest per pixel, clears them for the next frame, and shades the pixels.
-// Merging takes a minimum, so the picture does not depend on the pieces or on which worker drew
+// Merging takes a minimum, so the picture does not depend on the tasks or on which worker drew
 // them. The number of workers is capped (base/core/jobs.h), since each needs a buffer of the picture's
 // size.
 #pragma once
@@ -26,9 +26,9 @@
 #include "store/sets/large_triangles.h"
 
 enum {
-    CPU_PIECE_SPLATS = 16384,
-    CPU_PIECE_TRIANGLES = 4096,
-    CPU_PIECE_CLUSTERS = 32,
+    CPU_TASK_SPLATS = 16384,
+    CPU_TASK_TRIANGLES = 4096,
+    CPU_TASK_CLUSTERS = 32,
     CPU_BAND_ROWS = 16,
     CPU_ENCODE_SIZE = 16384,
 };
@@ -53,15 +53,15 @@ typedef struct stp_cpu_splats {
     bool plain_coverages, unknown_signs;
 } stp_cpu_splats;
 
-/// A draw item with all data for its pieces and pixels. Views of large scenes have a hundred
+/// A draw item with all data for its tasks and pixels. Views of large scenes have a hundred
 /// thousand items.
 typedef struct stp_cpu_item {
     stp_draw_kind kind;
     uint32_t first_id, count;
-    uint32_t first_piece;
+    uint32_t first_task;
     uint32_t seed; ///< for holes and hashed alpha: depends only on the item and its place
-    uint32_t unit_count, piece_units; ///< splats, triangles or clusters: in total, and per piece
-    stp_raster_camera camera;         ///< maps positions minus `offset`
+    uint32_t unit_count, task_units; ///< splats, triangles or clusters: in total, and per task
+    stp_raster_camera camera;        ///< maps positions minus `offset`
     float near_factor,
         near_shift; ///< true nearness = near_factor * that of the buffer + near_shift
     float offset[3];
@@ -104,7 +104,7 @@ typedef struct stp_cpu_worker {
     stp_cpu_shade_memory* shading; ///< cache of recently shaded surfaces
     stp_arena scratch;
     uint64_t fragments, covered;
-    uint64_t layer_found;  ///< fragments of the current piece between the layer's bounds
+    uint64_t layer_found;  ///< fragments of the current task between the layer's bounds
     uint64_t layer_pixels; ///< shaded pixels of the current layer
     bool drew, failed;
 } stp_cpu_worker;
@@ -117,8 +117,8 @@ typedef struct stp_cpu_eye {
     // each.
     uint16_t* late;
     size_t late_capacity;
-    uint8_t* late_pieces; ///< whether a piece has any such bits
-    size_t late_piece_capacity;
+    uint8_t* late_tasks; ///< whether a task has any such bits
+    size_t late_task_capacity;
     bool made;      ///< its pyramid is of the current sample
     float* windows; ///< occlusion test of splats (raster/occluder.h)
     size_t window_capacity;
@@ -173,7 +173,7 @@ typedef struct stp_cpu_layers {
     uint64_t *nearer, *farther; ///< see stp_raster_layer
     float* splats_below;
     float* light;   ///< 4 per pixel: linear colour of the layers so far, and their transmittance
-    uint8_t* alive; ///< per piece: whether it may still have visible fragments
+    uint8_t* alive; ///< per task: whether it may still have visible fragments
     size_t alive_capacity;
 } stp_cpu_layers;
 
@@ -206,7 +206,7 @@ typedef struct stp_cpu_renderer {
     stp_cpu_item* items;
     size_t item_count, item_capacity;
     uint64_t large_count; ///< triangles tested for drawing together with splats
-    uint32_t piece_count;
+    uint32_t task_count;
     stp_cpu_eye eyes[STP_EYES_MAX];
     stp_depth_pyramid
         pyramids[STP_EYES_MAX]; ///< depths of the eyes' last pictures; no levels: none
@@ -268,11 +268,11 @@ static inline float stp_cpu_splat_scale(const stp_cpu_renderer* r)
     return r->style->splat_scale > 0.0f ? r->style->splat_scale : 1.0f;
 }
 
-/// Draws a piece. @return whether parts of it were occluded
-bool stp_cpu_draw_piece(stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t piece, bool late,
-                        const stp_raster_target* target, stp_cpu_worker* worker);
-/// The item that a piece belongs to.
-const stp_cpu_item* stp_cpu_item_of_piece(const stp_cpu_renderer* r, uint32_t piece);
+/// Draws a task. @return whether parts of it were occluded
+bool stp_cpu_draw_task(stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t task, bool late,
+                       const stp_raster_target* target, stp_cpu_worker* worker);
+/// The item that a task belongs to.
+const stp_cpu_item* stp_cpu_item_of_task(const stp_cpu_renderer* r, uint32_t task);
 /// Depth bounds of fragments in the current layer, for a worker.
 static inline stp_raster_layer stp_cpu_make_layer(const stp_cpu_renderer* r, stp_cpu_worker* worker)
 {
@@ -282,12 +282,12 @@ static inline stp_raster_layer stp_cpu_make_layer(const stp_cpu_renderer* r, stp
                               .found = &worker->layer_found};
 }
 
-/// Draws all items from a piece into the workers' buffers; of earlier pieces, only content occluded
+/// Draws all items from a task into the workers' buffers; of earlier tasks, only content occluded
 /// so far for the eye.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged), or STP_ERROR_CANCELLED
-STP_MUST_USE stp_result stp_cpu_draw_items(stp_cpu_renderer* r, uint32_t first_piece);
+STP_MUST_USE stp_result stp_cpu_draw_items(stp_cpu_renderer* r, uint32_t first_task);
 
-/// Allocates occlusion bits of items from `first`, whose pieces are counted. @return STP_OK or
+/// Allocates occlusion bits of items from `first`, whose tasks are counted. @return STP_OK or
 /// STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_cpu_prepare_late(stp_cpu_renderer* r, size_t first);
 /// Whether anything drawn so far was occluded for an eye.

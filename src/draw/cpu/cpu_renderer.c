@@ -23,7 +23,7 @@ static void destroy(stp_renderer* renderer)
     for (int i = 0; i < STP_EYES_MAX; ++i) {
         stp_depth_pyramid_destroy(context, &r->pyramids[i]);
         stp_free(context, r->eyes[i].late);
-        stp_free(context, r->eyes[i].late_pieces);
+        stp_free(context, r->eyes[i].late_tasks);
         stp_free(context, r->eyes[i].windows);
     }
     stp_cpu_destroy_textures(r);

@@ -129,10 +129,10 @@ static stp_result find_mesh(stp_cpu_renderer* r, uint32_t index, stp_cpu_item* i
     item->offset[2] = 0.5f * (box.min.z + box.max.z);
     item->count = known->triangle_count;
     item->unit_count = item->count;
-    item->piece_units = CPU_PIECE_TRIANGLES;
+    item->task_units = CPU_TASK_TRIANGLES;
     if (item->clusters.bytes != NULL) {
         item->unit_count = item->clusters.cluster_count;
-        item->piece_units = CPU_PIECE_CLUSTERS;
+        item->task_units = CPU_TASK_CLUSTERS;
     }
     result = item->draw->large ? stp_cpu_find_large(r, item) : result;
     if (result != STP_OK) {
@@ -258,7 +258,7 @@ static void skip_item(const stp_cpu_renderer* r, const stp_draw_item* draw, stp_
     *item = (stp_cpu_item){.kind = draw->kind,
                            .first_id = draw->first_id,
                            .count = mesh->triangle_count,
-                           .piece_units = CPU_PIECE_TRIANGLES,
+                           .task_units = CPU_TASK_TRIANGLES,
                            .draw = draw,
                            .material = &r->directory->materials[mesh->material]};
 }
@@ -282,7 +282,7 @@ stp_result stp_cpu_prepare_items(stp_cpu_renderer* r, const stp_draw_list* list,
         r->items[i].runs = r->items[i].runs != NULL ? list->runs + draw->first_run : NULL;
     }
     r->item_count = first;
-    uint64_t pieces = first > 0 ? r->piece_count : 0;
+    uint64_t tasks = first > 0 ? r->task_count : 0;
     bool leaves_out = false; // whether large triangles replace splats of the set that they follow
     for (size_t i = first; i < list->count; ++i) {
         stp_cpu_item* item = &r->items[i];
@@ -299,14 +299,14 @@ stp_result stp_cpu_prepare_items(stp_cpu_renderer* r, const stp_draw_list* list,
         }
         if (item->kind != STP_DRAW_MESH) {
             item->unit_count = item->count;
-            item->piece_units = CPU_PIECE_SPLATS;
+            item->task_units = CPU_TASK_SPLATS;
         }
         leaves_out = draw->large ? leaves_out : stp_cpu_leaves_out_splats(item);
-        item->first_piece = (uint32_t)pieces;
-        pieces += ((uint64_t)item->unit_count + item->piece_units - 1) / item->piece_units;
+        item->first_task = (uint32_t)tasks;
+        tasks += ((uint64_t)item->unit_count + item->task_units - 1) / item->task_units;
         r->item_count = i + 1;
     }
-    assert(pieces <= UINT32_MAX);
-    r->piece_count = (uint32_t)pieces; // at most one per id plus one per item
+    assert(tasks <= UINT32_MAX);
+    r->task_count = (uint32_t)tasks; // at most one per id plus one per item
     return stp_cpu_prepare_late(r, first);
 }

@@ -22,7 +22,7 @@ stp_result stp_cpu_find_large(stp_cpu_renderer* r, stp_cpu_item* item)
     stp_result result =
         stp_store_get_large_triangles(r->store, draw->index, draw->large_min, &item->large);
     item->unit_count = 0;
-    item->piece_units = CPU_PIECE_TRIANGLES;
+    item->task_units = CPU_TASK_TRIANGLES;
     if (result == STP_OK) {
         item->unit_count = stp_large_triangles_find(&item->large, draw->large_from);
         r->large_count += item->unit_count;

@@ -81,43 +81,43 @@ static bool may_have(const stp_cpu_renderer* r, const stp_cpu_item* item)
                                        : item->kind == STP_DRAW_SPLATS && r->layers.of_splats;
 }
 
-/// Marks the pieces that may have visible fragments, one byte each. @param any whether there are any
-static stp_result list_pieces(stp_cpu_renderer* r, bool* any)
+/// Marks the tasks that may have visible fragments, one byte each. @param any whether there are any
+static stp_result list_tasks(stp_cpu_renderer* r, bool* any)
 {
     stp_cpu_layers* l = &r->layers;
     void* alive = l->alive;
-    stp_result result = stp_cpu_grow(r->base.context, &alive, &l->alive_capacity, r->piece_count,
-                                     sizeof(*l->alive));
+    stp_result result =
+        stp_cpu_grow(r->base.context, &alive, &l->alive_capacity, r->task_count, sizeof(*l->alive));
     l->alive = alive;
     *any = false;
     for (size_t i = 0; i < r->item_count && result == STP_OK; ++i) {
-        uint32_t end = i + 1 < r->item_count ? r->items[i + 1].first_piece : r->piece_count;
-        assert(r->items[i].first_piece <= end && end <= r->piece_count && "pieces ascend");
+        uint32_t end = i + 1 < r->item_count ? r->items[i + 1].first_task : r->task_count;
+        assert(r->items[i].first_task <= end && end <= r->task_count && "tasks ascend");
         bool may = may_have(r, &r->items[i]);
         *any = *any || may;
-        memset(l->alive + r->items[i].first_piece, may, end - r->items[i].first_piece);
+        memset(l->alive + r->items[i].first_task, may, end - r->items[i].first_task);
     }
     return result;
 }
 
-static void draw_pieces(size_t begin, size_t end, uint32_t index, void* user)
+static void draw_tasks(size_t begin, size_t end, uint32_t index, void* user)
 {
     stp_cpu_renderer* r = user;
     stp_cpu_worker* worker = &r->workers[index];
     stp_raster_target target = {
         .width = r->width, .height = r->height, .stride = r->width, .pixels = worker->pixels};
-    assert(begin < end && end <= r->piece_count);
-    const stp_cpu_item* item = stp_cpu_item_of_piece(r, (uint32_t)begin);
-    for (uint32_t piece = (uint32_t)begin; piece < end; ++piece) {
+    assert(begin < end && end <= r->task_count);
+    const stp_cpu_item* item = stp_cpu_item_of_task(r, (uint32_t)begin);
+    for (uint32_t task = (uint32_t)begin; task < end; ++task) {
         const stp_cpu_item* last = r->items + r->item_count - 1;
-        while (item < last && item[1].first_piece <= piece) {
+        while (item < last && item[1].first_task <= task) {
             item += 1;
         }
-        if (r->layers.alive[piece] != 0) {
+        if (r->layers.alive[task] != 0) {
             worker->drew = true;
             worker->layer_found = 0;
-            stp_cpu_draw_piece(r, item, piece, false, &target, worker);
-            r->layers.alive[piece] =
+            stp_cpu_draw_task(r, item, task, false, &target, worker);
+            r->layers.alive[task] =
                 worker->layer_found > 0; // fewer fragments lie behind after each pass
         }
     }
@@ -230,13 +230,13 @@ stp_result stp_cpu_draw_layers(stp_cpu_renderer* r)
     stp_cpu_layers* l = &r->layers;
     bool any;
     assert(l->stage == CPU_LAYERS_OPAQUE && "layers begin before anything is drawn");
-    stp_result result = list_pieces(r, &any);
+    stp_result result = list_tasks(r, &any);
     l->stage = CPU_LAYERS_PEEL;
     r->occluding = NULL;
     count_pixels(r);
     for (l->count = 0; any && l->count < STP_LAYERS_MAX && result == STP_OK; ++l->count) {
-        size_t grain = r->piece_count / ((size_t)r->team.threads * 64);
-        stp_team_run(&r->team, r->piece_count, grain > 0 ? grain : 1, draw_pieces, r);
+        size_t grain = r->task_count / ((size_t)r->team.threads * 64);
+        stp_team_run(&r->team, r->task_count, grain > 0 ? grain : 1, draw_tasks, r);
         for (uint32_t i = 0; i < r->team.threads; ++i) {
             if (r->workers[i].failed) {
                 result = stp_fail_memory(r->base.context);

@@ -44,14 +44,14 @@ stp_result stp_cpu_prepare_late(stp_cpu_renderer* r, size_t first)
     for (uint32_t i = 0; i < r->eye_count && result == STP_OK; ++i) {
         stp_cpu_eye* eye = &r->eyes[i];
         void* late = eye->late;
-        void* pieces = eye->late_pieces;
+        void* tasks = eye->late_tasks;
         result = stp_cpu_grow(r->base.context, &late, &eye->late_capacity, r->late_count,
                               sizeof(*eye->late));
         eye->late = late;
         if (result == STP_OK) {
-            result = stp_cpu_grow(r->base.context, &pieces, &eye->late_piece_capacity,
-                                  r->piece_count, 1);
-            eye->late_pieces = pieces;
+            result =
+                stp_cpu_grow(r->base.context, &tasks, &eye->late_task_capacity, r->task_count, 1);
+            eye->late_tasks = tasks;
         }
     }
     return result;
@@ -60,8 +60,8 @@ stp_result stp_cpu_prepare_late(stp_cpu_renderer* r, size_t first)
 bool stp_cpu_is_any_late(const stp_cpu_renderer* r, const stp_cpu_eye* eye)
 {
     bool any = false;
-    for (uint32_t i = 0; i < r->piece_count; ++i) {
-        any = any || eye->late_pieces[i] != 0;
+    for (uint32_t i = 0; i < r->task_count; ++i) {
+        any = any || eye->late_tasks[i] != 0;
     }
     return any;
 }
@@ -150,10 +150,10 @@ void stp_cpu_place_late_occluders(stp_cpu_renderer* r, const stp_draw_list* list
 {
     assert(first <= r->item_count && r->item_count <= list->count);
     for (size_t i = 0; i < first; ++i) {
-        uint32_t end = i + 1 < r->item_count ? r->items[i + 1].first_piece : r->piece_count;
+        uint32_t end = i + 1 < r->item_count ? r->items[i + 1].first_task : r->task_count;
         bool late = false;
-        for (uint32_t piece = r->items[i].first_piece; piece < end && !late; ++piece) {
-            late = r->eye->late_pieces[piece] != 0;
+        for (uint32_t task = r->items[i].first_task; task < end && !late; ++task) {
+            late = r->eye->late_tasks[task] != 0;
         }
         if (late) {
             stp_cpu_place_occluder(r, &list->items[i], &r->items[i]);

@@ -172,9 +172,9 @@ static stp_result finish_picture(stp_cpu_renderer* r)
 
 /// Draws the second pass and shades, eye by eye; the last eye's items are already placed.
 static stp_result draw_second_pass(stp_cpu_renderer* r, const stp_draw_list* list, bool again,
-                                   size_t first, uint32_t first_piece, stp_draw_stats* stats)
+                                   size_t first, uint32_t first_task, stp_draw_stats* stats)
 {
-    assert(first <= r->item_count && first_piece <= r->piece_count && "items are appended");
+    assert(first <= r->item_count && first_task <= r->task_count && "items are appended");
     stp_result result = STP_OK;
     for (uint32_t i = r->eye_count; i-- > 0 && result == STP_OK;) {
         double start = stp_clock_ms();
@@ -189,7 +189,7 @@ static stp_result draw_second_pass(stp_cpu_renderer* r, const stp_draw_list* lis
         stp_cpu_place_items(r, list, again ? first : r->item_count);
         if (again) {
             result = i + 1 == r->eye_count ? stp_cpu_prepare_shading(r, first) : STP_OK;
-            result = result == STP_OK ? stp_cpu_draw_items(r, first_piece) : result;
+            result = result == STP_OK ? stp_cpu_draw_items(r, first_task) : result;
         }
         double drawn = stp_clock_ms();
         result = result == STP_OK ? finish_picture(r) : result;
@@ -212,7 +212,7 @@ static stp_result draw_sample(stp_cpu_renderer* r, const stp_draw_list* list, ui
     double start = stp_clock_ms(), select_ms = passes != NULL ? passes->select_ms : 0.0;
     result = result == STP_OK ? draw_first_pass(r, list) : result;
     size_t first = r->item_count;
-    uint32_t first_piece = r->piece_count;
+    uint32_t first_task = r->task_count;
     bool again = result == STP_OK && passes != NULL && is_any_hidden(r);
     if (again) {
         result = select_rejected(r, first);
@@ -223,7 +223,7 @@ static stp_result draw_sample(stp_cpu_renderer* r, const stp_draw_list* list, ui
     }
     stats->draw_ms += stp_clock_ms() - start;
     if (result == STP_OK) {
-        result = draw_second_pass(r, list, again, first, first_piece, stats);
+        result = draw_second_pass(r, list, again, first, first_task, stats);
     }
     if (result != STP_OK) {
         stp_cpu_empty_pixels(r);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Draws items in pieces. Any free worker takes the next piece; each draws into its own buffer.
+// Draws items in tasks. Any free worker takes the next task; each draws into its own buffer.
 #include "draw/cpu/layers.h"
 #include "draw/cpu/passes.h"
 #include "draw/placement.h"
@@ -8,20 +8,20 @@
 #include <assert.h>
 #include <string.h>
 
-/// The last item whose first piece is at or before `piece`.
-const stp_cpu_item* stp_cpu_item_of_piece(const stp_cpu_renderer* r, uint32_t piece)
+/// The last item whose first task is at or before `task`.
+const stp_cpu_item* stp_cpu_item_of_task(const stp_cpu_renderer* r, uint32_t task)
 {
-    assert(r->item_count > 0 && piece < r->piece_count);
+    assert(r->item_count > 0 && task < r->task_count);
     size_t low = 0, high = r->item_count;
     while (high - low > 1) {
         size_t middle = low + (high - low) / 2;
-        if (r->items[middle].first_piece <= piece) {
+        if (r->items[middle].first_task <= task) {
             low = middle;
         } else {
             high = middle;
         }
     }
-    assert(r->items[low].first_piece <= piece);
+    assert(r->items[low].first_task <= task);
     return &r->items[low];
 }
 
@@ -35,7 +35,7 @@ const stp_cpu_item* stp_cpu_item_of_piece(const stp_cpu_renderer* r, uint32_t pi
 /// @return whether some were occluded
 static bool record_hidden(const uint16_t* bits, uint32_t begin, uint32_t end)
 {
-    assert(begin % 16 == 0 && "words belong to one piece");
+    assert(begin % 16 == 0 && "words belong to one task");
     uint16_t any = 0;
     for (uint32_t i = begin / 16; i < (end + 15) / 16; ++i) {
         any |= bits[i];
@@ -43,12 +43,12 @@ static bool record_hidden(const uint16_t* bits, uint32_t begin, uint32_t end)
     return any != 0;
 }
 
-/// Pieces drawn by a pass.
-typedef struct piece_loop {
+/// Tasks drawn by a pass.
+typedef struct task_loop {
     stp_cpu_renderer* r;
     uint32_t first;
-    uint32_t first_new; ///< earlier pieces draw only content occluded so far
-} piece_loop;
+    uint32_t first_new; ///< earlier tasks draw only content occluded so far
+} task_loop;
 
 typedef void (*range_drawer)(const stp_cpu_renderer* r, const stp_cpu_item* item,
                              const stp_raster_splats* splats, const stp_raster_target* target,
@@ -74,7 +74,7 @@ static void clear_hidden(const stp_raster_splats* splats, uint32_t begin, uint32
     }
 }
 
-/// Draws the splats of a piece, run by run.
+/// Draws the splats of a task, run by run.
 static void draw_runs(stp_cpu_renderer* r, const stp_cpu_item* item, stp_raster_splats* splats,
                       const stp_raster_target* target, stp_cpu_worker* worker, range_drawer draw)
 {
@@ -217,11 +217,11 @@ static void fix_size(const stp_cpu_renderer* r, const stp_cpu_item* item, stp_ra
     }
 }
 
-/// Draws splats [begin, end) of a piece. `late`: those occluded so far.
+/// Draws splats [begin, end) of a task. `late`: those occluded so far.
 static void draw_splats(stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t begin, uint32_t end,
                         bool late, const stp_raster_target* target, stp_cpu_worker* worker)
 {
-    assert(begin <= end && begin % 16 == 0 && "bits of pieces share no word");
+    assert(begin <= end && begin % 16 == 0 && "bits of tasks share no word");
     stp_raster_splats splats = {.begin = begin,
                                 .end = end,
                                 .radius = item->radius,
@@ -326,12 +326,12 @@ static void draw_triangles(stp_cpu_renderer* r, const stp_cpu_item* item, uint32
     worker->failed = worker->failed || result != STP_OK;
 }
 
-bool stp_cpu_draw_piece(stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t piece, bool late,
-                        const stp_raster_target* target, stp_cpu_worker* worker)
+bool stp_cpu_draw_task(stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t task, bool late,
+                       const stp_raster_target* target, stp_cpu_worker* worker)
 {
-    uint32_t size = item->piece_units;
-    uint32_t from = (piece - item->first_piece) * size;
-    assert(piece >= item->first_piece && from < item->unit_count && "a piece of this item");
+    uint32_t size = item->task_units;
+    uint32_t from = (task - item->first_task) * size;
+    assert(task >= item->first_task && from < item->unit_count && "a task of this item");
     uint32_t to = item->unit_count - from < size ? item->unit_count : from + size;
     if (r->blend.stage != CPU_BLEND_NONE && item->kind == STP_DRAW_MESH) {
         return false;
@@ -345,7 +345,7 @@ bool stp_cpu_draw_piece(stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t 
         return false;
     }
     if (item->clusters.bytes != NULL) {
-        uint16_t* bits = r->eye->late + item->late + (size_t)2 * (piece - item->first_piece);
+        uint16_t* bits = r->eye->late + item->late + (size_t)2 * (task - item->first_task);
         stp_cpu_cluster_range range = {.begin = from, .end = to, .wanted = UINT32_MAX};
         if (late) {
             range.wanted = (uint32_t)bits[0] | (uint32_t)bits[1] << 16;
@@ -367,43 +367,43 @@ bool stp_cpu_draw_piece(stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t 
            record_hidden(r->eye->late + item->late, from, to);
 }
 
-static void draw_pieces(size_t begin, size_t end, uint32_t index, void* user)
+static void draw_tasks(size_t begin, size_t end, uint32_t index, void* user)
 {
-    const piece_loop* loop = user;
+    const task_loop* loop = user;
     stp_cpu_renderer* r = loop->r;
     begin += loop->first;
     end += loop->first;
     stp_cpu_worker* worker = &r->workers[index];
     stp_raster_target target = {
         .width = r->width, .height = r->height, .stride = r->width, .pixels = worker->pixels};
-    assert(begin < end && end <= r->piece_count);
+    assert(begin < end && end <= r->task_count);
     worker->drew = true;
-    const stp_cpu_item* item = stp_cpu_item_of_piece(r, (uint32_t)begin);
-    for (uint32_t piece = (uint32_t)begin; piece < end && !stp_cpu_is_stopped(r); ++piece) {
+    const stp_cpu_item* item = stp_cpu_item_of_task(r, (uint32_t)begin);
+    for (uint32_t task = (uint32_t)begin; task < end && !stp_cpu_is_stopped(r); ++task) {
         const stp_cpu_item* last = r->items + r->item_count - 1;
-        while (item < last && item[1].first_piece <= piece) {
+        while (item < last && item[1].first_task <= task) {
             item += 1;
         }
-        bool late = piece < loop->first_new;
-        if (!late || r->eye->late_pieces[piece] != 0) {
-            r->eye->late_pieces[piece] = stp_cpu_draw_piece(r, item, piece, late, &target, worker);
+        bool late = task < loop->first_new;
+        if (!late || r->eye->late_tasks[task] != 0) {
+            r->eye->late_tasks[task] = stp_cpu_draw_task(r, item, task, late, &target, worker);
         }
     }
 }
 
-stp_result stp_cpu_draw_items(stp_cpu_renderer* r, uint32_t first_piece)
+stp_result stp_cpu_draw_items(stp_cpu_renderer* r, uint32_t first_task)
 {
-    assert(first_piece <= r->piece_count);
-    piece_loop loop = {.r = r, .first = first_piece, .first_new = first_piece};
-    if (first_piece > 0) { // test occluded ones again
+    assert(first_task <= r->task_count);
+    task_loop loop = {.r = r, .first = first_task, .first_new = first_task};
+    if (first_task > 0) { // test occluded ones again
         loop.first = 0;
     }
-    uint32_t count = r->piece_count - loop.first;
+    uint32_t count = r->task_count - loop.first;
     if (count == 0) {
         return STP_OK;
     }
     size_t grain = count / ((size_t)r->team.threads * 64);
-    stp_team_run(&r->team, count, grain > 0 ? grain : 1, draw_pieces, &loop);
+    stp_team_run(&r->team, count, grain > 0 ? grain : 1, draw_tasks, &loop);
     for (uint32_t i = 0; i < r->team.threads; ++i) {
         if (r->workers[i].failed) {
             return stp_fail_memory(r->base.context);

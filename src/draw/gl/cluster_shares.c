@@ -7,7 +7,7 @@
 
 #include <assert.h>
 
-enum { GRAIN = 1024 }; ///< clusters per piece of the loop
+enum { GRAIN = 1024 }; ///< clusters per task of the loop
 
 struct stp_gl_share_item {
     size_t item;  ///< index in the list

@@ -192,7 +192,7 @@ STP_MUST_USE stp_result stp_gltf_decompress_views(stp_gltf_scope* scope, stp_glt
 uint64_t stp_gltf_primitive_elements(const stp_gltf* gltf, const stp_gltf_variant* variant,
                                      size_t index);
 /// How many elements of a given size to read before the scene takes them and may move them out of
-/// memory: `maximum`, or fewer if the scene keeps little in memory. 0: one piece at a time.
+/// memory: `maximum`, or fewer if the scene keeps little in memory. 0: one element at a time.
 uint64_t stp_gltf_batch(const stp_gltf* gltf, uint64_t maximum, uint64_t bytes_each);
 /// Rejects meshes that claim far more data than the file holds.
 STP_MUST_USE stp_result stp_gltf_check_meshes(stp_gltf_scope* scope, const stp_gltf* gltf);

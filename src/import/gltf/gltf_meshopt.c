@@ -176,7 +176,7 @@ typedef struct view_loop {
     stp_result* results;
 } view_loop;
 
-// Processes a piece of the loop: stores results only; the calling thread repeats the first failure
+// Processes a task of the loop: stores results only; the calling thread repeats the first failure
 // to log it.
 static void decompress_job(size_t begin, size_t end, uint32_t worker, void* user)
 {

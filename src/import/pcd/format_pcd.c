@@ -19,7 +19,7 @@
 
 #define GRAIN ((size_t)1 << 14)    ///< points
 #define ROWS ((size_t)256)         ///< points whose fields are read one after the other
-#define RELEASE_EVERY ((size_t)64) ///< pieces, after which pages are released
+#define RELEASE_EVERY ((size_t)64) ///< tasks, after which pages are released
 #define EXPANSION 100              ///< LZF makes at most 264 bytes of 3
 
 enum { X, Y, Z, NX, NY, NZ, RGB, INTENSITY, LABEL, SLOTS };

@@ -9,7 +9,7 @@
 #define GRID_STEPS 65535.0
 // Number of sampled points: enough to know the median within a few percent.
 #define SPACING_SAMPLES 200u
-#define SPACING_PIECE 512u // points at a time
+#define SPACING_BATCH 512u // points at a time
 
 void stp_choose_position_grid(stp_boxd box, double min_step, stp_vec3* origin, float* step)
 {
@@ -90,7 +90,7 @@ static int compare_floats(const void* a, const void* b)
 
 // A block of points as columns.
 typedef struct spacing_columns {
-    float x[SPACING_PIECE], y[SPACING_PIECE], z[SPACING_PIECE];
+    float x[SPACING_BATCH], y[SPACING_BATCH], z[SPACING_BATCH];
 } spacing_columns;
 
 // Lanes past the end are infinitely far away.
@@ -104,7 +104,7 @@ static uint32_t fill_spacing_columns(spacing_columns* to, const float* positions
     for (; count % STP_NEAR_LANES != 0; ++count) {
         to->x[count] = to->y[count] = to->z[count] = INFINITY;
     }
-    assert(count <= SPACING_PIECE && "a piece is a whole number of vectors");
+    assert(count <= SPACING_BATCH && "a batch is a whole number of vectors");
     return count;
 }
 
@@ -120,8 +120,8 @@ float stp_median_spacing(const float* positions, uint32_t count)
         nearest[s] = FLT_MAX;
     }
     spacing_columns columns;
-    for (uint32_t begin = 0; begin < count; begin += SPACING_PIECE) {
-        uint32_t size = count - begin < SPACING_PIECE ? count - begin : SPACING_PIECE;
+    for (uint32_t begin = 0; begin < count; begin += SPACING_BATCH) {
+        uint32_t size = count - begin < SPACING_BATCH ? count - begin : SPACING_BATCH;
         uint32_t filled = fill_spacing_columns(&columns, positions + 3 * (size_t)begin, size);
         for (uint32_t s = 0; s < asked; ++s) {
             uint32_t i = (uint32_t)((uint64_t)s * count / asked);

@@ -11,11 +11,11 @@ enum {
 };
 
 // A part of the tree, in depth-first order: a subtree, or one node above subtrees.
-typedef struct piece {
+typedef struct task {
     stp_octree_box box;
     uint32_t node;  ///< its first node
-    uint32_t after; ///< index of the next piece after its subtree
-} piece;
+    uint32_t after; ///< index of the next task after its subtree
+} task;
 
 typedef struct maker {
     stp_context* context;
@@ -23,9 +23,9 @@ typedef struct maker {
     const stp_tree_desc* desc;
     stp_point_tree* tree;
     stp_octree octree;
-    piece* pieces;
-    size_t piece_count, piece_capacity;
-    /// Subtree sizes of the nodes of a piece, starting at twice the piece's first point
+    task* tasks;
+    size_t task_count, task_capacity;
+    /// Subtree sizes of the nodes of a task, starting at twice the task's first point
     uint32_t* sizes;
     uint32_t* weights; ///< leaves below each node
 } maker;
@@ -109,27 +109,27 @@ static void finish_node(const maker* m, uint32_t node)
     m->weights[node] = (uint32_t)sum;
 }
 
-// Adds the pieces of a box and of the boxes below it. @return false if out of memory
-static bool add_pieces(maker* m, const stp_octree_box* box)
+// Adds the tasks of a box and of the boxes below it. @return false if out of memory
+static bool add_tasks(maker* m, const stp_octree_box* box)
 {
-    size_t at = m->piece_count;
-    if (!STP_MAKE_ROOM(m->context, m->pieces, m->piece_capacity, at + 1)) {
+    size_t at = m->task_count;
+    if (!STP_MAKE_ROOM(m->context, m->tasks, m->task_capacity, at + 1)) {
         return false;
     }
-    m->piece_count += 1;
+    m->task_count += 1;
     bool added = true;
     if (box->end - box->begin > SUBTREE) {
         stp_octree_box children[8];
         uint32_t count = stp_octree_divide(&m->octree, *box, children);
         for (uint32_t k = 0; k < count && added; ++k) {
-            added = add_pieces(m, &children[k]);
+            added = add_tasks(m, &children[k]);
         }
     }
-    m->pieces[at] = (piece){.box = *box, .after = (uint32_t)m->piece_count};
+    m->tasks[at] = (task){.box = *box, .after = (uint32_t)m->task_count};
     return added;
 }
 
-static bool is_subtree(const piece* p)
+static bool is_subtree(const task* p)
 {
     return p->box.end - p->box.begin <= SUBTREE;
 }
@@ -150,13 +150,13 @@ static uint32_t find_sizes(const stp_octree* octree, const stp_octree_box* box, 
     return size;
 }
 
-static void shape_pieces(size_t begin, size_t end, uint32_t worker, void* user)
+static void shape_tasks(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const maker* m = user;
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
-        const stp_octree_box* box = &m->pieces[i].box;
-        if (is_subtree(&m->pieces[i])) {
+        const stp_octree_box* box = &m->tasks[i].box;
+        if (is_subtree(&m->tasks[i])) {
             (void)find_sizes(&m->octree, box, m->sizes + 2 * (size_t)box->begin);
         }
     }
@@ -164,8 +164,8 @@ static void shape_pieces(size_t begin, size_t end, uint32_t worker, void* user)
 
 static void number_nodes(maker* m)
 {
-    for (size_t i = 0; i < m->piece_count; ++i) {
-        piece* p = &m->pieces[i];
+    for (size_t i = 0; i < m->task_count; ++i) {
+        task* p = &m->tasks[i];
         p->node = m->tree->count;
         m->tree->count += is_subtree(p) ? m->sizes[2 * (size_t)p->box.begin] : 1;
     }
@@ -190,7 +190,7 @@ static stp_result make_arrays(maker* m)
     return made ? STP_OK : stp_fail_memory(m->context);
 }
 
-static void finish_subtree(const maker* m, const piece* p)
+static void finish_subtree(const maker* m, const task* p)
 {
     stp_point_tree* t = m->tree;
     const uint32_t* sizes = m->sizes + 2 * (size_t)p->box.begin;
@@ -209,13 +209,13 @@ static void finish_subtree(const maker* m, const piece* p)
     }
 }
 
-static void finish_pieces(size_t begin, size_t end, uint32_t worker, void* user)
+static void finish_tasks(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const maker* m = user;
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
-        if (is_subtree(&m->pieces[i])) {
-            finish_subtree(m, &m->pieces[i]);
+        if (is_subtree(&m->tasks[i])) {
+            finish_subtree(m, &m->tasks[i]);
         }
     }
 }
@@ -224,11 +224,11 @@ static void finish_pieces(size_t begin, size_t end, uint32_t worker, void* user)
 static void finish_above(const maker* m)
 {
     stp_point_tree* t = m->tree;
-    for (size_t i = m->piece_count; i-- > 0;) {
-        const piece* p = &m->pieces[i];
-        assert(i < p->after && p->after <= m->piece_count);
+    for (size_t i = m->task_count; i-- > 0;) {
+        const task* p = &m->tasks[i];
+        assert(i < p->after && p->after <= m->task_count);
         if (!is_subtree(p)) {
-            t->ends[p->node] = p->after < m->piece_count ? m->pieces[p->after].node : t->count;
+            t->ends[p->node] = p->after < m->task_count ? m->tasks[p->after].node : t->count;
             t->points[p->node] = UINT32_MAX;
             finish_node(m, p->node);
         }
@@ -240,14 +240,14 @@ static stp_result make_nodes(maker* m)
     size_t points = m->points->count;
     stp_octree_box all = {.end = m->points->count, .cell = m->octree.root};
     m->sizes = STP_NEW_ARRAY(m->context, uint32_t, 2 * points);
-    if (m->sizes == NULL || !add_pieces(m, &all)) {
+    if (m->sizes == NULL || !add_tasks(m, &all)) {
         return stp_fail_memory(m->context);
     }
-    stp_parallel_for(m->context, m->piece_count, 1, shape_pieces, m);
+    stp_parallel_for(m->context, m->task_count, 1, shape_tasks, m);
     number_nodes(m);
     stp_result result = make_arrays(m);
     if (result == STP_OK) {
-        stp_parallel_for(m->context, m->piece_count, 1, finish_pieces, m);
+        stp_parallel_for(m->context, m->task_count, 1, finish_tasks, m);
         finish_above(m);
         m->tree->leaf_count = m->points->count;
     }
@@ -266,7 +266,7 @@ stp_result stp_point_tree_make(stp_context* context, const stp_tree_points* poin
     stp_result result = stp_octree_make(context, points->positions, points->count, &m.octree);
     result = result == STP_OK ? make_nodes(&m) : result;
     stp_octree_destroy(context, &m.octree);
-    stp_free(context, m.pieces);
+    stp_free(context, m.tasks);
     stp_free(context, m.sizes);
     stp_free(context, m.weights);
     if (result != STP_OK) {

@@ -38,7 +38,7 @@ typedef struct orienter {
     uint32_t* neighbours; ///< `near` entries per leaf; UINT32_MAX: none
     uint32_t* begins;     ///< start of each leaf's links, count + 1
     uint32_t* links;      ///< neighbours in both directions
-    uint32_t* pieces;     ///< per leaf: first leaf of its component
+    uint32_t* components; ///< per leaf: first leaf of its component
     bool* done;
     uint16_t* waiting; ///< per leaf: lowest bucket with a step to it; UINT16_MAX: none
     step_queue queue;
@@ -205,24 +205,24 @@ static stp_result link_leaves(stp_context* context, orienter* o)
 }
 
 /// Finds the component of each leaf; uses the queue's memory as a stack.
-static void find_pieces(orienter* o)
+static void find_components(orienter* o)
 {
     uint32_t* stack = (uint32_t*)(void*)o->queue.steps;
     for (uint32_t i = 0; i < o->count; ++i) {
-        o->pieces[i] = UINT32_MAX;
+        o->components[i] = UINT32_MAX;
     }
     for (uint32_t first = 0; first < o->count; ++first) {
         size_t height = 0;
-        if (o->pieces[first] == UINT32_MAX) {
-            o->pieces[first] = first;
+        if (o->components[first] == UINT32_MAX) {
+            o->components[first] = first;
             stack[height++] = first;
         }
         while (height > 0) {
             assert(height <= o->count && "each leaf is stacked once");
             uint32_t leaf = stack[--height];
             for (uint32_t i = o->begins[leaf]; i < o->begins[leaf + 1]; ++i) {
-                if (o->pieces[o->links[i]] == UINT32_MAX) {
-                    o->pieces[o->links[i]] = first;
+                if (o->components[o->links[i]] == UINT32_MAX) {
+                    o->components[o->links[i]] = first;
                     stack[height++] = o->links[i];
                 }
             }
@@ -232,7 +232,7 @@ static void find_pieces(orienter* o)
 
 /// Chooses the next start: among the unoriented leaves about as high as the highest one, the leaf
 /// whose plane faces up most, because the up direction is ambiguous at edges and corners. Lower
-/// leaves count less: a leaf of few points may be as wide as the whole piece is high. UINT32_MAX:
+/// leaves count less: a leaf of few points may be as wide as the whole component is high. UINT32_MAX:
 /// none is left.
 static uint32_t find_highest(const orienter* o)
 {
@@ -248,7 +248,8 @@ static uint32_t find_highest(const orienter* o)
         float width = (float)stp_leaf_width(o->octree->leaves[highest].depth);
         float below = (o->properties[highest].mean[1] - o->properties[i].mean[1]) / width;
         float up = fabsf(o->properties[i].normal.y) - uncertainty(&o->properties[i]) - below;
-        if (!o->done[i] && below <= 1.0f && o->pieces[i] == o->pieces[highest] && up > maximum) {
+        if (!o->done[i] && below <= 1.0f && o->components[i] == o->components[highest] &&
+            up > maximum) {
             maximum = up;
             best = i;
         }
@@ -258,16 +259,16 @@ static uint32_t find_highest(const orienter* o)
 
 /// Finds the shortest bridge from oriented leaves to a component. @return whether it is short
 /// enough
-static bool find_bridge(const orienter* o, uint32_t piece, uint32_t* to, uint32_t* from)
+static bool find_bridge(const orienter* o, uint32_t component, uint32_t* to, uint32_t* from)
 {
     uint32_t size = 0, met = 0;
     float minimum = HUGE_VALF;
     for (uint32_t i = 0; i < o->count; ++i) {
-        size += o->pieces[i] == piece;
+        size += o->components[i] == component;
     }
     uint32_t stride = size / BRIDGE_LEAVES + 1;
     for (uint32_t i = 0; i < o->count; ++i) {
-        if (o->pieces[i] != piece || met++ % stride != 0) {
+        if (o->components[i] != component || met++ % stride != 0) {
             continue;
         }
         for (uint32_t k = 0; k < o->count; ++k) {
@@ -290,12 +291,12 @@ static bool find_bridge(const orienter* o, uint32_t piece, uint32_t* to, uint32_
 
 static void orient_all(orienter* o)
 {
-    find_pieces(o);
+    find_components(o);
     uint32_t bridges = 0;
     for (uint32_t highest = find_highest(o); highest != UINT32_MAX; highest = find_highest(o)) {
         uint32_t to = highest, from = 0;
-        bool across =
-            bridges > 0 && bridges <= BRIDGES_MAX && find_bridge(o, o->pieces[highest], &to, &from);
+        bool across = bridges > 0 && bridges <= BRIDGES_MAX &&
+                      find_bridge(o, o->components[highest], &to, &from);
         bridges += 1;
         if (across) {
             turn(o, to, from);
@@ -320,13 +321,13 @@ stp_result stp_orient_leaves(stp_context* context, const stp_leaf_octree* octree
                   .neighbours = STP_NEW_ARRAY(context, uint32_t, neighbours * count + 1),
                   .begins = STP_NEW_ARRAY(context, uint32_t, count + 2),
                   .links = STP_NEW_ARRAY(context, uint32_t, links + 1),
-                  .pieces = STP_NEW_ARRAY(context, uint32_t, count + 1),
+                  .components = STP_NEW_ARRAY(context, uint32_t, count + 1),
                   .done = STP_NEW_ZEROED(context, bool, count + 1),
                   .waiting = STP_NEW_ARRAY(context, uint16_t, count + 1),
                   .queue = {.steps = STP_NEW_ARRAY(context, orient_step, links + 1)}};
     stp_result result = STP_OK;
     if (o.places == NULL || o.neighbours == NULL || o.begins == NULL || o.links == NULL ||
-        o.pieces == NULL || o.done == NULL || o.waiting == NULL || o.queue.steps == NULL) {
+        o.components == NULL || o.done == NULL || o.waiting == NULL || o.queue.steps == NULL) {
         result = stp_fail_memory(context);
     }
     for (size_t i = 0; i < count && result == STP_OK; ++i) {
@@ -340,7 +341,7 @@ stp_result stp_orient_leaves(stp_context* context, const stp_leaf_octree* octree
     stp_free(context, o.queue.steps);
     stp_free(context, o.waiting);
     stp_free(context, o.done);
-    stp_free(context, o.pieces);
+    stp_free(context, o.components);
     stp_free(context, o.links);
     stp_free(context, o.begins);
     stp_free(context, o.neighbours);

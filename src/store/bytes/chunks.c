@@ -12,7 +12,7 @@ enum {
     COLOR_BYTES = 4,  ///< a splat's colour and coverage
     PLACE_BYTES = 9,  ///< a splat's position, normal and material
     OPTION_BYTES = 4, ///< a splat's shape, or its range
-    COLORS_MAX = STP_STORE_PIECE_BYTES / COLOR_BYTES,
+    COLORS_MAX = STP_STORE_CHUNK_BYTES / COLOR_BYTES,
 };
 
 stp_store_octave_span stp_store_span_of(const stp_splats* splats, uint32_t octave,
@@ -57,7 +57,7 @@ static uint64_t mixed_end(const stp_store_octave_span* span)
 {
     uint32_t colors = (span->first - span->begin) % COLORS_MAX;
     return (uint64_t)span->first +
-           (STP_STORE_PIECE_BYTES - COLOR_BYTES * colors) / bytes_per_splat(span);
+           (STP_STORE_CHUNK_BYTES - COLOR_BYTES * colors) / bytes_per_splat(span);
 }
 
 uint32_t stp_store_chunk_count(const stp_store_octave_span* span)
@@ -67,7 +67,7 @@ uint32_t stp_store_chunk_count(const stp_store_octave_span* span)
         return 1;
     }
     uint64_t left = span->end > mixed ? span->end - mixed : 0;
-    uint64_t maximum = STP_STORE_PIECE_BYTES / bytes_per_splat(span);
+    uint64_t maximum = STP_STORE_CHUNK_BYTES / bytes_per_splat(span);
     return (uint32_t)(color_chunks(span) + 1 + (left + maximum - 1) / maximum);
 }
 
@@ -79,7 +79,7 @@ uint32_t stp_store_chunk_end(const stp_store_octave_span* span, uint32_t chunk)
     if (span->encoding != STP_STORE_ENCODING_PLAIN && chunk < colors) {
         end = span->begin + (chunk + 1) * (uint64_t)COLORS_MAX;
     } else if (span->encoding != STP_STORE_ENCODING_PLAIN) {
-        uint32_t maximum = STP_STORE_PIECE_BYTES / bytes_per_splat(span);
+        uint32_t maximum = STP_STORE_CHUNK_BYTES / bytes_per_splat(span);
         end = mixed_end(span) + (uint64_t)(chunk - colors) * maximum;
     }
     return end < span->end ? (uint32_t)end : span->end;
@@ -117,14 +117,14 @@ uint64_t stp_store_chunk_columns(const stp_store_octave_span* span, uint32_t chu
         columns[i] = (stp_store_column){.offset = end, .size = size};
         end += size;
     }
-    assert(span->encoding == STP_STORE_ENCODING_PLAIN || end <= STP_STORE_PIECE_BYTES);
+    assert(span->encoding == STP_STORE_ENCODING_PLAIN || end <= STP_STORE_CHUNK_BYTES);
     return end;
 }
 
 uint64_t stp_store_chunk_table_bytes(const stp_store_octave_span* span)
 {
     uint64_t count = stp_store_chunk_count(span);
-    return count > 1 ? count * STP_STORE_PIECE_ENTRY : 0;
+    return count > 1 ? count * STP_STORE_CHUNK_ENTRY : 0;
 }
 
 static uint64_t decoded_bytes(const stp_store_octave_span* span)
@@ -139,7 +139,7 @@ bool stp_store_can_hold(const stp_store_octave_span* span, uint64_t size)
     if (span->encoding == STP_STORE_ENCODING_PLAIN) {
         return size == decoded;
     }
-    uint64_t minimum = decoded / STP_STORE_PIECE_RATIO, rounded = stp_store_chunk_count(span);
+    uint64_t minimum = decoded / STP_STORE_CHUNK_RATIO, rounded = stp_store_chunk_count(span);
     return size >= table && size - table <= decoded && size - table + rounded >= minimum;
 }
 
@@ -180,7 +180,7 @@ static void scatter(const stp_store_column* columns, unsigned char* const* targe
 static const char* read_plain(block_reader* at, const stp_store_octave_span* span,
                               unsigned char* const* targets)
 {
-    unsigned char bytes[STP_STORE_PIECE_BYTES];
+    unsigned char bytes[STP_STORE_CHUNK_BYTES];
     stp_store_column columns[STP_STORE_COLUMN_LIMIT];
     const stp_store_block* block = at->source->block;
     uint32_t crc = 0;
@@ -202,7 +202,7 @@ static const char* read_plain(block_reader* at, const stp_store_octave_span* spa
 static const char* find_chunk(block_reader* at, const stp_store_octave_span* span, uint32_t chunk,
                               uint64_t* offset)
 {
-    unsigned char bytes[512 * STP_STORE_PIECE_ENTRY];
+    unsigned char bytes[512 * STP_STORE_CHUNK_ENTRY];
     const stp_store_block* block = at->source->block;
     uint64_t table = stp_store_chunk_table_bytes(span), end = table;
     uint32_t crc = 0, index = 0;
@@ -213,7 +213,7 @@ static const char* find_chunk(block_reader* at, const stp_store_octave_span* spa
             return stp_store_unreadable;
         }
         crc = stp_store_crc(crc, bytes, size);
-        for (size_t i = 0; i < size; i += STP_STORE_PIECE_ENTRY, ++index) {
+        for (size_t i = 0; i < size; i += STP_STORE_CHUNK_ENTRY, ++index) {
             *offset = index == chunk ? end : *offset;
             end += stp_read_u32(bytes + i);
         }
@@ -230,7 +230,7 @@ static const char* decode_chunk(block_reader* at, const stp_store_octave_span* s
                                 const unsigned char* stored, size_t stored_size,
                                 unsigned char* const* targets)
 {
-    unsigned char decoded[STP_STORE_PIECE_BYTES];
+    unsigned char decoded[STP_STORE_CHUNK_BYTES];
     stp_store_column columns[STP_STORE_COLUMN_LIMIT];
     size_t size = (size_t)stp_store_chunk_columns(span, chunk, columns);
     assert(stored_size <= size);
@@ -245,7 +245,7 @@ static const char* decode_chunk(block_reader* at, const stp_store_octave_span* s
     }
     if (operators) {
         stp_operator_run run = {.set = at->source->set, .begin = begin, .end = end};
-        bool right = stored_size >= size / STP_STORE_PIECE_RATIO &&
+        bool right = stored_size >= size / STP_STORE_CHUNK_RATIO &&
                      stp_operators_decode(&run, &at->operators, stored, stored_size);
         return right ? NULL : "coding of a chunk";
     }
@@ -260,14 +260,14 @@ static const char* decode_chunk(block_reader* at, const stp_store_octave_span* s
 static const char* read_chunk(block_reader* at, const stp_store_octave_span* span, uint32_t chunk,
                               uint64_t* offset, unsigned char* const* targets)
 {
-    unsigned char stored[STP_STORE_PIECE_BYTES];
-    unsigned char entry[STP_STORE_PIECE_ENTRY];
+    unsigned char stored[STP_STORE_CHUNK_BYTES];
+    unsigned char entry[STP_STORE_CHUNK_ENTRY];
     stp_store_column columns[STP_STORE_COLUMN_LIMIT];
     const stp_store_block* block = at->source->block;
     uint64_t size = stp_store_chunk_columns(span, chunk, columns), stored_size = block->size;
     uint32_t crc = block->crc;
     if (stp_store_chunk_table_bytes(span) != 0) {
-        if (!read_part(at, (uint64_t)chunk * STP_STORE_PIECE_ENTRY, entry, sizeof(entry))) {
+        if (!read_part(at, (uint64_t)chunk * STP_STORE_CHUNK_ENTRY, entry, sizeof(entry))) {
             return stp_store_unreadable;
         }
         at->read_bytes -= sizeof(entry); // already counted

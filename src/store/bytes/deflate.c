@@ -21,8 +21,8 @@ void stp_store_packer_destroy(stp_store_packer* packer)
 
 size_t stp_store_pack(stp_store_packer* packer, const void* bytes, size_t size, void* out)
 {
-    assert(size <= STP_STORE_PIECE_BYTES);
-    size_t minimum = size / STP_STORE_PIECE_RATIO;
+    assert(size <= STP_STORE_CHUNK_BYTES);
+    size_t minimum = size / STP_STORE_CHUNK_RATIO;
     size_t made = packer != NULL && size > 1
                       ? libdeflate_deflate_compress(packer, bytes, size, out, size - 1)
                       : 0;
@@ -34,7 +34,7 @@ size_t stp_store_pack(stp_store_packer* packer, const void* bytes, size_t size, 
         memset((unsigned char*)out + made, 0, minimum - made);
         made = minimum;
     }
-    assert(made < size && "a piece of full size is read as a copy");
+    assert(made < size && "a chunk of full size is read as a copy");
     return made;
 }
 
@@ -48,9 +48,9 @@ void stp_store_unpacker_destroy(stp_store_unpacker* unpacker)
 bool stp_store_unpack(stp_store_unpacker** unpacker, const unsigned char* stored,
                       size_t stored_size, void* out, size_t size)
 {
-    assert(stored_size < size && "a piece of full size is a copy");
+    assert(stored_size < size && "a chunk of full size is a copy");
     size_t used = 0, made = 0;
-    if (stored_size < size / STP_STORE_PIECE_RATIO) {
+    if (stored_size < size / STP_STORE_CHUNK_RATIO) {
         return false;
     }
     if (*unpacker == NULL) {

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// Separately compressed pieces of a file: chunks of blocks and pages of the directory. A piece
+// Separately compressed chunks of a file, of its blocks and of the pages of its directory. A chunk
 // whose stored size is smaller than its content is a DEFLATE stream, padded with zero bytes to at
-// least 1/STP_STORE_PIECE_RATIO of that size.
+// least 1/STP_STORE_CHUNK_RATIO of that size.
 #pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
 
 enum {
-    STP_STORE_PIECE_BYTES = 1 << 16, ///< largest decoded piece
-    STP_STORE_PIECE_ENTRY = 8,       ///< bytes of a table entry: size, checksum
-    STP_STORE_PIECE_RATIO = 32, ///< a stored piece has at least this fraction of its decoded size
+    STP_STORE_CHUNK_BYTES = 1 << 16, ///< largest decoded chunk
+    STP_STORE_CHUNK_ENTRY = 8,       ///< bytes of a table entry: size, checksum
+    STP_STORE_CHUNK_RATIO = 32, ///< a stored chunk has at least this fraction of its decoded size
 };
 
 /// A compressor, for one thread at a time; takes about 300 KiB.
@@ -19,7 +19,7 @@ typedef struct libdeflate_compressor stp_store_packer;
 /// NULL if memory runs out.
 stp_store_packer* stp_store_packer_create(void);
 void stp_store_packer_destroy(stp_store_packer* packer);
-/// Compresses a piece into `out`, which has room for `size` bytes; copies it if it does not shrink or
+/// Compresses a chunk into `out`, which has room for `size` bytes; copies it if it does not shrink or
 /// `packer` is NULL.
 /// @return the bytes stored, at most `size`
 size_t stp_store_pack(stp_store_packer* packer, const void* bytes, size_t size, void* out);
@@ -27,7 +27,7 @@ size_t stp_store_pack(stp_store_packer* packer, const void* bytes, size_t size, 
 /// A decompressor, for one thread at a time; takes about 12 KiB.
 typedef struct libdeflate_decompressor stp_store_unpacker;
 void stp_store_unpacker_destroy(stp_store_unpacker* unpacker);
-/// Decodes a piece of `size` bytes whose stored size is smaller. Creates `*unpacker` if it is NULL.
+/// Decodes a chunk of `size` bytes whose stored size is smaller. Creates `*unpacker` if it is NULL.
 /// @return false if the bytes are invalid or memory runs out
 bool stp_store_unpack(stp_store_unpacker** unpacker, const unsigned char* stored,
                       size_t stored_size, void* out, size_t size);

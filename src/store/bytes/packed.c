@@ -42,7 +42,7 @@ stp_result stp_store_open_packed(stp_store* store, const stp_store_section* sect
         return stp_fail_memory(store->context);
     }
     uint64_t end = section->offset + table;
-    for (uint64_t i = 0; i < pages; ++i, entry += STP_STORE_PIECE_ENTRY) {
+    for (uint64_t i = 0; i < pages; ++i, entry += STP_STORE_CHUNK_ENTRY) {
         offsets[i] = end;
         end += stp_read_u32(entry); // fewer than 2^32 pages, each smaller than 2^32 bytes
     }
@@ -71,7 +71,7 @@ stp_result stp_store_read_page(stp_store* store, const stp_store_section* sectio
     const uint64_t* offsets = state_of(store, section)->offsets;
     assert(offsets != NULL && "stp_store_open_packed comes first");
     assert(offsets[page + 1] <= section->offset + section->size);
-    const unsigned char* entry = store->file.bytes + section->offset + page * STP_STORE_PIECE_ENTRY;
+    const unsigned char* entry = store->file.bytes + section->offset + page * STP_STORE_CHUNK_ENTRY;
     const unsigned char* stored = store->file.bytes + offsets[page];
     uint64_t stored_size = offsets[page + 1] - offsets[page];
     size_t size = stp_store_page_size(section, page);
@@ -96,7 +96,7 @@ stp_result stp_store_read_page(stp_store* store, const stp_store_section* sectio
 stp_result stp_store_check_packed(stp_store* store, const stp_store_section* section,
                                   uint64_t pages)
 {
-    unsigned char content[STP_STORE_PIECE_BYTES];
+    unsigned char content[STP_STORE_CHUNK_BYTES];
     uint64_t count = stp_store_packed_page_count(section);
     stp_result result = stp_store_open_packed(store, section);
     for (uint64_t page = 0; result == STP_OK && page < count && page < pages; ++page) {

@@ -24,8 +24,8 @@ static inline uint64_t stp_store_content_bytes(const stp_store_section* section)
 /// Decoded size of every page but the last one.
 static inline uint32_t stp_store_packed_page_bytes(const stp_store_section* section)
 {
-    assert(section->record_size != 0 && section->record_size <= STP_STORE_PIECE_BYTES);
-    return STP_STORE_PIECE_BYTES / section->record_size * section->record_size;
+    assert(section->record_size != 0 && section->record_size <= STP_STORE_CHUNK_BYTES);
+    return STP_STORE_CHUNK_BYTES / section->record_size * section->record_size;
 }
 
 static inline uint64_t stp_store_packed_page_count(const stp_store_section* section)
@@ -36,18 +36,18 @@ static inline uint64_t stp_store_packed_page_count(const stp_store_section* sect
 
 static inline uint64_t stp_store_packed_table_bytes(const stp_store_section* section)
 {
-    return stp_store_packed_page_count(section) * STP_STORE_PIECE_ENTRY;
+    return stp_store_packed_page_count(section) * STP_STORE_CHUNK_ENTRY;
 }
 
 /// Whether a packed section of this size can hold its records. `record_size` is not 0.
 static inline bool stp_store_can_pack(const stp_store_section* section)
 {
-    if (section->record_size > STP_STORE_PIECE_BYTES || section->count > UINT32_MAX) {
+    if (section->record_size > STP_STORE_CHUNK_BYTES || section->count > UINT32_MAX) {
         return false;
     }
     uint64_t content = stp_store_content_bytes(section);
     uint64_t pages = stp_store_packed_page_count(section);
     uint64_t table = stp_store_packed_table_bytes(section);
     return section->size >= table && section->size - table <= content &&
-           section->size - table + pages >= content / STP_STORE_PIECE_RATIO;
+           section->size - table + pages >= content / STP_STORE_CHUNK_RATIO;
 }

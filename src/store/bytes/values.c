@@ -33,7 +33,7 @@ static uint64_t values_bytes(uint32_t attributes, uint64_t count)
 
 static uint64_t table_bytes(uint32_t attributes, uint64_t count)
 {
-    return stp_store_values_chunks(attributes, count) * STP_STORE_PIECE_ENTRY + TABLE_CRC;
+    return stp_store_values_chunks(attributes, count) * STP_STORE_CHUNK_ENTRY + TABLE_CRC;
 }
 
 bool stp_store_can_hold_values(uint32_t attributes, uint64_t count, uint64_t size)
@@ -42,7 +42,7 @@ bool stp_store_can_hold_values(uint32_t attributes, uint64_t count, uint64_t siz
     uint64_t chunks = stp_store_values_chunks(attributes, count);
     uint64_t table = table_bytes(attributes, count);
     return size >= table && size - table <= content &&
-           size - table + chunks >= content / STP_STORE_PIECE_RATIO;
+           size - table + chunks >= content / STP_STORE_CHUNK_RATIO;
 }
 
 // A value as an integer of its size.
@@ -114,10 +114,10 @@ static bool are_finite(const void* values, size_t count)
 
 // Decodes chunk `chunk` of the attribute and passes on its requested values.
 static const char* take_chunk(chunk_reader* at, uint64_t chunk, uint64_t offset,
-                              const unsigned char entry[STP_STORE_PIECE_ENTRY])
+                              const unsigned char entry[STP_STORE_CHUNK_ENTRY])
 {
-    _Alignas(8) unsigned char joined[STP_STORE_PIECE_BYTES];
-    unsigned char stored[STP_STORE_PIECE_BYTES], split[STP_STORE_PIECE_BYTES];
+    _Alignas(8) unsigned char joined[STP_STORE_CHUNK_BYTES];
+    unsigned char stored[STP_STORE_CHUNK_BYTES], split[STP_STORE_CHUNK_BYTES];
     size_t size = stp_attribute_size(at->attribute);
     uint64_t each = stp_store_values_each(at->attribute), begin = chunk * each;
     uint64_t left = at->values->count - begin, count = left < each ? left : each;
@@ -152,7 +152,7 @@ static const char* take_chunk(chunk_reader* at, uint64_t chunk, uint64_t offset,
 // false, only checks the table.
 static const char* walk_table(chunk_reader* at, uint64_t begin, uint64_t end, bool take)
 {
-    unsigned char bytes[ENTRIES * STP_STORE_PIECE_ENTRY], crc_bytes[TABLE_CRC];
+    unsigned char bytes[ENTRIES * STP_STORE_CHUNK_ENTRY], crc_bytes[TABLE_CRC];
     const stp_store_values* v = at->values;
     assert(stp_store_can_hold_values(v->attributes, v->count, v->block->size));
     uint64_t chunks = stp_store_values_chunks(v->attributes, v->count), offset = 0;
@@ -163,13 +163,13 @@ static const char* walk_table(chunk_reader* at, uint64_t begin, uint64_t end, bo
     const char* fault = NULL;
     for (uint64_t done = 0; done < chunks && (!take || done < end) && fault == NULL;) {
         uint64_t left = chunks - done, count = left < ENTRIES ? left : ENTRIES;
-        size_t size = (size_t)count * STP_STORE_PIECE_ENTRY;
-        if (!read_part(at, table + done * STP_STORE_PIECE_ENTRY, bytes, size)) {
+        size_t size = (size_t)count * STP_STORE_CHUNK_ENTRY;
+        if (!read_part(at, table + done * STP_STORE_CHUNK_ENTRY, bytes, size)) {
             return stp_store_unreadable;
         }
         crc = stp_store_crc(crc, bytes, size);
         for (size_t i = 0; i < count && fault == NULL; ++i, ++done) {
-            const unsigned char* entry = bytes + i * STP_STORE_PIECE_ENTRY;
+            const unsigned char* entry = bytes + i * STP_STORE_CHUNK_ENTRY;
             uint64_t stored = stp_read_u32(entry);
             assert(offset <= table && "chunks precede their table");
             fault = stored > table - offset ? "size of a chunk" : NULL;

@@ -28,7 +28,7 @@ typedef struct stp_store_values {
 /// Number of values per chunk.
 static inline uint32_t stp_store_values_each(stp_attribute attribute)
 {
-    return (uint32_t)(STP_STORE_PIECE_BYTES / stp_attribute_size(attribute));
+    return (uint32_t)(STP_STORE_CHUNK_BYTES / stp_attribute_size(attribute));
 }
 
 static inline bool stp_store_has_bit(uint32_t attributes, uint32_t attribute)

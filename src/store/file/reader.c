@@ -68,9 +68,9 @@ static stp_result decode_records(stp_store* store, const stp_store_section* sect
 static stp_result decode_packed(stp_store* store, const stp_store_section* section,
                                 stp_store_text* text)
 {
-    unsigned char content[STP_STORE_PIECE_BYTES];
+    unsigned char content[STP_STORE_CHUNK_BYTES];
     uint64_t pages = stp_store_packed_page_count(section);
-    uint32_t records = STP_STORE_PIECE_BYTES / section->record_size;
+    uint32_t records = STP_STORE_CHUNK_BYTES / section->record_size;
     stp_result result = stp_store_open_packed(store, section);
     for (uint64_t page = 0; page < pages && result == STP_OK; ++page) {
         size_t size = stp_store_page_size(section, page);

@@ -61,7 +61,7 @@ typedef struct stp_store_census_part {
     uint64_t objects, unique_objects, instances;
 } stp_store_census_part;
 
-/// Object counts that the graph no longer has after the build cut large meshes into pieces.
+/// Object counts that the graph no longer has after the build split large meshes into pieces.
 typedef struct stp_store_census {
     uint64_t objects, unique_objects, instances;
     uint32_t part_count;

@@ -149,7 +149,7 @@ typedef struct value_batch {
 static void pack_values(size_t begin, size_t end, uint32_t worker, void* user)
 {
     value_batch* b = user;
-    unsigned char split[STP_STORE_PIECE_BYTES];
+    unsigned char split[STP_STORE_CHUNK_BYTES];
     size_t size = stp_attribute_size(b->attribute);
     uint64_t each = stp_store_values_each(b->attribute);
     bool passing = b->w->content->passing;
@@ -163,7 +163,7 @@ static void pack_values(size_t begin, size_t end, uint32_t worker, void* user)
         bool good = b->packers[worker] != NULL || passing;
         stp_store_split_values(b->values + first * size, count, size,
                                b->block->kind == STP_BLOCK_POINT_ATTRIBUTES, split);
-        unsigned char* out = b->stored + i * STP_STORE_PIECE_BYTES;
+        unsigned char* out = b->stored + i * STP_STORE_CHUNK_BYTES;
         b->sizes[i] =
             good ? (uint32_t)stp_store_pack(b->packers[worker], split, count * size, out) : 0;
     }
@@ -179,8 +179,8 @@ static stp_result write_attribute(value_batch* b, unsigned char** table)
         uint64_t left = chunks - b->first;
         size_t count = (size_t)(left < BATCH ? left : BATCH);
         stp_parallel_for(w->context, count, 1, pack_values, b);
-        for (size_t i = 0; i < count && result == STP_OK; ++i, *table += STP_STORE_PIECE_ENTRY) {
-            const unsigned char* bytes = b->stored + i * STP_STORE_PIECE_BYTES;
+        for (size_t i = 0; i < count && result == STP_OK; ++i, *table += STP_STORE_CHUNK_ENTRY) {
+            const unsigned char* bytes = b->stored + i * STP_STORE_CHUNK_BYTES;
             stp_write_u32(*table, b->sizes[i]);
             stp_write_u32(*table + 4, stp_store_crc(0, bytes, b->sizes[i]));
             result = b->sizes[i] != 0 ? stp_store_emit(w, bytes, b->sizes[i])
@@ -216,7 +216,7 @@ static stp_result write_values(value_batch* b, stp_store_block* block)
     uint32_t attributes = stp_store_planned_attributes(w->content, block);
     b->block = block;
     b->count = count_of(w, block);
-    size_t size = (size_t)stp_store_values_chunks(attributes, b->count) * STP_STORE_PIECE_ENTRY;
+    size_t size = (size_t)stp_store_values_chunks(attributes, b->count) * STP_STORE_CHUNK_ENTRY;
     unsigned char* table = STP_NEW_ARRAY(w->context, unsigned char, size + 4);
     unsigned char* next = table;
     stp_result result = table != NULL ? stp_store_pad(w) : stp_fail_memory(w->context);
@@ -245,7 +245,7 @@ stp_result stp_store_write_values(stp_store_writing* w, stp_store_block* block)
 {
     uint32_t threads = stp_context_thread_count(w->context);
     value_batch b = {.w = w,
-                     .stored = stp_alloc_array(w->context, BATCH, STP_STORE_PIECE_BYTES),
+                     .stored = stp_alloc_array(w->context, BATCH, STP_STORE_CHUNK_BYTES),
                      .packers = STP_NEW_ZEROED(w->context, stp_store_packer*, threads)};
     bool made = b.stored != NULL && b.packers != NULL;
     stp_result result = made ? write_values(&b, block) : stp_fail_memory(w->context);

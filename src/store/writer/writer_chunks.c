@@ -12,7 +12,7 @@
 
 enum {
     BATCH = 32,                                  ///< chunks compressed at once
-    SPLITS_MAX = STP_STORE_PIECE_BYTES / 42 + 2, ///< splits in a chunk: two splats take 42 bytes
+    SPLITS_MAX = STP_STORE_CHUNK_BYTES / 42 + 2, ///< splits in a chunk: two splats take 42 bytes
 };
 
 typedef struct packed_chunk {
@@ -49,7 +49,7 @@ stp_result stp_store_batch_create(stp_store_writing* w, stp_store_batch** batch)
     }
     b->w = w;
     b->thread_count = stp_context_thread_count(w->context);
-    b->bytes = stp_alloc_array(w->context, BATCH, STP_STORE_PIECE_BYTES);
+    b->bytes = stp_alloc_array(w->context, BATCH, STP_STORE_CHUNK_BYTES);
     b->packers = STP_NEW_ZEROED(w->context, stp_store_packer*, b->thread_count);
     return b->bytes != NULL && b->packers != NULL ? STP_OK : stp_fail_memory(w->context);
 }
@@ -109,7 +109,7 @@ static size_t pack_operators(const stp_store_batch* b, size_t index, const unsig
         .end = stp_store_chunk_end(&span, chunk->chunk),
         .base = chunk->base,
     };
-    size_t minimum = size / STP_STORE_PIECE_RATIO;
+    size_t minimum = size / STP_STORE_CHUNK_RATIO;
     size_t made = stp_operators_encode(&run, b->parents + index * SPLITS_MAX, out, size - 1);
     if (made == 0) {
         memcpy(out, columns, size);
@@ -127,7 +127,7 @@ static void pack_chunks(size_t begin, size_t end, uint32_t worker, void* user)
 {
     stp_store_batch* b = user;
     const stp_store_writing* w = b->w;
-    unsigned char bytes[STP_STORE_PIECE_BYTES];
+    unsigned char bytes[STP_STORE_CHUNK_BYTES];
     if (b->packers[worker] == NULL && !w->content->passing) {
         b->packers[worker] = stp_store_packer_create();
     }
@@ -135,7 +135,7 @@ static void pack_chunks(size_t begin, size_t end, uint32_t worker, void* user)
         packed_chunk* chunk = &b->chunks[i];
         const stp_store_block* block = &w->plan.blocks[chunk->block];
         stp_store_octave_span span = span_of(w, block);
-        unsigned char* out = b->bytes + i * STP_STORE_PIECE_BYTES;
+        unsigned char* out = b->bytes + i * STP_STORE_CHUNK_BYTES;
         size_t size = gather(&w->content->sets[block->owner], block, &span, chunk->chunk, bytes);
         bool good = b->packers[worker] != NULL || w->content->passing;
         if (chunk->encoding == STP_STORE_ENCODING_OPERATORS) {
@@ -185,7 +185,7 @@ static stp_result write_chunk(stp_store_batch* b, const packed_chunk* chunk,
     }
     block->crc = chunk->crc;
     if (result == STP_OK && table_bytes != 0) {
-        unsigned char* entry = b->table + (size_t)chunk->chunk * STP_STORE_PIECE_ENTRY;
+        unsigned char* entry = b->table + (size_t)chunk->chunk * STP_STORE_CHUNK_ENTRY;
         stp_write_u32(entry, chunk->size);
         stp_write_u32(entry + 4, chunk->crc);
         if (chunk->chunk + 1 == stp_store_chunk_count(&span)) {
@@ -204,7 +204,7 @@ stp_result stp_store_batch_flush(stp_store_batch* b)
     stp_result result = STP_OK;
     stp_parallel_for(b->w->context, b->count, 1, pack_chunks, b);
     for (size_t i = 0; i < b->count && result == STP_OK; ++i) {
-        result = write_chunk(b, &b->chunks[i], b->bytes + i * STP_STORE_PIECE_BYTES);
+        result = write_chunk(b, &b->chunks[i], b->bytes + i * STP_STORE_CHUNK_BYTES);
     }
     b->count = 0;
     return result;

@@ -99,8 +99,8 @@ static stp_result flush(stp_store_packing* p)
             result = stp_fail_memory(p->w->context);
             break;
         }
-        assert((p->written + 1) * STP_STORE_PIECE_ENTRY <= p->table_bytes);
-        unsigned char* entry = p->table + p->written * STP_STORE_PIECE_ENTRY;
+        assert((p->written + 1) * STP_STORE_CHUNK_ENTRY <= p->table_bytes);
+        unsigned char* entry = p->table + p->written * STP_STORE_CHUNK_ENTRY;
         stp_write_u32(entry, (uint32_t)page->stored_size);
         stp_write_u32(entry + 4, page->crc);
         p->written += 1;
@@ -139,7 +139,7 @@ stp_result stp_store_packing_end(stp_store_packing* p)
     stp_store_section* section = p->section;
     stp_result result = flush(p);
     if (result == STP_OK) {
-        assert(p->written * STP_STORE_PIECE_ENTRY == p->table_bytes && "every page is written");
+        assert(p->written * STP_STORE_CHUNK_ENTRY == p->table_bytes && "every page is written");
         result =
             stp_file_writer_patch(p->w->file, section->offset, p->table, (size_t)p->table_bytes);
     }
