@@ -6,7 +6,7 @@
 //   mkdir -p corpus && build/fuzz/fuzz/fuzz_progressive -max_total_time=60 -max_len=4000 corpus
 // No seeds: the first six bytes are counts, and any input makes a set.
 #include "base/splats/splat_codes.h"
-#include "store/sets/operators.h"
+#include "store/bytes/operators.h"
 
 #include <stdlib.h>
 #include <string.h>

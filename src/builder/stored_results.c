@@ -4,8 +4,8 @@
 #include "base/io/bytes.h"
 #include "base/splats/splat_codes.h"
 #include "builder/shadings.h"
+#include "store/bytes/columns.h"
 #include "store/file/validate.h"
-#include "store/sets/columns.h"
 
 #include <assert.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #include "builder/writer_input.h"
 
 #include "base/splats/octahedral.h"
-#include "store/file/format.h"
+#include "store/bytes/format.h"
 
 #include <assert.h>
 #include <math.h>

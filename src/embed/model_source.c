@@ -7,7 +7,7 @@
 #define _DEFAULT_SOURCE // MAP_ANONYMOUS, MAP_NORESERVE
 #include "base/io/bytes.h"
 #include "embed/model_internal.h"
-#include "store/file/format.h"
+#include "store/bytes/format.h"
 
 #include <assert.h>
 #include <string.h>

@@ -7,11 +7,11 @@
 #include "base/core/context.h"
 #include "base/splats/splat_columns.h"
 #include "select/pick_internal.h"
+#include "store/bytes/columns.h"
+#include "store/bytes/format.h"
 #include "store/clusters/clusters.h"
-#include "store/file/format.h"
 #include "store/residency/residency.h"
 #include "store/sets/coloring.h"
-#include "store/sets/columns.h"
 
 #include <assert.h>
 

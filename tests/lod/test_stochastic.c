@@ -6,12 +6,12 @@
 #include "base/math/rng.h"
 #include "base/splats/leaf_codes.h"
 #include "base/splats/leaf_runs.h"
+#include "base/splats/leaf_tree.h"
 #include "base/splats/octahedral.h"
 #include "lod/set_columns.h"
 #include "lod/stochastic/leaf_passes.h"
 #include "lod/stochastic/scatter.h"
 #include "lod/stochastic/set.h"
-#include "store/sets/leaf_tree.h"
 
 #include <string.h>
 

@@ -7,7 +7,7 @@
 #include "base/splats/progressive.h"
 #include "base/splats/splat_codes.h"
 #include "lod/psp/forest.h"
-#include "store/sets/operators.h"
+#include "store/bytes/operators.h"
 
 #include <assert.h>
 #include <math.h>

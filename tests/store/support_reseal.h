@@ -3,8 +3,8 @@
 #pragma once
 
 #include "base/io/bytes.h"
+#include "store/bytes/format.h"
 #include "store/bytes/packed.h"
-#include "store/file/format.h"
 
 #include <zlib.h>
 

@@ -5,7 +5,7 @@
 #include "support_sample.h"
 #include "tests.h"
 
-#include "store/file/format.h"
+#include "store/bytes/format.h"
 
 #include <string.h>
 #include <unistd.h>

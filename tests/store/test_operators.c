@@ -9,9 +9,9 @@
 
 #include "base/math/rng.h"
 #include "store/bytes/chunks.h"
+#include "store/bytes/operators.h"
 #include "store/bytes/range_coder.h"
 #include "store/file/internal.h"
-#include "store/sets/operators.h"
 
 #include <string.h>
 #include <unistd.h>

@@ -4,8 +4,8 @@
 #include "tests.h"
 
 #include "base/io/file.h"
+#include "store/bytes/format.h"
 #include "store/file/block_order.h"
-#include "store/file/format.h"
 
 #include <dirent.h>
 #include <signal.h>

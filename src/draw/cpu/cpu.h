@@ -20,8 +20,8 @@
 #include "raster/texture.h"
 #include "raster/triangles.h"
 #include "select/view_frame.h"
+#include "store/bytes/format.h"
 #include "store/clusters/clusters.h"
-#include "store/file/format.h"
 #include "store/sets/coloring.h"
 #include "store/sets/large_triangles.h"
 

@@ -3,7 +3,7 @@
 #include "draw/cpu/cpu.h"
 #include "draw/placement.h"
 #include "raster/cutout.h"
-#include "store/sets/columns.h"
+#include "store/bytes/columns.h"
 
 #include <assert.h>
 #include <string.h>

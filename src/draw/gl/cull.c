@@ -4,7 +4,7 @@
 #include "draw/gl/upload.h"
 #include "draw/placement.h"
 #include "draw/transparency.h"
-#include "store/file/format.h"
+#include "store/bytes/format.h"
 #include "store/sets/large_triangles.h"
 
 #include <assert.h>

@@ -6,8 +6,8 @@
 #include "base/splats/coverage.h"
 #include "base/splats/splat_codes.h"
 #include "raster/cutout.h"
+#include "store/bytes/columns.h"
 #include "store/sets/coloring.h"
-#include "store/sets/columns.h"
 
 #include <assert.h>
 

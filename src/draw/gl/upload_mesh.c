@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Uploads meshes to the pool: decoded clusters, each with a header.
 #include "draw/gl/upload.h"
-#include "store/file/format.h"
+#include "store/bytes/format.h"
 
 #include <assert.h>
 

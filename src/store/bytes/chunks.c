@@ -2,8 +2,8 @@
 #include "store/bytes/chunks.h"
 
 #include "base/io/bytes.h"
+#include "store/bytes/operators.h"
 #include "store/file/internal.h"
-#include "store/sets/operators.h"
 
 #include <assert.h>
 #include <string.h>

@@ -5,15 +5,15 @@
 // uncompressed chunk of any size.
 #pragma once
 
+#include "store/bytes/columns.h"
 #include "store/bytes/deflate.h"
-#include "store/sets/columns.h"
 
 #include <stdbool.h>
 
 enum {
     STP_STORE_ENCODING_PLAIN = 0,
     STP_STORE_ENCODING_CHUNKS = 1,
-    STP_STORE_ENCODING_OPERATORS = 2, ///< chunks of a progressive set (store/sets/operators.h)
+    STP_STORE_ENCODING_OPERATORS = 2, ///< chunks of a progressive set (store/bytes/operators.h)
 };
 
 /// Contents of an octave's block.

@@ -6,7 +6,7 @@
 #pragma once
 
 #include "store/bytes/deflate.h"
-#include "store/file/format.h"
+#include "store/bytes/format.h"
 
 #include <assert.h>
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "base/core/context.h"
-#include "store/file/format.h"
+#include "store/bytes/format.h"
 
 typedef struct stp_store_page_sums {
     stp_context* context;

@@ -10,7 +10,7 @@
 #pragma once
 
 #include "store/bytes/deflate.h"
-#include "store/file/format.h"
+#include "store/bytes/format.h"
 
 #include <stipple/attributes.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Decodes a coded mesh into plain arrays, for tools and tests.
 #include "base/core/context.h"
+#include "store/bytes/format.h"
 #include "store/clusters/clusters.h"
-#include "store/file/format.h"
 
 #include <assert.h>
 

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "base/io/bytes.h"
+#include "store/bytes/format.h"
 #include "store/clusters/clusters.h"
-#include "store/file/format.h"
 
 #include <assert.h>
 

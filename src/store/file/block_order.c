@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "store/file/block_order.h"
 
+#include "store/bytes/columns.h"
 #include "store/file/texture_images.h"
-#include "store/sets/columns.h"
 
 #include <assert.h>
 #include <float.h>

@@ -2,7 +2,7 @@
 // The order of the blocks in a file: coarse to fine, across the whole scene.
 #pragma once
 
-#include "store/file/format.h"
+#include "store/bytes/format.h"
 #include "store/writer/writer.h"
 
 typedef struct stp_store_plan {

@@ -4,12 +4,12 @@
 
 #include "base/io/file.h"
 #include "store/bytes/chunks.h"
+#include "store/bytes/columns.h"
 #include "store/bytes/packed.h"
 #include "store/bytes/values.h"
 #include "store/file/records.h"
 #include "store/file/validate.h"
 #include "store/sets/coloring.h"
-#include "store/sets/columns.h"
 
 /// The parts of a packed section that have been read.
 typedef struct stp_store_packed {

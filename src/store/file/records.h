@@ -5,8 +5,8 @@
 #pragma once
 
 #include "base/io/hash.h"
+#include "store/bytes/format.h"
 #include "store/clusters/clusters.h"
-#include "store/file/format.h"
 #include "store/file/store.h"
 #include "store/sets/attribute_blocks.h"
 #include "store/sets/leaves.h"

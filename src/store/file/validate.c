@@ -2,7 +2,7 @@
 #include "store/file/validate.h"
 
 #include "base/splats/splat_codes.h"
-#include "store/sets/columns.h"
+#include "store/bytes/columns.h"
 
 #include <assert.h>
 #include <stdio.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Links the tables of a directory: sets to their octaves and breakpoints, owners to their blocks.
 #include "store/bytes/chunks.h"
+#include "store/bytes/operators.h"
 #include "store/file/internal.h"
 #include "store/file/texture_images.h"
-#include "store/sets/operators.h"
 
 #include <assert.h>
 

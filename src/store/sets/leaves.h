@@ -3,8 +3,8 @@
 // (docs/format.md, Leaves).
 #pragma once
 
+#include "base/splats/leaf_tree.h"
 #include "store/file/store.h"
-#include "store/sets/leaf_tree.h"
 
 /// The leaves of a set.
 typedef struct stp_store_leaves {

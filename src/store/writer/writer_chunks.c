@@ -3,8 +3,8 @@
 // Progressive sets are coded as operators, others with DEFLATE.
 #include "base/io/bytes.h"
 #include "store/bytes/chunks.h"
+#include "store/bytes/operators.h"
 #include "store/file/internal.h"
-#include "store/sets/operators.h"
 #include "store/writer/writing.h"
 
 #include <assert.h>

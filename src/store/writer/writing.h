@@ -3,10 +3,10 @@
 // writer_blocks.c (the data).
 #pragma once
 
+#include "store/bytes/columns.h"
 #include "store/bytes/page_sums.h"
 #include "store/file/block_order.h"
 #include "store/file/records.h"
-#include "store/sets/columns.h"
 #include "store/writer/writer.h"
 
 /// A packed section being written.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "store/sets/operators.h"
+#include "store/bytes/operators.h"
 
 #include "base/splats/splat_codes.h"
 #include "store/bytes/range_coder.h"

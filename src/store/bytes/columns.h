@@ -3,7 +3,7 @@
 #pragma once
 
 #include "base/splats/splat_columns.h"
-#include "store/file/format.h"
+#include "store/bytes/format.h"
 
 #include <assert.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "store/sets/columns.h"
+#include "store/bytes/columns.h"
 
 #include <assert.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "store/sets/leaf_tree.h"
+#include "base/splats/leaf_tree.h"
 
 #include "base/splats/leaf_codes.h"
 #include "base/splats/leaf_runs.h"

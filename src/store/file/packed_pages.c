@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Reads packed sections page by page, each page once.
-#include "store/bytes/packed.h"
-
 #include "base/io/bytes.h"
+#include "store/bytes/packed.h"
 #include "store/file/internal.h"
 
 #include <assert.h>
