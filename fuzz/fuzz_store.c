@@ -5,9 +5,8 @@
 //   mkdir -p corpus && build/fuzz/fuzz/fuzz_store -max_total_time=60 -max_len=20000 corpus tests/golden/store/v1
 // Seeds: tests/golden/store/v1/*.stip
 #include "store/clusters/clusters.h"
+#include "store/file/point_attributes.h"
 #include "store/file/store.h"
-#include "store/sets/coloring.h"
-#include "store/sets/leaves.h"
 #include "store/support_reseal.h"
 
 #include <stdlib.h>

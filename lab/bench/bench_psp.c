@@ -8,7 +8,7 @@
 #include "lab/bench/bench.h"
 #include "lod/psp/psp_set.h"
 #include "lod/set_columns.h"
-#include "store/file/internal.h"
+#include "store/sets/sets_internal.h"
 #include "store/writer/writer.h"
 
 #include <stdio.h>

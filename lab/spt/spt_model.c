@@ -8,7 +8,7 @@
 #include "draw/placement.h"
 #include "lod/method.h"
 #include "lod/set_columns.h"
-#include "store/file/internal.h"
+#include "store/sets/sets_internal.h"
 
 #include <assert.h>
 #include <string.h>

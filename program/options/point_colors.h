@@ -4,7 +4,7 @@
 
 #include "draw/draw.h"
 #include "program/options/command.h"
-#include "store/sets/coloring.h"
+#include "store/file/point_attributes.h"
 
 /// Words of --color, in the order of `point_color`.
 #define POINT_COLOR_WORDS                                                                          \

@@ -3,7 +3,7 @@
 #include "base/math/color.h"
 #include "import/reading/scan_info.h"
 #include "program/reports/describe.h"
-#include "store/sets/attribute_blocks.h"
+#include "store/file/point_attributes.h"
 
 #include <assert.h>
 #include <stdio.h>

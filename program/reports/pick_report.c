@@ -4,7 +4,7 @@
 #include "program/reports/describe.h"
 #include "program/reports/reports.h"
 #include "select/pick_ray.h"
-#include "store/sets/attribute_blocks.h"
+#include "store/file/point_attributes.h"
 
 #include <assert.h>
 #include <math.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "builder/stored_results.h"
-#include "store/sets/attribute_blocks.h"
-#include "store/sets/leaves.h"
+#include "store/file/point_attributes.h"
 
 #include <string.h>
 #include <sys/stat.h>

@@ -167,7 +167,7 @@ static bool is_sound(const stp_splats* s, uint32_t shading_count)
             return false;
         }
     }
-    if (s->leaf_count > 0 && stp_store_leaves_fault(s, s->leaves, s->leaf_count) != NULL) {
+    if (s->leaf_count > 0 && stp_splat_leaves_fault(s, s->leaves, s->leaf_count) != NULL) {
         return false;
     }
     return s->count == 0 || highest < shading_count;

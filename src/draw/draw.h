@@ -36,7 +36,7 @@ typedef enum stp_transparency {
 
 /// Colouring of pixels.
 typedef enum stp_draw_coloring {
-    /// Surface colours; a store may override those of points (store/sets/coloring.h)
+    /// Surface colours; a store may override those of points (store/file/point_attributes.h)
     STP_DRAW_OWN_COLORS,
     STP_DRAW_ELEVATION, ///< by height in the scene
     /// By normal, red to the right, green up, blue to the front of the scene; unlit

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Opens and closes models.
 #include "embed/model_internal.h"
-#include "store/sets/coloring.h"
+#include "store/file/point_attributes.h"
 
 #include <assert.h>
 

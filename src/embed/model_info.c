@@ -2,7 +2,7 @@
 // Describes a model: counts, methods, sources, attributes, views, streaming state.
 #include "embed/model_internal.h"
 #include "select/camera.h"
-#include "store/sets/attribute_blocks.h"
+#include "store/file/point_attributes.h"
 
 #include <string.h>
 

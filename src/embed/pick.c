@@ -2,7 +2,7 @@
 // Picks at a position in the picture.
 #include "embed/model_internal.h"
 #include "select/pick_ray.h"
-#include "store/sets/attribute_blocks.h"
+#include "store/file/point_attributes.h"
 
 #include <stipple/pick.h>
 

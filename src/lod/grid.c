@@ -25,6 +25,20 @@ typedef struct filling {
     uint32_t* buckets; ///< bucket of each point
 } filling;
 
+static void find_buckets_portable(const stp_grid* grid, const stp_grid_points* points, size_t begin,
+                                  size_t end, uint32_t* buckets)
+{
+    assert(begin <= end && points->stride > 0);
+    for (size_t i = begin; i < end; ++i) {
+        size_t at = i * points->stride;
+        buckets[i] =
+            stp_grid_bucket(grid, stp_grid_cell(grid, points->x[at]),
+                            stp_grid_cell(grid, points->y[at]), stp_grid_cell(grid, points->z[at]));
+    }
+}
+
+const stp_grid_kernels stp_grid_kernels_portable = {find_buckets_portable};
+
 const stp_grid_kernels* stp_grid_kernels_select(void)
 {
 #if defined(__x86_64__)

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "select/select_internal.h"
-#include "store/sets/leaves.h"
+#include "store/file/store.h"
 
 /// Table 1.
 /// flatness of a region with twice the samples of a flat one, the maximum

@@ -10,8 +10,8 @@
 #include "store/bytes/columns.h"
 #include "store/bytes/format.h"
 #include "store/clusters/clusters.h"
+#include "store/file/point_attributes.h"
 #include "store/residency/residency.h"
-#include "store/sets/coloring.h"
 
 #include <assert.h>
 

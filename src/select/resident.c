@@ -8,7 +8,7 @@
 // the size of the stand-in's splats, relative to the wanted size.
 #include "base/splats/prefix_table.h"
 #include "select/rule.h"
-#include "store/sets/leaves.h"
+#include "store/file/store.h"
 
 #include <assert.h>
 

@@ -10,8 +10,8 @@
 #include "program/measure/image_compare.h"
 #include "scene/scene_helpers.h"
 #include "select/camera.h"
+#include "store/file/point_attributes.h"
 #include "store/file/store.h"
-#include "store/sets/attribute_blocks.h"
 
 #include <fcntl.h>
 #include <sched.h>

@@ -6,7 +6,7 @@
 
 #include "base/math/rng.h"
 #include "draw/draw.h"
-#include "store/file/internal.h"
+#include "store/file/block_table.h"
 #include "store/support_reader.h"
 
 #include <string.h>

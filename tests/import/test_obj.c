@@ -3,7 +3,7 @@
 
 #include "base/math/rng.h"
 #include "import/obj/obj.h"
-#include "import/text/text.h"
+#include "import/reading/text.h"
 
 #include <math.h>
 

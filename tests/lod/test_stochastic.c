@@ -346,7 +346,7 @@ void test_stochastic_sets_hold_every_point_once(test_state* test)
         make_cloud(&c, (cloud_kind)kind, 5);
         CHECK_EQUAL(STP_OK, make_set(context, &c, POINTS, &set));
         CHECK_EQUAL(POINTS, set.count);
-        CHECK(stp_store_leaves_fault(&set, set.leaves, set.leaf_count) == NULL);
+        CHECK(stp_splat_leaves_fault(&set, set.leaves, set.leaf_count) == NULL);
         memset(met, 0, sizeof(met));
         uint32_t place = 0;
         for (uint32_t l = 0; l < set.leaf_count; ++l) { // each run's splats lie in its leaf

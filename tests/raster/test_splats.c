@@ -6,7 +6,7 @@
 #include "base/splats/coverage.h"
 #include "base/splats/octahedral.h"
 #include "raster/splats_levels_kernel.h"
-#include "store/file/internal.h"
+#include "store/sets/sets_internal.h"
 
 #include <stipple/order.h>
 

@@ -7,9 +7,11 @@
 
 #include "base/math/color.h"
 #include "base/math/rng.h"
-#include "store/file/internal.h"
+#include "store/bytes/columns.h"
+#include "store/bytes/values.h"
+#include "store/file/content.h"
+#include "store/file/store_state.h"
 #include "store/residency/residency.h"
-#include "store/sets/coloring.h"
 
 #include <string.h>
 #include <unistd.h>

@@ -3,7 +3,7 @@
 #include "tests.h"
 
 #include "draw/support_store.h"
-#include "store/file/internal.h"
+#include "store/sets/sets_internal.h"
 
 static const uint8_t white[3] = {255, 255, 255};
 

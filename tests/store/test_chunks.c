@@ -8,7 +8,8 @@
 #include "tests.h"
 
 #include "store/bytes/chunks.h"
-#include "store/file/internal.h"
+#include "store/file/block_table.h"
+#include "store/sets/sets_internal.h"
 
 #include <string.h>
 #include <unistd.h>

@@ -5,7 +5,6 @@
 #include "base/core/processor.h"
 #include "base/math/rng.h"
 #include "store/clusters/clusters_layout.h"
-#include "store/clusters/clusters_unpack.h"
 
 #include <stdlib.h>
 

@@ -9,9 +9,9 @@
 #include "base/splats/leaf_runs.h"
 #include "lod/set_columns.h"
 #include "lod/stochastic/set.h"
-#include "store/file/internal.h"
+#include "store/file/content.h"
+#include "store/file/store_state.h"
 #include "store/residency/residency.h"
-#include "store/sets/leaves.h"
 #include "store/writer/writer.h"
 
 #include <string.h>
@@ -220,11 +220,11 @@ void test_leaves_that_make_no_sense_are_refused(test_state* test)
         fixture f;
         test_log log = {.errors = 0};
         CHECK(set_up(&f, &log));
-        CHECK(stp_store_leaves_fault(&f.set, f.set.leaves, f.set.leaf_count) == NULL);
+        CHECK(stp_splat_leaves_fault(&f.set, f.set.leaves, f.set.leaf_count) == NULL);
         CHECK_EQUAL(STP_OK, write_file(&f));
         stp_splats before = f.set;
         CHECK(break_leaves(&f.set, way));
-        CHECK(stp_store_leaves_fault(&f.set, f.set.leaves, f.set.leaf_count) != NULL);
+        CHECK(stp_splat_leaves_fault(&f.set, f.set.leaves, f.set.leaf_count) != NULL);
         stp_store* store = open_file(&f, 0);
         CHECK(store != NULL);
         stp_store_block* block = find_block(store);

@@ -5,7 +5,8 @@
 #include "tests.h"
 
 #include "base/splats/splat_codes.h"
-#include "store/file/internal.h"
+#include "store/file/content.h"
+#include "store/file/store_state.h"
 
 #include <math.h>
 #include <string.h>

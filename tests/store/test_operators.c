@@ -11,7 +11,7 @@
 #include "store/bytes/chunks.h"
 #include "store/bytes/operators.h"
 #include "store/bytes/range_coder.h"
-#include "store/file/internal.h"
+#include "store/sets/sets_internal.h"
 
 #include <string.h>
 #include <unistd.h>

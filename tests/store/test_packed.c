@@ -4,7 +4,9 @@
 #include "support_sample.h"
 #include "tests.h"
 
-#include "store/file/internal.h"
+#include "store/bytes/packed.h"
+#include "store/file/content.h"
+#include "store/file/store_state.h"
 
 #include <string.h>
 #include <unistd.h>

@@ -5,7 +5,7 @@
 #include "support_reseal.h"
 #include "tests.h"
 
-#include "store/file/internal.h"
+#include "store/file/block_table.h"
 #include "store/residency/residency.h"
 
 #include <string.h>

@@ -5,7 +5,8 @@
 #include "tests.h"
 
 #include "base/math/rng.h"
-#include "store/file/internal.h"
+#include "store/file/block_table.h"
+#include "store/sets/sets_internal.h"
 
 #include <string.h>
 #include <time.h>

@@ -10,7 +10,7 @@
 #include "draw/draw_gl.h"
 #include "program/viewer/model/explorer.h"
 #include "select/budget.h"
-#include "store/sets/coloring.h"
+#include "store/file/point_attributes.h"
 
 #include <limits.h>
 

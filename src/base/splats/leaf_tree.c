@@ -156,7 +156,7 @@ static bool is_leaf_sound(const stp_splat_leaf* leaf)
     return sound;
 }
 
-const char* stp_store_leaves_fault(const stp_splats* set, const stp_splat_leaf* leaves,
+const char* stp_splat_leaves_fault(const stp_splats* set, const stp_splat_leaf* leaves,
                                    uint32_t leaf_count)
 {
     uint64_t sum = 0, end = 0;

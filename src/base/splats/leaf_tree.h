@@ -30,12 +30,12 @@ static inline size_t stp_leaf_tree_max_nodes(uint32_t leaf_count)
     return leaf_count > 0 ? 2 * (size_t)leaf_count - 1 : 0;
 }
 
-/// Builds the tree. The leaves must be valid (stp_store_leaves_fault).
+/// Builds the tree. The leaves must be valid (stp_splat_leaves_fault).
 /// @param nodes room for stp_leaf_tree_max_nodes.
 /// @return the number of nodes
 uint32_t stp_leaf_tree_make(const stp_splat_leaf* leaves, uint32_t leaf_count,
                             stp_leaf_node* nodes);
 
 /// What is wrong with the leaves of a set, or NULL.
-const char* stp_store_leaves_fault(const stp_splats* set, const stp_splat_leaf* leaves,
+const char* stp_splat_leaves_fault(const stp_splats* set, const stp_splat_leaf* leaves,
                                    uint32_t leaf_count);

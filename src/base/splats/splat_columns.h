@@ -122,7 +122,7 @@ typedef struct stp_splats {
     stp_splat_leaf* leaves;
     uint32_t leaf_count;
     /// Each NULL, or one value per splat: the attribute of its point (attributes.h). A store does
-    /// not return them with its sets: src/store/sets/attribute_blocks.h.
+    /// not return them with its sets: src/store/file/point_attributes.h.
     void* attributes[STP_ATTRIBUTES];
     bool plain_coverages; ///< coverages are shares of 255: files before version 1.2
     bool unknown_signs;   ///< normals are estimates; either side may be outside

@@ -22,7 +22,7 @@
 #include "select/view_frame.h"
 #include "store/bytes/format.h"
 #include "store/clusters/clusters.h"
-#include "store/sets/coloring.h"
+#include "store/file/point_attributes.h"
 #include "store/sets/large_triangles.h"
 
 enum {

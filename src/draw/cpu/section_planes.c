@@ -147,7 +147,7 @@ bool stp_cpu_hides_some(const stp_cpu_renderer* r, const stp_cpu_item* item)
     return marked && stp_store_get_coloring(r->store)->hides;
 }
 
-/// Bits of up to 16 splats or points of visible classes (store/sets/coloring.h).
+/// Bits of up to 16 splats or points of visible classes (store/file/point_attributes.h).
 static uint16_t find_shown(const stp_cpu_item* item, uint32_t first, uint32_t count)
 {
     assert(count <= 16 && "one word of bits");

@@ -6,7 +6,7 @@
 #include "draw/gl/gl_renderer.h"
 #include "draw/shading_setup.h"
 #include "select/eyes.h"
-#include "store/sets/coloring.h"
+#include "store/file/point_attributes.h"
 
 #include <assert.h>
 

@@ -7,7 +7,7 @@
 #include "base/splats/splat_codes.h"
 #include "raster/cutout.h"
 #include "store/bytes/columns.h"
-#include "store/sets/coloring.h"
+#include "store/file/point_attributes.h"
 
 #include <assert.h>
 

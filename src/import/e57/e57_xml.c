@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "import/e57/e57.h"
-#include "import/text/text.h"
+#include "import/reading/text.h"
 
 #include <assert.h>
 #include <errno.h>

@@ -2,7 +2,7 @@
 // Units in well-known text (WKT 1 and 2): nested KEYWORD["name", ..., KEYWORD[...]]. A unit counts
 // only directly in a projected or vertical system, or in one of its axes.
 #include "import/las/las.h"
-#include "import/text/text.h"
+#include "import/reading/text.h"
 
 #include <assert.h>
 

@@ -8,7 +8,7 @@
 
 #include "import/reading/import.h"
 #include "import/reading/lookup.h"
-#include "import/text/text.h"
+#include "import/reading/text.h"
 
 // How a corner refers to an element. A chunk does not know how many elements precede it, so
 // backward indices ("-1") are kept relative to the start of the chunk until the chunks are put in

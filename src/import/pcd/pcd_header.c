@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "import/pcd/pcd.h"
-#include "import/text/text.h"
+#include "import/reading/text.h"
 
 #include <assert.h>
 #include <string.h>

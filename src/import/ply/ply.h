@@ -4,7 +4,7 @@
 #pragma once
 
 #include "import/reading/import.h"
-#include "import/text/text.h"
+#include "import/reading/text.h"
 #include "scene/bulk.h"
 
 #include <stdatomic.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "import/reading/scan_info.h"
 
-#include "import/text/text.h"
+#include "import/reading/text.h"
 
 #include <assert.h>
 #include <stdlib.h>

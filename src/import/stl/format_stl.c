@@ -6,8 +6,8 @@
 // in CAD programs and printers.
 #include "base/io/bytes.h"
 #include "import/reading/surface.h"
+#include "import/reading/text.h"
 #include "import/stl/stl_weld.h"
-#include "import/text/text.h"
 
 #include <assert.h>
 #include <string.h>

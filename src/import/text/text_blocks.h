@@ -4,7 +4,7 @@
 #pragma once
 
 #include "base/core/context.h"
-#include "import/text/text.h"
+#include "import/reading/text.h"
 
 #include <assert.h>
 

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "base/io/bytes.h"
-#include "import/text/text.h"
+#include "import/reading/text.h"
 
 #include <assert.h>
 

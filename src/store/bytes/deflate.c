@@ -68,3 +68,8 @@ bool stp_store_unpack(stp_store_unpacker** unpacker, const unsigned char* stored
     }
     return made == size;
 }
+
+uint32_t stp_store_crc(uint32_t crc, const void* bytes, size_t size)
+{
+    return size == 0 ? crc : libdeflate_crc32(crc, bytes, size);
+}

@@ -2,11 +2,12 @@
 //
 // Separately compressed chunks of a file, of its blocks and of the pages of its directory. A chunk
 // whose stored size is smaller than its content is a DEFLATE stream, padded with zero bytes to at
-// least 1/STP_STORE_CHUNK_RATIO of that size.
+// least 1/STP_STORE_CHUNK_RATIO of that size. Every checksum of a file is a CRC-32.
 #pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 enum {
     STP_STORE_CHUNK_BYTES = 1 << 16, ///< largest decoded chunk
@@ -31,3 +32,6 @@ void stp_store_unpacker_destroy(stp_store_unpacker* unpacker);
 /// @return false if the bytes are invalid or memory runs out
 bool stp_store_unpack(stp_store_unpacker** unpacker, const unsigned char* stored,
                       size_t stored_size, void* out, size_t size);
+
+/// CRC-32 as zlib computes it. To chain calls, pass the previous value; start with 0.
+uint32_t stp_store_crc(uint32_t crc, const void* bytes, size_t size);

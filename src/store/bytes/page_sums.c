@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "store/bytes/page_sums.h"
 
-#include "store/file/internal.h"
+#include "store/bytes/deflate.h"
 
 #include <assert.h>
 

@@ -3,7 +3,6 @@
 
 #include "base/io/bytes.h"
 #include "store/bytes/chunks.h"
-#include "store/file/internal.h"
 
 #include <assert.h>
 #include <string.h>

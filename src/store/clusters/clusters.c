@@ -5,7 +5,6 @@
 #include "base/core/context.h"
 #include "base/core/processor.h"
 #include "store/clusters/clusters_layout.h"
-#include "store/clusters/clusters_unpack.h"
 
 #include <assert.h>
 #include <stdatomic.h>

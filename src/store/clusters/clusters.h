@@ -20,7 +20,8 @@
 // multiples of several steps.
 #pragma once
 
-#include "store/file/store.h"
+#include "base/core/context.h"
+#include "base/math/math.h"
 
 #include <assert.h>
 #include <string.h>
@@ -33,6 +34,29 @@ enum {
     STP_CLUSTER_COLOR_LIMIT = 255,
     STP_CLUSTER_ALPHA_LIMIT = 255,
 };
+
+/// A mesh as arrays of floats.
+typedef struct stp_store_mesh {
+    const char* name;
+    uint32_t vertex_count, triangle_count, material;
+    stp_box bounds;
+    const float* positions;    ///< 3 per vertex
+    const int16_t* normals;    ///< NULL (flat), or octahedral, 2 per vertex, 32767 is 1
+    const float* texcoords[2]; ///< NULL, or 2 per vertex
+    const uint16_t* colors;    ///< NULL, or 4 per vertex, linear, 65535 is 1
+    const uint32_t* indices;   ///< 3 per triangle, each below vertex_count
+    double area;   ///< total area of its triangles, in square units of its space; not stored
+    bool is_piece; ///< a piece of a larger mesh: its borders round like the whole's; not stored
+} stp_store_mesh;
+
+/// Vertex index of a corner (3 per triangle). Always below vertex_count, because a mapped file can
+/// be overwritten after its check.
+static inline uint32_t stp_store_mesh_corner(const stp_store_mesh* mesh, size_t corner)
+{
+    assert(corner < 3 * (size_t)mesh->triangle_count);
+    uint32_t vertex = *(const volatile uint32_t*)(mesh->indices + corner); // read once
+    return vertex < mesh->vertex_count ? vertex : 0;
+}
 
 /// A coded mesh: what the writer stores as one block. `bytes` may lie in a mapped file.
 typedef struct stp_coded_mesh {
@@ -192,12 +216,6 @@ static inline stp_vec2 stp_cluster_texcoord(const stp_clusters* clusters,
 
 /// Linear red, green, blue, alpha; 1 is full intensity.
 void stp_cluster_color(const stp_cluster* cluster, uint32_t vertex, float color[4]);
-
-/// The clusters of a coded mesh: pointers into the file, checked on first use. One thread at a
-/// time. @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_TRUNCATED, STP_ERROR_ARGUMENT (the mesh is
-/// stored as columns); logged
-STP_MUST_USE stp_result stp_store_get_clusters(stp_store* store, uint32_t index,
-                                               stp_clusters* clusters);
 
 /// A fully decoded mesh: triangles in cluster order, three vertices each. For tools and tests.
 typedef struct stp_decoded_mesh {

@@ -4,7 +4,6 @@
 #if defined(__x86_64__)
 
 #include "store/clusters/clusters_layout.h"
-#include "store/clusters/clusters_unpack.h"
 
 #include <assert.h>
 #include <immintrin.h>

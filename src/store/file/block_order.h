@@ -3,7 +3,7 @@
 #pragma once
 
 #include "store/bytes/format.h"
-#include "store/writer/writer.h"
+#include "store/file/content.h"
 
 typedef struct stp_store_plan {
     stp_store_block* blocks; ///< in file order; checksums are 0 until written

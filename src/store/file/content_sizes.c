@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "store/file/content_sizes.h"
 
+#include "store/file/block_table.h"
+
 #include <assert.h>
 
 static stp_result create_sizes(stp_context* context, const stp_store_directory* directory,

@@ -4,8 +4,8 @@
 #pragma once
 
 #include "store/file/block_order.h"
-#include "store/file/internal.h"
-#include "store/writer/writer.h"
+#include "store/file/content.h"
+#include "store/file/store_state.h"
 
 /// A mesh, point set, texture or splat set.
 typedef struct stp_store_amount {
@@ -43,3 +43,6 @@ STP_MUST_USE stp_result stp_store_guess_census(stp_context* context,
 STP_MUST_USE stp_result stp_store_count_figures(stp_context* context, const stp_store_sizes* sizes,
                                                 const stp_store_census* census, bool counted,
                                                 stp_store_summary* summary);
+
+/// Compares the summary with the file's content.
+STP_MUST_USE stp_result stp_store_check_summary(stp_store* store);

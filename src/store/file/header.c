@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Reads the first bytes of a file: header and section table. Trusts nothing.
 #include "base/io/bytes.h"
-#include "store/file/internal.h"
+#include "store/file/tables.h"
 
 #include <assert.h>
-#include <libdeflate.h>
 #include <string.h>
-
-uint32_t stp_store_crc(uint32_t crc, const void* bytes, size_t size)
-{
-    return size == 0 ? crc : libdeflate_crc32(crc, bytes, size);
-}
 
 static stp_result fail_format(const stp_store* store, const char* what)
 {

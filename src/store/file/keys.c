@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Content keys of splat sets and meshes. A build finds the results of a previous build by them.
-#include "store/file/internal.h"
+#include "store/file/block_table.h"
+#include "store/file/tables.h"
 
 #include <assert.h>
 #include <string.h>

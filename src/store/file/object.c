@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Reads single objects from the file; pages are verified and decoded as needed.
-#include "store/file/internal.h"
+#include "store/file/block_table.h"
+#include "store/file/tables.h"
 
 #include <assert.h>
 

@@ -2,7 +2,7 @@
 // Reads packed sections page by page, each page once.
 #include "base/io/bytes.h"
 #include "store/bytes/packed.h"
-#include "store/file/internal.h"
+#include "store/file/tables.h"
 
 #include <assert.h>
 #include <string.h>

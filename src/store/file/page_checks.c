@@ -2,7 +2,7 @@
 // Checksums of the directory: of whole sections and of their pages. Page checksums allow reading a
 // few bytes of a large section without verifying all of it.
 #include "base/io/bytes.h"
-#include "store/file/internal.h"
+#include "store/file/tables.h"
 
 #include <assert.h>
 

@@ -7,9 +7,8 @@
 #include "base/io/hash.h"
 #include "store/bytes/format.h"
 #include "store/clusters/clusters.h"
+#include "store/file/point_attributes.h"
 #include "store/file/store.h"
-#include "store/sets/attribute_blocks.h"
-#include "store/sets/leaves.h"
 
 /// Zero-terminated texts, one after the other; records refer to them by offset.
 typedef struct stp_store_text {

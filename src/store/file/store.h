@@ -8,7 +8,9 @@
 #pragma once
 
 #include "base/io/hash.h"
+#include "base/splats/leaf_tree.h"
 #include "base/splats/splat_columns.h"
+#include "store/clusters/clusters.h"
 #include "store/file/summary.h"
 
 #include <assert.h>
@@ -45,28 +47,6 @@ typedef struct stp_store_texture {
     const uint8_t* encoded;
     size_t encoded_size;
 } stp_store_texture;
-
-typedef struct stp_store_mesh {
-    const char* name;
-    uint32_t vertex_count, triangle_count, material;
-    stp_box bounds;
-    const float* positions;    ///< 3 per vertex
-    const int16_t* normals;    ///< NULL (flat), or octahedral, 2 per vertex, 32767 is 1
-    const float* texcoords[2]; ///< NULL, or 2 per vertex
-    const uint16_t* colors;    ///< NULL, or 4 per vertex, linear, 65535 is 1
-    const uint32_t* indices;   ///< 3 per triangle, each below vertex_count
-    double area;   ///< total area of its triangles, in square units of its space; not stored
-    bool is_piece; ///< a piece of a larger mesh: its borders round like the whole's; not stored
-} stp_store_mesh;
-
-/// Vertex index of a corner (3 per triangle). Always below vertex_count, because a mapped file can
-/// be overwritten after its check.
-static inline uint32_t stp_store_mesh_corner(const stp_store_mesh* mesh, size_t corner)
-{
-    assert(corner < 3 * (size_t)mesh->triangle_count);
-    uint32_t vertex = *(const volatile uint32_t*)(mesh->indices + corner); // read once
-    return vertex < mesh->vertex_count ? vertex : 0;
-}
 
 typedef struct stp_store_point_set {
     const char* name;
@@ -131,8 +111,8 @@ typedef struct stp_store_source {
     const char* coordinate_system; ///< WKT, or a code such as "EPSG:25832"; NULL: not known
 } stp_store_source;
 
-typedef struct stp_store_attribute stp_store_attribute;             // store/sets/attribute_blocks.h
-typedef struct stp_store_attribute_value stp_store_attribute_value; // store/sets/attribute_blocks.h
+typedef struct stp_store_attribute stp_store_attribute;             // store/file/point_attributes.h
+typedef struct stp_store_attribute_value stp_store_attribute_value; // store/file/point_attributes.h
 
 /// Everything but the bulk data; also the input of the writer. The store owns the arrays.
 typedef struct stp_store_directory {
@@ -228,6 +208,14 @@ const stp_store_summary* stp_store_get_summary(const stp_store* store);
 uint32_t stp_store_format_version(const stp_store* store);
 uint32_t stp_store_format_minor(const stp_store* store);
 
+/// The leaves of a set that was built leaf by leaf (docs/format.md, Leaves).
+typedef struct stp_store_leaves {
+    uint32_t leaf_count; ///< 0: none, or not available
+    const stp_splat_leaf* leaves;
+    uint32_t node_count;
+    const stp_leaf_node* nodes; ///< the tree over them; the first node is the root
+} stp_store_leaves;
+
 // Descriptions that need no bulk data: counts, bounds, octaves, prefix tables, materials. Columns
 // may be NULL. `index` must be below the directory's count.
 const stp_store_mesh* stp_store_describe_mesh(const stp_store* store, uint32_t index);
@@ -241,6 +229,11 @@ bool stp_store_is_clustered(const stp_store* store, uint32_t index);
 // texels. They are valid as long as the store. One thread at a time. Wrong checksum or index:
 // STP_ERROR_FORMAT, logged.
 STP_MUST_USE stp_result stp_store_get_mesh(stp_store* store, uint32_t index, stp_store_mesh* mesh);
+/// The clusters of a coded mesh: pointers into the file, checked on first use. One thread at a
+/// time. @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_TRUNCATED, STP_ERROR_ARGUMENT (the mesh is
+/// stored as columns); logged
+STP_MUST_USE stp_result stp_store_get_clusters(stp_store* store, uint32_t index,
+                                               stp_clusters* clusters);
 STP_MUST_USE stp_result stp_store_get_point_set(stp_store* store, uint32_t index,
                                                 stp_store_point_set* points);
 STP_MUST_USE stp_result stp_store_get_texture(stp_store* store, uint32_t index,
@@ -263,6 +256,13 @@ STP_MUST_USE stp_result stp_store_get_splat_set(stp_store* store, uint32_t index
 /// fourfold.
 STP_MUST_USE stp_result stp_store_get_splat_set_prefix(stp_store* store, uint32_t index,
                                                        uint32_t octave_count, stp_splats* splats);
+/// Number of leaves that the file lists for a set.
+uint32_t stp_store_leaf_count(const stp_store* store, uint32_t set);
+/// Verifies the block on first use and builds the tree. Gives no leaves if the set has none or they
+/// are not available: a partial file, or not loaded yet (store/residency/residency.h). @return STP_OK,
+/// STP_ERROR_FORMAT, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_store_get_leaves(stp_store* store, uint32_t set,
+                                             stp_store_leaves* leaves);
 /// Octaves needed to draw the first `count` splats of a set.
 uint32_t stp_store_octaves_for(const stp_splats* splats, uint32_t count);
 /// Frees the memory of a set's columns and invalidates pointers to them. They can be requested

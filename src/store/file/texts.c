@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Texts of records: position, length, and limits on their use.
-#include "store/file/internal.h"
+#include "store/file/tables.h"
 
 #include <assert.h>
 #include <string.h>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "store/file/texture_images.h"
 
+#include "store/file/block_table.h"
+
 #include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -4,8 +4,8 @@
 #pragma once
 
 #include "image/image_codecs.h"
-#include "store/file/internal.h"
-#include "store/writer/writer.h"
+#include "store/file/content.h"
+#include "store/file/store_state.h"
 
 /// Checks the header of an image file against its texture: format and size. `info` receives the
 /// decoding parameters, or the reason for failure.

@@ -278,7 +278,7 @@ stp_result stp_store_validate_leaves(const stp_store_validator* validator, uint3
     const char* fault = splats->leaf_count == 0 ? NULL
                         : splats->leaves == NULL
                             ? "its leaves are missing"
-                            : stp_store_leaves_fault(splats, splats->leaves, splats->leaf_count);
+                            : stp_splat_leaves_fault(splats, splats->leaves, splats->leaf_count);
     if (fault != NULL) {
         return stp_fail(validator->context, validator->failure, "%s: surfel set %u: %s",
                         validator->path, index, fault);

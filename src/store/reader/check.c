@@ -2,7 +2,11 @@
 // Checks a whole file: every checksum, every padding byte, every invariant.
 #include "base/splats/progressive.h"
 #include "store/bytes/chunks.h"
-#include "store/file/internal.h"
+#include "store/file/block_table.h"
+#include "store/file/content_sizes.h"
+#include "store/file/tables.h"
+#include "store/reader/scene_summary.h"
+#include "store/sets/sets_internal.h"
 
 #include <assert.h>
 

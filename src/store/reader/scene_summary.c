@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Reads a file's description from its first pages: summary, scene parts, views, sources,
 // parameters.
-#include "store/file/internal.h"
+#include "store/reader/scene_summary.h"
+
+#include "store/file/tables.h"
+#include "store/sets/sets_internal.h"
 
 #include <assert.h>
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Life cycle of a residency, and queries.
 #include "store/bytes/chunks.h"
+#include "store/file/block_table.h"
 #include "store/file/texture_images.h"
 #include "store/residency/residency_internal.h"
-#include "store/sets/leaves_internal.h"
+#include "store/sets/sets_internal.h"
 
 #include <assert.h>
 #include <string.h>

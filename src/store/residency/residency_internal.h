@@ -4,7 +4,7 @@
 // tables).
 #pragma once
 
-#include "store/file/internal.h"
+#include "store/file/store_state.h"
 #include "store/residency/residency.h"
 
 #include <assert.h>

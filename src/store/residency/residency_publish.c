@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Publishes loads and drops in the store's tables. Between frames only, on the updating thread.
 #include "store/bytes/chunks.h"
+#include "store/file/block_table.h"
 #include "store/residency/residency_internal.h"
-#include "store/sets/leaves_internal.h"
+#include "store/sets/sets_internal.h"
 
 #include <assert.h>
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "store/sets/attribute_blocks.h"
-
+// Reads attributes of points: checks and links their blocks, and gives values of splats and points.
 #include "store/bytes/values.h"
-#include "store/file/internal.h"
+#include "store/file/block_table.h"
+#include "store/file/tables.h"
+#include "store/sets/sets_internal.h"
 
 #include <assert.h>
 #include <string.h>

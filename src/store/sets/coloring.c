@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "store/sets/coloring.h"
-
+// Makes the colours and coverages that replace those of the file.
 #include "base/math/color.h"
-#include "store/file/internal.h"
+#include "store/sets/sets_internal.h"
 
 #include <assert.h>
 #include <string.h>

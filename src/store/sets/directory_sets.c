@@ -2,8 +2,9 @@
 // Links the tables of a directory: sets to their octaves and breakpoints, owners to their blocks.
 #include "store/bytes/chunks.h"
 #include "store/bytes/operators.h"
-#include "store/file/internal.h"
+#include "store/file/block_table.h"
 #include "store/file/texture_images.h"
+#include "store/sets/sets_internal.h"
 
 #include <assert.h>
 
@@ -12,13 +13,6 @@ static stp_result fail_format(const stp_store* store, const char* what, uint32_t
 {
     return stp_fail(store->context, STP_ERROR_FORMAT, "%s: %s %u: %s", store->path, what, index,
                     fault);
-}
-
-const stp_store_block* stp_store_block_at(const stp_store* store, uint32_t index)
-{
-    assert(index < store->counts[STP_SECTION_BLOCKS]);
-    const stp_store_block* blocks = store->tables[STP_SECTION_BLOCKS];
-    return &blocks[index];
 }
 
 // Blocks follow each other without gaps up to the end of the file, coarse splats first.
@@ -86,12 +80,6 @@ static stp_result check_block(const stp_store* store, uint32_t index, stp_store_
                            "its block has the wrong size for its counts");
     }
     return STP_OK;
-}
-
-bool stp_store_is_block_here(const stp_store* store, const stp_store_block* block)
-{
-    assert(block->offset <= store->file_bytes && block->size <= store->file_bytes - block->offset);
-    return block->offset + block->size <= store->file.size;
 }
 
 // Finds a set's breakpoints and octaves, which are stored in the order of the sets.

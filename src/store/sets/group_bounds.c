@@ -2,7 +2,7 @@
 // Bounds of groups of neighbouring splats: a box and a cone of normals, for culling.
 #include "base/splats/octahedral.h"
 #include "base/splats/splat_codes.h"
-#include "store/file/internal.h"
+#include "store/sets/sets_internal.h"
 
 #include <assert.h>
 

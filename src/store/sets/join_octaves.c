@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Splats: joins the columns of the requested octaves from their blocks.
 #include "store/bytes/chunks.h"
-#include "store/file/internal.h"
+#include "store/file/block_table.h"
+#include "store/sets/sets_internal.h"
 
 #include <assert.h>
 #include <string.h>
@@ -174,16 +175,6 @@ void stp_store_octave_targets(const stp_splats* splats, uint32_t octave,
     targets[STP_OCTAVE_COVERAGES] = splats->coverages + entry;
     targets[STP_OCTAVE_SHAPES] = splats->shapes != NULL ? splats->shapes + first : NULL;
     targets[STP_OCTAVE_RANGES] = splats->ranges != NULL ? splats->ranges + first : NULL;
-}
-
-bool stp_store_read_mapped(void* user, uint64_t offset, void* bytes, size_t size)
-{
-    const stp_store* store = user;
-    bool whole = offset <= store->file.size && size <= store->file.size - offset;
-    if (whole) {
-        memcpy(bytes, store->file.bytes + offset, size);
-    }
-    return whole;
 }
 
 const stp_store_block* stp_store_octave_block(const stp_store* store, uint32_t index,

@@ -4,7 +4,7 @@
 #include "base/core/sort.h"
 #include "base/splats/triangle_level.h"
 #include "store/clusters/clusters.h"
-#include "store/file/internal.h"
+#include "store/sets/sets_internal.h"
 
 #include <assert.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "store/sets/leaves.h"
-
-#include "store/sets/leaves_internal.h"
+// Leaves of sets: verified on first use, with the tree over them.
+#include "store/file/block_table.h"
+#include "store/sets/sets_internal.h"
 
 #include <assert.h>
 #include <string.h>
@@ -41,7 +41,7 @@ const char* stp_store_open_leaves(const stp_store* store, uint32_t set, void* me
     uint32_t count = stp_store_leaf_count(store, set);
     const stp_splat_leaf* first = memory;
     const char* fault =
-        stp_store_leaves_fault(stp_store_describe_splat_set(store, set), first, count);
+        stp_splat_leaves_fault(stp_store_describe_splat_set(store, set), first, count);
     if (fault == NULL) {
         stp_leaf_node* nodes =
             (stp_leaf_node*)(void*)((unsigned char*)memory + STP_STORE_LEAF_BYTES * (size_t)count);

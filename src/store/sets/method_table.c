@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The methods of the file's sets, and the set of each node for each method (docs/format.md,
 // Methods).
-#include "store/file/internal.h"
-#include "store/writer/writing.h"
+#include "store/file/tables.h"
+#include "store/sets/sets_internal.h"
 
 #include <assert.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Accuracy of the points in sets: whether normal signs are known, and the position error.
-#include "store/file/internal.h"
+#include "store/sets/sets_internal.h"
 
 #include <assert.h>
 

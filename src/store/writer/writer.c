@@ -5,10 +5,11 @@
 #include "store/writer/writer.h"
 
 #include "base/io/bytes.h"
+#include "store/bytes/packed.h"
 #include "store/clusters/clusters_layout.h"
 #include "store/file/content_sizes.h"
-#include "store/file/internal.h"
 #include "store/file/texture_images.h"
+#include "store/sets/sets_internal.h"
 #include "store/writer/writing.h"
 
 #include <assert.h>

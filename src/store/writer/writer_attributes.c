@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Writes attributes: their statistics and blocks.
 #include "base/io/bytes.h"
+#include "store/bytes/columns.h"
 #include "store/bytes/values.h"
-#include "store/file/internal.h"
+#include "store/file/content.h"
+#include "store/file/point_attributes.h"
 #include "store/writer/writing.h"
 
 #include <assert.h>

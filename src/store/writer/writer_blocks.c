@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Writes blocks: columns of meshes and point sets, clusters, texels (octaves: writer_chunks.c).
 // Then the directory entries that depend on them.
+#include "store/bytes/columns.h"
+#include "store/bytes/packed.h"
 #include "store/file/content_sizes.h"
-#include "store/file/internal.h"
 #include "store/writer/writing.h"
 
 #include <assert.h>

@@ -4,7 +4,6 @@
 #include "base/io/bytes.h"
 #include "store/bytes/chunks.h"
 #include "store/bytes/operators.h"
-#include "store/file/internal.h"
 #include "store/writer/writing.h"
 
 #include <assert.h>

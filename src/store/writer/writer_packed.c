@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Writes packed sections: gathers them page by page, compresses on all threads, writes in order.
 #include "base/io/bytes.h"
-#include "store/file/internal.h"
+#include "store/bytes/deflate.h"
+#include "store/bytes/packed.h"
 #include "store/writer/writing.h"
 
 #include <assert.h>

@@ -2,7 +2,7 @@
 // Writes the sections of the directory, in file order.
 #include "store/clusters/clusters_layout.h"
 #include "store/file/content_sizes.h"
-#include "store/file/internal.h"
+#include "store/sets/sets_internal.h"
 #include "store/writer/writing.h"
 
 #include <assert.h>

@@ -3,6 +3,7 @@
 // writer_blocks.c (the data).
 #pragma once
 
+#include "base/io/file.h"
 #include "store/bytes/columns.h"
 #include "store/bytes/page_sums.h"
 #include "store/file/block_order.h"
@@ -31,10 +32,6 @@ typedef struct stp_store_writing {
     uint64_t unreleased_bytes;  ///< read from the content since its pages were last released
     stp_store_packing* packing; ///< state of the section being written; NULL: not packed
 } stp_store_writing;
-
-/// The methods of the content, and the columns of their sets.
-STP_MUST_USE stp_result stp_store_validate_methods(const stp_store_validator* validator,
-                                                   const stp_store_content* content);
 
 /// Octave chunks waiting to be compressed together.
 typedef struct stp_store_batch stp_store_batch;

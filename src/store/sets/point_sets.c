@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Point sets held by a set of splats. The set contains each point once, so the file stores no
-// second copy. Point columns are made from the set on request.
+// Point sets: read in place, or made on request from the set of splats that holds them. Such a set
+// contains each point once, so the file stores no second copy.
 #include "base/splats/octahedral.h"
 #include "base/splats/splat_columns.h"
-#include "store/file/internal.h"
+#include "store/file/block_table.h"
+#include "store/sets/sets_internal.h"
 
 #include <assert.h>
 #include <string.h>
@@ -21,7 +22,7 @@ typedef struct columns {
 typedef struct filling {
     const stp_splats* set;
     const uint8_t *colors, *coverages; ///< entries of the set's finest octave
-    bool hides;                        ///< coverage 0 hides a splat (coloring.h)
+    bool hides;                        ///< coverage 0 hides a splat (point_attributes.h)
     columns to;
 } filling;
 
@@ -96,4 +97,63 @@ void stp_store_release_points(stp_store* store)
         points[i].made = NULL;
         points[i].checked = false;
     }
+}
+
+// Replacement colours for the file's own, in separate memory.
+static stp_result color_points(stp_store* store, uint32_t index, stp_store_point_record* record,
+                               stp_store_point_set* made)
+{
+    stp_store_block_source source = {.read = stp_store_read_mapped, .user = store};
+    uint64_t read_bytes = 0;
+    record->colored = stp_alloc_array(store->context, (size_t)made->point_count + 1, 4);
+    if (record->colored == NULL) {
+        return stp_fail_memory(store->context);
+    }
+    const char* fault =
+        stp_store_color_points(store, index, made->colors, &source, record->colored, &read_bytes);
+    if (fault != NULL) {
+        stp_free(store->context, record->colored);
+        record->colored = NULL;
+        stp_store_values values = stp_store_values_of(store, STP_BLOCK_POINT_ATTRIBUTES, index, 0);
+        return stp_store_fail_block(store, values.block, fault);
+    }
+    made->colors = record->colored;
+    return STP_OK;
+}
+
+stp_result stp_store_get_point_set(stp_store* store, uint32_t index, stp_store_point_set* points)
+{
+    if (index >= store->directory.point_set_count) {
+        return stp_store_fail_index(store, "point set", index);
+    }
+    stp_store_point_record* records = store->tables[STP_SECTION_POINT_SETS];
+    stp_store_point_record* record = &records[index];
+    if (!record->checked && record->points.held_by != 0) {
+        stp_result result = stp_store_make_held_points(store, index, record);
+        if (result != STP_OK) {
+            return result;
+        }
+    }
+    if (!record->checked) {
+        const unsigned char* bytes = NULL;
+        stp_result result =
+            stp_store_verify_block(store, stp_store_block_at(store, record->block), &bytes);
+        if (result != STP_OK) {
+            return result;
+        }
+        stp_store_point_set made = record->points;
+        stp_store_find_point_columns(record->present, bytes, &made);
+        stp_store_validator validator = stp_store_own_validator(store);
+        result = stp_store_validate_point_data(&validator, index, &made);
+        if (result == STP_OK && stp_store_is_colored(store)) {
+            result = color_points(store, index, record, &made);
+        }
+        if (result != STP_OK) {
+            return result;
+        }
+        record->points = made;
+        record->checked = true;
+    }
+    *points = record->points;
+    return STP_OK;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "import/text/text.h"
+#include "import/reading/text.h"
 
 #include <assert.h>
 #include <math.h>
