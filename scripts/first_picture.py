@@ -101,7 +101,7 @@ class Directory:
 
 
 def find_set(directory):
-    """The root's box, and its surfel set with its octaves and breakpoints."""
+    """The root's box, and its splat set with its octaves and breakpoints."""
     need(directory.root != NONE, "the scene is empty")
     root = directory.record("nodes", directory.root)
     need(root["surfels"] != NONE, "the root has no surfels: the whole scene is a few triangles")

@@ -233,10 +233,10 @@ def check_graph(header, t):
     need(counts["leaves"] in (0, counts["surfels"]), "leaves")
     need(counts["certainty"] in (0, counts["surfels"]), "certainty")
     for i, certainty in enumerate(t["certainty"]):
-        need(certainty["flags"] <= 1 and certainty["position_error"] >= 0, f"surfel set {i}: certainty")
+        need(certainty["flags"] <= 1 and certainty["position_error"] >= 0, f"splat set {i}: certainty")
     for i, leaves in enumerate(t["leaves"]):
         leaves["set"] = t["surfels"][i]
-        need(leaves["leaf_count"] > 0 or leaves["block"] == NONE, f"surfel set {i}: a block without leaves")
+        need(leaves["leaf_count"] > 0 or leaves["block"] == NONE, f"splat set {i}: a block without leaves")
     for i, mesh in enumerate(t["meshes"]):
         mesh["cluster_count"] = t["clusters"][i]["cluster_count"] if t["clusters"] else NONE
     need(counts["keys"] in (0, counts["surfels"] + counts["meshes"]), "keys")
@@ -271,7 +271,7 @@ def gather_methods(t):
 def gather_sets(t):
     octave, breakpoint_ = 0, 0
     for i, s in enumerate(t["surfels"]):
-        place = f"surfel set {i}"
+        place = f"splat set {i}"
         need(s["first_octave"] == octave and s["first_breakpoint"] == breakpoint_, f"{place}: order")
         need(s["octave_count"] <= 24 and s["breakpoint_count"] <= 64, f"{place}: octaves or breakpoints")
         octaves = t["octaves"][octave:octave + s["octave_count"]]
@@ -638,7 +638,7 @@ def read_blocks(data, header, t):
     for i, surfels in enumerate(t["surfels"]):
         operators = surfels.pop("operators", None)
         if operators and any(t["blocks"][b]["encoding"] == 2 for b in surfels["blocks"]):
-            need(not operators.waiting and (len(operators.splats) - operators.base) % 2 == 0, f"surfel set {i}: splits")
+            need(not operators.waiting and (len(operators.splats) - operators.base) % 2 == 0, f"splat set {i}: splits")
     owners = len({texture["block"] for texture in t["textures"]})
     held = [points for points in t["point_sets"] if points["held_by"]]
     for points in held:

@@ -20,7 +20,7 @@ typedef struct build_case {
 
 typedef struct built {
     stp_build_report report;
-    uint64_t triangles, unique_triangles, surfels, file_bytes, splat_bytes, triangle_bytes;
+    uint64_t triangles, unique_triangles, splats, file_bytes, splat_bytes, triangle_bytes;
     uint64_t peak_bytes;
     uint32_t threads;
 } built;
@@ -60,7 +60,7 @@ static stp_result read_file(stp_context* context, const char* path, built* out)
     const stp_store_summary* summary = stp_store_get_summary(store);
     out->triangles = summary->figures.triangles;
     out->unique_triangles = summary->figures.unique_triangles;
-    out->surfels = summary->figures.unique_surfels;
+    out->splats = summary->figures.unique_surfels;
     out->splat_bytes = summary->figures.splat_bytes;
     out->triangle_bytes = summary->figures.triangle_bytes;
     out->file_bytes = stp_store_file_bytes(store);
@@ -119,9 +119,9 @@ static void report_build(const char* scene, double scale, const built* b, json_t
     bench_set_number(entry.figures, "write_seconds", r->write_s);
     bench_set_count(entry.figures, "candidates", r->candidates);
     bench_set_count(entry.figures, "surfel_sets", r->sets_made);
-    bench_set_count(entry.figures, "surfels", b->surfels);
+    bench_set_count(entry.figures, "surfels", b->splats);
     bench_set_count(entry.figures, "file_bytes", b->file_bytes);
-    bench_set_number(entry.figures, "bytes_per_surfel", per((double)b->splat_bytes, b->surfels));
+    bench_set_number(entry.figures, "bytes_per_surfel", per((double)b->splat_bytes, b->splats));
     bench_set_number(entry.figures, "bytes_per_triangle",
                      per((double)b->triangle_bytes, b->unique_triangles));
 }

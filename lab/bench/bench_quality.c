@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Benchmark `quality`: compares pictures at splat sizes 1 to 24, or at a given size, with the
 // original triangles: SSIM, holes, wrong depths, and growth of the covered area. Three series: the
-// object framed to fill the picture (triangles are drawn where the surfels are too coarse) from 26
+// object framed to fill the picture (triangles are drawn where the splats are too coarse) from 26
 // directions away from the capture's, and from the named views; and from the nearest distance at
-// which surfels alone suffice.
+// which splats alone suffice.
 #include "builder/build_scene.h"
 #include "draw/draw.h"
 #include "lab/bench/bench.h"
@@ -60,7 +60,7 @@ typedef struct quality_series {
     const char* name;
     const char* const* views; ///< names, NULL at the end; NULL: the directions
     const stp_view* eye;      ///< one view instead
-    bool limit;               ///< from the nearest distance at which the surfels suffice
+    bool limit;               ///< from the nearest distance at which the splats suffice
     const float* sizes;
     uint32_t size_count, direction_count;
 } quality_series;
@@ -139,18 +139,18 @@ static stp_result compare_view(quality_run* run, const stp_view* view, uint32_t 
     return STP_OK;
 }
 
-// Moves the eye along its view direction to the nearest position at which the root's surfels
-// suffice: there half a splat at the nearest point of the box's sphere equals the surfels' coverage
+// Moves the eye along its view direction to the nearest position at which the root's splats
+// suffice: there half a splat at the nearest point of the box's sphere equals the splats' coverage
 // radius.
-static void move_to_limit(const stp_splats* surfels, const stp_boxd* box, float splat_size,
+static void move_to_limit(const stp_splats* splats, const stp_boxd* box, float splat_size,
                           stp_view* view)
 {
     stp_vec3d centre = stp_scaled(stp_addd(box->min, box->max), 0.5);
     stp_vec3d half = stp_scaled(stp_subd(box->max, box->min), 0.5);
     double sphere = sqrt(stp_dotd(half, half));
     double pixel_angle = 2.0 * tan(view->fov_degrees * STP_PI / 360.0) / (double)view->height;
-    assert(surfels->table.size > 0 && splat_size > 0.0f);
-    double reached = (double)surfels->table.radius[surfels->table.size - 1];
+    assert(splats->table.size > 0 && splat_size > 0.0f);
+    double reached = (double)splats->table.radius[splats->table.size - 1];
     double nearest = 2.0 * reached / pixel_angle / (double)splat_size * 1.001;
     stp_vec3d away = stp_normalized(stp_subd(view->eye, view->target));
     view->target = centre;
@@ -226,17 +226,17 @@ static stp_result run_series(quality_run* run, const char* model, const quality_
     const stp_store_directory* directory = stp_store_get_directory(run->store);
     const stp_store_node* root = &directory->nodes[directory->root];
     quality_sums sums[SIZE_COUNT] = {0};
-    stp_splats surfels;
+    stp_splats splats;
     stp_result result = STP_OK;
     if (series->limit) {
         uint32_t method = stp_store_find_method(directory, run->method);
         uint32_t set = stp_store_set_of(directory, method, directory->root);
-        result = stp_store_get_splat_set(run->store, set, &surfels);
+        result = stp_store_get_splat_set(run->store, set, &splats);
     }
     stp_view view;
     for (uint32_t i = 0; result == STP_OK && make_view(run, series, i, &view); ++i) {
         if (series->limit) {
-            move_to_limit(&surfels, &root->bounds, series->sizes[0], &view);
+            move_to_limit(&splats, &root->bounds, series->sizes[0], &view);
         }
         result = draw_reference(run, &view);
         for (uint32_t k = 0; result == STP_OK && k < series->size_count; ++k) {

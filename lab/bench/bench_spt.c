@@ -60,9 +60,9 @@ typedef struct spt_row {
 static stp_result make_points(spt_bench* b, const stp_scene* scene, const bench_options* options)
 {
     uint8_t* shadings = STP_NEW_ZEROED(b->context, uint8_t, scene->material_count + 1);
-    stp_blue_desc desc = {.surfel_count = options->count > 0 ? options->count
-                                          : options->quick   ? QUICK_POINTS
-                                                             : POINTS};
+    stp_blue_desc desc = {.splat_count = options->count > 0 ? options->count
+                                         : options->quick   ? QUICK_POINTS
+                                                            : POINTS};
     stp_result result = shadings == NULL
                             ? stp_fail_memory(b->context)
                             : stp_blue_make(scene, scene->root, shadings, &desc, &b->surfels, NULL);

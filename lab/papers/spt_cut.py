@@ -28,10 +28,10 @@ def read_tables(path):
     return data, tables
 
 
-def columns_of(data, tables, surfel_set):
+def columns_of(data, tables, splat_set):
     """Positions and ranges of a set, its octaves joined."""
     joined = {"positions": b"", "ranges": b""}
-    for index in surfel_set["blocks"]:
+    for index in splat_set["blocks"]:
         block = tables["blocks"][index]
         stored = data[block["offset"]:block["offset"] + block["size"]]
         record, columns, _ = read_store.block_columns(tables, block)
@@ -54,15 +54,15 @@ def read_sequence(path):
     method = next(m for m in tables["methods"] if m["name"] == "spt")
     if method["set_count"] != 1:
         sys.exit(f"{path}: has {method['set_count']} sets of spt; expected 1")
-    surfel_set = tables["surfels"][method["first_set"]]
-    columns = columns_of(data, tables, surfel_set)
+    splat_set = tables["surfels"][method["first_set"]]
+    columns = columns_of(data, tables, splat_set)
     levels = {}
     points = []
     for place, (low, high) in zip(struct.iter_unpack("<3H", columns["positions"]), struct.iter_unpack("<2H", columns["ranges"])):
         for code in (low, high):
             if code not in levels:
                 levels[code] = level_of(code)
-        at = tuple(o + surfel_set["step"] * v for o, v in zip(surfel_set["origin"], place))
+        at = tuple(o + splat_set["step"] * v for o, v in zip(splat_set["origin"], place))
         points.append((at, levels[low], levels[high]))
     points.sort(key=lambda point: -point[2])
     return points

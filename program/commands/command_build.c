@@ -88,7 +88,7 @@ static const option table[] = {
     {.name = "threshold",
      .type = OPTION_COUNT,
      .argument = "N",
-     .help = "give a node surfels if it has more than N triangles; default 1000",
+     .help = "give a node splats if it has more than N triangles; default 1000",
      .value = &args.threshold,
      .given = &args.threshold_given,
      .rare = true},
@@ -130,7 +130,7 @@ static const option table[] = {
     {.name = "capture",
      .type = OPTION_CHOICE,
      .words = "splats|triangles",
-     .help = "what upper nodes capture: their children's surfels where these are dense "
+     .help = "what upper nodes capture: their children's splats where these are dense "
              "enough (default), or always the triangles",
      .value = &args.capture,
      .rare = true},
@@ -311,7 +311,7 @@ static json_t* seconds_json(const stp_build_report* r)
     return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "methods", r->methods_s,
                      "import", r->import_s, "partition", r->partition_s, "capture", r->capture_s,
                      "order", r->order_s, "finish", r->finish_s, "surfel_threads",
-                     r->surfel_thread_s, "clusters", r->clusters_s, "write", r->write_s, "total",
+                     r->splat_thread_s, "clusters", r->clusters_s, "write", r->write_s, "total",
                      r->total_s);
 }
 
@@ -322,7 +322,7 @@ static void print_seconds(const stp_build_report* r)
            "built in", r->total_s, r->import_s, r->partition_s, r->capture_s, r->order_s,
            r->finish_s, r->methods_s, r->clusters_s, r->write_s);
     if (r->sets_found + r->meshes_found > 0) {
-        printf("  %-12s %u of %u surfel sets, %u of %u meshes\n", "unchanged", r->sets_found,
+        printf("  %-12s %u of %u splat sets, %u of %u meshes\n", "unchanged", r->sets_found,
                r->sets_found + r->sets_made, r->meshes_found, r->meshes_found + r->meshes_made);
     }
 }
@@ -384,7 +384,7 @@ static int build(stp_context* context, int argc, char** argv)
                            .seed = args.seed,
                            .samples = (uint32_t)args.samples,
                            .interval = (uint32_t)args.interval},
-                 .surfel_count = (uint32_t)args.surfels},
+                 .splat_count = (uint32_t)args.surfels},
         .methods = chosen,
         .method_count = choose_methods(chosen),
         .method_options = stp_method_options_default(),
@@ -530,7 +530,7 @@ const command command_build = {
         "assimp supports. One warning lists what was skipped (animations, skins, lines, "
         "extensions). STEP and IGES are not supported: they store exact surfaces, not "
         "triangles.\n\n"
-        "Each node with more triangles than --threshold gets its own surfels, from the leaves "
+        "Each node with more triangles than --threshold gets its own splats, from the leaves "
         "up. Intermediate results are kept in FILE.stip.work until the file is complete: run the "
         "same command again to resume an interrupted build, with the same result. If FILE.stip "
         "exists, unchanged parts are reused.\n\n"

@@ -161,10 +161,10 @@ const command command_info = {
     .arguments = "FILE",
     .summary = "describe the content of a .stip file or a model",
     .text =
-        "Prints a table of the scene's parts: objects, levels of detail (nodes with surfels), "
-        "triangles, points and surfels, and their size in bytes. Counts include all instances; "
+        "Prints a table of the scene's parts: objects, levels of detail (nodes with splats), "
+        "triangles, points and splats, and their size in bytes. Counts include all instances; "
         "counts without instances are in parentheses. Below the table: nodes, instances, bytes "
-        "per surfel and triangle, dimensions, unit and up axis, sources and named views. --json "
+        "per splat and triangle, dimensions, unit and up axis, sources and named views. --json "
         "has the figures of every part.\n\n"
         "A part is a child of the root object; while an object has only one child, that child's "
         "children are used instead. Beyond 64 parts, the smallest are combined as \"others\". An "

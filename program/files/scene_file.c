@@ -25,9 +25,9 @@ static const char* const cache_version = "stipple-" STP_VERSION "-7";
 static const char* const parameters =
     "{\"method\":\"blue\",\"metric\":\"side\",\"order\":\"exact\",\"threshold\":1000}";
 
-// Limits for drawing without surfels: above this many unique triangles, making surfels takes a
+// Limits for drawing without splats: above this many unique triangles, making splats takes a
 // second or more; below this many instanced triangles, drawing takes only a few seconds.
-static const uint64_t quick_surfels = UINT64_C(100000), quick_triangles = UINT64_C(1) << 27;
+static const uint64_t quick_splats = UINT64_C(100000), quick_triangles = UINT64_C(1) << 27;
 
 enum {
     SCENE_USES = 4,
@@ -164,10 +164,10 @@ static bool is_cached(const char* path)
 
 typedef struct decision {
     scene_use use;
-    bool with_surfels; ///< result: the built file also serves SCENE_FOR_SPLATS
+    bool with_splats; ///< result: the built file also serves SCENE_FOR_SPLATS
 } decision;
 
-static bool decide_surfels(const stp_scene* scene, void* user)
+static bool decide_splats(const stp_scene* scene, void* user)
 {
     decision* d = user;
     uint64_t unique = 0;
@@ -175,10 +175,10 @@ static bool decide_surfels(const stp_scene* scene, void* user)
         unique += scene->meshes[i].triangle_count;
     }
     const stp_node* root = scene->root != STP_NONE ? &scene->nodes[scene->root] : NULL;
-    bool quick = root != NULL && root->point_count == 0 && unique > quick_surfels &&
+    bool quick = root != NULL && root->point_count == 0 && unique > quick_splats &&
                  root->triangle_count <= quick_triangles;
-    d->with_surfels = d->use <= SCENE_FOR_SPLATS || (d->use == SCENE_FOR_A_PICTURE && !quick);
-    return d->with_surfels;
+    d->with_splats = d->use <= SCENE_FOR_SPLATS || (d->use == SCENE_FOR_A_PICTURE && !quick);
+    return d->with_splats;
 }
 
 static void report_draft(void* user)
@@ -229,8 +229,8 @@ static stp_result build_cached(stp_context* context, const char* path, wish* w,
                            .output = cached[use],
                            .generate = program_make_scene,
                            .import = {.columns = tool_settings_get()->columns},
-                           .wants_surfels = decide_surfels,
-                           .wants_surfels_user = &d,
+                           .wants_splats = decide_splats,
+                           .wants_splats_user = &d,
                            .parameters_json = parameters};
     const stp_method* methods[STP_METHOD_COUNT];
     for (uint32_t i = 0; use == SCENE_FOR_METHODS && i < STP_METHOD_COUNT; ++i) {
@@ -245,8 +245,8 @@ static stp_result build_cached(stp_context* context, const char* path, wish* w,
     if (result != STP_OK) {
         return result;
     }
-    // if renaming fails, the file is rebuilt when surfels are needed
-    bool renamed = d.with_surfels && use > SCENE_FOR_SPLATS &&
+    // if renaming fails, the file is rebuilt when splats are needed
+    bool renamed = d.with_splats && use > SCENE_FOR_SPLATS &&
                    rename(cached[use], cached[SCENE_FOR_SPLATS]) == 0;
     memcpy(located, cached[renamed ? SCENE_FOR_SPLATS : use], PATH_MAX);
     return STP_OK;

@@ -24,15 +24,15 @@ STP_MUST_USE stp_result tool_open_scene(stp_context* context, const char* path, 
 typedef enum scene_use {
     SCENE_FOR_METHODS,   ///< needs the splats of all methods
     SCENE_FOR_SPLATS,    ///< needs the splats of the first method
-    SCENE_FOR_A_PICTURE, ///< triangles suffice if they are quicker than making surfels
+    SCENE_FOR_A_PICTURE, ///< triangles suffice if they are quicker than making splats
     SCENE_FOR_ORIGINALS, ///< needs only triangles and points
 } scene_use;
 
 /// For splats of the method with this id; 0: the file's first method.
 scene_use scene_use_of_method(uint32_t id);
 
-/// As tool_open_scene, but builds without surfels, in a tenth of the time, if they are not needed:
-/// for a picture of a large model whose triangles draw faster than surfels can be made.
+/// As tool_open_scene, but builds without splats, in a tenth of the time, if they are not needed:
+/// for a picture of a large model whose triangles draw faster than splats can be made.
 STP_MUST_USE stp_result tool_open_scene_for(stp_context* context, const char* path, scene_use use,
                                             stp_store** store);
 
@@ -49,7 +49,7 @@ STP_MUST_USE stp_result tool_locate_scene(stp_context* context, const char* path
 
 /// Callbacks while a model is built.
 typedef struct scene_watcher {
-    /// Reports a .stip that can be shown in the meantime: an earlier build without surfels, or a
+    /// Reports a .stip that can be shown in the meantime: an earlier build without splats, or a
     /// draft (builder/draft.h). If a path repeats, the file was replaced. Called on any thread.
     void (*grown)(const char* path, void* user);
     void* user;

@@ -348,7 +348,7 @@ void describe_print(const char* path, const scene_figures* f)
     print_count("nodes", figures->nodes, figures->unique_nodes);
     print_count("instances", figures->instances, figures->instances);
     print_count("materials", f->summary.material_count, f->summary.material_count);
-    print_bytes("splats", figures->splat_bytes, figures->unique_surfels, "surfel");
+    print_bytes("splats", figures->splat_bytes, figures->unique_surfels, "splat");
     print_bytes("geometry", figures->triangle_bytes, figures->unique_triangles, "triangle");
     print_bytes("point sets", figures->point_bytes, figures->unique_points, "point");
     print_bytes("textures", figures->texture_bytes, 0, "");

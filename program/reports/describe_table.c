@@ -23,8 +23,8 @@ typedef struct column {
 static const column columns[] = {
     {"objects", COUNT(objects)},        {"LODs", COUNT(lods)},
     {"triangles", COUNT(triangles)},    {"points", COUNT(points)},
-    {"surfels", COUNT(surfels)},        {"geometry", BYTES(triangle_bytes)},
-    {"point sets", BYTES(point_bytes)}, {"splats", BYTES(splat_bytes)},
+    {"splats", COUNT(surfels)},         {"geometry", BYTES(triangle_bytes)},
+    {"point sets", BYTES(point_bytes)}, {"splat sets", BYTES(splat_bytes)},
     {"textures", BYTES(texture_bytes)},
 };
 

@@ -189,7 +189,7 @@ static stp_result import_inputs(build* b)
     return result;
 }
 
-// Splits the wall time of surfels in proportion to the threads' time per phase.
+// Splits the wall time of splat sets in proportion to the threads' time per phase.
 static void report_splat_sets(build* b, double seconds)
 {
     const stp_build_nodes* nodes = &b->nodes;
@@ -198,7 +198,7 @@ static void report_splat_sets(build* b, double seconds)
     b->report->capture_s = nodes->capture_ms * share;
     b->report->order_s = nodes->order_ms * share;
     b->report->finish_s = nodes->finish_ms * share;
-    b->report->surfel_thread_s = all_ms * 1e-3;
+    b->report->splat_thread_s = all_ms * 1e-3;
     b->report->candidates = nodes->candidates;
     b->report->sets_made = nodes->made;
     b->report->sets_found = nodes->found;
@@ -208,8 +208,8 @@ static uint64_t choose_threshold(const build* b)
 {
     const stp_build_desc* desc = b->desc;
     bool wanted =
-        desc->wants_surfels == NULL || desc->wants_surfels(b->scene, desc->wants_surfels_user);
-    return !wanted                ? STP_BUILD_NO_SURFELS
+        desc->wants_splats == NULL || desc->wants_splats(b->scene, desc->wants_splats_user);
+    return !wanted                ? STP_BUILD_NO_SPLATS
            : desc->threshold != 0 ? desc->threshold
                                   : DEFAULT_THRESHOLD;
 }
@@ -426,7 +426,7 @@ static void plan_stages(build* b)
     const stp_build_desc* desc = b->desc;
     stp_stage* stages = b->stages;
     static const stp_stage import = {"import", 5.0}, partition = {"partition", 3.0},
-                           surfels = {"surfels", 80.0}, methods = {"methods", 8.0},
+                           splats = {"surfels", 80.0}, methods = {"methods", 8.0},
                            clusters = {"clusters", 6.0}, write = {"write", 6.0};
     size_t count = 0;
     stages[count++] = import;
@@ -434,7 +434,7 @@ static void plan_stages(build* b)
     if (desc->draft != NULL) {
         stages[count++] = clusters;
     }
-    stages[count++] = surfels;
+    stages[count++] = splats;
     if (derives_sets(desc)) {
         stages[count++] = methods;
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The offline build: import, partition, surfels bottom-up, clusters, write.
+// The offline build: import, partition, splats bottom-up, clusters, write.
 //
 // Until the file is written, intermediate results are kept in a work directory beside the output,
 // FILE.stip.work: a killed build continues from there. An existing output of the same name also
@@ -24,12 +24,12 @@ typedef struct stp_build_desc {
     const stp_method* const* methods;
     uint32_t method_count;
     stp_method_options method_options; ///< used if there are methods other than `blue`
-    uint64_t threshold;                ///< nodes with more triangles get surfels; 0: 1,000 (5.2)
-    /// Called once the scene is finished: whether it gets surfels at all. If not, the file holds
+    uint64_t threshold;                ///< nodes with more triangles get splats; 0: 1,000 (5.2)
+    /// Called once the scene is finished: whether it gets splats at all. If not, the file holds
     /// only the original triangles and points. NULL: it does.
-    bool (*wants_surfels)(const stp_scene* scene, void* user);
-    void* wants_surfels_user;
-    bool from_triangles; ///< upper nodes capture triangles, not their children's surfels (3.4)
+    bool (*wants_splats)(const stp_scene* scene, void* user);
+    void* wants_splats_user;
+    bool from_triangles; ///< upper nodes capture triangles, not their children's splats (3.4)
     bool fresh;          ///< ignores results of previous builds
     /// Limit on the context's memory; 0: the context's own. Nodes in progress use most of it.
     uint64_t memory_bytes;
@@ -51,8 +51,8 @@ typedef struct stp_build_desc {
 
 typedef struct stp_build_report {
     double import_s, partition_s, clusters_s, write_s, total_s;
-    double capture_s, order_s, finish_s; ///< shares of the time for surfels
-    double surfel_thread_s;              ///< sum over all threads, for surfels
+    double capture_s, order_s, finish_s; ///< shares of the time for splats chosen from candidates
+    double splat_thread_s;               ///< sum of these over all threads
     double methods_s;                    ///< for sets of methods other than `blue`
     uint64_t candidates;
     // Made by this build, or found in an older work directory or output.

@@ -113,7 +113,7 @@ static stp_result make_step(run* r, const stp_build_step* step, stp_splats* set,
                             stp_blue_report* report)
 {
     stp_blue_desc blue = *r->desc->blue;
-    blue.surfel_count = step->surfel_count;
+    blue.splat_count = step->splat_count;
     blue.capture.textures = r->textures;
     blue.sets = r->desc->from_triangles ? NULL : r->sets;
     stp_splats made;

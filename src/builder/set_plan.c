@@ -12,23 +12,23 @@
 // it has this many times fewer triangles.
 #define FINER 0.5
 #define SMALLER 256.0
-// A set above others pays if they would each be drawn with fewer surfels than this, or if it has
-// this many times fewer surfels than they have (hidden surfaces are left out).
+// A set above others pays if they would each be drawn with fewer splats than this, or if it has
+// this many times fewer splats than they have (hidden surfaces are left out).
 #define ITEM_SPLATS 250.0
 #define THINNER 16.0
 #define COVERED 0.9       // share of a node's triangles that the sets below must represent
-#define FIXED_COST 1000.0 // cost of a step without its surfels, in surfels
+#define FIXED_COST 1000.0 // cost of a step without its splats, in splats
 // Peak memory of a step, measured with one thread and two (scripts/check_memory.py prints the sum).
 // Fixed: the pictures of a capture. Per candidate: columns, order and tables. A point cloud's
 // candidates are its points, with their hierarchy.
 #define FIXED_BYTES (UINT64_C(40) << 20)
 #define CANDIDATE_BYTES 120.0
 #define POINT_BYTES 320.0
-#define CANDIDATES_PER_SURFEL 18.0
+#define CANDIDATES_PER_SPLAT 18.0
 #define MIN_CANDIDATES 20000.0
 #define MAX_CANDIDATES 1750000.0
 
-// Part of every key: increase when the same node and options give other surfels.
+// Part of every key: increase when the same node and options give other splats.
 static const char* const result_version = "stipple-surfels-13";
 
 // The nearest sets above a node, over all paths to it, in the node's own space.
@@ -46,7 +46,7 @@ typedef struct resting {
 // Sums over the sets below a node.
 typedef struct sets_below {
     double items;     ///< number of sets, each use counted
-    double surfels;   ///< surfels in all of them
+    double splats;    ///< splats in all of them
     double triangles; ///< triangles and points that they represent
 } sets_below;
 
@@ -63,17 +63,17 @@ typedef struct planning {
     stp_hash* looks;   ///< by node: hash of its materials' shadings
 } planning;
 
-// Maximum surfels of a node's set. Zero leaves it to the method: all points of a point cloud.
-static uint32_t count_surfels(const planning* p, uint32_t index)
+// Maximum splats of a node's set. Zero leaves it to the method: all points of a point cloud.
+static uint32_t count_splats(const planning* p, uint32_t index)
 {
     const resting* r = &p->resting[index];
-    if (p->desc->blue->surfel_count != 0) {
-        return p->desc->blue->surfel_count;
+    if (p->desc->blue->splat_count != 0) {
+        return p->desc->blue->splat_count;
     }
     if (r->triangles == 0 && p->scene->nodes[index].edge_count == 0) {
         return 0;
     }
-    return (uint32_t)stp_default_surfel_count(r->triangles, r->points);
+    return (uint32_t)stp_default_splat_count(r->triangles, r->points);
 }
 
 static double count_shapes(const planning* p, uint32_t index)
@@ -81,13 +81,13 @@ static double count_shapes(const planning* p, uint32_t index)
     return (double)p->resting[index].triangles + (double)p->resting[index].points;
 }
 
-static double expected_surfels(const planning* p, uint32_t index)
+static double expected_splats(const planning* p, uint32_t index)
 {
-    uint32_t count = count_surfels(p, index);
+    uint32_t count = count_splats(p, index);
     return count != 0 ? (double)count : (double)p->resting[index].points;
 }
 
-// Approximate distance between neighbouring surfels.
+// Approximate distance between neighbouring splats.
 static double estimate_spacing(const planning* p, uint32_t index)
 {
     const stp_node* node = &p->scene->nodes[index];
@@ -96,7 +96,7 @@ static double estimate_spacing(const planning* p, uint32_t index)
         stp_vec3d e = stp_subd(node->bounds.max, node->bounds.min);
         area = e.x * e.y + e.y * e.z + e.z * e.x;
     }
-    return sqrt(area / expected_surfels(p, index));
+    return sqrt(area / expected_splats(p, index));
 }
 
 static bool moves(const stp_scene* scene, uint32_t index)
@@ -157,11 +157,11 @@ static bool passes_through(const planning* p, const stp_node* node, uint32_t ind
 static bool is_worth_a_set(const planning* p, uint32_t index)
 {
     const stp_node* node = &p->scene->nodes[index];
-    if (p->desc->threshold == STP_BUILD_NO_SURFELS) {
+    if (p->desc->threshold == STP_BUILD_NO_SPLATS) {
         return false;
     }
     if (has_points(p, node)) {
-        return true; // only surfels give points a size
+        return true; // only splats give points a size
     }
     if (passes_through(p, node, index)) {
         return false;
@@ -229,10 +229,10 @@ static sets_below sum_below(const planning* p, const stp_node* node)
             continue;
         }
         sets_below of = p->wanted[child]
-                            ? (sets_below){1.0, expected_surfels(p, child), count_shapes(p, child)}
+                            ? (sets_below){1.0, expected_splats(p, child), count_shapes(p, child)}
                             : p->below[child];
         sum.items += of.items;
-        sum.surfels += of.surfels;
+        sum.splats += of.splats;
         sum.triangles += of.triangles;
     }
     return sum;
@@ -253,9 +253,9 @@ static void drop_needless(planning* p)
         const sets_below* b = &p->below[i];
         bool uppermost = !(p->above[i].spacing < HUGE_VAL);
         if (p->wanted[i] && !uppermost && !moves(scene, i)) {
-            double own = expected_surfels(p, i);
+            double own = expected_splats(p, i);
             p->wanted[i] = b->triangles < COVERED * count_shapes(p, i) ||
-                           b->items * ITEM_SPLATS > own || b->surfels > THINNER * own;
+                           b->items * ITEM_SPLATS > own || b->splats > THINNER * own;
         }
     }
 }
@@ -317,7 +317,7 @@ static void address_results(planning* p)
         p->heights[i] = height + (p->wanted[i] ? 1 : 0);
         p->keys[i] = below;
         if (p->wanted[i]) {
-            uint64_t count = count_surfels(p, i);
+            uint64_t count = count_splats(p, i);
             stp_hash all[4] = {options, node->content, p->looks[i], below};
             p->keys[i] = stp_hash_bytes((stp_hash){0}, all, sizeof(all));
             p->keys[i] = stp_hash_bytes(p->keys[i], &count, sizeof(count));
@@ -358,12 +358,12 @@ static uint32_t count_shared(const stp_build_plan* plan, uint32_t threads)
 
 static uint64_t estimate_bytes(const planning* p, uint32_t index)
 {
-    double surfels = expected_surfels(p, index);
+    double splats = expected_splats(p, index);
     double bytes = (double)p->resting[index].points * POINT_BYTES;
     if (p->resting[index].triangles != 0) {
         double wanted = (double)p->desc->blue->capture.wanted_candidates;
-        double candidates = wanted > 0.0 ? wanted : surfels * CANDIDATES_PER_SURFEL;
-        double maximum = surfels > MAX_CANDIDATES ? surfels : MAX_CANDIDATES;
+        double candidates = wanted > 0.0 ? wanted : splats * CANDIDATES_PER_SPLAT;
+        double maximum = splats > MAX_CANDIDATES ? splats : MAX_CANDIDATES;
         candidates = candidates < MIN_CANDIDATES ? MIN_CANDIDATES : candidates;
         candidates = candidates > maximum ? maximum : candidates;
         bytes = candidates * CANDIDATE_BYTES;
@@ -416,12 +416,12 @@ static stp_result list_steps(const planning* p, stp_build_plan* plan)
             continue;
         }
         assert(p->reached[i] && p->heights[i] > 0 && "wanted without a key and a height");
-        double surfels = expected_surfels(p, i);
+        double splats = expected_splats(p, i);
         plan->steps[plan->step_count++] = (stp_build_step){
             .node = i,
             .height = p->heights[i],
-            .surfel_count = count_surfels(p, i),
-            .cost = surfels + FIXED_COST,
+            .splat_count = count_splats(p, i),
+            .cost = splats + FIXED_COST,
             .bytes = estimate_bytes(p, i),
             .key = p->keys[i],
         };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Chooses the nodes of a scene that get surfels, and the order in which they are made.
+// Chooses the nodes of a scene that get splats, and the order in which they are made.
 #pragma once
 
 #include "base/io/hash.h"
@@ -12,10 +12,10 @@ typedef struct stp_build_step {
     uint32_t height; ///< steps of lower heights do not depend on this one's result
     /// Number of leading steps that must be done first; they include all results below.
     uint32_t needs;
-    uint32_t surfel_count; ///< maximum surfels, as in stp_blue_desc
-    double cost;           ///< relative cost, for progress
-    uint64_t bytes;        ///< estimated peak memory
-    stp_hash key;          ///< hash of everything that determines the result
+    uint32_t splat_count; ///< maximum splats, as in stp_blue_desc
+    double cost;          ///< relative cost, for progress
+    uint64_t bytes;       ///< estimated peak memory
+    stp_hash key;         ///< hash of everything that determines the result
 } stp_build_step;
 
 typedef struct stp_build_plan {
@@ -23,33 +23,33 @@ typedef struct stp_build_plan {
     uint32_t step_count;
     /// These steps run one per thread; the rest run one by one on all threads.
     uint32_t shared_count;
-    uint32_t* step_of; ///< by node: its step, or STP_NONE without surfels
+    uint32_t* step_of; ///< by node: its step, or STP_NONE without splats
     double cost;       ///< sum over all steps
 } stp_build_plan;
 
-#define STP_BUILD_NO_SURFELS UINT64_MAX
+#define STP_BUILD_NO_SPLATS UINT64_MAX
 
 typedef struct stp_build_plan_desc {
     const stp_blue_desc* blue;
     const uint8_t* shading_of_material;
     const stp_shading* shadings;
-    uint64_t threshold;  ///< nodes with more triangles get surfels; STP_BUILD_NO_SURFELS: never
+    uint64_t threshold;  ///< nodes with more triangles get splats; STP_BUILD_NO_SPLATS: never
     bool from_triangles; ///< results of children are not used
 } stp_build_plan_desc;
 
-/// A node above the threshold gets surfels, with two exceptions. Only resting content counts:
+/// A node above the threshold gets splats, with two exceptions. Only resting content counts:
 /// moving nodes below it have their own sets, which represent them wherever they are.
 ///
-/// First exception: the nearest set above serves as well. A set of fewer than the maximum surfels
-/// has one surfel for eight triangles, and so has its parent's. So it pays only if it is finer (its
+/// First exception: the nearest set above serves as well. A set of fewer than the maximum splats
+/// has one splat for eight triangles, and so has its parent's. So it pays only if it is finer (its
 /// parts are smaller than their surroundings), or a small part of a large whole.
 ///
 /// Second exception: prefixes of the sets below serve as well. Together they draw the node with as
 /// many splats as its own set. Its own set pays only if they are too many to examine one by one, or
 /// contain many hidden surfaces.
 ///
-/// A node with points of its own gets surfels at any threshold except STP_BUILD_NO_SURFELS, because
-/// only surfels give points a size.
+/// A node with points of its own gets splats at any threshold except STP_BUILD_NO_SPLATS, because
+/// only splats give points a size.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_build_plan_make(const stp_scene* scene, const stp_build_plan_desc* desc,
                                             stp_build_plan* plan);

@@ -251,8 +251,7 @@ stp_result stp_work_store_splat_set(stp_work* work, stp_hash key, const stp_spla
 {
     const char* fault = stp_store_splat_set_fault(splats);
     if (fault != NULL) {
-        return stp_fail(stp_work_get_context(work), STP_ERROR_FORMAT, "a set of surfels: %s",
-                        fault);
+        return stp_fail(stp_work_get_context(work), STP_ERROR_FORMAT, "a splat set: %s", fault);
     }
     // an invalid entry under the key is dropped the first time; the second attempt succeeds
     stp_result result = STP_OK;
@@ -268,10 +267,9 @@ stp_result stp_work_store_splat_set(stp_work* work, stp_hash key, const stp_spla
             return STP_OK;
         }
     }
-    return result != STP_OK
-               ? result
-               : stp_fail(stp_work_get_context(work), STP_ERROR_IO,
-                          "a set of surfels cannot be read back from the work directory");
+    return result != STP_OK ? result
+                            : stp_fail(stp_work_get_context(work), STP_ERROR_IO,
+                                       "a splat set cannot be read back from the work directory");
 }
 
 static bool read_mesh(const void* result, size_t size, stp_coded_mesh* mesh)

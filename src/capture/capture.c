@@ -394,7 +394,7 @@ stp_result stp_capture_count_all(const stp_scene* scene, const stp_capture_sourc
     }
     if (result == STP_OK && !empty) {
         count->pixels = job.covered_pixels;
-        count->surfels = stp_capture_seen_count(&job);
+        count->splats = stp_capture_seen_count(&job);
         count->widest = none.pixel_size * (double)none.resolution;
     }
     end_job(&job);

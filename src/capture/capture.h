@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // External visibility (Brandt 3.1): a subtree seen from outside, by parallel projection from all
-// sides. Each covered pixel is a candidate: a point of visible surface that may become a surfel.
+// sides. Each covered pixel is a candidate: a point of visible surface that may become a splat.
 // Texels cut out by an alpha mask are not captured: the mask is read at the pixel's centre at full
 // resolution, so the share of captured pixels equals the share of remaining surface. Blended
 // surfaces are captured in half their pixels, chosen by a hash, so that surfaces behind glass are
@@ -36,11 +36,11 @@ typedef struct stp_capture_desc {
     const stp_capture_textures* textures; ///< textures of this scene; NULL: made for this call
 } stp_capture_desc;
 
-/// A prefix of a surfel set that replaces the geometry it was made from (Brandt 3.4), with its
+/// A prefix of a splat set that replaces the geometry it was made from (Brandt 3.4), with its
 /// transform.
 typedef struct stp_placed_set {
-    const stp_splats* surfels;
-    uint32_t prefix;      ///< surfels of the prefix, at least 1
+    const stp_splats* splats;
+    uint32_t prefix;      ///< splats of the prefix, at least 1
     float radius;         ///< radius of their disks, in the set's own space
     stp_affine transform; ///< to the captured space
     bool unknown_signs;   ///< either side of a splat may be outside
@@ -55,23 +55,23 @@ typedef struct stp_capture_sources {
 } stp_capture_sources;
 
 /// Candidates as columns, in an order that is independent of the thread count. First captured
-/// pixels, by direction, row and column; then visible surfels of sets, in the order of their sets.
+/// pixels, by direction, row and column; then visible splats of sets, in the order of their sets.
 typedef struct stp_candidates {
     uint32_t count;
     float* positions; ///< 3 each, in the node's space minus `origin`
     float* normals;   ///< 3 each, unit, on the side of the surface that faces the viewer
     /// RGBA each, sRGB: base colour with texture and vertex colour. Alpha: opacity of a blended
-    /// material; for a surfel of a set, the share of its disk that is surface
+    /// material; for a splat of a set, the share of its disk that is surface
     uint8_t* colors;
-    uint32_t* materials; ///< scene material; of a surfel of a set, its shading
-    /// Each NULL, or one value per candidate (stipple/attributes.h), for points and for surfels of
+    uint32_t* materials; ///< scene material; of a splat of a set, its shading
+    /// Each NULL, or one value per candidate (stipple/attributes.h), for points and for splats of
     /// point sets.
     void* attributes[STP_ATTRIBUTES];
     /// direction_count + 1: index of each direction's first candidate; NULL: none
     uint32_t* view_starts;
     stp_vec3d origin;   ///< centre of the captured box: positions are relative to it
     double pixel_size;  ///< side of a capture pixel, scene units
-    uint32_t set_count; ///< the last `set_count` candidates are surfels of sets
+    uint32_t set_count; ///< the last `set_count` candidates are splats of sets
     float set_radius;   ///< largest radius of their disks, scene units
     /// Surface area that each of them represents, square scene units; may be NULL
     float* set_areas;
@@ -85,11 +85,11 @@ typedef struct stp_candidates {
     double raster_ms, resolve_ms;
 } stp_candidates;
 
-/// Fraction of a disk's area that is nearest to its surfel if surfels are evenly spaced and their
+/// Fraction of a disk's area that is nearest to its splat if splats are evenly spaced and their
 /// disks just cover the surface.
 #define STP_WHOLE_SHARE 0.5
 
-/// Probability of drawing a pixel of a disk over thin geometry: the surface nearest to its surfel
+/// Probability of drawing a pixel of a disk over thin geometry: the surface nearest to its splat
 /// over the disk's area. Thin geometry is seen from both sides.
 static inline double stp_chance_of_share(double share)
 {
@@ -101,7 +101,7 @@ static inline double stp_share_of_chance(double chance)
     return 2.0 * chance;
 }
 
-/// First candidate that is a surfel of a set; the candidate count if there is none.
+/// First candidate that is a splat of a set; the candidate count if there is none.
 static inline uint32_t stp_first_of_sets(const stp_candidates* candidates)
 {
     return candidates->count - candidates->set_count;
@@ -113,13 +113,13 @@ static inline uint32_t stp_first_of_sets(const stp_candidates* candidates)
 STP_MUST_USE stp_result stp_capture_parts(const stp_scene* scene, const stp_placed_part* parts,
                                           size_t part_count, const stp_capture_desc* desc,
                                           stp_candidates* candidates);
-/// Appends all surfels of sets, visible or not, to candidates whose columns have room for them. For
+/// Appends all splats of sets, visible or not, to candidates whose columns have room for them. For
 /// clouds, where every point may be seen. `origin` must be set; `set_areas` must be NULL.
 /// @return STP_OK, or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_candidates_add_sets(stp_context* context, const stp_placed_set* sets,
                                                 size_t set_count, stp_candidates* candidates);
-/// Captures parts and sets into the same pictures. A disk that wins pixels yields its surfel once,
-/// at the surfel's own position, so surfaces do not grow. A surfel whose neighbours won all its
+/// Captures parts and sets into the same pictures. A disk that wins pixels yields its splat once,
+/// at the splat's own position, so surfaces do not grow. A splat whose neighbours won all its
 /// pixels is taken too if its centre is not occluded. With sets, the desc should give the pixel
 /// size: the resolution is not chosen automatically.
 /// @return as stp_capture_parts
@@ -128,9 +128,9 @@ STP_MUST_USE stp_result stp_capture_all(const stp_scene* scene, const stp_captur
 
 /// Statistics of a capture, without making candidates and without the fill.
 typedef struct stp_capture_count {
-    uint64_t pixels;  ///< covered by parts
-    uint64_t surfels; ///< visible surfels of sets
-    double widest;    ///< longer side of the widest picture, scene units
+    uint64_t pixels; ///< covered by parts
+    uint64_t splats; ///< visible splats of sets
+    double widest;   ///< longer side of the widest picture, scene units
 } stp_capture_count;
 STP_MUST_USE stp_result stp_capture_count_all(const stp_scene* scene,
                                               const stp_capture_sources* sources,

@@ -49,9 +49,9 @@ typedef struct stp_capture_job {
     stp_box* boxes; ///< box of each part, in its own space; contiguous, as each view tests all
     const stp_placed_set* sets;
     size_t set_count;
-    uint64_t* first_surfels; ///< first surfel of each set, and the total; numbered after parts
-    stp_boxd* set_boxes;     ///< box of each set's disks, in the captured space
-    _Atomic uint32_t* seen;  ///< one bit per surfel
+    uint64_t* first_splats; ///< first splat of each set, and the total; numbered after parts
+    stp_boxd* set_boxes;    ///< box of each set's disks, in the captured space
+    _Atomic uint32_t* seen; ///< one bit per splat
     stp_vec3d centre, half_extent;
     const stp_texture_pyramid* pyramids; ///< per texture
     /// Primitives drawn into one buffer: ids are 32-bit numbers below 2^32 - 1
@@ -79,7 +79,7 @@ static inline uint64_t stp_capture_part_primitives(const stp_capture_job* job)
 
 static inline uint64_t stp_capture_primitive_count(const stp_capture_job* job)
 {
-    return stp_capture_part_primitives(job) + job->first_surfels[job->set_count];
+    return stp_capture_part_primitives(job) + job->first_splats[job->set_count];
 }
 
 /// Sets up views along `directions` with a common pixel size.
@@ -98,9 +98,9 @@ STP_MUST_USE stp_result stp_capture_draw_parts(const stp_capture_job* job,
                                                size_t end, const stp_raster_target* target,
                                                stp_arena* scratch);
 
-// Sets of surfels (surfel_disks.c): their share of each step.
+// Splat sets (splat_disks.c): their share of each step.
 
-/// Numbers the surfels and adds their disks to the box. @return STP_OK or STP_ERROR_OUT_OF_MEMORY
+/// Numbers the splats and adds their disks to the box. @return STP_OK or STP_ERROR_OUT_OF_MEMORY
 /// (logged)
 STP_MUST_USE stp_result stp_capture_prepare_sets(stp_capture_job* job, stp_boxd* box);
 void stp_capture_drop_sets(stp_capture_job* job);
@@ -113,14 +113,14 @@ STP_MUST_USE stp_result stp_capture_draw_sets(const stp_capture_job* job,
                                               size_t end, uint32_t first_id,
                                               const stp_raster_target* target, stp_arena* scratch);
 
-/// Marks the visible surfels of a band's finished buffer and clears their pixels. `primitives`:
+/// Marks the visible splats of a band's finished buffer and clears their pixels. `primitives`:
 /// that of each pixel; NULL: ids are primitives.
-void stp_capture_take_surfels(const stp_capture_job* job, const stp_capture_band* band,
-                              const stp_raster_target* target, const uint64_t* primitives);
+void stp_capture_take_splats(const stp_capture_job* job, const stp_capture_band* band,
+                             const stp_raster_target* target, const uint64_t* primitives);
 
 uint64_t stp_capture_seen_count(const stp_capture_job* job);
 
-/// Appends the visible surfels to the candidates; the columns have room for all.
+/// Appends the visible splats to the candidates; the columns have room for all.
 /// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_capture_resolve_sets(const stp_capture_job* job,
                                                  stp_candidates* candidates);

@@ -50,7 +50,7 @@ static stp_result draw_sets_in_passes(const stp_capture_job* job, const stp_capt
     for (size_t begin = 0; begin < job->set_count;) {
         size_t end = begin + 1;
         while (end < job->set_count &&
-               job->first_surfels[end + 1] - job->first_surfels[begin] <= job->ids_per_pass) {
+               job->first_splats[end + 1] - job->first_splats[begin] <= job->ids_per_pass) {
             end += 1;
         }
         assert(end <= job->set_count);
@@ -60,7 +60,7 @@ static stp_result draw_sets_in_passes(const stp_capture_job* job, const stp_capt
             return result;
         }
         merge_pass(worker, pixel_count,
-                   stp_capture_part_primitives(job) + job->first_surfels[begin]);
+                   stp_capture_part_primitives(job) + job->first_splats[begin]);
         begin = end;
     }
     return STP_OK;
@@ -225,7 +225,7 @@ static void draw_bands(size_t begin, size_t end, uint32_t worker_index, void* us
             mark_silhouette(view, band, target.pixels);
         }
         if (result == STP_OK) {
-            stp_capture_take_surfels(job, band, &target, state->passes ? worker->primitives : NULL);
+            stp_capture_take_splats(job, band, &target, state->passes ? worker->primitives : NULL);
             if (job->represented != NULL) {
                 stp_fill_drop_known(job->represented, view, band->row_begin, &target);
             }

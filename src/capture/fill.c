@@ -68,7 +68,7 @@ static stp_result mark_points(const stp_capture_job* job, stp_fill_map* map)
         const stp_capture_band* band = &job->bands[b];
         for (uint32_t i = 0; i < band->count; ++i) {
             uint64_t primitive = band->primitives[i];
-            assert(primitive < stp_capture_part_primitives(job) && "surfels are taken before");
+            assert(primitive < stp_capture_part_primitives(job) && "splats are taken before");
             map->points[primitive / 64] |= (uint64_t)1 << primitive % 64;
         }
     }

@@ -182,7 +182,7 @@ stp_octave_choice stp_placement_choose_octave(const stp_splats* splats, uint32_t
     choice.blend = end > choice.low_count
                        ? (float)(prefix - choice.low_count) / (float)(end - choice.low_count)
                        : 1.0f;
-    assert((choice.octave == 0 || choice.low_count < prefix) && "the octave holds the last surfel");
+    assert((choice.octave == 0 || choice.low_count < prefix) && "the octave holds the last splat");
     assert(choice.blend >= 0.0f && choice.blend <= 1.0f);
     return choice;
 }

@@ -80,7 +80,7 @@ static stp_result build_to(stp_builder* builder, const stp_write_desc* desc, con
         .methods = methods,
         .method_count = parse_methods(names, methods),
         .method_options = stp_method_options_default(),
-        .blue = {.surfel_count = desc->splat_limit},
+        .blue = {.splat_count = desc->splat_limit},
         .threshold = threshold,
         .fresh = desc->fresh,
         .memory_bytes = desc->memory_bytes,

@@ -72,13 +72,13 @@ bool stp_sources_have_normals(const stp_scene* scene, const stp_source_list* lis
     return true;
 }
 
-// Box around the surfels of a set's prefix, in the captured space; a rotation enlarges it.
+// Box around the splats of a set's prefix, in the captured space; a rotation enlarges it.
 static stp_boxd box_of_set(const stp_placed_set* set)
 {
-    assert(set->prefix <= set->surfels->count);
+    assert(set->prefix <= set->splats->count);
     stp_boxd box = stp_boxd_empty();
     for (uint32_t i = 0; i < set->prefix; ++i) {
-        stp_boxd_add(&box, stp_splat_place(set->surfels, i));
+        stp_boxd_add(&box, stp_splat_place(set->splats, i));
     }
     return stp_affine_box(&set->transform, box);
 }
@@ -106,7 +106,7 @@ static stp_result count_points(const stp_scene* scene, const stp_source_list* li
     }
     if (*count >= STP_NONE) {
         return stp_fail(scene->context, STP_ERROR_LIMIT,
-                        "the scene has %llu points, more than one set of surfels can hold",
+                        "the scene has %llu points, more than one splat set can hold",
                         (unsigned long long)*count);
     }
     *middle = stp_scaled(stp_addd(box.min, box.max), 0.5);
@@ -123,7 +123,7 @@ static uint32_t find_attributes(const stp_scene* scene, const stp_source_list* l
             any = scene->point_sets[list->parts[i].part.index].attributes[a] != NULL;
         }
         for (size_t i = 0; i < list->set_count && !any; ++i) {
-            any = list->sets[i].surfels->attributes[a] != NULL;
+            any = list->sets[i].splats->attributes[a] != NULL;
         }
         mask |= any ? stp_attribute_bit((stp_attribute)a) : 0;
     }
@@ -139,7 +139,7 @@ static size_t copy_values(const void* from, size_t count, size_t size, size_t fi
     return first + count;
 }
 
-// Points first, then the surfels of sets: the order of the candidates.
+// Points first, then the splats of sets: the order of the candidates.
 static stp_result gather_attributes(const stp_scene* scene, const stp_source_list* list,
                                     size_t count, stp_candidates* candidates)
 {
@@ -160,7 +160,7 @@ static stp_result gather_attributes(const stp_scene* scene, const stp_source_lis
         }
         for (size_t i = 0; i < list->set_count; ++i) {
             const stp_placed_set* set = &list->sets[i];
-            first = copy_values(set->surfels->attributes[a], set->prefix, size, first, column);
+            first = copy_values(set->splats->attributes[a], set->prefix, size, first, column);
         }
         assert(first == count && "a value for each candidate");
     }

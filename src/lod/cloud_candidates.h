@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Candidates of a point cloud, which needs no capture: its points, with normals from their
-// neighbours, or the surfels that represent them.
+// neighbours, or the splats that represent them.
 #pragma once
 
 #include "lod/cell_rows.h"
 #include "lod/sources.h"
 
-// Candidates of a point cloud, which needs no capture: its points, or the surfels that represent
+// Candidates of a point cloud, which needs no capture: its points, or the splats that represent
 // them.
 
-/// Turns every point of a list's point sets, and every surfel of its surfel sets, into a candidate,
+/// Turns every point of a list's point sets, and every splat of its splat sets, into a candidate,
 /// hidden or not. `pixel_size` stays 0.
 /// @param has_normals takes normals from the point sets; otherwise sets (0, 1, 0), to be estimated
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (logged)
@@ -25,7 +25,7 @@ bool stp_sources_have_normals(const stp_scene* scene, const stp_source_list* lis
 
 /// Estimates normals of candidates that are points from the candidates within `radius`. With fewer
 /// than four, including the point itself, doubles the radius up to four times; if that does not
-/// help, the normal is straight up. Surfels of sets keep their normals. Does nothing if the radius
+/// help, the normal is straight up. Splats of sets keep their normals. Does nothing if the radius
 /// is 0.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_estimate_point_normals(stp_context* context, stp_candidates* candidates,

@@ -34,7 +34,7 @@ typedef struct stp_disk_search {
     const stp_grid* samples;
     const uint16_t* fractions; ///< value of each sample for the sum, by index; NULL: none
     float footprint;           ///< half the side of the square that a sample represents; 0: a point
-    uint32_t set_count;        ///< the last samples, by index, are surfels of sets; their number
+    uint32_t set_count;        ///< the last samples, by index, are splats of sets; their number
     uint32_t sample_count;     ///< number of all samples, if some are of sets
     float set_footprint;       ///< half side for samples of sets; at most `footprint`
     uint32_t set_weight;       ///< weight of samples of sets

@@ -3,7 +3,7 @@
 
 #include "base/splats/octahedral.h"
 #include "base/splats/prefix_table.h"
-#include "capture/surfel_disks.h"
+#include "capture/splat_disks.h"
 
 #include <assert.h>
 #include <string.h>

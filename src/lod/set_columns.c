@@ -4,20 +4,20 @@
 #include <assert.h>
 #include <string.h>
 
-void stp_splats_destroy(stp_context* context, stp_splats* surfels)
+void stp_splats_destroy(stp_context* context, stp_splats* splats)
 {
-    stp_free(context, surfels->positions);
-    stp_free(context, surfels->normals);
-    stp_free(context, surfels->materials);
-    stp_free(context, surfels->colors);
-    stp_free(context, surfels->coverages);
-    stp_free(context, surfels->shapes);
-    stp_free(context, surfels->ranges);
-    stp_free(context, surfels->leaves);
+    stp_free(context, splats->positions);
+    stp_free(context, splats->normals);
+    stp_free(context, splats->materials);
+    stp_free(context, splats->colors);
+    stp_free(context, splats->coverages);
+    stp_free(context, splats->shapes);
+    stp_free(context, splats->ranges);
+    stp_free(context, splats->leaves);
     for (int i = 0; i < STP_ATTRIBUTES; ++i) {
-        stp_free(context, surfels->attributes[i]);
+        stp_free(context, splats->attributes[i]);
     }
-    *surfels = (stp_splats){0};
+    *splats = (stp_splats){0};
 }
 
 static inline void copy_values(const unsigned char* column, const uint32_t* from, size_t count,

@@ -11,7 +11,7 @@
 // Helpers for the sets of all methods.
 
 /// Frees the columns of a set, which were allocated with stp_alloc.
-void stp_splats_destroy(stp_context* context, stp_splats* surfels);
+void stp_splats_destroy(stp_context* context, stp_splats* splats);
 
 /// Allocates the columns of a set of `count` splats with shapes and flat colours, and with ranges
 /// if `columns` includes them.

@@ -75,14 +75,14 @@ static stp_result add_set(walk* w, const frame* f, const stp_splats* set, double
     float radius = stp_prefix_table_radius(&set->table, prefix) + set->candidate_radius;
     const stp_node* node = &w->scene->nodes[f->node];
     list->sets[list->set_count++] =
-        (stp_placed_set){.surfels = set,
+        (stp_placed_set){.splats = set,
                          .prefix = prefix,
                          .radius = radius,
                          .transform = f->transform,
                          .unknown_signs = w->lacks_normals && node->triangle_count == 0};
     list->triangle_count += node->triangle_count;
     list->point_count += node->point_count;
-    list->surfels += (double)prefix;
+    list->splats += (double)prefix;
     double needed = 2.0 * scale * (double)stp_prefix_table_radius(&set->table, set->count);
     list->coarsest = needed > list->coarsest ? needed : list->coarsest;
     return STP_OK;
@@ -250,7 +250,7 @@ static void clear_list(stp_source_list* list)
 {
     list->part_count = list->set_count = 0;
     list->triangle_count = list->point_count = list->part_triangles = list->thinned = 0;
-    list->surfels = list->pixels = list->coarsest = 0.0;
+    list->splats = list->pixels = list->coarsest = 0.0;
 }
 
 // Thins instances smaller than a pixel; if that is not enough, smaller than two, four, ... pixels

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Sources of a node's capture (Brandt 3.4). Descending from the node, a child is represented by a
-// prefix of its surfels if that is dense enough at the capture's pixel size, and opened otherwise,
+// prefix of its splats if that is dense enough at the capture's pixel size, and opened otherwise,
 // down to parts.
 //
 //        node captured ─┬─ child: dense enough           -> the shortest prefix that is
@@ -23,7 +23,7 @@ typedef struct stp_source_list {
     size_t part_count, part_capacity, set_count, set_capacity;
     uint64_t triangle_count, point_count; ///< counts of everything that the list represents
     uint64_t part_triangles;              ///< triangles of the parts alone
-    double surfels;                       ///< surfels in all sets' prefixes
+    double splats;                        ///< splats in all sets' prefixes
     /// Approximate pixels covered by the parts in eight directions, without occlusion
     double pixels;
     double coarsest;  ///< the smallest pixel at which all of the listed sets are dense enough

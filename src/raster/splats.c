@@ -74,7 +74,7 @@ bool stp_splats_make_frame(stp_splat_frame* frame, const stp_raster_target* targ
         "whole words of bits");
     assert(target->width <= INT32_MAX);
     assert((splats->low_count == 0 || splats->low_coverages != NULL) && splats->low_share <= 256);
-    assert((splats->occluder == NULL || splats->positions != NULL) && "surfels only");
+    assert((splats->occluder == NULL || splats->positions != NULL) && "splats of a set only");
     *frame = (stp_splat_frame){
         .target = target, .splats = splats, .camera = camera, .first_id = first_id};
     row_end = row_end < target->height ? row_end : target->height;
@@ -192,7 +192,7 @@ bool stp_splats_test_portable(const stp_splat_frame* frame, uint16_t* bits)
 
 bool stp_raster_test_splats(const stp_raster_splats* splats, uint16_t* bits)
 {
-    assert(splats->occluder != NULL && splats->positions != NULL && "surfels only");
+    assert(splats->occluder != NULL && splats->positions != NULL && "splats of a set only");
     assert(splats->begin <= splats->end && splats->begin % SPLAT_BATCH == 0);
     stp_splat_frame frame;
     stp_splats_test_frame(&frame, splats);

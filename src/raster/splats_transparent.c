@@ -135,7 +135,7 @@ uint64_t stp_raster_draw_transparent(const stp_raster_target* target,
                                      const stp_raster_splats* splats, uint32_t first_id,
                                      const stp_raster_transparency* glass)
 {
-    assert(splats->positions != NULL && splats->normals != NULL && "surfels only");
+    assert(splats->positions != NULL && splats->normals != NULL && "splats of a set only");
     assert(splats->occluder == NULL && splats->hidden == NULL);
     struct stp_transparent_splats g = {.splats = splats, .glass = glass};
     stp_raster_splats whole = *splats;

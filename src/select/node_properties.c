@@ -53,7 +53,7 @@ static double coverage_radius(const stp_splats* splats)
 }
 
 /// Factor by which a node is opened earlier than its radius requires. From one splat per
-/// STP_TRIANGLES_PER_SURFEL triangles on, triangles look better for their cost, so larger sets are
+/// STP_TRIANGLES_PER_SPLAT triangles on, triangles look better for their cost, so larger sets are
 /// used only up to that ratio.
 static double find_early_switch(const stp_store_node* node, const stp_splats* splats)
 {
@@ -61,7 +61,7 @@ static double find_early_switch(const stp_store_node* node, const stp_splats* sp
     if (!(triangles > 0.0)) {
         return 1.0;
     }
-    double factor = sqrt(STP_TRIANGLES_PER_SURFEL * (double)splats->count / triangles);
+    double factor = sqrt(STP_TRIANGLES_PER_SPLAT * (double)splats->count / triangles);
     return fmin(fmax(factor, 1.0), STP_EARLY_SWITCH_MAX);
 }
 

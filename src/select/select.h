@@ -56,7 +56,7 @@ typedef struct stp_quality {
     uint32_t cues_off; ///< ignored STP_CUE_*_BIT
     stp_fovea fovea;   ///< all zero: splats are of one size
     /// A node may be opened while its splats could still cover this many times better than
-    /// required, if they number at least 1/STP_TRIANGLES_PER_SURFEL of its triangles: 1 to 8; 0: 8.
+    /// required, if they number at least 1/STP_TRIANGLES_PER_SPLAT of its triangles: 1 to 8; 0: 8.
     float early_switch;
     /// Optional occluders, one pyramid per eye of the view. Nodes occluded for every eye that sees
     /// them are left out. See stp_select_rejected.

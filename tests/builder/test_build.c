@@ -72,14 +72,14 @@ static bool folder_is_gone(const workshop* w)
 }
 
 static stp_result build_to(stp_context* context, const workshop* w, const char* output,
-                           uint32_t surfel_count, stp_build_report* report)
+                           uint32_t splat_count, stp_build_report* report)
 {
     const char* inputs[] = {w->model};
     stp_build_desc desc = {
         .inputs = inputs,
         .input_count = 1,
         .output = output,
-        .blue = {.surfel_count = surfel_count, .capture = {.wanted_candidates = 8000}},
+        .blue = {.splat_count = splat_count, .capture = {.wanted_candidates = 8000}},
         .parameters_json = "{\"method\":\"blue\"}"};
     return stp_build(context, &desc, report);
 }
@@ -381,7 +381,7 @@ void test_builds_of_methods_survive_failing_allocator(test_state* test)
     check_failing_allocations(test, both, 2);
 }
 
-void test_small_scenes_get_no_surfels(test_state* test)
+void test_small_scenes_get_no_splats(test_state* test)
 {
     workshop w;
     stp_context* context = test_context(NULL, 1, NULL);
@@ -641,7 +641,7 @@ static bool wants_none(const stp_scene* scene, void* user)
     return false;
 }
 
-void test_build_without_surfels(test_state* test)
+void test_build_without_splats(test_state* test)
 {
     stp_context* context = test_context(NULL, 2, NULL);
     workshop w;
@@ -654,8 +654,8 @@ void test_build_without_surfels(test_state* test)
     stp_build_desc desc = {.inputs = inputs,
                            .input_count = 2,
                            .output = w.output,
-                           .wants_surfels = wants_none,
-                           .wants_surfels_user = &asked,
+                           .wants_splats = wants_none,
+                           .wants_splats_user = &asked,
                            .parameters_json = "{}"};
     stp_build_report report;
     stp_store* store = NULL;

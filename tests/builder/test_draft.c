@@ -107,7 +107,7 @@ static stp_result build_with(uint32_t threads, const char* input, const char* ou
                            .output = output,
                            .generate = scene_make_input,
                            .threshold = 1,
-                           .blue = {.surfel_count = 500, .capture = {.wanted_candidates = 4000}},
+                           .blue = {.splat_count = 500, .capture = {.wanted_candidates = 4000}},
                            .draft = o != NULL ? o->path : NULL,
                            .draft_sample = SAMPLE,
                            .draft_always = true,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The plan: which nodes get surfels, in which order, and how many.
+// The plan: which nodes get splats, in which order, and how many.
 #include "tests.h"
 
 #include "builder/set_plan.h"
@@ -41,12 +41,12 @@ static uint32_t add_object(stp_scene* scene, uint32_t parent, uint32_t mesh, dou
     return index;
 }
 
-static bool make_plan(stp_scene* scene, uint64_t threshold, uint32_t surfel_count,
+static bool make_plan(stp_scene* scene, uint64_t threshold, uint32_t splat_count,
                       stp_build_plan* plan)
 {
     static const uint8_t shading_of_material[16] = {0};
     static const stp_shading shadings[1] = {{0}};
-    stp_blue_desc blue = {.surfel_count = surfel_count};
+    stp_blue_desc blue = {.splat_count = splat_count};
     stp_build_plan_desc desc = {.blue = &blue,
                                 .shading_of_material = shading_of_material,
                                 .shadings = shadings,
@@ -94,9 +94,9 @@ void test_plans_make_shared_nodes_once(test_state* test)
     CHECK(make_plan(scene, 1000, 0, &plan));
     CHECK_EQUAL(2, plan.step_count); // the sheet, and the whole
     CHECK_EQUAL(1800, triangles_of(scene, &plan, 0));
-    CHECK_EQUAL(225, plan.steps[0].surfel_count); // one for eight triangles
+    CHECK_EQUAL(225, plan.steps[0].splat_count); // one for eight triangles
     CHECK_EQUAL(900000, triangles_of(scene, &plan, 1));
-    CHECK_EQUAL(50000, plan.steps[1].surfel_count);
+    CHECK_EQUAL(50000, plan.steps[1].splat_count);
     CHECK(plan.steps[0].height < plan.steps[1].height);
     CHECK(waits_for_what_it_uses(scene, &plan));
     CHECK(plan.steps[0].needs == 0 && plan.steps[1].needs == 1);
@@ -132,7 +132,7 @@ void test_plans_make_placed_clouds_once(test_state* test)
         CHECK(make_plan(scene, 1000, 0, &plan));
         CHECK_EQUAL(uses,
                     plan.step_count); // two placements: one set for both, and one for the whole
-        CHECK_EQUAL(0, plan.steps[0].surfel_count); // all points
+        CHECK_EQUAL(0, plan.steps[0].splat_count); // all points
         CHECK(uses == 2 || plan.step_of[scene->root] == STP_NONE || scene->node_count == 1);
         CHECK(waits_for_what_it_uses(scene, &plan));
         stp_build_plan_destroy(context, &plan);
@@ -194,7 +194,7 @@ void test_plans_make_no_sets_of_what_only_moves(test_state* test)
         uint32_t root = plan.step_of[scene->root];
         CHECK_EQUAL(with_hall, root != STP_NONE);
         if (with_hall != 0) {
-            CHECK_EQUAL(225, plan.steps[root].surfel_count); // of the hall's 1,800 triangles
+            CHECK_EQUAL(225, plan.steps[root].splat_count); // of the hall's 1,800 triangles
             CHECK_EQUAL(plan.steps[0].height, plan.steps[root].height); // needs no other set
         }
         stp_build_plan_destroy(context, &plan);

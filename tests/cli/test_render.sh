@@ -104,7 +104,7 @@ for cached in cache/stipple/*; do # the same with a header that is whole
 done
 "$stipple" render ball.obj -o fifth.png --size 64x64 -q 2> err || fail "a damaged block: $(cat err)"
 cmp -s third.png fifth.png || fail "a damaged block changes the picture"
-# without need for surfels, the build omits them, in a separate file, until they are needed
+# without need for splats, the build omits them, in a separate file, until they are needed
 rm -rf cache
 sheet=scene:one-mesh,scale=0.15
 "$stipple" render ball.obj -o original.png --size 64x64 --reference --json > original.json || fail "--reference of a model"
@@ -114,14 +114,14 @@ ls cache/stipple/*-originals.stip > /dev/null || fail "--reference made $(ls cac
 "$stipple" render ball.obj -o splats.png --size 64x64 --splats 200 --json > small.json || fail "splats after --reference"
 grep -q '"splats": 200' small.json || fail "no splats after --reference: $(cat small.json)"
 "$stipple" render "$sheet" -o quick.png --size 16x16 --json > quick.json || fail "a large model"
-grep -q '"splats": 0' quick.json || fail "a large model got surfels first: $(cat quick.json)"
+grep -q '"splats": 0' quick.json || fail "a large model got splats first: $(cat quick.json)"
 "$stipple" render "$sheet" -o quick.png --size 16x16 --json -v > quick.json 2> err || fail "a large model again"
 grep -q "from the cache.*-picture.stip" err || fail "a picture is built twice: $(cat err)"
 "$stipple" render "$sheet" -o quick.png --size 16x16 --splats 100 --json > quick.json || fail "splats of a large model"
 grep -q '"splats": 100' quick.json || fail "no splats of a large model: $(cat quick.json)"
 "$stipple" render "$sheet" -o quick.png --size 16x16 -v --json > quick.json 2> err || fail "a large model, third"
-grep -q "picture.stip" err && fail "the build without surfels was preferred: $(cat err)"
-grep -q '"triangles": 0' quick.json || fail "the build with surfels is not used: $(cat quick.json)"
+grep -q "picture.stip" err && fail "the build without splats was preferred: $(cat err)"
+grep -q '"triangles": 0' quick.json || fail "the build with splats is not used: $(cat quick.json)"
 
 echo "not a model" > text.xyzzy
 # Content at an extreme distance is skipped, and the rest is drawn; an empty picture is explained.

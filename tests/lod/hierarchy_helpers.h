@@ -116,7 +116,7 @@ static inline stp_result hierarchy_make(hierarchy* h, uint32_t node, uint32_t su
                                         uint32_t candidates, stp_blue_report* report)
 {
     stp_blue_desc desc = {
-        .surfel_count = surfels, .capture = {.wanted_candidates = candidates}, .sets = h->sets};
+        .splat_count = surfels, .capture = {.wanted_candidates = candidates}, .sets = h->sets};
     assert(node < h->scene->node_count && "the scene has the node");
     stp_result result =
         stp_blue_make(h->scene, node, h->shading_of_material, &desc, &h->made[node], report);

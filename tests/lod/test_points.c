@@ -134,7 +134,7 @@ void test_surfels_of_clouds_have_the_attributes_of_their_points(test_state* test
         }
         stp_scene* scene = NULL;
         stp_splats set = {0};
-        stp_blue_desc desc = {.surfel_count = 0};
+        stp_blue_desc desc = {.splat_count = 0};
         bool good = stp_scene_create(context, &scene) == STP_OK && add_scan(scene, 0.0f, false) &&
                     add_scan(scene, 10.0f, true) && stp_scene_finish(scene) == STP_OK &&
                     stp_blue_make(scene, scene->root, shadings, &desc, &set, NULL) == STP_OK;

@@ -7,7 +7,7 @@
 #include "base/splats/octahedral.h"
 #include "base/splats/prefix_table.h"
 #include "capture/capture_internal.h"
-#include "capture/surfel_disks.h"
+#include "capture/splat_disks.h"
 #include "lod/sources.h"
 
 static double random_between(uint64_t seed, uint64_t at, double low, double high)
@@ -42,7 +42,7 @@ void test_stretch_is_the_largest_scale(test_state* test)
 }
 
 // Spheres: one unchanged, one mirrored, one squeezed, one inside the first.
-enum { SPHERES = 4, SURFELS = 2500 };
+enum { SPHERES = 4, SPLATS = 2500 };
 
 static bool make_spheres(stp_context* context, hierarchy* h, uint32_t* root)
 {
@@ -73,7 +73,7 @@ static stp_result capture_spheres(stp_context* context, double pixel, uint64_t i
     }
     c->child = c->h.scene->objects[c->h.shape].node;
     c->node = c->h.scene->objects[root].node;
-    stp_result result = hierarchy_make(&c->h, c->child, SURFELS, 30000, NULL);
+    stp_result result = hierarchy_make(&c->h, c->child, SPLATS, 30000, NULL);
     if (result == STP_OK) {
         result = stp_list_sources(c->h.scene, c->node, c->h.sets, pixel, 1000, &c->list);
     }
@@ -96,10 +96,10 @@ static void captured_destroy(captured* c)
     }
 }
 
-// By brute force: each candidate is bit-identical to a surfel in a listed prefix, and none occurs
-// twice; the outer spheres' surfels occur, as hardly anything hides them; the inner sphere's do
+// By brute force: each candidate is bit-identical to a splat in a listed prefix, and none occurs
+// twice; the outer spheres' splats occur, as hardly anything hides them; the inner sphere's do
 // not.
-void test_candidates_of_sets_are_surfels_once(test_state* test)
+void test_candidates_of_sets_are_splats_once(test_state* test)
 {
     stp_context* context = test_context(NULL, 2, NULL);
     captured c;
@@ -115,7 +115,7 @@ void test_candidates_of_sets_are_surfels_once(test_state* test)
         placement.m[0][3] -= c.candidates.origin.x;
         placement.m[1][3] -= c.candidates.origin.y;
         placement.m[2][3] -= c.candidates.origin.z;
-        stp_set_placing placing = stp_set_placing_make(placed->surfels, &placement);
+        stp_set_placing placing = stp_set_placing_make(placed->splats, &placement);
         stp_vec3d middle = {placement.m[0][3], placement.m[1][3], placement.m[2][3]};
         for (uint32_t i = 0; i < placed->prefix; ++i) { // candidates are in this order
             stp_vec3 at = stp_to_float(stp_set_position(&placing, i));
@@ -149,8 +149,8 @@ void test_normals_of_squeezed_sets(test_state* test)
     CHECK_EQUAL(STP_OK, capture_spheres(context, 0.2, UINT32_MAX - 1, &c));
     stp_affine placement = c.list.sets[2].transform, own = stp_affine_identity();
     stp_vec3d zero = stp_affine_point(&placement, (stp_vec3d){0});
-    stp_set_placing placing = stp_set_placing_make(c.list.sets[2].surfels, &placement);
-    stp_set_placing before = stp_set_placing_make(c.list.sets[2].surfels, &own);
+    stp_set_placing placing = stp_set_placing_make(c.list.sets[2].splats, &placement);
+    stp_set_placing before = stp_set_placing_make(c.list.sets[2].splats, &own);
     for (uint32_t i = 0; i < c.list.sets[2].prefix; ++i) {
         stp_vec3d n = stp_set_normal(&before, i), turned = stp_set_normal(&placing, i);
         stp_vec3d aside = fabs(n.x) < 0.7 ? (stp_vec3d){1, 0, 0} : (stp_vec3d){0, 1, 0};
@@ -174,7 +174,7 @@ void test_prefixes_are_the_shortest_dense_enough(test_state* test)
     for (size_t set = 0; set < c.list.set_count; ++set) {
         const stp_placed_set* placed = &c.list.sets[set];
         double scale = stp_affine_stretch(&placed->transform);
-        const stp_prefix_table* table = &placed->surfels->table;
+        const stp_prefix_table* table = &placed->splats->table;
         CHECK((double)stp_prefix_table_radius(table, placed->prefix) * scale <= 0.15000001);
         CHECK((double)stp_prefix_table_radius(table, placed->prefix - 1) * scale > 0.1499999);
     }

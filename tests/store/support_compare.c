@@ -202,7 +202,7 @@ const char* sample_difference(const stp_store_content* content, stp_store* store
         difference = same_texture(&content->textures[i], store, i) ? NULL : "a texture";
     }
     for (uint32_t i = 0; difference == NULL && i < directory->set_count; ++i) {
-        difference = same_splats(&content->sets[i], store, i) ? NULL : "a surfel set";
+        difference = same_splats(&content->sets[i], store, i) ? NULL : "a splat set";
     }
     return difference;
 }

@@ -238,7 +238,7 @@ void test_leaves_that_make_no_sense_are_refused(test_state* test)
         }
         stp_store_close(store);
         CHECK_EQUAL(STP_ERROR_ARGUMENT, write_file(&f));
-        CHECK(strstr(log.text, "surfel set 0") != NULL);
+        CHECK(strstr(log.text, "splat set 0") != NULL);
         f.set.octave_ends[0] = before.octave_ends[0];
         tear_down(&f);
     }

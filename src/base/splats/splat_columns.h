@@ -25,9 +25,9 @@ enum {
     STP_PREFIX_TABLE_SIZE = 64, ///< maximum breakpoints of a prefix table
     STP_OCTAVE_LIMIT = 24,      ///< maximum octaves of a splat set
     /// Triangles drawn in preference to one splat: this many cost five times as much as the splat,
-    /// but look better (docs/notes/2026-11-proportion.md). Limits the surfels that a build makes
+    /// but look better (docs/notes/2026-11-proportion.md). Limits the splats that a build makes
     /// and a view draws.
-    STP_TRIANGLES_PER_SURFEL = 8,
+    STP_TRIANGLES_PER_SPLAT = 8,
 };
 
 /// Coverage of prefixes: the coverage radius (non-increasing) at breakpoints `count` (ascending).

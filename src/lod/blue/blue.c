@@ -13,8 +13,8 @@
 
 // a quarter of Brandt 5.2: blue.h. More give pictures of the same SSIM
 // (docs/notes/2026-11-candidates.md, 2026-11-proportion.md).
-#define MAX_SURFELS 50000u
-#define CANDIDATES_PER_SURFEL 12u
+#define MAX_SPLATS 50000u
+#define CANDIDATES_PER_SPLAT 12u
 #define MIN_CANDIDATES 6000u    // small objects must keep their shape
 #define MAX_CANDIDATES 1750000u // Brandt, Table 2
 #define FINE_PIXEL 0x1p-7       // for triangles, in coarse pixels: a 1,024th of the diagonal
@@ -30,7 +30,7 @@ typedef struct blue {
     stp_order_desc order_desc;
     bool from_points;
     bool two_sided;
-    uint32_t wanted;   ///< surfels
+    uint32_t wanted;   ///< splats
     uint32_t distinct; ///< number of ordered candidates, without coincident points
     uint32_t* order;
     float* radii;
@@ -46,29 +46,29 @@ static stp_result list_sources(blue* b, uint32_t node, const stp_splats* const* 
     return stp_list_sources(b->scene, node, sets, pixel, STP_SOURCE_LIMIT, &b->list);
 }
 
-uint64_t stp_default_surfel_count(uint64_t triangles, uint64_t points)
+uint64_t stp_default_splat_count(uint64_t triangles, uint64_t points)
 {
-    uint64_t count = stp_add_saturated(triangles, points) / STP_TRIANGLES_PER_SURFEL;
-    return count < 1 ? 1 : count < MAX_SURFELS ? count : MAX_SURFELS;
+    uint64_t count = stp_add_saturated(triangles, points) / STP_TRIANGLES_PER_SPLAT;
+    return count < 1 ? 1 : count < MAX_SPLATS ? count : MAX_SPLATS;
 }
 
 // A point cloud keeps every point.
 static uint64_t choose_count(const blue* b)
 {
-    if (b->desc->surfel_count != 0) {
-        return b->desc->surfel_count;
+    if (b->desc->splat_count != 0) {
+        return b->desc->splat_count;
     }
     if (b->from_points) {
         return b->list.point_count;
     }
-    return stp_default_surfel_count(b->list.triangle_count, b->list.point_count);
+    return stp_default_splat_count(b->list.triangle_count, b->list.point_count);
 }
 
 static stp_result capture_parts(blue* b, uint64_t count)
 {
     stp_capture_desc capture = b->desc->capture;
     if (capture.wanted_candidates == 0) {
-        uint64_t wanted = count * CANDIDATES_PER_SURFEL;
+        uint64_t wanted = count * CANDIDATES_PER_SPLAT;
         wanted = wanted < MIN_CANDIDATES ? MIN_CANDIDATES : wanted;
         capture.wanted_candidates = wanted > MAX_CANDIDATES ? MAX_CANDIDATES : wanted;
     }
@@ -86,7 +86,7 @@ static bool is_cloud(const stp_scene* scene, uint32_t node)
 static void round_prefixes(stp_source_list* list)
 {
     for (size_t i = 0; i < list->set_count; ++i) {
-        const stp_splats* set = list->sets[i].surfels;
+        const stp_splats* set = list->sets[i].splats;
         uint32_t octave = 0;
         if ((set->columns & STP_SPLATS_FLAT_COLORS) != 0) {
             assert(list->sets[i].prefix <= set->count);

@@ -13,19 +13,19 @@
 typedef struct stp_blue_desc {
     stp_capture_desc capture;
     stp_order_desc order;
-    /// Maximum surfels; 0: stp_default_surfel_count, or all points of a cloud
-    uint32_t surfel_count;
+    /// Maximum splats of the set; 0: stp_default_splat_count, or all points of a cloud
+    uint32_t splat_count;
     /// Existing sets of the nodes below, by scene node: NULL or a set of count 0 if there is none.
-    /// If a set is dense enough, its surfels are captured instead of triangles (Brandt 3.4;
-    /// docs/algorithms/capture.md, Capture of upper nodes), and the visible surfels themselves
+    /// If a set is dense enough, its splats are captured instead of triangles (Brandt 3.4;
+    /// docs/algorithms/capture.md, Capture of upper nodes), and the visible splats themselves
     /// become candidates. NULL: always triangles.
     const stp_splats* const* sets;
 } stp_blue_desc;
 
-/// Default number of surfels of a node: one per STP_TRIANGLES_PER_SURFEL triangles and points below
+/// Default number of splats of a node: one per STP_TRIANGLES_PER_SPLAT triangles and points below
 /// it, at least 1 and at most 50,000. Brandt 5.2 takes one per two, at most 200,000; the last three
 /// quarters of those are never worth drawing (docs/notes/2026-11-proportion.md).
-uint64_t stp_default_surfel_count(uint64_t triangles, uint64_t points);
+uint64_t stp_default_splat_count(uint64_t triangles, uint64_t points);
 
 typedef struct stp_blue_report {
     double capture_ms, order_ms, finish_ms;
@@ -43,7 +43,7 @@ STP_MUST_USE stp_result stp_blue_make(const stp_scene* scene, uint32_t node,
                                       const uint8_t* shading_of_material, const stp_blue_desc* desc,
                                       stp_splats* surfels, stp_blue_report* report);
 
-/// Candidates from which the surfels of a node are chosen.
+/// Candidates from which the splats of a node are chosen.
 typedef struct stp_blue_candidates {
     stp_candidates candidates;
     uint32_t wanted; ///< number to choose

@@ -3,7 +3,7 @@
 
 #include <assert.h>
 
-#define WANTED_EACH 5.0 // candidates per surfel: already evenly spread, without duplicates
+#define WANTED_EACH 5.0 // candidates per splat: already evenly spread, without duplicates
 #define MIN_EACH 4.0
 #define MIN_CANDIDATES 6000.0
 #define MAX_CANDIDATES 1750000.0
@@ -20,7 +20,7 @@ typedef struct children {
     const stp_scene* scene;
     uint32_t node;
     const stp_blue_desc* desc;
-    double surfel_count;
+    double splat_count;
     double seen; ///< visible share of the estimate
     stp_source_list list;
     double pixel; ///< pixel size for which the list was made
@@ -46,16 +46,16 @@ static stp_result list_at(children* c, double pixel)
 
 static double estimate(const children* c)
 {
-    return c->list.surfels + c->list.pixels;
+    return c->list.splats + c->list.pixels;
 }
 
-// Number of wanted candidates, given a number per surfel.
+// Number of wanted candidates, given a number per splat.
 static double wanted(const children* c, double each)
 {
     if (c->desc->capture.wanted_candidates != 0) {
         return (double)c->desc->capture.wanted_candidates;
     }
-    double count = c->surfel_count * each, maximum = c->surfel_count * MIN_EACH;
+    double count = c->splat_count * each, maximum = c->splat_count * MIN_EACH;
     double minimum = MIN_CANDIDATES * each / WANTED_EACH;
     maximum = maximum > MAX_CANDIDATES ? maximum : MAX_CANDIDATES;
     count = count < minimum ? minimum : count;
@@ -71,7 +71,7 @@ static double finest_pixel(double widest, double candidates)
 }
 
 // Searches the pixel size that yields this many candidates, and lists its sources. Candidates grow
-// with the square of the resolution, or less if sets run out of surfels.
+// with the square of the resolution, or less if sets run out of splats.
 static stp_result find_pixel(children* c, double goal)
 {
     stp_result result = STP_OK;
@@ -112,7 +112,7 @@ static stp_result probe(children* c, double* widest)
         result = stp_capture_count_all(c->scene, &sources, &desc, &count);
     }
     if (result == STP_OK) {
-        double found = (double)count.pixels + (double)count.surfels, all = estimate(c);
+        double found = (double)count.pixels + (double)count.splats, all = estimate(c);
         double seen = all > 0.0 ? found / all : 1.0;
         c->seen = seen < 0.01 ? 0.01 : seen > 4.0 ? 4.0 : seen;
         *widest = count.widest;
@@ -120,12 +120,12 @@ static stp_result probe(children* c, double* widest)
     return result;
 }
 
-// Reduced candidates per surfel, used if finer pixels would open sets down to more than this many
-// triangles, or draw more than this many surfels (most leaves of a forest are hidden by others).
+// Reduced candidates per splat, used if finer pixels would open sets down to more than this many
+// triangles, or draw more than this many splats (most leaves of a forest are hidden by others).
 typedef struct density {
     double each;
     uint64_t triangles;
-    double surfels;
+    double splats;
 } density;
 
 // Leaves the list of the chosen pixel size. Finer pixels open more sets, down to sets that are
@@ -141,7 +141,7 @@ static stp_result choose_pixel(children* c)
         assert((size_t)i < sizeof(tries) / sizeof(tries[0]) && "the last one is affordable");
         result = find_pixel(c, wanted(c, tries[i].each));
         bool affordable =
-            c->list.part_triangles <= tries[i].triangles && c->list.surfels <= tries[i].surfels;
+            c->list.part_triangles <= tries[i].triangles && c->list.splats <= tries[i].splats;
         if (result != STP_OK || affordable) {
             break;
         }
@@ -162,7 +162,7 @@ static stp_result capture_once(children* c, stp_candidates* candidates)
 
 static bool uses_sets(const children* c)
 {
-    return c->list.surfels > MIN_SHARE * estimate(c) ||
+    return c->list.splats > MIN_SHARE * estimate(c) ||
            (c->list.set_count != 0 && c->list.triangle_count > TOO_MANY_TRIANGLES);
 }
 
@@ -196,12 +196,12 @@ static stp_result capture(children* c, stp_candidates* candidates, bool* capture
 }
 
 stp_result stp_capture_children(const stp_scene* scene, uint32_t node, const stp_blue_desc* desc,
-                                uint64_t surfel_count, stp_candidates* candidates, bool* captured)
+                                uint64_t splat_count, stp_candidates* candidates, bool* captured)
 {
     children c = {.scene = scene,
                   .node = node,
                   .desc = desc,
-                  .surfel_count = (double)surfel_count,
+                  .splat_count = (double)splat_count,
                   .seen = 1.0};
     *captured = false;
     stp_result result = capture(&c, candidates, captured);
@@ -212,12 +212,12 @@ stp_result stp_capture_children(const stp_scene* scene, uint32_t node, const stp
 // A cloud's own points do not depend on the pixel: once sets are opened down to them, finer pixels
 // add none.
 stp_result stp_list_cloud(const stp_scene* scene, uint32_t node, const stp_blue_desc* desc,
-                          uint64_t surfel_count, stp_source_list* list)
+                          uint64_t splat_count, stp_source_list* list)
 {
     children c = {.scene = scene,
                   .node = node,
                   .desc = desc,
-                  .surfel_count = (double)surfel_count,
+                  .splat_count = (double)splat_count,
                   .seen = 1.0};
     stp_result result = list_at(&c, stp_coarse_pixel(scene, node));
     if (result == STP_OK && c.list.set_count != 0) {

@@ -43,7 +43,7 @@ static inline uint64_t stp_candidate_area(const stp_candidate_areas* areas, uint
                                           uint8_t alpha)
 {
     if (candidate >= areas->first_of_sets) {
-        assert(areas->of_sets != NULL && "surfels of sets have areas");
+        assert(areas->of_sets != NULL && "splats of sets have areas");
         double area = (double)areas->of_sets[candidate - areas->first_of_sets] * areas->per_area;
         return (uint64_t)(area < 1.0 ? 1.0 : area > 0x1p40 ? 0x1p40 : area);
     }

@@ -14,8 +14,8 @@
 #define DISK_CANDIDATES 32.0
 // Half the side of a square, relative to the radius of a disk of equal area.
 #define DISK_SQUARE 0.88622693f
-// The opacity of set surfels is their share of surface. Their number is not meaningful, and is made
-// so large that it never counts.
+// The opacity of a splat of a set is its share of surface. The number of these splats is not
+// meaningful, and is made so large that it never counts.
 #define SET_WEIGHT 1024u
 // Cells that a disk extends to each side; only orders with huge gaps would need more.
 #define MAX_CELLS 12.0f
@@ -48,7 +48,7 @@ static float pixel_footprint(const stp_pyramid* p, const stp_octave_plan* plan)
     return stp_min(pixel_size(p) * widen(plan->stride), plan->disk_radius);
 }
 
-// The same for a surfel of a set: the square has the area of its disk.
+// The same for a splat of a set: the square has the area of its disk.
 static float set_footprint(const stp_pyramid* p, const stp_octave_plan* plan)
 {
     float side = p->input->finish->candidates->set_radius * DISK_SQUARE;

@@ -380,7 +380,7 @@ static stp_result make_set(set_maker* m)
     stp_splats* s = m->splats;
     uint32_t count = m->candidates->count;
     assert((m->source->shading_of_material != NULL || m->candidates->set_count == count) &&
-           "only surfels of sets have a shading");
+           "only splats of sets have a shading");
     s->count = count < m->source->wanted ? count : m->source->wanted;
     choose_grid(m);
     m->places = STP_NEW_ARRAY(context, uint16_t, 3 * (size_t)count);

@@ -68,7 +68,7 @@ static stp_result make_table(stp_store* store)
     uint32_t count = store->counts[STP_SECTION_KEYS];
     if (result == STP_OK && count != 0 && count != (uint64_t)d->set_count + d->mesh_count) {
         result = stp_fail(store->context, STP_ERROR_FORMAT,
-                          "%s: has %u keys for %u surfel sets and %u meshes", store->path, count,
+                          "%s: has %u keys for %u splat sets and %u meshes", store->path, count,
                           d->set_count, d->mesh_count);
     }
     if (result != STP_OK) {

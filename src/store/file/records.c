@@ -444,7 +444,7 @@ const stp_store_table* stp_store_table_of(uint32_t type)
         [STP_SECTION_TEXTURES] = {"texture", 24, sizeof(stp_store_texture_record), code_texture},
         [STP_SECTION_MESHES] = {"mesh", 48, sizeof(stp_store_mesh_record), code_mesh},
         [STP_SECTION_POINT_SETS] = {"point set", 48, sizeof(stp_store_point_record), code_points},
-        [STP_SECTION_SPLAT_SETS] = {"surfel set", 48, sizeof(stp_store_set_record), code_splat_set},
+        [STP_SECTION_SPLAT_SETS] = {"splat set", 48, sizeof(stp_store_set_record), code_splat_set},
         [STP_SECTION_OCTAVES] = {"octave", 8, sizeof(stp_store_octave), code_octave},
         [STP_SECTION_BREAKPOINTS] = {"breakpoint", 8, sizeof(stp_store_breakpoint),
                                      code_breakpoint},

@@ -65,7 +65,7 @@ static uint64_t count_parts(const accumulator* t, const stp_store_node* node,
 // A node's own counts.
 static uint64_t count_own(const accumulator* t, const stp_store_node* node, instanced kind)
 {
-    uint64_t surfels = node->set != STP_STORE_NONE ? t->sizes->sets[node->set].count : 0;
+    uint64_t splats = node->set != STP_STORE_NONE ? t->sizes->sets[node->set].count : 0;
     switch (kind) {
     case INSTANCED_OBJECTS:
         return node->part_count != 0;
@@ -74,13 +74,13 @@ static uint64_t count_own(const accumulator* t, const stp_store_node* node, inst
     case INSTANCED_NODES:
         return 1;
     case INSTANCED_LODS:
-        return surfels != 0;
+        return splats != 0;
     case INSTANCED_TRIANGLES:
         return count_parts(t, node, STP_STORE_PART_MESH);
     case INSTANCED_POINTS:
         return count_parts(t, node, STP_STORE_PART_POINTS);
     default:
-        return surfels;
+        return splats;
     }
 }
 

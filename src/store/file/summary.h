@@ -11,8 +11,8 @@ enum { STP_STORE_SCENE_PARTS = 64 }; ///< maximum number of parts, without the o
 
 /// Counts include all instances; `unique_...` counts stored items. Sums saturate. *objects*: uses
 /// of an input object with a shape; unique: distinct shapes. *instances*: uses of meshes and point
-/// sets, of which an object may have several. *lods*: nodes with surfels; unique: surfel sets.
-/// Bytes are as stored.
+/// sets, of which an object may have several. *lods*: nodes with splats; unique: splat sets.
+/// Bytes are as stored. *surfels*: splats, under the name that files and reports have for them.
 #define STP_STORE_FIGURES(X)                                                                       \
     X(objects)                                                                                     \
     X(unique_objects)                                                                              \

@@ -48,7 +48,7 @@ static stp_result check_nodes(const stp_store_validator* validator,
         }
         if (!is_reference(node->set, directory->set_count)) {
             return stp_fail(validator->context, validator->failure,
-                            "%s: node %u: surfel set %u does not exist (there are %u)",
+                            "%s: node %u: splat set %u does not exist (there are %u)",
                             validator->path, i, node->set, directory->set_count);
         }
         if (node->flags > 1) {
@@ -266,7 +266,7 @@ stp_result stp_store_validate_splat_set(const stp_store_validator* validator, ui
 {
     const char* fault = stp_store_splat_set_fault(splats);
     if (fault != NULL) {
-        return stp_fail(validator->context, validator->failure, "%s: surfel set %u: %s",
+        return stp_fail(validator->context, validator->failure, "%s: splat set %u: %s",
                         validator->path, index, fault);
     }
     return STP_OK;
@@ -280,7 +280,7 @@ stp_result stp_store_validate_leaves(const stp_store_validator* validator, uint3
                             ? "its leaves are missing"
                             : stp_splat_leaves_fault(splats, splats->leaves, splats->leaf_count);
     if (fault != NULL) {
-        return stp_fail(validator->context, validator->failure, "%s: surfel set %u: %s",
+        return stp_fail(validator->context, validator->failure, "%s: splat set %u: %s",
                         validator->path, index, fault);
     }
     return STP_OK;
@@ -367,7 +367,7 @@ stp_result stp_store_validate_held_points(const stp_store_validator* validator, 
 {
     if ((set->columns & ~(uint32_t)HOLDING_COLUMNS) != 0 || set->count != points->point_count) {
         return report_fault(validator,
-                            "%s: point set %u has %u points, but its surfel set has %u surfels",
+                            "%s: point set %u has %u points, but its splat set has %u splats",
                             validator->path, index, points->point_count, set->count);
     }
     return STP_OK;
@@ -381,21 +381,19 @@ stp_result stp_store_validate_splat_data(const stp_store_validator* validator, u
         highest = data->materials[i] > highest ? data->materials[i] : highest;
     }
     if (data->count != 0 && highest >= shading_count) {
-        return report_fault(validator,
-                            "%s: surfel set %u: shading %u does not exist (there are %u)",
+        return report_fault(validator, "%s: splat set %u: shading %u does not exist (there are %u)",
                             validator->path, index, highest, shading_count);
     }
     for (uint64_t i = 0; data->shapes != NULL && i < data->count; ++i) {
         if (!stp_shape_is_valid(data->shapes[i])) {
             return report_fault(
-                validator,
-                "%s: surfel set %u: a radius is not finite, or the smaller one is larger",
+                validator, "%s: splat set %u: a radius is not finite, or the smaller one is larger",
                 validator->path, index);
         }
     }
     for (uint64_t i = 0; data->ranges != NULL && i < data->count; ++i) {
         if (!stp_range_is_valid(data->ranges[i])) {
-            return report_fault(validator, "%s: surfel set %u: a lowest level exceeds the highest",
+            return report_fault(validator, "%s: splat set %u: a lowest level exceeds the highest",
                                 validator->path, index);
         }
     }

@@ -62,7 +62,7 @@ static stp_result check_operators(stp_store* store, uint32_t index)
         stp_progressive_counts counts = stp_progressive_count(set.ranges, set.count);
         if (counts.parents != counts.splits || set.count != counts.base + 2 * counts.splits) {
             result = stp_fail(store->context, STP_ERROR_FORMAT,
-                              "%s: surfel set %u: has %u parents and %u splits", store->path, index,
+                              "%s: splat set %u: has %u parents and %u splits", store->path, index,
                               counts.parents, counts.splits);
         }
     }

@@ -141,7 +141,7 @@ static bool open_leaves(stp_residency* r, stp_load* load)
     uint32_t set = load->resource - r->firsts[STP_RESIDENT_LEAVES];
     const char* fault = stp_store_open_leaves(r->store, set, load->memory, &load->leaves);
     if (fault != NULL) {
-        stp_warn(r->context, "%s: surfel set %u: %s", r->store->path, set, fault);
+        stp_warn(r->context, "%s: splat set %u: %s", r->store->path, set, fault);
     }
     return fault == NULL;
 }

@@ -44,8 +44,8 @@ static stp_result check_block(const stp_store* store, uint32_t index, stp_store_
 {
     static const char* const names[STP_BLOCK_END] = {
         [STP_BLOCK_MESH] = "mesh",       [STP_BLOCK_POINT_SET] = "point set",
-        [STP_BLOCK_TEXTURE] = "texture", [STP_BLOCK_SPLATS] = "surfel set",
-        [STP_BLOCK_CLUSTERS] = "mesh",   [STP_BLOCK_LEAVES] = "surfel set",
+        [STP_BLOCK_TEXTURE] = "texture", [STP_BLOCK_SPLATS] = "splat set",
+        [STP_BLOCK_CLUSTERS] = "mesh",   [STP_BLOCK_LEAVES] = "splat set",
     };
     assert(wanted.kind < STP_BLOCK_END && names[wanted.kind] != NULL);
     if (index >= store->counts[STP_SECTION_BLOCKS]) {
@@ -92,17 +92,17 @@ static stp_result gather_set(stp_store* store, uint32_t index, uint64_t* octave_
     stp_store_set_record* set = &sets[index];
     stp_splats* splats = &set->splats;
     if (splats->octave_count > STP_OCTAVE_LIMIT || splats->table.size > STP_PREFIX_TABLE_SIZE) {
-        return fail_format(store, "surfel set", index, "has too many octaves or breakpoints");
+        return fail_format(store, "splat set", index, "has too many octaves or breakpoints");
     }
     if (set->first_octave != *octave_end || set->first_breakpoint != *breakpoint_end) {
-        return fail_format(store, "surfel set", index,
+        return fail_format(store, "splat set", index,
                            "its octaves or breakpoints do not follow those of the previous set");
     }
     *octave_end += splats->octave_count;
     *breakpoint_end += splats->table.size;
     if (*octave_end > store->counts[STP_SECTION_OCTAVES] ||
         *breakpoint_end > store->counts[STP_SECTION_BREAKPOINTS]) {
-        return fail_format(store, "surfel set", index, "its octaves or breakpoints are missing");
+        return fail_format(store, "splat set", index, "its octaves or breakpoints are missing");
     }
     splats->plain_coverages = store->minor < STP_STORE_MINOR_COVERAGES;
     for (uint32_t i = 0; i < splats->octave_count; ++i) {
@@ -130,7 +130,7 @@ static stp_result link_octaves(stp_store* store, uint32_t index)
             return result;
         }
         if (k > 0 && number <= octaves[sets[index].first_octave + k - 1].block) {
-            return fail_format(store, "surfel set", index, "its octaves are out of order");
+            return fail_format(store, "splat set", index, "its octaves are out of order");
         }
         bool here = stp_store_is_block_here(store, stp_store_block_at(store, number));
         assert((!here || sets[index].whole == k) && "blocks in order: complete octaves come first");
@@ -159,7 +159,7 @@ static stp_result link_sets(stp_store* store)
     if (octave_end != store->counts[STP_SECTION_OCTAVES] ||
         breakpoint_end != store->counts[STP_SECTION_BREAKPOINTS]) {
         return stp_fail(store->context, STP_ERROR_FORMAT,
-                        "%s: octaves or breakpoints belong to no surfel set", store->path);
+                        "%s: octaves or breakpoints belong to no splat set", store->path);
     }
     return STP_OK;
 }
@@ -206,7 +206,7 @@ static stp_result link_held_points(const stp_store* store, uint32_t index)
     if (record->block != STP_STORE_NONE ||
         record->present != (STP_COLUMN_NORMALS | STP_COLUMN_COLORS) ||
         set >= store->counts[STP_SECTION_SPLAT_SETS]) {
-        return fail_format(store, "point set", index, "names no surfel set that can hold it");
+        return fail_format(store, "point set", index, "names no splat set that can hold it");
     }
     stp_store_validator validator = stp_store_own_validator(store);
     return stp_store_validate_held_points(&validator, index, &record->points, &splats[set].splats);
@@ -243,11 +243,11 @@ static stp_result link_leaves(const stp_store* store, uint64_t* owned)
     *owned = 0;
     if (store->known[STP_SECTION_LEAVES] != NULL && count != sets) {
         return stp_fail(store->context, STP_ERROR_FORMAT,
-                        "%s: lists leaves for %u surfel sets but has %u", store->path, count, sets);
+                        "%s: lists leaves for %u splat sets but has %u", store->path, count, sets);
     }
     for (uint32_t i = 0; i < count && result == STP_OK; ++i) {
         if (records[i].leaf_count == 0 && records[i].block != STP_STORE_NONE) {
-            return fail_format(store, "surfel set", i, "has a block of leaves but no leaves");
+            return fail_format(store, "splat set", i, "has a block of leaves but no leaves");
         }
         stp_store_block wanted = {.kind = STP_BLOCK_LEAVES,
                                   .owner = i,

@@ -260,7 +260,7 @@ stp_result stp_store_get_splat_set_prefix(stp_store* store, uint32_t index, uint
                                           stp_splats* splats)
 {
     if (index >= store->directory.set_count) {
-        return stp_store_fail_index(store, "surfel set", index);
+        return stp_store_fail_index(store, "splat set", index);
     }
     const stp_store_set_record* records = store->tables[STP_SECTION_SPLAT_SETS];
     const stp_store_set_record* record = &records[index];

@@ -81,7 +81,7 @@ stp_result stp_store_get_leaves(stp_store* store, uint32_t set, stp_store_leaves
         const char* fault = stp_store_open_leaves(store, set, memory, &record->leaves);
         if (fault != NULL) {
             stp_free(store->context, memory);
-            return stp_fail(store->context, STP_ERROR_FORMAT, "%s: surfel set %u: %s", store->path,
+            return stp_fail(store->context, STP_ERROR_FORMAT, "%s: splat set %u: %s", store->path,
                             set, fault);
         }
         record->memory = memory;

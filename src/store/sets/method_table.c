@@ -138,7 +138,7 @@ stp_result stp_store_validate_methods(const stp_store_validator* validator,
                          ((set->shapes != NULL || !shapes) && (set->ranges != NULL || !ranges));
             if (set->columns != d->methods[m].columns || !there) {
                 return stp_fail(validator->context, validator->failure,
-                                "%s: surfel set %u: its columns differ from its method's",
+                                "%s: splat set %u: its columns differ from its method's",
                                 validator->path, d->methods[m].first_set + i);
             }
         }
@@ -177,7 +177,7 @@ static stp_result gather_sets(stp_store* store)
             uint32_t set = store->methods[m].first_set + i, node = nodes[set - first];
             if (node >= d->node_count || sets[node] != STP_STORE_NONE) {
                 return stp_fail(store->context, STP_ERROR_FORMAT,
-                                "%s: surfel set %u: its node does not exist or has another set",
+                                "%s: splat set %u: its node does not exist or has another set",
                                 store->path, set);
             }
             sets[node] = set;

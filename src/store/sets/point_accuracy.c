@@ -11,7 +11,7 @@ stp_result stp_store_validate_certainty(const stp_store* store)
         if (records[i].flags > STP_CERTAINTY_UNKNOWN_SIGNS ||
             !(records[i].position_error >= 0.0f)) {
             return stp_fail(store->context, STP_ERROR_FORMAT,
-                            "%s: surfel set %u: its certainty record is invalid", store->path, i);
+                            "%s: splat set %u: its certainty record is invalid", store->path, i);
         }
     }
     return STP_OK;
@@ -25,7 +25,7 @@ stp_result stp_store_link_certainty(stp_store* store)
     if (store->known[STP_SECTION_CERTAINTY] != NULL &&
         count != store->counts[STP_SECTION_SPLAT_SETS]) {
         return stp_fail(store->context, STP_ERROR_FORMAT,
-                        "%s: lists the certainty of %u surfel sets but has %u", store->path, count,
+                        "%s: lists the certainty of %u splat sets but has %u", store->path, count,
                         store->counts[STP_SECTION_SPLAT_SETS]);
     }
     stp_result result = stp_store_validate_certainty(store);

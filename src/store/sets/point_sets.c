@@ -65,7 +65,7 @@ stp_result stp_store_make_held_points(stp_store* store, uint32_t index,
     size_t count = record->points.point_count;
     if (set.count != count) {
         return stp_fail(store->context, STP_ERROR_TRUNCATED,
-                        "%s: ends before the last octave of the surfels that are point set %u",
+                        "%s: ends before the last octave of the splats that are point set %u",
                         store->path, index);
     }
     unsigned char* memory =

@@ -111,7 +111,7 @@ static stp_result check_content(const stp_store_writing* w)
             result = stp_store_validate_point_data(&validator, i, points);
         } else if (result == STP_OK && points->held_by > d->set_count) {
             result = stp_fail(w->context, STP_ERROR_ARGUMENT,
-                              "%s: point set %u: surfel set %u does not exist (there are %u)",
+                              "%s: point set %u: splat set %u does not exist (there are %u)",
                               w->path, i, points->held_by - 1, d->set_count);
         } else if (result == STP_OK) {
             result = stp_store_validate_held_points(&validator, i, points,

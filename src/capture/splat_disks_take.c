@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Which surfels of sets a capture saw, and their candidates.
+// Which splats of sets a capture saw, and their candidates.
 #include "base/math/color.h"
 #include "base/splats/coverage.h"
 #include "base/splats/octahedral.h"
 #include "base/splats/splat_columns.h"
-#include "capture/surfel_disks.h"
+#include "capture/splat_disks.h"
 
 #include <assert.h>
 
@@ -12,14 +12,14 @@
 #define DEPTH_TOLERANCE 0.5 // maximum depth of a centre behind the visible surface, in radii
 #define WORDS_PER_TASK 512u // words of bits resolved by one task of a loop
 
-stp_vec3d stp_set_position(const stp_set_placing* placing, uint32_t surfel)
+stp_vec3d stp_set_position(const stp_set_placing* placing, uint32_t splat)
 {
-    return stp_affine_point(&placing->placement, stp_splat_place(placing->surfels, surfel));
+    return stp_affine_point(&placing->placement, stp_splat_place(placing->splats, splat));
 }
 
-stp_vec3d stp_set_normal(const stp_set_placing* placing, uint32_t surfel)
+stp_vec3d stp_set_normal(const stp_set_placing* placing, uint32_t splat)
 {
-    const int8_t* code = placing->surfels->normals + 2 * (size_t)surfel;
+    const int8_t* code = placing->splats->normals + 2 * (size_t)splat;
     stp_vec3d n = stp_to_double(stp_octahedral_decode(code[0], code[1]));
     const double(*m)[3] = placing->normal_matrix;
     stp_vec3d turned = {m[0][0] * n.x + m[0][1] * n.y + m[0][2] * n.z,
@@ -32,16 +32,16 @@ stp_vec3d stp_set_normal(const stp_set_placing* placing, uint32_t surfel)
 stp_result stp_capture_prepare_sets(stp_capture_job* job, stp_boxd* box)
 {
     stp_context* context = job->scene->context;
-    job->first_surfels = STP_NEW_ARRAY(context, uint64_t, job->set_count + 1);
+    job->first_splats = STP_NEW_ARRAY(context, uint64_t, job->set_count + 1);
     job->set_boxes = STP_NEW_ARRAY(context, stp_boxd, job->set_count + 1);
-    if (job->first_surfels == NULL || job->set_boxes == NULL) {
+    if (job->first_splats == NULL || job->set_boxes == NULL) {
         return stp_fail_memory(context);
     }
     uint64_t sum = 0;
     for (size_t i = 0; i < job->set_count; ++i) {
         const stp_placed_set* set = &job->sets[i];
-        assert(set->prefix <= set->surfels->count && !(set->radius < 0.0f));
-        stp_set_placing placing = stp_set_placing_make(set->surfels, &set->transform);
+        assert(set->prefix <= set->splats->count && !(set->radius < 0.0f));
+        stp_set_placing placing = stp_set_placing_make(set->splats, &set->transform);
         stp_boxd points = stp_boxd_empty();
         for (uint32_t k = 0; k < set->prefix; ++k) {
             stp_boxd_add(&points, stp_set_position(&placing, k));
@@ -51,10 +51,10 @@ stp_result stp_capture_prepare_sets(stp_capture_job* job, stp_boxd* box)
         job->set_boxes[i] = (stp_boxd){stp_subd(points.min, margin), stp_addd(points.max, margin)};
         stp_boxd_add(box, job->set_boxes[i].min);
         stp_boxd_add(box, job->set_boxes[i].max);
-        job->first_surfels[i] = sum;
+        job->first_splats[i] = sum;
         sum += set->prefix;
     }
-    job->first_surfels[job->set_count] = sum;
+    job->first_splats[job->set_count] = sum;
     size_t words = (size_t)(sum / 32 + 1);
     job->seen = STP_NEW_ZEROED(context, _Atomic uint32_t, words);
     return job->seen != NULL ? STP_OK : stp_fail_memory(context);
@@ -63,25 +63,25 @@ stp_result stp_capture_prepare_sets(stp_capture_job* job, stp_boxd* box)
 void stp_capture_drop_sets(stp_capture_job* job)
 {
     stp_context* context = job->scene->context;
-    stp_free(context, job->first_surfels);
+    stp_free(context, job->first_splats);
     stp_free(context, job->set_boxes);
     stp_free(context, (void*)(uintptr_t)job->seen);
-    job->first_surfels = NULL;
+    job->first_splats = NULL;
     job->set_boxes = NULL;
     job->seen = NULL;
 }
 
-static bool was_seen(const stp_capture_job* job, uint64_t surfel)
+static bool was_seen(const stp_capture_job* job, uint64_t splat)
 {
-    uint32_t word = atomic_load_explicit(&job->seen[surfel / 32], memory_order_relaxed);
-    return (word >> (surfel & 31) & 1) != 0;
+    uint32_t word = atomic_load_explicit(&job->seen[splat / 32], memory_order_relaxed);
+    return (word >> (splat & 31) & 1) != 0;
 }
 
-static void mark_seen(const stp_capture_job* job, uint64_t surfel)
+static void mark_seen(const stp_capture_job* job, uint64_t splat)
 {
-    assert(surfel < job->first_surfels[job->set_count]);
-    if (!was_seen(job, surfel)) {
-        atomic_fetch_or_explicit(&job->seen[surfel / 32], UINT32_C(1) << (surfel & 31),
+    assert(splat < job->first_splats[job->set_count]);
+    if (!was_seen(job, splat)) {
+        atomic_fetch_or_explicit(&job->seen[splat / 32], UINT32_C(1) << (splat & 31),
                                  memory_order_relaxed);
     }
 }
@@ -96,7 +96,7 @@ typedef struct sight {
     double row[3][3], at_zero[3]; ///< x, y, nearness per grid step
     double pixel, depth;          ///< scene units per pixel; nearness per scene unit
     double radius;                ///< scene units
-    bool two_sided;               ///< surfels facing away are tested, too
+    bool two_sided;               ///< splats facing away are tested, too
 } sight;
 
 static sight make_sight(const stp_capture_job* job, const stp_capture_band* band,
@@ -107,28 +107,28 @@ static sight make_sight(const stp_capture_job* job, const stp_capture_band* band
     stp_affine placement = stp_capture_set_placement(job, set);
     sight s = {.job = job, .view = view, .band = band, .target = target};
     s.two_sided = placed->unknown_signs;
-    s.placing = stp_set_placing_make(placed->surfels, &placement);
+    s.placing = stp_set_placing_make(placed->splats, &placement);
     s.pixel = 1.0 / sqrt(stp_dotd(view->right, view->right));
     s.depth = sqrt(stp_dotd(view->depth, view->depth));
     s.radius = (double)placed->radius * stp_affine_stretch(&placed->transform);
-    stp_vec3d zero = stp_affine_point(&placement, stp_to_double(placed->surfels->origin));
+    stp_vec3d zero = stp_affine_point(&placement, stp_to_double(placed->splats->origin));
     const stp_vec3d axes[3] = {view->right, view->down, view->depth};
     const double shifts[3] = {view->shift_x, view->shift_y, 1.5};
     for (int r = 0; r < 3; ++r) {
         s.at_zero[r] = stp_dotd(axes[r], zero) + shifts[r];
         for (int c = 0; c < 3; ++c) {
             stp_vec3d column = {placement.m[0][c], placement.m[1][c], placement.m[2][c]};
-            s.row[r][c] = stp_dotd(axes[r], column) * (double)placed->surfels->step;
+            s.row[r][c] = stp_dotd(axes[r], column) * (double)placed->splats->step;
         }
     }
     return s;
 }
 
-// Whether a surfel's centre is unoccluded: its plane, at the pixel's centre, is not behind the
+// Whether a splat's centre is unoccluded: its plane, at the pixel's centre, is not behind the
 // surface the pixel shows.
-static bool is_centre_visible(const sight* s, uint32_t surfel)
+static bool is_centre_visible(const sight* s, uint32_t splat)
 {
-    const uint16_t* value = s->placing.surfels->positions + 3 * (size_t)surfel;
+    const uint16_t* value = s->placing.splats->positions + 3 * (size_t)splat;
     double at[3];
     for (int r = 0; r < 3; ++r) {
         at[r] = s->row[r][0] * (double)value[0] + s->row[r][1] * (double)value[1] +
@@ -146,7 +146,7 @@ static bool is_centre_visible(const sight* s, uint32_t surfel)
     if (at[2] + (1.0 + DEPTH_TOLERANCE) * reach < seen) {
         return false;
     }
-    stp_vec3d n = stp_set_normal(&s->placing, surfel);
+    stp_vec3d n = stp_set_normal(&s->placing, splat);
     double facing = stp_dotd(n, s->view->toward);
     if ((s->two_sided ? fabs(facing) : facing) < MIN_FACING) {
         return false;
@@ -188,10 +188,10 @@ static size_t next_drawn(const stp_raster_target* target, size_t at, size_t coun
     return at;
 }
 
-// Surfels that won pixels become candidates. If a disk covers no pixel centre, or its neighbours
+// Splats that won pixels become candidates. If a disk covers no pixel centre, or its neighbours
 // won all its pixels, its own centre is tested.
-void stp_capture_take_surfels(const stp_capture_job* job, const stp_capture_band* band,
-                              const stp_raster_target* target, const uint64_t* primitives)
+void stp_capture_take_splats(const stp_capture_job* job, const stp_capture_band* band,
+                             const stp_raster_target* target, const uint64_t* primitives)
 {
     if (job->set_count == 0) {
         return;
@@ -211,8 +211,8 @@ void stp_capture_take_surfels(const stp_capture_job* job, const stp_capture_band
         }
         sight s = make_sight(job, band, target, set);
         for (uint32_t i = 0; i < job->sets[set].prefix; ++i) {
-            if (!was_seen(job, job->first_surfels[set] + i) && is_centre_visible(&s, i)) {
-                mark_seen(job, job->first_surfels[set] + i);
+            if (!was_seen(job, job->first_splats[set] + i) && is_centre_visible(&s, i)) {
+                mark_seen(job, job->first_splats[set] + i);
             }
         }
     }
@@ -227,7 +227,7 @@ void stp_capture_take_surfels(const stp_capture_job* job, const stp_capture_band
 
 static uint64_t word_count(const stp_capture_job* job)
 {
-    return job->first_surfels[job->set_count] / 32 + 1;
+    return job->first_splats[job->set_count] / 32 + 1;
 }
 
 static uint32_t word_at(const stp_capture_job* job, uint64_t word)
@@ -247,7 +247,7 @@ uint64_t stp_capture_seen_count(const stp_capture_job* job)
 typedef struct resolve_sets {
     const stp_capture_job* job;
     stp_candidates* out;
-    uint64_t* starts; ///< candidate of the first visible surfel of each task
+    uint64_t* starts; ///< candidate of the first visible splat of each task
 } resolve_sets;
 
 // The drawn part of a disk.
@@ -256,12 +256,12 @@ typedef struct drawn_part {
     bool has_holes;
 } drawn_part;
 
-static drawn_part find_colour(const stp_splats* s, const stp_set_entries* look, uint32_t surfel,
+static drawn_part find_colour(const stp_splats* s, const stp_set_entries* look, uint32_t splat,
                               uint8_t rgba[4])
 {
-    const uint8_t* own = s->colors + 3 * (look->first + surfel);
-    const uint8_t* before = s->colors + 3 * (look->first_before + surfel);
-    float share = surfel < look->before ? look->share : 1.0f;
+    const uint8_t* own = s->colors + 3 * (look->first + splat);
+    const uint8_t* before = s->colors + 3 * (look->first_before + splat);
+    float share = splat < look->before ? look->share : 1.0f;
     for (int k = 0; k < 3; ++k) {
         rgba[k] = own[k];
         if (share < 1.0f && before[k] != own[k]) {
@@ -269,10 +269,10 @@ static drawn_part find_colour(const stp_splats* s, const stp_set_entries* look, 
             rgba[k] = stp_linear_to_srgb8(from + (to - from) * share);
         }
     }
-    uint8_t code = s->coverages[look->first + surfel];
+    uint8_t code = s->coverages[look->first + splat];
     float chance = stp_coverage_area(code), solid = code >= STP_COVERAGE_HALVES ? 1.0f : 0.0f;
     if (share < 1.0f) {
-        uint8_t before_code = s->coverages[look->first_before + surfel];
+        uint8_t before_code = s->coverages[look->first_before + splat];
         float other = stp_coverage_area(before_code);
         chance = other + (chance - other) * share;
         solid *= before_code >= STP_COVERAGE_HALVES ? 1.0f : share;
@@ -285,19 +285,19 @@ static drawn_part find_colour(const stp_splats* s, const stp_set_entries* look, 
     return (drawn_part){chance, solid < 1.0f};
 }
 
-// The set of a surfel. Tests `set` first.
-static size_t find_set(const stp_capture_job* job, uint64_t surfel, size_t set)
+// The set of a splat. Tests `set` first.
+static size_t find_set(const stp_capture_job* job, uint64_t splat, size_t set)
 {
-    if (set < job->set_count && surfel >= job->first_surfels[set] &&
-        surfel < job->first_surfels[set + 1]) {
+    if (set < job->set_count && splat >= job->first_splats[set] &&
+        splat < job->first_splats[set + 1]) {
         return set;
     }
     size_t low = 0, high = job->set_count;
     while (high - low > 1) {
         size_t middle = low + (high - low) / 2;
-        *(surfel >= job->first_surfels[middle] ? &low : &high) = middle;
+        *(splat >= job->first_splats[middle] ? &low : &high) = middle;
     }
-    assert(surfel >= job->first_surfels[low] && surfel < job->first_surfels[low + 1]);
+    assert(splat >= job->first_splats[low] && splat < job->first_splats[low + 1]);
     return low;
 }
 
@@ -309,25 +309,25 @@ typedef struct set_area {
 static set_area find_area(const stp_placed_set* set)
 {
     double scale = stp_affine_stretch(&set->transform), disk = (double)set->radius;
-    double reach = disk - (double)set->surfels->candidate_radius; // coverage radius
+    double reach = disk - (double)set->splats->candidate_radius; // coverage radius
     reach = reach > 0.5 * disk ? reach : 0.5 * disk;
     disk *= scale, reach *= scale;
     return (set_area){STP_PI * disk * disk, STP_WHOLE_SHARE * STP_PI * reach * reach};
 }
 
 static void write_candidate(stp_candidates* out, size_t to, const stp_set_placing* placing,
-                            const stp_set_entries* look, uint32_t surfel, set_area area)
+                            const stp_set_entries* look, uint32_t splat, set_area area)
 {
-    stp_vec3 at = stp_to_float(stp_set_position(placing, surfel));
-    stp_vec3 normal = stp_to_float(stp_set_normal(placing, surfel));
+    stp_vec3 at = stp_to_float(stp_set_position(placing, splat));
+    stp_vec3 normal = stp_to_float(stp_set_normal(placing, splat));
     memcpy(out->positions + 3 * to, &at, sizeof(at));
     memcpy(out->normals + 3 * to, &normal, sizeof(normal));
-    drawn_part drawn = find_colour(placing->surfels, look, surfel, out->colors + 4 * to);
+    drawn_part drawn = find_colour(placing->splats, look, splat, out->colors + 4 * to);
     double own = drawn.has_holes ? stp_share_of_chance((double)drawn.area) * area.disk
                                  : (double)drawn.area * area.whole;
     assert(to >= out->count && !(own < 0.0));
     out->set_areas[to - out->count] = (float)(own < area.whole ? own : area.whole);
-    out->materials[to] = placing->surfels->materials[surfel];
+    out->materials[to] = placing->splats->materials[splat];
 }
 
 static void resolve_tasks(size_t begin, size_t end, uint32_t worker, void* user)
@@ -344,17 +344,17 @@ static void resolve_tasks(size_t begin, size_t end, uint32_t worker, void* user)
         set_area area = {0};
         for (uint64_t word = first; word < (last < words ? last : words); ++word) {
             for (uint32_t bits = word_at(job, word); bits != 0; bits &= bits - 1) {
-                uint64_t surfel = 32 * word + (uint64_t)__builtin_ctz(bits);
-                size_t own = find_set(job, surfel, set);
+                uint64_t splat = 32 * word + (uint64_t)__builtin_ctz(bits);
+                size_t own = find_set(job, splat, set);
                 if (own != set) {
                     set = own;
                     stp_affine placement = stp_capture_set_placement(job, set);
-                    placing = stp_set_placing_make(job->sets[set].surfels, &placement);
-                    look = stp_set_entries_of(job->sets[set].surfels, job->sets[set].prefix);
+                    placing = stp_set_placing_make(job->sets[set].splats, &placement);
+                    look = stp_set_entries_of(job->sets[set].splats, job->sets[set].prefix);
                     area = find_area(&job->sets[set]);
                 }
                 write_candidate(r->out, to++, &placing, &look,
-                                (uint32_t)(surfel - job->first_surfels[set]), area);
+                                (uint32_t)(splat - job->first_splats[set]), area);
             }
         }
     }
@@ -408,7 +408,7 @@ stp_result stp_capture_resolve_sets(const stp_capture_job* job, stp_candidates* 
 typedef struct place_sets {
     const stp_placed_set* sets;
     stp_candidates* out;
-    const size_t* starts; ///< candidate of each set's first surfel
+    const size_t* starts; ///< candidate of each set's first splat
 } place_sets;
 
 static void place_whole_sets(size_t begin, size_t end, uint32_t worker, void* user)
@@ -418,8 +418,8 @@ static void place_whole_sets(size_t begin, size_t end, uint32_t worker, void* us
     for (size_t i = begin; i < end; ++i) {
         const stp_placed_set* set = &p->sets[i];
         stp_affine placement = stp_affine_shifted(set->transform, p->out->origin);
-        stp_set_placing placing = stp_set_placing_make(set->surfels, &placement);
-        stp_set_entries look = stp_set_entries_of(set->surfels, set->prefix);
+        stp_set_placing placing = stp_set_placing_make(set->splats, &placement);
+        stp_set_entries look = stp_set_entries_of(set->splats, set->prefix);
         set_area area = find_area(set);
         for (uint32_t k = 0; k < set->prefix; ++k) {
             write_candidate(p->out, p->starts[i] + k, &placing, &look, k, area);

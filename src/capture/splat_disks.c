@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Sets of surfels in a capture (Brandt 3.4). They are drawn as disks, so that they occlude; the
-// output is the surfels themselves.
-#include "capture/surfel_disks.h"
+// Splat sets in a capture (Brandt 3.4). They are drawn as disks, so that they occlude; the
+// output is the splats themselves.
+#include "capture/splat_disks.h"
 
 #include "base/core/sort.h"
 #include "base/splats/octahedral.h"
@@ -15,10 +15,10 @@
 #define RIM_DEPTH 0.5f
 #define BACK_DEPTH 2.0f
 
-#define CHUNK 2048u           // surfels transformed at a time
-#define SIMILAR 1e-4          // tolerance for rotation plus uniform scale
-#define PIXELS_PER_SURFEL 4.0 // pixels worth testing to save one surfel
-#define BOX_SLACK 1e-5        // of nearness, for rounding
+#define CHUNK 2048u          // splats transformed at a time
+#define SIMILAR 1e-4         // tolerance for rotation plus uniform scale
+#define PIXELS_PER_SPLAT 4.0 // pixels worth testing to save one splat
+#define BOX_SLACK 1e-5       // of nearness, for rounding
 
 // Projection of a set's grid to the screen.
 typedef struct set_projection {
@@ -35,7 +35,7 @@ static set_projection project_set(const stp_capture_job* job, const stp_capture_
     set_projection out;
     const stp_placed_set* placed = &job->sets[set];
     out.placement = stp_capture_set_placement(job, set);
-    out.origin = stp_affine_point(&out.placement, stp_to_double(placed->surfels->origin));
+    out.origin = stp_affine_point(&out.placement, stp_to_double(placed->splats->origin));
     stp_boxd box = job->set_boxes[set];
     stp_vec3d centre = stp_subd(stp_scaled(stp_addd(box.min, box.max), 0.5), job->centre);
     stp_vec3d half = stp_scaled(stp_subd(box.max, box.min), 0.5);
@@ -73,7 +73,7 @@ static float nearest_fragment(const set_projection* p)
 
 // Whether the pixels drawn so far hide the whole set. Tested only if cheaper than drawing.
 static bool is_hidden(const set_projection* p, const stp_raster_target* target, uint32_t first_row,
-                      uint32_t surfels)
+                      uint32_t splats)
 {
     double right = (double)target->width - 1.0, bottom = (double)target->height - 1.0;
     double top = p->middle[1] - (double)first_row;
@@ -82,7 +82,7 @@ static bool is_hidden(const set_projection* p, const stp_raster_target* target, 
     size_t y0 = (size_t)stp_clampd(top - p->reach[1] - 1.0, 0.0, bottom);
     size_t y1 = (size_t)stp_clampd(top + p->reach[1] + 1.0, 0.0, bottom);
     assert(x0 <= x1 && y0 <= y1);
-    if ((double)(x1 - x0 + 1) * (double)(y1 - y0 + 1) > PIXELS_PER_SURFEL * (double)surfels) {
+    if ((double)(x1 - x0 + 1) * (double)(y1 - y0 + 1) > PIXELS_PER_SPLAT * (double)splats) {
         return false;
     }
     uint64_t nearest = stp_raster_pixel(nearest_fragment(p), 0);
@@ -154,22 +154,22 @@ static void draw_similar(const stp_capture_job* job, const stp_capture_band* ban
                          uint32_t first_id)
 {
     const stp_placed_set* placed = &job->sets[set];
-    const stp_splats* surfels = placed->surfels;
-    stp_set_entries look = stp_set_entries_of(surfels, placed->prefix);
+    const stp_splats* from = placed->splats;
+    stp_set_entries look = stp_set_entries_of(from, placed->prefix);
     stp_raster_camera camera =
         make_camera(&job->views[band->view], &projection->placement, projection->origin);
-    stp_raster_splats splats = {.positions = surfels->positions,
-                                .normals = surfels->normals,
+    stp_raster_splats splats = {.positions = from->positions,
+                                .normals = from->normals,
                                 .end = placed->prefix,
-                                .step = surfels->step,
+                                .step = from->step,
                                 .radius = placed->radius,
                                 .rim_depth = RIM_DEPTH,
                                 .back_depth = placed->unknown_signs ? 0.0f : BACK_DEPTH,
-                                .coverages = surfels->coverages + look.first};
+                                .coverages = from->coverages + look.first};
     stp_raster_draw_splats(target, band->row_begin, band->row_end, &camera, &splats, first_id);
 }
 
-// Draws a set under a non-uniform transform, surfel by surfel. Disks stay round; their radius uses
+// Draws a set under a non-uniform transform, splat by splat. Disks stay round; their radius uses
 // the largest scale.
 static stp_result draw_stretched(const stp_capture_job* job, const stp_capture_band* band,
                                  size_t set, const set_projection* projection,
@@ -178,7 +178,7 @@ static stp_result draw_stretched(const stp_capture_job* job, const stp_capture_b
 {
     stp_affine identity = stp_affine_identity();
     const stp_placed_set* placed = &job->sets[set];
-    stp_set_entries look = stp_set_entries_of(placed->surfels, placed->prefix);
+    stp_set_entries look = stp_set_entries_of(placed->splats, placed->prefix);
     stp_raster_camera camera = make_camera(&job->views[band->view], &identity, projection->origin);
     stp_arena_mark mark = stp_arena_get_mark(scratch);
     float* points = STP_ARENA_ARRAY(scratch, float, 3 * (size_t)CHUNK);
@@ -186,7 +186,7 @@ static stp_result draw_stretched(const stp_capture_job* job, const stp_capture_b
     if (points == NULL || normals == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
-    stp_set_placing placing = stp_set_placing_make(placed->surfels, &projection->placement);
+    stp_set_placing placing = stp_set_placing_make(placed->splats, &projection->placement);
     for (uint32_t begin = 0; begin < placed->prefix; begin += CHUNK) {
         uint32_t left = placed->prefix - begin, count = left < CHUNK ? left : CHUNK;
         for (uint32_t i = 0; i < count; ++i) {
@@ -203,7 +203,7 @@ static stp_result draw_stretched(const stp_capture_job* job, const stp_capture_b
             .radius = (float)((double)placed->radius * stp_affine_stretch(&placed->transform)),
             .rim_depth = RIM_DEPTH,
             .back_depth = placed->unknown_signs ? 0.0f : BACK_DEPTH,
-            .coverages = placed->surfels->coverages + look.first + begin};
+            .coverages = placed->splats->coverages + look.first + begin};
         stp_raster_draw_splats(target, band->row_begin, band->row_end, &camera, &splats,
                                first_id + begin);
     }
@@ -216,7 +216,7 @@ stp_result stp_capture_draw_sets(const stp_capture_job* job, const stp_capture_b
                                  const stp_raster_target* target, stp_arena* scratch)
 {
     assert(begin <= end && end <= job->set_count);
-    assert(first_id + (job->first_surfels[end] - job->first_surfels[begin]) <= UINT32_MAX &&
+    assert(first_id + (job->first_splats[end] - job->first_splats[begin]) <= UINT32_MAX &&
            "ids are 32-bit numbers");
     if (begin == end) {
         return STP_OK;
@@ -247,7 +247,7 @@ stp_result stp_capture_draw_sets(const stp_capture_job* job, const stp_capture_b
         size_t set = begin + stp_raster_id(keys[i]);
         assert(set < end);
         set_projection projection = project_set(job, view, set);
-        uint32_t id = first_id + (uint32_t)(job->first_surfels[set] - job->first_surfels[begin]);
+        uint32_t id = first_id + (uint32_t)(job->first_splats[set] - job->first_splats[begin]);
         if (is_hidden(&projection, target, band->row_begin, job->sets[set].prefix)) {
             continue;
         }
