@@ -193,7 +193,6 @@ static void read_triangle(const stp_clusters* clusters, uint32_t triangle, stp_v
     stp_cluster cluster;
     uint32_t c[3];
     stp_clusters_get(clusters, stp_clusters_find(clusters, triangle), &cluster);
-    assert(triangle - cluster.first_triangle < cluster.triangle_count && "the right cluster");
     stp_cluster_corners(&cluster, triangle - cluster.first_triangle, c);
     for (int k = 0; k < 3; ++k) {
         out[k] = stp_cluster_position(clusters, &cluster, c[k]);

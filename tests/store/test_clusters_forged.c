@@ -5,6 +5,7 @@
 #include "tests.h"
 
 #include "base/math/position_grid.h"
+#include "base/math/rng.h"
 
 /// Calls every function on clusters.
 static float use_clusters(const stp_clusters* clusters)
@@ -92,6 +93,35 @@ void test_clusters_survive_every_changed_byte(test_state* test)
         }
     }
     CHECK(refused > 2 * head); // any origins and steps are valid
+    stp_coded_mesh_destroy(context, &coded);
+    stp_context_destroy(context);
+}
+
+// Drawing looks a triangle's cluster up after the check, when the mapped file may have changed.
+void test_clusters_overwritten_after_the_check_hold_few_triangles(test_state* test)
+{
+    enum { ENTRIES = 24, ENTRY = 32, FIRST = 4 };
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_coded_mesh coded;
+    stp_clusters clusters;
+    CHECK(context != NULL && make_coded(context, 30, &coded));
+    unsigned char* bytes = malloc(coded.size);
+    CHECK(bytes != NULL);
+    memcpy(bytes, coded.bytes, coded.size);
+    CHECK(stp_clusters_open(bytes, coded.size, &clusters) == NULL && clusters.cluster_count > 2);
+    for (uint32_t i = 0; i < 1000; ++i) {
+        uint32_t at = i % clusters.cluster_count;
+        for (int k = 0; k < 4; ++k) {
+            uint64_t random = stp_rng_hash(i, (uint64_t)k);
+            bytes[ENTRIES + (size_t)ENTRY * at + FIRST + (size_t)k] =
+                i < 8 ? 0xff : (unsigned char)random;
+        }
+        for (uint32_t c = 0; c < clusters.cluster_count; ++c) {
+            CHECK(stp_clusters_triangles(&clusters, c) <= STP_CLUSTER_TRIANGLES);
+        }
+        CHECK(stp_clusters_find(&clusters, i % clusters.triangle_count) < clusters.cluster_count);
+    }
+    free(bytes);
     stp_coded_mesh_destroy(context, &coded);
     stp_context_destroy(context);
 }

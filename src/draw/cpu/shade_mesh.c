@@ -61,10 +61,11 @@ static void find_cluster(const stp_cpu_item* item, uint32_t index, cluster_place
     const stp_clusters* clusters = &item->clusters;
     uint32_t cluster = stp_clusters_find(clusters, index);
     uint32_t first = stp_clusters_first_triangle(clusters, cluster);
-    uint32_t end = cluster + 1 < clusters->cluster_count
-                       ? stp_clusters_first_triangle(clusters, cluster + 1)
-                       : clusters->triangle_count;
-    *place = (cluster_place){item->first_id + first, end - first, cluster};
+    uint32_t count = stp_clusters_triangles(clusters, cluster);
+    // in an overwritten file they may be those of another item
+    bool own = first <= index && index - first < count && count <= clusters->triangle_count - first;
+    *place = own ? (cluster_place){item->first_id + first, count, cluster}
+                 : (cluster_place){item->first_id + index, 1, cluster};
     stp_clusters_prefetch(clusters, cluster);
 }
 

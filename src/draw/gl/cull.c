@@ -92,15 +92,6 @@ static stp_result add_columns(stp_gl_renderer* r, uint32_t index, stp_store_mesh
     return STP_OK;
 }
 
-static uint32_t count_triangles(const stp_clusters* clusters, uint32_t index)
-{
-    assert(index < clusters->cluster_count);
-    uint32_t end = index + 1 < clusters->cluster_count
-                       ? stp_clusters_first_triangle(clusters, index + 1)
-                       : clusters->triangle_count;
-    return end - stp_clusters_first_triangle(clusters, index);
-}
-
 stp_result stp_gl_cull_mesh(stp_gl_renderer* r, uint32_t index)
 {
     item_block* item = &r->frame.items[index];
@@ -122,7 +113,7 @@ stp_result stp_gl_cull_mesh(stp_gl_renderer* r, uint32_t index)
     const float* shares = stp_gl_cluster_shares_get(&r->frame.shares, index);
     for (uint32_t i = 0; i < clusters.cluster_count; ++i) {
         if (shares[i] > 0.0f &&
-            !add_cluster(r, index, kind, i, count_triangles(&clusters, i), shares[i])) {
+            !add_cluster(r, index, kind, i, stp_clusters_triangles(&clusters, i), shares[i])) {
             return stp_fail_memory(r->base.context);
         }
     }
@@ -180,7 +171,7 @@ stp_result stp_gl_cull_large(stp_gl_renderer* r, uint32_t index)
     for (uint32_t i = 0; i < clusters.cluster_count; ++i) {
         bool marked = (r->frame.marks[i / 32] >> i % 32 & 1) != 0;
         if (marked && !stp_bounding_misses(&bounding, stp_clusters_bounds(&clusters, i)) &&
-            !add_cluster(r, index, kind, i, count_triangles(&clusters, i), 1.0f)) {
+            !add_cluster(r, index, kind, i, stp_clusters_triangles(&clusters, i), 1.0f)) {
             return stp_fail_memory(r->base.context);
         }
     }

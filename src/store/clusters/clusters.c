@@ -309,6 +309,15 @@ uint32_t stp_clusters_first_triangle(const stp_clusters* clusters, uint32_t inde
     return stp_read_u32(entry_at(clusters, index) + 4);
 }
 
+uint32_t stp_clusters_triangles(const stp_clusters* clusters, uint32_t index)
+{
+    uint32_t end = index + 1 < clusters->cluster_count
+                       ? stp_clusters_first_triangle(clusters, index + 1)
+                       : clusters->triangle_count;
+    uint32_t count = end - stp_clusters_first_triangle(clusters, index);
+    return count < STP_CLUSTER_TRIANGLES ? count : STP_CLUSTER_TRIANGLES; // of overwritten files
+}
+
 uint32_t stp_clusters_find(const stp_clusters* clusters, uint32_t triangle)
 {
     assert(triangle < clusters->triangle_count);

@@ -142,6 +142,8 @@ void stp_clusters_get(const stp_clusters* clusters, uint32_t index, stp_cluster*
 /// A box around the cluster, computed without opening it; at most twice as large as the tight box.
 stp_box stp_clusters_bounds(const stp_clusters* clusters, uint32_t index);
 uint32_t stp_clusters_first_triangle(const stp_clusters* clusters, uint32_t index);
+/// Number of triangles of a cluster, at most STP_CLUSTER_TRIANGLES.
+uint32_t stp_clusters_triangles(const stp_clusters* clusters, uint32_t index);
 /// The cluster that contains triangle `triangle` (below triangle_count).
 uint32_t stp_clusters_find(const stp_clusters* clusters, uint32_t triangle);
 /// Prefetches a cluster's bytes.
