@@ -58,9 +58,8 @@ static bool capture(stp_context* context, const bench_options* options, stp_cand
     if (result == STP_OK && scene->root == STP_NONE) {
         result = STP_ERROR_FORMAT;
     }
-    result = result != STP_OK
-                 ? result
-                 : stp_scene_flatten(scene, scene->root, SIZE_MAX, &parts, &part_count);
+    result = result == STP_OK ? stp_scene_flatten(scene, scene->root, SIZE_MAX, &parts, &part_count)
+                              : result;
     if (result == STP_OK) {
         stp_capture_desc desc = {.no_fill = true,
                                  .wanted_candidates = options->quick ? 200000 : 1750000};

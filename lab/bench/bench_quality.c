@@ -71,9 +71,9 @@ static stp_result draw_view(quality_run* run, const stp_view* view, float splat_
     stp_quality quality = {.splat_size = splat_size, .method = run->method, .reference = reference};
     stp_draw_style style = {.plane_depth = true};
     stp_result result = stp_select(run->context, run->store, view, &quality, &run->list);
-    return result != STP_OK
-               ? result
-               : stp_renderer_draw(run->renderer, view, &run->list, &style, image, stats);
+    return result == STP_OK
+               ? stp_renderer_draw(run->renderer, view, &run->list, &style, image, stats)
+               : result;
 }
 
 // Draws the reference picture and keeps its depths.

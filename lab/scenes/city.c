@@ -155,9 +155,9 @@ stp_result scene_make_city(stp_scene* scene, const scene_options* options)
 {
     stp_affine still = stp_affine_identity();
     stp_result result = scene_add_city(scene, STP_NONE, &still, options, NULL);
-    return result != STP_OK
-               ? result
-               : add_city_views(scene, 400.0 * sqrt(options->scale < 1.0 ? options->scale : 1.0));
+    return result == STP_OK
+               ? add_city_views(scene, 400.0 * sqrt(options->scale < 1.0 ? options->scale : 1.0))
+               : result;
 }
 
 // One sixteenth: the forum and its surroundings.

@@ -76,9 +76,9 @@ stp_result scene_make_forest(stp_scene* scene, const scene_options* options)
     mesh_recipe recipe = {"ground", make_ground, &c, material};
     result = result == STP_OK ? make_meshes(scene, &recipe, 1, &ground) : result;
     result = result == STP_OK ? add_mesh_object(scene, "ground", 0, &still, ground) : result;
-    result = result != STP_OK
-                 ? result
-                 : terrain_add_tree_meshes(scene, options->seed, 64.0 * options->scale, &first);
+    result = result == STP_OK
+                 ? terrain_add_tree_meshes(scene, options->seed, 64.0 * options->scale, &first)
+                 : result;
     result = result == STP_OK ? add_trees(scene, &c, side, first) : result;
     double far = c.half;
     result = result == STP_OK ? add_view(scene, "overview", (stp_vec3d){far, 0.8 * far, 1.3 * far},

@@ -153,9 +153,9 @@ static int order_points(stp_context* context, const char* path, tool_points* poi
         result = tool_write_points(context, args.output, points, order, ordered);
     }
     stp_free(context, order);
-    return result != STP_OK ? 1
-                            : print_report(&desc, &report, points->count, ordered,
-                                           stp_context_thread_count(context));
+    return result == STP_OK ? print_report(&desc, &report, points->count, ordered,
+                                           stp_context_thread_count(context))
+                            : 1;
 }
 
 static int run(int argc, char** argv)

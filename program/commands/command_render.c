@@ -166,9 +166,10 @@ static int find_view(session* s, const char* path, const char* name)
         view->fov_degrees = fov > 0.0 ? fov : view->fov_degrees;
         result = scene_show_viewpoint(&s->drawing.show, found);
     }
-    int code = result != STP_OK ? 1
-               : found != NULL  ? 0
-                                : view_list_refuse(name, s->drawing.store, &viewpoints);
+    int code = result == STP_OK ? 0 : 1;
+    if (result == STP_OK && found == NULL) {
+        code = view_list_refuse(name, s->drawing.store, &viewpoints);
+    }
     stp_viewpoints_destroy(s->drawing.context, &viewpoints);
     stp_free(s->drawing.context, sidecar);
     return code;
@@ -240,12 +241,13 @@ static stp_result draw_frames(session* s)
     if (result == STP_OK) {
         result = frame_draw_loaded(&s->drawing.maker, &s->view, &s->quality, &s->image, &frames[0]);
     }
-    size_t count = 0;
-    // occlusion is known from the second frame on; a reference does not use it
-    size_t maximum = result != STP_OK || !args.draw.json ? 0
-                     : frames[0].frame_ms >= slow_ms     ? !args.draw.settings.quality.reference
-                     : args.once                         ? 1
-                                                         : REPEATS;
+    size_t count = 0, maximum = 0;
+    if (result == STP_OK && args.draw.json) {
+        // occlusion is known from the second frame on; a reference does not use it
+        maximum = frames[0].frame_ms >= slow_ms ? !args.draw.settings.quality.reference
+                  : args.once                   ? 1
+                                                : REPEATS;
+    }
     while (result == STP_OK && count < maximum && (count < 3 || total < repeat_ms)) {
         result = frame_draw(&s->drawing.maker, &s->view, &s->quality, &s->image, &frames[count]);
         result = tool_is_interrupted() ? STP_ERROR_CANCELLED : result;

@@ -265,7 +265,8 @@ stp_result point_colors_elevations(stp_context* context, stp_store* store, uint3
     stp_splats splats;
     uint32_t octaves = stp_store_octaves_for(stp_store_describe_splat_set(store, set), HEIGHTS_MAX);
     stp_result result = stp_store_get_splat_set_prefix(store, set, octaves, &splats);
-    uint32_t count = result != STP_OK ? 0 : splats.count < HEIGHTS_MAX ? splats.count : HEIGHTS_MAX;
+    uint32_t count = result == STP_OK ? splats.count : 0;
+    count = count < HEIGHTS_MAX ? count : HEIGHTS_MAX;
     uint16_t* heights = STP_NEW_ARRAY(context, uint16_t, (size_t)count + 1);
     if (result == STP_OK && heights == NULL) {
         result = stp_fail_memory(context);

@@ -459,7 +459,7 @@ static stp_result build_once(stp_context* context, const stp_build_desc* desc,
     result = result == STP_OK ? import_inputs(&b) : result;
     result = result == STP_OK ? make_parts(&b) : result;
     bool intact = result != STP_OK || stp_work_is_intact(b.work);
-    result = result != STP_OK || !intact ? result : write_file(&b);
+    result = result == STP_OK && intact ? write_file(&b) : result;
     *changed = close_build(&b, result == STP_OK && intact);
     stp_progress_plan(context, NULL, 0);
     return *changed && result == STP_OK ? STP_ERROR_IO : result;

@@ -267,9 +267,9 @@ stp_result stp_work_store_splat_set(stp_work* work, stp_hash key, const stp_spla
             return STP_OK;
         }
     }
-    return result != STP_OK ? result
-                            : stp_fail(stp_work_get_context(work), STP_ERROR_IO,
-                                       "a splat set cannot be read back from the work directory");
+    return result == STP_OK ? stp_fail(stp_work_get_context(work), STP_ERROR_IO,
+                                       "a splat set cannot be read back from the work directory")
+                            : result;
 }
 
 static bool read_mesh(const void* result, size_t size, stp_coded_mesh* mesh)

@@ -51,10 +51,11 @@ static stp_result number_view(naming* n, uint32_t view)
         *number += 1;
         result = find_holder(n, n->text, view, &holder);
     } while (result == STP_OK && holder != view);
-    if (result == STP_OK) {
-        *name = stp_arena_copy_text(&scene->text, n->text, strlen(n->text));
+    if (result != STP_OK) {
+        return result;
     }
-    return result != STP_OK ? result : *name != NULL ? STP_OK : stp_fail_memory(scene->context);
+    *name = stp_arena_copy_text(&scene->text, n->text, strlen(n->text));
+    return *name != NULL ? STP_OK : stp_fail_memory(scene->context);
 }
 
 stp_result stp_scene_distinguish_views(stp_scene* scene)

@@ -43,8 +43,8 @@ static stp_result begin(stp_selection* s, stp_context* context, stp_store* store
                         STP_SECTION_PLANES);
     }
     stp_result result = stp_select_begin_requests(s);
-    return result != STP_OK || s->directory->root == STP_STORE_NONE ? result
-                                                                    : stp_select_find_graph(s);
+    return result == STP_OK && s->directory->root != STP_STORE_NONE ? stp_select_find_graph(s)
+                                                                    : result;
 }
 
 stp_result stp_select(stp_context* context, stp_store* store, const stp_view* view,

@@ -60,9 +60,9 @@ static stp_result draw(fixture* f)
     stp_draw_style style = {0};
     stp_draw_stats stats;
     stp_result result = stp_select(f->context, f->store, &f->view, &f->quality, &f->list);
-    return result != STP_OK
-               ? result
-               : stp_renderer_draw(f->renderer, &f->view, &f->list, &style, &image, &stats);
+    return result == STP_OK
+               ? stp_renderer_draw(f->renderer, &f->view, &f->list, &style, &image, &stats)
+               : result;
 }
 
 // Whether all pixels of the square are covered, except those at its edge.

@@ -27,7 +27,7 @@ static inline spilled_import import_spilled(stp_context* context, spilled_reader
     stp_scene* scene = NULL;
     stp_spill* spill = NULL;
     out.result = spills ? stp_spill_create(context, ".", &spill) : STP_OK;
-    out.result = out.result != STP_OK ? out.result : stp_scene_create(context, &scene);
+    out.result = out.result == STP_OK ? stp_scene_create(context, &scene) : out.result;
     if (out.result == STP_OK && spills) {
         stp_scene_use_spill(scene, spill, 1 << 20);
     }

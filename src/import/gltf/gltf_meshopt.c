@@ -103,9 +103,8 @@ static stp_result read_view(stp_gltf_scope* scope, const json_t* json, compresse
     view->mode = (compression_mode)mode_index;
     view->filter = (compression_filter)filter_index;
     result = check_view(scope, view);
-    return result != STP_OK
-               ? result
-               : stp_gltf_buffer_range(scope, buffer, offset, view->size, &view->bytes);
+    return result == STP_OK ? stp_gltf_buffer_range(scope, buffer, offset, view->size, &view->bytes)
+                            : result;
 }
 
 static stp_result decode_view(stp_gltf_scope* scope, const compressed_view* view,

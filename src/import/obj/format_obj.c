@@ -43,8 +43,8 @@ static stp_result read_library(stp_obj* obj, const char* name)
     }
     const char* path;
     result = stp_import_resolve_optional(obj->import, "mtllib", name, &path);
-    return result != STP_OK || path == NULL ? result
-                                            : stp_mtl_read(obj->import, path, &obj->material_names);
+    return result == STP_OK && path != NULL ? stp_mtl_read(obj->import, path, &obj->material_names)
+                                            : result;
 }
 
 static stp_result read_libraries(stp_obj* obj)

@@ -125,9 +125,9 @@ static stp_result find_material(stp_obj* obj, const char* name, uint32_t* materi
     made.name = name[0] != '\0' ? name : NULL;
     uint32_t index;
     stp_result result = stp_scene_add_material(obj->import->scene, &made, &index);
-    return result != STP_OK
-               ? result
-               : stp_lookup_add(&obj->material_names, name, strlen(name), index, material);
+    return result == STP_OK
+               ? stp_lookup_add(&obj->material_names, name, strlen(name), index, material)
+               : result;
 }
 
 static stp_result find_mesh(stp_obj* obj, uint32_t group, uint32_t material, uint32_t* mesh)

@@ -55,13 +55,13 @@ static stp_result verify_texts(stp_store* store)
     }
     for (uint32_t i = 0; result == STP_OK && i < d->source_count; ++i) {
         result = stp_store_verify_text(store, STP_SECTION_TEXT, &uses, d->sources[i].path);
-        result = result != STP_OK
-                     ? result
-                     : stp_store_verify_text(store, STP_SECTION_TEXT, &uses, d->sources[i].format);
+        result = result == STP_OK
+                     ? stp_store_verify_text(store, STP_SECTION_TEXT, &uses, d->sources[i].format)
+                     : result;
         const char* coordinates = d->sources[i].coordinate_system;
-        result = result != STP_OK
-                     ? result
-                     : stp_store_verify_text(store, STP_SECTION_TEXT, &uses, coordinates);
+        result = result == STP_OK
+                     ? stp_store_verify_text(store, STP_SECTION_TEXT, &uses, coordinates)
+                     : result;
     }
     return result;
 }

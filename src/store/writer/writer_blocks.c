@@ -139,9 +139,10 @@ stp_result stp_store_write_blocks(stp_store_writing* w)
             result = stp_store_batch_flush(batch);
             bool values = w->plan.blocks[i].kind == STP_BLOCK_ATTRIBUTES ||
                           w->plan.blocks[i].kind == STP_BLOCK_POINT_ATTRIBUTES;
-            result = result != STP_OK ? result
-                     : values         ? stp_store_write_values(w, &w->plan.blocks[i])
-                                      : write_plain(w, &w->plan.blocks[i]);
+            if (result == STP_OK) {
+                result = values ? stp_store_write_values(w, &w->plan.blocks[i])
+                                : write_plain(w, &w->plan.blocks[i]);
+            }
         }
         uint64_t pages = w->plan.blocks[i].kind == STP_BLOCK_SPLATS ? OCTAVE_PAGES : 0;
         stp_store_count_read(w, stp_file_writer_size(w->file) - written + pages);
