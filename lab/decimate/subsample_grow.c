@@ -101,21 +101,16 @@ static stp_result grow_from(growth* g, const stp_team* team, uint32_t seed_count
 {
     uint32_t before = c->count, after = before + seed_count;
     uint32_t block_count = (seed_count + BLOCK - 1) / BLOCK;
-    size_t shape_room = before, start_room = before + 1;
-    stp_subsample_candidate* shapes =
-        stp_grow_array(g->context, c->shapes, &shape_room, (size_t)after + 1, sizeof(*shapes));
-    c->shapes = shapes != NULL ? shapes : c->shapes;
-    size_t* starts =
-        stp_grow_array(g->context, c->starts, &start_room, (size_t)after + 1, sizeof(*starts));
-    c->starts = starts != NULL ? starts : c->starts;
+    bool room = STP_MAKE_ROOM(g->context, c->shapes, c->shape_capacity, (size_t)after + 1) &&
+                STP_MAKE_ROOM(g->context, c->starts, c->start_capacity, (size_t)after + 1);
     g->counts = STP_NEW_ARRAY(g->context, uint32_t, (size_t)seed_count + 1);
     g->blocks = STP_NEW_ZEROED(g->context, block, (size_t)block_count + 1);
     stp_result result = STP_OK;
-    if (shapes == NULL || starts == NULL || g->counts == NULL || g->blocks == NULL) {
+    if (!room || g->counts == NULL || g->blocks == NULL) {
         result = stp_fail_memory(g->context);
     } else {
         g->seed_count = seed_count;
-        g->shapes = shapes + before;
+        g->shapes = c->shapes + before;
         stp_team_run(team, block_count, 1, grow_blocks, g);
         result = take_blocks(g, block_count, before, c);
     }
@@ -182,7 +177,8 @@ stp_result stp_subsample_grow(stp_context* context, const stp_subsample_field* f
                 .tolerance = tolerance,
                 .maximum = maximum,
                 .seeds = seeds};
-    *candidates = (stp_subsample_candidates){.starts = STP_NEW_ZEROED(context, size_t, 1)};
+    *candidates = (stp_subsample_candidates){.starts = STP_NEW_ZEROED(context, size_t, 1),
+                                             .start_capacity = 1};
     stp_result result = STP_OK;
     if (seeds == NULL || covered == NULL || candidates->starts == NULL) {
         result = stp_fail_memory(context);

@@ -20,6 +20,7 @@ typedef struct stp_subsample_candidates {
     stp_subsample_candidate* shapes;
     size_t* starts;    ///< per candidate, start of its points in `members`; and the end
     uint32_t* members; ///< points
+    size_t shape_capacity, start_capacity;
 } stp_subsample_candidates;
 
 /// Grows candidates until each point is covered: from evenly spread points, then from all uncovered

@@ -39,15 +39,10 @@ static frame make_frame(const stp_subsample_field* field, uint32_t seed)
 
 static bool push(stp_subsample_scratch* s, uint64_t item)
 {
-    uint64_t* heap = s->heap;
-    if (s->heap_count == s->heap_capacity) {
-        heap = stp_grow_array(s->context, heap, &s->heap_capacity, (size_t)s->heap_count + 1,
-                              sizeof(*heap));
-        if (heap == NULL) {
-            return false;
-        }
-        s->heap = heap;
+    if (!STP_MAKE_ROOM(s->context, s->heap, s->heap_capacity, (size_t)s->heap_count + 1)) {
+        return false;
     }
+    uint64_t* heap = s->heap;
     uint32_t at = s->heap_count++;
     for (; at > 0 && heap[(at - 1) / 2] > item; at = (at - 1) / 2) {
         heap[at] = heap[(at - 1) / 2];

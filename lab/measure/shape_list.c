@@ -27,30 +27,26 @@ static stp_vec3d place(const placing* p, stp_vec3d at)
     return stp_subd(at, (stp_vec3d){origin[0], origin[1], origin[2]});
 }
 
-// Room for `count` more elements of `size` bytes. @return the first of them; NULL: memory ran out
-// (logged)
-static void* add_room(stp_context* context, void** array, size_t* capacity, size_t used,
-                      size_t count, size_t size)
-{
-    assert(used <= *capacity && "the same unit counts both");
-    if (used + count > *capacity || *array == NULL) {
-        void* grown = stp_grow_array(context, *array, capacity, used + count + 1, size);
-        if (grown == NULL) {
-            (void)stp_fail_memory(context);
-            return NULL;
-        }
-        *array = grown;
-    }
-    return (char*)*array + used * size;
-}
-
-static float* add_numbers(const placing* p, float** array, size_t* capacity, size_t used,
+/// Room for `count` more triples of floats. @return the first of them; NULL: memory ran out (logged)
+static float* add_triples(const placing* p, float** array, size_t* capacity, size_t used,
                           size_t count)
 {
-    void* old = *array;
-    float* added = add_room(p->context, &old, capacity, 3 * used, 3 * count, sizeof(float));
-    *array = old;
-    return added;
+    assert(3 * used <= *capacity && "the capacity counts floats");
+    if (!STP_MAKE_ROOM(p->context, *array, *capacity, 3 * (used + count))) {
+        (void)stp_fail_memory(p->context);
+        return NULL;
+    }
+    return *array + 3 * used;
+}
+
+/// Room for `count` more disks. @return the first of them; NULL: memory ran out (logged)
+static stp_disk_shape* add_disks(stp_context* context, tool_shape_list* list, size_t count)
+{
+    if (!STP_MAKE_ROOM(context, list->disks, list->disk_capacity, list->disk_count + count)) {
+        (void)stp_fail_memory(context);
+        return NULL;
+    }
+    return list->disks + list->disk_count;
 }
 
 static void place_many(const placing* p, const float* from, size_t count, float* to)
@@ -66,7 +62,7 @@ static void place_many(const placing* p, const float* from, size_t count, float*
 static stp_result add_points(const placing* p, const float* positions, size_t count)
 {
     tool_shape_list* s = p->list;
-    float* to = add_numbers(p, &s->points, &s->point_capacity, s->point_count, count);
+    float* to = add_triples(p, &s->points, &s->point_capacity, s->point_count, count);
     if (to == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
@@ -85,14 +81,15 @@ static stp_result add_triangles(const placing* p, const float* positions, size_t
         return stp_fail(p->context, STP_ERROR_LIMIT,
                         "distances: expected fewer than 4294967296 vertices and triangles");
     }
-    float* to = add_numbers(p, &s->positions, &s->position_capacity, s->vertex_count, vertex_count);
-    void* old = s->indices;
-    uint32_t* corners = add_room(p->context, &old, &s->index_capacity, 3 * s->triangle_count,
-                                 3 * triangle_count, sizeof(uint32_t));
-    s->indices = old;
-    if (to == NULL || corners == NULL) {
+    float* to = add_triples(p, &s->positions, &s->position_capacity, s->vertex_count, vertex_count);
+    if (to == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
+    if (!STP_MAKE_ROOM(p->context, s->indices, s->index_capacity,
+                       3 * (s->triangle_count + triangle_count))) {
+        return stp_fail_memory(p->context);
+    }
+    uint32_t* corners = s->indices + 3 * s->triangle_count;
     place_many(p, positions, vertex_count, to);
     for (size_t i = 0; i < 3 * triangle_count; ++i) {
         uint32_t vertex = indices != NULL ? indices[i] : (uint32_t)i;
@@ -231,11 +228,7 @@ static stp_result add_splats(const placing* p, stp_store* store, const stp_draw_
     }
     s.scale = sqrt(s.scale);
     uint32_t count = item->prefix < set.count ? item->prefix : set.count;
-    void* old = list->disks;
-    stp_disk_shape* to =
-        add_room(p->context, &old, &list->disk_capacity, list->disk_count, count, sizeof(*to));
-    list->disks = old;
-    if (to == NULL) {
+    if (add_disks(p->context, list, count) == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
     for (uint32_t i = 0; i < count; ++i) {
@@ -296,10 +289,7 @@ stp_result tool_shapes_add_store(stp_context* context, tool_shape_list* list, st
 stp_result tool_shapes_add_splats(stp_context* context, tool_shape_list* list,
                                   const tool_splat_set* splats)
 {
-    void* old = list->disks;
-    stp_disk_shape* to =
-        add_room(context, &old, &list->disk_capacity, list->disk_count, splats->count, sizeof(*to));
-    list->disks = old;
+    stp_disk_shape* to = add_disks(context, list, splats->count);
     if (to == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
@@ -317,10 +307,7 @@ stp_result tool_shapes_add_splats(stp_context* context, tool_shape_list* list,
 
 stp_result tool_shapes_draw_points(stp_context* context, tool_shape_list* list)
 {
-    void* old = list->disks;
-    stp_disk_shape* to = add_room(context, &old, &list->disk_capacity, list->disk_count,
-                                  list->point_count, sizeof(*to));
-    list->disks = old;
+    stp_disk_shape* to = add_disks(context, list, list->point_count);
     if (to == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;
     }

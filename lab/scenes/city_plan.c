@@ -32,24 +32,21 @@ void city_plan_end(city_plan* plan)
     stp_free(plan->context, plan->jar_spots);
 }
 
-// Room for one more element; NULL, and the plan fails, if out of memory.
-static void* grow(city_plan* plan, void* array, size_t* capacity, size_t count, size_t size)
+// Room for one more element, as stp_make_room; false, and the plan fails, if out of memory.
+static bool make_room(city_plan* plan, void* array_address, size_t* capacity, size_t count,
+                      size_t size)
 {
-    void* grown =
-        plan->failed ? NULL : stp_grow_array(plan->context, array, capacity, count + 1, size);
-    plan->failed = grown == NULL;
-    return grown;
+    plan->failed =
+        plan->failed || !stp_make_room(plan->context, array_address, capacity, count + 1, size);
+    return !plan->failed;
 }
 
 static uint32_t add_item(city_plan* plan, const city_item* item)
 {
-    city_item* items =
-        grow(plan, plan->items, &plan->item_capacity, plan->item_count, sizeof(*items));
-    if (items == NULL) {
+    if (!make_room(plan, &plan->items, &plan->item_capacity, plan->item_count, sizeof(*item))) {
         return 0;
     }
-    plan->items = items;
-    items[plan->item_count] = *item;
+    plan->items[plan->item_count] = *item;
     return (uint32_t)plan->item_count++;
 }
 
@@ -66,13 +63,11 @@ uint32_t city_enter(city_plan* plan, const char* name, bool top, stp_affine plac
 uint32_t city_add_piece(city_plan* plan, city_kind kind, uint32_t paint, double a, double b,
                         double c, double d)
 {
-    city_piece* pieces =
-        grow(plan, plan->pieces, &plan->piece_capacity, plan->piece_count, sizeof(*pieces));
-    if (pieces == NULL) {
+    if (!make_room(plan, &plan->pieces, &plan->piece_capacity, plan->piece_count,
+                   sizeof(*plan->pieces))) {
         return 0;
     }
-    plan->pieces = pieces;
-    pieces[plan->piece_count] = (city_piece){
+    plan->pieces[plan->piece_count] = (city_piece){
         .kind = kind, .paint = paint, .seed = random_bits(&plan->random), .sizes = {a, b, c, d}};
     return (uint32_t)plan->piece_count++;
 }
@@ -91,20 +86,16 @@ void city_put(city_plan* plan, const char* name, city_kind kind, uint32_t paint,
 
 void city_tree_spot(city_plan* plan, double x, double y, double z)
 {
-    city_spot* spots = grow(plan, plan->tree_spots, &plan->tree_spot_capacity,
-                            plan->tree_spot_count, sizeof(*spots));
-    if (spots != NULL) {
-        plan->tree_spots = spots;
-        spots[plan->tree_spot_count++] = (city_spot){plan->group, x, y, z};
+    if (make_room(plan, &plan->tree_spots, &plan->tree_spot_capacity, plan->tree_spot_count,
+                  sizeof(city_spot))) {
+        plan->tree_spots[plan->tree_spot_count++] = (city_spot){plan->group, x, y, z};
     }
 }
 
 void city_jar_spot(city_plan* plan, double x, double y, double z)
 {
-    city_spot* spots =
-        grow(plan, plan->jar_spots, &plan->jar_spot_capacity, plan->jar_spot_count, sizeof(*spots));
-    if (spots != NULL) {
-        plan->jar_spots = spots;
-        spots[plan->jar_spot_count++] = (city_spot){plan->group, x, y, z};
+    if (make_room(plan, &plan->jar_spots, &plan->jar_spot_capacity, plan->jar_spot_count,
+                  sizeof(city_spot))) {
+        plan->jar_spots[plan->jar_spot_count++] = (city_spot){plan->group, x, y, z};
     }
 }

@@ -18,37 +18,26 @@ void mesh_builder_destroy(mesh_builder* builder)
     *builder = (mesh_builder){.context = builder->context};
 }
 
-// Grows one vertex array for one more vertex; all arrays grow alike. NULL if out of memory.
-static void* grow_array(const mesh_builder* builder, void* array, size_t size, size_t* capacity)
+static bool make_vertex_room(mesh_builder* b, size_t needed)
 {
-    *capacity = builder->vertex_capacity;
-    return stp_grow_array(builder->context, array, capacity, builder->vertex_count + 1, size);
+    size_t before = b->vertex_capacity, capacities[] = {before, before, before}; // grow alike
+    bool made = stp_make_room(b->context, &b->positions, &capacities[0], needed, 3 * sizeof(float));
+    made = made && (b->flat || stp_make_room(b->context, &b->normals, &capacities[1], needed,
+                                             3 * sizeof(float)));
+    made = made && (!b->colored || stp_make_room(b->context, &b->colors, &capacities[2], needed,
+                                                 4 * sizeof(uint16_t)));
+    b->vertex_capacity = made ? capacities[0] : before;
+    return made;
 }
 
-static bool grow_vertices(mesh_builder* builder)
+bool mesh_builder_make_room(mesh_builder* builder, size_t vertices, size_t indices)
 {
-    size_t capacity;
-    float* positions = grow_array(builder, builder->positions, 3 * sizeof(float), &capacity);
-    if (positions == NULL) {
-        return false;
-    }
-    builder->positions = positions;
-    if (!builder->flat) {
-        float* normals = grow_array(builder, builder->normals, 3 * sizeof(float), &capacity);
-        if (normals == NULL) {
-            return false;
-        }
-        builder->normals = normals;
-    }
-    if (builder->colored) {
-        uint16_t* colors = grow_array(builder, builder->colors, 4 * sizeof(uint16_t), &capacity);
-        if (colors == NULL) {
-            return false;
-        }
-        builder->colors = colors;
-    }
-    builder->vertex_capacity = capacity;
-    return true;
+    size_t needed = builder->vertex_count + vertices;
+    builder->failed = builder->failed ||
+                      (needed > builder->vertex_capacity && !make_vertex_room(builder, needed)) ||
+                      !STP_MAKE_ROOM(builder->context, builder->indices, builder->index_capacity,
+                                     builder->index_count + indices);
+    return !builder->failed;
 }
 
 static uint16_t color_value(double value)
@@ -87,9 +76,7 @@ uint32_t mesh_builder_vertex(mesh_builder* builder, stp_vec3 position, stp_vec3 
     if (builder->counting) {
         return (uint32_t)builder->vertex_count++;
     }
-    if (builder->failed ||
-        (builder->vertex_count == builder->vertex_capacity && !grow_vertices(builder))) {
-        builder->failed = true;
+    if (!mesh_builder_make_room(builder, 1, 0)) {
         return 0;
     }
     stp_vec3d moved = stp_affine_point(&builder->place, stp_to_double(position));
@@ -112,12 +99,8 @@ void mesh_builder_triangle(mesh_builder* builder, uint32_t a, uint32_t b, uint32
         builder->index_count += 3;
         return;
     }
-    if (builder->index_count + 3 > builder->index_capacity) {
-        if (!STP_MAKE_ROOM(builder->context, builder->indices, builder->index_capacity,
-                           builder->index_count + 3)) {
-            builder->failed = true;
-            return;
-        }
+    if (!mesh_builder_make_room(builder, 0, 3)) {
+        return;
     }
     uint32_t* corner = builder->indices + builder->index_count;
     corner[0] = a;

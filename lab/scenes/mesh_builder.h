@@ -28,6 +28,8 @@ typedef struct mesh_builder {
 
 void mesh_builder_init(mesh_builder* builder, stp_context* context);
 void mesh_builder_destroy(mesh_builder* builder);
+/// Makes room for more vertices and indices. @return false if the builder has failed
+bool mesh_builder_make_room(mesh_builder* builder, size_t vertices, size_t indices);
 /// @return the index of the vertex (0 after a failure)
 uint32_t mesh_builder_vertex(mesh_builder* builder, stp_vec3 position, stp_vec3 normal);
 /// Sets the colour (linear, 0..1) of the next vertices. A mesh with colours must begin with this

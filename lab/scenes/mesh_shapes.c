@@ -88,37 +88,10 @@ const shape_ring* shape_circle(shaper* s, int sides)
     return ring;
 }
 
-static bool grow(mesh_builder* b, size_t vertices, size_t indices)
-{
-    if (b->vertex_count + vertices > b->vertex_capacity) {
-        size_t capacity = b->vertex_capacity, needed = b->vertex_count + vertices;
-        float* positions =
-            stp_grow_array(b->context, b->positions, &capacity, needed, 3 * sizeof(float));
-        if (positions == NULL) {
-            return false;
-        }
-        b->positions = positions;
-        capacity = b->vertex_capacity;
-        float* normals =
-            stp_grow_array(b->context, b->normals, &capacity, needed, 3 * sizeof(float));
-        if (normals == NULL) {
-            return false;
-        }
-        b->normals = normals;
-        b->vertex_capacity = capacity;
-    }
-    if (b->index_count + indices > b->index_capacity) {
-        if (!STP_MAKE_ROOM(b->context, b->indices, b->index_capacity, b->index_count + indices)) {
-            return false;
-        }
-    }
-    return true;
-}
-
 void shaper_reserve(shaper* s, uint64_t vertices, uint64_t triangles)
 {
     mesh_builder* b = s->builder;
-    b->failed = b->failed || !grow(b, (size_t)vertices, 3 * (size_t)triangles);
+    mesh_builder_make_room(b, (size_t)vertices, 3 * (size_t)triangles);
 }
 
 // Far below the designed detail, omits random shapes, except for the first ones of a mesh, which
@@ -141,11 +114,7 @@ bool shape_begin(shaper* s, uint64_t vertices, uint64_t triangles, shape_patch* 
     s->vertices += vertices;
     s->triangles += triangles;
     mesh_builder* b = s->builder;
-    if (b == NULL || b->failed) {
-        return false;
-    }
-    if (!grow(b, (size_t)vertices, 3 * (size_t)triangles)) {
-        b->failed = true;
+    if (b == NULL || !mesh_builder_make_room(b, (size_t)vertices, 3 * (size_t)triangles)) {
         return false;
     }
     *patch = (shape_patch){.position = b->positions + 3 * b->vertex_count,

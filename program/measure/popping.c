@@ -82,13 +82,8 @@ stp_result stp_popping_add(stp_context* context, stp_popping* popping, const stp
     p.columns = (uint32_t)(((uint64_t)before->width + STP_POPPING_BLOCK - 1) / STP_POPPING_BLOCK);
     size_t rows = ((size_t)before->height + STP_POPPING_BLOCK - 1) / STP_POPPING_BLOCK;
     size_t blocks = rows * p.columns;
-    if (blocks > popping->value_capacity) {
-        void* grown = stp_grow_array(context, popping->values, &popping->value_capacity, blocks,
-                                     sizeof(popping->values[0]));
-        if (grown == NULL) {
-            return stp_fail_memory(context);
-        }
-        popping->values = grown;
+    if (!STP_MAKE_ROOM(context, popping->values, popping->value_capacity, blocks)) {
+        return stp_fail_memory(context);
     }
     p.values = popping->values;
     stp_parallel_for(context, rows, 8, measure_rows, &p);

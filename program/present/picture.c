@@ -11,11 +11,9 @@ static stp_result read_stdin(stp_context* context, unsigned char** bytes, size_t
 {
     size_t capacity = 0;
     for (;;) {
-        unsigned char* grown = stp_grow_array(context, *bytes, &capacity, *size + BLOCK, 1);
-        if (grown == NULL) {
+        if (!STP_MAKE_ROOM(context, *bytes, capacity, *size + BLOCK)) {
             return stp_fail_memory(context);
         }
-        *bytes = grown;
         size_t got = fread(*bytes + *size, 1, BLOCK, stdin);
         *size += got;
         if (got < BLOCK) {

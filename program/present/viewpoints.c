@@ -105,21 +105,16 @@ static bool copy_viewpoint(stp_context* context, const stp_viewpoint* from, stp_
 stp_result stp_viewpoints_add(stp_context* context, stp_viewpoints* viewpoints,
                               stp_viewpoint* added)
 {
-    stp_viewpoint* views = NULL;
-    if (viewpoints->count < STP_VIEWPOINTS_MAX) {
-        views = stp_grow_array(context, viewpoints->views, &viewpoints->capacity,
-                               viewpoints->count + 1, sizeof(*views));
+    if (viewpoints->count >= STP_VIEWPOINTS_MAX) {
+        return stp_fail(context, STP_ERROR_LIMIT, "a file holds at most %d viewpoints",
+                        STP_VIEWPOINTS_MAX);
     }
-    if (views == NULL) {
-        return viewpoints->count < STP_VIEWPOINTS_MAX
-                   ? stp_fail_memory(context)
-                   : stp_fail(context, STP_ERROR_LIMIT, "a file holds at most %d viewpoints",
-                              STP_VIEWPOINTS_MAX);
+    if (!STP_MAKE_ROOM(context, viewpoints->views, viewpoints->capacity, viewpoints->count + 1)) {
+        return stp_fail_memory(context);
     }
-    viewpoints->views = views;
     assert(viewpoints->count < viewpoints->capacity);
     assert(stp_viewpoints_find(viewpoints, added->name) == NULL && "names are unique");
-    views[viewpoints->count++] = *added;
+    viewpoints->views[viewpoints->count++] = *added;
     return STP_OK;
 }
 

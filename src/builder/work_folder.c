@@ -157,10 +157,7 @@ stp_result stp_work_folder_list(const stp_work_folder* folder, uint32_t** number
     for (struct dirent* entry; result == STP_OK && (entry = readdir(entries)) != NULL;) {
         uint32_t number = stp_work_segment_number(entry->d_name);
         if (number != UINT32_MAX) {
-            uint32_t* grown =
-                stp_grow_array(place->context, *numbers, &capacity, *count + 1, sizeof(*grown));
-            if (grown != NULL) {
-                *numbers = grown;
+            if (STP_MAKE_ROOM(place->context, *numbers, capacity, *count + 1)) {
                 (*numbers)[(*count)++] = number;
             } else {
                 result = stp_fail_memory(place->context);

@@ -115,12 +115,11 @@ stp_result stp_builder_add_file(stp_builder* builder, const char* path)
     if (result != STP_OK) {
         return result;
     }
-    char** files = stp_grow_array(context, builder->files, &builder->file_capacity,
-                                  builder->file_count + 1, sizeof(*files));
-    builder->files = files != NULL ? files : builder->files;
+    bool room =
+        STP_MAKE_ROOM(context, builder->files, builder->file_capacity, builder->file_count + 1);
     bool is_scene_name = strncmp(path, generated, sizeof(generated) - 1) == 0;
     size_t size = strlen(path) + 3;
-    char* copy = files != NULL ? stp_alloc(context, size) : NULL;
+    char* copy = room ? stp_alloc(context, size) : NULL;
     if (copy == NULL) {
         return stp_fail_memory(context);
     }

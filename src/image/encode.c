@@ -21,13 +21,10 @@ static int append(spng_ctx* codec, void* user, void* source, size_t size)
 {
     (void)codec;
     byte_sink* sink = user;
-    unsigned char* grown =
-        stp_grow_array(sink->context, sink->bytes, &sink->capacity, sink->size + size, 1);
-    if (grown == NULL) {
+    if (!STP_MAKE_ROOM(sink->context, sink->bytes, sink->capacity, sink->size + size)) {
         sink->out_of_memory = true;
         return SPNG_IO_ERROR;
     }
-    sink->bytes = grown;
     assert(sink->size + size <= sink->capacity);
     memcpy(sink->bytes + sink->size, source, size);
     sink->size += size;

@@ -59,14 +59,11 @@ static bool is_moving(const stp_node* node)
 static stp_result add_item(partition* p, const item* added)
 {
     stp_context* context = p->scene->context;
-    item* items = p->item_count < STP_NONE ? stp_grow_array(context, p->items, &p->item_capacity,
-                                                            p->item_count + 1, sizeof(*items))
-                                           : NULL;
-    if (items == NULL) {
+    if (p->item_count >= STP_NONE ||
+        !STP_MAKE_ROOM(context, p->items, p->item_capacity, p->item_count + 1)) {
         return stp_fail_memory(context);
     }
-    p->items = items;
-    items[p->item_count++] = *added;
+    p->items[p->item_count++] = *added;
     return STP_OK;
 }
 

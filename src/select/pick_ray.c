@@ -121,18 +121,13 @@ static stp_result push(walk* w, const record* added)
                         "pick: the ray passes more than %d nodes before the first hit",
                         MAX_RECORDS);
     }
-    record* records = stp_grow_array(work->context, w->records, &w->record_capacity,
-                                     w->record_count + 1, sizeof(*records));
-    w->records = records != NULL ? records : w->records;
-    waiting* heap =
-        stp_grow_array(work->context, w->heap, &w->heap_capacity, w->heap_count + 1, sizeof(*heap));
-    w->heap = heap != NULL ? heap : w->heap;
-    if (records == NULL || heap == NULL) {
+    if (!STP_MAKE_ROOM(work->context, w->records, w->record_capacity, w->record_count + 1) ||
+        !STP_MAKE_ROOM(work->context, w->heap, w->heap_capacity, w->heap_count + 1)) {
         return stp_fail_memory(work->context);
     }
-    records[w->record_count++] = *added;
-    heap[w->heap_count] = entry;
-    sift_up(heap, w->heap_count++);
+    w->records[w->record_count++] = *added;
+    w->heap[w->heap_count] = entry;
+    sift_up(w->heap, w->heap_count++);
     return STP_OK;
 }
 

@@ -75,14 +75,11 @@ static bool find_free(stp_visibility* v, uint32_t* index)
         v->first_free = v->mixed[*index].next_free;
         return true;
     }
-    stp_visibility_mixed* mixed = stp_grow_array(v->context, v->mixed, &v->mixed_capacity,
-                                                 v->mixed_count + 1, sizeof(*mixed));
-    if (mixed == NULL || v->mixed_count >= UINT32_MAX - STP_SHOW_MIXED) {
-        v->mixed = mixed != NULL ? mixed : v->mixed;
+    if (v->mixed_count >= UINT32_MAX - STP_SHOW_MIXED ||
+        !STP_MAKE_ROOM(v->context, v->mixed, v->mixed_capacity, v->mixed_count + 1)) {
         (void)stp_fail_memory(v->context);
         return false;
     }
-    v->mixed = mixed;
     *index = (uint32_t)v->mixed_count++;
     return true;
 }

@@ -95,7 +95,7 @@ void test_context_refuses_impossible_sizes(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_grow_array_keeps_elements(test_state* test)
+void test_make_room_keeps_elements(test_state* test)
 {
     test_heap heap = TEST_HEAP(-1);
     stp_context* context = test_context(&heap, 1, NULL);
@@ -103,15 +103,15 @@ void test_grow_array_keeps_elements(test_state* test)
     uint32_t* array = NULL;
     size_t capacity = 0;
     for (uint32_t i = 0; i < 5000; ++i) {
-        array = stp_grow_array(context, array, &capacity, i + 1, sizeof(*array));
-        CHECK(array != NULL && capacity > i);
+        CHECK(STP_MAKE_ROOM(context, array, capacity, i + 1));
+        CHECK(capacity > i);
         array[i] = i * 7;
     }
     for (uint32_t i = 0; i < 5000; ++i) {
         CHECK_EQUAL(i * 7, array[i]);
     }
     CHECK(heap.count < 30); // grows by a factor, not by one element
-    CHECK(stp_grow_array(context, array, &capacity, SIZE_MAX / 2, sizeof(*array)) == NULL);
+    CHECK(!STP_MAKE_ROOM(context, array, capacity, SIZE_MAX / 2));
     CHECK_EQUAL(4999 * 7, array[4999]); // still valid after a failed growth
     stp_free(context, array);
     stp_context_destroy(context);

@@ -50,8 +50,8 @@ static bool list_triangles(const stp_scene* scene, uint32_t node, triangles* t)
         const stp_point_set* set = mesh == NULL ? &scene->point_sets[part.index] : NULL;
         size_t count = mesh != NULL ? mesh->triangle_count : set->point_count;
         uint32_t salt = 8 * (mesh != NULL ? mesh->material : 1000 + set->material) + parts[i].flags;
-        t->keys = stp_grow_array(scene->context, t->keys, &capacity, t->count + count, 8);
-        for (uint32_t k = 0; t->keys != NULL && k < count; ++k) {
+        bool room = STP_MAKE_ROOM(scene->context, t->keys, capacity, t->count + count);
+        for (uint32_t k = 0; room && k < count; ++k) {
             uint32_t source =
                 set != NULL ? ((const uint16_t*)set->attributes[STP_ATTRIBUTE_SOURCE])[k] : 0;
             t->keys[t->count++] = mesh != NULL

@@ -229,11 +229,13 @@ void stp_free(stp_context* context, void* memory)
     }
 }
 
-void* stp_grow_array(stp_context* context, void* array, size_t* capacity, size_t needed,
-                     size_t size)
+bool stp_make_room(stp_context* context, void* array_address, size_t* capacity, size_t needed,
+                   size_t size)
 {
+    void* array;
+    memcpy(&array, array_address, sizeof(array)); // whatever it points to
     if (array != NULL && needed <= *capacity) {
-        return array;
+        return true;
     }
     assert(size > 0);
     size_t grown = *capacity + *capacity / 2;
@@ -241,26 +243,15 @@ void* stp_grow_array(stp_context* context, void* array, size_t* capacity, size_t
     grown = grown < 16 ? 16 : grown;
     void* moved = stp_alloc_array(context, grown, size);
     if (moved == NULL) {
-        return NULL;
+        return false;
     }
     if (array != NULL) {
         memcpy(moved, array, *capacity * size);
         stp_free(context, array);
     }
+    memcpy(array_address, &moved, sizeof(moved));
     *capacity = grown;
-    return moved;
-}
-
-bool stp_make_room(stp_context* context, void* array_address, size_t* capacity, size_t needed,
-                   size_t size)
-{
-    void* array;
-    memcpy(&array, array_address, sizeof(array)); // whatever it points to
-    array = stp_grow_array(context, array, capacity, needed, size);
-    if (array != NULL) {
-        memcpy(array_address, &array, sizeof(array));
-    }
-    return array != NULL;
+    return true;
 }
 
 static void log_message(stp_context* context, stp_log_level level, const char* format, va_list list)

@@ -28,18 +28,13 @@ uint64_t stp_usable_memory(uint64_t limit);
 /// Returns free malloc memory to the system. Call after work with many small allocations.
 void stp_trim_heap(void);
 
-/// Grows an array to at least `needed` elements of `size` bytes, by half each time. Elements are
-/// kept.
-/// @return the array, which may have moved; NULL if out of memory (the old array stays valid)
-void* stp_grow_array(stp_context* context, void* array, size_t* capacity, size_t needed,
-                     size_t size);
-
-/// stp_grow_array for an array at its address, a pointer to any type. @return false if out of
-/// memory, not logged: the array is as before
+/// Makes room for `needed` elements of `size` bytes in an array, which may move: grows it by half or
+/// more and keeps its elements. `array_address` points to the array's pointer, of any type. @return
+/// false if out of memory, not logged: the array is as before
 STP_MUST_USE bool stp_make_room(stp_context* context, void* array_address, size_t* capacity,
                                 size_t needed, size_t size);
-/// Makes room for `needed` elements in an array, which may move. `array` and `capacity` (size_t)
-/// are the variables or members themselves. @return false if out of memory, not logged
+/// stp_make_room where the pointer's type gives the size. `array` and `capacity` (size_t) are the
+/// variables or members themselves.
 #define STP_MAKE_ROOM(context, array, capacity, needed)                                            \
     stp_make_room((context), &(array), &(capacity), (needed), sizeof(*(array)))
 

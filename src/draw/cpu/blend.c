@@ -28,14 +28,11 @@ static stp_result make_room(stp_cpu_renderer* r)
 static stp_result make_bits(stp_cpu_renderer* r)
 {
     stp_cpu_blend* b = &r->blend;
-    void* visible = b->visible;
-    stp_result result = stp_cpu_grow(r->base.context, &visible, &b->visible_capacity, r->late_count,
-                                     sizeof(*b->visible));
-    b->visible = visible;
-    if (result == STP_OK && r->late_count > 0) {
-        memset(b->visible, 0, r->late_count * sizeof(*b->visible));
+    if (!STP_MAKE_ROOM(r->base.context, b->visible, b->visible_capacity, r->late_count)) {
+        return stp_fail_memory(r->base.context);
     }
-    return result;
+    memset(b->visible, 0, r->late_count * sizeof(*b->visible));
+    return STP_OK;
 }
 
 static uint32_t count_blocks(uint32_t pixels, uint32_t shift)
@@ -50,11 +47,9 @@ static stp_result make_blocks(stp_cpu_renderer* r)
     b->block_shift = 3 + stp_cpu_choose_level(r, &r->frame, STP_DEPTH_PYRAMID_LEVELS);
     size_t columns = count_blocks(r->width, b->block_shift);
     size_t count = columns * count_blocks(r->height, b->block_shift);
-    void* blocks = b->blocks;
-    stp_result result =
-        stp_cpu_grow(r->base.context, &blocks, &b->block_capacity, 2 * count, sizeof(*b->blocks));
-    b->blocks = blocks;
-    return result;
+    return STP_MAKE_ROOM(r->base.context, b->blocks, b->block_capacity, 2 * count)
+               ? STP_OK
+               : stp_fail_memory(r->base.context);
 }
 
 /// Finds the nearest of all workers' pixels; only pixels of splats are blended.

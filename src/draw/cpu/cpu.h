@@ -307,10 +307,6 @@ stp_raster_occluder stp_cpu_make_occluder(const stp_view_frame* frame, const dou
 /// touch few.
 uint32_t stp_cpu_choose_level(const stp_cpu_renderer* r, const stp_view_frame* frame,
                               uint32_t level_count);
-/// Grows an array to at least this many elements. @return STP_OK or STP_ERROR_OUT_OF_MEMORY
-/// (logged)
-STP_MUST_USE stp_result stp_cpu_grow(stp_context* context, void** memory, size_t* capacity,
-                                     size_t wanted, size_t size);
 /// Prepares the occlusion test of all items before `first` with content occluded for the eye.
 void stp_cpu_place_late_occluders(stp_cpu_renderer* r, const stp_draw_list* list, size_t first);
 /// Whether the pyramid occludes a box in item space.

@@ -85,11 +85,11 @@ static bool may_have(const stp_cpu_renderer* r, const stp_cpu_item* item)
 static stp_result list_tasks(stp_cpu_renderer* r, bool* any)
 {
     stp_cpu_layers* l = &r->layers;
-    void* alive = l->alive;
-    stp_result result =
-        stp_cpu_grow(r->base.context, &alive, &l->alive_capacity, r->task_count, sizeof(*l->alive));
-    l->alive = alive;
     *any = false;
+    if (!STP_MAKE_ROOM(r->base.context, l->alive, l->alive_capacity, r->task_count)) {
+        return stp_fail_memory(r->base.context);
+    }
+    stp_result result = STP_OK;
     for (size_t i = 0; i < r->item_count && result == STP_OK; ++i) {
         uint32_t end = i + 1 < r->item_count ? r->items[i + 1].first_task : r->task_count;
         assert(r->items[i].first_task <= end && end <= r->task_count && "tasks ascend");

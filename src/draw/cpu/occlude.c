@@ -10,21 +10,6 @@
 /// Pyramid levels used for splats: blocks of up to 64 pixels.
 enum { MAX_SHIFT = 6, FIRST_SHIFT = 3 };
 
-stp_result stp_cpu_grow(stp_context* context, void** memory, size_t* capacity, size_t wanted,
-                        size_t size)
-{
-    if (wanted <= *capacity) {
-        return STP_OK;
-    }
-    void* grown = stp_grow_array(context, *memory, capacity, wanted, size);
-    if (grown == NULL) {
-        return stp_fail_memory(context);
-    }
-    assert(wanted <= *capacity);
-    *memory = grown;
-    return STP_OK;
-}
-
 stp_result stp_cpu_prepare_late(stp_cpu_renderer* r, size_t first)
 {
     assert(first <= r->item_count);
@@ -43,15 +28,10 @@ stp_result stp_cpu_prepare_late(stp_cpu_renderer* r, size_t first)
     stp_result result = STP_OK;
     for (uint32_t i = 0; i < r->eye_count && result == STP_OK; ++i) {
         stp_cpu_eye* eye = &r->eyes[i];
-        void* late = eye->late;
-        void* tasks = eye->late_tasks;
-        result = stp_cpu_grow(r->base.context, &late, &eye->late_capacity, r->late_count,
-                              sizeof(*eye->late));
-        eye->late = late;
-        if (result == STP_OK) {
-            result =
-                stp_cpu_grow(r->base.context, &tasks, &eye->late_task_capacity, r->task_count, 1);
-            eye->late_tasks = tasks;
+        if (!STP_MAKE_ROOM(r->base.context, eye->late, eye->late_capacity, r->late_count) ||
+            !STP_MAKE_ROOM(r->base.context, eye->late_tasks, eye->late_task_capacity,
+                           r->task_count)) {
+            result = stp_fail_memory(r->base.context);
         }
     }
     return result;
@@ -88,16 +68,13 @@ stp_result stp_cpu_prepare_occluder(stp_cpu_renderer* r)
         return STP_OK;
     }
     uint32_t level = stp_cpu_choose_level(r, &p->frame, p->level_count);
-    void* windows = eye->windows;
-    stp_result result =
-        stp_cpu_grow(r->base.context, &windows, &eye->window_capacity,
-                     (size_t)p->columns[level] * p->rows[level], sizeof(*eye->windows));
-    eye->windows = windows;
     eye->window_level = level;
-    if (result == STP_OK) {
-        stp_raster_make_windows(p->levels[level], p->columns[level], p->rows[level], eye->windows);
+    if (!STP_MAKE_ROOM(r->base.context, eye->windows, eye->window_capacity,
+                       (size_t)p->columns[level] * p->rows[level])) {
+        return stp_fail_memory(r->base.context);
     }
-    return result;
+    stp_raster_make_windows(p->levels[level], p->columns[level], p->rows[level], eye->windows);
+    return STP_OK;
 }
 
 stp_raster_occluder stp_cpu_make_occluder(const stp_view_frame* frame, const double rows[3][4],

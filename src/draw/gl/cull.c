@@ -129,17 +129,13 @@ static stp_result mark_clusters(stp_gl_renderer* r, const stp_draw_item* draw,
     stp_result result =
         stp_store_get_large_triangles(r->store, draw->index, draw->large_min, &large);
     size_t words = (size_t)clusters->cluster_count / 32 + 1;
-    uint32_t* marks = f->marks;
-    if (result == STP_OK && words > f->mark_capacity) {
-        marks = stp_grow_array(r->base.context, marks, &f->mark_capacity, words, sizeof(*f->marks));
-        if (marks == NULL) {
-            return stp_fail_memory(r->base.context);
-        }
-        f->marks = marks;
-    }
     if (result != STP_OK) {
         return result;
     }
+    if (!STP_MAKE_ROOM(r->base.context, f->marks, f->mark_capacity, words)) {
+        return stp_fail_memory(r->base.context);
+    }
+    uint32_t* marks = f->marks;
     memset(marks, 0, words * sizeof(*marks));
     uint32_t count = stp_large_triangles_find(&large, draw->large_from);
     for (uint32_t i = 0; i < count; ++i) {

@@ -150,14 +150,11 @@ static stp_result start(helper* h)
 // Reads the available data. *ended is set at the end of the stream.
 static stp_result receive(helper* h, bool* ended)
 {
-    unsigned char* bytes =
-        stp_grow_array(h->context, h->bytes, &h->capacity, h->size + READ_SIZE, 1);
-    if (bytes == NULL) {
+    if (!STP_MAKE_ROOM(h->context, h->bytes, h->capacity, h->size + READ_SIZE)) {
         return stp_fail_memory(h->context);
     }
-    h->bytes = bytes;
     assert(h->size < h->capacity);
-    ssize_t count = read(h->descriptor, bytes + h->size, h->capacity - h->size);
+    ssize_t count = read(h->descriptor, h->bytes + h->size, h->capacity - h->size);
     if (count < 0 && errno != EINTR && errno != EAGAIN) {
         return stp_fail(h->context, STP_ERROR_IO, "%s: the pipe to assimp broke: %s",
                         h->import->path, strerror(errno));

@@ -60,13 +60,11 @@ static stp_result add_packet(finder* f, uint32_t size)
     }
     assert(count <= STREAMS_MAX && f->used_count <= STP_E57_SLOTS);
     size_t first = (size_t)scan->packet_count * f->used_count, needed = first + 2 * f->used_count;
-    uint64_t* places = stp_grow_array(context, scan->places, &f->capacity_places, needed, 8);
-    scan->places = places != NULL ? places : scan->places;
-    uint64_t* before = stp_grow_array(context, scan->before, &f->capacity_before, needed, 8);
-    scan->before = before != NULL ? before : scan->before;
-    if (places == NULL || before == NULL) {
+    if (!STP_MAKE_ROOM(context, scan->places, f->capacity_places, needed) ||
+        !STP_MAKE_ROOM(context, scan->before, f->capacity_before, needed)) {
         return stp_fail_memory(context);
     }
+    uint64_t *places = scan->places, *before = scan->before;
     uint64_t offset = PACKET_HEADER + 2 * (uint64_t)count;
     for (uint32_t stream = 0; stream < count; ++stream) {
         uint32_t length = stp_read_u16(lengths + 2 * (size_t)stream);

@@ -11,15 +11,9 @@
 void* stp_obj_grow(stp_context* context, stp_obj_array* array, size_t count, size_t size)
 {
     assert(array->count <= array->capacity && size > 0);
-    if (array->items == NULL || array->capacity - array->count < count) {
-        void* items =
-            stp_grow_array(context, array->items, &array->capacity, array->count + count, size);
-        if (items == NULL) {
-            return NULL;
-        }
-        array->items = items;
-    }
-    return (unsigned char*)array->items + array->count * size;
+    return stp_make_room(context, &array->items, &array->capacity, array->count + count, size)
+               ? (unsigned char*)array->items + array->count * size
+               : NULL;
 }
 
 static void parse_chunks(size_t begin, size_t end, uint32_t worker, void* user)

@@ -74,13 +74,11 @@ static stp_result grow(stp_weld* weld)
 
 static stp_result keep_place(stp_weld* weld, stp_vec3 place)
 {
-    float* positions = stp_grow_array(weld->context, weld->positions, &weld->vertex_capacity,
-                                      weld->vertex_count + 1, 3 * sizeof(float));
-    if (positions == NULL) {
+    if (!stp_make_room(weld->context, &weld->positions, &weld->vertex_capacity,
+                       weld->vertex_count + 1, sizeof(place))) {
         return stp_fail_memory(weld->context);
     }
-    weld->positions = positions;
-    memcpy(positions + 3 * weld->vertex_count, &place, sizeof(place));
+    memcpy(weld->positions + 3 * weld->vertex_count, &place, sizeof(place));
     return STP_OK;
 }
 
@@ -101,17 +99,14 @@ stp_result stp_weld_add(stp_weld* weld, stp_vec3 place)
     if (2 * (weld->vertex_count + 1) > weld->slot_count) {
         result = grow(weld);
     }
-    uint32_t* indices = weld->indices;
-    if (result == STP_OK && weld->index_count == weld->index_capacity) {
-        indices = stp_grow_array(weld->context, weld->indices, &weld->index_capacity,
-                                 weld->index_count + 1, sizeof(*indices));
-        result = indices != NULL ? STP_OK : stp_fail_memory(weld->context);
-    }
     if (result != STP_OK) {
         return result;
     }
+    if (!STP_MAKE_ROOM(weld->context, weld->indices, weld->index_capacity, weld->index_count + 1)) {
+        return stp_fail_memory(weld->context);
+    }
     assert(2 * weld->vertex_count < weld->slot_count && "searches end at a free slot");
-    weld->indices = indices;
+    uint32_t* indices = weld->indices;
     size_t slot = first_slot(weld, place);
     for (uint32_t found; (found = weld->slots[slot]) != 0;
          slot = (slot + 1) & (weld->slot_count - 1)) {

@@ -27,21 +27,10 @@ typedef struct encoding {
 /// @return false if memory runs out
 static bool append_cluster(encoding* e, uint32_t first_triangle)
 {
-    if (e->data_capacity - e->data_size < CLUSTER_MAX_BYTES) {
-        unsigned char* data = stp_grow_array(e->context, e->data, &e->data_capacity,
-                                             e->data_size + CLUSTER_MAX_BYTES, 1);
-        e->data = data != NULL ? data : e->data;
-        if (data == NULL) {
-            return false;
-        }
-    }
-    if (e->entry_count == e->entry_capacity) {
-        unsigned char* entries = stp_grow_array(e->context, e->entries, &e->entry_capacity,
-                                                e->entry_count + 1, CLUSTERS_ENTRY_BYTES);
-        e->entries = entries != NULL ? entries : e->entries;
-        if (entries == NULL) {
-            return false;
-        }
+    if (!STP_MAKE_ROOM(e->context, e->data, e->data_capacity, e->data_size + CLUSTER_MAX_BYTES) ||
+        !stp_make_room(e->context, &e->entries, &e->entry_capacity, e->entry_count + 1,
+                       CLUSTERS_ENTRY_BYTES)) {
+        return false;
     }
     assert(e->data_size % 4 == 0 && "offsets count units of 4 bytes");
     clusters_entry entry = {.offset = (uint32_t)(e->data_size / 4),

@@ -154,16 +154,14 @@ static stp_result begin_block(stp_store_batch* b, stp_store_block* block, uint32
     stp_result result = stp_store_pad(w);
     block->offset = stp_file_writer_size(w->file);
     block->encoding = encoding;
-    unsigned char* table = stp_grow_array(w->context, b->table, &b->table_capacity, table_bytes, 1);
-    if (table == NULL && table_bytes != 0) {
-        return stp_fail_memory(w->context);
-    }
-    b->table = table;
     if (result != STP_OK || table_bytes == 0) {
         return result;
     }
-    memset(table, 0, table_bytes);
-    return stp_file_writer_append(w->file, table, table_bytes);
+    if (!STP_MAKE_ROOM(w->context, b->table, b->table_capacity, table_bytes)) {
+        return stp_fail_memory(w->context);
+    }
+    memset(b->table, 0, table_bytes);
+    return stp_file_writer_append(w->file, b->table, table_bytes);
 }
 
 static stp_result write_chunk(stp_store_batch* b, const packed_chunk* chunk,
