@@ -237,9 +237,7 @@ static void make_seats(mesh_builder* b, const city_piece* piece)
     for (int row = 0; row <= rows; ++row) {
         for (int edge = 0; edge < 2; ++edge) {
             double r = inner + (outer - inner) * row / rows;
-            double y = piece->sizes[3] *
-                       (row + edge - (row == 0 ? 0.0 : 1.0) + (row == 0 ? 1 : 0)) / (rows + 1);
-            y = edge == 0 && row == 0 ? 0.0 : piece->sizes[3] * (row + edge) / (rows + 1);
+            double y = piece->sizes[3] * (row + edge) / (rows + 1);
             for (int i = 0; i <= around; ++i) {
                 double at = turns * i / around;
                 mesh_builder_vertex(b, point3(r * turn_cosine(at), y, r * turn_sine(at)),

@@ -16,8 +16,6 @@
 #include <string.h>
 #include <strings.h>
 
-#define DEFAULT_THRESHOLD 1000
-
 static struct {
     const char *output, *method, *columns;
     int order, error, metric, up, unit;
@@ -268,7 +266,7 @@ static char* parameters_json(void)
         "{s:s, s:s, s:s, s:s, s:I, s:I}", "method", args.method != NULL ? args.method : "blue",
         "order", order_names[args.order], "metric", metric_names[args.metric], "capture",
         capture_names[args.capture], "threshold",
-        (json_int_t)(args.threshold_given ? args.threshold : DEFAULT_THRESHOLD), "seed",
+        (json_int_t)(args.threshold_given ? args.threshold : STP_BUILD_DEFAULT_THRESHOLD), "seed",
         (json_int_t)args.seed);
     const struct {
         const char* key;

@@ -89,8 +89,7 @@ typedef struct thumbnail {
     drawn_path way;
     uint64_t drawn_splats;
     uint64_t drawn_triangles;
-    const char* method; ///< of the splats; NULL: none were drawn
-    bool is_cloud;      ///< all of the model are points
+    bool is_cloud; ///< all of the model are points
     stp_image image;
 } thumbnail;
 

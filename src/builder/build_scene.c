@@ -13,7 +13,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#define DEFAULT_THRESHOLD 1000u            // triangles (Brandt 5.2)
 #define RESERVE_BYTES (UINT64_C(64) << 20) // for the directory and its texts while writing the file
 #define MIN_BUDGET (UINT64_C(64) << 20)    // one node at a time is processed at any limit
 #define FILE_MEMORY_SHARE 4u // share of the limit for meshes in memory; more go to the spill file
@@ -211,7 +210,7 @@ static uint64_t choose_threshold(const build* b)
         desc->wants_splats == NULL || desc->wants_splats(b->scene, desc->wants_splats_user);
     return !wanted                ? STP_BUILD_NO_SPLATS
            : desc->threshold != 0 ? desc->threshold
-                                  : DEFAULT_THRESHOLD;
+                                  : STP_BUILD_DEFAULT_THRESHOLD;
 }
 
 static uint64_t largest_step(const stp_build_plan* plan)

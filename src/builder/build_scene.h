@@ -12,6 +12,8 @@
 #include "lod/method.h"
 #include "scene/partition.h"
 
+#define STP_BUILD_DEFAULT_THRESHOLD 1000u ///< triangles (Brandt 5.2)
+
 typedef struct stp_build_desc {
     const char* const* inputs; ///< files, or "scene:NAME" for `generate`
     size_t input_count;
@@ -24,7 +26,8 @@ typedef struct stp_build_desc {
     const stp_method* const* methods;
     uint32_t method_count;
     stp_method_options method_options; ///< used if there are methods other than `blue`
-    uint64_t threshold;                ///< nodes with more triangles get splats; 0: 1,000 (5.2)
+    /// Nodes with more triangles get splats; 0: STP_BUILD_DEFAULT_THRESHOLD
+    uint64_t threshold;
     /// Called once the scene is finished: whether it gets splats at all. If not, the file holds
     /// only the original triangles and points. NULL: it does.
     bool (*wants_splats)(const stp_scene* scene, void* user);

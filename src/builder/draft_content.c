@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "builder/draft_content.h"
 
+#include "base/core/saturate.h"
 #include "base/math/rng.h"
 
 #include <assert.h>
@@ -182,11 +183,6 @@ static stp_result sample_points(draft_work* w, stp_arena* arena, stp_store_point
     return STP_OK;
 }
 
-static uint64_t add_saturated(uint64_t a, uint64_t b)
-{
-    return a + b < a ? UINT64_MAX : a + b;
-}
-
 // Maps parts to the draft's, and updates the counts below each node. @return false if memory runs
 // out
 static bool convert_parts(draft_work* w, stp_build_content* c)
@@ -221,8 +217,8 @@ static bool convert_parts(draft_work* w, stp_build_content* c)
         node->part_count = count - node->first_part;
         for (uint32_t e = 0; e < node->edge_count; ++e) {
             const stp_store_node* child = &nodes[d->edges[node->first_edge + e].node];
-            node->triangle_count = add_saturated(node->triangle_count, child->triangle_count);
-            node->point_count = add_saturated(node->point_count, child->point_count);
+            node->triangle_count = stp_add_saturated(node->triangle_count, child->triangle_count);
+            node->point_count = stp_add_saturated(node->point_count, child->point_count);
         }
     }
     assert(count <= scene->node_part_count && "parts are kept or left out, never added");

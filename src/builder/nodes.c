@@ -27,7 +27,6 @@ typedef struct run {
     bool* done;                     ///< by step
     stp_build_result* origins;      ///< by step
     uint32_t done_count;            ///< number of leading steps that are done
-    uint32_t first;                 ///< step of the loop's first element
     uint64_t unreleased;            ///< splats made since file pages were released
     stp_result result;              ///< the first failure
 } run;

@@ -46,12 +46,12 @@ float stp_placement_ghost_part(float share);
 void stp_placement_view_rows(const stp_view_frame* frame, const stp_affine* transform,
                              const float offset[3], double rows[3][4]);
 
-/// Sets the shift of the picture that moves sample `sample` of side x side to the pixel's centre.
-static inline void stp_placement_shift(stp_placement* placement, uint32_t side, uint32_t sample)
+/// Shift of the picture, in pixels, that moves sample `sample` of side x side to the pixel's centre.
+static inline void stp_placement_shift(uint32_t side, uint32_t sample, double* x, double* y)
 {
     assert(side > 0 && sample < side * side);
-    placement->shift_x = 0.5 - ((double)(sample % side) + 0.5) / (double)side;
-    placement->shift_y = 0.5 - ((double)(sample / side) + 0.5) / (double)side;
+    *x = 0.5 - ((double)(sample % side) + 0.5) / (double)side;
+    *y = 0.5 - ((double)(sample / side) + 0.5) / (double)side;
 }
 
 /// Hash seed of an item: depends only on the item and its place. So the same pixels are left out in

@@ -14,7 +14,6 @@
 #include <unistd.h>
 
 enum {
-    DEFAULT_THRESHOLD = 1000,
     PARAMETERS_ROOM = 256,
     NAME_ROOM = 32,
     METHODS_MAX = sizeof(stp_methods) / sizeof(stp_methods[0]),
@@ -73,7 +72,7 @@ static stp_result build_to(stp_builder* builder, const stp_write_desc* desc, con
     char parameters[PARAMETERS_ROOM];
     const char* names = desc->methods != NULL ? desc->methods : "blue";
     const char** inputs = NULL;
-    uint64_t threshold = desc->threshold != 0 ? desc->threshold : DEFAULT_THRESHOLD;
+    uint64_t threshold = desc->threshold != 0 ? desc->threshold : STP_BUILD_DEFAULT_THRESHOLD;
     stp_build_desc build = {
         .output = path,
         .import = {.up = builder->desc.up, .unit_metres = builder->desc.unit_metres},

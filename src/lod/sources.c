@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/sources.h"
 
+#include "base/core/saturate.h"
 #include "base/math/math.h"
 #include "base/splats/prefix_table.h"
 
@@ -13,8 +14,7 @@ typedef struct frame {
     uint32_t node, next_edge;
     stp_affine transform;
     uint32_t flags;
-    uint64_t group_next; ///< inside thinned content: number of its next instance
-    bool in_group;
+    bool in_group; ///< inside thinned content
 } frame;
 
 typedef struct walk {
@@ -119,9 +119,11 @@ static stp_result add_part(walk* w, const frame* f, stp_part part)
     return STP_OK;
 }
 
-static uint64_t add_saturated(uint64_t a, uint64_t b)
+// Stays far enough below the largest number that one more fits.
+static uint64_t add_uses(uint64_t a, uint64_t b)
 {
-    return a > UINT64_MAX / 2 - b ? UINT64_MAX / 2 : a + b;
+    uint64_t sum = stp_add_saturated(a, b);
+    return sum < UINT64_MAX / 2 ? sum : UINT64_MAX / 2;
 }
 
 // Number of instances below each node: a set is one.
@@ -139,7 +141,7 @@ static stp_result count_uses(walk* w, uint32_t top)
             uint32_t child = w->scene->edges[node->first_edge + k].node;
             assert(child < i && "children have lower indices");
             bool moving = (w->scene->nodes[child].flags & STP_OBJECT_MOVING) != 0;
-            sum = add_saturated(sum, moving ? 0 : w->uses[child]);
+            sum = add_uses(sum, moving ? 0 : w->uses[child]);
         }
         w->uses[i] = set_of(w, i) != NULL ? 1 : sum;
     }
@@ -192,7 +194,7 @@ static stp_result enter(walk* w, frame f, bool first)
     bool small = !first && !f.in_group && w->mode != THIN_NOTHING &&
                  box_extent(node->bounds) * scale < w->small;
     if (small && w->mode == THIN_COUNT) {
-        w->thin_uses = add_saturated(w->thin_uses, w->uses[f.node]);
+        w->thin_uses = add_uses(w->thin_uses, w->uses[f.node]);
         return STP_OK;
     }
     f.in_group = f.in_group || small;

@@ -24,7 +24,6 @@ typedef struct paint_scene_desc {
     uint64_t memory_limit;
     void (*log)(stp_log_level level, const char* message, void* user);
     void* log_user;
-    const stp_draw_gl_desc* gl; ///< NULL: OpenGL is not available
 } paint_scene_desc;
 
 /// @return NULL if the file cannot be opened; logged

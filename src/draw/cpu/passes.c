@@ -203,10 +203,8 @@ static stp_result draw_sample(stp_cpu_renderer* r, const stp_draw_list* list, ui
                               uint32_t sample, stp_draw_stats* stats)
 {
     stp_cpu_two_passes* passes = r->two_passes;
-    assert(side > 0 && sample < side * side);
     r->pattern = sample;
-    r->shift_x = 0.5 - ((double)(sample % side) + 0.5) / (double)side;
-    r->shift_y = 0.5 - ((double)(sample / side) + 0.5) / (double)side;
+    stp_placement_shift(side, sample, &r->shift_x, &r->shift_y);
     stp_result result = passes != NULL && !passes->selected ? stp_cpu_select_sample(r) : STP_OK;
     result = result == STP_OK && stp_cpu_is_stopped(r) ? STP_ERROR_CANCELLED : result;
     double start = stp_clock_ms(), select_ms = passes != NULL ? passes->select_ms : 0.0;

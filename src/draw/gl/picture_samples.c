@@ -288,7 +288,8 @@ stp_result stp_gl_draw_eye(stp_gl_renderer* r, uint32_t eye, const stp_gl_sample
                                 .sums = range->sums && !range->bytes,
                                 .bare = range->bytes,
                                 .shows = range->sums && k + 1 == range->end};
-        stp_placement_shift(&r->placement, range->side, sample.place);
+        stp_placement_shift(range->side, sample.place, &r->placement.shift_x,
+                            &r->placement.shift_y);
         stp_gl_frame_place(r, sample.place);
         result = draw_sample(r, &sample);
     }

@@ -67,7 +67,7 @@ bool draw_alone(uint number, const record_block record, const item_block item, u
 {
     splat_shape s;
     splat_place splat = place_splat(record, item, local);
-    uint shape = shape_splat(record, item, splat, s), index = record.first + local;
+    uint shape = shape_splat(record, item, splat, s);
     if (shape == SHAPE_NONE) {
         return false;
     }
@@ -101,7 +101,6 @@ bool draw_alone(uint number, const record_block record, const item_block item, u
 void draw_together(const record_block record, const item_block item, uint local)
 {
     splat_shape s;
-    uint index = record.first + local;
     splat_place splat = place_splat(record, item, local);
     shape_splat(record, item, splat, s);
     uvec3 hashed = splat_hash(record, item, local, splat, splat.halvings, false);

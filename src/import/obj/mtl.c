@@ -81,7 +81,7 @@ static stp_text skip_option(stp_text at, stp_text word, map_options* options)
             for (int k = 0; k < known[i].words; ++k) {
                 next = stp_skip_word(stp_skip_blanks(next));
             }
-            if (known[i].words == 1 && stp_word_is(at, word, "-clamp")) {
+            if (stp_word_is(at, word, "-clamp")) {
                 options->wrap = stp_word_is(value, next, "on") ? STP_WRAP_CLAMP : STP_WRAP_REPEAT;
             }
             return next;

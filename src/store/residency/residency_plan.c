@@ -164,7 +164,6 @@ static void drop_victim(stp_residency* r)
     bool splats = stp_residency_kind(r, resource) == STP_RESIDENT_SPLATS;
     r->dropped_wanted = r->dropped_wanted || (target > 0 && t->level <= target);
     uint32_t level = target == 0 ? t->pinned : splats ? t->level - 1u : 0;
-    level = t->level > target && target > level ? target : level;
     assert(level < t->level && "make_room makes progress");
     stp_residency_drop(r, resource, level);
     if (t->level > t->pinned) {
