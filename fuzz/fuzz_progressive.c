@@ -43,10 +43,10 @@ static void require(bool condition)
     }
 }
 
-// Arbitrary levels: a walk, a cut and an order of a possibly invalid set stay within their arrays.
+// Arbitrary levels: a cut and an order of a possibly invalid set stay within their arrays.
 static void use_ranges(const uint32_t* ranges, uint32_t count, bool valid)
 {
-    static uint32_t order[MOST], scratch[MOST], alive[MOST], slots[MOST];
+    static uint32_t order[MOST], scratch[MOST];
     uint32_t parents = stp_progressive_order(ranges, count, order, scratch);
     stp_progressive_counts c = stp_progressive_count(ranges, count);
     require(parents == c.parents && c.base + 2 * c.splits <= count);
@@ -61,14 +61,6 @@ static void use_ranges(const uint32_t* ranges, uint32_t count, bool valid)
             drawn += bits >= low << 15 && bits <= ranges[i] >> 16 << 15 ? 1 : 0;
         }
         require(!right || drawn == cut.splats);
-    }
-    if (right) {
-        stp_progressive_walk walk = stp_progressive_begin(c, order, alive, slots);
-        require(stp_progressive_walk_to(&walk, count) == c.base + c.splits);
-        require(stp_progressive_walk_to(&walk, 0) == c.base);
-        for (uint32_t i = 0; i < c.base; ++i) {
-            require(alive[i] == i);
-        }
     }
 }
 

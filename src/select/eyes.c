@@ -35,7 +35,8 @@ bool stp_fovea_is_valid(const stp_fovea* f)
     return valid;
 }
 
-double stp_fovea_factor(const stp_fovea* f, double radius)
+/// The factor at a distance from the gaze point, in half diagonals.
+static double factor_at(const stp_fovea* f, double radius)
 {
     double from = 0.0, factor = 1.0;
     assert(!(radius < 0.0) && f->count <= STP_FOVEA_ZONES);
@@ -64,7 +65,7 @@ void stp_fovea_bound(const stp_fovea* f, const stp_view_frame* frame,
     dx = fmax(-x0, x1);
     dy = fmax(-y0, y1);
     double farthest = sqrt(dx * dx + dy * dy) / half;
-    double a = stp_fovea_factor(f, nearest), b = stp_fovea_factor(f, farthest);
+    double a = factor_at(f, nearest), b = factor_at(f, farthest);
     *minimum = fmin(a, b);
     *greatest = fmax(a, b);
     for (uint32_t i = 0; i < f->count; ++i) {

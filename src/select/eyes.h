@@ -42,8 +42,6 @@ typedef struct stp_fovea {
 /// Whether all numbers are finite and in range, and radii ascend.
 bool stp_fovea_is_valid(const stp_fovea* fovea);
 
-double stp_fovea_factor(const stp_fovea* fovea, double radius);
-
 /// Minimum and maximum factor in a rectangle of an eye's picture.
 void stp_fovea_bound(const stp_fovea* fovea, const stp_view_frame* frame,
                      const stp_view_rectangle* rectangle, double* minimum, double* greatest);

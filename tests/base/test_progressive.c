@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The order of progressive sets, cuts at any count, and walks through them.
+// The order of progressive sets, and cuts at any count.
 #include "tests.h"
 
 #include "base/math/rng.h"
@@ -46,17 +46,6 @@ static void tear_down(fixture* f)
 {
     stp_arena_destroy(&f->arena);
     stp_context_destroy(f->context);
-}
-
-// A state as flags, by definition: the splats of a prefix, minus the parents of its splits.
-static void mark_state(const fixture* f, uint32_t count, uint8_t alive[MOST])
-{
-    uint32_t splits = count - f->counts.base;
-    memset(alive, 0, MOST);
-    memset(alive, 1, f->counts.base + 2 * splits);
-    for (uint32_t s = 0; s < splits; ++s) {
-        alive[f->order[s]] = 0;
-    }
 }
 
 void test_progressive_order_is_that_of_levels(test_state* test)
@@ -141,11 +130,10 @@ void test_progressive_cuts_have_any_count(test_state* test)
         CHECK(set_up(&f, n));
         uint32_t maximum = f.counts.base + f.counts.splits;
         for (uint32_t wanted = 0; wanted <= maximum + 2; ++wanted) {
-            uint8_t alive[MOST];
-            uint32_t expected = wanted < f.counts.base ? f.counts.base : wanted, drawn = 0;
-            expected = expected < maximum ? expected : maximum;
+            bool alive[MOST];
+            uint32_t drawn = 0;
+            uint32_t expected = progressive_sample_mark(f.counts, f.order, wanted, alive);
             stp_progressive_cut cut = stp_progressive_find_cut(f.set.ranges, f.set.count, wanted);
-            mark_state(&f, expected, alive);
             CHECK_EQUAL(expected, cut.splats);
             CHECK_EQUAL(f.counts.base + 2 * (expected - f.counts.base), cut.end);
             for (uint32_t i = 0; i < cut.end; ++i) {
@@ -153,49 +141,11 @@ void test_progressive_cuts_have_any_count(test_state* test)
                 uint32_t bits = stp_bits_of_float(i < cut.divide ? cut.below : cut.level);
                 bool rule = low < cut.code || (low == cut.code && i >= cut.divide);
                 bool shown = bits >= low << 15 && bits <= range >> 16 << 15;
-                CHECK(rule == (alive[i] != 0) && shown == rule);
+                CHECK(rule == alive[i] && shown == rule);
                 drawn += shown ? 1 : 0;
             }
             CHECK_EQUAL(expected, drawn);
         }
-        tear_down(&f);
-    }
-}
-
-// Any walk ends in the same list, byte for byte, as a direct walk to that count.
-void test_progressive_walks_are_reversible(test_state* test)
-{
-    for (size_t n = 0; n < SAMPLES; ++n) {
-        fixture f;
-        CHECK(set_up(&f, n));
-        uint32_t alive[MOST], slots[MOST], direct[MOST], direct_slots[MOST];
-        stp_progressive_walk walk = stp_progressive_begin(f.counts, f.order, alive, slots);
-        CHECK_EQUAL(f.counts.base, stp_progressive_size(&walk));
-        for (uint64_t step = 0; step < 400; ++step) {
-            uint64_t h = stp_rng_hash(n, step);
-            uint32_t many = (uint32_t)(h >> 8) % (step % 7 == 0 ? 400 : 9);
-            uint32_t before = stp_progressive_size(&walk);
-            uint32_t done = (h & 1) != 0 ? stp_progressive_refine(&walk, many)
-                                         : stp_progressive_coarsen(&walk, many);
-            uint32_t size = stp_progressive_size(&walk);
-            CHECK(done <= many && size == ((h & 1) != 0 ? before + done : before - done));
-            stp_progressive_walk other =
-                stp_progressive_begin(f.counts, f.order, direct, direct_slots);
-            CHECK_EQUAL(size, stp_progressive_walk_to(&other, size));
-            CHECK(memcmp(alive, direct, size * sizeof(*alive)) == 0);
-            uint8_t marked[MOST];
-            uint32_t marks = 0;
-            mark_state(&f, size, marked);
-            for (uint32_t i = 0; i < size; ++i) { // each splat of the state exactly once
-                CHECK(marked[alive[i]] == 1);
-                marked[alive[i]] = 2;
-            }
-            for (uint32_t i = 0; i < MOST; ++i) {
-                marks += marked[i] == 1 ? 1 : 0;
-            }
-            CHECK_EQUAL(0, marks);
-        }
-        CHECK_EQUAL(f.counts.base, stp_progressive_walk_to(&walk, 0));
         tear_down(&f);
     }
 }

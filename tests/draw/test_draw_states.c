@@ -81,21 +81,17 @@ static void add_sets(made_picture* p)
     p->quality.all_sides = true;
 }
 
-/// Splats of a state of a set, found by walking to it; the first ones if there are fewer than in
-/// the base set.
+/// Splats of a state of a set; the first ones if there are fewer than in the base set.
 static uint32_t mark_state(int which, uint32_t wanted, uint32_t prefix, bool* marks)
 {
     const stp_splats* set = &made.sets[which];
-    uint32_t alive[MOST], slots[MOST];
     stp_progressive_counts counts = stp_progressive_count(set->ranges, prefix);
-    stp_progressive_walk walk = stp_progressive_begin(counts, made.order[which], alive, slots);
-    uint32_t size = stp_progressive_walk_to(&walk, wanted);
-    size = size < wanted ? size : wanted;
     memset(marks, 0, MOST * sizeof(*marks));
-    for (uint32_t i = 0; i < size; ++i) {
-        marks[alive[i]] = true;
+    uint32_t size = progressive_sample_mark(counts, made.order[which], wanted, marks);
+    for (uint32_t i = wanted; i < counts.base; ++i) {
+        marks[i] = false;
     }
-    return size;
+    return size < wanted ? size : wanted;
 }
 
 static double area_of(const stp_splats* set)

@@ -18,8 +18,7 @@ typedef struct fixture {
     stp_arena arena;
     stp_splats set;
     stp_progressive_counts counts;
-    stp_progressive_walk walk;
-    uint32_t order[MOST], scratch[MOST], alive[MOST], slots[MOST];
+    uint32_t order[MOST], scratch[MOST];
 } fixture;
 
 static bool set_up(fixture* f, const progressive_desc* desc)
@@ -29,7 +28,6 @@ static bool set_up(fixture* f, const progressive_desc* desc)
     bool made_set = progressive_sample_make(&f->arena, desc, &f->set);
     f->counts = stp_progressive_count(f->set.ranges, f->set.count);
     stp_progressive_order(f->set.ranges, f->set.count, f->order, f->scratch);
-    f->walk = stp_progressive_begin(f->counts, f->order, f->alive, f->slots);
     return made_set;
 }
 
@@ -50,15 +48,16 @@ static levels_frame frame_of(const fixture* f, const stp_raster_splats* splats, 
         .levels = {.minimum = cut.level, .below = cut.below, .divide = cut.divide}};
 }
 
-/// Walks to a state and compares its splats with those the kernels select, in two pieces.
+/// Compares the splats of a state with those the kernels select, in two pieces.
 static void check_state(test_state* test, fixture* f, uint32_t wanted, uint64_t seed)
 {
     uint16_t expected[WORDS] = {0}, bits[3][WORDS] = {{0}};
-    uint32_t size = stp_progressive_walk_to(&f->walk, wanted);
+    bool marks[MOST];
+    uint32_t size = progressive_sample_mark(f->counts, f->order, wanted, marks);
     uint32_t end = stp_progressive_find_cut(f->set.ranges, f->set.count, wanted).end;
     uint32_t middle = (uint32_t)(seed % (end + 1)) / 16 * 16, words = (end + 15) / 16;
-    for (uint32_t i = 0; i < size; ++i) {
-        expected[f->alive[i] / 16] |= (uint16_t)(1u << f->alive[i] % 16);
+    for (uint32_t i = 0; i < end; ++i) {
+        expected[i / 16] |= (uint16_t)(marks[i] << i % 16);
     }
     for (int piece = 0; piece < 2; ++piece) {
         const stp_raster_splats splats = {.positions = f->set.positions,
@@ -85,7 +84,7 @@ static void check_state(test_state* test, fixture* f, uint32_t wanted, uint64_t 
 #endif
 }
 
-void test_splats_of_a_state_are_those_of_the_walk(test_state* test)
+void test_splats_of_a_state_are_those_of_its_definition(test_state* test)
 {
     static const progressive_desc descs[] = {
         {.seed = 1, .base = 1, .splits = 400},

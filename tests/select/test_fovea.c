@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Zones of larger splats, and views of two eyes.
+#include "fovea_factor.h"
 #include "pyramid_helpers.h"
 #include "tests.h"
 
@@ -47,21 +48,21 @@ void test_fovea_factor_meets_its_zones_and_never_jumps(test_state* test)
     for (uint64_t round = 0; round < 60; ++round) {
         stp_fovea fovea = random_fovea(round);
         CHECK(stp_fovea_is_valid(&fovea));
-        CHECK(fovea.zones[0].radius <= 0.0f || stp_fovea_factor(&fovea, 0.0) == 1.0);
+        CHECK(fovea.zones[0].radius <= 0.0f || fovea_factor_at(&fovea, 0.0) == 1.0);
         for (uint32_t i = 0; i < fovea.count; ++i) {
             stp_fovea_zone zone = fovea.zones[i];
-            CHECK(stp_fovea_factor(&fovea, (double)zone.radius) == (double)zone.factor);
+            CHECK(fovea_factor_at(&fovea, (double)zone.radius) == (double)zone.factor);
         }
-        double last = stp_fovea_factor(&fovea, 0.0);
+        double last = fovea_factor_at(&fovea, 0.0);
         for (int i = 1; i <= 20000; ++i) { // the steepest zone has 5.5 over 0.02
-            double now = stp_fovea_factor(&fovea, 1e-4 * i);
+            double now = fovea_factor_at(&fovea, 1e-4 * i);
             CHECK(fabs(now - last) < 0.0276);
             last = now;
         }
-        CHECK(stp_fovea_factor(&fovea, 1e9) == (double)fovea.zones[fovea.count - 1].factor);
+        CHECK(fovea_factor_at(&fovea, 1e9) == (double)fovea.zones[fovea.count - 1].factor);
     }
     const stp_fovea none = {0};
-    CHECK(stp_fovea_factor(&none, 0.7) == 1.0);
+    CHECK(fovea_factor_at(&none, 0.7) == 1.0);
 }
 
 void test_fovea_refuses_invalid_zones(test_state* test)
@@ -100,7 +101,7 @@ void test_fovea_bounds_are_those_of_all_pixels(test_state* test)
             double y = r.y0 + (r.y1 - r.y0) * 0.01 * (double)(i / 101);
             double dx = (x - 150.0) / half - (double)fovea.center[0];
             double dy = (y - 100.0) / half - (double)fovea.center[1];
-            double factor = stp_fovea_factor(&fovea, sqrt(dx * dx + dy * dy));
+            double factor = fovea_factor_at(&fovea, sqrt(dx * dx + dy * dy));
             CHECK(factor >= minimum - 1e-9 && factor <= greatest + 1e-9);
             low = fmin(low, factor);
             high = fmax(high, factor);

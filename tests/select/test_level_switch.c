@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The level switch: every point is always drawn completely by some level, and splats
 // never appear or disappear in groups.
+#include "fovea_factor.h"
 #include "tests.h"
 
 #include "base/math/math.h"
@@ -184,7 +185,7 @@ static int list_seen(const stp_view* view, const stp_fovea* fovea, double depths
         double y = frame.scale * stp_dotd(q, frame.down) / z;
         if (z >= frame.near_distance && fabs(x) < frame.center_x && fabs(y) < frame.center_y) {
             depths[count] = z;
-            factors[count++] = stp_fovea_factor(fovea, sqrt(x * x + y * y) / half);
+            factors[count++] = fovea_factor_at(fovea, sqrt(x * x + y * y) / half);
         }
     }
     return count;

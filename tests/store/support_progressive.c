@@ -4,7 +4,6 @@
 #include "base/math/rng.h"
 #include "base/splats/coverage.h"
 #include "base/splats/octahedral.h"
-#include "base/splats/progressive.h"
 #include "base/splats/splat_codes.h"
 #include "lod/psp/forest.h"
 #include "store/bytes/operators.h"
@@ -31,6 +30,20 @@ static bool make_columns(stp_arena* arena, uint32_t count, stp_splats* set)
     return set->positions != NULL && set->normals != NULL && set->materials != NULL &&
            set->colors != NULL && set->coverages != NULL && set->shapes != NULL &&
            set->ranges != NULL;
+}
+
+uint32_t progressive_sample_mark(stp_progressive_counts counts, const uint32_t* order,
+                                 uint32_t wanted, bool* marks)
+{
+    uint32_t splits = wanted > counts.base ? wanted - counts.base : 0;
+    splits = splits < counts.splits ? splits : counts.splits;
+    for (uint32_t i = 0; i < counts.base + 2 * splits; ++i) {
+        marks[i] = true;
+    }
+    for (uint32_t s = 0; s < splits; ++s) {
+        marks[order[s]] = false;
+    }
+    return counts.base + splits;
 }
 
 bool progressive_sample_empty(stp_arena* arena, const stp_splats* like, stp_splats* set)

@@ -32,7 +32,7 @@ struct stp_spill {
     int descriptor;
     pthread_mutex_t mutex;
     chunk_head* newest;
-    uint64_t file_size, given_bytes;
+    uint64_t file_size;
 };
 
 static size_t round_up(size_t size, size_t multiple)
@@ -155,7 +155,6 @@ void* stp_spill_alloc(stp_spill* spill, size_t size)
         assert(spill->newest->used % LINE == 0 && whole % LINE == 0);
         spill->newest->used += whole;
         assert(spill->newest->used <= spill->newest->size && "within the chunk");
-        spill->given_bytes += whole;
     }
     pthread_mutex_unlock(&spill->mutex);
     if (reason != 0) {
@@ -184,9 +183,4 @@ void stp_spill_forget(const void* memory, size_t size)
         (void)madvise((unsigned char*)(uintptr_t)memory + before, (size - before) / page * page,
                       MADV_DONTNEED);
     }
-}
-
-uint64_t stp_spill_bytes(const stp_spill* spill)
-{
-    return spill->given_bytes;
 }

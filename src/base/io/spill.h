@@ -26,6 +26,3 @@ void stp_spill_release_pages(stp_spill* spill);
 
 /// The same for pages that lie wholly in a range of it. Any thread.
 void stp_spill_forget(const void* memory, size_t size);
-
-/// Bytes allocated so far. For tests, which check what is spilled.
-uint64_t stp_spill_bytes(const stp_spill* spill);

@@ -146,67 +146,6 @@ stp_progressive_cut stp_progressive_find_cut(const uint32_t* ranges, uint32_t co
     return cut;
 }
 
-stp_progressive_walk stp_progressive_begin(stp_progressive_counts counts, const uint32_t* order,
-                                           uint32_t* alive, uint32_t* slots)
-{
-    for (uint32_t i = 0; i < counts.base; ++i) {
-        alive[i] = i;
-    }
-    return (stp_progressive_walk){.order = order,
-                                  .base = counts.base,
-                                  .splits = counts.splits,
-                                  .alive = alive,
-                                  .slots = slots};
-}
-
-/// Finds the index in `alive` of a splat of the state.
-static uint32_t find_slot(const stp_progressive_walk* w, uint32_t splat)
-{
-    if (splat < w->base) {
-        return splat;
-    }
-    uint32_t split = (splat - w->base) / 2;
-    return (splat - w->base) % 2 == 0 ? w->slots[split] : w->base + split;
-}
-
-uint32_t stp_progressive_refine(stp_progressive_walk* w, uint32_t steps)
-{
-    uint32_t left = w->splits - w->split, done = steps < left ? steps : left;
-    for (uint32_t i = 0; i < done; ++i) {
-        uint32_t split = w->split++, first = w->base + 2 * split;
-        assert(w->order[split] < first && "a parent precedes its children");
-        w->slots[split] = find_slot(w, w->order[split]);
-        assert(w->alive[w->slots[split]] == w->order[split] && "the parent is in the state");
-        w->alive[w->slots[split]] = first;
-        w->alive[w->base + split] = first + 1;
-    }
-    return done;
-}
-
-uint32_t stp_progressive_coarsen(stp_progressive_walk* w, uint32_t steps)
-{
-    uint32_t done = steps < w->split ? steps : w->split;
-    for (uint32_t i = 0; i < done; ++i) {
-        w->split -= 1;
-        assert(w->alive[w->slots[w->split]] == w->base + 2 * w->split && "the first child");
-        w->alive[w->slots[w->split]] = w->order[w->split];
-    }
-    return done;
-}
-
-uint32_t stp_progressive_walk_to(stp_progressive_walk* w, uint32_t count)
-{
-    uint32_t now = stp_progressive_size(w);
-    if (count > now) {
-        stp_progressive_refine(w, count - now);
-    } else {
-        stp_progressive_coarsen(w, now - count);
-    }
-    assert((stp_progressive_size(w) == count || w->split == 0 || w->split == w->splits) &&
-           "the state, or the nearest one");
-    return stp_progressive_size(w);
-}
-
 static bool is_before(const uint32_t* ranges, uint32_t a, uint32_t b)
 {
     uint32_t x = lowest_of(ranges, a), y = lowest_of(ranges, b);

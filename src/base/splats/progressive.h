@@ -63,35 +63,6 @@ typedef struct stp_progressive_cut {
 stp_progressive_cut stp_progressive_find_cut(const uint32_t* ranges, uint32_t count,
                                              uint32_t wanted);
 
-/// State of a set during refinement and coarsening. Equal counts give equal lists, regardless of
-/// earlier steps.
-typedef struct stp_progressive_walk {
-    const uint32_t* order; ///< from stp_progressive_order
-    uint32_t base, splits; ///< from stp_progressive_count
-    uint32_t split;        ///< number of splits done
-    /// Splats of the state: base + split indices. A split puts the first child in the parent's
-    /// place and appends the second
-    uint32_t* alive;
-    uint32_t* slots; ///< index in `alive` of the parent of each split done
-} stp_progressive_walk;
-
-/// Starts with the base set.
-/// @param alive room for base + splits indices, the caller's
-/// @param slots room for `splits` indices, the caller's
-stp_progressive_walk stp_progressive_begin(stp_progressive_counts counts, const uint32_t* order,
-                                           uint32_t* alive, uint32_t* slots);
-/// Splats of the state.
-static inline uint32_t stp_progressive_size(const stp_progressive_walk* walk)
-{
-    return walk->base + walk->split;
-}
-/// Splits at most `steps` splats, each into two. @return number of splits
-uint32_t stp_progressive_refine(stp_progressive_walk* walk, uint32_t steps);
-/// Undoes at most `steps` splits. @return number of undone splits
-uint32_t stp_progressive_coarsen(stp_progressive_walk* walk, uint32_t steps);
-/// Refines or coarsens to `count` splats, or as close as possible. @return splats of the state
-uint32_t stp_progressive_walk_to(stp_progressive_walk* walk, uint32_t count);
-
 /// The parents waiting to be split while a set is read in its order.
 typedef struct stp_progressive_queue {
     const uint32_t* ranges;
