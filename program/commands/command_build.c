@@ -7,7 +7,6 @@
 #include "program/options/command.h"
 #include "program/options/program.h"
 #include "program/options/tool.h"
-#include "program/reports/describe.h"
 #include "program/reports/reports.h"
 
 #include <assert.h>
@@ -304,66 +303,6 @@ static char* parameters_json(void)
     return text;
 }
 
-static json_t* seconds_json(const stp_build_report* r)
-{
-    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "methods", r->methods_s,
-                     "import", r->import_s, "partition", r->partition_s, "capture", r->capture_s,
-                     "order", r->order_s, "finish", r->finish_s, "surfel_threads",
-                     r->splat_thread_s, "clusters", r->clusters_s, "write", r->write_s, "total",
-                     r->total_s);
-}
-
-static void print_seconds(const stp_build_report* r)
-{
-    printf("  %-12s %.2f s (import %.2f, partition %.2f, capture %.2f, order %.2f, finish %.2f, "
-           "methods %.2f, clusters %.2f, write %.2f)\n",
-           "built in", r->total_s, r->import_s, r->partition_s, r->capture_s, r->order_s,
-           r->finish_s, r->methods_s, r->clusters_s, r->write_s);
-    if (r->sets_found + r->meshes_found > 0) {
-        printf("  %-12s %u of %u splat sets, %u of %u meshes\n", "unchanged", r->sets_found,
-               r->sets_found + r->sets_made, r->meshes_found, r->meshes_found + r->meshes_made);
-    }
-}
-
-// Prints a summary of the written file, read back from the file itself.
-static int print_result(stp_context* context, const stp_build_report* report, uint64_t input_bytes)
-{
-    uint64_t peak_bytes = stp_context_peak_bytes(context);
-    stp_store* store = NULL;
-    stp_store_open_desc desc = {.summary_only = true};
-    if (stp_store_open_with(context, args.output, &desc, &store) != STP_OK) {
-        return 1;
-    }
-    scene_figures figures;
-    int code = 0;
-    if (describe_store(context, store, &figures) != STP_OK) {
-        code = 1;
-    } else if (args.json) {
-        json_t* json = describe_json(&figures);
-        (void)json_object_set_new(json, "seconds", seconds_json(report));
-        (void)json_object_set_new(json, "peak_bytes", json_integer((json_int_t)peak_bytes));
-        (void)json_object_set_new(json, "input_bytes", json_integer((json_int_t)input_bytes));
-        (void)json_object_set_new(json, "triangles_alone_would_do",
-                                  json_boolean(build_sizes_needs_no_splats(&figures)));
-        (void)json_object_set_new(json, "threads", json_integer(stp_context_thread_count(context)));
-        (void)json_object_set_new(json, "candidates", json_integer((json_int_t)report->candidates));
-        (void)json_object_set_new(json, "unchanged",
-                                  json_pack("{s:I, s:I, s:I, s:I}", "surfel_sets",
-                                            (json_int_t)report->sets_found, "surfel_sets_made",
-                                            (json_int_t)report->sets_made, "meshes",
-                                            (json_int_t)report->meshes_found, "meshes_made",
-                                            (json_int_t)report->meshes_made));
-        code = json != NULL ? tool_print_json(json) : tool_error("out of memory");
-    } else if (!tool_settings_get()->quiet) {
-        describe_print(args.output, &figures);
-        print_seconds(report);
-        build_sizes_print(input_bytes, &figures);
-    }
-    describe_destroy(&figures);
-    stp_store_close(store);
-    return code;
-}
-
 static int build(stp_context* context, int argc, char** argv)
 {
     const stp_method* chosen[STP_METHOD_COUNT];
@@ -422,7 +361,8 @@ static int build(stp_context* context, int argc, char** argv)
     stp_result result = stp_build(context, &desc, &report);
     free(parameters);
     return result == STP_OK
-               ? print_result(context, &report, build_sizes_input(desc.inputs, desc.input_count))
+               ? build_report_print(context, args.output, &report,
+                                    build_sizes_input(desc.inputs, desc.input_count), args.json)
                : 1;
 }
 

@@ -2,6 +2,7 @@
 // Reports of commands: objects found, things picked, point files, and sizes of a build.
 #pragma once
 
+#include "builder/build_scene.h"
 #include "import/reading/scan_info.h"
 #include "program/drawing/show_options.h"
 #include "program/options/command.h"
@@ -41,7 +42,12 @@ json_t* scan_report_json(const stp_scene* scene, const stp_scan_info* info);
 /// Prints lines that list the values of the points, on stdout.
 void scan_report_print_fields(const stp_scan_info* info);
 
-// Input and output sizes of a build: the last lines of `stipple build`.
+// The output of `stipple build`: figures of the file, times of the build, and sizes.
+
+/// Prints a summary of the written file, read back from the file itself, as text or as one JSON
+/// object, on stdout. @return the exit code, with the message printed
+int build_report_print(stp_context* context, const char* path, const stp_build_report* report,
+                       uint64_t input_bytes, bool as_json);
 
 /// Size of the inputs in bytes: each file, and the buffers and pictures that a .gltf names. Named
 /// scenes and unreadable files count as 0.
