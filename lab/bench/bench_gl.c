@@ -325,14 +325,17 @@ static int run_gl(const bench_options* options, json_t* results)
     gl_bench b = {.context = tool_context_create(options->threads, 0, "none"),
                   .options = options,
                   .results = results};
-    const stp_headless_desc wanted = {.software = false};
-    const char* fault = b.context != NULL ? stp_headless_create(&wanted, &b.headless) : NULL;
+    if (b.context == NULL) {
+        return 1;
+    }
+    const char* fault = stp_headless_create(&(stp_headless_desc){.software = false}, &b.headless);
     if (fault != NULL) { // others can be measured
         fprintf(stderr, "bench gl: %s; nothing is measured\n", fault);
         stp_context_destroy(b.context);
         return 0;
     }
-    if (b.context == NULL || mkdtemp(folder) == NULL) {
+    if (mkdtemp(folder) == NULL) {
+        close_all(&b);
         return tool_error("bench gl: cannot create a temporary folder");
     }
     snprintf(path, sizeof(path), "%s/scene.stip", folder);

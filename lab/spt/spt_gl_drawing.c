@@ -31,6 +31,8 @@ struct spt_gl_drawing {
     buffer_layout at;
     uint32_t* pixels; ///< ids that were read back
     bool warm;
+    stp_draw_item item; ///< of the sequence; the renderer refers to it and to the list
+    stp_draw_list list;
 };
 
 static GLintptr round_up(size_t offset)
@@ -236,25 +238,24 @@ static stp_result draw_sequence(spt_gl_drawing* d, const spt_view* view, bool gr
                                 spt_times* times)
 {
     stp_gl_renderer* r = d->renderer;
-    stp_draw_item item = {.kind = STP_DRAW_SPLATS,
-                          .prefix = view->prefix,
-                          .full_prefix = view->prefix,
-                          .radius = d->model->set.step,
-                          .level_per_depth = view->per_depth,
-                          .one_sided = grouped,
-                          .transform = stp_affine_identity()};
-    const stp_draw_list list = {
-        .items = &item, .count = 1, .splat_count = view->prefix, .splat_size = 1.0f};
+    d->item = (stp_draw_item){.kind = STP_DRAW_SPLATS,
+                              .prefix = view->prefix,
+                              .full_prefix = view->prefix,
+                              .radius = d->model->set.step,
+                              .level_per_depth = view->per_depth,
+                              .one_sided = grouped,
+                              .transform = stp_affine_identity()};
+    d->list = (stp_draw_list){
+        .items = &d->item, .count = 1, .splat_count = view->prefix, .splat_size = 1.0f};
     const stp_draw_style style = {0};
     stp_draw_stats stats;
     r->keeps_groups = !grouped;
     double start = stp_clock_ms();
     stp_result result =
-        stp_renderer_draw(d->maker.renderer, &view->view, &list, &style, NULL, &stats);
+        stp_renderer_draw(d->maker.renderer, &view->view, &d->list, &style, NULL, &stats);
     finish(&r->gl);
     double took = stp_clock_ms() - start;
     start = stp_clock_ms();
-    r->list = &list;
     result = result == STP_OK ? stp_gl_frame_make(r) : result; // again, measured alone
     stp_gl_frame_place(r, 0);
     double test_ms = stp_clock_ms() - start;

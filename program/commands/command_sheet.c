@@ -268,7 +268,10 @@ static int run(int argc, char** argv)
     }
     args.columns = args.columns > 0 ? args.columns : COLUMNS;
     sheet* s = calloc(1, sizeof(*s));
-    stp_context* context = s != NULL ? tool_context_create(1, 0, "none") : NULL;
+    if (s == NULL) {
+        return tool_error("out of memory");
+    }
+    stp_context* context = tool_context_create(1, 0, "none");
     if (context == NULL) {
         free(s);
         return 1;

@@ -16,6 +16,16 @@ static const canvas_color line_colors[SHEET_FLIGHTS_MAX] = {
     {{196, 78, 82}},  {{147, 120, 96}}, {{218, 139, 195}}, {{140, 140, 140}},
 };
 
+/// Seconds and milliseconds beyond which an axis would have no room for its numbers.
+static const double number_max = 1e9;
+
+/// A number of a flight; 0 if it is missing. @return false if it cannot be plotted
+static bool read_number(const json_t* object, const char* key, double* number)
+{
+    *number = json_number_value(json_object_get(object, key));
+    return fabs(*number) <= number_max;
+}
+
 stp_result sheet_flight_read(stp_context* context, sheet_flight* flight)
 {
     json_error_t error;
@@ -34,15 +44,24 @@ stp_result sheet_flight_read(stp_context* context, sheet_flight* flight)
         json_decref(root);
         return stp_fail_memory(context);
     }
+    size_t bad = 0;
     for (size_t i = 0; i < count; ++i) {
         const json_t* frame = json_array_get(frames, i);
-        flight->times[i] = json_number_value(json_object_get(frame, "t"));
-        flight->frame_ms[i] = json_number_value(json_object_get(frame, "frame_ms"));
+        bool right = read_number(frame, "t", &flight->times[i]) &&
+                     read_number(frame, "frame_ms", &flight->frame_ms[i]);
+        bad = right || bad > 0 ? bad : i + 1;
     }
     flight->count = count;
-    flight->budget_ms = json_number_value(json_object_get(json_object_get(root, "budget"), "ms"));
+    bool budget = read_number(json_object_get(root, "budget"), "ms", &flight->budget_ms);
     json_decref(root);
-    return STP_OK;
+    if (bad > 0) {
+        return stp_fail(context, STP_ERROR_FORMAT,
+                        "%s: frame %zu: expected t and frame_ms up to %g", flight->path, bad,
+                        number_max);
+    }
+    return budget ? STP_OK
+                  : stp_fail(context, STP_ERROR_FORMAT, "%s: budget: expected ms up to %g",
+                             flight->path, number_max);
 }
 
 void sheet_flight_destroy(stp_context* context, sheet_flight* flight)

@@ -35,6 +35,16 @@ bool stp_fovea_is_valid(const stp_fovea* f)
     return valid;
 }
 
+bool stp_fovea_is_same(const stp_fovea* a, const stp_fovea* b)
+{
+    bool same =
+        a->count == b->count && a->center[0] == b->center[0] && a->center[1] == b->center[1];
+    for (uint32_t i = 0; same && i < a->count; ++i) {
+        same = a->zones[i].radius == b->zones[i].radius && a->zones[i].factor == b->zones[i].factor;
+    }
+    return same;
+}
+
 /// The factor at a distance from the gaze point, in half diagonals.
 static double factor_at(const stp_fovea* f, double radius)
 {

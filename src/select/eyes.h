@@ -42,6 +42,8 @@ typedef struct stp_fovea {
 /// Whether all numbers are finite and in range, and radii ascend.
 bool stp_fovea_is_valid(const stp_fovea* fovea);
 
+bool stp_fovea_is_same(const stp_fovea* a, const stp_fovea* b);
+
 /// Minimum and maximum factor in a rectangle of an eye's picture.
 void stp_fovea_bound(const stp_fovea* fovea, const stp_view_frame* frame,
                      const stp_view_rectangle* rectangle, double* minimum, double* greatest);

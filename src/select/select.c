@@ -5,6 +5,16 @@
 
 #include <assert.h>
 
+bool stp_quality_is_same(const stp_quality* a, const stp_quality* b)
+{
+    return a->splat_size == b->splat_size && a->splat_count == b->splat_count &&
+           a->policy == b->policy && a->method == b->method && a->reference == b->reference &&
+           a->splats_only == b->splats_only && a->nodes_only == b->nodes_only &&
+           a->all_sides == b->all_sides && a->points_apart == b->points_apart &&
+           a->cues_off == b->cues_off && a->early_switch == b->early_switch &&
+           stp_fovea_is_same(&a->fovea, &b->fovea);
+}
+
 static stp_result begin(stp_selection* s, stp_context* context, stp_store* store,
                         const stp_view* view, const stp_quality* quality, stp_draw_list* list,
                         bool second_pass)

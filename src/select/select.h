@@ -66,6 +66,10 @@ typedef struct stp_quality {
     const stp_visibility* visibility;
 } stp_quality;
 
+/// Whether two qualities select the same from the same view, if the same is hidden: occlusion and
+/// visibility are not compared.
+bool stp_quality_is_same(const stp_quality* a, const stp_quality* b);
+
 typedef enum stp_draw_kind { STP_DRAW_SPLATS, STP_DRAW_MESH, STP_DRAW_POINTS } stp_draw_kind;
 
 /// One item to draw. Ids in the visibility buffer are frame-local: first_id + splat or triangle.

@@ -105,6 +105,14 @@ END
 grep -q 'no ray hit' none.err || fail "an empty scan is not named: $(cat none.err)"
 python3 -c 'import json; d = json.load(open("none.json")); assert d["points"] == 0 and d["bounds"] is None, d' || fail "$(cat none.json)"
 
+# numbers of any length are written in full
+"$stipple" -q scan room.stip --resolution 20 --shift 1e300,-1e300,1e300 -o far.ptx || fail "a far scan"
+python3 - << 'END' || fail "the far scan"
+lines = open("far.ptx").read().split("\n")
+assert [float(v) for v in lines[2].split()] == [1e300, -1e300, 1e300] and lines[5] == "0 0 1", lines[:10]
+assert [float(v) for v in lines[9].split()] == [1e300, -1e300, 1e300, 1] and lines[10].count(" ") == 6, lines[9:11]
+END
+
 # a build of a scan shows the scene
 "$stipple" -q build boxes.ply -o boxes.stip --up z || fail "build of a scan"
 "$stipple" info boxes.stip --json > info.json || fail "info"

@@ -52,5 +52,15 @@ refused 1 "missing.png" sheet missing.png -o x.png
 echo '{}' > empty.json
 refused 1 "expected the output of stipple fly --json" sheet empty.json -o x.png
 refused 1 "has no pictures" sheet / -o x.png
+for frame in '"t": 1e20, "frame_ms": 5' '"t": 1, "frame_ms": 1e308' '"t": -1e300, "frame_ms": 1'; do
+    echo '{"per_frame": [{"t": 0, "frame_ms": 1}, {'"$frame"'}]}' > far.json
+    refused 1 "far.json: frame 2: expected t and frame_ms up to 1e+09" sheet far.json -o x.png
+done
+echo '{"budget": {"ms": 1e308}, "per_frame": [{"t": 0, "frame_ms": 1}]}' > far.json
+refused 1 "far.json: budget: expected ms up to 1e+09" sheet far.json -o x.png
+echo '{"per_frame": [{"t": 1e9, "frame_ms": 1e9}, {"t": -1e9, "frame_ms": 0}]}' > wide.json
+"$stipple" sheet wide.json -o wide.png || fail "the widest axes"
+echo '{"per_frame": [{"t": 1e9, "frame_ms": 1}]}' > late.json
+"$stipple" sheet late.json -o late.png || fail "one late frame"
 [ ! -e x.png ] || fail "a refused sheet was written"
 exit $((failures > 0))

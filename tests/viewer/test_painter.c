@@ -103,6 +103,41 @@ void test_viewer_painter_makes_another_picture_of_another_style(test_state* test
     unlink(path);
 }
 
+// A request that differs in any one member of its quality is another picture.
+void test_viewer_painter_sees_every_change_of_quality(test_state* test)
+{
+    const stp_fovea fovea = {.count = 1, .zones = {{0.5f, 2.0f}}};
+    stp_fovea moved = fovea, wider = fovea, coarser = fovea;
+    moved.center[1] = 0.1f;
+    wider.zones[0].radius = 0.6f;
+    coarser.zones[0].factor = 3.0f;
+    const stp_quality others[] = {
+        {.splat_size = 2.0f, .fovea = fovea},
+        {.splat_count = 5, .fovea = fovea},
+        {.policy = STP_POLICY_PAPER, .fovea = fovea},
+        {.method = 2, .fovea = fovea},
+        {.reference = true, .fovea = fovea},
+        {.splats_only = true, .fovea = fovea},
+        {.nodes_only = true, .fovea = fovea},
+        {.all_sides = true, .fovea = fovea},
+        {.points_apart = true, .fovea = fovea},
+        {.cues_off = 1, .fovea = fovea},
+        {.early_switch = 2.0f, .fovea = fovea},
+        {.fovea = {0}},
+        {.fovea = moved},
+        {.fovea = wider},
+        {.fovea = coarser},
+    };
+    paint_request request = ask(false), other = request;
+    request.quality = (stp_quality){.fovea = fovea};
+    other.quality = request.quality;
+    CHECK(paint_is_same_request(&request, &other));
+    for (size_t i = 0; i < sizeof(others) / sizeof(others[0]); ++i) {
+        other.quality = others[i];
+        CHECK(!paint_is_same_request(&request, &other));
+    }
+}
+
 static void say_nothing(stp_log_level level, const char* message, void* user)
 {
     (void)level;

@@ -208,26 +208,12 @@ double paint_near_distance(const stp_view* view)
     return 1e-4 * sqrt(stp_dotd(gaze, gaze)); // same as in stp_view_frame_make
 }
 
-static bool same_quality(const stp_quality* a, const stp_quality* b)
-{
-    bool same = a->splat_size == b->splat_size && a->splat_count == b->splat_count &&
-                a->policy == b->policy && a->method == b->method &&
-                a->splats_only == b->splats_only && a->all_sides == b->all_sides &&
-                a->reference == b->reference && a->fovea.count == b->fovea.count &&
-                a->fovea.center[0] == b->fovea.center[0] &&
-                a->fovea.center[1] == b->fovea.center[1];
-    for (uint32_t i = 0; same && i < a->fovea.count; ++i) {
-        same = a->fovea.zones[i].radius == b->fovea.zones[i].radius &&
-               a->fovea.zones[i].factor == b->fovea.zones[i].factor;
-    }
-    return same;
-}
-
 bool paint_is_same_request(const paint_request* a, const paint_request* b)
 {
     return a->scene == b->scene && a->budget_ms == b->budget_ms && a->samples == b->samples &&
            a->controller == b->controller && a->gl == b->gl &&
            stp_resting_is_same_view(&a->view, &b->view) &&
            stp_draw_style_is_same(&a->style, &b->style) &&
-           is_same_point_style(&a->points, &b->points) && same_quality(&a->quality, &b->quality);
+           is_same_point_style(&a->points, &b->points) &&
+           stp_quality_is_same(&a->quality, &b->quality);
 }

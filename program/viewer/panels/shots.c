@@ -101,7 +101,13 @@ void shot_begin(viewer* v)
         return;
     }
     shot* s = calloc(1, sizeof(*s));
-    if (s == NULL) {
+    bool memory = s != NULL;
+    if (memory && v->explorer != NULL) { // without the list, hidden parts would be drawn
+        memory = explorer_list_shown(v->explorer, &s->shown);
+    }
+    if (!memory) {
+        free(s);
+        viewer_show_message(v, true, "not enough memory to save the picture");
         return;
     }
     paint_request request = request_make(v);
@@ -117,9 +123,6 @@ void shot_begin(viewer* v)
     s->memory_limit = v->options.memory_limit;
     s->wake = viewer_wake;
     s->user = v;
-    if (v->explorer != NULL) {
-        (void)explorer_list_shown(v->explorer, &s->shown);
-    }
     snprintf(s->store, sizeof(s->store), "%s", v->scene->path);
     record_name_file(v, ".png", s->path, sizeof(s->path));
     if (pthread_create(&s->thread, NULL, run, s) != 0) {

@@ -98,12 +98,12 @@ static void step_explorer(viewer* v)
     }
     views_restore_hidden(v);
     if (e->marks_version != v->marks_version) {
-        shown_list list;
-        v->marks_version = e->marks_version;
+        shown_list list; // tried again in the next step if memory runs out
         if (explorer_list_shown(e, &list)) {
+            v->marks_version = e->marks_version;
             painter_show(v->painter, v->scene->serial, &list);
+            viewer_redraw(v);
         }
-        viewer_redraw(v);
     }
     if (e->message[0] != 0) { // shown once
         viewer_show_message(v, true, "%s", e->message);
