@@ -106,7 +106,7 @@ stp_result spt_gl_drawing_create(spt_model* model, spt_gl_drawing** drawing)
         return result;
     }
     d->renderer = (stp_gl_renderer*)d->maker.renderer;
-    d->renderer->keeps_all = d->renderer->unshaded = true;
+    d->renderer->omits = (stp_gl_omissions){.occlusion = true, .shading = true};
     stp_draw_gl_set_splats(d->maker.renderer, STP_GL_SPLATS_POINTS);
     d->words = STP_NEW_ARRAY(context, uint32_t, NODE_WORDS * (size_t)model->tree->count + 1);
     d->pixels = STP_NEW_ARRAY(context, uint32_t, (size_t)SPT_WIDTH * SPT_HEIGHT);
@@ -249,7 +249,7 @@ static stp_result draw_sequence(spt_gl_drawing* d, const spt_view* view, bool gr
         .items = &d->item, .count = 1, .splat_count = view->prefix, .splat_size = 1.0f};
     const stp_draw_style style = {0};
     stp_draw_stats stats;
-    r->keeps_groups = !grouped;
+    r->omits.groups = !grouped;
     double start = stp_clock_ms();
     stp_result result =
         stp_renderer_draw(d->maker.renderer, &view->view, &d->list, &style, NULL, &stats);

@@ -73,8 +73,8 @@ typedef struct stp_draw_style {
     /// For STP_DRAW_ELEVATION: heights (y) at the ends of the scale, the lower first
     double elevation[2];
     bool caps; ///< fills closed solids that the view's sections cut (draw/caps.h)
-    /// Pixels that show a splat have the depth of its plane there, without the offset of its rim.
-    /// CPU, without a filter.
+    /// Pixels that show a splat have the depth of its plane there, without the offset of its rim:
+    /// for `stipple-lab bench quality`, which compares depths. CPU, without a filter.
     bool plane_depth;
 } stp_draw_style;
 

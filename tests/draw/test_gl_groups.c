@@ -181,11 +181,11 @@ static void compare_views(test_state* test, fixture* f, bool within)
         stp_draw_gl_set_splats(f->gl.renderer,
                                i % 2 == 0 ? STP_GL_SPLATS_POINTS : STP_GL_SPLATS_COMPUTE);
         choose_view(f, i, within);
-        r->keeps_groups = true;
+        r->omits.groups = true;
         CHECK_EQUAL(STP_OK, draw_by(f, f->gl.renderer));
         CHECK_EQUAL(f->item.prefix, count_splats(f));
         memcpy(whole, f->pixels, sizeof(whole));
-        r->keeps_groups = false;
+        r->omits.groups = false;
         CHECK_EQUAL(STP_OK, draw_by(f, f->gl.renderer));
         memcpy(by_gl, f->pixels, sizeof(by_gl));
         check_commands(test, f);
@@ -262,7 +262,7 @@ void test_gl_groups_keep_to_runs(test_state* test)
     f.item.run_count = 3;
     choose_view(&f, 0, false);
     for (int i = 0; i < 2; ++i) {
-        r->keeps_groups = i == 0;
+        r->omits.groups = i == 0;
         CHECK_EQUAL(STP_OK, draw_by(&f, f.gl.renderer));
         if (i == 0) {
             CHECK(count_splats(&f) == f.item.prefix);

@@ -70,11 +70,11 @@ void test_gl_occlusion_changes_no_pixel(test_state* test)
         for (int frame = 0; frame < FRAMES; ++frame) {
             uint32_t aside[2];
             choose_view(&m.picture, round, frame);
-            r->keeps_all = true;
+            r->omits.occlusion = true;
             CHECK_EQUAL(STP_OK, made_gl_draw(&m));
             CHECK(!r->occlusion.culls && m.picture.stats.draw_calls <= 4);
             memcpy(whole, m.pixels, sizeof(whole));
-            r->keeps_all = false;
+            r->omits.occlusion = false;
             CHECK_EQUAL(STP_OK, made_gl_draw(&m));
             CHECK(m.picture.stats.draw_calls <= 8);
             CHECK_EQUAL(0, memcmp(whole, m.pixels, sizeof(whole)));

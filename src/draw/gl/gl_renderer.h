@@ -158,6 +158,14 @@ typedef struct stp_gl_debug {
     char message[400]; ///< the first error
 } stp_gl_debug;
 
+/// Steps that are left out, to measure what they gain (`stipple-lab bench spt --backend gl`) and to
+/// test that they change no pixel.
+typedef struct stp_gl_omissions {
+    bool occlusion; ///< always a single pass
+    bool groups;    ///< draws invisible groups too
+    bool shading;   ///< pictures end with the visibility buffer
+} stp_gl_omissions;
+
 /// Sum of frames of a view at rest.
 typedef struct stp_gl_accumulation {
     uint32_t frames; ///< summed frames; 0: none yet, or outdated
@@ -183,9 +191,7 @@ struct stp_gl_renderer {
     stp_gl_splat_choice splat_choice;
     stp_gl_filter_pass filter;
     stp_gl_occlusion_pass occlusion;
-    bool keeps_all;    ///< always a single pass, for comparison
-    bool keeps_groups; ///< draws invisible groups too, for comparison
-    bool unshaded;     ///< pictures end with the visibility buffer, for comparison
+    stp_gl_omissions omits;
     stp_gl_triangle_pass triangles;
     stp_gl_shade_pass shade;
     stp_gl_effect_pass effects;

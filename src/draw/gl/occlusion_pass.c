@@ -20,7 +20,7 @@ bool stp_gl_occlusion_pass_serves(const stp_gl_renderer* r)
 {
     return r->target.eye_count == 1 && !r->placement.frame.parallel &&
            r->style->filter == STP_FILTER_NONE && r->style->point_sizing == STP_POINTS_ADAPTIVE &&
-           !r->keeps_all;
+           !r->omits.occlusion;
 }
 
 /// Matrix from right, down, depth and 1 to X, Y, N and W.

@@ -251,7 +251,7 @@ static stp_result draw_sample(stp_gl_renderer* r, const stp_gl_sample* sample)
     if (timed) {
         stp_gl_timer_mark(&r->gl, &r->timer, GL_TIMER_DRAWN);
     }
-    if (result == STP_OK && !r->unshaded) {
+    if (result == STP_OK && !r->omits.shading) {
         result = shade(r, sample);
     }
     if (timed) {

@@ -19,7 +19,7 @@ stp_result stp_gl_splat_groups_make(stp_gl_renderer* r, uint32_t index, uint32_t
     const stp_draw_item* draw = placed->draw;
     *groups = (stp_gl_splat_groups){.groups = NULL};
     const stp_splats* known = stp_store_describe_splat_set(r->store, draw->index);
-    if ((known->columns & STP_SPLATS_RANGES) == 0 || r->keeps_groups) {
+    if ((known->columns & STP_SPLATS_RANGES) == 0 || r->omits.groups) {
         return STP_OK;
     }
     stp_splats resident; // the resident ones: the store may hold fewer than the pool
