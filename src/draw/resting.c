@@ -55,14 +55,15 @@ static stp_hash hash_list(const stp_draw_list* list)
     stp_hash hash = {0};
     for (size_t i = 0; i < list->count; ++i) {
         const stp_draw_item* item = &list->items[i];
+        const uint32_t flags = (item->ghost ? 1u : 0u) | (item->large ? 2u : 0u) |
+                               (item->beside_triangles ? 4u : 0u) | (item->one_sided ? 8u : 0u) |
+                               (item->scattered ? 16u : 0u) | (item->of_points ? 32u : 0u);
         const uint32_t numbers[] = {
-            (uint32_t)item->kind, item->index,         item->prefix,
-            item->full_prefix,    item->first_run,     item->run_count,
-            item->ghost ? 1 : 0,  item->large ? 1 : 0, item->beside_triangles ? 1 : 0,
-            item->divide,         item->split_count};
+            (uint32_t)item->kind, item->index,    item->prefix, item->full_prefix, item->first_run,
+            item->run_count,      item->sections, item->divide, item->split_count, flags};
         const float sizes[] = {item->shape_scale, item->radius,          item->switch_begin,
                                item->switch_end,  item->level_per_depth, item->level_min,
-                               item->level_below};
+                               item->level_below, item->large_from};
         hash = stp_hash_bytes(hash, numbers, sizeof(numbers));
         hash = stp_hash_bytes(hash, sizes, sizeof(sizes));
         hash = stp_hash_bytes(hash, item->transform.m, sizeof(item->transform.m));

@@ -4,6 +4,7 @@
 #include "tests.h"
 
 #include "draw/cpu/passes.h"
+#include "draw/renderer.h"
 
 #include <string.h>
 
@@ -162,4 +163,48 @@ void test_accumulation_survives_failing_allocator(test_state* test)
             break;
         }
     }
+}
+
+// What a picture depends on ends the rest; the same list again does not.
+void test_accumulation_ends_with_every_change_of_an_item(test_state* test)
+{
+    stp_draw_item item = {.kind = STP_DRAW_SPLATS, .prefix = 64, .full_prefix = 64, .radius = 1};
+    stp_draw_list list = {.items = &item, .count = 1, .splat_size = 2};
+    stp_view view = {.eye = {1, 2, 5}, .up = {0, 1, 0}, .fov_degrees = 60, .width = 8, .height = 8};
+    stp_draw_style style = {0};
+    stp_resting resting = {0};
+    (void)stp_resting_continues(&resting, &view, &list, &style);
+    CHECK(stp_resting_continues(&resting, &view, &list, &style));
+#define CHANGED(member, value)                                                                     \
+    {                                                                                              \
+        stp_draw_item before = item;                                                               \
+        item.member = value;                                                                       \
+        CHECK(!stp_resting_continues(&resting, &view, &list, &style));                             \
+        CHECK(stp_resting_continues(&resting, &view, &list, &style));                              \
+        item = before;                                                                             \
+        CHECK(!stp_resting_continues(&resting, &view, &list, &style));                             \
+    }
+    CHANGED(kind, STP_DRAW_MESH)
+    CHANGED(index, 1)
+    CHANGED(prefix, 32)
+    CHANGED(full_prefix, 128)
+    CHANGED(radius, 2)
+    CHANGED(level_per_depth, 1)
+    CHANGED(level_min, 1)
+    CHANGED(divide, 1)
+    CHANGED(level_below, 1)
+    CHANGED(split_count, 1)
+    CHANGED(shape_scale, 2)
+    CHANGED(scattered, true)
+    CHANGED(large, true)
+    CHANGED(large_from, 1)
+    CHANGED(beside_triangles, true)
+    CHANGED(switch_begin, 1)
+    CHANGED(switch_end, 1)
+    CHANGED(sections, 1)
+    CHANGED(ghost, true)
+    CHANGED(one_sided, true)
+    CHANGED(of_points, true)
+    CHANGED(transform.m[1][3], 1)
+#undef CHANGED
 }
