@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Runs every command of the sh blocks of README.md and docs/hello.md as printed, in order, in a
-# scratch folder, with the programs that the documents print; different options give different
-# pictures. Arguments: executable, scratch folder,
-# source folder.
+# Sourced by the tests of README.md and docs/hello.md: run_document runs every command of the sh
+# blocks of a document as printed, in order, in a scratch folder, with the programs that it prints;
+# different options give different pictures. Arguments: executable, scratch folder, source folder.
+# shellcheck disable=SC2034 # for those who source it
 set -u
 stipple=$1
 scratch=$2
@@ -59,39 +59,23 @@ look() # a window opens, shows all, and stays open until it is closed
 }
 export -f look
 
-for document in README.md docs/hello.md; do
-    folder=$scratch/$(basename $document .md)
+run_document() # DOCUMENT
+{
+    local document=$1 folder pictures twins
+    folder=$scratch/$(basename "$document" .md)
     mkdir -p "$folder/bin" "$folder/build"
     ln -s "$(dirname "$(dirname "$stipple")")" "$folder/build/release"
     ln -s "$stipple" "$folder/bin/stipple"
     ln -s "${stipple%/*/*}/lab/stipple-lab" "$folder/bin/stipple-lab"
     ln -s "$source/scripts" "$folder/scripts"
     cp "$source/Makefile" "$folder"
-    cp $model "$folder/plant.glb" # a reader's own model
+    cp "$model" "$folder/plant.glb" # a reader's own model
     cp "$source/lab/scenes/flights/one-mesh.json" "$folder/flight.json"
-    python3 "$scratch/run.py" "$source/$document" "$folder/run.sh" || { fail "$document has no commands"; continue; }
+    python3 "$scratch/run.py" "$source/$document" "$folder/run.sh" || { fail "$document has no commands"; return; }
     (cd "$folder" && PATH=$folder/bin:$PATH bash run.sh > out 2> err) || fail "$document: $(tail -n 3 "$folder/err")"
     pictures=$(find "$folder" -maxdepth 1 -name '*.png' -o -maxdepth 1 -name '*.jpg' | sort)
     [ "$(echo "$pictures" | wc -l)" -ge 2 ] || fail "$document draws no pictures"
     # shellcheck disable=SC2086
     twins=$(sha256sum $pictures | sort | awk '$1 == last { print before, $2 } { last = $1; before = $2 }')
     [ -z "$twins" ] || fail "$document: these pictures are equal: $twins"
-done
-
-# few, many and dots draw only splats, and differ from the triangles by the expected amounts
-cd "$scratch/hello" || exit 1
-python3 -c 'data = open("engine.ppm", "rb").read(); assert data.startswith(b"P6 640 480 255\n") and len(set(data[15:])) > 50' ||
-    fail "picture.c draws nothing"
-for options in "--splats 1000" "--splats 20000" "--splats 2000 --splat-scale 0.3"; do
-    # shellcheck disable=SC2086
-    "$stipple" render engine.stip -o figures.png --size 640x480 --once --json $options > figures.json
-    [ "$(value figures.json splats)" -gt 0 ] && [ "$(value figures.json triangles)" = 0 ] || fail "$options draws triangles"
-done
-ssim() # PICTURE
-{
-    "$stipple" compare "$1" truth.png --json > ssim.json
-    value ssim.json ssim
 }
-few=$(ssim few.png) many=$(ssim many.png) dots=$(ssim dots.png)
-holds "$dots < $many && $few < $many" || fail "more splats are not more similar: $few, $many, $dots"
-exit $((failures > 0))
