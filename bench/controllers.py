@@ -7,8 +7,11 @@ usage: bench/controllers.py SCENE [--path FLIGHT.json] [--budget-ms MS|auto] [--
 
 auto: the budget that splats of 8 pixels can meet, 1.1 times the 99th percentile of the flight's
 frame times at that size. Flights alternate. The table covers all their frames, the plot the first
-flight of each. Writes controllers.svg.
+flight of each. Truth is that of the compared frames (docs/measuring.md, Truth). Writes
+controllers.svg.
 """
+import statistics
+
 import kit
 
 WIDTH, LEFT, TOP, PANEL, GAP = 900, 70, 56, 170, 46
@@ -39,7 +42,8 @@ def describe(given, name, flown, budget):
                "splat_size_p50": kit.rank(sizes, 0.5), "splat_size_p95": kit.rank(sizes, 0.95),
                "at_largest_size": sum(s >= 7.99 for s in sizes) / len(sizes),
                "size_change": sum(abs(b / a - 1) for a, b in zip(sizes, sizes[1:])) / max(1, len(sizes) - 1),
-               "ssim_covered": sum(q["ssim_covered"] for q in compared) / len(compared) if compared else None,
+               **({"truth": statistics.median(q["truth"] for q in compared), "ratio": statistics.median(q["ratio"] for q in compared),
+                   "ratio_least": min(q["ratio"] for q in compared)} if compared else {}),
                "times": [f["t"] for f in flown[0]["per_frame"]], "frame_ms": [f["frame_ms"] for f in flown[0]["per_frame"]],
                "splat_size": [f["splat_size"] for f in flown[0]["per_frame"]]}
     return kit.result("controllers", {"scene": given.scene, "path": str(given.path), "size": given.size, "budget_ms": budget,
@@ -96,9 +100,9 @@ def main():
     rows = [[r["params"]["controller"], r["figures"]["frames"], *(f"{r['figures'][n]:.1f}" for n in names),
              f"{100 * r['figures']['within_1_1']:.1f} %", f"{100 * r['figures']['within_1_5']:.1f} %",
              f"{r['figures']['splat_size_p50']:.2f}", f"{100 * r['figures']['at_largest_size']:.0f} %", f"{100 * r['figures']['size_change']:.1f} %",
-             "" if r["figures"]["ssim_covered"] is None else f"{r['figures']['ssim_covered']:.3f}"] for r in results]
+             *(f"{r['figures'][n]:.3f}" if n in r["figures"] else "" for n in ("truth", "ratio", "ratio_least"))] for r in results]
     kit.table([f"budget {budget:.1f} ms", "frames", "median", "95 %", "99 %", "max", "within 1.1 x", "within 1.5 x", "size, median",
-               "frames at 8 or more", "change of size", "SSIM, covered"], rows)
+               "frames at 8 or more", "change of size", "truth, median", "ratio, median", "ratio, least"], rows)
     suffix = "" if given.budget_ms != "auto" else "-auto"
     plot(results, given.images / f"controllers{suffix}.svg")
     kit.keep(f"controllers{suffix}", results, given.out)

@@ -17,9 +17,17 @@ static struct {
     const char* mask;
     const char* map;
     const char* difference;
+    const char* exact;
     uint64_t threads;
     bool json;
 } args;
+
+/// The pictures of a comparison, and its results.
+typedef struct comparison {
+    stp_image a, b, mask, map, exact;
+    stp_image_quality quality;
+    double exact_truth; ///< covered SSIM of `exact` to `b`, if it is given
+} comparison;
 
 static const option* options(void)
 {
@@ -39,6 +47,13 @@ static const option* options(void)
          .argument = "OUT.png",
          .help = "write the difference of each channel, times 8",
          .value = &args.difference},
+        {.name = "exact",
+         .type = OPTION_TEXT,
+         .argument = "E.png",
+         .help = "B was drawn with 16 samples a pixel, E with one: also print the truth of A, that "
+                 "of E, "
+                 "and their ratio",
+         .value = &args.exact},
         OPTION_THREADS(&args.threads),
         OPTION_JSON(&args.json),
         {0},
@@ -60,43 +75,66 @@ static void subtract(stp_image* a, const stp_image* b)
     }
 }
 
-static int print(const stp_image* image, const stp_image_quality* quality)
+static int print(const comparison* c)
 {
+    const stp_image_quality* q = &c->quality;
+    double truth = q->ssim_covered;
+    double ratio = c->exact_truth > 0.0 ? truth / c->exact_truth : 1.0;
     if (args.json) {
-        return tool_print_json(
-            json_pack("{s:f, s:f, s:f, s:f, s:I, s:I}", "ssim", quality->ssim, "ssim_covered",
-                      quality->ssim_covered, "ms_ssim", quality->ms_ssim, "psnr", quality->psnr,
-                      "width", (json_int_t)image->width, "height", (json_int_t)image->height));
+        json_t* root = json_pack("{s:f, s:f, s:f, s:f, s:I, s:I}", "ssim", q->ssim, "ssim_covered",
+                                 q->ssim_covered, "ms_ssim", q->ms_ssim, "psnr", q->psnr, "width",
+                                 (json_int_t)c->a.width, "height", (json_int_t)c->a.height);
+        if (args.exact != NULL) {
+            json_object_set_new(root, "truth", json_real(truth));
+            json_object_set_new(root, "exact", json_real(c->exact_truth));
+            json_object_set_new(root, "ratio", json_real(ratio));
+        }
+        return tool_print_json(root);
     }
-    printf("ssim          %.6f\nssim_covered  %.6f\nms_ssim       %.6f\n", quality->ssim,
-           quality->ssim_covered, quality->ms_ssim);
-    if (quality->psnr >= STP_PSNR_EQUAL) {
+    printf("ssim          %.6f\nssim_covered  %.6f\nms_ssim       %.6f\n", q->ssim, q->ssim_covered,
+           q->ms_ssim);
+    if (q->psnr >= STP_PSNR_EQUAL) {
         printf("psnr          infinite: the pictures are equal\n");
     } else {
-        printf("psnr          %.3f dB\n", quality->psnr);
+        printf("psnr          %.3f dB\n", q->psnr);
+    }
+    if (args.exact != NULL) {
+        printf("truth         %.6f\nexact         %.6f\nratio         %.6f\n", truth,
+               c->exact_truth, ratio);
     }
     return 0;
 }
 
-static stp_result compare(stp_context* context, stp_image pictures[4], char** paths,
-                          stp_image_quality* quality)
+static stp_result compare_exact(stp_context* context, comparison* c)
 {
-    stp_image *a = &pictures[0], *b = &pictures[1], *mask = &pictures[2], *map = &pictures[3];
-    stp_result result = tool_read_picture(context, paths[0], a);
-    result = result == STP_OK ? tool_read_picture(context, paths[1], b) : result;
+    stp_image_quality quality;
+    stp_result result = tool_read_picture(context, args.exact, &c->exact);
+    result = result == STP_OK ? stp_image_compare(context, &c->exact, &c->b, NULL, NULL, &quality)
+                              : result;
+    c->exact_truth = result == STP_OK ? quality.ssim_covered : 0.0;
+    return result;
+}
+
+static stp_result compare(stp_context* context, char** paths, comparison* c)
+{
+    stp_result result = tool_read_picture(context, paths[0], &c->a);
+    result = result == STP_OK ? tool_read_picture(context, paths[1], &c->b) : result;
     if (result == STP_OK && args.mask != NULL) {
-        result = tool_read_picture(context, args.mask, mask);
+        result = tool_read_picture(context, args.mask, &c->mask);
     }
     if (result == STP_OK) {
-        result = stp_image_compare(context, a, b, args.mask != NULL ? mask : NULL,
-                                   args.map != NULL ? map : NULL, quality);
+        result = stp_image_compare(context, &c->a, &c->b, args.mask != NULL ? &c->mask : NULL,
+                                   args.map != NULL ? &c->map : NULL, &c->quality);
+    }
+    if (result == STP_OK && args.exact != NULL) {
+        result = compare_exact(context, c);
     }
     if (result == STP_OK && args.map != NULL) {
-        result = tool_write_picture(context, map, args.map);
+        result = tool_write_picture(context, &c->map, args.map);
     }
     if (result == STP_OK && args.difference != NULL) {
-        subtract(a, b);
-        result = tool_write_picture(context, a, args.difference);
+        subtract(&c->a, &c->b);
+        result = tool_write_picture(context, &c->a, args.difference);
     }
     return result;
 }
@@ -108,11 +146,11 @@ static bool is_stream(const char* path)
 
 static int check_outputs(char** pictures)
 {
-    const char* inputs[] = {pictures[0], pictures[1], args.mask};
+    const char* inputs[] = {pictures[0], pictures[1], args.mask, args.exact};
     const char* outputs[] = {args.map, args.difference};
     for (int o = 0; o < 2; ++o) {
         int code = tool_check_picture(outputs[o]);
-        for (int i = 0; i < 3 && code == 0; ++i) {
+        for (int i = 0; i < 4 && code == 0; ++i) {
             code = overwrite_check(inputs[i], outputs[o]);
         }
         if (code != 0) {
@@ -127,8 +165,12 @@ static int run(int argc, char** argv)
     if (argc != 2) {
         return tool_usage_error("compare needs two pictures, but got %d", argc);
     }
-    if (is_stream(argv[0]) + is_stream(argv[1]) + is_stream(args.mask) > 1) {
+    if (is_stream(argv[0]) + is_stream(argv[1]) + is_stream(args.mask) + is_stream(args.exact) >
+        1) {
         return tool_usage_error("only one picture can come from standard input");
+    }
+    if (args.exact != NULL && args.mask != NULL) {
+        return tool_usage_error("--exact and --mask exclude each other");
     }
     if (is_stream(args.map) || is_stream(args.difference)) {
         return tool_usage_error("standard output receives the figures; give a file name");
@@ -141,12 +183,12 @@ static int run(int argc, char** argv)
     if (context == NULL) {
         return 1;
     }
-    stp_image pictures[4] = {{0}};
-    stp_image_quality quality;
-    stp_result result = compare(context, pictures, argv, &quality);
-    int code = result == STP_OK ? print(&pictures[0], &quality) : 1;
-    for (int i = 0; i < 4; ++i) {
-        stp_free(context, pictures[i].pixels);
+    comparison c = {.exact_truth = 0.0};
+    stp_result result = compare(context, argv, &c);
+    int code = result == STP_OK ? print(&c) : 1;
+    stp_image* pictures[] = {&c.a, &c.b, &c.mask, &c.map, &c.exact};
+    for (int i = 0; i < 5; ++i) {
+        stp_free(context, pictures[i]->pixels);
     }
     stp_context_destroy(context);
     return code;
@@ -163,6 +205,9 @@ const command command_compare = {
         "averages only over pixels that either picture covers (alpha above 0). ms_ssim uses five "
         "scales (Wang et al. 2003). psnr covers red, green and blue; for equal pictures it is "
         "infinite, which JSON shows as 200.\n\n"
+        "The truth of a picture is its ssim_covered to the originals with 16 samples a pixel. "
+        "Originals with one sample are aliased and have a truth below 1, too; --exact shows the "
+        "ratio to it.\n\n"
         "Either picture, or the mask, may be - for standard input.\n\n"
         "The exit status is 0 whenever the pictures can be compared, however different they are, "
         "and 1 otherwise.",
@@ -170,7 +215,11 @@ const command command_compare = {
         "Compare two pictures:\n"
         "$ stipple compare plant.png reference.png\n"
         "Show where they differ:\n"
-        "$ stipple compare plant.png reference.png --map ssim.png --difference difference.png\n",
+        "$ stipple compare plant.png reference.png --map ssim.png --difference difference.png\n"
+        "Compare a frame with the truth:\n"
+        "$ stipple render plant.stip -o truth.png --reference --supersample 4\n"
+        "$ stipple render plant.stip -o exact.png --reference --supersample 1\n"
+        "$ stipple compare frame.png truth.png --exact exact.png\n",
     .files = "A.png, B.png\tPNG files of the same size\n"
              "M.png\ta mask; its black pixels are ignored\n",
     .options = options,

@@ -125,16 +125,21 @@ static void put_line(const plot* p, const panel* shown, double top, double high)
     svg_put(p->s, "h0.01\"/>\n"); // a single frame is seen, too
 }
 
-// The compared frames, each as a dot on a line.
+static void put_dot(const plot* p, double x, double y, const char* fill, const char* stroke)
+{
+    svg_put(p->s, "<circle cx=\"%.1f\" cy=\"%.2f\" r=\"2.5\" fill=\"%s\" stroke=\"%s\"/>\n", x, y,
+            fill, stroke);
+}
+
+// The compared frames: a dot for each, and a hollow one for the originals.
 static void put_pictures(const plot* p, const panel* shown, double top)
 {
     const flight_record* record = p->record;
     for (uint32_t i = 0; i < record->quality_count; ++i) {
         const flight_quality* q = &record->qualities[i];
         double x = x_of(p, record->times[q->frame]);
-        double y = top + PANEL * (1.0 - fmax(0.0, q->quality.ssim_covered));
-        svg_put(p->s, "<circle cx=\"%.1f\" cy=\"%.2f\" r=\"2.5\" fill=\"%s\"/>\n", x, y,
-                shown->color);
+        put_dot(p, x, top + PANEL * (1.0 - fmax(0.0, q->exact)), "none", shown->color);
+        put_dot(p, x, top + PANEL * (1.0 - fmax(0.0, q->truth)), shown->color, shown->color);
     }
 }
 
@@ -158,7 +163,7 @@ stp_result flight_plot(stp_context* context, const char* path, const flight_reco
         {"splats", flight_splats, "#55a868", 0.0, false},
         {"triangles", flight_triangles, "#8172b3", 0.0, false},
         {"popping, mean of the blocks (0 to 255)", NULL, "#c44e52", 0.0, false},
-        {"SSIM, covered pixels", NULL, "#937860", 0.0, true},
+        {"truth: SSIM to 16 samples; hollow: the originals with one", NULL, "#937860", 0.0, true},
     };
     enum { PANELS = sizeof(panels) / sizeof(panels[0]) };
     const bool there[PANELS] = {

@@ -14,10 +14,12 @@ static json_t* describe_qualities(const flight_record* record)
     json_t* list = json_array();
     for (uint32_t i = 0; i < record->quality_count; ++i) {
         const stp_image_quality* q = &record->qualities[i].quality;
-        json_array_append_new(list, json_pack("{s:I, s:f, s:f, s:f, s:f}", "frame",
-                                              (json_int_t)record->qualities[i].frame, "ssim",
-                                              q->ssim, "ssim_covered", q->ssim_covered, "ms_ssim",
-                                              q->ms_ssim, "psnr", q->psnr));
+        const flight_quality* f = &record->qualities[i];
+        json_array_append_new(list, json_pack("{s:I, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "frame",
+                                              (json_int_t)f->frame, "ssim", q->ssim, "ssim_covered",
+                                              q->ssim_covered, "ms_ssim", q->ms_ssim, "psnr",
+                                              q->psnr, "truth", f->truth, "exact", f->exact,
+                                              "ratio", flight_truth_ratio(f)));
     }
     return list;
 }
@@ -123,11 +125,13 @@ void flight_print(const flight_record* record)
                record->popping_p50, record->popping_p999, record->popping_max);
     }
     if (record->quality_count > 0) {
-        printf("\n%8s %8s %8s %8s %8s\n", "frame", "SSIM", "covered", "MS-SSIM", "PSNR");
+        printf("\n%8s %8s %8s %8s %8s %8s %8s %8s\n", "frame", "SSIM", "covered", "MS-SSIM", "PSNR",
+               "truth", "exact", "ratio");
     }
     for (uint32_t i = 0; i < record->quality_count; ++i) {
         const stp_image_quality* q = &record->qualities[i].quality;
-        printf("%8u %8.4f %8.4f %8.4f %8.2f\n", record->qualities[i].frame, q->ssim,
-               q->ssim_covered, q->ms_ssim, q->psnr);
+        const flight_quality* f = &record->qualities[i];
+        printf("%8u %8.4f %8.4f %8.4f %8.2f %8.4f %8.4f %8.4f\n", f->frame, q->ssim,
+               q->ssim_covered, q->ms_ssim, q->psnr, f->truth, f->exact, flight_truth_ratio(f));
     }
 }

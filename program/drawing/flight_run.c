@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "program/drawing/flight_run.h"
 
+#include "draw/renderer.h"
 #include "program/measure/popping.h"
 
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 
-// Frames of the first view before the flight, so that the disk is not measured.
-enum { WARM_FRAMES = 3 };
+enum {
+    WARM_FRAMES =
+        3, ///< frames of the first view before the flight, so that the disk is not measured
+    TRUTH_SIDE = 4, ///< samples a pixel of the true picture, across and down
+};
 
 uint32_t flight_count_frames(const flight_plan* plan)
 {
@@ -109,6 +113,11 @@ typedef struct study {
     uint32_t frame;
     stp_image ours[2], references[2];
     stp_popping popping;
+    // the true picture, and the originals with one sample, of the view compared last
+    stp_image truth, exact; ///< `exact` has no pixels where references have one sample
+    stp_view compared;
+    double exact_truth;
+    bool has_truth;
 } study;
 
 static stp_result get_picture(void* user)
@@ -126,6 +135,56 @@ static stp_result compare_picture(void* user)
     q->frame = s->frame;
     return stp_image_compare(s->maker->context, &s->ours[now], &s->references[now], NULL, NULL,
                              &q->quality);
+}
+
+static stp_result compare_truth(void* user)
+{
+    study* s = user;
+    stp_image_quality quality;
+    flight_quality* q = &s->record->qualities[s->record->quality_count];
+    stp_result result = stp_image_compare(s->maker->context, &s->ours[s->frame & 1], &s->truth,
+                                          NULL, NULL, &quality);
+    q->truth = quality.ssim_covered;
+    return result;
+}
+
+static stp_result compare_exact(void* user)
+{
+    study* s = user;
+    stp_image_quality quality;
+    const stp_image* exact = s->exact.pixels != NULL ? &s->exact : &s->references[s->frame & 1];
+    stp_result result =
+        stp_image_compare(s->maker->context, exact, &s->truth, NULL, NULL, &quality);
+    s->exact_truth = quality.ssim_covered;
+    return result;
+}
+
+/// Draws the true picture of a view, unless it is that of the frame compared before.
+static stp_result draw_truth(study* s, const stp_view* view)
+{
+    const stp_visibility* visibility = s->plan->quality.visibility;
+    if (s->has_truth && stp_resting_is_same_view(&s->compared, view)) {
+        return STP_OK;
+    }
+    stp_result result = frame_draw_originals(s->maker, view, visibility, TRUTH_SIDE, &s->truth);
+    if (result == STP_OK && s->exact.pixels != NULL) {
+        result = frame_draw_originals(s->maker, view, visibility, 1, &s->exact);
+    }
+    result = result == STP_OK ? frame_do(s->maker, compare_exact, s) : result;
+    s->compared = *view;
+    s->has_truth = result == STP_OK;
+    return result;
+}
+
+static stp_result compare_frame(study* s, const stp_view* view)
+{
+    stp_result result = frame_do(s->maker, compare_picture, s);
+    result = result == STP_OK ? draw_truth(s, view) : result;
+    result = result == STP_OK ? frame_do(s->maker, compare_truth, s) : result;
+    if (result == STP_OK) {
+        s->record->qualities[s->record->quality_count++].exact = s->exact_truth;
+    }
+    return result;
 }
 
 static stp_result add_popping(void* user)
@@ -159,8 +218,7 @@ static stp_result study_frame(study* s, uint32_t i)
         result = frame_draw(s->maker, &view, &whole, &s->references[i & 1], &figures);
     }
     if (result == STP_OK && compared) {
-        result = frame_do(s->maker, compare_picture, s);
-        s->record->quality_count += result == STP_OK ? 1 : 0;
+        result = compare_frame(s, &view);
     }
     if (result == STP_OK && plan->popping && i > 0) {
         result = frame_do(s->maker, add_popping, s);
@@ -169,17 +227,26 @@ static stp_result study_frame(study* s, uint32_t i)
     return result;
 }
 
+static bool create_images(study* s)
+{
+    uint32_t width = s->plan->view.width, height = s->plan->view.height;
+    bool compares = s->plan->reference_every > 0, created = true;
+    bool with_reference = s->plan->popping || compares;
+    for (int i = 0; i < 2 && created; ++i) {
+        created = frame_maker_create_image(s->maker, width, height, &s->ours[i]) &&
+                  (!with_reference ||
+                   frame_maker_create_image(s->maker, width, height, &s->references[i]));
+    }
+    created =
+        created && (!compares || frame_maker_create_image(s->maker, width, height, &s->truth));
+    return created && (!compares || s->maker->style.supersample <= 1 ||
+                       frame_maker_create_image(s->maker, width, height, &s->exact));
+}
+
 static stp_result fly_again(frame_maker* maker, const flight_plan* plan, flight_record* record)
 {
     study s = {.maker = maker, .plan = plan, .record = record};
-    bool created = true;
-    bool with_reference = plan->popping || plan->reference_every > 0;
-    for (int i = 0; i < 2 && created; ++i) {
-        created =
-            frame_maker_create_image(maker, plan->view.width, plan->view.height, &s.ours[i]) &&
-            (!with_reference || frame_maker_create_image(maker, plan->view.width, plan->view.height,
-                                                         &s.references[i]));
-    }
+    bool created = create_images(&s);
     stp_result result =
         created ? stp_popping_create(maker->context, &s.popping) : STP_ERROR_OUT_OF_MEMORY;
     for (uint32_t i = 0; i < record->frame_count && result == STP_OK; ++i) {
@@ -200,6 +267,8 @@ static stp_result fly_again(frame_maker* maker, const flight_plan* plan, flight_
         stp_free(maker->context, s.ours[i].pixels);
         stp_free(maker->context, s.references[i].pixels);
     }
+    stp_free(maker->context, s.truth.pixels);
+    stp_free(maker->context, s.exact.pixels);
     return result;
 }
 
@@ -218,6 +287,11 @@ stp_result flight_run(frame_maker* maker, const flight_plan* plan, flight_record
     stp_free(maker->context, image.pixels);
     bool again = plan->sink != NULL || plan->popping || plan->reference_every > 0;
     return result == STP_OK && again ? fly_again(maker, plan, record) : result;
+}
+
+double flight_truth_ratio(const flight_quality* quality)
+{
+    return quality->exact > 0.0 ? quality->truth / quality->exact : 1.0;
 }
 
 double flight_frame_ms(const frame_figures* figures)

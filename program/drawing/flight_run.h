@@ -27,10 +27,17 @@ typedef struct flight_plan {
     void* sink_user;
 } flight_plan;
 
+/// How good a compared frame is.
 typedef struct flight_quality {
     uint32_t frame;
-    stp_image_quality quality;
+    stp_image_quality quality; ///< likeness to the originals, drawn like the frame
+    /// Truth (docs/measuring.md): covered SSIM to the originals with 16 samples a pixel
+    double truth;
+    double exact; ///< truth of the originals with one sample a pixel
 } flight_quality;
+
+/// Truth as a share of the truth of all originals with one sample a pixel. 1 if that is 0.
+double flight_truth_ratio(const flight_quality* quality);
 
 /// Quantiles of a value over the frames, from smallest to largest.
 typedef struct flight_ranks {

@@ -166,11 +166,11 @@ static void add_gl_figures(const frame_maker* maker, frame_figures* figures)
     figures->missing += stats.missing;
 }
 
-stp_result frame_draw(frame_maker* maker, const stp_view* view, const stp_quality* quality,
-                      stp_image* image, frame_figures* figures)
+static stp_result draw(frame_maker* maker, const stp_view* view, const stp_quality* quality,
+                       const stp_draw_style* style, stp_image* image, frame_figures* figures)
 {
     drawing_task task = {
-        .maker = maker, .view = view, .quality = quality, .style = &maker->style, .image = image};
+        .maker = maker, .view = view, .quality = quality, .style = style, .image = image};
     const stp_draw_stats* stats = &task.stats;
     assert(image == NULL ? maker->uses_gl
                          : image->width == view->width && image->height == view->height);
@@ -205,6 +205,22 @@ stp_result frame_draw(frame_maker* maker, const stp_view* view, const stp_qualit
         add_gl_figures(maker, figures);
     }
     return result;
+}
+
+stp_result frame_draw(frame_maker* maker, const stp_view* view, const stp_quality* quality,
+                      stp_image* image, frame_figures* figures)
+{
+    return draw(maker, view, quality, &maker->style, image, figures);
+}
+
+stp_result frame_draw_originals(frame_maker* maker, const stp_view* view,
+                                const stp_visibility* visibility, uint32_t side, stp_image* image)
+{
+    frame_figures figures;
+    stp_draw_style style = maker->style;
+    const stp_quality whole = {.reference = true, .visibility = visibility};
+    style.supersample = side;
+    return draw(maker, view, &whole, &style, image, &figures);
 }
 
 stp_result frame_draw_loaded(frame_maker* maker, const stp_view* view, const stp_quality* quality,

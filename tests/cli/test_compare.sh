@@ -57,6 +57,21 @@ near 1 "$(figure ssim_covered masked.json)" || fail "--mask: $(figure ssim_cover
 "$stipple" compare a.png half.png --json > unmasked.json || fail "compare"
 near 1 "$(figure ssim_covered unmasked.json)" && fail "without --mask all counts"
 
+# truth: A and the picture with one sample, both compared with B
+"$stipple" compare half.png b.png --exact a.png --json > exact.json || fail "--exact"
+"$stipple" compare half.png b.png --json > half.json || fail "compare"
+python3 - << 'END' || fail "--exact: $(cat exact.json)"
+import json
+exact, half, ab = (json.load(open(name + ".json")) for name in ("exact", "half", "ab"))
+assert exact["truth"] == exact["ssim_covered"] == half["ssim_covered"] and exact["exact"] == ab["ssim_covered"]
+assert abs(exact["ratio"] - exact["truth"] / exact["exact"]) < 1e-12
+END
+"$stipple" compare half.png b.png --exact a.png | grep -q '^ratio  *[0-9.]*$' || fail "text of --exact"
+"$stipple" compare a.png b.png --exact a.png --mask mask.png > out 2> err
+[ $? -eq 2 ] && grep -q 'exclude each other' err || fail "--exact with --mask: $(cat err)"
+"$stipple" compare a.png b.png --exact small.png > out 2> err
+[ $? -eq 1 ] && [ "$(wc -l < err)" = 1 ] || fail "--exact of another size: $(cat err)"
+
 # pictures as output, and as input from a pipe
 "$stipple" compare --map map.png --difference difference.png a.png half.png > text || fail "--map"
 "$stipple" compare map.png difference.png > text || fail "the map and the difference differ in size"

@@ -70,7 +70,8 @@ def load(name):
         assert f[key]["max"] == values[-1] and f[key]["p50"] == values[(len(values) - 1) // 2], (name, key, values, f[key])
     assert f["frame_ms"]["p50"] <= f["frame_ms"]["p95"] <= f["frame_ms"]["p99"] <= f["frame_ms"]["max"]
     for q in f["quality"]:
-        assert sorted(q) == ["frame", "ms_ssim", "psnr", "ssim", "ssim_covered"], q
+        assert sorted(q) == ["exact", "frame", "ms_ssim", "psnr", "ratio", "ssim", "ssim_covered", "truth"], q
+        assert abs(q["ratio"] * q["exact"] - q["truth"]) < 1e-12 and 0 < q["exact"] <= 1, q
     return f
 f = load("plain")
 assert (f["backend"], f["width"], f["height"], f["frames"]) == ("cpu", 64, 48, 5)
@@ -80,7 +81,8 @@ assert f["triangles"]["p50"] > 0
 for name in "same", "same_ball":
     f = load(name)
     assert [q["frame"] for q in f["quality"]] == list(range(f["frames"]))
-    assert all(q["ssim"] == q["ssim_covered"] == q["ms_ssim"] == 1 for q in f["quality"]), f["quality"]
+    assert all(q["ssim"] == q["ssim_covered"] == q["ms_ssim"] == q["ratio"] == 1 for q in f["quality"]), f["quality"]
+    assert any(q["truth"] < 1 for q in f["quality"]), f["quality"] # one sample is not the truth
     assert f["popping"] == {"p50": 0, "p999": 0, "max": 0}, f["popping"]
 f = load("every") # 2.5 s at 4 frames a second
 assert f["frames"] == 11 and f["per_frame"][-1]["t"] == 3.5 and f["per_frame"][1]["t"] == 1.25
@@ -105,7 +107,22 @@ END
 "$stipple" fly ball.stip --path flight.json --size 64x48 --splat-size 3 -o pictures/ --reference-every 5 --popping > text ||
     fail "pictures"
 [ "$(ls pictures)" = "$(seq -f 'frame-%06.0f.png' 0 10)" ] || fail "pictures are $(ls pictures)"
-for word in "frame ms" popping SSIM; do
+# the truth of a frame is what `compare` finds in pictures of `render`
+"$stipple" fly ball.stip --path flight.json --size 64x48 --splat-size 3 --reference-every 5 --supersample 2 --json > truth.json ||
+    fail "truth"
+python3 - "$stipple" << 'END' || fail "truth of fly and of compare differ"
+import json, subprocess, sys
+def run(*options):
+    return json.loads(subprocess.run([sys.argv[1], *options, "--json"], check=True, capture_output=True).stdout)
+view = ["--size", "64x48", "--fov", "40", "--eye", "0,1,40", "--target", "0,0,0"]
+run("render", "ball.stip", "-o", "ours.png", "--splat-size", "3", "--supersample", "2", *view)
+run("render", "ball.stip", "-o", "truth.png", "--reference", "--supersample", "4", *view)
+run("render", "ball.stip", "-o", "exact.png", "--reference", "--supersample", "1", *view)
+found, flown = run("compare", "ours.png", "truth.png", "--exact", "exact.png"), json.load(open("truth.json"))["quality"][0]
+for key in "truth", "exact", "ratio":
+    assert abs(found[key] - flown[key]) < 1e-9, (key, found, flown)
+END
+for word in "frame ms" popping SSIM ratio; do
     grep -q "$word" text || fail "the table lacks $word: $(cat text)"
 done
 "$stipple" render ball.stip -o one.png --size 64x48 --splat-size 3 --eye 9,1,8 --target 0,0,0 --fov 40 || fail "render"
@@ -161,7 +178,7 @@ root = tree.parse("plot.svg").getroot()
 text = " ".join(t for t in root.itertext())
 assert "popping" in text and "SSIM" in text, text
 dots = [e for e in root.iter() if e.tag.endswith("circle")]
-assert len(dots) == 3, len(dots) # of eleven frames
+assert len(dots) == 6, len(dots) # two for each of three frames, of eleven
 height = float(root.get("height"))
 assert all(0 < float(d.get("cy")) < height for d in dots)
 END
