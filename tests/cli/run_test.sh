@@ -3,6 +3,10 @@
 # Runs a test of the command line with its own, initially empty cache: tests that run at the
 # same time must not build the same file, and none may find files of an earlier run.
 # Arguments: script, executable, scratch folder, source folder.
+if [ $# -ne 4 ]; then
+    echo "usage: run_test.sh SCRIPT EXECUTABLE SCRATCH SOURCE" >&2
+    exit 2
+fi
 if ! command -v python3 > /dev/null; then # which nearly all tests use
     echo "skipped: python3 is not installed"
     exit 77
