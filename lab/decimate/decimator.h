@@ -52,10 +52,10 @@ STP_MUST_USE stp_result stp_decimate_by_octree_level(stp_context* context,
 STP_MUST_USE stp_result stp_decimate_by_quadric(stp_context* context,
                                                 const stp_decimate_input* input, uint32_t target,
                                                 stp_decimate_output* output);
-/// Collapses edges of the triangles by quadric error (Garland, Heckbert 1997) with
-/// libmeshoptimizer, until `target` vertices are left. Borders may cause a few more or fewer; many
-/// more remain if no edge can be collapsed without changing the topology. Vertices keep their
-/// positions and colours. The result is the same on any machine with the same libmeshoptimizer.
+/// Collapses edges of the welded triangles by quadric error (Garland, Heckbert 1997;
+/// lod/levels/collapse.h), until `target` vertices are left, or one or two fewer. More remain only
+/// if every collapse would turn a triangle over. Vertices move; each keeps the mean colour of the
+/// points that were at one of its places.
 STP_MUST_USE stp_result stp_decimate_by_mesh(stp_context* context, const stp_decimate_input* input,
                                              uint32_t target, stp_decimate_output* output);
 /// The first points of the exact order, each wide enough for the points nearest to it.

@@ -1,0 +1,528 @@
+// SPDX-License-Identifier: MIT
+#include "lod/levels/collapse.h"
+
+#include "base/core/sort.h"
+#include "lod/levels/plane_quadric.h"
+
+#include <assert.h>
+#include <string.h>
+
+#define NONE UINT32_MAX
+#define FARTHEST 2.0 // a place farther from the middle of an edge, in its lengths, is not used
+#define TINY 1e-24   // squares of areas below this are zero
+
+/// An edge to be collapsed. It is out of date if a stamp of its ends has changed.
+typedef struct candidate {
+    float cost; ///< mean squared distance
+    uint32_t a, b, stamp;
+} candidate;
+
+typedef struct collapser {
+    stp_context* context;
+    stp_collapse_mesh* mesh;
+    const stp_collapse_desc* desc;
+    stp_vec3d origin; ///< positions are relative to it
+    stp_vec3d* places;
+    stp_plane_quadric* quadrics;
+    // the corners around each vertex, as lists; those of triangles that are gone are skipped
+    uint32_t *first, *last, *next;
+    uint32_t* degrees; ///< triangles around each vertex
+    uint32_t* stamps;  ///< collapses into each vertex
+    uint32_t* corners; ///< 3 per triangle
+    uint8_t* gone;     ///< per triangle
+    uint32_t* seen;    ///< per vertex: number of the collapse that offered its edge last
+    candidate* heap;
+    size_t heap_count, heap_capacity;
+    uint32_t triangles, vertices; ///< left
+    uint32_t collapses;
+    double worst;
+} collapser;
+
+static bool is_locked(const collapser* c, uint32_t vertex)
+{
+    return c->mesh->locked != NULL && c->mesh->locked[vertex] != 0;
+}
+
+// Total order, so that the result does not depend on the order of offers.
+static bool is_before(const candidate* x, const candidate* y)
+{
+    if (x->cost < y->cost || x->cost > y->cost) {
+        return x->cost < y->cost;
+    }
+    return x->a != y->a ? x->a < y->a : x->b < y->b;
+}
+
+static bool push(collapser* c, candidate item)
+{
+    if (!STP_MAKE_ROOM(c->context, c->heap, c->heap_capacity, c->heap_count + 1)) {
+        return false;
+    }
+    size_t at = c->heap_count++;
+    for (; at > 0 && is_before(&item, &c->heap[(at - 1) / 2]); at = (at - 1) / 2) {
+        c->heap[at] = c->heap[(at - 1) / 2];
+    }
+    c->heap[at] = item;
+    return true;
+}
+
+static candidate pop(collapser* c)
+{
+    assert(c->heap_count > 0);
+    candidate top = c->heap[0], item = c->heap[--c->heap_count];
+    size_t at = 0;
+    for (;;) {
+        size_t child = 2 * at + 1;
+        if (child >= c->heap_count) {
+            break;
+        }
+        if (child + 1 < c->heap_count && is_before(&c->heap[child + 1], &c->heap[child])) {
+            child += 1;
+        }
+        if (!is_before(&c->heap[child], &item)) {
+            break;
+        }
+        c->heap[at] = c->heap[child];
+        at = child;
+    }
+    c->heap[at] = item;
+    return top;
+}
+
+static stp_vec3d cross_of(const stp_vec3d p[3])
+{
+    return stp_crossd(stp_subd(p[1], p[0]), stp_subd(p[2], p[0]));
+}
+
+static void get_places(const collapser* c, uint32_t triangle, stp_vec3d p[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        p[k] = c->places[c->corners[3 * (size_t)triangle + (size_t)k]];
+    }
+}
+
+/// The place of the vertex that remains of edge a, b, of which `a` is not locked, and its error.
+static double choose_place(const collapser* c, uint32_t a, uint32_t b, stp_vec3d* place)
+{
+    stp_plane_quadric sum = stp_plane_quadric_sum(&c->quadrics[a], &c->quadrics[b]);
+    stp_vec3d pa = c->places[a], pb = c->places[b], best;
+    double error = stp_plane_quadric_error(&sum, pb);
+    *place = pb;
+    assert(!is_locked(c, a));
+    if (is_locked(c, b)) {
+        return error;
+    }
+    double other = stp_plane_quadric_error(&sum, pa);
+    if (other < error) {
+        error = other;
+        *place = pa;
+    }
+    stp_vec3d middle = stp_scaled(stp_addd(pa, pb), 0.5), edge = stp_subd(pb, pa);
+    if (stp_plane_quadric_minimum(&sum, middle, &best)) {
+        stp_vec3d away = stp_subd(best, middle);
+        double found = stp_plane_quadric_error(&sum, best);
+        if (found < error && stp_dotd(away, away) < FARTHEST * FARTHEST * stp_dotd(edge, edge)) {
+            error = found;
+            *place = best;
+        }
+    }
+    return error;
+}
+
+/// Puts an edge into the heap, unless both ends are locked. @return false if memory runs out
+static bool offer(collapser* c, uint32_t a, uint32_t b)
+{
+    stp_vec3d place;
+    bool swap = is_locked(c, a) || (!is_locked(c, b) && b < a);
+    uint32_t from = swap ? b : a, to = swap ? a : b;
+    if (is_locked(c, from)) {
+        return true;
+    }
+    float cost = (float)choose_place(c, from, to, &place);
+    return push(c, (candidate){cost, from, to, c->stamps[from] + c->stamps[to]});
+}
+
+/// Adds the planes of all triangles to their corners' quadrics.
+static void add_triangles(collapser* c)
+{
+    for (uint32_t t = 0; t < c->mesh->triangle_count; ++t) {
+        stp_vec3d p[3], normal;
+        get_places(c, t, p);
+        normal = cross_of(p);
+        double twice = sqrt(stp_dotd(normal, normal));
+        if (twice > 0.0) {
+            normal = stp_scaled(normal, 1.0 / twice);
+            for (size_t k = 0; k < 3; ++k) {
+                stp_plane_quadric_add(&c->quadrics[c->corners[3 * (size_t)t + k]], normal,
+                                      -stp_dotd(normal, p[0]), 0.5 * twice, 0.5 * twice);
+            }
+        }
+    }
+}
+
+/// Adds a plane through an open edge, perpendicular to its triangle. It counts in the sum alone, so
+/// that borders are kept more strictly than their error says.
+static void add_border(collapser* c, uint32_t corner)
+{
+    size_t triangle = corner / 3, k = corner % 3;
+    uint32_t a = c->corners[corner], b = c->corners[3 * triangle + (k + 1) % 3];
+    stp_vec3d p[3];
+    get_places(c, (uint32_t)triangle, p);
+    stp_vec3d edge = stp_subd(c->places[b], c->places[a]);
+    stp_vec3d cross = cross_of(p), side = stp_crossd(edge, cross);
+    double length = sqrt(stp_dotd(side, side));
+    if (length > 0.0) {
+        side = stp_scaled(side, 1.0 / length);
+        double offset = -stp_dotd(side, c->places[a]);
+        // a finely divided border around long triangles counts as much as they do
+        double size = fmax(stp_dotd(edge, edge), sqrt(stp_dotd(cross, cross)));
+        double weight = c->desc->border_weight * size;
+        stp_plane_quadric_add(&c->quadrics[a], side, offset, weight, 0.0);
+        stp_plane_quadric_add(&c->quadrics[b], side, offset, weight, 0.0);
+    }
+}
+
+/// Edges of the mesh: a pair of ends, and a corner at which a triangle has it.
+typedef struct edge_list {
+    uint64_t *ends, *scratch;
+    uint32_t* corners; ///< sorted with the ends
+} edge_list;
+
+static void get_ends(const collapser* c, uint32_t corner, uint32_t* low, uint32_t* high)
+{
+    size_t triangle = corner / 3, k = corner % 3;
+    uint32_t a = c->corners[corner], b = c->corners[3 * triangle + (k + 1) % 3];
+    *low = a < b ? a : b;
+    *high = a < b ? b : a;
+}
+
+/// Sorts the corners by the edges that begin there. @return NULL if memory runs out
+static uint32_t* sort_edges(collapser* c)
+{
+    uint32_t count = 3 * c->mesh->triangle_count;
+    uint64_t* items = STP_NEW_ARRAY(c->context, uint64_t, (size_t)count + 1);
+    uint64_t* scratch = STP_NEW_ARRAY(c->context, uint64_t, (size_t)count + 1);
+    uint32_t* order = STP_NEW_ARRAY(c->context, uint32_t, (size_t)count + 1);
+    if (items != NULL && scratch != NULL && order != NULL) {
+        unsigned bits = stp_bit_width(c->mesh->vertex_count);
+        uint32_t low, high;
+        for (uint32_t i = 0; i < count; ++i) {
+            get_ends(c, i, &low, &high);
+            items[i] = (uint64_t)high << 32 | i;
+        }
+        uint64_t* sorted = stp_sort_u64(items, scratch, count, 32, bits);
+        for (uint32_t i = 0; i < count; ++i) {
+            uint32_t corner = (uint32_t)sorted[i];
+            get_ends(c, corner, &low, &high);
+            sorted[i] = (uint64_t)low << 32 | corner;
+        }
+        uint64_t* again = stp_sort_u64(sorted, sorted == items ? scratch : items, count, 32, bits);
+        for (uint32_t i = 0; i < count; ++i) {
+            order[i] = (uint32_t)again[i];
+        }
+    } else {
+        stp_free(c->context, order);
+        order = NULL;
+    }
+    stp_free(c->context, items);
+    stp_free(c->context, scratch);
+    return order;
+}
+
+/// Adds the borders, then offers every edge once. @return false if memory runs out
+static bool offer_edges(collapser* c)
+{
+    uint32_t count = 3 * c->mesh->triangle_count;
+    uint32_t* order = sort_edges(c);
+    bool good = order != NULL;
+    for (int pass = c->desc->border_weight > 0.0 ? 0 : 1; pass < 2 && good; ++pass) {
+        for (uint32_t i = 0, end; i < count && good; i = end) {
+            uint32_t low, high, a, b;
+            get_ends(c, order[i], &low, &high);
+            for (end = i + 1; end < count; ++end) {
+                get_ends(c, order[end], &a, &b);
+                if (a != low || b != high) {
+                    break;
+                }
+            }
+            if (pass == 1) {
+                good = offer(c, low, high);
+            } else if (end == i + 1) {
+                add_border(c, order[i]);
+            }
+        }
+    }
+    stp_free(c->context, order);
+    return good;
+}
+
+/// Links the corners of each vertex, and counts triangles and used vertices.
+static void link_corners(collapser* c)
+{
+    const stp_collapse_mesh* m = c->mesh;
+    memset(c->first, 0xff, m->vertex_count * sizeof(*c->first));
+    for (uint32_t i = 0; i < 3 * m->triangle_count; ++i) {
+        uint32_t v = m->indices[i];
+        assert(v < m->vertex_count);
+        c->corners[i] = v;
+        c->next[i] = NONE;
+        if (c->first[v] == NONE) {
+            c->first[v] = i;
+            c->vertices += 1;
+        } else {
+            c->next[c->last[v]] = i;
+        }
+        c->last[v] = i;
+        c->degrees[v] += 1;
+    }
+    c->triangles = m->triangle_count;
+}
+
+/// Positions relative to the first vertex.
+static void place_vertices(collapser* c)
+{
+    const float* p = c->mesh->positions;
+    c->origin = (stp_vec3d){(double)p[0], (double)p[1], (double)p[2]};
+    for (size_t i = 0; i < c->mesh->vertex_count; ++i) {
+        c->places[i] = stp_subd(
+            (stp_vec3d){(double)p[3 * i], (double)p[3 * i + 1], (double)p[3 * i + 2]}, c->origin);
+    }
+}
+
+static bool has_corner(const collapser* c, uint32_t triangle, uint32_t vertex)
+{
+    const uint32_t* t = c->corners + 3 * (size_t)triangle;
+    return t[0] == vertex || t[1] == vertex || t[2] == vertex;
+}
+
+/// Drops the corners of triangles that are gone from the list of a vertex.
+static void clean_list(collapser* c, uint32_t vertex)
+{
+    uint32_t last = NONE;
+    for (uint32_t i = c->first[vertex]; i != NONE; i = c->next[i]) {
+        if (c->gone[i / 3] != 0) {
+            continue;
+        }
+        if (last == NONE) {
+            c->first[vertex] = i;
+        } else {
+            c->next[last] = i;
+        }
+        last = i;
+    }
+    if (last == NONE) {
+        c->first[vertex] = NONE;
+    } else {
+        c->next[last] = NONE;
+    }
+    c->last[vertex] = last;
+}
+
+/// Whether triangles around `vertex` without `other` keep their direction if it moves.
+static bool keeps_directions(const collapser* c, uint32_t vertex, uint32_t other, stp_vec3d place)
+{
+    for (uint32_t i = c->first[vertex]; i != NONE; i = c->next[i]) {
+        stp_vec3d p[3];
+        if (c->gone[i / 3] != 0 || has_corner(c, i / 3, other)) {
+            continue;
+        }
+        get_places(c, i / 3, p);
+        stp_vec3d before = cross_of(p);
+        p[i % 3] = place;
+        stp_vec3d after = cross_of(p);
+        double was = stp_dotd(before, before), is = stp_dotd(after, after);
+        if (!(is > TINY * was) ||
+            stp_dotd(before, after) < c->desc->least_cosine * sqrt(was) * sqrt(is)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// Number of triangles that have both vertices.
+static uint32_t count_common(const collapser* c, uint32_t a, uint32_t b)
+{
+    uint32_t common = 0;
+    for (uint32_t i = c->first[a]; i != NONE; i = c->next[i]) {
+        common += c->gone[i / 3] == 0 && has_corner(c, i / 3, b) ? 1 : 0;
+    }
+    return common;
+}
+
+static void lose_triangle(collapser* c, uint32_t triangle)
+{
+    c->gone[triangle] = 1;
+    c->triangles -= 1;
+    for (size_t k = 0; k < 3; ++k) {
+        uint32_t v = c->corners[3 * (size_t)triangle + k];
+        assert(c->degrees[v] > 0);
+        c->degrees[v] -= 1;
+        c->vertices -= c->degrees[v] == 0 ? 1 : 0;
+    }
+}
+
+/// Moves all of vertex `a` to `b`, which gets a new place.
+static void merge(collapser* c, uint32_t a, uint32_t b, stp_vec3d place)
+{
+    for (uint32_t i = c->first[a]; i != NONE; i = c->next[i]) {
+        if (c->gone[i / 3] == 0 && has_corner(c, i / 3, b)) {
+            lose_triangle(c, i / 3);
+        }
+    }
+    clean_list(c, a);
+    clean_list(c, b);
+    for (uint32_t i = c->first[a]; i != NONE; i = c->next[i]) {
+        c->corners[i] = b;
+    }
+    // `a` is used no more; `b` is, if it was not, and takes triangles over
+    c->vertices -= c->degrees[a] != 0 && c->degrees[b] != 0 ? 1 : 0;
+    c->degrees[b] += c->degrees[a];
+    c->degrees[a] = 0;
+    if (c->first[a] != NONE) {
+        if (c->first[b] == NONE) {
+            c->first[b] = c->first[a];
+        } else {
+            c->next[c->last[b]] = c->first[a];
+        }
+        c->last[b] = c->last[a];
+        c->first[a] = NONE;
+    }
+    c->quadrics[b] = stp_plane_quadric_sum(&c->quadrics[a], &c->quadrics[b]);
+    c->places[b] = place;
+    c->stamps[a] += 1;
+    c->stamps[b] += 1;
+    c->collapses += 1;
+}
+
+/// Offers the edges around a vertex. @return false if memory runs out
+static bool offer_around(collapser* c, uint32_t vertex)
+{
+    bool good = true;
+    c->seen[vertex] = c->collapses;
+    for (uint32_t i = c->first[vertex]; i != NONE && good; i = c->next[i]) {
+        for (size_t k = 0; k < 3 && good; ++k) {
+            uint32_t v = c->corners[3 * (size_t)(i / 3) + k];
+            if (c->seen[v] != c->collapses) {
+                c->seen[v] = c->collapses;
+                good = offer(c, vertex, v);
+            }
+        }
+    }
+    return good;
+}
+
+static bool is_done(const collapser* c)
+{
+    return (c->desc->triangle_target > 0 && c->triangles <= c->desc->triangle_target) ||
+           (c->desc->vertex_target > 0 && c->vertices <= c->desc->vertex_target);
+}
+
+/// @return false if memory runs out
+static bool collapse_edges(collapser* c)
+{
+    double limit = c->desc->error_limit * c->desc->error_limit;
+    while (!is_done(c) && c->heap_count > 0) {
+        candidate best = pop(c);
+        uint32_t a = best.a, b = best.b;
+        stp_vec3d place;
+        if (best.stamp != c->stamps[a] + c->stamps[b] || c->degrees[a] == 0 || c->degrees[b] == 0) {
+            continue;
+        }
+        uint32_t common = count_common(c, c->degrees[a] < c->degrees[b] ? a : b,
+                                       c->degrees[a] < c->degrees[b] ? b : a);
+        if (common == 0 || c->degrees[a] + c->degrees[b] - 2 * common > STP_COLLAPSE_FAN) {
+            continue;
+        }
+        double error = choose_place(c, a, b, &place);
+        if (error > limit) {
+            break;
+        }
+        if (!keeps_directions(c, a, b, place) || !keeps_directions(c, b, a, place)) {
+            continue;
+        }
+        c->worst = fmax(c->worst, error);
+        merge(c, a, b, place);
+        if (!offer_around(c, b)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void store(collapser* c)
+{
+    stp_collapse_mesh* m = c->mesh;
+    uint32_t kept = 0;
+    for (uint32_t t = 0; t < m->triangle_count; ++t) {
+        if (c->gone[t] == 0) {
+            memcpy(m->indices + 3 * (size_t)kept, c->corners + 3 * (size_t)t,
+                   3 * sizeof(*m->indices));
+            if (m->tags != NULL) {
+                m->tags[kept] = m->tags[t];
+            }
+            kept += 1;
+        }
+    }
+    assert(kept == c->triangles);
+    m->triangle_count = kept;
+    for (size_t i = 0; i < m->vertex_count; ++i) {
+        if (c->stamps[i] > 0 && c->degrees[i] > 0 && !is_locked(c, (uint32_t)i)) {
+            stp_vec3d p = stp_addd(c->places[i], c->origin);
+            m->positions[3 * i] = (float)p.x;
+            m->positions[3 * i + 1] = (float)p.y;
+            m->positions[3 * i + 2] = (float)p.z;
+        }
+    }
+}
+
+static bool allocate(collapser* c)
+{
+    size_t vertices = (size_t)c->mesh->vertex_count + 1;
+    size_t corners = 3 * (size_t)c->mesh->triangle_count + 1;
+    c->places = STP_NEW_ARRAY(c->context, stp_vec3d, vertices);
+    c->quadrics = STP_NEW_ZEROED(c->context, stp_plane_quadric, vertices);
+    c->first = STP_NEW_ARRAY(c->context, uint32_t, vertices);
+    c->last = STP_NEW_ARRAY(c->context, uint32_t, vertices);
+    c->degrees = STP_NEW_ZEROED(c->context, uint32_t, vertices);
+    c->stamps = STP_NEW_ZEROED(c->context, uint32_t, vertices);
+    c->seen = STP_NEW_ZEROED(c->context, uint32_t, vertices);
+    c->next = STP_NEW_ARRAY(c->context, uint32_t, corners);
+    c->corners = STP_NEW_ARRAY(c->context, uint32_t, corners);
+    c->gone = STP_NEW_ZEROED(c->context, uint8_t, corners);
+    return c->places != NULL && c->quadrics != NULL && c->first != NULL && c->last != NULL &&
+           c->degrees != NULL && c->stamps != NULL && c->seen != NULL && c->next != NULL &&
+           c->corners != NULL && c->gone != NULL;
+}
+
+static void release(collapser* c)
+{
+    void* arrays[] = {c->places, c->quadrics, c->first,   c->last, c->degrees, c->stamps,
+                      c->seen,   c->next,     c->corners, c->gone, c->heap};
+    for (size_t i = 0; i < sizeof(arrays) / sizeof(arrays[0]); ++i) {
+        stp_free(c->context, arrays[i]);
+    }
+}
+
+stp_result stp_collapse(stp_context* context, stp_collapse_mesh* mesh,
+                        const stp_collapse_desc* desc, double* error)
+{
+    collapser c = {.context = context, .mesh = mesh, .desc = desc};
+    assert(desc->border_weight >= 0.0 && desc->least_cosine <= 1.0 && desc->error_limit >= 0.0);
+    assert(mesh->triangle_count <= UINT32_MAX / 3);
+    *error = 0.0;
+    if (mesh->triangle_count == 0) {
+        return STP_OK;
+    }
+    bool good = allocate(&c);
+    if (good) {
+        place_vertices(&c);
+        link_corners(&c);
+        add_triangles(&c);
+        good = offer_edges(&c) && collapse_edges(&c);
+    }
+    if (good) {
+        store(&c);
+        *error = sqrt(c.worst);
+    }
+    release(&c);
+    return good ? STP_OK : stp_fail_memory(context);
+}
