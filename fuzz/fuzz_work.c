@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Arbitrary bytes as a segment of a work directory: entries found can be read, and stored entries
+// Arbitrary bytes as a segment of a work folder: entries found can be read, and stored entries
 // are found again.
 //
 // build/fuzz/fuzz/fuzz_work -max_total_time=60 -max_len=4096 build/corpus/fuzz_work

@@ -3,7 +3,7 @@
 
     scripts/check_resume.py build/release/lab/stipple-lab build/resume --kills 50 scene:one-mesh
 
-Prints one line per kill: its time, the stage, and the content of the work directory. A build is
+Prints one line per kill: its time, the stage, and the content of the work folder. A build is
 killed up to eight times before it may finish. Options of `stipple build` follow `--`.
 """
 import argparse

@@ -8,7 +8,7 @@
 // samples follow a low-discrepancy sequence (Roberts, The Unreasonable Effectiveness of Quasirandom
 // Sequences, 2018). So each triangle has as many samples as its share of the area, to within one,
 // and no random numbers are needed. Where the maximum may lie between samples, more places are
-// measured (hausdorff.h).
+// measured (hausdorff_bound.c).
 #pragma once
 
 #include "lab/measure/shape_tree.h"

@@ -171,7 +171,8 @@ static void run_recipe(const plan_mesh* mesh, mesh_builder* builder, double deta
     *triangles = s.triangles;
 }
 
-void plan_make_mesh(mesh_builder* builder, const void* mesh)
+// A mesh_maker of a plan_mesh.
+static void make_mesh(mesh_builder* builder, const void* mesh)
 {
     const plan_mesh* planned = mesh;
     uint64_t vertices, triangles;
@@ -352,8 +353,7 @@ static stp_result add_meshes(const assembly_plan* plan, stp_scene* scene, uint32
     }
     for (size_t i = 0; i < plan->mesh_count; ++i) {
         const plan_mesh* mesh = &plan->meshes[i];
-        recipes[i] =
-            (mesh_recipe){mesh->name, plan_make_mesh, mesh, first_material + mesh->material};
+        recipes[i] = (mesh_recipe){mesh->name, make_mesh, mesh, first_material + mesh->material};
     }
     result = make_meshes(scene, recipes, plan->mesh_count, first_mesh);
     stp_free(plan->context, recipes);

@@ -127,7 +127,5 @@ void plan_fit(assembly_plan* plan, const plan_counts* wanted, double scale);
 /// Adds everything below `parent`. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED
 STP_MUST_USE stp_result plan_build(assembly_plan* plan, stp_scene* scene, uint32_t parent,
                                    const char* name, const stp_affine* place, uint32_t* object);
-/// Makes one planned mesh (a mesh_maker).
-void plan_make_mesh(mesh_builder* builder, const void* mesh);
 /// The material of a finish.
 stp_material plan_material(plan_finish finish);

@@ -131,12 +131,9 @@ void city_plan_make(city_plan* plan);
 /// Adds a group below the current one (or below the city, `top`) and makes it current.
 /// @return the previous one
 uint32_t city_enter(city_plan* plan, const char* name, bool top, stp_affine place);
-/// A new piece; it has four sizes. @return its number
-uint32_t city_add_piece(city_plan* plan, city_kind kind, uint32_t paint, double a, double b,
-                        double c, double d);
 /// An instance of a piece in the current group.
 void city_show(city_plan* plan, const char* name, uint32_t piece, stp_affine place);
-/// Adds a piece and shows it once.
+/// Adds a piece, which has four sizes, and shows it once.
 void city_put(city_plan* plan, const char* name, city_kind kind, uint32_t paint, double a, double b,
               double c, double d, stp_affine place);
 void city_tree_spot(city_plan* plan, double x, double y, double z);
@@ -154,8 +151,7 @@ void city_make_piece(mesh_builder* builder, const void* piece);
 /// Triangles of a roof, by formula.
 uint64_t city_roof_triangles(const city_piece* roof);
 
-// Makers of pieces, in city_walls.c, city_furniture.c and city_monuments.c.
+// Makers of pieces, in city_walls.c and city_furniture.c.
 void city_make_wall(mesh_builder* builder, const city_piece* piece);
 void city_make_roof(mesh_builder* builder, const city_piece* piece);
 void city_make_furniture(mesh_builder* builder, const city_piece* piece);
-void city_make_monument(mesh_builder* builder, const city_piece* piece);

@@ -378,7 +378,7 @@ static void make_fountain(mesh_builder* b)
     put_box(b, 0.85, 0, -0.85, 0.25, 0.5, 1.7);
 }
 
-void city_make_monument(mesh_builder* b, const city_piece* piece)
+static void make_monument(mesh_builder* b, const city_piece* piece)
 {
     random_stream random = random_begin(piece->seed);
     switch (piece->kind) {
@@ -451,6 +451,6 @@ void city_make_piece(mesh_builder* builder, const void* parameters)
     } else if (piece->kind <= CITY_CART || piece->kind == CITY_BEAMS) {
         city_make_furniture(builder, piece);
     } else {
-        city_make_monument(builder, piece);
+        make_monument(builder, piece);
     }
 }

@@ -3,6 +3,28 @@
 
 #include <stdlib.h>
 
+// Room for one more element, as stp_make_room; false, and the plan fails, if out of memory.
+static bool make_room(city_plan* plan, void* array_address, size_t* capacity, size_t count,
+                      size_t size)
+{
+    plan->failed =
+        plan->failed || !stp_make_room(plan->context, array_address, capacity, count + 1, size);
+    return !plan->failed;
+}
+
+// A new piece; it has four sizes. @return its number
+static uint32_t add_piece(city_plan* plan, city_kind kind, uint32_t paint, double a, double b,
+                          double c, double d)
+{
+    if (!make_room(plan, &plan->pieces, &plan->piece_capacity, plan->piece_count,
+                   sizeof(*plan->pieces))) {
+        return 0;
+    }
+    plan->pieces[plan->piece_count] = (city_piece){
+        .kind = kind, .paint = paint, .seed = random_bits(&plan->random), .sizes = {a, b, c, d}};
+    return (uint32_t)plan->piece_count++;
+}
+
 void city_plan_begin(city_plan* plan, stp_context* context, const scene_options* options)
 {
     *plan = (city_plan){.context = context, .group = STP_NONE};
@@ -13,14 +35,14 @@ void city_plan_begin(city_plan* plan, stp_context* context, const scene_options*
     plan->unique_wanted = (uint64_t)(26878.0 * scale + 0.5);
     plan->triangles_wanted = (uint64_t)(62.93e6 * scale);
     plan->unique_triangles_wanted = (uint64_t)(40.35e6 * scale);
-    plan->columns[0] = city_add_piece(plan, CITY_COLUMN, PAINT_WHITE, 3.1, 0.22, 0, 0);
-    plan->columns[1] = city_add_piece(plan, CITY_COLUMN, PAINT_MARBLE, 6.0, 0.38, 1, 0);
-    plan->columns[2] = city_add_piece(plan, CITY_COLUMN, PAINT_MARBLE, 9.0, 0.55, 2, 0);
-    plan->amphora = city_add_piece(plan, CITY_AMPHORA, PAINT_CLAY, 0, 0, 0, 0);
-    plan->statue = city_add_piece(plan, CITY_STATUE, PAINT_BRONZE, 0, 0, 0, 0);
-    plan->fountain = city_add_piece(plan, CITY_FOUNTAIN, PAINT_MARBLE_GREY, 0, 0, 0, 0);
-    plan->trees[0] = city_add_piece(plan, CITY_TREE, PAINT_TREE, 0, 30000, 0, 0);
-    plan->trees[1] = city_add_piece(plan, CITY_TREE, PAINT_TREE, 1, 18000, 0, 0);
+    plan->columns[0] = add_piece(plan, CITY_COLUMN, PAINT_WHITE, 3.1, 0.22, 0, 0);
+    plan->columns[1] = add_piece(plan, CITY_COLUMN, PAINT_MARBLE, 6.0, 0.38, 1, 0);
+    plan->columns[2] = add_piece(plan, CITY_COLUMN, PAINT_MARBLE, 9.0, 0.55, 2, 0);
+    plan->amphora = add_piece(plan, CITY_AMPHORA, PAINT_CLAY, 0, 0, 0, 0);
+    plan->statue = add_piece(plan, CITY_STATUE, PAINT_BRONZE, 0, 0, 0, 0);
+    plan->fountain = add_piece(plan, CITY_FOUNTAIN, PAINT_MARBLE_GREY, 0, 0, 0, 0);
+    plan->trees[0] = add_piece(plan, CITY_TREE, PAINT_TREE, 0, 30000, 0, 0);
+    plan->trees[1] = add_piece(plan, CITY_TREE, PAINT_TREE, 1, 18000, 0, 0);
 }
 
 void city_plan_end(city_plan* plan)
@@ -30,15 +52,6 @@ void city_plan_end(city_plan* plan)
     stp_free(plan->context, plan->triangles);
     stp_free(plan->context, plan->tree_spots);
     stp_free(plan->context, plan->jar_spots);
-}
-
-// Room for one more element, as stp_make_room; false, and the plan fails, if out of memory.
-static bool make_room(city_plan* plan, void* array_address, size_t* capacity, size_t count,
-                      size_t size)
-{
-    plan->failed =
-        plan->failed || !stp_make_room(plan->context, array_address, capacity, count + 1, size);
-    return !plan->failed;
 }
 
 static uint32_t add_item(city_plan* plan, const city_item* item)
@@ -60,18 +73,6 @@ uint32_t city_enter(city_plan* plan, const char* name, bool top, stp_affine plac
     return former;
 }
 
-uint32_t city_add_piece(city_plan* plan, city_kind kind, uint32_t paint, double a, double b,
-                        double c, double d)
-{
-    if (!make_room(plan, &plan->pieces, &plan->piece_capacity, plan->piece_count,
-                   sizeof(*plan->pieces))) {
-        return 0;
-    }
-    plan->pieces[plan->piece_count] = (city_piece){
-        .kind = kind, .paint = paint, .seed = random_bits(&plan->random), .sizes = {a, b, c, d}};
-    return (uint32_t)plan->piece_count++;
-}
-
 void city_show(city_plan* plan, const char* name, uint32_t piece, stp_affine place)
 {
     add_item(plan, &(city_item){name, plan->group, piece, place});
@@ -81,7 +82,7 @@ void city_show(city_plan* plan, const char* name, uint32_t piece, stp_affine pla
 void city_put(city_plan* plan, const char* name, city_kind kind, uint32_t paint, double a, double b,
               double c, double d, stp_affine place)
 {
-    city_show(plan, name, city_add_piece(plan, kind, paint, a, b, c, d), place);
+    city_show(plan, name, add_piece(plan, kind, paint, a, b, c, d), place);
 }
 
 void city_tree_spot(city_plan* plan, double x, double y, double z)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Layout of a glTF file before it is written: lab/scenes/gltf_plan.h.
+// glTF files: writing them, their layout before they are written, and their JSON.
 #pragma once
 
 #include "base/io/file.h"
@@ -25,6 +25,8 @@ typedef struct gltf_figures {
 /// STP_ERROR_CANCELLED; logged
 STP_MUST_USE stp_result gltf_file_write(const stp_scene* scene, const char* path,
                                         gltf_figures* figures);
+
+// The layout, made before anything is written.
 
 /// A node of the file, in file order: parents come first, siblings are adjacent.
 typedef struct gltf_node {
@@ -84,7 +86,7 @@ static inline uint32_t gltf_instance_view(const gltf_plan* plan)
     return plan->view_count - 3;
 }
 
-// The JSON of a glTF file: lab/scenes/gltf_plan.h.
+// The JSON of a glTF file.
 
 /// Appends the JSON. `name`: prefix of the binary files ("plant.bin" is "plant"); NULL: the only
 /// buffer is in the same file.

@@ -38,7 +38,7 @@ double noise2(uint64_t seed, double x, double y)
     return layer(seed, i, j, 0, u, v);
 }
 
-double noise3(uint64_t seed, double x, double y, double z)
+static double noise3(uint64_t seed, double x, double y, double z)
 {
     double u, v, w;
     int64_t i = find_cell(x, &u), j = find_cell(y, &v), k = find_cell(z, &w);

@@ -6,7 +6,6 @@
 #include <stdint.h>
 
 double noise2(uint64_t seed, double x, double y);
-double noise3(uint64_t seed, double x, double y, double z);
 
 /// Sum of octaves, each twice the frequency and half the amplitude of the previous; in about [-1,
 /// 1].

@@ -28,7 +28,8 @@ const paper_view paper_views[PAPER_VIEWS] = {
     {"5", {1185, 2, 640}, {1500, 14, 300}, 65.0, 419.44e6},
 };
 
-stp_result scene_add_paper(stp_scene* scene, uint32_t parent, const scene_options* options)
+// Adds the content below `parent`, without views. STP_NONE: each part becomes a root object.
+static stp_result add_paper(stp_scene* scene, uint32_t parent, const scene_options* options)
 {
     stp_affine still = stp_affine_identity();
     stp_result result = scene_add_terrain(scene, parent, &still, options, NULL);
@@ -52,7 +53,7 @@ static stp_result add_paper_views(stp_scene* scene)
 
 stp_result scene_make_paper(stp_scene* scene, const scene_options* options)
 {
-    stp_result result = scene_add_paper(scene, STP_NONE, options);
+    stp_result result = add_paper(scene, STP_NONE, options);
     return result == STP_OK ? add_paper_views(scene) : result;
 }
 
@@ -69,7 +70,7 @@ stp_result scene_make_paper_huge(stp_scene* scene, const scene_options* options)
                             .transform = still,
                             .flags = STP_OBJECT_PROTOTYPE};
     stp_result result = stp_scene_add_object(scene, &prototype, NULL);
-    result = result == STP_OK ? scene_add_paper(scene, content, options) : result;
+    result = result == STP_OK ? add_paper(scene, content, options) : result;
     result = result == STP_OK ? add_group(scene, "land", STP_NONE, &still, &group) : result;
     for (int i = 0; result == STP_OK && i < COPIES * COPIES; ++i) {
         // the views' copy is the central one: each looks over a quarter of the others

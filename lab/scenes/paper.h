@@ -16,10 +16,6 @@ typedef struct paper_view {
 enum { PAPER_VIEWS = 5 };
 extern const paper_view paper_views[PAPER_VIEWS];
 
-/// Adds only the content below `parent` (which may be STP_NONE: each part becomes a root object).
-STP_MUST_USE stp_result scene_add_paper(stp_scene* scene, uint32_t parent,
-                                        const scene_options* options);
-
 stp_result scene_make_paper(stp_scene* scene, const scene_options* options);
 stp_result scene_make_paper_huge(stp_scene* scene, const scene_options* options);
 

@@ -19,7 +19,6 @@ void detail_flange_pair(shaper* s, double pipe_radius);
 void detail_blind_flange(shaper* s, double pipe_radius);
 /// Gate valve in a pipe along y; its stem and wheel point along x.
 void detail_valve(shaper* s, double pipe_radius);
-void detail_hand_wheel(shaper* s, double radius);
 /// Pipe shoe below a pipe along z whose axis is at the origin, standing on a leg of `height`.
 void detail_pipe_support(shaper* s, double pipe_radius, double height);
 /// Motor with cooling fins, fan cover, terminal box and feet; the shaft along y.
@@ -30,12 +29,8 @@ void detail_gear(shaper* s, double radius, double width, int teeth);
 void detail_bearing(shaper* s, double bore, double outer, double width);
 /// A tube rail on posts from one point to another, with knee rail and toe board.
 void detail_railing(shaper* s, stp_vec3d from, stp_vec3d to);
-/// Bars and cross rods of a grating in x, z around the origin, top at y = 0.
-void detail_grating(shaper* s, double width, double depth);
 /// A lattice girder between two points: four chords of angle profile and zigzag diagonals.
 void detail_lattice(shaper* s, stp_vec3d from, stp_vec3d to, double width, int panels);
-/// A porcelain insulator with sheds.
-void detail_insulator(shaper* s, double radius, double height, int sheds);
 /// A gear train with shafts and bearings, in a closed housing.
 void detail_gearbox(shaper* s, double width, double height, double depth);
 
@@ -96,7 +91,7 @@ void part_chimney(shaper* s, const double* p);        ///< height, base radius, 
 void part_mill(shaper* s, const double* p);           ///< radius, height
 void part_burners(shaper* s, const double* p);        ///< columns, rows, pitch, radius
 
-// Parts of bakery lines; see parts.h for their parameters.
+// Bakery lines
 
 void part_mesh_belt(shaper* s,
                     const double* p);         ///< length, width, height, pitch (wire mesh on rods)
@@ -118,7 +113,7 @@ void part_tray_rack(shaper* s, const double* p);     ///< shelves, width, depth,
 void part_cutter(shaper* s, const double* p);        ///< width, knives
 void part_boxes(shaper* s, const double* p);         ///< columns, layers, size
 
-// Parts of a car factory; see parts.h for their parameters.
+// Car factory
 
 /// A patch of a car's skin (4.4 m along x, the nose at -2.2): from, to along the car and around it
 /// (0: left sill, 0.5: middle of the roof, 1: right sill), offset outwards, columns and rows of

@@ -2,7 +2,8 @@
 #include "lab/scenes/parts.h"
 #include "lab/scenes/trigonometry.h"
 
-void detail_insulator(shaper* s, double radius, double height, int sheds)
+// A porcelain insulator with sheds.
+static void insulator(shaper* s, double radius, double height, int sheds)
 {
     enum { MOST_SHEDS = 20 };
     double profile[4 * MOST_SHEDS + 4][2];
@@ -179,7 +180,7 @@ void part_insulators(shaper* s, const double* p)
         for (int k = 0; k < rows; ++k) {
             stp_affine at = shaper_move(s, (i - 0.5 * (columns - 1)) * p[2], base,
                                         (k - 0.5 * (rows - 1)) * p[3]);
-            detail_insulator(s, 0.12 * h, h, 11);
+            insulator(s, 0.12 * h, h, 11);
             stp_affine head = shaper_move(s, 0, h, 0);
             shape_cylinder(s, 0.05 * h, 0.1 * h, shaper_sides(s, 20, 5));
 

@@ -83,7 +83,7 @@ void detail_blind_flange(shaper* s, double r)
     shaper_pop(s, face);
 }
 
-void detail_hand_wheel(shaper* s, double radius)
+static void hand_wheel(shaper* s, double radius)
 {
     shape_torus(s, radius, 0.07 * radius, shaper_sides(s, 40, 6), shaper_sides(s, 8, 4));
     shape_cylinder(s, 0.16 * radius, 0.16 * radius, shaper_sides(s, 16, 5));
@@ -124,7 +124,7 @@ void detail_valve(shaper* s, double r)
     shape_cylinder(s, 0.13 * r, 4.6 * r, shaper_sides(s, 12, 4));
     shape_thread(s, 0.16 * r, 0.12 * r, 4.2 * r, shaper_sides(s, 10, 4));
     shaper_move(s, 0, 2.8 * r, 0);
-    detail_hand_wheel(s, 1.7 * r + 0.05);
+    hand_wheel(s, 1.7 * r + 0.05);
     shaper_pop(s, before);
 }
 

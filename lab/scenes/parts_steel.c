@@ -23,7 +23,8 @@ void detail_railing(shaper* s, stp_vec3d from, stp_vec3d to)
     shape_bar(s, stp_addd(from, toe), stp_addd(to, toe), 0.1, 0.004);
 }
 
-void detail_grating(shaper* s, double width, double depth)
+// Bars and cross rods of a grating in x, z around the origin, top at y = 0.
+static void grating(shaper* s, double width, double depth)
 {
     int bars = shaper_amount(s, (int)(width / 0.05) + 1);
     int rods = shaper_amount(s, (int)(depth / 0.15) + 1);
@@ -152,7 +153,7 @@ void part_floor(shaper* s, const double* p)
                 continue;
             }
             stp_affine before = shaper_move(s, x, 0, z);
-            detail_grating(s, panel - 0.01, panel - 0.01);
+            grating(s, panel - 0.01, panel - 0.01);
             shaper_pop(s, before);
         }
     }
@@ -177,7 +178,7 @@ static void flight(shaper* s, double run, double rise)
     }
     for (int i = 0; i < treads; ++i) {
         stp_affine before = shaper_move(s, run * (i + 0.5) / treads, rise * (i + 1.0) / treads, 0);
-        detail_grating(s, 0.26, 0.88);
+        grating(s, 0.26, 0.88);
         shaper_pop(s, before);
     }
 }
@@ -195,7 +196,7 @@ void part_stairs(shaper* s, const double* p)
         for (int end = -1; end <= 1; end += 2) {
             double y = storey * (i + (end > 0 ? 0.5 : 1.0));
             before = shaper_move(s, end * (0.5 * run + 0.6), y, 0);
-            detail_grating(s, 1.2, 2.2);
+            grating(s, 1.2, 2.2);
             detail_railing(s, vec3d(end * 0.6, 0, -1.1), vec3d(end * 0.6, 0, 1.1));
             shaper_pop(s, before);
         }

@@ -77,6 +77,16 @@ static uint32_t add_ring(mesh_builder* builder, const lathe_ring* profile, int r
     return first;
 }
 
+static size_t lathe_triangles(const lathe_ring* profile, int rings, int sides)
+{
+    size_t count = 0;
+    for (int ring = 1; ring < rings; ++ring) {
+        count += (size_t)sides * ((profile[ring].radius > 0.0 ? 1u : 0u) +
+                                  (profile[ring - 1].radius > 0.0 ? 1u : 0u));
+    }
+    return count;
+}
+
 void solid_lathe(mesh_builder* builder, const lathe_ring* profile, int rings, int sides)
 {
     if (builder->counting) {
@@ -98,16 +108,6 @@ void solid_lathe(mesh_builder* builder, const lathe_ring* profile, int rings, in
         }
         below = above;
     }
-}
-
-size_t lathe_triangles(const lathe_ring* profile, int rings, int sides)
-{
-    size_t count = 0;
-    for (int ring = 1; ring < rings; ++ring) {
-        count += (size_t)sides * ((profile[ring].radius > 0.0 ? 1u : 0u) +
-                                  (profile[ring - 1].radius > 0.0 ? 1u : 0u));
-    }
-    return count;
 }
 
 static void subdivide(mesh_builder* builder, stp_vec3 center, double radius,

@@ -23,8 +23,6 @@ typedef struct lathe_ring {
 /// A profile rotated about the y axis. Rings go upwards. Smooth unless the builder is flat. A
 /// radius of 0 at an end closes it.
 void solid_lathe(mesh_builder* builder, const lathe_ring* profile, int rings, int sides);
-/// Triangles of a lathe.
-size_t lathe_triangles(const lathe_ring* profile, int rings, int sides);
 
 /// A sphere of 20 * 4^levels triangles, smooth.
 void solid_sphere(mesh_builder* builder, stp_vec3 center, double radius, int levels);

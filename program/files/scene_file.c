@@ -292,7 +292,8 @@ static stp_result locate(stp_context* context, const char* path, wish* w, char* 
     return build_cached(context, path, w, cached, located);
 }
 
-stp_result tool_locate_scene(stp_context* context, const char* path, scene_use use, char* located)
+// Path of the .stip to open; builds it if needed. `located` has room for PATH_MAX bytes.
+static stp_result locate_scene(stp_context* context, const char* path, scene_use use, char* located)
 {
     return locate(context, path, &(wish){.use = use}, located);
 }
@@ -313,7 +314,7 @@ stp_result tool_open_scene_for(stp_context* context, const char* path, scene_use
 {
     char located[PATH_MAX];
     *store = NULL;
-    stp_result result = tool_locate_scene(context, path, use, located);
+    stp_result result = locate_scene(context, path, use, located);
     return result == STP_OK ? stp_store_open(context, located, store) : result;
 }
 
@@ -326,7 +327,7 @@ stp_result tool_open_partial_scene(stp_context* context, const char* path, scene
                                 .partial_bytes = part->bytes};
     *store = NULL;
     assert(part->percent >= 0.0 && part->percent <= 100.0);
-    stp_result result = tool_locate_scene(context, path, use, located);
+    stp_result result = locate_scene(context, path, use, located);
     if (result != STP_OK) {
         return result;
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Opens a scene from the command line: a .stip, or a model that is first built into a cache.
+// Scenes from the command line: opens a .stip, or builds a model into a cache first. Imports
+// models, and finds named views and the files that a model references.
 #pragma once
 
 #include "base/io/file.h"
@@ -42,11 +43,6 @@ STP_MUST_USE stp_result tool_open_partial_scene(stp_context* context, const char
                                                 scene_use use, const option_partial_file* part,
                                                 stp_store** store);
 
-/// Path of the .stip that tool_open_scene_for would open; builds it if needed. `located` has room
-/// for PATH_MAX bytes. @return STP_OK: it can be opened; else as tool_open_scene_for
-STP_MUST_USE stp_result tool_locate_scene(stp_context* context, const char* path, scene_use use,
-                                          char* located);
-
 /// Callbacks while a model is built.
 typedef struct scene_watcher {
     /// Reports a .stip that can be shown in the meantime: an earlier build without splats, or a
@@ -55,9 +51,10 @@ typedef struct scene_watcher {
     void* user;
 } scene_watcher;
 
-/// As tool_locate_scene for SCENE_FOR_METHODS or SCENE_FOR_SPLATS. `draft` (PATH_MAX bytes)
-/// receives the path of drafts, which the caller removes; empty if there are none. @return
-/// STP_ERROR_BUSY (logged) if another process builds the same
+/// Path of the .stip that tool_open_scene_for would open for SCENE_FOR_METHODS or SCENE_FOR_SPLATS;
+/// builds it if needed. `located` and `draft` have room for PATH_MAX bytes. `draft` receives the
+/// path of drafts, which the caller removes; empty if there are none. @return as
+/// tool_open_scene_for; STP_ERROR_BUSY (logged) if another process builds the same
 STP_MUST_USE stp_result tool_locate_watched(stp_context* context, const char* path, scene_use use,
                                             const scene_watcher* watcher, char* located,
                                             char* draft);

@@ -156,8 +156,8 @@ static stp_result write_set(const store_maker* m, const char* path)
     return stp_store_write(m->context, &content, path);
 }
 
-stp_result tool_write_splat_store(stp_context* context, const char* path, const tool_splats* splats,
-                                  char up)
+static stp_result write_splat_store(stp_context* context, const char* path,
+                                    const tool_splats* splats, char up)
 {
     store_maker m = {.context = context, .splats = splats, .up = up};
     const double* o = splats->origin;
@@ -177,7 +177,7 @@ stp_result tool_write_any_splats(stp_context* context, const char* path, const t
 {
     size_t length = strlen(path);
     bool store = length > 5 && strcmp(path + length - 5, ".stip") == 0;
-    return store ? tool_write_splat_store(context, path, splats, up)
+    return store ? write_splat_store(context, path, splats, up)
                  : tool_write_splats(context, path, splats);
 }
 
@@ -192,7 +192,7 @@ stp_result tool_open_splat_store(stp_context* context, const tool_splats* splats
     if (descriptor < 0) {
         return stp_fail(context, STP_ERROR_IO, "%s: cannot be created", path);
     }
-    stp_result result = tool_write_splat_store(context, path, splats, up);
+    stp_result result = write_splat_store(context, path, splats, up);
     result = result == STP_OK ? stp_store_open(context, path, store) : result;
     (void)unlink(path);
     (void)close(descriptor);

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// GNU command lines from tables: --name VALUE, --name=VALUE, -n VALUE, -nVALUE, flags together
-// (-qv), options and arguments in any order, only arguments after --, the last of repeated options
-// counts. An option with an optional value takes the next word only if it is a number, or its word
-// for 0.
+// GNU command lines from tables, messages that name options, and colours as option values.
 #pragma once
 
 #include "program/options/command.h"
@@ -11,6 +8,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+
+// Command lines: --name VALUE, --name=VALUE, -n VALUE, -nVALUE, flags together (-qv), options and
+// arguments in any order, only arguments after --, the last of repeated options counts. An option
+// with an optional value takes the next word only if it is a number, or its word for 0.
 
 /// The options every command has; ends with a NULL name.
 const option* options_common(void);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// An opaque picture to draw on: rectangles, lines, pictures and text.
+// Drawings: on an opaque picture, as an SVG file, and plots of frame times.
 #pragma once
 
 #include "base/core/context.h"
@@ -7,6 +7,8 @@
 #include "program/options/command.h"
 
 #include <stipple/image.h>
+
+// An opaque picture to draw on: rectangles, lines, pictures and text.
 
 typedef struct canvas_color {
     uint8_t rgb[3];

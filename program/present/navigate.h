@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// An interactive camera: orbit, zoom to the cursor, and fly. Plain data and arithmetic: no window,
-// no clock. Everything is in doubles, so nothing jitters far from the origin.
+// Arithmetic of the viewer's navigation, without a window or a clock: an interactive camera that
+// orbits, zooms to the cursor and flies; dragged planes; the scale bar. Everything is in doubles,
+// so nothing jitters far from the origin.
 //
 // Directions are stored as angles, so up stays up. Azimuth 0 and elevation 0 look from the front
 // (from +z); an elevation of a quarter turn looks down with -z up in the picture, as in the
@@ -85,7 +86,7 @@ void stp_navigator_switch_projection(stp_navigator* n);
 /// Interpolates between two cameras, `part` 0..1.
 stp_navigator stp_navigator_mix(const stp_navigator* from, const stp_navigator* to, double part);
 
-// Dragging a plane along its normal with the pointer. Pure arithmetic: no window.
+// Dragging a plane along its normal with the pointer.
 
 enum { STP_PLANE_CORNERS_MAX = 6 };
 

@@ -7,8 +7,6 @@
 
 #include <stipple/image.h>
 
-// Writes pictures in the format that the file name implies: PNG, JPEG or WebP.
-
 typedef enum stp_picture_format {
     STP_PICTURE_PNG,  ///< lossless, with transparency
     STP_PICTURE_JPEG, ///< quality 92, full chroma; transparent pixels become white
@@ -30,7 +28,7 @@ STP_MUST_USE stp_result stp_picture_write(stp_context* context, const stp_image*
 #define STP_PICTURE_SUFFIXES ".png, .jpg, .jpeg or .webp"
 
 // Pictures from and to the command line: files, and "-" for stdin and stdout. Reads PNG; writes the
-// format that the name asks for (program/present/picture_file.h).
+// format that the name implies.
 
 /// Rejects an output suffix that is not a writable picture format. NULL and "-" pass. @return 0, or
 /// 2 (message printed)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Shared by the files that read and write viewpoints; and the JSON parser, which flights use too.
 #pragma once
 
 #include "base/core/context.h"

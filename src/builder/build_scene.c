@@ -366,9 +366,8 @@ static stp_result write_file(build* b)
     return result;
 }
 
-// Removes the work directory if the output is written, if the directory holds no result, or if a
-// result has changed, because other results may derive from it. @return whether a result has
-// changed
+// Removes the work folder if the output is written, if the folder holds no result, or if a result
+// has changed, because other results may derive from it. @return whether a result has changed
 static bool close_build(build* b, bool written)
 {
     stp_work_report kept = {0};

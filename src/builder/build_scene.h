@@ -2,7 +2,7 @@
 //
 // The offline build: import, partition, splats bottom-up, clusters, write.
 //
-// Until the file is written, intermediate results are kept in a work directory beside the output,
+// Until the file is written, intermediate results are kept in a work folder beside the output,
 // FILE.stip.work: a killed build continues from there. An existing output of the same name also
 // supplies results that have not changed.
 #pragma once
@@ -58,10 +58,10 @@ typedef struct stp_build_report {
     double splat_thread_s;               ///< sum of these over all threads
     double methods_s;                    ///< for sets of methods other than `blue`
     uint64_t candidates;
-    // Made by this build, or found in an older work directory or output.
+    // Made by this build, or found in an older work folder or output.
     uint32_t sets_made, sets_found;
     uint32_t meshes_made, meshes_found;
-    uint64_t work_bytes; ///< bytes of results in the work directory, found and stored
+    uint64_t work_bytes; ///< bytes of results in the work folder, found and stored
 } stp_build_report;
 
 /// Builds one scene from the inputs and writes it. `report` may be NULL. @return STP_OK, or the

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Codes the meshes of a scene as clusters. Each result is kept in the work directory.
+// Codes the meshes of a scene as clusters. Each result is kept in the work folder.
 #pragma once
 
 #include "builder/draft.h"
@@ -7,7 +7,7 @@
 #include "scene/scene.h"
 
 typedef struct stp_build_meshes {
-    stp_coded_mesh* coded; ///< one per mesh of the scene; bytes are in the work directory
+    stp_coded_mesh* coded; ///< one per mesh of the scene; bytes are in the work folder
     stp_hash* keys;        ///< one per mesh of the scene
     uint32_t made, found;  ///< meshes coded now; meshes that existed before the build
 } stp_build_meshes;

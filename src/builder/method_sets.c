@@ -32,7 +32,7 @@ static bool is_derived(const run* r, const stp_method* method)
     return method->make != NULL && method != r->desc->alone;
 }
 
-// Looks a set up in the work directory, then in the previous output.
+// Looks a set up in the work folder, then in the previous output.
 static bool find_set(run* r, stp_hash key, stp_splats* set)
 {
     const stp_build_methods_desc* desc = r->desc;

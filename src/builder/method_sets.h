@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Makes the sets of all requested methods. Sets of `blue` exist already; the others are derived
-// from them, one node per thread. Each result is kept in the work directory immediately.
+// Makes the sets of all requested methods, and lists the large triangles that some methods draw
+// beside splats.
 #pragma once
 
 #include "builder/nodes.h"
@@ -9,6 +9,9 @@
 #include "builder/stored_results.h"
 #include "lod/method.h"
 #include "scene/scene.h"
+
+// Sets of `blue` exist already; the others are derived from them, one node per thread. Each result
+// is kept in the work folder immediately.
 
 typedef struct stp_build_methods_desc {
     const stp_build_plan* plan;
@@ -24,7 +27,7 @@ typedef struct stp_build_methods_desc {
     stp_previous_output* previous; ///< NULL: none
 } stp_build_methods_desc;
 
-/// All sets, grouped by method, one per step of the plan. Columns are in the work directory.
+/// All sets, grouped by method, one per step of the plan. Columns are in the work folder.
 typedef struct stp_build_methods {
     stp_splats* sets;
     stp_hash* keys;
@@ -41,8 +44,7 @@ STP_MUST_USE stp_result stp_build_methods_make(const stp_scene* scene,
                                                stp_build_methods* made);
 void stp_build_methods_destroy(stp_context* context, stp_build_methods* made);
 
-// The large triangles of a node, for methods that draw them beside splats (Dachsbacher et al. 2003,
-// 3.8).
+// The large triangles of a node (Dachsbacher et al. 2003, 3.8).
 
 typedef struct stp_node_triangles {
     uint32_t count;

@@ -92,7 +92,7 @@ static void end_step(run* r, uint32_t index, stp_result result, const stp_blue_r
     }
 }
 
-// Looks a set up in the work directory, then in the previous output.
+// Looks a set up in the work folder, then in the previous output.
 static bool find_step(run* r, const stp_build_step* step, stp_splats* set, stp_blue_report* report)
 {
     const stp_build_nodes_desc* desc = r->desc;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Makes the splats of all nodes in a plan, bottom-up: one node per thread, then the upper ones on
-// all threads. Each result is kept in the work directory immediately.
+// all threads. Each result is kept in the work folder immediately.
 #pragma once
 
 #include "builder/draft.h"
@@ -23,7 +23,7 @@ typedef struct stp_build_nodes_desc {
     stp_build_draft* draft;        ///< NULL: none
 } stp_build_nodes_desc;
 
-/// Results, one per step of the plan. Their arrays are in the work directory.
+/// Results, one per step of the plan. Their arrays are in the work folder.
 typedef struct stp_build_nodes {
     stp_splats* sets;
     uint64_t candidates; ///< sum over steps; 0 for those from the previous output

@@ -268,7 +268,7 @@ stp_result stp_work_store_splat_set(stp_work* work, stp_hash key, const stp_spla
         }
     }
     return result == STP_OK ? stp_fail(stp_work_get_context(work), STP_ERROR_IO,
-                                       "a splat set cannot be read back from the work directory")
+                                       "a splat set cannot be read back from the work folder")
                             : result;
 }
 
@@ -340,7 +340,7 @@ stp_result stp_work_store_mesh(stp_work* work, stp_hash key, const stp_coded_mes
         }
     }
     return result == STP_OK ? stp_fail(stp_work_get_context(work), STP_ERROR_IO,
-                                       "a coded mesh cannot be read back from the work directory")
+                                       "a coded mesh cannot be read back from the work folder")
                             : result;
 }
 

@@ -11,9 +11,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-// Results of a build in the work directory: splats of nodes and coded meshes, in a form that is
-// used in place. Results point into the mapping: do not write to or free them. They are valid until
-// the directory is closed.
+// Results of a build in the work folder: splats of nodes and coded meshes, in a form that is used
+// in place. Results point into the mapping: do not write to or free them. They are valid until the
+// folder is closed.
 //
 //   splats:     header 704 | positions | normals | materials | colours | coverages | shapes |
 //                ranges | each attribute | leaves
@@ -38,7 +38,7 @@ STP_MUST_USE stp_result stp_work_store_mesh(stp_work* work, stp_hash key,
                                             const stp_coded_mesh* mesh, stp_coded_mesh* stored);
 
 // Counts the results that a build found and made. Items with equal content share one result in the
-// work directory: the first one makes it and the others find it, and with several threads it varies
+// work folder: the first one makes it and the others find it, and with several threads it varies
 // which is first. Only results from before the build count as found.
 
 typedef struct stp_build_result {
@@ -58,9 +58,8 @@ typedef struct stp_previous_output stp_previous_output;
 stp_previous_output* stp_previous_output_open(const char* path);
 void stp_previous_output_close(stp_previous_output* previous);
 
-// Each function looks a result up and keeps it in the work directory; `splats` or `mesh` then
-// points there. One thread at a time. @return false if there is no intact result, or it cannot be
-// stored
+// Each function looks a result up and keeps it in the work folder; `splats` or `mesh` then points
+// there. One thread at a time. @return false if there is no intact result, or it cannot be stored
 bool stp_previous_output_take_splat_set(stp_previous_output* previous, stp_hash key,
                                         uint32_t shading_count, stp_work* work, stp_splats* splats);
 bool stp_previous_output_take_mesh(stp_previous_output* previous, stp_hash key, stp_work* work,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The work directory: results of a build, each stored under a hash of its inputs. A build killed at
+// The work folder: results of a build, each stored under a hash of its inputs. A build killed at
 // any moment finds them again. Results are appended to segment files, each with a checksum. A
 // result that a kill left incomplete is discarded.
 //

@@ -6,7 +6,7 @@
 #include "base/io/hash.h"
 #include "builder/work_segment.h"
 
-// Index of the work directory's results by key. One thread at a time.
+// Index of the work folder's results by key. One thread at a time.
 
 typedef enum stp_work_state {
     STP_WORK_ABSENT,     ///< no result: new, damaged, dropped, or writing failed
@@ -36,7 +36,7 @@ stp_work_entry* stp_work_index_find(const stp_work_index* index, stp_hash key);
 /// The entry of the key, added as STP_WORK_ABSENT if missing; NULL if memory runs out.
 stp_work_entry* stp_work_index_add(stp_context* context, stp_work_index* index, stp_hash key);
 
-// The folder of the work directory: creates, locks, lists and removes it.
+// The work folder itself: creates, locks, lists and removes it.
 
 /// The created and locked folder. The caller owns the text `place.path`.
 typedef struct stp_work_folder {

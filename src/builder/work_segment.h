@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// A segment file of the work directory: a header, then results, each with its own header. All
+// A segment file of the work folder: a header, then results, each with its own header. All
 // headers have 64 bytes and end with their own checksum.
 //
 //   segment header:  0 magic 8 | 8 version u32 | 12 zero | 56 checksum u64

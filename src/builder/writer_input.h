@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Content of the file, as the writer takes it: tables of the scene, its figures, encoded pictures.
+// Content of the file as the writer takes it: tables of the scene, encoded pictures, the accuracy
+// of points, and object counts.
 #pragma once
 
 #include "builder/method_sets.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Placement of a list's items on the screen, shared by all backends.
+// Placement of a list's items on the screen, shared by all backends: cameras, depth offsets,
+// fixed-size points, and frustum culling.
 #pragma once
 
 #include "base/math/math.h"

@@ -6,9 +6,6 @@
 #include "lod/cell_rows.h"
 #include "lod/sources.h"
 
-// Candidates of a point cloud, which needs no capture: its points, or the splats that represent
-// them.
-
 /// Turns every point of a list's point sets, and every splat of its splat sets, into a candidate,
 /// hidden or not. `pixel_size` stays 0.
 /// @param has_normals takes normals from the point sets; otherwise sets (0, 1, 0), to be estimated

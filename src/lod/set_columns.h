@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Columns and tables of the sets of all methods.
+// Columns, octaves, prefix tables and shape codes of sets, for all methods.
 #pragma once
 
 #include "base/core/context.h"
@@ -7,8 +7,6 @@
 #include "base/splats/splat_columns.h"
 
 #include <assert.h>
-
-// Helpers for the sets of all methods.
 
 /// Frees the columns of a set, which were allocated with stp_alloc.
 void stp_splats_destroy(stp_context* context, stp_splats* splats);

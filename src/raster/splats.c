@@ -209,6 +209,21 @@ bool stp_raster_test_splats(const stp_raster_splats* splats, uint16_t* bits)
     return stp_splats_test_portable(&frame, bits);
 }
 
+static uint64_t draw_squares(const stp_splat_frame* frame)
+{
+#if defined(__x86_64__)
+    switch (stp_processor_detect()) {
+    case STP_PROCESSOR_AVX512:
+        return stp_splats_squares_avx512(frame);
+    case STP_PROCESSOR_AVX2:
+        return stp_splats_squares_avx2(frame);
+    case STP_PROCESSOR_BASELINE:
+        break;
+    }
+#endif
+    return stp_splats_squares_portable(frame);
+}
+
 uint64_t stp_raster_draw_splats(const stp_raster_target* target, uint32_t row_begin,
                                 uint32_t row_end, const stp_raster_camera* camera,
                                 const stp_raster_splats* splats, uint32_t first_id)
@@ -219,7 +234,7 @@ uint64_t stp_raster_draw_splats(const stp_raster_target* target, uint32_t row_be
         return 0;
     }
     if (splats->squares) {
-        return stp_splats_draw_squares(&frame);
+        return draw_squares(&frame);
     }
 #if defined(__x86_64__)
     switch (stp_processor_detect()) {
@@ -237,21 +252,6 @@ uint64_t stp_raster_draw_splats(const stp_raster_target* target, uint32_t row_be
 uint64_t stp_splats_squares_portable(const stp_splat_frame* frame)
 {
     return draw_all_squares(frame);
-}
-
-uint64_t stp_splats_draw_squares(const stp_splat_frame* frame)
-{
-#if defined(__x86_64__)
-    switch (stp_processor_detect()) {
-    case STP_PROCESSOR_AVX512:
-        return stp_splats_squares_avx512(frame);
-    case STP_PROCESSOR_AVX2:
-        return stp_splats_squares_avx2(frame);
-    case STP_PROCESSOR_BASELINE:
-        break;
-    }
-#endif
-    return stp_splats_squares_portable(frame);
 }
 
 bool stp_splats_pick_portable(const levels_frame* frame, uint16_t* bits)

@@ -99,8 +99,6 @@ void stp_splats_test_frame(stp_splat_frame* frame, const stp_raster_splats* spla
 
 /// Draws splat `index` with a ray per pixel in double precision.
 uint64_t stp_splats_draw_large(const stp_splat_frame* frame, uint32_t index);
-/// Draws all splats as squares.
-uint64_t stp_splats_draw_squares(const stp_splat_frame* frame);
 /// Draws a fragment of a transparent splat of `frame->glass`. @return whether it was kept
 bool stp_transparent_store(const stp_splat_frame* frame, uint32_t index, int32_t x, int32_t y,
                            float nearness);

@@ -61,7 +61,8 @@ void stp_texture_get_arrays(const stp_texture* texture, stp_bulk_array arrays[ST
     arrays[1] = array_of(texture->encoded, texture->encoded_size, 1);
 }
 
-void stp_texture_set_arrays(stp_texture* texture, const stp_bulk_array arrays[STP_TEXTURE_ARRAYS])
+static void set_texture_arrays(stp_texture* texture,
+                               const stp_bulk_array arrays[STP_TEXTURE_ARRAYS])
 {
     texture->texels = arrays[0].bytes;
     texture->encoded = arrays[1].bytes;
@@ -132,7 +133,7 @@ void stp_texture_free_arrays(stp_scene* scene, stp_texture* texture)
     stp_bulk_array arrays[STP_TEXTURE_ARRAYS];
     stp_texture_get_arrays(texture, arrays);
     free_arrays(scene, arrays, STP_TEXTURE_ARRAYS, texture->spilled);
-    stp_texture_set_arrays(texture, arrays);
+    set_texture_arrays(texture, arrays);
 }
 
 void stp_scene_use_spill(stp_scene* scene, stp_spill* spill, uint64_t above_bytes)
@@ -258,7 +259,7 @@ stp_result stp_texture_account(stp_scene* scene, uint32_t index)
         result = spill_arrays(scene, arrays, STP_TEXTURE_ARRAYS);
     }
     if (result == STP_OK) {
-        stp_texture_set_arrays(texture, arrays);
+        set_texture_arrays(texture, arrays);
         texture->spilled = true;
     }
     return result;

@@ -17,14 +17,13 @@ enum {
     STP_TEXTURE_ARRAYS = 2,
 };
 
-// The arrays of an item in a fixed order, and back.
+// The arrays of an item in a fixed order, and back for meshes and points.
 void stp_mesh_get_arrays(const stp_mesh* mesh, stp_bulk_array arrays[STP_MESH_ARRAYS]);
 void stp_mesh_set_arrays(stp_mesh* mesh, const stp_bulk_array arrays[STP_MESH_ARRAYS]);
 void stp_points_get_arrays(const stp_point_set* points, stp_bulk_array arrays[STP_POINT_ARRAYS]);
 void stp_points_set_arrays(stp_point_set* points, const stp_bulk_array arrays[STP_POINT_ARRAYS]);
 /// Texels first, then the encoded picture.
 void stp_texture_get_arrays(const stp_texture* texture, stp_bulk_array arrays[STP_TEXTURE_ARRAYS]);
-void stp_texture_set_arrays(stp_texture* texture, const stp_bulk_array arrays[STP_TEXTURE_ARRAYS]);
 
 uint64_t stp_mesh_bytes(const stp_mesh* mesh);
 uint64_t stp_points_bytes(const stp_point_set* points);

@@ -288,7 +288,7 @@ static uint32_t limit_of(const partition* p, stp_part part, uint32_t* maximum)
     return p->has_limit ? *maximum : DEFAULT_CLOUD;
 }
 
-// Cuts the large meshes or point sets, and makes a node of each one's pieces.
+// Splits the large meshes or point sets, and makes a node of each one's pieces.
 static stp_result split_kind(partition* p, stp_part_kind kind, const uint8_t* uses, uint32_t* nodes)
 {
     stp_scene* scene = p->scene;

@@ -6,8 +6,6 @@
 #include "select/sections.h"
 #include "store/file/store.h"
 
-// Shared by the pick traversal and the tests of meshes and points.
-
 typedef struct stp_pick_work {
     stp_context* context;
     stp_store* store;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The work directory after damage: kills, full disks, flipped bits, other versions.
+// The work folder after damage: kills, full disks, flipped bits, other versions.
 #include "work_helpers.h"
 
 #include "base/io/bytes.h"

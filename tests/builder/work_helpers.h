@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A separate work directory for each test, and results that are distinguishable.
+// A separate work folder for each test, and results that are distinguishable.
 #pragma once
 
 #include "tests.h"
@@ -17,7 +17,7 @@ enum { WORK_SEGMENT = 8192, WORK_LARGEST = 5000 };
 
 typedef struct work_place {
     char outer[64];  ///< a folder that the test made
-    char folder[80]; ///< the work directory inside it
+    char folder[80]; ///< the work folder inside it
 } work_place;
 
 static inline bool make_work_place(work_place* place)

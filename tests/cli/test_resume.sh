@@ -156,7 +156,7 @@ kept = build("out.stip")
 assert kept["surfel_sets"] > 0 and read("out.stip") == expected, kept
 os.remove("out.stip")
 
-# a read-only folder, and a file in place of the work directory
+# a read-only folder, and a file in place of the work folder
 os.mkdir("closed")
 if os.geteuid() != 0: # nothing is forbidden to root
     os.chmod("closed", 0o555)

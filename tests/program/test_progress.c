@@ -98,7 +98,7 @@ void test_progress_is_silent_without_a_terminal(test_state* test)
     }
 }
 
-// A simulated build of a minute: results found in the work directory are fast, the rest is slow.
+// A simulated build of a minute: results found in the work folder are fast, the rest is slow.
 static stp_progress_report report_at(double second)
 {
     double found = second < 2.0 ? second / 2.0 * 0.25 : 0.25;

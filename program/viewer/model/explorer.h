@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The window's view of a scene: the tree of its parts, the selection, hidden parts, and picking. It
-// opens the file itself and does not depend on the painter thread.
+// The window's view of a scene: the tree of its parts, the selection with its materials, hidden
+// parts, and picking. It opens the file itself and does not depend on the painter thread.
 #pragma once
 
 #include "select/pick_ray.h"

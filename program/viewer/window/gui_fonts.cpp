@@ -144,11 +144,6 @@ bool gui_fonts_are_old()
     return font_is_old;
 }
 
-SDL_Texture* gui_fonts_texture()
-{
-    return font_texture;
-}
-
 void gui_need_letters(const char* text)
 {
     font_is_old = glyphs_note(&further_glyphs, text) || font_is_old;

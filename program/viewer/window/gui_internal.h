@@ -24,7 +24,6 @@ void gui_fonts_destroy();
 // Called between frames: rebuilds the fonts if texts need more glyphs.
 void gui_fonts_rebuild();
 bool gui_fonts_are_old();
-SDL_Texture* gui_fonts_texture(); // without OpenGL
 // Every text from files or users passes through one of these.
 void gui_need_letters(const char* text);
 void gui_need_letters_of(const char* format, va_list list);

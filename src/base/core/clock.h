@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Time, and condition variables that wake up regularly, so that the reporting thread can keep
-// reporting progress while it waits.
+// The monotonic clock, and waiting for other threads.
 #pragma once
 
 #include "base/core/context.h"

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Content hashes (XXH3, 128 bits, by libxxhash): equal content has an equal hash on every machine.
-// Checksums of the pages of E57 files.
+// Content hashes and checksums, equal on every machine.
 #pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-// Content hashes: equal content has an equal hash on every machine (XXH3, 128 bits, by libxxhash).
+// Content hashes: XXH3, 128 bits, by libxxhash.
 
 typedef struct stp_hash {
     uint64_t low, high;
@@ -34,7 +33,7 @@ static inline bool stp_hash_equal(stp_hash a, stp_hash b)
     return a.low == b.low && a.high == b.high;
 }
 
-// CRC-32C (Castagnoli), used for the pages of E57 files.
+// CRC-32C (Castagnoli), the checksum of the pages of E57 files.
 
 /// Checksum of `size` bytes: reflected, initial value and final XOR all ones. Any thread.
 uint32_t stp_crc32c(const void* bytes, size_t size);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
-// The sRGB transfer function (IEC 61966-2-1) without the C library's pow, so the bits are the same
-// everywhere.
+// Colours: the sRGB transfer function, and colours that show values and classes.
 #pragma once
 
 #include <stdint.h>
+
+// The sRGB transfer function (IEC 61966-2-1) without the C library's pow, so the bits are the same
+// everywhere.
 
 /// Decodes one 8-bit channel to a linear value, 0..1.
 float stp_srgb8_to_linear(uint8_t value);

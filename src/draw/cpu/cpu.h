@@ -223,7 +223,6 @@ typedef struct stp_cpu_renderer {
     uint32_t* first_ids; ///< first ids of items, ascending
     size_t shade_item_capacity, first_id_capacity;
     uint32_t* id_starts; ///< item of each 2^id_shift-th id
-    size_t id_start_capacity;
     uint32_t id_shift;
     // this frame
     stp_cpu_two_passes* two_passes; ///< NULL: single pass
@@ -246,12 +245,6 @@ typedef struct stp_cpu_renderer {
     uint32_t pattern;              ///< the sample's index, for hashed alpha
     double shift_x, shift_y;
 } stp_cpu_renderer;
-
-/// Converts an item's nearness in the buffer to true nearness.
-static inline float stp_cpu_true_nearness(const stp_cpu_item* item, float nearness)
-{
-    return item->near_factor * nearness + item->near_shift;
-}
 
 /// Looks up data and textures for a list's items from `first`; earlier items are already prepared.
 /// Failures are logged.

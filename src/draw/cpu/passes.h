@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Passes of the CPU renderer over the rows of a picture.
+// Steps of a picture on the CPU: its samples, their accumulation, blended splats, and caps.
 #pragma once
 
 #include "draw/cpu/cpu.h"
@@ -64,6 +64,8 @@ STP_MUST_USE stp_result stp_cpu_find_plane_depths(stp_cpu_renderer* r);
 void stp_cpu_blend_range(const stp_cpu_renderer* r, const stp_cpu_item* item,
                          const stp_raster_splats* splats);
 void stp_cpu_destroy_blend(stp_cpu_renderer* r);
+
+// Caps of sections.
 
 /// Whether the frame may have caps.
 static inline bool stp_cpu_has_caps(const stp_cpu_renderer* r)

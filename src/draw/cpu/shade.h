@@ -48,7 +48,7 @@ typedef struct stp_cpu_shade_surface {
     stp_cpu_shade_material material;
 } stp_cpu_shade_surface;
 
-/// True nearness = factor * buffer nearness + shift: stp_cpu_true_nearness.
+/// True nearness = factor * buffer nearness + shift.
 typedef struct stp_cpu_shade_nearness {
     float factor, shift;
 } stp_cpu_shade_nearness;

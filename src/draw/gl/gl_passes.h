@@ -10,9 +10,10 @@
 
 #include <stipple/base.h>
 
-// Draws section caps (draw/caps.h), which the CPU fills, into a shaded picture.
-
 struct stp_gl_renderer;
+struct view_block;
+
+// Draws section caps (draw/caps.h), which the CPU fills, into a shaded picture.
 
 /// Created on first use. Zero-initialize it.
 typedef struct stp_gl_cap_pass {
@@ -31,8 +32,6 @@ STP_MUST_USE stp_result stp_gl_cap_pass_draw(struct stp_gl_renderer* r);
 // Post-shading effects: the same eye-dome lighting and ambient occlusion as on the CPU
 // (draw/effect_shape.h), as compute passes over pixel nearness.
 
-struct stp_gl_renderer;
-
 /// Programs and planes are created on first use. Zero-initialize it.
 typedef struct stp_gl_effect_pass {
     GLuint window, blocks, shades, blur, darken;
@@ -49,8 +48,6 @@ STP_MUST_USE stp_result stp_gl_effect_pass_draw(struct stp_gl_renderer* r);
 // Blends overlapping splats: in two more passes after the visibility buffer (STP_FILTER_EWA), or in
 // one pass that replaces it (STP_FILTER_BLEND, STP_FILTER_TEXTURED). Both produce sums of weighted
 // colours, which shading divides by the sums of weights.
-
-struct stp_gl_renderer;
 
 typedef struct stp_gl_filter_pass {
     GLuint planes_program, blend;              ///< for two passes; 0: not created yet
@@ -84,8 +81,6 @@ void stp_gl_filter_pass_bind(struct stp_gl_renderer* r);
 // triangles and splats only. Per pixel it keeps the nearest fragment behind the previous layer and
 // in front of the opaque surface.
 
-struct stp_gl_renderer;
-
 typedef struct stp_gl_layer_pass {
     bool possible, of_splats; ///< whether the scene has transparent surfaces, and splats of them
     bool active;              ///< the current picture has layers
@@ -117,9 +112,6 @@ STP_MUST_USE stp_result stp_gl_layer_pass_draw(struct stp_gl_renderer* r);
 // behind the previous picture's depths are deferred. The depths of the first pass then form a
 // pyramid, and deferred commands that it does not occlude are drawn too. Compute shaders decide
 // both by writing the commands' instance counts. The picture is the same as without culling.
-
-struct stp_gl_renderer;
-struct view_block;
 
 typedef struct stp_gl_occlusion_pass {
     GLuint cull, fill;      ///< programs; created on first use

@@ -31,7 +31,7 @@ bool stp_assimp_take_value(stp_assimp_reader* r, void* value, size_t size)
     return bytes != NULL;
 }
 
-bool stp_assimp_take_u32(stp_assimp_reader* r, uint32_t* value)
+static bool take_u32(stp_assimp_reader* r, uint32_t* value)
 {
     return stp_assimp_take_value(r, value, sizeof(*value));
 }
@@ -40,7 +40,7 @@ stp_result stp_assimp_take_text(stp_assimp_reader* r, const char** text)
 {
     uint32_t length;
     *text = NULL;
-    const unsigned char* bytes = stp_assimp_take_u32(r, &length) && length <= STP_ASSIMP_TEXT_LIMIT
+    const unsigned char* bytes = take_u32(r, &length) && length <= STP_ASSIMP_TEXT_LIMIT
                                      ? stp_assimp_take(r, length, 1)
                                      : NULL;
     if (bytes == NULL) {
@@ -56,7 +56,7 @@ stp_result stp_assimp_take_text(stp_assimp_reader* r, const char** text)
 bool stp_assimp_take_count(stp_assimp_reader* r, size_t minimum, uint32_t* count)
 {
     assert(minimum > 0);
-    return stp_assimp_take_u32(r, count) && *count <= (size_t)(r->end - r->at) / minimum;
+    return take_u32(r, count) && *count <= (size_t)(r->end - r->at) / minimum;
 }
 
 void* stp_assimp_take_copy(stp_assimp_reader* r, size_t count, size_t size, stp_result* result)
@@ -100,7 +100,7 @@ static stp_result read_node(stp_assimp_reader* r, uint32_t index)
     result = stp_scene_add_object(r->import->scene, &object, &r->objects[index]);
     for (uint32_t i = 0; i < mesh_count && result == STP_OK; ++i) {
         uint32_t mesh;
-        if (!stp_assimp_take_u32(r, &mesh) || mesh >= r->mesh_count) {
+        if (!take_u32(r, &mesh) || mesh >= r->mesh_count) {
             return stp_assimp_fail_stream(r, "nodes");
         }
         assert(r->objects[index] + 1 == r->import->scene->object_count && "parts join the last");
@@ -190,7 +190,7 @@ static stp_result read_axes(stp_assimp_reader* r)
 {
     uint32_t up;
     double unit;
-    if (!stp_assimp_take_u32(r, &up) || !stp_assimp_take_value(r, &unit, sizeof(unit))) {
+    if (!take_u32(r, &up) || !stp_assimp_take_value(r, &unit, sizeof(unit))) {
         return stp_assimp_fail_stream(r, "axes");
     }
     char asked = r->import->desc.up != 0 ? r->import->desc.up : 'y';
@@ -215,8 +215,7 @@ static stp_result read_scene(stp_assimp_reader* r)
         }
     }
     uint32_t end;
-    return stp_assimp_take_u32(r, &end) && end == STP_ASSIMP_END ? STP_OK
-                                                                 : stp_assimp_fail_stream(r, "end");
+    return take_u32(r, &end) && end == STP_ASSIMP_END ? STP_OK : stp_assimp_fail_stream(r, "end");
 }
 
 stp_result stp_assimp_fail_memory(const stp_import* import)
@@ -254,7 +253,7 @@ static stp_result read_refusals(stp_assimp_reader* r)
 {
     uint32_t count;
     const char *first, *reason;
-    if (!stp_assimp_take_u32(r, &count)) {
+    if (!take_u32(r, &count)) {
         return stp_assimp_fail_stream(r, "refusals");
     }
     if (count == 0) {
@@ -279,11 +278,11 @@ stp_result stp_assimp_read_stream(stp_import* import, const unsigned char* bytes
                            .pictures = stp_pictures_create(import)};
     assert(bytes != NULL || size == 0);
     uint32_t magic, kind = 0;
-    stp_result result = stp_assimp_take_u32(&r, &magic) && magic == STP_ASSIMP_MAGIC
+    stp_result result = take_u32(&r, &magic) && magic == STP_ASSIMP_MAGIC
                             ? read_refusals(&r)
                             : stp_assimp_fail_stream(&r, "a beginning");
-    if (result == STP_OK && (!stp_assimp_take_u32(&r, &kind) ||
-                             (kind != STP_ASSIMP_SCENE && kind != STP_ASSIMP_FAILED))) {
+    if (result == STP_OK &&
+        (!take_u32(&r, &kind) || (kind != STP_ASSIMP_SCENE && kind != STP_ASSIMP_FAILED))) {
         result = stp_assimp_fail_stream(&r, "a beginning");
     }
     if (result == STP_OK) {

@@ -26,7 +26,6 @@ stp_result stp_assimp_fail_stream(const stp_assimp_reader* r, const char* what);
 /// The next `count` items of `size` bytes; NULL if the stream is too short.
 const unsigned char* stp_assimp_take(stp_assimp_reader* r, size_t count, size_t size);
 bool stp_assimp_take_value(stp_assimp_reader* r, void* value, size_t size);
-bool stp_assimp_take_u32(stp_assimp_reader* r, uint32_t* value);
 /// A text in the scene's arena; *text is NULL if it is empty.
 STP_MUST_USE stp_result stp_assimp_take_text(stp_assimp_reader* r, const char** text);
 /// The count of a list whose items take at least `minimum` bytes each, limited by the rest of the

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Shared by formats without physical materials: a plain material, colours, pictures by name.
+// Materials and pictures of imported surfaces: a plain material for formats without materials,
+// values of colours, and pictures that files name or contain.
 #pragma once
 
 #include "image/image_codecs.h"

@@ -29,7 +29,7 @@ STP_MUST_USE stp_result stp_finish_surfels(stp_context* context, const stp_finis
 /// Neighbouring pieces with the same step therefore round to the same positions.
 void stp_choose_position_grid(stp_boxd box, double min_step, stp_vec3* origin, float* step);
 
-/// Cuts an order into octaves, from its end: the last octave ends with the last surfel, the
+/// Splits an order into octaves, from its end: the last octave ends with the last surfel, the
 /// previous one where disks are twice as large, and so on. `envelope[i]` is the coverage radius of
 /// the first i; disks are larger by `margin`. Leaves out octaves whose disks have more than
 /// `area_limit` together: in an uneven order, a prefix of most points may still cover with large

@@ -104,7 +104,7 @@ bool stp_psp_unload(stp_psp_piece* piece, const stp_psp_room* room, stp_psp_bloc
 /// @return their number
 uint32_t stp_psp_sample_errors(const stp_psp_rounds* rounds, float* errors, uint32_t maximum);
 
-// Cuts the splats of a round into pieces, and carries links over the seams of the last round.
+// Splits the splats of a round into pieces, and carries links over the seams of the last round.
 
 /// A range of slots.
 typedef struct stp_psp_range {

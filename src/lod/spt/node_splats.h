@@ -17,7 +17,7 @@ typedef struct stp_node_splat {
 
 typedef struct stp_node_splats_desc {
     const uint8_t* materials; ///< 1 per sample
-    const float* replaced;    ///< 1 per sample (node_splats.h)
+    const float* replaced;    ///< 1 per sample (stp_spt_find_replaced)
     stp_vec3 origin;          ///< origin of the grid to which positions are rounded
     float step;
 } stp_node_splats_desc;

@@ -2,7 +2,6 @@
 // Reads coded meshes: checked once as a whole, then any cluster at any time.
 #include "store/clusters/clusters.h"
 
-#include "base/core/context.h"
 #include "base/core/processor.h"
 #include "store/clusters/clusters_layout.h"
 

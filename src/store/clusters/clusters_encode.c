@@ -60,7 +60,7 @@ static uint32_t gather_parts(encoding* e, const uint64_t* order, uint32_t at, ui
     uint32_t other = STP_CLUSTER_VERTICES / clusters_part_vertices(part_class);
     maximum = part * (other < maximum ? other : maximum);
     maximum = end - at < maximum ? end - at : maximum;
-    bool whole = maximum % part == 0; // an earlier cluster may have cut a part
+    bool whole = maximum % part == 0; // an earlier cluster may have split a part
     if (whole && stp_cluster_maker_take_parts(e->maker, order + at, maximum, part_class)) {
         return at + maximum;
     }

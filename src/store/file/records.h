@@ -4,11 +4,8 @@
 // so that the two cannot disagree.
 #pragma once
 
-#include "base/io/hash.h"
 #include "store/bytes/format.h"
-#include "store/clusters/clusters.h"
 #include "store/file/point_attributes.h"
-#include "store/file/store.h"
 
 /// Zero-terminated texts, one after the other; records refer to them by offset.
 typedef struct stp_store_text {

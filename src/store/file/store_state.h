@@ -4,7 +4,6 @@
 
 #include "base/io/file.h"
 #include "store/bytes/deflate.h"
-#include "store/file/point_attributes.h"
 #include "store/file/records.h"
 #include "store/file/validate.h"
 

@@ -53,7 +53,7 @@ typedef struct stp_store_summary {
     stp_store_scene_part* parts;
 } stp_store_summary;
 
-/// A part of the input scene, before anything was cut or grouped.
+/// A part of the input scene, before anything was split or grouped.
 typedef struct stp_store_census_part {
     const char* name;        ///< may be NULL
     const uint32_t* members; ///< indices of its objects

@@ -2,8 +2,6 @@
 // Decodes the texts and the records of a section.
 #include "store/file/tables.h"
 
-#include "store/bytes/chunks.h"
-
 #include <assert.h>
 #include <string.h>
 

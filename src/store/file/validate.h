@@ -4,7 +4,7 @@
 // never writes what cannot be read.
 #pragma once
 
-#include "store/file/records.h"
+#include "store/file/store.h"
 
 /// Context of a validation: the file, and the result of a failed one.
 typedef struct stp_store_validator {

@@ -53,8 +53,8 @@ static void fill(const stp_store* store, const stp_splats* set, const columns* t
     stp_parallel_for(store->context, set->count, GRAIN, fill_points, &f);
 }
 
-stp_result stp_store_make_held_points(stp_store* store, uint32_t index,
-                                      stp_store_point_record* record)
+// Gives a point record the columns of the set that holds its points. The record owns the memory.
+static stp_result make_held_points(stp_store* store, uint32_t index, stp_store_point_record* record)
 {
     assert(record->points.held_by != 0);
     stp_splats set;
@@ -129,7 +129,7 @@ stp_result stp_store_get_point_set(stp_store* store, uint32_t index, stp_store_p
     stp_store_point_record* records = store->tables[STP_SECTION_POINT_SETS];
     stp_store_point_record* record = &records[index];
     if (!record->checked && record->points.held_by != 0) {
-        stp_result result = stp_store_make_held_points(store, index, record);
+        stp_result result = make_held_points(store, index, record);
         if (result != STP_OK) {
             return result;
         }

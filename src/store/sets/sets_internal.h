@@ -11,12 +11,12 @@
 /// Links octaves, breakpoints and blocks to their sets, meshes, point sets and textures.
 STP_MUST_USE stp_result stp_store_link_blocks(stp_store* store);
 
-/// Cuts a set to its first `octave_count` octaves, and its tables accordingly.
+/// Truncates a set to its first `octave_count` octaves, and its tables accordingly.
 void stp_store_truncate_splat_set(stp_splats* splats, uint32_t octave_count);
 
 /// Size of the joined columns of this many octaves.
 uint64_t stp_store_columns_bytes(const stp_splats* splats, uint32_t octave_count);
-/// Allocates the columns for all octaves of a (cut) set. NULL if memory runs out, not logged.
+/// Allocates the columns for all octaves of a (truncated) set. NULL if memory runs out, not logged.
 stp_store_joined* stp_store_reserve_columns(stp_context* context, stp_splats* splats);
 /// Copies octaves from another copy of the set's columns.
 void stp_store_copy_columns(const stp_splats* splats, const stp_splats* before,
@@ -71,10 +71,6 @@ stp_store_values stp_store_values_of(const stp_store* store, uint32_t kind, uint
 bool stp_store_is_colored(const stp_store* store);
 /// Frees the memory made for points; the next use reads them again.
 void stp_store_release_points(stp_store* store);
-/// Gives a point record the columns of the set that holds its points. The record owns the memory.
-/// @return STP_OK, STP_ERROR_TRUNCATED, or as stp_store_get_splat_set
-STP_MUST_USE stp_result stp_store_make_held_points(stp_store* store, uint32_t index,
-                                                   stp_store_point_record* record);
 
 /// Replaces colours and coverages of an octave that was just read by the store's colouring. Earlier
 /// octaves must be there. `source` reads the file. Does nothing if points are not coloured. @return

@@ -3,7 +3,6 @@
 // Then the directory entries that depend on them.
 #include "store/bytes/columns.h"
 #include "store/bytes/packed.h"
-#include "store/file/content_sizes.h"
 #include "store/writer/writing.h"
 
 #include <assert.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Writes the sections of the directory, in file order.
 #include "store/clusters/clusters_layout.h"
-#include "store/file/content_sizes.h"
 #include "store/sets/sets_internal.h"
 #include "store/writer/writing.h"
 

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT
-// A file being written, shared by writer.c (the whole), writer_sections.c (the directory) and
-// writer_blocks.c (the data).
+// A file being written, shared by writer.c (the whole), writer_sections.c and writer_packed.c (the
+// directory), and writer_blocks.c, writer_chunks.c and writer_attributes.c (the data).
 #pragma once
 
 #include "base/io/file.h"
-#include "store/bytes/columns.h"
 #include "store/bytes/page_sums.h"
 #include "store/file/block_order.h"
 #include "store/file/records.h"
-#include "store/writer/writer.h"
 
 /// A packed section being written.
 typedef struct stp_store_packing stp_store_packing;
