@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/levels/collapse.h"
 
-#include "base/core/sort.h"
+#include "lod/levels/mesh_edges.h"
 #include "lod/levels/plane_quadric.h"
 
 #include <assert.h>
@@ -181,71 +181,19 @@ static void add_border(collapser* c, uint32_t corner)
     }
 }
 
-/// Edges of the mesh: a pair of ends, and a corner at which a triangle has it.
-typedef struct edge_list {
-    uint64_t *ends, *scratch;
-    uint32_t* corners; ///< sorted with the ends
-} edge_list;
-
-static void get_ends(const collapser* c, uint32_t corner, uint32_t* low, uint32_t* high)
-{
-    size_t triangle = corner / 3, k = corner % 3;
-    uint32_t a = c->corners[corner], b = c->corners[3 * triangle + (k + 1) % 3];
-    *low = a < b ? a : b;
-    *high = a < b ? b : a;
-}
-
-/// Sorts the corners by the edges that begin there. @return NULL if memory runs out
-static uint32_t* sort_edges(collapser* c)
-{
-    uint32_t count = 3 * c->mesh->triangle_count;
-    uint64_t* items = STP_NEW_ARRAY(c->context, uint64_t, (size_t)count + 1);
-    uint64_t* scratch = STP_NEW_ARRAY(c->context, uint64_t, (size_t)count + 1);
-    uint32_t* order = STP_NEW_ARRAY(c->context, uint32_t, (size_t)count + 1);
-    if (items != NULL && scratch != NULL && order != NULL) {
-        unsigned bits = stp_bit_width(c->mesh->vertex_count);
-        uint32_t low, high;
-        for (uint32_t i = 0; i < count; ++i) {
-            get_ends(c, i, &low, &high);
-            items[i] = (uint64_t)high << 32 | i;
-        }
-        uint64_t* sorted = stp_sort_u64(items, scratch, count, 32, bits);
-        for (uint32_t i = 0; i < count; ++i) {
-            uint32_t corner = (uint32_t)sorted[i];
-            get_ends(c, corner, &low, &high);
-            sorted[i] = (uint64_t)low << 32 | corner;
-        }
-        uint64_t* again = stp_sort_u64(sorted, sorted == items ? scratch : items, count, 32, bits);
-        for (uint32_t i = 0; i < count; ++i) {
-            order[i] = (uint32_t)again[i];
-        }
-    } else {
-        stp_free(c->context, order);
-        order = NULL;
-    }
-    stp_free(c->context, items);
-    stp_free(c->context, scratch);
-    return order;
-}
-
 /// Adds the borders, then offers every edge once. @return false if memory runs out
 static bool offer_edges(collapser* c)
 {
-    uint32_t count = 3 * c->mesh->triangle_count;
-    uint32_t* order = sort_edges(c);
+    uint32_t count = 3 * c->mesh->triangle_count, ends[2];
+    uint32_t* order =
+        stp_sort_edges(c->context, c->corners, c->mesh->triangle_count, c->mesh->vertex_count);
     bool good = order != NULL;
     for (int pass = c->desc->border_weight > 0.0 ? 0 : 1; pass < 2 && good; ++pass) {
         for (uint32_t i = 0, end; i < count && good; i = end) {
-            uint32_t low, high, a, b;
-            get_ends(c, order[i], &low, &high);
-            for (end = i + 1; end < count; ++end) {
-                get_ends(c, order[end], &a, &b);
-                if (a != low || b != high) {
-                    break;
-                }
-            }
+            end = stp_edge_run(c->corners, order, i, count);
             if (pass == 1) {
-                good = offer(c, low, high);
+                stp_edge_ends(c->corners, order[i], ends);
+                good = offer(c, ends[0], ends[1]);
             } else if (end == i + 1) {
                 add_border(c, order[i]);
             }
