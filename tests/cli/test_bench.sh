@@ -108,4 +108,15 @@ for f in (r["figures"] for r in results):
     assert f["input_points"] == 100000 and f["splats"] == 1000 and f["seconds"] > 0, f
     assert abs(f["points_per_second"] * f["seconds"] / 100000 - 1) < 1e-6 and 3 < f["bytes_per_operator"] < 40, f
 END
+bench levels levels --model hills.obj --threads 2
+python3 - << 'END' || fail "figures of levels"
+import json
+(result,) = json.load(open("levels.json"))["results"]
+f = result["figures"]
+assert result["name"] == "levels" and result["params"] == {"model": "hills.obj", "triangles": 7200}, result
+drawn = [f[f"triangles_at_diagonal_by_{share}"] for share in (3200, 1600, 800, 400, 200, 100, 50)]
+assert drawn == sorted(drawn, reverse=True) and 0 < drawn[-1] < 1000 and drawn[0] <= 7200, drawn
+assert 7200 < f["stored_triangles"] < 4 * 7200 and f["clusters"] >= f["stored_triangles"] / 128, f
+assert 5 < f["levels"] < 64 and f["seconds"] > 0, f
+END
 exit $((failures > 0))
