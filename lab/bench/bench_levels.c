@@ -66,22 +66,6 @@ static stp_result join_meshes(const stp_scene* scene, soup* s)
     return result;
 }
 
-/// Replaces indices by those of distinct positions. @return the triangles that are not degenerate
-static uint32_t weld(const stp_distinct* distinct, soup* s)
-{
-    uint32_t kept = 0;
-    for (size_t t = 0; t < s->triangle_count; ++t) {
-        uint32_t c[3];
-        for (size_t k = 0; k < 3; ++k) {
-            c[k] = distinct->places[s->indices[3 * t + k]];
-        }
-        if (c[0] != c[1] && c[1] != c[2] && c[2] != c[0]) {
-            memcpy(s->indices + 3 * (size_t)kept++, c, sizeof(c));
-        }
-    }
-    return kept;
-}
-
 static void report(const stp_level_graph* g, const char* model, uint32_t originals, double diagonal,
                    double seconds, json_t* results)
 {
@@ -125,7 +109,8 @@ static stp_result measure(stp_context* context, const stp_scene* scene, const ch
         }
         double diagonal = (double)stp_length(stp_sub(box.max, box.min));
         stp_collapse_mesh mesh = {.vertex_count = distinct.count,
-                                  .triangle_count = weld(&distinct, &s),
+                                  .triangle_count = stp_distinct_weld(
+                                      &distinct, s.indices, (uint32_t)s.triangle_count, s.indices),
                                   .positions = distinct.positions,
                                   .indices = s.indices};
         stp_level_desc desc = stp_level_defaults(diagonal);

@@ -26,6 +26,10 @@ typedef struct stp_distinct {
 STP_MUST_USE stp_result stp_distinct_make(stp_context* context, const stp_decimate_input* input,
                                           stp_distinct* distinct);
 void stp_distinct_destroy(stp_context* context, stp_distinct* distinct);
+/// Replaces corners of triangles, which are points, by their positions, and drops triangles that
+/// are degenerate then. `welded` (room for all) may be `triangles`. @return the number left
+uint32_t stp_distinct_weld(const stp_distinct* distinct, const uint32_t* triangles,
+                           uint32_t triangle_count, uint32_t* welded);
 
 // Neighbour links of points, while points are merged.
 

@@ -154,3 +154,19 @@ stp_result stp_decimate_make_disks(stp_context* context, const stp_decimate_inpu
     stp_distinct_destroy(context, &d);
     return result;
 }
+
+uint32_t stp_distinct_weld(const stp_distinct* distinct, const uint32_t* triangles,
+                           uint32_t triangle_count, uint32_t* welded)
+{
+    uint32_t kept = 0;
+    for (size_t t = 0; t < triangle_count; ++t) {
+        uint32_t c[3];
+        for (size_t k = 0; k < 3; ++k) {
+            c[k] = distinct->places[triangles[3 * t + k]];
+        }
+        if (c[0] != c[1] && c[1] != c[2] && c[2] != c[0]) {
+            memcpy(welded + 3 * (size_t)kept++, c, sizeof(c));
+        }
+    }
+    return kept;
+}

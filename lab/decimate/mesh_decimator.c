@@ -5,30 +5,9 @@
 #include "lab/decimate/point_disks.h"
 #include "lod/levels/collapse.h"
 
-#include <assert.h>
 #include <string.h>
 
 static const double border_weight = 1.0, least_cosine = 0.2;
-
-/// Triangles of distinct positions, without those that are degenerate then. @return their number
-static uint32_t weld(const stp_decimate_input* input, const stp_distinct* distinct,
-                     uint32_t* indices)
-{
-    uint32_t kept = 0;
-    for (uint32_t t = 0; t < input->triangle_count; ++t) {
-        uint32_t c[3];
-        for (size_t k = 0; k < 3; ++k) {
-            uint32_t vertex = input->triangles[3 * (size_t)t + k];
-            assert(vertex < input->count);
-            c[k] = distinct->places[vertex];
-        }
-        if (c[0] != c[1] && c[1] != c[2] && c[2] != c[0]) {
-            memcpy(indices + 3 * (size_t)kept, c, sizeof(c));
-            kept += 1;
-        }
-    }
-    return kept;
-}
 
 /// Writes the used vertices, numbered in the order of their positions.
 static stp_result write(stp_context* context, const stp_distinct* distinct,
@@ -86,7 +65,8 @@ stp_result stp_decimate_by_mesh(stp_context* context, const stp_decimate_input* 
     }
     if (result == STP_OK) {
         stp_collapse_mesh mesh = {.vertex_count = distinct.count,
-                                  .triangle_count = weld(input, &distinct, indices),
+                                  .triangle_count = stp_distinct_weld(
+                                      &distinct, input->triangles, input->triangle_count, indices),
                                   .positions = distinct.positions,
                                   .indices = indices};
         stp_collapse_desc desc = {.vertex_target = target,

@@ -79,7 +79,7 @@ static int print(const comparison* c)
 {
     const stp_image_quality* q = &c->quality;
     double truth = q->ssim_covered;
-    double ratio = c->exact_truth > 0.0 ? truth / c->exact_truth : 1.0;
+    double ratio = stp_truth_ratio(truth, c->exact_truth);
     if (args.json) {
         json_t* root = json_pack("{s:f, s:f, s:f, s:f, s:I, s:I}", "ssim", q->ssim, "ssim_covered",
                                  q->ssim_covered, "ms_ssim", q->ms_ssim, "psnr", q->psnr, "width",

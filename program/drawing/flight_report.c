@@ -19,7 +19,7 @@ static json_t* describe_qualities(const flight_record* record)
                                               (json_int_t)f->frame, "ssim", q->ssim, "ssim_covered",
                                               q->ssim_covered, "ms_ssim", q->ms_ssim, "psnr",
                                               q->psnr, "truth", f->truth, "exact", f->exact,
-                                              "ratio", flight_truth_ratio(f)));
+                                              "ratio", stp_truth_ratio(f->truth, f->exact)));
     }
     return list;
 }
@@ -132,6 +132,7 @@ void flight_print(const flight_record* record)
         const stp_image_quality* q = &record->qualities[i].quality;
         const flight_quality* f = &record->qualities[i];
         printf("%8u %8.4f %8.4f %8.4f %8.2f %8.4f %8.4f %8.4f\n", f->frame, q->ssim,
-               q->ssim_covered, q->ms_ssim, q->psnr, f->truth, f->exact, flight_truth_ratio(f));
+               q->ssim_covered, q->ms_ssim, q->psnr, f->truth, f->exact,
+               stp_truth_ratio(f->truth, f->exact));
     }
 }

@@ -289,11 +289,6 @@ stp_result flight_run(frame_maker* maker, const flight_plan* plan, flight_record
     return result == STP_OK && again ? fly_again(maker, plan, record) : result;
 }
 
-double flight_truth_ratio(const flight_quality* quality)
-{
-    return quality->exact > 0.0 ? quality->truth / quality->exact : 1.0;
-}
-
 double flight_frame_ms(const frame_figures* figures)
 {
     return figures->frame_ms;

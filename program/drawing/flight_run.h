@@ -36,9 +36,6 @@ typedef struct flight_quality {
     double exact; ///< truth of the originals with one sample a pixel
 } flight_quality;
 
-/// Truth as a share of the truth of all originals with one sample a pixel. 1 if that is 0.
-double flight_truth_ratio(const flight_quality* quality);
-
 /// Quantiles of a value over the frames, from smallest to largest.
 typedef struct flight_ranks {
     double p50, p95, p99, max;

@@ -39,6 +39,13 @@ STP_MUST_USE stp_result stp_image_compare(stp_context* context, const stp_image*
                                           const stp_image* b, const stp_image* mask, stp_image* map,
                                           stp_image_quality* quality);
 
+/// The truth of a picture (docs/measuring.md, Truth) as a share of that of all originals with one
+/// sample a pixel. 1 if that is 0.
+static inline double stp_truth_ratio(double truth, double exact)
+{
+    return exact > 0.0 ? truth / exact : 1.0;
+}
+
 // Structural similarity of two grey planes at one scale (Wang, Bovik, Sheikh, Simoncelli 2004,
 // "Image quality assessment: from error visibility to structural similarity").
 //   ssim = luminance * contrast_structure
