@@ -2,6 +2,7 @@
 #define _DEFAULT_SOURCE // _SC_NPROCESSORS_ONLN
 #include "base/core/processor.h"
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,7 +22,7 @@ static bool has_halves_and_lzcnt(void)
 }
 #endif
 
-static stp_processor detect_hardware(void)
+static stp_processor ask_hardware(void)
 {
 #if defined(__x86_64__)
     __builtin_cpu_init();
@@ -37,6 +38,19 @@ static stp_processor detect_hardware(void)
 #else
     return STP_PROCESSOR_BASELINE;
 #endif
+}
+
+/// The same for as long as the process runs, so it is asked once: CPUID takes many microseconds in a
+/// virtual machine, and drawing asks for each batch.
+static stp_processor detect_hardware(void)
+{
+    static _Atomic int known = -1;
+    int found = atomic_load_explicit(&known, memory_order_relaxed);
+    if (found < 0) {
+        found = (int)ask_hardware();
+        atomic_store_explicit(&known, found, memory_order_relaxed);
+    }
+    return (stp_processor)found;
 }
 
 stp_processor stp_processor_detect(void)
