@@ -246,6 +246,7 @@ static stp_result draw_mesh(stp_triangle_window* window, const stp_raster_matrix
     assert(window->stride >= (size_t)window->width && window->row_begin >= window->first_row);
     uint64_t fragments = 0;
     window->fragments = &fragments;
+    window->facing = mesh->facing;
     const stp_triangle_kernels* kernels = choose_kernels();
     stp_triangle_transform transform = {.nearness_limit = nearness_limit};
     memcpy(transform.matrix, matrix->m, sizeof(transform.matrix));

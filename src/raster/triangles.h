@@ -2,7 +2,7 @@
 //
 // Rasterises triangles into the visibility buffer. Watertight: a pixel centre on a shared edge
 // belongs to exactly one triangle (top-left rule on coordinates snapped to a sub-pixel grid).
-// Triangles are two-sided.
+// Triangles are two-sided, unless the mesh says otherwise.
 #pragma once
 
 #include "base/core/arena.h"
@@ -28,6 +28,9 @@ typedef struct stp_raster_mesh {
     uint64_t* fragments; ///< NULL, or a counter of the fragments inside triangles
     /// NULL, or limits that fragments must lie between; requires `keep`.
     const stp_raster_layer* layer;
+    /// 0: both sides are drawn. Above 0, below 0: only triangles whose corners turn clockwise or
+    /// counter-clockwise in the picture.
+    int32_t facing;
 } stp_raster_mesh;
 
 /// Draws triangles; triangle t gets the id first_id + t. Clips to the near plane and to rows

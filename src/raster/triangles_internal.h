@@ -37,6 +37,7 @@ typedef struct stp_triangle_window {
     uint64_t* pixels; ///< pixels from row first_row on
     size_t stride;
     int32_t width, first_row, row_begin, row_end;
+    int32_t facing;      ///< as in stp_raster_mesh
     uint64_t* fragments; ///< counts those inside triangles
 } stp_triangle_window;
 
@@ -154,6 +155,9 @@ static inline bool stp_triangle_set_up(const stp_triangle_window* window,
         return false;
     }
     setup->area = (int64_t)(b.x - a.x) * (c.y - a.y) - (int64_t)(b.y - a.y) * (c.x - a.x);
+    if ((window->facing > 0 && setup->area < 0) || (window->facing < 0 && setup->area > 0)) {
+        return false;
+    }
     setup->corner[0] = a;
     setup->corner[1] = setup->area < 0 ? c : b;
     setup->corner[2] = setup->area < 0 ? b : c;

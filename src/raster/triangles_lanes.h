@@ -125,14 +125,15 @@ typedef struct batch_setup {
     lanes_float n0, along[2], inverse_area, low, high;
 } batch_setup;
 
-/// Sets up all lanes. @return the lanes whose triangles have a non-zero area
-static inline lanes_int set_up_batch(const batch* b, batch_setup* setup)
+/// Sets up all lanes. @return the lanes whose triangles have a non-zero area and face the right way
+static inline lanes_int set_up_batch(const batch* b, int32_t facing, batch_setup* setup)
 {
     lanes_uint x0 = (lanes_uint)b->x[0], y0 = (lanes_uint)b->y[0];
     lanes_uint x1 = (lanes_uint)b->x[1] - x0, y1 = (lanes_uint)b->y[1] - y0;
     lanes_uint x2 = (lanes_uint)b->x[2] - x0, y2 = (lanes_uint)b->y[2] - y0;
     lanes_int area = (lanes_int)(x1 * y2 - y1 * x2);
     lanes_int has_area = area != 0, turned = area < 0;
+    has_area = facing > 0 ? has_area & ~turned : facing < 0 ? has_area & turned : has_area;
     area = lanes_select(turned, -area, area);
     lanes_uint ux1 = (lanes_uint)lanes_select(turned, (lanes_int)x2, (lanes_int)x1);
     lanes_uint uy1 = (lanes_uint)lanes_select(turned, (lanes_int)y2, (lanes_int)y1);
@@ -270,7 +271,7 @@ static inline void draw_batch(const stp_triangle_window* window, const batch* b,
                               uint32_t valid, triangle_ids ids)
 {
     batch_setup setup;
-    small &= set_up_batch(b, &setup); // lanes past the end have no area
+    small &= set_up_batch(b, window->facing, &setup); // lanes past the end have no area
     lanes_int tiny = small & (b->width < TINY_WIDTH) & (b->height < TINY_HEIGHT);
     draw_medium(window, b, &setup, lanes_sign_bits(small & ~tiny) & valid, ids);
     if (lanes_sign_bits(tiny) != 0) {

@@ -97,8 +97,8 @@ void test_triangles_match_reference(test_state* test)
             random_triangle(s, t, sizes[s], corners);
             static const uint32_t indices[3] = {0, 1, 2};
             uint64_t fragments = 0, covered = 0;
-            stp_raster_mesh mesh = {corners, 3,    indices, 1,          NULL,
-                                    {0},     NULL, NULL,    &fragments, NULL};
+            stp_raster_mesh mesh = {corners, 3,    indices,    1,    NULL, {0},
+                                    NULL,    NULL, &fragments, NULL, 0};
             stp_raster_matrix matrix = parallel_matrix();
             clear(pixels);
             CHECK(draw(pixels, &matrix, INFINITY, &mesh));
@@ -190,7 +190,7 @@ void test_triangles_are_watertight(test_state* test)
         memset(counts, 0, sizeof(counts));
         clear(pixels);
         stp_raster_mesh mesh = {grid.positions, 33 * 33,  grid.indices, 2048, NULL, {0},
-                                count_fragment, &counted, NULL,         NULL};
+                                count_fragment, &counted, NULL,         NULL, 0};
         stp_raster_matrix matrix = parallel_matrix();
         CHECK(draw(pixels, &matrix, INFINITY, &mesh));
         mesh.keep = NULL;
@@ -217,7 +217,7 @@ void test_triangles_clipped_at_the_near_plane_have_no_cracks(test_state* test)
             p[2] = z;
         }
         stp_raster_mesh mesh = {grid.positions, 33 * 33, grid.indices, 2048, NULL, {0},
-                                NULL,           NULL,    NULL,         NULL};
+                                NULL,           NULL,    NULL,         NULL, 0};
         stp_raster_matrix matrix = perspective_matrix(60.0f);
         clear(pixels);
         CHECK(draw(pixels, &matrix, 0.1f / 0.2f, &mesh));
@@ -252,8 +252,8 @@ void test_triangles_survive_anything(test_state* test)
                                       : number(seed, i, -1000.0f, 1000.0f);
             indices[i / 3] = i / 3;
         }
-        stp_raster_mesh mesh = {positions, COUNT * 3, indices, COUNT, NULL,
-                                {0},       NULL,      NULL,    NULL,  NULL};
+        stp_raster_mesh mesh = {positions, COUNT * 3, indices, COUNT, NULL, {0},
+                                NULL,      NULL,      NULL,    NULL,  0};
         stp_raster_matrix matrices[2] = {parallel_matrix(), perspective_matrix(100.0f)};
         for (int m = 0; m < 2; ++m) {
             static const float limits[] = {INFINITY, 1.0f, 1e-3f};
@@ -278,7 +278,7 @@ void test_triangles_huge_fill_the_picture(test_state* test)
     static uint64_t pixels[PIXELS];
     static const float corners[9] = {-3e7f, -3e7f, 0.5f, 9e7f, -3e7f, 0.5f, -3e7f, 9e7f, 0.5f};
     static const uint32_t indices[3] = {0, 1, 2};
-    stp_raster_mesh mesh = {corners, 3, indices, 1, NULL, {0}, NULL, NULL, NULL, NULL};
+    stp_raster_mesh mesh = {corners, 3, indices, 1, NULL, {0}, NULL, NULL, NULL, NULL, 0};
     stp_raster_matrix matrix = parallel_matrix();
     clear(pixels);
     CHECK(draw(pixels, &matrix, 1.0f, &mesh));
@@ -366,7 +366,7 @@ void test_triangles_in_bands_give_the_same_picture(test_state* test)
         grid.positions[3 * i + 2] = number(9, (uint64_t)i, 0.1f, 0.9f);
     }
     stp_raster_mesh mesh = {grid.positions, 33 * 33, grid.indices, 2048, NULL, {0},
-                            NULL,           NULL,    NULL,         NULL};
+                            NULL,           NULL,    NULL,         NULL, 0};
     stp_raster_matrix matrix = parallel_matrix();
     clear(whole);
     clear(banded);
@@ -398,7 +398,7 @@ void test_triangles_in_any_order_give_the_same_picture(test_state* test)
     enum { VERTICES = 200000 };
     make_grid(&grid, 11, 0.4f);
     stp_raster_mesh mesh = {grid.positions, 33 * 33, grid.indices, 2048, NULL, {0},
-                            NULL,           NULL,    NULL,         NULL};
+                            NULL,           NULL,    NULL,         NULL, 0};
     stp_raster_matrix matrix = parallel_matrix();
     clear(wanted);
     CHECK(draw(wanted, &matrix, 2.0f, &mesh));
@@ -411,7 +411,7 @@ void test_triangles_in_any_order_give_the_same_picture(test_state* test)
                3 * sizeof(float));
         indices[i] = place;
     }
-    mesh = (stp_raster_mesh){spread, VERTICES, indices, 2048, NULL, {0}, NULL, NULL, NULL, NULL};
+    mesh = (stp_raster_mesh){spread, VERTICES, indices, 2048, NULL, {0}, NULL, NULL, NULL, NULL, 0};
     clear(got);
     bool drawn = draw(got, &matrix, 2.0f, &mesh);
     free(spread);
@@ -436,7 +436,8 @@ void test_triangles_keep_asks_with_perspective_weights(test_state* test)
     // a floor triangle; half the way along an edge in space is not half the way on the screen
     static const float corners[9] = {-4, 1, 2, 4, 1, 10, 4, 1, 2};
     static const uint32_t indices[3] = {0, 1, 2};
-    stp_raster_mesh mesh = {corners, 3, indices, 1, NULL, {0}, keep_near_corner1, NULL, NULL, NULL};
+    stp_raster_mesh mesh = {corners,           3,    indices, 1,    NULL, {0},
+                            keep_near_corner1, NULL, NULL,    NULL, 0};
     stp_raster_matrix matrix = perspective_matrix(40.0f);
     clear(pixels);
     CHECK(draw(pixels, &matrix, INFINITY, &mesh));
@@ -460,11 +461,11 @@ void test_triangles_offset_keeps_precision(test_state* test)
     }
     static const uint32_t indices[3] = {0, 1, 2};
     stp_raster_matrix matrix = parallel_matrix();
-    stp_raster_mesh mesh = {near_corners, 3, indices, 1, NULL, {0}, NULL, NULL, NULL, NULL};
+    stp_raster_mesh mesh = {near_corners, 3, indices, 1, NULL, {0}, NULL, NULL, NULL, NULL, 0};
     clear(near_pixels);
     CHECK(draw(near_pixels, &matrix, 1.0f, &mesh));
-    mesh = (stp_raster_mesh){far_corners, 3,    indices, 1,   NULL, {1048576.0f, 1048576.0f, 0},
-                             NULL,        NULL, NULL,    NULL};
+    mesh = (stp_raster_mesh){far_corners, 3,    indices, 1,    NULL, {1048576.0f, 1048576.0f, 0},
+                             NULL,        NULL, NULL,    NULL, 0};
     clear(far_pixels);
     CHECK(draw(far_pixels, &matrix, 1.0f, &mesh));
     CHECK(memcmp(near_pixels, far_pixels, sizeof(near_pixels)) == 0);
@@ -483,8 +484,8 @@ void test_triangles_survive_failing_allocator(test_state* test)
         }
         stp_arena scratch = stp_arena_create(context, 64);
         stp_raster_target target = {WIDTH, HEIGHT, WIDTH, pixels};
-        stp_raster_mesh mesh = {grid.positions, 33 * 33, grid.indices, 2,   NULL, {0},
-                                NULL,           NULL,    NULL,         NULL};
+        stp_raster_mesh mesh = {grid.positions, 33 * 33, grid.indices, 2,    NULL, {0},
+                                NULL,           NULL,    NULL,         NULL, 0};
         stp_raster_matrix matrix = parallel_matrix();
         stp_result result =
             stp_raster_triangles(&target, 0, HEIGHT, &matrix, 1.0f, &mesh, 0, &scratch);
