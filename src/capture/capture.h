@@ -143,6 +143,15 @@ STP_MUST_USE stp_result stp_capture_textures_create(const stp_scene* scene,
                                                     stp_capture_textures** textures);
 void stp_capture_textures_destroy(stp_capture_textures* textures);
 
+/// Whether base colours of a mesh differ from place to place.
+bool stp_capture_has_colors(const stp_capture_textures* textures, const stp_mesh* mesh);
+/// The base colour at a point of a triangle, with texture and vertex colours: the mean around the
+/// point, over a share of the triangle's width. `weights`: barycentric. `color`: red, green, blue,
+/// linear
+void stp_capture_triangle_color(const stp_capture_textures* textures, const stp_mesh* mesh,
+                                uint32_t triangle, const float weights[3], double share,
+                                float color[3]);
+
 /// The directions of a desc: `count` unit vectors from the object towards the viewer. Corners are
 /// those of a cube, not of the object's box: a flat box's corners lie almost in its plane and would
 /// see its large faces at grazing angles. Pure; no libm.

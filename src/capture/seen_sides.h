@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+//
+// Which sides of the triangles of a part can be seen from outside, sampled by parallel projection
+// from many directions. Triangles are opaque and hide each other from both sides.
+//
+//   pictures     each triangle that wins a pixel is seen on the side that faces the viewer
+//   completion   triangles take the sides of seen ones close by, which pixels or directions missed
+#pragma once
+
+#include "base/core/context.h"
+
+enum {
+    STP_SEEN_FRONT = 1, ///< the side from which the corners turn counter-clockwise
+    STP_SEEN_BACK = 2,
+};
+
+enum { STP_SEEN_RESOLUTION_MAX = 8192 };
+
+/// Zero stands for a default.
+typedef struct stp_seen_desc {
+    uint32_t direction_count; ///< as in stp_capture_directions; default 96
+    /// Pixels along the diagonal of the bounding box, at most STP_SEEN_RESOLUTION_MAX; default 512.
+    /// Smaller openings may be missed. A running task needs about 8 resolution^2 bytes
+    uint32_t resolution;
+} stp_seen_desc;
+
+/// Finds the sides that can be seen. `positions`: 3 per vertex, finite, in any unit; welded, so
+/// that triangles that touch share vertices. `indices`: 3 per triangle. `sides` receives a byte
+/// for each triangle: 0 or STP_SEEN_* bits. The same result for any number of threads. May run
+/// inside a parallel loop.
+/// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged; `sides` is undefined)
+STP_MUST_USE stp_result stp_find_seen_sides(stp_context* context, const float* positions,
+                                            uint32_t vertex_count, const uint32_t* indices,
+                                            uint32_t triangle_count, const stp_seen_desc* desc,
+                                            uint8_t* sides);
