@@ -15,6 +15,7 @@ import struct
 import sys
 import zlib
 
+from read_levels import check_levels
 from read_operators import Operators
 
 NONE = 0xFFFFFFFF
@@ -56,6 +57,9 @@ RECORDS = {
     39: ("coordinates", "I", "text:text"),
     40: ("leaves", "2I", "leaf_count block"),
     41: ("certainty", "If", "flags position_error"),
+    42: ("levels", "2I", "node flags"),
+    43: ("level_clusters", "3I", "made_by used_by one_sided"),
+    44: ("level_groups", "5f", "center:3 radius error"),
 }
 FIGURES = ("objects unique_objects instances nodes unique_nodes lods unique_lods triangles unique_triangles points "
            "unique_points surfels unique_surfels splat_bytes triangle_bytes point_bytes texture_bytes")
@@ -474,6 +478,7 @@ def read_clusters(data, begin, end, record):
                              ("texcoords_1", cluster.corners((7, 8), cluster.triangle_count)),
                              ("colors", cluster.corners((9, 10, 11, 12), cluster.triangle_count))):
             sums[name] = zlib.crc32(struct.pack(f"<{len(values)}i", *values), sums[name])
+        need(not record.get("one_sided") or record["one_sided"][i] <= cluster.triangle_count, "one_sided")
         at, first, vertices = cluster.end, first + cluster.triangle_count, vertices - cluster.vertex_count
     need(first == triangles and vertices == 0 and at + 8 == len(block) and not any(block[at:]), "end")
     record["columns"] = sums
@@ -660,6 +665,7 @@ def read_store(data):
     check_graph(header, tables)
     gather_methods(tables)
     gather_sets(tables)
+    check_levels(tables)
     read_blocks(data, header, tables)
     read_attributes(data, tables)
     return {**header, **tables}

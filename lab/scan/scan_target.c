@@ -209,12 +209,12 @@ stp_result scan_target_of_store(stp_context* context, stp_store* store, const ch
         result = stp_fail(context, STP_ERROR_LIMIT, "%s: expected at most %zu uses of parts", name,
                           MAX_PARTS);
     }
-    result = result == STP_OK ? make_room(target, d->mesh_count, d->material_count, items.count)
-                              : result;
+    uint32_t meshes = stp_store_first_level_mesh(d); // levels are no part of anything
+    result = result == STP_OK ? make_room(target, meshes, d->material_count, items.count) : result;
     for (uint32_t i = 0; result == STP_OK && i < d->material_count; ++i) {
         result = add_store_material(store, &d->materials[i], &target->materials[i]);
     }
-    for (uint32_t i = 0; result == STP_OK && i < d->mesh_count; ++i) {
+    for (uint32_t i = 0; result == STP_OK && i < meshes; ++i) {
         result = add_store_mesh(target, store, i);
     }
     for (size_t i = 0; result == STP_OK && i < items.count; ++i) {

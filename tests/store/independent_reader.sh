@@ -27,6 +27,8 @@ cp "$source"/tests/golden/store/v1/operators-1.2.stip "$folder/operators.stip"
 cp "$source"/tests/golden/store/v1/operators-1.2.json "$folder/operators.json"
 cp "$source"/tests/golden/store/v1/attributes-1.2.stip "$folder/attributes.stip"
 cp "$source"/tests/golden/store/v1/attributes-1.2.json "$folder/attributes.json"
+cp "$source"/tests/golden/store/v1/levels-1.3.stip "$folder/levels.stip"
+cp "$source"/tests/golden/store/v1/levels-1.3.json "$folder/levels.json"
 count=0
 for file in "$folder"/*.stip; do
     python3 "$source/scripts/read_store.py" "$file" --expect "${file%.stip}.json" > "${file%.stip}.out"
@@ -44,7 +46,7 @@ picture = open(folder + "/first.ppm", "rb").read()
 assert len(picture) == len(b"P6 64 48 255\n") + 3 * 64 * 48 and len(set(picture[13:])) > 3
 END
 done
-test "$count" -ge 17
+test "$count" -ge 18
 # the check can fail: a wrong byte in the middle of the last file
 size=$(stat -c %s "$file")
 byte=$(od -An -tu1 -j $((size / 2)) -N 1 "$file")

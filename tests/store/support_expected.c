@@ -334,6 +334,36 @@ static json_t* expected_keys(const stp_store_content* content)
     return list;
 }
 
+// Of files with levels.
+static void add_levels(json_t* json, const stp_store_directory* d)
+{
+    json_t* levels = json_array();
+    json_t* clusters = json_array();
+    json_t* groups = json_array();
+    for (uint32_t i = 0; i < d->level_count; ++i) {
+        json_array_append_new(levels,
+                              json_pack("{s:I s:I s:I}", "node", (json_int_t)d->levels[i].node,
+                                        "flags", (json_int_t)d->levels[i].flags, "mesh",
+                                        (json_int_t)stp_store_first_level_mesh(d) + i));
+    }
+    for (uint32_t i = 0; i < d->level_cluster_count; ++i) {
+        const stp_store_level_cluster* c = &d->level_clusters[i];
+        json_array_append_new(
+            clusters, json_pack("{s:I s:I s:I}", "made_by", (json_int_t)c->made_by, "used_by",
+                                (json_int_t)c->used_by, "one_sided", (json_int_t)c->one_sided));
+    }
+    for (uint32_t i = 0; i < d->level_group_count; ++i) {
+        const stp_store_level_group* g = &d->level_groups[i];
+        json_array_append_new(groups,
+                              json_pack("{s:[fff] s:f s:f}", "center", (double)g->center[0],
+                                        (double)g->center[1], (double)g->center[2], "radius",
+                                        (double)g->radius, "error", (double)g->error));
+    }
+    (void)json_object_set_new(json, "levels", levels);
+    (void)json_object_set_new(json, "level_clusters", clusters);
+    (void)json_object_set_new(json, "level_groups", groups);
+}
+
 json_t* sample_expected_json(const stp_store_content* content, const stp_store_summary* summary)
 {
     json_t* head = expected_figures(&summary->figures);
@@ -342,14 +372,18 @@ json_t* sample_expected_json(const stp_store_content* content, const stp_store_s
     (void)json_object_set_new(head, "mesh_count", json_integer(summary->mesh_count));
     const stp_store_directory* d = &content->directory;
     char up[2] = {d->up, '\0'};
-    return json_pack(
+    json_t* json = json_pack(
         "{s:[ii] s:I s:f s:s s:o s:o s:o s:o s:o s:o s:o s:o s:o s:o s:o s:[o] s:o s:o s:o}",
-        "version", 1, 2, "root", (json_int_t)d->root, "unit_metres", d->unit_metres, "up", up,
-        "build", text(d->build_json), "nodes", expected_nodes(d), "edges", expected_edges(d),
-        "objects", expected_objects(d), "materials", expected_materials(d), "meshes",
-        expected_meshes(content), "point_sets", expected_points(content), "textures",
+        "version", 1, d->level_count != 0 ? 3 : 2, "root", (json_int_t)d->root, "unit_metres",
+        d->unit_metres, "up", up, "build", text(d->build_json), "nodes", expected_nodes(d), "edges",
+        expected_edges(d), "objects", expected_objects(d), "materials", expected_materials(d),
+        "meshes", expected_meshes(content), "point_sets", expected_points(content), "textures",
         expected_textures(content), "surfels", expected_splat_sets(content), "views",
         expected_views(d), "sources", expected_sources(d), "summary", head, "scene_parts",
         expected_scene_parts(summary), "keys", expected_keys(content), "methods",
         expected_methods(d));
+    if (json != NULL && d->level_count != 0) {
+        add_levels(json, d);
+    }
+    return json;
 }

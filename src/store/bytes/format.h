@@ -13,7 +13,8 @@
 
 enum {
     STP_STORE_MAJOR = 1,
-    STP_STORE_MINOR = 2,
+    STP_STORE_MINOR = 2,           ///< of files without levels
+    STP_STORE_MINOR_LEVELS = 3,    ///< of files with levels
     STP_STORE_MINOR_COVERAGES = 2, ///< since then, coverages are codes (base/splats/coverage.h)
     STP_STORE_MAGIC_BYTES = 8,
     STP_STORE_HEADER_BYTES = 128,
@@ -62,6 +63,9 @@ typedef enum stp_store_section_type {
     STP_SECTION_COORDINATES,      ///< coordinate systems of sources
     STP_SECTION_LEAVES,           ///< leaves of sets
     STP_SECTION_CERTAINTY,        ///< accuracy of the points in sets
+    STP_SECTION_LEVELS,           ///< nodes of the meshes that are levels
+    STP_SECTION_LEVEL_CLUSTERS,   ///< when each cluster of a level is drawn
+    STP_SECTION_LEVEL_GROUPS,     ///< spheres and errors that decide it
     STP_SECTION_END               ///< one more than the last known type
 } stp_store_section_type;
 

@@ -73,7 +73,17 @@ typedef struct stp_coded_mesh {
 STP_MUST_USE stp_result stp_clusters_encode(stp_context* context, const stp_store_mesh* mesh,
                                             double step, stp_coded_mesh* coded);
 
-/// Frees the result of stp_clusters_encode.
+/// Like stp_clusters_encode, but cluster i is triangles [ends[i - 1], ends[i]) of the mesh, in their
+/// order; `ends` ascend to its triangle_count, so there is at least one. Loose parts are coded like
+/// other triangles. Within a cluster of a mesh without normals the triangles keep their order, and
+/// each has the normal of its rounded plane. With normals, they are sorted into smooth, face and
+/// plain ones. @return as stp_clusters_encode; STP_ERROR_LIMIT too for a cluster of more than 128
+/// triangles or, after rounding, 256 vertices (with normals, 254 may be too many)
+STP_MUST_USE stp_result stp_clusters_encode_ranges(stp_context* context, const stp_store_mesh* mesh,
+                                                   double step, const uint32_t* ends,
+                                                   uint32_t count, stp_coded_mesh* coded);
+
+/// Frees the result of stp_clusters_encode and stp_clusters_encode_ranges.
 void stp_coded_mesh_destroy(stp_context* context, stp_coded_mesh* coded);
 
 /// A coded mesh opened for reading: pointers into its bytes.

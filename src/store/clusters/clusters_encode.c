@@ -24,13 +24,17 @@ typedef struct encoding {
     uint64_t vertex_count;
 } encoding;
 
-/// @return false if memory runs out
-static bool append_cluster(encoding* e, uint32_t first_triangle)
+static stp_result append_cluster(encoding* e, uint32_t first_triangle)
 {
+    if (e->data_size / 4 > UINT32_MAX - CLUSTER_MAX_BYTES - e->entry_count * 8) {
+        return stp_fail(e->context, STP_ERROR_LIMIT,
+                        "a mesh of %u triangles does not fit into one block",
+                        e->maker->mesh->triangle_count);
+    }
     if (!STP_MAKE_ROOM(e->context, e->data, e->data_capacity, e->data_size + CLUSTER_MAX_BYTES) ||
         !stp_make_room(e->context, &e->entries, &e->entry_capacity, e->entry_count + 1,
                        CLUSTERS_ENTRY_BYTES)) {
-        return false;
+        return stp_fail_memory(e->context);
     }
     assert(e->data_size % 4 == 0 && "offsets count units of 4 bytes");
     clusters_entry entry = {.offset = (uint32_t)(e->data_size / 4),
@@ -47,7 +51,7 @@ static bool append_cluster(encoding* e, uint32_t first_triangle)
     e->vertex_count += e->maker->vertex_count;
     clusters_write_entry(e->entries + e->entry_count * CLUSTERS_ENTRY_BYTES, &entry);
     e->entry_count += 1;
-    return true;
+    return STP_OK;
 }
 
 /// Gathers loose parts of one class from `at` on, as many as fit; triangles one by one if those are
@@ -114,14 +118,35 @@ static stp_result split_clusters(encoding* e, const uint64_t* order, uint32_t tr
         uint32_t first = at;
         at = loose ? gather_parts(e, order, at, end) : gather_triangles(e, order, at, end);
         assert(at > first && at <= end && e->maker->triangle_count == at - first);
-        if (!append_cluster(e, first)) {
-            return stp_fail_memory(e->context);
-        }
-        if (e->data_size / 4 > UINT32_MAX - CLUSTER_MAX_BYTES - e->entry_count * 8) {
-            return stp_fail(e->context, STP_ERROR_LIMIT,
-                            "a mesh of %u triangles does not fit into one block", triangle_count);
+        stp_result result = append_cluster(e, first);
+        if (result != STP_OK) {
+            return result;
         }
     }
+    return STP_OK;
+}
+
+/// Clusters given by their ends.
+static stp_result take_ranges(encoding* e, const uint32_t* ends, uint32_t count)
+{
+    for (uint32_t i = 0, at = 0; i < count; ++i) {
+        uint32_t first = at;
+        assert(ends[i] > first && ends[i] <= e->maker->mesh->triangle_count);
+        stp_cluster_maker_begin(e->maker);
+        while (at < ends[i] && stp_cluster_maker_add(e->maker, at)) {
+            at += 1;
+        }
+        if (at < ends[i]) {
+            return stp_fail(e->context, STP_ERROR_LIMIT,
+                            "cluster %u of %u triangles has more than %d triangles or %d vertices",
+                            i, ends[i] - first, STP_CLUSTER_TRIANGLES, STP_CLUSTER_VERTICES);
+        }
+        stp_result result = append_cluster(e, first);
+        if (result != STP_OK) {
+            return result;
+        }
+    }
+    assert(ends[count - 1] == e->maker->mesh->triangle_count);
     return STP_OK;
 }
 
@@ -247,7 +272,9 @@ static stp_result sort_triangles(encoding* e, const stp_store_mesh* mesh, uint64
     return result;
 }
 
-static stp_result encode(encoding* e, const stp_store_mesh* mesh, stp_coded_mesh* coded)
+/// @param ends of clusters; NULL: they are made here
+static stp_result encode(encoding* e, const stp_store_mesh* mesh, const uint32_t* ends,
+                         uint32_t cluster_count, stp_coded_mesh* coded)
 {
     uint32_t count = mesh->triangle_count;
     cluster_place* places = STP_NEW_ARRAY(e->context, cluster_place, mesh->vertex_count);
@@ -258,11 +285,12 @@ static stp_result encode(encoding* e, const stp_store_mesh* mesh, stp_coded_mesh
     e->maker->places = places;
     uint64_t* order = NULL;
     stp_result result = STP_OK;
-    if (count > STP_CLUSTER_TRIANGLES) {
+    if (ends == NULL && count > STP_CLUSTER_TRIANGLES) {
         result = sort_triangles(e, mesh, &order);
     }
     if (result == STP_OK) {
-        result = split_clusters(e, order, count);
+        result =
+            ends != NULL ? take_ranges(e, ends, cluster_count) : split_clusters(e, order, count);
     }
     stp_free(e->context, order);
     stp_free(e->context, places);
@@ -274,8 +302,8 @@ static stp_result encode(encoding* e, const stp_store_mesh* mesh, stp_coded_mesh
     return result == STP_OK ? join(e, count, coded) : result;
 }
 
-stp_result stp_clusters_encode(stp_context* context, const stp_store_mesh* mesh, double step,
-                               stp_coded_mesh* coded)
+static stp_result encode_mesh(stp_context* context, const stp_store_mesh* mesh, double step,
+                              const uint32_t* ends, uint32_t cluster_count, stp_coded_mesh* coded)
 {
     *coded = (stp_coded_mesh){0};
     encoding e = {.context = context, .maker = STP_NEW_ZEROED(context, stp_cluster_maker, 1)};
@@ -288,12 +316,26 @@ stp_result stp_clusters_encode(stp_context* context, const stp_store_mesh* mesh,
                           "mesh %s: its coordinates are too large for a grid step of %g",
                           mesh->name != NULL ? mesh->name : "without a name", step);
     } else {
-        result = encode(&e, mesh, coded);
+        e.maker->all_plain = ends != NULL && mesh->normals == NULL;
+        result = encode(&e, mesh, ends, cluster_count, coded);
     }
     stp_free(context, e.data);
     stp_free(context, e.entries);
     stp_free(context, e.maker);
     return result;
+}
+
+stp_result stp_clusters_encode(stp_context* context, const stp_store_mesh* mesh, double step,
+                               stp_coded_mesh* coded)
+{
+    return encode_mesh(context, mesh, step, NULL, 0, coded);
+}
+
+stp_result stp_clusters_encode_ranges(stp_context* context, const stp_store_mesh* mesh, double step,
+                                      const uint32_t* ends, uint32_t count, stp_coded_mesh* coded)
+{
+    assert(count != 0 && ends[count - 1] == mesh->triangle_count);
+    return encode_mesh(context, mesh, step, ends, count, coded);
 }
 
 void stp_coded_mesh_destroy(stp_context* context, stp_coded_mesh* coded)

@@ -65,6 +65,7 @@ typedef struct stp_cluster_maker {
     /// Channels other than positions that distinguish vertices.
     uint32_t extra_channels[STP_CLUSTER_CHANNELS];
     uint32_t extra_count;
+    bool all_plain; ///< all triangles are plain, so they stay in order
     // The current cluster:
     uint32_t triangle_count, vertex_count;
     uint32_t shift;                               ///< positions are multiples of 2^shift steps

@@ -133,6 +133,9 @@ static direction true_plane(const stp_store_mesh* mesh, const uint32_t* vertex)
 /// Chooses a triangle's group, and sets the normal of its first corner if the mesh has none.
 static cluster_group choose_group(const stp_cluster_maker* m, const uint32_t* vertex, corner c[3])
 {
+    if (m->all_plain) {
+        return GROUP_PLAIN;
+    }
     direction rounded = rounded_plane(c);
     if (!(dot(rounded, rounded) > 0.0)) {
         return GROUP_PLAIN; // degenerate: invisible
@@ -260,15 +263,31 @@ void stp_cluster_maker_begin(stp_cluster_maker* m)
     memset(m->slots, 0, sizeof(m->slots));
 }
 
+/// Whether there is room for a triangle's vertices.
+static bool has_room(const stp_cluster_maker* m, const corner c[3])
+{
+    uint32_t room = STP_CLUSTER_VERTICES - m->vertex_count, added = 0;
+    if (room >= 3 || !m->all_plain) {
+        return room >= 3;
+    }
+    for (int k = 0; k < 3; ++k) {
+        added += find_vertex(m, &c[k], WANT_ANY, 0) == STP_CLUSTER_VERTICES ? 1 : 0;
+    }
+    return added <= room;
+}
+
 bool stp_cluster_maker_add(stp_cluster_maker* m, uint32_t triangle)
 {
-    if (m->triangle_count == STP_CLUSTER_TRIANGLES || m->vertex_count > STP_CLUSTER_VERTICES - 3) {
+    if (m->triangle_count == STP_CLUSTER_TRIANGLES) {
         return false;
     }
     const uint32_t* vertex = m->mesh->indices + 3 * (size_t)triangle;
     corner c[3];
     for (int k = 0; k < 3; ++k) {
         read_corner(m, vertex[k], &c[k]);
+    }
+    if (!has_room(m, c)) {
+        return false;
     }
     cluster_group group = choose_group(m, vertex, c);
     uint8_t* out = m->corners[m->triangle_count];

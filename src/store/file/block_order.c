@@ -125,6 +125,12 @@ static stp_result measure_shown(stp_context* context, const stp_store_content* c
     for (uint32_t i = directory->node_count; made && i-- > 0;) { // parents before children
         add_node(content, i, nodes, s);
     }
+    for (uint32_t i = 0; made && i < directory->level_count; ++i) {
+        uint32_t mesh = stp_store_first_level_mesh(directory) + i;
+        assert(directory->levels[i].node < directory->node_count);
+        double area = nodes[directory->levels[i].node].areas * content->meshes[mesh].area;
+        s->mesh_areas[mesh] = fmin(area, DBL_MAX);
+    }
     stp_free(context, nodes);
     return made ? STP_OK : stp_fail_memory(context);
 }

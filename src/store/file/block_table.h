@@ -24,5 +24,6 @@ void stp_store_find_mesh_columns(uint32_t present, const unsigned char* bytes,
                                  stp_store_mesh* mesh);
 void stp_store_find_point_columns(uint32_t present, const unsigned char* bytes,
                                   stp_store_point_set* points);
+/// Of a level also the number of one-sided triangles.
 const char* stp_store_find_clusters(const stp_store* store, uint32_t index,
                                     const unsigned char* bytes, stp_clusters* clusters);

@@ -90,6 +90,13 @@ const char* stp_store_find_clusters(const stp_store* store, uint32_t index,
                           clusters->present != record->present)) {
         fault = "has clusters whose counts or columns differ from its record";
     }
+    uint32_t first_level = stp_store_first_level_mesh(&store->directory);
+    if (fault == NULL && index >= first_level) {
+        const stp_store_level* level = &store->directory.levels[index - first_level];
+        assert(level->cluster_count == clusters->cluster_count);
+        fault =
+            stp_store_level_fault(store->directory.level_clusters + level->first_cluster, clusters);
+    }
     return fault;
 }
 

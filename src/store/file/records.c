@@ -376,6 +376,31 @@ static void code_certainty(stp_store_codec* codec, void* element)
     code_f32(codec, &record->position_error);
 }
 
+static void code_level(stp_store_codec* codec, void* element)
+{
+    stp_store_level* level = element;
+    code_u32(codec, &level->node);
+    code_u32(codec, &level->flags);
+}
+
+static void code_level_cluster(stp_store_codec* codec, void* element)
+{
+    stp_store_level_cluster* cluster = element;
+    code_u32(codec, &cluster->made_by);
+    code_u32(codec, &cluster->used_by);
+    code_u32(codec, &cluster->one_sided);
+}
+
+static void code_level_group(stp_store_codec* codec, void* element)
+{
+    stp_store_level_group* group = element;
+    for (int k = 0; k < 3; ++k) {
+        code_f32(codec, &group->center[k]);
+    }
+    code_f32(codec, &group->radius);
+    code_f32(codec, &group->error);
+}
+
 static void code_method(stp_store_codec* codec, void* element)
 {
     stp_store_method* method = &((stp_store_method_record*)element)->method;
@@ -474,6 +499,11 @@ const stp_store_table* stp_store_table_of(uint32_t type)
         [STP_SECTION_LEAVES] = {"set's leaves", 8, sizeof(stp_store_leaves_record), code_leaves},
         [STP_SECTION_CERTAINTY] = {"set's certainty", 8, sizeof(stp_store_certainty),
                                    code_certainty},
+        [STP_SECTION_LEVELS] = {"level", 8, sizeof(stp_store_level), code_level},
+        [STP_SECTION_LEVEL_CLUSTERS] = {"level cluster", 12, sizeof(stp_store_level_cluster),
+                                        code_level_cluster},
+        [STP_SECTION_LEVEL_GROUPS] = {"level group", 20, sizeof(stp_store_level_group),
+                                      code_level_group},
     };
     return &tables[type < STP_SECTION_END ? type : 0];
 }

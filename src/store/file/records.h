@@ -155,6 +155,9 @@ typedef union stp_store_element {
     stp_store_attribute_block attribute_block;
     stp_store_coordinates coordinates;
     stp_store_certainty certainty;
+    stp_store_level level;
+    stp_store_level_cluster level_cluster;
+    stp_store_level_group level_group;
 } stp_store_element;
 
 /// By section type; all 0 for unknown types. Sections of texts have no name and no `code`.

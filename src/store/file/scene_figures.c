@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Sums over the graph. With instances: adds up children before parents. Without: walks with marks.
+// Levels do not count: they show what other meshes hold.
 #include "base/core/saturate.h"
 #include "store/file/content_sizes.h"
 
@@ -24,10 +25,13 @@ typedef struct accumulator {
     uint64_t* sums; ///< by node: count of the current kind, with all instances
     // number of the last walk that visited each item; walks are numbered from 1
     uint32_t *nodes_met, *meshes_met, *point_sets_met, *textures_met, *sets_met;
+    uint8_t* material_uses; ///< by material: USED_BY_*
     uint32_t walk;
     uint32_t* stack; ///< visited nodes whose children are still to be visited
     size_t stacked;
 } accumulator;
+
+enum { USED_BY_CONTENT = 1, USED_BY_LEVELS = 2 };
 
 static uint64_t* figure_of(stp_store_figures* figures, instanced kind)
 {
@@ -214,7 +218,7 @@ static void sum_stored(const accumulator* t, stp_store_figures* figures)
     figures->unique_points = figures->point_bytes = 0;
     figures->unique_lods = figures->unique_surfels = figures->splat_bytes = 0;
     figures->texture_bytes = 0;
-    for (uint32_t i = 0; i < d->mesh_count; ++i) {
+    for (uint32_t i = 0; i < stp_store_first_level_mesh(d); ++i) {
         figures->unique_triangles += m->meshes[i].count;
         figures->triangle_bytes += m->meshes[i].bytes;
     }
@@ -256,26 +260,48 @@ static bool create_accumulator(accumulator* t)
     t->point_sets_met = STP_NEW_ZEROED(context, uint32_t, (size_t)d->point_set_count + 1);
     t->textures_met = STP_NEW_ZEROED(context, uint32_t, (size_t)d->texture_count + 1);
     t->sets_met = STP_NEW_ZEROED(context, uint32_t, (size_t)d->set_count + 1);
+    t->material_uses = STP_NEW_ZEROED(context, uint8_t, (size_t)d->material_count + 1);
     return t->sums != NULL && t->stack != NULL && t->nodes_met != NULL && t->meshes_met != NULL &&
-           t->point_sets_met != NULL && t->textures_met != NULL && t->sets_met != NULL;
+           t->point_sets_met != NULL && t->textures_met != NULL && t->sets_met != NULL &&
+           t->material_uses != NULL;
 }
 
 static void destroy_accumulator(accumulator* t)
 {
     void* arrays[] = {t->sums,           t->stack,        t->nodes_met, t->meshes_met,
-                      t->point_sets_met, t->textures_met, t->sets_met};
+                      t->point_sets_met, t->textures_met, t->sets_met,  t->material_uses};
     for (size_t i = 0; i < sizeof(arrays) / sizeof(arrays[0]); ++i) {
         stp_free(t->context, arrays[i]);
     }
 }
 
-static void start_summary(const stp_store_directory* d, const stp_store_census* census,
+// All materials, without those at the end of the table that only levels use: the builder makes
+// such materials for them.
+static uint32_t count_materials(accumulator* t)
+{
+    const stp_store_directory* d = t->directory;
+    for (uint32_t i = 0; i < d->mesh_count; ++i) {
+        bool level = i >= stp_store_first_level_mesh(d);
+        t->material_uses[t->sizes->meshes[i].material] |= level ? USED_BY_LEVELS : USED_BY_CONTENT;
+    }
+    for (uint32_t i = 0; i < d->point_set_count; ++i) {
+        t->material_uses[t->sizes->point_sets[i].material] |= USED_BY_CONTENT;
+    }
+    uint32_t count = d->material_count;
+    while (count > 0 && t->material_uses[count - 1] == USED_BY_LEVELS) {
+        count -= 1;
+    }
+    return count;
+}
+
+static void start_summary(accumulator* t, const stp_store_census* census,
                           stp_store_summary* summary)
 {
+    const stp_store_directory* d = t->directory;
     summary->bounds = d->root != STP_STORE_NONE ? d->nodes[d->root].bounds : stp_boxd_empty();
-    summary->material_count = d->material_count;
+    summary->material_count = count_materials(t);
     summary->texture_count = d->texture_count;
-    summary->mesh_count = d->mesh_count;
+    summary->mesh_count = stp_store_first_level_mesh(d);
     summary->point_set_count = d->point_set_count;
     summary->part_count = census->part_count;
     for (uint32_t i = 0; i < census->part_count; ++i) {
@@ -295,7 +321,7 @@ stp_result stp_store_count_figures(stp_context* context, const stp_store_sizes* 
     summary->parts = STP_NEW_ZEROED(context, stp_store_scene_part, (size_t)census->part_count + 1);
     bool made = summary->parts != NULL && create_accumulator(&t);
     if (made) {
-        start_summary(sizes->directory, census, summary);
+        start_summary(&t, census, summary);
         for (int kind = 0; kind < INSTANCED_KINDS; ++kind) {
             sum_instances(&t, (instanced)kind, census, summary);
         }

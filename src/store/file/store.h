@@ -11,6 +11,7 @@
 #include "base/splats/leaf_tree.h"
 #include "base/splats/splat_columns.h"
 #include "store/clusters/clusters.h"
+#include "store/file/levels.h"
 #include "store/file/summary.h"
 
 #include <assert.h>
@@ -118,7 +119,8 @@ typedef struct stp_store_attribute_value stp_store_attribute_value; // store/fil
 typedef struct stp_store_directory {
     uint32_t node_count, edge_count, part_count, object_count, material_count, shading_count,
         texture_count, mesh_count, point_set_count, set_count, view_count, source_count,
-        method_count, attribute_count, attribute_value_count;
+        method_count, attribute_count, attribute_value_count, level_count, level_cluster_count,
+        level_group_count;
     const stp_store_node* nodes;
     const stp_store_edge* edges;
     const stp_store_part* parts;
@@ -131,9 +133,17 @@ typedef struct stp_store_directory {
     const stp_store_attribute*
         attributes; ///< statistics of point attributes; the writer computes them
     const stp_store_attribute_value* attribute_values; ///< points per class; the writer counts them
-    uint32_t root;                                     ///< STP_STORE_NONE in an empty scene
-    double unit_metres;                                ///< 0: unknown
-    char up;                                           ///< the input's up axis
+    /// Sorted by node; within a node, coarse ones first. They are the last meshes: level i is mesh
+    /// mesh_count - level_count + i. No part names one.
+    const stp_store_level* levels;
+    const stp_store_level_cluster* level_clusters; ///< level after level
+    const stp_store_level_group* level_groups;
+    /// node_count + 1: the levels of node i are [level_starts[i], level_starts[i + 1]). Made by the
+    /// reader; NULL without levels.
+    const uint32_t* level_starts;
+    uint32_t root;          ///< STP_STORE_NONE in an empty scene
+    double unit_metres;     ///< 0: unknown
+    char up;                ///< the input's up axis
     const char* build_json; ///< the parameters of the build, one JSON object
 } stp_store_directory;
 
@@ -145,6 +155,13 @@ static inline uint32_t stp_store_set_of(const stp_store_directory* directory, ui
     assert(method == 0 || method < directory->method_count);
     const uint32_t* sets = method != 0 ? directory->methods[method].sets : NULL;
     return sets != NULL ? sets[node] : directory->nodes[node].set;
+}
+
+/// Index of the first mesh that is a level; mesh_count if none is.
+static inline uint32_t stp_store_first_level_mesh(const stp_store_directory* directory)
+{
+    assert(directory->level_count <= directory->mesh_count);
+    return directory->mesh_count - directory->level_count;
 }
 
 /// Index of a method in the directory; the first method if `id` is 0 or not in the file.

@@ -43,6 +43,7 @@ struct stp_store {
     /// For each octave, then each point set: the record of its attribute block, or STP_STORE_NONE.
     /// NULL if the file has no such blocks.
     uint32_t* attribute_blocks;
+    uint32_t* level_starts; ///< of the directory; NULL: no levels
     stp_store_coloring coloring;
     bool objects_ready;
     bool only_summary; ///< opened for its summary: the graph and everything below it was not read

@@ -47,5 +47,9 @@ void stp_store_free_packed(stp_store* store);
 /// Verifies the table of page checksums itself, once.
 STP_MUST_USE stp_result stp_store_verify_page_table(stp_store* store);
 
+/// Checks the levels and fills the fields that the file does not hold. Blocks must be linked.
+/// @return STP_OK, FORMAT, OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_store_link_levels(stp_store* store);
+
 /// Frees the table of keys.
 void stp_store_free_keys(stp_store* store);

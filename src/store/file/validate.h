@@ -4,7 +4,7 @@
 // never writes what cannot be read.
 #pragma once
 
-#include "store/file/store.h"
+#include "store/file/content.h"
 
 /// Context of a validation: the file, and the result of a failed one.
 typedef struct stp_store_validator {
@@ -36,6 +36,13 @@ const char* stp_store_splat_set_fault(const stp_splats* splats);
 /// The leaves of a set, if it has any.
 STP_MUST_USE stp_result stp_store_validate_leaves(const stp_store_validator* validator,
                                                   uint32_t index, const stp_splats* splats);
+
+/// The levels: their nodes, meshes, clusters and groups. Requires a valid graph.
+STP_MUST_USE stp_result stp_store_validate_levels(const stp_store_validator* validator,
+                                                  const stp_store_content* content);
+/// What is wrong with the clusters of a level's mesh, or NULL. `levels` has one for each cluster.
+const char* stp_store_level_fault(const stp_store_level_cluster* levels,
+                                  const stp_clusters* clusters);
 
 // The bulk data.
 STP_MUST_USE stp_result stp_store_validate_mesh_data(const stp_store_validator* validator,

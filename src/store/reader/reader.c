@@ -40,6 +40,9 @@ static void fill_directory(stp_store* store)
     directory->set_count = counts[STP_SECTION_SPLAT_SETS];
     directory->view_count = counts[STP_SECTION_VIEWS];
     directory->source_count = counts[STP_SECTION_SOURCES];
+    directory->level_count = counts[STP_SECTION_LEVELS];
+    directory->level_cluster_count = counts[STP_SECTION_LEVEL_CLUSTERS];
+    directory->level_group_count = counts[STP_SECTION_LEVEL_GROUPS];
     const stp_store_section* objects = store->known[STP_SECTION_OBJECTS];
     directory->object_count = objects != NULL ? (uint32_t)objects->count : 0;
     directory->nodes = store->tables[STP_SECTION_NODES];
@@ -49,6 +52,9 @@ static void fill_directory(stp_store* store)
     directory->shadings = store->tables[STP_SECTION_SHADINGS];
     directory->views = store->tables[STP_SECTION_VIEWS];
     directory->sources = store->tables[STP_SECTION_SOURCES];
+    directory->levels = store->tables[STP_SECTION_LEVELS];
+    directory->level_clusters = store->tables[STP_SECTION_LEVEL_CLUSTERS];
+    directory->level_groups = store->tables[STP_SECTION_LEVEL_GROUPS];
 }
 
 // Validates the records of meshes, point sets and textures; splat sets are checked when octaves
@@ -85,9 +91,10 @@ static stp_result read_directory(stp_store* store)
     if (result == STP_OK) {
         result = read_summary(store, &text);
     }
-    static const uint32_t others[] = {STP_SECTION_CLUSTERS, STP_SECTION_ATTRIBUTE_BLOCKS,
-                                      STP_SECTION_CERTAINTY};
-    for (int i = 0; i < 3 && result == STP_OK; ++i) {
+    static const uint32_t others[] = {STP_SECTION_CLUSTERS,       STP_SECTION_ATTRIBUTE_BLOCKS,
+                                      STP_SECTION_CERTAINTY,      STP_SECTION_LEVELS,
+                                      STP_SECTION_LEVEL_CLUSTERS, STP_SECTION_LEVEL_GROUPS};
+    for (size_t i = 0; i < sizeof(others) / sizeof(others[0]) && result == STP_OK; ++i) {
         result = stp_store_read_table(store, others[i], &text);
     }
     if (result == STP_OK) {
@@ -113,6 +120,9 @@ static stp_result read_directory(stp_store* store)
     }
     if (result == STP_OK) {
         result = stp_store_link_blocks(store);
+    }
+    if (result == STP_OK) {
+        result = stp_store_link_levels(store);
     }
     if (result == STP_OK && !store->desc.defer_objects) {
         result = stp_store_load_objects(store);
@@ -264,6 +274,7 @@ void stp_store_close(stp_store* store)
     stp_free(context, store->methods);
     stp_free(context, store->method_sets);
     stp_free(context, store->attribute_blocks);
+    stp_free(context, store->level_starts);
     if (store->mapped) {
         store->file.size = store->mapped_bytes;
         stp_file_unmap(&store->file);

@@ -35,6 +35,9 @@ static const uint8_t section_order[] = {
     STP_SECTION_BLOCKS,
     STP_SECTION_ATTRIBUTE_BLOCKS,
     STP_SECTION_CLUSTERS,
+    STP_SECTION_LEVELS,
+    STP_SECTION_LEVEL_CLUSTERS,
+    STP_SECTION_LEVEL_GROUPS,
     STP_SECTION_TEXT,
     STP_SECTION_OBJECTS,
     STP_SECTION_OBJECT_TEXT,
@@ -406,6 +409,12 @@ static stp_result write_section(stp_store_writing* w, uint32_t type)
         return write_attribute_blocks(w);
     case STP_SECTION_COORDINATES:
         return write_coordinates(w);
+    case STP_SECTION_LEVELS:
+        return write_table(w, type, d->levels, d->level_count);
+    case STP_SECTION_LEVEL_CLUSTERS:
+        return write_table(w, type, d->level_clusters, d->level_cluster_count);
+    case STP_SECTION_LEVEL_GROUPS:
+        return write_table(w, type, d->level_groups, d->level_group_count);
     case STP_SECTION_PAGES: // reserves the space; the checksums are written when all else is
         return write_table(w, type, w->sums.crcs, (uint32_t)w->sums.count);
     default:
@@ -449,6 +458,10 @@ static bool is_wanted(const stp_store_writing* w, uint32_t type)
         return w->attribute_value_count != 0;
     case STP_SECTION_ATTRIBUTE_BLOCKS:
         return w->plan.attribute_count != 0;
+    case STP_SECTION_LEVELS:
+    case STP_SECTION_LEVEL_CLUSTERS:
+    case STP_SECTION_LEVEL_GROUPS:
+        return d->level_count != 0;
     default:
         return true;
     }
