@@ -108,11 +108,11 @@ static stp_result measure(stp_context* context, const stp_scene* scene, const ch
             stp_box_add(&box, (stp_vec3){p[0], p[1], p[2]});
         }
         double diagonal = (double)stp_length(stp_sub(box.max, box.min));
-        stp_collapse_mesh mesh = {.vertex_count = distinct.count,
-                                  .triangle_count = stp_distinct_weld(
-                                      &distinct, s.indices, (uint32_t)s.triangle_count, s.indices),
-                                  .positions = distinct.positions,
-                                  .indices = s.indices};
+        stp_level_source mesh = {.vertex_count = distinct.count,
+                                 .triangle_count = stp_distinct_weld(
+                                     &distinct, s.indices, (uint32_t)s.triangle_count, s.indices),
+                                 .positions = distinct.positions,
+                                 .indices = s.indices};
         stp_level_desc desc = stp_level_defaults(diagonal);
         double start = stp_clock_ms();
         result = diagonal > 0.0 ? stp_level_graph_make(context, &mesh, &desc, &graph) : STP_OK;

@@ -15,7 +15,7 @@ static float positions[3 * VERTICES];
 static uint32_t indices[3 * TRIANGLES];
 
 /// A closed torus of radii 1 and 0.4 with small waves.
-static stp_collapse_mesh make_torus(void)
+static stp_level_source make_torus(void)
 {
     for (uint32_t i = 0; i < AROUND; ++i) {
         for (uint32_t k = 0; k < ACROSS; ++k) {
@@ -32,10 +32,10 @@ static stp_collapse_mesh make_torus(void)
             memcpy(indices + 6 * (size_t)(i * ACROSS + k), two, sizeof(two));
         }
     }
-    return (stp_collapse_mesh){.vertex_count = VERTICES,
-                               .triangle_count = TRIANGLES,
-                               .positions = positions,
-                               .indices = indices};
+    return (stp_level_source){.vertex_count = VERTICES,
+                              .triangle_count = TRIANGLES,
+                              .positions = positions,
+                              .indices = indices};
 }
 
 static stp_level_desc describe(void)
@@ -100,7 +100,7 @@ static bool is_closed(const stp_level_graph* g, stp_vec3d eye, double per_distan
 void test_levels_have_no_cracks_in_any_mixture(test_state* test)
 {
     stp_context* context = test_context(NULL, 2, NULL);
-    stp_collapse_mesh torus = make_torus();
+    stp_level_source torus = make_torus();
     stp_level_desc desc = describe();
     stp_level_graph g;
     CHECK_EQUAL(STP_OK, stp_level_graph_make(context, &torus, &desc, &g));
@@ -124,7 +124,7 @@ void test_levels_have_no_cracks_in_any_mixture(test_state* test)
 void test_levels_nest(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
-    stp_collapse_mesh torus = make_torus();
+    stp_level_source torus = make_torus();
     stp_level_desc desc = describe();
     stp_level_graph g;
     CHECK_EQUAL(STP_OK, stp_level_graph_make(context, &torus, &desc, &g));
@@ -173,7 +173,7 @@ void test_levels_do_not_depend_on_threads(test_state* test)
 {
     stp_level_graph graphs[2];
     stp_context* contexts[2];
-    stp_collapse_mesh torus = make_torus();
+    stp_level_source torus = make_torus();
     stp_level_desc desc = describe();
     for (uint32_t i = 0; i < 2; ++i) {
         contexts[i] = test_context(NULL, 1 + 2 * i, NULL);
@@ -198,10 +198,10 @@ void test_levels_do_not_depend_on_threads(test_state* test)
 void test_levels_take_nothing_and_survive_failing_allocator(test_state* test)
 {
     stp_level_desc desc = describe();
-    stp_collapse_mesh torus = make_torus(), small = torus;
+    stp_level_source torus = make_torus(), small = torus;
     stp_level_graph g;
     stp_context* plain = test_context(NULL, 1, NULL);
-    CHECK_EQUAL(STP_OK, stp_level_graph_make(plain, &(stp_collapse_mesh){0}, &desc, &g));
+    CHECK_EQUAL(STP_OK, stp_level_graph_make(plain, &(stp_level_source){0}, &desc, &g));
     CHECK_EQUAL(0, g.cluster_count);
     stp_level_graph_destroy(plain, &g);
     stp_context_destroy(plain);

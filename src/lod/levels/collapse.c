@@ -8,8 +8,10 @@
 #include <string.h>
 
 #define NONE UINT32_MAX
-#define FARTHEST 2.0 // a place farther from the middle of an edge, in its lengths, is not used
-#define TINY 1e-24   // squares of areas below this are zero
+#define FARTHEST 2.0     // a place farther from the middle of an edge, in its lengths, is not used
+#define LOST_WEIGHT 0.25 // of the square of lost area, relative to the area around
+#define CREASE 0.5 // cosine: edges at which surfaces turn more than that are kept like borders
+#define TINY 1e-24 // squares of areas below this are zero
 
 /// An edge to be collapsed. It is out of date if a stamp of its ends has changed.
 typedef struct candidate {
@@ -159,8 +161,8 @@ static void add_triangles(collapser* c)
     }
 }
 
-/// Adds a plane through an open edge, perpendicular to its triangle. It counts in the sum alone, so
-/// that borders are kept more strictly than their error says.
+/// Adds a plane through an edge of a border, perpendicular to its triangle. It counts in the sum
+/// alone, so that borders are kept more strictly than their error says.
 static void add_border(collapser* c, uint32_t corner)
 {
     size_t triangle = corner / 3, k = corner % 3;
@@ -181,6 +183,22 @@ static void add_border(collapser* c, uint32_t corner)
     }
 }
 
+/// Whether the triangles at an edge, which begins at these corners, end there, turn sharply, change
+/// material, or are more than two.
+static bool is_border(const collapser* c, const uint32_t* corners, uint32_t count)
+{
+    const uint32_t* materials = c->mesh->materials;
+    stp_vec3d p[3], q[3];
+    if (count != 2 ||
+        (materials != NULL && materials[corners[0] / 3] != materials[corners[1] / 3])) {
+        return true;
+    }
+    get_places(c, corners[0] / 3, p);
+    get_places(c, corners[1] / 3, q);
+    stp_vec3d a = cross_of(p), b = cross_of(q);
+    return stp_dotd(a, b) < CREASE * sqrt(stp_dotd(a, a)) * sqrt(stp_dotd(b, b));
+}
+
 /// Adds the borders, then offers every edge once. @return false if memory runs out
 static bool offer_edges(collapser* c)
 {
@@ -194,8 +212,10 @@ static bool offer_edges(collapser* c)
             if (pass == 1) {
                 stp_edge_ends(c->corners, order[i], ends);
                 good = offer(c, ends[0], ends[1]);
-            } else if (end == i + 1) {
-                add_border(c, order[i]);
+            } else if (is_border(c, order + i, end - i)) {
+                for (uint32_t k = i; k < end; ++k) {
+                    add_border(c, order[k]);
+                }
             }
         }
     }
@@ -265,19 +285,28 @@ static void clean_list(collapser* c, uint32_t vertex)
     c->last[vertex] = last;
 }
 
-/// Whether triangles around `vertex` without `other` keep their direction if it moves.
-static bool keeps_directions(const collapser* c, uint32_t vertex, uint32_t other, stp_vec3d place)
+/// Whether triangles around `vertex` without `other` keep their direction if it moves. `lost`: grows
+/// by the area that they lose, and by that of triangles with both.
+static bool keeps_directions(const collapser* c, uint32_t vertex, uint32_t other, stp_vec3d place,
+                             bool counts_common, double* lost)
 {
     for (uint32_t i = c->first[vertex]; i != NONE; i = c->next[i]) {
         stp_vec3d p[3];
-        if (c->gone[i / 3] != 0 || has_corner(c, i / 3, other)) {
+        bool common = has_corner(c, i / 3, other);
+        if (c->gone[i / 3] != 0 || (common && !counts_common)) {
             continue;
         }
         get_places(c, i / 3, p);
         stp_vec3d before = cross_of(p);
+        double was = stp_dotd(before, before);
+        *lost += 0.5 * sqrt(was);
+        if (common) {
+            continue;
+        }
         p[i % 3] = place;
         stp_vec3d after = cross_of(p);
-        double was = stp_dotd(before, before), is = stp_dotd(after, after);
+        double is = stp_dotd(after, after);
+        *lost -= 0.5 * sqrt(is);
         if (!(is > TINY * was) ||
             stp_dotd(before, after) < c->desc->least_cosine * sqrt(was) * sqrt(is)) {
             return false;
@@ -336,6 +365,9 @@ static void merge(collapser* c, uint32_t a, uint32_t b, stp_vec3d place)
     }
     c->quadrics[b] = stp_plane_quadric_sum(&c->quadrics[a], &c->quadrics[b]);
     c->places[b] = place;
+    if (c->mesh->merged != NULL) {
+        c->mesh->merged[a] = b;
+    }
     c->stamps[a] += 1;
     c->stamps[b] += 1;
     c->collapses += 1;
@@ -384,7 +416,15 @@ static bool collapse_edges(collapser* c)
         if (error > limit) {
             break;
         }
-        if (!keeps_directions(c, a, b, place) || !keeps_directions(c, b, a, place)) {
+        double lost = 0.0;
+        if (!keeps_directions(c, a, b, place, true, &lost) ||
+            !keeps_directions(c, b, a, place, false, &lost)) {
+            continue;
+        }
+        // what is thinner than the error would vanish at no cost: its area is lost
+        double area = c->quadrics[a].weight + c->quadrics[b].weight;
+        error += lost > 0.0 && area > 0.0 ? LOST_WEIGHT * lost * lost / area : 0.0;
+        if (error > limit) {
             continue;
         }
         c->worst = fmax(c->worst, error);
@@ -394,6 +434,22 @@ static bool collapse_edges(collapser* c)
         }
     }
     return true;
+}
+
+/// Follows each vertex to the one that is left.
+static void follow_merges(uint32_t* merged, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t end = i;
+        while (merged[end] != end) {
+            end = merged[end];
+        }
+        for (uint32_t at = i; merged[at] != end;) {
+            uint32_t next = merged[at];
+            merged[at] = end;
+            at = next;
+        }
+    }
 }
 
 static void store(collapser* c)
@@ -457,6 +513,9 @@ stp_result stp_collapse(stp_context* context, stp_collapse_mesh* mesh,
     assert(desc->border_weight >= 0.0 && desc->least_cosine <= 1.0 && desc->error_limit >= 0.0);
     assert(mesh->triangle_count <= UINT32_MAX / 3);
     *error = 0.0;
+    for (uint32_t i = 0; mesh->merged != NULL && i < mesh->vertex_count; ++i) {
+        mesh->merged[i] = i;
+    }
     if (mesh->triangle_count == 0) {
         return STP_OK;
     }
@@ -469,6 +528,9 @@ stp_result stp_collapse(stp_context* context, stp_collapse_mesh* mesh,
     }
     if (good) {
         store(&c);
+        if (mesh->merged != NULL) {
+            follow_merges(mesh->merged, mesh->vertex_count);
+        }
         *error = sqrt(c.worst);
     }
     release(&c);

@@ -8,6 +8,7 @@
 // Differences from the paper:
 //   * Topology may change: surfaces may touch in a vertex or an edge, so that parts with cracks and
 //     open borders, of which CAD data is full, are simplified as far as closed ones.
+//   * Borders between materials are kept like open ones.
 //   * Chosen vertices are locked: their places stay, so that meshes that share them still meet.
 //   * No collapse turns a triangle by more than a limit.
 #pragma once
@@ -20,10 +21,13 @@ enum { STP_COLLAPSE_FAN = 192 };
 /// Triangles of distinct corners. The caller owns all arrays.
 typedef struct stp_collapse_mesh {
     uint32_t vertex_count, triangle_count; ///< the latter falls
-    float* positions;      ///< 3 per vertex, finite; those of vertices that are left may move
-    uint32_t* indices;     ///< 3 per triangle; those left are moved to the front, in their order
-    uint32_t* tags;        ///< NULL, or one number per triangle, which is moved along
+    float* positions;  ///< 3 per vertex, finite; those of vertices that are left may move
+    uint32_t* indices; ///< 3 per triangle; those left are moved to the front, in their order
+    uint32_t* tags;    ///< NULL, or one number per triangle, which is moved along
+    /// NULL, or the material of each triangle, not moved along: edges between materials are borders
+    const uint32_t* materials;
     const uint8_t* locked; ///< NULL, or one per vertex: not 0 if it must stay and keep its place
+    uint32_t* merged;      ///< NULL, or one per vertex: receives the vertex that stands for it
 } stp_collapse_mesh;
 
 /// When to stop, and what to forbid.
@@ -33,9 +37,9 @@ typedef struct stp_collapse_desc {
     /// Stops before a collapse with a larger error: the root of the mean squared distance to the
     /// planes. In units of the positions; HUGE_VAL: no limit
     double error_limit;
-    /// Weight of planes through open edges, perpendicular to their triangles, which keep borders
-    /// in place; relative to the squared length of the edge, or to twice the triangle's area if that
-    /// is larger. 0: borders are free
+    /// Weight of planes through open edges and edges between materials, perpendicular to their
+    /// triangles, which keep borders in place; relative to the squared length of the edge, or to
+    /// twice the triangle's area if that is larger. 0: borders are free
     double border_weight;
     /// Least cosine of the angle by which a collapse may turn a triangle, -1 to 1
     double least_cosine;

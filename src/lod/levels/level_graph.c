@@ -1,32 +1,44 @@
 // SPDX-License-Identifier: MIT
 #include "lod/levels/level_graph.h"
 
-#include "base/core/sort.h"
+#include "capture/seen_sides.h"
 #include "lod/levels/patches.h"
+#include "lod/levels/simplify_group.h"
 
 #include <assert.h>
 #include <string.h>
 
-enum { LEVELS_MAX = 64 };
+enum {
+    LEVELS_MAX = 64,
+    HOPELESS_LEVEL = 3,
+    VIEWS = 96, ///< from which hidden triangles are looked for
+    VIEW_PIXELS_MOST = 256,
+};
+
+#define BOTH_SIDES (STP_SEEN_FRONT | STP_SEEN_BACK)
+#define FIRST_SHARE 4      // the first level may have one triangle for so many
+#define HIDES_BELOW 0.5    // share of the triangles that is left when hidden ones are looked for,
+#define HIDES_FROM_LEVEL 3 // or the level
+#define HOPELESS 0.8       // share of the triangles that is drawn in spite of the first levels
+#define HIDDEN_SHARE 0.25  // sides that must be hidden, so that it pays
 
 /// A group on its way to fewer triangles.
 typedef struct group_task {
     uint32_t begin, end; ///< range of `order`
-    uint32_t triangle_count;
-    uint32_t* indices;  ///< owned: 3 per triangle, of `vertices`
-    uint32_t* tags;     ///< owned
-    uint32_t* vertices; ///< owned: number in the graph of each vertex, or STP_LEVEL_NONE: it moved
-    float* positions;   ///< owned: 3 per vertex
-    uint32_t vertex_count;
-    double error;
-    bool kept; ///< it has too many triangles left: its clusters wait
+    stp_group_mesh mesh;
+    uint32_t before; ///< triangles before
+    double error;    ///< of its collapses
+    double look;     ///< of the change of colours and normals, as an error
+    bool kept;       ///< it has too many triangles left: its clusters wait
 } group_task;
 
 typedef struct maker {
     stp_context* context;
+    const stp_level_source* source;
     const stp_level_desc* desc;
     stp_level_graph* graph;
     uint32_t level;
+    bool hidden;       ///< hidden triangles were looked for
     double limit;      ///< error of a collapse at this level
     uint32_t* current; ///< clusters to be grouped
     uint32_t current_count;
@@ -43,12 +55,16 @@ typedef struct maker {
 
 stp_level_desc stp_level_defaults(double diagonal)
 {
-    return (stp_level_desc){.first_error = diagonal / 4096.0,
-                            .growth = 1.6,
+    return (stp_level_desc){.first_error = diagonal / 1500.0,
+                            .growth = 1.8,
                             .last_error = diagonal / 8.0,
                             .most_kept = 0.85,
                             .border_weight = 0.3,
-                            .least_cosine = 0.2};
+                            .least_cosine = 0.2,
+                            .color_weight = 1.0,
+                            .normal_weight = 0.1,
+                            .useful_error = diagonal / 48.0,
+                            .hides = true};
 }
 
 static stp_vec3d vertex_of(const float* positions, uint32_t vertex)
@@ -117,20 +133,41 @@ static stp_result make_room(maker* m, uint64_t vertices, uint64_t triangles, uin
                         "the levels of a mesh have %llu triangles, expected at most %d",
                         (unsigned long long)triangles, INT32_MAX / 3);
     }
-    bool good = stp_make_room(m->context, &g->positions, &g->vertex_capacity, (size_t)vertices,
-                              3 * sizeof(float)) &&
-                stp_make_room(m->context, &g->indices, &g->triangle_capacity, (size_t)triangles,
-                              3 * sizeof(uint32_t)) &&
-                STP_MAKE_ROOM(m->context, g->tags, g->tag_capacity, (size_t)triangles) &&
-                STP_MAKE_ROOM(m->context, g->clusters, g->cluster_capacity, (size_t)clusters);
+    bool good =
+        stp_make_room(m->context, &g->positions, &g->vertex_capacity, (size_t)vertices,
+                      3 * sizeof(float)) &&
+        stp_make_room(m->context, &g->indices, &g->triangle_capacity, (size_t)triangles,
+                      3 * sizeof(uint32_t)) &&
+        STP_MAKE_ROOM(m->context, g->tags, g->tag_capacity, (size_t)triangles) &&
+        STP_MAKE_ROOM(m->context, g->sides, g->side_capacity, (size_t)triangles) &&
+        stp_make_room(m->context, &g->spreads, &g->spread_capacity, (size_t)triangles,
+                      2 * sizeof(float)) &&
+        (m->source->colors == NULL || stp_make_room(m->context, &g->colors, &g->color_capacity,
+                                                    (size_t)triangles, 9 * sizeof(float))) &&
+        STP_MAKE_ROOM(m->context, g->clusters, g->cluster_capacity, (size_t)clusters);
     return good ? STP_OK : stp_fail_memory(m->context);
 }
 
+/// Appends triangle `t` of a mesh, for which there is room.
+static void add_triangle(stp_level_graph* g, const stp_group_mesh* from, uint32_t t)
+{
+    size_t to = g->triangle_count++;
+    memcpy(g->indices + 3 * to, from->indices + 3 * (size_t)t, 3 * sizeof(*g->indices));
+    g->tags[to] = from->tags != NULL ? from->tags[t] : t;
+    g->sides[to] = from->sides != NULL ? from->sides[t] : BOTH_SIDES;
+    for (size_t k = 0; k < 2; ++k) {
+        g->spreads[2 * to + k] = from->spreads != NULL ? from->spreads[2 * (size_t)t + k] : 0.0f;
+    }
+    if (g->colors != NULL) {
+        memcpy(g->colors + 9 * to, from->colors + 9 * (size_t)t, 9 * sizeof(*g->colors));
+    }
+}
+
 /// Appends triangles of the graph's vertices as clusters of neighbours, and lists these in `next`.
-static stp_result add_clusters(maker* m, const uint32_t* indices, const uint32_t* tags,
-                               uint32_t count, uint32_t made_by)
+static stp_result add_clusters(maker* m, const stp_group_mesh* from, uint32_t made_by)
 {
     stp_level_graph* g = m->graph;
+    const uint32_t *indices = from->indices, count = from->triangle_count;
     division d;
     stp_result result = create_division(m->context, count, count, &d);
     for (uint32_t t = 0; t < count && result == STP_OK; ++t) {
@@ -156,10 +193,7 @@ static stp_result add_clusters(maker* m, const uint32_t* indices, const uint32_t
                                                             .used_by = STP_LEVEL_NONE};
         m->next[m->next_count++] = g->cluster_count++;
         for (; t < d.ends[r]; ++t) {
-            uint32_t from = d.members[t];
-            memcpy(g->indices + 3 * (size_t)g->triangle_count, indices + 3 * (size_t)from,
-                   3 * sizeof(*indices));
-            g->tags[g->triangle_count++] = tags != NULL ? tags[from] : from;
+            add_triangle(g, from, d.members[t]);
         }
     }
     destroy_division(m->context, &d);
@@ -241,97 +275,73 @@ static stp_result find_owners(maker* m)
     return STP_OK;
 }
 
-/// Numbers the vertices of a group from 0, ascending. `corners`: graph vertices in, own numbers out.
-static stp_result number_vertices(stp_context* context, uint32_t* corners, uint32_t count,
-                                  uint32_t** vertices, uint32_t* vertex_count)
+/// Whether a triangle can be seen, or nobody knows.
+static bool is_shown(const stp_level_graph* g, uint32_t triangle)
 {
-    uint64_t* items = STP_NEW_ARRAY(context, uint64_t, (size_t)count + 1);
-    uint64_t* scratch = STP_NEW_ARRAY(context, uint64_t, (size_t)count + 1);
-    *vertices = STP_NEW_ARRAY(context, uint32_t, (size_t)count + 1);
-    *vertex_count = 0;
-    bool good = items != NULL && scratch != NULL && *vertices != NULL;
-    if (good) {
-        for (uint32_t i = 0; i < count; ++i) {
-            items[i] = (uint64_t)corners[i] << 32 | i;
-        }
-        const uint64_t* sorted = stp_sort_u64(items, scratch, count, 32, 32);
-        for (uint32_t i = 0; i < count; ++i) {
-            uint32_t vertex = (uint32_t)(sorted[i] >> 32);
-            if (i == 0 || (*vertices)[*vertex_count - 1] != vertex) {
-                (*vertices)[(*vertex_count)++] = vertex;
-            }
-            corners[(uint32_t)sorted[i]] = *vertex_count - 1;
-        }
-    }
-    stp_free(context, items);
-    stp_free(context, scratch);
-    return good ? STP_OK : stp_fail_memory(context);
+    return g->sides[triangle] != 0;
 }
 
-/// Copies the triangles of a group.
-static stp_result gather(const maker* m, group_task* task)
+/// Copies the visible triangles of a group.
+static stp_result gather(const maker* m, group_task* task, uint32_t number)
 {
     const stp_level_graph* g = m->graph;
-    for (uint32_t i = task->begin; i < task->end; ++i) {
-        task->triangle_count += g->clusters[m->order[i]].triangle_count;
-    }
-    size_t corners = 3 * (size_t)task->triangle_count;
-    task->indices = STP_NEW_ARRAY(m->context, uint32_t, corners + 1);
-    task->tags = STP_NEW_ARRAY(m->context, uint32_t, (size_t)task->triangle_count + 1);
-    if (task->indices == NULL || task->tags == NULL) {
-        return stp_fail_memory(m->context);
-    }
-    size_t next = 0;
+    stp_group_mesh* to = &task->mesh;
+    uint32_t count = 0;
     for (uint32_t i = task->begin; i < task->end; ++i) {
         const stp_level_cluster* c = &g->clusters[m->order[i]];
-        memcpy(task->indices + 3 * next, g->indices + 3 * (size_t)c->first_triangle,
-               3 * sizeof(*g->indices) * c->triangle_count);
-        memcpy(task->tags + next, g->tags + c->first_triangle,
-               sizeof(*g->tags) * c->triangle_count);
-        next += c->triangle_count;
+        task->before += c->triangle_count;
+        for (uint32_t t = c->first_triangle; t < c->first_triangle + c->triangle_count; ++t) {
+            count += is_shown(g, t) ? 1 : 0;
+        }
     }
-    return number_vertices(m->context, task->indices, (uint32_t)corners, &task->vertices,
-                           &task->vertex_count);
+    stp_result result = stp_group_create(m->context, count, g->colors != NULL, to);
+    size_t next = 0;
+    for (uint32_t i = task->begin; i < task->end && result == STP_OK; ++i) {
+        const stp_level_cluster* c = &g->clusters[m->order[i]];
+        for (uint32_t t = c->first_triangle; t < c->first_triangle + c->triangle_count; ++t) {
+            if (!is_shown(g, t)) {
+                continue;
+            }
+            memcpy(to->indices + 3 * next, g->indices + 3 * (size_t)t, 3 * sizeof(*g->indices));
+            to->tags[next] = g->tags[t];
+            to->sides[next] = g->sides[t];
+            memcpy(to->spreads + 2 * next, g->spreads + 2 * (size_t)t, 2 * sizeof(float));
+            if (g->colors != NULL) {
+                memcpy(to->colors + 9 * next, g->colors + 9 * (size_t)t, 9 * sizeof(float));
+            }
+            next += 1;
+        }
+    }
+    to->keeps_tags = m->source->tags != NULL;
+    result = result == STP_OK ? stp_group_number(m->context, to) : result;
+    for (uint32_t i = 0; i < to->vertex_count && result == STP_OK; ++i) {
+        uint32_t vertex = to->vertices[i];
+        bool fixed = m->source->locked != NULL && vertex < m->source->vertex_count &&
+                     m->source->locked[vertex] != 0;
+        to->locked[i] = fixed || m->owners[vertex] != number;
+        memcpy(to->positions + 3 * (size_t)i, g->positions + 3 * (size_t)vertex, 3 * sizeof(float));
+    }
+    return result;
 }
 
 static stp_result simplify_group(const maker* m, group_task* task, uint32_t number)
 {
-    stp_result result = gather(m, task);
+    stp_result result = gather(m, task, number);
     if (result != STP_OK) {
         return result;
     }
-    const stp_level_graph* g = m->graph;
-    uint32_t before = task->triangle_count;
-    uint8_t* locked = STP_NEW_ARRAY(m->context, uint8_t, (size_t)task->vertex_count + 1);
-    task->positions = STP_NEW_ARRAY(m->context, float, 3 * (size_t)task->vertex_count + 1);
-    if (locked == NULL || task->positions == NULL) {
-        stp_free(m->context, locked);
-        return stp_fail_memory(m->context);
+    uint32_t target = task->mesh.triangle_count / (m->level == 1 ? FIRST_SHARE : 2);
+    const stp_collapse_desc desc = {.triangle_target = target > 0 ? target : 1,
+                                    .error_limit = m->limit,
+                                    .border_weight = m->desc->border_weight,
+                                    .least_cosine = m->desc->least_cosine};
+    double spreads[2], size;
+    result = stp_group_simplify(m->context, &desc, &task->mesh, &task->error, spreads, &size);
+    if (result == STP_OK) {
+        task->look = size * (m->desc->color_weight * sqrt(spreads[0]) +
+                             m->desc->normal_weight * sqrt(spreads[1]));
     }
-    for (uint32_t i = 0; i < task->vertex_count; ++i) {
-        locked[i] = m->owners[task->vertices[i]] != number;
-        memcpy(task->positions + 3 * (size_t)i, g->positions + 3 * (size_t)task->vertices[i],
-               3 * sizeof(float));
-    }
-    stp_collapse_mesh mesh = {.vertex_count = task->vertex_count,
-                              .triangle_count = before,
-                              .positions = task->positions,
-                              .indices = task->indices,
-                              .tags = task->tags,
-                              .locked = locked};
-    stp_collapse_desc desc = {.triangle_target = before / 2 > 0 ? before / 2 : 1,
-                              .error_limit = m->limit,
-                              .border_weight = m->desc->border_weight,
-                              .least_cosine = m->desc->least_cosine};
-    result = stp_collapse(m->context, &mesh, &desc, &task->error);
-    stp_free(m->context, locked);
-    task->triangle_count = mesh.triangle_count;
-    task->kept = (double)mesh.triangle_count > m->desc->most_kept * (double)before;
-    for (uint32_t i = 0; i < task->vertex_count && result == STP_OK; ++i) {
-        bool moved = memcmp(task->positions + 3 * (size_t)i,
-                            g->positions + 3 * (size_t)task->vertices[i], 3 * sizeof(float)) != 0;
-        task->vertices[i] = moved ? STP_LEVEL_NONE : task->vertices[i];
-    }
+    task->kept = (double)task->mesh.triangle_count > m->desc->most_kept * (double)task->before;
     return result;
 }
 
@@ -364,7 +374,8 @@ static void enclose(const maker* m, const group_task* task, stp_level_group* gro
             const stp_level_group* below = &g->groups[made_by];
             double reach = stp_lengthd(stp_subd(below->center, group->center)) + below->radius;
             group->radius = fmax(group->radius, reach * (1.0 + 1e-12));
-            group->error = fmax(group->error, below->error);
+            group->moved = fmax(group->moved, below->moved);
+            group->look = fmax(group->look, below->look);
         }
     }
 }
@@ -375,32 +386,35 @@ static stp_result add_group(maker* m, group_task* task)
     stp_level_graph* g = m->graph;
     stp_level_group group = {.level = m->level};
     enclose(m, task, &group);
-    // errors of collapses add up; the sum also ascends along every path
-    group.error = group.error * (1.0 + 1e-9) + fmax(task->error, 1e-3 * m->limit);
+    // errors of collapses add up; so all ascend along every path
+    group.moved = group.moved * (1.0 + 1e-9) + fmax(task->error, 1e-3 * m->limit);
+    group.look = fmax(group.look, task->look);
+    group.error = group.moved + group.look;
     if (!STP_MAKE_ROOM(m->context, g->groups, g->group_capacity, (size_t)g->group_count + 1)) {
         return stp_fail_memory(m->context);
     }
+    stp_group_mesh* mesh = &task->mesh;
     stp_result result =
-        make_room(m, (uint64_t)g->vertex_count + task->vertex_count,
-                  (uint64_t)g->triangle_count + task->triangle_count, g->cluster_count);
+        make_room(m, (uint64_t)g->vertex_count + mesh->vertex_count,
+                  (uint64_t)g->triangle_count + mesh->triangle_count, g->cluster_count);
     if (result != STP_OK) {
         return result;
     }
-    for (size_t i = 0; i < 3 * (size_t)task->triangle_count; ++i) {
-        uint32_t* vertex = &task->vertices[task->indices[i]];
-        if (*vertex == STP_LEVEL_NONE) {
+    for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; ++i) {
+        uint32_t* vertex = &mesh->vertices[mesh->indices[i]];
+        if (*vertex == UINT32_MAX) {
             memcpy(g->positions + 3 * (size_t)g->vertex_count,
-                   task->positions + 3 * (size_t)task->indices[i], 3 * sizeof(float));
+                   mesh->positions + 3 * (size_t)mesh->indices[i], 3 * sizeof(float));
             *vertex = g->vertex_count++;
         }
-        task->indices[i] = *vertex;
+        mesh->indices[i] = *vertex;
     }
     uint32_t number = g->group_count++;
     g->groups[number] = group;
     for (uint32_t i = task->begin; i < task->end; ++i) {
         g->clusters[m->order[i]].used_by = number;
     }
-    return add_clusters(m, task->indices, task->tags, task->triangle_count, number);
+    return add_clusters(m, mesh, number);
 }
 
 /// Puts the clusters of a group off to the next level.
@@ -418,10 +432,7 @@ static stp_result wait_for_next(maker* m, const group_task* task)
 static void end_level(maker* m)
 {
     for (uint32_t t = 0; t < m->task_count && m->tasks != NULL; ++t) {
-        stp_free(m->context, m->tasks[t].indices);
-        stp_free(m->context, m->tasks[t].tags);
-        stp_free(m->context, m->tasks[t].vertices);
-        stp_free(m->context, m->tasks[t].positions);
+        stp_group_destroy(m->context, &m->tasks[t].mesh);
     }
     stp_free(m->context, m->tasks);
     stp_free(m->context, m->results);
@@ -459,25 +470,109 @@ static stp_result make_level(maker* m)
     return result;
 }
 
-stp_result stp_level_graph_make(stp_context* context, const stp_collapse_mesh* mesh,
+/// Pixels of a picture in which triangles are looked for: some for each.
+static uint32_t choose_pixels(uint32_t triangles)
+{
+    uint32_t pixels = (uint32_t)(4.0 * sqrt((double)triangles));
+    return pixels < VIEW_PIXELS_MOST ? pixels + 1 : VIEW_PIXELS_MOST;
+}
+
+/// Looks for triangles that cannot be seen from outside, among those that are left.
+static stp_result hide(maker* m)
+{
+    stp_level_graph* g = m->graph;
+    uint32_t count = 0, hidden = 0;
+    for (uint32_t i = 0; i < m->next_count; ++i) {
+        count += g->clusters[m->next[i]].triangle_count;
+    }
+    m->hidden = true;
+    uint32_t* indices = STP_NEW_ARRAY(m->context, uint32_t, 3 * (size_t)count + 1);
+    uint8_t* sides = STP_NEW_ZEROED(m->context, uint8_t, (size_t)count + 1);
+    stp_result result = indices != NULL && sides != NULL ? STP_OK : stp_fail_memory(m->context);
+    for (uint32_t i = 0, at = 0; i < m->next_count && result == STP_OK; ++i) {
+        const stp_level_cluster* c = &g->clusters[m->next[i]];
+        memcpy(indices + 3 * (size_t)at, g->indices + 3 * (size_t)c->first_triangle,
+               3 * sizeof(*indices) * c->triangle_count);
+        at += c->triangle_count;
+    }
+    if (result == STP_OK) {
+        result = stp_find_seen_sides(m->context, g->positions, g->vertex_count, indices, count,
+                                     &(stp_seen_desc){VIEWS, choose_pixels(count)}, sides);
+    }
+    for (uint32_t i = 0; i < count && result == STP_OK; ++i) {
+        hidden += (sides[i] & STP_SEEN_FRONT) == 0 ? 1 : 0;
+        hidden += (sides[i] & STP_SEEN_BACK) == 0 ? 1 : 0;
+    }
+    g->from_outside = (double)hidden > HIDDEN_SHARE * 2.0 * (double)count;
+    for (uint32_t i = 0, at = 0; i < m->next_count && result == STP_OK && g->from_outside; ++i) {
+        const stp_level_cluster* c = &g->clusters[m->next[i]];
+        memcpy(g->sides + c->first_triangle, sides + at, c->triangle_count);
+        at += c->triangle_count;
+    }
+    for (uint32_t i = 0; i < g->group_count; ++i) {
+        g->outside_error = fmax(g->outside_error, g->groups[i].error);
+    }
+    stp_free(m->context, sides);
+    stp_free(m->context, indices);
+    return result;
+}
+
+/// Whether the levels so far do so little that more are not worth it.
+static bool is_hopeless(const maker* m)
+{
+    const stp_level_graph* g = m->graph;
+    uint64_t drawn = 0;
+    for (uint32_t i = 0; i < g->cluster_count; ++i) {
+        bool is = stp_level_is_drawn(g, i, m->desc->useful_error, m->desc->useful_error);
+        drawn += is ? g->clusters[i].triangle_count : 0;
+    }
+    return (double)drawn > HOPELESS * (double)m->source->triangle_count;
+}
+
+/// Whether it is time to look for hidden triangles.
+static bool should_hide(const maker* m)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < m->next_count; ++i) {
+        count += m->graph->clusters[m->next[i]].triangle_count;
+    }
+    return m->desc->hides && !m->hidden && count > 0 &&
+           (m->level >= HIDES_FROM_LEVEL ||
+            (double)count <= HIDES_BELOW * (double)m->source->triangle_count);
+}
+
+stp_result stp_level_graph_make(stp_context* context, const stp_level_source* source,
                                 const stp_level_desc* desc, stp_level_graph* graph)
 {
-    maker m = {.context = context, .desc = desc, .graph = graph};
+    maker m = {.context = context, .source = source, .desc = desc, .graph = graph};
     assert(desc->first_error > 0.0 && desc->growth > 1.0 && desc->most_kept < 1.0);
     *graph = (stp_level_graph){0};
-    stp_result result = make_room(&m, mesh->vertex_count, mesh->triangle_count, 0);
-    if (result == STP_OK && mesh->vertex_count > 0) {
-        memcpy(graph->positions, mesh->positions, 3 * sizeof(float) * (size_t)mesh->vertex_count);
+    stp_result result = make_room(&m, source->vertex_count, source->triangle_count, 0);
+    if (result == STP_OK && source->vertex_count > 0) {
+        memcpy(graph->positions, source->positions,
+               3 * sizeof(float) * (size_t)source->vertex_count);
     }
-    graph->vertex_count = result == STP_OK ? mesh->vertex_count : 0;
+    graph->vertex_count = result == STP_OK ? source->vertex_count : 0;
     if (result == STP_OK) {
-        result = add_clusters(&m, mesh->indices, mesh->tags, mesh->triangle_count, STP_LEVEL_NONE);
+        // read only: the arrays of a group are its own
+        const stp_group_mesh all = {.triangle_count = source->triangle_count,
+                                    .indices = (uint32_t*)(uintptr_t)source->indices,
+                                    .tags = (uint32_t*)(uintptr_t)source->tags,
+                                    .colors = (float*)(uintptr_t)source->colors,
+                                    .spreads = (float*)(uintptr_t)source->spreads};
+        result = add_clusters(&m, &all, STP_LEVEL_NONE);
     }
     m.limit = desc->first_error;
     for (m.level = 1; m.level < LEVELS_MAX && m.limit <= desc->last_error && m.next_count > 0 &&
                       result == STP_OK;
          ++m.level) {
         result = make_level(&m);
+        if (result == STP_OK && m.level == HOPELESS_LEVEL && is_hopeless(&m)) {
+            break;
+        }
+        if (result == STP_OK && should_hide(&m)) {
+            result = hide(&m);
+        }
         m.limit *= desc->growth;
     }
     stp_free(context, m.current);
@@ -490,6 +585,9 @@ void stp_level_graph_destroy(stp_context* context, stp_level_graph* graph)
     stp_free(context, graph->positions);
     stp_free(context, graph->indices);
     stp_free(context, graph->tags);
+    stp_free(context, graph->sides);
+    stp_free(context, graph->colors);
+    stp_free(context, graph->spreads);
     stp_free(context, graph->clusters);
     stp_free(context, graph->groups);
     *graph = (stp_level_graph){0};
