@@ -106,7 +106,8 @@ static int print_model(stp_context* context, const char* path)
         return code;
     }
     result = result == STP_OK ? stp_build_census(scene, &census) : result;
-    result = result == STP_OK ? stp_build_content_create(scene, NULL, 0, NULL, &content) : result;
+    result =
+        result == STP_OK ? stp_build_content_create(scene, NULL, 0, NULL, NULL, &content) : result;
     int code = 1;
     if (result == STP_OK) {
         scene_figures figures;

@@ -2,6 +2,7 @@
 #include "builder/build_scene.h"
 
 #include "base/core/clock.h"
+#include "builder/build_levels.h"
 #include "builder/draft.h"
 #include "builder/meshes.h"
 #include "builder/method_sets.h"
@@ -19,7 +20,7 @@
 
 #define SAMPLE_POINTS 1000000u // points of a scan that are shown before it is read
 
-enum { STAGES = 6 };
+enum { STAGES = 7 };
 
 // Everything that a build creates, in order of creation.
 typedef struct build {
@@ -34,9 +35,11 @@ typedef struct build {
     stp_scene* scene;
     stp_shading_set shadings;
     stp_store_census census;
+    bool splats_wanted;
     stp_build_plan plan;
     stp_build_nodes nodes;
     stp_build_meshes meshes;
+    stp_build_levels levels;
     stp_build_methods methods;
     stp_build_content content;
     stp_stage stages[STAGES];
@@ -203,11 +206,12 @@ static void report_splat_sets(build* b, double seconds)
     b->report->sets_found = nodes->found;
 }
 
-static uint64_t choose_threshold(const build* b)
+static uint64_t choose_threshold(build* b)
 {
     const stp_build_desc* desc = b->desc;
     bool wanted =
         desc->wants_splats == NULL || desc->wants_splats(b->scene, desc->wants_splats_user);
+    b->splats_wanted = wanted;
     return !wanted                ? STP_BUILD_NO_SPLATS
            : desc->threshold != 0 ? desc->threshold
                                   : STP_BUILD_DEFAULT_THRESHOLD;
@@ -316,6 +320,35 @@ static stp_result code_meshes(build* b)
     return result;
 }
 
+/// Whether the file holds the method that is drawn with levels.
+static bool has_blue(const stp_build_desc* desc)
+{
+    bool has = desc->method_count == 0;
+    for (uint32_t i = 0; i < desc->method_count; ++i) {
+        has = has || desc->methods[i] == &stp_methods[0];
+    }
+    return has;
+}
+
+static stp_result make_levels(build* b)
+{
+    double start = stp_clock_ms();
+    uint64_t usable = usable_bytes(b), used = stp_context_live_bytes(b->context) + RESERVE_BYTES;
+    if (!b->splats_wanted || b->desc->no_levels || !has_blue(b->desc)) {
+        return STP_OK;
+    }
+    stp_build_levels_desc levels = {
+        .shading_of_material = b->shadings.of_material,
+        .shadings = b->shadings.shadings,
+        .memory_bytes = usable > used + MIN_BUDGET ? usable - used : MIN_BUDGET,
+        .work = b->work,
+    };
+    stp_result result = stp_build_levels_make(b->scene, &levels, &b->levels);
+    stp_work_release_pages(b->work);
+    b->report->levels_s = (stp_clock_ms() - start) * 1e-3;
+    return result;
+}
+
 static void release_pages(void* user)
 {
     const build* b = user;
@@ -335,12 +368,11 @@ static stp_result make_content(build* b)
 {
     assert(b->methods.set_count == b->methods.method_count * b->plan.step_count);
     stp_result result = stp_build_content_create(b->scene, b->methods.sets, b->methods.set_count,
-                                                 b->plan.step_of, &b->content);
+                                                 b->plan.step_of, &b->levels, &b->content);
     if (result == STP_OK) {
         stp_store_content* content = &b->content.content;
         content->census = &b->census;
-        content->coded_meshes = b->meshes.coded;
-        content->mesh_keys = b->meshes.keys;
+        result = stp_build_content_add_meshes(&b->content, b->scene, &b->meshes, &b->levels);
         content->set_keys = b->methods.keys;
         content->directory.methods = b->methods.methods;
         content->directory.method_count = b->methods.method_count;
@@ -350,7 +382,8 @@ static stp_result make_content(build* b)
         content->directory.shadings = b->shadings.shadings;
         content->directory.shading_count = b->shadings.count;
         content->directory.build_json = b->desc->parameters_json;
-        result = stp_build_note_certainty(b->scene, content, &b->methods);
+        result =
+            result == STP_OK ? stp_build_note_certainty(b->scene, content, &b->methods) : result;
     }
     return result;
 }
@@ -380,6 +413,7 @@ static bool close_build(build* b, bool written)
     stp_build_content_destroy(&b->content);
     stp_build_methods_destroy(b->context, &b->methods);
     stp_build_meshes_destroy(b->context, &b->meshes);
+    stp_build_levels_destroy(b->context, &b->levels);
     stp_build_nodes_destroy(b->context, &b->nodes);
     stp_build_plan_destroy(b->context, &b->plan);
     stp_store_census_destroy(b->context, &b->census);
@@ -399,6 +433,7 @@ static stp_result make_parts(build* b)
     if (b->draft == NULL) {
         result = result == STP_OK ? make_splat_sets(b) : result;
         result = result == STP_OK ? make_methods(b) : result;
+        result = result == STP_OK ? make_levels(b) : result;
         return result == STP_OK ? code_meshes(b) : result;
     }
     result = result == STP_OK ? code_meshes(b) : result;
@@ -406,7 +441,8 @@ static stp_result make_parts(build* b)
         stp_build_draft_write(b->draft);
     }
     result = result == STP_OK ? make_splat_sets(b) : result;
-    return result == STP_OK ? make_methods(b) : result;
+    result = result == STP_OK ? make_methods(b) : result;
+    return result == STP_OK ? make_levels(b) : result;
 }
 
 // Whether sets of methods other than `blue` are derived from its samples.
@@ -425,7 +461,8 @@ static void plan_stages(build* b)
     stp_stage* stages = b->stages;
     static const stp_stage import = {"import", 5.0}, partition = {"partition", 3.0},
                            splats = {"surfels", 80.0}, methods = {"methods", 8.0},
-                           clusters = {"clusters", 6.0}, write = {"write", 6.0};
+                           levels = {"levels", 30.0}, clusters = {"clusters", 6.0},
+                           write = {"write", 6.0};
     size_t count = 0;
     stages[count++] = import;
     stages[count++] = partition;
@@ -435,6 +472,9 @@ static void plan_stages(build* b)
     stages[count++] = splats;
     if (derives_sets(desc)) {
         stages[count++] = methods;
+    }
+    if (has_blue(desc) && !desc->no_levels) {
+        stages[count++] = levels;
     }
     if (desc->draft == NULL) {
         stages[count++] = clusters;

@@ -32,6 +32,7 @@ typedef struct stp_build_desc {
     /// only the original triangles and points. NULL: it does.
     bool (*wants_splats)(const stp_scene* scene, void* user);
     void* wants_splats_user;
+    bool no_levels;      ///< no levels of triangles (lod/levels/node_levels.h)
     bool from_triangles; ///< upper nodes capture triangles, not their children's splats (3.4)
     bool fresh;          ///< ignores results of previous builds
     /// Limit on the context's memory; 0: the context's own. Nodes in progress use most of it.
@@ -56,6 +57,7 @@ typedef struct stp_build_report {
     double import_s, partition_s, clusters_s, write_s, total_s;
     double capture_s, order_s, finish_s; ///< shares of the time for splats chosen from candidates
     double splat_thread_s;               ///< sum of these over all threads
+    double levels_s;                     ///< for levels of triangles
     double methods_s;                    ///< for sets of methods other than `blue`
     uint64_t candidates;
     // Made by this build, or found in an older work folder or output.

@@ -303,7 +303,7 @@ static stp_result make(draft_work* w, stp_build_content* content)
         return stp_fail_memory(w->context);
     }
     stp_result result =
-        stp_build_content_create(&w->seen, s->sets, s->set_count, s->set_of_node, content);
+        stp_build_content_create(&w->seen, s->sets, s->set_count, s->set_of_node, NULL, content);
     if (result == STP_OK) {
         result = fill_content(w, content);
         if (result != STP_OK) {

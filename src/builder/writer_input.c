@@ -41,9 +41,11 @@ static const int16_t* convert_normals(stp_build_content* c, const float* normals
 }
 
 // Triangles of these meshes are written as clusters (builder/meshes.h), with their own normals.
-static bool convert_meshes(stp_build_content* c, const stp_scene* scene)
+static bool convert_meshes(stp_build_content* c, const stp_scene* scene,
+                           const stp_build_levels* levels)
 {
-    stp_store_mesh* meshes = STP_ARENA_ARRAY(&c->arena, stp_store_mesh, scene->mesh_count);
+    stp_store_mesh* meshes =
+        STP_ARENA_ARRAY(&c->arena, stp_store_mesh, scene->mesh_count + levels->level_count);
     for (size_t i = 0; meshes != NULL && i < scene->mesh_count; ++i) {
         const stp_mesh* mesh = &scene->meshes[i];
         meshes[i] = (stp_store_mesh){
@@ -58,6 +60,9 @@ static bool convert_meshes(stp_build_content* c, const stp_scene* scene)
             .indices = mesh->indices,
             .area = mesh->area,
         };
+    }
+    if (meshes != NULL && levels->level_count > 0) {
+        memcpy(meshes + scene->mesh_count, levels->meshes, levels->level_count * sizeof(*meshes));
     }
     c->content.meshes = meshes;
     return meshes != NULL;
@@ -141,10 +146,11 @@ static stp_store_texture_use convert_use(const stp_texture_use* use)
     return out;
 }
 
-static bool convert_materials(stp_build_content* c, const stp_scene* scene)
+static bool convert_materials(stp_build_content* c, const stp_scene* scene,
+                              const stp_build_levels* levels)
 {
-    stp_store_material* materials =
-        STP_ARENA_ARRAY(&c->arena, stp_store_material, scene->material_count);
+    stp_store_material* materials = STP_ARENA_ARRAY(&c->arena, stp_store_material,
+                                                    scene->material_count + levels->material_count);
     for (size_t i = 0; materials != NULL && i < scene->material_count; ++i) {
         const stp_material* m = &scene->materials[i];
         stp_store_material* out = &materials[i];
@@ -162,6 +168,10 @@ static bool convert_materials(stp_build_content* c, const stp_scene* scene)
         };
         memcpy(out->base_color, m->base_color, sizeof(out->base_color));
         memcpy(out->emissive, m->emissive, sizeof(out->emissive));
+    }
+    if (materials != NULL && levels->material_count > 0) {
+        memcpy(materials + scene->material_count, levels->materials,
+               levels->material_count * sizeof(*materials));
     }
     c->content.directory.materials = materials;
     return materials != NULL;
@@ -296,11 +306,14 @@ static bool convert_names(stp_build_content* c, const stp_scene* scene)
     return true;
 }
 
-static bool convert_counts(stp_store_directory* d, const stp_scene* scene)
+static bool convert_counts(stp_store_directory* d, const stp_scene* scene,
+                           const stp_build_levels* levels)
 {
-    size_t counts[] = {scene->node_count,     scene->edge_count,    scene->node_part_count,
-                       scene->object_count,   scene->mesh_count,    scene->point_set_count,
-                       scene->material_count, scene->texture_count, scene->view_count,
+    size_t mesh_count = scene->mesh_count + levels->level_count;
+    size_t material_count = scene->material_count + levels->material_count;
+    size_t counts[] = {scene->node_count,   scene->edge_count,    scene->node_part_count,
+                       scene->object_count, mesh_count,           scene->point_set_count,
+                       material_count,      scene->texture_count, scene->view_count,
                        scene->source_count};
     for (size_t i = 0; i < sizeof(counts) / sizeof(counts[0]); ++i) {
         if (counts[i] >= STP_STORE_NONE) {
@@ -311,19 +324,27 @@ static bool convert_counts(stp_store_directory* d, const stp_scene* scene)
     d->edge_count = (uint32_t)scene->edge_count;
     d->part_count = (uint32_t)scene->node_part_count;
     d->object_count = (uint32_t)scene->object_count;
-    d->mesh_count = (uint32_t)scene->mesh_count;
+    d->mesh_count = (uint32_t)mesh_count;
     d->point_set_count = (uint32_t)scene->point_set_count;
-    d->material_count = (uint32_t)scene->material_count;
+    d->material_count = (uint32_t)material_count;
     d->texture_count = (uint32_t)scene->texture_count;
     d->view_count = (uint32_t)scene->view_count;
     d->source_count = (uint32_t)scene->source_count;
+    d->level_count = levels->level_count;
+    d->level_cluster_count = levels->cluster_count;
+    d->level_group_count = levels->group_count;
+    d->levels = levels->levels;
+    d->level_clusters = levels->clusters;
+    d->level_groups = levels->groups;
     return true;
 }
 
 stp_result stp_build_content_create(const stp_scene* scene, const stp_splats* sets,
                                     uint32_t set_count, const uint32_t* set_of_node,
-                                    stp_build_content* content)
+                                    const stp_build_levels* levels, stp_build_content* content)
 {
+    static const stp_build_levels none = {0};
+    levels = levels != NULL ? levels : &none;
     *content = (stp_build_content){.context = scene->context,
                                    .arena = stp_arena_create(scene->context, BLOCK_SIZE)};
     stp_store_directory* d = &content->content.directory;
@@ -332,17 +353,40 @@ stp_result stp_build_content_create(const stp_scene* scene, const stp_splats* se
     d->root = scene->root;
     d->unit_metres = scene->unit_metres;
     d->up = scene->up[0];
-    if (!convert_counts(d, scene)) {
+    if (!convert_counts(d, scene, levels)) {
         return stp_fail(scene->context, STP_ERROR_LIMIT,
                         "the scene has more parts than a file can number");
     }
     bool made = convert_graph(content, scene, set_of_node) && convert_names(content, scene) &&
-                convert_materials(content, scene) && convert_textures(content, scene) &&
-                convert_meshes(content, scene) && convert_point_sets(content, scene);
+                convert_materials(content, scene, levels) && convert_textures(content, scene) &&
+                convert_meshes(content, scene, levels) && convert_point_sets(content, scene);
     if (!made) {
         stp_build_content_destroy(content);
         return stp_fail_memory(scene->context);
     }
+    return STP_OK;
+}
+
+stp_result stp_build_content_add_meshes(stp_build_content* content, const stp_scene* scene,
+                                        const stp_build_meshes* meshes,
+                                        const stp_build_levels* levels)
+{
+    size_t own = scene->mesh_count, count = own + levels->level_count;
+    stp_coded_mesh* coded = STP_ARENA_ARRAY(&content->arena, stp_coded_mesh, count + 1);
+    stp_hash* keys = STP_ARENA_ARRAY(&content->arena, stp_hash, count + 1);
+    if (coded == NULL || keys == NULL) {
+        return stp_fail_memory(content->context);
+    }
+    memset(keys, 0, count * sizeof(*keys));
+    if (own > 0) {
+        memcpy(coded, meshes->coded, own * sizeof(*coded));
+        memcpy(keys, meshes->keys, own * sizeof(*keys));
+    }
+    if (levels->level_count > 0) {
+        memcpy(coded + own, levels->coded, levels->level_count * sizeof(*coded));
+    }
+    content->content.coded_meshes = coded;
+    content->content.mesh_keys = keys;
     return STP_OK;
 }
 

@@ -3,6 +3,8 @@
 // of points, and object counts.
 #pragma once
 
+#include "builder/build_levels.h"
+#include "builder/meshes.h"
 #include "builder/method_sets.h"
 #include "scene/scene.h"
 #include "store/file/summary.h"
@@ -18,12 +20,19 @@ typedef struct stp_build_content {
 } stp_build_content;
 
 /// Converts the scene, which must outlive the content. `sets` are the splat sets. `set_of_node`
-/// gives the set of each node, or STP_NONE (NULL: no node has one). The caller adds shadings and
-/// parameters. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (logged; nothing to
+/// gives the set of each node, or STP_NONE (NULL: no node has one). `levels` may be NULL. The caller
+/// adds shadings and parameters. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (logged; nothing to
 /// destroy)
 STP_MUST_USE stp_result stp_build_content_create(const stp_scene* scene, const stp_splats* sets,
                                                  uint32_t set_count, const uint32_t* set_of_node,
+                                                 const stp_build_levels* levels,
                                                  stp_build_content* content);
+/// Adds the coded meshes of the scene and of the levels, and their keys. @return STP_OK,
+/// STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_build_content_add_meshes(stp_build_content* content,
+                                                     const stp_scene* scene,
+                                                     const stp_build_meshes* meshes,
+                                                     const stp_build_levels* levels);
 void stp_build_content_destroy(stp_build_content* content);
 
 /// Encodes textures as PNG if they came in another format or import changed them, and if PNG is

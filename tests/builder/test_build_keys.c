@@ -48,6 +48,7 @@ static stp_build_desc describe(const place* p, const char* const* inputs)
     return (stp_build_desc){.inputs = inputs,
                             .input_count = 1,
                             .output = p->output,
+                            .no_levels = true,
                             .blue = {.splat_count = 150, .capture = {.wanted_candidates = 2000}},
                             .parameters_json = "{\"method\":\"blue\"}"};
 }

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#include "support_level_scenes.h"
+
+#include "lod/support_level_shapes.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+static stp_result generate(stp_scene* scene, const char* name, void* user)
+{
+    const level_build* build = user;
+    (void)name;
+    return build->make(scene) ? STP_OK : STP_ERROR_OUT_OF_MEMORY;
+}
+
+stp_result level_build_to(stp_context* context, const level_build* build, const char* path,
+                          stp_build_report* report)
+{
+    level_build copy = *build;
+    const char* inputs[] = {"scene:levels"};
+    const stp_build_desc desc = {.inputs = inputs,
+                                 .input_count = 1,
+                                 .output = path,
+                                 .partition = {.leaf_triangles = build->leaf_triangles},
+                                 .blue = {.capture = {.wanted_candidates = 20000}},
+                                 .threshold = build->no_splats ? UINT64_C(1) << 40 : 0,
+                                 .no_levels = build->no_levels,
+                                 .fresh = build->fresh,
+                                 .generate = generate,
+                                 .generate_user = &copy};
+    return stp_build(context, &desc, report);
+}
+
+stp_store* level_build_open(stp_context* context, const level_build* build)
+{
+    char folder[64] = "stp_levels_XXXXXX", path[96];
+    if (mkdtemp(folder) == NULL) {
+        return NULL;
+    }
+    snprintf(path, sizeof(path), "%s/a.stip", folder);
+    stp_store* store = NULL;
+    stp_result result = level_build_to(context, build, path, NULL);
+    result = result == STP_OK ? stp_store_open(context, path, &store) : result;
+    unlink(path); // an open store keeps its bytes
+    rmdir(folder);
+    return result == STP_OK ? store : NULL;
+}
+
+bool level_scene_torus(stp_scene* scene)
+{
+    uint32_t red = level_add_material(scene, 0.8f, 0.1f, 0.1f);
+    return level_add(scene, level_torus(scene->context, 125, 80, 1.0, 0.4), red,
+                     stp_affine_identity()) != STP_NONE;
+}
+
+bool level_scene_open_ball(stp_scene* scene)
+{
+    uint32_t red = level_add_material(scene, 0.8f, 0.1f, 0.1f);
+    uint32_t blue = level_add_material(scene, 0.1f, 0.2f, 0.9f);
+    return level_add(scene, level_ball(scene->context, 80, 40, 8, 1.0), red,
+                     stp_affine_identity()) != STP_NONE &&
+           level_add(scene, level_torus(scene->context, 80, 40, 0.5, 0.2), blue,
+                     stp_affine_identity()) != STP_NONE;
+}
+
+bool level_scene_two_tori(stp_scene* scene)
+{
+    stp_affine aside = {{{1, 0, 0, 3}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    uint32_t red = level_add_material(scene, 0.8f, 0.1f, 0.1f);
+    return level_scene_torus(scene) &&
+           level_add(scene, level_torus(scene->context, 80, 60, 1.0, 0.3), red, aside) != STP_NONE;
+}
+
+bool level_scene_sheet(stp_scene* scene)
+{
+    uint32_t gray = level_add_material(scene, 0.5f, 0.5f, 0.5f);
+    return level_add(scene, level_sheet(scene->context, 100, 1.0, 0.02), gray,
+                     stp_affine_identity()) != STP_NONE;
+}
