@@ -48,6 +48,18 @@ bool stp_bounding_misses(const stp_bounding* bounding, stp_box box)
     return outside;
 }
 
+float stp_bounding_max_depth(const stp_bounding* bounding, stp_box box)
+{
+    const float* w = bounding->depth;
+    const float low[3] = {box.min.x, box.min.y, box.min.z};
+    const float high[3] = {box.max.x, box.max.y, box.max.z};
+    float depth = w[3];
+    for (int c = 0; c < 3; ++c) {
+        depth += w[c] * ((w[c] > 0.0f ? high[c] : low[c]) - bounding->shift[c]);
+    }
+    return depth;
+}
+
 float stp_bounding_min_depth(const stp_bounding* bounding, stp_box box)
 {
     const float* w = bounding->depth;

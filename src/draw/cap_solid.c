@@ -54,7 +54,7 @@ static uint64_t key_of(const stp_store_mesh* mesh)
 
 stp_result stp_cap_solids_create(stp_context* context, stp_store* store, stp_cap_solids** solids)
 {
-    uint32_t count = stp_store_get_directory(store)->mesh_count;
+    uint32_t count = stp_store_first_level_mesh(stp_store_get_directory(store));
     stp_cap_solids* s = STP_NEW_ZEROED(context, stp_cap_solids, 1);
     *solids = NULL;
     if (s == NULL) {

@@ -36,6 +36,10 @@ void stp_placement_choose_nearness(stp_placement* placement, const stp_store_dir
 /// Chooses the nearness function and the depth offset of triangles; `frame` must be set. No shift.
 void stp_placement_make(stp_placement* placement, const stp_store_directory* directory,
                         const stp_draw_list* list);
+/// Offset of a mesh item: the middle of its box. For a level, the middle of its node's: then corners
+/// that levels of a node share are rounded alike, and levels meet without cracks.
+void stp_mesh_offset(const stp_store* store, const stp_store_directory* directory,
+                     const stp_draw_item* item, float offset[3]);
 void stp_placement_place(const stp_placement* placement, const stp_draw_item* draw,
                          const float offset[3], stp_placed_item* item);
 
@@ -118,3 +122,22 @@ stp_bounding stp_bounding_make(const float rows[4][4], float nearness_limit, con
 bool stp_bounding_misses(const stp_bounding* bounding, stp_box box);
 /// Minimum depth (W) of a box.
 float stp_bounding_min_depth(const stp_bounding* bounding, stp_box box);
+/// Maximum depth (W) of a box.
+float stp_bounding_max_depth(const stp_bounding* bounding, stp_box box);
+
+/// Which clusters of a level are drawn from a place: the same for all levels of a node, so that
+/// their mixture has no cracks.
+typedef struct stp_level_choice {
+    const stp_store_level_cluster* clusters; ///< of the level
+    const stp_store_level_group* groups;
+    double depth[4];           ///< the row of W, in item space
+    double steepness;          ///< change of W per unit
+    double per_depth, minimum; ///< allowed error at depth 1, and anywhere
+} stp_level_choice;
+
+/// @param rows  as in stp_bounding_make
+stp_level_choice stp_level_choice_make(const stp_store_directory* directory,
+                                       const stp_draw_item* item, const float rows[4][4],
+                                       const float offset[3]);
+/// Whether the errors of a cluster's groups suit the depths of their spheres.
+bool stp_level_choice_draws(const stp_level_choice* choice, uint32_t cluster);

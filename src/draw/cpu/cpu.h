@@ -444,6 +444,11 @@ bool stp_cpu_draw_clusters(const stp_cpu_renderer* r, const stp_cpu_item* item,
                            stp_cpu_cluster_range* range, const stp_raster_target* target,
                            stp_cpu_worker* worker);
 
+/// Draws clusters of a level, by what is allowed at their depths. @return false if out of memory
+bool stp_cpu_draw_level(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                        stp_cpu_cluster_range* range, const stp_raster_target* target,
+                        stp_cpu_worker* worker);
+
 /// Whether large triangles replace splats of an item's prefix.
 bool stp_cpu_leaves_out_splats(const stp_cpu_item* item);
 /// Finds the large triangles of an item that draws only those.

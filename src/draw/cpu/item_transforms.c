@@ -124,9 +124,7 @@ static stp_result find_mesh(stp_cpu_renderer* r, uint32_t index, stp_cpu_item* i
         return result;
     }
     stp_box box = known->bounds;
-    item->offset[0] = 0.5f * (box.min.x + box.max.x);
-    item->offset[1] = 0.5f * (box.min.y + box.max.y);
-    item->offset[2] = 0.5f * (box.min.z + box.max.z);
+    stp_mesh_offset(r->store, r->directory, item->draw, item->offset);
     item->count = known->triangle_count;
     item->unit_count = item->count;
     item->task_units = CPU_TASK_TRIANGLES;

@@ -350,7 +350,8 @@ bool stp_cpu_draw_task(stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t t
         if (late) {
             range.wanted = (uint32_t)bits[0] | (uint32_t)bits[1] << 16;
         }
-        bool enough = stp_cpu_draw_clusters(r, item, &range, target, worker);
+        bool enough = (item->draw->is_level ? stp_cpu_draw_level : stp_cpu_draw_clusters)(
+            r, item, &range, target, worker);
         worker->failed = worker->failed || !enough;
         if (!late) {
             bits[0] = (uint16_t)range.hidden;

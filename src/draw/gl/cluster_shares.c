@@ -15,6 +15,7 @@ struct stp_gl_share_item {
     const stp_draw_item* draw;
     stp_clusters clusters;
     stp_bounding bounding;
+    stp_level_choice choice; ///< of a level
 };
 
 static stp_gl_share_item* add_item(stp_gl_renderer* r)
@@ -42,9 +43,8 @@ static stp_result list_items(stp_gl_renderer* r, size_t* cluster_count)
         if (item == NULL) {
             return stp_fail_memory(r->base.context);
         }
-        stp_box box = stp_store_describe_mesh(r->store, draw->index)->bounds;
-        const float offset[3] = {0.5f * (box.min.x + box.max.x), 0.5f * (box.min.y + box.max.y),
-                                 0.5f * (box.min.z + box.max.z)};
+        float offset[3];
+        stp_mesh_offset(r->store, r->directory, draw, offset);
         stp_result result = stp_store_get_clusters(r->store, draw->index, &item->clusters);
         if (result != STP_OK) {
             return result;
@@ -56,9 +56,27 @@ static stp_result list_items(stp_gl_renderer* r, size_t* cluster_count)
         item->bounding =
             stp_bounding_make((const float(*)[4])where.camera.matrix.m, where.camera.nearness_limit,
                               offset, r->target.width, r->target.height);
+        if (draw->is_level) {
+            item->choice = stp_level_choice_make(r->directory, draw,
+                                                 (const float(*)[4])where.camera.matrix.m, offset);
+        }
         *cluster_count += item->clusters.cluster_count;
     }
     return STP_OK;
+}
+
+static float share_of(const stp_gl_share_item* item, uint32_t cluster)
+{
+    const stp_draw_item* draw = item->draw;
+    if (draw->is_level && !stp_level_choice_draws(&item->choice, cluster)) {
+        return 0.0f;
+    }
+    stp_box box = stp_clusters_bounds(&item->clusters, cluster);
+    float share = stp_draw_share(draw, stp_bounding_min_depth(&item->bounding, box));
+    bool originals =
+        draw->is_level && stp_bounding_max_depth(&item->bounding, box) < draw->level_from;
+    bool drawn = share > 0.0f && !originals && !stp_bounding_misses(&item->bounding, box);
+    return drawn ? share : 0.0f;
 }
 
 /// Shares of clusters [begin, end) of all items.
@@ -78,10 +96,7 @@ static void find_shares(size_t begin, size_t end, uint32_t worker, void* user)
             assert(low < s->count && "items hold all clusters");
         }
         const stp_gl_share_item* item = &s->items[low];
-        stp_box box = stp_clusters_bounds(&item->clusters, (uint32_t)(i - item->first));
-        float share = stp_draw_share(item->draw, stp_bounding_min_depth(&item->bounding, box));
-        bool drawn = share > 0.0f && !stp_bounding_misses(&item->bounding, box);
-        s->shares[i] = drawn ? share : 0.0f;
+        s->shares[i] = share_of(item, (uint32_t)(i - item->first));
     }
 }
 

@@ -57,8 +57,9 @@ static cluster_kinds choose_kinds(const stp_gl_renderer* r, const item_block* it
     return kinds;
 }
 
-static bool add_cluster(stp_gl_renderer* r, uint32_t index, cluster_kinds kinds, uint32_t cluster,
-                        uint32_t triangles, float share)
+/// @return the record; NULL if out of memory
+static record_block* add_cluster(stp_gl_renderer* r, uint32_t index, cluster_kinds kinds,
+                                 uint32_t cluster, uint32_t triangles, float share)
 {
     record_block* record = stp_gl_frame_add_command(r, kinds.kind, 3 * triangles);
     if (record != NULL) {
@@ -66,8 +67,10 @@ static bool add_cluster(stp_gl_renderer* r, uint32_t index, cluster_kinds kinds,
         record->address = r->frame.items[index].address + CLUSTER_WORDS * cluster;
         record->share = share;
     }
-    return record != NULL && (!kinds.again || stp_gl_frame_repeat_command(
-                                                  r, GL_COMMANDS_GLASS_TRIANGLES, 3 * triangles));
+    bool enough = record != NULL &&
+                  (!kinds.again ||
+                   stp_gl_frame_repeat_command(r, GL_COMMANDS_GLASS_TRIANGLES, 3 * triangles));
+    return enough ? record : NULL;
 }
 
 /// Adds a mesh of columns, without culling: all its clusters have the same share.
@@ -85,11 +88,36 @@ static stp_result add_columns(stp_gl_renderer* r, uint32_t index, stp_store_mesh
     for (uint32_t i = 0; i < item->cluster_count && share > 0.0f; ++i) {
         uint32_t left = mesh->triangle_count - i * UPLOAD_CLUSTER_TRIANGLES;
         uint32_t count = left < UPLOAD_CLUSTER_TRIANGLES ? left : UPLOAD_CLUSTER_TRIANGLES;
-        if (!add_cluster(r, index, kind, i, count, share)) {
+        if (add_cluster(r, index, kind, i, count, share) == NULL) {
             return stp_fail_memory(r->base.context);
         }
     }
     return STP_OK;
+}
+
+/// Sets where a level is seen from. @return its clusters, which have one-sided triangles; NULL: the
+/// item is no level, or flat
+static const stp_store_level_cluster* place_eye(const stp_gl_renderer* r, uint32_t index)
+{
+    const stp_gl_placed* placed = &r->frame.placed[index];
+    const stp_view_frame* frame = &r->placement.frame;
+    const stp_affine* transform = &placed->draw->transform;
+    if (!placed->draw->is_level || !(fabs(stp_affine_determinant(transform)) > 0.0)) {
+        return NULL;
+    }
+    const float* o = placed->offset;
+    stp_vec3d middle = {(double)o[0], (double)o[1], (double)o[2]};
+    stp_vec3d sight = frame->parallel ? stp_scaled(frame->forward, -1.0)
+                                      : stp_subd(frame->eye, stp_affine_point(transform, middle));
+    double normal[3][3], size = fabs(stp_affine_determinant(transform));
+    stp_affine_normal_matrix(transform, normal); // transposed, over the size: the inverse
+    float* eye = r->frame.items[index].eye;
+    for (int c = 0; c < 3; ++c) {
+        eye[c] =
+            (float)((normal[0][c] * sight.x + normal[1][c] * sight.y + normal[2][c] * sight.z) /
+                    size);
+    }
+    return r->directory->level_clusters + r->directory->levels[placed->draw->level].first_cluster;
 }
 
 stp_result stp_gl_cull_mesh(stp_gl_renderer* r, uint32_t index)
@@ -111,11 +139,17 @@ stp_result stp_gl_cull_mesh(stp_gl_renderer* r, uint32_t index)
     item->cluster_count = clusters.cluster_count;
     cluster_kinds kind = choose_kinds(r, item, clusters.present);
     const float* shares = stp_gl_cluster_shares_get(&r->frame.shares, index);
+    const stp_store_level_cluster* of_level = place_eye(r, index);
     for (uint32_t i = 0; i < clusters.cluster_count; ++i) {
-        if (shares[i] > 0.0f &&
-            !add_cluster(r, index, kind, i, stp_clusters_triangles(&clusters, i), shares[i])) {
+        if (!(shares[i] > 0.0f)) {
+            continue;
+        }
+        uint32_t triangles = stp_clusters_triangles(&clusters, i);
+        record_block* record = add_cluster(r, index, kind, i, triangles, shares[i]);
+        if (record == NULL) {
             return stp_fail_memory(r->base.context);
         }
+        record->first = of_level != NULL ? of_level[i].one_sided : 0;
     }
     return STP_OK;
 }
@@ -167,7 +201,7 @@ stp_result stp_gl_cull_large(stp_gl_renderer* r, uint32_t index)
     for (uint32_t i = 0; i < clusters.cluster_count; ++i) {
         bool marked = (r->frame.marks[i / 32] >> i % 32 & 1) != 0;
         if (marked && !stp_bounding_misses(&bounding, stp_clusters_bounds(&clusters, i)) &&
-            !add_cluster(r, index, kind, i, stp_clusters_triangles(&clusters, i), 1.0f)) {
+            add_cluster(r, index, kind, i, stp_clusters_triangles(&clusters, i), 1.0f) == NULL) {
             return stp_fail_memory(r->base.context);
         }
     }

@@ -268,9 +268,8 @@ static stp_result make_item(stp_gl_renderer* r, uint32_t index)
     }
     stp_box box = stp_store_describe_mesh(r->store, draw->index)->bounds;
     item->glass_cells = stp_transparency_cells(box);
-    placed->offset[0] = item->offset[0] = 0.5f * (box.min.x + box.max.x);
-    placed->offset[1] = item->offset[1] = 0.5f * (box.min.y + box.max.y);
-    placed->offset[2] = item->offset[2] = 0.5f * (box.min.z + box.max.z);
+    stp_mesh_offset(r->store, r->directory, draw, placed->offset);
+    memcpy(item->offset, placed->offset, sizeof(placed->offset));
     place_item(r, index, 0);
     return make_mesh(r, index);
 }

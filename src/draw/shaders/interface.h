@@ -180,15 +180,15 @@ struct item_block {
     float level_below;      // level of splats before `divide`, at any depth
     uint divide;
     float pixels; // added to the radius on the screen
-    float spare[3];
+    float eye[3]; // levels: in the mesh's space, less `offset`; in parallel, direction towards it
 };
 
 // One command of a multi-draw, or a part of it: splats, or a cluster.
 struct record_block {
     uint item;
-    uint first;              // splats: index of the first in the item; clusters: unused
-    uint address;            // address of the first splat, or of the cluster
-    float share;             // drawn share of a cluster's triangles
+    uint first;   // splats: index of the first in the item; clusters: number of one-sided triangles
+    uint address; // address of the first splat, or of the cluster
+    float share;  // drawn share of a cluster's triangles
     float nearest, farthest; // splats: within these depths (W)
     float reach;             // splats: maximum radius, relative to the item's
     uint options;            // splats: address of the first splat's shape and range

@@ -25,6 +25,15 @@ bool is_large(const item_block item, const triangle_place t)
     return nearest >= item.large_from && level >= max(item.level_per_depth * nearest, item.level_min);
 }
 
+// Whether the back of a triangle is seen: its corners turn clockwise.
+bool faces_away(const item_block item, const triangle_place t)
+{
+    vec3 a = corner_position(t, t.corner.x), b = corner_position(t, t.corner.y), c = corner_position(t, t.corner.z);
+    vec3 eye = vec3(item.eye[0], item.eye[1], item.eye[2]);
+    vec3 sight = view.parallel != 0u ? eye : eye - (a - item.offset.xyz);
+    return dot(cross(b - a, c - a), sight) < 0.0;
+}
+
 void main()
 {
     uint number = uint(gl_BaseInstanceARB);
@@ -43,7 +52,7 @@ void main()
         return;
     }
     triangle_place t = find_triangle(item.address, record.address, local);
-    if ((item.flags & ITEM_LARGE) != 0u && !is_large(item, t)) {
+    if (((item.flags & ITEM_LARGE) != 0u && !is_large(item, t)) || (local < record.first && faces_away(item, t))) {
         gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
         return;
     }

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+// Draws the clusters of a level: decodes those that suit their depth in small batches. Triangles that
+// are seen from one side alone are left out where that side faces away.
+#include "draw/cpu/cpu.h"
+
+#include <assert.h>
+
+enum { BATCH_CLUSTERS = 8, BATCH_TRIANGLES = BATCH_CLUSTERS * STP_CLUSTER_TRIANGLES };
+
+/// Triangles that face one way fill the arrays from the front, the others from the back.
+typedef struct batch {
+    uint32_t vertex_count, cluster_count, one_sided, two_sided;
+    float positions[3 * BATCH_CLUSTERS * STP_CLUSTER_VERTICES];
+    uint32_t indices[3 * BATCH_TRIANGLES];
+    uint32_t numbers[BATCH_TRIANGLES];
+} batch;
+
+static void add_cluster(const stp_cpu_item* item, uint32_t index, uint32_t one_sided, float share,
+                        batch* b)
+{
+    assert(b->cluster_count < BATCH_CLUSTERS && index < item->clusters.cluster_count);
+    stp_cluster cluster;
+    uint32_t corners[3 * STP_CLUSTER_TRIANGLES];
+    stp_clusters_get(&item->clusters, index, &cluster);
+    stp_cluster_positions(&item->clusters, &cluster, b->positions + 3 * (size_t)b->vertex_count);
+    stp_cluster_indices(&cluster, b->vertex_count, corners);
+    for (uint32_t t = 0; t < cluster.triangle_count; ++t) {
+        uint32_t number = cluster.first_triangle + t;
+        if (share < 1.0f && !stp_draw_keeps(number, share)) {
+            continue;
+        }
+        uint32_t place = t < one_sided ? b->one_sided++ : BATCH_TRIANGLES - ++b->two_sided;
+        memcpy(b->indices + 3 * (size_t)place, corners + 3 * (size_t)t, 3 * sizeof(*corners));
+        b->numbers[place] = number;
+    }
+    assert(b->one_sided + b->two_sided <= BATCH_TRIANGLES);
+    b->vertex_count += cluster.vertex_count;
+    b->cluster_count += 1;
+}
+
+static bool draw_some(const stp_cpu_renderer* r, const stp_cpu_item* item, const batch* b,
+                      uint32_t first, uint32_t count, int32_t facing,
+                      const stp_raster_target* target, stp_cpu_worker* worker)
+{
+    const stp_raster_mesh mesh = {.positions = b->positions,
+                                  .vertex_count = b->vertex_count,
+                                  .indices = b->indices + 3 * (size_t)first,
+                                  .triangle_count = count,
+                                  .numbers = b->numbers + first,
+                                  .offset = {item->offset[0], item->offset[1], item->offset[2]},
+                                  .facing = facing,
+                                  .fragments = &worker->fragments};
+    return count == 0 || stp_raster_triangles(target, 0, r->height, &item->camera.matrix,
+                                              item->camera.nearness_limit, &mesh, item->first_id,
+                                              &worker->scratch) == STP_OK;
+}
+
+static bool draw_batch(const stp_cpu_renderer* r, const stp_cpu_item* item, batch* b,
+                       int32_t facing, const stp_raster_target* target, stp_cpu_worker* worker)
+{
+    bool enough =
+        draw_some(r, item, b, 0, b->one_sided, facing, target, worker) &&
+        draw_some(r, item, b, BATCH_TRIANGLES - b->two_sided, b->two_sided, 0, target, worker);
+    b->vertex_count = b->cluster_count = b->one_sided = b->two_sided = 0;
+    return enough;
+}
+
+/// Whether a cluster is drawn. Notes those that the pyramid hides.
+static bool is_wanted(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                      const stp_bounding* bounding, const stp_level_choice* choice, uint32_t index,
+                      stp_cpu_cluster_range* range, float* share)
+{
+    uint32_t bit = 1u << (index - range->begin);
+    if ((range->wanted & bit) == 0 || !stp_level_choice_draws(choice, index)) {
+        return false;
+    }
+    stp_box box = stp_clusters_bounds(&item->clusters, index);
+    *share = stp_draw_share(item->draw, stp_bounding_min_depth(bounding, box));
+    if (!(*share > 0.0f) || stp_bounding_misses(bounding, box) ||
+        stp_bounding_max_depth(bounding, box) < item->draw->level_from) {
+        return false;
+    }
+    if (r->occluding != NULL && stp_cpu_hides(r, item, box)) {
+        range->hidden |= bit;
+        return false;
+    }
+    return true;
+}
+
+/// The side of the picture's triangles that is seen: their corners turn counter-clockwise in item
+/// space, and the picture's rows go down.
+static int32_t front_of(const stp_cpu_item* item)
+{
+    const double(*m)[4] = item->draw->transform.m;
+    double turned = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+                    m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+                    m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+    return turned > 0.0 ? -1 : turned < 0.0 ? 1 : 0;
+}
+
+bool stp_cpu_draw_level(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                        stp_cpu_cluster_range* range, const stp_raster_target* target,
+                        stp_cpu_worker* worker)
+{
+    assert(range->begin <= range->end && range->end - range->begin <= 32 && "one bit each");
+    stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
+    batch* b = NULL;
+    stp_bounding bounding = stp_cpu_bound(r, item);
+    stp_level_choice choice =
+        stp_level_choice_make(r->directory, item->draw, item->camera.matrix.m, item->offset);
+    int32_t facing = front_of(item);
+    bool enough = true;
+    for (uint32_t i = range->begin; enough && i < range->end; ++i) {
+        float share = 1.0f;
+        if (!is_wanted(r, item, &bounding, &choice, i, range, &share)) {
+            continue;
+        }
+        if (b == NULL) {
+            b = stp_arena_alloc(&worker->scratch, sizeof(*b));
+            enough = b != NULL;
+            if (!enough) {
+                break;
+            }
+            b->vertex_count = b->cluster_count = b->one_sided = b->two_sided = 0;
+        }
+        add_cluster(item, i, choice.clusters[i].one_sided, share, b);
+        if (b->cluster_count == BATCH_CLUSTERS) {
+            enough = draw_batch(r, item, b, facing, target, worker);
+        }
+    }
+    if (enough && b != NULL) {
+        enough = draw_batch(r, item, b, facing, target, worker);
+    }
+    assert((range->hidden & ~range->wanted) == 0 && "only wanted clusters are tested");
+    stp_arena_rewind(&worker->scratch, mark);
+    return enough;
+}
