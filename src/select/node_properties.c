@@ -28,6 +28,13 @@ static double find_margin(const stp_selection* s, const stp_select_graph* graph,
                           : stp_store_describe_point_set(s->store, part.index)->bounds;
         margin = stp_maxd(max_overhang(box, node->bounds), margin);
     }
+    const uint32_t* levels = s->directory->level_starts;
+    for (uint32_t i = levels != NULL ? levels[index] : 0; levels != NULL && i < levels[index + 1];
+         ++i) { // their vertices have moved
+        const stp_store_mesh* mesh =
+            stp_store_describe_mesh(s->store, s->directory->levels[i].mesh);
+        margin = stp_maxd(max_overhang(mesh->bounds, node->bounds), margin);
+    }
     if (set != STP_STORE_NONE) { // positions are rounded
         const stp_splats* splats = stp_store_describe_splat_set(s->store, set);
         double radius = (double)splats->candidate_radius + (double)splats->step;
@@ -155,17 +162,28 @@ stp_result stp_select_find_graph(stp_selection* s)
     graph->repeated = STP_NEW_ZEROED(s->context, uint8_t, (size_t)directory->part_count / 8 + 1);
     graph->has_sets = STP_NEW_ZEROED(s->context, bool, (size_t)directory->node_count + 1);
     graph->maximum = STP_NEW_ZEROED(s->context, uint32_t, (size_t)directory->node_count + 1);
+    graph->level_floors = STP_NEW_ARRAY(s->context, float, (size_t)directory->node_count + 1);
+    graph->others = STP_NEW_ZEROED(s->context, bool, (size_t)directory->node_count + 1);
+    graph->opens_below = STP_NEW_ARRAY(s->context, float, (size_t)directory->node_count + 1);
+    graph->level_overhangs = STP_NEW_ARRAY(s->context, float, (size_t)directory->node_count + 1);
     uint32_t* last = STP_NEW_ZEROED(s->context, uint32_t,
                                     (size_t)directory->mesh_count + directory->point_set_count + 1);
     if (graph->moving == NULL || graph->margins == NULL || graph->reaches == NULL ||
         graph->early_switches == NULL || graph->works == NULL || graph->repeated == NULL ||
-        graph->has_sets == NULL || graph->maximum == NULL || last == NULL) {
+        graph->has_sets == NULL || graph->maximum == NULL || graph->level_floors == NULL ||
+        graph->level_overhangs == NULL || graph->others == NULL || graph->opens_below == NULL ||
+        last == NULL) {
         stp_free(s->context, last);
         return stp_fail_memory(s->context); // the next call does not find it, and rebuilds it
     }
     analyze_nodes(s, graph);
     find_repeated(directory, last, graph->repeated);
+    stp_select_find_levels(s, graph);
+    stp_result result = stp_select_find_level_works(s, graph);
     stp_free(s->context, last);
+    if (result != STP_OK) {
+        return result;
+    }
     graph->directory = directory;
     graph->nodes = directory->nodes;
     graph->node_count = directory->node_count;
@@ -188,6 +206,10 @@ void stp_select_destroy_graph(stp_context* context, stp_select_graph* graph)
         stp_free(context, graph->repeated);
         stp_free(context, graph->has_sets);
         stp_free(context, graph->maximum);
+        stp_free(context, graph->level_floors);
+        stp_free(context, graph->others);
+        stp_free(context, graph->opens_below);
+        stp_free(context, graph->level_overhangs);
         stp_free(context, graph);
     }
 }

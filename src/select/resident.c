@@ -86,6 +86,16 @@ bool stp_select_request_part(stp_selection* s, stp_store_part part, const stp_se
                    : stp_store_are_points_resident(s->store, part.index);
 }
 
+bool stp_select_request_level(stp_selection* s, const stp_select_entry* at,
+                              const stp_box_visibility* sight, uint32_t mesh, double error)
+{
+    double shown = fmin(error * stp_affine_scale(&at->transform), at->covered * at->eager);
+    add_request(s, (stp_data_request){.kind = STP_RESIDENT_MESH,
+                                      .index = mesh,
+                                      .need = find_need(s, sight, shown)});
+    return stp_store_is_mesh_resident(s->store, mesh);
+}
+
 bool stp_select_request_optional_mesh(stp_selection* s, uint32_t mesh)
 {
     add_request(s,
@@ -148,24 +158,12 @@ static uint32_t find_octaves(const stp_splats* splats, const stp_select_entry* a
     return octaves;
 }
 
-/// Requests the visible parts of a node, and pushes its children except moving ones. Clears
-/// `*ready` if a part is not resident.
-static stp_result request_below(stp_selection* s, const stp_select_entry* at, bool* ready)
+static stp_result push_children(stp_selection* s, const stp_select_entry* at)
 {
-    const stp_store_directory* directory = s->directory;
-    const stp_store_node* node = &directory->nodes[at->node];
+    const stp_store_node* node = &s->directory->nodes[at->node];
     stp_result result = STP_OK;
-    for (uint32_t i = 0; i < node->part_count; ++i) {
-        stp_store_part part = directory->parts[node->first_part + i];
-        stp_boxd box = stp_select_part_box(s, part, &at->transform);
-        stp_box_visibility sight;
-        if (stp_select_is_in_view(s, &box, &sight)) {
-            bool here = stp_select_request_part(s, part, at, &sight);
-            *ready = *ready && here;
-        }
-    }
     for (uint32_t i = 0; i < node->edge_count && result == STP_OK; ++i) {
-        const stp_store_edge* edge = &directory->edges[node->first_edge + i];
+        const stp_store_edge* edge = &s->directory->edges[node->first_edge + i];
         if ((s->graph->moving[edge->node] & STP_NODE_MOVES) == 0) { // moving nodes are always drawn
             stp_select_entry below = *at;
             below.node = edge->node;
@@ -174,6 +172,63 @@ static stp_result request_below(stp_selection* s, const stp_select_entry* at, bo
         }
     }
     return result;
+}
+
+stp_result stp_select_request_meshes(stp_selection* s, const stp_select_entry* top, bool replaced,
+                                     double to, bool* here)
+{
+    size_t base = s->stack_count;
+    stp_result result = stp_select_push(s, top);
+    *here = true;
+    while (s->stack_count > base && result == STP_OK) {
+        stp_select_entry at = s->list->stack[--s->stack_count];
+        const stp_store_node* node = &s->directory->nodes[at.node];
+        stp_boxd box = stp_select_place_box(&at.transform, &node->bounds);
+        stp_box_visibility sight;
+        result = stp_select_count_visit(s);
+        if (result != STP_OK || (!replaced && !s->graph->others[at.node]) ||
+            !stp_select_is_in_view(s, &box, &sight) ||
+            !(stp_level_switch_share(to, sight.range.near) > 0.0)) {
+            continue;
+        }
+        for (uint32_t i = 0; i < node->part_count; ++i) {
+            stp_store_part part = s->directory->parts[node->first_part + i];
+            box = stp_select_part_box(s, part, &at.transform);
+            if (stp_select_replaces_part(s, part) == replaced &&
+                stp_select_is_in_view(s, &box, &sight) &&
+                stp_level_switch_share(to, sight.range.near) > 0.0) {
+                *here = stp_select_request_part(s, part, &at, &sight) && *here;
+            }
+        }
+        result = push_children(s, &at);
+    }
+    s->stack_count = base;
+    return result;
+}
+
+/// Requests the visible parts of a node, or the levels that stand for all below it, and pushes its
+/// children except moving ones. Clears `*ready` if any of it is not resident.
+static stp_result request_below(stp_selection* s, const stp_select_entry* at, bool* ready)
+{
+    const stp_store_directory* directory = s->directory;
+    const stp_store_node* node = &directory->nodes[at->node];
+    bool here = false;
+    if (stp_select_request_levels(s, at, &here)) {
+        bool others = true;
+        stp_result result = stp_select_request_meshes(s, at, false, HUGE_VAL, &others);
+        *ready = *ready && here && others;
+        return result;
+    }
+    for (uint32_t i = 0; i < node->part_count; ++i) {
+        stp_store_part part = directory->parts[node->first_part + i];
+        stp_boxd box = stp_select_part_box(s, part, &at->transform);
+        stp_box_visibility sight;
+        if (stp_select_is_in_view(s, &box, &sight)) {
+            bool loaded = stp_select_request_part(s, part, at, &sight);
+            *ready = *ready && loaded;
+        }
+    }
+    return push_children(s, at);
 }
 
 /// Whether everything visible below a node is resident. Requests what is missing.

@@ -34,8 +34,9 @@ static bool is_complete(const stp_store_node* node, const stp_splats* splats)
 
 double stp_select_reach(const stp_selection* s, uint32_t node)
 {
-    return s->graph->reaches[node] *
-           fmin((double)s->graph->early_switches[node], stp_select_early_switch(s->quality));
+    double own = s->graph->reaches[node] *
+                 fmin((double)s->graph->early_switches[node], stp_select_early_switch(s->quality));
+    return s->draws_levels ? fmax(own, (double)s->graph->opens_below[node]) : own;
 }
 
 /// The wanted coverage radius at depth 1, in node units; 0: none.
@@ -87,6 +88,15 @@ uint32_t stp_select_coarse_method(const stp_store_directory* directory, const st
         found = directory->methods[i].id == STP_METHOD_PSP ? i : found;
     }
     return found;
+}
+
+bool stp_select_draws_levels(const stp_selection* s)
+{
+    const stp_quality* q = s->quality;
+    return s->directory->level_count > 0 && q->method == 0 && !q->reference && !q->splats_only &&
+           !q->nodes_only && q->splat_count == 0 && q->policy == STP_POLICY_INSERTION &&
+           (s->directory->method_count == 0 ||
+            s->directory->methods[s->method].id == STP_METHOD_BLUE);
 }
 
 void stp_select_choose_coarse(stp_selection* s, const stp_select_entry* at,

@@ -30,6 +30,7 @@ static stp_result begin(stp_selection* s, stp_context* context, stp_store* store
     bool has_methods = s->directory->method_count != 0;
     s->rule = stp_select_rule_of(has_methods ? s->directory->methods[s->method].id : 0);
     s->coarse_method = stp_select_coarse_method(s->directory, quality);
+    s->draws_levels = stp_select_draws_levels(s);
     list->hidden_count = 0;
     list->mixes =
         s->directory->point_set_count > 0 || (s->directory->set_count > 0 && !quality->reference);
@@ -74,6 +75,7 @@ stp_result stp_select(stp_context* context, stp_store* store, const stp_view* vi
         .sections = stp_sections_all(&view->sections),
         .shown = quality->visibility != NULL ? stp_visibility_root(quality->visibility) : STP_SHOW,
         .ancestor_switch_depth = HUGE_VAL,
+        .level_depth = HUGE_VAL,
         .covered = HUGE_VAL,
         .eager = 1.0,
         .transform = stp_affine_identity()};

@@ -96,6 +96,12 @@ typedef struct stp_draw_item {
     uint32_t split_count;
     float shape_scale; ///< factor on radii of splats with shapes; 0: 1
     bool scattered;    ///< its runs begin and end anywhere, and share one depth range
+    /// Mesh: a level (stp_store_directory.levels), of which each cluster is drawn where the allowed
+    /// error, by level_per_depth and level_min, is between those of its groups, and its farthest
+    /// depth is at least level_from.
+    bool is_level;
+    uint32_t level;
+    float level_from;
     /// Mesh: draws triangles whose level (store/sets/large_triangles.h) is at least the item's level at
     /// their nearest corner. Such items follow the item of the set beside which they are drawn.
     bool large;

@@ -23,6 +23,10 @@
 /// Limit on the work of a node in its level switch, relative to the more expensive of the two levels.
 #define STP_LEVEL_SWITCH_WORK 1.2
 
+/// Error of levels of triangles that goes with splats of one pixel, in pixels. It is a sum of root mean
+/// squares; less than that shows.
+#define STP_LEVEL_ERROR 0.7
+
 /// Maximum and default of stp_quality.early_switch.
 #define STP_EARLY_SWITCH_MAX 8.0
 
@@ -40,6 +44,8 @@ typedef struct stp_select_entry {
     uint32_t sections;            ///< bits of section planes that may cut it
     uint32_t shown;               ///< state of its visibility
     double ancestor_switch_depth; ///< beyond it an ancestor's splats suffice
+    /// Beyond it an ancestor's levels stand for opaque triangles; infinite: no ancestor has any
+    double level_depth;
     double covered; ///< coverage radius of the nearest ancestor's set, scene units; infinite: none
     double eager;   ///< factor on the loading priority of the content below
     stp_affine transform;
@@ -60,6 +66,10 @@ typedef struct stp_select_graph {
     uint8_t* repeated;     ///< per part, one bit: whether its node listed it before
     bool* has_sets;        ///< it or a node below it has a set
     uint32_t* maximum;     ///< splats available in its set; 0: not known yet
+    bool* others;          ///< whether there is anything below that levels do not replace
+    float* level_floors;   ///< error from which its levels replace its originals; 0: it has none
+    float* opens_below; ///< splats of a smaller radius take more work than what is below; 0: none
+    float* level_overhangs; ///< how far spheres of their groups reach beyond its box
 } stp_select_graph;
 
 enum { STP_NODE_MOVES = 1, STP_MOVES_BELOW = 2 };
@@ -82,7 +92,8 @@ typedef struct stp_selection {
     size_t cut_count;   ///< states used in this call, from the list's cache
     size_t share_count; ///< sets registered for a splat count
     bool second_pass;
-    bool streams; ///< streaming: draws resident data, and requests the rest
+    bool draws_levels; ///< nodes that have levels are drawn by these
+    bool streams;      ///< streaming: draws resident data, and requests the rest
 } stp_selection;
 
 /// Depths between which a box is seen; both 1 in parallel projection.
@@ -150,6 +161,43 @@ void stp_select_cover(const stp_selection* s, const stp_splats* splats,
 /// Limits the use of a node's splats to resident data, and requests what is missing.
 STP_MUST_USE stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
                                              const stp_box_visibility* sight, stp_set_use* use);
+
+/// Requests a level of a node. @param error  that shows without it, node units. @return whether it is
+/// resident
+bool stp_select_request_level(stp_selection* s, const stp_select_entry* at,
+                              const stp_box_visibility* sight, uint32_t mesh, double error);
+
+// Levels of triangles (triangle_levels.c).
+
+/// How a node's levels are used.
+typedef struct stp_levels_use {
+    double per_depth;         ///< allowed error at depth 1, node units
+    double nearest, farthest; ///< allowed errors at the nearest and farthest depth
+    double floor;             ///< least error that loaded levels can show
+    double originals_to;      ///< depth up to which originals are drawn
+} stp_levels_use;
+
+/// Whether a view draws levels at all.
+bool stp_select_draws_levels(const stp_selection* s);
+/// Draws the levels of a node, if it has any and they look like the originals in this view: appends
+/// their items, and sets the entry's level_depth.
+STP_MUST_USE stp_result stp_select_use_levels(stp_selection* s, stp_select_entry* at,
+                                              const stp_box_visibility* sight);
+/// Requests the levels of a node. @return whether the node is drawn by levels, once they are
+/// resident; `*here`: whether they are, finely enough
+bool stp_select_request_levels(stp_selection* s, const stp_select_entry* at, bool* here);
+/// Requests the visible meshes of a node and all below it that levels replace, or the other parts,
+/// up to a depth. @param here  receives whether all are resident
+STP_MUST_USE stp_result stp_select_request_meshes(stp_selection* s, const stp_select_entry* at,
+                                                  bool replaced, double to, bool* here);
+/// Whether the levels of its node stand for a part.
+bool stp_select_replaces_part(const stp_selection* s, stp_store_part part);
+/// Fills level_floors and level_overhangs.
+void stp_select_find_levels(const stp_selection* s, stp_select_graph* graph);
+
+/// Fills opens_below, once level_floors are known. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_select_find_level_works(const stp_selection* s,
+                                                    stp_select_graph* graph);
 
 /// Whether there are only points below a node. Sets of `blue` and `stochastic` then have original
 /// points as splats.

@@ -165,6 +165,14 @@ static uint32_t show_below(const stp_selection* s, const stp_select_entry* at, u
                : at->shown;
 }
 
+/// The depth beyond which a part is not drawn, because something of an ancestor stands for it.
+static double switch_depth_of(const stp_selection* s, stp_store_part part,
+                              const stp_select_entry* at)
+{
+    bool leveled = at->level_depth < HUGE_VAL && stp_select_replaces_part(s, part);
+    return leveled ? fmin(at->ancestor_switch_depth, at->level_depth) : at->ancestor_switch_depth;
+}
+
 static stp_result open_node(stp_selection* s, const stp_select_entry* at)
 {
     const stp_store_directory* directory = s->directory;
@@ -173,9 +181,12 @@ static stp_result open_node(stp_selection* s, const stp_select_entry* at)
     bool mixed = stp_show_of(at->shown) == STP_SHOW_MIXED;
     for (uint32_t i = 0; i < node->part_count && !at->moving_only && result == STP_OK; ++i) {
         uint32_t k = node->first_part + i;
+        stp_store_part part = directory->parts[k];
         bool repeated = (s->graph->repeated[k / 8] >> k % 8 & 1) != 0;
         if (mixed || !repeated) { // drawing a part again would change no pixel
-            result = add_part(s, directory->parts[k], at, show_below(s, at, node->edge_count + i));
+            stp_select_entry own = *at;
+            own.ancestor_switch_depth = switch_depth_of(s, part, at);
+            result = add_part(s, part, &own, show_below(s, at, node->edge_count + i));
         }
     }
     for (uint32_t i = node->edge_count; i-- > 0 && result == STP_OK;) {
@@ -245,7 +256,7 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
     }
     if ((moving & STP_NODE_MOVES) != 0) { // no ancestor represents it
         at->moving_only = at->in_level_switch = false;
-        at->ancestor_switch_depth = at->covered = HUGE_VAL;
+        at->ancestor_switch_depth = at->level_depth = at->covered = HUGE_VAL;
         at->eager = 1.0;
     }
     s->list->node_count += 1;
@@ -269,7 +280,12 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
     if (result != STP_OK || hidden) {
         return result;
     }
-    if (may_use_set(s, at) && !s->quality->reference) {
+    bool leveled = at->level_depth < HUGE_VAL;
+    if (leveled && !s->graph->others[at->node] && (moving & STP_MOVES_BELOW) == 0 &&
+        !(stp_level_switch_share(at->level_depth, nearest) > 0.0)) {
+        return STP_OK;
+    }
+    if (may_use_set(s, at) && !s->quality->reference && !leveled) {
         stp_set_use use = stp_select_choose_use(s, at, &sight);
         result = s->streams ? stp_select_limit_use(s, at, &sight, &use) : STP_OK;
         if (use.count > 0 && result == STP_OK) {
@@ -289,7 +305,10 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
     if (result != STP_OK || (at->moving_only && (moving & STP_MOVES_BELOW) == 0)) {
         return result;
     }
-    return open_node(s, at);
+    if (!at->moving_only && !leveled) {
+        result = stp_select_use_levels(s, at, &sight);
+    }
+    return result == STP_OK ? open_node(s, at) : result;
 }
 
 stp_result stp_select_traverse(stp_selection* s)

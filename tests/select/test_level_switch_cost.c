@@ -218,6 +218,7 @@ static stp_store* open_model(stp_context* context, uint32_t uses)
                            .input_count = 1,
                            .output = path,
                            .threshold = 1000,
+                           .no_levels = true,
                            .generate = generate_model,
                            .generate_user = &uses};
     stp_store* store = NULL;
