@@ -4,7 +4,7 @@
 usage: demo.py STIPPLE FOLDER MODEL [--alone]
 
 Builds MODEL and, without --alone (MODEL is then a GLB), a plant of 1,200 copies. Flies through it,
-prints splats and triangles side by side, and writes FOLDER/sheet.png.
+prints figures within the budget and of all triangles side by side, and writes FOLDER/sheet.png.
 """
 import json
 import math
@@ -78,7 +78,7 @@ def print_table(flown):
     (splats, splat_bytes), (triangles, triangle_bytes) = flown["splats"], flown["triangles"]
     ratios = sorted(q["ratio"] for q in splats["quality"])
     rows = (
-        ("", f"splats, {BUDGET_MS} ms budget", "all triangles"),
+        ("", f"{BUDGET_MS} ms budget", "all triangles"),
         ("frame time, median", f"{splats['frame_ms']['p50']:.1f} ms", f"{triangles['frame_ms']['p50']:,.1f} ms"),
         ("frame time, longest", f"{splats['frame_ms']['max']:.1f} ms", f"{triangles['frame_ms']['max']:,.1f} ms"),
         ("splats per frame", number(splats["splats"]["p50"]), "0"),
@@ -116,7 +116,7 @@ def draw_view(stipple, scene, options, name, folder):
     splats, _ = run([*shared, "-o", ours, "--budget-ms", str(BUDGET_MS)])
     triangles, _ = run([*shared, "-o", truth, "--reference"])
     alike, _ = run([stipple, "compare", ours, truth, "--difference", difference, "--json"])
-    return [f"{ours}=splats: {splats['frame_ms']:.0f} ms",
+    return [f"{ours}=within {BUDGET_MS} ms: {splats['frame_ms']:.0f} ms",
             f"{truth}={number(triangles['triangles'])} triangles: {triangles['frame_ms']:,.0f} ms",
             f"{difference}=difference: SSIM {alike['ssim']:.3f}"]
 
@@ -153,7 +153,7 @@ def main():
     note("drawing the contact sheet")
     cells += ["/", *draw_view(stipple, scene, key_of(flight, 0.25), "far", folder)]
     cells += ["/", *draw_view(stipple, scene, key_of(flight, 0.75), "near", folder)]
-    cells += [f"{folder}/fly-splats.json=splats within {BUDGET_MS} ms", f"{folder}/fly-triangles.json=all triangles"]
+    cells += [f"{folder}/fly-splats.json=within {BUDGET_MS} ms", f"{folder}/fly-triangles.json=all triangles"]
     run([stipple, "sheet", *cells, "-o", folder / "sheet.png", "--title", title, "--columns", "3", "--width", "520"])
     print(f"contact sheet          {folder}/sheet.png\nlook around            {stipple} view {scene}")
 
