@@ -20,7 +20,7 @@ static struct {
     int order, error, metric, up, unit;
     uint64_t samples, interval, surfels, threshold, resolution, directions, threads, memory, seed,
         color_threshold;
-    int progress, capture;
+    int progress, capture, levels;
     double leaf_flatness;
     uint64_t leaf_points, leaf_sample, leaf_scales, leaf_neighbors, normal_neighbors;
     bool leaf_points_given, leaf_flatness_given, leaf_sample_given, leaf_scales_given,
@@ -130,6 +130,13 @@ static const option table[] = {
      .help = "what upper nodes capture: their children's splats where these are dense "
              "enough (default), or always the triangles",
      .value = &args.capture,
+     .rare = true},
+    {.name = "levels",
+     .type = OPTION_CHOICE,
+     .words = "on|off",
+     .help = "simplified triangles of dense parts, which views draw instead of splats where they "
+             "take less work; off: the file is smaller and built sooner; default on",
+     .value = &args.levels,
      .rare = true},
     {.name = "resolution",
      .type = OPTION_COUNT,
@@ -281,6 +288,9 @@ static char* parameters_json(void)
                                       json_integer((json_int_t)counts[i].value));
         }
     }
+    if (args.levels == 1) {
+        (void)json_object_set_new(json, "levels", json_string("off"));
+    }
     if (args.error_given) {
         (void)json_object_set_new(json, "error",
                                   json_string(args.error != 0 ? "qsplat" : "unified"));
@@ -326,6 +336,7 @@ static int build(stp_context* context, int argc, char** argv)
         .method_count = choose_methods(chosen),
         .method_options = stp_method_options_default(),
         .threshold = args.threshold_given && args.threshold == 0 ? 1 : args.threshold,
+        .no_levels = args.levels == 1,
         .from_triangles = args.capture == 1,
         .fresh = args.fresh,
         .memory_bytes = args.memory,
@@ -460,7 +471,8 @@ const command command_build = {
         "the same name, the later ones get a number: front, front-2.\n\n"
         "The build captures the visible surface from all around and orders surfels from it so "
         "that every prefix covers the whole surface evenly (Brandt et al. 2019). It keeps the "
-        "original triangles for close views.\n\n"
+        "original triangles for close views, and simplified ones of dense parts for those in "
+        "between.\n\n"
         "Reads directly: glTF 2.0 (.gltf, .glb; with Draco, meshopt, quantization, PNG, JPEG and "
         "WebP), OBJ, PLY, STL, point clouds (LAS 1.0 to 1.4, LAZ, COPC, E57, PTX, PTS, PCD and "
         "the text formats XYZ, TXT, CSV, ASC) and height tiles (.hgt). Reads through assimp: "

@@ -18,7 +18,7 @@ static void print_seconds(const stp_build_report* r)
     printf("  %-12s %.2f s (import %.2f, partition %.2f, capture %.2f, order %.2f, finish %.2f, "
            "methods %.2f, clusters %.2f, write %.2f)\n",
            "built in", r->total_s, r->import_s, r->partition_s, r->capture_s, r->order_s,
-           r->finish_s, r->methods_s, r->clusters_s, r->write_s);
+           r->finish_s, r->methods_s, r->clusters_s + r->levels_s, r->write_s);
     if (r->sets_found + r->meshes_found > 0) {
         printf("  %-12s %u of %u splat sets, %u of %u meshes\n", "unchanged", r->sets_found,
                r->sets_found + r->sets_made, r->meshes_found, r->meshes_found + r->meshes_made);

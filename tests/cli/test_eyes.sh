@@ -29,7 +29,7 @@ with open("ball.obj", "w") as out:
             p = [i * 2 * n + k, i * 2 * n + (k + 1) % (2 * n), (i + 1) * 2 * n + (k + 1) % (2 * n), (i + 1) * 2 * n + k]
             out.write("f " + " ".join(str(x + 1) for x in p) + "\n")
 END
-"$stipple" build ball.obj -o ball.stip -q || exit 1
+"$stipple" build ball.obj -o ball.stip --levels off -q || exit 1
 
 # each half is the view of an eye beside the centre
 near=(--target 0,0,0 --fov 40)

@@ -33,7 +33,7 @@ with open("ball.obj", "w") as out:
             p = [i * 2 * n + k, i * 2 * n + (k + 1) % (2 * n), (i + 1) * 2 * n + (k + 1) % (2 * n), (i + 1) * 2 * n + k]
             out.write("f " + " ".join(str(x + 1) for x in p) + "\n")
 END
-"$stipple" build ball.obj -o ball.stip -q || exit 1
+"$stipple" build ball.obj -o ball.stip --levels off -q || exit 1
 cat > flight.json << 'END'
 {"fov": 40, "fps": 4, "keys": [{"t": 1, "eye": [0, 1, 40], "target": [0, 0, 0]},
  {"t": 2, "eye": [9, 1, 8], "target": [0, 0, 0]}, {"t": 3.5, "eye": [4, -1, 0], "target": [0, 0, 0], "up": [0, 1, 0.2]}]}
