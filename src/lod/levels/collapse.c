@@ -5,6 +5,7 @@
 #include "lod/levels/plane_quadric.h"
 
 #include <assert.h>
+#include <float.h>
 #include <string.h>
 
 #define NONE UINT32_MAX
@@ -38,6 +39,7 @@ typedef struct collapser {
     uint32_t triangles, vertices; ///< left
     uint32_t collapses;
     double worst;
+    float too_dear; ///< no edge of a higher cost is collapsed
 } collapser;
 
 static bool is_locked(const collapser* c, uint32_t vertex)
@@ -140,6 +142,9 @@ static bool offer(collapser* c, uint32_t a, uint32_t b)
         return true;
     }
     float cost = (float)choose_place(c, from, to, &place);
+    if (cost > c->too_dear) {
+        return true; // it is offered again if an end changes
+    }
     return push(c, (candidate){cost, from, to, c->stamps[from] + c->stamps[to]});
 }
 
@@ -513,6 +518,7 @@ stp_result stp_collapse(stp_context* context, stp_collapse_mesh* mesh,
     assert(desc->border_weight >= 0.0 && desc->least_cosine <= 1.0 && desc->error_limit >= 0.0);
     assert(mesh->triangle_count <= UINT32_MAX / 3);
     *error = 0.0;
+    c.too_dear = (float)fmin(desc->error_limit * desc->error_limit * (1.0 + 1e-5), (double)FLT_MAX);
     for (uint32_t i = 0; mesh->merged != NULL && i < mesh->vertex_count; ++i) {
         mesh->merged[i] = i;
     }
