@@ -43,7 +43,10 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 // If no size meets the goal: accepted time above the fastest size's, so that splats do not grow for
 // a negligible gain.
 #define LITTLE_GAIN 0.05
-#define HOPELESS 0.1 // applies in full if the fastest size misses the goal by this share
+#define STEP 1.25         // factor on the size that must
+#define STEP_SAVES 1.03   // save this factor of the time,
+#define LEAST_LIMITED 3.0 // above this size
+#define HOPELESS 0.1      // applies in full if the fastest size misses the goal by this share
 #define TREND_FOLLOWS 0.5
 #define MAX_LATE 0.4 // logarithm: a larger difference means a different place
 
@@ -202,6 +205,11 @@ static double solve_size(const stp_budget* b, double goal)
     for (int i = 0; i < 24; ++i) {
         double middle = 0.5 * (low + high);
         *(stp_budget_predict(b, middle) > goal ? &low : &high) = middle;
+    }
+    // never a coarser picture that is hardly cheaper
+    while (high > LEAST_LIMITED &&
+           stp_budget_predict(b, high / STEP) < STEP_SAVES * stp_budget_predict(b, high)) {
+        high /= STEP;
     }
     return high;
 }

@@ -209,6 +209,26 @@ void test_budget_prediction_holds_where_views_come_and_go(test_state* test)
     }
 }
 
+// 500,000 triangles that depend little on the size, and a floor of pixels: sizes above 3 save 1 ms.
+void test_budget_prediction_is_not_coarse_for_little(test_state* test)
+{
+    stp_budget b;
+    stp_budget_init(&b, STP_CONTROLLER_PREDICT, 33.0);
+    float size = 0.0f;
+    for (int frame = 0; frame < 200; ++frame) {
+        size = stp_budget_splat_size(&b);
+        double part = pow(1.0 / (double)size, 0.06);
+        stp_frame_cost cost = {.splat_size = size,
+                               .triangles = (uint64_t)(500000.0 * part),
+                               .covered_pixels = 700000,
+                               .fragments = 5000000,
+                               .draw_calls = 1000,
+                               .milliseconds = 26.0 + 10.0 * part};
+        stp_budget_update(&b, &cost);
+    }
+    CHECK(size < 4.0f); // 24 pixels would save a tenth of the time
+}
+
 void test_budget_prediction_takes_what_the_coarsest_saves(test_state* test)
 {
     // 24 pixels meet the budget, 16 exceed it by a twentieth
