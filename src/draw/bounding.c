@@ -48,26 +48,25 @@ bool stp_bounding_misses(const stp_bounding* bounding, stp_box box)
     return outside;
 }
 
-float stp_bounding_max_depth(const stp_bounding* bounding, stp_box box)
+/// Depth of the corner of a box that is nearest, or farthest.
+static float depth_of_corner(const stp_bounding* bounding, stp_box box, bool farthest)
 {
     const float* w = bounding->depth;
     const float low[3] = {box.min.x, box.min.y, box.min.z};
     const float high[3] = {box.max.x, box.max.y, box.max.z};
     float depth = w[3];
     for (int c = 0; c < 3; ++c) {
-        depth += w[c] * ((w[c] > 0.0f ? high[c] : low[c]) - bounding->shift[c]);
+        depth += w[c] * (((w[c] > 0.0f) == farthest ? high[c] : low[c]) - bounding->shift[c]);
     }
     return depth;
 }
 
 float stp_bounding_min_depth(const stp_bounding* bounding, stp_box box)
 {
-    const float* w = bounding->depth;
-    const float low[3] = {box.min.x, box.min.y, box.min.z};
-    const float high[3] = {box.max.x, box.max.y, box.max.z};
-    float depth = w[3];
-    for (int c = 0; c < 3; ++c) {
-        depth += w[c] * ((w[c] > 0.0f ? low[c] : high[c]) - bounding->shift[c]);
-    }
-    return depth;
+    return depth_of_corner(bounding, box, false);
+}
+
+float stp_bounding_max_depth(const stp_bounding* bounding, stp_box box)
+{
+    return depth_of_corner(bounding, box, true);
 }
