@@ -104,7 +104,6 @@ static bool open_levels(const unsigned char* bytes, size_t size, stp_stored_leve
     levels->groups = bytes + HEAD;
     levels->clusters = bytes + clusters_at(levels->group_count);
     levels->levels = bytes + at;
-    levels->end = bytes + size;
     return at <= size && LEVEL * (size_t)levels->level_count <= size - at && is_valid(levels, size);
 }
 

@@ -13,7 +13,7 @@
 typedef struct stp_stored_levels {
     uint32_t level_count, group_count, cluster_count;
     bool from_outside;
-    const unsigned char *groups, *clusters, *levels, *end;
+    const unsigned char *groups, *clusters, *levels;
 } stp_stored_levels;
 
 /// One of its levels.

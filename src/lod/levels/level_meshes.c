@@ -14,10 +14,11 @@
 #define COVERAGE_STEP 3.0   // factor on the error between comparisons of what is covered
 #define KEPT_COVERAGE 0.8   // of the pixels that finer mixtures cover, at least
 #define NUMBER_LIMIT 0x1p24 // of steps, from the origin
-#define FIRST_BLOCK                                                                                \
-    512 // triangles of the coarsest mesh; each further one is as large as all before
 
 enum { LEAST_PIXELS = 16, MOST_PIXELS = 256 }; // of pictures that are compared
+
+/// Triangles of the coarsest mesh; each further one is as large as all before.
+enum { FIRST_BLOCK = 512 };
 
 enum { SHADINGS = 256, SLOTS = 1024, VERTICES = 256 };
 
@@ -136,7 +137,7 @@ static stp_result collect_drawn(const exporter* e, double error, uint32_t** indi
     }
     for (uint32_t i = 0; i < g->cluster_count; ++i) {
         const stp_level_cluster* c = &g->clusters[i];
-        if (made_error(g, i) > error || used_error(g, i) <= error) {
+        if (!stp_level_is_drawn(g, i, error, error)) {
             continue;
         }
         memcpy(*indices + 3 * (size_t)*count, g->indices + 3 * (size_t)c->first_triangle,
@@ -146,7 +147,7 @@ static stp_result collect_drawn(const exporter* e, double error, uint32_t** indi
     return STP_OK;
 }
 
-/// Pixels that the mixture for an error covers, where this error is about a pixel.
+/// Pixels that the mixture for an error covers, in pictures of a resolution.
 static stp_result count_covered(const exporter* e, double error, stp_box box, uint32_t resolution,
                                 uint64_t* covered)
 {

@@ -2,7 +2,6 @@
 #include "lod/levels/node_levels.h"
 
 #include "base/io/hash.h"
-#include "base/math/color.h"
 #include "lod/levels/mesh_edges.h"
 
 #include <assert.h>
