@@ -5,6 +5,7 @@
 
 #include "builder/build_scene.h"
 #include "draw/gl/gl_renderer.h"
+#include "lod/support_level_shapes.h"
 #include "scene/scene.h"
 
 #include <math.h>
@@ -12,42 +13,19 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { AROUND = 140, ACROSS = 70, VERTICES = AROUND * ACROSS, TRIANGLES = 2 * VERTICES };
-
-/// A closed torus of radii 1 and 0.4 with small waves.
-static void fill_torus(float* positions, uint32_t* indices)
-{
-    for (uint32_t i = 0; i < AROUND; ++i) {
-        for (uint32_t k = 0; k < ACROSS; ++k) {
-            double a = 2.0 * STP_PI * i / AROUND, b = 2.0 * STP_PI * k / ACROSS;
-            double thick = 0.4 + 0.01 * sin(9.0 * a) * cos(5.0 * b), wide = 1.0 + thick * cos(b);
-            float* p = positions + 3 * (size_t)(i * ACROSS + k);
-            p[0] = (float)(wide * cos(a));
-            p[1] = (float)(thick * sin(b));
-            p[2] = (float)(wide * sin(a));
-            uint32_t v[4] = {i * ACROSS + k, (i + 1) % AROUND * ACROSS + k,
-                             i * ACROSS + (k + 1) % ACROSS,
-                             (i + 1) % AROUND * ACROSS + (k + 1) % ACROSS};
-            const uint32_t two[6] = {v[0], v[2], v[1], v[1], v[2], v[3]};
-            memcpy(indices + 6 * (size_t)(i * ACROSS + k), two, sizeof(two));
-        }
-    }
-}
+enum { AROUND = 140, ACROSS = 70 };
 
 /// Two tori: one turned, the other mirrored.
 static stp_result generate(stp_scene* scene, const char* name, void* user)
 {
     (void)name;
     (void)user;
-    stp_mesh mesh = {.vertex_count = VERTICES, .triangle_count = TRIANGLES};
-    mesh.positions = STP_NEW_ARRAY(scene->context, float, 3 * (size_t)VERTICES);
-    mesh.indices = STP_NEW_ARRAY(scene->context, uint32_t, 3 * (size_t)TRIANGLES);
+    stp_mesh mesh = level_torus(scene->context, AROUND, ACROSS, 1.0, 0.4);
     if (mesh.positions == NULL || mesh.indices == NULL) {
         stp_free(scene->context, mesh.positions);
         stp_free(scene->context, mesh.indices);
         return stp_fail_memory(scene->context);
     }
-    fill_torus(mesh.positions, mesh.indices);
     stp_result result = stp_scene_add_mesh(scene, &mesh, NULL);
     for (int i = 0; i < 2 && result == STP_OK; ++i) {
         stp_object object = {.name = "torus", .parent = STP_NONE};
