@@ -135,7 +135,7 @@ static const option table[] = {
      .type = OPTION_CHOICE,
      .words = "on|off",
      .help = "simplified triangles of dense parts, which views draw instead of splats where they "
-             "take less work; off: the file is smaller and built sooner; default on",
+             "show more for the work; off: the file is smaller and built sooner; default on",
      .value = &args.levels,
      .rare = true},
     {.name = "resolution",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// When it takes less work to open a node, whose content has levels of triangles, than to draw its
-// own splats: a property of the node, found once.
+// When it pays to open a node, whose content has levels of triangles, instead of drawing its own
+// splats: a property of the node, found once.
 //
 // For an allowed error, a node can be drawn by a prefix of its splats, or by its parts and children.
 // The work of the cheaper of both is kept for errors from the node's size down, in powers of two.
@@ -113,7 +113,8 @@ static double find_splats(const finder* f, uint32_t index, double error)
                                             &splats->table, (float)fmin(radius, (double)FLT_MAX));
 }
 
-/// Fills the works of a node. @return the largest error below which opening always takes less
+/// Fills the works of a node. @return the largest error below which opening always takes less than
+/// PREFERENCE times the work of splats
 static double find_node(const finder* f, uint32_t index)
 {
     double error = f->sizes[index], opens = 0.0;

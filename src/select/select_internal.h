@@ -68,7 +68,7 @@ typedef struct stp_select_graph {
     uint32_t* maximum;     ///< splats available in its set; 0: not known yet
     bool* others;          ///< whether there is anything below that levels do not replace
     float* level_floors;   ///< error from which its levels replace its originals; 0: it has none
-    float* opens_below; ///< splats of a smaller radius take more work than what is below; 0: none
+    float* opens_below; ///< levels below are drawn instead of splats of a smaller radius; 0: none
     float* level_overhangs; ///< how far spheres of their groups reach beyond its box
 } stp_select_graph;
 

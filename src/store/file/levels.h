@@ -2,7 +2,7 @@
 //
 // Levels: simplified triangles of a node, as a graph of clusters that can be mixed without cracks
 // (src/lod/levels/level_graph.h). A level is stored as a mesh of clusters. It is no part of any
-// node: it stands for the originals of its node and of all nodes below.
+// node: it stands for the opaque meshes of its node and of all nodes below.
 #pragma once
 
 #include <stdint.h>
