@@ -184,20 +184,22 @@ static stp_result draw(frame_maker* maker, const stp_view* view, const stp_quali
         stp_residency_get_stats(maker->residency, &loaded);
         missing = loaded.missing;
     }
-    *figures = (frame_figures){.frame_ms = stp_clock_ms() - start,
-                               .missing = missing,
-                               .select_ms = stats->select_ms,
-                               .draw_ms = stats->draw_ms,
-                               .shade_ms = stats->shade_ms,
-                               .splat_size = maker->list.splat_size,
-                               .splats = stats->splats,
-                               .triangles = stats->triangles,
-                               .fragments = stats->fragments,
-                               .covered_pixels = stats->covered_pixels,
-                               .extra_splats = eyes * maker->list.extra_splats,
-                               .nodes = maker->list.node_count,
-                               .draw_calls = stats->draw_calls,
-                               .layers = stats->layers};
+    *figures =
+        (frame_figures){.frame_ms = stp_clock_ms() - start,
+                        .missing = missing,
+                        .select_ms = stats->select_ms,
+                        .draw_ms = stats->draw_ms,
+                        .shade_ms = stats->shade_ms,
+                        .effect_ms = style->ambient_occlusion > 0.0f ? stats->effect_ms : 0.0,
+                        .splat_size = maker->list.splat_size,
+                        .splats = stats->splats,
+                        .triangles = stats->triangles,
+                        .fragments = stats->fragments,
+                        .covered_pixels = stats->covered_pixels,
+                        .extra_splats = eyes * maker->list.extra_splats,
+                        .nodes = maker->list.node_count,
+                        .draw_calls = stats->draw_calls,
+                        .layers = stats->layers};
     for (size_t i = 0; i < maker->list.count; ++i) {
         figures->clusters += maker->list.items[i].kind == STP_DRAW_MESH ? eyes : 0;
     }
@@ -264,7 +266,8 @@ stp_frame_cost frame_cost(const frame_figures* figures)
                             .triangles = figures->triangles,
                             .covered_pixels = figures->covered_pixels,
                             .draw_calls = (uint32_t)figures->draw_calls,
-                            .splat_size = figures->splat_size};
+                            .splat_size = figures->splat_size,
+                            .effect_ms = figures->effect_ms};
 }
 
 stp_result frame_settle(frame_maker* maker, const stp_view* view, stp_budget* budget,
@@ -273,6 +276,7 @@ stp_result frame_settle(frame_maker* maker, const stp_view* view, stp_budget* bu
     frame_figures figures;
     double start = stp_clock_ms();
     int steady = 0;
+    float occlusion = maker->style.ambient_occlusion;
     quality->splat_size = stp_budget_splat_size(budget);
     for (int i = 0; i < SETTLE_FRAMES && steady < STEADY_FRAMES &&
                     stp_clock_ms() - start < settle_ms && !tool_is_interrupted();
@@ -285,8 +289,10 @@ stp_result frame_settle(frame_maker* maker, const stp_view* view, stp_budget* bu
         stp_budget_update(budget, &cost);
         float next = stp_budget_splat_size(budget);
         double change = fabs((double)next / (double)quality->splat_size - 1.0);
-        steady = change <= steady_change ? steady + 1 : 0;
+        bool decided = stp_budget_allows_effects(budget) || budget->calm_frames == 0;
+        steady = change <= steady_change && decided ? steady + 1 : 0;
         quality->splat_size = next;
+        maker->style.ambient_occlusion = stp_budget_allows_effects(budget) ? occlusion : 0.0f;
     }
     return STP_OK;
 }

@@ -10,7 +10,9 @@
 /// Figures and times of a frame.
 typedef struct frame_figures {
     double frame_ms, select_ms, draw_ms, shade_ms; ///< the first is select, draw and shade
-    float splat_size;                              ///< in effect
+    double effect_ms; ///< of ambient occlusion, by the CPU; 0: not drawn
+    float occlusion;  ///< radius of ambient occlusion that a frame of a flight was drawn with
+    float splat_size; ///< in effect
     uint64_t splats, triangles, fragments, covered_pixels;
     uint64_t extra_splats; ///< drawn while levels blend
     uint64_t clusters, nodes, draw_calls;
@@ -82,7 +84,8 @@ STP_MUST_USE stp_result frame_accumulate(frame_maker* maker, const stp_view* vie
                                          stp_image* image);
 
 /// Draws the view until the budget settles on a splat size; gives up after 150 frames, 20 seconds
-/// or an interrupt. Sets quality->splat_size.
+/// or an interrupt. Sets quality->splat_size, and removes ambient occlusion from the maker's style
+/// if the budget leaves it out.
 STP_MUST_USE stp_result frame_settle(frame_maker* maker, const stp_view* view, stp_budget* budget,
                                      stp_quality* quality, stp_image* image);
 

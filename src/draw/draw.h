@@ -98,6 +98,7 @@ static inline bool stp_draw_style_is_same(const stp_draw_style* a, const stp_dra
 typedef struct stp_draw_stats {
     double draw_ms, shade_ms;
     double select_ms; ///< time of selection, if the call selects
+    double effect_ms; ///< CPU: part of shade_ms that eye-dome lighting and ambient occlusion took
     uint64_t splats, triangles, fragments, covered_pixels;
     uint32_t draw_calls; ///< CPU: items drawn, for all eyes; OpenGL: draw calls of the last sample
     uint32_t samples;    ///< number of samples per pixel

@@ -122,7 +122,9 @@ static void update_budget(stp_painter* painter, const picture* p)
                            .triangles = p->stats.triangles,
                            .covered_pixels = p->stats.covered_pixels,
                            .draw_calls = p->stats.draw_calls,
-                           .splat_size = painter->list.splat_size};
+                           .splat_size = painter->list.splat_size,
+                           .effect_ms =
+                               p->style.ambient_occlusion > 0.0f ? p->stats.effect_ms : 0.0};
     assert(!painter->has_pending && "the previous picture's cost would be lost");
     if (painter->uses_gl && p->image == NULL) { // the GPU is still working
         painter->pending = cost;
@@ -296,13 +298,17 @@ stp_result stp_painter_draw(stp_painter* painter, const stp_view* view, const st
     p.accumulates = desc.accumulate;
     p.complete = desc.complete;
     p.quality.splat_size = choose_size(painter, desc.budget_ms, p.quality.splat_size);
+    bool budgeted = desc.budget_ms > 0.0 && !p.accumulates;
+    if (budgeted && !stp_budget_allows_effects(&painter->budget)) {
+        p.style.ambient_occlusion = 0.0f;
+    }
     painter->view.width = 0;
     result = draw_rows(&p, desc.stride);
     if (result != STP_OK) {
         return result;
     }
     painter->view = *view;
-    if (desc.budget_ms > 0.0 && !p.accumulates) {
+    if (budgeted) {
         update_budget(painter, &p);
     }
     if (report != NULL) {

@@ -47,6 +47,10 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 #define STEP_SAVES 1.03   // save this factor of the time,
 #define LEAST_LIMITED 3.0 // above this size
 #define HOPELESS 0.1      // applies in full if the fastest size misses the goal by this share
+#define EFFECT_SHARE 0.05 // effects that take less of the budget are never left out
+#define EFFECT_SIZE 1.5   // nor others while splats are at most this large
+#define EFFECT_ROOM 0.9   // share of the budget that they, with the finest splats, must fit
+#define EFFECT_FRAMES 15  // for so many frames, before they return
 #define TREND_FOLLOWS 0.5
 #define MAX_LATE 0.4 // logarithm: a larger difference means a different place
 
@@ -72,6 +76,11 @@ void stp_budget_init(stp_budget* budget, stp_controller controller, double budge
 float stp_budget_splat_size(const stp_budget* budget)
 {
     return budget->splat_size;
+}
+
+bool stp_budget_allows_effects(const stp_budget* budget)
+{
+    return !budget->without_effects;
 }
 
 static float clamp_size(double size, double maximum)
@@ -283,16 +292,39 @@ static double find_finest(stp_budget* b, double milliseconds, double goal)
                                      : fmin(steady, pow(slowest / goal, 1.0 / MAX_EXPONENT));
 }
 
+/// The part of the budget that the next frame's effects leave.
+static double time_for_detail(const stp_budget* b)
+{
+    double effects = b->without_effects ? 0.0 : b->effect_ms;
+    return fmax(b->budget_ms - effects, 0.25 * b->budget_ms);
+}
+
 // Largest factor on the last size. A model that is still wrong after a slow period must not enlarge
 // splats while frames are in time.
 static double find_coarsest(const stp_budget* b, double milliseconds)
 {
     double expected = milliseconds * exp(fmax(b->trend, 0.0));
     double late = OVERSHOOT * (1.0 + SIGMAS * fmin(b->scatter, MAX_SCATTER)) * expected;
-    return stp_clampd(late / b->budget_ms, 1.0, FASTEST_COARSER);
+    return stp_clampd(late / time_for_detail(b), 1.0, FASTEST_COARSER);
 }
 
-static void predict(stp_budget* b, const stp_frame_cost* cost)
+/// Leaves effects out while splats would be larger because of them. @param size  of splats for which
+/// there is time beside them, if they are drawn
+static void choose_effects(stp_budget* b, double size)
+{
+    if (!b->without_effects) {
+        bool dear = b->effect_ms > EFFECT_SHARE * b->budget_ms;
+        b->without_effects = dear && size > EFFECT_SIZE;
+        b->calm_frames = 0;
+        return;
+    }
+    double wanted = stp_budget_predict(b, (double)STP_SPLAT_SIZE_MIN) + b->effect_ms;
+    b->calm_frames = wanted <= EFFECT_ROOM * b->budget_ms ? b->calm_frames + 1 : 0;
+    b->without_effects = b->calm_frames < EFFECT_FRAMES;
+}
+
+/// `cost` is without effects. @return the size for which there is time, however large its change
+static double predict(stp_budget* b, const stp_frame_cost* cost)
 {
     double terms[STP_BUDGET_TERMS];
     list_terms(cost, terms);
@@ -303,12 +335,14 @@ static void predict(stp_budget* b, const stp_frame_cost* cost)
     b->last = *cost;
     double scatter = b->scatter < MAX_SCATTER ? b->scatter : MAX_SCATTER;
     double margin = OVERSHOOT / (1.0 + SIGMAS * 1.25 * scatter); // converts mean deviation to sigma
-    double goal = b->budget_ms * fmin(margin, 1.0) * exp(-fmax(b->trend, 0.0));
+    double goal = time_for_detail(b) * fmin(margin, 1.0) * exp(-fmax(b->trend, 0.0));
     double finer = find_finest(b, cost->milliseconds, goal);
     b->frames += 1;
-    double size = fmax(solve_size(b, goal), (double)cost->splat_size * finer);
+    double solved = solve_size(b, goal);
+    double size = fmax(solved, (double)cost->splat_size * finer);
     size = fmin(size, (double)cost->splat_size * find_coarsest(b, cost->milliseconds));
     b->splat_size = clamp_size(size, (double)STP_SPLAT_SIZE_COARSEST);
+    return solved;
 }
 
 void stp_budget_update(stp_budget* b, const stp_frame_cost* cost)
@@ -321,7 +355,12 @@ void stp_budget_update(stp_budget* b, const stp_frame_cost* cost)
         b->last = *cost;
         b->frames += 1;
     } else {
-        predict(b, cost);
+        stp_frame_cost own = *cost;
+        if (cost->effect_ms > 0.0 && cost->effect_ms < cost->milliseconds) {
+            own.milliseconds -= cost->effect_ms;
+            b->effect_ms = cost->effect_ms;
+        }
+        choose_effects(b, predict(b, &own));
     }
     assert(b->splat_size >= STP_SPLAT_SIZE_MIN && b->splat_size <= STP_SPLAT_SIZE_COARSEST);
 }

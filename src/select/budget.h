@@ -23,6 +23,7 @@ typedef struct stp_frame_cost {
     uint64_t splats, fragments, triangles, covered_pixels;
     uint32_t draw_calls;
     float splat_size; ///< as used
+    double effect_ms; ///< part of the time that effects took which may be left out; 0: none drawn
 } stp_frame_cost;
 
 enum {
@@ -51,6 +52,10 @@ typedef struct stp_budget {
     double ratios[STP_BUDGET_RATIOS]; ///< ratios of measured to expected time for a frame's counts
     /// Logarithms of the expected time for counts over the forecast
     double growth[STP_BUDGET_RATIOS];
+    // Effects: their time when they were last drawn (0: never), and whether they are left out
+    double effect_ms;
+    bool without_effects;
+    uint32_t calm_frames; ///< in a row that would have had time for them
 } stp_budget;
 
 /// `budget_ms` above 0.
@@ -59,6 +64,11 @@ void stp_budget_init(stp_budget* budget, stp_controller controller, double budge
 /// Size for the next frame: between STP_SPLAT_SIZE_MIN and STP_SPLAT_SIZE_MAX, or
 /// STP_SPLAT_SIZE_COARSEST.
 float stp_budget_splat_size(const stp_budget* budget);
+
+/// Whether the next frame may have effects (ambient occlusion): their time does not depend on the
+/// size of splats, so they are left out before splats grow. The paper's controller always allows
+/// them.
+bool stp_budget_allows_effects(const stp_budget* budget);
 
 /// Call after each frame. Ignores a frame whose time or splat size is not positive, or whose time
 /// is 10^9 ms or more.

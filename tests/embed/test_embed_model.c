@@ -388,3 +388,31 @@ void test_embed_checks_options(test_state* test)
     close_town(&town);
     CHECK(fault == NULL);
 }
+
+void test_embed_budget_leaves_ambient_occlusion_out(test_state* test)
+{
+    static uint8_t plain[PIXELS], dark[PIXELS], budgeted[PIXELS], resting[PIXELS];
+    const stp_paint_desc none = {.splat_size = 24.0f};
+    const stp_paint_desc occlusion = {.splat_size = 24.0f, .ambient_occlusion = 0.1f};
+    stp_paint_desc budget = {.budget_ms = 1e-6, .splat_size = 24.0f, .ambient_occlusion = 0.1f};
+    const stp_view view = embed_view();
+    opened_town town;
+    stp_painter* painter = NULL;
+    CHECK(open_town(&town, &(stp_model_desc){0}));
+    CHECK(embed_draw(town.model, &none, plain) == STP_OK);
+    CHECK(embed_draw(town.model, &occlusion, dark) == STP_OK);
+    CHECK_EQUAL(STP_OK, stp_painter_create(town.model, NULL, &painter));
+    for (int i = 0; i < 3; ++i) { // the first frame finds out what it takes
+        stp_image image = {.width = EMBED_SIDE, .height = EMBED_SIDE, .pixels = budgeted};
+        CHECK_EQUAL(STP_OK, stp_painter_draw(painter, &view, &budget, &image, NULL));
+    }
+    budget.accumulate = true;
+    budget.samples = 2;
+    stp_image image = {.width = EMBED_SIDE, .height = EMBED_SIDE, .pixels = resting};
+    CHECK_EQUAL(STP_OK, stp_painter_draw(painter, &view, &budget, &image, NULL));
+    stp_painter_destroy(painter);
+    close_town(&town);
+    CHECK(memcmp(plain, dark, sizeof(plain)) != 0);
+    CHECK_EQUAL(0, memcmp(plain, budgeted, sizeof(plain)));
+    CHECK(memcmp(plain, resting, sizeof(plain)) != 0);
+}

@@ -421,3 +421,79 @@ void test_budget_prediction_uses_the_time_at_the_start(test_state* test)
         CHECK(cost.milliseconds < 1.2 * 33.0);
     }
 }
+
+typedef struct effect_outcome {
+    double size, p95; ///< mean splat size; percentile of time over budget
+    int with, changes;
+} effect_outcome;
+
+/// Flies with effects of so many milliseconds, wherever the budget allows them.
+static effect_outcome fly_with_effects(const machine* m, double budget_ms, double effect_ms)
+{
+    static double times[FRAMES];
+    stp_budget budget;
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, budget_ms);
+    effect_outcome out = {0};
+    bool before = true;
+    size_t count = 0;
+    for (int i = 0; i < FRAMES; ++i) {
+        bool effects = stp_budget_allows_effects(&budget);
+        stp_frame_cost cost = run_frame(m, i, stp_budget_splat_size(&budget));
+        cost.effect_ms = effects ? effect_ms : 0.0;
+        cost.milliseconds += cost.effect_ms;
+        stp_budget_update(&budget, &cost);
+        out.changes += effects != before ? 1 : 0;
+        before = effects;
+        if (i >= WARM_UP) {
+            times[count++] = cost.milliseconds / budget_ms;
+            out.size += (double)cost.splat_size;
+            out.with += effects ? 1 : 0;
+        }
+    }
+    out.size /= (double)count;
+    qsort(times, count, sizeof(times[0]), compare_doubles);
+    out.p95 = times[count * 95 / 100];
+    return out;
+}
+
+void test_budget_leaves_effects_out_before_splats_grow(test_state* test)
+{
+    machine m = {.splats = 10.0, .triangles = 4.0, .swing = 0.3, .noise = 0.03, .slow = 1.0};
+    outcome without = fly(&m, STP_CONTROLLER_PREDICT, 40.0);
+    effect_outcome dear = fly_with_effects(&m, 40.0, 15.0);
+    CHECK(dear.with == 0 && dear.p95 <= 1.1);
+    CHECK(dear.size < 1.03 * without.size && dear.size > 1.3);
+    effect_outcome cheap = fly_with_effects(&m, 40.0, 1.0); // hardly any larger splats
+    CHECK(cheap.with == FRAMES - WARM_UP && cheap.p95 <= 1.1);
+    machine small = {.splats = 1.0, .triangles = 0.3, .swing = 0.2, .noise = 0.02, .slow = 1.0};
+    effect_outcome plenty = fly_with_effects(&small, 60.0, 15.0);
+    CHECK(plenty.with == FRAMES - WARM_UP && plenty.size < 1.01);
+}
+
+void test_budget_takes_effects_back_without_flicker(test_state* test)
+{
+    // content that grows threefold and shrinks again, in 600 frames
+    machine m = {.splats = 1.0,
+                 .triangles = 0.3,
+                 .noise = 0.03,
+                 .slow = 1.0,
+                 .rate = 2.2 / 300.0,
+                 .leg = 300};
+    effect_outcome o = fly_with_effects(&m, 40.0, 12.0);
+    CHECK(o.p95 <= 1.1);
+    CHECK(o.with > FRAMES / 5 && o.with < FRAMES * 4 / 5);
+    CHECK(o.changes >= 3 && o.changes <= 8);
+}
+
+void test_budget_of_the_paper_ignores_effects(test_state* test)
+{
+    stp_budget with, without;
+    stp_budget_init(&with, STP_CONTROLLER_PAPER, 20.0);
+    stp_budget_init(&without, STP_CONTROLLER_PAPER, 20.0);
+    stp_frame_cost cost = {.milliseconds = 50.0, .splats = 1000, .splat_size = 2.0f};
+    stp_budget_update(&without, &cost);
+    cost.effect_ms = 20.0;
+    stp_budget_update(&with, &cost);
+    CHECK(stp_budget_allows_effects(&with));
+    CHECK(stp_budget_splat_size(&with) == stp_budget_splat_size(&without));
+}

@@ -155,7 +155,8 @@ static void update_budget(painter* p, const paint_request* request, const paint_
                                .triangles = f->triangles,
                                .covered_pixels = f->covered_pixels,
                                .draw_calls = (uint32_t)f->draw_calls,
-                               .splat_size = f->splat_size};
+                               .splat_size = f->splat_size,
+                               .effect_ms = f->effect_ms};
         stp_budget_update(&p->scene->budgets[p->uses_gl], &cost);
     }
 }
@@ -246,6 +247,10 @@ static void paint(painter* p)
     bool accumulates = p->stage == STAGE_ACCUMULATES;
     float size = choose_size(p, &request);
     uint32_t texture = 0;
+    if (p->stage == STAGE_MOVES && request.budget_ms > 0.0 &&
+        !stp_budget_allows_effects(&p->scene->budgets[p->uses_gl])) {
+        request.style.ambient_occlusion = 0.0f;
+    }
     bool drawn = ready && draw(p, &request, size, accumulates, &texture, &figures);
     if (ready && p->gl_lost && p->uses_gl) {
         on_log(STP_LOG_WARNING, "The OpenGL context was lost; using the CPU renderer from now on",

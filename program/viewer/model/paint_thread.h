@@ -44,6 +44,7 @@ typedef struct paint_request {
 /// Figures of a picture.
 typedef struct paint_figures {
     double frame_ms, select_ms, draw_ms, shade_ms;
+    double effect_ms; ///< of ambient occlusion, by the CPU; 0: not drawn
     /// Part of frame_ms spent on this frame: excludes GPU work for others in between.
     double work_ms;
     float splat_size;

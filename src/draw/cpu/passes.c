@@ -135,7 +135,7 @@ static bool is_any_hidden(const stp_cpu_renderer* r)
 }
 
 /// Shades the current eye's buffers into its picture.
-static stp_result finish_picture(stp_cpu_renderer* r)
+static stp_result finish_picture(stp_cpu_renderer* r, stp_draw_stats* stats)
 {
     bool blends = stp_cpu_has_filter(r->style) && r->splat_size > 0.0f;
     bool disks = r->style->splat_shape == STP_SPLAT_DISK; // squares have no planes
@@ -162,7 +162,9 @@ static stp_result finish_picture(stp_cpu_renderer* r)
         result = stp_cpu_put_caps(r);
     }
     if (result == STP_OK && stp_cpu_has_effects(r->style)) {
+        double start = stp_clock_ms();
         result = stp_cpu_apply_effects(r);
+        stats->effect_ms += stp_clock_ms() - start;
     }
     if (result == STP_OK && r->two_passes != NULL && !r->eye->made) {
         result = make_pyramid(r);
@@ -192,7 +194,7 @@ static stp_result draw_second_pass(stp_cpu_renderer* r, const stp_draw_list* lis
             result = result == STP_OK ? stp_cpu_draw_items(r, first_task) : result;
         }
         double drawn = stp_clock_ms();
-        result = result == STP_OK ? finish_picture(r) : result;
+        result = result == STP_OK ? finish_picture(r, stats) : result;
         stats->draw_ms += drawn - start;
         stats->shade_ms += stp_clock_ms() - drawn;
     }
