@@ -207,24 +207,24 @@ static bool is_border(const collapser* c, const uint32_t* corners, uint32_t coun
 /// Adds the borders, then offers every edge once. @return false if memory runs out
 static bool offer_edges(collapser* c)
 {
-    uint32_t count = 3 * c->mesh->triangle_count, ends[2];
-    uint32_t* order =
-        stp_sort_edges(c->context, c->corners, c->mesh->triangle_count, c->mesh->vertex_count);
-    bool good = order != NULL;
-    for (int pass = c->desc->border_weight > 0.0 ? 0 : 1; pass < 2 && good; ++pass) {
-        for (uint32_t i = 0, end; i < count && good; i = end) {
-            end = stp_edge_run(c->corners, order, i, count);
-            if (pass == 1) {
-                stp_edge_ends(c->corners, order[i], ends);
-                good = offer(c, ends[0], ends[1]);
-            } else if (is_border(c, order + i, end - i)) {
-                for (uint32_t k = i; k < end; ++k) {
-                    add_border(c, order[k]);
-                }
+    uint32_t ends[2];
+    stp_mesh_edges edges;
+    bool good = stp_mesh_edges_make(c->context, c->corners, c->mesh->triangle_count,
+                                    c->mesh->vertex_count, &edges);
+    bool holds_borders = good && c->desc->border_weight > 0.0;
+    for (uint32_t e = 0, i = 0; e < edges.count && holds_borders; ++e) {
+        bool border = is_border(c, edges.corners + i, edges.ends[e] - i);
+        for (; i < edges.ends[e]; ++i) {
+            if (border) {
+                add_border(c, edges.corners[i]);
             }
         }
     }
-    stp_free(c->context, order);
+    for (uint32_t e = 0; e < edges.count && good; ++e) {
+        stp_edge_ends(c->corners, edges.corners[edges.ends[e] - 1], ends);
+        good = offer(c, ends[0], ends[1]);
+    }
+    stp_mesh_edges_destroy(c->context, &edges);
     return good;
 }
 

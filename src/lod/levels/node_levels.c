@@ -169,23 +169,20 @@ static stp_result allocate(welded* w, uint32_t triangles, bool colors)
 /// Locks the ends of open edges: neighbouring pieces of the mesh end there.
 static stp_result lock_borders(welded* w)
 {
-    uint32_t count = 3 * w->triangle_count;
+    stp_mesh_edges edges;
+    bool good =
+        stp_mesh_edges_make(w->context, w->indices, w->triangle_count, w->vertex_count, &edges);
     w->locked = STP_NEW_ZEROED(w->context, uint8_t, (size_t)w->vertex_count + 1);
-    uint32_t* order = stp_sort_edges(w->context, w->indices, w->triangle_count, w->vertex_count);
-    if (w->locked == NULL || order == NULL) {
-        stp_free(w->context, order);
-        return stp_fail_memory(w->context);
-    }
-    for (uint32_t i = 0, end; i < count; i = end) {
+    good = good && w->locked != NULL;
+    for (uint32_t e = 0, begin = 0; e < edges.count && good; begin = edges.ends[e++]) {
         uint32_t ends[2];
-        end = stp_edge_run(w->indices, order, i, count);
-        stp_edge_ends(w->indices, order[i], ends);
-        if (end == i + 1) {
+        if (edges.ends[e] == begin + 1) {
+            stp_edge_ends(w->indices, edges.corners[begin], ends);
             w->locked[ends[0]] = w->locked[ends[1]] = 1;
         }
     }
-    stp_free(w->context, order);
-    return STP_OK;
+    stp_mesh_edges_destroy(w->context, &edges);
+    return good ? STP_OK : stp_fail_memory(w->context);
 }
 
 static stp_result weld_parts(welded* w, uint32_t triangles, const stp_capture_textures* textures)
