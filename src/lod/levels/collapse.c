@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/levels/collapse.h"
 
+#include "lod/levels/collapse_queue.h"
 #include "lod/levels/mesh_edges.h"
 #include "lod/levels/plane_quadric.h"
 
@@ -11,14 +12,9 @@
 #define NONE UINT32_MAX
 #define FARTHEST 2.0     // a place farther from the middle of an edge, in its lengths, is not used
 #define LOST_WEIGHT 0.25 // of the square of lost area, relative to the area around
-#define CREASE 0.5 // cosine: edges at which surfaces turn more than that are kept like borders
-#define TINY 1e-24 // squares of areas below this are zero
-
-/// An edge to be collapsed. It is out of date if a stamp of its ends has changed.
-typedef struct candidate {
-    float cost; ///< mean squared distance
-    uint32_t a, b, stamp;
-} candidate;
+#define CREASE 0.5     // cosine: edges at which surfaces turn more than that are kept like borders
+#define TINY_COST 1e-4 // of the limit: the better end of such an edge is good enough
+#define TINY 1e-24     // squares of areas below this are zero
 
 typedef struct collapser {
     stp_context* context;
@@ -34,62 +30,17 @@ typedef struct collapser {
     uint32_t* corners; ///< 3 per triangle
     uint8_t* gone;     ///< per triangle
     uint32_t* seen;    ///< per vertex: number of the collapse that offered its edge last
-    candidate* heap;
-    size_t heap_count, heap_capacity;
+    stp_collapse_queue queue;
     uint32_t triangles, vertices; ///< left
     uint32_t collapses;
     double worst;
     float too_dear; ///< no edge of a higher cost is collapsed
+    double tiny;    ///< cost that needs no better place
 } collapser;
 
 static bool is_locked(const collapser* c, uint32_t vertex)
 {
     return c->mesh->locked != NULL && c->mesh->locked[vertex] != 0;
-}
-
-// Total order, so that the result does not depend on the order of offers.
-static bool is_before(const candidate* x, const candidate* y)
-{
-    if (x->cost < y->cost || x->cost > y->cost) {
-        return x->cost < y->cost;
-    }
-    return x->a != y->a ? x->a < y->a : x->b < y->b;
-}
-
-static bool push(collapser* c, candidate item)
-{
-    if (!STP_MAKE_ROOM(c->context, c->heap, c->heap_capacity, c->heap_count + 1)) {
-        return false;
-    }
-    size_t at = c->heap_count++;
-    for (; at > 0 && is_before(&item, &c->heap[(at - 1) / 2]); at = (at - 1) / 2) {
-        c->heap[at] = c->heap[(at - 1) / 2];
-    }
-    c->heap[at] = item;
-    return true;
-}
-
-static candidate pop(collapser* c)
-{
-    assert(c->heap_count > 0);
-    candidate top = c->heap[0], item = c->heap[--c->heap_count];
-    size_t at = 0;
-    for (;;) {
-        size_t child = 2 * at + 1;
-        if (child >= c->heap_count) {
-            break;
-        }
-        if (child + 1 < c->heap_count && is_before(&c->heap[child + 1], &c->heap[child])) {
-            child += 1;
-        }
-        if (!is_before(&c->heap[child], &item)) {
-            break;
-        }
-        c->heap[at] = c->heap[child];
-        at = child;
-    }
-    c->heap[at] = item;
-    return top;
 }
 
 static stp_vec3d cross_of(const stp_vec3d p[3])
@@ -109,30 +60,33 @@ static double choose_place(const collapser* c, uint32_t a, uint32_t b, stp_vec3d
 {
     stp_plane_quadric sum = stp_plane_quadric_sum(&c->quadrics[a], &c->quadrics[b]);
     stp_vec3d pa = c->places[a], pb = c->places[b], best;
-    double error = stp_plane_quadric_error(&sum, pb);
+    double error = stp_plane_quadric_at(&sum, pb);
     *place = pb;
     assert(!is_locked(c, a));
     if (is_locked(c, b)) {
-        return error;
+        return stp_plane_quadric_mean(&sum, error);
     }
-    double other = stp_plane_quadric_error(&sum, pa);
+    double other = stp_plane_quadric_at(&sum, pa);
     if (other < error) {
         error = other;
         *place = pa;
     }
+    if (!(error > c->tiny * sum.weight)) {
+        return stp_plane_quadric_mean(&sum, error);
+    }
     stp_vec3d middle = stp_scaled(stp_addd(pa, pb), 0.5), edge = stp_subd(pb, pa);
     if (stp_plane_quadric_minimum(&sum, middle, &best)) {
         stp_vec3d away = stp_subd(best, middle);
-        double found = stp_plane_quadric_error(&sum, best);
+        double found = stp_plane_quadric_at(&sum, best);
         if (found < error && stp_dotd(away, away) < FARTHEST * FARTHEST * stp_dotd(edge, edge)) {
             error = found;
             *place = best;
         }
     }
-    return error;
+    return stp_plane_quadric_mean(&sum, error);
 }
 
-/// Puts an edge into the heap, unless both ends are locked. @return false if memory runs out
+/// Puts an edge into the queue, unless both ends are locked. @return false if memory runs out
 static bool offer(collapser* c, uint32_t a, uint32_t b)
 {
     stp_vec3d place;
@@ -145,7 +99,8 @@ static bool offer(collapser* c, uint32_t a, uint32_t b)
     if (cost > c->too_dear) {
         return true; // it is offered again if an end changes
     }
-    return push(c, (candidate){cost, from, to, c->stamps[from] + c->stamps[to]});
+    uint32_t stamp = c->stamps[from] + c->stamps[to];
+    return stp_collapse_queue_add(&c->queue, (stp_collapse_candidate){from, to, stamp, NONE}, cost);
 }
 
 /// Adds the planes of all triangles to their corners' quadrics.
@@ -250,15 +205,19 @@ static void link_corners(collapser* c)
     c->triangles = m->triangle_count;
 }
 
-/// Positions relative to the first vertex.
+/// Positions relative to the first vertex, and a queue for costs up to the square of their extent.
 static void place_vertices(collapser* c)
 {
     const float* p = c->mesh->positions;
+    double farthest = 0.0;
     c->origin = (stp_vec3d){(double)p[0], (double)p[1], (double)p[2]};
     for (size_t i = 0; i < c->mesh->vertex_count; ++i) {
         c->places[i] = stp_subd(
             (stp_vec3d){(double)p[3 * i], (double)p[3 * i + 1], (double)p[3 * i + 2]}, c->origin);
+        farthest = fmax(farthest, stp_dotd(c->places[i], c->places[i]));
     }
+    float highest = (float)fmin(4.0 * farthest, (double)c->too_dear);
+    stp_collapse_queue_begin(c->context, highest, &c->queue);
 }
 
 static bool has_corner(const collapser* c, uint32_t triangle, uint32_t vertex)
@@ -405,8 +364,8 @@ static bool is_done(const collapser* c)
 static bool collapse_edges(collapser* c)
 {
     double limit = c->desc->error_limit * c->desc->error_limit;
-    while (!is_done(c) && c->heap_count > 0) {
-        candidate best = pop(c);
+    stp_collapse_candidate best;
+    while (!is_done(c) && stp_collapse_queue_take(&c->queue, &best)) {
         uint32_t a = best.a, b = best.b;
         stp_vec3d place;
         if (best.stamp != c->stamps[a] + c->stamps[b] || c->degrees[a] == 0 || c->degrees[b] == 0) {
@@ -504,8 +463,8 @@ static bool allocate(collapser* c)
 
 static void release(collapser* c)
 {
-    void* arrays[] = {c->places, c->quadrics, c->first,   c->last, c->degrees, c->stamps,
-                      c->seen,   c->next,     c->corners, c->gone, c->heap};
+    void* arrays[] = {c->places, c->quadrics, c->first,   c->last, c->degrees,         c->stamps,
+                      c->seen,   c->next,     c->corners, c->gone, c->queue.candidates};
     for (size_t i = 0; i < sizeof(arrays) / sizeof(arrays[0]); ++i) {
         stp_free(c->context, arrays[i]);
     }
@@ -519,6 +478,7 @@ stp_result stp_collapse(stp_context* context, stp_collapse_mesh* mesh,
     assert(mesh->triangle_count <= UINT32_MAX / 3);
     *error = 0.0;
     c.too_dear = (float)fmin(desc->error_limit * desc->error_limit * (1.0 + 1e-5), (double)FLT_MAX);
+    c.tiny = desc->error_limit < HUGE_VAL ? TINY_COST * desc->error_limit * desc->error_limit : 0.0;
     for (uint32_t i = 0; mesh->merged != NULL && i < mesh->vertex_count; ++i) {
         mesh->merged[i] = i;
     }

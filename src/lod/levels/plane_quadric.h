@@ -42,13 +42,26 @@ static inline stp_plane_quadric stp_plane_quadric_sum(const stp_plane_quadric* a
                                a->weight + b->weight};
 }
 
-/// The mean squared distance of a point, by weight; at least 0. 0 if no plane has an area.
+/// The weighted sum of squared distances of a point; at least 0.
+static inline double stp_plane_quadric_at(const stp_plane_quadric* q, stp_vec3d p)
+{
+    double x = q->xx * p.x + 2.0 * (q->xy * p.y + q->xz * p.z + q->x);
+    double y = q->yy * p.y + 2.0 * (q->yz * p.z + q->y);
+    double z = q->zz * p.z + 2.0 * q->z;
+    double sum = x * p.x + y * p.y + z * p.z + q->constant;
+    return sum > 0.0 ? sum : 0.0;
+}
+
+/// The mean for such a sum, by weight; 0 if no plane has an area.
+static inline double stp_plane_quadric_mean(const stp_plane_quadric* q, double sum)
+{
+    return q->weight > 0.0 ? sum / q->weight : 0.0;
+}
+
+/// The mean squared distance of a point.
 static inline double stp_plane_quadric_error(const stp_plane_quadric* q, stp_vec3d p)
 {
-    double sum = q->xx * p.x * p.x + q->yy * p.y * p.y + q->zz * p.z * p.z +
-                 2.0 * (q->xy * p.x * p.y + q->xz * p.x * p.z + q->yz * p.y * p.z) +
-                 2.0 * (q->x * p.x + q->y * p.y + q->z * p.z) + q->constant;
-    return q->weight > 0.0 && sum > 0.0 ? sum / q->weight : 0.0;
+    return stp_plane_quadric_mean(q, stp_plane_quadric_at(q, p));
 }
 
 /// The point with the least sum, pulled weakly towards `near`, which decides where the planes leave
