@@ -104,8 +104,26 @@ static bool is_mirrored(const stp_affine* a)
     return turned < 0.0;
 }
 
-static void add_mesh(welded* w, const stp_capture_textures* textures, const stp_mesh* mesh,
-                     const stp_affine* transform)
+/// Appends a triangle, unless two corners are the same vertex.
+static void add_triangle(welded* w, const stp_capture_textures* textures, const stp_mesh* mesh,
+                         uint32_t triangle, bool mirrored)
+{
+    const uint32_t* c = w->indices + 3 * (size_t)w->triangle_count;
+    if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) {
+        return;
+    }
+    w->tags[w->triangle_count] = mesh->material;
+    if (w->colors != NULL) {
+        find_colors(w, textures, mesh, triangle);
+    }
+    if (mirrored) {
+        swap_corners(w, w->triangle_count);
+    }
+    w->triangle_count += 1;
+}
+
+static stp_result add_mesh(welded* w, const stp_capture_textures* textures, const stp_mesh* mesh,
+                           const stp_affine* transform)
 {
     bool mirrored = is_mirrored(transform);
     w->has_pieces = w->has_pieces || mesh->is_piece;
@@ -113,25 +131,26 @@ static void add_mesh(welded* w, const stp_capture_textures* textures, const stp_
     if (step > 0.0) {
         w->least_step = fmin(w->least_step, step);
     }
+    uint32_t* numbers = STP_NEW_ARRAY(w->context, uint32_t, (size_t)mesh->vertex_count + 1);
+    if (numbers == NULL) {
+        return stp_fail_memory(w->context);
+    }
+    memset(numbers, 0xff, mesh->vertex_count * sizeof(*numbers));
     for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
         uint32_t* c = w->indices + 3 * (size_t)w->triangle_count;
         for (size_t k = 0; k < 3; ++k) {
-            const float* p = mesh->positions + 3 * (size_t)mesh->indices[3 * (size_t)t + k];
-            c[k] = weld(w, stp_to_float(stp_affine_point(
-                               transform, (stp_vec3d){(double)p[0], (double)p[1], (double)p[2]})));
+            uint32_t v = mesh->indices[3 * (size_t)t + k];
+            const float* p = mesh->positions + 3 * (size_t)v;
+            if (numbers[v] == UINT32_MAX) {
+                stp_vec3d at = {(double)p[0], (double)p[1], (double)p[2]};
+                numbers[v] = weld(w, stp_to_float(stp_affine_point(transform, at)));
+            }
+            c[k] = numbers[v];
         }
-        if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) {
-            continue;
-        }
-        w->tags[w->triangle_count] = mesh->material;
-        if (w->colors != NULL) {
-            find_colors(w, textures, mesh, t);
-        }
-        if (mirrored) {
-            swap_corners(w, w->triangle_count);
-        }
-        w->triangle_count += 1;
+        add_triangle(w, textures, mesh, t, mirrored);
     }
+    stp_free(w->context, numbers);
+    return STP_OK;
 }
 
 static bool has_colors(const welded* w, const stp_capture_textures* textures)
@@ -191,7 +210,7 @@ static stp_result weld_parts(welded* w, uint32_t triangles, const stp_capture_te
     for (size_t i = 0; i < w->part_count && result == STP_OK; ++i) {
         stp_part part = w->parts[i].part;
         if (stp_levels_replace(w->scene, part)) {
-            add_mesh(w, textures, &w->scene->meshes[part.index], &w->parts[i].transform);
+            result = add_mesh(w, textures, &w->scene->meshes[part.index], &w->parts[i].transform);
         }
     }
     assert(w->triangle_count <= triangles);
