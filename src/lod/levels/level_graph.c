@@ -499,7 +499,9 @@ static stp_result add_originals(maker* m)
 {
     const stp_level_source* source = m->source;
     stp_level_graph* g = m->graph;
-    stp_result result = make_room(m, source->vertex_count, source->triangle_count, 0);
+    // levels have about as many vertices and triangles as the originals
+    stp_result result =
+        make_room(m, 2 * (uint64_t)source->vertex_count, 2 * (uint64_t)source->triangle_count, 0);
     if (result != STP_OK || source->vertex_count == 0) {
         return result;
     }

@@ -31,19 +31,19 @@ static stp_vec3d center_of(const grower* g, uint32_t item)
 /// The item of the border that joins next, which leaves it; NONE if there is none.
 static uint32_t take_best(grower* g, uint32_t size)
 {
-    uint32_t best = NONE;
+    uint32_t best = NONE, most = 0;
     double nearest = 0.0;
     stp_vec3d middle = stp_scaled(g->sum, 1.0 / size);
     for (uint32_t i = 0; i < g->border_count; ++i) {
-        uint32_t item = g->border[i];
+        uint32_t item = g->border[i], own = g->touching[item];
+        if (own < most) {
+            continue;
+        }
         stp_vec3d away = stp_subd(center_of(g, item), middle);
         double distance = stp_dotd(away, away);
-        uint32_t own = g->touching[item], other = best != NONE ? g->touching[g->border[best]] : 0;
-        bool better = own != other
-                          ? own > other
-                          : distance < nearest || (!(distance > nearest) && item < g->border[best]);
-        if (best == NONE || better) {
+        if (own > most || distance < nearest || (!(distance > nearest) && item < g->border[best])) {
             best = i;
+            most = own;
             nearest = distance;
         }
     }
@@ -158,31 +158,39 @@ static bool find_pair(const stp_mesh_edges* edges, const uint32_t* item_of, uint
     return pair[0] != pair[1];
 }
 
-/// Lists the neighbours of each item, once for each common edge. `first`: zero; receives the end of
-/// each item's list.
-static void list_neighbours(const stp_mesh_edges* edges, const uint32_t* item_of,
-                            uint32_t item_count, uint32_t* first, uint32_t* neighbours)
+/// Counts the neighbours of each item, once for each common edge. `starts`: zero; receives where
+/// lists of them begin. @return neighbours of all items
+static uint32_t count_neighbours(const stp_mesh_edges* edges, const uint32_t* item_of,
+                                 uint32_t item_count, uint32_t* starts)
 {
     uint32_t pair[2], sum = 0;
-    for (int pass = 0; pass < 2; ++pass) {
-        for (uint32_t e = 0, i = 0; e < edges->count; ++e) {
-            for (i += 1; i < edges->ends[e]; ++i) {
-                if (!find_pair(edges, item_of, i, pair)) {
-                    continue;
-                }
-                for (int k = 0; k < 2; ++k) {
-                    uint32_t* place = &first[pair[k]];
-                    if (pass > 0) {
-                        neighbours[*place] = pair[1 - k];
-                    }
-                    *place += 1;
-                }
+    for (uint32_t e = 0, i = 0; e < edges->count; ++e) {
+        for (i += 1; i < edges->ends[e]; ++i) {
+            if (find_pair(edges, item_of, i, pair)) {
+                starts[pair[0]] += 1;
+                starts[pair[1]] += 1;
             }
         }
-        for (uint32_t item = 0; item < item_count && pass == 0; ++item) {
-            uint32_t own = first[item];
-            first[item] = sum;
-            sum += own;
+    }
+    for (uint32_t item = 0; item < item_count; ++item) {
+        uint32_t own = starts[item];
+        starts[item] = sum;
+        sum += own;
+    }
+    return sum;
+}
+
+/// Lists the neighbours. `places`: where lists begin; receives their ends.
+static void list_neighbours(const stp_mesh_edges* edges, const uint32_t* item_of, uint32_t* places,
+                            uint32_t* neighbours)
+{
+    uint32_t pair[2];
+    for (uint32_t e = 0, i = 0; e < edges->count; ++e) {
+        for (i += 1; i < edges->ends[e]; ++i) {
+            if (find_pair(edges, item_of, i, pair)) {
+                neighbours[places[pair[0]]++] = pair[1];
+                neighbours[places[pair[1]]++] = pair[0];
+            }
         }
     }
 }
@@ -202,16 +210,15 @@ static void sort_neighbours(uint32_t item_count, const uint32_t* ends, const uin
     }
 }
 
-/// Joins equal neighbours. `ends`: of the sorted lists.
-static void join_neighbours(uint32_t item_count, const uint32_t* ends, const uint32_t* sorted,
-                            stp_patch_links* links)
+/// Joins equal neighbours of the sorted lists, in place. `ends`: of the lists.
+static void join_neighbours(uint32_t item_count, const uint32_t* ends, stp_patch_links* links)
 {
     uint32_t made = 0;
     for (uint32_t item = 0, i = 0; item < item_count; ++item) {
         links->first[item] = made;
         while (i < ends[item]) {
-            uint32_t neighbour = sorted[i], begin = i;
-            while (i < ends[item] && sorted[i] == neighbour) {
+            uint32_t neighbour = links->neighbours[i], begin = i;
+            while (i < ends[item] && links->neighbours[i] == neighbour) {
                 i += 1;
             }
             links->neighbours[made] = neighbour;
@@ -227,23 +234,24 @@ stp_result stp_patch_links_make(stp_context* context, const uint32_t* indices,
                                 stp_patch_links* links)
 {
     stp_mesh_edges edges;
-    size_t room = 6 * (size_t)triangle_count + 1, items = (size_t)item_count + 1;
     bool good = stp_mesh_edges_make(context, indices, triangle_count, vertex_count, &edges);
-    uint32_t* ends = STP_NEW_ZEROED(context, uint32_t, items);
-    uint32_t* sorted = STP_NEW_ARRAY(context, uint32_t, room);
-    *links = (stp_patch_links){.first = STP_NEW_ARRAY(context, uint32_t, items),
-                               .neighbours = STP_NEW_ARRAY(context, uint32_t, room),
-                               .weights = STP_NEW_ARRAY(context, uint32_t, room)};
-    good = good && ends != NULL && sorted != NULL && links->first != NULL &&
-           links->neighbours != NULL && links->weights != NULL;
+    uint32_t* ends = STP_NEW_ZEROED(context, uint32_t, (size_t)item_count + 1);
+    *links = (stp_patch_links){.first = STP_NEW_ARRAY(context, uint32_t, (size_t)item_count + 1)};
+    good = good && ends != NULL && links->first != NULL;
     if (good) {
-        list_neighbours(&edges, item_of, item_count, ends, links->neighbours);
-        sort_neighbours(item_count, ends, links->neighbours, links->first, sorted);
-        join_neighbours(item_count, ends, sorted, links);
+        size_t count = count_neighbours(&edges, item_of, item_count, ends);
+        links->neighbours = STP_NEW_ARRAY(context, uint32_t, count + 1);
+        links->weights = STP_NEW_ARRAY(context, uint32_t, count + 1);
+        good = links->neighbours != NULL && links->weights != NULL;
+    }
+    if (good) {
+        // the lists are in the place of the weights, until they are sorted
+        list_neighbours(&edges, item_of, ends, links->weights);
+        sort_neighbours(item_count, ends, links->weights, links->first, links->neighbours);
+        join_neighbours(item_count, ends, links);
     }
     stp_mesh_edges_destroy(context, &edges);
     stp_free(context, ends);
-    stp_free(context, sorted);
     return good ? STP_OK : stp_fail_memory(context);
 }
 

@@ -75,13 +75,13 @@ static inline bool stp_plane_quadric_minimum(const stp_plane_quadric* q, stp_vec
     if (!(d0 > 0.0)) {
         return false;
     }
-    double l10 = q->xy / d0, l20 = q->xz / d0;
+    double inverse0 = 1.0 / d0, l10 = q->xy * inverse0, l20 = q->xz * inverse0;
     double d1 = q->yy + pull - l10 * q->xy;
     double yz = q->yz - l20 * q->xy;
     if (!(d1 > 0.0)) {
         return false;
     }
-    double l21 = yz / d1;
+    double inverse1 = 1.0 / d1, l21 = yz * inverse1;
     double d2 = q->zz + pull - l20 * q->xz - l21 * yz;
     if (!(d2 > 0.0)) {
         return false;
@@ -89,7 +89,7 @@ static inline bool stp_plane_quadric_minimum(const stp_plane_quadric* q, stp_vec
     double r0 = pull * near.x - q->x;
     double r1 = pull * near.y - q->y - l10 * r0;
     double r2 = pull * near.z - q->z - l20 * r0 - l21 * r1;
-    double z = r2 / d2, y = r1 / d1 - l21 * z;
-    *minimum = (stp_vec3d){r0 / d0 - l10 * y - l20 * z, y, z};
+    double z = r2 / d2, y = r1 * inverse1 - l21 * z;
+    *minimum = (stp_vec3d){r0 * inverse0 - l10 * y - l20 * z, y, z};
     return isfinite(minimum->x) && isfinite(minimum->y) && isfinite(minimum->z);
 }
