@@ -136,7 +136,7 @@ static void add_border(collapser* c, uint32_t corner)
         side = stp_scaled(side, 1.0 / length);
         double offset = -stp_dotd(side, c->places[a]);
         // a finely divided border around long triangles counts as much as they do
-        double size = fmax(stp_dotd(edge, edge), sqrt(stp_dotd(cross, cross)));
+        double size = stp_maxd(stp_dotd(edge, edge), sqrt(stp_dotd(cross, cross)));
         double weight = c->desc->border_weight * size;
         stp_plane_quadric_add(&c->quadrics[a], side, offset, weight, 0.0);
         stp_plane_quadric_add(&c->quadrics[b], side, offset, weight, 0.0);
@@ -214,7 +214,7 @@ static void place_vertices(collapser* c)
     for (size_t i = 0; i < c->mesh->vertex_count; ++i) {
         c->places[i] = stp_subd(
             (stp_vec3d){(double)p[3 * i], (double)p[3 * i + 1], (double)p[3 * i + 2]}, c->origin);
-        farthest = fmax(farthest, stp_dotd(c->places[i], c->places[i]));
+        farthest = stp_maxd(farthest, stp_dotd(c->places[i], c->places[i]));
     }
     float highest = (float)fmin(4.0 * farthest, (double)c->too_dear);
     stp_collapse_queue_begin(c->context, highest, &c->queue);
@@ -391,7 +391,7 @@ static bool collapse_edges(collapser* c)
         if (error > limit) {
             continue;
         }
-        c->worst = fmax(c->worst, error);
+        c->worst = stp_maxd(c->worst, error);
         merge(c, a, b, place);
         if (!offer_around(c, b)) {
             return false;

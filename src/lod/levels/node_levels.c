@@ -164,11 +164,12 @@ static bool has_colors(const welded* w, const stp_capture_textures* textures)
     return any;
 }
 
-static stp_result allocate(welded* w, uint32_t triangles, bool colors)
+/// @param vertices of all meshes, at most
+static stp_result allocate(welded* w, uint32_t triangles, uint64_t vertices, bool colors)
 {
     size_t corners = 3 * (size_t)triangles + 1;
     uint32_t slots = 64;
-    while (slots < 2 * corners && slots < UINT32_C(1) << 31) {
+    while (slots < 2 * vertices && slots < 2 * corners && slots < UINT32_C(1) << 31) {
         slots *= 2;
     }
     w->slot_mask = slots - 1;
@@ -206,7 +207,13 @@ static stp_result lock_borders(welded* w)
 
 static stp_result weld_parts(welded* w, uint32_t triangles, const stp_capture_textures* textures)
 {
-    stp_result result = allocate(w, triangles, has_colors(w, textures));
+    uint64_t vertices = 0;
+    for (size_t i = 0; i < w->part_count; ++i) {
+        stp_part part = w->parts[i].part;
+        vertices +=
+            stp_levels_replace(w->scene, part) ? w->scene->meshes[part.index].vertex_count : 0;
+    }
+    stp_result result = allocate(w, triangles, vertices, has_colors(w, textures));
     for (size_t i = 0; i < w->part_count && result == STP_OK; ++i) {
         stp_part part = w->parts[i].part;
         if (stp_levels_replace(w->scene, part)) {
