@@ -173,26 +173,33 @@ static stp_result find_coarsest(exporter* e)
     }
     stp_vec3 size = stp_sub(box.max, box.min);
     double side = (double)stp_max(size.x, stp_max(size.y, size.z)), error = e->finest;
-    double last = 0.0, reference_error = 0.0;
+    double last = 0.0;
+    uint64_t reference = 0; // pixels of what the mixture is compared with
+    uint32_t compared = 0;  // in pictures of this resolution
     for (uint32_t i = 0; i < g->group_count; ++i) {
         last = fmax(last, g->groups[i].error);
     }
     e->coarsest = 0.0;
     for (;; error = fmin(error * COVERAGE_STEP, last)) {
-        uint64_t originals = 0, drawn = 0;
+        uint64_t drawn = 0;
         double pixels = fmin(fmax(side / error, (double)LEAST_PIXELS), (double)MOST_PIXELS);
         uint32_t resolution = (uint32_t)pixels;
-        stp_result result = count_covered(e, reference_error, box, resolution, &originals);
+        stp_result result = STP_OK;
+        if (resolution != compared) {
+            result = count_covered(e, compared == 0 ? 0.0 : e->finest, box, resolution, &reference);
+        }
         result = result == STP_OK ? count_covered(e, error, box, resolution, &drawn) : result;
-        if (result != STP_OK || (double)drawn < KEPT_COVERAGE * (double)originals) {
+        if (result != STP_OK || (double)drawn < KEPT_COVERAGE * (double)reference) {
             return result;
         }
+        // the finest mixture, which comes first, is as good as the originals, and smaller
+        reference = compared == 0 ? drawn : reference;
+        compared = resolution;
         e->coarsest = error;
         if (error >= last) {
             e->coarsest = HUGE_VAL;
             return STP_OK;
         }
-        reference_error = e->finest; // as good as the originals, and smaller
     }
 }
 
