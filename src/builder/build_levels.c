@@ -10,7 +10,7 @@
 #include <string.h>
 
 // Part of every key: increase when the same triangles give other levels.
-static const char* const code_version = "stipple-levels-5";
+static const char* const code_version = "stipple-levels-6";
 
 #define BYTES_EACH 400     // memory for a triangle, roughly
 #define COPIES 2.0         // triangles of levels for each one of the meshes

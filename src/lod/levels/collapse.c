@@ -100,9 +100,9 @@ static bool offer(collapser* c, uint32_t a, uint32_t b)
     }
     float cost = (float)choose_place(c, from, to, &place);
     uint32_t stamp = c->stamps[from] + c->stamps[to];
-    const stp_collapse_candidate item = {from, to, stamp, NONE};
-    return cost > c->too_dear ? stp_collapse_queue_wait(&c->queue, item)
-                              : stp_collapse_queue_add(&c->queue, item, cost);
+    const stp_collapse_candidate item = {from, to, stamp};
+    return !(cost <= c->too_dear) ? stp_collapse_queue_wait(&c->queue, item)
+                                  : stp_collapse_queue_add(&c->queue, item, cost);
 }
 
 /// Adds the planes of all triangles to their corners' quadrics.
@@ -177,6 +177,7 @@ static bool offer_edges(collapser* c)
             }
         }
     }
+    good = good && stp_collapse_queue_reserve(&c->queue, 2 * (size_t)edges.count);
     for (uint32_t e = 0; e < edges.count && good; ++e) {
         stp_edge_ends(c->corners, edges.corners[edges.ends[e] - 1], ends);
         good = offer(c, ends[0], ends[1]);
@@ -207,19 +208,15 @@ static void link_corners(collapser* c)
     c->triangles = m->triangle_count;
 }
 
-/// Positions relative to the first vertex, and a queue for costs up to the square of their extent.
+/// Positions relative to the first vertex.
 static void place_vertices(collapser* c)
 {
     const float* p = c->mesh->positions;
-    double farthest = 0.0;
     c->origin = (stp_vec3d){(double)p[0], (double)p[1], (double)p[2]};
     for (size_t i = 0; i < c->mesh->vertex_count; ++i) {
         c->places[i] = stp_subd(
             (stp_vec3d){(double)p[3 * i], (double)p[3 * i + 1], (double)p[3 * i + 2]}, c->origin);
-        farthest = stp_maxd(farthest, stp_dotd(c->places[i], c->places[i]));
     }
-    float highest = (float)fmin(4.0 * farthest, (double)c->too_dear);
-    stp_collapse_queue_begin(c->context, highest, &c->queue);
 }
 
 static bool has_corner(const collapser* c, uint32_t triangle, uint32_t vertex)
@@ -460,8 +457,9 @@ static bool allocate(collapser* c)
 
 static void release(collapser* c)
 {
-    void* arrays[] = {c->places, c->quadrics, c->first,   c->last, c->degrees,         c->stamps,
-                      c->notes,  c->next,     c->corners, c->gone, c->queue.candidates};
+    void* arrays[] = {c->places,           c->quadrics,  c->first, c->last,    c->degrees,
+                      c->stamps,           c->notes,     c->next,  c->corners, c->gone,
+                      c->queue.candidates, c->queue.heap};
     for (size_t i = 0; i < sizeof(arrays) / sizeof(arrays[0]); ++i) {
         stp_free(c->context, arrays[i]);
     }
@@ -473,7 +471,7 @@ static void release(collapser* c)
 stp_result stp_collapse(stp_context* context, stp_collapse_mesh* mesh,
                         const stp_collapse_desc* desc, double* error)
 {
-    collapser c = {.context = context, .mesh = mesh, .desc = desc};
+    collapser c = {.context = context, .mesh = mesh, .desc = desc, .queue.context = context};
     assert(desc->border_weight >= 0.0 && desc->least_cosine <= 1.0 && desc->error_limit >= 0.0);
     assert(mesh->triangle_count <= UINT32_MAX / 3);
     *error = 0.0;
