@@ -42,6 +42,12 @@ def check_levels(t):
     first = link_levels(t)
     own = {thing["material"] for thing in t["meshes"][:first] + t["point_sets"]}
     apart = {mesh["material"] for mesh in t["meshes"][first:]} - own
+    need(len(t["level_figures"]) <= 1, "level figures: more than one")
+    for figures in t["level_figures"]:
+        levels = t["meshes"][first:]
+        triangles, sizes = (sum(values) for values in ((mesh["triangle_count"] for mesh in levels),
+                                                       (t["blocks"][mesh["block"]]["size"] for mesh in levels)))
+        need(figures == {"levels": len(levels), "triangles": triangles, "bytes": sizes}, "level figures")
     count = len(t["materials"])
     while count - 1 in apart:
         count -= 1

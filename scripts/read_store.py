@@ -60,6 +60,7 @@ RECORDS = {
     42: ("levels", "2I", "node flags"),
     43: ("level_clusters", "3I", "made_by used_by one_sided"),
     44: ("level_groups", "5f", "center:3 radius error"),
+    45: ("level_figures", "3Q", "levels triangles bytes"),
 }
 FIGURES = ("objects unique_objects instances nodes unique_nodes lods unique_lods triangles unique_triangles points "
            "unique_points surfels unique_surfels splat_bytes triangle_bytes point_bytes texture_bytes")

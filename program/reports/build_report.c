@@ -20,8 +20,10 @@ static void print_seconds(const stp_build_report* r)
            "built in", r->total_s, r->import_s, r->partition_s, r->capture_s, r->order_s,
            r->finish_s, r->methods_s, r->clusters_s + r->levels_s, r->write_s);
     if (r->sets_found + r->meshes_found > 0) {
-        printf("  %-12s %u of %u splat sets, %u of %u meshes\n", "unchanged", r->sets_found,
+        printf("  %-12s %u of %u splat sets, %u of %u meshes", "unchanged", r->sets_found,
                r->sets_found + r->sets_made, r->meshes_found, r->meshes_found + r->meshes_made);
+        uint32_t nodes = r->levels_found + r->levels_made;
+        printf(nodes > 0 ? ", levels of %u of %u nodes\n" : "\n", r->levels_found, nodes);
     }
 }
 
@@ -36,12 +38,13 @@ static json_t* report_json(const stp_context* context, const stp_build_report* r
                               json_boolean(build_sizes_needs_no_splats(figures)));
     (void)json_object_set_new(json, "threads", json_integer(stp_context_thread_count(context)));
     (void)json_object_set_new(json, "candidates", json_integer((json_int_t)report->candidates));
-    (void)json_object_set_new(json, "unchanged",
-                              json_pack("{s:I, s:I, s:I, s:I}", "surfel_sets",
-                                        (json_int_t)report->sets_found, "surfel_sets_made",
-                                        (json_int_t)report->sets_made, "meshes",
-                                        (json_int_t)report->meshes_found, "meshes_made",
-                                        (json_int_t)report->meshes_made));
+    (void)json_object_set_new(
+        json, "unchanged",
+        json_pack("{s:I, s:I, s:I, s:I, s:I, s:I}", "surfel_sets", (json_int_t)report->sets_found,
+                  "surfel_sets_made", (json_int_t)report->sets_made, "meshes",
+                  (json_int_t)report->meshes_found, "meshes_made", (json_int_t)report->meshes_made,
+                  "level_nodes", (json_int_t)report->levels_found, "level_nodes_made",
+                  (json_int_t)report->levels_made));
     return json;
 }
 

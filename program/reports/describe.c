@@ -13,6 +13,8 @@ stp_result describe_store(stp_context* context, stp_store* store, scene_figures*
         .format_minor = stp_store_format_minor(store),
         .position_error = stp_store_position_error(store),
     };
+    const stp_store_level_figures* levels = stp_store_get_level_figures(store);
+    figures->levels = levels != NULL ? *levels : (stp_store_level_figures){0};
     const stp_store_summary* stored = stp_store_get_summary(store);
     if (stored != NULL) {
         figures->summary = *stored;

@@ -169,6 +169,9 @@ json_t* describe_json(const scene_figures* f)
     }
     (void)json_object_set_new(json, "methods", methods);
     set_figures(json, &f->summary.figures);
+    set_count(json, "levels", f->levels.levels);
+    set_count(json, "level_triangles", f->levels.triangles);
+    set_count(json, "level_bytes", f->levels.bytes);
     set_count(json, "materials", f->summary.material_count);
     set_count(json, "textures", f->summary.texture_count);
     char up[2] = {d->up, 0};
@@ -330,6 +333,16 @@ static void print_lists(const stp_store_directory* d)
     printf(d->view_count != 0 ? "\n" : "");
 }
 
+static void print_levels(const stp_store_level_figures* levels)
+{
+    char bytes[32], triangles[32], count[32];
+    if (levels->levels != 0) {
+        printf("  %-12s %10s  (%s levels of %s triangles)\n", "levels",
+               describe_bytes(levels->bytes, bytes), describe_count(levels->levels, count),
+               describe_count(levels->triangles, triangles));
+    }
+}
+
 void describe_print(const char* path, const scene_figures* f)
 {
     const stp_store_figures* figures = &f->summary.figures;
@@ -350,6 +363,7 @@ void describe_print(const char* path, const scene_figures* f)
     print_count("materials", f->summary.material_count, f->summary.material_count);
     print_bytes("splats", figures->splat_bytes, figures->unique_surfels, "splat");
     print_bytes("geometry", figures->triangle_bytes, figures->unique_triangles, "triangle");
+    print_levels(&f->levels);
     print_bytes("point sets", figures->point_bytes, figures->unique_points, "point");
     print_bytes("textures", figures->texture_bytes, 0, "");
     print_place(f);

@@ -10,7 +10,7 @@
 #include <string.h>
 
 // Part of every key: increase when the same triangles give other levels.
-static const char* const code_version = "stipple-levels-4";
+static const char* const code_version = "stipple-levels-6";
 
 #define BYTES_EACH 400     // memory for a triangle, roughly
 #define COPIES 2.0         // triangles of levels for each one of the meshes
@@ -35,8 +35,10 @@ typedef struct run {
     uint32_t source_count, large_count;
     stp_stored_levels* stored; ///< by source
     stp_gate* gate;
-    pthread_mutex_t mutex; ///< guards the result
-    stp_result result;     ///< the first failure
+    pthread_mutex_t mutex;          ///< guards the result and the count
+    pthread_mutex_t previous_mutex; ///< a store allows one thread at a time
+    stp_result result;              ///< the first failure
+    uint32_t made;                  ///< sources whose levels were made
 } run;
 
 /// Everything that determines the levels of a node: its content, and which materials share shadings.
@@ -166,6 +168,22 @@ static stp_result list_sources(run* r)
     return r->stored != NULL ? STP_OK : stp_fail_memory(scene->context);
 }
 
+/// Whether the levels of a node are in the work folder, or in an earlier output.
+static bool find_levels(run* r, uint32_t index)
+{
+    const stp_build_levels_desc* desc = r->desc;
+    stp_hash key = r->sources[index].key;
+    if (stp_work_find_levels(desc->work, key, &r->stored[index])) {
+        return true;
+    }
+    pthread_mutex_lock(&r->previous_mutex);
+    bool taken =
+        desc->previous != NULL &&
+        stp_previous_output_take_levels(desc->previous, key, desc->shading_count, desc->work);
+    pthread_mutex_unlock(&r->previous_mutex);
+    return taken && stp_work_find_levels(desc->work, key, &r->stored[index]);
+}
+
 static stp_result make_source(const run* r, const source* s)
 {
     stp_gate_ticket ticket;
@@ -187,19 +205,24 @@ static void run_source(run* r, uint32_t index)
 {
     const source* s = &r->sources[index];
     stp_result result = STP_OK;
-    for (int attempt = 0; attempt < 2 && result == STP_OK; ++attempt) {
-        if (stp_work_find_levels(r->desc->work, s->key, &r->stored[index])) {
-            stp_progress_add(r->scene->context, s->triangles);
-            return;
-        }
+    uint32_t made = 0;
+    if (find_levels(r, index)) {
+        stp_progress_add(r->scene->context, s->triangles);
+        return;
+    }
+    // an invalid result under the key is dropped the first time; the second attempt succeeds
+    for (bool found = false; made < 2 && result == STP_OK && !found; ++made) {
         result = make_source(r, s);
+        found = result == STP_OK && stp_work_find_levels(r->desc->work, s->key, &r->stored[index]);
     }
     if (result == STP_OK && !stp_work_find_levels(r->desc->work, s->key, &r->stored[index])) {
         result = stp_fail(r->scene->context, STP_ERROR_IO,
                           "levels cannot be read back from the work folder");
     }
+    stp_progress_add(r->scene->context, s->triangles);
     pthread_mutex_lock(&r->mutex);
     r->result = r->result == STP_OK ? result : r->result;
+    r->made += 1;
     pthread_mutex_unlock(&r->mutex);
     if (result != STP_OK) {
         stp_parallel_stop(r->scene->context);
@@ -261,9 +284,10 @@ static stp_result allocate(stp_context* context, const run* r, stp_build_levels*
     l->groups = STP_NEW_ARRAY(context, stp_store_level_group, (size_t)groups + 1);
     l->meshes = STP_NEW_ZEROED(context, stp_store_mesh, (size_t)levels + 1);
     l->coded = STP_NEW_ZEROED(context, stp_coded_mesh, (size_t)levels + 1);
+    l->keys = STP_NEW_ARRAY(context, stp_hash, (size_t)levels + 1);
     l->materials = STP_NEW_ZEROED(context, stp_store_material, STP_SHADING_LIMIT);
     bool good = l->levels != NULL && l->clusters != NULL && l->groups != NULL &&
-                l->meshes != NULL && l->coded != NULL && l->materials != NULL;
+                l->meshes != NULL && l->coded != NULL && l->keys != NULL && l->materials != NULL;
     return good ? STP_OK : stp_fail_memory(context);
 }
 
@@ -313,6 +337,7 @@ static void add_node(const run* r, uint32_t index, uint32_t of_shading[], stp_bu
             .node = r->sources[index].node,
             .flags = stored->from_outside ? (uint32_t)STP_LEVEL_FROM_OUTSIDE : 0u};
         l->coded[l->level_count] = level.coded;
+        l->keys[l->level_count] = stp_level_key(r->sources[index].key, i, level.shading);
         l->meshes[l->level_count] =
             (stp_store_mesh){.vertex_count = level.coded.vertex_count,
                              .triangle_count = level.coded.triangle_count,
@@ -349,15 +374,19 @@ stp_result stp_build_levels_make(const stp_scene* scene, const stp_build_levels_
     run r = {.scene = scene, .desc = desc};
     *levels = (stp_build_levels){0};
     pthread_mutex_init(&r.mutex, NULL);
+    pthread_mutex_init(&r.previous_mutex, NULL);
     r.result = list_sources(&r);
     if (r.result == STP_OK && r.source_count > 0) {
         r.result = stp_gate_create(scene->context, desc->memory_bytes, &r.gate);
         r.result = r.result == STP_OK ? stp_capture_textures_create(scene, &r.textures) : r.result;
         r.result = r.result == STP_OK ? run_all(&r) : r.result;
         r.result = r.result == STP_OK ? collect(&r, levels) : r.result;
+        levels->made = r.made;
+        levels->found = r.source_count - r.made;
     }
     stp_capture_textures_destroy(r.textures);
     stp_gate_destroy(r.gate);
+    pthread_mutex_destroy(&r.previous_mutex);
     pthread_mutex_destroy(&r.mutex);
     for (uint32_t i = 0; i < r.source_count; ++i) {
         stp_free(scene->context, r.sources[i].parts);
@@ -377,6 +406,7 @@ void stp_build_levels_destroy(stp_context* context, stp_build_levels* levels)
     stp_free(context, levels->groups);
     stp_free(context, levels->meshes);
     stp_free(context, levels->coded);
+    stp_free(context, levels->keys);
     stp_free(context, levels->materials);
     *levels = (stp_build_levels){0};
 }

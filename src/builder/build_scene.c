@@ -340,12 +340,16 @@ static stp_result make_levels(build* b)
     stp_build_levels_desc levels = {
         .shading_of_material = b->shadings.of_material,
         .shadings = b->shadings.shadings,
+        .shading_count = b->shadings.count,
         .memory_bytes = usable > used + MIN_BUDGET ? usable - used : MIN_BUDGET,
         .work = b->work,
+        .previous = b->previous,
     };
     stp_result result = stp_build_levels_make(b->scene, &levels, &b->levels);
     stp_work_release_pages(b->work);
     b->report->levels_s = (stp_clock_ms() - start) * 1e-3;
+    b->report->levels_made = b->levels.made;
+    b->report->levels_found = b->levels.found;
     return result;
 }
 

@@ -63,7 +63,8 @@ typedef struct stp_build_report {
     // Made by this build, or found in an older work folder or output.
     uint32_t sets_made, sets_found;
     uint32_t meshes_made, meshes_found;
-    uint64_t work_bytes; ///< bytes of results in the work folder, found and stored
+    uint32_t levels_made, levels_found; ///< nodes that may have levels of triangles
+    uint64_t work_bytes;                ///< bytes of results in the work folder, found and stored
 } stp_build_report;
 
 /// Builds one scene from the inputs and writes it. `report` may be NULL. @return STP_OK, or the

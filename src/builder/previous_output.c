@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "builder/stored_levels.h"
 #include "builder/stored_results.h"
 #include "store/file/point_attributes.h"
 
@@ -111,4 +112,113 @@ bool stp_previous_output_take_mesh(stp_previous_output* previous, stp_hash key, 
     }
     stp_coded_mesh coded = stp_clusters_describe(&clusters);
     return stp_work_store_mesh(work, key, &coded, mesh) == STP_OK;
+}
+
+/// Finds the mesh of a level of a node by its key, which tells the shading.
+static bool find_level(stp_previous_output* previous, stp_hash key, uint32_t index,
+                       uint32_t shading_count, stp_store_stored_mesh* found, uint8_t* shading)
+{
+    for (uint32_t s = 0; s < shading_count; ++s) {
+        *shading = (uint8_t)s;
+        if (stp_store_find_mesh_by_key(previous->store, stp_level_key(key, index, *shading),
+                                       found) != STP_OK) {
+            return false;
+        }
+        if (found->index != STP_STORE_NONE) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/// Reads a level. @return false unless it is level `mesh` of the file, and intact
+static bool take_level(stp_previous_output* previous, stp_hash key, uint32_t index, uint32_t mesh,
+                       uint32_t shading_count, stp_node_levels* levels, stp_coded_mesh* coded)
+{
+    const stp_store_directory* d = stp_store_get_directory(previous->store);
+    const stp_store_level* from = &d->levels[mesh - stp_store_first_level_mesh(d)];
+    stp_node_level* to = &levels->levels[index];
+    stp_store_stored_mesh found;
+    stp_clusters clusters;
+    if (!find_level(previous, key, index, shading_count, &found, &to->shading) ||
+        found.index != mesh || stp_clusters_open(found.block, found.size, &clusters) != NULL ||
+        clusters.cluster_count != from->cluster_count) {
+        return false;
+    }
+    to->clusters =
+        STP_NEW_ARRAY(previous->quiet, stp_node_level_cluster, (size_t)from->cluster_count + 1);
+    to->cluster_count = from->cluster_count;
+    for (uint32_t i = 0; i < from->cluster_count && to->clusters != NULL; ++i) {
+        const stp_store_level_cluster* c = &d->level_clusters[from->first_cluster + i];
+        to->clusters[i] = (stp_node_level_cluster){
+            .made_by = c->made_by, .used_by = c->used_by, .one_sided = c->one_sided};
+    }
+    *coded = stp_clusters_describe(&clusters);
+    levels->from_outside = (from->flags & STP_LEVEL_FROM_OUTSIDE) != 0;
+    return to->clusters != NULL;
+}
+
+/// Reads the groups that the clusters name, and numbers them from 0: the writer keeps those of a
+/// node together, and no others.
+static bool take_groups(stp_previous_output* previous, stp_node_levels* levels)
+{
+    const stp_store_directory* d = stp_store_get_directory(previous->store);
+    uint32_t first = STP_STORE_NONE, end = 0;
+    for (int pass = 0; pass < 2; ++pass) {
+        for (uint32_t i = 0; i < levels->level_count; ++i) {
+            for (uint32_t k = 0; k < levels->levels[i].cluster_count; ++k) {
+                stp_node_level_cluster* c = &levels->levels[i].clusters[k];
+                uint32_t* groups[2] = {&c->made_by, &c->used_by};
+                for (int g = 0; g < 2; ++g) {
+                    uint32_t group = *groups[g];
+                    if (group == STP_STORE_NONE) {
+                        continue;
+                    }
+                    first = pass == 0 && group < first ? group : first;
+                    end = pass == 0 && group >= end ? group + 1 : end;
+                    *groups[g] = pass == 1 ? group - first : group;
+                }
+            }
+        }
+    }
+    levels->group_count = first < end ? end - first : 0;
+    levels->groups =
+        STP_NEW_ARRAY(previous->quiet, stp_level_group, (size_t)levels->group_count + 1);
+    for (uint32_t i = 0; i < levels->group_count && levels->groups != NULL; ++i) {
+        const stp_store_level_group* g = &d->level_groups[first + i];
+        levels->groups[i] = (stp_level_group){
+            .center = {(double)g->center[0], (double)g->center[1], (double)g->center[2]},
+            .radius = (double)g->radius,
+            .error = (double)g->error};
+    }
+    return levels->groups != NULL;
+}
+
+bool stp_previous_output_take_levels(stp_previous_output* previous, stp_hash key,
+                                     uint32_t shading_count, stp_work* work)
+{
+    const stp_store_directory* d = stp_store_get_directory(previous->store);
+    stp_store_stored_mesh found;
+    uint8_t shading;
+    if (d->level_count == 0 || !find_level(previous, key, 0, shading_count, &found, &shading) ||
+        found.index < stp_store_first_level_mesh(d)) {
+        return false;
+    }
+    uint32_t first = found.index - stp_store_first_level_mesh(d), node = d->levels[first].node;
+    if (first != d->level_starts[node]) {
+        return false;
+    }
+    stp_node_levels levels = {.level_count = d->level_starts[node + 1] - d->level_starts[node]};
+    levels.levels = STP_NEW_ZEROED(previous->quiet, stp_node_level, levels.level_count);
+    stp_coded_mesh* coded = STP_NEW_ARRAY(previous->quiet, stp_coded_mesh, levels.level_count);
+    bool good = levels.levels != NULL && coded != NULL;
+    for (uint32_t i = 0; i < levels.level_count && good; ++i) {
+        good = take_level(previous, key, i, found.index + i, shading_count, &levels, &coded[i]);
+    }
+    good = good && take_groups(previous, &levels) &&
+           stp_work_store_coded_levels(previous->quiet, work, key, &levels, coded) == STP_OK;
+    levels.level_count = levels.levels != NULL ? levels.level_count : 0;
+    stp_node_levels_destroy(previous->quiet, &levels);
+    stp_free(previous->quiet, coded);
+    return good;
 }

@@ -121,6 +121,12 @@ bool stp_work_find_levels(stp_work* work, stp_hash key, stp_stored_levels* level
     return true;
 }
 
+stp_hash stp_level_key(stp_hash key, uint32_t index, uint8_t shading)
+{
+    key = stp_hash_bytes(key, &index, sizeof(index));
+    return stp_hash_bytes(key, &shading, sizeof(shading));
+}
+
 static stp_result code_level(stp_context* context, const stp_node_level* level, double step,
                              stp_coded_mesh* coded)
 {
@@ -143,6 +149,34 @@ static stp_result code_level(stp_context* context, const stp_node_level* level, 
     return result;
 }
 
+/// The area of a coded mesh: the same from whichever build its bytes come.
+static double coded_area(const stp_coded_mesh* coded)
+{
+    stp_clusters clusters;
+    double area = 0.0;
+    if (stp_clusters_open(coded->bytes, coded->size, &clusters) != NULL) {
+        return 0.0;
+    }
+    for (uint32_t i = 0; i < clusters.cluster_count; ++i) {
+        stp_cluster cluster;
+        float p[3 * STP_CLUSTER_VERTICES];
+        stp_clusters_get(&clusters, i, &cluster);
+        stp_cluster_positions(&clusters, &cluster, p);
+        for (uint32_t t = 0; t < cluster.triangle_count; ++t) {
+            uint32_t c[3];
+            stp_vec3d at[3];
+            stp_cluster_corners(&cluster, t, c);
+            for (int k = 0; k < 3; ++k) {
+                const float* from = p + 3 * (size_t)c[k];
+                at[k] = (stp_vec3d){(double)from[0], (double)from[1], (double)from[2]};
+            }
+            stp_vec3d n = stp_crossd(stp_subd(at[1], at[0]), stp_subd(at[2], at[0]));
+            area += 0.5 * sqrt(stp_dotd(n, n));
+        }
+    }
+    return area;
+}
+
 static void write_level(unsigned char* at, const stp_node_level* level, const stp_coded_mesh* coded,
                         size_t offset)
 {
@@ -157,7 +191,7 @@ static void write_level(unsigned char* at, const stp_node_level* level, const st
     }
     stp_write_u64(at + 40, offset);
     stp_write_u64(at + 48, coded->size);
-    stp_write_f32(at + 56, (float)level->area);
+    stp_write_f32(at + 56, (float)coded_area(coded));
 }
 
 /// Fills the bytes before the coded meshes.
@@ -172,7 +206,7 @@ static void write_tables(const stp_node_levels* levels, const stp_coded_mesh* co
     for (uint32_t i = 0; i < levels->group_count; ++i) {
         const stp_level_group* g = &levels->groups[i];
         const float numbers[5] = {(float)g->center.x, (float)g->center.y, (float)g->center.z,
-                                  (float)(g->radius * (1.0 + 1e-6)), (float)g->error};
+                                  (float)g->radius, (float)g->error};
         for (size_t k = 0; k < 5; ++k) {
             stp_write_f32(bytes + HEAD + GROUP * (size_t)i + 4 * k, numbers[k]);
         }
@@ -194,8 +228,8 @@ static void write_tables(const stp_node_levels* levels, const stp_coded_mesh* co
     }
 }
 
-static stp_result store(stp_context* context, stp_work* work, stp_hash key,
-                        const stp_node_levels* levels, const stp_coded_mesh* coded)
+stp_result stp_work_store_coded_levels(stp_context* context, stp_work* work, stp_hash key,
+                                       const stp_node_levels* levels, const stp_coded_mesh* coded)
 {
     uint32_t clusters = 0;
     for (uint32_t i = 0; i < levels->level_count; ++i) {
@@ -226,7 +260,8 @@ stp_result stp_work_store_levels(stp_context* context, stp_work* work, stp_hash 
     for (uint32_t i = 0; i < levels->level_count && result == STP_OK; ++i) {
         result = code_level(context, &levels->levels[i], levels->step, &coded[i]);
     }
-    result = result == STP_OK ? store(context, work, key, levels, coded) : result;
+    result =
+        result == STP_OK ? stp_work_store_coded_levels(context, work, key, levels, coded) : result;
     for (uint32_t i = 0; i < levels->level_count && coded != NULL; ++i) {
         stp_coded_mesh_destroy(context, &coded[i]);
     }

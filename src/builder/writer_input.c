@@ -384,6 +384,7 @@ stp_result stp_build_content_add_meshes(stp_build_content* content, const stp_sc
     }
     if (levels->level_count > 0) {
         memcpy(coded + own, levels->coded, levels->level_count * sizeof(*coded));
+        memcpy(keys + own, levels->keys, levels->level_count * sizeof(*keys));
     }
     content->content.coded_meshes = coded;
     content->content.mesh_keys = keys;

@@ -14,6 +14,7 @@ enum {
     DEFAULT_RESOLUTION = 512,
     MARGIN_PIXELS = 2, ///< around a picture, for rounding
     ROUNDS_MAX = 64,   ///< of distances that spread by at least an edge each
+    COPIED = 4096,     ///< triangles that share copies of their vertices
 };
 
 /// A pixel counts if its centre is at least this far within its triangle, in pixels. Closer to an
@@ -37,9 +38,8 @@ typedef struct seen_view {
 /// Per-thread state.
 typedef struct seen_worker {
     stp_arena scratch;
-    uint64_t* pixels;
-    uint8_t* facing; ///< per triangle: the side that faces the viewer; 0: without area
-    uint8_t* sides;  ///< per triangle: sides seen by this thread
+    uint64_t* pixels; ///< of the picture, and of that from behind
+    uint8_t* sides;   ///< per triangle: sides seen by this thread
 } seen_worker;
 
 typedef struct seen_job {
@@ -47,11 +47,16 @@ typedef struct seen_job {
     const float* positions;
     const uint32_t* indices;
     uint32_t vertex_count, triangle_count, resolution;
-    const stp_vec3d* directions;
-    const stp_vec3* normals; ///< per triangle, unit; zero: without area
-    stp_vec3 center;         ///< of the bounding box
-    stp_vec3d half_extent;   ///< of the bounding box
+    const stp_vec3d* directions; ///< of which the opposite ones are meant as well
+    const stp_vec3* normals;     ///< per triangle, unit; zero: without area
+    stp_vec3 center;             ///< of the bounding box
+    stp_vec3d half_extent;       ///< of the bounding box
     double pixel_size;
+    /// The mesh as it is drawn: relative to the centre, and each run of COPIED triangles with its own
+    /// vertices, so that they follow each other
+    float* drawn_positions;
+    uint32_t* drawn_indices;
+    uint32_t drawn_count; ///< vertices
     seen_worker* workers;
     atomic_bool failed;
 } seen_job;
@@ -100,6 +105,35 @@ static void find_normals(const seen_job* job, stp_vec3* normals)
     }
 }
 
+/// Copies the mesh as it is drawn. @return false if out of memory
+static bool copy_mesh(seen_job* job)
+{
+    size_t corners = 3 * (size_t)job->triangle_count;
+    uint32_t first = 0; // of the run's vertices
+    uint32_t* copies = STP_NEW_ARRAY(job->context, uint32_t, job->vertex_count);
+    job->drawn_positions = STP_NEW_ARRAY(job->context, float, 3 * corners);
+    job->drawn_indices = STP_NEW_ARRAY(job->context, uint32_t, corners);
+    bool enough = copies != NULL && job->drawn_positions != NULL && job->drawn_indices != NULL;
+    for (uint32_t v = 0; v < job->vertex_count && enough; ++v) {
+        copies[v] = UINT32_MAX;
+    }
+    for (size_t i = 0; i < corners && enough; ++i) {
+        uint32_t v = job->indices[i];
+        first = i % (3 * (size_t)COPIED) == 0 ? job->drawn_count : first;
+        if (copies[v] == UINT32_MAX || copies[v] < first) {
+            const float* p = job->positions + 3 * (size_t)v;
+            float* to = job->drawn_positions + 3 * (size_t)job->drawn_count;
+            to[0] = p[0] - job->center.x;
+            to[1] = p[1] - job->center.y;
+            to[2] = p[2] - job->center.z;
+            copies[v] = job->drawn_count++;
+        }
+        job->drawn_indices[i] = copies[v];
+    }
+    stp_free(job->context, copies);
+    return enough;
+}
+
 static double extent_along(const seen_job* job, stp_vec3d axis)
 {
     stp_vec3d h = job->half_extent;
@@ -131,11 +165,12 @@ static size_t count_pixels(const seen_job* job)
     return side * side;
 }
 
+/// Draws the view, and that from behind after it.
 static stp_result draw(const seen_job* job, const seen_view* view, seen_worker* worker)
 {
     size_t pixel_count = (size_t)view->width * view->height;
     assert(pixel_count <= count_pixels(job));
-    memset(worker->pixels, 0xFF, pixel_count * sizeof(uint64_t));
+    memset(worker->pixels, 0xFF, 2 * pixel_count * sizeof(uint64_t));
     stp_vec3d depth = stp_scaled(view->toward, 0.4 / stp_lengthd(job->half_extent));
     const stp_vec3d axes[3] = {view->right, view->down, depth};
     const double shifts[3] = {view->shift_x, view->shift_y, 0.5};
@@ -150,16 +185,17 @@ static stp_result draw(const seen_job* job, const seen_view* view, seen_worker* 
                                 .height = view->height,
                                 .stride = view->width,
                                 .pixels = worker->pixels};
-    stp_raster_mesh mesh = {.positions = job->positions,
-                            .vertex_count = job->vertex_count,
-                            .indices = job->indices,
+    stp_raster_mesh mesh = {.positions = job->drawn_positions,
+                            .vertex_count = job->drawn_count,
+                            .indices = job->drawn_indices,
                             .triangle_count = job->triangle_count,
-                            .offset = {job->center.x, job->center.y, job->center.z}};
+                            .behind = pixel_count};
     return stp_raster_triangles(&target, 0, view->height, &matrix, 1.0f, &mesh, 0,
                                 &worker->scratch);
 }
 
-/// Whether the centre of a pixel is clearly within a triangle whose given side faces the viewer.
+/// Whether the centre of a pixel is clearly within a triangle whose given side faces the viewer of
+/// the picture that is not from behind.
 static bool is_clear(const seen_job* job, const seen_view* view, uint32_t triangle, uint8_t side,
                      uint32_t column, uint32_t row)
 {
@@ -181,26 +217,27 @@ static bool is_clear(const seen_job* job, const seen_view* view, uint32_t triang
     return clear;
 }
 
-/// Marks the sides that won pixels. What is marked already is not looked at again, so most pixels
-/// cost two bytes.
-static void mark_seen(const seen_job* job, const seen_view* view, seen_worker* worker)
+/// Marks the sides that won pixels of a picture. What is marked already is not looked at again.
+static void mark_seen(const seen_job* job, const seen_view* view, const uint64_t* picture,
+                      bool from_behind, seen_worker* worker)
 {
+    const uint8_t both = STP_SEEN_FRONT | STP_SEEN_BACK;
     stp_vec3 toward = stp_to_float(view->toward);
-    for (uint32_t t = 0; t < job->triangle_count; ++t) {
-        stp_vec3 n = job->normals[t];
-        float cosine = stp_dot(n, toward);
-        worker->facing[t] = cosine > 0.0f ? STP_SEEN_FRONT : cosine < 0.0f ? STP_SEEN_BACK : 0;
-    }
     for (uint32_t row = 0; row < view->height; ++row) {
-        const uint64_t* pixels = worker->pixels + (size_t)row * view->width;
+        const uint64_t* pixels = picture + (size_t)row * view->width;
         for (uint32_t column = 0; column < view->width; ++column) {
             if (pixels[column] == STP_RASTER_EMPTY) {
                 continue;
             }
             uint32_t t = stp_raster_id(pixels[column]);
             assert(t < job->triangle_count);
-            uint8_t side = worker->facing[t];
-            if ((side & ~worker->sides[t]) != 0 && is_clear(job, view, t, side, column, row)) {
+            if (worker->sides[t] == both) {
+                continue;
+            }
+            float cosine = stp_dot(job->normals[t], toward);
+            uint8_t facing = cosine > 0.0f ? STP_SEEN_FRONT : cosine < 0.0f ? STP_SEEN_BACK : 0;
+            uint8_t side = from_behind && facing != 0 ? facing ^ both : facing;
+            if ((side & ~worker->sides[t]) != 0 && is_clear(job, view, t, facing, column, row)) {
                 worker->sides[t] |= side;
             }
         }
@@ -211,11 +248,10 @@ static bool prepare_worker(const seen_job* job, seen_worker* worker)
 {
     if (worker->scratch.context == NULL) {
         worker->scratch = stp_arena_create(job->context, 4096);
-        worker->pixels = STP_NEW_ARRAY(job->context, uint64_t, count_pixels(job));
-        worker->facing = STP_NEW_ARRAY(job->context, uint8_t, job->triangle_count);
+        worker->pixels = STP_NEW_ARRAY(job->context, uint64_t, 2 * count_pixels(job));
         worker->sides = STP_NEW_ZEROED(job->context, uint8_t, job->triangle_count);
     }
-    return worker->pixels != NULL && worker->facing != NULL && worker->sides != NULL;
+    return worker->pixels != NULL && worker->sides != NULL;
 }
 
 static void look(size_t begin, size_t end, uint32_t worker_index, void* user)
@@ -228,7 +264,9 @@ static void look(size_t begin, size_t end, uint32_t worker_index, void* user)
             atomic_store(&job->failed, true);
             return;
         }
-        mark_seen(job, &view, worker);
+        const uint64_t* behind = worker->pixels + (size_t)view.width * view.height;
+        mark_seen(job, &view, worker->pixels, false, worker);
+        mark_seen(job, &view, behind, true, worker);
     }
 }
 
@@ -242,7 +280,6 @@ static void join_workers(const seen_job* job, uint32_t threads, uint8_t* sides)
             sides[t] |= worker->sides[t];
         }
         stp_free(job->context, worker->pixels);
-        stp_free(job->context, worker->facing);
         stp_free(job->context, worker->sides);
         if (worker->scratch.context != NULL) {
             stp_arena_destroy(&worker->scratch);
@@ -341,6 +378,7 @@ stp_result stp_find_seen_sides(stp_context* context, const float* positions, uin
                     .vertex_count = vertex_count,
                     .triangle_count = triangle_count,
                     .resolution = desc->resolution > 0 ? desc->resolution : DEFAULT_RESOLUTION};
+    assert(count % 2 == 0 && count > 26 && "half of the directions are opposite to the others");
     assert(job.resolution <= STP_SEEN_RESOLUTION_MAX && triangle_count < UINT32_MAX);
     if (triangle_count == 0) {
         return STP_OK;
@@ -353,19 +391,21 @@ stp_result stp_find_seen_sides(stp_context* context, const float* positions, uin
     stp_vec3d* directions = STP_NEW_ARRAY(context, stp_vec3d, count);
     stp_vec3* normals = STP_NEW_ARRAY(context, stp_vec3, triangle_count);
     job.workers = STP_NEW_ZEROED(context, seen_worker, threads);
-    bool enough = directions != NULL && normals != NULL && job.workers != NULL;
+    bool enough = directions != NULL && normals != NULL && job.workers != NULL && copy_mesh(&job);
     if (enough) {
         stp_capture_directions(count, directions);
         find_normals(&job, normals);
         job.directions = directions;
         job.normals = normals;
         atomic_init(&job.failed, false);
-        stp_parallel_for(context, count, 1, look, &job);
+        stp_parallel_for(context, count / 2, 1, look, &job); // half of the spiral is half a sphere
         join_workers(&job, threads, sides);
         enough = !atomic_load(&job.failed);
     }
     stp_free(context, directions);
     stp_free(context, normals);
+    stp_free(context, job.drawn_positions);
+    stp_free(context, job.drawn_indices);
     stp_free(context, job.workers);
     return enough ? complete(&job, sides) : stp_fail_memory(context);
 }

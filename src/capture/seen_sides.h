@@ -18,7 +18,7 @@ enum { STP_SEEN_RESOLUTION_MAX = 8192 };
 
 /// Zero stands for a default.
 typedef struct stp_seen_desc {
-    uint32_t direction_count; ///< as in stp_capture_directions; default 96
+    uint32_t direction_count; ///< two opposite ones each: even, above 26; default 96
     /// Pixels along the diagonal of the bounding box, at most STP_SEEN_RESOLUTION_MAX; default 512.
     /// Smaller openings may be missed. A running task needs about 8 resolution^2 bytes
     uint32_t resolution;

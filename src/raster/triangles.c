@@ -243,10 +243,12 @@ static stp_result draw_mesh(stp_triangle_window* window, const stp_raster_matrix
     }
     assert((mesh->layer == NULL || mesh->keep != NULL) && "layers are tested with masks");
     assert((mesh->keep == NULL || mesh->numbers == NULL) && "masks take the triangle's index");
+    assert((mesh->keep == NULL || mesh->behind == 0) && "masks are tested for one picture");
     assert(window->stride >= (size_t)window->width && window->row_begin >= window->first_row);
     uint64_t fragments = 0;
     window->fragments = &fragments;
     window->facing = mesh->facing;
+    window->behind = mesh->behind;
     const stp_triangle_kernels* kernels = choose_kernels();
     stp_triangle_transform transform = {.nearness_limit = nearness_limit};
     memcpy(transform.matrix, matrix->m, sizeof(transform.matrix));

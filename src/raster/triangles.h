@@ -31,6 +31,9 @@ typedef struct stp_raster_mesh {
     /// 0: both sides are drawn. Above 0, below 0: only triangles whose corners turn clockwise or
     /// counter-clockwise in the picture.
     int32_t facing;
+    /// 0, or pixels from the target's to those of a second picture, of what is seen from behind: the
+    /// least nearness of each pixel wins, then the smaller id. Not together with `keep`.
+    size_t behind;
 } stp_raster_mesh;
 
 /// Draws triangles; triangle t gets the id first_id + t. Clips to the near plane and to rows

@@ -38,6 +38,7 @@ typedef struct stp_triangle_window {
     size_t stride;
     int32_t width, first_row, row_begin, row_end;
     int32_t facing;      ///< as in stp_raster_mesh
+    size_t behind;       ///< likewise
     uint64_t* fragments; ///< counts those inside triangles
 } stp_triangle_window;
 
@@ -45,6 +46,13 @@ static inline uint64_t* stp_triangle_row(const stp_triangle_window* window, int3
 {
     assert(row >= window->first_row);
     return window->pixels + (size_t)(row - window->first_row) * window->stride;
+}
+
+/// Writes a pixel into the picture from behind, where depths are the other way round.
+static inline void stp_triangle_write_behind(uint64_t* place, uint64_t pixel)
+{
+    uint64_t other = pixel ^ UINT64_C(0xFFFFFFFF00000000);
+    *place = other < *place ? other : *place;
 }
 
 /// Triangles with transformed vertices; a piece of a mesh.

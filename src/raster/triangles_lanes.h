@@ -196,6 +196,9 @@ static inline void write_lanes(const stp_triangle_window* window, const batch* b
         uint64_t* place = stp_triangle_row(window, b->top[lane] + row) + b->left[lane] + column;
         uint64_t pixel = stp_raster_pixel(depth[lane], find_id(ids, lane));
         *place = pixel < *place ? pixel : *place;
+        if (window->behind != 0) {
+            stp_triangle_write_behind(place + window->behind, pixel);
+        }
     }
 }
 

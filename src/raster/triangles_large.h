@@ -116,7 +116,7 @@ static void find_columns_one_by_one(const large_walk* walk, int32_t row, large_r
 }
 
 /// Short spans: a pixel of each row of `bits` at once. @return fragments
-static inline uint64_t fill_large_short(uint64_t* pixels, size_t stride, const large_walk* walk,
+static inline uint64_t fill_large_short(const stp_triangle_window* window, const large_walk* walk,
                                         int32_t top, const large_rows* rows, uint32_t bits,
                                         uint32_t id)
 {
@@ -125,6 +125,7 @@ static inline uint64_t fill_large_short(uint64_t* pixels, size_t stride, const l
     const lanes_real y =
         (count_rows() + (double)top) * (double)STP_SUBPIXEL + (double)STP_SUBPIXEL_HALF;
     const lanes_real row_nearness = plane->nearness + plane->along_y * (y - plane->y);
+    uint64_t* pixels = stp_triangle_row(window, top);
     lanes_real column = rows->first;
     uint64_t fragments = 0;
     while (bits != 0) { // as stp_triangle_plane_at
@@ -139,8 +140,11 @@ static inline uint64_t fill_large_short(uint64_t* pixels, size_t stride, const l
             nearness = nearness > low ? nearness : low;
             nearness = nearness < high ? nearness : high;
             uint64_t pixel = stp_raster_pixel(nearness, id);
-            uint64_t* place = pixels + lane * stride + (int32_t)columns[lane];
+            uint64_t* place = pixels + lane * window->stride + (int32_t)columns[lane];
             *place = pixel < *place ? pixel : *place;
+            if (window->behind != 0) {
+                stp_triangle_write_behind(place + window->behind, pixel);
+            }
         }
         fragments += (uint64_t)__builtin_popcount(bits);
         column += 1.0;
@@ -150,7 +154,7 @@ static inline uint64_t fill_large_short(uint64_t* pixels, size_t stride, const l
 }
 
 /// Long spans, LANES pixels of a row at a time. @return fragments
-static inline uint64_t fill_large_long(uint64_t* pixels, size_t stride, const large_walk* walk,
+static inline uint64_t fill_large_long(const stp_triangle_window* window, const large_walk* walk,
                                        int32_t top, const large_rows* rows, uint32_t bits,
                                        uint32_t id)
 {
@@ -165,7 +169,7 @@ static inline uint64_t fill_large_long(uint64_t* pixels, size_t stride, const la
     uint64_t fragments = 0;
     for (; bits != 0; bits &= bits - 1) {
         int lane = __builtin_ctz(bits);
-        uint64_t* row = pixels + (size_t)lane * stride;
+        uint64_t* row = stp_triangle_row(window, top + lane);
         double row_nearness = stp_triangle_plane_row(&walk->plane, top + lane);
         int32_t first = (int32_t)firsts[lane], last = (int32_t)lasts[lane];
         assert(first >= walk->setup->left && last <= walk->setup->right && first <= last);
@@ -178,6 +182,9 @@ static inline uint64_t fill_large_long(uint64_t* pixels, size_t stride, const la
             int32_t left = last - column + 1;
             uint32_t some = left < LANES ? (1U << left) - 1 : LANES_ALL;
             lanes_write(row + column, some, (lanes_int)nearness, id);
+            if (window->behind != 0) {
+                lanes_write(row + window->behind + column, some, ~(lanes_int)nearness, id);
+            }
         }
         fragments += (uint64_t)(last - first) + 1;
     }
@@ -204,11 +211,10 @@ static void draw_large(const stp_triangle_window* window, const stp_triangle_set
         uint32_t bits = lanes_long_bits(rows.first <= rows.last);
         int32_t left = setup->bottom - top + 1;
         bits &= left < LARGE_ROWS ? (1U << left) - 1 : UINT32_MAX;
-        uint64_t* pixels = stp_triangle_row(window, top);
         if (is_long) {
-            fragments += fill_large_long(pixels, window->stride, &walk, top, &rows, bits, id);
+            fragments += fill_large_long(window, &walk, top, &rows, bits, id);
         } else {
-            fragments += fill_large_short(pixels, window->stride, &walk, top, &rows, bits, id);
+            fragments += fill_large_short(window, &walk, top, &rows, bits, id);
         }
     }
     *window->fragments += fragments;

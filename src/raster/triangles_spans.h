@@ -116,13 +116,16 @@ static inline void write_rows(uint64_t* pixels, size_t stride, uint32_t bits, la
 }
 
 /// Short spans: a pixel of each row at once. @return fragments
-static inline uint64_t fill_short(uint64_t* pixels, size_t stride, const span_walk* walk,
-                                  span_rows rows, uint32_t id)
+static inline uint64_t fill_short(const stp_triangle_window* window, uint64_t* pixels,
+                                  const span_walk* walk, span_rows rows, uint32_t id)
 {
     uint64_t fragments = 0;
     for (uint32_t bits = lanes_sign_bits(rows.there); bits != 0;) {
         lanes_int nearness = walk_nearness(walk, rows.edge[1], rows.edge[2]);
-        write_rows(pixels, stride, bits, rows.first, nearness, id);
+        write_rows(pixels, window->stride, bits, rows.first, nearness, id);
+        if (window->behind != 0) {
+            write_rows(pixels + window->behind, window->stride, bits, rows.first, ~nearness, id);
+        }
         fragments += (uint64_t)__builtin_popcount(bits);
         rows.first += 1;
         rows.edge[1] -= (uint32_t)walk->fall[1];
@@ -133,8 +136,8 @@ static inline uint64_t fill_short(uint64_t* pixels, size_t stride, const span_wa
 }
 
 /// Long spans, LANES pixels at a time. @return fragments
-static inline uint64_t fill_long(uint64_t* pixels, size_t stride, const span_walk* walk,
-                                 const span_rows* rows, uint32_t id)
+static inline uint64_t fill_long(const stp_triangle_window* window, uint64_t* pixels,
+                                 const span_walk* walk, const span_rows* rows, uint32_t id)
 {
     int32_t first[LANES], last[LANES];
     uint32_t edge[2][LANES];
@@ -147,14 +150,18 @@ static inline uint64_t fill_long(uint64_t* pixels, size_t stride, const span_wal
     uint64_t fragments = 0;
     for (uint32_t bits = lanes_sign_bits(rows->there); bits != 0; bits &= bits - 1) {
         size_t lane = (size_t)__builtin_ctz(bits);
-        uint64_t* place = pixels + lane * stride + first[lane];
+        uint64_t* place = pixels + lane * window->stride + first[lane];
         lanes_uint e1 = edge[0][lane] - along1, e2 = edge[1][lane] - along2;
         int32_t left = last[lane] - first[lane] + 1;
         assert(first[lane] >= 0 && left > 0 && "rows that are there have pixels");
         fragments += (uint64_t)left;
         for (; left > 0; left -= LANES, place += LANES) {
             uint32_t some = left < LANES ? (1U << left) - 1 : LANES_ALL;
-            lanes_write(place, some, walk_nearness(walk, e1, e2), id);
+            lanes_int nearness = walk_nearness(walk, e1, e2);
+            lanes_write(place, some, nearness, id);
+            if (window->behind != 0) {
+                lanes_write(place + window->behind, some, ~nearness, id);
+            }
             e1 -= (uint32_t)walk->fall[1] * LANES;
             e2 -= (uint32_t)walk->fall[2] * LANES;
         }
@@ -169,6 +176,17 @@ enum {
     NARROW_HEIGHT = 6 * NARROW_ROWS,
     LOW_HEIGHT = 10,
 };
+
+/// Writes pixels of one or more rows.
+static inline void write_box(uint64_t* pixels, size_t stride, uint32_t bits, lanes_int nearness,
+                             uint32_t id, int rows)
+{
+    if (rows > 1) {
+        lanes_write_narrow(pixels, stride, bits, nearness, id);
+    } else {
+        lanes_write(pixels, bits, nearness, id);
+    }
+}
 
 /// @param columns,rows in a vector
 /// @return fragments
@@ -192,10 +210,9 @@ static inline uint64_t fill_box(const stp_triangle_window* window, const pixel_b
         uint32_t bits = lanes_sign_bits(inside);
         if (bits != 0) {
             lanes_int nearness = walk_nearness(walk, e[1] - walk->bias[1], e[2] - walk->bias[2]);
-            if (rows > 1) {
-                lanes_write_narrow(pixels, window->stride, bits, nearness, id);
-            } else {
-                lanes_write(pixels, bits, nearness, id);
+            write_box(pixels, window->stride, bits, nearness, id, rows);
+            if (window->behind != 0) {
+                write_box(pixels + window->behind, window->stride, bits, ~nearness, id, rows);
             }
             fragments += (uint64_t)__builtin_popcount(bits);
         }
@@ -229,9 +246,9 @@ static void draw_walk(const stp_triangle_window* window, pixel_box box, const sp
         span_rows rows = find_spans(&box, walk, at, row);
         uint64_t* pixels = stp_triangle_row(window, box.top + row) + box.left;
         if (is_long) {
-            fragments += fill_long(pixels, window->stride, walk, &rows, id);
+            fragments += fill_long(window, pixels, walk, &rows, id);
         } else {
-            fragments += fill_short(pixels, window->stride, walk, rows, id);
+            fragments += fill_short(window, pixels, walk, rows, id);
         }
         for (int k = 0; k < 3; ++k) {
             at[k] += walk->down[k] * LANES;

@@ -91,6 +91,29 @@ assert len(lines) == 4, lines
 assert len({len(line) for line in lines}) == 1, lines
 END
 
+# levels of triangles: a wavy sheet has some, the plant has none
+grep -q '^  levels ' out && fail "levels that are not there: $(cat out)"
+python3 - << 'END'
+import math
+with open("sheet.obj", "w") as f:
+    for y in range(61):
+        for x in range(61):
+            f.write(f"v {x / 60} {0.02 * math.sin(x / 9) * math.cos(y / 7):.6f} {y / 60}\n")
+    for y in range(60):
+        for x in range(60):
+            a = y * 61 + x + 1
+            f.write(f"f {a} {a + 61} {a + 1}\nf {a + 1} {a + 61} {a + 62}\n")
+END
+run 0 build sheet.obj -o sheet.stip --quiet
+run 0 info sheet.stip --json
+[ "$(figure "d['levels'] > 0, 0 < d['level_triangles'] < 7200, 0 < d['level_bytes'] < d['file_bytes']")" \
+    = "(True, True, True)" ] || fail "levels: $(cat out)"
+run 0 info sheet.stip
+grep -Eq '^  levels +[0-9.]+ KB  \([0-9]+ levels of [0-9,]+ triangles\)$' out || fail "no levels: $(cat out)"
+run 0 build sheet.obj -o bare.stip --levels off --quiet
+run 0 info bare.stip --json
+[ "$(figure "d['levels'], d['level_triangles'], d['level_bytes']")" = "(0, 0, 0)" ] || fail "no levels: $(cat out)"
+
 # a file of version 1.0 has no summary: the figures come from its tables
 run 0 info "$golden/sample.stip" --json
 [ "$(figure "d['format_version'], d['format_minor']")" = "(1, 0)" ] || fail "version 1.0: $(cat out)"

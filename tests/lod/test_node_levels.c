@@ -156,8 +156,7 @@ void test_node_levels_do_not_depend_on_threads(test_state* test)
     for (uint32_t i = 0; i < a->level_count; ++i) {
         const stp_node_level *l = &a->levels[i], *m = &b->levels[i];
         CHECK(l->shading == m->shading && l->vertex_count == m->vertex_count &&
-              l->triangle_count == m->triangle_count && l->cluster_count == m->cluster_count &&
-              l->area == m->area);
+              l->triangle_count == m->triangle_count && l->cluster_count == m->cluster_count);
         CHECK(memcmp(l->positions, m->positions, 3 * sizeof(float) * l->vertex_count) == 0);
         CHECK(memcmp(l->colors, m->colors, 4 * sizeof(uint16_t) * l->vertex_count) == 0);
         CHECK(memcmp(l->indices, m->indices, 3 * sizeof(uint32_t) * l->triangle_count) == 0);
@@ -217,7 +216,6 @@ void test_node_levels_of_sheets_have_both_sides(test_state* test)
 
 static void check_clusters(test_state* test, const stp_node_levels* l, const stp_node_level* level)
 {
-    double area = 0.0;
     for (uint32_t k = 0; k < level->cluster_count; ++k) {
         const stp_node_level_cluster* c = &level->clusters[k];
         uint32_t first = first_of(level, k), low = UINT32_MAX, high = 0;
@@ -230,7 +228,7 @@ static void check_clusters(test_state* test, const stp_node_levels* l, const stp
             const stp_level_group *made = &l->groups[c->made_by], *used = &l->groups[c->used_by];
             CHECK(used->error > made->error);
             CHECK(stp_lengthd(stp_subd(made->center, used->center)) + made->radius <=
-                  used->radius * (1.0 + 1e-9));
+                  used->radius * (1.0 + 1e-6)); // rounded to floats
         }
         for (uint32_t t = first; t < c->end; ++t) {
             const uint32_t* corners = level->indices + 3 * (size_t)t;
@@ -240,13 +238,10 @@ static void check_clusters(test_state* test, const stp_node_levels* l, const stp
                 high = corners[i] > high ? corners[i] : high;
             }
             CHECK(corners[0] != corners[1] && corners[1] != corners[2] && corners[2] != corners[0]);
-            stp_vec3d n = normal_of(level, t);
-            area += 0.5 * stp_lengthd(n);
         }
         CHECK(high - low < VERTICES_MAX); // its vertices follow each other
     }
     CHECK_EQUAL(level->triangle_count, level->clusters[level->cluster_count - 1].end);
-    CHECK(fabs(area - level->area) <= 1e-9 * area);
 }
 
 static void skip_triangle(const stp_node_level* level, uint32_t triangle, bool one_sided,
@@ -724,9 +719,6 @@ void test_node_levels_take_degenerate_triangles(test_state* test)
         }
         CHECK(level_add(p.scene, mesh, p.white, stp_affine_identity()) != STP_NONE);
         CHECK_EQUAL(STP_OK, make_levels(&p));
-        for (uint32_t i = 0; i < p.levels.level_count; ++i) {
-            CHECK(isfinite(p.levels.levels[i].area));
-        }
         CHECK(kind == 0 || p.levels.level_count == 0);
         end_place(&p);
     }

@@ -35,18 +35,23 @@ void test_edges_are_sorted_together(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     make_square();
-    uint32_t* order = stp_sort_edges(context, indices, TRIANGLES, VERTICES);
-    CHECK(order != NULL);
-    uint32_t open = 0, shared = 0;
-    for (uint32_t i = 0, end; i < 3 * TRIANGLES; i = end) {
-        end = stp_edge_run(indices, order, i, 3 * TRIANGLES);
-        CHECK(end - i == 1 || (end - i == 2 && order[i] < order[i + 1]));
+    stp_mesh_edges edges;
+    CHECK(stp_mesh_edges_make(context, indices, TRIANGLES, VERTICES, &edges));
+    uint32_t open = 0, shared = 0, before[2] = {0, 0};
+    for (uint32_t e = 0, i = 0; e < edges.count; i = edges.ends[e++]) {
+        uint32_t ends[2], others[2], end = edges.ends[e];
+        stp_edge_ends(indices, edges.corners[i], ends);
+        stp_edge_ends(indices, edges.corners[end - 1], others);
+        CHECK(end - i == 1 || (end - i == 2 && edges.corners[i] < edges.corners[i + 1]));
+        CHECK(ends[0] == others[0] && ends[1] == others[1]);
+        CHECK(ends[0] > before[0] || (ends[0] == before[0] && ends[1] > before[1]));
+        memcpy(before, ends, sizeof(before));
         open += end - i == 1 ? 1 : 0;
         shared += end - i == 2 ? 1 : 0;
     }
     CHECK_EQUAL(4 * SIDE, open);
     CHECK_EQUAL((3 * TRIANGLES - 4 * SIDE) / 2, shared);
-    stp_free(context, order);
+    stp_mesh_edges_destroy(context, &edges);
     stp_context_destroy(context);
 }
 

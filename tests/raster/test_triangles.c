@@ -98,7 +98,7 @@ void test_triangles_match_reference(test_state* test)
             static const uint32_t indices[3] = {0, 1, 2};
             uint64_t fragments = 0, covered = 0;
             stp_raster_mesh mesh = {corners, 3,    indices,    1,    NULL, {0},
-                                    NULL,    NULL, &fragments, NULL, 0};
+                                    NULL,    NULL, &fragments, NULL, 0,    0};
             stp_raster_matrix matrix = parallel_matrix();
             clear(pixels);
             CHECK(draw(pixels, &matrix, INFINITY, &mesh));
@@ -190,7 +190,7 @@ void test_triangles_are_watertight(test_state* test)
         memset(counts, 0, sizeof(counts));
         clear(pixels);
         stp_raster_mesh mesh = {grid.positions, 33 * 33,  grid.indices, 2048, NULL, {0},
-                                count_fragment, &counted, NULL,         NULL, 0};
+                                count_fragment, &counted, NULL,         NULL, 0,    0};
         stp_raster_matrix matrix = parallel_matrix();
         CHECK(draw(pixels, &matrix, INFINITY, &mesh));
         mesh.keep = NULL;
@@ -217,7 +217,7 @@ void test_triangles_clipped_at_the_near_plane_have_no_cracks(test_state* test)
             p[2] = z;
         }
         stp_raster_mesh mesh = {grid.positions, 33 * 33, grid.indices, 2048, NULL, {0},
-                                NULL,           NULL,    NULL,         NULL, 0};
+                                NULL,           NULL,    NULL,         NULL, 0,    0};
         stp_raster_matrix matrix = perspective_matrix(60.0f);
         clear(pixels);
         CHECK(draw(pixels, &matrix, 0.1f / 0.2f, &mesh));
@@ -253,7 +253,7 @@ void test_triangles_survive_anything(test_state* test)
             indices[i / 3] = i / 3;
         }
         stp_raster_mesh mesh = {positions, COUNT * 3, indices, COUNT, NULL, {0},
-                                NULL,      NULL,      NULL,    NULL,  0};
+                                NULL,      NULL,      NULL,    NULL,  0,    0};
         stp_raster_matrix matrices[2] = {parallel_matrix(), perspective_matrix(100.0f)};
         for (int m = 0; m < 2; ++m) {
             static const float limits[] = {INFINITY, 1.0f, 1e-3f};
@@ -278,7 +278,7 @@ void test_triangles_huge_fill_the_picture(test_state* test)
     static uint64_t pixels[PIXELS];
     static const float corners[9] = {-3e7f, -3e7f, 0.5f, 9e7f, -3e7f, 0.5f, -3e7f, 9e7f, 0.5f};
     static const uint32_t indices[3] = {0, 1, 2};
-    stp_raster_mesh mesh = {corners, 3, indices, 1, NULL, {0}, NULL, NULL, NULL, NULL, 0};
+    stp_raster_mesh mesh = {corners, 3, indices, 1, NULL, {0}, NULL, NULL, NULL, NULL, 0, 0};
     stp_raster_matrix matrix = parallel_matrix();
     clear(pixels);
     CHECK(draw(pixels, &matrix, 1.0f, &mesh));
@@ -288,7 +288,7 @@ void test_triangles_huge_fill_the_picture(test_state* test)
     }
 }
 
-static void draw_variant(const stp_triangle_kernels* kernels, uint64_t* pixels,
+static void draw_variant(const stp_triangle_kernels* kernels, uint64_t* pixels, size_t behind,
                          const float* positions, uint32_t triangle_count,
                          const stp_raster_matrix* matrix)
 {
@@ -308,6 +308,7 @@ static void draw_variant(const stp_triangle_kernels* kernels, uint64_t* pixels,
                    .stride = WIDTH,
                    .width = WIDTH,
                    .row_end = HEIGHT,
+                   .behind = behind,
                    .fragments = &fragments},
         .indices = indices,
         .triangle_count = triangle_count,
@@ -324,7 +325,7 @@ static void draw_variant(const stp_triangle_kernels* kernels, uint64_t* pixels,
 
 void test_triangles_variants_give_the_same_bits(test_state* test)
 {
-    static uint64_t wanted[PIXELS], got[PIXELS];
+    static uint64_t wanted[2 * PIXELS], got[2 * PIXELS]; // from the front and from behind
     static float positions[300 * 9];
     static const float sizes[] = {0.7f, 2.0f, 6.0f, 60.0f, 600.0f};
     const stp_triangle_kernels* variants[2] = {NULL, NULL};
@@ -344,17 +345,59 @@ void test_triangles_variants_give_the_same_bits(test_state* test)
             positions[4] = s == 3 ? NAN : positions[4];
             stp_raster_matrix matrix = parallel_matrix();
             matrix.m[3][2] = s == 4 ? 0.7f : 0.0f; // some perspective
-            clear(wanted);
-            draw_variant(&stp_triangle_kernels_portable, wanted, positions, count, &matrix);
+            memset(wanted, 0xFF, sizeof(wanted));
+            draw_variant(&stp_triangle_kernels_portable, wanted, PIXELS, positions, count, &matrix);
             for (int v = 0; v < 2; ++v) {
                 if (variants[v] != NULL) {
-                    clear(got);
-                    draw_variant(variants[v], got, positions, count, &matrix);
+                    memset(got, 0xFF, sizeof(got));
+                    draw_variant(variants[v], got, PIXELS, positions, count, &matrix);
                     CHECK(memcmp(wanted, got, sizeof(got)) == 0);
+                    clear(got);
+                    draw_variant(variants[v], got, 0, positions, count, &matrix);
+                    CHECK(memcmp(wanted, got, sizeof(got) / 2) == 0);
                 }
             }
         }
     }
+}
+
+// Seen from behind, what is far is near.
+void test_triangles_from_behind_are_those_of_the_other_side(test_state* test)
+{
+    enum { COUNT = 400 };
+    static uint64_t both[2 * PIXELS], front[PIXELS], back[PIXELS];
+    static float positions[COUNT * 9];
+    static uint32_t indices[3 * COUNT];
+    static const float sizes[] = {0.7f, 2.0f, 6.0f, 60.0f, 600.0f};
+    for (uint32_t i = 0; i < 3 * COUNT; ++i) {
+        indices[i] = i;
+    }
+    for (uint64_t t = 0; t < COUNT; ++t) {
+        random_triangle(7, t, sizes[t % 5], positions + 9 * t);
+    }
+    stp_raster_mesh mesh = {.positions = positions,
+                            .vertex_count = 3 * COUNT,
+                            .indices = indices,
+                            .triangle_count = COUNT};
+    stp_raster_matrix matrix = parallel_matrix(), turned = parallel_matrix();
+    turned.m[2][2] = -1.0f;
+    turned.m[2][3] = 1.5f;
+    clear(front);
+    clear(back);
+    memset(both, 0xFF, sizeof(both));
+    CHECK(draw(front, &matrix, INFINITY, &mesh) && draw(back, &turned, INFINITY, &mesh));
+    mesh.behind = PIXELS;
+    CHECK(draw(both, &matrix, INFINITY, &mesh));
+    CHECK(memcmp(both, front, sizeof(front)) == 0);
+    int differing = 0;
+    for (size_t i = 0; i < PIXELS; ++i) {
+        uint64_t pixel = both[PIXELS + i];
+        CHECK((pixel == STP_RASTER_EMPTY) == (back[i] == STP_RASTER_EMPTY));
+        differing += stp_raster_id(pixel) != stp_raster_id(back[i]) ? 1 : 0;
+        CHECK(pixel == STP_RASTER_EMPTY || fabsf(stp_raster_nearness(pixel ^ UINT64_MAX << 32) +
+                                                 stp_raster_nearness(back[i]) - 1.5f) < 1e-4f);
+    }
+    CHECK(differing < PIXELS / 100); // rounding
 }
 
 void test_triangles_in_bands_give_the_same_picture(test_state* test)
@@ -366,7 +409,7 @@ void test_triangles_in_bands_give_the_same_picture(test_state* test)
         grid.positions[3 * i + 2] = number(9, (uint64_t)i, 0.1f, 0.9f);
     }
     stp_raster_mesh mesh = {grid.positions, 33 * 33, grid.indices, 2048, NULL, {0},
-                            NULL,           NULL,    NULL,         NULL, 0};
+                            NULL,           NULL,    NULL,         NULL, 0,    0};
     stp_raster_matrix matrix = parallel_matrix();
     clear(whole);
     clear(banded);
@@ -398,7 +441,7 @@ void test_triangles_in_any_order_give_the_same_picture(test_state* test)
     enum { VERTICES = 200000 };
     make_grid(&grid, 11, 0.4f);
     stp_raster_mesh mesh = {grid.positions, 33 * 33, grid.indices, 2048, NULL, {0},
-                            NULL,           NULL,    NULL,         NULL, 0};
+                            NULL,           NULL,    NULL,         NULL, 0,    0};
     stp_raster_matrix matrix = parallel_matrix();
     clear(wanted);
     CHECK(draw(wanted, &matrix, 2.0f, &mesh));
@@ -411,7 +454,8 @@ void test_triangles_in_any_order_give_the_same_picture(test_state* test)
                3 * sizeof(float));
         indices[i] = place;
     }
-    mesh = (stp_raster_mesh){spread, VERTICES, indices, 2048, NULL, {0}, NULL, NULL, NULL, NULL, 0};
+    mesh =
+        (stp_raster_mesh){spread, VERTICES, indices, 2048, NULL, {0}, NULL, NULL, NULL, NULL, 0, 0};
     clear(got);
     bool drawn = draw(got, &matrix, 2.0f, &mesh);
     free(spread);
@@ -437,7 +481,7 @@ void test_triangles_keep_asks_with_perspective_weights(test_state* test)
     static const float corners[9] = {-4, 1, 2, 4, 1, 10, 4, 1, 2};
     static const uint32_t indices[3] = {0, 1, 2};
     stp_raster_mesh mesh = {corners,           3,    indices, 1,    NULL, {0},
-                            keep_near_corner1, NULL, NULL,    NULL, 0};
+                            keep_near_corner1, NULL, NULL,    NULL, 0,    0};
     stp_raster_matrix matrix = perspective_matrix(40.0f);
     clear(pixels);
     CHECK(draw(pixels, &matrix, INFINITY, &mesh));
@@ -461,11 +505,11 @@ void test_triangles_offset_keeps_precision(test_state* test)
     }
     static const uint32_t indices[3] = {0, 1, 2};
     stp_raster_matrix matrix = parallel_matrix();
-    stp_raster_mesh mesh = {near_corners, 3, indices, 1, NULL, {0}, NULL, NULL, NULL, NULL, 0};
+    stp_raster_mesh mesh = {near_corners, 3, indices, 1, NULL, {0}, NULL, NULL, NULL, NULL, 0, 0};
     clear(near_pixels);
     CHECK(draw(near_pixels, &matrix, 1.0f, &mesh));
     mesh = (stp_raster_mesh){far_corners, 3,    indices, 1,    NULL, {1048576.0f, 1048576.0f, 0},
-                             NULL,        NULL, NULL,    NULL, 0};
+                             NULL,        NULL, NULL,    NULL, 0,    0};
     clear(far_pixels);
     CHECK(draw(far_pixels, &matrix, 1.0f, &mesh));
     CHECK(memcmp(near_pixels, far_pixels, sizeof(near_pixels)) == 0);
@@ -485,7 +529,7 @@ void test_triangles_survive_failing_allocator(test_state* test)
         stp_arena scratch = stp_arena_create(context, 64);
         stp_raster_target target = {WIDTH, HEIGHT, WIDTH, pixels};
         stp_raster_mesh mesh = {grid.positions, 33 * 33, grid.indices, 2,    NULL, {0},
-                                NULL,           NULL,    NULL,         NULL, 0};
+                                NULL,           NULL,    NULL,         NULL, 0,    0};
         stp_raster_matrix matrix = parallel_matrix();
         stp_result result =
             stp_raster_triangles(&target, 0, HEIGHT, &matrix, 1.0f, &mesh, 0, &scratch);

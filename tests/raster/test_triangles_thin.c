@@ -71,6 +71,11 @@ static uint64_t draw_by_rule(const stp_triangle_window* window, const stp_screen
                 uint64_t* place = stp_triangle_row(window, y) + x;
                 uint64_t pixel = stp_raster_pixel(nearness, id);
                 *place = pixel < *place ? pixel : *place;
+                uint64_t* other = place + window->behind;
+                bool farther =
+                    *other == STP_RASTER_EMPTY || nearness < stp_raster_nearness(~*other) ||
+                    (!(nearness > stp_raster_nearness(~*other)) && id < stp_raster_id(*other));
+                *other = farther ? ~stp_raster_pixel(nearness, ~id) : *other;
                 fragments += 1;
             }
         }
@@ -80,7 +85,7 @@ static uint64_t draw_by_rule(const stp_triangle_window* window, const stp_screen
 
 void test_triangles_of_any_shape_follow_the_rule(test_state* test)
 {
-    static uint64_t wanted[PIXELS], got[PIXELS];
+    static uint64_t wanted[2 * PIXELS], got[2 * PIXELS]; // from the front and from behind
     static const int64_t lengths[] = {3, 12, 60, 127, 129, 400, 2040, 2060, 1 << 20};
     static const int64_t thicknesses[] = {0, 1, 4, 40, 400};
     const stp_triangle_kernels* variants[3] = {&stp_triangle_kernels_portable, NULL, NULL};
@@ -96,6 +101,7 @@ void test_triangles_of_any_shape_follow_the_rule(test_state* test)
                                       .stride = WIDTH,
                                       .width = WIDTH,
                                       .row_end = HEIGHT,
+                                      .behind = PIXELS,
                                       .fragments = &fragments};
         memset(wanted, 0xFF, sizeof(wanted));
         for (uint32_t t = 0; t < EACH; ++t) {

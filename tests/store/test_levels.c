@@ -72,9 +72,23 @@ void test_levels_come_back(test_state* test)
     }
     static const uint32_t starts[LEVELS_NODES + 1] = {0, 2, 2, 3};
     CHECK(memcmp(d->level_starts, starts, sizeof(starts)) == 0);
-    for (uint32_t type = STP_SECTION_LEVELS; type <= STP_SECTION_LEVEL_GROUPS; ++type) {
+    for (uint32_t type = STP_SECTION_LEVELS; type <= STP_SECTION_LEVEL_FIGURES; ++type) {
         CHECK_EQUAL(0, store->known[type]->flags & STP_SECTION_CRITICAL);
     }
+    const stp_store_level_figures* figures = stp_store_get_level_figures(store);
+    CHECK(figures != NULL && figures->levels == LEVELS_LEVELS);
+    uint64_t triangles = 0, bytes = 0;
+    for (uint32_t i = LEVELS_OWN; i < LEVELS_OWN + LEVELS_LEVELS; ++i) {
+        triangles += f.coded[i].triangle_count;
+        bytes += f.coded[i].size;
+    }
+    CHECK(figures->triangles == triangles && figures->bytes == bytes);
+    stp_store* head;
+    const stp_store_open_desc summary = {.summary_only = true};
+    CHECK_EQUAL(STP_OK,
+                stp_store_open_memory(f.context, "levels", f.bytes, f.size, &summary, &head));
+    CHECK(memcmp(stp_store_get_level_figures(head), figures, sizeof(*figures)) == 0);
+    stp_store_close(head);
     stp_store_stored_mesh found;
     CHECK_EQUAL(STP_OK, stp_store_find_mesh_by_key(store, f.keys[3], &found));
     CHECK_EQUAL(3, found.index);
@@ -125,7 +139,7 @@ void test_levels_can_be_ignored(test_state* test)
     CHECK(set_up(&f, NULL));
     unsigned char* copy = copy_bytes(&f);
     CHECK(copy != NULL);
-    for (uint32_t type = STP_SECTION_LEVELS; type <= STP_SECTION_LEVEL_GROUPS; ++type) {
+    for (uint32_t type = STP_SECTION_LEVELS; type <= STP_SECTION_LEVEL_FIGURES; ++type) {
         stp_write_u32(find_section(copy, type), 4000 + type); // as for a reader of version 1.2
     }
     reseal(copy, f.size);
@@ -148,7 +162,7 @@ void test_levels_change_nothing_where_there_are_none(test_state* test)
     CHECK(set_up(&f, NULL));
     stp_store_content without = levels_without(&f);
     CHECK_EQUAL(STP_OK, levels_write(&f, &without));
-    for (uint32_t type = STP_SECTION_LEVELS; type <= STP_SECTION_LEVEL_GROUPS; ++type) {
+    for (uint32_t type = STP_SECTION_LEVELS; type <= STP_SECTION_LEVEL_FIGURES; ++type) {
         CHECK(find_section(f.bytes, type) == NULL);
     }
     stp_store* store;
@@ -227,6 +241,9 @@ void test_levels_that_are_invalid_are_refused(test_state* test)
         {STP_SECTION_LEVEL_GROUPS, 36, 0, "level group 1: a radius of 3 or an error of 0"},
         {STP_SECTION_LEVEL_GROUPS, 16, 0x7F800000, "level group 0 has a number that is not finite"},
         {STP_SECTION_LEVEL_GROUPS, 0, 0x7FC00000, "level group 0 has a number that is not finite"},
+        {STP_SECTION_LEVEL_FIGURES, 0, 4, "1 records of figures of levels for 3 levels"},
+        {STP_SECTION_LEVEL_FIGURES, 8, 1, "figures of levels: 1 triangles in "},
+        {STP_SECTION_LEVEL_FIGURES, 16, 1, " triangles in 1 bytes, but levels have "},
         {STP_SECTION_PARTS, 4, 2, "part 0: mesh 2 is a level, which belongs to no node"},
     };
     levels_fixture f;
@@ -347,7 +364,7 @@ void test_levels_survive_every_damage(test_state* test)
     unsigned char* copy = copy_bytes(&f);
     CHECK(copy != NULL);
     unsigned opened = 0, refused = 0;
-    for (uint32_t type = STP_SECTION_LEVELS; type <= STP_SECTION_LEVEL_GROUPS; ++type) {
+    for (uint32_t type = STP_SECTION_LEVELS; type <= STP_SECTION_LEVEL_FIGURES; ++type) {
         stp_store_section section = reseal_section(find_section(f.bytes, type));
         for (uint64_t at = section.offset; at < section.offset + section.size; ++at) {
             memcpy(copy, f.bytes, f.size);

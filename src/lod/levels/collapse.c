@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/levels/collapse.h"
 
+#include "lod/levels/collapse_queue.h"
 #include "lod/levels/mesh_edges.h"
 #include "lod/levels/plane_quadric.h"
 
@@ -9,16 +10,18 @@
 #include <string.h>
 
 #define NONE UINT32_MAX
+
+enum { NOTE_BITS = 10, NOTES = 1 << NOTE_BITS, NOTE_SHIFT = 32 - NOTE_BITS };
+
 #define FARTHEST 2.0     // a place farther from the middle of an edge, in its lengths, is not used
 #define LOST_WEIGHT 0.25 // of the square of lost area, relative to the area around
 #define CREASE 0.5 // cosine: edges at which surfaces turn more than that are kept like borders
 #define TINY 1e-24 // squares of areas below this are zero
 
-/// An edge to be collapsed. It is out of date if a stamp of its ends has changed.
-typedef struct candidate {
-    float cost; ///< mean squared distance
+/// An edge that was offered again, and the stamps of its ends.
+typedef struct offer_note {
     uint32_t a, b, stamp;
-} candidate;
+} offer_note;
 
 typedef struct collapser {
     stp_context* context;
@@ -33,11 +36,10 @@ typedef struct collapser {
     uint32_t* stamps;  ///< collapses into each vertex
     uint32_t* corners; ///< 3 per triangle
     uint8_t* gone;     ///< per triangle
-    uint32_t* seen;    ///< per vertex: number of the collapse that offered its edge last
-    candidate* heap;
-    size_t heap_count, heap_capacity;
+    uint32_t* merged;  ///< per vertex: the one into which it was collapsed, or itself
+    offer_note* notes; ///< of edges that were offered again
+    stp_collapse_queue queue;
     uint32_t triangles, vertices; ///< left
-    uint32_t collapses;
     double worst;
     float too_dear; ///< no edge of a higher cost is collapsed
 } collapser;
@@ -45,51 +47,6 @@ typedef struct collapser {
 static bool is_locked(const collapser* c, uint32_t vertex)
 {
     return c->mesh->locked != NULL && c->mesh->locked[vertex] != 0;
-}
-
-// Total order, so that the result does not depend on the order of offers.
-static bool is_before(const candidate* x, const candidate* y)
-{
-    if (x->cost < y->cost || x->cost > y->cost) {
-        return x->cost < y->cost;
-    }
-    return x->a != y->a ? x->a < y->a : x->b < y->b;
-}
-
-static bool push(collapser* c, candidate item)
-{
-    if (!STP_MAKE_ROOM(c->context, c->heap, c->heap_capacity, c->heap_count + 1)) {
-        return false;
-    }
-    size_t at = c->heap_count++;
-    for (; at > 0 && is_before(&item, &c->heap[(at - 1) / 2]); at = (at - 1) / 2) {
-        c->heap[at] = c->heap[(at - 1) / 2];
-    }
-    c->heap[at] = item;
-    return true;
-}
-
-static candidate pop(collapser* c)
-{
-    assert(c->heap_count > 0);
-    candidate top = c->heap[0], item = c->heap[--c->heap_count];
-    size_t at = 0;
-    for (;;) {
-        size_t child = 2 * at + 1;
-        if (child >= c->heap_count) {
-            break;
-        }
-        if (child + 1 < c->heap_count && is_before(&c->heap[child + 1], &c->heap[child])) {
-            child += 1;
-        }
-        if (!is_before(&c->heap[child], &item)) {
-            break;
-        }
-        c->heap[at] = c->heap[child];
-        at = child;
-    }
-    c->heap[at] = item;
-    return top;
 }
 
 static stp_vec3d cross_of(const stp_vec3d p[3])
@@ -109,13 +66,13 @@ static double choose_place(const collapser* c, uint32_t a, uint32_t b, stp_vec3d
 {
     stp_plane_quadric sum = stp_plane_quadric_sum(&c->quadrics[a], &c->quadrics[b]);
     stp_vec3d pa = c->places[a], pb = c->places[b], best;
-    double error = stp_plane_quadric_error(&sum, pb);
+    double error = stp_plane_quadric_at(&sum, pb);
     *place = pb;
     assert(!is_locked(c, a));
     if (is_locked(c, b)) {
-        return error;
+        return stp_plane_quadric_mean(&sum, error);
     }
-    double other = stp_plane_quadric_error(&sum, pa);
+    double other = stp_plane_quadric_at(&sum, pa);
     if (other < error) {
         error = other;
         *place = pa;
@@ -123,16 +80,16 @@ static double choose_place(const collapser* c, uint32_t a, uint32_t b, stp_vec3d
     stp_vec3d middle = stp_scaled(stp_addd(pa, pb), 0.5), edge = stp_subd(pb, pa);
     if (stp_plane_quadric_minimum(&sum, middle, &best)) {
         stp_vec3d away = stp_subd(best, middle);
-        double found = stp_plane_quadric_error(&sum, best);
+        double found = stp_plane_quadric_at(&sum, best);
         if (found < error && stp_dotd(away, away) < FARTHEST * FARTHEST * stp_dotd(edge, edge)) {
             error = found;
             *place = best;
         }
     }
-    return error;
+    return stp_plane_quadric_mean(&sum, error);
 }
 
-/// Puts an edge into the heap, unless both ends are locked. @return false if memory runs out
+/// Puts an edge into the queue, unless both ends are locked. @return false if memory runs out
 static bool offer(collapser* c, uint32_t a, uint32_t b)
 {
     stp_vec3d place;
@@ -142,10 +99,10 @@ static bool offer(collapser* c, uint32_t a, uint32_t b)
         return true;
     }
     float cost = (float)choose_place(c, from, to, &place);
-    if (cost > c->too_dear) {
-        return true; // it is offered again if an end changes
-    }
-    return push(c, (candidate){cost, from, to, c->stamps[from] + c->stamps[to]});
+    uint32_t stamp = c->stamps[from] + c->stamps[to];
+    const stp_collapse_candidate item = {from, to, stamp};
+    return !(cost <= c->too_dear) ? stp_collapse_queue_wait(&c->queue, item)
+                                  : stp_collapse_queue_add(&c->queue, item, cost);
 }
 
 /// Adds the planes of all triangles to their corners' quadrics.
@@ -181,7 +138,7 @@ static void add_border(collapser* c, uint32_t corner)
         side = stp_scaled(side, 1.0 / length);
         double offset = -stp_dotd(side, c->places[a]);
         // a finely divided border around long triangles counts as much as they do
-        double size = fmax(stp_dotd(edge, edge), sqrt(stp_dotd(cross, cross)));
+        double size = stp_maxd(stp_dotd(edge, edge), sqrt(stp_dotd(cross, cross)));
         double weight = c->desc->border_weight * size;
         stp_plane_quadric_add(&c->quadrics[a], side, offset, weight, 0.0);
         stp_plane_quadric_add(&c->quadrics[b], side, offset, weight, 0.0);
@@ -207,24 +164,25 @@ static bool is_border(const collapser* c, const uint32_t* corners, uint32_t coun
 /// Adds the borders, then offers every edge once. @return false if memory runs out
 static bool offer_edges(collapser* c)
 {
-    uint32_t count = 3 * c->mesh->triangle_count, ends[2];
-    uint32_t* order =
-        stp_sort_edges(c->context, c->corners, c->mesh->triangle_count, c->mesh->vertex_count);
-    bool good = order != NULL;
-    for (int pass = c->desc->border_weight > 0.0 ? 0 : 1; pass < 2 && good; ++pass) {
-        for (uint32_t i = 0, end; i < count && good; i = end) {
-            end = stp_edge_run(c->corners, order, i, count);
-            if (pass == 1) {
-                stp_edge_ends(c->corners, order[i], ends);
-                good = offer(c, ends[0], ends[1]);
-            } else if (is_border(c, order + i, end - i)) {
-                for (uint32_t k = i; k < end; ++k) {
-                    add_border(c, order[k]);
-                }
+    uint32_t ends[2];
+    stp_mesh_edges edges;
+    bool good = stp_mesh_edges_make(c->context, c->corners, c->mesh->triangle_count,
+                                    c->mesh->vertex_count, &edges);
+    bool holds_borders = good && c->desc->border_weight > 0.0;
+    for (uint32_t e = 0, i = 0; e < edges.count && holds_borders; ++e) {
+        bool border = is_border(c, edges.corners + i, edges.ends[e] - i);
+        for (; i < edges.ends[e]; ++i) {
+            if (border) {
+                add_border(c, edges.corners[i]);
             }
         }
     }
-    stp_free(c->context, order);
+    good = good && stp_collapse_queue_reserve(&c->queue, 2 * (size_t)edges.count);
+    for (uint32_t e = 0; e < edges.count && good; ++e) {
+        stp_edge_ends(c->corners, edges.corners[edges.ends[e] - 1], ends);
+        good = offer(c, ends[0], ends[1]);
+    }
+    stp_mesh_edges_destroy(c->context, &edges);
     return good;
 }
 
@@ -370,29 +328,35 @@ static void merge(collapser* c, uint32_t a, uint32_t b, stp_vec3d place)
     }
     c->quadrics[b] = stp_plane_quadric_sum(&c->quadrics[a], &c->quadrics[b]);
     c->places[b] = place;
-    if (c->mesh->merged != NULL) {
-        c->mesh->merged[a] = b;
-    }
+    c->merged[a] = b;
     c->stamps[a] += 1;
     c->stamps[b] += 1;
-    c->collapses += 1;
 }
 
-/// Offers the edges around a vertex. @return false if memory runs out
-static bool offer_around(collapser* c, uint32_t vertex)
+/// The vertex that stands for another one.
+static uint32_t find_end(uint32_t* merged, uint32_t vertex)
 {
-    bool good = true;
-    c->seen[vertex] = c->collapses;
-    for (uint32_t i = c->first[vertex]; i != NONE && good; i = c->next[i]) {
-        for (size_t k = 0; k < 3 && good; ++k) {
-            uint32_t v = c->corners[3 * (size_t)(i / 3) + k];
-            if (c->seen[v] != c->collapses) {
-                c->seen[v] = c->collapses;
-                good = offer(c, vertex, v);
-            }
-        }
+    while (merged[vertex] != vertex) {
+        merged[vertex] = merged[merged[vertex]];
+        vertex = merged[vertex];
     }
-    return good;
+    return vertex;
+}
+
+/// Offers an edge of which an end has changed, if it is still there. Where two edges have become
+/// one, both come here; the second is dropped. @return false if memory runs out
+static bool offer_again(collapser* c, uint32_t a, uint32_t b)
+{
+    if (a == b || c->degrees[a] == 0 || c->degrees[b] == 0 || count_common(c, a, b) == 0) {
+        return true;
+    }
+    const offer_note made = {a < b ? a : b, a < b ? b : a, c->stamps[a] + c->stamps[b]};
+    offer_note* note = &c->notes[(made.a * 0x9E3779B1u ^ made.b * 0x85EBCA77u) >> NOTE_SHIFT];
+    if (note->a == made.a && note->b == made.b && note->stamp == made.stamp) {
+        return true;
+    }
+    *note = made;
+    return offer(c, a, b);
 }
 
 static bool is_done(const collapser* c)
@@ -401,60 +365,47 @@ static bool is_done(const collapser* c)
            (c->desc->vertex_target > 0 && c->vertices <= c->desc->vertex_target);
 }
 
-/// @return false if memory runs out
-static bool collapse_edges(collapser* c)
+/// Collapses an edge unless that costs too much. @return whether it did
+static bool collapse_edge(collapser* c, uint32_t a, uint32_t b)
 {
-    double limit = c->desc->error_limit * c->desc->error_limit;
-    while (!is_done(c) && c->heap_count > 0) {
-        candidate best = pop(c);
-        uint32_t a = best.a, b = best.b;
-        stp_vec3d place;
-        if (best.stamp != c->stamps[a] + c->stamps[b] || c->degrees[a] == 0 || c->degrees[b] == 0) {
-            continue;
-        }
-        uint32_t common = count_common(c, c->degrees[a] < c->degrees[b] ? a : b,
-                                       c->degrees[a] < c->degrees[b] ? b : a);
-        if (common == 0 || c->degrees[a] + c->degrees[b] - 2 * common > STP_COLLAPSE_FAN) {
-            continue;
-        }
-        double error = choose_place(c, a, b, &place);
-        if (error > limit) {
-            break;
-        }
-        double lost = 0.0;
-        if (!keeps_directions(c, a, b, place, true, &lost) ||
-            !keeps_directions(c, b, a, place, false, &lost)) {
-            continue;
-        }
-        // what is thinner than the error would vanish at no cost: its area is lost
-        double area = c->quadrics[a].weight + c->quadrics[b].weight;
-        error += lost > 0.0 && area > 0.0 ? LOST_WEIGHT * lost * lost / area : 0.0;
-        if (error > limit) {
-            continue;
-        }
-        c->worst = fmax(c->worst, error);
-        merge(c, a, b, place);
-        if (!offer_around(c, b)) {
-            return false;
-        }
+    double limit = c->desc->error_limit * c->desc->error_limit, lost = 0.0;
+    stp_vec3d place;
+    uint32_t common = count_common(c, c->degrees[a] < c->degrees[b] ? a : b,
+                                   c->degrees[a] < c->degrees[b] ? b : a);
+    if (common == 0 || c->degrees[a] + c->degrees[b] - 2 * common > STP_COLLAPSE_FAN) {
+        return false;
     }
+    double error = choose_place(c, a, b, &place);
+    if (error > limit || !keeps_directions(c, a, b, place, true, &lost) ||
+        !keeps_directions(c, b, a, place, false, &lost)) {
+        return false;
+    }
+    // what is thinner than the error would vanish at no cost: its area is lost
+    double area = c->quadrics[a].weight + c->quadrics[b].weight;
+    error += lost > 0.0 && area > 0.0 ? LOST_WEIGHT * lost * lost / area : 0.0;
+    if (error > limit) {
+        return false;
+    }
+    c->worst = stp_maxd(c->worst, error);
+    merge(c, a, b, place);
     return true;
 }
 
-/// Follows each vertex to the one that is left.
-static void follow_merges(uint32_t* merged, uint32_t count)
+/// Costs are found anew only when their edge is about to be collapsed. Edges that may not be wait
+/// for a change of their ends. @return false if memory runs out
+static bool collapse_edges(collapser* c)
 {
-    for (uint32_t i = 0; i < count; ++i) {
-        uint32_t end = i;
-        while (merged[end] != end) {
-            end = merged[end];
-        }
-        for (uint32_t at = i; merged[at] != end;) {
-            uint32_t next = merged[at];
-            merged[at] = end;
-            at = next;
+    stp_collapse_candidate best;
+    bool waited, good = true;
+    while (good && !is_done(c) && stp_collapse_queue_take(&c->queue, &best, &waited)) {
+        uint32_t a = find_end(c->merged, best.a), b = find_end(c->merged, best.b);
+        if (a != best.a || b != best.b || best.stamp != c->stamps[a] + c->stamps[b]) {
+            good = offer_again(c, a, b);
+        } else if (!waited && c->degrees[a] > 0 && c->degrees[b] > 0 && !collapse_edge(c, a, b)) {
+            good = stp_collapse_queue_wait(&c->queue, best);
         }
     }
+    return good;
 }
 
 static void store(collapser* c)
@@ -493,40 +444,49 @@ static bool allocate(collapser* c)
     c->last = STP_NEW_ARRAY(c->context, uint32_t, vertices);
     c->degrees = STP_NEW_ZEROED(c->context, uint32_t, vertices);
     c->stamps = STP_NEW_ZEROED(c->context, uint32_t, vertices);
-    c->seen = STP_NEW_ZEROED(c->context, uint32_t, vertices);
+    c->merged =
+        c->mesh->merged != NULL ? c->mesh->merged : STP_NEW_ARRAY(c->context, uint32_t, vertices);
+    c->notes = STP_NEW_ZEROED(c->context, offer_note, NOTES);
     c->next = STP_NEW_ARRAY(c->context, uint32_t, corners);
     c->corners = STP_NEW_ARRAY(c->context, uint32_t, corners);
     c->gone = STP_NEW_ZEROED(c->context, uint8_t, corners);
     return c->places != NULL && c->quadrics != NULL && c->first != NULL && c->last != NULL &&
-           c->degrees != NULL && c->stamps != NULL && c->seen != NULL && c->next != NULL &&
-           c->corners != NULL && c->gone != NULL;
+           c->degrees != NULL && c->stamps != NULL && c->merged != NULL && c->notes != NULL &&
+           c->next != NULL && c->corners != NULL && c->gone != NULL;
 }
 
 static void release(collapser* c)
 {
-    void* arrays[] = {c->places, c->quadrics, c->first,   c->last, c->degrees, c->stamps,
-                      c->seen,   c->next,     c->corners, c->gone, c->heap};
+    void* arrays[] = {c->places,           c->quadrics,  c->first, c->last,    c->degrees,
+                      c->stamps,           c->notes,     c->next,  c->corners, c->gone,
+                      c->queue.candidates, c->queue.heap};
     for (size_t i = 0; i < sizeof(arrays) / sizeof(arrays[0]); ++i) {
         stp_free(c->context, arrays[i]);
+    }
+    if (c->mesh->merged == NULL) {
+        stp_free(c->context, c->merged);
     }
 }
 
 stp_result stp_collapse(stp_context* context, stp_collapse_mesh* mesh,
                         const stp_collapse_desc* desc, double* error)
 {
-    collapser c = {.context = context, .mesh = mesh, .desc = desc};
+    collapser c = {.context = context, .mesh = mesh, .desc = desc, .queue.context = context};
     assert(desc->border_weight >= 0.0 && desc->least_cosine <= 1.0 && desc->error_limit >= 0.0);
     assert(mesh->triangle_count <= UINT32_MAX / 3);
     *error = 0.0;
     c.too_dear = (float)fmin(desc->error_limit * desc->error_limit * (1.0 + 1e-5), (double)FLT_MAX);
     for (uint32_t i = 0; mesh->merged != NULL && i < mesh->vertex_count; ++i) {
-        mesh->merged[i] = i;
+        mesh->merged[i] = i; // even if no memory can be had
     }
     if (mesh->triangle_count == 0) {
         return STP_OK;
     }
     bool good = allocate(&c);
     if (good) {
+        for (uint32_t i = 0; i < mesh->vertex_count; ++i) {
+            c.merged[i] = i;
+        }
         place_vertices(&c);
         link_corners(&c);
         add_triangles(&c);
@@ -534,8 +494,8 @@ stp_result stp_collapse(stp_context* context, stp_collapse_mesh* mesh,
     }
     if (good) {
         store(&c);
-        if (mesh->merged != NULL) {
-            follow_merges(mesh->merged, mesh->vertex_count);
+        for (uint32_t i = 0; mesh->merged != NULL && i < mesh->vertex_count; ++i) {
+            mesh->merged[i] = find_end(mesh->merged, i);
         }
         *error = sqrt(c.worst);
     }

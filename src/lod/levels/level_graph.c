@@ -2,7 +2,7 @@
 #include "lod/levels/level_graph.h"
 
 #include "capture/seen_sides.h"
-#include "lod/levels/patches.h"
+#include "lod/levels/division.h"
 #include "lod/levels/simplify_group.h"
 
 #include <assert.h>
@@ -26,10 +26,11 @@ enum {
 typedef struct group_task {
     uint32_t begin, end; ///< range of `order`
     stp_group_mesh mesh;
-    uint32_t before; ///< triangles before
-    double error;    ///< of its collapses
-    double look;     ///< of the change of colours and normals, as an error
-    bool kept;       ///< it has too many triangles left: its clusters wait
+    uint32_t before;       ///< triangles before
+    double error;          ///< of its collapses
+    double look;           ///< of the change of colours and normals, as an error
+    bool kept;             ///< it has too many triangles left: its clusters wait
+    stp_division clusters; ///< of what is left
 } group_task;
 
 typedef struct maker {
@@ -79,51 +80,6 @@ static void put_center(float* centers, uint32_t item, stp_vec3d center)
     memcpy(centers + 3 * (size_t)item, &c, sizeof(c));
 }
 
-/// Items divided into patches of neighbours.
-typedef struct division {
-    float* centers;    ///< 3 per item; filled by the caller
-    uint32_t* item_of; ///< per triangle; filled by the caller
-    uint32_t* members; ///< items, patch by patch
-    uint32_t* ends;    ///< of each patch in `members`
-    uint32_t patch_count;
-} division;
-
-static stp_result create_division(stp_context* context, uint32_t triangles, uint32_t items,
-                                  division* d)
-{
-    size_t count = (size_t)items + 1;
-    *d = (division){.centers = STP_NEW_ARRAY(context, float, 3 * count),
-                    .item_of = STP_NEW_ARRAY(context, uint32_t, (size_t)triangles + 1),
-                    .members = STP_NEW_ARRAY(context, uint32_t, count),
-                    .ends = STP_NEW_ARRAY(context, uint32_t, count)};
-    bool good = d->centers != NULL && d->item_of != NULL && d->members != NULL && d->ends != NULL;
-    return good ? STP_OK : stp_fail_memory(context);
-}
-
-static void destroy_division(stp_context* context, division* d)
-{
-    stp_free(context, d->centers);
-    stp_free(context, d->item_of);
-    stp_free(context, d->members);
-    stp_free(context, d->ends);
-}
-
-/// Divides items into patches of at most `maximum`. `indices`: all their triangles, of the graph's
-/// vertices.
-static stp_result divide(const maker* m, const uint32_t* indices, uint32_t triangles,
-                         uint32_t items, uint32_t maximum, division* d)
-{
-    stp_patch_links links;
-    stp_result result = stp_patch_links_make(m->context, indices, triangles, m->graph->vertex_count,
-                                             d->item_of, items, &links);
-    if (result == STP_OK) {
-        result = stp_grow_patches(m->context, &links, d->centers, items, maximum, d->members,
-                                  d->ends, &d->patch_count);
-    }
-    stp_patch_links_destroy(m->context, &links);
-    return result;
-}
-
 /// Makes room in the graph. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (logged)
 static stp_result make_room(maker* m, uint64_t vertices, uint64_t triangles, uint64_t clusters)
 {
@@ -163,40 +119,29 @@ static void add_triangle(stp_level_graph* g, const stp_group_mesh* from, uint32_
     }
 }
 
-/// Appends triangles of the graph's vertices as clusters of neighbours, and lists these in `next`.
-static stp_result add_clusters(maker* m, const stp_group_mesh* from, uint32_t made_by)
+/// Appends triangles of the graph's vertices as clusters, and lists these in `next`. `d`: clusters
+/// of these triangles.
+static stp_result add_clusters(maker* m, const stp_group_mesh* from, const stp_division* d,
+                               uint32_t made_by)
 {
     stp_level_graph* g = m->graph;
-    const uint32_t *indices = from->indices, count = from->triangle_count;
-    division d;
-    stp_result result = create_division(m->context, count, count, &d);
-    for (uint32_t t = 0; t < count && result == STP_OK; ++t) {
-        const uint32_t* c = indices + 3 * (size_t)t;
-        stp_vec3d sum =
-            stp_addd(stp_addd(vertex_of(g->positions, c[0]), vertex_of(g->positions, c[1])),
-                     vertex_of(g->positions, c[2]));
-        put_center(d.centers, t, stp_scaled(sum, 1.0 / 3.0));
-        d.item_of[t] = t;
-    }
-    result = result == STP_OK ? divide(m, indices, count, count, STP_LEVEL_CLUSTER, &d) : result;
-    result = result == STP_OK ? make_room(m, g->vertex_count, (uint64_t)g->triangle_count + count,
-                                          (uint64_t)g->cluster_count + d.patch_count)
-                              : result;
+    stp_result result =
+        make_room(m, g->vertex_count, (uint64_t)g->triangle_count + from->triangle_count,
+                  (uint64_t)g->cluster_count + d->patch_count);
     if (result == STP_OK && !STP_MAKE_ROOM(m->context, m->next, m->next_capacity,
-                                           (size_t)m->next_count + d.patch_count)) {
+                                           (size_t)m->next_count + d->patch_count)) {
         result = stp_fail_memory(m->context);
     }
-    for (uint32_t r = 0, t = 0; r < d.patch_count && result == STP_OK; ++r) {
+    for (uint32_t r = 0, t = 0; r < d->patch_count && result == STP_OK; ++r) {
         g->clusters[g->cluster_count] = (stp_level_cluster){.first_triangle = g->triangle_count,
-                                                            .triangle_count = d.ends[r] - t,
+                                                            .triangle_count = d->ends[r] - t,
                                                             .made_by = made_by,
                                                             .used_by = STP_LEVEL_NONE};
         m->next[m->next_count++] = g->cluster_count++;
-        for (; t < d.ends[r]; ++t) {
-            add_triangle(g, from, d.members[t]);
+        for (; t < d->ends[r]; ++t) {
+            add_triangle(g, from, d->members[t]);
         }
     }
-    destroy_division(m->context, &d);
     return result;
 }
 
@@ -219,8 +164,8 @@ static stp_result group_clusters(maker* m)
     for (uint32_t i = 0; i < count; ++i) {
         triangles += g->clusters[m->current[i]].triangle_count;
     }
-    division d;
-    stp_result result = create_division(m->context, triangles, count, &d);
+    stp_division d;
+    stp_result result = stp_division_create(m->context, triangles, count, &d);
     uint32_t* indices = STP_NEW_ARRAY(m->context, uint32_t, 3 * (size_t)triangles + 1);
     m->order = STP_NEW_ARRAY(m->context, uint32_t, (size_t)count + 1);
     if (result == STP_OK && (indices == NULL || m->order == NULL)) {
@@ -235,7 +180,9 @@ static stp_result group_clusters(maker* m)
             d.item_of[next++] = i;
         }
     }
-    result = result == STP_OK ? divide(m, indices, triangles, count, STP_LEVEL_GROUP, &d) : result;
+    result = result == STP_OK ? stp_divide(m->context, indices, triangles, g->vertex_count, count,
+                                           STP_LEVEL_GROUP, &d)
+                              : result;
     if (result == STP_OK) {
         m->tasks = STP_NEW_ZEROED(m->context, group_task, (size_t)d.patch_count + 1);
         m->results = STP_NEW_ZEROED(m->context, stp_result, (size_t)d.patch_count + 1);
@@ -250,7 +197,7 @@ static stp_result group_clusters(maker* m)
         }
     }
     stp_free(m->context, indices);
-    destroy_division(m->context, &d);
+    stp_division_destroy(m->context, &d);
     return result;
 }
 
@@ -342,6 +289,11 @@ static stp_result simplify_group(const maker* m, group_task* task, uint32_t numb
                              m->desc->normal_weight * sqrt(spreads[1]));
     }
     task->kept = (double)task->mesh.triangle_count > m->desc->most_kept * (double)task->before;
+    if (result == STP_OK && !task->kept) {
+        result = stp_divide_triangles(m->context, task->mesh.positions, task->mesh.vertex_count,
+                                      task->mesh.indices, task->mesh.triangle_count,
+                                      STP_LEVEL_CLUSTER, &task->clusters);
+    }
     return result;
 }
 
@@ -414,7 +366,7 @@ static stp_result add_group(maker* m, group_task* task)
     for (uint32_t i = task->begin; i < task->end; ++i) {
         g->clusters[m->order[i]].used_by = number;
     }
-    return add_clusters(m, mesh, number);
+    return add_clusters(m, mesh, &task->clusters, number);
 }
 
 /// Puts the clusters of a group off to the next level.
@@ -433,6 +385,7 @@ static void end_level(maker* m)
 {
     for (uint32_t t = 0; t < m->task_count && m->tasks != NULL; ++t) {
         stp_group_destroy(m->context, &m->tasks[t].mesh);
+        stp_division_destroy(m->context, &m->tasks[t].clusters);
     }
     stp_free(m->context, m->tasks);
     stp_free(m->context, m->results);
@@ -541,27 +494,41 @@ static bool should_hide(const maker* m)
             (double)count <= HIDES_BELOW * (double)m->source->triangle_count);
 }
 
+/// Copies the originals into the graph, as clusters.
+static stp_result add_originals(maker* m)
+{
+    const stp_level_source* source = m->source;
+    stp_level_graph* g = m->graph;
+    // levels have about as many vertices and triangles as the originals
+    stp_result result =
+        make_room(m, 2 * (uint64_t)source->vertex_count, 2 * (uint64_t)source->triangle_count, 0);
+    if (result != STP_OK || source->vertex_count == 0) {
+        return result;
+    }
+    memcpy(g->positions, source->positions, 3 * sizeof(float) * (size_t)source->vertex_count);
+    g->vertex_count = source->vertex_count;
+    // read only: the arrays of a group are its own
+    const stp_group_mesh all = {.triangle_count = source->triangle_count,
+                                .indices = (uint32_t*)(uintptr_t)source->indices,
+                                .tags = (uint32_t*)(uintptr_t)source->tags,
+                                .colors = (float*)(uintptr_t)source->colors,
+                                .spreads = (float*)(uintptr_t)source->spreads};
+    stp_division clusters;
+    result =
+        stp_divide_triangles(m->context, source->positions, source->vertex_count, source->indices,
+                             source->triangle_count, STP_LEVEL_CLUSTER, &clusters);
+    result = result == STP_OK ? add_clusters(m, &all, &clusters, STP_LEVEL_NONE) : result;
+    stp_division_destroy(m->context, &clusters);
+    return result;
+}
+
 stp_result stp_level_graph_make(stp_context* context, const stp_level_source* source,
                                 const stp_level_desc* desc, stp_level_graph* graph)
 {
     maker m = {.context = context, .source = source, .desc = desc, .graph = graph};
     assert(desc->first_error > 0.0 && desc->growth > 1.0 && desc->most_kept < 1.0);
     *graph = (stp_level_graph){0};
-    stp_result result = make_room(&m, source->vertex_count, source->triangle_count, 0);
-    if (result == STP_OK && source->vertex_count > 0) {
-        memcpy(graph->positions, source->positions,
-               3 * sizeof(float) * (size_t)source->vertex_count);
-    }
-    graph->vertex_count = result == STP_OK ? source->vertex_count : 0;
-    if (result == STP_OK) {
-        // read only: the arrays of a group are its own
-        const stp_group_mesh all = {.triangle_count = source->triangle_count,
-                                    .indices = (uint32_t*)(uintptr_t)source->indices,
-                                    .tags = (uint32_t*)(uintptr_t)source->tags,
-                                    .colors = (float*)(uintptr_t)source->colors,
-                                    .spreads = (float*)(uintptr_t)source->spreads};
-        result = add_clusters(&m, &all, STP_LEVEL_NONE);
-    }
+    stp_result result = add_originals(&m);
     m.limit = desc->first_error;
     for (m.level = 1; m.level < LEVELS_MAX && m.limit <= desc->last_error && m.next_count > 0 &&
                       result == STP_OK;

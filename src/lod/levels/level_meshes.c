@@ -173,26 +173,67 @@ static stp_result find_coarsest(exporter* e)
     }
     stp_vec3 size = stp_sub(box.max, box.min);
     double side = (double)stp_max(size.x, stp_max(size.y, size.z)), error = e->finest;
-    double last = 0.0, reference_error = 0.0;
+    double last = 0.0;
+    uint64_t reference = 0; // pixels of what the mixture is compared with
+    uint32_t compared = 0;  // in pictures of this resolution
     for (uint32_t i = 0; i < g->group_count; ++i) {
         last = fmax(last, g->groups[i].error);
     }
     e->coarsest = 0.0;
     for (;; error = fmin(error * COVERAGE_STEP, last)) {
-        uint64_t originals = 0, drawn = 0;
+        uint64_t drawn = 0;
         double pixels = fmin(fmax(side / error, (double)LEAST_PIXELS), (double)MOST_PIXELS);
         uint32_t resolution = (uint32_t)pixels;
-        stp_result result = count_covered(e, reference_error, box, resolution, &originals);
+        stp_result result = STP_OK;
+        if (resolution != compared) {
+            result = count_covered(e, compared == 0 ? 0.0 : e->finest, box, resolution, &reference);
+        }
         result = result == STP_OK ? count_covered(e, error, box, resolution, &drawn) : result;
-        if (result != STP_OK || (double)drawn < KEPT_COVERAGE * (double)originals) {
+        if (result != STP_OK || (double)drawn < KEPT_COVERAGE * (double)reference) {
             return result;
         }
+        // the finest mixture, which comes first, is as good as the originals, and smaller
+        reference = compared == 0 ? drawn : reference;
+        compared = resolution;
         e->coarsest = error;
         if (error >= last) {
             e->coarsest = HUGE_VAL;
             return STP_OK;
         }
-        reference_error = e->finest; // as good as the originals, and smaller
+    }
+}
+
+/// A group, as numbers that fit floats.
+static stp_level_group round_group(const stp_level_group* group)
+{
+    stp_level_group rounded = *group;
+    rounded.center = stp_to_double(stp_to_float(group->center));
+    rounded.radius = (double)(float)(group->radius * (1.0 + 1e-6));
+    rounded.error = (double)(float)group->error;
+    return rounded;
+}
+
+/// Numbers the groups that decide when stored clusters are drawn.
+static void name_groups(exporter* e)
+{
+    const stp_level_graph* g = e->graph;
+    memset(e->group_names, 0xff, g->group_count * sizeof(*e->group_names));
+    for (uint32_t i = 0; i < e->order_count; ++i) {
+        const stp_level_cluster* c = &g->clusters[e->order[i]];
+        const uint32_t groups[2] = {c->made_by, c->used_by};
+        for (int k = 0; k < 2; ++k) {
+            if (groups[k] != STP_LEVEL_NONE) {
+                e->group_names[groups[k]] = 0;
+            }
+        }
+    }
+    for (uint32_t i = 0; i < g->group_count; ++i) {
+        bool named = e->group_names[i] != STP_LEVEL_NONE && g->groups[i].error > e->finest &&
+                     g->groups[i].error <= e->coarsest;
+        e->group_names[i] = named ? e->levels->group_count : STP_LEVEL_NONE;
+        if (named) {
+            e->levels->groups[e->levels->group_count++] = round_group(&g->groups[i]);
+        }
     }
 }
 
@@ -219,13 +260,7 @@ static stp_result choose_clusters(exporter* e)
     for (uint32_t i = 0; i < e->order_count; ++i) {
         e->order[i] = ranks[i].cluster;
     }
-    for (uint32_t i = 0; i < g->group_count; ++i) {
-        bool named = g->groups[i].error > e->finest && g->groups[i].error <= e->coarsest;
-        e->group_names[i] = named ? e->levels->group_count : STP_LEVEL_NONE;
-        if (named) {
-            e->levels->groups[e->levels->group_count++] = g->groups[i];
-        }
-    }
+    name_groups(e);
     stp_free(e->context, ranks);
     return STP_OK;
 }
@@ -321,7 +356,6 @@ static stp_result add_triangle(exporter* e, stp_node_level* level, uint32_t clus
         return stp_fail_memory(e->context);
     }
     const float* base = e->scene->materials[g->tags[t]].base_color;
-    stp_vec3d p[3];
     for (size_t k = 0; k < 3; ++k) {
         const float* position = g->positions + 3 * (size_t)g->indices[3 * (size_t)t + k];
         const float* color = g->colors != NULL ? g->colors + 9 * (size_t)t + 3 * k : base;
@@ -331,10 +365,7 @@ static stp_result add_triangle(exporter* e, stp_node_level* level, uint32_t clus
         size_t corner = g->sides[t] == STP_SEEN_BACK ? 2 - k : k;
         level->indices[3 * (size_t)level->triangle_count + corner] =
             find_vertex(e, level, position, code);
-        p[k] = (stp_vec3d){(double)position[0], (double)position[1], (double)position[2]};
     }
-    stp_vec3d n = stp_crossd(stp_subd(p[1], p[0]), stp_subd(p[2], p[0]));
-    level->area += 0.5 * sqrt(stp_dotd(n, n));
     c->end = ++level->triangle_count;
     c->one_sided += one_sided ? 1 : 0;
     return STP_OK;

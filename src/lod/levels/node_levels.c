@@ -104,8 +104,26 @@ static bool is_mirrored(const stp_affine* a)
     return turned < 0.0;
 }
 
-static void add_mesh(welded* w, const stp_capture_textures* textures, const stp_mesh* mesh,
-                     const stp_affine* transform)
+/// Appends a triangle, unless two corners are the same vertex.
+static void add_triangle(welded* w, const stp_capture_textures* textures, const stp_mesh* mesh,
+                         uint32_t triangle, bool mirrored)
+{
+    const uint32_t* c = w->indices + 3 * (size_t)w->triangle_count;
+    if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) {
+        return;
+    }
+    w->tags[w->triangle_count] = mesh->material;
+    if (w->colors != NULL) {
+        find_colors(w, textures, mesh, triangle);
+    }
+    if (mirrored) {
+        swap_corners(w, w->triangle_count);
+    }
+    w->triangle_count += 1;
+}
+
+static stp_result add_mesh(welded* w, const stp_capture_textures* textures, const stp_mesh* mesh,
+                           const stp_affine* transform)
 {
     bool mirrored = is_mirrored(transform);
     w->has_pieces = w->has_pieces || mesh->is_piece;
@@ -113,25 +131,26 @@ static void add_mesh(welded* w, const stp_capture_textures* textures, const stp_
     if (step > 0.0) {
         w->least_step = fmin(w->least_step, step);
     }
+    uint32_t* numbers = STP_NEW_ARRAY(w->context, uint32_t, (size_t)mesh->vertex_count + 1);
+    if (numbers == NULL) {
+        return stp_fail_memory(w->context);
+    }
+    memset(numbers, 0xff, mesh->vertex_count * sizeof(*numbers));
     for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
         uint32_t* c = w->indices + 3 * (size_t)w->triangle_count;
         for (size_t k = 0; k < 3; ++k) {
-            const float* p = mesh->positions + 3 * (size_t)mesh->indices[3 * (size_t)t + k];
-            c[k] = weld(w, stp_to_float(stp_affine_point(
-                               transform, (stp_vec3d){(double)p[0], (double)p[1], (double)p[2]})));
+            uint32_t v = mesh->indices[3 * (size_t)t + k];
+            const float* p = mesh->positions + 3 * (size_t)v;
+            if (numbers[v] == UINT32_MAX) {
+                stp_vec3d at = {(double)p[0], (double)p[1], (double)p[2]};
+                numbers[v] = weld(w, stp_to_float(stp_affine_point(transform, at)));
+            }
+            c[k] = numbers[v];
         }
-        if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) {
-            continue;
-        }
-        w->tags[w->triangle_count] = mesh->material;
-        if (w->colors != NULL) {
-            find_colors(w, textures, mesh, t);
-        }
-        if (mirrored) {
-            swap_corners(w, w->triangle_count);
-        }
-        w->triangle_count += 1;
+        add_triangle(w, textures, mesh, t, mirrored);
     }
+    stp_free(w->context, numbers);
+    return STP_OK;
 }
 
 static bool has_colors(const welded* w, const stp_capture_textures* textures)
@@ -145,11 +164,12 @@ static bool has_colors(const welded* w, const stp_capture_textures* textures)
     return any;
 }
 
-static stp_result allocate(welded* w, uint32_t triangles, bool colors)
+/// @param vertices of all meshes, at most
+static stp_result allocate(welded* w, uint32_t triangles, uint64_t vertices, bool colors)
 {
     size_t corners = 3 * (size_t)triangles + 1;
     uint32_t slots = 64;
-    while (slots < 2 * corners && slots < UINT32_C(1) << 31) {
+    while (slots < 2 * vertices && slots < 2 * corners && slots < UINT32_C(1) << 31) {
         slots *= 2;
     }
     w->slot_mask = slots - 1;
@@ -169,32 +189,35 @@ static stp_result allocate(welded* w, uint32_t triangles, bool colors)
 /// Locks the ends of open edges: neighbouring pieces of the mesh end there.
 static stp_result lock_borders(welded* w)
 {
-    uint32_t count = 3 * w->triangle_count;
+    stp_mesh_edges edges;
+    bool good =
+        stp_mesh_edges_make(w->context, w->indices, w->triangle_count, w->vertex_count, &edges);
     w->locked = STP_NEW_ZEROED(w->context, uint8_t, (size_t)w->vertex_count + 1);
-    uint32_t* order = stp_sort_edges(w->context, w->indices, w->triangle_count, w->vertex_count);
-    if (w->locked == NULL || order == NULL) {
-        stp_free(w->context, order);
-        return stp_fail_memory(w->context);
-    }
-    for (uint32_t i = 0, end; i < count; i = end) {
+    good = good && w->locked != NULL;
+    for (uint32_t e = 0, begin = 0; e < edges.count && good; begin = edges.ends[e++]) {
         uint32_t ends[2];
-        end = stp_edge_run(w->indices, order, i, count);
-        stp_edge_ends(w->indices, order[i], ends);
-        if (end == i + 1) {
+        if (edges.ends[e] == begin + 1) {
+            stp_edge_ends(w->indices, edges.corners[begin], ends);
             w->locked[ends[0]] = w->locked[ends[1]] = 1;
         }
     }
-    stp_free(w->context, order);
-    return STP_OK;
+    stp_mesh_edges_destroy(w->context, &edges);
+    return good ? STP_OK : stp_fail_memory(w->context);
 }
 
 static stp_result weld_parts(welded* w, uint32_t triangles, const stp_capture_textures* textures)
 {
-    stp_result result = allocate(w, triangles, has_colors(w, textures));
+    uint64_t vertices = 0;
+    for (size_t i = 0; i < w->part_count; ++i) {
+        stp_part part = w->parts[i].part;
+        vertices +=
+            stp_levels_replace(w->scene, part) ? w->scene->meshes[part.index].vertex_count : 0;
+    }
+    stp_result result = allocate(w, triangles, vertices, has_colors(w, textures));
     for (size_t i = 0; i < w->part_count && result == STP_OK; ++i) {
         stp_part part = w->parts[i].part;
         if (stp_levels_replace(w->scene, part)) {
-            add_mesh(w, textures, &w->scene->meshes[part.index], &w->parts[i].transform);
+            result = add_mesh(w, textures, &w->scene->meshes[part.index], &w->parts[i].transform);
         }
     }
     assert(w->triangle_count <= triangles);

@@ -32,14 +32,13 @@ typedef struct stp_node_level {
     uint16_t* colors; ///< 4 per vertex, linear, 65535 is 1; includes base colour and texture
     uint32_t* indices;
     stp_node_level_cluster* clusters;
-    double area; ///< of its triangles
     size_t vertex_capacity, color_capacity, triangle_capacity, cluster_capacity;
 } stp_node_level;
 
 typedef struct stp_node_levels {
     uint32_t level_count, group_count;
     stp_node_level* levels;  ///< coarse first
-    stp_level_group* groups; ///< those that clusters name
+    stp_level_group* groups; ///< those that clusters name; numbers are floats
     bool from_outside;       ///< triangles that cannot be seen from outside are left out
     double step;             ///< grid of the positions, a power of two
     size_t level_capacity;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "lod/levels/patches.h"
 
-#include "base/core/sort.h"
 #include "base/math/math.h"
 #include "lod/grid.h"
 #include "lod/levels/mesh_edges.h"
@@ -32,19 +31,19 @@ static stp_vec3d center_of(const grower* g, uint32_t item)
 /// The item of the border that joins next, which leaves it; NONE if there is none.
 static uint32_t take_best(grower* g, uint32_t size)
 {
-    uint32_t best = NONE;
+    uint32_t best = NONE, most = 0;
     double nearest = 0.0;
     stp_vec3d middle = stp_scaled(g->sum, 1.0 / size);
     for (uint32_t i = 0; i < g->border_count; ++i) {
-        uint32_t item = g->border[i];
+        uint32_t item = g->border[i], own = g->touching[item];
+        if (own < most) {
+            continue;
+        }
         stp_vec3d away = stp_subd(center_of(g, item), middle);
         double distance = stp_dotd(away, away);
-        uint32_t own = g->touching[item], other = best != NONE ? g->touching[g->border[best]] : 0;
-        bool better = own != other
-                          ? own > other
-                          : distance < nearest || (!(distance > nearest) && item < g->border[best]);
-        if (best == NONE || better) {
+        if (own > most || distance < nearest || (!(distance > nearest) && item < g->border[best])) {
             best = i;
+            most = own;
             nearest = distance;
         }
     }
@@ -149,23 +148,84 @@ stp_result stp_grow_patches(stp_context* context, const stp_patch_links* links,
     return result;
 }
 
-/// Both directions of each pair of items with a common edge, once for each such edge.
-static size_t list_pairs(const uint32_t* indices, uint32_t triangle_count, const uint32_t* order,
-                         const uint32_t* item_of, uint64_t* pairs)
+/// The items of two triangles that follow each other at an edge, of many each with the one before.
+/// @return whether they differ
+static bool find_pair(const stp_mesh_edges* edges, const uint32_t* item_of, uint32_t corner,
+                      uint32_t pair[2])
 {
-    uint32_t corners = 3 * triangle_count;
-    size_t count = 0;
-    for (uint32_t i = 0, end; i < corners; i = end) {
-        end = stp_edge_run(indices, order, i, corners);
-        for (uint32_t k = i + 1; k < end; ++k) { // of many triangles, each with the one before
-            uint64_t a = item_of[order[k - 1] / 3], b = item_of[order[k] / 3];
-            if (a != b) {
-                pairs[count++] = a << 32 | b;
-                pairs[count++] = b << 32 | a;
+    pair[0] = item_of[edges->corners[corner - 1] / 3];
+    pair[1] = item_of[edges->corners[corner] / 3];
+    return pair[0] != pair[1];
+}
+
+/// Counts the neighbours of each item, once for each common edge. `starts`: zero; receives where
+/// lists of them begin. @return neighbours of all items
+static uint32_t count_neighbours(const stp_mesh_edges* edges, const uint32_t* item_of,
+                                 uint32_t item_count, uint32_t* starts)
+{
+    uint32_t pair[2], sum = 0;
+    for (uint32_t e = 0, i = 0; e < edges->count; ++e) {
+        for (i += 1; i < edges->ends[e]; ++i) {
+            if (find_pair(edges, item_of, i, pair)) {
+                starts[pair[0]] += 1;
+                starts[pair[1]] += 1;
             }
         }
     }
-    return count;
+    for (uint32_t item = 0; item < item_count; ++item) {
+        uint32_t own = starts[item];
+        starts[item] = sum;
+        sum += own;
+    }
+    return sum;
+}
+
+/// Lists the neighbours. `places`: where lists begin; receives their ends.
+static void list_neighbours(const stp_mesh_edges* edges, const uint32_t* item_of, uint32_t* places,
+                            uint32_t* neighbours)
+{
+    uint32_t pair[2];
+    for (uint32_t e = 0, i = 0; e < edges->count; ++e) {
+        for (i += 1; i < edges->ends[e]; ++i) {
+            if (find_pair(edges, item_of, i, pair)) {
+                neighbours[places[pair[0]]++] = pair[1];
+                neighbours[places[pair[1]]++] = pair[0];
+            }
+        }
+    }
+}
+
+/// Sorts the lists of all items: walking them in ascending order visits each one's own neighbours
+/// in ascending order. `ends`: of the lists; `places`: room for as many.
+static void sort_neighbours(uint32_t item_count, const uint32_t* ends, const uint32_t* neighbours,
+                            uint32_t* places, uint32_t* sorted)
+{
+    for (uint32_t item = 0; item < item_count; ++item) {
+        places[item] = item > 0 ? ends[item - 1] : 0;
+    }
+    for (uint32_t item = 0, i = 0; item < item_count; ++item) {
+        for (; i < ends[item]; ++i) {
+            sorted[places[neighbours[i]]++] = item;
+        }
+    }
+}
+
+/// Joins equal neighbours of the sorted lists, in place. `ends`: of the lists.
+static void join_neighbours(uint32_t item_count, const uint32_t* ends, stp_patch_links* links)
+{
+    uint32_t made = 0;
+    for (uint32_t item = 0, i = 0; item < item_count; ++item) {
+        links->first[item] = made;
+        while (i < ends[item]) {
+            uint32_t neighbour = links->neighbours[i], begin = i;
+            while (i < ends[item] && links->neighbours[i] == neighbour) {
+                i += 1;
+            }
+            links->neighbours[made] = neighbour;
+            links->weights[made++] = i - begin;
+        }
+    }
+    links->first[item_count] = made;
 }
 
 stp_result stp_patch_links_make(stp_context* context, const uint32_t* indices,
@@ -173,39 +233,25 @@ stp_result stp_patch_links_make(stp_context* context, const uint32_t* indices,
                                 const uint32_t* item_of, uint32_t item_count,
                                 stp_patch_links* links)
 {
-    *links = (stp_patch_links){0};
-    size_t room = 6 * (size_t)triangle_count + 1;
-    uint32_t* order = stp_sort_edges(context, indices, triangle_count, vertex_count);
-    uint64_t* pairs = STP_NEW_ARRAY(context, uint64_t, room);
-    uint64_t* scratch = STP_NEW_ARRAY(context, uint64_t, room);
-    links->first = STP_NEW_ZEROED(context, uint32_t, (size_t)item_count + 2);
-    links->neighbours = STP_NEW_ARRAY(context, uint32_t, room);
-    links->weights = STP_NEW_ARRAY(context, uint32_t, room);
-    bool good = order != NULL && pairs != NULL && scratch != NULL && links->first != NULL &&
-                links->neighbours != NULL && links->weights != NULL;
+    stp_mesh_edges edges;
+    bool good = stp_mesh_edges_make(context, indices, triangle_count, vertex_count, &edges);
+    uint32_t* ends = STP_NEW_ZEROED(context, uint32_t, (size_t)item_count + 1);
+    *links = (stp_patch_links){.first = STP_NEW_ARRAY(context, uint32_t, (size_t)item_count + 1)};
+    good = good && ends != NULL && links->first != NULL;
     if (good) {
-        size_t count = list_pairs(indices, triangle_count, order, item_of, pairs);
-        const uint64_t* sorted = stp_sort_u64(pairs, scratch, count, 0, 64);
-        uint32_t made = 0, item = 0;
-        for (size_t i = 0; i < count;) {
-            uint64_t pair = sorted[i];
-            for (; item < (uint32_t)(pair >> 32); ++item) {
-                links->first[item + 1] = made;
-            }
-            links->neighbours[made] = (uint32_t)pair;
-            links->weights[made] = 0;
-            for (; i < count && sorted[i] == pair; ++i) {
-                links->weights[made] += 1;
-            }
-            made += 1;
-        }
-        for (; item < item_count; ++item) {
-            links->first[item + 1] = made;
-        }
+        size_t count = count_neighbours(&edges, item_of, item_count, ends);
+        links->neighbours = STP_NEW_ARRAY(context, uint32_t, count + 1);
+        links->weights = STP_NEW_ARRAY(context, uint32_t, count + 1);
+        good = links->neighbours != NULL && links->weights != NULL;
     }
-    stp_free(context, order);
-    stp_free(context, pairs);
-    stp_free(context, scratch);
+    if (good) {
+        // the lists are in the place of the weights, until they are sorted
+        list_neighbours(&edges, item_of, ends, links->weights);
+        sort_neighbours(item_count, ends, links->weights, links->first, links->neighbours);
+        join_neighbours(item_count, ends, links);
+    }
+    stp_mesh_edges_destroy(context, &edges);
+    stp_free(context, ends);
     return good ? STP_OK : stp_fail_memory(context);
 }
 

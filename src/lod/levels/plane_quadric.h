@@ -42,13 +42,26 @@ static inline stp_plane_quadric stp_plane_quadric_sum(const stp_plane_quadric* a
                                a->weight + b->weight};
 }
 
-/// The mean squared distance of a point, by weight; at least 0. 0 if no plane has an area.
+/// The weighted sum of squared distances of a point; at least 0.
+static inline double stp_plane_quadric_at(const stp_plane_quadric* q, stp_vec3d p)
+{
+    double x = q->xx * p.x + 2.0 * (q->xy * p.y + q->xz * p.z + q->x);
+    double y = q->yy * p.y + 2.0 * (q->yz * p.z + q->y);
+    double z = q->zz * p.z + 2.0 * q->z;
+    double sum = x * p.x + y * p.y + z * p.z + q->constant;
+    return sum > 0.0 ? sum : 0.0;
+}
+
+/// The mean for such a sum, by weight; 0 if no plane has an area.
+static inline double stp_plane_quadric_mean(const stp_plane_quadric* q, double sum)
+{
+    return q->weight > 0.0 ? sum / q->weight : 0.0;
+}
+
+/// The mean squared distance of a point.
 static inline double stp_plane_quadric_error(const stp_plane_quadric* q, stp_vec3d p)
 {
-    double sum = q->xx * p.x * p.x + q->yy * p.y * p.y + q->zz * p.z * p.z +
-                 2.0 * (q->xy * p.x * p.y + q->xz * p.x * p.z + q->yz * p.y * p.z) +
-                 2.0 * (q->x * p.x + q->y * p.y + q->z * p.z) + q->constant;
-    return q->weight > 0.0 && sum > 0.0 ? sum / q->weight : 0.0;
+    return stp_plane_quadric_mean(q, stp_plane_quadric_at(q, p));
 }
 
 /// The point with the least sum, pulled weakly towards `near`, which decides where the planes leave
@@ -62,13 +75,13 @@ static inline bool stp_plane_quadric_minimum(const stp_plane_quadric* q, stp_vec
     if (!(d0 > 0.0)) {
         return false;
     }
-    double l10 = q->xy / d0, l20 = q->xz / d0;
+    double inverse0 = 1.0 / d0, l10 = q->xy * inverse0, l20 = q->xz * inverse0;
     double d1 = q->yy + pull - l10 * q->xy;
     double yz = q->yz - l20 * q->xy;
     if (!(d1 > 0.0)) {
         return false;
     }
-    double l21 = yz / d1;
+    double inverse1 = 1.0 / d1, l21 = yz * inverse1;
     double d2 = q->zz + pull - l20 * q->xz - l21 * yz;
     if (!(d2 > 0.0)) {
         return false;
@@ -76,7 +89,7 @@ static inline bool stp_plane_quadric_minimum(const stp_plane_quadric* q, stp_vec
     double r0 = pull * near.x - q->x;
     double r1 = pull * near.y - q->y - l10 * r0;
     double r2 = pull * near.z - q->z - l20 * r0 - l21 * r1;
-    double z = r2 / d2, y = r1 / d1 - l21 * z;
-    *minimum = (stp_vec3d){r0 / d0 - l10 * y - l20 * z, y, z};
+    double z = r2 / d2, y = r1 * inverse1 - l21 * z;
+    *minimum = (stp_vec3d){r0 * inverse0 - l10 * y - l20 * z, y, z};
     return isfinite(minimum->x) && isfinite(minimum->y) && isfinite(minimum->z);
 }

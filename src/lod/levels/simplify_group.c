@@ -12,7 +12,8 @@ typedef struct change {
     const stp_group_mesh* group; ///< afterwards
     uint32_t before;             ///< triangles before
     uint32_t* corners;           ///< their corners
-    stp_vec3d* normals;          ///< and normals, twice as long as their areas
+    stp_vec3d* normals;          ///< and normals, unit; zero: without area
+    double* areas;               ///< and areas
     float* colors;               ///< NULL, or the colours of their corners
     const uint32_t* tags;        ///< and tags
     uint32_t* from;              ///< per triangle that is left: its number before
@@ -79,15 +80,18 @@ stp_result stp_group_number(stp_context* context, stp_group_mesh* group)
     return good ? STP_OK : stp_fail_memory(context);
 }
 
-/// Normal of a triangle, twice as long as its area.
-static stp_vec3d normal_of(const stp_group_mesh* group, const uint32_t corners[3])
+/// Unit normal of a triangle, or zero, and its area.
+static stp_vec3d normal_of(const stp_group_mesh* group, const uint32_t corners[3], double* area)
 {
     stp_vec3d p[3];
     for (int k = 0; k < 3; ++k) {
         const float* at = group->positions + 3 * (size_t)corners[k];
         p[k] = (stp_vec3d){(double)at[0], (double)at[1], (double)at[2]};
     }
-    return stp_crossd(stp_subd(p[1], p[0]), stp_subd(p[2], p[0]));
+    stp_vec3d cross = stp_crossd(stp_subd(p[1], p[0]), stp_subd(p[2], p[0]));
+    double twice = sqrt(stp_dotd(cross, cross));
+    *area = 0.5 * twice;
+    return twice > 0.0 ? stp_scaled(cross, 1.0 / twice) : (stp_vec3d){0};
 }
 
 static stp_result begin_change(stp_context* context, const stp_group_mesh* group, change* c)
@@ -98,15 +102,17 @@ static stp_result begin_change(stp_context* context, const stp_group_mesh* group
                   .before = group->triangle_count,
                   .corners = STP_NEW_ARRAY(context, uint32_t, 3 * count),
                   .normals = STP_NEW_ARRAY(context, stp_vec3d, count),
+                  .areas = STP_NEW_ARRAY(context, double, count),
                   .tags = group->tags,
                   .from = STP_NEW_ARRAY(context, uint32_t, count),
                   .merged = STP_NEW_ARRAY(context, uint32_t, (size_t)group->vertex_count + 1)};
-    if (c->corners == NULL || c->normals == NULL || c->from == NULL || c->merged == NULL) {
+    if (c->corners == NULL || c->normals == NULL || c->areas == NULL || c->from == NULL ||
+        c->merged == NULL) {
         return stp_fail_memory(context);
     }
     memcpy(c->corners, group->indices, 3 * sizeof(uint32_t) * group->triangle_count);
     for (uint32_t t = 0; t < group->triangle_count; ++t) {
-        c->normals[t] = normal_of(group, c->corners + 3 * (size_t)t);
+        c->normals[t] = normal_of(group, c->corners + 3 * (size_t)t, &c->areas[t]);
         c->from[t] = t;
     }
     return STP_OK;
@@ -116,6 +122,7 @@ static void end_change(change* c)
 {
     stp_free(c->context, c->corners);
     stp_free(c->context, c->normals);
+    stp_free(c->context, c->areas);
     stp_free(c->context, c->colors);
     stp_free(c->context, c->from);
     stp_free(c->context, c->merged);
@@ -158,8 +165,7 @@ static void mean_color(const change* c, const uint32_t* sorted, uint32_t begin, 
         if (c->tags[triangle] != tag) {
             continue;
         }
-        stp_vec3d n = c->normals[triangle];
-        double w = sqrt(stp_dotd(n, n)) + 1e-30;
+        double w = c->areas[triangle] + 1e-30;
         const float* color = c->colors + 3 * (size_t)sorted[i];
         for (int k = 0; k < 3; ++k) {
             mean[k] += w * (double)color[k];
@@ -189,8 +195,7 @@ static stp_result merge_colors(const change* c, stp_group_mesh* group, double* c
             squared += (is - was) * (is - was);
             means[3 * (size_t)i + (size_t)k] = (float)mean[k];
         }
-        stp_vec3d n = c->normals[i / 3];
-        *changed += sqrt(stp_dotd(n, n)) * squared / 18.0; // a third of the area, of three channels
+        *changed += c->areas[i / 3] * squared / 9.0; // a third of the area, of three channels
     }
     for (uint32_t t = 0; t < group->triangle_count && good; ++t) {
         memcpy(group->colors + 9 * (size_t)t, means + 9 * (size_t)c->from[t], 9 * sizeof(float));
@@ -201,16 +206,18 @@ static stp_result merge_colors(const change* c, stp_group_mesh* group, double* c
     return good ? STP_OK : stp_fail_memory(c->context);
 }
 
-/// Squared distance of the ends of two directions, 0 to 4; 0 if either has no length.
+/// Squared distance of the ends of two unit normals, 0 to 4; 0 if either is zero.
 static double turn_of(stp_vec3d a, stp_vec3d b)
 {
-    double lengths = sqrt(stp_dotd(a, a)) * sqrt(stp_dotd(b, b));
-    return lengths > 0.0 ? fmax(0.0, 2.0 - 2.0 * stp_dotd(a, b) / lengths) : 0.0;
+    double cosine = stp_dotd(a, b);
+    bool none =
+        !(cosine < 0.0) && !(cosine > 0.0) && (!(stp_dotd(a, a) > 0.0) || !(stp_dotd(b, b) > 0.0));
+    return none || cosine > 1.0 ? 0.0 : 2.0 - 2.0 * cosine;
 }
 
-/// Adds up the squared change of the normal times area. A triangle that is gone is compared with the
+/// Adds up the squared change of the normal times area, and the areas afterwards. A triangle that is gone is compared with the
 /// most alike of those around the vertices that stand for its corners.
-static stp_result compare_normals(const change* c, double* changed)
+static stp_result compare_normals(const change* c, double* changed, double* after)
 {
     const stp_group_mesh* group = c->group;
     uint32_t* starts = STP_NEW_ZEROED(c->context, uint32_t, (size_t)group->vertex_count + 2);
@@ -228,20 +235,22 @@ static stp_result compare_normals(const change* c, double* changed)
         around[starts[group->indices[i] + 1]++] = i / 3;
     }
     for (uint32_t t = 0; good && t < group->triangle_count; ++t) {
-        normals[t] = normal_of(group, group->indices + 3 * (size_t)t);
+        double area;
+        normals[t] = normal_of(group, group->indices + 3 * (size_t)t, &area);
         left[c->from[t]] = 1;
-        stp_vec3d was = c->normals[c->from[t]];
-        *changed += 0.5 * sqrt(stp_dotd(was, was)) * turn_of(was, normals[t]);
+        *after += area;
+        *changed += c->areas[c->from[t]] * turn_of(c->normals[c->from[t]], normals[t]);
     }
     for (uint32_t t = 0; good && t < c->before; ++t) {
-        double least = 4.0, area = 0.5 * sqrt(stp_dotd(c->normals[t], c->normals[t]));
+        double least = 4.0;
         for (size_t k = 0; k < 3 && left[t] == 0; ++k) {
             uint32_t v = c->merged[c->corners[3 * (size_t)t + k]];
             for (uint32_t i = starts[v]; i < starts[v + 1]; ++i) {
-                least = fmin(least, turn_of(c->normals[t], normals[around[i]]));
+                double turn = turn_of(c->normals[t], normals[around[i]]);
+                least = turn < least ? turn : least;
             }
         }
-        *changed += left[t] == 0 ? area * least : 0.0;
+        *changed += left[t] == 0 ? c->areas[t] * least : 0.0;
     }
     stp_free(c->context, left);
     stp_free(c->context, normals);
@@ -257,16 +266,11 @@ static stp_result measure_look(const change* c, stp_group_mesh* group, double sp
     double before = 0.0, after = 0.0;
     spreads[0] = spreads[1] = 0.0;
     stp_result result = group->colors != NULL ? merge_colors(c, group, &spreads[0]) : STP_OK;
-    result = result == STP_OK ? compare_normals(c, &spreads[1]) : result;
+    result = result == STP_OK ? compare_normals(c, &spreads[1], &after) : result;
     for (uint32_t t = 0; t < c->before; ++t) {
-        double area = 0.5 * sqrt(stp_dotd(c->normals[t], c->normals[t]));
-        before += area;
-        spreads[0] += area * (double)group->spreads[2 * (size_t)t];
-        spreads[1] += area * (double)group->spreads[2 * (size_t)t + 1];
-    }
-    for (uint32_t t = 0; t < group->triangle_count; ++t) {
-        stp_vec3d n = normal_of(group, group->indices + 3 * (size_t)t);
-        after += 0.5 * sqrt(stp_dotd(n, n));
+        before += c->areas[t];
+        spreads[0] += c->areas[t] * (double)group->spreads[2 * (size_t)t];
+        spreads[1] += c->areas[t] * (double)group->spreads[2 * (size_t)t + 1];
     }
     for (size_t k = 0; k < 2; ++k) {
         spreads[k] = before > 0.0 ? spreads[k] / before : 0.0;

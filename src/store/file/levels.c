@@ -159,6 +159,42 @@ static uint32_t* find_starts(stp_context* context, const stp_store_directory* d)
     return starts;
 }
 
+stp_result stp_store_validate_level_figures(const stp_store* store)
+{
+    uint32_t count = store->counts[STP_SECTION_LEVEL_FIGURES];
+    const stp_store_section* levels = store->known[STP_SECTION_LEVELS];
+    const stp_store_level_figures* figures = store->tables[STP_SECTION_LEVEL_FIGURES];
+    if (count > 1 || (count == 1 && (levels == NULL || figures->levels != levels->count))) {
+        return stp_fail(store->context, STP_ERROR_FORMAT,
+                        "%s: %u records of figures of levels for %llu levels", store->path, count,
+                        levels != NULL ? (unsigned long long)levels->count : 0);
+    }
+    return STP_OK;
+}
+
+/// Whether the stored figures are those of the levels.
+static stp_result check_figures(const stp_store* store)
+{
+    const stp_store_directory* d = &store->directory;
+    const stp_store_level_figures* figures = store->tables[STP_SECTION_LEVEL_FIGURES];
+    const stp_store_mesh_record* meshes = store->tables[STP_SECTION_MESHES];
+    uint64_t triangles = 0, bytes = 0;
+    for (uint32_t i = 0; i < d->level_count; ++i) {
+        const stp_store_mesh_record* mesh = &meshes[d->levels[i].mesh];
+        triangles += mesh->mesh.triangle_count;
+        bytes += stp_store_block_at(store, mesh->block)->size;
+    }
+    if (figures != NULL && (figures->triangles != triangles || figures->bytes != bytes)) {
+        return stp_fail(store->context, STP_ERROR_FORMAT,
+                        "%s: figures of levels: %llu triangles in %llu bytes, but levels have %llu "
+                        "in %llu",
+                        store->path, (unsigned long long)figures->triangles,
+                        (unsigned long long)figures->bytes, (unsigned long long)triangles,
+                        (unsigned long long)bytes);
+    }
+    return STP_OK;
+}
+
 stp_result stp_store_link_levels(stp_store* store)
 {
     const stp_store_directory* d = &store->directory;
@@ -170,6 +206,8 @@ stp_result stp_store_link_levels(stp_store* store)
     }
     stp_store_validator validator = stp_store_own_validator(store);
     stp_result result = link_levels(&validator, d, levels);
+    result = result == STP_OK ? stp_store_validate_level_figures(store) : result;
+    result = result == STP_OK ? check_figures(store) : result;
     if (result == STP_OK && d->level_count != 0) {
         store->level_starts = find_starts(store->context, d);
         store->directory.level_starts = store->level_starts;

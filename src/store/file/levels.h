@@ -23,6 +23,12 @@ typedef struct stp_store_level_cluster {
     uint32_t one_sided;
 } stp_store_level_cluster;
 
+/// How much all levels of a file are.
+typedef struct stp_store_level_figures {
+    uint64_t levels, triangles; ///< stored
+    uint64_t bytes;             ///< of their meshes
+} stp_store_level_figures;
+
 enum {
     STP_LEVEL_FROM_OUTSIDE = 1, ///< lacks what cannot be seen from outside the node's box
 };

@@ -401,6 +401,14 @@ static void code_level_group(stp_store_codec* codec, void* element)
     code_f32(codec, &group->error);
 }
 
+static void code_level_figures(stp_store_codec* codec, void* element)
+{
+    stp_store_level_figures* figures = element;
+    code_u64(codec, &figures->levels);
+    code_u64(codec, &figures->triangles);
+    code_u64(codec, &figures->bytes);
+}
+
 static void code_method(stp_store_codec* codec, void* element)
 {
     stp_store_method* method = &((stp_store_method_record*)element)->method;
@@ -504,6 +512,8 @@ const stp_store_table* stp_store_table_of(uint32_t type)
                                         code_level_cluster},
         [STP_SECTION_LEVEL_GROUPS] = {"level group", 20, sizeof(stp_store_level_group),
                                       code_level_group},
+        [STP_SECTION_LEVEL_FIGURES] = {"figures of levels", 24, sizeof(stp_store_level_figures),
+                                       code_level_figures},
     };
     return &tables[type < STP_SECTION_END ? type : 0];
 }

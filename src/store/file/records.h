@@ -158,6 +158,7 @@ typedef union stp_store_element {
     stp_store_level level;
     stp_store_level_cluster level_cluster;
     stp_store_level_group level_group;
+    stp_store_level_figures level_figures;
 } stp_store_element;
 
 /// By section type; all 0 for unknown types. Sections of texts have no name and no `code`.

@@ -221,6 +221,9 @@ bool stp_store_is_partial(const stp_store* store);
 double stp_store_position_error(const stp_store* store);
 /// The stored summary; NULL if the file has none (see stp_store_summarise).
 const stp_store_summary* stp_store_get_summary(const stp_store* store);
+/// How much the levels are; NULL if there are none, or the file does not say. Works for a store opened
+/// for its summary.
+const stp_store_level_figures* stp_store_get_level_figures(const stp_store* store);
 /// Major version of the format.
 uint32_t stp_store_format_version(const stp_store* store);
 uint32_t stp_store_format_minor(const stp_store* store);

@@ -50,6 +50,8 @@ STP_MUST_USE stp_result stp_store_verify_page_table(stp_store* store);
 /// Checks the levels and fills the fields that the file does not hold. Blocks must be linked.
 /// @return STP_OK, FORMAT, OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_store_link_levels(stp_store* store);
+/// Whether the figures of levels, if there are any, are one record, of so many levels.
+STP_MUST_USE stp_result stp_store_validate_level_figures(const stp_store* store);
 
 /// Frees the table of keys.
 void stp_store_free_keys(stp_store* store);

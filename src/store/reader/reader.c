@@ -93,7 +93,8 @@ static stp_result read_directory(stp_store* store)
     }
     static const uint32_t others[] = {STP_SECTION_CLUSTERS,       STP_SECTION_ATTRIBUTE_BLOCKS,
                                       STP_SECTION_CERTAINTY,      STP_SECTION_LEVELS,
-                                      STP_SECTION_LEVEL_CLUSTERS, STP_SECTION_LEVEL_GROUPS};
+                                      STP_SECTION_LEVEL_CLUSTERS, STP_SECTION_LEVEL_GROUPS,
+                                      STP_SECTION_LEVEL_FIGURES};
     for (size_t i = 0; i < sizeof(others) / sizeof(others[0]) && result == STP_OK; ++i) {
         result = stp_store_read_table(store, others[i], &text);
     }
@@ -307,6 +308,11 @@ bool stp_store_is_partial(const stp_store* store)
 const stp_store_summary* stp_store_get_summary(const stp_store* store)
 {
     return store->counts[STP_SECTION_SUMMARY] != 0 ? &store->summary : NULL;
+}
+
+const stp_store_level_figures* stp_store_get_level_figures(const stp_store* store)
+{
+    return store->tables[STP_SECTION_LEVEL_FIGURES];
 }
 
 uint32_t stp_store_format_minor(const stp_store* store)

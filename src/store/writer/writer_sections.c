@@ -17,6 +17,7 @@ static const uint8_t section_order[] = {
     STP_SECTION_ATTRIBUTES,
     STP_SECTION_ATTRIBUTE_VALUES,
     STP_SECTION_CERTAINTY,
+    STP_SECTION_LEVEL_FIGURES,
     STP_SECTION_BUILD,
     STP_SECTION_NODES,
     STP_SECTION_EDGES,
@@ -271,6 +272,19 @@ static stp_result write_bytes(stp_store_writing* w, uint32_t type, const void* b
     return end_section(w, type, result);
 }
 
+static stp_result write_level_figures(stp_store_writing* w)
+{
+    const stp_store_directory* d = &w->content->directory;
+    stp_store_level_figures figures = {.levels = d->level_count};
+    for (uint32_t i = stp_store_first_level_mesh(d); i < d->mesh_count; ++i) {
+        const stp_coded_mesh* coded = stp_store_coded_mesh(w->content, i);
+        assert(coded != NULL && "levels are coded");
+        figures.triangles += coded->triangle_count;
+        figures.bytes += coded->size;
+    }
+    return write_table(w, STP_SECTION_LEVEL_FIGURES, &figures, 1);
+}
+
 // One key per splat set, then one per mesh; no section if there are no keys.
 static stp_result write_keys(stp_store_writing* w)
 {
@@ -415,6 +429,8 @@ static stp_result write_section(stp_store_writing* w, uint32_t type)
         return write_table(w, type, d->level_clusters, d->level_cluster_count);
     case STP_SECTION_LEVEL_GROUPS:
         return write_table(w, type, d->level_groups, d->level_group_count);
+    case STP_SECTION_LEVEL_FIGURES:
+        return write_level_figures(w);
     case STP_SECTION_PAGES: // reserves the space; the checksums are written when all else is
         return write_table(w, type, w->sums.crcs, (uint32_t)w->sums.count);
     default:
@@ -461,6 +477,7 @@ static bool is_wanted(const stp_store_writing* w, uint32_t type)
     case STP_SECTION_LEVELS:
     case STP_SECTION_LEVEL_CLUSTERS:
     case STP_SECTION_LEVEL_GROUPS:
+    case STP_SECTION_LEVEL_FIGURES:
         return d->level_count != 0;
     default:
         return true;
