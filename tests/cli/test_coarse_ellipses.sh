@@ -23,8 +23,8 @@ likeness() # A B: SSIM of covered pixels
 }
 
 scene=scene:power-plant,scale=0.02
-"$stipple" -q build $scene -o both.stip --method blue,psp || fail "no build of blue and psp"
-"$stipple" -q build $scene -o turned.stip --method psp,blue || fail "no build of psp and blue"
+"$stipple" -q build $scene -o both.stip --method blue,psp --levels off || fail "no build of blue and psp"
+"$stipple" -q build $scene -o turned.stip --method psp,blue --levels off || fail "no build of psp and blue"
 draw truth both.stip --reference
 
 for size in 8; do
