@@ -184,22 +184,21 @@ static stp_result draw(frame_maker* maker, const stp_view* view, const stp_quali
         stp_residency_get_stats(maker->residency, &loaded);
         missing = loaded.missing;
     }
-    *figures =
-        (frame_figures){.frame_ms = stp_clock_ms() - start,
-                        .missing = missing,
-                        .select_ms = stats->select_ms,
-                        .draw_ms = stats->draw_ms,
-                        .shade_ms = stats->shade_ms,
-                        .effect_ms = style->ambient_occlusion > 0.0f ? stats->effect_ms : 0.0,
-                        .splat_size = maker->list.splat_size,
-                        .splats = stats->splats,
-                        .triangles = stats->triangles,
-                        .fragments = stats->fragments,
-                        .covered_pixels = stats->covered_pixels,
-                        .extra_splats = eyes * maker->list.extra_splats,
-                        .nodes = maker->list.node_count,
-                        .draw_calls = stats->draw_calls,
-                        .layers = stats->layers};
+    *figures = (frame_figures){.frame_ms = stp_clock_ms() - start,
+                               .missing = missing,
+                               .select_ms = stats->select_ms,
+                               .draw_ms = stats->draw_ms,
+                               .shade_ms = stats->shade_ms,
+                               .effect_ms = stp_draw_occlusion_ms(style, stats),
+                               .splat_size = maker->list.splat_size,
+                               .splats = stats->splats,
+                               .triangles = stats->triangles,
+                               .fragments = stats->fragments,
+                               .covered_pixels = stats->covered_pixels,
+                               .extra_splats = eyes * maker->list.extra_splats,
+                               .nodes = maker->list.node_count,
+                               .draw_calls = stats->draw_calls,
+                               .layers = stats->layers};
     for (size_t i = 0; i < maker->list.count; ++i) {
         figures->clusters += maker->list.items[i].kind == STP_DRAW_MESH ? eyes : 0;
     }
@@ -277,24 +276,25 @@ stp_result frame_settle(frame_maker* maker, const stp_view* view, stp_budget* bu
     double start = stp_clock_ms();
     int steady = 0;
     float occlusion = maker->style.ambient_occlusion;
+    stp_result result = STP_OK;
     quality->splat_size = stp_budget_splat_size(budget);
-    for (int i = 0; i < SETTLE_FRAMES && steady < STEADY_FRAMES &&
+    for (int i = 0; i < SETTLE_FRAMES && steady < STEADY_FRAMES && result == STP_OK &&
                     stp_clock_ms() - start < settle_ms && !tool_is_interrupted();
          ++i) {
-        stp_result result = frame_draw(maker, view, quality, image, &figures);
-        if (result != STP_OK) {
-            return result;
-        }
-        stp_frame_cost cost = frame_cost(&figures);
-        stp_budget_update(budget, &cost);
-        float next = stp_budget_splat_size(budget);
-        double change = fabs((double)next / (double)quality->splat_size - 1.0);
-        bool decided = stp_budget_allows_effects(budget) || budget->calm_frames == 0;
-        steady = change <= steady_change && decided ? steady + 1 : 0;
-        quality->splat_size = next;
         maker->style.ambient_occlusion = stp_budget_allows_effects(budget) ? occlusion : 0.0f;
+        result = frame_draw(maker, view, quality, image, &figures);
+        if (result == STP_OK) {
+            stp_frame_cost cost = frame_cost(&figures);
+            stp_budget_update(budget, &cost);
+            float next = stp_budget_splat_size(budget);
+            double change = fabs((double)next / (double)quality->splat_size - 1.0);
+            bool decided = stp_budget_allows_effects(budget) || budget->calm_frames == 0;
+            steady = change <= steady_change && decided ? steady + 1 : 0;
+            quality->splat_size = next;
+        }
     }
-    return STP_OK;
+    maker->style.ambient_occlusion = occlusion;
+    return result;
 }
 
 static bool create_image(stp_context* context, stp_residency* residency, uint32_t width,

@@ -84,8 +84,8 @@ STP_MUST_USE stp_result frame_accumulate(frame_maker* maker, const stp_view* vie
                                          stp_image* image);
 
 /// Draws the view until the budget settles on a splat size; gives up after 150 frames, 20 seconds
-/// or an interrupt. Sets quality->splat_size, and removes ambient occlusion from the maker's style
-/// if the budget leaves it out.
+/// or an interrupt. Sets quality->splat_size. Draws without ambient occlusion while the budget leaves
+/// it out.
 STP_MUST_USE stp_result frame_settle(frame_maker* maker, const stp_view* view, stp_budget* budget,
                                      stp_quality* quality, stp_image* image);
 

@@ -15,6 +15,7 @@ stp_result describe_store(stp_context* context, stp_store* store, scene_figures*
     };
     const stp_store_level_figures* levels = stp_store_get_level_figures(store);
     figures->levels = levels != NULL ? *levels : (stp_store_level_figures){0};
+    figures->has_level_figures = levels != NULL || stp_store_format_minor(store) < 3;
     const stp_store_summary* stored = stp_store_get_summary(store);
     if (stored != NULL) {
         figures->summary = *stored;
@@ -27,7 +28,8 @@ stp_result describe_store(stp_context* context, stp_store* store, scene_figures*
 stp_result describe_content(stp_context* context, const stp_store_content* content,
                             scene_figures* figures)
 {
-    *figures = (scene_figures){.directory = &content->directory, .context = context};
+    *figures = (scene_figures){
+        .directory = &content->directory, .context = context, .has_level_figures = true};
     for (uint32_t i = 0; i < content->directory.source_count; ++i) {
         figures->file_bytes += content->directory.sources[i].bytes;
     }

@@ -17,6 +17,7 @@ typedef struct scene_figures {
     uint64_t whole_bytes; ///< complete size of a .stip; more than file_bytes if it is truncated
     uint32_t format_version, format_minor; ///< 0: not a .stip
     stp_store_level_figures levels;        ///< levels of triangles
+    bool has_level_figures;                ///< false: an early file of version 1.3, without them
     double position_error; ///< maximum error of a .stip's points, scene units; 0: unknown or none
 } scene_figures;
 

@@ -39,6 +39,16 @@ static void set_count(json_t* object, const char* key, uint64_t count)
     (void)json_object_set_new(object, key, count_json(count));
 }
 
+static void set_level_figures(json_t* json, const scene_figures* f)
+{
+    const char* keys[] = {"levels", "level_triangles", "level_bytes"};
+    const uint64_t counts[] = {f->levels.levels, f->levels.triangles, f->levels.bytes};
+    for (int i = 0; i < 3; ++i) {
+        (void)json_object_set_new(json, keys[i],
+                                  f->has_level_figures ? count_json(counts[i]) : json_null());
+    }
+}
+
 static json_t* vector_json(stp_vec3d v)
 {
     return json_pack("[f, f, f]", v.x, v.y, v.z);
@@ -169,9 +179,7 @@ json_t* describe_json(const scene_figures* f)
     }
     (void)json_object_set_new(json, "methods", methods);
     set_figures(json, &f->summary.figures);
-    set_count(json, "levels", f->levels.levels);
-    set_count(json, "level_triangles", f->levels.triangles);
-    set_count(json, "level_bytes", f->levels.bytes);
+    set_level_figures(json, f);
     set_count(json, "materials", f->summary.material_count);
     set_count(json, "textures", f->summary.texture_count);
     char up[2] = {d->up, 0};

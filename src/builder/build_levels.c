@@ -41,7 +41,8 @@ typedef struct run {
     uint32_t made;                  ///< sources whose levels were made
 } run;
 
-/// Everything that determines the levels of a node: its content, and which materials share shadings.
+/// Everything that determines the levels of a node: its content, which materials share shadings,
+/// and the grids of its meshes.
 static stp_hash make_key(const run* r, const source* from)
 {
     const stp_node* n = &r->scene->nodes[from->node];
@@ -65,8 +66,8 @@ static int compare_sources(const void* left, const void* right)
     return a->node < b->node ? -1 : a->node > b->node ? 1 : 0;
 }
 
-/// Whether levels of a node are worth it: few of its triangles are not opaque, and few are copies of
-/// others, for which levels are made as well. `met`: per mesh, whether it has levels.
+/// Whether levels of a node are worth it: few of its triangles are not opaque, and few are copies
+/// of others, for which levels are made as well. `met`: per mesh, whether it has levels.
 static bool is_worth(const stp_scene* scene, source* from, uint8_t* met)
 {
     uint64_t opaque = 0, others = 0, fresh = 0;
@@ -173,7 +174,7 @@ static bool find_levels(run* r, uint32_t index)
 {
     const stp_build_levels_desc* desc = r->desc;
     stp_hash key = r->sources[index].key;
-    if (stp_work_find_levels(desc->work, key, &r->stored[index])) {
+    if (stp_work_find_levels(desc->work, key, desc->shading_count, &r->stored[index])) {
         return true;
     }
     pthread_mutex_lock(&r->previous_mutex);
@@ -181,7 +182,7 @@ static bool find_levels(run* r, uint32_t index)
         desc->previous != NULL &&
         stp_previous_output_take_levels(desc->previous, key, desc->shading_count, desc->work);
     pthread_mutex_unlock(&r->previous_mutex);
-    return taken && stp_work_find_levels(desc->work, key, &r->stored[index]);
+    return taken && stp_work_find_levels(desc->work, key, desc->shading_count, &r->stored[index]);
 }
 
 static stp_result make_source(const run* r, const source* s)
@@ -213,9 +214,11 @@ static void run_source(run* r, uint32_t index)
     // an invalid result under the key is dropped the first time; the second attempt succeeds
     for (bool found = false; made < 2 && result == STP_OK && !found; ++made) {
         result = make_source(r, s);
-        found = result == STP_OK && stp_work_find_levels(r->desc->work, s->key, &r->stored[index]);
+        found = result == STP_OK && stp_work_find_levels(r->desc->work, s->key,
+                                                         r->desc->shading_count, &r->stored[index]);
     }
-    if (result == STP_OK && !stp_work_find_levels(r->desc->work, s->key, &r->stored[index])) {
+    if (result == STP_OK &&
+        !stp_work_find_levels(r->desc->work, s->key, r->desc->shading_count, &r->stored[index])) {
         result = stp_fail(r->scene->context, STP_ERROR_IO,
                           "levels cannot be read back from the work folder");
     }

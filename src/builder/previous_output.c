@@ -159,13 +159,15 @@ static bool take_level(stp_previous_output* previous, stp_hash key, uint32_t ind
 }
 
 /// Reads the groups that the clusters name, and numbers them from 0: the writer keeps those of a
-/// node together, and no others.
+/// node together, and no others. @return false if the file's are not so, or memory runs out
 static bool take_groups(stp_previous_output* previous, stp_node_levels* levels)
 {
     const stp_store_directory* d = stp_store_get_directory(previous->store);
     uint32_t first = STP_STORE_NONE, end = 0;
+    uint64_t clusters = 0;
     for (int pass = 0; pass < 2; ++pass) {
         for (uint32_t i = 0; i < levels->level_count; ++i) {
+            clusters += pass == 0 ? levels->levels[i].cluster_count : 0;
             for (uint32_t k = 0; k < levels->levels[i].cluster_count; ++k) {
                 stp_node_level_cluster* c = &levels->levels[i].clusters[k];
                 uint32_t* groups[2] = {&c->made_by, &c->used_by};
@@ -182,6 +184,10 @@ static bool take_groups(stp_previous_output* previous, stp_node_levels* levels)
         }
     }
     levels->group_count = first < end ? end - first : 0;
+    if (levels->group_count > 2 * clusters) {
+        levels->group_count = 0;
+        return false;
+    }
     levels->groups =
         STP_NEW_ARRAY(previous->quiet, stp_level_group, (size_t)levels->group_count + 1);
     for (uint32_t i = 0; i < levels->group_count && levels->groups != NULL; ++i) {

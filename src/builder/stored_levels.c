@@ -4,6 +4,7 @@
 #include "base/io/bytes.h"
 
 #include <assert.h>
+#include <math.h>
 #include <string.h>
 
 enum { KIND = 3, HEAD = 64, GROUP = 20, CLUSTER = 12, LEVEL = 64, ALIGNMENT = 64 };
@@ -59,10 +60,48 @@ void stp_stored_level_cluster(const stp_stored_levels* levels, uint32_t index, u
     }
 }
 
-/// Whether the levels lie within their bytes, and fit each other.
-static bool is_valid(const stp_stored_levels* levels, size_t size)
+/// Whether a writer accepts the groups.
+static bool are_groups_valid(const stp_stored_levels* levels)
+{
+    bool good = true;
+    for (uint32_t i = 0; i < levels->group_count; ++i) {
+        float group[5];
+        stp_stored_level_group(levels, i, group);
+        good = good && group[3] >= 0.0f && group[4] > 0.0f;
+        for (int k = 0; k < 5; ++k) {
+            good = good && isfinite(group[k]);
+        }
+    }
+    return good;
+}
+
+/// Whether a writer accepts the clusters of a level, the first of which is cluster `first`.
+static bool are_clusters_valid(const stp_stored_levels* levels, const stp_clusters* coded,
+                               uint32_t first)
+{
+    bool good = true;
+    for (uint32_t i = 0; i < coded->cluster_count && good; ++i) {
+        uint32_t cluster[3];
+        float made[5] = {0}, used[5] = {0};
+        stp_stored_level_cluster(levels, first + i, cluster);
+        for (int k = 0; k < 2; ++k) {
+            good = good && (cluster[k] == STP_LEVEL_NONE || cluster[k] < levels->group_count);
+        }
+        if (good && cluster[0] != STP_LEVEL_NONE && cluster[1] != STP_LEVEL_NONE) {
+            stp_stored_level_group(levels, cluster[0], made);
+            stp_stored_level_group(levels, cluster[1], used);
+            good = made[4] < used[4];
+        }
+        good = good && cluster[2] <= stp_clusters_triangles(coded, i);
+    }
+    return good;
+}
+
+/// Whether the levels lie within their bytes, and a writer accepts them.
+static bool is_valid(const stp_stored_levels* levels, size_t size, uint32_t shading_count)
 {
     uint64_t clusters = 0;
+    bool good = are_groups_valid(levels);
     for (uint32_t i = 0; i < levels->level_count; ++i) {
         const unsigned char* at = levels->levels + LEVEL * (size_t)i;
         uint64_t offset = stp_read_u64(at + 40), length = stp_read_u64(at + 48);
@@ -74,23 +113,18 @@ static bool is_valid(const stp_stored_levels* levels, size_t size)
         if (stp_clusters_open(level.coded.bytes, level.coded.size, &open) != NULL ||
             open.cluster_count != level.coded.cluster_count ||
             open.triangle_count != level.coded.triangle_count ||
-            open.vertex_count != level.coded.vertex_count) {
+            open.vertex_count != level.coded.vertex_count || level.shading >= shading_count ||
+            open.cluster_count > levels->cluster_count - clusters) {
             return false;
         }
+        good = good && are_clusters_valid(levels, &open, (uint32_t)clusters);
         clusters += open.cluster_count;
     }
-    bool good = clusters == levels->cluster_count;
-    for (uint32_t i = 0; i < levels->cluster_count && good; ++i) {
-        uint32_t cluster[3];
-        stp_stored_level_cluster(levels, i, cluster);
-        for (int k = 0; k < 2; ++k) {
-            good = good && (cluster[k] == STP_LEVEL_NONE || cluster[k] < levels->group_count);
-        }
-    }
-    return good;
+    return good && clusters == levels->cluster_count;
 }
 
-static bool open_levels(const unsigned char* bytes, size_t size, stp_stored_levels* levels)
+static bool open_levels(const unsigned char* bytes, size_t size, uint32_t shading_count,
+                        stp_stored_levels* levels)
 {
     *levels = (stp_stored_levels){0};
     if (size < HEAD || stp_read_u32(bytes) != KIND) {
@@ -104,17 +138,19 @@ static bool open_levels(const unsigned char* bytes, size_t size, stp_stored_leve
     levels->groups = bytes + HEAD;
     levels->clusters = bytes + clusters_at(levels->group_count);
     levels->levels = bytes + at;
-    return at <= size && LEVEL * (size_t)levels->level_count <= size - at && is_valid(levels, size);
+    return at <= size && LEVEL * (size_t)levels->level_count <= size - at &&
+           is_valid(levels, size, shading_count);
 }
 
-bool stp_work_find_levels(stp_work* work, stp_hash key, stp_stored_levels* levels)
+bool stp_work_find_levels(stp_work* work, stp_hash key, uint32_t shading_count,
+                          stp_stored_levels* levels)
 {
     size_t size = 0;
     const unsigned char* bytes = stp_work_find(work, key, &size);
     if (bytes == NULL) {
         return false;
     }
-    if (!open_levels(bytes, size, levels)) {
+    if (!open_levels(bytes, size, shading_count, levels)) {
         stp_work_drop(work, key);
         return false;
     }

@@ -24,13 +24,14 @@ typedef struct stp_stored_level {
 } stp_stored_level;
 
 /// Looks the levels of a node up. Drops a result that is not valid. Any thread.
-bool stp_work_find_levels(stp_work* work, stp_hash key, stp_stored_levels* levels);
+bool stp_work_find_levels(stp_work* work, stp_hash key, uint32_t shading_count,
+                          stp_stored_levels* levels);
 /// Codes the meshes of a node's levels and stores them. Any thread. @return STP_OK, or as
 /// stp_clusters_encode_ranges and stp_work_store
 STP_MUST_USE stp_result stp_work_store_levels(stp_context* context, stp_work* work, stp_hash key,
                                               const stp_node_levels* levels);
-/// The same with coded meshes, one per level; only the shadings and clusters of the levels are read,
-/// without the ends of their triangles.
+/// The same with coded meshes, one per level; only the shadings and clusters of the levels are
+/// read, without the ends of their triangles.
 STP_MUST_USE stp_result stp_work_store_coded_levels(stp_context* context, stp_work* work,
                                                     stp_hash key, const stp_node_levels* levels,
                                                     const stp_coded_mesh* coded);

@@ -52,8 +52,8 @@ typedef struct seen_job {
     stp_vec3 center;             ///< of the bounding box
     stp_vec3d half_extent;       ///< of the bounding box
     double pixel_size;
-    /// The mesh as it is drawn: relative to the centre, and each run of COPIED triangles with its own
-    /// vertices, so that they follow each other
+    /// The mesh as it is drawn: relative to the centre, and each run of COPIED triangles with its
+    /// own vertices, so that they follow each other
     float* drawn_positions;
     uint32_t* drawn_indices;
     uint32_t drawn_count; ///< vertices

@@ -18,9 +18,10 @@ enum { STP_SEEN_RESOLUTION_MAX = 8192 };
 
 /// Zero stands for a default.
 typedef struct stp_seen_desc {
-    uint32_t direction_count; ///< two opposite ones each: even, above 26; default 96
+    uint32_t direction_count; ///< in opposite pairs: even, above 26; default 96
     /// Pixels along the diagonal of the bounding box, at most STP_SEEN_RESOLUTION_MAX; default 512.
-    /// Smaller openings may be missed. A running task needs about 8 resolution^2 bytes
+    /// Smaller openings may be missed. A running task needs about 16 resolution^2 bytes, a call up
+    /// to 48 bytes a triangle.
     uint32_t resolution;
 } stp_seen_desc;
 

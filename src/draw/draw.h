@@ -105,6 +105,14 @@ typedef struct stp_draw_stats {
     uint32_t layers;     ///< layers of transparent surfaces: maximum in a pixel of the last sample
 } stp_draw_stats;
 
+/// Time that a picture without ambient occlusion would have saved. 0 beside eye-dome lighting, which
+/// shares its passes.
+static inline double stp_draw_occlusion_ms(const stp_draw_style* style, const stp_draw_stats* stats)
+{
+    bool alone = style->ambient_occlusion > 0.0f && !(style->eye_dome > 0.0f);
+    return alone ? stats->effect_ms : 0.0;
+}
+
 typedef struct stp_renderer stp_renderer;
 
 /// A CPU renderer. Keeps decoded textures and scratch memory; a warm frame allocates nothing.

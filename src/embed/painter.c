@@ -123,8 +123,7 @@ static void update_budget(stp_painter* painter, const picture* p)
                            .covered_pixels = p->stats.covered_pixels,
                            .draw_calls = p->stats.draw_calls,
                            .splat_size = painter->list.splat_size,
-                           .effect_ms =
-                               p->style.ambient_occlusion > 0.0f ? p->stats.effect_ms : 0.0};
+                           .effect_ms = stp_draw_occlusion_ms(&p->style, &p->stats)};
     assert(!painter->has_pending && "the previous picture's cost would be lost");
     if (painter->uses_gl && p->image == NULL) { // the GPU is still working
         painter->pending = cost;

@@ -31,8 +31,8 @@ typedef struct stp_raster_mesh {
     /// 0: both sides are drawn. Above 0, below 0: only triangles whose corners turn clockwise or
     /// counter-clockwise in the picture.
     int32_t facing;
-    /// 0, or pixels from the target's to those of a second picture, of what is seen from behind: the
-    /// least nearness of each pixel wins, then the smaller id. Not together with `keep`.
+    /// 0, or pixels from the target's to those of a second picture, of what is seen from behind:
+    /// the least nearness of each pixel wins, then the smaller id. Not together with `keep`.
     size_t behind;
 } stp_raster_mesh;
 

@@ -48,9 +48,11 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 #define LEAST_LIMITED 3.0 // above this size
 #define HOPELESS 0.1      // applies in full if the fastest size misses the goal by this share
 #define EFFECT_SHARE 0.05 // effects that take less of the budget are never left out
-#define EFFECT_SIZE 1.5   // nor others while splats are at most this large
+#define EFFECT_SIZE 1.5   // nor others while splats are at most this large,
+#define EFFECT_MOST 0.75  // unless they take more of the budget than this
 #define EFFECT_ROOM 0.9   // share of the budget that they, with the finest splats, must fit
 #define EFFECT_FRAMES 15  // for so many frames, before they return
+#define EFFECT_PROOF 3    // frames with effects before they are judged: the first one is cold
 #define TREND_FOLLOWS 0.5
 #define MAX_LATE 0.4 // logarithm: a larger difference means a different place
 
@@ -292,11 +294,31 @@ static double find_finest(stp_budget* b, double milliseconds, double goal)
                                      : fmin(steady, pow(slowest / goal, 1.0 / MAX_EXPONENT));
 }
 
+/// The time of effects in a frame like the last one: it follows the covered pixels.
+static double expect_effects(const stp_budget* b)
+{
+    double pixels = (double)b->effect_pixels, now = (double)b->last.covered_pixels;
+    return pixels > 0.0 && now < pixels ? b->effect_ms * now / pixels : b->effect_ms;
+}
+
+/// Learns the time of a frame's effects. A single slow frame counts as in the speed.
+static void update_effects(stp_budget* b, const stp_frame_cost* cost)
+{
+    if (b->without_effects) {
+        return;
+    }
+    bool known = b->effect_ms > 0.0 && b->effect_frames >= EFFECT_PROOF;
+    double most = known ? SLOW_FRAME * expect_effects(b) : cost->effect_ms;
+    b->effect_ms = fmin(cost->effect_ms, fmax(most, 0.01 * b->budget_ms));
+    b->effect_pixels = cost->covered_pixels;
+    b->effect_frames = cost->effect_ms > 0.0 ? b->effect_frames + 1 : 0;
+}
+
 /// The part of the budget that the next frame's effects leave.
 static double time_for_detail(const stp_budget* b)
 {
     double effects = b->without_effects ? 0.0 : b->effect_ms;
-    return fmax(b->budget_ms - effects, 0.25 * b->budget_ms);
+    return fmax(b->budget_ms - effects, (1.0 - EFFECT_MOST) * b->budget_ms);
 }
 
 // Largest factor on the last size. A model that is still wrong after a slow period must not enlarge
@@ -308,17 +330,19 @@ static double find_coarsest(const stp_budget* b, double milliseconds)
     return stp_clampd(late / time_for_detail(b), 1.0, FASTEST_COARSER);
 }
 
-/// Leaves effects out while splats would be larger because of them. @param size  of splats for which
-/// there is time beside them, if they are drawn
+/// Leaves effects out while splats would be larger because of them.
+/// @param size  of splats for which there is time beside them, if they are drawn
 static void choose_effects(stp_budget* b, double size)
 {
     if (!b->without_effects) {
         bool dear = b->effect_ms > EFFECT_SHARE * b->budget_ms;
-        b->without_effects = dear && size > EFFECT_SIZE;
+        bool most = b->effect_ms > EFFECT_MOST * b->budget_ms;
+        b->without_effects =
+            ((dear && size > EFFECT_SIZE) || most) && b->effect_frames >= EFFECT_PROOF;
         b->calm_frames = 0;
         return;
     }
-    double wanted = stp_budget_predict(b, (double)STP_SPLAT_SIZE_MIN) + b->effect_ms;
+    double wanted = stp_budget_predict(b, (double)STP_SPLAT_SIZE_MIN) + expect_effects(b);
     b->calm_frames = wanted <= EFFECT_ROOM * b->budget_ms ? b->calm_frames + 1 : 0;
     b->without_effects = b->calm_frames < EFFECT_FRAMES;
 }
@@ -356,10 +380,8 @@ void stp_budget_update(stp_budget* b, const stp_frame_cost* cost)
         b->frames += 1;
     } else {
         stp_frame_cost own = *cost;
-        if (cost->effect_ms > 0.0 && cost->effect_ms < cost->milliseconds) {
-            own.milliseconds -= cost->effect_ms;
-            b->effect_ms = cost->effect_ms;
-        }
+        own.milliseconds -= stp_clampd(cost->effect_ms, 0.0, 0.99 * cost->milliseconds);
+        update_effects(b, cost);
         choose_effects(b, predict(b, &own));
     }
     assert(b->splat_size >= STP_SPLAT_SIZE_MIN && b->splat_size <= STP_SPLAT_SIZE_COARSEST);

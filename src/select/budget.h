@@ -23,7 +23,7 @@ typedef struct stp_frame_cost {
     uint64_t splats, fragments, triangles, covered_pixels;
     uint32_t draw_calls;
     float splat_size; ///< as used
-    double effect_ms; ///< part of the time that effects took which may be left out; 0: none drawn
+    double effect_ms; ///< part of the time, of effects that may be left out; 0: none were drawn
 } stp_frame_cost;
 
 enum {
@@ -52,8 +52,11 @@ typedef struct stp_budget {
     double ratios[STP_BUDGET_RATIOS]; ///< ratios of measured to expected time for a frame's counts
     /// Logarithms of the expected time for counts over the forecast
     double growth[STP_BUDGET_RATIOS];
-    // Effects: their time when they were last drawn (0: never), and whether they are left out
+    // Effects: their time when they were last drawn (0: they were not wanted) and the pixels covered
+    // then, how many frames in a row had them, and whether they are left out
     double effect_ms;
+    uint64_t effect_pixels;
+    uint32_t effect_frames;
     bool without_effects;
     uint32_t calm_frames; ///< in a row that would have had time for them
 } stp_budget;

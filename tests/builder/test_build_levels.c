@@ -5,6 +5,7 @@
 #include "work_helpers.h"
 
 #include "builder/build_levels.h"
+#include "builder/stored_levels.h"
 #include "lod/support_level_shapes.h"
 
 static bool same_files(stp_context* context, const char* a, const char* b)
@@ -148,6 +149,7 @@ static stp_result make_with(level_maker* m, stp_work* work)
 {
     const stp_build_levels_desc desc = {.shading_of_material = m->shadings.of_material,
                                         .shadings = m->shadings.shadings,
+                                        .shading_count = m->shadings.count,
                                         .work = work};
     return stp_build_levels_make(m->scene, &desc, &m->levels);
 }
@@ -201,6 +203,46 @@ void test_levels_are_found_in_the_work_folder(test_state* test)
         stp_work_close(work, round == 2);
     }
     end_maker(&first);
+    CHECK(remove_work_place(&place));
+    stp_context_destroy(context);
+}
+
+// What a writer would refuse, although its checksums are right: an altered file of a former build.
+void test_levels_that_no_writer_takes_are_not_found(test_state* test)
+{
+    work_place place;
+    stp_work* work = NULL;
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(make_work_place(&place));
+    CHECK_EQUAL(STP_OK, stp_work_open(context, place.folder, false, &work));
+    for (uint32_t fault = 0; fault < 8; ++fault) {
+        float positions[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+        uint16_t colors[16] = {0};
+        uint32_t indices[] = {0, 1, 2, 0, 2, 3};
+        stp_node_level_cluster cluster = {.end = 2, .made_by = 0, .used_by = 1, .one_sided = 2};
+        stp_level_group groups[2] = {{.radius = 1, .error = 0.125}, {.radius = 1, .error = 0.25}};
+        stp_node_level level = {.vertex_count = 4,
+                                .triangle_count = 2,
+                                .cluster_count = 1,
+                                .positions = positions,
+                                .colors = colors,
+                                .indices = indices,
+                                .clusters = &cluster};
+        const stp_node_levels levels = {
+            .level_count = 1, .group_count = 2, .levels = &level, .groups = groups, .step = 0.5};
+        cluster.one_sided = fault == 1 ? 3 : 2;
+        cluster.used_by = fault == 2 ? 2 : 1;
+        groups[1].error = fault == 3 ? 0.125 : 0.25;
+        groups[0].error = fault == 4 ? 0.0 : 0.125;
+        groups[1].radius = fault == 5 ? -1.0 : 1.0;
+        groups[0].center.y = fault == 6 ? (double)NAN : 0.0;
+        level.shading = fault == 7 ? 3 : 2;
+        stp_hash key = {7, fault};
+        stp_stored_levels found;
+        CHECK_EQUAL(STP_OK, stp_work_store_levels(context, work, key, &levels));
+        CHECK(stp_work_find_levels(work, key, 3, &found) == (fault == 0));
+    }
+    stp_work_close(work, true);
     CHECK(remove_work_place(&place));
     stp_context_destroy(context);
 }

@@ -7,8 +7,8 @@
 
 static uint32_t rows; ///< of the second torus of make_pair
 
-/// Many copies of two tori, each of which has levels; of the second in two materials that are shaded
-/// differently.
+/// Many copies of two tori, each of which has levels; of the second in two materials that are
+/// shaded differently.
 static bool make_pair(stp_scene* scene)
 {
     uint32_t red = level_add_material(scene, 0.8f, 0.1f, 0.1f);

@@ -181,6 +181,13 @@ refused 2 "ortho" render "$file" -o a.png --ortho 0
 "$stipple" render "$file" -o default_up.png --eye 3,2,5 --target 0,0,0 --size 32x24 -q || fail "no picture from an eye"
 "$stipple" render "$file" -o given_up.png --eye 3,2,5 --target 0,0,0 --up 0,1,0 --size 32x24 -q || fail "no picture with an up"
 cmp -s default_up.png given_up.png || fail "--up 0,1,0 turns the picture"
+# a budget leaves ambient occlusion out while it looks for the size of splats, not in the picture
+for occlusion in "" "--ambient-occlusion 5"; do
+    # shellcheck disable=SC2086
+    "$stipple" render "$file" -o "budget${occlusion:+_dark}.png" --size 320x240 --budget-ms 0.1 $occlusion -q ||
+        fail "no picture within a budget"
+done
+cmp -s budget.png budget_dark.png && fail "render leaves ambient occlusion out of its picture"
 head -c 100 "$file" > short.stip
 refused 1 "short.stip" render short.stip -o a.png
 refused 1 "no/folder" render "$file" -o no/folder/a.png --size 8x8

@@ -497,3 +497,45 @@ void test_budget_of_the_paper_ignores_effects(test_state* test)
     CHECK(stp_budget_allows_effects(&with));
     CHECK(stp_budget_splat_size(&with) == stp_budget_splat_size(&without));
 }
+
+/// Frames with effects among `count` frames from `first`, at a budget of 33 ms: each takes 2 + 18 / s^2
+/// ms, and `effect_ms` where the budget allows effects.
+static int count_effects(stp_budget* budget, int count, double effect_ms, double covered)
+{
+    int with = 0;
+    for (int i = 0; i < count; ++i) {
+        bool effects = stp_budget_allows_effects(budget);
+        double size = (double)stp_budget_splat_size(budget);
+        stp_frame_cost cost = {.milliseconds = 2.0 + 18.0 * covered / (size * size),
+                               .splats = (uint64_t)(3e6 * covered / (size * size)),
+                               .fragments = (uint64_t)(2e6 * covered),
+                               .covered_pixels = (uint64_t)(1e6 * covered),
+                               .draw_calls = 100,
+                               .splat_size = (float)size,
+                               .effect_ms = effects ? effect_ms : 0.0};
+        cost.milliseconds += cost.effect_ms;
+        stp_budget_update(budget, &cost);
+        with += effects ? 1 : 0;
+    }
+    return with;
+}
+
+void test_budget_forgives_one_slow_effect(test_state* test)
+{
+    stp_budget budget;
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 33.0);
+    CHECK_EQUAL(1, count_effects(&budget, 1, 60.0, 1.0)); // cold
+    CHECK_EQUAL(300, count_effects(&budget, 300, 4.0, 1.0));
+    CHECK_EQUAL(1, count_effects(&budget, 1, 104.0, 1.0));
+    CHECK(count_effects(&budget, 300, 4.0, 1.0) >= 280);
+}
+
+void test_budget_takes_effects_back_in_a_smaller_picture(test_state* test)
+{
+    stp_budget budget;
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 33.0);
+    CHECK(count_effects(&budget, 300, 40.0, 1.0) < 10);
+    CHECK(count_effects(&budget, 300, 40.0 / 16.0, 1.0 / 16.0) > 250);
+    CHECK_EQUAL(300, count_effects(&budget, 300, 0.0, 1.0)); // not wanted any more
+    CHECK(stp_budget_splat_size(&budget) < 1.01f);           // keeps no time for them
+}

@@ -58,6 +58,7 @@ struct painter {
     double latency_ms;  ///< from the request to its first picture
     paint_stage stage;
     float size;         ///< splat size of the last frame
+    bool left_out;      ///< the last frame had no ambient occlusion, for lack of time
     double expected_ms; ///< forecast for the next frame of the same request
     bool loads;         ///< data missing in the last frame is being loaded
     double budget_ms;
@@ -132,8 +133,8 @@ static paint_stage next_stage(painter* p, const paint_request* request,
         return p->expected_ms < finest_ms ? STAGE_RESTS : STAGE_DONE;
     }
     bool accumulates = request->samples > 1;
-    if (!accumulates && p->stage == STAGE_MOVES && p->scene->transparent) {
-        return STAGE_RESTS; // draw once more, with layers
+    if (!accumulates && p->stage == STAGE_MOVES && (p->scene->transparent || p->left_out)) {
+        return STAGE_RESTS; // draw once more, with layers and ambient occlusion
     }
     return accumulates ? STAGE_ACCUMULATES : STAGE_DONE;
 }
@@ -247,10 +248,10 @@ static void paint(painter* p)
     bool accumulates = p->stage == STAGE_ACCUMULATES;
     float size = choose_size(p, &request);
     uint32_t texture = 0;
-    if (p->stage == STAGE_MOVES && request.budget_ms > 0.0 &&
-        !stp_budget_allows_effects(&p->scene->budgets[p->uses_gl])) {
-        request.style.ambient_occlusion = 0.0f;
-    }
+    p->left_out = p->stage == STAGE_MOVES && request.budget_ms > 0.0 &&
+                  request.style.ambient_occlusion > 0.0f &&
+                  !stp_budget_allows_effects(&p->scene->budgets[p->uses_gl]);
+    request.style.ambient_occlusion = p->left_out ? 0.0f : request.style.ambient_occlusion;
     bool drawn = ready && draw(p, &request, size, accumulates, &texture, &figures);
     if (ready && p->gl_lost && p->uses_gl) {
         on_log(STP_LOG_WARNING, "The OpenGL context was lost; using the CPU renderer from now on",

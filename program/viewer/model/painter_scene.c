@@ -173,8 +173,7 @@ stp_result paint_scene_draw(paint_scene* s, const paint_request* request, float 
     *figures = (paint_figures){.select_ms = stats.select_ms,
                                .draw_ms = stats.draw_ms,
                                .shade_ms = stats.shade_ms,
-                               .effect_ms =
-                                   request->style.ambient_occlusion > 0.0f ? stats.effect_ms : 0.0,
+                               .effect_ms = stp_draw_occlusion_ms(&request->style, &stats),
                                .splat_size = s->list.splat_size,
                                .splats = stats.splats,
                                .triangles = stats.triangles,

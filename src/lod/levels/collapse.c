@@ -248,8 +248,8 @@ static void clean_list(collapser* c, uint32_t vertex)
     c->last[vertex] = last;
 }
 
-/// Whether triangles around `vertex` without `other` keep their direction if it moves. `lost`: grows
-/// by the area that they lose, and by that of triangles with both.
+/// Whether triangles around `vertex` without `other` keep their direction if it moves. `lost`:
+/// grows by the area that they lose, and by that of triangles with both.
 static bool keeps_directions(const collapser* c, uint32_t vertex, uint32_t other, stp_vec3d place,
                              bool counts_common, double* lost)
 {
@@ -278,12 +278,12 @@ static bool keeps_directions(const collapser* c, uint32_t vertex, uint32_t other
     return true;
 }
 
-/// Number of triangles that have both vertices.
+/// Number of triangles that have both vertices. Takes as long as the smaller of their fans.
 static uint32_t count_common(const collapser* c, uint32_t a, uint32_t b)
 {
-    uint32_t common = 0;
-    for (uint32_t i = c->first[a]; i != NONE; i = c->next[i]) {
-        common += c->gone[i / 3] == 0 && has_corner(c, i / 3, b) ? 1 : 0;
+    uint32_t common = 0, few = c->degrees[a] < c->degrees[b] ? a : b, many = few == a ? b : a;
+    for (uint32_t i = c->first[few]; i != NONE; i = c->next[i]) {
+        common += c->gone[i / 3] == 0 && has_corner(c, i / 3, many) ? 1 : 0;
     }
     return common;
 }
@@ -370,8 +370,7 @@ static bool collapse_edge(collapser* c, uint32_t a, uint32_t b)
 {
     double limit = c->desc->error_limit * c->desc->error_limit, lost = 0.0;
     stp_vec3d place;
-    uint32_t common = count_common(c, c->degrees[a] < c->degrees[b] ? a : b,
-                                   c->degrees[a] < c->degrees[b] ? b : a);
+    uint32_t common = count_common(c, a, b);
     if (common == 0 || c->degrees[a] + c->degrees[b] - 2 * common > STP_COLLAPSE_FAN) {
         return false;
     }

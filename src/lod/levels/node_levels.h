@@ -46,8 +46,8 @@ typedef struct stp_node_levels {
 
 /// Makes the levels of a node's placed meshes (stp_scene_flatten); only those that levels replace
 /// count. There are none if their triangles cannot be halved well below the node's size. May run
-/// inside a parallel loop. @param shading_of_material  per material of the scene: those of one shading share
-/// meshes @return STP_OK, or as stp_level_graph_make. Destroy in either case
+/// inside a parallel loop. @param shading_of_material  per material of the scene: those of one
+/// shading share meshes @return STP_OK, or as stp_level_graph_make. Destroy in either case
 STP_MUST_USE stp_result stp_node_levels_make(const stp_scene* scene, const stp_placed_part* parts,
                                              size_t part_count, const uint8_t* shading_of_material,
                                              const stp_capture_textures* textures,

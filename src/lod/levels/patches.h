@@ -22,7 +22,8 @@ void stp_patch_links_destroy(stp_context* context, stp_patch_links* links);
 
 /// Grows one patch after the other: an item that shares most of its border with the patch joins it
 /// first, and of equal ones the nearest to its middle. A patch without neighbours left goes on with
-/// the next item along a space-filling curve, so all but the last are full. Deterministic; one thread.
+/// the next item along a space-filling curve, so all but the last are full. Deterministic; one
+/// thread.
 /// @param centers 3 per item
 /// @param maximum items of a patch, above 0
 /// @param members receives all items, patch by patch

@@ -177,8 +177,8 @@ static void mean_color(const change* c, const uint32_t* sorted, uint32_t begin, 
     }
 }
 
-/// Sets the colours of the triangles that are left. Adds up the squared change of colour, as the eye
-/// sees it, times area.
+/// Sets the colours of the triangles that are left. Adds up the squared change of colour, as the
+/// eye sees it, times area.
 static stp_result merge_colors(const change* c, stp_group_mesh* group, double* changed)
 {
     uint32_t* starts = STP_NEW_ARRAY(c->context, uint32_t, (size_t)group->vertex_count + 2);
@@ -215,8 +215,8 @@ static double turn_of(stp_vec3d a, stp_vec3d b)
     return none || cosine > 1.0 ? 0.0 : 2.0 - 2.0 * cosine;
 }
 
-/// Adds up the squared change of the normal times area, and the areas afterwards. A triangle that is gone is compared with the
-/// most alike of those around the vertices that stand for its corners.
+/// Adds up the squared change of the normal times area, and the areas afterwards. A triangle that
+/// is gone is compared with the most alike of those around the vertices that stand for its corners.
 static stp_result compare_normals(const change* c, double* changed, double* after)
 {
     const stp_group_mesh* group = c->group;

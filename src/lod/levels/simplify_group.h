@@ -17,8 +17,8 @@ typedef struct stp_group_mesh {
     bool keeps_tags;    ///< borders between tags are kept, as open borders are
     uint8_t* sides;     ///< one per triangle (STP_SEEN_*)
     float* colors;      ///< NULL, or red, green, blue of each corner: 9 per triangle, linear
-    /// 2 per triangle: mean squared difference from the originals at its place, of colours (0 to 1 a
-    /// channel, as the eye sees them) and of normals (radians)
+    /// 2 per triangle: mean squared difference from the originals at its place, of colours (0 to 1
+    /// a channel, as the eye sees them) and of normals (radians)
     float* spreads;
 } stp_group_mesh;
 
@@ -31,8 +31,8 @@ STP_MUST_USE stp_result stp_group_create(stp_context* context, uint32_t triangle
 STP_MUST_USE stp_result stp_group_number(stp_context* context, stp_group_mesh* group);
 /// Simplifies the group. A corner gets the mean colour of the corners of its tag that were merged
 /// there, weighted by area. The spreads of all triangles become those of the group. @param error
-/// receives the error of the collapses @param spreads  receives the spreads of the group @param size
-/// receives the size of a triangle: the root of twice their mean area
+/// receives the error of the collapses @param spreads  receives the spreads of the group @param
+/// size receives the size of a triangle: the root of twice their mean area
 STP_MUST_USE stp_result stp_group_simplify(stp_context* context, const stp_collapse_desc* desc,
                                            stp_group_mesh* group, double* error, double spreads[2],
                                            double* size);

@@ -176,19 +176,18 @@ STP_MUST_USE stp_result stp_store_open(stp_context* context, const char* path, s
 
 /// Options for opening. Zero means the behaviour of stp_store_open.
 typedef struct stp_store_open_desc {
-    /// Accepts a partial file, one that ends early, if it holds its whole directory. Splat sets then
-    /// have their complete octaves (perhaps none, count 0); other data beyond the end is
-    /// STP_ERROR_TRUNCATED.
-    /// Descriptions cover the whole file; ask stp_store_resident_splats and related functions
-    /// (store/residency/residency.h) what is available.
+    /// Accepts a partial file, one that ends early, if it holds its whole directory. Splat sets
+    /// then have their complete octaves (perhaps none, count 0); other data beyond the end is
+    /// STP_ERROR_TRUNCATED. Descriptions cover the whole file; ask stp_store_resident_splats and
+    /// related functions (store/residency/residency.h) what is available.
     bool accept_partial;
     /// Treats the file as ending after this many bytes; 0: no.
     uint64_t partial_bytes;
     /// Leaves `objects` NULL (with their count) until stp_store_load_objects.
     bool defer_objects;
     /// Reads only the file's description: summary, views, sources, methods and build parameters,
-    /// less than 1 MB of a file of any size. Other tables are empty, and there is no root. Files without a
-    /// summary (version 1.0) are opened in full.
+    /// less than 1 MB of a file of any size. Other tables are empty, and there is no root. Files
+    /// without a summary (version 1.0) are opened in full.
     bool summary_only;
 } stp_store_open_desc;
 
@@ -221,8 +220,8 @@ bool stp_store_is_partial(const stp_store* store);
 double stp_store_position_error(const stp_store* store);
 /// The stored summary; NULL if the file has none (see stp_store_summarise).
 const stp_store_summary* stp_store_get_summary(const stp_store* store);
-/// How much the levels are; NULL if there are none, or the file does not say. Works for a store opened
-/// for its summary.
+/// How much the levels are; NULL if there are none, or the file does not say. Works for a store
+/// opened for its summary.
 const stp_store_level_figures* stp_store_get_level_figures(const stp_store* store);
 /// Major version of the format.
 uint32_t stp_store_format_version(const stp_store* store);
@@ -279,8 +278,8 @@ STP_MUST_USE stp_result stp_store_get_splat_set_prefix(stp_store* store, uint32_
 /// Number of leaves that the file lists for a set.
 uint32_t stp_store_leaf_count(const stp_store* store, uint32_t set);
 /// Verifies the block on first use and builds the tree. Gives no leaves if the set has none or they
-/// are not available: a partial file, or not loaded yet (store/residency/residency.h). @return STP_OK,
-/// STP_ERROR_FORMAT, STP_ERROR_OUT_OF_MEMORY (logged)
+/// are not available: a partial file, or not loaded yet (store/residency/residency.h). @return
+/// STP_OK, STP_ERROR_FORMAT, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_store_get_leaves(stp_store* store, uint32_t set,
                                              stp_store_leaves* leaves);
 /// Octaves needed to draw the first `count` splats of a set.
@@ -313,7 +312,8 @@ typedef struct stp_store_stored_splat_set {
     const stp_splats* splats; ///< without columns (stp_store_get_splat_set)
 } stp_store_stored_splat_set;
 
-/// A mesh as stored; the checksum of its block is verified. Pointers are valid as long as the store.
+/// A mesh as stored; the checksum of its block is verified. Pointers are valid as long as the
+/// store.
 typedef struct stp_store_stored_mesh {
     uint32_t index;             ///< STP_STORE_NONE: no such key in the file
     const stp_store_mesh* mesh; ///< without columns
