@@ -10,7 +10,7 @@
 #include <string.h>
 
 enum {
-    SPT_VERSION = 6,          ///< increment when sets change
+    SPT_VERSION = 7,          ///< increment when sets change
     SPT_BYTES = 2 * 120,      ///< per sample: two nodes in tree, sequence and columns
     SPT_TRIANGLE_BYTES = 100, ///< per large triangle: in boxes, and their order
     PSP_VERSION = 3,

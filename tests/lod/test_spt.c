@@ -190,6 +190,28 @@ void test_spt_trees_are_sound(test_state* test)
     stp_context_destroy(context);
 }
 
+// A fine checker of black and white, seen from far away, is as bright as half of the light.
+void test_spt_averages_light(test_state* test)
+{
+    enum { SIDE = 32 };
+    static float positions[3 * SIDE * SIDE];
+    static uint8_t colors[3 * SIDE * SIDE];
+    for (int i = 0; i < SIDE * SIDE; ++i) {
+        positions[3 * i] = (float)(i % SIDE);
+        positions[3 * i + 1] = (float)(i / SIDE);
+        memset(colors + 3 * (size_t)i, (i % SIDE + i / SIDE) % 2 == 0 ? 255 : 0, 3);
+    }
+    stp_context* context = test_context(NULL, 1, NULL);
+    const stp_tree_points points = {
+        .count = SIDE * SIDE, .positions = positions, .colors = colors, .radius = 0.5f};
+    stp_point_tree tree;
+    CHECK_EQUAL(STP_OK, stp_point_tree_make(context, &points,
+                                            &(stp_tree_desc){.color_threshold = 255}, &tree));
+    CHECK_EQUAL(188, tree.colors[0]); // half of the light; half of the codes would be 128
+    stp_point_tree_destroy(context, &tree);
+    stp_context_destroy(context);
+}
+
 /// All points at one place, and unknown normals.
 void test_spt_trees_of_coincident_points(test_state* test)
 {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/spt/point_tree.h"
 
+#include "base/math/color.h"
 #include "lod/spt/octree.h"
 
 #include <assert.h>
@@ -81,7 +82,8 @@ static void finish_node(const maker* m, uint32_t node)
         weights[count++] = (float)m->weights[c];
         sum += (double)m->weights[c];
         for (int k = 0; k < 3; ++k) {
-            color[k] += (double)m->weights[c] * (double)t->colors[3 * (size_t)c + (size_t)k];
+            uint8_t code = t->colors[3 * (size_t)c + (size_t)k];
+            color[k] += (double)m->weights[c] * (double)stp_srgb8_to_linear(code);
         }
         perpendicular = fmaxf(perpendicular, t->perpendicular[c]);
         tangential = fmaxf(tangential, t->tangential[c]);
@@ -90,7 +92,7 @@ static void finish_node(const maker* m, uint32_t node)
     assert(count >= 2 && "inner nodes with one child are skipped");
     uint8_t* own = t->colors + 3 * (size_t)node;
     for (int k = 0; k < 3; ++k) {
-        own[k] = (uint8_t)(color[k] / sum + 0.5);
+        own[k] = stp_linear_to_srgb8((float)(color[k] / sum));
     }
     bool by_diameter = m->desc->error == STP_TREE_DIAMETER;
     for (uint32_t c = node + 1; c < end && !by_diameter; c = t->ends[c]) {
