@@ -78,3 +78,16 @@ bool level_scene_sheet(stp_scene* scene)
     return level_add(scene, level_sheet(scene->context, 100, 1.0, 0.02), gray,
                      stp_affine_identity()) != STP_NONE;
 }
+
+bool level_scene_add_copies(stp_scene* scene)
+{
+    bool good = true;
+    for (uint32_t i = 0; i < 24 && good; ++i) {
+        const stp_object object = {
+            .parent = STP_NONE,
+            .transform = {{{1, 0, 0, 3.0 * (i % 5)}, {0, 1, 0, 0}, {0, 0, 1, 3.0 * (i / 5)}}}};
+        good = stp_scene_add_object(scene, &object, NULL) == STP_OK &&
+               stp_scene_add_use(scene, i % 3 == 0 ? 1 : 0) == STP_OK;
+    }
+    return good;
+}

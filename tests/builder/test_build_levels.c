@@ -1,27 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Levels of triangles in built files: the same bytes however they are made, and only where they are
 // worth it.
+#include "same_files.h"
 #include "support_level_scenes.h"
 #include "work_helpers.h"
 
 #include "builder/build_levels.h"
 #include "builder/stored_levels.h"
 #include "lod/support_level_shapes.h"
-
-static bool same_files(stp_context* context, const char* a, const char* b)
-{
-    stp_mapped_file first, second;
-    if (stp_file_map(context, a, &first) != STP_OK) {
-        return false;
-    }
-    bool same = stp_file_map(context, b, &second) == STP_OK;
-    if (same) {
-        same = first.size == second.size && memcmp(first.bytes, second.bytes, first.size) == 0;
-        stp_file_unmap(&second);
-    }
-    stp_file_unmap(&first);
-    return same;
-}
 
 /// Many copies of two tori.
 static bool make_copies(stp_scene* scene)
@@ -38,14 +24,7 @@ static bool make_copies(stp_scene* scene)
                stp_scene_add_object(scene, &prototype, NULL) == STP_OK &&
                stp_scene_add_part(scene, (stp_part){STP_PART_MESH, torus[i]}) == STP_OK;
     }
-    for (uint32_t i = 0; i < 24 && good; ++i) {
-        const stp_object object = {
-            .parent = STP_NONE,
-            .transform = {{{1, 0, 0, 3.0 * (i % 5)}, {0, 1, 0, 0}, {0, 0, 1, 3.0 * (i / 5)}}}};
-        good = stp_scene_add_object(scene, &object, NULL) == STP_OK &&
-               stp_scene_add_use(scene, i % 3 == 0 ? 1 : 0) == STP_OK;
-    }
-    return good;
+    return good && level_scene_add_copies(scene);
 }
 
 typedef struct level_folder {
@@ -78,7 +57,7 @@ void test_builds_with_levels_do_not_depend_on_threads(test_state* test)
         CHECK(open_folder(&f));
         CHECK_EQUAL(STP_OK, level_build_to(one, &build, f.one, NULL));
         CHECK_EQUAL(STP_OK, level_build_to(many, &build, f.other, NULL));
-        CHECK(same_files(one, f.one, f.other));
+        CHECK(same_files(f.one, f.other));
         CHECK_EQUAL(STP_OK, stp_store_check(one, f.one, false));
         stp_store* store = NULL;
         CHECK_EQUAL(STP_OK, stp_store_open(one, f.one, &store));
@@ -120,9 +99,9 @@ void test_builds_with_levels_can_be_continued(test_state* test)
         stp_context_destroy(context);
     }
     CHECK_EQUAL(STP_OK, level_build_to(plain, &build, f.one, NULL));
-    CHECK(same_files(plain, f.one, f.other));
+    CHECK(same_files(f.one, f.other));
     CHECK_EQUAL(STP_OK, level_build_to(plain, &build, f.one, NULL)); // over an existing file
-    CHECK(same_files(plain, f.one, f.other));
+    CHECK(same_files(f.one, f.other));
     stp_context_destroy(plain);
     CHECK(close_folder(&f));
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Drafts: the visible part of a scene during its build.
 #define _GNU_SOURCE // unshare
+#include "same_files.h"
 #include "tests.h"
 
 #include "builder/build_scene.h"
@@ -141,22 +142,6 @@ static bool write_sheets(const char* path)
         }
     }
     return file != NULL && fclose(file) == 0;
-}
-
-static bool same_files(const char* a, const char* b)
-{
-    stp_context* context = test_context(NULL, 1, NULL);
-    stp_mapped_file first, second;
-    bool same = false;
-    if (stp_file_map(context, a, &first) == STP_OK) {
-        if (stp_file_map(context, b, &second) == STP_OK) {
-            same = first.size == second.size && memcmp(first.bytes, second.bytes, first.size) == 0;
-            stp_file_unmap(&second);
-        }
-        stp_file_unmap(&first);
-    }
-    stp_context_destroy(context);
-    return same;
 }
 
 static double distance(const uint8_t* a, const uint8_t* b)

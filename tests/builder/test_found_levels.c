@@ -29,14 +29,7 @@ static bool make_pair(stp_scene* scene)
                (i == 2 || stp_scene_add_object(scene, &prototype, NULL) == STP_OK) &&
                stp_scene_add_part(scene, (stp_part){STP_PART_MESH, mesh}) == STP_OK;
     }
-    for (uint32_t i = 0; i < 24 && good; ++i) {
-        const stp_object object = {
-            .parent = STP_NONE,
-            .transform = {{{1, 0, 0, 3.0 * (i % 5)}, {0, 1, 0, 0}, {0, 0, 1, 3.0 * (i / 5)}}}};
-        good = stp_scene_add_object(scene, &object, NULL) == STP_OK &&
-               stp_scene_add_use(scene, i % 3 == 0 ? 1 : 0) == STP_OK;
-    }
-    return good;
+    return good && level_scene_add_copies(scene);
 }
 
 typedef struct output {
