@@ -68,6 +68,13 @@ static uint64_t usable_bytes(const build* b)
     return stp_usable_memory(limit_bytes(b));
 }
 
+/// Memory that the work in progress of the next step may use.
+static uint64_t bytes_for_step(const build* b)
+{
+    uint64_t usable = usable_bytes(b), used = stp_context_live_bytes(b->context) + RESERVE_BYTES;
+    return usable > used + MIN_BUDGET ? usable - used : MIN_BUDGET;
+}
+
 static stp_result open_work(build* b)
 {
     size_t size = strlen(b->desc->output) + sizeof(".work");
@@ -258,7 +265,6 @@ static stp_result make_splat_sets(build* b)
 {
     const stp_build_desc* desc = b->desc;
     double start = stp_clock_ms();
-    uint64_t usable = usable_bytes(b), used = stp_context_live_bytes(b->context) + RESERVE_BYTES;
     stp_build_nodes_desc nodes = {
         .plan = &b->plan,
         .blue = &desc->blue,
@@ -267,7 +273,7 @@ static stp_result make_splat_sets(build* b)
         .shading_of_material = b->shadings.of_material,
         .shading_count = b->shadings.count,
         .from_triangles = desc->from_triangles,
-        .memory_bytes = usable > used + MIN_BUDGET ? usable - used : MIN_BUDGET,
+        .memory_bytes = bytes_for_step(b),
         .work = b->work,
         .previous = b->previous,
         .draft = b->draft,
@@ -288,7 +294,6 @@ static stp_result make_methods(build* b)
     static const stp_method* const only_blue[] = {&stp_methods[0]};
     const stp_build_desc* desc = b->desc;
     double start = stp_clock_ms();
-    uint64_t usable = usable_bytes(b), used = stp_context_live_bytes(b->context) + RESERVE_BYTES;
     stp_build_methods_desc methods = {
         .plan = &b->plan,
         .samples = b->nodes.sets,
@@ -297,7 +302,7 @@ static stp_result make_methods(build* b)
         .method_count = desc->method_count != 0 ? desc->method_count : 1,
         .options = &desc->method_options,
         .shading_count = b->shadings.count,
-        .memory_bytes = usable > used + MIN_BUDGET ? usable - used : MIN_BUDGET,
+        .memory_bytes = bytes_for_step(b),
         .work = b->work,
         .previous = b->previous,
     };
@@ -333,7 +338,6 @@ static bool has_blue(const stp_build_desc* desc)
 static stp_result make_levels(build* b)
 {
     double start = stp_clock_ms();
-    uint64_t usable = usable_bytes(b), used = stp_context_live_bytes(b->context) + RESERVE_BYTES;
     if (!b->splats_wanted || b->desc->no_levels || !has_blue(b->desc)) {
         return STP_OK;
     }
@@ -341,7 +345,7 @@ static stp_result make_levels(build* b)
         .shading_of_material = b->shadings.of_material,
         .shadings = b->shadings.shadings,
         .shading_count = b->shadings.count,
-        .memory_bytes = usable > used + MIN_BUDGET ? usable - used : MIN_BUDGET,
+        .memory_bytes = bytes_for_step(b),
         .work = b->work,
         .previous = b->previous,
     };
