@@ -23,7 +23,8 @@ typedef struct stp_stored_level {
     stp_coded_mesh coded;
 } stp_stored_level;
 
-/// Looks the levels of a node up. Drops a result that is not valid. Any thread.
+/// Looks the levels of a node up. Drops a result that a writer would refuse, or that has a shading of
+/// `shading_count` or above. Any thread.
 bool stp_work_find_levels(stp_work* work, stp_hash key, uint32_t shading_count,
                           stp_stored_levels* levels);
 /// Codes the meshes of a node's levels and stores them. Any thread. @return STP_OK, or as

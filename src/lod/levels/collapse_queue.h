@@ -69,7 +69,7 @@ static inline bool stp_collapse_queue_wait(stp_collapse_queue* queue, stp_collap
     return stp_collapse_queue_put(queue, item, STP_COLLAPSE_WAITS);
 }
 
-/// The place of the least of up to four keys from `first` on, of which there is at least one.
+/// Index of the smallest of the up to four keys that start at `first`. There must be at least one.
 static inline size_t stp_collapse_queue_least(const stp_collapse_queue* queue, size_t first)
 {
     const uint64_t* h = queue->heap + first;
