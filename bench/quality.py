@@ -393,7 +393,7 @@ def shapes_of(given, scene, splat_size):
 
 
 def built_shapes(given, scene):
-    return "--method", "blue,spt", *(("--surfels", given.surfels) if is_model(scene) else ())
+    return "--method", "blue,spt", *(("--surfels", given.surfels, "--surfel-ratio", 0.001) if is_model(scene) else ())
 
 
 def show_shapes(given, folder):

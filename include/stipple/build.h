@@ -137,12 +137,15 @@ typedef struct stp_write_desc {
     const char* path;
     const char* folder;  ///< without a path: folder for temporary files; default $TMPDIR or /tmp
     const char* methods; ///< "blue" (default), "spt", "psp", "stochastic", or several: "blue,psp"
-    /// Most splats per node; 0: one per 8 triangles, at most 50,000; all points of a cloud
+    /// Most splats of a node, which has fewer where `triangles_per_splat` asks for fewer; 0: 50,000;
+    /// of a cloud all points
     uint32_t splat_limit;
     uint64_t threshold; ///< mesh nodes with more triangles get splats; default 1,000
     /// Memory limit of the build; default: the context's limit, or most of the machine's memory
     uint64_t memory_bytes;
     bool fresh; ///< reuses nothing from an earlier build
+    /// A mesh node has one splat for so many triangles; 0: 8. Brandt 5.2: 2, and at most 200,000
+    double triangles_per_splat;
 } stp_write_desc;
 
 typedef struct stp_write_report {

@@ -244,7 +244,7 @@ def sweep_model(given, source, results):
     if source.stem == QUARTER:
         kit.stipple("decimate", model("dragon"), "-o", source, "--by", "mesh", "--splats", made_of(model("dragon")) // 4)
     stored = given.folder / f"{source.stem}-all.stip"
-    subprocess.run([kit.STIPPLE, "build", source, "-o", stored, "--method", ",".join(SWEEP_WAYS), "--surfels", SWEEP_SURFELS, "--progress", "none",
+    subprocess.run([kit.STIPPLE, "build", source, "-o", stored, "--method", ",".join(SWEEP_WAYS), "--surfels", SWEEP_SURFELS, "--surfel-ratio", "0.001", "--progress", "none",
                     "--quiet"], check=True, stdout=subprocess.DEVNULL)
     for way, count in missing:
         figures = measure(given, stored, source, "--splats", count, "--method", way, samples=SWEEP_SAMPLES)

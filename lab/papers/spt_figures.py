@@ -59,7 +59,7 @@ def build(given, model, method, *more):
 def build_one_set(given, model, method, *more):
     """200,000 samples of the root only, as in the paper: no other node has as many triangles."""
     triangles = kit.stipple("info", model)["triangles"]
-    return build(given, model, method, "--surfels", "200000", "--threshold", str(triangles - 1), *more)
+    return build(given, model, method, "--surfels", "200000", "--surfel-ratio", "0.001", "--threshold", str(triangles - 1), *more)
 
 
 def told(model):
@@ -147,7 +147,7 @@ def paint(drawn, shrunk, truth, picture):
 
 
 def measure_hybrid(given):
-    stored = build(given, ENGINE, "spt", "--surfels", "200000")
+    stored = build(given, ENGINE, "spt", "--surfels", "200000", "--surfel-ratio", "0.001")
     truth, size, place = given.folder / "truth.png", "640x360", "50,45,550,240"
     draw(given, stored, truth, "--view", "front", "--background", "white", "--reference", size=size)
     plain, painted, results = [], [], []

@@ -21,7 +21,7 @@ static struct {
     uint64_t samples, interval, surfels, threshold, resolution, directions, threads, memory, seed,
         color_threshold;
     int progress, capture, levels;
-    double leaf_flatness;
+    double leaf_flatness, surfel_ratio;
     uint64_t leaf_points, leaf_sample, leaf_scales, leaf_neighbors, normal_neighbors;
     bool leaf_points_given, leaf_flatness_given, leaf_sample_given, leaf_scales_given,
         leaf_neighbors_given, normal_neighbors_given;
@@ -79,9 +79,18 @@ static const option table[] = {
      .type = OPTION_COUNT,
      .argument = "N|auto",
      .words = "auto|1..1000000000",
-     .help = "maximum surfels per node; default one per 8 triangles, at most 50000; for a "
-             "point cloud, all points",
+     .help = "most surfels of a node, which has fewer where --surfel-ratio asks for fewer; default "
+             "50000; of a point cloud, all points",
      .value = &args.surfels},
+    {.name = "surfel-ratio",
+     .type = OPTION_NUMBER,
+     .argument = "N",
+     .words = "auto|0.001..1000000",
+     .help =
+         "one surfel for N triangles; default 8; the paper's rule is --surfel-ratio 2 --surfels "
+         "200000",
+     .value = &args.surfel_ratio,
+     .rare = true},
     {.name = "threshold",
      .type = OPTION_COUNT,
      .argument = "N",
@@ -288,6 +297,9 @@ static char* parameters_json(void)
                                       json_integer((json_int_t)counts[i].value));
         }
     }
+    if (args.surfel_ratio > 0.0) {
+        (void)json_object_set_new(json, "surfel_ratio", json_real(args.surfel_ratio));
+    }
     if (args.levels == 1) {
         (void)json_object_set_new(json, "levels", json_string("off"));
     }
@@ -330,8 +342,8 @@ static int build(stp_context* context, int argc, char** argv)
                            .metric = metrics[args.metric],
                            .seed = args.seed,
                            .samples = (uint32_t)args.samples,
-                           .interval = (uint32_t)args.interval},
-                 .splat_count = (uint32_t)args.surfels},
+                           .interval = (uint32_t)args.interval}},
+        .splat_rule = {args.surfel_ratio, (uint32_t)args.surfels},
         .methods = chosen,
         .method_count = choose_methods(chosen),
         .method_options = stp_method_options_default(),

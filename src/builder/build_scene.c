@@ -242,6 +242,7 @@ static stp_result plan_splat_sets(build* b)
     }
     stp_build_plan_desc plan = {
         .blue = &desc->blue,
+        .rule = desc->splat_rule,
         .shading_of_material = b->shadings.of_material,
         .shadings = b->shadings.shadings,
         .threshold = choose_threshold(b),

@@ -20,7 +20,9 @@ typedef struct stp_build_desc {
     const char* output;
     stp_import_desc import;
     stp_partition_desc partition;
-    stp_blue_desc blue; ///< the build sets `sets` and `capture.textures`
+    /// The build sets `sets`, `splat_count` and `capture.textures`.
+    stp_blue_desc blue;
+    stp_splat_rule splat_rule; ///< splats of each node; zeroed: the default
     /// Methods whose sets the file holds, each at most once. Readers that do not choose use the
     /// first. None: `blue`.
     const stp_method* const* methods;

@@ -63,17 +63,15 @@ typedef struct planning {
     stp_hash* looks;   ///< by node: hash of its materials' shadings
 } planning;
 
-// Maximum splats of a node's set. Zero leaves it to the method: all points of a point cloud.
+// Splats of a node's set. Zero leaves it to the method: all points of a point cloud.
 static uint32_t count_splats(const planning* p, uint32_t index)
 {
     const resting* r = &p->resting[index];
-    if (p->desc->blue->splat_count != 0) {
-        return p->desc->blue->splat_count;
-    }
+    const stp_splat_rule* rule = &p->desc->rule;
     if (r->triangles == 0 && p->scene->nodes[index].edge_count == 0) {
-        return 0;
+        return rule->maximum != 0 && r->points > rule->maximum ? rule->maximum : 0;
     }
-    return (uint32_t)stp_default_splat_count(r->triangles, r->points);
+    return (uint32_t)stp_splat_rule_count(rule, r->triangles, r->points);
 }
 
 static double count_shapes(const planning* p, uint32_t index)

@@ -12,7 +12,7 @@ typedef struct stp_build_step {
     uint32_t height; ///< steps of lower heights do not depend on this one's result
     /// Number of leading steps that must be done first; they include all results below.
     uint32_t needs;
-    uint32_t splat_count; ///< maximum splats, as in stp_blue_desc
+    uint32_t splat_count; ///< as in stp_blue_desc
     double cost;          ///< relative cost, for progress
     uint64_t bytes;       ///< estimated peak memory
     stp_hash key;         ///< hash of everything that determines the result
@@ -30,7 +30,8 @@ typedef struct stp_build_plan {
 #define STP_BUILD_NO_SPLATS UINT64_MAX
 
 typedef struct stp_build_plan_desc {
-    const stp_blue_desc* blue;
+    const stp_blue_desc* blue; ///< its splat_count is not used
+    stp_splat_rule rule;       ///< splats of each node
     const uint8_t* shading_of_material;
     const stp_shading* shadings;
     uint64_t threshold;  ///< nodes with more triangles get splats; STP_BUILD_NO_SPLATS: never
@@ -41,7 +42,7 @@ typedef struct stp_build_plan_desc {
 /// moving nodes below it have their own sets, which represent them wherever they are.
 ///
 /// First exception: the nearest set above serves as well. A set of fewer than the maximum splats
-/// has one splat for eight triangles, and so has its parent's. So it pays only if it is finer (its
+/// has one splat for so many triangles, and so has its parent's. So it pays only if it is finer (its
 /// parts are smaller than their surroundings), or a small part of a large whole.
 ///
 /// Second exception: prefixes of the sets below serve as well. Together they draw the node with as

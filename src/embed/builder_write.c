@@ -79,7 +79,7 @@ static stp_result build_to(stp_builder* builder, const stp_write_desc* desc, con
         .methods = methods,
         .method_count = parse_methods(names, methods),
         .method_options = stp_method_options_default(),
-        .blue = {.splat_count = desc->splat_limit},
+        .splat_rule = {desc->triangles_per_splat, desc->splat_limit},
         .threshold = threshold,
         .fresh = desc->fresh,
         .memory_bytes = desc->memory_bytes,
@@ -92,9 +92,15 @@ static stp_result build_to(stp_builder* builder, const stp_write_desc* desc, con
                         "each once",
                         names);
     }
+    if (!(desc->triangles_per_splat == 0.0 ||
+          (desc->triangles_per_splat >= 0.001 && desc->triangles_per_splat <= 1e6))) {
+        return stp_fail(builder->context, STP_ERROR_ARGUMENT,
+                        "stp_write_desc: triangles_per_splat is %g, not 0.001 to 1000000",
+                        desc->triangles_per_splat);
+    }
     snprintf(parameters, sizeof(parameters),
-             "{\"method\":\"%s\",\"surfels\":%u,\"threshold\":%llu}", names, desc->splat_limit,
-             (unsigned long long)threshold);
+             "{\"method\":\"%s\",\"surfels\":%u,\"surfel_ratio\":%.9g,\"threshold\":%llu}", names,
+             desc->splat_limit, desc->triangles_per_splat, (unsigned long long)threshold);
     assert(strlen(parameters) + 1 < sizeof(parameters) && "a truncated text is not JSON");
     stp_result result = list_inputs(builder, &inputs, &build.input_count);
     build.inputs = inputs;

@@ -76,12 +76,12 @@ static stp_result build_to(stp_context* context, const workshop* w, const char* 
                            uint32_t splat_count, stp_build_report* report)
 {
     const char* inputs[] = {w->model};
-    stp_build_desc desc = {
-        .inputs = inputs,
-        .input_count = 1,
-        .output = output,
-        .blue = {.splat_count = splat_count, .capture = {.wanted_candidates = 8000}},
-        .parameters_json = "{\"method\":\"blue\"}"};
+    stp_build_desc desc = {.inputs = inputs,
+                           .input_count = 1,
+                           .output = output,
+                           .blue = {.capture = {.wanted_candidates = 8000}},
+                           .splat_rule = {splat_count != 0 ? 1e-9 : 0.0, splat_count},
+                           .parameters_json = "{\"method\":\"blue\"}"};
     return stp_build(context, &desc, report);
 }
 

@@ -49,7 +49,8 @@ static stp_build_desc describe(const place* p, const char* const* inputs)
                             .input_count = 1,
                             .output = p->output,
                             .no_levels = true,
-                            .blue = {.splat_count = 150, .capture = {.wanted_candidates = 2000}},
+                            .blue = {.capture = {.wanted_candidates = 2000}},
+                            .splat_rule = {1e-9, 150},
                             .parameters_json = "{\"method\":\"blue\"}"};
 }
 
@@ -61,7 +62,7 @@ void test_builds_never_take_over_what_other_options_gave(test_state* test)
     const char* inputs[] = {p.model};
     const stp_build_desc plain = describe(&p, inputs);
     stp_build_desc others[] = {plain, plain, plain, plain, plain, plain, plain, plain, plain};
-    others[0].blue.splat_count = 151;
+    others[0].splat_rule.maximum = 151;
     others[1].blue.order.metric = STP_METRIC_EUCLIDEAN;
     others[2].blue.order.kind = STP_ORDER_RANDOM;
     others[3].blue.order.seed = 9;

@@ -41,17 +41,23 @@ static uint32_t add_object(stp_scene* scene, uint32_t parent, uint32_t mesh, dou
     return index;
 }
 
-static bool make_plan(stp_scene* scene, uint64_t threshold, uint32_t splat_count,
-                      stp_build_plan* plan)
+static bool make_plan_by(stp_scene* scene, uint64_t threshold, stp_splat_rule rule,
+                         stp_build_plan* plan)
 {
     static const uint8_t shading_of_material[16] = {0};
     static const stp_shading shadings[1] = {{0}};
-    stp_blue_desc blue = {.splat_count = splat_count};
+    stp_blue_desc blue = {0};
     stp_build_plan_desc desc = {.blue = &blue,
+                                .rule = rule,
                                 .shading_of_material = shading_of_material,
                                 .shadings = shadings,
                                 .threshold = threshold};
     return stp_build_plan_make(scene, &desc, plan) == STP_OK;
+}
+
+static bool make_plan(stp_scene* scene, uint64_t threshold, stp_build_plan* plan)
+{
+    return make_plan_by(scene, threshold, (stp_splat_rule){0}, plan);
 }
 
 static uint64_t triangles_of(const stp_scene* scene, const stp_build_plan* plan, uint32_t step)
@@ -91,7 +97,7 @@ void test_plans_make_shared_nodes_once(test_state* test)
     }
     CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
     stp_build_plan plan;
-    CHECK(make_plan(scene, 1000, 0, &plan));
+    CHECK(make_plan(scene, 1000, &plan));
     CHECK_EQUAL(2, plan.step_count); // the sheet, and the whole
     CHECK_EQUAL(1800, triangles_of(scene, &plan, 0));
     CHECK_EQUAL(225, plan.steps[0].splat_count); // one for eight triangles
@@ -102,6 +108,30 @@ void test_plans_make_shared_nodes_once(test_state* test)
     CHECK(plan.steps[0].needs == 0 && plan.steps[1].needs == 1);
     CHECK(!stp_hash_equal(plan.steps[0].key, plan.steps[1].key));
     stp_build_plan_destroy(context, &plan);
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
+
+// A maximum is no target: a small part keeps its ratio.
+void test_plans_follow_the_rule_of_splats(test_state* test)
+{
+    stp_context* context = test_context(NULL, 2, NULL);
+    stp_scene* scene = NULL;
+    CHECK(context != NULL && stp_scene_create(context, &scene) == STP_OK);
+    CHECK(add_object(scene, STP_NONE, add_sheet(scene, 30), 0.0, 0) != STP_NONE);
+    CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
+    const struct {
+        stp_splat_rule rule;
+        uint32_t count;
+    } cases[] = {{{0.0, 0}, 225},   {{0.0, 200000}, 225}, {{0.0, 100}, 100}, {{2.0, 200000}, 900},
+                 {{2.0, 100}, 100}, {{0.01, 0}, 50000},   {{1e6, 0}, 1}};
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); ++i) {
+        stp_build_plan plan;
+        CHECK(make_plan_by(scene, 1000, cases[i].rule, &plan));
+        CHECK_EQUAL(1, plan.step_count);
+        CHECK_EQUAL(cases[i].count, plan.steps[0].splat_count);
+        stp_build_plan_destroy(context, &plan);
+    }
     stp_scene_destroy(scene);
     stp_context_destroy(context);
 }
@@ -129,7 +159,7 @@ void test_plans_make_placed_clouds_once(test_state* test)
         }
         CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
         stp_build_plan plan;
-        CHECK(make_plan(scene, 1000, 0, &plan));
+        CHECK(make_plan(scene, 1000, &plan));
         CHECK_EQUAL(uses,
                     plan.step_count); // two placements: one set for both, and one for the whole
         CHECK_EQUAL(0, plan.steps[0].splat_count); // all points
@@ -151,12 +181,12 @@ void test_plans_approximate_small_parts_in_groups(test_state* test)
     }
     CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
     stp_build_plan plan;
-    CHECK(make_plan(scene, 1000, 0, &plan));
+    CHECK(make_plan(scene, 1000, &plan));
     CHECK_EQUAL(1, plan.step_count);
     CHECK_EQUAL(scene->root, plan.steps[0].node);
     CHECK_EQUAL(0, plan.step_of[scene->root]);
     stp_build_plan_destroy(context, &plan);
-    CHECK(make_plan(scene, 1000000, 0, &plan));
+    CHECK(make_plan(scene, 1000000, &plan));
     CHECK_EQUAL(0, plan.step_count);
     stp_build_plan_destroy(context, &plan);
     stp_scene_destroy(scene);
@@ -184,7 +214,7 @@ void test_plans_make_no_sets_of_what_only_moves(test_state* test)
         CHECK(lamp != STP_NONE);
         CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
         stp_build_plan plan;
-        CHECK(make_plan(scene, 1000, 0, &plan));
+        CHECK(make_plan(scene, 1000, &plan));
         CHECK(has_step(scene, &plan, arm) && has_step(scene, &plan, other));
         CHECK(has_step(scene, &plan, lamp));
         CHECK(!has_step(scene, &plan, line)); // it has no static content
@@ -198,7 +228,7 @@ void test_plans_make_no_sets_of_what_only_moves(test_state* test)
             CHECK_EQUAL(plan.steps[0].height, plan.steps[root].height); // needs no other set
         }
         stp_build_plan_destroy(context, &plan);
-        CHECK(make_plan(scene, 2000, 0, &plan)); // there are more triangles, but they move
+        CHECK(make_plan(scene, 2000, &plan)); // there are more triangles, but they move
         CHECK(plan.step_of[scene->root] == STP_NONE);
         CHECK_EQUAL(3, plan.step_count);
         stp_build_plan_destroy(context, &plan);
@@ -223,7 +253,7 @@ void test_plans_leave_out_redundant_sets(test_state* test)
         CHECK(add_object(scene, parent, add_sheet(scene, 41), 60.0, 0) != STP_NONE);
         CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
         stp_build_plan plan;
-        CHECK(make_plan(scene, 1000, 0, &plan));
+        CHECK(make_plan(scene, 1000, &plan));
         uint32_t own = 0;
         for (uint32_t i = 0; i < plan.step_count; ++i) {
             own += triangles_of(scene, &plan, i) == 3200;

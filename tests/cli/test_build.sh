@@ -66,7 +66,7 @@ grep -q 'times the input' out && fail "too large: $(cat out)"
 STP_PROCESSOR=baseline "$stipple" build ball.obj -o base.stip --quiet > out 2> err || fail "baseline: $(cat err)"
 cmp -s one.stip base.stip || fail "the file depends on the processor"
 [ ! -s out ] || fail "--quiet prints: $(cat out)"
-run 0 build ball.obj -o random.stip --order random --seed 5 --metric euclidean --surfels 300 --json
+run 0 build ball.obj -o random.stip --order random --seed 5 --metric euclidean --surfels 300 --surfel-ratio 0.001 --json
 [ "$(figure "d['surfels']")" = 300 ] || fail "--surfels: $(cat out)"
 run 0 build ball.obj -o none.stip --threshold 5000 --json
 [ "$(figure "d['surfels'], d['methods']")" = "(0, [])" ] || fail "--threshold: $(cat out)"

@@ -66,7 +66,7 @@ run 0 info plant.gltf --json
 [ "$(figure "$parts")" = "$wanted" ] || fail "parts of a model: $(figure "$parts")"
 [ "$(figure "d['objects'], d['unique_objects'], d['triangles'], d['format_version']")" = "(41, 2, 72200, None)" ] \
     || fail "figures of a model: $(cat out)"
-run 0 build plant.gltf -o plant.stip --surfels 500 --resolution 64 --quiet
+run 0 build plant.gltf -o plant.stip --surfels 500 --surfel-ratio 0.001 --resolution 64 --quiet
 run 0 info plant.stip --json
 [ "$(figure "$parts")" = "$wanted" ] || fail "parts: $(figure "$parts")"
 [ "$(figure "d['objects'], d['unique_objects'], d['triangles'], d['format_version']")" = "(41, 2, 72200, 1)" ] \

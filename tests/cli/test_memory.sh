@@ -27,7 +27,7 @@ def write_sheet(name, size):
                 file.write(f"f {a} {a + size + 1} {a + 1}\nf {a + 1} {a + size + 1} {a + size + 2}\n")
 
 def build(output, *options):
-    return subprocess.run([stipple, "build", "sheet.obj", "-o", output, "--surfels", "3000", "--json", *options],
+    return subprocess.run([stipple, "build", "sheet.obj", "-o", output, "--surfels", "3000", "--surfel-ratio", "0.001", "--json", *options],
                           capture_output=True, text=True)
 
 write_sheet("sheet.obj", 90)

@@ -16,7 +16,7 @@ refused 2 'list of blue, spt, psp and stochastic' build scene:spheres -o a.stip 
 refused 2 'method' render a.stip -o a.png --method zebra
 [ ! -e a.stip ] || fail "a refused build left a file"
 
-small="scene:spheres,scale=0.02 --surfels 3000"
+small="scene:spheres,scale=0.02 --surfels 3000 --surfel-ratio 0.001"
 # shellcheck disable=SC2086
 "$stipple" -q build $small -o both.stip --method blue,spt --levels off || fail "no build of two methods"
 # shellcheck disable=SC2086
@@ -90,7 +90,7 @@ with open("floor.obj", "w") as file:
             a = z * 81 + x + 1
             file.write(f"f {a} {a + 81} {a + 1}\nf {a + 1} {a + 81} {a + 82}\n")
 END
-"$stipple" -q build floor.obj -o floor.stip --method spt --surfels 20000 || fail "floor"
+"$stipple" -q build floor.obj -o floor.stip --method spt --surfels 20000 --surfel-ratio 0.001 || fail "floor"
 # a model that is not built yet is built with the requested method
 "$stipple" -q render floor.obj --method spt -o model.png --size 64x48 --once --json > model.json ||
     fail "no picture of a model by spt"

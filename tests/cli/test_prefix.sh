@@ -71,7 +71,7 @@ def check_growth(name):
 
 
 write_statue("statue.obj", 160)
-models = {"statue": "statue.obj", "spheres": "scene:spheres,scale=0.2 --surfels 16000", "one-mesh": "scene:one-mesh,scale=0.02",
+models = {"statue": "statue.obj", "spheres": "scene:spheres,scale=0.2 --surfels 16000 --surfel-ratio 0.001", "one-mesh": "scene:one-mesh,scale=0.02",
           "forest": "scene:forest,scale=0.003", "terrain": "scene:terrain,scale=0.02"}
 for name, source in models.items():
     good("build", *source.split(), "-o", f"{name}.stip", "--progress", "none")

@@ -75,7 +75,7 @@ export XDG_CACHE_HOME=$PWD/cache
 rm -rf cache
 "$stipple" render ball.obj -o ball.png --size 64x64 -q || fail "a model"
 [ "$(ls cache/stipple | wc -l)" -eq 1 ] || fail "the cache holds $(ls cache/stipple)"
-"$stipple" build ball.obj -o fine.stip --surfels 1000 -q || fail "many surfels" # enough to overlap in a pixel
+"$stipple" build ball.obj -o fine.stip --surfels 1000 --surfel-ratio 0.001 -q || fail "many surfels" # enough to overlap in a pixel
 "$stipple" render fine.stip -o plain.png --size 48x48 --splats 500 -q || fail "no filter"
 "$stipple" render fine.stip -o blended.png --size 48x48 --splats 500 --filter ewa -q || fail "filter"
 "$stipple" render fine.stip -o p.png --size 48x48 --splats 500 --filter ewa --threads 1 -q || fail "filter, one thread"

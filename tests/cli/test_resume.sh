@@ -63,7 +63,7 @@ def write_assembly(name, changed=None):
                "buffers": [{"uri": f"{name}.bin", "byteLength": len(binary)}]}, open(f"{name}.gltf", "w"))
 
 def command(output, model="model", *options):
-    return [stipple, "build", f"{model}.gltf", "-o", output, "--json", "--surfels", "300", *options]
+    return [stipple, "build", f"{model}.gltf", "-o", output, "--json", "--surfels", "300", "--surfel-ratio", "0.001", *options]
 
 def build(output, model="model", *options):
     done = subprocess.run(command(output, model, *options), capture_output=True, text=True)
@@ -100,7 +100,7 @@ assert whole["surfel_sets"] == 0 and whole["surfel_sets_made"] >= 5, whole
 expected = read("expected.stip")
 
 # killed at random moments, repeatedly
-subprocess.run([sys.executable, f"{source}/scripts/check_resume.py", stipple, "random", "model.gltf", "--kills", "6", "--", "--surfels", "300"],
+subprocess.run([sys.executable, f"{source}/scripts/check_resume.py", stipple, "random", "model.gltf", "--kills", "6", "--", "--surfels", "300", "--surfel-ratio", "0.001"],
                check=True)
 
 # killed at each stage; an existing file stays until the end

@@ -9,7 +9,7 @@ stipple=$1
 mkdir -p "$2" && cd "$2" || exit 1
 rm -rf ./*
 
-"$stipple" -q build scene:spheres,scale=0.02 --surfels 8000 -o both.stip --method blue,spt || fail "no build of two methods"
+"$stipple" -q build scene:spheres,scale=0.02 --surfels 8000 --surfel-ratio 0.001 -o both.stip --method blue,spt || fail "no build of two methods"
 
 draw() # NAME OPTIONS...
 {

@@ -44,8 +44,8 @@ json.dump({
     "buffers": [{"byteLength": len(data), "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}],
 }, open("balls.gltf", "w"))
 END
-"$stipple" -q build balls.gltf -o balls.stip --method psp --surfels 2000 || fail "no build of balls"
-"$stipple" -q build scene:spheres,scale=0.1 -o spheres.stip --method psp --surfels 8000 || fail "no build of spheres"
+"$stipple" -q build balls.gltf -o balls.stip --method psp --surfels 2000 --surfel-ratio 0.001 || fail "no build of balls"
+"$stipple" -q build scene:spheres,scale=0.1 -o spheres.stip --method psp --surfels 8000 --surfel-ratio 0.001 || fail "no build of spheres"
 
 draw() # FILE NAME COUNT OPTIONS...: a picture of so many splats
 {

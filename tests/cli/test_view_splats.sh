@@ -22,7 +22,7 @@ drawn()
     check "$1 splats are drawn" "picture['splats'] == $1 and picture['triangles'] == 0"
 }
 
-"$stipple" -q build scene:spheres,scale=0.2 --surfels 12000 -o all.stip --method blue,spt,psp || exit 1
+"$stipple" -q build scene:spheres,scale=0.2 --surfels 12000 --surfel-ratio 0.001 -o all.stip --method blue,spt,psp || exit 1
 printf '{"samples": 2, "budget_ms": 4}' > config/stipple/viewer.json
 open_viewer all.stip --backend cpu --splats 500
 wait_until 'r["rests"] and picture["complete"]'

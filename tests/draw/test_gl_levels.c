@@ -51,7 +51,8 @@ static bool open_tori(made_gl* m)
     stp_build_desc desc = {.inputs = &input,
                            .input_count = 1,
                            .output = path,
-                           .blue = {.splat_count = 200, .capture = {.wanted_candidates = 2000}},
+                           .blue = {.capture = {.wanted_candidates = 2000}},
+                           .splat_rule = {1e-9, 200},
                            .generate = generate};
     stp_result result = stp_build(p->context, &desc, NULL);
     result = result == STP_OK ? stp_store_open(p->context, path, &p->store) : result;

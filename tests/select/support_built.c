@@ -107,7 +107,8 @@ stp_store* built_open(stp_context* context, uint64_t seed, bool splats)
                            .input_count = 1,
                            .output = path,
                            .partition = {.leaf_triangles = 50, .child_count = 4},
-                           .blue = {.splat_count = 60, .capture = {.wanted_candidates = 500}},
+                           .blue = {.capture = {.wanted_candidates = 500}},
+                           .splat_rule = {1e-9, 60},
                            .threshold = splats ? 1 : UINT64_C(1) << 40,
                            .generate = generate,
                            .generate_user = &seed};

@@ -9,6 +9,7 @@
 #include "lod/cloud_candidates.h"
 
 #include <assert.h>
+#include <math.h>
 #include <string.h>
 
 // a quarter of Brandt 5.2: blue.h. More give pictures of the same SSIM
@@ -46,10 +47,13 @@ static stp_result list_sources(blue* b, uint32_t node, const stp_splats* const* 
     return stp_list_sources(b->scene, node, sets, pixel, STP_SOURCE_LIMIT, &b->list);
 }
 
-uint64_t stp_default_splat_count(uint64_t triangles, uint64_t points)
+uint64_t stp_splat_rule_count(const stp_splat_rule* rule, uint64_t triangles, uint64_t points)
 {
-    uint64_t count = stp_add_saturated(triangles, points) / STP_TRIANGLES_PER_SPLAT;
-    return count < 1 ? 1 : count < MAX_SPLATS ? count : MAX_SPLATS;
+    assert(rule->ratio >= 0.0);
+    double ratio = rule->ratio > 0.0 ? rule->ratio : STP_TRIANGLES_PER_SPLAT;
+    double maximum = rule->maximum != 0 ? rule->maximum : MAX_SPLATS;
+    double count = floor((double)stp_add_saturated(triangles, points) / ratio);
+    return (uint64_t)fmin(fmax(count, 1.0), maximum);
 }
 
 // A point cloud keeps every point.
@@ -61,7 +65,7 @@ static uint64_t choose_count(const blue* b)
     if (b->from_points) {
         return b->list.point_count;
     }
-    return stp_default_splat_count(b->list.triangle_count, b->list.point_count);
+    return stp_splat_rule_count(&(stp_splat_rule){0}, b->list.triangle_count, b->list.point_count);
 }
 
 static stp_result capture_parts(blue* b, uint64_t count)

@@ -13,7 +13,8 @@
 typedef struct stp_blue_desc {
     stp_capture_desc capture;
     stp_order_desc order;
-    /// Maximum splats of the set; 0: stp_default_splat_count, or all points of a cloud
+    /// Splats of the set, if there are as many candidates; 0: by the default stp_splat_rule, or all
+    /// points of a cloud
     uint32_t splat_count;
     /// Existing sets of the nodes below, by scene node: NULL or a set of count 0 if there is none.
     /// If a set is dense enough, its splats are captured instead of triangles (Brandt 3.4;
@@ -22,10 +23,15 @@ typedef struct stp_blue_desc {
     const stp_splats* const* sets;
 } stp_blue_desc;
 
-/// Default number of splats of a node: one per STP_TRIANGLES_PER_SPLAT triangles and points below
-/// it, at least 1 and at most 50,000. Brandt 5.2 takes one per two, at most 200,000; the last three
-/// quarters of those are never worth drawing (docs/notes/2026-11-proportion.md).
-uint64_t stp_default_splat_count(uint64_t triangles, uint64_t points);
+/// How many splats the set of a node gets. Brandt 5.2 takes one for 2 triangles, at most 200,000;
+/// the last three quarters of those are never worth drawing (docs/notes/2026-11-proportion.md).
+typedef struct stp_splat_rule {
+    double ratio;     ///< one splat for so many triangles and points; 0: STP_TRIANGLES_PER_SPLAT
+    uint32_t maximum; ///< of one set; 0: 50,000
+} stp_splat_rule;
+
+/// Splats for a node with so many triangles and points below it, at least 1.
+uint64_t stp_splat_rule_count(const stp_splat_rule* rule, uint64_t triangles, uint64_t points);
 
 typedef struct stp_blue_report {
     double capture_ms, order_ms, finish_ms;
