@@ -12,7 +12,7 @@ static const struct {
     {"flatness", STP_CUE_FLATNESS_BIT},   {"edge", STP_CUE_EDGE_BIT},
     {"coverage", STP_CUE_COVERAGE_BIT},   {"silhouette", STP_CUE_SILHOUETTE_BIT},
     {"occlusion", STP_CUE_OCCLUSION_BIT}, {"error", STP_CUE_ERROR_BIT},
-    {"specular", STP_CUE_SPECULAR_BIT},
+    {"specular", STP_CUE_SPECULAR_BIT},   {"importance", STP_CUE_IMPORTANCE_BIT},
 };
 
 /// 0: no cue has that name.
@@ -54,7 +54,7 @@ bool cue_names_parse(const char* text, uint32_t* cues_off)
 int cue_names_refuse(const char* text)
 {
     return tool_usage_error("--cues must be a list of flatness, edge, coverage, silhouette, "
-                            "occlusion, error and specular, each at most once, or paper, or "
-                            "none, not %s",
+                            "occlusion, error, specular and importance, each at most once, or "
+                            "paper, or none, not %s",
                             text);
 }

@@ -9,7 +9,8 @@
         .name = "cues", .type = OPTION_TEXT, .argument = "NAME,...",                               \
         .help = "stochastic: cues that set the number of splats per region: flatness, edge, "      \
                 "coverage, silhouette, occlusion, error (enough samples to cover, instead of "     \
-                "the paper's counts) and specular; paper: the first five; none; default all",      \
+                "the paper's counts), specular and importance (--splats N go where the view "      \
+                "needs them); paper: the first five; none; default all",                           \
         .value = (text), .group = "Method stochastic", .rare = true                                \
     }
 

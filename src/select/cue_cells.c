@@ -30,6 +30,26 @@ uint32_t stp_cue_octaves(const stp_splats* set, double share, uint32_t here)
     return octaves;
 }
 
+stp_cue_cell stp_cue_cell_make(const stp_leaf_node* node, uint32_t count)
+{
+    assert(count <= node->count);
+    return (stp_cue_cell){.first = node->first, .last = node->first + node->count, .count = count};
+}
+
+stp_result stp_cue_add_cell(stp_selection* s, size_t* count, stp_cue_cell cell)
+{
+    stp_draw_list* list = s->list;
+    if (cell.count == 0) {
+        return STP_OK;
+    }
+    if (*count == list->cell_capacity &&
+        !STP_MAKE_ROOM(s->context, list->cells, list->cell_capacity, *count + 1)) {
+        return stp_fail_memory(s->context);
+    }
+    list->cells[(*count)++] = cell;
+    return STP_OK;
+}
+
 /// The cells of each radius step, in curve order.
 typedef struct growth_lists {
     float scales[GROWTHS];

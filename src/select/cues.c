@@ -102,12 +102,27 @@ stp_boxd stp_cue_box(const stp_cue_view* view, const stp_leaf_node* node)
     return stp_select_place_box(&view->at->transform, &box);
 }
 
-/// Pixels that a cube's surface covers at its nearest depth, if seen face-on.
+bool stp_cue_is_in_view(const stp_cue_view* view, const stp_leaf_node* node,
+                        stp_box_visibility* sight)
+{
+    stp_boxd box = stp_cue_box(view, node);
+    if (stp_select_is_in_view(view->s, &box, sight)) {
+        return true;
+    }
+    double reach = stp_cue_overhang(view, node, &box);
+    stp_vec3d margin = {reach, reach, reach};
+    box = (stp_boxd){stp_subd(box.min, margin), stp_addd(box.max, margin)};
+    return stp_select_is_in_view(view->s, &box, sight);
+}
+
+/// Pixels that a cube's surface covers if seen face-on: of a leaf at its nearest depth, of a cube
+/// the mean over its depths. The mean of 1 / depth^2 from a to b is 1 / (a b).
 static double pixels_of(const stp_cue_view* view, const stp_leaf_node* node,
                         const stp_box_visibility* sight)
 {
     bool near = (view->cues & STP_CUE_COVERAGE_BIT) != 0;
-    double depth = near ? sight->range.near : view->sight->range.near;
+    stp_depth_range range = near ? sight->range : view->sight->range;
+    double depth = node->leaf_count > 1 ? sqrt(range.near * range.far) : range.near;
     double pixel = stp_view_frame_pixel_size(&view->s->frames[0], depth);
     double side = view->scale * (double)view->set->step / pixel;
     return (double)node->area * side * side;
@@ -133,17 +148,35 @@ static double feature_of(const stp_cue_view* view)
     return (view->cues & STP_CUE_ERROR_BIT) != 0 ? STP_CUE_ERROR_FEATURE : STP_CUE_FEATURE;
 }
 
-/// Applies the view-independent cues, flatness and edges, to a number of samples.
-static double apply_shape(const stp_cue_view* view, const stp_leaf_node* node, double samples)
+static double bent_of(const stp_cue_view* view)
 {
-    double all = (double)node->count;
-    if ((view->cues & STP_CUE_FLATNESS_BIT) != 0) {
-        double maximum = (view->cues & STP_CUE_ERROR_BIT) != 0 ? STP_CUE_ERROR_BENT - 1.0 : 1.0;
-        double bent = fmin((double)node->flatness / STP_CUE_FLATNESS, 1.0);
-        samples = fmin((1.0 + maximum * bent) * samples, all);
-    }
-    bool edge = node->edge && (view->cues & STP_CUE_EDGE_BIT) != 0;
-    return fmin(edge ? feature_of(view) * samples : samples, all);
+    bool bends = (view->cues & STP_CUE_FLATNESS_BIT) != 0;
+    double bent = (view->cues & STP_CUE_ERROR_BIT) != 0 ? STP_CUE_ERROR_BENT : STP_CUE_BENT;
+    return bends ? bent - 1.0 : 0.0;
+}
+
+static double factor_of_flatness(double bent, float flatness)
+{
+    return 1.0 + bent * fmin((double)flatness / (double)STP_LEAF_BENT, 1.0);
+}
+
+/// The factor on samples by flatness, feature by feature: of all, and of the part with edges.
+typedef struct shape_factors {
+    double all, edges;
+} shape_factors;
+
+static shape_factors shape_of(const stp_cue_view* view, const stp_leaf_node* node)
+{
+    double bent = bent_of(view);
+    double edge = (view->cues & STP_CUE_EDGE_BIT) != 0 ? (double)node->edge : 0.0;
+    return (shape_factors){factor_of_flatness(bent, node->flatness),
+                           edge * factor_of_flatness(bent, node->edge_flatness)};
+}
+
+double stp_cue_shape(const stp_cue_view* view, const stp_leaf_node* node)
+{
+    shape_factors shape = shape_of(view, node);
+    return shape.all + (feature_of(view) - 1.0) * shape.edges;
 }
 
 /// Unit vector from a cube's centre to the eye.
@@ -152,17 +185,22 @@ static stp_vec3d direction_to_eye(const stp_cue_view* view, const stp_leaf_node*
     return stp_normalized(view->flat_view ? view->eye : stp_subd(view->eye, middle_of(node)));
 }
 
-bool stp_cue_highlight(const stp_cue_view* view, const stp_leaf_node* node)
+double stp_cue_highlight(const stp_cue_view* view, const stp_leaf_node* node)
 {
     stp_vec3d half = stp_normalized(stp_addd(view->light, direction_to_eye(view, node)));
     stp_vec3 n = stp_octahedral_decode(node->normal[0], node->normal[1]);
     double cosine = fabs(stp_dotd(stp_to_double(n), half));
-    double sine = sqrt(fmax(1.0 - cosine * cosine, 0.0));
-    return view->polished &&
-           (node->spread == 255 || sine < (double)node->spread / 255.0 + STP_CUE_HIGHLIGHT);
+    double sine = sqrt(fmax(1.0 - cosine * cosine, 0.0)), spread = (double)node->spread / 255.0;
+    if (!view->polished || (node->spread != 255 && sine >= spread + STP_CUE_HIGHLIGHT)) {
+        return 0.0;
+    }
+    // normals of a cube that face any way: the share of the sphere around the mirror direction
+    double own = fmin((double)node->turn + STP_CUE_HIGHLIGHT, 1.0);
+    bool all = node->leaf_count == 1 || (node->spread != 255 && sine + spread < own);
+    return all ? 1.0 : 1.0 - sqrt(1.0 - own * own);
 }
 
-bool stp_cue_silhouette(const stp_cue_view* view, const stp_leaf_node* node)
+double stp_cue_silhouette(const stp_cue_view* view, const stp_leaf_node* node)
 {
     stp_vec3 n = stp_octahedral_decode(node->normal[0], node->normal[1]);
     stp_vec3d way = view->flat_view ? view->eye : stp_subd(view->eye, middle_of(node));
@@ -170,7 +208,17 @@ bool stp_cue_silhouette(const stp_cue_view* view, const stp_leaf_node* node)
     // scales
     double length = sqrt(stp_dotd(way, way));
     double cosine = length > 0.0 ? stp_dotd(stp_to_double(n), way) / length : 0.0;
-    return node->spread == 255 || fabs(cosine) * 255.0 < (double)node->spread;
+    bool may = node->spread == 255 || fabs(cosine) * 255.0 < (double)node->spread;
+    if (!may || node->leaf_count == 1) {
+        return may ? 1.0 : 0.0;
+    }
+    // cosines of the leaves lie anywhere between two limits; silhouettes are those below the
+    // leaves' own spread
+    double spread = node->spread == 255 ? 2.0 : (double)node->spread / 255.0;
+    double low = fmax(cosine - spread, -1.0), high = fmin(cosine + spread, 1.0);
+    double own = (double)node->turn;
+    assert(high > low);
+    return fmax(fmin(high, own) - fmax(low, -own), 0.0) / (high - low);
 }
 
 /// A ray from a cube's centre: parameters from 0 to `end`.
@@ -268,20 +316,40 @@ double stp_cue_occlusion_limit(const stp_cue_view* view, const stp_leaf_node* no
     return asks ? (1.0 - MIN_SEEN) * pixels_of(view, node, sight) / STP_CUE_OCCLUSION : 0.0;
 }
 
+/// Factor on the samples of a cube by flatness, edges, silhouettes and highlights.
+static double features_of(const stp_cue_view* view, const stp_leaf_node* node)
+{
+    bool asks_outline = (view->cues & STP_CUE_SILHOUETTE_BIT) != 0;
+    bool asks_shine = (view->cues & STP_CUE_SPECULAR_BIT) != 0;
+    double outline = asks_outline ? stp_cue_silhouette(view, node) : 0.0;
+    double shine = asks_shine ? stp_cue_highlight(view, node) : 0.0;
+    double either = 1.0 - (1.0 - outline) * (1.0 - shine); // of the part without edges
+    shape_factors shape = shape_of(view, node);
+    double marked = shape.edges + either * (shape.all - shape.edges);
+    return shape.all + (feature_of(view) - 1.0) * marked;
+}
+
+/// Factor on samples for what lies before a cube.
+static double seen_of(const stp_cue_view* view, const stp_leaf_node* node,
+                      const stp_box_visibility* sight, double before)
+{
+    bool asks = (view->cues & STP_CUE_OCCLUSION_BIT) != 0;
+    return asks ? fmax(1.0 - occlusion_of(before, pixels_of(view, node, sight)), MIN_SEEN) : 1.0;
+}
+
+double stp_cue_importance(const stp_cue_view* view, const stp_leaf_node* node,
+                          const stp_box_visibility* sight, double before)
+{
+    return features_of(view, node) * stp_cue_nominal(view, node, sight) *
+           seen_of(view, node, sight, before);
+}
+
 double stp_cue_samples(const stp_cue_view* view, const stp_leaf_node* node,
                        const stp_box_visibility* sight, double before)
 {
-    double all = (double)node->count, nominal = fmin(stp_cue_nominal(view, node, sight), all);
-    double samples = apply_shape(view, node, nominal);
-    bool marked = node->edge && (view->cues & STP_CUE_EDGE_BIT) != 0;
-    bool outline = (view->cues & STP_CUE_SILHOUETTE_BIT) != 0 && stp_cue_silhouette(view, node);
-    bool shines = (view->cues & STP_CUE_SPECULAR_BIT) != 0 && stp_cue_highlight(view, node);
-    if (!marked && (outline || shines)) {
-        samples = fmin(feature_of(view) * samples, all);
-    }
-    if ((view->cues & STP_CUE_OCCLUSION_BIT) != 0) {
-        samples *= fmax(1.0 - occlusion_of(before, pixels_of(view, node, sight)), MIN_SEEN);
-    }
+    double all = (double)node->count;
+    double samples = fmin(features_of(view, node) * stp_cue_nominal(view, node, sight), all) *
+                     seen_of(view, node, sight, before);
     assert(!(samples > all) && "no cue asks for more splats than there are");
     return samples;
 }

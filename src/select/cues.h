@@ -7,8 +7,7 @@
 #include "store/file/store.h"
 
 /// Table 1.
-/// flatness of a region with twice the samples of a flat one, the maximum
-#define STP_CUE_FLATNESS 0.005
+#define STP_CUE_BENT 2.0       ///< factor on samples of a region as bent as STP_LEAF_BENT
 #define STP_CUE_FEATURE 4.0    ///< factor on samples at a silhouette or an edge
 #define STP_CUE_OCCLUSION 0.01 ///< reduction by occluding points per pixel of a region
 
@@ -16,7 +15,7 @@
 /// with disks of radius 1.05 times the side of each point's square. Takes as many points as make
 /// that radius half a splat size.
 #define STP_CUE_COVERING 4.41     ///< (2 x 1.05)^2 splats per square of the splat size
-#define STP_CUE_ERROR_BENT 1.25   ///< maximum factor on samples of a bent region
+#define STP_CUE_ERROR_BENT 1.25   ///< factor on samples of a bent region
 #define STP_CUE_ERROR_FEATURE 1.5 ///< factor at a silhouette, an edge or a highlight
 #define STP_CUE_HIGHLIGHT 0.26    ///< sine of a highlight's angle around the mirror direction
 
@@ -46,20 +45,30 @@ stp_cue_view stp_cue_view_make(const stp_selection* s, const stp_select_entry* a
 /// Box of an octree cube, in scene space. Splats are larger: see stp_cue_overhang.
 stp_boxd stp_cue_box(const stp_cue_view* view, const stp_leaf_node* node);
 
+/// Whether any splat of a cube may be in view. Splats extend beyond the cube, and all its points may
+/// lie on the face next to the picture.
+bool stp_cue_is_in_view(const stp_cue_view* view, const stp_leaf_node* node,
+                        stp_box_visibility* sight);
+
 /// Upper limit on how far splats of a cube extend beyond its box, in scene space: the radius that
 /// the view wants at the cube's farthest depth, or that of all the cube's splats.
 double stp_cue_overhang(const stp_cue_view* view, const stp_leaf_node* node, const stp_boxd* box);
 
 /// Splats wanted for a cube's pixels alone: W over the square of the splat size, which is W / 4 at
-/// two pixels; STP_CUE_COVERING times as many for STP_CUE_ERROR_BIT.
+/// two pixels; STP_CUE_COVERING times as many for STP_CUE_ERROR_BIT. Of a cube of several leaves the
+/// sum over these, as if they were spread evenly over its depths.
 double stp_cue_nominal(const stp_cue_view* view, const stp_leaf_node* node,
                        const stp_box_visibility* sight);
 
-/// Whether some of a cube may face the eye and some may face away.
-bool stp_cue_silhouette(const stp_cue_view* view, const stp_leaf_node* node);
+/// Share of a cube's leaves that the view sees as silhouettes: some of such a leaf may face the eye
+/// and some may face away. 0 or 1 of a leaf; of a cube an estimate from its range of normals.
+double stp_cue_silhouette(const stp_cue_view* view, const stp_leaf_node* node);
 
-/// Whether some of a cube may mirror the light to the eye.
-bool stp_cue_highlight(const stp_cue_view* view, const stp_leaf_node* node);
+/// Share of a cube's leaves some of which may mirror the light to the eye, likewise.
+double stp_cue_highlight(const stp_cue_view* view, const stp_leaf_node* node);
+
+/// Factor on samples by the cues that do not depend on the view: flatness and edges.
+double stp_cue_shape(const stp_cue_view* view, const stp_leaf_node* node);
 
 /// Splats of leaves between a cube's centre and the eye, weighted by the cosine at which the ray
 /// meets their surface. Leaves that touch the cube do not count, nor do those that may continue its
@@ -70,7 +79,12 @@ double stp_cue_before(const stp_cue_view* view, const stp_leaf_node* node, doubl
 double stp_cue_occlusion_limit(const stp_cue_view* view, const stp_leaf_node* node,
                                const stp_box_visibility* sight);
 
-/// Applies all cues: the number of splats, at most all.
+/// What a view wants of a leaf by all cues, in splats, however many it has.
+double stp_cue_importance(const stp_cue_view* view, const stp_leaf_node* node,
+                          const stp_box_visibility* sight, double before);
+
+/// Applies all cues: the number of splats, at most all. Of a cube of several leaves the sum of what
+/// these want, if none of them wants all of its splats.
 /// @param before splats before it, as stp_cue_before finds them for it or for a cube around it
 double stp_cue_samples(const stp_cue_view* view, const stp_leaf_node* node,
                        const stp_box_visibility* sight, double before);
@@ -91,8 +105,23 @@ typedef struct stp_cue_cell {
 /// of `here` splats. @return number of octaves
 uint32_t stp_cue_octaves(const stp_splats* set, double share, uint32_t here);
 
+/// The first `count` splats of a leaf or cube.
+stp_cue_cell stp_cue_cell_make(const stp_leaf_node* node, uint32_t count);
+
 /// Number of places in [first, last) of a row that are in the first `octaves` octaves.
 uint32_t stp_cue_count(const stp_splats* set, uint32_t first, uint32_t last, uint32_t octaves);
+
+/// Appends a cell to those of the list, unless it is empty. @param count cells so far, one more
+/// afterwards
+STP_MUST_USE stp_result stp_cue_add_cell(stp_selection* s, size_t* count, stp_cue_cell cell);
+
+/// Distributes exactly `wanted` splats over all leaves of a set: with STP_CUE_IMPORTANCE_BIT by what
+/// the view wants of each, else by area and, with the paper's cues, by flatness and edges, visible
+/// or not. Leaves that have too few give all. Cubes whose leaves
+/// would get none are cells as a whole, so that no part of the surface stays bare.
+/// @param here splats loaded; `wanted` is at most as many
+STP_MUST_USE stp_result stp_cue_share_out(stp_selection* s, const stp_cue_view* view,
+                                          uint32_t wanted, uint32_t here, size_t* count);
 
 /// Appends one item per splat size of the cells, otherwise a copy of `item`. Cells are in curve
 /// order.

@@ -3,15 +3,18 @@
 // each leaf. These are the first of the leaf's order, so they stay the same while the eye rests
 // (Bhakar, Luo, Mudur 2004, 3.2). Distant content is taken by whole octree cubes. If all splats of
 // a set do not suffice, the node is opened.
-#include "base/splats/leaf_runs.h"
 #include "base/splats/prefix_table.h"
 #include "select/cues.h"
 #include "select/rule.h"
 
 #include <assert.h>
 
-#define CELL_SAMPLES 0.5 // maximum splats per leaf of a cube that is not opened
-#define CUES_MAX 8.0     // factor on nominal samples: a bent region with an edge or a silhouette
+// Limits of a cube that is not opened: splats for each of its leaves and in all, and its farthest
+// depth over its nearest.
+#define CELL_SAMPLES 0.5
+#define CELL_LARGEST 16.0
+#define CELL_DEPTHS 1.25
+#define CUES_MAX 8.0 // factor on nominal samples: a bent region with an edge or a silhouette
 
 enum {
     /// Cubes of at most this many leaves share one ray (docs/notes/2026-11-stochastic-speed.md).
@@ -74,36 +77,48 @@ static void limit(const stp_select_entry* at, double nearest, uint32_t here, stp
     assert(use->state <= use->splats->count);
 }
 
-static stp_result add_cell(stp_selection* s, size_t* count, stp_cue_cell cell)
+/// A number in (0, 1) that differs from cube to cube and is the same in every view; those of
+/// neighbours along the curve are far apart.
+static double threshold_of(const stp_leaf_node* node)
 {
-    stp_draw_list* list = s->list;
-    if (cell.count == 0) {
-        return STP_OK;
-    }
-    if (*count == list->cell_capacity) {
-        if (!STP_MAKE_ROOM(s->context, list->cells, list->cell_capacity, *count + 1)) {
-            return stp_fail_memory(s->context);
-        }
-    }
-    list->cells[(*count)++] = cell;
-    return STP_OK;
+    uint32_t golden = (node->leaf + 1u) * 2654435769u; // 2^32 over the golden ratio
+    return ((double)golden + 0.5) * 0x1p-32;
 }
 
-/// Chooses the splats of a cube for a number of samples: whole octaves for several leaves, the
-/// exact number for one.
+/// Splats of a cube of several leaves that is not opened. Only whole octaves are spread evenly over
+/// its leaves. The threshold of each cube decides between two of them, so that many cubes together
+/// draw what they want, and none changes its mind twice as the eye comes closer.
+static uint32_t count_of_cube(const stp_splats* set, const stp_leaf_node* node, double samples,
+                              uint32_t here)
+{
+    uint32_t octaves = stp_cue_octaves(set, 1.0, here), low = 0, high = 0;
+    for (uint32_t k = 1; k <= octaves && (double)high <= samples; ++k) {
+        low = high;
+        high = stp_cue_count(set, node->first, node->first + node->count, k);
+    }
+    low = samples < (double)high ? low : high;
+    double over = samples - (double)low, threshold = threshold_of(node);
+    if (low == 0) { // few splats of the first octave that has any
+        uint32_t few = (uint32_t)(samples + threshold);
+        few = samples >= 1.0 && few == 0 ? 1 : few;
+        return few < high ? few : high;
+    }
+    return over > threshold * (double)(high - low) ? high : low;
+}
+
+/// Chooses the splats of a cube or leaf for a number of samples.
 static stp_cue_cell cell_of(const stp_splats* set, const stp_leaf_node* node, double samples,
                             uint32_t here)
 {
     assert(node->count > 0);
-    stp_cue_cell cell = {.first = node->first, .last = node->first + node->count};
-    double share = samples / (double)node->count;
-    uint32_t octaves =
-        node->leaf_count > 1 ? stp_cue_octaves(set, share, here) : stp_cue_octaves(set, 1.0, here);
-    uint32_t maximum = stp_cue_count(set, cell.first, cell.last, octaves);
-    uint32_t wanted = samples < (double)maximum ? (uint32_t)(samples + 0.5) : maximum;
-    assert(wanted <= maximum && maximum <= node->count);
-    cell.count = node->leaf_count > 1 ? maximum : wanted;
-    return cell;
+    if (node->leaf_count > 1) {
+        return stp_cue_cell_make(node, count_of_cube(set, node, samples, here));
+    }
+    uint32_t octaves = stp_cue_octaves(set, 1.0, here);
+    uint32_t maximum = stp_cue_count(set, node->first, node->first + node->count, octaves);
+    uint32_t count = samples < (double)maximum ? (uint32_t)(samples + 0.5) : maximum;
+    assert(count <= maximum && maximum <= node->count);
+    return stp_cue_cell_make(node, count);
 }
 
 /// Rounds the samples of a leaf. The rounding error goes to the next leaf along the curve.
@@ -120,10 +135,9 @@ static double round_leaf(const stp_leaf_node* node, double samples, double* carr
 /// One splat of a cube, if the loaded octaves contain one.
 static stp_cue_cell single_splat(const stp_splats* set, const stp_leaf_node* node, uint32_t here)
 {
-    stp_cue_cell cell = {.first = node->first, .last = node->first + node->count};
-    uint32_t maximum = stp_cue_count(set, cell.first, cell.last, stp_cue_octaves(set, 1.0, here));
-    cell.count = maximum > 0 ? 1 : 0;
-    return cell;
+    uint32_t octaves = stp_cue_octaves(set, 1.0, here);
+    uint32_t maximum = stp_cue_count(set, node->first, node->first + node->count, octaves);
+    return stp_cue_cell_make(node, maximum > 0 ? 1 : 0);
 }
 
 /// State of a visit to the cubes of a set.
@@ -133,21 +147,6 @@ typedef struct cue_walk {
     uint32_t ray_until;   ///< first node outside that cube
     stp_cue_cell minimum; ///< one splat of a visible cube
 } cue_walk;
-
-/// Whether any splat of a cube may be in view. Splats extend beyond the cube, and all its points
-/// may lie on the face next to the picture.
-static bool is_cube_in_view(const stp_selection* s, const stp_cue_view* view,
-                            const stp_leaf_node* node, stp_box_visibility* sight)
-{
-    stp_boxd box = stp_cue_box(view, node);
-    if (stp_select_is_in_view(s, &box, sight)) {
-        return true;
-    }
-    double reach = stp_cue_overhang(view, node, &box);
-    stp_vec3d margin = {reach, reach, reach};
-    box = (stp_boxd){stp_subd(box.min, margin), stp_addd(box.max, margin)};
-    return stp_select_is_in_view(s, &box, sight);
-}
 
 /// Traces a ray to the eye from a cube that is not opened, or from one of few leaves, which share
 /// it.
@@ -159,6 +158,19 @@ static void trace_to_eye(cue_walk* walk, const stp_cue_view* view, uint32_t inde
         walk->before = stp_cue_before(view, node, stp_cue_occlusion_limit(view, node, sight));
         walk->ray_until = node->next;
     }
+}
+
+/// Whether the cues of a cube are found part by part.
+static bool is_opened(const stp_cue_view* view, const stp_leaf_node* node,
+                      const stp_box_visibility* sight)
+{
+    if (node->leaf_count == 1) {
+        return false;
+    }
+    double nominal = stp_cue_nominal(view, node, sight);
+    bool deep = !view->flat_view && sight->range.far > CELL_DEPTHS * sight->range.near;
+    return nominal > fmin(CELL_SAMPLES * (double)node->leaf_count, CELL_LARGEST) ||
+           (deep && nominal > 1.0);
 }
 
 /// Visits visible cubes, and opens those that need many splats. A visible set draws at least one
@@ -173,116 +185,23 @@ static stp_result choose_cells(stp_selection* s, const stp_cue_view* view, uint3
         const stp_leaf_node* node = &nodes[i];
         assert(node->next > i && node->next <= view->leaves->node_count);
         stp_box_visibility sight;
-        if (!is_cube_in_view(s, view, node, &sight)) {
+        if (!stp_cue_is_in_view(view, node, &sight)) {
             i = node->next;
             continue;
         }
-        bool opens = node->leaf_count > 1 &&
-                     stp_cue_nominal(view, node, &sight) > CELL_SAMPLES * (double)node->leaf_count;
+        bool opens = is_opened(view, node, &sight);
         trace_to_eye(&walk, view, i, opens, &sight);
         if (!opens) {
             double samples = stp_cue_samples(view, node, &sight, walk.before);
             samples = node->leaf_count == 1 ? round_leaf(node, samples, &walk.carried) : samples;
             assert(!(samples < 0.0));
-            result = add_cell(s, count, cell_of(view->set, node, samples, here));
+            result = stp_cue_add_cell(s, count, cell_of(view->set, node, samples, here));
             walk.minimum =
                 walk.minimum.count == 0 ? single_splat(view->set, node, here) : walk.minimum;
         }
         i = opens ? i + 1 : node->next;
     }
-    return result == STP_OK && *count == 0 ? add_cell(s, count, walk.minimum) : result;
-}
-
-/// Weight of a leaf when a splat count is distributed: the view-independent cues, or the area alone
-/// with STP_CUE_ERROR_BIT.
-static double worth_of(const stp_cue_view* view, const stp_leaf_node* node)
-{
-    double samples = (double)node->area;
-    if ((view->cues & STP_CUE_ERROR_BIT) != 0) {
-        return samples;
-    }
-    bool edge = node->edge && (view->cues & STP_CUE_EDGE_BIT) != 0;
-    samples *= edge ? STP_CUE_FEATURE : 1.0;
-    bool bends = (view->cues & STP_CUE_FLATNESS_BIT) != 0;
-    return samples * (bends ? 1.0 + fmin((double)node->flatness / STP_CUE_FLATNESS, 1.0) : 1.0);
-}
-
-/// Distribution of a splat count over the leaves of a set.
-typedef struct cue_share {
-    const stp_cue_view* view;
-    uint32_t octaves; ///< number of loaded octaves
-    double density;   ///< splats per unit of weight
-} cue_share;
-
-static uint32_t find_max_worth(const cue_share* share, uint32_t first, uint32_t count)
-{
-    return stp_cue_count(share->view->set, first, first + count, share->octaves);
-}
-
-/// Finds the splats per unit of weight so that all leaves together have `wanted`. Leaves with too
-/// few splats give all; the others share the difference, repeatedly.
-static void find_density(cue_share* share, double wanted)
-{
-    enum { ROUNDS_MAX = 64 };
-    const stp_store_leaves* leaves = share->view->leaves;
-    bool grows = true;
-    share->density = 0.0;
-    for (int round = 0; round < ROUNDS_MAX && grows; ++round) {
-        double given = 0.0, worth = 0.0;
-        for (uint32_t i = 0; i < leaves->node_count; ++i) {
-            const stp_leaf_node* node = &leaves->nodes[i];
-            if (node->leaf_count > 1) {
-                continue;
-            }
-            double mine = worth_of(share->view, node);
-            double maximum = (double)find_max_worth(share, node->first, node->count);
-            bool all = share->density * mine >= maximum;
-            given += all ? maximum : 0.0;
-            worth += all ? 0.0 : mine;
-        }
-        double next = worth > 0.0 ? (wanted - given) / worth : share->density;
-        grows = next > share->density;
-        share->density = grows ? next : share->density;
-    }
-}
-
-/// Distributes `wanted` splats over all leaves by weight, limited by their counts. The first leaves
-/// with spare splats take the remainder of rounding.
-static stp_result share_out(stp_selection* s, const stp_cue_view* view, uint32_t wanted,
-                            uint32_t here, size_t* count)
-{
-    assert(wanted <= view->set->count && here <= view->set->count);
-    if (wanted == view->set->count && here == wanted) {
-        return add_cell(s, count, (stp_cue_cell){0, wanted, wanted, 0, 0});
-    }
-    cue_share share = {.view = view, .octaves = stp_cue_octaves(view->set, 1.0, here)};
-    find_density(&share, (double)wanted);
-    double carried = 0.0;
-    uint32_t left = wanted;
-    stp_result result = STP_OK;
-    for (uint32_t i = 0; i < view->leaves->node_count && result == STP_OK; ++i) {
-        const stp_leaf_node* node = &view->leaves->nodes[i];
-        if (node->leaf_count > 1) {
-            continue;
-        }
-        double maximum = (double)find_max_worth(&share, node->first, node->count);
-        carried += fmin(share.density * worth_of(view, node), maximum);
-        double whole = fmin(fmin(floor(carried + 0.5), maximum), (double)left);
-        uint32_t drawn = whole > 0.0 ? (uint32_t)whole : 0;
-        carried -= (double)drawn;
-        left -= drawn;
-        result =
-            add_cell(s, count, (stp_cue_cell){node->first, node->first + node->count, drawn, 0, 0});
-    }
-    for (size_t i = 0; i < *count && left > 0; ++i) { // remainder of rounding
-        stp_cue_cell* cell = &s->list->cells[i];
-        assert(cell->count <= find_max_worth(&share, cell->first, cell->last - cell->first));
-        uint32_t more = find_max_worth(&share, cell->first, cell->last - cell->first) - cell->count;
-        more = more < left ? more : left;
-        cell->count += more;
-        left -= more;
-    }
-    return result;
+    return result == STP_OK && *count == 0 ? stp_cue_add_cell(s, count, walk.minimum) : result;
 }
 
 static stp_draw_item make_item(const stp_selection* s, const stp_select_entry* at,
@@ -335,7 +254,7 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
     } else {
         stp_cue_view view = stp_cue_view_make(s, at, use->splats, &leaves, sight);
         size_t count = 0;
-        result = use->state > 0 ? share_out(s, &view, use->state, use->count, &count)
+        result = use->state > 0 ? stp_cue_share_out(s, &view, use->state, use->count, &count)
                                 : choose_cells(s, &view, use->count, &count);
         result = result == STP_OK
                      ? stp_cue_add_items(s, use->splats, s->list->cells, count, item, drawn)

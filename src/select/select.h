@@ -32,7 +32,10 @@ enum {
     /// By coverage of the samples' splats, not by the paper's numbers: see STP_CUE_COVERING.
     STP_CUE_ERROR_BIT = 32,
     STP_CUE_SPECULAR_BIT = 64, ///< more where a polished surface may show a highlight
-    STP_CUES_ALL = 127,
+    /// Of a number of splats each leaf gets a share by what the view wants of it, not by its area:
+    /// importance sampling (Bhakar 2004, 5).
+    STP_CUE_IMPORTANCE_BIT = 128,
+    STP_CUES_ALL = 255,
     STP_CUES_PAPER = 31, ///< Table 1 as it is printed
 };
 

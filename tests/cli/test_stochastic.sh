@@ -78,6 +78,9 @@ for count in 1 77 3000 10000; do
     draw count --splats $count
     [ "$(value count.json splats)" = $count ] || fail "--splats $count draws $(value count.json splats)"
 done
+# fewer splats than leaves leave no holes
+"$stipple" render finer.stip -o few.png --size 200x150 --eye 3,4,8 --target 0,1,0 --once --splats 20 --json > few.json || fail "few"
+holds "$(value few.json covered_pixels) >= 0.95 * $(value count.json covered_pixels)" || fail "holes: $(cat few.json)"
 # each cue changes the number
 draw all --splat-size 3 --cues paper
 draw flat --splat-size 3 --cues edge,coverage,silhouette,occlusion

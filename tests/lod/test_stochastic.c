@@ -596,13 +596,20 @@ void test_leaf_tree_sums_up_its_leaves(test_state* test)
         for (uint32_t i = 0; i < count; ++i) {
             const stp_leaf_node* node = &nodes[i];
             uint32_t width = stp_leaf_width(node->depth), splats = 0, before = 0;
-            bool edge = false;
+            double area = 0.0, edges = 0.0, flatness = 0.0, bent_edges = 0.0, turn = 0.0;
             for (uint32_t l = 0; l < node->leaf; ++l) {
                 before += set.leaves[l].count;
             }
             for (uint32_t l = node->leaf; l < node->leaf + node->leaf_count; ++l) {
                 splats += set.leaves[l].count;
-                edge = edge || (set.leaves[l].place & STP_LEAF_EDGE) != 0;
+                double own = (double)stp_leaf_area(&set.leaves[l]);
+                double edge = (set.leaves[l].place & STP_LEAF_EDGE) != 0 ? own : 0.0;
+                double bent = fmin((double)stp_leaf_flatness(set.leaves[l].flatness), 0.005);
+                area += own;
+                edges += edge;
+                flatness += own * bent;
+                bent_edges += edge * bent;
+                turn += own * set.leaves[l].spread / 255.0;
                 for (int k = 0; k < 3; ++k) {
                     CHECK(set.leaves[l].corner[k] >= node->corner[k] &&
                           set.leaves[l].corner[k] - node->corner[k] < (int)width);
@@ -610,7 +617,13 @@ void test_leaf_tree_sums_up_its_leaves(test_state* test)
             }
             CHECK_EQUAL(splats, node->count);
             CHECK_EQUAL(before, node->first);
-            CHECK(edge == node->edge && node->next > i && node->next <= count);
+            CHECK(node->next > i && node->next <= count);
+            CHECK(fabs((double)node->area - area) < 1e-4 * area);
+            CHECK(fabs((double)node->edge * area - edges) < 1e-4 * area);
+            CHECK(fabs((double)node->flatness * area - flatness) < 1e-6 * area);
+            CHECK(fabs((double)node->edge_flatness * edges - bent_edges) < 1e-6 * area ||
+                  node->leaf_count == 1);
+            CHECK(fabs((double)node->turn * area - turn) < 1e-4 * area);
             CHECK((node->leaf_count == 1) == (node->next == i + 1));
             leaves += node->leaf_count == 1 ? 1 : 0;
         }

@@ -87,11 +87,11 @@ void test_cues_are_those_of_table_1(test_state* test)
     double depth = 300.0 - box.max.y, side = 4.0 * 1000.0 / (2.0 * depth), w = side * side;
     double flat = stp_cue_samples(&view, &node, &sight, 0.0);
     CHECK(fabs(flat - w / 4.0) < 0.01 * w);
-    node.flatness = 0.0025f;
+    node.flatness = node.edge_flatness = 0.0025f;
     CHECK(fabs(stp_cue_samples(&view, &node, &sight, 0.0) - 1.5 * flat) < 1e-4 * w);
-    node.flatness = 0.3f;
+    node.flatness = node.edge_flatness = 0.3f;
     CHECK(fabs(stp_cue_samples(&view, &node, &sight, 0.0) - 2.0 * flat) < 1e-6 * w);
-    node.edge = true;
+    node.edge = 1.0f;
     CHECK(fabs(stp_cue_samples(&view, &node, &sight, 0.0) - 8.0 * flat) < 1e-6 * w);
     node.spread = 255; // a silhouette next to an edge adds nothing
     CHECK(stp_cue_silhouette(&view, &node));
@@ -124,9 +124,10 @@ void test_cues_cover_with_splats_of_the_size(test_state* test)
     CHECK(fabs(2.0 * 1.05 * sqrt(w / flat) - 2.0) < 0.01); // pixels, of splats of 2
     node.flatness = 0.3f;
     CHECK(fabs(stp_cue_samples(&view, &node, &sight, 0.0) - 1.25 * flat) < 1e-6 * flat);
-    node.edge = true;
+    node.edge = 1.0f;
+    node.edge_flatness = node.flatness;
     CHECK(fabs(stp_cue_samples(&view, &node, &sight, 0.0) - 1.5 * 1.25 * flat) < 1e-6 * flat);
-    node.edge = false;
+    node.edge = 0.0f;
     node.flatness = 0.0f;
     // a highlight where the surface faces between the eye and the light, if it is polished
     stp_store_directory directory = {0};
@@ -295,7 +296,8 @@ void test_cue_cells_draw_what_is_asked(test_state* test)
         for (uint32_t l = 0; l < s.tree.leaf_count; ++l) {
             uint32_t count = s.leaves[l].count;
             uint32_t some = 1 + (uint32_t)(stp_rng_hash(seed, l) % count);
-            cells[l] = (stp_cue_cell){place, place + count, seed == 0 ? count : some, 0, 0};
+            cells[l] = (stp_cue_cell){
+                .first = place, .last = place + count, .count = seed == 0 ? count : some};
             wanted += cells[l].count;
             place += count;
         }

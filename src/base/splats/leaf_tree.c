@@ -19,13 +19,16 @@ typedef struct leaf_range {
 
 static stp_leaf_node node_of_leaf(const stp_splat_leaf* leaf)
 {
+    float flatness = stp_min(stp_leaf_flatness(leaf->flatness), STP_LEAF_BENT);
     return (stp_leaf_node){.count = leaf->count,
                            .leaf_count = 1,
                            .area = stp_leaf_area(leaf),
-                           .flatness = stp_leaf_flatness(leaf->flatness),
+                           .flatness = flatness,
+                           .edge = (leaf->place & STP_LEAF_EDGE) != 0 ? 1.0f : 0.0f,
+                           .edge_flatness = flatness,
+                           .turn = (float)leaf->spread / 255.0f,
                            .corner = {leaf->corner[0], leaf->corner[1], leaf->corner[2]},
                            .depth = (uint8_t)stp_leaf_depth(leaf),
-                           .edge = (leaf->place & STP_LEAF_EDGE) != 0,
                            .normal = {leaf->normal[0], leaf->normal[1]},
                            .spread = leaf->spread};
 }
@@ -93,15 +96,19 @@ static void sum_up(stp_leaf_node* nodes, uint32_t index)
         node->count += part->count;
         node->area += part->area;
         node->flatness += part->area * part->flatness;
-        node->edge = node->edge || part->edge;
+        node->edge += part->area * part->edge;
+        node->edge_flatness += part->area * part->edge * part->edge_flatness;
+        node->turn += part->area * part->turn;
     }
+    float share = node->area > 0.0f ? 1.0f / node->area : 0.0f, spread = 0.0f;
+    node->edge_flatness = node->edge > 0.0f ? node->edge_flatness / node->edge : 0.0f;
+    node->edge *= share;
+    node->flatness *= share;
+    node->turn *= share;
     stp_vec3 normal = stp_normalize(sum);
-    float alike = node->area > 0.0f ? stp_length(sum) / node->area : 0.0f, spread = 0.0f;
     for (uint32_t i = index + 1; i < node->next; i = nodes[i].next) {
         spread = stp_max(spread, spread_to(&nodes[i], normal));
     }
-    node->flatness = node->area > 0.0f ? node->flatness / node->area : 0.0f;
-    node->flatness = stp_max(node->flatness, (1.0f - stp_min(alike, 1.0f)) / 3.0f);
     node->spread = (uint8_t)stp_min(spread * 255.0f + 0.5f, 255.0f);
     stp_octahedral_encode(normal, node->normal);
 }
