@@ -458,6 +458,20 @@ void test_median_spacing_of_a_row(test_state* test)
         row[3 * i + 1] = row[3 * i + 2] = 0.0f;
     }
     row[3 * 100] = 1000.0f;
-    CHECK(stp_median_spacing(row, 101) == 0.5f);
-    CHECK(stp_median_spacing(row, 1) == 0.0f);
+    CHECK(stp_median_spacing(row, NULL, 101) == 0.5f);
+    CHECK(stp_median_spacing(row, NULL, 1) == 0.0f);
+}
+
+// Two sides of a wall: each has its own spacing.
+void test_median_spacing_is_that_of_a_side(test_state* test)
+{
+    enum { COUNT = 1000 };
+    static float row[3 * COUNT], normals[3 * COUNT];
+    for (int i = 0; i < COUNT; ++i) {
+        row[3 * i] = (float)i * 0.5f;
+        row[3 * i + 2] = i % 2 == 0 ? 0.0f : -0.125f;
+        normals[3 * i + 2] = i % 2 == 0 ? 1.0f : -1.0f;
+    }
+    CHECK(stp_median_spacing(row, normals, COUNT) == 1.0f);
+    CHECK(fabsf(stp_median_spacing(row, NULL, COUNT) - sqrtf(0.25f + 0.015625f)) < 1e-6f);
 }

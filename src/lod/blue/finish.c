@@ -168,7 +168,8 @@ static void make_tables(finish* f)
         s->table.radius[i] = (s->table.radius[i] + rounding) * (1.0f + 0x1p-22f);
     }
     s->paper_count = s->count < PAPER_COUNT ? s->count : PAPER_COUNT;
-    s->paper_radius = stp_median_spacing(f->positions, s->paper_count);
+    s->paper_radius =
+        stp_median_spacing(f->positions, f->input->by_side ? f->normals : NULL, s->paper_count);
 }
 
 // Disks of an even order overlap about seven times. Only clouds are limited: a capture's pixels do

@@ -15,6 +15,7 @@ typedef struct stp_finish_input {
     float final_radius; ///< distance of the farthest candidate to the order
     const uint8_t* shading_of_material;
     bool two_sided; ///< ignores the sign of normals, which is estimated in point clouds
+    bool by_side;   ///< the order is side-aware: surfels that face apart are no neighbours
 } stp_finish_input;
 
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED (logged); `surfels` is empty after
@@ -37,8 +38,10 @@ void stp_choose_position_grid(stp_boxd box, double min_step, stp_vec3* origin, f
 uint32_t stp_choose_octaves(const float* envelope, float margin, double area_limit, uint32_t count,
                             uint32_t ends[STP_OCTAVE_LIMIT]);
 
-/// Median distance to the nearest neighbour (Brandt 4.1), of 200 points.
-float stp_median_spacing(const float* positions, uint32_t count);
+/// Median distance to the nearest neighbour (Brandt 4.1), of 200 points. With normals (NULL: none),
+/// points that face apart are no neighbours, as in a side-aware order, which covers both sides of a
+/// wall.
+float stp_median_spacing(const float* positions, const float* normals, uint32_t count);
 
 /// Inputs and output of the pyramid.
 typedef struct stp_pyramid_input {

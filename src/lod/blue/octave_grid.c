@@ -5,6 +5,7 @@
 
 #include <assert.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define GRID_STEPS 65535.0
 // Number of sampled points: enough to know the median within a few percent.
@@ -88,9 +89,9 @@ static int compare_floats(const void* a, const void* b)
     return x < y ? -1 : x > y;
 }
 
-// A block of points as columns.
+// A block of points as columns, and those of x that a point may be near to.
 typedef struct spacing_columns {
-    float x[SPACING_BATCH], y[SPACING_BATCH], z[SPACING_BATCH];
+    float x[SPACING_BATCH], y[SPACING_BATCH], z[SPACING_BATCH], near_x[SPACING_BATCH];
 } spacing_columns;
 
 // Lanes past the end are infinitely far away.
@@ -108,7 +109,19 @@ static uint32_t fill_spacing_columns(spacing_columns* to, const float* positions
     return count;
 }
 
-float stp_median_spacing(const float* positions, uint32_t count)
+// Moves points that face apart from a normal infinitely far away. NULL: none.
+static void keep_side(spacing_columns* columns, const float* normals, const float* normal,
+                      uint32_t count)
+{
+    memcpy(columns->near_x, columns->x, sizeof(columns->x));
+    for (uint32_t i = 0; normals != NULL && i < count; ++i) {
+        const float* n = normals + 3 * (size_t)i;
+        float cosine = n[0] * normal[0] + n[1] * normal[1] + n[2] * normal[2];
+        columns->near_x[i] = cosine < 0.0f ? INFINITY : columns->x[i];
+    }
+}
+
+float stp_median_spacing(const float* positions, const float* normals, uint32_t count)
 {
     if (count < 2) {
         return 0.0f;
@@ -123,21 +136,18 @@ float stp_median_spacing(const float* positions, uint32_t count)
     for (uint32_t begin = 0; begin < count; begin += SPACING_BATCH) {
         uint32_t size = count - begin < SPACING_BATCH ? count - begin : SPACING_BATCH;
         uint32_t filled = fill_spacing_columns(&columns, positions + 3 * (size_t)begin, size);
+        const float* sides = normals != NULL ? normals + 3 * (size_t)begin : NULL;
         for (uint32_t s = 0; s < asked; ++s) {
             uint32_t i = (uint32_t)((uint64_t)s * count / asked);
             assert(i < count);
             const float* p = positions + 3 * (size_t)i;
-            float own = p[0];
-            bool inside = i >= begin && i - begin < size;
-            if (inside) { // not its own neighbour
-                columns.x[i - begin] = INFINITY;
+            keep_side(&columns, sides, normals != NULL ? normals + 3 * (size_t)i : NULL, size);
+            if (i >= begin && i - begin < size) { // not its own neighbour
+                columns.near_x[i - begin] = INFINITY;
             }
-            float minimum = kernels->nearest_squared(columns.x, columns.y, columns.z, filled,
+            float minimum = kernels->nearest_squared(columns.near_x, columns.y, columns.z, filled,
                                                      (stp_vec3){p[0], p[1], p[2]});
             nearest[s] = stp_min(nearest[s], minimum);
-            if (inside) {
-                columns.x[i - begin] = own;
-            }
         }
     }
     qsort(nearest, asked, sizeof(float), compare_floats);
