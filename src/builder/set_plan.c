@@ -16,8 +16,10 @@
 // this many times fewer splats than they have (hidden surfaces are left out).
 #define ITEM_SPLATS 250.0
 #define THINNER 16.0
-#define COVERED 0.9       // share of a node's triangles that the sets below must represent
-#define FIXED_COST 1000.0 // cost of a step without its splats, in splats
+#define COVERED 0.9        // share of a node's triangles that the sets below must represent
+#define GRID_STEPS 65535.0 // of the positions of a set (lod/blue/octave_grid.c)
+#define DENSE_POINTS 256   // fewer need no fine grid
+#define FIXED_COST 1000.0  // cost of a step without its splats, in splats
 // Peak memory of a step, measured with one thread and two (scripts/check_memory.py prints the sum).
 // Fixed: the pictures of a capture. Per candidate: columns, order and tables. A point cloud's
 // candidates are its points, with their hierarchy.
@@ -41,6 +43,8 @@ typedef struct above {
 typedef struct resting {
     uint64_t triangles, points;
     double area; ///< total area of the triangles
+    /// Points and longest side of the cloud with the most points for its square; 0: none
+    double dense_points, dense_side;
 } resting;
 
 // Sums over the sets below a node.
@@ -102,6 +106,46 @@ static bool moves(const stp_scene* scene, uint32_t index)
     return (scene->nodes[index].flags & STP_OBJECT_MOVING) != 0;
 }
 
+static double longest_side(stp_boxd box)
+{
+    stp_vec3d side = stp_subd(box.max, box.min);
+    return fmax(fmax(side.x, side.y), side.z);
+}
+
+// The root mean square scale of a transform over directions.
+static double mean_scale(const stp_affine* a)
+{
+    double sum = 0.0;
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 3; ++column) {
+            sum += a->m[row][column] * a->m[row][column];
+        }
+    }
+    return sqrt(sum / 3.0);
+}
+
+// The densest cloud at or below a node, from those of its children.
+static void find_dense(planning* p, uint32_t index)
+{
+    const stp_node* node = &p->scene->nodes[index];
+    resting* r = &p->resting[index];
+    if (node->edge_count == 0 && r->triangles == 0 && r->points >= DENSE_POINTS) {
+        r->dense_points = (double)r->points;
+        r->dense_side = longest_side(node->bounds);
+    }
+    for (uint32_t i = 0; i < node->edge_count; ++i) {
+        const stp_edge* edge = &p->scene->edges[node->first_edge + i];
+        const resting* below = &p->resting[edge->node];
+        double side = below->dense_side * mean_scale(&edge->transform);
+        if (below->dense_points > 0.0 && !moves(p->scene, edge->node) &&
+            (r->dense_points <= 0.0 ||
+             below->dense_points * r->dense_side * r->dense_side > r->dense_points * side * side)) {
+            r->dense_points = below->dense_points;
+            r->dense_side = side;
+        }
+    }
+}
+
 // Sums up the resting content of each node. If nothing moves, this is all of it (stp_node_measure).
 static void measure_resting(planning* p)
 {
@@ -129,6 +173,7 @@ static void measure_resting(planning* p)
             }
         }
         p->resting[i] = r;
+        find_dense(p, i);
     }
 }
 
@@ -152,6 +197,16 @@ static bool passes_through(const planning* p, const stp_node* node, uint32_t ind
     return !moves(p->scene, p->scene->edges[node->first_edge].node);
 }
 
+// Whether the points of a cloud below would lie on fewer steps of the node's grid of positions than
+// they get splats: a survey beside a point far away. Then the cloud's own set shows it.
+static bool is_grid_too_coarse(const planning* p, uint32_t index)
+{
+    const resting* r = &p->resting[index];
+    double steps = r->dense_side / longest_side(p->scene->nodes[index].bounds) * GRID_STEPS + 1.0;
+    double share = expected_splats(p, index) * r->dense_points / count_shapes(p, index);
+    return p->scene->nodes[index].edge_count > 0 && r->dense_points > 0.0 && share > steps * steps;
+}
+
 static bool is_worth_a_set(const planning* p, uint32_t index)
 {
     const stp_node* node = &p->scene->nodes[index];
@@ -161,7 +216,7 @@ static bool is_worth_a_set(const planning* p, uint32_t index)
     if (has_points(p, node)) {
         return true; // only splats give points a size
     }
-    if (passes_through(p, node, index)) {
+    if (passes_through(p, node, index) || is_grid_too_coarse(p, index)) {
         return false;
     }
     const resting* r = &p->resting[index];
@@ -171,18 +226,6 @@ static bool is_worth_a_set(const planning* p, uint32_t index)
     const above* a = &p->above[index];
     return estimate_spacing(p, index) <= FINER * a->spacing ||
            count_shapes(p, index) * SMALLER <= a->triangles;
-}
-
-// The root mean square scale of a transform over directions.
-static double mean_scale(const stp_affine* a)
-{
-    double sum = 0.0;
-    for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 3; ++column) {
-            sum += a->m[row][column] * a->m[row][column];
-        }
-    }
-    return sqrt(sum / 3.0);
 }
 
 static void pass_down(planning* p, uint32_t index)

@@ -257,6 +257,9 @@ static void sort_cells(size_t begin, size_t end, uint32_t worker, void* user)
     }
     for (size_t cell = begin; cell < end; ++cell) {
         uint32_t first = job->starts[cell], count = job->starts[cell + 1] - first;
+        if (count == 0) { // most cells of small sets
+            continue;
+        }
         memcpy(copies, job->records + first, count * sizeof(copies[0]));
         job->kernels->places(&job->curve, copies, count, items);
         unsigned bits = 3 * STP_CURVE_FINE_BITS;

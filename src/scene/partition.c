@@ -7,6 +7,7 @@
 
 #include "scene/graph.h"
 #include "scene/partition_steps.h"
+#include "scene/strays.h"
 
 #include <assert.h>
 
@@ -300,14 +301,21 @@ static stp_result split_kind(partition* p, stp_part_kind kind, const uint8_t* us
             is_mesh ? scene->meshes[i].triangle_count : scene->point_sets[i].point_count;
         nodes[i] = STP_NONE;
         uint32_t maximum, limit = limit_of(p, (stp_part){kind, i}, &maximum);
-        if (size <= limit || (uses[i] & STP_USED_RESTING) == 0) {
+        if ((uses[i] & STP_USED_RESTING) == 0) {
             continue;
+        }
+        stp_strays strays = is_mesh ? (stp_strays){0} : stp_strays_find(&scene->point_sets[i]);
+        if (size - strays.count <= limit) {
+            if (strays.count == 0) {
+                continue;
+            }
+            maximum = limit; // the rest stays whole
         }
         uint32_t first = 0, pieces = 0;
         result = stp_progress(scene->context, "partition", 0.5 * (double)i / (double)count);
         if (result == STP_OK) {
             result = is_mesh ? stp_split_mesh(scene, i, maximum, &first, &pieces)
-                             : stp_split_points(scene, i, maximum, &first, &pieces);
+                             : stp_split_points(scene, i, maximum, &strays, &first, &pieces);
         }
         if (result == STP_OK && (uses[i] & STP_USED_MOVING) == 0) {
             stp_scene_release(scene, (stp_part){kind, i}); // never twice in memory

@@ -67,6 +67,8 @@ STP_MUST_USE stp_result stp_group_boxes(stp_context* context, const stp_boxd* bo
                                         uint32_t maximum, stp_grouping* grouping);
 void stp_grouping_destroy(stp_context* context, stp_grouping* grouping);
 
+struct stp_strays; // scene/strays.h
+
 // Splits large meshes and point sets by planes into pieces of bounded size.
 
 /// Splits a mesh of more than `maximum` triangles into as few pieces as possible, of about equal
@@ -77,9 +79,11 @@ void stp_grouping_destroy(stp_context* context, stp_grouping* grouping);
 STP_MUST_USE stp_result stp_split_mesh(stp_scene* scene, uint32_t mesh, uint32_t maximum,
                                        uint32_t* first_piece, uint32_t* piece_count);
 
-/// Splits a point set likewise.
+/// Splits a point set likewise. Its strays (scene/strays.h) become pieces of their own, after the
+/// others; a set with strays may have at most `maximum` points.
 STP_MUST_USE stp_result stp_split_points(stp_scene* scene, uint32_t set, uint32_t maximum,
-                                         uint32_t* first_piece, uint32_t* piece_count);
+                                         const struct stp_strays* strays, uint32_t* first_piece,
+                                         uint32_t* piece_count);
 
 // Divides places by planes into runs of about equal length.
 
@@ -89,11 +93,12 @@ typedef struct stp_place {
     uint32_t index;
 } stp_place;
 
-/// Reorders `places` (with distinct indices below `count`) so that run i of `pieces`, from
+/// Reorders `places` (with distinct indices below `index_end`) so that run i of `pieces`, from
 /// ends[i - 1] to ends[i] - 1, is a region bounded by planes; within a run, indices ascend. No run
 /// is longer than ceil(count / pieces). Uses all threads; the result does not depend on their
 /// number.
 /// `in_spill`: the places lie in a spill, of which little is to be resident.
 /// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_split_ranges(stp_context* context, stp_place* places, uint32_t count,
-                                         uint32_t pieces, bool in_spill, uint32_t* ends);
+                                         uint32_t index_end, uint32_t pieces, bool in_spill,
+                                         uint32_t* ends);

@@ -7,6 +7,7 @@
 #include "scene/finish_steps.h"
 #include "scene/graph.h"
 #include "scene/scene.h"
+#include "scene/strays.h"
 
 #include <assert.h>
 #include <stdio.h>
@@ -271,6 +272,7 @@ stp_result stp_scene_finish(stp_scene* scene)
     result = make_graph(&s);
     if (result == STP_OK) {
         warn_left_out(&s);
+        stp_strays_report(scene);
     }
     stp_graph_destroy(&s.graph);
     stp_free(scene->context, s.stack);

@@ -5,6 +5,7 @@
 #include "scene/bulk.h"
 #include "scene/finish_steps.h"
 #include "scene/partition_steps.h"
+#include "scene/strays.h"
 
 #include <assert.h>
 #include <pthread.h>
@@ -27,7 +28,11 @@ typedef struct splitter {
     stp_place* places;
     size_t first_place; ///< first place of this batch of find_places
     uint32_t* ends;
-    uint32_t piece_count;
+    uint32_t piece_count; ///< of the rest and of the strays
+    const stp_strays* strays;
+    stp_place* stray_places;    ///< grouped
+    const uint32_t* group_ends; ///< of each group of strays
+    uint32_t group_count;
     bool spilled;
     size_t unreleased; ///< bytes of pieces made since pages of the spill were released
     pthread_mutex_t mutex;
@@ -273,6 +278,25 @@ static void find_all_places(splitter* c, uint32_t count)
     }
 }
 
+// Moves the strays behind the others, group by group.
+static void move_strays(splitter* c, uint32_t count)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        if (!stp_is_stray(c->strays, c->places[i].at)) {
+            c->places[kept++] = c->places[i];
+        }
+        if (c->spilled && i % RELEASE_COUNT == RELEASE_COUNT - 1) {
+            stp_spill_release_pages(c->scene->spill);
+        }
+    }
+    assert(kept + c->strays->count == count);
+    memcpy(c->places + kept, c->stray_places, c->strays->count * sizeof(*c->places));
+    for (uint32_t i = 0; i < c->group_count; ++i) {
+        c->ends[c->piece_count - c->group_count + i] = kept + c->group_ends[i];
+    }
+}
+
 // Divides the elements and makes the pieces.
 static stp_result split(splitter* c, uint32_t count, stp_job make_pieces)
 {
@@ -291,8 +315,13 @@ static stp_result split(splitter* c, uint32_t count, stp_job make_pieces)
         c->result = stp_fail_memory(context);
     }
     if (c->result == STP_OK) {
+        uint32_t rest = count - (c->group_count > 0 ? c->strays->count : 0);
         find_all_places(c, count);
-        c->result = stp_split_ranges(context, c->places, count, c->piece_count, large, c->ends);
+        if (c->group_count > 0) {
+            move_strays(c, count);
+        }
+        c->result = stp_split_ranges(context, c->places, rest, count,
+                                     c->piece_count - c->group_count, large, c->ends);
     }
     if (c->result == STP_OK) {
         pthread_mutex_init(&c->mutex, NULL);
@@ -341,30 +370,67 @@ stp_result stp_split_mesh(stp_scene* scene, uint32_t mesh, uint32_t maximum, uin
     return result;
 }
 
-stp_result stp_split_points(stp_scene* scene, uint32_t set, uint32_t maximum, uint32_t* first_piece,
-                            uint32_t* piece_count)
+static stp_result split_points(stp_scene* scene, uint32_t set, uint32_t maximum, splitter* c,
+                               uint32_t* first_piece, uint32_t* piece_count)
 {
-    assert(set < scene->point_set_count && maximum > 0);
-    assert(scene->point_sets[set].point_count > maximum && "needs splitting");
-    uint32_t points = scene->point_sets[set].point_count;
-    uint32_t pieces = points / maximum + (points % maximum != 0);
-    size_t needed = scene->point_set_count + pieces;
+    uint32_t count = scene->point_sets[set].point_count;
+    uint32_t rest = count - (c->group_count > 0 ? c->strays->count : 0);
+    c->piece_count = rest / maximum + (rest % maximum != 0) + c->group_count;
+    size_t needed = scene->point_set_count + c->piece_count;
     stp_result result =
         STP_SCENE_MAKE_ROOM(scene->context, scene->point_sets, scene->point_set_capacity, needed);
     if (result != STP_OK) {
         return result;
     }
-    splitter c = {.scene = scene,
-                  .points = &scene->point_sets[set],
-                  .point_pieces = scene->point_sets + scene->point_set_count,
-                  .piece_count = pieces,
-                  .spilled = should_spill(scene, scene->point_sets[set].spilled,
-                                          stp_points_bytes(&scene->point_sets[set]))};
-    result = split(&c, points, make_point_pieces);
+    c->points = &scene->point_sets[set];
+    c->point_pieces = scene->point_sets + scene->point_set_count;
+    c->spilled = should_spill(scene, scene->point_sets[set].spilled,
+                              stp_points_bytes(&scene->point_sets[set]));
+    result = split(c, count, make_point_pieces);
     if (result == STP_OK) {
         *first_piece = (uint32_t)scene->point_set_count;
-        *piece_count = pieces;
-        scene->point_set_count += pieces;
+        *piece_count = c->piece_count;
+        scene->point_set_count += c->piece_count;
     }
+    return result;
+}
+
+static void list_strays(const stp_point_set* points, const stp_strays* strays, stp_place* places)
+{
+    uint32_t found = 0;
+    for (uint32_t i = 0; i < points->point_count; ++i) {
+        const float* p = points->positions + 3 * (size_t)i;
+        if (stp_is_stray(strays, p)) {
+            places[found++] = (stp_place){.at = {p[0], p[1], p[2]}, .index = i};
+        }
+    }
+    assert(found == strays->count);
+}
+
+stp_result stp_split_points(stp_scene* scene, uint32_t set, uint32_t maximum,
+                            const stp_strays* strays, uint32_t* first_piece, uint32_t* piece_count)
+{
+    assert(set < scene->point_set_count && maximum > 0);
+    assert((scene->point_sets[set].point_count > maximum || strays->count > 0) &&
+           "needs splitting");
+    stp_context* context = scene->context;
+    splitter c = {.scene = scene, .strays = strays};
+    if (strays->count == 0) {
+        return split_points(scene, set, maximum, &c, first_piece, piece_count);
+    }
+    uint32_t* ends = STP_NEW_ARRAY(context, uint32_t, strays->count);
+    c.stray_places = STP_NEW_ARRAY(context, stp_place, strays->count);
+    c.group_ends = ends;
+    stp_result result = STP_OK;
+    if (ends == NULL || c.stray_places == NULL) {
+        result = stp_fail_memory(context);
+    } else {
+        list_strays(&scene->point_sets[set], strays, c.stray_places);
+        result = stp_strays_group(context, strays, c.stray_places, ends, &c.group_count);
+    }
+    result =
+        result == STP_OK ? split_points(scene, set, maximum, &c, first_piece, piece_count) : result;
+    stp_free(context, c.stray_places);
+    stp_free(context, ends);
     return result;
 }

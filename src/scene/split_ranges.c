@@ -244,7 +244,8 @@ static uint32_t keep_runs(run* runs, uint32_t count, bool* any_long)
     return kept;
 }
 
-static stp_result split_all(stp_context* context, splitting* c, uint32_t count, uint32_t pieces)
+static stp_result split_all(stp_context* context, splitting* c, uint32_t count, uint32_t index_end,
+                            uint32_t pieces)
 {
     bool any_long;
     c->from[0] = (run){0, count, 0, pieces};
@@ -256,7 +257,7 @@ static stp_result split_all(stp_context* context, splitting* c, uint32_t count, 
         c->to = swap;
         run_count = keep_runs(c->from, 2 * run_count, &any_long);
     }
-    while (c->index_bits < 32 && count >> c->index_bits != 0) {
+    while (c->index_bits < 32 && index_end >> c->index_bits != 0) {
         c->index_bits += 1;
     }
     uint32_t threads = stp_context_thread_count(context);
@@ -273,9 +274,9 @@ static stp_result split_all(stp_context* context, splitting* c, uint32_t count, 
 }
 
 stp_result stp_split_ranges(stp_context* context, stp_place* places, uint32_t count,
-                            uint32_t pieces, bool in_spill, uint32_t* ends)
+                            uint32_t index_end, uint32_t pieces, bool in_spill, uint32_t* ends)
 {
-    assert(pieces > 0);
+    assert(pieces > 0 && count <= index_end);
     splitting c = {.places = places, .in_spill = in_spill, .ends = ends};
     run* runs = STP_NEW_ARRAY(context, run, 4 * (size_t)pieces);
     if (runs == NULL) {
@@ -283,7 +284,7 @@ stp_result stp_split_ranges(stp_context* context, stp_place* places, uint32_t co
     }
     c.from = runs;
     c.to = runs + 2 * (size_t)pieces;
-    stp_result result = split_all(context, &c, count, pieces);
+    stp_result result = split_all(context, &c, count, index_end, pieces);
     assert(result != STP_OK || ends[pieces - 1] == count);
     stp_free(context, runs);
     return result;

@@ -3,6 +3,7 @@
 #include "tests.h"
 
 #include "builder/set_plan.h"
+#include "scene/partition.h"
 
 #include <string.h>
 
@@ -110,6 +111,41 @@ void test_plans_make_shared_nodes_once(test_state* test)
     stp_build_plan_destroy(context, &plan);
     stp_scene_destroy(scene);
     stp_context_destroy(context);
+}
+
+// Beside a point far away, a cloud would lie on a few steps of the whole's grid of positions: its own
+// set is the topmost.
+void test_plans_leave_out_coarse_grids(test_state* test)
+{
+    enum { POINTS = 5000 };
+    for (int far = 0; far < 2; ++far) {
+        stp_context* context = test_context(NULL, 1, NULL);
+        stp_scene* scene = NULL;
+        CHECK(context != NULL && stp_scene_create(context, &scene) == STP_OK);
+        float* positions = STP_NEW_ARRAY(context, float, 3 * POINTS);
+        CHECK(positions != NULL);
+        for (int i = 0; i < POINTS; ++i) {
+            positions[3 * i] = (float)(i % 71) * 0.5f;
+            positions[3 * i + 1] = 0.0f;
+            positions[3 * i + 2] = (float)(i / 71) * 0.5f;
+        }
+        positions[0] = far != 0 ? 4e6f : 1e4f;
+        stp_point_set points = {.point_count = POINTS, .positions = positions};
+        uint32_t index;
+        CHECK_EQUAL(STP_OK, stp_scene_add_point_set(scene, &points, &index));
+        stp_object object = {.parent = STP_NONE, .transform = stp_affine_identity()};
+        CHECK_EQUAL(STP_OK, stp_scene_add_object(scene, &object, NULL));
+        CHECK_EQUAL(STP_OK, stp_scene_add_part(scene, (stp_part){STP_PART_POINTS, index}));
+        CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
+        CHECK_EQUAL(STP_OK, stp_scene_partition(scene, &(stp_partition_desc){0}));
+        stp_build_plan plan;
+        CHECK(make_plan(scene, 1000, &plan));
+        CHECK_EQUAL(far != 0 ? 2 : 3, plan.step_count);
+        CHECK_EQUAL(far != 0, plan.step_of[scene->root] == STP_NONE);
+        stp_build_plan_destroy(context, &plan);
+        stp_scene_destroy(scene);
+        stp_context_destroy(context);
+    }
 }
 
 // A maximum is no target: a small part keeps its ratio.

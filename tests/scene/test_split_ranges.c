@@ -75,7 +75,7 @@ void test_split_ranges_divide_by_planes(test_state* test)
     for (size_t i = 0; i < 2; ++i) {
         context = test_context(NULL, 2, NULL);
         make_places(in_heap, counts[i]);
-        CHECK_EQUAL(STP_OK, stp_split_ranges(context, in_heap, counts[i], PIECES, false, ends));
+        CHECK_EQUAL(STP_OK, stp_split_ranges(context, in_heap, counts[i], counts[i], PIECES, false, ends));
         CHECK(is_split(in_heap, counts[i]));
         stp_context_destroy(context);
     }
@@ -94,8 +94,8 @@ void test_split_ranges_leave_pages_of_a_spill(test_state* test)
     CHECK(in_spill != NULL);
     make_places(in_spill, LONG);
     make_places(in_heap, LONG);
-    CHECK_EQUAL(STP_OK, stp_split_ranges(context, in_heap, LONG, PIECES, false, ends));
-    CHECK_EQUAL(STP_OK, stp_split_ranges(context, in_spill, LONG, PIECES, true, ends));
+    CHECK_EQUAL(STP_OK, stp_split_ranges(context, in_heap, LONG, LONG, PIECES, false, ends));
+    CHECK_EQUAL(STP_OK, stp_split_ranges(context, in_spill, LONG, LONG, PIECES, true, ends));
     uint64_t without = resident_bytes();
     CHECK(memcmp(in_heap, in_spill, size) == 0); // reads all of it
     uint64_t with = resident_bytes();
