@@ -111,8 +111,7 @@ static void store_point(const reader* r, size_t cell, const double* v, uint32_t 
         double above = v[INTENSITY] - r->intensity.low;
         intensities[cell] =
             (uint16_t)stp_quantize(above * stp_intensity_factor(r->intensity), 65535.0);
-        own->low = v[INTENSITY] < own->low ? v[INTENSITY] : own->low;
-        own->high = v[INTENSITY] > own->high ? v[INTENSITY] : own->high;
+        stp_range_add(v[INTENSITY], &own->low, &own->high);
     }
     uint8_t* classes = set->attributes[STP_ATTRIBUTE_CLASS];
     if (classes != NULL) {
@@ -160,10 +159,10 @@ static void store_columns(const reader* r, size_t first, size_t count, double v[
     double low = r->intensity.low, factor = stp_intensity_factor(r->intensity);
     for (size_t i = 0; i < count && intensities != NULL; ++i) {
         double value = v[INTENSITY][i];
-        bool there = !stp_cloud_is_empty(&r->cloud, first + i);
         intensities[first + i] = (uint16_t)stp_quantize((value - low) * factor, 65535.0);
-        own->low = there && value < own->low ? value : own->low;
-        own->high = there && value > own->high ? value : own->high;
+        if (!stp_cloud_is_empty(&r->cloud, first + i)) {
+            stp_range_add(value, &own->low, &own->high);
+        }
     }
     uint8_t* classes = set->attributes[STP_ATTRIBUTE_CLASS];
     for (size_t i = 0; i < count && classes != NULL; ++i) {
@@ -206,8 +205,7 @@ static stp_intensity_range guess_intensity(const reader* r)
     for (size_t i = 0; i < count && r->base[INTENSITY] != NULL; i += step) {
         double value =
             read_value(r->base[INTENSITY] + i * r->stride[INTENSITY], r->slots[INTENSITY]);
-        low = value < low ? value : low;
-        high = value > high ? value : high;
+        stp_range_add(value, &low, &high);
     }
     return stp_intensity_find_range(low, high > 0.0 ? high : 1.0);
 }

@@ -26,6 +26,7 @@ STP_MUST_USE stp_result stp_point_columns_create(stp_import* import,
 void stp_point_columns_free(stp_import* import, stp_point_set* set);
 
 /// Adds the set to the scene, as a part of the last object, and empties `set`, even on failure.
+/// Times that are not finite, or beyond STP_SCENE_TIME_LIMIT, become 0 and count as losses.
 /// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_point_columns_add(stp_import* import, stp_point_set* set);
 

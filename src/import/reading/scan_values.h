@@ -15,6 +15,13 @@ typedef struct stp_intensity_range {
     double low, high;
 } stp_intensity_range;
 
+/// Widens a range (empty: low above high) by a value of a file, unless that is not finite.
+static inline void stp_range_add(double value, double* low, double* high)
+{
+    *low = value < *low && value >= -DBL_MAX ? value : *low;
+    *high = value > *high && value <= DBL_MAX ? value : *high;
+}
+
 /// Chooses the range from the minimum and maximum of a file that does not specify it: up to 1, 255
 /// or 65535, whichever fits; -2048 to 2047 if a value is negative; otherwise minimum to maximum.
 /// Without values (low above high): up to 1.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "import/text/text_columns.h"
 
+#include "import/reading/scan_values.h"
+
 #include <assert.h>
 #include <math.h>
 #include <string.h>
@@ -417,8 +419,7 @@ static void measure(const samples* s, stp_columns_found* found)
         uint8_t role = found->columns.roles[c];
         for (size_t i = 0; i < s->count && role != STP_COLUMN_SKIP; ++i) {
             double value = s->rows[i].values[c];
-            found->ranges.low[role] = fmin(found->ranges.low[role], value);
-            found->ranges.high[role] = fmax(found->ranges.high[role], value);
+            stp_range_add(value, &found->ranges.low[role], &found->ranges.high[role]);
         }
         bool color = role >= STP_COLUMN_R && role <= STP_COLUMN_B;
         found->color_fractions = found->color_fractions || (color && any_fraction(s, c, 1));

@@ -54,8 +54,7 @@ static scales choose_scales(const stp_column_ranges* r, bool color_fractions)
 
 static inline void widen(stp_column_ranges* r, int column, double value)
 {
-    r->low[column] = value < r->low[column] ? value : r->low[column];
-    r->high[column] = value > r->high[column] ? value : r->high[column];
+    stp_range_add(value, &r->low[column], &r->high[column]);
 }
 
 // Columns other than the position.
