@@ -280,12 +280,14 @@ static stp_result read_lines(mtl* m, stp_text at)
 stp_result stp_mtl_parse(stp_import* import, const unsigned char* bytes, size_t size,
                          stp_lookup* names)
 {
-    unsigned char* text = stp_alloc(import->context, size + 1);
+    size_t mark = stp_text_mark(bytes, size);
+    unsigned char* text = stp_alloc(import->context, size - mark + 1);
     if (text == NULL) {
         return stp_fail_memory(import->context);
     }
+    size -= mark;
     if (size != 0) {
-        memcpy(text, bytes, size);
+        memcpy(text, bytes + mark, size);
     }
     text[size] = '\n';
     mtl m = {.import = import,

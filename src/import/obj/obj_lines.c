@@ -102,10 +102,7 @@ static stp_text read_position(parser* p, stp_text line, stp_text at)
         return NULL;
     }
     for (int i = 0; i < 3; ++i) {
-        position[i] = (float)(n[i] - p->origin[i]);
-        if (!isfinite(position[i])) {
-            return fail(p, line, "a coordinate is not finite");
-        }
+        position[i] = (float)(n[i] - p->origin[i]); // if not finite, the scene drops its faces
     }
     p->chunk->positions.count += 1;
     if (count >= 6 || p->chunk->colors.count != 0) {

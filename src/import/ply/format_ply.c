@@ -156,16 +156,6 @@ static void read_rows(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Far from the origin, as in national grids, floats would lose digits: the first position chooses
-// the origin.
-static void choose_origin(vertices* v, const double* n)
-{
-    for (int i = 0; i < 3; ++i) {
-        bool far = fabs(n[i]) >= 4096.0 && fabs(n[i]) < 1e15;
-        v->origin[i] = far ? (double)(int64_t)(n[i] / 1024.0) * 1024.0 : 0.0;
-    }
-}
-
 static stp_result read_rows_one_by_one(vertices* v, stp_ply_cursor* cursor)
 {
     const stp_ply_element* element = v->element;
@@ -191,7 +181,7 @@ static stp_result read_rows_one_by_one(vertices* v, stp_ply_cursor* cursor)
             }
         }
         if (row == 0) {
-            choose_origin(v, n);
+            stp_import_choose_origin(n, v->origin);
         }
         store_row(v, row, n);
     }
@@ -223,11 +213,12 @@ static stp_result read_vertices(vertices* v, stp_ply_cursor* cursor)
     }
     assert(v->count * element->row_size <= (size_t)(cursor->end - cursor->at) && "was checked");
     v->rows = cursor->at;
+    double first[3] = {0};
     for (int i = 0; i < 3 && v->count > 0; ++i) {
-        v->origin[i] =
+        first[i] =
             stp_ply_value(v->rows + v->slots[i]->offset, v->slots[i]->type, v->ply->encoding);
     }
-    choose_origin(v, (double[3]){v->origin[0], v->origin[1], v->origin[2]});
+    stp_import_choose_origin(first, v->origin);
     stp_parallel_for(v->ply->context, v->count, GRAIN, read_rows, v);
     cursor->at += v->count * element->row_size;
     return STP_OK;

@@ -7,6 +7,8 @@
 #include <math.h>
 #include <stdatomic.h>
 
+#define FAR 4096.0                 ///< coordinates up to here keep their digits as floats
+#define ROUND 1024.0               ///< origins are multiples of this
 #define GRAIN ((size_t)1 << 16)    ///< points
 #define RELEASE_EVERY ((size_t)64) ///< tasks, after which pages are released
 /// Reciprocal share of the scene's memory: larger point sets go directly to its spill file
@@ -143,6 +145,15 @@ void stp_point_columns_release(stp_import* import, const stp_point_set* set)
             stp_file_evict(&import->file);
         }
         stp_spill_release_pages(import->scene->spill);
+    }
+}
+
+void stp_import_choose_origin(const double place[3], double origin[3])
+{
+    for (int i = 0; i < 3; ++i) {
+        bool far = fabs(place[i]) >= FAR && fabs(place[i]) < 1e15;
+        origin[i] = far ? (double)(int64_t)(place[i] / ROUND) * ROUND : 0.0;
+        assert(!far || fabs(place[i] - origin[i]) < ROUND);
     }
 }
 
