@@ -320,8 +320,6 @@ void test_obj_bad_input_is_one_sentence(test_state* test)
         {"v 0 0 0\n\xef\xbb\xbfv\nf 1 1 2\n", STP_ERROR_FORMAT, "face 1"}, // no mark there
         {"v 0 0 0\nf 1 1 1\nf 1 1 -2\n", STP_ERROR_FORMAT, "face 2"},
         {"v 0 0 0\nf 1 1 0\n", STP_ERROR_FORMAT, "line 2"},
-        {"v 0 0 0\nf 1 1 1/1\n", STP_ERROR_FORMAT, "face 1"},
-        {"v 0 0 0\nf 1 1 1//-1\n", STP_ERROR_FORMAT, "face 1"},
         {"v 0 0 0\nf 1 1 99999999999999999999\n", STP_ERROR_FORMAT, "line 2"},
         {"v 0 0 0\nf 1 1 -99999999999999999999\n", STP_ERROR_FORMAT, "line 2"},
         {"v 0 0 0\nf 1 1 1x\n", STP_ERROR_FORMAT, "line 2"},

@@ -95,6 +95,9 @@ static stp_result split_chunks(stp_obj* obj, size_t chunk_size)
         }
         memcpy(obj->tail, bytes + whole, length);
         obj->tail[length] = '\n';
+        if (whole == 0) {
+            stp_text_end_lines(obj->tail, length);
+        }
         obj->chunks[obj->chunk_count++] =
             (stp_obj_chunk){.begin = obj->tail, .end = obj->tail + length + 1};
     }

@@ -201,6 +201,9 @@ static stp_result read_ascii(reader* r)
     }
     memcpy(tail, bytes + whole, size - whole);
     tail[size - whole] = '\n';
+    if (whole == 0) {
+        stp_text_end_lines(tail, size);
+    }
     r->tail = tail;
     r->tail_at = whole;
     stp_result result = read_lines(r, bytes, bytes + whole, false);
